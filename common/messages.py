@@ -1,0 +1,167 @@
+"""The wire messages: frozen structs, SI units, times in monotonic nanoseconds of the sender."""
+
+from enum import StrEnum
+from typing import Annotated
+
+import msgspec
+
+PROTOCOL_VERSION = 1
+
+Vector3 = tuple[float, float, float]
+Quaternion = tuple[float, float, float, float]
+Text = Annotated[str, msgspec.Meta(max_length=400)]
+Name = Annotated[str, msgspec.Meta(min_length=1, max_length=64)]
+Count = Annotated[int, msgspec.Meta(ge=0, lt=2**63)]
+Joints = Annotated[tuple[float, ...], msgspec.Meta(max_length=16)]
+
+
+class TrackingStatus(StrEnum):
+    """How far a hand sample can be trusted."""
+
+    INITIALISING = "initialising"
+    TRACKED = "tracked"
+    DEGRADED = "degraded"
+    LOST = "lost"
+
+
+class SessionState(StrEnum):
+    """The state of the session at the remote site."""
+
+    DISENGAGED = "disengaged"
+    ENGAGED = "engaged"
+    HOLDING = "holding"
+    FAULT = "fault"
+
+
+class CameraStatus(StrEnum):
+    """Whether a camera's picture shows the cell as it is now."""
+
+    LIVE = "live"
+    FROZEN = "frozen"
+    MISSING = "missing"
+
+
+class Message(msgspec.Struct, frozen=True, forbid_unknown_fields=True, kw_only=True):
+    """Base of all messages: every one carries the protocol version."""
+
+    version: int = PROTOCOL_VERSION
+
+
+class HandArm(Message, frozen=True):
+    """One tracked instant of the operator's arm.
+
+    Points are absolute in the operator frame (the calibration plate's), m, None where they could not be measured.
+    `session` is a random number chosen at each start of the local site, `seq` rises by one each sample,
+    `gripper_toggles` counts the openings of the hand since the session began.
+    """
+
+    session: Count
+    seq: Count
+    capture_ns: Count
+    elbow: Vector3 | None
+    wrist: Vector3 | None
+    index: Vector3 | None
+    thumb: Vector3 | None
+    status: TrackingStatus
+    reason: Text
+    thumb_inferred: bool
+    hand_open: bool
+    gripper_toggles: Count
+
+
+class Pose(msgspec.Struct, frozen=True, forbid_unknown_fields=True):
+    """A pose in the robot's base frame: position in m, orientation as a unit quaternion (x, y, z, w)."""
+
+    position: Vector3
+    orientation: Quaternion
+
+
+class GripperState(msgspec.Struct, frozen=True, forbid_unknown_fields=True):
+    """The gripper as measured: opening between the fingers in m, grip force in N, and the last command."""
+
+    opening: float
+    force: float
+    commanded_open: bool
+
+
+class Obeyed(msgspec.Struct, frozen=True, forbid_unknown_fields=True):
+    """The hand sample that the robot obeys, and when its first command was written and reached the robot."""
+
+    session: Count
+    seq: Count
+    capture_ns: Count
+    command_ns: Count
+    motion_ns: Count | None
+
+
+class Engagement(msgspec.Struct, frozen=True, forbid_unknown_fields=True):
+    """One engagement: its number since the remote site started, and the origins captured at its last reference."""
+
+    number: Count
+    hand_capture_ns: Count
+    base_T_tool: Pose
+
+
+class LoopTiming(msgspec.Struct, frozen=True, forbid_unknown_fields=True):
+    """How well the control loop keeps its pace since it started."""
+
+    hz: float
+    late_p99_us: float
+    missed: Count
+    ticks: Count
+    real_time: bool
+
+
+class RobotState(Message, frozen=True):
+    """The robot and its session at one instant, as measured and as commanded.
+
+    `q` and `q_commanded` are in the order of `joints` (rad); `code` and `reason` say why the robot does what it does.
+    `rejected` counts refused hand samples by reason since the remote site started.
+    """
+
+    session: Count
+    seq: Count
+    t_ns: Count
+    state: SessionState
+    code: Name
+    reason: Text
+    joints: Annotated[tuple[Name, ...], msgspec.Meta(max_length=16)]
+    q: Joints
+    q_commanded: Joints
+    base_T_tool: Pose
+    gripper: GripperState | None
+    gripper_toggles_applied: Count
+    obeyed: Obeyed | None
+    engagement: Engagement | None
+    rejected: Annotated[dict[Name, Count], msgspec.Meta(max_length=64)]
+    timing: LoopTiming
+
+
+class VideoFrame(Message, frozen=True):
+    """One camera picture, or the word that there is none: `jpeg` is empty unless `status` is live."""
+
+    camera: Name
+    seq: Count
+    capture_ns: Count
+    capture_estimated: bool
+    status: CameraStatus
+    reason: Text
+    width: Annotated[int, msgspec.Meta(ge=0, le=8192)]
+    height: Annotated[int, msgspec.Meta(ge=0, le=8192)]
+    jpeg: bytes
+
+
+class Request(Message, frozen=True):
+    """Something that must happen once: retried with the same `id`, refused after `deadline_ns`."""
+
+    id: Count
+    deadline_ns: Count
+
+
+class Reply(Message, frozen=True):
+    """The answer to a request: done or refused, with code and sentence."""
+
+    id: Count
+    done: bool
+    code: Name
+    reason: Text

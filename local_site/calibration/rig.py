@@ -1,0 +1,62 @@
+"""The rig: a projection matrix for each camera in the operator frame, read from and written to a JSON file."""
+
+import math
+from pathlib import Path
+
+import msgspec
+import numpy as np
+
+from common.errors import CalibrationError
+from common.geometry import Array
+
+Row4 = tuple[float, float, float, float]
+
+
+class CameraCalibration(msgspec.Struct, frozen=True, forbid_unknown_fields=True):
+    """One camera: 3 x 4 projection from metres in the operator frame to pixels, and its residual at calibration."""
+
+    name: str
+    projection: tuple[Row4, Row4, Row4]
+    reprojection_rms_px: float
+
+    @property
+    def matrix(self) -> Array:
+        """The projection as an array (3, 4)."""
+        return np.array(self.projection)
+
+
+class Rig(msgspec.Struct, frozen=True, forbid_unknown_fields=True):
+    """The calibrated cameras, the box that the control points span (m), and the 3D error per axis (rms, m)."""
+
+    cameras: tuple[CameraCalibration, ...]
+    volume_min: tuple[float, float, float]
+    volume_max: tuple[float, float, float]
+    error_rms: tuple[float, float, float]
+    created: str
+
+    @property
+    def matrices(self) -> tuple[Array, ...]:
+        """The projections in camera order."""
+        return tuple(camera.matrix for camera in self.cameras)
+
+
+def load_rig(path: Path) -> Rig:
+    """Read a rig file; CalibrationError names what is wrong and the cure."""
+    cure = f"make it with: farhand calibrate points CSV --out {path}"
+    try:
+        rig = msgspec.json.decode(path.read_bytes(), type=Rig)
+    except OSError as error:
+        raise CalibrationError(f"cannot read the rig {path}: {error.strerror}; {cure}") from error
+    except (msgspec.DecodeError, UnicodeDecodeError) as error:
+        raise CalibrationError(f"{path} is not a rig file: {error}; {cure}") from error
+    numbers = [v for camera in rig.cameras for row in camera.projection for v in row]
+    if len(rig.cameras) < 2 or not all(map(math.isfinite, numbers)):
+        raise CalibrationError(f"{path} needs at least two cameras with finite projections; {cure}")
+    if any(abs(np.linalg.det(matrix[:, :3])) < 1e-12 for matrix in rig.matrices):
+        raise CalibrationError(f"{path} holds a singular projection; {cure}")
+    return rig
+
+
+def save_rig(rig: Rig, path: Path) -> None:
+    """Write a rig file, readable by a person."""
+    path.write_bytes(msgspec.json.format(msgspec.json.encode(rig), indent=2) + b"\n")
