@@ -1,0 +1,43 @@
+"""A folder of images as a recording, in the order of their names."""
+
+from pathlib import Path
+
+import cv2
+import numpy as np
+
+from common.cameras.camera import Frame
+from common.clock import NS_PER_S
+from common.errors import CameraError
+
+IMAGE_SUFFIXES = frozenset({".png", ".jpg", ".jpeg", ".bmp", ".pgm", ".tif", ".tiff"})
+
+
+class ImageFolder:
+    """The images of a folder sorted by name; image k is stamped k / fps from the start."""
+
+    def __init__(self, folder: Path, name: str, fps: float) -> None:
+        self._name = name
+        self._paths = sorted(path for path in folder.iterdir() if path.suffix.lower() in IMAGE_SUFFIXES)
+        if not self._paths:
+            raise CameraError(f"camera {name}: {folder} holds no image ({', '.join(sorted(IMAGE_SUFFIXES))})")
+        self._period_ns = NS_PER_S / fps
+        self._seq = 0
+
+    @property
+    def name(self) -> str:
+        return self._name
+
+    def read(self) -> Frame | None:
+        """The next image, None after the last; CameraError names a file that is no image."""
+        if self._seq >= len(self._paths):
+            return None
+        path = self._paths[self._seq]
+        image = cv2.imread(str(path), cv2.IMREAD_COLOR)
+        if image is None:
+            raise CameraError(f"camera {self._name}: {path} is not an image that can be read; remove or replace it")
+        frame = Frame(np.asarray(image, dtype=np.uint8), round(self._seq * self._period_ns), self._seq)
+        self._seq += 1
+        return frame
+
+    def close(self) -> None:
+        """Nothing is held open between images."""

@@ -1,0 +1,81 @@
+"""Cameras and recordings that OpenCV opens: a device, a stream by its URL, a video file."""
+
+import math
+import time
+from pathlib import Path
+
+import cv2
+
+from common.cameras.camera import Frame, Image
+from common.clock import NS_PER_MS, NS_PER_S
+from common.errors import CameraError
+
+DEFAULT_LATENCY_MS = 30.0
+
+
+def _as_image(array: object) -> Image:
+    return array  # type: ignore[return-value]  # cv2's stubs allow any dtype; an 8-bit source gives uint8
+
+
+class LiveCamera:
+    """A device number, device path or URL, stamped with its arrival less a configured latency (and flagged so)."""
+
+    def __init__(self, source: str, name: str, fps: float | None = None, latency_ms: float = DEFAULT_LATENCY_MS) -> None:
+        self._name = name
+        self._source = source
+        self._latency_ns = round(latency_ms * NS_PER_MS)
+        self._capture = cv2.VideoCapture(int(source) if source.isdecimal() else source)
+        if not self._capture.isOpened():
+            raise CameraError(f"camera {name}: cannot open {source}; is it plugged in, and may this user read it?")
+        if fps is not None:
+            self._capture.set(cv2.CAP_PROP_FPS, fps)
+        self._capture.set(cv2.CAP_PROP_BUFFERSIZE, 1)
+        self._seq = 0
+
+    @property
+    def name(self) -> str:
+        return self._name
+
+    def read(self) -> Frame | None:
+        """Wait for the newest frame; CameraError when the camera stops giving any."""
+        ok, image = self._capture.read()
+        arrival_ns = time.monotonic_ns()
+        if not ok:
+            raise CameraError(f"camera {self._name}: {self._source} gives no more frames; was it unplugged?")
+        frame = Frame(_as_image(image), arrival_ns - self._latency_ns, self._seq, capture_estimated=True)
+        self._seq += 1
+        return frame
+
+    def close(self) -> None:
+        self._capture.release()
+
+
+class VideoFile:
+    """A recording; frame k is stamped k / fps from the start, whatever the pace of reading."""
+
+    def __init__(self, path: Path, name: str, fps: float | None = None) -> None:
+        self._name = name
+        self._capture = cv2.VideoCapture(str(path))
+        if not path.is_file() or not self._capture.isOpened():
+            raise CameraError(f"camera {name}: {path} is not a video file that can be read")
+        rate = fps if fps is not None else float(self._capture.get(cv2.CAP_PROP_FPS))
+        if not (math.isfinite(rate) and rate > 0):
+            raise CameraError(f"camera {name}: {path} does not state its frame rate; give it with --fps")
+        self._period_ns = NS_PER_S / rate
+        self._seq = 0
+
+    @property
+    def name(self) -> str:
+        return self._name
+
+    def read(self) -> Frame | None:
+        """The next frame of the file, None at its end."""
+        ok, image = self._capture.read()
+        if not ok:
+            return None
+        frame = Frame(_as_image(image), round(self._seq * self._period_ns), self._seq)
+        self._seq += 1
+        return frame
+
+    def close(self) -> None:
+        self._capture.release()

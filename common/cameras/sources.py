@@ -1,0 +1,27 @@
+"""From what a person writes (device, URL, file, folder) to an open camera."""
+
+from pathlib import Path
+
+from common.cameras.camera import Camera
+from common.cameras.images import ImageFolder
+from common.cameras.opencv import DEFAULT_LATENCY_MS, LiveCamera, VideoFile
+from common.errors import CameraError
+
+DEFAULT_FOLDER_FPS = 30.0
+
+
+def open_camera(source: str, name: str, fps: float | None = None, latency_ms: float = DEFAULT_LATENCY_MS) -> Camera:
+    """Open a device number or /dev path, a URL, a video file or a folder of images.
+
+    `fps` overrides the rate of a recording and is asked of a live camera. Raises CameraError with the cure.
+    """
+    if fps is not None and fps <= 0:
+        raise CameraError(f"camera {name}: the frame rate must be positive, not {fps:g}")
+    if source.isdecimal() or "://" in source or source.startswith("/dev/"):
+        return LiveCamera(source, name, fps, latency_ms)
+    path = Path(source)
+    if path.is_dir():
+        return ImageFolder(path, name, fps if fps is not None else DEFAULT_FOLDER_FPS)
+    if path.exists():
+        return VideoFile(path, name, fps)
+    raise CameraError(f"camera {name}: {source} does not exist; give a device number, a URL, a video file or a folder of images")

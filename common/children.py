@@ -1,0 +1,125 @@
+"""Child processes of a site: started by fork, watched by heartbeat, ended in order, never left behind."""
+
+import ctypes
+import mmap
+import multiprocessing
+import os
+import signal
+import sys
+import time
+from collections.abc import Callable
+from dataclasses import dataclass, field
+from multiprocessing.process import BaseProcess
+
+import numpy as np
+import structlog
+
+from common.clock import NS_PER_S
+from common.errors import FarhandError, ProcessError
+from common.service import StopFlag
+
+PR_SET_PDEATHSIG = 1
+END_TIMEOUT_S = 1.5
+KILL_TIMEOUT_S = 0.5
+READY_POLL_S = 0.01
+HEARTBEAT_TIMEOUT_NS = 2 * NS_PER_S
+
+
+class Heartbeat:
+    """The time of a child's last beat, in memory shared across a fork; 0 until the child is ready."""
+
+    def __init__(self) -> None:
+        self._time_ns = np.frombuffer(mmap.mmap(-1, 8), dtype=np.int64)
+
+    def beat(self) -> None:
+        """Say that the loop has come round; the first beat says that the child is ready."""
+        self._time_ns[0] = time.monotonic_ns()
+
+    @property
+    def last_ns(self) -> int:
+        return int(self._time_ns[0])
+
+
+ChildMain = Callable[[StopFlag, Heartbeat], None]
+
+
+@dataclass
+class Child:
+    """A child process by its name."""
+
+    name: str
+    process: BaseProcess
+    heartbeat: Heartbeat
+
+
+@dataclass
+class Children:
+    """The children of one site; `check` tells when one has died or hangs."""
+
+    site: str
+    children: list[Child] = field(default_factory=list)
+
+    def start(self, name: str, main: ChildMain) -> Child:
+        """Fork a child that runs `main`; it gets SIGTERM when its parent dies. Fork before opening any session."""
+        heartbeat = Heartbeat()
+        context = multiprocessing.get_context("fork")
+        process = context.Process(target=_run, args=(name, main, heartbeat, os.getpid()), name=f"{self.site}-{name}")
+        process.start()
+        child = Child(name, process, heartbeat)
+        self.children.append(child)
+        return child
+
+    def wait_ready(self, timeout_s: float, should_stop: StopFlag) -> None:
+        """Wait for the first beat of every child; ProcessError when one dies or the time is up."""
+        deadline = time.monotonic() + timeout_s
+        while not should_stop() and any(child.heartbeat.last_ns == 0 for child in self.children):
+            self._check_alive()
+            if time.monotonic() > deadline:
+                late = ", ".join(child.name for child in self.children if child.heartbeat.last_ns == 0)
+                raise ProcessError(f"{self.site}: {late} not ready after {timeout_s:g} s")
+            time.sleep(READY_POLL_S)
+
+    def check(self) -> None:
+        """ProcessError with the name of a child that died or gave no beat for two seconds."""
+        self._check_alive()
+        for child in self.children:
+            if time.monotonic_ns() - child.heartbeat.last_ns > HEARTBEAT_TIMEOUT_NS:
+                raise ProcessError(f"{self.site}: process {child.name} hangs: no heartbeat for 2 s")
+
+    def _check_alive(self) -> None:
+        for child in self.children:
+            if not child.process.is_alive():
+                raise ProcessError(f"{self.site}: process {child.name} died (exit code {child.process.exitcode})")
+
+    def end(self) -> None:
+        """End the children in order of their start, so that each still finds what it needs while it ends."""
+        for child in self.children:
+            if child.process.is_alive():
+                child.process.terminate()
+        deadline = time.monotonic() + END_TIMEOUT_S
+        for child in self.children:
+            child.process.join(max(0.0, deadline - time.monotonic()))
+            if child.process.is_alive():
+                structlog.get_logger().error("had to be killed", process=child.name)
+                child.process.kill()
+                child.process.join(KILL_TIMEOUT_S)
+
+
+def die_with_parent(parent_pid: int) -> None:
+    """Ask the kernel for SIGTERM when the parent dies; exit at once if it is dead already."""
+    ctypes.CDLL(None, use_errno=True).prctl(PR_SET_PDEATHSIG, signal.SIGTERM)
+    if os.getppid() != parent_pid:
+        sys.exit(1)
+
+
+def _run(name: str, main: ChildMain, heartbeat: Heartbeat, parent_pid: int) -> None:
+    should_stop = StopFlag()
+    should_stop.install()
+    signal.signal(signal.SIGINT, signal.SIG_IGN)
+    die_with_parent(parent_pid)
+    structlog.contextvars.bind_contextvars(process=name)
+    try:
+        main(should_stop, heartbeat)
+    except FarhandError as error:
+        structlog.get_logger().error(str(error))
+        sys.exit(1)

@@ -1,0 +1,142 @@
+"""From TOML and --set to a checked struct: every mistake at once, each with its line and its cure."""
+
+import difflib
+import re
+import tomllib
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any, TypeVar
+
+import msgspec
+
+from common.errors import ConfigError
+
+S = TypeVar("S", bound=msgspec.Struct)
+KeyPath = tuple[str, ...]
+
+TABLE_LINE = re.compile(r"\s*\[+\s*([^\]]+?)\s*\]+")
+KEY_LINE = re.compile(r"\s*([A-Za-z0-9_.\"-]+)\s*=")
+
+
+@dataclass(frozen=True, slots=True)
+class Mistake:
+    """One thing that is wrong, at a key of the configuration."""
+
+    path: KeyPath
+    text: str
+
+
+def load_config(struct: type[S], path: Path | None, settings: Sequence[str] = ()) -> S:
+    """Read a TOML file (None for the defaults), apply `key=value` settings over it, and check it all.
+
+    Raises ConfigError with every mistake of the file and the settings, a line each: place, what is wrong, cure.
+    """
+    text = _read(path) if path is not None else ""
+    try:
+        table = tomllib.loads(text)
+    except tomllib.TOMLDecodeError as error:
+        raise ConfigError(f"{path}: not valid TOML: {error}") from error
+    set_paths = {_apply(table, setting) for setting in settings}
+    mistakes: list[Mistake] = []
+    config = build(struct, table, (), mistakes)
+    if config is None or mistakes:
+        lines = _key_lines(text)
+        raise ConfigError("\n".join(_describe(m, path, lines, set_paths) for m in mistakes))
+    return config
+
+
+def build(struct: type[S], table: Mapping[str, Any], path: KeyPath, mistakes: list[Mistake]) -> S | None:
+    """The struct from a table of builtins, or None after adding every mistake to `mistakes`."""
+    fields = {field.encode_name: field for field in msgspec.structs.fields(struct)}
+    before = len(mistakes)
+    mistakes += [Mistake((*path, key), _unknown(key, list(fields))) for key in table if key not in fields]
+    values: dict[str, Any] = {}
+    for key, field in fields.items():
+        if key in table:
+            values[field.name] = _value(field.type, table[key], (*path, key), mistakes)
+        elif field.required:
+            mistakes.append(Mistake((*path, key), "is missing; give it a value"))
+    if len(mistakes) > before:
+        return None
+    try:
+        return struct(**values)
+    except (ValueError, ConfigError) as error:
+        mistakes.append(Mistake(path, str(error)))
+        return None
+
+
+def _value(expected: Any, value: Any, path: KeyPath, mistakes: list[Mistake]) -> Any:
+    if isinstance(expected, type) and issubclass(expected, msgspec.Struct):
+        if isinstance(value, dict):
+            return build(expected, value, path, mistakes)
+        mistakes.append(Mistake(path, f"must be a table: [{'.'.join(path)}]"))
+        return None
+    try:
+        return msgspec.convert(value, expected)
+    except msgspec.ValidationError as error:
+        mistakes.append(Mistake(path, f"{value!r} will not do: {error}"))
+        return None
+
+
+def _unknown(key: str, known: list[str]) -> str:
+    near = difflib.get_close_matches(key, known, n=1)
+    if near:
+        return f"is not a key here; did you mean {near[0]}?"
+    return f"is not a key here; the keys are {', '.join(sorted(known))}"
+
+
+def _read(path: Path) -> str:
+    try:
+        return path.read_text(encoding="utf-8")
+    except OSError as error:
+        raise ConfigError(f"cannot read the configuration {path}: {error.strerror}") from error
+    except UnicodeDecodeError as error:
+        raise ConfigError(f"{path}: not UTF-8 text: {error.reason}") from error
+
+
+def _apply(table: dict[str, Any], setting: str) -> KeyPath:
+    key, separator, raw = setting.partition("=")
+    path = tuple(part.strip() for part in key.split("."))
+    if not separator or not all(path):
+        raise ConfigError(f"--set {setting}: write it as table.key=value")
+    *parents, leaf = path
+    for parent in parents:
+        child = table.setdefault(parent, {})
+        if not isinstance(child, dict):
+            raise ConfigError(f"--set {setting}: {parent} is a value, not a table")
+        table = child
+    table[leaf] = _parse_value(raw)
+    return path
+
+
+def _parse_value(raw: str) -> Any:
+    try:
+        return tomllib.loads(f"value = {raw}")["value"]
+    except tomllib.TOMLDecodeError:
+        return raw
+
+
+def _key_lines(text: str) -> dict[KeyPath, int]:
+    lines: dict[KeyPath, int] = {}
+    table: KeyPath = ()
+    for number, line in enumerate(text.splitlines(), start=1):
+        if match := TABLE_LINE.match(line):
+            table = _split(match[1])
+            lines.setdefault(table, number)
+        elif match := KEY_LINE.match(line):
+            lines.setdefault((*table, *_split(match[1])), number)
+    return lines
+
+
+def _split(dotted: str) -> KeyPath:
+    return tuple(part.strip().strip('"') for part in dotted.split("."))
+
+
+def _describe(mistake: Mistake, path: Path | None, lines: Mapping[KeyPath, int], set_paths: set[KeyPath]) -> str:
+    key = ".".join(mistake.path) or "the configuration"
+    if mistake.path in set_paths:
+        return f"--set {key}: {mistake.text}"
+    line = next((lines[mistake.path[:n]] for n in range(len(mistake.path), 0, -1) if mistake.path[:n] in lines), None)
+    place = str(path) if path is not None else "configuration"
+    return f"{place}:{line}: {key}: {mistake.text}" if line else f"{place}: {key}: {mistake.text}"

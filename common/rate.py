@@ -1,0 +1,56 @@
+"""A fixed-rate loop on absolute deadlines: lateness recorded, overruns counted, never caught up in a burst."""
+
+from collections import deque
+from collections.abc import Sequence
+
+from common.clock import NS_PER_S, Clock
+
+LATENESS_SAMPLES = 4096
+
+
+class Rate:
+    """Paces a loop at `hz`; a deadline missed by a whole period is counted and skipped."""
+
+    def __init__(self, hz: float, clock: Clock) -> None:
+        self.period_ns = round(NS_PER_S / hz)
+        self._clock = clock
+        self._start_ns = clock.now_ns()
+        self._deadline_ns = self._start_ns
+        self._lateness_ns: deque[int] = deque(maxlen=LATENESS_SAMPLES)
+        self.ticks = 0
+        self.missed = 0
+
+    def wait(self) -> int:
+        """Sleep until the next deadline and return its time in ns; the wake-up's lateness is recorded."""
+        self._deadline_ns += self.period_ns
+        self._clock.sleep_until_ns(self._deadline_ns)
+        late_ns = self._clock.now_ns() - self._deadline_ns
+        self._lateness_ns.append(late_ns)
+        self.ticks += 1
+        if late_ns >= self.period_ns:
+            skipped = late_ns // self.period_ns
+            self.missed += skipped
+            self._deadline_ns += skipped * self.period_ns
+        return self._deadline_ns
+
+    def reset_statistics(self) -> None:
+        """Count anew from now, as after a warm-up."""
+        self._start_ns, self.ticks, self.missed = self._deadline_ns, 0, 0
+        self._lateness_ns.clear()
+
+    @property
+    def hz(self) -> float:
+        """The rate really kept, in Hz."""
+        elapsed_ns = self._deadline_ns - self._start_ns
+        return self.ticks * NS_PER_S / elapsed_ns if elapsed_ns > 0 else 0.0
+
+    def late_us(self, percentile: float) -> float:
+        """A percentile (0-100) of the wake-up lateness of the last 4096 ticks, in microseconds."""
+        return percentile_of(sorted(self._lateness_ns), percentile) / 1000.0
+
+
+def percentile_of(ordered: Sequence[float], percentile: float) -> float:
+    """The nearest-rank percentile of ordered values, 0 when there are none."""
+    if not ordered:
+        return 0.0
+    return ordered[min(len(ordered) - 1, int(len(ordered) * percentile / 100.0))]

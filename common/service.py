@@ -1,0 +1,70 @@
+"""A daemon's life: signals, READY and WATCHDOG to systemd, log lines, an orderly end within two seconds."""
+
+import logging
+import os
+import signal
+import socket
+import sys
+import threading
+from types import FrameType
+
+import structlog
+
+STOP_SIGNALS = (signal.SIGTERM, signal.SIGINT)
+
+
+class StopFlag:
+    """Set by SIGTERM or SIGINT; loops look at it or wait on it."""
+
+    def __init__(self) -> None:
+        self._event = threading.Event()
+
+    def install(self) -> None:
+        """Catch the stop signals in this process; call from its main thread."""
+        for number in STOP_SIGNALS:
+            signal.signal(number, self._on_signal)
+
+    def _on_signal(self, number: int, frame: FrameType | None) -> None:  # noqa: ARG002  # the handler's fixed signature
+        self._event.set()
+
+    def set(self) -> None:
+        """Ask the loops to end, as a signal would."""
+        self._event.set()
+
+    def __call__(self) -> bool:
+        return self._event.is_set()
+
+    def wait(self, timeout_s: float) -> bool:
+        """Wait for the flag; True once it is set."""
+        return self._event.wait(timeout_s)
+
+
+def notify(state: str) -> None:
+    """Tell systemd `READY=1`, `WATCHDOG=1` or `STOPPING=1`; nothing happens outside systemd."""
+    path = os.environ.get("NOTIFY_SOCKET")
+    if not path:
+        return
+    address = "\0" + path[1:] if path.startswith("@") else path
+    with socket.socket(socket.AF_UNIX, socket.SOCK_DGRAM | socket.SOCK_CLOEXEC) as channel:
+        channel.connect(address)
+        channel.sendall(state.encode())
+
+
+def start_log(site: str) -> None:
+    """Log lines of this process to standard error as `level event key=value`, named after its site."""
+    structlog.configure(
+        processors=[
+            structlog.contextvars.merge_contextvars,
+            structlog.processors.add_log_level,
+            structlog.processors.LogfmtRenderer(key_order=["level", "site", "event"]),
+        ],
+        wrapper_class=structlog.make_filtering_bound_logger(logging.INFO),
+        logger_factory=structlog.PrintLoggerFactory(sys.stderr),
+        cache_logger_on_first_use=False,
+    )
+    structlog.contextvars.bind_contextvars(site=site)
+
+
+def be_nice(increment: int) -> None:
+    """Give way to the processes that control the robot."""
+    os.nice(increment)

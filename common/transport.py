@@ -1,0 +1,190 @@
+"""The only importer of zenoh: sessions with explicit endpoints; publish, latest and request."""
+
+import json
+import re
+import time
+from collections import OrderedDict
+from collections.abc import Callable
+from types import TracebackType
+from typing import Generic, Self, TypeVar
+
+import zenoh
+
+from common.channels import Channel, Priority, Procedure
+from common.codec import decode, encode
+from common.errors import MessageError, TransportError
+from common.messages import Message, Reply, Request
+
+M = TypeVar("M", bound=Message)
+
+LOOPBACK_ENDPOINT = re.compile(r"tcp/(127\.0\.0\.1|\[::1\]|localhost):\d{1,5}")
+LEASE_MS = 1000
+KEEP_ALIVES_PER_LEASE = 4
+OPEN_TIMEOUT_MS = 1000
+RETRY = {"period_init_ms": 100, "period_max_ms": 500, "period_increase_factor": 2}
+REQUEST_TIMEOUT_S = 0.3
+PENDING_REQUESTS = 16
+REMEMBERED_REPLIES = 64
+PRIORITIES = {
+    Priority.REAL_TIME: zenoh.Priority.REAL_TIME,
+    Priority.INTERACTIVE: zenoh.Priority.INTERACTIVE_HIGH,
+    Priority.DATA: zenoh.Priority.DATA,
+}
+
+
+def check_endpoint(endpoint: str) -> str:
+    """The endpoint if it stays on this host, else TransportError: links beyond it need security, which is not there yet."""
+    if LOOPBACK_ENDPOINT.fullmatch(endpoint) is None:
+        raise TransportError(
+            f"endpoint {endpoint!r} is refused: without certificates Farhand speaks only on the loopback interface; "
+            "write it as tcp/127.0.0.1:PORT"
+        )
+    return endpoint
+
+
+class Publisher(Generic[M]):
+    """Puts messages on one key; dropped under congestion, never blocking."""
+
+    def __init__(self, publisher: zenoh.Publisher) -> None:
+        self._publisher = publisher
+
+    def put(self, message: M) -> None:
+        """Send a message; MessageError when it holds a number that is not finite."""
+        self._publisher.put(encode(message))
+
+
+class Latest(Generic[M]):
+    """The newest message of one key: older ones that nobody took are dropped."""
+
+    def __init__(self, subscriber: "zenoh.Subscriber[zenoh.handlers.Handler[zenoh.Sample]]", channel: Channel[M]) -> None:
+        self._subscriber = subscriber
+        self._channel = channel
+
+    def take(self) -> M | None:
+        """The newest message not taken yet, None without one; MessageError for a payload that is none."""
+        sample = self._subscriber.try_recv()
+        return None if sample is None else self._decode(sample)
+
+    def wait(self) -> M:
+        """Block until a message comes; MessageError for a payload that is none, TransportError once the link is closed."""
+        try:
+            sample = self._subscriber.recv()
+        except zenoh.ZError as error:
+            raise TransportError("the link was closed") from error
+        return self._decode(sample)
+
+    def _decode(self, sample: zenoh.Sample) -> M:
+        return decode(sample.payload.to_bytes(), self._channel.message, self._channel.max_bytes)
+
+
+class Server:
+    """Answers one procedure when polled; a repeated id gets the first answer, an expired one is refused."""
+
+    def __init__(self, queryable: "zenoh.Queryable[zenoh.handlers.Handler[zenoh.Query]]", procedure: Procedure) -> None:
+        self._queryable = queryable
+        self._procedure = procedure
+        self._replies: OrderedDict[int, Reply] = OrderedDict()
+
+    def poll(self, now_ns: int, handle: Callable[[Request], Reply]) -> None:
+        """Answer one waiting request, if there is one; never blocks."""
+        query = self._queryable.try_recv()
+        if query is None:
+            return
+        with query:
+            try:
+                payload = query.payload.to_bytes() if query.payload is not None else b""
+                request = decode(payload, self._procedure.request, self._procedure.max_bytes)
+            except MessageError as error:
+                query.reply_err(str(error).encode())
+                return
+            query.reply(query.key_expr, encode(self._answer(request, now_ns, handle)))
+
+    def _answer(self, request: Request, now_ns: int, handle: Callable[[Request], Reply]) -> Reply:
+        known = self._replies.get(request.id)
+        if known is not None:
+            return known
+        if now_ns > request.deadline_ns:
+            return Reply(id=request.id, done=False, code="expired", reason="the request came after its deadline; ask again")
+        reply = handle(request)
+        self._replies[request.id] = reply
+        while len(self._replies) > REMEMBERED_REPLIES:
+            self._replies.popitem(last=False)
+        return reply
+
+
+class Link:
+    """One Zenoh session; a context manager, so that nothing is left open."""
+
+    def __init__(self, session: zenoh.Session) -> None:
+        self._session = session
+
+    def __enter__(self) -> Self:
+        return self
+
+    def __exit__(self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None) -> None:
+        self.close()
+
+    def close(self) -> None:
+        """Close the session with everything declared on it; closing twice is harmless."""
+        if not self._session.is_closed():
+            self._session.close()
+
+    def publisher(self, channel: Channel[M], cell: str, name: str = "*") -> Publisher[M]:
+        """A publisher of a channel in a cell (`name` for channels of several, as cameras)."""
+        return Publisher(
+            self._session.declare_publisher(
+                channel.key_for(cell, name),
+                priority=PRIORITIES[channel.priority],
+                congestion_control=zenoh.CongestionControl.DROP,
+            )
+        )
+
+    def latest(self, channel: Channel[M], cell: str, name: str = "*") -> Latest[M]:
+        """A subscription that keeps only the newest message of one key."""
+        handler = zenoh.handlers.RingChannel(1)
+        return Latest(self._session.declare_subscriber(channel.key_for(cell, name), handler), channel)
+
+    def serve(self, procedure: Procedure, cell: str) -> Server:
+        """Answer a procedure in a cell, by polling."""
+        handler = zenoh.handlers.FifoChannel(PENDING_REQUESTS)
+        return Server(self._session.declare_queryable(procedure.key_for(cell), handler), procedure)
+
+    def request(self, procedure: Procedure, cell: str, request: Request) -> Reply:
+        """Ask until the deadline of `request`, always with the same id; TransportError when nobody answered."""
+        while time.monotonic_ns() < request.deadline_ns:
+            attempt_ends = time.monotonic() + REQUEST_TIMEOUT_S
+            replies = self._session.get(procedure.key_for(cell), payload=encode(request), timeout=REQUEST_TIMEOUT_S)
+            for reply in replies:
+                if reply.ok is not None:
+                    return decode(reply.ok.payload.to_bytes(), procedure.reply, procedure.max_bytes)
+            time.sleep(max(0.0, min(attempt_ends, request.deadline_ns / 1e9) - time.monotonic()))
+        raise TransportError(f"nobody answered {procedure.key_for(cell)}: is the remote site of cell {cell} running?")
+
+
+def open_link(*, listen: tuple[str, ...] = (), connect: tuple[str, ...] = ()) -> Link:
+    """Open a session at explicit endpoints; TransportError when one is refused or cannot be opened.
+
+    Listening fails at once when the port is taken; connecting goes on in the background until the other side is there.
+    """
+    config = zenoh.Config()
+    for key, value in {
+        "mode": "peer",
+        "listen/endpoints": [check_endpoint(e) for e in listen],
+        "connect/endpoints": [check_endpoint(e) for e in connect],
+        "connect/retry": RETRY,
+        "connect/exit_on_failure": False,
+        "scouting/multicast/enabled": False,
+        "scouting/gossip/enabled": False,
+        "transport/link/protocols": ["tcp"],
+        "transport/link/tx/lease": LEASE_MS,
+        "transport/link/tx/keep_alive": KEEP_ALIVES_PER_LEASE,
+        "transport/unicast/open_timeout": OPEN_TIMEOUT_MS,
+        "transport/unicast/accept_timeout": OPEN_TIMEOUT_MS,
+    }.items():
+        config.insert_json5(key, json.dumps(value))
+    try:
+        return Link(zenoh.open(config))
+    except zenoh.ZError as error:
+        places = ", ".join((*listen, *connect))
+        cause = str(error).partition(" at /")[0].strip(" .[")
+        raise TransportError(f"cannot open {places}: {cause}; is the port taken by another program?") from error
