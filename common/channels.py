@@ -94,5 +94,7 @@ ENGAGE = Procedure(key="farhand/{cell}/rpc/engage", request=Request, reply=Reply
 def check_cell_name(cell: str) -> str:
     """The cell's name if it can stand in a key, else ConfigError."""
     if CELL_NAME.fullmatch(cell) is None:
-        raise ConfigError(f"cell {cell!r}: use 1 to 32 small letters, digits, '-' and '_', beginning with a letter or digit")
+        raise ConfigError(
+            f"cell {cell!r}: use 1 to 32 small letters, digits, '-' and '_', beginning with a letter or digit"
+        )
     return cell

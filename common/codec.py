@@ -11,7 +11,8 @@ from common.messages import PROTOCOL_VERSION, Message
 
 M = TypeVar("M", bound=Message)
 
-MAX_DEPTH_ITEMS = 64
+MAX_ITEMS = 64
+MAX_TEXT_BYTES = 4096
 
 
 def encode(message: Message) -> bytes:
@@ -25,8 +26,8 @@ def encode(message: Message) -> bytes:
 def decode(payload: bytes, message: type[M], max_bytes: int) -> M:
     """The message in `payload`; MessageError, with a reason to count by, for anything else.
 
-    The size is capped before decoding; versions other than ours, unknown or missing fields, wrong types and numbers that
-    are not finite are refused.
+    The size is capped before decoding; versions other than ours, unknown or missing fields, wrong types and numbers
+    that are not finite are refused.
     """
     if len(payload) > max_bytes:
         raise MessageError("oversized", f"{len(payload)} bytes, at most {max_bytes} for {message.__name__}")
@@ -35,7 +36,9 @@ def decode(payload: bytes, message: type[M], max_bytes: int) -> M:
         raise MessageError("malformed", f"a {message.__name__} is a map, not {type(fields).__name__}")
     version = fields.get("version")
     if type(version) is not int or version != PROTOCOL_VERSION:
-        raise MessageError("version", f"version {str(version)[:20]}, this side speaks {PROTOCOL_VERSION}: install the same release")
+        raise MessageError(
+            "version", f"version {str(version)[:20]}, this side speaks {PROTOCOL_VERSION}: install the same release"
+        )
     _check_finite(fields)
     try:
         return msgspec.convert(fields, message)
@@ -46,9 +49,16 @@ def decode(payload: bytes, message: type[M], max_bytes: int) -> M:
 def _unpack(payload: bytes, max_bytes: int) -> Any:
     try:
         return msgpack.unpackb(
-            payload, raw=False, strict_map_key=True, use_list=False, max_map_len=MAX_DEPTH_ITEMS, max_array_len=MAX_DEPTH_ITEMS,
-            max_str_len=4096, max_bin_len=max_bytes, max_ext_len=0,
-        )  # fmt: skip
+            payload,
+            raw=False,
+            strict_map_key=True,
+            use_list=False,
+            max_map_len=MAX_ITEMS,
+            max_array_len=MAX_ITEMS,
+            max_str_len=MAX_TEXT_BYTES,
+            max_bin_len=max_bytes,
+            max_ext_len=0,
+        )
     except (ValueError, TypeError, RecursionError, msgpack.UnpackException) as error:
         raise MessageError("malformed", str(error)[:200] or type(error).__name__) from error
 

@@ -37,11 +37,11 @@ def quaternion_from_rotation(rotation: Array) -> Array:
     if k == 3:
         q[:] = m[2, 1] - m[1, 2], m[0, 2] - m[2, 0], m[1, 0] - m[0, 1], 1.0 + trace
     else:
-        i, j, l = k, (k + 1) % 3, (k + 2) % 3
-        q[i] = 1.0 + m[i, i] - m[j, j] - m[l, l]
+        i, j, n = k, (k + 1) % 3, (k + 2) % 3
+        q[i] = 1.0 + m[i, i] - m[j, j] - m[n, n]
         q[j] = m[j, i] + m[i, j]
-        q[l] = m[l, i] + m[i, l]
-        q[3] = m[l, j] - m[j, l]
+        q[n] = m[n, i] + m[i, n]
+        q[3] = m[n, j] - m[j, n]
     q /= math.sqrt(float(q @ q))
     return -q if q[3] < 0 else q
 

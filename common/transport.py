@@ -33,7 +33,7 @@ PRIORITIES = {
 
 
 def check_endpoint(endpoint: str) -> str:
-    """The endpoint if it stays on this host, else TransportError: links beyond it need security, which is not there yet."""
+    """The endpoint if it stays on this host, else TransportError: links beyond it wait for certificates."""
     if LOOPBACK_ENDPOINT.fullmatch(endpoint) is None:
         raise TransportError(
             f"endpoint {endpoint!r} is refused: without certificates Farhand speaks only on the loopback interface; "
@@ -56,7 +56,9 @@ class Publisher(Generic[M]):
 class Latest(Generic[M]):
     """The newest message of one key: older ones that nobody took are dropped."""
 
-    def __init__(self, subscriber: "zenoh.Subscriber[zenoh.handlers.Handler[zenoh.Sample]]", channel: Channel[M]) -> None:
+    def __init__(
+        self, subscriber: "zenoh.Subscriber[zenoh.handlers.Handler[zenoh.Sample]]", channel: Channel[M]
+    ) -> None:
         self._subscriber = subscriber
         self._channel = channel
 
@@ -66,7 +68,7 @@ class Latest(Generic[M]):
         return None if sample is None else self._decode(sample)
 
     def wait(self) -> M:
-        """Block until a message comes; MessageError for a payload that is none, TransportError once the link is closed."""
+        """Block until a message comes; MessageError for a payload that is none, TransportError once closed."""
         try:
             sample = self._subscriber.recv()
         except zenoh.ZError as error:
@@ -104,7 +106,9 @@ class Server:
         if known is not None:
             return known
         if now_ns > request.deadline_ns:
-            return Reply(id=request.id, done=False, code="expired", reason="the request came after its deadline; ask again")
+            return Reply(
+                id=request.id, done=False, code="expired", reason="the request came after its deadline; ask again"
+            )
         reply = handle(request)
         self._replies[request.id] = reply
         while len(self._replies) > REMEMBERED_REPLIES:
@@ -121,13 +125,15 @@ class Link:
     def __enter__(self) -> Self:
         return self
 
-    def __exit__(self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None) -> None:
+    def __exit__(
+        self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
+    ) -> None:
         self.close()
 
     def close(self) -> None:
         """Close the session with everything declared on it; closing twice is harmless."""
         if not self._session.is_closed():
-            self._session.close()
+            self._session.close()  # type: ignore[no-untyped-call]  # zenoh leaves it unannotated
 
     def publisher(self, channel: Channel[M], cell: str, name: str = "*") -> Publisher[M]:
         """A publisher of a channel in a cell (`name` for channels of several, as cameras)."""
@@ -141,12 +147,12 @@ class Link:
 
     def latest(self, channel: Channel[M], cell: str, name: str = "*") -> Latest[M]:
         """A subscription that keeps only the newest message of one key."""
-        handler = zenoh.handlers.RingChannel(1)
+        handler: zenoh.handlers.RingChannel[zenoh.Sample] = zenoh.handlers.RingChannel(1)
         return Latest(self._session.declare_subscriber(channel.key_for(cell, name), handler), channel)
 
     def serve(self, procedure: Procedure, cell: str) -> Server:
         """Answer a procedure in a cell, by polling."""
-        handler = zenoh.handlers.FifoChannel(PENDING_REQUESTS)
+        handler: zenoh.handlers.FifoChannel[zenoh.Query] = zenoh.handlers.FifoChannel(PENDING_REQUESTS)
         return Server(self._session.declare_queryable(procedure.key_for(cell), handler), procedure)
 
     def request(self, procedure: Procedure, cell: str, request: Request) -> Reply:

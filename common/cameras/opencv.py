@@ -20,7 +20,9 @@ def _as_image(array: object) -> Image:
 class LiveCamera:
     """A device number, device path or URL, stamped with its arrival less a configured latency (and flagged so)."""
 
-    def __init__(self, source: str, name: str, fps: float | None = None, latency_ms: float = DEFAULT_LATENCY_MS) -> None:
+    def __init__(
+        self, source: str, name: str, fps: float | None = None, latency_ms: float = DEFAULT_LATENCY_MS
+    ) -> None:
         self._name = name
         self._source = source
         self._latency_ns = round(latency_ms * NS_PER_MS)

@@ -24,4 +24,6 @@ def open_camera(source: str, name: str, fps: float | None = None, latency_ms: fl
         return ImageFolder(path, name, fps if fps is not None else DEFAULT_FOLDER_FPS)
     if path.exists():
         return VideoFile(path, name, fps)
-    raise CameraError(f"camera {name}: {source} does not exist; give a device number, a URL, a video file or a folder of images")
+    raise CameraError(
+        f"camera {name}: {source} does not exist; give a device number, a URL, a video file or a folder of images"
+    )

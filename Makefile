@@ -1,0 +1,29 @@
+# Farhand's commands; each does its own set-up in .venv on a machine with Python 3.11 or newer.
+PYTHON ?= python3
+BIN := .venv/bin
+READY := .venv/ready
+
+.PHONY: loopback test check bench
+
+loopback: $(READY)  ## both sites on this machine, with a simulated operator and a simulated cell
+	@$(BIN)/farhand loopback $(ARGS)
+
+test: $(READY)  ## all tests
+	@$(BIN)/python -m pytest $(ARGS)
+
+check: $(READY)  ## the static checks
+	@$(BIN)/ruff check .
+	@$(BIN)/ruff format --check .
+	@$(BIN)/mypy
+	@$(BIN)/lint-imports
+
+bench: $(READY)  ## side-by-side measurements, written to build/bench.json
+	@$(BIN)/python -m bench $(ARGS)
+
+$(READY): constraints.txt pyproject.toml
+	@$(PYTHON) -c 'import sys; sys.exit("Farhand needs Python 3.11 or newer, this is %d.%d: make PYTHON=/path/to/python3.11" % sys.version_info[:2] if sys.version_info < (3, 11) else 0)'
+	@$(PYTHON) -c 'import ensurepip' 2>/dev/null || { echo 'Python lacks its venv module; on Debian: apt-get install python3-venv'; exit 1; }
+	@echo 'Setting up .venv (once) ...'
+	@$(PYTHON) -m venv .venv
+	@$(BIN)/python -m pip install --quiet --disable-pip-version-check --constraint constraints.txt --editable '.[sim,dev]'
+	@touch $@

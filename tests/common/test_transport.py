@@ -1,0 +1,147 @@
+"""Transport over loopback: newest wins, requests happen once, endpoints beyond loopback are refused."""
+
+import socket
+import sys
+import threading
+import time
+from collections.abc import Iterator
+from pathlib import Path
+
+import msgspec
+import pytest
+
+from common.channels import ENGAGE, HAND
+from common.codec import encode
+from common.errors import MessageError, TransportError
+from common.messages import HandArm, Reply, Request
+from common.transport import Latest, Link, Publisher, check_endpoint, open_link
+
+sys.path.insert(0, str(Path(__file__).parent))
+import golden_examples as golden
+
+WAIT_S = 10.0
+
+
+def free_endpoint() -> str:
+    with socket.socket() as probe:
+        probe.bind(("127.0.0.1", 0))
+        return f"tcp/127.0.0.1:{probe.getsockname()[1]}"
+
+
+@pytest.fixture
+def links() -> Iterator[tuple[Link, Link]]:
+    endpoint = free_endpoint()
+    with open_link(listen=(endpoint,)) as server, open_link(connect=(endpoint,)) as client:
+        yield server, client
+
+
+def until_received(publisher: Publisher[HandArm], latest: Latest[HandArm], message: HandArm) -> HandArm:
+    deadline = time.monotonic() + WAIT_S
+    while time.monotonic() < deadline:
+        publisher.put(message)
+        time.sleep(0.01)
+        received = latest.take()
+        if received is not None:
+            return received
+    raise AssertionError("nothing came")
+
+
+def test_the_newest_message_wins(links: tuple[Link, Link]) -> None:
+    server, client = links
+    latest, publisher = server.latest(HAND, "lab"), client.publisher(HAND, "lab")
+    until_received(publisher, latest, golden.HAND)
+    for seq in range(100, 120):
+        publisher.put(msgspec.structs.replace(golden.HAND, seq=seq))
+    deadline = time.monotonic() + WAIT_S
+    seqs: list[int] = []
+    while time.monotonic() < deadline and seqs[-1:] != [119]:
+        time.sleep(0.02)
+        message = latest.take()
+        if message is not None:
+            seqs.append(message.seq)
+    assert seqs[-1] == 119
+    assert seqs == sorted(set(seqs))
+    assert latest.take() is None
+
+
+def test_a_random_payload_is_a_rejection(links: tuple[Link, Link]) -> None:
+    server, client = links
+    latest, publisher = server.latest(HAND, "lab"), client.publisher(HAND, "lab")
+    until_received(publisher, latest, golden.HAND)
+    publisher._publisher.put(b"\x93random")
+    with pytest.raises(MessageError, match="malformed"):
+        latest.wait()
+
+
+def serve(link: Link, handled: list[int], stop: threading.Event, delay_s: float = 0.0) -> threading.Thread:
+    server = link.serve(ENGAGE, "lab")
+
+    def handle(request: Request) -> Reply:
+        handled.append(request.id)
+        time.sleep(delay_s)
+        return Reply(id=request.id, done=True, code="ok", reason="")
+
+    def run() -> None:
+        while not stop.is_set():
+            server.poll(time.monotonic_ns(), handle)
+            time.sleep(0.002)
+
+    thread = threading.Thread(target=run)
+    thread.start()
+    return thread
+
+
+def ask(link: Link, identity: int, seconds: float = WAIT_S) -> Reply:
+    return link.request(ENGAGE, "lab", Request(id=identity, deadline_ns=time.monotonic_ns() + round(seconds * 1e9)))
+
+
+def test_a_request_repeated_with_its_id_happens_once(links: tuple[Link, Link]) -> None:
+    server, client = links
+    handled: list[int] = []
+    stop = threading.Event()
+    thread = serve(server, handled, stop, delay_s=0.7)
+    try:
+        first, again, other = ask(client, 1), ask(client, 1), ask(client, 2)
+    finally:
+        stop.set()
+        thread.join()
+    assert first == again
+    assert other.id == 2
+    assert handled == [1, 2]
+
+
+def test_an_expired_request_is_refused(links: tuple[Link, Link]) -> None:
+    server, client = links
+    stop = threading.Event()
+    handled: list[int] = []
+    thread = serve(server, handled, stop)
+    try:
+        ask(client, 1)
+        late = Request(id=9, deadline_ns=0)
+        replies = client._session.get(ENGAGE.key_for("lab"), payload=encode(late), timeout=WAIT_S)
+        payloads = [reply.ok.payload.to_bytes() for reply in replies if reply.ok]
+    finally:
+        stop.set()
+        thread.join()
+    assert handled == [1]
+    assert payloads
+    assert b"expired" in payloads[0]
+
+
+def test_nobody_answering_is_an_error() -> None:
+    with open_link(connect=(free_endpoint(),)) as client, pytest.raises(TransportError, match="nobody answered"):
+        ask(client, 1, seconds=0.4)
+
+
+def test_a_taken_port_is_an_error_that_says_so() -> None:
+    endpoint = free_endpoint()
+    with open_link(listen=(endpoint,)), pytest.raises(TransportError, match="port taken"):
+        open_link(listen=(endpoint,))
+
+
+@pytest.mark.parametrize(
+    "endpoint", ["tcp/0.0.0.0:7447", "tcp/192.168.1.4:7447", "udp/127.0.0.1:1", "tls/127.0.0.1:1", "x", ""]
+)
+def test_endpoints_beyond_loopback_are_refused(endpoint: str) -> None:
+    with pytest.raises(TransportError, match="refused"):
+        check_endpoint(endpoint)
