@@ -1,0 +1,149 @@
+"""The remote site's parameters: type, default, unit, bound and meaning of each."""
+
+import math
+from pathlib import Path
+from typing import Annotated
+
+import msgspec
+import numpy as np
+from msgspec import Meta, field
+
+from common.geometry import Array, transform
+
+MODELS = Path(__file__).parent / "models"
+
+Row3 = tuple[float, float, float]
+
+
+class RobotConfig(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
+    """The arm, its tool, and limits that can only tighten the robot's own."""
+
+    model: Annotated[str, Meta(min_length=1, description="a built-in model by name, or the path of a URDF")] = "a465"
+    tool_frame: Annotated[str, Meta(min_length=1, description="URDF frame that carries the tool")] = "tool0"
+    tool_offset_m: Annotated[
+        float, Meta(ge=0, le=1, description="tool centre point beyond the tool frame along its z, m")
+    ] = 0.1341
+    start_deg: Annotated[
+        tuple[float, ...], Meta(min_length=1, max_length=16, description="posture at the start, joint by joint, deg")
+    ] = (0.0, 0.0, -45.0, 0.0, -45.0, 0.0)
+    position_deg: Annotated[
+        dict[str, tuple[float, float]], Meta(description="tighter lower and upper limit by joint name, deg")
+    ] = field(default_factory=dict)
+    position_margin_deg: Annotated[
+        float, Meta(ge=0, le=20, description="distance kept from every joint limit, deg")
+    ] = 1.0
+    speed: Annotated[float, Meta(gt=0, le=1, description="share of every joint's own maximum speed")] = 1.0
+    acceleration_rad_s2: Annotated[float, Meta(gt=0, le=25, description="every joint's acceleration, rad/s²")] = 10.0
+    jerk_rad_s3: Annotated[float, Meta(gt=0, le=5000, description="every joint's jerk, rad/s³")] = 100.0
+
+    @property
+    def urdf(self) -> Path:
+        """The model's file."""
+        housed = MODELS / self.model / f"{self.model}.urdf"
+        return housed if housed.exists() else Path(self.model)
+
+    @property
+    def tool_T_tcp(self) -> Array:
+        """The tool centre point in the tool frame."""
+        return transform(np.eye(3), np.array([0.0, 0.0, self.tool_offset_m]))
+
+    @property
+    def start(self) -> Array:
+        """The start posture in rad."""
+        return np.radians(np.array(self.start_deg))
+
+
+class LocksConfig(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
+    """Motions that the arm does not copy: along the base's axes, and about the tool's axes as at engagement."""
+
+    x: Annotated[bool, Meta(description="no motion along the base's x")] = False
+    y: Annotated[bool, Meta(description="no motion along the base's y")] = False
+    z: Annotated[bool, Meta(description="no motion along the base's z")] = False
+    roll: Annotated[bool, Meta(description="no rotation about the tool axis (tool z)")] = False
+    pitch: Annotated[bool, Meta(description="no rotation about the tool's y")] = False
+    yaw: Annotated[bool, Meta(description="no rotation about the tool's x")] = False
+
+
+class MappingConfig(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
+    """How the hand's motion becomes the tool's."""
+
+    scale: Annotated[float, Meta(gt=0, le=5, description="tool motion per hand motion")] = 1.0
+    base_R_operator: Annotated[
+        tuple[Row3, Row3, Row3],
+        Meta(description="rotation from the operator frame to the robot's base frame, row by row"),
+    ] = ((0.0, -1.0, 0.0), (1.0, 0.0, 0.0), (0.0, 0.0, 1.0))
+    locks: LocksConfig = field(default_factory=LocksConfig)
+
+
+class SafetyConfig(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
+    """When a hand sample is too old or too wild, and where the tool may be."""
+
+    t_soft_ms: Annotated[float, Meta(ge=50, le=400, description="an older hand sample stops the arm, ms")] = 100.0
+    t_latch_ms: Annotated[
+        float, Meta(ge=100, le=2000, description="an older hand sample ends the engagement, ms; above t_soft_ms")
+    ] = 500.0
+    hand_speed_m_s: Annotated[float, Meta(gt=0, le=20, description="a faster wrist is a jump, m/s")] = 3.0
+    hand_noise_m: Annotated[float, Meta(ge=0, le=0.2, description="added to the jump limit for noise, m")] = 0.03
+    jumps_to_latch: Annotated[int, Meta(ge=1, le=100, description="jumps in a row that end the engagement")] = 3
+    workspace_min_m: Annotated[Row3, Meta(description="lower corner of the tool's box in the base frame, m")] = (
+        0.15,
+        -0.55,
+        0.25,
+    )
+    workspace_max_m: Annotated[Row3, Meta(description="upper corner of the tool's box in the base frame, m")] = (
+        0.80,
+        0.55,
+        1.25,
+    )
+
+    def __post_init__(self) -> None:
+        if self.t_latch_ms <= self.t_soft_ms:
+            raise ValueError(f"t_latch_ms {self.t_latch_ms} must be above t_soft_ms {self.t_soft_ms}")
+        corners = zip(self.workspace_min_m, self.workspace_max_m, strict=True)
+        if not all(math.isfinite(low) and math.isfinite(high) and low < high for low, high in corners):
+            raise ValueError("workspace_min_m must be below workspace_max_m on every axis")
+
+
+class ControlConfig(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
+    """The control loop and how it follows the hand."""
+
+    rate_hz: Annotated[float, Meta(ge=50, le=1000, description="ticks per second, Hz")] = 250.0
+    leash_m: Annotated[float, Meta(gt=0, le=1, description="how far the target may run ahead of the tool, m")] = 0.2
+    leash_deg: Annotated[float, Meta(gt=0, le=180, description="how far it may turn ahead of the tool, deg")] = 60.0
+    position_gain: Annotated[
+        float, Meta(gt=0, le=1, description="share of a sample's deviation that moves the target estimate")
+    ] = 0.8
+    velocity_gain: Annotated[
+        float, Meta(ge=0, le=1, description="share of a sample's deviation that changes its speed estimate")
+    ] = 0.4
+    predict_ms: Annotated[
+        float, Meta(ge=0, le=200, description="how long a target is carried on beyond its sample, ms")
+    ] = 50.0
+
+
+class EngagementConfig(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
+    """What must be so before the arm follows the hand."""
+
+    automatic: Annotated[bool, Meta(description="engage by itself, once per start of the remote site")] = True
+    frames: Annotated[int, Meta(ge=1, le=1000, description="good hand samples in a row before engaging")] = 30
+    resume_frames: Annotated[int, Meta(ge=1, le=100, description="good samples in a row that end a hold")] = 3
+
+
+class DriverConfig(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
+    """Which robot is driven."""
+
+    name: Annotated[str, Meta(min_length=1, description="kinematic, simulated, or an installed driver")] = "kinematic"
+    command_timeout_ms: Annotated[
+        float, Meta(ge=8, le=1000, description="without a command for so long, the driver stops the arm, ms")
+    ] = 50.0
+
+
+class RemoteConfig(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
+    """Everything the remote site can be told."""
+
+    robot: RobotConfig = field(default_factory=RobotConfig)
+    mapping: MappingConfig = field(default_factory=MappingConfig)
+    safety: SafetyConfig = field(default_factory=SafetyConfig)
+    control: ControlConfig = field(default_factory=ControlConfig)
+    engagement: EngagementConfig = field(default_factory=EngagementConfig)
+    driver: DriverConfig = field(default_factory=DriverConfig)

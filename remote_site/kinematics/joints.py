@@ -1,0 +1,34 @@
+"""The motion of the joints at one instant, as planned, checked and sent."""
+
+import math
+from dataclasses import dataclass
+from typing import Self
+
+import numpy as np
+
+from common.geometry import Array
+
+
+@dataclass(frozen=True, slots=True)
+class JointMotion:
+    """Positions (n,) in rad, velocities in rad/s and accelerations in rad/s² in the order of the model's joints."""
+
+    q: Array
+    dq: Array
+    ddq: Array
+
+    @classmethod
+    def at_rest(cls, q: Array) -> Self:
+        """Standing still at `q`."""
+        return cls(np.array(q, dtype=float), np.zeros(len(q)), np.zeros(len(q)))
+
+    @property
+    def finite(self) -> bool:
+        """No NaN and no infinity anywhere."""
+        total = float(self.q @ self.q) + float(self.dq @ self.dq) + float(self.ddq @ self.ddq)
+        return math.isfinite(total)
+
+    @property
+    def resting(self) -> bool:
+        """Neither velocity nor acceleration."""
+        return not (self.dq.any() or self.ddq.any())

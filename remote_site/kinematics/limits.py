@@ -1,0 +1,75 @@
+"""The joints' limits: the robot's own, which configuration can only tighten."""
+
+import math
+from dataclasses import dataclass, replace
+from typing import Self
+
+import numpy as np
+
+from common.errors import ConfigError
+from common.geometry import Array
+from remote_site.config import RobotConfig
+from remote_site.kinematics.model import ArmModel
+
+
+@dataclass(frozen=True, slots=True)
+class JointLimits:
+    """Positions (rad, margin included), velocity (rad/s), acceleration (rad/s²) and jerk (rad/s³), each (n,)."""
+
+    names: tuple[str, ...]
+    lower: Array
+    upper: Array
+    velocity: Array
+    acceleration: Array
+    jerk: Array
+
+    @classmethod
+    def from_model(cls, model: ArmModel, config: RobotConfig) -> Self:
+        """The model's limits, tightened; ConfigError names every joint whose configuration widens them."""
+        lower, upper = _positions(model, config)
+        ones = np.ones(len(model.joint_names))
+        return cls(
+            names=model.joint_names,
+            lower=lower,
+            upper=upper,
+            velocity=model.velocity * config.speed,
+            acceleration=ones * config.acceleration_rad_s2,
+            jerk=ones * config.jerk_rad_s3,
+        )
+
+    def scaled_speed(self, scale: float) -> Self:
+        """The same limits with the velocities times `scale` (0 to 1]."""
+        if not 0 < scale <= 1:
+            raise ValueError(f"a speed scale of {scale} would widen the limits")
+        return replace(self, velocity=self.velocity * scale)
+
+
+def _positions(model: ArmModel, config: RobotConfig) -> tuple[Array, Array]:
+    mistakes = [
+        f"robot.position_deg: there is no joint {name!r}; the joints are {', '.join(model.joint_names)}"
+        for name in config.position_deg
+        if name not in model.joint_names
+    ]
+    lower, upper = model.lower.copy(), model.upper.copy()
+    for i, name in enumerate(model.joint_names):
+        if name in config.position_deg:
+            low, high = (math.radians(v) for v in config.position_deg[name])
+            mistakes += _widening(name, (low, high), (lower[i], upper[i]))
+            lower[i], upper[i] = low, high
+    margin = math.radians(config.position_margin_deg)
+    lower, upper = lower + margin, upper - margin
+    mistakes += [
+        f"{name}: the limits and the margin of {config.position_margin_deg} deg leave no room"
+        for name, low, high in zip(model.joint_names, lower, upper, strict=True)
+        if not low < high
+    ]
+    if mistakes:
+        raise ConfigError("\n".join(mistakes))
+    return lower, upper
+
+
+def _widening(name: str, wanted: tuple[float, float], own: tuple[float, float]) -> list[str]:
+    if own[0] <= wanted[0] and wanted[1] <= own[1]:
+        return []
+    wanted_deg, own_deg = (tuple(round(math.degrees(v), 2) for v in pair) for pair in (wanted, own))
+    return [f"robot.position_deg.{name} = {wanted_deg} is wider than the robot's own {own_deg}; limits only tighten"]

@@ -1,0 +1,96 @@
+"""The arm as its URDF describes it: joints, limits, the tool centre point's pose and Jacobian."""
+
+from pathlib import Path
+from typing import Self
+
+import numpy as np
+import pinocchio as pin
+
+from common.errors import ModelError
+from common.geometry import Array
+
+BOUNDED_JOINTS = ("JointModelR", "JointModelP")
+
+
+class ArmModel:
+    """A serial arm of one-degree joints; one instance serves one thread, since its work space is reused.
+
+    `joint_names` is the order of every joint vector; `lower`, `upper` (rad), `velocity` (rad/s) and `effort` (N·m) are
+    the URDF's limits, each (n,).
+    """
+
+    def __init__(self, model: pin.Model, tcp_frame: int) -> None:
+        self.pin_model = model
+        self.joint_names = tuple(model.names)[1:]
+        self.lower: Array = np.array(model.lowerPositionLimit)
+        self.upper: Array = np.array(model.upperPositionLimit)
+        self.velocity: Array = np.array(model.velocityLimit)
+        self.effort: Array = np.array(model.effortLimit)
+        self._data = model.createData()
+        self._tcp_frame = tcp_frame
+
+    @classmethod
+    def from_urdf(cls, path: Path, tool_frame: str, tool_T_tcp: Array) -> Self:
+        """Read a URDF; ModelError says what makes it unusable and how to cure it."""
+        try:
+            model = pin.buildModelFromUrdf(str(path))
+        except (ValueError, RuntimeError) as error:
+            raise ModelError(f"cannot read the robot model {path}: {error}; give a URDF file") from error
+        _check_joints(path, model)
+        _check_limits(path, model)
+        if not model.existFrame(tool_frame):
+            known = ", ".join(frame.name for frame in model.frames)
+            raise ModelError(f"{path} has no frame {tool_frame!r}; set robot.tool_frame to one of: {known}")
+        return cls(model, _add_tcp(model, tool_frame, tool_T_tcp))
+
+    def forward(self, q: Array) -> Array:
+        """The tool centre point's pose `base_T_tool` (4 x 4) at joint positions (n,) in rad."""
+        pin.forwardKinematics(self.pin_model, self._data, q)
+        pose: Array = pin.updateFramePlacement(self.pin_model, self._data, self._tcp_frame).homogeneous
+        return pose
+
+    def jacobian(self, q: Array) -> Array:
+        """The Jacobian (6 x n) of the tool centre point: linear (m/s), then angular (rad/s), in the base's axes."""
+        jacobian: Array = pin.computeFrameJacobian(
+            self.pin_model, self._data, q, self._tcp_frame, pin.ReferenceFrame.LOCAL_WORLD_ALIGNED
+        )
+        return jacobian
+
+
+def _check_joints(path: Path, model: pin.Model) -> None:
+    kinds = [joint.shortname() for joint in model.joints][1:]
+    unfit = [name for name, kind in zip(tuple(model.names)[1:], kinds, strict=True) if not _is_bounded(kind)]
+    if not kinds:
+        raise ModelError(f"{path} has no moving joint; give the URDF of an arm")
+    if unfit:
+        raise ModelError(f"{path}: {', '.join(unfit)} must be revolute or prismatic with limits; change the joint type")
+    if any(model.parents[i] != i - 1 for i in range(1, model.njoints)):
+        raise ModelError(f"{path} branches; fix the joints that are not the arm's (gripper fingers) in the URDF")
+
+
+def _is_bounded(kind: str) -> bool:
+    return kind.startswith(BOUNDED_JOINTS) and not kind.startswith("JointModelRUB") and "Unbounded" not in kind
+
+
+def _check_limits(path: Path, model: pin.Model) -> None:
+    rows = zip(
+        tuple(model.names)[1:],
+        model.lowerPositionLimit,
+        model.upperPositionLimit,
+        model.velocityLimit,
+        model.effortLimit,
+        strict=True,
+    )
+    for name, lower, upper, velocity, effort in rows:
+        if not (np.isfinite([lower, upper, velocity, effort]).all() and lower < upper and velocity > 0 and effort > 0):
+            raise ModelError(f'{path}: {name} needs <limit lower="…" upper="…" velocity="…" effort="…"/>, all finite')
+
+
+def _add_tcp(model: pin.Model, tool_frame: str, tool_T_tcp: Array) -> int:
+    if not np.isfinite(tool_T_tcp).all():
+        raise ModelError("the tool centre point's offset must be finite; correct robot.tool_offset_m")
+    parent_id = model.getFrameId(tool_frame)
+    parent = model.frames[parent_id]
+    placement = parent.placement * pin.SE3(tool_T_tcp)
+    frame = pin.Frame("tool_centre_point", parent.parentJoint, parent_id, placement, pin.FrameType.OP_FRAME)
+    return int(model.addFrame(frame))

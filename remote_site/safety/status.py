@@ -1,0 +1,103 @@
+"""Why something was refused or stopped: every code with its sentence, in one table."""
+
+from dataclasses import dataclass
+from enum import StrEnum
+
+
+class Code(StrEnum):
+    """The short word of a refusal or of a state's reason; counted, sent in `RobotState`, stable over releases."""
+
+    OK = "ok"
+    # the hand sample
+    DUPLICATE = "duplicate"
+    OLD = "old"
+    OLD_SESSION = "old_session"
+    STALE = "stale"
+    FUTURE = "future"
+    NOT_FINITE = "not_finite"
+    LOST = "lost"
+    INITIALISING = "initialising"
+    NO_WRIST = "no_wrist"
+    JUMP = "jump"
+    JUMPS = "jumps"
+    NO_OFFSET = "no_offset"
+    # the session
+    NOT_ENGAGED = "not_engaged"
+    NO_HAND = "no_hand"
+    COLLECTING = "collecting"
+    READY = "ready"
+    LATCHED = "latched"
+    NEW_SESSION = "new_session"
+    RELEASED = "released"
+    ROBOT_NOT_READY = "robot_not_ready"
+    MOVING = "moving"
+    FAULT = "fault"
+    # the target
+    OUT_OF_REACH = "out_of_reach"
+    IK_LIMIT = "ik_limit"
+    STANCE = "stance"
+    SATURATED = "saturated"
+    NOT_A_POSE = "not_a_pose"
+    # the command
+    POSITION = "position"
+    VELOCITY = "velocity"
+    ACCELERATION = "acceleration"
+    JERK = "jerk"
+    INCONSISTENT = "inconsistent"
+    WORKSPACE = "workspace"
+    NO_TRAJECTORY = "no_trajectory"
+    COMMAND_TIMEOUT = "command_timeout"
+
+
+SENTENCES: dict[Code, str] = {
+    Code.OK: "the arm follows the hand",
+    Code.DUPLICATE: "sample {seq} came twice",
+    Code.OLD: "sample {seq} is older than the newest, {newest}",
+    Code.OLD_SESSION: "the sample belongs to a local session that a newer one replaced",
+    Code.STALE: "newest hand sample is {age_ms:.0f} ms old (limit {limit_ms:.0f} ms)",
+    Code.FUTURE: "the sample was captured {ahead_ms:.0f} ms in the future: the clocks disagree",
+    Code.NOT_FINITE: "the {what} is not finite",
+    Code.LOST: "the hand is lost: {reason}",
+    Code.INITIALISING: "tracking is initialising: {reason}",
+    Code.NO_WRIST: "the sample has no wrist: {reason}",
+    Code.JUMP: "the wrist jumped {distance_mm:.0f} mm in {interval_ms:.0f} ms",
+    Code.JUMPS: "the wrist jumped in {count} samples in a row",
+    Code.NO_OFFSET: "the clock offset of the local site is not known",
+    Code.NOT_ENGAGED: "not engaged yet",
+    Code.NO_HAND: "no hand sample has come yet",
+    Code.COLLECTING: "{count} of {needed} good hand samples in a row",
+    Code.READY: "ready: waiting to be engaged",
+    Code.LATCHED: "disengaged, {cause}; engage again to go on",
+    Code.NEW_SESSION: "the local site started anew; engage to go on",
+    Code.RELEASED: "disengaged on request",
+    Code.ROBOT_NOT_READY: "the robot is not ready: {reason}",
+    Code.MOVING: "the arm is still coming to rest",
+    Code.FAULT: "fault: {cause}; reset it, then engage",
+    Code.OUT_OF_REACH: "the target is out of reach: its wrist is {distance_mm:.0f} mm from the shoulder, "
+    "where {least_mm:.0f} to {most_mm:.0f} mm can be reached",
+    Code.IK_LIMIT: "the target needs {joint} at {value_deg:.1f} deg, outside {lower_deg:.1f} to {upper_deg:.1f} deg",
+    Code.STANCE: "the target needs another stance of the arm, {move_deg:.0f} deg of {joint} away",
+    Code.SATURATED: "the target is {distance_mm:.0f} mm ahead of the arm and held at {limit_mm:.0f} mm",
+    Code.NOT_A_POSE: "the target is not a finite rigid pose",
+    Code.POSITION: "{joint} would come to rest at {value:.4f} rad, outside {lower:.4f} to {upper:.4f} rad",
+    Code.VELOCITY: "{joint} would move at {value:.3f} rad/s (limit {limit:.3f})",
+    Code.ACCELERATION: "{joint} would accelerate at {value:.2f} rad/s² (limit {limit:.2f})",
+    Code.JERK: "{joint} would jerk at {value:.1f} rad/s³ (limit {limit:.1f})",
+    Code.INCONSISTENT: "{joint}: position, velocity and acceleration do not follow from the last command",
+    Code.WORKSPACE: "the tool would come to rest {excess_mm:.1f} mm outside the workspace",
+    Code.NO_TRAJECTORY: "no jerk-limited trajectory to the target: {reason}",
+    Code.COMMAND_TIMEOUT: "no command for {age_ms:.0f} ms (limit {limit_ms:.0f} ms): the driver stops the arm",
+}
+
+
+@dataclass(frozen=True, slots=True)
+class Reason:
+    """A code with its finished sentence, fit to be shown to the operator."""
+
+    code: Code
+    sentence: str
+
+
+def reason(code: Code, **values: object) -> Reason:
+    """The reason of a code; `values` fill the places of its sentence."""
+    return Reason(code, SENTENCES[code].format(**values))
