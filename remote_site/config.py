@@ -50,7 +50,8 @@ class RobotConfig(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fiel
     @property
     def start(self) -> Array:
         """The start posture in rad."""
-        return np.radians(np.array(self.start_deg))
+        start: Array = np.radians(np.array(self.start_deg))
+        return start
 
 
 class LocksConfig(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):

@@ -1,0 +1,117 @@
+"""The jerk-limited stop of every joint, in closed form: the quickest way to rest within acceleration and jerk."""
+
+import math
+from typing import NamedTuple
+
+import numpy as np
+
+from remote_site.kinematics.joints import JointMotion
+from remote_site.kinematics.limits import JointLimits
+
+State = tuple[float, float, float]  # position, velocity, acceleration
+REST = 1e-12  # rad/s and rad/s²: what rounding leaves of a stop that has ended
+
+
+class JointStop(NamedTuple):
+    """One joint's stop: `jerk` for `first` seconds, none for `cruise`, `-jerk` for `last`, and it rests."""
+
+    q: float
+    v: float
+    a: float
+    jerk: float
+    first: float
+    cruise: float
+    last: float
+
+    @property
+    def duration(self) -> float:
+        """Time to rest in s."""
+        return self.first + self.cruise + self.last
+
+    @property
+    def end(self) -> float:
+        """The position at rest."""
+        state = advance((self.q, self.v, self.a), self.jerk, self.first)
+        if self.cruise:
+            state = advance(state, 0.0, self.cruise)
+        return advance(state, -self.jerk, self.last)[0]
+
+    def at(self, t: float) -> State:
+        """Position, velocity and acceleration `t` seconds after the onset."""
+        state = (self.q, self.v, self.a)
+        for jerk, duration in self._phases():
+            if t < duration:
+                return advance(state, jerk, t)
+            state = advance(state, jerk, duration)
+            t -= duration
+        return state[0], 0.0, 0.0
+
+    def extent(self) -> tuple[float, float]:
+        """The lowest and the highest position on the way to rest."""
+        state = (self.q, self.v, self.a)
+        low = high = self.q
+        for jerk, duration in self._phases():
+            for t in (*_turns(state, jerk, duration), duration):
+                position = advance(state, jerk, t)[0]
+                low, high = min(low, position), max(high, position)
+            state = advance(state, jerk, duration)
+        return low, high
+
+    def _phases(self) -> tuple[tuple[float, float], ...]:
+        return (self.jerk, self.first), (0.0, self.cruise), (-self.jerk, self.last)
+
+
+def advance(state: State, jerk: float, t: float) -> State:
+    """The state after `t` seconds of constant jerk."""
+    q, v, a = state
+    return q + t * (v + t * (a / 2 + t * jerk / 6)), v + t * (a + t * jerk / 2), a + t * jerk
+
+
+def joint_stop(state: State, acceleration: float, jerk: float) -> JointStop:
+    """The quickest stop of one joint within its acceleration (rad/s²) and jerk (rad/s³) limits."""
+    q, v, a = state
+    if -REST < v < REST and -REST < a < REST:
+        return JointStop(q, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0)
+    coasting = v + a * abs(a) / (2 * jerk)  # the velocity left when the acceleration alone is taken back
+    side = 1.0 if coasting >= 0.0 else -1.0
+    toward, along = side * v, side * a
+    peak = math.sqrt(max(jerk * toward + along * along / 2, 0.0))
+    cruise = 0.0
+    if peak > acceleration:
+        peak = acceleration
+        cruise = max((toward + (along * along - 2 * peak * peak) / (2 * jerk)) / peak, 0.0)
+    return JointStop(q, v, a, -side * jerk, max((along + peak) / jerk, 0.0), cruise, peak / jerk)
+
+
+def stops(motion: JointMotion, limits: JointLimits) -> list[JointStop]:
+    """The stop of every joint from a motion."""
+    states = zip(motion.q.tolist(), motion.dq.tolist(), motion.ddq.tolist(), strict=True)
+    return [
+        joint_stop(state, acceleration, jerk)
+        for state, acceleration, jerk in zip(states, limits.acceleration.tolist(), limits.jerk.tolist(), strict=True)
+    ]
+
+
+def stopping(motion: JointMotion, limits: JointLimits, t: float) -> JointMotion:
+    """The motion `t` seconds (at least 0) after a stop began."""
+    q, dq, ddq = zip(*(stop.at(t) for stop in stops(motion, limits)), strict=True)
+    return JointMotion(np.array(q), np.array(dq), np.array(ddq))
+
+
+def stop_time(motion: JointMotion, limits: JointLimits) -> float:
+    """Seconds until the last joint rests, when the stop begins now."""
+    return max(stop.duration for stop in stops(motion, limits))
+
+
+def _turns(state: State, jerk: float, duration: float) -> list[float]:
+    """The instants within a phase at which the velocity is zero."""
+    _, v, a = state
+    if jerk == 0.0:
+        roots = [-v / a] if a != 0.0 else []
+    else:
+        discriminant = a * a - 2 * jerk * v
+        if discriminant < 0.0:
+            return []
+        root = math.sqrt(discriminant)
+        roots = [(-a - root) / jerk, (-a + root) / jerk]
+    return [t for t in roots if 0.0 < t < duration]
