@@ -1,0 +1,1 @@
+"""The simulated operator: a bare arm before two cameras, with exact truth."""

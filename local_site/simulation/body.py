@@ -1,0 +1,189 @@
+"""The simulated operator's right arm as a solid: convex hulls of balls, posed by a skeleton."""
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from common.geometry import Array
+from local_site.simulation.config import BodyConfig
+from local_site.simulation.hand import DIGITS, JOINTS, Hand
+
+RIM_POINTS = 32
+OPEN_ABOVE = 0.5
+
+FOREARM_AT = np.array([0.0, 0.1, 0.2, 0.32, 0.45, 0.6, 0.75, 0.88, 1.0])
+FOREARM_BELLY = np.array([0.0, 0.7, 1.0, 1.0, 0.72, 0.36, 0.12, 0.02, 0.0])
+UPPER_ARM_AT = np.array([0.0, 0.15, 0.35, 0.6, 1.0])
+UPPER_ARM_BELLY = np.array([0.0, 0.35, 0.75, 1.0, 0.9])
+BELLY_AT = 0.26
+WRIST_FLATNESS = 0.42
+ELBOW_FLATNESS = 0.10
+
+
+@dataclass(frozen=True, slots=True)
+class ArmPose:
+    """The skeleton at one instant, operator frame, m.
+
+    `operator_R_hand` has its columns along the hand: x distal, y radial (the thumb's side), z dorsal.
+    `openness` is 0 in the U shape and 1 with all fingers spread.
+    """
+
+    shoulder: Array
+    elbow: Array
+    wrist: Array
+    operator_R_hand: Array
+    openness: float
+
+
+@dataclass(frozen=True, slots=True)
+class ArmTruth:
+    """What a tracker should find, operator frame, m: joint centres, and the tips on the skin."""
+
+    elbow: Array
+    wrist: Array
+    index: Array
+    thumb: Array
+    hand_open: bool
+
+
+@dataclass(frozen=True, slots=True)
+class Part:
+    """A limb that is drawn as one: each of its pieces is the convex hull of these balls (the last index is the rim)."""
+
+    name: str
+    pieces: tuple[tuple[int, ...], ...]
+
+
+@dataclass(frozen=True, slots=True)
+class Solid:
+    """The skin: balls (N, 3) with radii (N,), and the sleeve's rim (M, 3); all in the operator frame, m."""
+
+    centres: Array
+    radii: Array
+    rim: Array
+
+
+class ArmBody:
+    """One person's arm: turns a pose into a solid and into the truth."""
+
+    def __init__(self, config: BodyConfig) -> None:
+        self._config = config
+        self._hand = Hand(config.hand_scale)
+        self._forearm = _forearm_sections(config)
+        self._upper_arm = _upper_arm_sections(config)
+        self._radii = np.concatenate(
+            [np.repeat(self._forearm.radius, 2), np.repeat(self._upper_arm.radius[:-1], 2), self._hand.radii]
+        )
+        self.parts = _parts(len(FOREARM_AT), len(UPPER_ARM_AT) - 1)
+
+    def solid(self, pose: ArmPose) -> Solid:
+        """The skin of the whole arm in this pose."""
+        along = _unit(pose.wrist - pose.elbow)
+        up = _unit(pose.elbow - pose.shoulder)
+        hinge = _unit(np.cross(along, up))
+        forearm = self._forearm_balls(pose, along, hinge)
+        upper, rim = self._upper_arm_balls(pose, -up, hinge)
+        hand = pose.wrist + self._hand.balls(pose.openness) @ pose.operator_R_hand.T
+        return Solid(np.concatenate([forearm, upper, hand]), self._radii, rim)
+
+    def truth(self, pose: ArmPose) -> ArmTruth:
+        """The points of the skeleton that a tracker measures."""
+        index, thumb = self._hand.tips(pose.openness)
+        rotation = pose.operator_R_hand
+        return ArmTruth(
+            elbow=pose.elbow,
+            wrist=pose.wrist,
+            index=pose.wrist + rotation @ index,
+            thumb=pose.wrist + rotation @ thumb,
+            hand_open=pose.openness > OPEN_ABOVE,
+        )
+
+    def _forearm_balls(self, pose: ArmPose, along: Array, hinge: Array) -> Array:
+        """Pairs of balls (2N, 3): flat across the hinge at the elbow, across the hand at the wrist."""
+        inner = np.cross(hinge, along)
+        radial = pose.operator_R_hand[:, 1]
+        twist = np.arctan2(radial @ inner, radial @ hinge)
+        if twist < -np.pi / 2:
+            twist += 2 * np.pi
+        angle = (twist * FOREARM_AT**1.3)[:, None]
+        across = np.cos(angle) * hinge + np.sin(angle) * inner
+        belly = self._config.belly_offset * FOREARM_BELLY[:, None] * inner
+        middle = pose.elbow + (self._config.forearm_length * FOREARM_AT)[:, None] * along + belly
+        return _pairs(middle, self._forearm.half_width[:, None] * across)
+
+    def _upper_arm_balls(self, pose: ArmPose, along: Array, hinge: Array) -> tuple[Array, Array]:
+        """Pairs of balls from the elbow up, and the rim where the sleeve begins, a flat cut across the limb."""
+        inner = np.cross(along, hinge)
+        reach = self._config.upper_arm_length * self._config.bare_fraction * UPPER_ARM_AT
+        belly = self._config.belly_offset * UPPER_ARM_BELLY[:, None] * inner
+        middle = pose.elbow + reach[:, None] * along + belly
+        sections = self._upper_arm
+        turn = np.linspace(0.0, 2.0 * np.pi, RIM_POINTS, endpoint=False)[:, None]
+        ring = sections.radius[-1] * (np.cos(turn) * hinge + np.sin(turn) * inner)
+        rim = middle[-1] + ring + np.sign(np.cos(turn)) * sections.half_width[-1] * hinge
+        return _pairs(middle[:-1], sections.half_width[:-1, None] * hinge), rim
+
+
+@dataclass(frozen=True, slots=True)
+class _Sections:
+    """Cross-sections of a limb, each two half circles of `radius` whose centres lie 2 `half_width` apart, m."""
+
+    radius: Array
+    half_width: Array
+
+
+def _forearm_sections(config: BodyConfig) -> _Sections:
+    taper = config.elbow_girth + (config.wrist_girth - config.elbow_girth) * FOREARM_AT
+    bulge = config.forearm_girth - float(np.interp(BELLY_AT, FOREARM_AT, taper))
+    flatness = ELBOW_FLATNESS + (WRIST_FLATNESS - ELBOW_FLATNESS) * FOREARM_AT**2
+    return _stadium(taper + bulge * FOREARM_BELLY, flatness)
+
+
+def _upper_arm_sections(config: BodyConfig) -> _Sections:
+    girth = config.elbow_girth + (config.upper_arm_girth - config.elbow_girth) * UPPER_ARM_BELLY
+    return _stadium(girth, np.full(len(girth), ELBOW_FLATNESS))
+
+
+def _stadium(girth: Array, flatness: Array) -> _Sections:
+    """Sections of this girth, 2 pi r + 4 w, whose half width w is `flatness` times the radius."""
+    radius = girth / (2 * np.pi + 4 * flatness)
+    return _Sections(radius, flatness * radius)
+
+
+def _pairs(middle: Array, offset: Array) -> Array:
+    return np.stack([middle - offset, middle + offset], axis=1).reshape(-1, 3)
+
+
+def _unit(vector: Array) -> Array:
+    return vector / np.sqrt(vector @ vector)
+
+
+def _parts(forearm: int, upper_arm: int) -> tuple[Part, ...]:
+    """Which balls make which piece, for these numbers of sections."""
+    wrist = (2 * forearm - 2, 2 * forearm - 1)
+    first = 2 * (forearm + upper_arm)
+    digit = {name: tuple(range(first + JOINTS * k, first + JOINTS * (k + 1))) for k, name in enumerate(DIGITS)}
+    palm = first + JOINTS * len(DIGITS)
+    rim = palm + 3
+    knuckles = tuple(digit[name][0] for name in DIGITS[:4])
+    thumb, index = digit["thumb"], digit["index"]
+    hand = (
+        (*wrist, *knuckles),
+        (*wrist, palm, digit["little"][0]),
+        (*wrist, thumb[0]),
+        (thumb[0], index[0]),
+        thumb[:2],
+        (thumb[0], palm + 1, palm + 2),
+    )
+    upper = (*_chain(2 * forearm, upper_arm), (first - 2, first - 1, rim))
+    return (
+        Part("upper_arm", upper),
+        Part("forearm", (*_chain(0, forearm), *hand)),
+        *(Part(name, tuple(zip(digit[name][:-1], digit[name][1:], strict=True))) for name in DIGITS[:4]),
+        Part("thumb", (thumb[1:3], thumb[2:])),
+    )
+
+
+def _chain(first: int, sections: int) -> tuple[tuple[int, ...], ...]:
+    """Pieces between successive sections of two balls each."""
+    return tuple(tuple(range(first + 2 * k, first + 2 * k + 4)) for k in range(sections - 1))

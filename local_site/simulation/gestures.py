@@ -1,0 +1,126 @@
+"""The motions by name, as displacement, turn and opening of the hand since the end of the initial stillness."""
+
+import math
+from collections.abc import Callable
+from dataclasses import dataclass, field
+
+import numpy as np
+
+from common.geometry import Array
+from local_site.simulation.config import MotionName
+
+RAMP_S = 2.0
+OPENING_S = 0.2
+OPEN_S = 0.5
+
+
+@dataclass(frozen=True, slots=True)
+class HandState:
+    """Displacement of the wrist (3,) in m and turn of the hand (3,) as a rotation vector in rad; openness 0 to 1."""
+
+    offset: Array = field(default_factory=lambda: np.zeros(3))
+    turn: Array = field(default_factory=lambda: np.zeros(3))
+    openness: float = 0.0
+
+
+@dataclass(frozen=True, slots=True)
+class Gesture:
+    """A motion: its path, and when in each of its periods the hand begins to open (s)."""
+
+    path: Callable[[float], tuple[Array, Array]]
+    period_s: float = math.inf
+    openings_s: tuple[float, ...] = ()
+
+    def at(self, t_s: float) -> HandState:
+        """The state at a time from 0 on."""
+        phase = math.fmod(t_s, self.period_s)
+        offset, turn = self.path(phase if self.openings_s else t_s)
+        return HandState(offset, turn, max((_opening(phase - start) for start in self.openings_s), default=0.0))
+
+    def openings_until(self, t_s: float) -> int:
+        """How many openings have begun."""
+        if t_s < 0 or not self.openings_s:
+            return 0
+        periods, phase = divmod(t_s, self.period_s)
+        return int(periods) * len(self.openings_s) + sum(phase >= start for start in self.openings_s)
+
+
+def gesture(name: MotionName) -> Gesture:
+    """The motion of this name."""
+    return _GESTURES[name]
+
+
+def minimum_jerk(share: float) -> float:
+    """From 0 to 1 with velocity and acceleration zero at both ends (Flash and Hogan 1985)."""
+    s = min(max(share, 0.0), 1.0)
+    return s * s * s * (10.0 + s * (6.0 * s - 15.0))
+
+
+def _opening(since_s: float) -> float:
+    rise = minimum_jerk(since_s / OPENING_S)
+    return rise - minimum_jerk((since_s - OPENING_S - OPEN_S) / OPENING_S)
+
+
+def _still(_t_s: float) -> tuple[Array, Array]:
+    return np.zeros(3), np.zeros(3)
+
+
+def _figure_of_eight(t_s: float) -> tuple[Array, Array]:
+    swell, phase = minimum_jerk(t_s / RAMP_S), 2.0 * math.pi * t_s / 6.0
+    return swell * np.array([0.08 * math.sin(phase), 0.0, 0.06 * math.sin(2.0 * phase)]), np.zeros(3)
+
+
+def _rotation(axis: int) -> Callable[[float], tuple[Array, Array]]:
+    direction = np.eye(3)[axis]
+
+    def path(t_s: float) -> tuple[Array, Array]:
+        angle = minimum_jerk(t_s / RAMP_S) * math.radians(25.0) * math.sin(2.0 * math.pi * t_s / 5.0)
+        return np.zeros(3), angle * direction
+
+    return path
+
+
+@dataclass(frozen=True, slots=True)
+class _Stop:
+    """Where the wrist is at a time of the period: displacement in m, yaw about the vertical in degrees."""
+
+    t_s: float
+    x: float
+    y: float
+    z: float
+    yaw_deg: float
+
+
+# Forward is -y, the operator's left +x. Between two stops of one place the hand opens.
+_PICK_AND_PLACE = (
+    _Stop(0.0, 0.0, 0.0, 0.0, 0.0),
+    _Stop(0.8, 0.0, 0.0, 0.0, 0.0),
+    _Stop(3.2, 0.0, -0.12, -0.25, 0.0),
+    _Stop(4.6, 0.0, -0.12, -0.25, 0.0),
+    _Stop(5.9, 0.0, -0.12, -0.10, 15.0),
+    _Stop(7.5, 0.20, -0.12, -0.10, -15.0),
+    _Stop(8.8, 0.20, -0.12, -0.25, 0.0),
+    _Stop(10.2, 0.20, -0.12, -0.25, 0.0),
+    _Stop(13.0, 0.0, 0.0, 0.0, 0.0),
+)
+_PICK_S, _PLACE_S = 3.5, 9.1
+
+
+def _pick_and_place(t_s: float) -> tuple[Array, Array]:
+    k = sum(stop.t_s <= t_s for stop in _PICK_AND_PLACE[1:-1])
+    a, b = _PICK_AND_PLACE[k], _PICK_AND_PLACE[k + 1]
+    share = minimum_jerk((t_s - a.t_s) / (b.t_s - a.t_s))
+    start, end = np.array([a.x, a.y, a.z]), np.array([b.x, b.y, b.z])
+    yaw = math.radians(a.yaw_deg + share * (b.yaw_deg - a.yaw_deg))
+    return start + share * (end - start), np.array([0.0, 0.0, yaw])
+
+
+_GESTURES: dict[MotionName, Gesture] = {
+    "hold": Gesture(_still),
+    "figure_of_eight": Gesture(_figure_of_eight),
+    "rotate_x": Gesture(_rotation(0)),
+    "rotate_y": Gesture(_rotation(1)),
+    "rotate_z": Gesture(_rotation(2)),
+    "pick_and_place": Gesture(_pick_and_place, _PICK_AND_PLACE[-1].t_s, (_PICK_S, _PLACE_S)),
+    "toggles": Gesture(_still, 2.0, (0.5,)),
+}

@@ -1,0 +1,119 @@
+"""The hand of the simulated arm: palm, four fingers and thumb, between the U shape and spread fingers.
+
+Hand frame, m: origin in the wrist's centre, x distal along the palm, y radial (the thumb's side), z dorsal.
+"""
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from common.geometry import Array
+
+DIGITS = ("index", "middle", "ring", "little", "thumb")
+JOINTS = 4
+
+
+@dataclass(frozen=True, slots=True)
+class Posture:
+    """One shape of all five digits.
+
+    `forward` (5, 3) points along each straight digit, `curl` (5, 3) to where it bends, `bend_deg` (5, 3) is the
+    direction of each of its three bones, counted from `forward`.
+    """
+
+    forward: Array
+    curl: Array
+    bend_deg: Array
+
+
+BASES = np.array(
+    [
+        [0.089, 0.026, 0.002],
+        [0.092, 0.005, 0.004],
+        [0.087, -0.016, 0.002],
+        [0.079, -0.034, -0.003],
+        [0.024, 0.023, -0.013],
+    ]
+)
+BONES = np.array(
+    [[0.046, 0.026, 0.018], [0.050, 0.030, 0.019], [0.046, 0.028, 0.019], [0.037, 0.021, 0.017], [0.046, 0.034, 0.022]]
+)
+RADII = np.array(
+    [
+        [0.0115, 0.0090, 0.0080, 0.0065],
+        [0.0115, 0.0092, 0.0082, 0.0066],
+        [0.0110, 0.0086, 0.0076, 0.0062],
+        [0.0105, 0.0076, 0.0068, 0.0056],
+        [0.0150, 0.0125, 0.0105, 0.0082],
+    ]
+)
+HYPOTHENAR = np.array([0.030, -0.022, -0.010])
+HYPOTHENAR_RADIUS = 0.017
+WEB_RADIUS = 0.0085
+
+
+def _fan(angles_deg: tuple[float, ...]) -> Array:
+    angles = np.radians(angles_deg)
+    return np.column_stack([np.cos(angles), np.sin(angles), np.zeros(len(angles))])
+
+
+def _posture(fan_deg: tuple[float, ...], thumb: Array, thumb_curl: Array, bend_deg: list[list[float]]) -> Posture:
+    down = np.tile([0.0, 0.0, -1.0], (4, 1))
+    return Posture(np.vstack([_fan(fan_deg), thumb]), np.vstack([down, thumb_curl]), np.array(bend_deg))
+
+
+U_SHAPE = _posture(
+    fan_deg=(2, 1, 2, 4),
+    thumb=np.array([0.60, 0.10, -0.79]),
+    thumb_curl=np.array([0.79, 0.0, 0.60]),
+    bend_deg=[[6, 18, 26], [12, 28, 40], [15, 34, 48], [14, 36, 50], [0, 20, 36]],
+)
+SPREAD = _posture(
+    fan_deg=(17, 3, -11, -27),
+    thumb=np.array([0.62, 0.78, -0.10]),
+    thumb_curl=np.array([0.78, -0.62, 0.0]),
+    bend_deg=[[-4, 0, 2], [-4, 0, 2], [-4, 0, 2], [-4, 0, 2], [0, 0, -8]],
+)
+
+
+class Hand:
+    """The hand at a size: its balls and tips for every openness."""
+
+    def __init__(self, scale: float) -> None:
+        self._scale = scale
+        palm_radii = [HYPOTHENAR_RADIUS, WEB_RADIUS, WEB_RADIUS]
+        self.radii = scale * np.concatenate([RADII.ravel(), palm_radii])
+
+    def balls(self, openness: float) -> Array:
+        """Centres (23, 3) of the balls: four for each digit from base to tip, then hypothenar and the web's two."""
+        joints, _ = self._joints(openness)
+        thumb, index = joints[4], joints[0]
+        web = np.array([HYPOTHENAR, 0.4 * thumb[0] + 0.6 * thumb[1], 0.85 * index[0] + 0.15 * thumb[0]])
+        return self._scale * np.vstack([joints.reshape(-1, 3), web])
+
+    def tips(self, openness: float) -> tuple[Array, Array]:
+        """The tips of index and thumb on the skin, (3,) each."""
+        joints, last = self._joints(openness)
+        skin = joints[:, 3] + RADII[:, 3:] * last
+        return self._scale * skin[0], self._scale * skin[4]
+
+    def _joints(self, openness: float) -> tuple[NDArray[np.float64], Array]:
+        """Joint centres (5, 4, 3) at scale 1, and the direction of each last bone (5, 3)."""
+        forward = _unit(_blend(U_SHAPE.forward, SPREAD.forward, openness))
+        curl = _blend(U_SHAPE.curl, SPREAD.curl, openness)
+        curl = _unit(curl - np.sum(curl * forward, axis=1, keepdims=True) * forward)
+        bend = np.radians(_blend(U_SHAPE.bend_deg, SPREAD.bend_deg, openness))[..., None]
+        bones = np.cos(bend) * forward[:, None] + np.sin(bend) * curl[:, None]
+        joints = np.empty((len(DIGITS), JOINTS, 3))
+        joints[:, 0] = BASES
+        joints[:, 1:] = BASES[:, None] + np.cumsum(BONES[..., None] * bones, axis=1)
+        return joints, bones[:, 2]
+
+
+def _blend(a: Array, b: Array, share: float) -> Array:
+    return (1.0 - share) * a + share * b
+
+
+def _unit(vectors: Array) -> Array:
+    return vectors / np.sqrt(np.sum(vectors * vectors, axis=-1, keepdims=True))

@@ -1,0 +1,68 @@
+"""What the simulated operator does: the pose of his arm as a function of time, and when his hand opens."""
+
+import math
+
+import numpy as np
+
+from common.errors import ConfigError
+from common.geometry import Array, rotation_from_vector
+from local_site.simulation.body import ArmPose
+from local_site.simulation.config import BodyConfig, MotionConfig
+from local_site.simulation.gestures import Gesture, gesture
+
+TREMOR_HZ = (7.3, 9.1, 10.7)
+OPENING_ROLL = math.radians(50.0)
+# Hand axes (columns x distal, y radial, z dorsal) at the start: to the operator's right, slightly up, thumb to the front.
+START_HAND = np.array([[-0.96, 0.0, 0.28], [0.0, -1.0, 0.0], [0.28, 0.0, 0.96]])
+START_ROLL = math.radians(15.0)
+
+
+class Motion:
+    """One operator's motion; a pure function of the time since its start."""
+
+    def __init__(self, config: MotionConfig, body: BodyConfig, seed: int) -> None:
+        self._config = config
+        self._upper_arm, self._forearm = body.upper_arm_length, body.forearm_length
+        self._gesture: Gesture = gesture(config.name)
+        self._shoulder = np.array(config.shoulder)
+        self._start = np.array(config.wrist)
+        self._phases = np.random.default_rng(seed).uniform(0.0, 2.0 * np.pi, (len(TREMOR_HZ), 3))
+
+    def pose(self, t_s: float) -> ArmPose:
+        """The pose at a time; ConfigError when the arm cannot reach so far from its shoulder."""
+        state = self._gesture.at(max(t_s - self._config.still_s, 0.0))
+        wrist = self._start + state.offset + self._tremor(t_s)
+        roll = rotation_from_vector(np.array([START_ROLL + OPENING_ROLL * state.openness, 0.0, 0.0]))
+        return ArmPose(
+            shoulder=self._shoulder,
+            elbow=self._elbow(wrist),
+            wrist=wrist,
+            operator_R_hand=rotation_from_vector(state.turn) @ START_HAND @ roll,
+            openness=state.openness,
+        )
+
+    def toggles_until(self, t_s: float) -> int:
+        """How often the hand has begun to open."""
+        return self._gesture.openings_until(t_s - self._config.still_s)
+
+    def _elbow(self, wrist: Array) -> Array:
+        """The elbow on its circle about the line from shoulder to wrist, turned by the swivel angle from hanging."""
+        reach = wrist - self._shoulder
+        distance = math.sqrt(float(reach @ reach))
+        a, b = self._upper_arm, self._forearm
+        along = (a * a - b * b + distance * distance) / (2.0 * distance)
+        if a * a <= along * along:
+            raise ConfigError(f"the simulated arm cannot reach {distance:.3f} m; move shoulder or wrist closer")
+        axis = reach / distance
+        down = np.array([0.0, 0.0, -1.0])
+        first = down - (down @ axis) * axis
+        first /= math.sqrt(float(first @ first))
+        swivel = math.radians(self._config.swivel_deg)
+        out = math.cos(swivel) * first + math.sin(swivel) * np.cross(axis, first)
+        return self._shoulder + along * axis + math.sqrt(a * a - along * along) * out
+
+    def _tremor(self, t_s: float) -> Array:
+        if not self._config.tremor_mm:
+            return np.zeros(3)
+        turns = 2.0 * np.pi * np.array(TREMOR_HZ)[:, None] * t_s + self._phases
+        return self._config.tremor_mm * 1e-3 * np.mean(np.sin(turns), axis=0)

@@ -1,0 +1,43 @@
+"""The simulated operator: one time in, both pictures and the truth out."""
+
+from common.cameras.camera import Image
+from local_site.simulation.body import ArmBody, ArmTruth, Solid
+from local_site.simulation.cameras import stereo_pair
+from local_site.simulation.config import SimulationConfig
+from local_site.simulation.motion import Motion
+from local_site.simulation.rendering import Renderer
+
+SUB_FRAMES = 5
+
+
+class SimulatedOperator:
+    """A bare right arm that moves before two cameras; times are s since the start of the motion."""
+
+    def __init__(self, config: SimulationConfig) -> None:
+        self.motion = Motion(config.motion, config.body, config.seed)
+        self._body = ArmBody(config.body)
+        self._shutter_s = config.picture.shutter_ms * 1e-3
+        self._renderers = [
+            Renderer(camera, self._body.parts, config.stereo, config.picture, config.seed + k)
+            for k, camera in enumerate(stereo_pair(config.stereo))
+        ]
+
+    def render(self, t_s: float) -> tuple[Image, Image]:
+        """Both pictures (H, W) grey, exposed about this time."""
+        solids = self._exposure(t_s)
+        left, right = (renderer.render(solids) for renderer in self._renderers)
+        return left, right
+
+    def render_one(self, camera: int, t_s: float) -> Image:
+        """The picture of one camera, 0 left or 1 right."""
+        return self._renderers[camera].render(self._exposure(t_s))
+
+    def truth(self, t_s: float) -> ArmTruth:
+        """The points to be found at this time."""
+        return self._body.truth(self.motion.pose(t_s))
+
+    def _exposure(self, t_s: float) -> list[Solid]:
+        if not self._shutter_s:
+            return [self._body.solid(self.motion.pose(t_s))]
+        shares = [(k + 0.5) / SUB_FRAMES - 0.5 for k in range(SUB_FRAMES)]
+        return [self._body.solid(self.motion.pose(t_s + share * self._shutter_s)) for share in shares]
