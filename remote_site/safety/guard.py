@@ -40,7 +40,8 @@ class Workspace:
     def excess(self, point_in_base: Array) -> float:
         """How far a point lies outside, m; 0 inside."""
         sides = zip(self.lower.tolist(), point_in_base.tolist(), self.upper.tolist(), strict=True)
-        return max(0.0, *(max(low - x, x - high) for low, x, high in sides))
+        excess: float = max(0.0, *(max(low - x, x - high) for low, x, high in sides))
+        return excess
 
     def clamp(self, point_in_base: Array) -> Array:
         """The nearest point of the box."""

@@ -1,0 +1,140 @@
+"""The intake of hand samples: in order, young, finite and plausible, or refused with the reason; pure."""
+
+from collections import Counter, deque
+from dataclasses import dataclass
+
+import numpy as np
+
+from common.clock import NS_PER_MS, NS_PER_S, ClockOffset
+from common.geometry import Array, hand_rotation
+from common.messages import HandArm, TrackingStatus
+from remote_site.config import SafetyConfig
+from remote_site.safety.status import Code, Reason, reason
+
+SESSIONS_REMEMBERED = 256
+
+
+@dataclass(frozen=True, slots=True)
+class Accepted:
+    """A sample to act on: wrist (3,) in the operator frame in m, the hand's orientation (3 x 3) if it shows one.
+
+    `born_ns` is its capture on our clock, the earliest it can be; the age counts from there. The orientation is None
+    while a fingertip is missing or the hand is open.
+    """
+
+    sample: HandArm
+    wrist: Array
+    operator_R_hand: Array | None
+    born_ns: int
+    new_session: bool
+
+
+@dataclass(frozen=True, slots=True)
+class Rejected:
+    """A sample not to act on; `hand_lost` when the tracker says so, `latch` when the engagement must end."""
+
+    reason: Reason
+    hand_lost: bool = False
+    latch: bool = False
+    new_session: bool = False
+
+
+class Intake:
+    """Judges samples one by one; `rejected` counts refusals by code."""
+
+    def __init__(self, config: SafetyConfig) -> None:
+        self._config = config
+        self._soft_ns = round(config.t_soft_ms * NS_PER_MS)
+        self._latch_ns = round(config.t_latch_ms * NS_PER_MS)
+        self.rejected: Counter[Code] = Counter()
+        self._session: int | None = None
+        self._former: deque[int] = deque(maxlen=SESSIONS_REMEMBERED)
+        self._seq = -1
+        self._capture_ns = -1
+        self._last: Accepted | None = None
+        self._jumps = 0
+
+    def accept(self, sample: HandArm, now_ns: int, offset: ClockOffset | None) -> Accepted | Rejected:
+        """Accepted, or Rejected with the first rule that was broken; only samples that exist in time are remembered."""
+        broken = self._order(sample) or self._time(sample, now_ns, offset)
+        if broken is not None or offset is None:
+            return self._reject(broken or reason(Code.NO_OFFSET))
+        new_session = self._remember(sample)
+        born_ns = now_ns - offset.age_ns(sample.capture_ns, now_ns)
+        if sample.wrist is None or sample.status in (TrackingStatus.LOST, TrackingStatus.INITIALISING):
+            return self._reject(_not_tracked(sample), hand_lost=True, new_session=new_session)
+        wrist = np.array(sample.wrist)
+        if not np.isfinite(wrist).all():
+            return self._reject(reason(Code.NOT_FINITE, what="wrist"), new_session=new_session)
+        if (jump := self._jump(wrist, born_ns)) is not None:
+            return self._jumped(jump, new_session)
+        self._jumps = 0
+        self._last = Accepted(sample, wrist, _orientation(sample), born_ns, new_session)
+        return self._last
+
+    def _order(self, sample: HandArm) -> Reason | None:
+        if sample.session in self._former:
+            return reason(Code.OLD_SESSION)
+        if sample.session != self._session or sample.seq > self._seq:
+            return None
+        if sample.seq == self._seq:
+            return reason(Code.DUPLICATE, seq=sample.seq)
+        return reason(Code.OLD, seq=sample.seq, newest=self._seq)
+
+    def _time(self, sample: HandArm, now_ns: int, offset: ClockOffset | None) -> Reason | None:
+        if offset is None:
+            return reason(Code.NO_OFFSET)
+        age_ns = offset.age_ns(sample.capture_ns, now_ns)
+        if age_ns < 0:
+            return reason(Code.FUTURE, ahead_ms=-age_ns / NS_PER_MS)
+        if age_ns > self._soft_ns:
+            return reason(Code.STALE, age_ms=age_ns / NS_PER_MS, limit_ms=self._soft_ns / NS_PER_MS)
+        if sample.session == self._session and sample.capture_ns <= self._capture_ns:
+            return reason(Code.OLD, seq=sample.seq, newest=self._seq)
+        return None
+
+    def _remember(self, sample: HandArm) -> bool:
+        """Note the sample's place in the order; True when it opens a new local session after another."""
+        new_session = self._session is not None and sample.session != self._session
+        if new_session and self._session is not None:
+            self._former.append(self._session)
+            self._last, self._jumps = None, 0
+        self._session, self._seq, self._capture_ns = sample.session, sample.seq, sample.capture_ns
+        return new_session
+
+    def _jump(self, wrist: Array, born_ns: int) -> Reason | None:
+        if self._last is None or born_ns - self._last.born_ns > self._latch_ns:
+            return None
+        interval_ns = born_ns - self._last.born_ns
+        distance = float(np.linalg.norm(wrist - self._last.wrist))
+        if distance <= self._config.hand_speed_m_s * interval_ns / NS_PER_S + self._config.hand_noise_m:
+            return None
+        return reason(Code.JUMP, distance_mm=distance * 1e3, interval_ms=interval_ns / NS_PER_MS)
+
+    def _jumped(self, jump: Reason, new_session: bool) -> Rejected:
+        self._jumps += 1
+        if self._jumps < self._config.jumps_to_latch:
+            return self._reject(jump, new_session=new_session)
+        latch = reason(Code.JUMPS, count=self._jumps)
+        self._last, self._jumps = None, 0
+        return self._reject(latch, latch=True, new_session=new_session)
+
+    def _reject(
+        self, why: Reason, *, hand_lost: bool = False, latch: bool = False, new_session: bool = False
+    ) -> Rejected:
+        self.rejected[why.code] += 1
+        return Rejected(why, hand_lost, latch, new_session)
+
+
+def _not_tracked(sample: HandArm) -> Reason:
+    code = {TrackingStatus.LOST: Code.LOST, TrackingStatus.INITIALISING: Code.INITIALISING}.get(
+        sample.status, Code.NO_WRIST
+    )
+    return reason(code, reason=sample.reason)
+
+
+def _orientation(sample: HandArm) -> Array | None:
+    if sample.wrist is None or sample.index is None or sample.thumb is None or sample.hand_open:
+        return None
+    points = np.array([sample.wrist, sample.index, sample.thumb])
+    return hand_rotation(*points) if np.isfinite(points).all() else None
