@@ -1,0 +1,101 @@
+"""The driver of the simulated cell: setpoints and readings through shared memory."""
+
+import numpy as np
+
+from common.clock import NS_PER_MS, Clock
+from common.errors import DriverError
+from common.geometry import Array
+from common.messages import GripperState
+from remote_site.drivers.driver import DriverSetup, JointCommand, RobotReading
+from remote_site.shared_memory import CellMemory, Record
+from remote_site.simulation.controller import ControllerFault
+
+SILENT_NS = 100 * NS_PER_MS
+
+FAULTS = {
+    ControllerFault.WATCHDOG: "watchdog: setpoints ceased, the arm has stopped; activate anew",
+    ControllerFault.NOT_FINITE: "a setpoint was not finite, the arm has stopped; activate anew",
+    ControllerFault.APART: "the arm is not where it was activated; read it and activate there",
+}
+
+
+class SimulatedDriver:
+    """A `Driver` whose robot is the simulated cell of another process."""
+
+    def __init__(self, memory: CellMemory, clock: Clock) -> None:
+        self._memory = memory
+        self._clock = clock
+        self._command = np.zeros((), dtype=memory.command.dtype)
+        self._joints = len(self._command["q"])
+        self._configured = False
+
+    def configure(self, setup: DriverSetup) -> None:
+        """Hand the command time-out and the limits of the stop to the robot's controller."""
+        if len(setup.joint_names) != self._joints:
+            raise DriverError(f"the simulated arm has {self._joints} joints, the model {len(setup.joint_names)}")
+        record = np.zeros((), dtype=self._memory.setup.dtype)
+        record["timeout_ns"] = setup.command_timeout_ns
+        record["acceleration"], record["jerk"] = setup.limits.acceleration, setup.limits.jerk
+        self._memory.setup.write(record)
+        self._configured = True
+
+    def activate(self, q0: Array) -> None:
+        """Ask the controller to take setpoints from rest at `q0`; `ready` says when it does."""
+        reading = self._memory.reading.read()
+        if not self._configured:
+            raise DriverError("configure the simulated driver before it is activated")
+        if self._silent(reading):
+            raise DriverError("the simulated cell gives no readings; is its process running?")
+        if not reading["resting"]:
+            raise DriverError("the simulated arm still moves; activate it when it rests")
+        command = self._command
+        command["activation"] = int(reading["activation"]) + 1
+        command["run"], command["gripper_open"] = True, reading["gripper_open"]
+        command["q"], command["dq"], command["ddq"] = q0, 0.0, 0.0
+        self._memory.command.write(command)
+
+    def read(self) -> RobotReading:
+        """The newest reading of the cell; a silent cell is not ready."""
+        reading = self._memory.reading.read()
+        fault = self._fault(reading)
+        gripper = GripperState(float(reading["opening_m"]), float(reading["force_n"]), bool(reading["gripper_open"]))
+        return RobotReading(
+            t_ns=int(reading["t_ns"]),
+            q=reading["q"],
+            dq=reading["dq"],
+            gripper=gripper,
+            ready=not fault,
+            fault=fault,
+            obeyed_seq=int(reading["obeyed_seq"]) if reading["obeyed_ns"] else None,
+        )
+
+    def write(self, command: JointCommand) -> JointCommand:
+        """Put a setpoint before the controller; DriverError before activation and after a stop."""
+        if not self._command["run"]:
+            raise DriverError("the simulated arm is stopped; activate it before it is commanded")
+        record = self._command
+        record["seq"], record["t_ns"], record["gripper_open"] = command.seq, command.t_ns, command.gripper_open
+        record["q"], record["dq"], record["ddq"] = command.q, command.dq, command.ddq
+        self._memory.command.write(record)
+        return command
+
+    def stop(self) -> None:
+        """Have the controller stop the arm within its limits and hold it."""
+        self._command["run"] = False
+        self._memory.command.write(self._command)
+
+    def deactivate(self) -> None:
+        """Stop, and take no more setpoints."""
+        self.stop()
+
+    def _fault(self, reading: Record) -> str:
+        if self._silent(reading):
+            return "the simulated cell gives no readings; is its process running?"
+        if int(reading["activation"]) != int(self._command["activation"]):
+            return "not activated yet"
+        if reading["active"]:
+            return ""
+        return FAULTS.get(ControllerFault(int(reading["fault"])), "stopped; activate anew")
+
+    def _silent(self, reading: Record) -> bool:
+        return self._clock.now_ns() - int(reading["t_ns"]) > SILENT_NS

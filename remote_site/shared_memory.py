@@ -1,0 +1,132 @@
+"""Records that processes of the remote site share without waiting: one writer, any number of readers, never torn."""
+
+import mmap
+import zlib
+from dataclasses import dataclass
+from typing import Self
+
+import numpy as np
+from numpy.typing import NDArray
+
+from common.errors import DriverError
+
+COUNTER_BYTES = 64
+SLOTS = 2
+READ_ATTEMPTS = 1000
+BLOCK_VALUES = 7
+FINGERS = 2
+
+Record = NDArray[np.void]
+
+
+class SharedRecord:
+    """One record in anonymous memory that a fork inherits.
+
+    The writer fills the slot that no reader is sent to, then turns the counter; a writer killed half way leaves the
+    last whole record standing. A reader takes a slot only if the counter stood still meanwhile and the checksum agrees,
+    which also holds on processors that reorder writes.
+    """
+
+    def __init__(self, dtype: np.dtype[np.void]) -> None:
+        self.dtype = dtype
+        self._slot_bytes = dtype.itemsize + 4
+        self._memory = mmap.mmap(-1, COUNTER_BYTES + SLOTS * self._slot_bytes)
+        self._counter = np.frombuffer(self._memory, dtype=np.uint64, count=1)
+        self.write(np.zeros((), dtype=dtype))
+
+    @property
+    def count(self) -> int:
+        """How often the record has been written."""
+        return int(self._counter[0])
+
+    def write(self, record: Record) -> None:
+        """Publish a record of this dtype (0-d array); only one process may write."""
+        data = record.tobytes()
+        count = int(self._counter[0]) + 1
+        start = COUNTER_BYTES + (count % SLOTS) * self._slot_bytes
+        self._memory[start : start + self._slot_bytes] = data + zlib.crc32(data).to_bytes(4, "little")
+        self._counter[0] = count
+
+    def read(self) -> Record:
+        """A copy of the newest record (0-d array); DriverError when no whole one is found in bounded tries."""
+        for _ in range(READ_ATTEMPTS):
+            data = self._try_read()
+            if data is not None:
+                return np.frombuffer(data, dtype=self.dtype).reshape(())
+        raise DriverError(f"shared memory: no whole record in {READ_ATTEMPTS} tries; restart the remote site")
+
+    def _try_read(self) -> bytes | None:
+        count = int(self._counter[0])
+        start = COUNTER_BYTES + (count % SLOTS) * self._slot_bytes
+        slot = self._memory[start : start + self._slot_bytes]
+        if int(self._counter[0]) != count:
+            return None
+        data = slot[:-4]
+        return data if zlib.crc32(data) == int.from_bytes(slot[-4:], "little") else None
+
+
+def setup_dtype(joints: int) -> np.dtype[np.void]:
+    """What the driver demands of the controller's own stop: after how long a silence, and within which limits."""
+    return np.dtype(
+        [("timeout_ns", np.int64), ("acceleration", np.float64, (joints,)), ("jerk", np.float64, (joints,))]
+    )
+
+
+def command_dtype(joints: int) -> np.dtype[np.void]:
+    """A setpoint: `activation` counts the driver's activations, and while `run` is false the arm stops and holds."""
+    return np.dtype(
+        [
+            ("seq", np.uint64),
+            ("t_ns", np.int64),
+            ("activation", np.uint32),
+            ("run", np.bool_),
+            ("gripper_open", np.bool_),
+            ("q", np.float64, (joints,)),
+            ("dq", np.float64, (joints,)),
+            ("ddq", np.float64, (joints,)),
+        ]
+    )
+
+
+def reading_dtype(joints: int) -> np.dtype[np.void]:
+    """What the robot controller measured at `t_ns`; `obeyed_ns` is when it took `obeyed_seq`, 0 before the first.
+
+    `fault` is a `ControllerFault`; `resting` says that no motion is under way.
+    """
+    return np.dtype(
+        [
+            ("t_ns", np.int64),
+            ("obeyed_seq", np.uint64),
+            ("obeyed_ns", np.int64),
+            ("activation", np.uint32),
+            ("active", np.bool_),
+            ("resting", np.bool_),
+            ("fault", np.uint8),
+            ("gripper_open", np.bool_),
+            ("opening_m", np.float64),
+            ("force_n", np.float64),
+            ("q", np.float64, (joints,)),
+            ("dq", np.float64, (joints,)),
+        ]
+    )
+
+
+def snapshot_dtype(joints: int) -> np.dtype[np.void]:
+    """The posture of the whole cell at `t_ns`, for rendering: joints, fingers, block."""
+    return np.dtype([("t_ns", np.int64), ("qpos", np.float64, (joints + FINGERS + BLOCK_VALUES,))])
+
+
+@dataclass(frozen=True, slots=True)
+class CellMemory:
+    """Everything the simulated cell shares with the driver and the video; made before the processes fork."""
+
+    setup: SharedRecord
+    command: SharedRecord
+    reading: SharedRecord
+    snapshot: SharedRecord
+
+    @classmethod
+    def create(cls, joints: int) -> Self:
+        """Empty records for an arm of so many joints."""
+        kinds = (setup_dtype, command_dtype, reading_dtype, snapshot_dtype)
+        return cls(*(SharedRecord(kind(joints)) for kind in kinds))

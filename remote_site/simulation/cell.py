@@ -1,0 +1,100 @@
+"""The cell as a MuJoCo model: arm from its URDF, gripper, table, block, target, cameras; the world is base_link."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from xml.etree import ElementTree
+
+import mujoco
+import numpy as np
+from numpy.typing import NDArray
+
+from common.errors import ModelError
+from common.geometry import Array
+from remote_site.config import RobotConfig
+from remote_site.simulation.config import ArmConfig, CellConfig
+from remote_site.simulation.gripper import GRIP, THINGS, TOUCHES_ROBOT, add_gripper
+from remote_site.simulation.scenery import add_block, add_room, add_table, add_target
+from remote_site.simulation.views import add_view
+
+
+@dataclass(frozen=True, slots=True)
+class Cell:
+    """A compiled cell and where its parts stand in MuJoCo's arrays."""
+
+    model: mujoco.MjModel
+    joints: tuple[str, ...]
+    q_index: NDArray[np.intp]
+    v_index: NDArray[np.intp]
+    grip: int
+    start_q: Array
+
+    def start(self) -> mujoco.MjData:
+        """The cell at rest in its start posture, gripper open, block at its place."""
+        data = mujoco.MjData(self.model)
+        data.qpos[self.q_index] = self.start_q
+        mujoco.mj_forward(self.model, data)
+        return data
+
+
+def build_cell(config: CellConfig, robot: RobotConfig) -> Cell:
+    """Compile the cell around the arm of the robot's URDF; ModelError when URDF and configuration do not fit."""
+    spec = _read_arm(robot.urdf)
+    joints = tuple(joint.name for joint in spec.joints)
+    _set_physics(spec, config)
+    _dress_arm(spec, config.arm, joints)
+    tool = spec.body(robot.tool_frame)
+    if tool is None:
+        raise ModelError(f"{robot.urdf}: no link {robot.tool_frame!r} to carry the gripper; set robot.tool_frame")
+    add_gripper(spec, tool, config.gripper)
+    add_room(spec, config.scene)
+    add_table(spec, config.scene)
+    add_target(spec, config.scene)
+    add_block(spec, config.block, config.scene.table_z_m)
+    for view in config.views:
+        add_view(tool if view.frame == "tool" else spec.worldbody, view)
+    return _compile(spec, joints, robot.start)
+
+
+def _read_arm(urdf: Path) -> mujoco.MjSpec:
+    try:
+        robot = ElementTree.parse(urdf).getroot()  # noqa: S314  # the robot model is the site's own file
+        extension = ElementTree.SubElement(robot, "mujoco")
+        ElementTree.SubElement(extension, "compiler", discardvisual="false", fusestatic="false")
+        return mujoco.MjSpec.from_string(ElementTree.tostring(robot, encoding="unicode"))
+    except (OSError, ElementTree.ParseError, ValueError) as error:
+        raise ModelError(f"{urdf}: MuJoCo cannot read this robot: {error}") from error
+
+
+def _set_physics(spec: mujoco.MjSpec, config: CellConfig) -> None:
+    spec.option.timestep = config.step_ms / 1000.0
+    spec.option.integrator = mujoco.mjtIntegrator.mjINT_IMPLICITFAST
+    spec.option.cone = mujoco.mjtCone.mjCONE_ELLIPTIC
+    spec.option.impratio = 10.0
+    spec.option.iterations = 30
+
+
+def _dress_arm(spec: mujoco.MjSpec, arm: ArmConfig, joints: Sequence[str]) -> None:
+    values = (arm.armature_kg_m2, arm.coulomb_n_m, arm.viscous_n_m_s)
+    if any(len(value) != len(joints) for value in values):
+        raise ModelError(f"the arm has {len(joints)} joints; give cell.arm as many armatures and frictions")
+    for joint, armature, coulomb, viscous in zip(spec.joints, *values, strict=True):
+        joint.armature = armature
+        joint.frictionloss = coulomb
+        joint.damping = [viscous, 0.0, 0.0]
+        actuator = spec.add_actuator(name=joint.name, trntype=mujoco.mjtTrn.mjTRN_JOINT, target=joint.name)
+        actuator.set_to_motor()
+    for geom in spec.geoms:
+        geom.contype, geom.conaffinity = TOUCHES_ROBOT, THINGS
+
+
+def _compile(spec: mujoco.MjSpec, joints: tuple[str, ...], start_q: Array) -> Cell:
+    if len(start_q) != len(joints):
+        raise ModelError(f"robot.start_deg has {len(start_q)} angles for {len(joints)} joints")
+    try:
+        model = spec.compile()
+    except ValueError as error:
+        raise ModelError(f"the cell does not compile: {error}") from error
+    q_index = np.array([model.joint(name).qposadr[0] for name in joints])
+    v_index = np.array([model.joint(name).dofadr[0] for name in joints])
+    return Cell(model, joints, q_index, v_index, model.actuator(GRIP).id, start_q)

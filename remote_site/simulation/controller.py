@@ -1,0 +1,142 @@
+"""The simulated robot controller's mind: which joint motion to follow now, and its own command watchdog. Pure."""
+
+import math
+from dataclasses import dataclass
+from enum import IntEnum
+
+import numpy as np
+
+from common.clock import NS_PER_MS, NS_PER_S
+from common.geometry import Array
+from remote_site.kinematics.joints import JointMotion
+from remote_site.safety.stopping import JointStop, joint_stop
+from remote_site.shared_memory import Record
+from remote_site.simulation.config import ServoConfig
+
+
+class ControllerFault(IntEnum):
+    """Why the controller takes no setpoints."""
+
+    NONE = 0
+    WATCHDOG = 1
+    NOT_FINITE = 2
+    APART = 3
+
+
+@dataclass(frozen=True, slots=True)
+class ArmLimits:
+    """The robot's own limits, each (n,): positions in rad, velocity in rad/s."""
+
+    lower: Array
+    upper: Array
+    velocity: Array
+
+
+@dataclass(slots=True)
+class _Stop:
+    joints: list[JointStop]
+    elapsed_s: float = 0.0
+
+    def advance(self, dt: float) -> JointMotion:
+        self.elapsed_s += dt
+        q, dq, ddq = zip(*(joint.at(self.elapsed_s) for joint in self.joints), strict=True)
+        return JointMotion(np.array(q), np.array(dq), np.array(ddq))
+
+
+class Controller:
+    """Turns setpoints into the motion that the servo follows.
+
+    Setpoints are extended by their velocity and acceleration until the next arrives; what jumps is followed within the
+    robot's acceleration. Silence, a stop, or a setpoint that is not finite end in a jerk-limited stop, after which only
+    a new activation moves the arm.
+    """
+
+    def __init__(self, config: ServoConfig, limits: ArmLimits, q0: Array) -> None:
+        self._config = config
+        self._limits = limits
+        self._follow = 2.0 * math.pi * config.follow_hz
+        self._timeout_ns = round(config.watchdog_ms * NS_PER_MS)
+        self._stop_acceleration = np.full(len(q0), config.stop_acceleration_rad_s2)
+        self._stop_jerk = np.full(len(q0), config.stop_jerk_rad_s3)
+        self._stop: _Stop | None = None
+        self._arrival_ns = 0
+        self._seq = -1
+        self.motion = JointMotion.at_rest(q0)
+        self.activation = 0
+        self.active = False
+        self.fault = ControllerFault.NONE
+        self.gripper_open = True
+        self.obeyed_seq = 0
+        self.obeyed_ns = 0
+
+    @property
+    def resting(self) -> bool:
+        """No motion is under way or asked for."""
+        return not self.active and self._stop is None
+
+    def tick(self, setup: Record, command: Record, now_ns: int, dt: float) -> JointMotion:
+        """The motion to follow at `now_ns`, `dt` seconds after the last; arguments as in `shared_memory`."""
+        if self.resting and int(command["activation"]) != self.activation:
+            self._activate(setup, command, now_ns)
+        if self.active:
+            self._take(command, now_ns)
+        if self.active:
+            self.motion = self._towards(self._setpoint(command, now_ns), dt)
+        elif self._stop is not None:
+            self.motion = self._stop.advance(dt)
+            if self.motion.resting:
+                self._stop = None
+        return self.motion
+
+    def stop(self) -> None:
+        """Begin the jerk-limited stop, unless one is under way or the arm rests; setpoints are taken no more."""
+        self.active = False
+        if self._stop is None and not self.motion.resting:
+            states = zip(self.motion.q.tolist(), self.motion.dq.tolist(), self.motion.ddq.tolist(), strict=True)
+            limits = zip(self._stop_acceleration.tolist(), self._stop_jerk.tolist(), strict=True)
+            self._stop = _Stop([joint_stop(s, *limit) for s, limit in zip(states, limits, strict=True)])
+
+    def _activate(self, setup: Record, command: Record, now_ns: int) -> None:
+        self.activation = int(command["activation"])
+        apart = np.abs(command["q"] - self.motion.q).max()
+        if not apart <= self._config.activation_tolerance_rad:
+            self.fault = ControllerFault.APART
+            return
+        self._timeout_ns = min(round(self._config.watchdog_ms * NS_PER_MS), int(setup["timeout_ns"]))
+        self._stop_acceleration = np.minimum(setup["acceleration"], self._config.stop_acceleration_rad_s2)
+        self._stop_jerk = np.minimum(setup["jerk"], self._config.stop_jerk_rad_s3)
+        self.active, self.fault = True, ControllerFault.NONE
+        self._seq, self._arrival_ns = int(command["seq"]), now_ns
+        self.obeyed_seq, self.obeyed_ns = 0, 0
+
+    def _take(self, command: Record, now_ns: int) -> None:
+        if int(command["activation"]) != self.activation or not command["run"]:
+            self.stop()
+        elif not JointMotion(command["q"], command["dq"], command["ddq"]).finite:
+            self._fail(ControllerFault.NOT_FINITE)
+        elif int(command["seq"]) != self._seq:
+            self._seq = self.obeyed_seq = int(command["seq"])
+            self._arrival_ns = self.obeyed_ns = now_ns
+            self.gripper_open = bool(command["gripper_open"])
+        elif now_ns - self._arrival_ns > self._timeout_ns:
+            self._fail(ControllerFault.WATCHDOG)
+
+    def _fail(self, fault: ControllerFault) -> None:
+        self.fault = fault
+        self.stop()
+
+    def _setpoint(self, command: Record, now_ns: int) -> JointMotion:
+        age = max(now_ns - self._arrival_ns, 0) / NS_PER_S
+        curved = min(age, self._config.extrapolation_ms / 1000.0)
+        q, dq, ddq = command["q"], command["dq"], command["ddq"]
+        velocity = dq + curved * ddq
+        position = q + curved * dq + 0.5 * curved * curved * ddq + (age - curved) * velocity
+        return JointMotion(position, velocity, ddq if age == curved else np.zeros(len(q)))
+
+    def _towards(self, wanted: JointMotion, dt: float) -> JointMotion:
+        now, follow, limits = self.motion, self._follow, self._limits
+        target = np.clip(wanted.q, limits.lower, limits.upper)
+        ddq = wanted.ddq + 2.0 * follow * (wanted.dq - now.dq) + follow * follow * (target - now.q)
+        top = self._config.max_acceleration_rad_s2
+        dq = np.clip(now.dq + dt * np.clip(ddq, -top, top), -limits.velocity, limits.velocity)
+        return JointMotion(now.q + 0.5 * dt * (now.dq + dq), dq, (dq - now.dq) / dt)

@@ -1,0 +1,87 @@
+"""The process of the simulated cell: physics and robot controller at real time, until asked to end, stopping first."""
+
+import time
+from collections.abc import Callable
+
+import numpy as np
+import structlog
+
+from common.clock import NS_PER_S
+from remote_site.config import RobotConfig
+from remote_site.shared_memory import CellMemory
+from remote_site.simulation.cell import Cell, build_cell
+from remote_site.simulation.config import CellConfig
+from remote_site.simulation.controller import ArmLimits, Controller
+from remote_site.simulation.servo import Servo
+
+MAX_LATE_STEPS = 20
+
+
+class SimulatedCell:
+    """The cell and its robot controller, joined to shared memory; time comes in with each step."""
+
+    def __init__(self, config: CellConfig, robot: RobotConfig, memory: CellMemory) -> None:
+        self.cell = build_cell(config, robot)
+        self.data = self.cell.start()
+        self.dt: float = self.cell.model.opt.timestep
+        self.controller = Controller(config.servo, _limits(self.cell, config), self.cell.start_q)
+        self._servo = Servo(config, self.cell, self.data)
+        self._memory = memory
+        self._reading = np.zeros((), dtype=memory.reading.dtype)
+        self._snapshot = np.zeros((), dtype=memory.snapshot.dtype)
+
+    def step(self, now_ns: int) -> None:
+        """One period of control and physics, ending at `now_ns`."""
+        motion = self.controller.tick(self._memory.setup.read(), self._memory.command.read(), now_ns, self.dt)
+        self._servo.step(motion, self.controller.gripper_open)
+        self._publish(now_ns)
+
+    def _publish(self, now_ns: int) -> None:
+        reading, controller, servo = self._reading, self.controller, self._servo
+        reading["t_ns"] = now_ns
+        reading["obeyed_seq"], reading["obeyed_ns"] = controller.obeyed_seq, controller.obeyed_ns
+        reading["activation"], reading["active"] = controller.activation, controller.active
+        reading["resting"], reading["fault"] = controller.resting, controller.fault
+        reading["gripper_open"] = controller.gripper_open
+        reading["opening_m"], reading["force_n"] = servo.opening_m, servo.force_n
+        reading["q"], reading["dq"] = servo.q, servo.dq
+        self._memory.reading.write(reading)
+        self._snapshot["t_ns"], self._snapshot["qpos"] = now_ns, self.data.qpos
+        self._memory.snapshot.write(self._snapshot)
+
+
+def run_cell(
+    config: CellConfig,
+    robot: RobotConfig,
+    memory: CellMemory,
+    should_stop: Callable[[], bool],
+    beat: Callable[[], None],
+) -> None:
+    """Run the cell at real time in this process until `should_stop`; then stop the arm, and return once it rests.
+
+    Late steps are caught up; more than 40 ms late, time is let go and the log says so.
+    """
+    cell = SimulatedCell(config, robot, memory)
+    period_ns = round(cell.dt * NS_PER_S)
+    due_ns = time.monotonic_ns()
+    while not (should_stop() and cell.controller.resting):
+        if should_stop():
+            cell.controller.stop()
+        due_ns = _wait(due_ns + period_ns, MAX_LATE_STEPS * period_ns)
+        cell.step(due_ns)
+        beat()
+
+
+def _wait(due_ns: int, most_ns: int) -> int:
+    now_ns = time.monotonic_ns()
+    if now_ns < due_ns:
+        time.sleep((due_ns - now_ns) / NS_PER_S)
+    elif now_ns > due_ns + most_ns:
+        structlog.get_logger().warning("simulated cell lost time", late_ms=round((now_ns - due_ns) / 1e6))
+        return now_ns
+    return due_ns
+
+
+def _limits(cell: Cell, config: CellConfig) -> ArmLimits:
+    ranges = np.array([cell.model.joint(name).range for name in cell.joints])
+    return ArmLimits(ranges[:, 0], ranges[:, 1], np.full(len(ranges), config.servo.max_velocity_rad_s))

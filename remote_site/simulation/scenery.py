@@ -1,0 +1,113 @@
+"""What stands around the arm: room, pedestal, table, target paper and the block of thesis section 5.3."""
+
+import mujoco
+
+from remote_site.simulation.config import BlockConfig, SceneConfig
+from remote_site.simulation.gripper import THINGS, TOUCHES_ROBOT
+
+BOX = mujoco.mjtGeom.mjGEOM_BOX
+BLOCK = "block"
+TABLE_THICKNESS_M = 0.03
+PAPER_THICKNESS_M = 0.0004
+MARK_WIDTH_M = 0.006
+
+FLOOR = (0.56, 0.60, 0.64, 1.0)
+LINE = (0.49, 0.53, 0.57, 1.0)
+WALL = (0.80, 0.84, 0.87, 1.0)
+PEDESTAL = (0.30, 0.34, 0.40, 1.0)
+WOOD = (0.62, 0.47, 0.33, 1.0)
+LEG = (0.36, 0.38, 0.42, 1.0)
+PAPER = (0.97, 0.97, 0.95, 1.0)
+MARK = (0.85, 0.12, 0.14, 1.0)
+FOAM = (0.25, 0.55, 0.80, 1.0)
+
+
+def add_room(spec: mujoco.MjSpec, scene: SceneConfig) -> None:
+    """Floor with a grid of one metre, two walls behind the arm, light from above and beside the cameras."""
+    spec.visual.headlight.ambient = [0.35, 0.35, 0.36]
+    spec.visual.headlight.diffuse = [0.25, 0.25, 0.25]
+    spec.visual.headlight.specular = [0.0, 0.0, 0.0]
+    spec.visual.map.znear = 0.02
+    spec.visual.quality.numslices = 24
+    spec.visual.quality.numstacks = 2
+    spec.visual.quality.numquads = 1
+    spec.visual.quality.shadowsize = 0
+    spec.visual.quality.offsamples = 0
+    spec.stat.extent = 2.0
+    world, z = spec.worldbody, scene.floor_z_m
+    _visual_box(world, (6, 6, 0.05), (0, 0, z - 0.05), FLOOR)
+    for k in range(-2, 4):
+        _visual_box(world, (0.006, 4, 0.001), (k * 0.8, 0, z), LINE)
+        _visual_box(world, (4, 0.006, 0.001), (0, k * 0.8, z), LINE)
+    _visual_box(world, (0.05, 6, 3), (-1.6, 0, z + 3), WALL)
+    _visual_box(world, (6, 0.05, 3), (0, 2.2, z + 3), WALL)
+    _visual_box(world, (0.15, 0.15, -z / 2), (0, 0, z / 2), PEDESTAL)
+    world.add_light(
+        type=mujoco.mjtLightType.mjLIGHT_DIRECTIONAL,
+        pos=[1.5, -1, 3],
+        dir=[-0.5, 0.45, -0.85],
+        diffuse=[0.55, 0.54, 0.52],
+        specular=[0.05, 0.05, 0.05],
+        castshadow=False,
+    )
+
+
+def add_table(spec: mujoco.MjSpec, scene: SceneConfig) -> None:
+    """The table, its top at `table_z_m`."""
+    (x, y), (length, width), top = scene.table_centre_xy_m, scene.table_size_xy_m, scene.table_z_m
+    half = TABLE_THICKNESS_M / 2
+    spec.worldbody.add_geom(
+        name="table",
+        type=BOX,
+        size=[length / 2, width / 2, half],
+        pos=[x, y, top - half],
+        rgba=WOOD,
+        contype=THINGS,
+        conaffinity=THINGS | TOUCHES_ROBOT,
+        friction=[0.6, 0.005, 0.0001],
+    )
+    leg = (top - TABLE_THICKNESS_M - scene.floor_z_m) / 2
+    for side in (-1, 1):
+        for end in (-1, 1):
+            centre = (x + end * (length / 2 - 0.04), y + side * (width / 2 - 0.04), scene.floor_z_m + leg)
+            _visual_box(spec.worldbody, (0.02, 0.02, leg), centre, LEG)
+
+
+def add_target(spec: mujoco.MjSpec, scene: SceneConfig) -> None:
+    """The square paper on the table, its corner (+x, -y) marked: there the block's red corner belongs (figure 5.7)."""
+    (x, y), side, half = scene.target_corner_xy_m, scene.target_side_m, PAPER_THICKNESS_M / 2
+    z, mark = scene.table_z_m + half, MARK_WIDTH_M / 2
+    _visual_box(spec.worldbody, (side / 2, side / 2, half), (x - side / 2, y + side / 2, z), PAPER, "target")
+    _visual_box(spec.worldbody, (side / 4, mark, half), (x - side / 4, y - mark, z + half), MARK)
+    _visual_box(spec.worldbody, (mark, side / 4 + mark, half), (x + mark, y + side / 4 - mark, z + half), MARK)
+
+
+def add_block(spec: mujoco.MjSpec, block: BlockConfig, table_z_m: float) -> None:
+    """The foam block, free to move, standing on the table; its corner (+x, -y) carries a red stripe."""
+    depth, thickness, height = block.size_m
+    body = spec.worldbody.add_body(name=BLOCK, pos=[*block.centre_xy_m, table_z_m + height / 2])
+    body.add_freejoint(name=BLOCK)
+    body.add_geom(
+        name=BLOCK,
+        type=BOX,
+        size=[depth / 2, thickness / 2, height / 2],
+        rgba=FOAM,
+        mass=block.mass_kg,
+        friction=[block.friction, 0.02, 0.001],
+        condim=4,
+        contype=THINGS,
+        conaffinity=THINGS | TOUCHES_ROBOT,
+    )
+    stripe = MARK_WIDTH_M / 2
+    corner = (depth / 2 - stripe + 0.0005, -thickness / 2 + stripe - 0.0005, 0.0)
+    _visual_box(body, (stripe, stripe, height / 2), corner, MARK)
+
+
+def _visual_box(
+    body: mujoco.MjsBody,
+    half_size: tuple[float, float, float],
+    centre: tuple[float, float, float],
+    rgba: tuple[float, float, float, float],
+    name: str = "",
+) -> None:
+    body.add_geom(name=name, type=BOX, size=half_size, pos=centre, rgba=rgba, contype=0, conaffinity=0, mass=0)
