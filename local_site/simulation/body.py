@@ -1,8 +1,10 @@
 """The simulated operator's right arm as a solid: convex hulls of balls, posed by a skeleton."""
 
 from dataclasses import dataclass
+from itertools import pairwise
 
 import numpy as np
+from numpy.typing import NDArray
 
 from common.geometry import Array
 from local_site.simulation.config import BodyConfig
@@ -51,7 +53,12 @@ class Part:
     """A limb that is drawn as one: each of its pieces is the convex hull of these balls (the last index is the rim)."""
 
     name: str
-    pieces: tuple[tuple[int, ...], ...]
+    pieces: tuple[NDArray[np.intp], ...]
+
+    @property
+    def balls(self) -> NDArray[np.intp]:
+        """All balls of the part, those of several pieces several times."""
+        return np.concatenate(self.pieces)
 
 
 @dataclass(frozen=True, slots=True)
@@ -176,12 +183,17 @@ def _parts(forearm: int, upper_arm: int) -> tuple[Part, ...]:
         (thumb[0], palm + 1, palm + 2),
     )
     upper = (*_chain(2 * forearm, upper_arm), (first - 2, first - 1, rim))
+    fingers = (_part(name, *pairwise(digit[name])) for name in DIGITS[:4])
     return (
-        Part("upper_arm", upper),
-        Part("forearm", (*_chain(0, forearm), *hand)),
-        *(Part(name, tuple(zip(digit[name][:-1], digit[name][1:], strict=True))) for name in DIGITS[:4]),
-        Part("thumb", (thumb[1:3], thumb[2:])),
+        _part("upper_arm", *upper),
+        _part("forearm", *_chain(0, forearm), *hand),
+        *fingers,
+        _part("thumb", thumb[1:3], thumb[2:]),
     )
+
+
+def _part(name: str, *pieces: tuple[int, ...]) -> Part:
+    return Part(name, tuple(np.array(piece) for piece in pieces))
 
 
 def _chain(first: int, sections: int) -> tuple[tuple[int, ...], ...]:

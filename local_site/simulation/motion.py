@@ -12,7 +12,7 @@ from local_site.simulation.gestures import Gesture, gesture
 
 TREMOR_HZ = (7.3, 9.1, 10.7)
 OPENING_ROLL = math.radians(50.0)
-# Hand axes (columns x distal, y radial, z dorsal) at the start: to the operator's right, slightly up, thumb to the front.
+# Hand axes (columns x distal, y radial, z dorsal) at the start: to the operator's right, slightly up, thumb in front.
 START_HAND = np.array([[-0.96, 0.0, 0.28], [0.0, -1.0, 0.0], [0.28, 0.0, 0.96]])
 START_ROLL = math.radians(15.0)
 
@@ -59,10 +59,12 @@ class Motion:
         first /= math.sqrt(float(first @ first))
         swivel = math.radians(self._config.swivel_deg)
         out = math.cos(swivel) * first + math.sin(swivel) * np.cross(axis, first)
-        return self._shoulder + along * axis + math.sqrt(a * a - along * along) * out
+        elbow: Array = self._shoulder + along * axis + math.sqrt(a * a - along * along) * out
+        return elbow
 
     def _tremor(self, t_s: float) -> Array:
         if not self._config.tremor_mm:
             return np.zeros(3)
         turns = 2.0 * np.pi * np.array(TREMOR_HZ)[:, None] * t_s + self._phases
-        return self._config.tremor_mm * 1e-3 * np.mean(np.sin(turns), axis=0)
+        tremor: Array = self._config.tremor_mm * 1e-3 * np.mean(np.sin(turns), axis=0)
+        return tremor

@@ -1,4 +1,4 @@
-"""The outline of the simulated arm in a picture: exact, since a hull of balls projects to the hull of their outlines."""
+"""The outline of the simulated arm in a picture, exact: a hull of balls projects to the hull of their outlines."""
 
 from dataclasses import dataclass
 
@@ -10,7 +10,7 @@ from common.geometry import Array
 from local_site.simulation.body import RIM_POINTS, Part, Solid
 from local_site.simulation.cameras import PinholeCamera
 
-Polygon = NDArray[np.float32]
+FixedPoints = NDArray[np.int32]
 
 _TURN = np.linspace(0.0, 2.0 * np.pi, RIM_POINTS, endpoint=False)
 # Half way between inscribed and circumscribed, so that a polygon of few corners is as wide as its circle on average.
@@ -18,30 +18,38 @@ _CIRCLE = np.column_stack([np.cos(_TURN), np.sin(_TURN)]) * (0.5 + 0.5 / np.cos(
 
 
 @dataclass(frozen=True, slots=True)
-class PartOutline:
-    """A limb in the picture: convex polygons (K, 2) in px whose union is its silhouette; `depth` in m from the camera."""
+class Outlines:
+    """What the lens makes of the balls: `rims` (N + 1, RIM_POINTS, 2) in px, the sleeve's rim last.
 
-    name: str
-    polygons: tuple[Polygon, ...]
-    depth: float
+    `depths` (N + 1,) are the distances of their centres along the line of sight, m.
+    """
+
+    rims: Array
+    depths: Array
+
+    def extent(self) -> tuple[Array, Array]:
+        """The least and the greatest pixel coordinates, (2,) each."""
+        points = self.rims.reshape(-1, 2)
+        return points.min(axis=0), points.max(axis=0)
 
 
-def part_outlines(
-    solid: Solid, parts: tuple[Part, ...], camera: PinholeCamera, inset_px: float = 0.0
-) -> list[PartOutline]:
-    """The limbs as this camera sees them, the farthest first, each smaller all round by `inset_px`."""
+def project(solid: Solid, camera: PinholeCamera, inset_px: float = 0.0) -> Outlines:
+    """The outlines of all balls in one camera, each smaller all round by `inset_px`."""
     centres = camera.to_camera(solid.centres)
     radii = solid.radii - inset_px / camera.focal_px * centres[:, 2]
-    rims = np.concatenate([_ball_outlines(centres, radii), camera.to_camera(solid.rim)[None]])
-    pixels = camera.pixels(rims).astype(np.float32)
-    depths = np.append(centres[:, 2], camera.to_camera(solid.rim.mean(axis=0))[2])
-    outlines = [_part_outline(part, pixels, depths) for part in parts]
-    return sorted(outlines, key=lambda outline: -outline.depth)
+    rim = camera.to_camera(solid.rim)
+    rims = camera.pixels(np.concatenate([_ball_outlines(centres, radii), rim[None]]))
+    return Outlines(rims, np.append(centres[:, 2], rim[:, 2].mean()))
 
 
-def _part_outline(part: Part, pixels: Polygon, depths: Array) -> PartOutline:
-    polygons = tuple(cv2.convexHull(pixels[list(piece)].reshape(-1, 2))[:, 0] for piece in part.pieces)
-    return PartOutline(part.name, polygons, float(np.mean([depths[list(piece)].mean() for piece in part.pieces])))
+def part_polygons(rims: FixedPoints, depths: Array, parts: tuple[Part, ...]) -> list[list[FixedPoints]]:
+    """Each part's convex polygons, whose union is its silhouette; the farthest part first."""
+    order = sorted(parts, key=lambda part: -depths[part.balls].mean())
+    return [[_hull(rims[piece].reshape(-1, 2)) for piece in part.pieces] for part in order]
+
+
+def _hull(points: FixedPoints) -> FixedPoints:
+    return cv2.convexHull(points).astype(np.int32, copy=False)
 
 
 def _ball_outlines(centres: Array, radii: Array) -> Array:
@@ -51,6 +59,7 @@ def _ball_outlines(centres: Array, radii: Array) -> Array:
     sight = centres / np.sqrt(distance2)[:, None]
     side = np.column_stack([sight[:, 2], np.zeros(len(sight)), -sight[:, 0]])
     side /= np.sqrt(np.sum(side * side, axis=1, keepdims=True))
-    radius = (radii * np.sqrt(shrink))[:, None, None]
-    around = _CIRCLE[:, :1] * side[:, None] + _CIRCLE[:, 1:] * np.cross(sight, side)[:, None]
-    return shrink[:, None, None] * centres[:, None] + radius * around
+    radius = (radii * np.sqrt(shrink))[:, None]
+    axes = np.stack([radius * side, radius * np.cross(sight, side)], axis=1)
+    touching: Array = shrink[:, None, None] * centres[:, None] + _CIRCLE @ axes
+    return touching

@@ -1,5 +1,7 @@
 """Draws the simulated arm grey on black, with the blur and the noise of a real camera."""
 
+import math
+
 import cv2
 import numpy as np
 from numpy.typing import NDArray
@@ -8,13 +10,15 @@ from common.cameras.camera import Image
 from local_site.simulation.body import Part, Solid
 from local_site.simulation.cameras import PinholeCamera
 from local_site.simulation.config import PictureConfig, StereoConfig
-from local_site.simulation.outline import PartOutline, part_outlines
+from local_site.simulation.outline import Outlines, part_polygons, project
+
+Box = tuple[int, int, int, int]
 
 FINE = 4
 SHIFT = 4
+COARSE_SHIFT = SHIFT + 2
 # OpenCV fills every pixel that the outline touches: 0.47 of a fine pixel too much all round, as measured on circles.
 FILL_EXCESS_PX = 0.47 / FINE
-MARGIN_PX = 12
 NOISE_ROOM_PX = 128
 
 BACKGROUND_LEVEL = 9.0
@@ -28,65 +32,89 @@ class Renderer:
     """One camera's picture of the arm; its noise is drawn once and shifted about at random from frame to frame."""
 
     def __init__(
-        self, camera: PinholeCamera, parts: tuple[Part, ...], stereo: StereoConfig, picture: PictureConfig, seed: int
+        self,
+        camera: PinholeCamera,
+        parts: tuple[Part, ...],
+        stereo: StereoConfig,
+        picture: PictureConfig,
+        seed: int,
     ) -> None:
         self._camera = camera
         self._parts = parts
         self._size = (stereo.width_px, stereo.height_px)
         self._picture = picture
+        self._margin_px = math.ceil(3.0 * picture.blur_sigma_px) + 2
         self._random = np.random.default_rng(seed)
         self._background = _background(*self._size, self._random)
         self._noise = _noise(*self._size, picture.noise_sigma, seed)
 
     def render(self, exposures: list[Solid]) -> Image:
         """The picture (H, W) grey of the arm as it was at instants spread over one exposure."""
-        outlines = [part_outlines(solid, self._parts, self._camera, FILL_EXCESS_PX) for solid in exposures]
+        outlines = [project(solid, self._camera, FILL_EXCESS_PX) for solid in exposures]
         image = self._background.copy()
-        box = _box(outlines, self._size)
+        box = self._box(outlines)
         if box is not None:
             left, top, right, bottom = box
             region = image[top:bottom, left:right]
             cv2.add(region, self._arm(outlines, box), dst=region)
         return self._with_noise(image)
 
-    def _arm(self, outlines: list[list[PartOutline]], box: tuple[int, int, int, int]) -> Image:
-        pictures = [_draw(parts, box) for parts in outlines]
-        arm = pictures[0] if len(pictures) == 1 else np.mean(pictures, axis=0).astype(np.uint8)
+    def _arm(self, outlines: list[Outlines], box: Box) -> Image:
+        arm = _mean([_draw(outline, self._parts, box) for outline in outlines])
         if self._picture.blur_sigma_px:
-            arm = cv2.GaussianBlur(arm, (0, 0), self._picture.blur_sigma_px)
+            cv2.GaussianBlur(arm, (0, 0), self._picture.blur_sigma_px, dst=arm)
         return arm
+
+    def _box(self, outlines: list[Outlines]) -> Box | None:
+        """The part of the picture that the arm fills, or None when it is out of view."""
+        lows, highs = zip(*(outline.extent() for outline in outlines), strict=True)
+        low = np.maximum(np.floor(np.min(lows, axis=0)).astype(int) - self._margin_px, 0)
+        high = np.minimum(np.ceil(np.max(highs, axis=0)).astype(int) + self._margin_px, self._size)
+        if np.any(high - low < 2):
+            return None
+        return int(low[0]), int(low[1]), int(high[0]), int(high[1])
 
     def _with_noise(self, image: Image) -> Image:
         if not self._picture.noise_sigma:
             return image
         x, y = self._random.integers(0, NOISE_ROOM_PX, size=2)
         width, height = self._size
-        return cv2.add(image, self._noise[y : y + height, x : x + width], dtype=cv2.CV_8U)
+        noisy = cv2.add(image, self._noise[y : y + height, x : x + width], dtype=cv2.CV_8U)
+        return noisy.astype(np.uint8, copy=False)
 
 
-def _draw(parts: list[PartOutline], box: tuple[int, int, int, int]) -> Image:
-    """The arm within the box (left, top, right, bottom), lit from the front, without its background."""
+def _mean(pictures: list[Image]) -> Image:
+    if len(pictures) == 1:
+        return pictures[0]
+    total = np.zeros(pictures[0].shape, np.float32)
+    for picture in pictures:
+        cv2.accumulate(picture, total)
+    return cv2.convertScaleAbs(total, alpha=1.0 / len(pictures)).astype(np.uint8, copy=False)
+
+
+def _draw(outlines: Outlines, parts: tuple[Part, ...], box: Box) -> Image:
+    """The arm within the box, lit from the front, without its background."""
     left, top, right, bottom = box
     size = (right - left, bottom - top)
-    corner = np.array([left, top], np.float32)
+    # Corner (0, 0) of a picture is the centre of its first pixel, at every resolution.
+    fine_px = FINE * (outlines.rims - (left, top)) + (FINE - 1) / 2
+    fixed = np.rint(fine_px * (1 << SHIFT)).astype(np.int32)
     fine = np.zeros((FINE * size[1], FINE * size[0]), np.uint8)
-    relief = np.zeros(size[::-1], np.uint8)
-    for part in parts:
-        polygons = [polygon - corner for polygon in part.polygons]
-        coarse = [_fixed(polygon) for polygon in polygons]
-        cv2.polylines(relief, coarse, True, 0, 2, cv2.LINE_8, SHIFT)
-        for polygon, outline in zip(polygons, coarse, strict=True):
-            cv2.fillConvexPoly(relief, outline, 255, cv2.LINE_8, SHIFT)
-            cv2.fillConvexPoly(fine, _fixed(FINE * polygon + (FINE - 1) / 2), 255, cv2.LINE_8, SHIFT)
+    labels = np.zeros(size[::-1], np.uint8)
+    for label, polygons in enumerate(part_polygons(fixed, outlines.depths, parts), start=1):
+        for polygon in polygons:
+            cv2.fillConvexPoly(labels, polygon, label, cv2.LINE_8, COARSE_SHIFT)
+            cv2.fillConvexPoly(fine, polygon, 255, cv2.LINE_8, SHIFT)
     coverage = cv2.resize(fine, size, interpolation=cv2.INTER_AREA)
-    return cv2.multiply(_shade(relief), coverage, scale=1 / 255)
+    return cv2.multiply(_shade(labels), coverage, scale=1 / 255).astype(np.uint8, copy=False)
 
 
-def _shade(relief: Image) -> Image:
-    """Brightness of each pixel by its depth inside the nearest outline, as if every limb were round."""
-    depth = cv2.distanceTransform(relief, cv2.DIST_L2, cv2.DIST_MASK_3)
+def _shade(labels: Image) -> Image:
+    """Brightness of each pixel by its depth inside its limb's outline, as if every limb were round."""
+    edges = cv2.morphologyEx(labels, cv2.MORPH_GRADIENT, _NEIGHBOURS)
+    depth = cv2.distanceTransform((edges == 0).view(np.uint8), cv2.DIST_L2, cv2.DIST_MASK_3)
     level = cv2.LUT(cv2.convertScaleAbs(depth, alpha=255 / FULL_DEPTH_PX), _ROUND)
-    return cv2.GaussianBlur(level, (0, 0), 1.0)
+    return cv2.GaussianBlur(level, (0, 0), 1.0).astype(np.uint8, copy=False)
 
 
 def _round_levels() -> Image:
@@ -95,21 +123,7 @@ def _round_levels() -> Image:
 
 
 _ROUND = _round_levels()
-
-
-def _fixed(polygon: NDArray[np.float32]) -> NDArray[np.int32]:
-    """Pixel coordinates with the fractional bits that OpenCV takes."""
-    return np.rint(polygon * (1 << SHIFT)).astype(np.int32)
-
-
-def _box(exposures: list[list[PartOutline]], size: tuple[int, int]) -> tuple[int, int, int, int] | None:
-    """The part of the picture (left, top, right, bottom) that the arm fills, or None when it is out of view."""
-    points = np.concatenate([polygon for parts in exposures for part in parts for polygon in part.polygons])
-    low = np.maximum(np.floor(points.min(axis=0)).astype(int) - MARGIN_PX, 0)
-    high = np.minimum(np.ceil(points.max(axis=0)).astype(int) + MARGIN_PX, size)
-    if np.any(high - low < 2):
-        return None
-    return int(low[0]), int(low[1]), int(high[0]), int(high[1])
+_NEIGHBOURS = cv2.getStructuringElement(cv2.MORPH_CROSS, (3, 3))
 
 
 def _background(width: int, height: int, random: np.random.Generator) -> Image:
@@ -122,5 +136,5 @@ def _background(width: int, height: int, random: np.random.Generator) -> Image:
 def _noise(width: int, height: int, sigma: float, seed: int) -> NDArray[np.int16]:
     field = np.zeros((height + NOISE_ROOM_PX, width + NOISE_ROOM_PX), np.int16)
     cv2.setRNGSeed(seed % 2**31)
-    cv2.randn(field, 0, sigma)
+    cv2.randn(field, np.zeros(1), np.array([sigma]))
     return field
