@@ -82,10 +82,10 @@ class ViewConfig(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_field
 
 
 VIEWS = (
-    ViewConfig(name="front_high", position_m=(1.75, 0.55, 1.45), looks_at_m=(0.42, 0.06, 0.58), fovy_deg=38),
-    ViewConfig(name="front_low", position_m=(1.75, -0.45, 0.72), looks_at_m=(0.42, 0.05, 0.60), fovy_deg=38),
-    ViewConfig(name="side", position_m=(0.42, -1.55, 0.80), looks_at_m=(0.40, 0.05, 0.58), fovy_deg=42),
-    ViewConfig(name="gripper", frame="tool", position_m=(-0.085, 0, 0.02), looks_at_m=(0.0, 0, 0.19), fovy_deg=62),
+    ViewConfig(name="front_high", position_m=(1.85, 0.50, 1.50), looks_at_m=(0.40, 0.08, 0.56), fovy_deg=36),
+    ViewConfig(name="front_low", position_m=(1.85, -0.35, 0.66), looks_at_m=(0.40, 0.06, 0.62), fovy_deg=34),
+    ViewConfig(name="side", position_m=(0.45, -1.70, 0.85), looks_at_m=(0.40, 0.05, 0.60), fovy_deg=36),
+    ViewConfig(name="gripper", frame="tool", position_m=(-0.13, 0, 0.05), looks_at_m=(0.0, 0, 0.17), fovy_deg=60),
 )
 
 

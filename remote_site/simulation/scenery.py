@@ -23,7 +23,7 @@ FOAM = (0.25, 0.55, 0.80, 1.0)
 
 
 def add_room(spec: mujoco.MjSpec, scene: SceneConfig) -> None:
-    """Floor with a grid of one metre, two walls behind the arm, light from above and beside the cameras."""
+    """Floor with a grid of one metre, four walls, light from above and beside the cameras."""
     spec.visual.headlight.ambient = [0.35, 0.35, 0.36]
     spec.visual.headlight.diffuse = [0.25, 0.25, 0.25]
     spec.visual.headlight.specular = [0.0, 0.0, 0.0]
@@ -39,8 +39,8 @@ def add_room(spec: mujoco.MjSpec, scene: SceneConfig) -> None:
     for k in range(-2, 4):
         _visual_box(world, (0.006, 4, 0.001), (k * 0.8, 0, z), LINE)
         _visual_box(world, (4, 0.006, 0.001), (0, k * 0.8, z), LINE)
-    _visual_box(world, (0.05, 6, 3), (-1.6, 0, z + 3), WALL)
-    _visual_box(world, (6, 0.05, 3), (0, 2.2, z + 3), WALL)
+    for x, y in ((-1.6, 0.0), (3.2, 0.0), (0.0, 2.2), (0.0, -3.0)):
+        _visual_box(world, (0.05, 6, 3) if x else (6, 0.05, 3), (x, y, z + 3), WALL)
     _visual_box(world, (0.15, 0.15, -z / 2), (0, 0, z / 2), PEDESTAL)
     world.add_light(
         type=mujoco.mjtLightType.mjLIGHT_DIRECTIONAL,

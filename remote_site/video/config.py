@@ -1,0 +1,38 @@
+"""The parameters of the video: cameras, their rate, when a picture counts as frozen."""
+
+from typing import Annotated
+
+import msgspec
+from msgspec import Meta
+
+from common.messages import Name
+
+SIMULATED = "simulated"
+
+
+class CameraConfig(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
+    """One view of the cell."""
+
+    name: Name
+    source: Annotated[
+        str, Meta(min_length=1, description="'simulated' (the cell's view of this name), device, URL, file or folder")
+    ] = SIMULATED
+    latency_ms: Annotated[float, Meta(ge=0, le=1000, description="exposure to arrival of a live camera")] = 30.0
+
+
+class VideoConfig(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
+    """Four views by default, as in thesis section 4.1.3: two in front, one at the side, one on the end-effector."""
+
+    cameras: Annotated[tuple[CameraConfig, ...], Meta(min_length=1, max_length=16)] = (
+        CameraConfig(name="front_high"),
+        CameraConfig(name="front_low"),
+        CameraConfig(name="side"),
+        CameraConfig(name="gripper"),
+    )
+    width: Annotated[int, Meta(ge=16, le=1920, description="of simulated views, pixels")] = 640
+    height: Annotated[int, Meta(ge=16, le=1080, description="of simulated views, pixels")] = 480
+    fps: Annotated[float, Meta(gt=0, le=120, description="frames per second of each camera")] = 30.0
+    quality: Annotated[int, Meta(ge=10, le=100, description="JPEG quality")] = 80
+    frozen_ms: Annotated[float, Meta(ge=50, le=5000, description="without a new picture a camera is frozen")] = 500.0
+    status_hz: Annotated[float, Meta(gt=0, le=30, description="how often a frozen or missing camera is told of")] = 5.0
+    nice: Annotated[int, Meta(ge=0, le=19, description="how far the video gives way to control")] = 5
