@@ -10,6 +10,7 @@ from local_site.simulation.body import ArmPose
 from local_site.simulation.config import BodyConfig, MotionConfig
 from local_site.simulation.gestures import Gesture, gesture
 
+CHECKED_S = 20.0
 TREMOR_HZ = (7.3, 9.1, 10.7)
 OPENING_ROLL = math.radians(50.0)
 # Hand axes (columns x distal, y radial, z dorsal) at the start: to the operator's right, slightly up, thumb in front.
@@ -18,7 +19,7 @@ START_ROLL = math.radians(15.0)
 
 
 class Motion:
-    """One operator's motion; a pure function of the time since its start."""
+    """One operator's motion, a pure function of the time since its start; ConfigError when his arm is too short."""
 
     def __init__(self, config: MotionConfig, body: BodyConfig, seed: int) -> None:
         self._config = config
@@ -27,6 +28,8 @@ class Motion:
         self._shoulder = np.array(config.shoulder)
         self._start = np.array(config.wrist)
         self._phases = np.random.default_rng(seed).uniform(0.0, 2.0 * np.pi, (len(TREMOR_HZ), 3))
+        for t_s in np.arange(0.0, CHECKED_S, 0.2):
+            self.pose(config.still_s + t_s)
 
     def pose(self, t_s: float) -> ArmPose:
         """The pose at a time; ConfigError when the arm cannot reach so far from its shoulder."""

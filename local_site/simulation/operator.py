@@ -22,15 +22,10 @@ class SimulatedOperator:
             for k, camera in enumerate(stereo_pair(config.stereo))
         ]
 
-    def render(self, t_s: float) -> tuple[Image, Image]:
-        """Both pictures (H, W) grey, exposed about this time."""
+    def render(self, t_s: float, cameras: tuple[int, ...] = (0, 1)) -> list[Image]:
+        """The pictures (H, W) grey of these cameras (0 left, 1 right), exposed about this time."""
         solids = self._exposure(t_s)
-        left, right = (renderer.render(solids) for renderer in self._renderers)
-        return left, right
-
-    def render_one(self, camera: int, t_s: float) -> Image:
-        """The picture of one camera, 0 left or 1 right."""
-        return self._renderers[camera].render(self._exposure(t_s))
+        return [self._renderers[camera].render(solids) for camera in cameras]
 
     def truth(self, t_s: float) -> ArmTruth:
         """The points to be found at this time."""
