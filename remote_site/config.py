@@ -34,7 +34,7 @@ class RobotConfig(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fiel
     ] = 1.0
     speed: Annotated[float, Meta(gt=0, le=1, description="share of every joint's own maximum speed")] = 1.0
     acceleration_rad_s2: Annotated[float, Meta(gt=0, le=25, description="every joint's acceleration, rad/s²")] = 10.0
-    jerk_rad_s3: Annotated[float, Meta(gt=0, le=5000, description="every joint's jerk, rad/s³")] = 100.0
+    jerk_rad_s3: Annotated[float, Meta(gt=0, le=5000, description="every joint's jerk, rad/s³")] = 1000.0
 
     @property
     def urdf(self) -> Path:
@@ -117,9 +117,12 @@ class ControlConfig(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fi
     velocity_gain: Annotated[
         float, Meta(ge=0, le=1, description="share of a sample's deviation that changes its speed estimate")
     ] = 0.4
+    glide_rad_s: Annotated[
+        float, Meta(ge=1, le=200, description="how fast the target glides onto a new course: bandwidth, rad/s")
+    ] = 20.0
     predict_ms: Annotated[
         float, Meta(ge=0, le=200, description="how long a target is carried on beyond its sample, ms")
-    ] = 50.0
+    ] = 60.0
 
 
 class EngagementConfig(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):

@@ -15,44 +15,66 @@ from remote_site.safety.stopping import stopping
 
 TARGET_SPEED = 0.9  # of a joint's limit: the follower must be quicker than its target to catch it
 
+SHORTEST_S = 0.01  # of the interval between two samples, when it tells a velocity
+
 
 class Course:
-    """The joints' target as it moves between hand samples, by an alpha-beta estimate of position and velocity.
+    """The joints' target as it moves between hand samples.
 
-    Each sample corrects the estimate by its gains; between samples the target is carried on with its velocity, for at
-    most `predict_ms`. The velocity is such that a joint that moves with it can still stop inside its limits.
+    An alpha-beta estimate makes each sample a straight course in time, carried on for at most `predict_ms` beyond the
+    sample. The target glides onto every new course, critically damped and without a jump of position or velocity, and
+    follows a steady one without lag.
     """
 
     def __init__(self, limits: JointLimits, config: ControlConfig) -> None:
         self._limits = limits
         self._config = config
         self._predict_ns = round(config.predict_ms * NS_PER_MS)
-        self._t_ns = 0
-        self._q = np.zeros(len(limits.names))
-        self._dq = np.zeros(len(limits.names))
+        self._glide = config.glide_rad_s
+        self.reset(0, np.zeros(len(limits.names)))
 
     def reset(self, t_ns: int, q: Array) -> None:
         """A target that rests at `q` (n,) rad since `t_ns`."""
-        self._t_ns, self._q, self._dq = t_ns, q.copy(), np.zeros(len(q))
+        zero = np.zeros(len(q))
+        self._t_ns, self._q, self._dq = t_ns, q.copy(), zero
+        self._since_ns, self._off, self._off_rate = t_ns, zero, zero
 
-    def aim(self, t_ns: int, q: Array) -> None:
-        """A new sample of the target (n,) rad for the time `t_ns`, later than the last."""
+    def aim(self, t_ns: int, q: Array, now_ns: int) -> None:
+        """A new sample of the target (n,) rad for the time `t_ns`, later than the last, known at `now_ns`."""
         elapsed = (t_ns - self._t_ns) / NS_PER_S
         if elapsed <= 0:
             return
-        expected = self._q + self._dq * min(elapsed, self._config.predict_ms / 1e3)
-        off = q - expected
-        self._t_ns = t_ns
-        self._q = expected + self._config.position_gain * off
-        self._dq = self._bounded(self._q, self._dq + self._config.velocity_gain / elapsed * off)
+        expected = self._q + self._dq * min(elapsed, self._predict_ns / NS_PER_S)
+        error = q - expected
+        estimate = expected + self._config.position_gain * error
+        velocity = self._dq + self._config.velocity_gain / max(elapsed, SHORTEST_S) * error
+        self._turn_to(t_ns, estimate, self._bounded(estimate, velocity), now_ns)
 
     def at(self, now_ns: int) -> tuple[Array, Array]:
         """The target's position (n,) in rad, inside the limits, and velocity (n,) in rad/s at `now_ns`."""
-        ahead_ns = now_ns - self._t_ns
-        if ahead_ns >= self._predict_ns:
-            return self._inside(self._q + self._dq * (self._predict_ns / NS_PER_S)), np.zeros(len(self._q))
-        q = self._inside(self._q + self._dq * (ahead_ns / NS_PER_S))
-        return q, self._bounded(q, self._dq)
+        if now_ns - self._t_ns > self._predict_ns and self._dq.any():
+            end_ns = self._t_ns + self._predict_ns
+            self._turn_to(end_ns, self._line(end_ns), np.zeros(len(self._q)), end_ns)
+        q, dq = self._glided(now_ns)
+        inside = self._inside(q)
+        return inside, self._bounded(inside, dq)
+
+    def _turn_to(self, t_ns: int, q: Array, dq: Array, now_ns: int) -> None:
+        """Take a new course from `now_ns`; what the target is off it decays."""
+        here, rate = self._glided(now_ns)
+        self._t_ns, self._q, self._dq = t_ns, q, dq
+        self._since_ns, self._off, self._off_rate = now_ns, here - self._line(now_ns), rate - dq
+
+    def _line(self, now_ns: int) -> Array:
+        line: Array = self._q + self._dq * ((now_ns - self._t_ns) / NS_PER_S)
+        return line
+
+    def _glided(self, now_ns: int) -> tuple[Array, Array]:
+        t = max(now_ns - self._since_ns, 0) / NS_PER_S
+        decay = math.exp(-self._glide * t)
+        push = self._off_rate + self._glide * self._off
+        off = decay * (self._off + t * push)
+        return self._line(now_ns) + off, self._dq + decay * push - self._glide * off
 
     def _inside(self, q: Array) -> Array:
         inside: Array = np.minimum(np.maximum(q, self._limits.lower), self._limits.upper)
@@ -60,8 +82,8 @@ class Course:
 
     def _bounded(self, q: Array, dq: Array) -> Array:
         limits = self._limits
-        up = _stoppable(limits.upper - q, limits)
-        down = _stoppable(q - limits.lower, limits)
+        up = np.minimum(_stoppable(limits.upper - q, limits), TARGET_SPEED * limits.velocity)
+        down = np.minimum(_stoppable(q - limits.lower, limits), TARGET_SPEED * limits.velocity)
         bounded: Array = np.minimum(np.maximum(dq, -down), up)
         return bounded
 

@@ -49,20 +49,18 @@ class Workspace:
         return clamped
 
 
-class Guard:
+class JointGuard:
     """Judges each proposed motion against the one really sent before it, one tick of `dt` seconds ago.
 
     Always: finite; velocity (also the one that remains when the acceleration is taken back), acceleration and jerk
     within limits; position, velocity and acceleration consistent with a jerk within limits during the tick. The stop
-    from the last motion then passes. Anything else must also come to rest, from where it is, within the position limits
-    and the workspace box, or at least no further outside than the last motion would: so an arm outside can retreat.
+    from the last motion then passes. Anything else must also come to rest, from where it is, within the position
+    limits, or at least no further outside than the last motion would: so an arm outside can retreat.
     """
 
-    def __init__(self, limits: JointLimits, workspace: Workspace, model: ArmModel, dt: float) -> None:
-        self._limits = limits
-        self._workspace = workspace
-        self._model = model
-        self._dt = dt
+    def __init__(self, limits: JointLimits, dt: float) -> None:
+        self.limits = limits
+        self.dt = dt
         # With |jerk| <= J the trapezoidal rule is off by at most J dt²/4 in velocity and J dt³/12 in position.
         tick = (limits.jerk * dt, limits.jerk * dt**2 / 4, limits.jerk * dt**3 / 12)
         columns = (limits.velocity, limits.acceleration, limits.jerk, *tick)
@@ -75,49 +73,44 @@ class Guard:
             return Refused(reason(Code.NOT_FINITE, what="command"))
         broken = self._dynamics(proposed, sent)
         if broken is None:
-            broken = self._place(proposed, sent)
-            if broken is not None and self._is_stop(proposed, sent):
+            broken = self._place(stops(proposed, self.limits), sent)
+            if broken is not None and self.is_stop(proposed, sent):
                 broken = None
         return Passed(proposed) if broken is None else Refused(broken)
 
     def stop(self, sent: JointMotion) -> JointMotion:
         """The motion one tick into the stop from what was really sent; it always passes."""
-        return stopping(sent, self._limits, self._dt)
+        return stopping(sent, self.limits, self.dt)
+
+    def is_stop(self, proposed: JointMotion, sent: JointMotion) -> bool:
+        """Whether a motion is the stop from the one before it."""
+        stop = self.stop(sent)
+        return bool(
+            np.abs(proposed.q - stop.q).max() <= POSITION
+            and np.abs(proposed.dq - stop.dq).max() <= POSITION / self.dt
+            and np.abs(proposed.ddq - stop.ddq).max() <= POSITION / self.dt**2
+        )
 
     def _dynamics(self, proposed: JointMotion, sent: JointMotion) -> Reason | None:
-        half = self._dt / 2
+        half = self.dt / 2
         for i, (new, old, bounds) in enumerate(zip(_states(proposed), _states(sent), self._bounds, strict=True)):
             (q, v, a), (q0, v0, a0) = new, old
             velocity, acceleration, jerk, step, velocity_off, position_off = bounds
+            speed = max(abs(v), abs(v + a * abs(a) / (2 * jerk)))
+            if not speed <= velocity:
+                return self._over(Code.VELOCITY, i, speed, self.limits.velocity)
             if not -acceleration <= a <= acceleration:
-                return self._over(Code.ACCELERATION, i, abs(a), self._limits.acceleration)
-            if not (-velocity <= v <= velocity and -velocity <= v + a * abs(a) / (2 * jerk) <= velocity):
-                return self._over(
-                    Code.VELOCITY, i, max(abs(v), abs(v + a * abs(a) / (2 * jerk))), self._limits.velocity
-                )
+                return self._over(Code.ACCELERATION, i, abs(a), self.limits.acceleration)
             if not -step <= a - a0 <= step:
-                return self._over(Code.JERK, i, abs(a - a0) / self._dt, self._limits.jerk)
+                return self._over(Code.JERK, i, abs(a - a0) / self.dt, self.limits.jerk)
             if (
                 abs(v - v0 - half * (a + a0)) > velocity_off + POSITION
                 or abs(q - q0 - half * (v + v0)) > position_off + POSITION
             ):
-                return reason(Code.INCONSISTENT, joint=self._limits.names[i])
+                return reason(Code.INCONSISTENT, joint=self.limits.names[i])
         return None
 
-    def _is_stop(self, proposed: JointMotion, sent: JointMotion) -> bool:
-        stop = self.stop(sent)
-        return bool(
-            np.abs(proposed.q - stop.q).max() <= POSITION
-            and np.abs(proposed.dq - stop.dq).max() <= POSITION / self._dt
-            and np.abs(proposed.ddq - stop.ddq).max() <= POSITION / self._dt**2
-        )
-
-    def _place(self, proposed: JointMotion, sent: JointMotion) -> Reason | None:
-        ends = stops(proposed, self._limits)
-        broken = self._joints_place(ends, sent)
-        return broken if broken is not None else self._tool_place(proposed, ends, sent)
-
-    def _joints_place(self, ends: list[JointStop], sent: JointMotion) -> Reason | None:
+    def _place(self, ends: list[JointStop], sent: JointMotion) -> Reason | None:
         for i, (stop, (lower, upper)) in enumerate(zip(ends, self._range, strict=True)):
             room = min(stop.q - lower, upper - stop.q)
             if (abs(stop.v) + stop.a * stop.a / abs(2 * stop.jerk or 1.0)) * stop.duration <= room:
@@ -126,31 +119,49 @@ class Guard:
             excess = max(lower - low, high - upper)
             if excess > POSITION and excess > self._excess(sent, i) + POSITION:
                 value = low if low < lower else high
-                return reason(Code.POSITION, joint=self._limits.names[i], value=value, lower=lower, upper=upper)
+                return reason(Code.POSITION, joint=self.limits.names[i], value=value, lower=lower, upper=upper)
         return None
 
     def _excess(self, motion: JointMotion, joint: int) -> float:
         """How far outside its limits a joint is on the way to rest, rad; negative inside."""
-        low, high = stops(motion, self._limits)[joint].extent()
+        low, high = stops(motion, self.limits)[joint].extent()
         lower, upper = self._range[joint]
-        return max(lower - low, high - upper)
+        excess: float = max(lower - low, high - upper)
+        return excess
 
-    def _tool_place(self, proposed: JointMotion, ends: list[JointStop], sent: JointMotion) -> Reason | None:
-        excess = self._tool_excess(proposed, ends)
-        if excess <= POSITION or excess <= self._tool_excess(sent, stops(sent, self._limits)) + POSITION:
-            return None
-        return reason(Code.WORKSPACE, excess_mm=excess * 1e3)
+    def _over(self, code: Code, joint: int, value: float, limits: Array) -> Reason:
+        return reason(code, joint=self.limits.names[joint], value=value, limit=limits[joint])
 
-    def _tool_excess(self, motion: JointMotion, ends: list[JointStop]) -> float:
+
+class Guard:
+    """The joints' guard, and the box: the tool must come to rest in it, or no further outside than before."""
+
+    def __init__(self, limits: JointLimits, workspace: Workspace, model: ArmModel, dt: float) -> None:
+        self._joints = JointGuard(limits, dt)
+        self._workspace = workspace
+        self._model = model
+
+    def check(self, proposed: JointMotion, sent: JointMotion) -> Passed | Refused:
+        """Passed, or Refused with the first rule that was broken."""
+        verdict = self._joints.check(proposed, sent)
+        if isinstance(verdict, Refused):
+            return verdict
+        excess = self._tool_excess(proposed)
+        if excess <= POSITION or excess <= self._tool_excess(sent) + POSITION or self._joints.is_stop(proposed, sent):
+            return verdict
+        return Refused(reason(Code.WORKSPACE, excess_mm=excess * 1e3))
+
+    def stop(self, sent: JointMotion) -> JointMotion:
+        """The motion one tick into the stop from what was really sent; it always passes."""
+        return self._joints.stop(sent)
+
+    def _tool_excess(self, motion: JointMotion) -> float:
         """How far the tool is outside the box, now or where the stop ends, whichever is worse, m."""
-        rest = np.array([stop.end for stop in ends])
+        rest = np.array([stop.end for stop in stops(motion, self._joints.limits)])
         return max(
             self._workspace.excess(self._model.forward(motion.q)[:3, 3]),
             self._workspace.excess(self._model.forward(rest)[:3, 3]),
         )
-
-    def _over(self, code: Code, joint: int, value: float, limits: Array) -> Reason:
-        return reason(code, joint=self._limits.names[joint], value=value, limit=limits[joint])
 
 
 def _states(motion: JointMotion) -> Iterator[State]:
