@@ -1,0 +1,152 @@
+"""Tracking a recording: two cameras in, a line of JSON per pair out; causal and unsmoothed."""
+
+import time
+from collections.abc import Callable, Iterator
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import TextIO
+
+import cv2
+import msgspec
+import numpy as np
+
+from common.cameras.camera import Camera, Frame
+from common.clock import NS_PER_MS
+from common.errors import CameraError
+from common.geometry import Array
+from common.messages import TrackingStatus, Vector3
+from local_site.calibration.rig import Rig
+from local_site.gesture import OpenHand, observe
+from local_site.tracking.annotate import annotate
+from local_site.tracking.silhouette.silhouette_tracker import SilhouetteTracker
+from local_site.tracking.tracker import ArmEstimate, View, Views
+
+POINTS = ("elbow", "wrist", "index", "thumb")
+
+
+class TrackLine(msgspec.Struct, frozen=True, kw_only=True):
+    """One pair of a recording: points and their standard deviations in m in the operator frame, null where unknown."""
+
+    frame: int
+    t_ns: int
+    status: TrackingStatus
+    reason: str
+    elbow: Vector3 | None
+    wrist: Vector3 | None
+    index: Vector3 | None
+    thumb: Vector3 | None
+    sigma: dict[str, float | None]
+    thumb_inferred: bool
+    hand_open: bool
+    gripper_toggles: int
+    ms: float
+
+
+@dataclass
+class Summary:
+    """What a recording gave: pairs, how many of each status, how often each point was found, toggles, ms per pair."""
+
+    pairs: int = 0
+    statuses: dict[TrackingStatus, int] = field(default_factory=lambda: dict.fromkeys(TrackingStatus, 0))
+    found: dict[str, int] = field(default_factory=lambda: dict.fromkeys(POINTS, 0))
+    gripper_toggles: int = 0
+    ms: list[float] = field(default_factory=list)
+
+    def add(self, line: TrackLine) -> None:
+        """Count one pair."""
+        self.pairs += 1
+        self.statuses[line.status] += 1
+        for name in POINTS:
+            self.found[name] += getattr(line, name) is not None
+        self.gripper_toggles = line.gripper_toggles
+        self.ms.append(line.ms)
+
+
+def track_recording(
+    rig: Rig,
+    left_camera: Camera,
+    right_camera: Camera,
+    out: Path,
+    annotate_dir: Path | None,
+    progress: Callable[[int], None],
+) -> Summary:
+    """Track all pairs of two cameras, write a line each to `out` and, if asked, annotated pairs as PNG.
+
+    `progress` is called with the number of pairs done. Raises CameraError when no pair comes or a file cannot be written.
+    """
+    tracker, hand, summary = SilhouetteTracker(rig), OpenHand(), Summary()
+    try:
+        if annotate_dir is not None:
+            annotate_dir.mkdir(parents=True, exist_ok=True)
+        with out.open("w", encoding="utf-8") as lines:
+            for views in pair_views(left_camera, right_camera):
+                start_ns = time.perf_counter_ns()
+                estimate = tracker.track(views)
+                ms = (time.perf_counter_ns() - start_ns) / NS_PER_MS
+                hand = observe(hand, estimate.hand_open if estimate.wrist is not None else None, views.t_ns)
+                summary.add(_write(lines, summary.pairs, estimate, hand, ms))
+                if annotate_dir is not None:
+                    _save_annotated(annotate_dir / f"{summary.pairs - 1:06d}.png", views, estimate)
+                progress(summary.pairs)
+    except OSError as error:
+        raise CameraError(f"cannot write the track: {error}; choose a place that can be written") from error
+    if not summary.pairs:
+        raise CameraError(f"{left_camera.name} and {right_camera.name} gave no pair of frames of a common time")
+    return summary
+
+
+def pair_views(left: Camera, right: Camera) -> Iterator[Views]:
+    """Views at the instants of the left camera's frames, until either ends.
+
+    The right camera's measurements are interpolated between the two exposures around the instant.
+    """
+    previous: Frame | None = None
+    current = right.read()
+    while (frame := left.read()) is not None:
+        while current is not None and current.capture_ns < frame.capture_ns:
+            previous, current = current, right.read()
+        if current is None:
+            return
+        yield Views(frame.capture_ns, (View(frame), _between(previous, current, frame.capture_ns)))
+
+
+def _between(previous: Frame | None, current: Frame, t_ns: int) -> View:
+    if previous is None or current.capture_ns == t_ns:
+        return View(current)
+    weight = (t_ns - previous.capture_ns) / (current.capture_ns - previous.capture_ns)
+    return View(current, previous, weight)
+
+
+def _write(lines: TextIO, frame: int, estimate: ArmEstimate, hand: OpenHand, ms: float) -> TrackLine:
+    line = TrackLine(
+        frame=frame,
+        t_ns=estimate.t_ns,
+        status=estimate.status,
+        reason=estimate.reason,
+        elbow=_vector(estimate.elbow),
+        wrist=_vector(estimate.wrist),
+        index=_vector(estimate.index),
+        thumb=_vector(estimate.thumb),
+        sigma=dict.fromkeys(POINTS, None),
+        thumb_inferred=estimate.thumb_inferred,
+        hand_open=hand.is_open,
+        gripper_toggles=hand.toggles,
+        ms=round(ms, 3),
+    )
+    lines.write(msgspec.json.encode(line).decode() + "\n")
+    return line
+
+
+def _vector(point: Array | None) -> Vector3 | None:
+    if point is None:
+        return None
+    x, y, z = (round(float(value), 6) for value in point)
+    return x, y, z
+
+
+def _save_annotated(path: Path, views: Views, estimate: ArmEstimate) -> None:
+    pictures = [annotate(view.current.image, estimate, k) for k, view in enumerate(views.views)]
+    height = max(picture.shape[0] for picture in pictures)
+    padded = [np.pad(p, ((0, height - p.shape[0]), (0, 0), (0, 0))) for p in pictures]
+    if not cv2.imwrite(str(path), np.hstack(padded)):
+        raise OSError(f"{path} was not written")

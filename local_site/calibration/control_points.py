@@ -1,0 +1,88 @@
+"""Control points: a plate's known points and where each camera saw them, read from a CSV file."""
+
+import csv
+import math
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+
+import numpy as np
+
+from common.errors import CalibrationError
+from common.geometry import Array
+
+HEADER = ("X_mm", "Y_mm", "Z_mm", "uL_px", "vL_px", "uR_px", "vR_px")
+CAMERAS = ("left", "right")
+MAX_NAMED = 20
+
+
+@dataclass(frozen=True, slots=True)
+class ControlPoints:
+    """N points (N, 3) in m in the plate's frame, their pixels (N, 2) in each camera (NaN where unseen), their lines."""
+
+    points: Array
+    pixels: tuple[Array, ...]
+    lines: tuple[int, ...]
+    source: str
+
+
+def read_control_points(path: Path) -> ControlPoints:
+    """Read a control point file; CalibrationError lists every mistake with its line and the cure."""
+    try:
+        rows = list(csv.reader(path.read_text(encoding="utf-8-sig").splitlines()))
+    except (OSError, UnicodeDecodeError, csv.Error) as error:
+        raise CalibrationError(f"cannot read control points from {path}: {error}; give a CSV text file") from error
+    if not rows or tuple(cell.strip() for cell in rows[0]) != HEADER:
+        raise CalibrationError(f"{path}, line 1: the header must be {','.join(HEADER)}")
+    numbered = [(line, row) for line, row in enumerate(rows[1:], start=2) if any(cell.strip() for cell in row)]
+    mistakes = [mistake for line, row in numbered for mistake in _mistakes(line, row)] + _repeated(numbered)
+    if mistakes:
+        raise refusal(path.name, mistakes)
+    table = np.array([[_number(cell) for cell in row] for _, row in numbered]).reshape(-1, len(HEADER))
+    pixels = tuple(table[:, 3 + 2 * k : 5 + 2 * k] for k in range(len(CAMERAS)))
+    return ControlPoints(table[:, :3] / 1000.0, pixels, tuple(line for line, _ in numbered), path.name)
+
+
+def refusal(source: str, mistakes: Sequence[str]) -> CalibrationError:
+    """The error that lists the mistakes of a control point file, the first MAX_NAMED in full."""
+    more = [] if len(mistakes) <= MAX_NAMED else [f"... and {len(mistakes) - MAX_NAMED} more"]
+    return CalibrationError("\n  ".join([f"{source} cannot give a calibration:", *mistakes[:MAX_NAMED], *more]))
+
+
+def _number(cell: str) -> float:
+    return float(cell) if cell.strip() else math.nan
+
+
+def _mistakes(line: int, row: Sequence[str]) -> Iterator[str]:
+    if len(row) != len(HEADER):
+        yield f"line {line}: {len(row)} columns, not {len(HEADER)}; leave a cell empty where a point is not seen"
+        return
+    for name, cell in zip(HEADER, row, strict=True):
+        yield from _cell_mistakes(line, name, cell.strip())
+    for k, camera in enumerate(CAMERAS):
+        if bool(row[3 + 2 * k].strip()) != bool(row[4 + 2 * k].strip()):
+            yield f"line {line}: only one pixel coordinate for the {camera} camera; give both or leave both empty"
+
+
+def _cell_mistakes(line: int, name: str, cell: str) -> Iterator[str]:
+    if not cell:
+        if name.endswith("_mm"):
+            yield f"line {line}: {name} is empty; every control point needs its measured position"
+        return
+    try:
+        finite = math.isfinite(float(cell))
+    except ValueError:
+        yield f"line {line}: {name} is {cell[:30]!r}, not a number; correct it or leave out the line"
+        return
+    if not finite:
+        yield f"line {line}: {name} is {cell}; correct it or leave out the line"
+
+
+def _repeated(numbered: Sequence[tuple[int, Sequence[str]]]) -> list[str]:
+    first: dict[tuple[str, ...], int] = {}
+    mistakes = []
+    for line, row in numbered:
+        seen = first.setdefault(tuple(cell.strip() for cell in row[:3]), line)
+        if seen != line:
+            mistakes.append(f"line {line}: the same point as line {seen}; leave out one of them")
+    return mistakes

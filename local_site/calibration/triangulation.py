@@ -1,0 +1,49 @@
+"""Triangulation: pixels of one point in several cameras to its position, and back."""
+
+import math
+from collections.abc import Sequence
+
+import numpy as np
+
+from common.geometry import Array
+
+
+def project(projection: Array, points: Array) -> Array:
+    """Pixels (..., 2) of points (..., 3) in m by a projection (3, 4)."""
+    homogeneous = points @ projection[:, :3].T + projection[:, 3]
+    pixels: Array = homogeneous[..., :2] / homogeneous[..., 2:]
+    return pixels
+
+
+def triangulate(projections: Sequence[Array], pixels: Sequence[Array]) -> Array:
+    """The point (3,) in m seen at pixels (2,) by two or more cameras: linear least squares, thesis equation 3.25."""
+    rows = np.concatenate([_rows(matrix, pixel) for matrix, pixel in zip(projections, pixels, strict=True)])
+    return np.linalg.lstsq(rows[:, :3], -rows[:, 3], rcond=None)[0]
+
+
+def reprojection_residual(projections: Sequence[Array], pixels: Sequence[Array], point: Array) -> float:
+    """Root mean square distance in px between the pixels (2,) and the projected point (3,)."""
+    squares = [float(np.sum((project(m, point) - p) ** 2)) for m, p in zip(projections, pixels, strict=True)]
+    return math.sqrt(sum(squares) / len(squares))
+
+
+def fundamental_matrix(first: Array, second: Array) -> Array:
+    """The F (3, 3) with second_pixel^T F first_pixel = 0, of unit norm, from two projections (3, 4)."""
+    centre = np.linalg.svd(first)[2][-1]
+    epipole = second @ centre
+    cross = np.array([[0.0, -epipole[2], epipole[1]], [epipole[2], 0.0, -epipole[0]], [-epipole[1], epipole[0], 0.0]])
+    result: Array = cross @ second @ np.linalg.pinv(first)
+    return result / float(np.linalg.norm(result))
+
+
+def epipolar_residual(fundamental: Array, first_pixel: Array, second_pixel: Array) -> float:
+    """Sampson distance in px of a pair of pixels (2,) from satisfying the epipolar constraint."""
+    a, b = np.append(first_pixel, 1.0), np.append(second_pixel, 1.0)
+    line_b, line_a = fundamental @ a, fundamental.T @ b
+    scale = math.sqrt(float(line_a[:2] @ line_a[:2] + line_b[:2] @ line_b[:2]))
+    return abs(float(b @ line_b)) / scale if scale > 0 else math.inf
+
+
+def _rows(projection: Array, pixel: Array) -> Array:
+    rows: Array = projection[:2] - np.outer(pixel, projection[2])
+    return rows

@@ -1,0 +1,23 @@
+"""Parameters of the silhouette tracker."""
+
+from typing import Annotated
+
+import msgspec
+from msgspec import Meta
+
+
+class SilhouetteConfig(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
+    """How the silhouette tracker starts, and what it takes for granted about a body."""
+
+    initial_pairs: Annotated[
+        int, Meta(ge=1, le=1000, description="pairs of images from which body lengths are learned, thesis 3.1")
+    ] = 10
+    elbow_dorsal_offset: Annotated[
+        float,
+        Meta(
+            ge=0,
+            le=0.15,
+            description="distance of the elbow's axis of rotation behind the limbs' medial axes, in forearm lengths; "
+            "the epicondyles lie nearer to the back of the arm than to its front",
+        ),
+    ] = 0.045

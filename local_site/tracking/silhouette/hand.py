@@ -1,0 +1,103 @@
+"""Finger tips: prominent maxima along the hand's contour, seen across cutting lines (thesis 3.1.10, 4.2)."""
+
+import math
+from dataclasses import dataclass
+
+import numpy as np
+from scipy.signal import find_peaks, peak_prominences
+
+from common.geometry import Array
+
+CUTTING_ANGLE = math.radians(61.0)
+MIN_PROMINENCE = 0.03
+OPEN_PROMINENCE = 0.045
+OPEN_TIPS = 3
+SAME_TIP = 0.14
+MIN_HAND_POINTS = 12
+
+
+@dataclass(frozen=True, slots=True)
+class Tip:
+    """A finger-like end of the hand: its pixel (2,) and its prominence relative to the hand's length."""
+
+    point: Array
+    prominence: float
+
+
+@dataclass(frozen=True, slots=True)
+class Hand:
+    """The hand in one view: contour from one side of the wrist to the other (M, 2), tips in order along it, length in px.
+
+    `open_tips` is the number of clearly separate tips that one cutting direction shows.
+    """
+
+    contour: Array
+    tips: tuple[Tip, ...]
+    length: float
+    open_tips: int
+
+    @property
+    def spread(self) -> bool:
+        """Whether so many fingers stand apart that the hand is open."""
+        return self.open_tips >= OPEN_TIPS
+
+
+def hand_contour(contour: Array, sides: tuple[Array, Array], shoulder_end: Array) -> Array | None:
+    """The part of a closed contour (N, 2) beyond two points (2,) at the sides of the wrist, away from the shoulder."""
+    first, second, shoulder = (_nearest(contour, point) for point in (*sides, shoulder_end))
+    low, high = min(first, second), max(first, second)
+    inner = low <= shoulder <= high
+    part = np.concatenate([contour[high:], contour[: low + 1]]) if inner else contour[low : high + 1]
+    return part if len(part) >= MIN_HAND_POINTS else None
+
+
+def measure_hand(contour: Array, wrist: Array) -> Hand:
+    """Tips of a hand contour (M, 2) about the wrist (2,).
+
+    A cutting line that moves along its normal n towards the fingers splits the hand where s(i) = n (p_i - w) has
+    separate superlevel sets, so its blobs are the prominent maxima of s along the contour.
+    """
+    arms = contour - wrist
+    distance = np.hypot(arms[:, 0], arms[:, 1])
+    length = float(distance.max())
+    sigma = arms[int(np.argmax(distance))] / max(length, 1.0)
+    heights = [arms @ _turned(sigma, turn) for turn in (math.pi / 2 - CUTTING_ANGLE, CUTTING_ANGLE - math.pi / 2)]
+    found = [_peaks(height, length) for height in (*heights, distance)]
+    open_tips = max(sum(p >= OPEN_PROMINENCE for _, p in peaks) for peaks in found)
+    return Hand(contour, _merged(contour, distance, found, length), length, open_tips)
+
+
+def _nearest(contour: Array, point: Array) -> int:
+    return int(np.argmin(np.sum((contour - point) ** 2, axis=1)))
+
+
+def _turned(vector: Array, angle: float) -> Array:
+    c, s = math.cos(angle), math.sin(angle)
+    return np.array([c * vector[0] - s * vector[1], s * vector[0] + c * vector[1]])
+
+
+def _peaks(height: Array, length: float) -> list[tuple[int, float]]:
+    """Contour index and relative prominence of the prominent maxima of a height along the contour."""
+    smooth = np.convolve(height, np.full(3, 1 / 3), mode="same")
+    smooth[[0, -1]] = height[[0, -1]]
+    candidates = find_peaks(smooth)[0]
+    prominence = peak_prominences(smooth, candidates)[0] / max(length, 1.0)
+    kept = prominence >= MIN_PROMINENCE
+    return [(int(i), float(p)) for i, p in zip(candidates[kept], prominence[kept], strict=True)]
+
+
+def _merged(contour: Array, distance: Array, found: list[list[tuple[int, float]]], length: float) -> tuple[Tip, ...]:
+    """One tip for maxima of different directions on the same finger: their most distant point from the wrist."""
+    everything = sorted(peak for peaks in found for peak in peaks)
+    groups: list[list[tuple[int, float]]] = []
+    for index, prominence in everything:
+        near = groups and np.hypot(*(contour[index] - contour[groups[-1][-1][0]])) < SAME_TIP * length
+        if near:
+            groups[-1].append((index, prominence))
+        else:
+            groups.append([(index, prominence)])
+    tips = []
+    for group in groups:
+        best = max(group, key=lambda peak: distance[peak[0]])[0]
+        tips.append(Tip(contour[best], max(p for _, p in group)))
+    return tuple(tips)

@@ -1,0 +1,186 @@
+"""Elbow and wrist in 3D: the least-squares meeting of medial lines, wrist necks and the forearm's length.
+
+The planes through the medial lines of both views bound the elbow (thesis 3.2.8, 3.2.9) and the forearm's axis; the neck
+seen at the wrist and the known forearm length (thesis 3.2.10) take over where the planes leave a direction open.
+"""
+
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from common.geometry import Array
+from local_site.calibration.triangulation import project, triangulate
+from local_site.tracking.silhouette.features import Features
+
+FOREARM_SIGMA = 0.06
+UPPER_ARM_SIGMA = 0.15
+NECK_SIGMA = 0.3
+LENGTH_SIGMA = 0.015
+ROUGH_SIGMA = 3.0
+ITERATIONS = 12
+CONVERGED_M = 2e-5
+MAX_CONDITION = 1e12
+MIN_LENGTH = 1e-6
+MIN_PLANE_SINE = 0.05
+BENT_HALF_COSINE = 0.25
+
+
+@dataclass(frozen=True, slots=True)
+class Body:
+    """Elbow to wrist in m once it is known, and how far behind the limbs' axes the elbow turns, in forearm lengths."""
+
+    forearm_length: float | None = None
+    dorsal_offset: float = 0.0
+
+
+@dataclass(frozen=True, slots=True)
+class Joints:
+    """Elbow and wrist (3,) in m with covariance (6, 6) in m², and the rms of their weighted residuals."""
+
+    elbow: Array
+    wrist: Array
+    covariance: Array
+    misfit: float
+
+    @property
+    def elbow_sigma(self) -> float:
+        """Standard deviation of the elbow along its worst direction, m."""
+        return math.sqrt(float(np.linalg.eigvalsh(self.covariance[:3, :3])[-1]))
+
+    @property
+    def wrist_sigma(self) -> float:
+        """Standard deviation of the wrist along its worst direction, m."""
+        return math.sqrt(float(np.linalg.eigvalsh(self.covariance[3:, 3:])[-1]))
+
+
+def solve_joints(
+    projections: Sequence[Array], features: Sequence[Features], body: Body, near: Joints | None = None
+) -> Joints | None:
+    """Elbow and wrist from the features of two or more views; `near` starts the iteration.
+
+    Standard deviations of the measurements are fractions of each view's limb half width, so they scale with distance.
+    None where the least squares do not converge.
+    """
+    if near is None:
+        elbow = triangulate(projections, [f.guess.elbow for f in features])
+        wrist = triangulate(projections, [f.guess.wrist for f in features])
+        state = np.concatenate([elbow, wrist])
+    else:
+        state = np.concatenate([near.elbow, near.wrist])
+    offset = np.zeros(3)
+    joints = None
+    for _ in range(2):
+        joints = _solve(projections, features, body.forearm_length, offset, state)
+        if joints is None:
+            return None
+        offset = _dorsal_offset(projections, features, joints, body.dorsal_offset)
+        state = np.concatenate([joints.elbow + offset, joints.wrist])
+    return joints
+
+
+def _dorsal_offset(
+    projections: Sequence[Array], features: Sequence[Features], joints: Joints, fraction: float
+) -> Array:
+    """From the meeting point of the limbs' axes to the joint's centre (3,) in m.
+
+    The joint turns about the epicondyles, which lie nearer to the back of both limbs than their axes do; so the centre
+    is the point in the plane of the bent arm at `fraction` of the forearm's length behind either axis. A straight arm has no such plane.
+    """
+    upper = _upper_arm_direction(projections, features, joints.elbow)
+    forearm = joints.wrist - joints.elbow
+    length = math.sqrt(float(forearm @ forearm))
+    if upper is None or length < MIN_LENGTH or not fraction:
+        return np.zeros(3)
+    forearm = forearm / length
+    inner = forearm + upper
+    half_cosine = math.sqrt(max(0.0, 0.5 + 0.5 * float(forearm @ upper)))
+    half_sine = math.sqrt(max(1e-9, 1 - half_cosine**2))
+    fade = min(1.0, half_cosine / BENT_HALF_COSINE)
+    result: Array = -inner / max(2 * half_cosine, 1e-9) * (fade * fraction * length / half_sine)
+    return result
+
+
+def _upper_arm_direction(projections: Sequence[Array], features: Sequence[Features], elbow: Array) -> Array | None:
+    """The unit vector (3,) from the elbow to the shoulder along which the planes of the upper arm's lines meet."""
+    seen = [(m, f.upper_arm) for m, f in zip(projections, features, strict=True) if f.upper_arm is not None]
+    planes = np.array([line.normal @ (m[:2, :3] - np.outer(line.point, m[2, :3])) for m, line in seen])
+    if len(planes) < 2:
+        return None
+    planes /= np.linalg.norm(planes, axis=1, keepdims=True)
+    _, singular, axes = np.linalg.svd(planes)
+    if singular[1] < MIN_PLANE_SINE:
+        return None
+    direction = axes[2]
+    votes = [line.direction @ _image_motion(m, elbow, direction) for m, line in seen]
+    return direction if sum(votes) > 0 else -direction
+
+
+def _image_motion(matrix: Array, point: Array, direction: Array) -> Array:
+    """Pixels per m (2,) by which the image of a point (3,) moves along a direction (3,)."""
+    depth = float(matrix[2, :3] @ point + matrix[2, 3])
+    result: Array = (matrix[:2, :3] - np.outer(project(matrix, point), matrix[2, :3])) @ direction / depth
+    return result
+
+
+def _solve(
+    projections: Sequence[Array], features: Sequence[Features], length: float | None, offset: Array, state: Array
+) -> Joints | None:
+    """Gauss-Newton from a state (6,), elbow then wrist; `offset` is the elbow's from the meeting of the axes."""
+    for _ in range(ITERATIONS):
+        jacobian, residual = _system(projections, features, state, length, offset)
+        normal = jacobian.T @ jacobian
+        if not np.isfinite(normal).all() or np.linalg.cond(normal) > MAX_CONDITION:
+            return None
+        step = np.linalg.solve(normal, -jacobian.T @ residual)
+        state = state + step
+        if float(np.abs(step).max()) < CONVERGED_M:
+            misfit = math.sqrt(float(residual @ residual) / len(residual))
+            return Joints(state[:3], state[3:], np.linalg.inv(normal), misfit)
+    return None
+
+
+def _system(
+    projections: Sequence[Array],
+    features: Sequence[Features],
+    state: Array,
+    forearm_length: float | None,
+    offset: Array,
+) -> tuple[Array, Array]:
+    """Jacobian (M, 6) and residuals (M,) in standard deviations."""
+    rows: list[Array] = []
+    residuals: list[float] = []
+    for matrix, view in zip(projections, features, strict=True):
+        for first, line, point, sigma in _constraints(view):
+            at = state[3:] if first else state[:3] - offset
+            row, residual = _distance(matrix, at, line, point)
+            rows.append(np.concatenate([np.zeros(first), row, np.zeros(3 - first)]) / (sigma * view.half_width))
+            residuals.append(residual / (sigma * view.half_width))
+    if forearm_length is not None:
+        arm = state[3:] - state[:3]
+        length = math.sqrt(float(arm @ arm))
+        rows.append(np.concatenate([-arm, arm]) / (length * LENGTH_SIGMA * forearm_length))
+        residuals.append((length - forearm_length) / (LENGTH_SIGMA * forearm_length))
+    return np.array(rows), np.array(residuals)
+
+
+def _constraints(view: Features) -> list[tuple[int, Array, Array, float]]:
+    """Normals (2,) and points (2,) of image lines on which elbow (first 0) or wrist (first 3) lie, with their sigma."""
+    forearm = view.forearm
+    constraints = [
+        (0, forearm.normal, forearm.point, FOREARM_SIGMA),
+        (3, forearm.normal, forearm.point, FOREARM_SIGMA),
+        (3, forearm.direction, view.guess.wrist, NECK_SIGMA if view.wrist is not None else ROUGH_SIGMA),
+    ]
+    if view.upper_arm is not None:
+        constraints.append((0, view.upper_arm.normal, view.upper_arm.point, UPPER_ARM_SIGMA))
+    return constraints
+
+
+def _distance(matrix: Array, point: Array, normal: Array, on_line: Array) -> tuple[Array, float]:
+    """Signed px from a projected point (3,) to an image line, and its gradient (3,) in px per m."""
+    pixel = project(matrix, point)
+    depth = float(matrix[2, :3] @ point + matrix[2, 3])
+    gradient: Array = (normal @ matrix[:2, :3] - (normal @ pixel) * matrix[2, :3]) / depth
+    return gradient, float(normal @ (pixel - on_line))

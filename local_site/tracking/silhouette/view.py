@@ -1,0 +1,113 @@
+"""One camera's part in tracking: frames in, features out; a frame is measured once, instants between two are blended."""
+
+from dataclasses import replace
+
+import numpy as np
+
+from common.cameras.camera import Frame
+from common.geometry import Array
+from local_site.tracking.silhouette.contour import find_silhouette, to_grey
+from local_site.tracking.silhouette.features import Features, measure
+from local_site.tracking.silhouette.hand import Hand, Tip
+from local_site.tracking.silhouette.medial import Line
+from local_site.tracking.silhouette.posture import Posture
+from local_site.tracking.silhouette.threshold import find_threshold
+from local_site.tracking.tracker import View
+
+MIN_SIDE_PX = 32
+SAME_TIP = 0.3
+
+
+class ViewMeter:
+    """Measures the frames of one camera with a threshold found once and kept until the arm is lost."""
+
+    def __init__(self, name: str) -> None:
+        self._name = name
+        self._level: float | None = None
+        self._measured: dict[tuple[int, int], Features | str] = {}
+
+    def features(self, view: View, guess: Posture | None) -> Features | str:
+        """The features at the view's instant, or a sentence that says why there are none."""
+        now = self._measure(view.current, guess)
+        if view.previous is None or view.weight >= 1.0 or isinstance(now, str):
+            return now
+        before = self._measure(view.previous, guess)
+        return before if isinstance(before, str) else blend(before, now, view.weight)
+
+    def forget(self) -> None:
+        """Find the threshold anew with the next frame."""
+        self._level = None
+
+    def _measure(self, frame: Frame, guess: Posture | None) -> Features | str:
+        key = (frame.seq, frame.capture_ns)
+        known = self._measured.get(key)
+        if known is None:
+            known = self._measure_image(frame, guess)
+            self._measured = {**dict(list(self._measured.items())[-1:]), key: known}
+        return known
+
+    def _measure_image(self, frame: Frame, guess: Posture | None) -> Features | str:
+        image = frame.image
+        if (
+            image.dtype != np.uint8
+            or image.ndim not in (2, 3)
+            or min(image.shape) == 0
+            or min(image.shape[:2]) < MIN_SIDE_PX
+        ):
+            return f"{self._name}: the picture is too small or of a wrong kind"
+        grey = to_grey(image)
+        if self._level is None:
+            threshold = find_threshold(grey)
+            if threshold.level is None:
+                return f"{self._name}: {threshold.reason}"
+            self._level = threshold.level
+        silhouette = find_silhouette(grey, self._level)
+        if silhouette is None:
+            return f"{self._name}: no arm in the picture"
+        features = measure(silhouette, guess)
+        if features is None:
+            return f"{self._name}: no forearm can be made out; hold the arm bent and across the view"
+        return f"{self._name}: the hand is cropped by the border" if features.hand_cropped else features
+
+
+def blend(before: Features, now: Features, weight: float) -> Features:
+    """The features at a fraction `weight` of the way between two frames of one camera."""
+
+    def mix(a: Array, b: Array) -> Array:
+        result: Array = (1 - weight) * a + weight * b
+        return result
+
+    def line(a: Line, b: Line) -> Line:
+        direction = mix(a.direction, b.direction)
+        return Line(mix(a.point, b.point), direction / max(float(np.linalg.norm(direction)), 1e-9))
+
+    both_upper = before.upper_arm is not None and now.upper_arm is not None
+    guess = Posture(
+        *(
+            mix(getattr(before.guess, name), getattr(now.guess, name))
+            for name in ("shoulder_end", "elbow", "wrist", "hand_end")
+        ),
+        now.half_width,
+    )
+    return replace(
+        now,
+        forearm=line(before.forearm, now.forearm),
+        upper_arm=line(before.upper_arm, now.upper_arm) if both_upper else None,
+        wrist=mix(before.wrist, now.wrist) if before.wrist is not None and now.wrist is not None else None,
+        hand=_blend_hands(before.hand, now.hand, weight),
+        guess=guess,
+    )
+
+
+def _blend_hands(before: Hand | None, now: Hand | None, weight: float) -> Hand | None:
+    """The tips that both frames show, moved to the instant between; a tip without a partner is dropped."""
+    if before is None or now is None or not before.tips:
+        return None
+    earlier = np.array([tip.point for tip in before.tips])
+    tips = []
+    for tip in now.tips:
+        distances = np.hypot(*(earlier - tip.point).T)
+        nearest = int(np.argmin(distances))
+        if distances[nearest] < SAME_TIP * now.length:
+            tips.append(Tip((1 - weight) * earlier[nearest] + weight * tip.point, tip.prominence))
+    return replace(now, tips=tuple(tips))
