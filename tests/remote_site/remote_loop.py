@@ -1,0 +1,169 @@
+"""The pure chain of the remote site, tick by tick, with every command that the driver received."""
+
+import numpy as np
+
+from common.clock import NS_PER_MS, SAME_HOST, FakeClock
+from common.messages import HandArm, TrackingStatus
+from remote_site.config import RemoteConfig
+from remote_site.drivers.driver import DriverSetup, JointCommand
+from remote_site.drivers.kinematic import KinematicDriver
+from remote_site.intake import Accepted, Intake
+from remote_site.kinematics.inverse import Solution, SphericalWristInverse
+from remote_site.kinematics.joints import JointMotion
+from remote_site.kinematics.limits import JointLimits
+from remote_site.kinematics.model import ArmModel
+from remote_site.mapping import Mapping
+from remote_site.motion import Course, Follower, leash
+from remote_site.safety.guard import Guard, Passed, Workspace
+from remote_site.safety.state import Action, Robot, Session
+
+TICK_NS = 4 * NS_PER_MS
+START_NS = 10_000 * NS_PER_MS
+
+
+def arm(config: RemoteConfig | None = None) -> tuple[ArmModel, JointLimits]:
+    """The configured arm and its limits."""
+    robot = (config or RemoteConfig()).robot
+    model = ArmModel.from_urdf(robot.urdf, robot.tool_frame, robot.tool_T_tcp)
+    return model, JointLimits.from_model(model, robot)
+
+
+def workspace(config: RemoteConfig | None = None) -> Workspace:
+    """The configured box."""
+    safety = (config or RemoteConfig()).safety
+    return Workspace(np.array(safety.workspace_min_m), np.array(safety.workspace_max_m))
+
+
+def hand(seq, capture_ns, wrist=(0.0, 0.0, 0.3), session=7, status=TrackingStatus.TRACKED, **changes) -> HandArm:
+    """A tracked sample, with changes."""
+    x, y, z = wrist if wrist is not None else (0.0, 0.0, 0.0)
+    fields = {
+        "elbow": (x, y + 0.25, z),
+        "wrist": wrist,
+        "index": (x + 0.02, y - 0.17, z),
+        "thumb": (x - 0.05, y - 0.1, z + 0.01),
+        "reason": "",
+        "thumb_inferred": False,
+        "hand_open": False,
+        "gripper_toggles": 0,
+    }
+    return HandArm(session=session, seq=seq, capture_ns=capture_ns, status=status, **(fields | changes))
+
+
+class RemoteLoop:
+    """Intake, session, mapping, inverse kinematics, follower and guard around a kinematic robot."""
+
+    def __init__(self, config: RemoteConfig | None = None) -> None:
+        self.config = config or RemoteConfig()
+        self.model, self.limits = arm(self.config)
+        self.clock = FakeClock(START_NS)
+        self.intake = Intake(self.config.safety)
+        self.session = Session(self.config.safety, self.config.engagement)
+        self.mapping = Mapping(self.config.mapping)
+        self.inverse = SphericalWristInverse(self.model, self.limits)
+        self.course = Course(self.limits, self.config.control)
+        self.follower = Follower(self.limits, TICK_NS / 1e9)
+        self.workspace = workspace(self.config)
+        self.guard = Guard(self.limits, self.workspace, self.model, TICK_NS / 1e9)
+        self.driver = KinematicDriver(self.clock)
+        setup = DriverSetup(self.model.joint_names, self.limits, TICK_NS / 1e9, 50 * NS_PER_MS)
+        self.driver.configure(setup)
+        self.driver.activate(self.config.robot.start)
+        self.sent = JointMotion.at_rest(self.config.robot.start)
+        self.seed = self.sent.q
+        self.latest: Accepted | None = None
+        self.log: list[JointMotion] = [self.sent]
+        self.states = []
+        self.refusals = 0
+        self.seq = 0
+
+    @property
+    def robot(self) -> Robot:
+        """What the session sees of the robot."""
+        return Robot(ready=True, reason="", resting=self.sent.resting)
+
+    def receive(self, sample: HandArm) -> None:
+        """Take one sample from the wire; while following, aim at it."""
+        result = self.intake.accept(sample, self.clock.now_ns(), SAME_HOST)
+        self.session.sample(result)
+        if isinstance(result, Accepted):
+            self.latest = result
+
+    def tick(self, *samples: HandArm) -> None:
+        """One control tick: the samples that have come, then a decision, then a command."""
+        self.clock.advance_ms(TICK_NS / NS_PER_MS)
+        now_ns = self.clock.now_ns()
+        before = self.latest
+        for sample in samples:
+            self.receive(sample)
+        decision = self.session.tick(now_ns, self.robot)
+        if decision.action is Action.CAPTURE:
+            self.capture(now_ns)
+        elif decision.action is Action.FOLLOW and self.latest is not before:
+            self.aim(now_ns)
+        proposed = self.guard.stop(self.sent) if decision.action is Action.STOP else self.follow(now_ns)
+        self.write(proposed, now_ns)
+        self.states.append(decision.state)
+
+    def capture(self, now_ns: int) -> None:
+        """Take both origins."""
+        self.mapping.engage(self.latest.wrist, self.latest.operator_R_hand, self.model.forward(self.sent.q))
+        self.course.reset(now_ns, self.sent.q)
+        self.seed = self.sent.q
+
+    def aim(self, now_ns: int) -> None:
+        """Turn the newest sample into a joint target."""
+        target = self.mapping.target(self.latest.wrist, self.latest.operator_R_hand)
+        target[:3, 3] = self.workspace.clamp(target[:3, 3])
+        control = self.config.control
+        leashed, _ = leash(target, self.model.forward(self.sent.q), control.leash_m, np.radians(control.leash_deg))
+        solution = self.inverse.nearest(leashed, self.seed)
+        if isinstance(solution, Solution):
+            self.seed = solution.q
+            self.course.aim(self.latest.born_ns, solution.q, now_ns)
+
+    def follow(self, now_ns: int) -> JointMotion:
+        """One tick towards the target, or into the stop if the guard refuses that."""
+        self.follower.reset(self.sent)
+        proposed = self.follower.track(*self.course.at(now_ns), self.session.speed_scale)
+        if isinstance(proposed, JointMotion) and isinstance(self.guard.check(proposed, self.sent), Passed):
+            return proposed
+        self.refusals += 1
+        return self.guard.stop(self.sent)
+
+    def write(self, motion: JointMotion, now_ns: int) -> None:
+        """The last gate, then the driver; every command is logged as sent."""
+        verdict = self.guard.check(motion, self.sent)
+        assert isinstance(verdict, Passed), verdict
+        self.seq += 1
+        command = JointCommand(self.seq, now_ns, motion.q, motion.dq, motion.ddq, False)
+        self.sent = self.driver.write(command).motion
+        assert self.sent.q is motion.q  # the driver's own limits had nothing to object to
+        self.log.append(self.sent)
+
+    def run(self, ticks: int, wrist=None, every: int = 8, session: int = 7, **changes) -> None:
+        """Run with a sample every so many ticks, captured a tick before it comes; `wrist(t_ns)` in m."""
+        for k in range(ticks):
+            samples = []
+            if wrist is not None and k % every == 0:
+                capture_ns = self.clock.now_ns()
+                self.hand_seq = getattr(self, "hand_seq", 0) + 1
+                samples = [hand(self.hand_seq, capture_ns, wrist(capture_ns), session=session, **changes)]
+            self.tick(*samples)
+
+    def arrays(self):
+        """The log as arrays (ticks, joints): q, dq, ddq."""
+        return tuple(np.array([getattr(motion, name) for motion in self.log]) for name in ("q", "dq", "ddq"))
+
+
+def assert_within_limits(loop: RemoteLoop) -> None:
+    """The invariant on every command that the driver received: finite, speed, acceleration, jerk, position."""
+    q, dq, ddq = loop.arrays()
+    limits, dt = loop.limits, TICK_NS / 1e9
+    assert np.isfinite(q).all()
+    assert (np.abs(dq) <= limits.velocity * 1.00001).all()
+    assert (np.abs(ddq) <= limits.acceleration * 1.00001).all()
+    assert (np.abs(np.diff(ddq, axis=0)) <= limits.jerk * dt * 1.00001).all()
+    assert (np.abs(np.diff(q, axis=0)) <= limits.velocity * dt * 1.00001).all()
+    assert (q >= limits.lower - 1e-6).all()
+    assert (q <= limits.upper + 1e-6).all()
