@@ -1,0 +1,61 @@
+"""The jerk-limited stop: as quick as the limits allow, and never beyond them."""
+
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from remote_site.safety.stopping import advance, joint_stop
+
+DT = 0.004
+
+
+@pytest.mark.parametrize(
+    ("velocity", "acceleration", "seconds", "travel"),
+    [(0.5, 0.0, 0.1414, 0.0354), (1.0, 0.0, 0.2, 0.1), (2.5, 0.0, 0.35, 0.4375), (0.5, 10.0, 0.3, 0.1833)],
+)
+def test_stop_times_at_10_rad_s2_and_100_rad_s3(velocity, acceleration, seconds, travel):
+    for side in (1, -1):
+        stop = joint_stop((0.0, side * velocity, side * acceleration), 10.0, 100.0)
+        assert stop.duration == pytest.approx(seconds, abs=1e-3)
+        assert stop.end == pytest.approx(side * travel, abs=1e-4)
+
+
+states = st.tuples(st.floats(-1, 1), st.floats(-3, 3), st.floats(-10, 10))
+
+
+@settings(max_examples=300, deadline=None, derandomize=True)
+@given(states, st.sampled_from([100.0, 1000.0]))
+def test_a_stop_reaches_rest_continuously_within_acceleration_and_extent(state, jerk):
+    stop = joint_stop(state, 10.0, jerk)
+    times = np.linspace(0, stop.duration, 200)
+    q, v, a = np.array([stop.at(t) for t in times]).T
+    low, high = stop.extent()
+    assert low - 1e-9 <= q.min()
+    assert q.max() <= high + 1e-9
+    # the extent is reached, not merely a bound
+    assert q.min() - low < 1e-3 * max(1.0, abs(low))
+    assert high - q.max() < 1e-3 * max(1.0, abs(high))
+    assert np.abs(a).max() <= 10.0 + 1e-9
+    step = stop.duration / 199
+    assert np.abs(np.diff(a)).max() <= jerk * step * 1.001 + 1e-9
+    assert np.abs(np.diff(v)).max() <= 10.0 * step * 1.001 + 1e-9
+    assert stop.at(stop.duration + 1.0) == (pytest.approx(stop.end), 0.0, 0.0)
+    before_the_end = stop.at(max(stop.duration - 1e-9, 0.0))
+    assert before_the_end[1] == pytest.approx(0.0, abs=1e-6)
+
+
+@settings(max_examples=200, deadline=None, derandomize=True)
+@given(states)
+def test_stepping_replans_the_same_stop(state):
+    whole = joint_stop(state, 10.0, 300.0)
+    here = state
+    for k in range(1, 1 + int(whole.duration / DT) + 1):
+        here = joint_stop(here, 10.0, 300.0).at(DT)
+        assert here == pytest.approx(whole.at(k * DT), abs=1e-6)
+    assert here[1:] == (0.0, 0.0)
+    assert here[0] == pytest.approx(whole.end, abs=1e-8)
+
+
+def test_constant_jerk_is_integrated_exactly():
+    assert advance((1.0, 2.0, 3.0), 6.0, 0.5) == pytest.approx((1 + 1 + 0.375 + 0.125, 2 + 1.5 + 0.75, 6.0))
