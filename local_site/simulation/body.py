@@ -15,6 +15,9 @@ OPEN_ABOVE = 0.5
 
 FOREARM_AT = np.array([0.0, 0.1, 0.2, 0.32, 0.45, 0.6, 0.75, 0.88, 1.0])
 FOREARM_BELLY = np.array([0.0, 0.7, 1.0, 1.0, 0.72, 0.36, 0.12, 0.02, 0.0])
+# The axis of the elbow lies nearer to the back of the arm, so the limbs lie before it, and the more so at the bellies.
+FOREARM_BEFORE = np.array([0.75, 0.9, 1.0, 1.0, 0.85, 0.55, 0.25, 0.08, 0.0])
+UPPER_ARM_BEFORE = np.array([0.75, 0.85, 0.95, 1.0, 1.0])
 UPPER_ARM_AT = np.array([0.0, 0.15, 0.35, 0.6, 1.0])
 UPPER_ARM_BELLY = np.array([0.0, 0.35, 0.75, 1.0, 0.9])
 BELLY_AT = 0.26
@@ -107,22 +110,22 @@ class ArmBody:
 
     def _forearm_balls(self, pose: ArmPose, along: Array, hinge: Array) -> Array:
         """Pairs of balls (2N, 3): flat across the hinge at the elbow, across the hand at the wrist."""
-        inner = np.cross(hinge, along)
+        inner = np.cross(along, hinge)
         radial = pose.operator_R_hand[:, 1]
         twist = np.arctan2(radial @ inner, radial @ hinge)
         if twist < -np.pi / 2:
             twist += 2 * np.pi
         angle = (twist * FOREARM_AT**1.3)[:, None]
         across = np.cos(angle) * hinge + np.sin(angle) * inner
-        belly = self._config.belly_offset * FOREARM_BELLY[:, None] * inner
+        belly = self._config.belly_offset * FOREARM_BEFORE[:, None] * inner
         middle = pose.elbow + (self._config.forearm_length * FOREARM_AT)[:, None] * along + belly
         return _pairs(middle, self._forearm.half_width[:, None] * across)
 
     def _upper_arm_balls(self, pose: ArmPose, along: Array, hinge: Array) -> tuple[Array, Array]:
         """Pairs of balls from the elbow up, and the rim where the sleeve begins, a flat cut across the limb."""
-        inner = np.cross(along, hinge)
+        inner = np.cross(hinge, along)
         reach = self._config.upper_arm_length * self._config.bare_fraction * UPPER_ARM_AT
-        belly = self._config.belly_offset * UPPER_ARM_BELLY[:, None] * inner
+        belly = self._config.belly_offset * UPPER_ARM_BEFORE[:, None] * inner
         middle = pose.elbow + reach[:, None] * along + belly
         sections = self._upper_arm
         turn = np.linspace(0.0, 2.0 * np.pi, RIM_POINTS, endpoint=False)[:, None]
@@ -171,7 +174,7 @@ def _parts(forearm: int, upper_arm: int) -> tuple[Part, ...]:
     first = 2 * (forearm + upper_arm)
     digit = {name: tuple(range(first + JOINTS * k, first + JOINTS * (k + 1))) for k, name in enumerate(DIGITS)}
     palm = first + JOINTS * len(DIGITS)
-    rim = palm + 3
+    rim = palm + 4
     knuckles = tuple(digit[name][0] for name in DIGITS[:4])
     thumb, index = digit["thumb"], digit["index"]
     hand = (
@@ -180,7 +183,8 @@ def _parts(forearm: int, upper_arm: int) -> tuple[Part, ...]:
         (*wrist, thumb[0]),
         (thumb[0], index[0]),
         thumb[:2],
-        (thumb[0], palm + 1, palm + 2),
+        (thumb[0], thumb[1], palm + 1),
+        (thumb[0], palm + 2, palm + 3),
     )
     upper = (*_chain(2 * forearm, upper_arm), (first - 2, first - 1, rim))
     fingers = (_part(name, *pairwise(digit[name])) for name in DIGITS[:4])

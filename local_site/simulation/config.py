@@ -21,8 +21,8 @@ class BodyConfig(Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
     forearm_girth: Annotated[float, Meta(gt=0.1, le=0.6, description="at the belly of the forearm, m")] = 0.265
     wrist_girth: Annotated[float, Meta(gt=0.05, le=0.4, description="at the wrist, m")] = 0.165
     belly_offset: Annotated[
-        float, Meta(ge=0, le=0.03, description="how far the muscle bellies lie off the line between the joints, m")
-    ] = 0.007
+        float, Meta(ge=0, le=0.03, description="how far the muscle bellies lie before the line between the joints, m")
+    ] = 0.011
     bare_fraction: Annotated[
         float, Meta(gt=0.2, le=0.9, description="part of the upper arm, from the elbow up, that no sleeve covers")
     ] = 0.65

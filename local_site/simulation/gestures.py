@@ -67,7 +67,8 @@ def _still(_t_s: float) -> tuple[Array, Array]:
 
 def _figure_of_eight(t_s: float) -> tuple[Array, Array]:
     swell, phase = minimum_jerk(t_s / RAMP_S), 2.0 * math.pi * t_s / 6.0
-    return swell * np.array([0.08 * math.sin(phase), 0.0, 0.06 * math.sin(2.0 * phase)]), np.zeros(3)
+    offset = np.array([0.07 * (1.0 - math.cos(phase)), 0.0, 0.05 * math.sin(2.0 * phase)])
+    return swell * offset, np.zeros(3)
 
 
 def _rotation(axis: int) -> Callable[[float], tuple[Array, Array]]:

@@ -33,7 +33,7 @@ BASES = np.array(
         [0.090, 0.005, 0.004],
         [0.087, -0.016, 0.002],
         [0.079, -0.034, -0.003],
-        [0.026, 0.021, -0.013],
+        [0.029, 0.020, -0.012],
     ]
 )
 BONES = np.array(
@@ -45,12 +45,15 @@ RADII = np.array(
         [0.0130, 0.0100, 0.0088, 0.0070],
         [0.0125, 0.0094, 0.0082, 0.0066],
         [0.0120, 0.0084, 0.0074, 0.0060],
-        [0.0180, 0.0145, 0.0112, 0.0085],
+        [0.0150, 0.0145, 0.0112, 0.0085],
     ]
 )
-HYPOTHENAR = np.array([0.030, -0.022, -0.010])
+HYPOTHENAR = np.array([0.036, -0.022, -0.009])
 HYPOTHENAR_RADIUS = 0.017
+THENAR_RADIUS = 0.0165
 WEB_RADIUS = 0.0095
+# The ball of the thumb lies on the palm's side of its bone.
+THENAR_INWARD = np.array([0.0, 0.006, 0.002])
 
 
 def _fan(angles_deg: tuple[float, ...]) -> Array:
@@ -64,7 +67,7 @@ def _posture(fan_deg: tuple[float, ...], thumb: Array, thumb_curl: Array, bend_d
 
 
 U_SHAPE = _posture(
-    fan_deg=(1, 0, 1, 3),
+    fan_deg=(-3, 0, 4, 9),
     thumb=np.array([0.60, 0.10, -0.79]),
     thumb_curl=np.array([0.79, 0.0, 0.60]),
     bend_deg=[[4, 15, 22], [8, 24, 36], [8, 25, 38], [5, 21, 32], [0, 20, 36]],
@@ -82,15 +85,16 @@ class Hand:
 
     def __init__(self, scale: float) -> None:
         self._scale = scale
-        palm_radii = [HYPOTHENAR_RADIUS, WEB_RADIUS, WEB_RADIUS]
+        palm_radii = [HYPOTHENAR_RADIUS, THENAR_RADIUS, WEB_RADIUS, WEB_RADIUS]
         self.radii = scale * np.concatenate([RADII.ravel(), palm_radii])
 
     def balls(self, openness: float) -> Array:
-        """Centres (23, 3) of the balls: four for each digit from base to tip, then hypothenar and the web's two."""
+        """Centres (24, 3) of the balls: four for each digit from base to tip, hypothenar, thenar and the web's two."""
         joints, _ = self._joints(openness)
         thumb, index = joints[4], joints[0]
-        web = np.array([HYPOTHENAR, 0.4 * thumb[0] + 0.6 * thumb[1], 0.85 * index[0] + 0.15 * thumb[0]])
-        return self._scale * np.vstack([joints.reshape(-1, 3), web])
+        thenar = _blend(thumb[0], thumb[1], 0.4) - THENAR_INWARD
+        web = _blend(thumb[0], thumb[1], 0.6), _blend(index[0], thumb[0], 0.15)
+        return self._scale * np.vstack([joints.reshape(-1, 3), HYPOTHENAR, thenar, *web])
 
     def tips(self, openness: float) -> tuple[Array, Array]:
         """The tips of index and thumb on the skin, (3,) each."""
