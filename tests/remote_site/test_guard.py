@@ -180,4 +180,4 @@ def test_whatever_jerks_are_proposed_the_sent_motion_stays_within_every_limit(se
             assert (np.abs(sent.ddq - previous.ddq) <= LIMITS.jerk * DT * 1.00001).all()
             assert (sent.q >= LIMITS.lower - 1e-6).all()
             assert (sent.q <= LIMITS.upper + 1e-6).all()
-            assert workspace().excess(MODEL.forward(sent.q)[:3, 3]) < 0.02
+            assert workspace().excess(MODEL.forward(sent.q)[:3, 3]) < 0.001
