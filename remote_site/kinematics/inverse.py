@@ -20,7 +20,6 @@ STANCE_CHANGE = 1.0  # rad: a solution in another stance is taken only if no joi
 RIGID = 1e-6  # how far a target's rotation may be from orthonormal
 TURN = 2 * math.pi
 
-Angles = tuple[float, float, float, float, float, float]
 Rows = list[list[float]]
 
 
@@ -48,10 +47,19 @@ class Unreachable:
     reason: Reason
 
 
-class Branch(NamedTuple):
-    """A geometric solution in the canonical angles, positive about +z and +y."""
+class Arm(NamedTuple):
+    """A solution for joints 1 to 3 in the canonical angles, positive about +z and +y."""
 
-    angles: Angles
+    angles: tuple[float, ...]
+    shoulder: int
+    elbow: int
+    held: bool
+
+
+class Branch(NamedTuple):
+    """A solution for all joints in the canonical angles."""
+
+    angles: tuple[float, ...]
     stance: Stance
     held: bool
 
@@ -75,7 +83,8 @@ class SphericalWristInverse:
             return []
         return [
             Solution(np.array(self._joints(branch.angles)), branch.stance, branch.held)
-            for branch in self._branches(wrist, None)
+            for arm in self._arms(wrist, None)
+            for branch in self._branches(arm, wrist, None)
         ]
 
     def nearest(self, base_T_tool: Array, q_current: Array) -> Solution | Unreachable:
@@ -85,24 +94,26 @@ class SphericalWristInverse:
         wrist and shoulder, joint 4 and joint 1 keep their place.
         """
         wrist = self._wrist(base_T_tool)
-        current = tuple(q_current.tolist())
+        current: tuple[float, ...] = tuple(q_current.tolist())
         if wrist is None or not math.isfinite(sum(current)):
             return Unreachable(reason(Code.NOT_A_POSE))
-        stance = self._stance_of(current)
         best: tuple[float, Solution] | None = None
         worst: tuple[float, Reason] | None = None
-        for branch in self._branches(wrist, current):
-            q = self._unwrapped(branch.angles, current)
-            moves = [abs(a - b) for a, b in zip(q, current, strict=True)]
-            cost = sum(move * move for move in moves)
-            refusal = self._refusal(q, moves, branch.stance == stance)
-            if refusal is not None:
-                worst = (cost, refusal) if worst is None or cost < worst[0] else worst
-            elif best is None or cost < best[0]:
-                best = cost, Solution(np.array(q), branch.stance, branch.held)
+        arms = [(_cost(self._unwrapped(arm.angles, current), current), arm) for arm in self._arms(wrist, current)]
+        for arm_cost, arm in sorted(arms):
+            if best is not None and arm_cost >= best[0]:
+                break
+            for branch in self._branches(arm, wrist, current):
+                q = self._unwrapped(branch.angles, current)
+                cost = _cost(q, current)
+                refusal = self._refusal(q, current, branch.stance)
+                if refusal is not None:
+                    worst = (cost, refusal) if worst is None or cost < worst[0] else worst
+                elif best is None or cost < best[0]:
+                    best = cost, Solution(np.array(q), branch.stance, branch.held)
         if best is not None:
             return best[1]
-        return Unreachable(worst[1] if worst is not None else self._out_of_reach(wrist))
+        return Unreachable(self._out_of_reach(wrist, worst[1] if worst is not None else None))
 
     def _wrist(self, base_T_tool: Array) -> Rows | None:
         """The pose of the wrist centre as rows, or None if the target is not a finite rigid pose."""
@@ -117,7 +128,8 @@ class SphericalWristInverse:
         )
         return rows if off < RIGID and math.isfinite(x + y + z) else None
 
-    def _branches(self, wrist: Rows, current: Angles | None) -> Iterator[Branch]:
+    def _arms(self, wrist: Rows, current: tuple[float, ...] | None) -> Iterator[Arm]:
+        """Joints 1 to 3 that bring the wrist centre to its place."""
         (*_, x), (*_, y), (*_, z) = wrist[:3]
         arm, h = self._arm, z - self._arm.shoulder_height
         yaw, held = math.atan2(y, x), False
@@ -129,21 +141,15 @@ class SphericalWristInverse:
             if abs(cosine) > 1 + REACH:
                 return
             bend = math.acos(min(max(cosine, -1.0), 1.0))
+            inner = math.atan2(arm.forearm * math.sin(bend), arm.upper_arm + arm.forearm * math.cos(bend))
             for elbow in (1, -1):
-                along = arm.upper_arm + arm.forearm * math.cos(bend)
-                lean = math.atan2(r, h) - math.atan2(elbow * arm.forearm * math.sin(bend), along)
-                yield from self._wrists((turn, lean, elbow * bend), (shoulder, elbow), wrist, current, held)
+                yield Arm((turn, math.atan2(r, h) - elbow * inner, elbow * bend), shoulder, elbow, held)
 
-    def _wrists(
-        self,
-        arm_angles: tuple[float, float, float],
-        stance: tuple[int, int],
-        wrist: Rows,
-        current: Angles | None,
-        held: bool,
-    ) -> Iterator[Branch]:
-        yaw, lean, bend = arm_angles
+    def _branches(self, arm: Arm, wrist: Rows, current: tuple[float, ...] | None) -> Iterator[Branch]:
+        """Joints 4 to 6 that turn the wrist as it shall be."""
+        yaw, lean, bend = arm.angles
         m = _in_forearm(wrist, yaw, lean + bend)
+        held = arm.held
         if current is not None and m[2][2] > 0 and math.hypot(m[0][2], m[1][2]) < WRIST_HOLD:
             rolls, held = [self._arm.signs[3] * current[3]], True
         else:
@@ -151,48 +157,49 @@ class SphericalWristInverse:
             rolls = [roll, roll + math.pi]
         for roll in rolls:
             pitch, twist = _pitch_and_twist(m, roll)
-            yield Branch((*arm_angles, roll, pitch, twist), Stance(*stance, 1 if pitch >= 0 else -1), held)
+            stance = Stance(arm.shoulder, arm.elbow, 1 if pitch >= 0 else -1)
+            yield Branch((*arm.angles, roll, pitch, twist), stance, held)
 
-    def _joints(self, angles: Angles) -> list[float]:
+    def _joints(self, angles: tuple[float, ...]) -> list[float]:
         return [sign * math.remainder(angle, TURN) for sign, angle in zip(self._arm.signs, angles, strict=True)]
 
-    def _unwrapped(self, angles: Angles, current: Angles) -> list[float]:
-        """The joints by whole turns nearest to `current`, and inside their limits if whole turns can do that."""
+    def _unwrapped(self, angles: tuple[float, ...], current: tuple[float, ...]) -> list[float]:
+        """The joints by whole turns nearest to `current`; a joint at its limit never turns back all the way round."""
         return [
-            _near(sign * angle, here, lower, upper)
-            for sign, angle, here, (lower, upper) in zip(self._arm.signs, angles, current, self._bounds, strict=True)
+            sign * angle + TURN * round((here - sign * angle) / TURN)
+            for sign, angle, here in zip(self._arm.signs, angles, current, strict=False)
         ]
 
-    def _refusal(self, q: list[float], moves: list[float], same_stance: bool) -> Reason | None:
+    def _refusal(self, q: list[float], current: tuple[float, ...], stance: Stance) -> Reason | None:
         for i, (value, (lower, upper)) in enumerate(zip(q, self._bounds, strict=True)):
             if not lower <= value <= upper:
                 place = {"value_deg": value, "lower_deg": lower, "upper_deg": upper}
                 degrees = {key: math.degrees(v) for key, v in place.items()}
                 return reason(Code.IK_LIMIT, joint=self._limits.names[i], **degrees)
+        moves = [abs(a - b) for a, b in zip(q, current, strict=True)]
         move = max(moves)
-        if same_stance or move <= STANCE_CHANGE:
+        if move <= STANCE_CHANGE or stance == self._stance_of(current):
             return None
         return reason(Code.STANCE, joint=self._limits.names[moves.index(move)], move_deg=math.degrees(move))
 
-    def _stance_of(self, current: Angles) -> Stance:
+    def _stance_of(self, current: tuple[float, ...]) -> Stance:
         _, lean, bend, _, pitch, _ = (s * q for s, q in zip(self._arm.signs, current, strict=True))
         r = self._arm.upper_arm * math.sin(lean) + self._arm.forearm * math.sin(lean + bend)
         return Stance(1 if r >= 0 else -1, 1 if bend >= 0 else -1, 1 if pitch >= 0 else -1)
 
-    def _out_of_reach(self, wrist: Rows) -> Reason:
+    def _out_of_reach(self, wrist: Rows, refusal: Reason | None) -> Reason:
+        """Why no solution will do: the wrist's distance if that is it, otherwise the nearest solution's refusal."""
         (*_, x), (*_, y), (*_, z) = wrist[:3]
         distance = math.hypot(x, y, z - self._arm.shoulder_height)
+        if refusal is not None and distance >= self._least:
+            return refusal
         most = self._arm.upper_arm + self._arm.forearm
         return reason(Code.OUT_OF_REACH, distance_mm=distance * 1e3, least_mm=self._least * 1e3, most_mm=most * 1e3)
 
 
-def _near(value: float, here: float, lower: float, upper: float) -> float:
-    value += TURN * round((here - value) / TURN)
-    if value < lower:
-        return value + TURN
-    if value > upper:
-        return value - TURN
-    return value
+def _cost(q: list[float], current: tuple[float, ...]) -> float:
+    """The squared distance in joint space, of as many joints as there are."""
+    return sum((a - b) ** 2 for a, b in zip(q, current, strict=False))
 
 
 def _in_forearm(wrist: Rows, yaw: float, lean: float) -> Rows:

@@ -1,0 +1,89 @@
+"""The simulated arm follows the operator's pick and place, and the block goes with it."""
+
+from types import SimpleNamespace
+
+import numpy as np
+import pytest
+from cell_motion import PICK_AND_PLACE, arm_model, sample
+
+from remote_site.config import RobotConfig
+from remote_site.shared_memory import CellMemory
+from remote_site.simulation.config import BlockConfig, CellConfig
+from remote_site.simulation.process import SimulatedCell
+
+ROBOT = RobotConfig()
+STEP_NS = 2_000_000
+
+
+def play(block: BlockConfig) -> SimpleNamespace:
+    """Run the motion in simulated time and keep what happens at each setpoint."""
+    memory = CellMemory.create(6)
+    cell = SimulatedCell(CellConfig(block=block), ROBOT, memory)
+    setup, command = np.zeros((), memory.setup.dtype), np.zeros((), memory.command.dtype)
+    setup[()] = (100_000_000, 10.0, 100.0)
+    memory.setup.write(setup)
+    command["activation"], command["run"], command["q"] = 1, True, ROBOT.start
+    memory.command.write(command)
+    cell.step(STEP_NS)
+    now_ns, seen = STEP_NS, []
+    for seq, (q, dq, ddq, opened) in enumerate(zip(*sample(PICK_AND_PLACE, ROBOT, 0.15), strict=True), start=1):
+        command[()] = (seq, now_ns, 1, True, opened, q, dq, ddq)
+        memory.command.write(command)
+        for _ in range(2):
+            now_ns += STEP_NS
+            cell.step(now_ns)
+        seen.append(look(cell, memory.reading.read()))
+    return SimpleNamespace(**{key: np.array([moment[key] for moment in seen]) for key in seen[0]})
+
+
+def look(cell: SimulatedCell, reading) -> dict:
+    model, data = cell.cell.model, cell.data
+    contacts = {frozenset(model.geom(g).name for g in pair) for pair in data.contact.geom}
+    body = data.body("block")
+    return {
+        "q": reading["q"],
+        "wanted": cell.controller.motion.q,
+        "force": float(reading["force_n"]),
+        "opening": float(reading["opening_m"]),
+        "active": bool(reading["active"]),
+        "block": body.xpos.copy(),
+        "upright": body.xmat[8],
+        "table_hit": any("table" in pair and "block" not in pair for pair in contacts),
+    }
+
+
+@pytest.fixture(scope="module")
+def seen():
+    return play(BlockConfig())
+
+
+def test_the_block_is_lifted_moved_and_set_down_on_its_target(seen):
+    start, end = seen.block[0], seen.block[-1]
+    assert seen.block[:, 2].max() - start[2] > 0.14
+    assert end - start == pytest.approx([0, 0.2, 0], abs=0.003)
+    assert seen.upright.min() > np.cos(np.radians(3))
+
+
+def test_the_grip_stays_below_its_limit_and_holds_the_block_across(seen):
+    held = seen.block[:, 2] - seen.block[0, 2] > 0.05
+    assert seen.force.max() <= CellConfig().gripper.force_limit_n
+    assert seen.force[held].min() > 10
+    assert seen.opening[held] == pytest.approx(np.full(held.sum(), 0.05), abs=0.001)
+
+
+def test_the_arm_follows_within_a_millimetre(seen):
+    model = arm_model(ROBOT)
+    error = [
+        np.linalg.norm((model.forward(q) - model.forward(w))[:3, 3]) for q, w in zip(seen.q, seen.wanted, strict=True)
+    ]
+    assert max(error) < 0.001
+    assert seen.active.all()
+
+
+def test_nothing_but_the_block_touches_the_table(seen):
+    assert not seen.table_hit.any()
+
+
+def test_an_off_centre_block_is_taken_too():
+    moved = play(BlockConfig(centre_xy_m=(0.603, 0.005)))
+    assert moved.block[:, 2].max() - moved.block[0, 2] > 0.14
