@@ -70,10 +70,12 @@ class SimulatedDriver:
         )
 
     def write(self, command: JointCommand) -> JointCommand:
-        """Put a setpoint before the controller; DriverError before activation and after a stop."""
-        if not self._command["run"]:
+        """Put a setpoint before the controller; DriverError before activation and after any stop."""
+        record, reading = self._command, self._memory.reading.read()
+        if not record["run"]:
             raise DriverError("the simulated arm is stopped; activate it before it is commanded")
-        record = self._command
+        if reading["activation"] == record["activation"] and not reading["active"]:
+            raise DriverError(self._fault(reading))
         record["seq"], record["t_ns"], record["gripper_open"] = command.seq, command.t_ns, command.gripper_open
         record["q"], record["dq"], record["ddq"] = command.q, command.dq, command.ddq
         self._memory.command.write(record)

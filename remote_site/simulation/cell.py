@@ -6,8 +6,6 @@ from pathlib import Path
 from xml.etree import ElementTree
 
 import mujoco
-import numpy as np
-from numpy.typing import NDArray
 
 from common.errors import ModelError
 from common.geometry import Array
@@ -20,19 +18,18 @@ from remote_site.simulation.views import add_view
 
 @dataclass(frozen=True, slots=True)
 class Cell:
-    """A compiled cell and where its parts stand in MuJoCo's arrays."""
+    """A compiled cell; the arm's joints are `arm` in MuJoCo's qpos, qvel and ctrl, its gripper's drive is `grip`."""
 
     model: mujoco.MjModel
     joints: tuple[str, ...]
-    q_index: NDArray[np.intp]
-    v_index: NDArray[np.intp]
+    arm: slice
     grip: int
     start_q: Array
 
     def start(self) -> mujoco.MjData:
         """The cell at rest in its start posture, gripper open, block at its place."""
         data = mujoco.MjData(self.model)
-        data.qpos[self.q_index] = self.start_q
+        data.qpos[self.arm] = self.start_q
         mujoco.mj_forward(self.model, data)
         return data
 
@@ -95,6 +92,4 @@ def _compile(spec: mujoco.MjSpec, joints: tuple[str, ...], start_q: Array) -> Ce
         model = spec.compile()
     except ValueError as error:
         raise ModelError(f"the cell does not compile: {error}") from error
-    q_index = np.array([model.joint(name).qposadr[0] for name in joints])
-    v_index = np.array([model.joint(name).dofadr[0] for name in joints])
-    return Cell(model, joints, q_index, v_index, model.actuator(GRIP).id, start_q)
+    return Cell(model, joints, slice(0, len(joints)), model.actuator(GRIP).id, start_q)

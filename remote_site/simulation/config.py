@@ -82,10 +82,10 @@ class ViewConfig(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_field
 
 
 VIEWS = (
-    ViewConfig(name="front_high", position_m=(1.85, 0.50, 1.50), looks_at_m=(0.40, 0.08, 0.56), fovy_deg=36),
-    ViewConfig(name="front_low", position_m=(1.85, -0.35, 0.66), looks_at_m=(0.40, 0.06, 0.62), fovy_deg=34),
-    ViewConfig(name="side", position_m=(0.45, -1.70, 0.85), looks_at_m=(0.40, 0.05, 0.60), fovy_deg=36),
-    ViewConfig(name="gripper", frame="tool", position_m=(-0.13, 0, 0.05), looks_at_m=(0.0, 0, 0.17), fovy_deg=60),
+    ViewConfig(name="front_high", position_m=(1.85, 0.50, 1.50), looks_at_m=(0.45, 0.08, 0.60), fovy_deg=32),
+    ViewConfig(name="front_low", position_m=(1.85, -0.40, 0.72), looks_at_m=(0.45, 0.08, 0.64), fovy_deg=30),
+    ViewConfig(name="side", position_m=(0.45, -1.70, 0.90), looks_at_m=(0.40, 0.05, 0.62), fovy_deg=34),
+    ViewConfig(name="gripper", frame="tool", position_m=(-0.15, 0, 0.06), looks_at_m=(0.0, 0, 0.165), fovy_deg=58),
 )
 
 

@@ -74,10 +74,12 @@ class Controller:
         """No motion is under way or asked for."""
         return not self.active and self._stop is None
 
-    def tick(self, setup: Record, command: Record, now_ns: int, dt: float) -> JointMotion:
-        """The motion to follow at `now_ns`, `dt` seconds after the last; arguments as in `shared_memory`."""
-        if self.resting and int(command["activation"]) != self.activation:
-            self._activate(setup, command, now_ns)
+    def asked(self, command: Record) -> bool:
+        """Whether the driver asks for an activation that can now be given."""
+        return self.resting and int(command["activation"]) != self.activation
+
+    def tick(self, command: Record, now_ns: int, dt: float) -> JointMotion:
+        """The motion to follow at `now_ns`, `dt` seconds after the last; the command as in `shared_memory`."""
         if self.active:
             self._take(command, now_ns)
         if self.active:
@@ -92,11 +94,14 @@ class Controller:
         """Begin the jerk-limited stop, unless one is under way or the arm rests; setpoints are taken no more."""
         self.active = False
         if self._stop is None and not self.motion.resting:
-            states = zip(self.motion.q.tolist(), self.motion.dq.tolist(), self.motion.ddq.tolist(), strict=True)
-            limits = zip(self._stop_acceleration.tolist(), self._stop_jerk.tolist(), strict=True)
+            most = self._stop_acceleration
+            ddq = np.clip(self.motion.ddq, -most, most)
+            states = zip(self.motion.q.tolist(), self.motion.dq.tolist(), ddq.tolist(), strict=True)
+            limits = zip(most.tolist(), self._stop_jerk.tolist(), strict=True)
             self._stop = _Stop([joint_stop(s, *limit) for s, limit in zip(states, limits, strict=True)])
 
-    def _activate(self, setup: Record, command: Record, now_ns: int) -> None:
+    def activate(self, setup: Record, command: Record) -> None:
+        """Take setpoints from rest at the command's posture, or say in `fault` that the arm is not there."""
         self.activation = int(command["activation"])
         apart = np.abs(command["q"] - self.motion.q).max()
         if not apart <= self._config.activation_tolerance_rad:
@@ -106,27 +111,31 @@ class Controller:
         self._stop_acceleration = np.minimum(setup["acceleration"], self._config.stop_acceleration_rad_s2)
         self._stop_jerk = np.minimum(setup["jerk"], self._config.stop_jerk_rad_s3)
         self.active, self.fault = True, ControllerFault.NONE
-        self._seq, self._arrival_ns = int(command["seq"]), now_ns
+        self._seq = int(command["seq"])
         self.obeyed_seq, self.obeyed_ns = 0, 0
 
     def _take(self, command: Record, now_ns: int) -> None:
         if int(command["activation"]) != self.activation or not command["run"]:
             self.stop()
-        elif not JointMotion(command["q"], command["dq"], command["ddq"]).finite:
-            self._fail(ControllerFault.NOT_FINITE)
         elif int(command["seq"]) != self._seq:
-            self._seq = self.obeyed_seq = int(command["seq"])
-            self._arrival_ns = self.obeyed_ns = now_ns
-            self.gripper_open = bool(command["gripper_open"])
-        elif now_ns - self._arrival_ns > self._timeout_ns:
+            self._obey(command, now_ns)
+        elif self.obeyed_ns and now_ns - self._arrival_ns > self._timeout_ns:
             self._fail(ControllerFault.WATCHDOG)
+
+    def _obey(self, command: Record, now_ns: int) -> None:
+        if not JointMotion(command["q"], command["dq"], command["ddq"]).finite:
+            self._fail(ControllerFault.NOT_FINITE)
+            return
+        self._seq = self.obeyed_seq = int(command["seq"])
+        self._arrival_ns = self.obeyed_ns = now_ns
+        self.gripper_open = bool(command["gripper_open"])
 
     def _fail(self, fault: ControllerFault) -> None:
         self.fault = fault
         self.stop()
 
     def _setpoint(self, command: Record, now_ns: int) -> JointMotion:
-        age = max(now_ns - self._arrival_ns, 0) / NS_PER_S
+        age = max(now_ns - self._arrival_ns, 0) / NS_PER_S if self.obeyed_ns else 0.0
         curved = min(age, self._config.extrapolation_ms / 1000.0)
         q, dq, ddq = command["q"], command["dq"], command["ddq"]
         velocity = dq + curved * ddq
@@ -135,8 +144,14 @@ class Controller:
 
     def _towards(self, wanted: JointMotion, dt: float) -> JointMotion:
         now, follow, limits = self.motion, self._follow, self._limits
-        target = np.clip(wanted.q, limits.lower, limits.upper)
-        ddq = wanted.ddq + 2.0 * follow * (wanted.dq - now.dq) + follow * follow * (target - now.q)
-        top = self._config.max_acceleration_rad_s2
-        dq = np.clip(now.dq + dt * np.clip(ddq, -top, top), -limits.velocity, limits.velocity)
+        target = _within(wanted.q, limits.lower, limits.upper)
+        error, top = target - now.q, self._config.max_acceleration_rad_s2
+        # Critically damped near by; from far, no faster than half the acceleration can brake.
+        catch_up = np.copysign(np.minimum(0.5 * follow * np.abs(error), np.sqrt(top * np.abs(error))), error)
+        ddq = wanted.ddq + 2.0 * follow * (wanted.dq + catch_up - now.dq)
+        dq = _within(now.dq + dt * _within(ddq, -top, top), -limits.velocity, limits.velocity)
         return JointMotion(now.q + 0.5 * dt * (now.dq + dq), dq, (dq - now.dq) / dt)
+
+
+def _within(values: Array, lower: Array | float, upper: Array | float) -> Array:
+    return np.minimum(np.maximum(values, lower), upper)  # np.clip costs five times as much for six joints

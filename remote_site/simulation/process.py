@@ -27,26 +27,39 @@ class SimulatedCell:
         self.controller = Controller(config.servo, _limits(self.cell, config), self.cell.start_q)
         self._servo = Servo(config, self.cell, self.data)
         self._memory = memory
+        self._command_count, self._command = 0, np.zeros((), dtype=memory.command.dtype)
         self._reading = np.zeros((), dtype=memory.reading.dtype)
         self._snapshot = np.zeros((), dtype=memory.snapshot.dtype)
 
     def step(self, now_ns: int) -> None:
         """One period of control and physics, ending at `now_ns`."""
-        motion = self.controller.tick(self._memory.setup.read(), self._memory.command.read(), now_ns, self.dt)
-        self._servo.step(motion, self.controller.gripper_open)
+        memory, controller = self._memory, self.controller
+        if memory.command.count != self._command_count:
+            self._command_count, self._command = memory.command.count, memory.command.read()
+        if controller.asked(self._command):
+            controller.activate(memory.setup.read(), self._command)
+        motion = controller.tick(self._command, now_ns, self.dt)
+        self._servo.step(motion, controller.gripper_open)
         self._publish(now_ns)
 
     def _publish(self, now_ns: int) -> None:
-        reading, controller, servo = self._reading, self.controller, self._servo
-        reading["t_ns"] = now_ns
-        reading["obeyed_seq"], reading["obeyed_ns"] = controller.obeyed_seq, controller.obeyed_ns
-        reading["activation"], reading["active"] = controller.activation, controller.active
-        reading["resting"], reading["fault"] = controller.resting, controller.fault
-        reading["gripper_open"] = controller.gripper_open
-        reading["opening_m"], reading["force_n"] = servo.opening_m, servo.force_n
-        reading["q"], reading["dq"] = servo.q, servo.dq
-        self._memory.reading.write(reading)
-        self._snapshot["t_ns"], self._snapshot["qpos"] = now_ns, self.data.qpos
+        controller, servo = self.controller, self._servo
+        self._reading[()] = (
+            now_ns,
+            controller.obeyed_seq,
+            controller.obeyed_ns,
+            controller.activation,
+            controller.active,
+            controller.resting,
+            controller.fault,
+            controller.gripper_open,
+            servo.opening_m,
+            servo.force_n,
+            servo.q,
+            servo.dq,
+        )
+        self._memory.reading.write(self._reading)
+        self._snapshot[()] = (now_ns, self.data.qpos)
         self._memory.snapshot.write(self._snapshot)
 
 

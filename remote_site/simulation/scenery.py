@@ -28,19 +28,19 @@ def add_room(spec: mujoco.MjSpec, scene: SceneConfig) -> None:
     spec.visual.headlight.diffuse = [0.25, 0.25, 0.25]
     spec.visual.headlight.specular = [0.0, 0.0, 0.0]
     spec.visual.map.znear = 0.02
-    spec.visual.quality.numslices = 24
+    spec.visual.quality.numslices = 20
     spec.visual.quality.numstacks = 2
     spec.visual.quality.numquads = 1
     spec.visual.quality.shadowsize = 0
     spec.visual.quality.offsamples = 0
     spec.stat.extent = 2.0
     world, z = spec.worldbody, scene.floor_z_m
-    _visual_box(world, (6, 6, 0.05), (0, 0, z - 0.05), FLOOR)
-    for k in range(-2, 4):
-        _visual_box(world, (0.006, 4, 0.001), (k * 0.8, 0, z), LINE)
-        _visual_box(world, (4, 0.006, 0.001), (0, k * 0.8, z), LINE)
-    for x, y in ((-1.6, 0.0), (3.2, 0.0), (0.0, 2.2), (0.0, -3.0)):
-        _visual_box(world, (0.05, 6, 3) if x else (6, 0.05, 3), (x, y, z + 3), WALL)
+    _visual_box(world, (2.4, 2.6, 0.05), (0.8, -0.4, z - 0.05), FLOOR)
+    for k in range(-1, 4):
+        _visual_box(world, (0.006, 2.6, 0.001), (k, -0.4, z), LINE)
+        _visual_box(world, (2.4, 0.006, 0.001), (0.8, k - 1.5, z), LINE)
+    for x, y in ((-1.65, -0.4), (3.25, -0.4), (0.8, 2.25), (0.8, -3.05)):
+        _visual_box(world, (2.5, 0.05, 1.5) if x == 0.8 else (0.05, 2.7, 1.5), (x, y, z + 1.5), WALL)
     _visual_box(world, (0.15, 0.15, -z / 2), (0, 0, z / 2), PEDESTAL)
     world.add_light(
         type=mujoco.mjtLightType.mjLIGHT_DIRECTIONAL,

@@ -14,7 +14,7 @@ SLIDING_RAD_S = 0.02
 
 
 class Servo:
-    """Drives a cell's arm and gripper; one step of physics each call."""
+    """Drives a cell's arm and gripper, one step of physics each call; `q`, `dq` (n,) are live views of the measured."""
 
     def __init__(self, config: CellConfig, cell: Cell, data: mujoco.MjData) -> None:
         self._model, self._data, self._cell = cell.model, data, cell
@@ -28,28 +28,21 @@ class Servo:
         self._opening_step = config.gripper.speed_m_s * cell.model.opt.timestep
         self._opening = self._widest
         self._before = JointMotion.at_rest(cell.start_q)
-        self._arm_slots = np.array([cell.model.actuator(name).id for name in cell.joints])
+        arm = cell.arm
+        self.q: Array = data.qpos[arm]
+        self.dq: Array = data.qvel[arm]
+        self._drives, self._bias = data.ctrl[arm], data.qfrc_bias[arm]
 
     def step(self, motion: JointMotion, gripper_open: bool) -> None:
         """Advance the physics to where the motion is at the step's end, within the URDF's effort limits."""
         data, cell = self._data, self._cell
         mujoco.mj_step1(self._model, data)
-        data.ctrl[self._arm_slots] = self._arm_torque(motion)
+        self._drives[:] = self._arm_torque(motion)
         aim = self._widest if gripper_open else 0.0
         self._opening += min(max(aim - self._opening, -self._opening_step), self._opening_step)
         data.ctrl[cell.grip] = self._opening
         mujoco.mj_step2(self._model, data)
         self._before = motion
-
-    @property
-    def q(self) -> Array:
-        """The measured joint positions (n,) in rad."""
-        return np.array(self._data.qpos[self._cell.q_index])
-
-    @property
-    def dq(self) -> Array:
-        """The measured joint velocities (n,) in rad/s."""
-        return np.array(self._data.qvel[self._cell.v_index])
 
     @property
     def opening_m(self) -> float:
@@ -62,10 +55,10 @@ class Servo:
         return max(0.0, -float(self._data.actuator_force[self._cell.grip]))
 
     def _arm_torque(self, motion: JointMotion) -> Array:
-        arm = self._cell.v_index
+        arm = self._cell.arm
         error, rate = self._before.q - self.q, self._before.dq - self.dq
         self._acceleration[arm] = motion.ddq + self._damping * rate + self._stiffness * error
         mujoco.mj_mulM(self._model, self._data, self._torque, self._acceleration)
         friction = self._coulomb * np.tanh(motion.dq / SLIDING_RAD_S) + self._viscous * motion.dq
-        torque: Array = self._torque[arm] + self._data.qfrc_bias[arm] + friction
+        torque: Array = self._torque[arm] + self._bias + friction
         return torque

@@ -1,6 +1,7 @@
 """Views of the simulated cell, rendered off screen from its snapshot, so that the physics never waits for a picture."""
 
 import os
+from collections.abc import Sequence
 from typing import Any
 
 import cv2
@@ -29,6 +30,7 @@ class CellRenderer:
         self._model = cell.model
         self._data = mujoco.MjData(cell.model)
         self._model.vis.global_.offwidth, self._model.vis.global_.offheight = width, height
+        self._gl: Any
         self._gl, self._context = _open_gl(self._model, width, height)
         self._scene = mujoco.MjvScene(self._model, MAX_GEOMS)
         for effect in EFFECTS:
@@ -61,9 +63,11 @@ class CellRenderer:
         return np.asarray(cv2.cvtColor(cv2.flip(self._pixels, 0), cv2.COLOR_RGB2BGR), dtype=np.uint8)
 
     def close(self) -> None:
-        """Give the context back."""
-        self._context.free()
-        self._gl.free()
+        """Give the context back; further calls do nothing."""
+        if self._gl is not None:
+            self._context.free()
+            self._gl.free()
+            self._gl = None
 
 
 class CellCamera:
@@ -89,7 +93,16 @@ class CellCamera:
         return self._frame
 
     def close(self) -> None:
-        """Nothing of its own to give back; the renderer is shared."""
+        """Give the context back, which all views share."""
+        self._renderer.close()
+
+
+def open_cell_cameras(
+    names: Sequence[str], cell: Cell, snapshot: SharedRecord, width: int, height: int
+) -> list[CellCamera]:
+    """Simulated cameras by the names of their views, on one context; CameraError says what is missing."""
+    renderer = CellRenderer(cell, width, height)
+    return [CellCamera(name, renderer, snapshot) for name in names]
 
 
 def _open_gl(model: mujoco.MjModel, width: int, height: int) -> tuple[Any, mujoco.MjrContext]:

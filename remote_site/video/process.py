@@ -16,10 +16,8 @@ from common.messages import VideoFrame
 from common.service import be_nice
 from remote_site.config import RobotConfig
 from remote_site.shared_memory import CellMemory
-from remote_site.simulation.cell import build_cell
 from remote_site.simulation.config import CellConfig
-from remote_site.video.cell_cameras import CellCamera, CellRenderer
-from remote_site.video.config import SIMULATED, VideoConfig
+from remote_site.video.config import SIMULATED, CameraConfig, VideoConfig
 from remote_site.video.live_camera import ThreadedCamera
 from remote_site.video.stream import CameraStream
 
@@ -39,7 +37,7 @@ class Source(Protocol):
 
 @dataclass(frozen=True, slots=True)
 class SimulatedViews:
-    """What simulated cameras need: the cell that runs and its snapshot."""
+    """What simulated cameras show: the cell that runs, and its memory."""
 
     cell: CellConfig
     robot: RobotConfig
@@ -75,8 +73,7 @@ def run_video(
     """
     be_nice(config.nice)
     cv2.setNumThreads(1)
-    renderer = _open_renderer(config, views)
-    slots = _open_slots(config, _open_sources(config, views, renderer))
+    slots = _open_slots(config, _open_sources(config, views))
     try:
         while not should_stop():
             _serve_next(slots, publish)
@@ -84,8 +81,6 @@ def run_video(
     finally:
         for slot in slots:
             slot.source.close()
-        if renderer is not None:
-            renderer.close()
 
 
 def _serve_next(slots: Sequence[_Slot], publish: Callable[[VideoFrame], None]) -> None:
@@ -98,23 +93,26 @@ def _serve_next(slots: Sequence[_Slot], publish: Callable[[VideoFrame], None]) -
         publish(message)
 
 
-def _open_renderer(config: VideoConfig, views: SimulatedViews | None) -> CellRenderer | None:
-    if not any(camera.source == SIMULATED for camera in config.cameras):
-        return None
+def _open_sources(config: VideoConfig, views: SimulatedViews | None) -> list[Source]:
+    simulated = _open_simulated(config, views)
+    return [simulated.get(camera.name) or _open_live(camera, config.fps) for camera in config.cameras]
+
+
+def _open_simulated(config: VideoConfig, views: SimulatedViews | None) -> dict[str, Source]:
+    names = [camera.name for camera in config.cameras if camera.source == SIMULATED]
+    if not names:
+        return {}
     if views is None:
         raise ConfigError("video: a camera is 'simulated', but no cell is simulated here; give it a device or URL")
-    return CellRenderer(build_cell(views.cell, views.robot), config.width, config.height)
+    from remote_site.simulation.cell import build_cell  # noqa: PLC0415  # a real cell needs no MuJoCo
+    from remote_site.video.cell_cameras import open_cell_cameras  # noqa: PLC0415
+
+    cell, snapshot = build_cell(views.cell, views.robot), views.memory.snapshot
+    return {camera.name: camera for camera in open_cell_cameras(names, cell, snapshot, config.width, config.height)}
 
 
-def _open_sources(config: VideoConfig, views: SimulatedViews | None, renderer: CellRenderer | None) -> list[Source]:
-    sources: list[Source] = []
-    for camera in config.cameras:
-        if renderer is not None and views is not None and camera.source == SIMULATED:
-            sources.append(CellCamera(camera.name, renderer, views.memory.snapshot))
-        else:
-            opening = partial(open_camera, camera.source, camera.name, config.fps, camera.latency_ms)
-            sources.append(ThreadedCamera(camera.name, opening))
-    return sources
+def _open_live(camera: CameraConfig, fps: float) -> Source:
+    return ThreadedCamera(camera.name, partial(open_camera, camera.source, camera.name, fps, camera.latency_ms))
 
 
 def _open_slots(config: VideoConfig, sources: Sequence[Source]) -> list[_Slot]:
