@@ -1,0 +1,96 @@
+"""The four views show the arm and the block as they are at the snapshot's time."""
+
+import sys
+
+import numpy as np
+import pytest
+
+from common.errors import CameraError
+from remote_site.config import RobotConfig
+from remote_site.shared_memory import SharedRecord, snapshot_dtype
+from remote_site.simulation.cell import build_cell
+from remote_site.simulation.config import CellConfig
+from remote_site.video.cell_cameras import CellRenderer, open_cell_cameras
+
+VIEWS = ["front_high", "front_low", "side", "gripper"]
+
+
+@pytest.fixture(scope="module")
+def cell():
+    return build_cell(CellConfig(), RobotConfig())
+
+
+@pytest.fixture(scope="module")
+def renderer(cell):
+    try:
+        renderer = CellRenderer(cell, 320, 240)
+    except CameraError as error:
+        pytest.skip(str(error))
+    yield renderer
+    renderer.close()
+
+
+def posture(cell, joint_2: float = 0.0):
+    data = cell.start()
+    data.qpos[1] += joint_2
+    return data.qpos.copy()
+
+
+@pytest.mark.parametrize("name", VIEWS)
+def test_every_view_sees_the_fingers_and_the_block(cell, renderer, name):
+    image = renderer.render(renderer.view_id(name), posture(cell, -0.35)).astype(int)
+    blue, green, red = image[:, :, 0], image[:, :, 1], image[:, :, 2]
+    orange = (red > 100) & (red - blue > 80) & (green - blue > 25)
+    foam = (blue > 70) & (blue - red > 40)
+    assert orange.sum() > 15, "fingers"
+    assert foam.sum() > 150, "block"
+
+
+@pytest.mark.parametrize("name", VIEWS)
+def test_every_view_shows_the_arm_move(cell, renderer, name):
+    view = renderer.view_id(name)
+    before = renderer.render(view, posture(cell)).astype(int)
+    after = renderer.render(view, posture(cell, 0.3)).astype(int)
+    assert (np.abs(before - after).max(axis=2) > 30).mean() > 0.005
+
+
+@pytest.mark.parametrize("name", VIEWS)
+def test_no_view_looks_into_the_dark(cell, renderer, name):
+    image = renderer.render(renderer.view_id(name), posture(cell))
+    assert (image.max(axis=2) < 10).mean() < 0.01
+
+
+def test_the_block_in_front_is_below_the_gripper_in_the_picture(cell, renderer):
+    image = renderer.render(renderer.view_id("side"), posture(cell)).astype(int)
+    foam = np.argwhere((image[:, :, 0] > 70) & (image[:, :, 0] - image[:, :, 2] > 40))
+    fingers = np.argwhere((image[:, :, 2] > 100) & (image[:, :, 2] - image[:, :, 0] > 80) & (image[:, :, 1] > 80))
+    assert fingers[:, 0].mean() < foam[:, 0].min()
+
+
+@pytest.mark.usefixtures("renderer")
+def test_a_frame_bears_the_time_of_the_posture_and_comes_once(cell):
+    record = SharedRecord(snapshot_dtype(6))
+    cameras = open_cell_cameras(["side"], cell, record, 320, 240)
+    assert cameras[0].newest() is None
+    snapshot = np.zeros((), record.dtype)
+    snapshot[()] = (123_456_789, posture(cell))
+    record.write(snapshot)
+    first, again = cameras[0].newest(), cameras[0].newest()
+    assert first is again
+    assert (first.capture_ns, first.seq, first.capture_estimated) == (123_456_789, 0, False)
+    snapshot["t_ns"] += 33_000_000
+    record.write(snapshot)
+    assert cameras[0].newest().seq == 1
+    cameras[0].close()
+    cameras[0].close()
+
+
+def test_an_unknown_view_is_named_with_the_known(renderer):
+    with pytest.raises(CameraError, match=r"roof.*front_high, front_low, side, gripper"):
+        renderer.view_id("roof")
+
+
+def test_without_egl_the_cure_is_named(cell, monkeypatch):
+    monkeypatch.setitem(sys.modules, "mujoco.egl", None)
+    with pytest.raises(CameraError, match="apt-get install libegl1"):
+        CellRenderer(cell, 320, 240)
