@@ -15,6 +15,7 @@ SILENT_NS = 100 * NS_PER_MS
 FAULTS = {
     ControllerFault.WATCHDOG: "watchdog: setpoints ceased, the arm has stopped; activate anew",
     ControllerFault.NOT_FINITE: "a setpoint was not finite, the arm has stopped; activate anew",
+    ControllerFault.BLOCKED: "the arm is blocked and holds where it is; clear its way and activate anew",
     ControllerFault.APART: "the arm is not where it was activated; read it and activate there",
 }
 

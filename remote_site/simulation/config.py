@@ -46,6 +46,7 @@ class ServoConfig(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fiel
     max_acceleration_rad_s2: Annotated[Positive, Meta(description="of every joint")] = 12.5
     stop_acceleration_rad_s2: Annotated[Positive, Meta(description="of the watchdog's stop")] = 10.0
     stop_jerk_rad_s3: Annotated[Positive, Meta(description="of the watchdog's stop")] = 100.0
+    following_error_rad: Annotated[Positive, Meta(description="lagging this far, the arm is blocked: it holds")] = 0.1
     activation_tolerance_rad: Annotated[Positive, Meta(description="how near the arm an activation must be")] = 0.02
 
 

@@ -21,6 +21,7 @@ class ControllerFault(IntEnum):
     WATCHDOG = 1
     NOT_FINITE = 2
     APART = 3
+    BLOCKED = 4
 
 
 @dataclass(frozen=True, slots=True)
@@ -78,8 +79,10 @@ class Controller:
         """Whether the driver asks for an activation that can now be given."""
         return self.resting and int(command["activation"]) != self.activation
 
-    def tick(self, command: Record, now_ns: int, dt: float) -> JointMotion:
+    def tick(self, command: Record, measured_q: Array, now_ns: int, dt: float) -> JointMotion:
         """The motion to follow at `now_ns`, `dt` seconds after the last; the command as in `shared_memory`."""
+        if not self.resting and np.abs(self.motion.q - measured_q).max() > self._config.following_error_rad:
+            self._hold_blocked(measured_q)
         if self.active:
             self._take(command, now_ns)
         if self.active:
@@ -129,6 +132,10 @@ class Controller:
         self._seq = self.obeyed_seq = int(command["seq"])
         self._arrival_ns = self.obeyed_ns = now_ns
         self.gripper_open = bool(command["gripper_open"])
+
+    def _hold_blocked(self, measured_q: Array) -> None:
+        self.active, self._stop, self.fault = False, None, ControllerFault.BLOCKED
+        self.motion = JointMotion.at_rest(measured_q)
 
     def _fail(self, fault: ControllerFault) -> None:
         self.fault = fault

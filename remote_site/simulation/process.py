@@ -7,6 +7,7 @@ import numpy as np
 import structlog
 
 from common.clock import NS_PER_S
+from common.errors import DriverError
 from remote_site.config import RobotConfig
 from remote_site.shared_memory import CellMemory
 from remote_site.simulation.cell import Cell, build_cell
@@ -38,8 +39,13 @@ class SimulatedCell:
             self._command_count, self._command = memory.command.count, memory.command.read()
         if controller.asked(self._command):
             controller.activate(memory.setup.read(), self._command)
-        motion = controller.tick(self._command, now_ns, self.dt)
+        motion = controller.tick(self._command, self._servo.q, now_ns, self.dt)
+        before_s = self.data.time
         self._servo.step(motion, controller.gripper_open)
+        if self.data.time < before_s:  # MuJoCo starts anew when its state is no longer finite
+            raise DriverError(
+                "the simulated cell's physics diverged; choose a shorter cell.step_ms or less stiff a servo"
+            )
         self._publish(now_ns)
 
     def _publish(self, now_ns: int) -> None:

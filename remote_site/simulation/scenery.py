@@ -37,8 +37,8 @@ def add_room(spec: mujoco.MjSpec, scene: SceneConfig) -> None:
     world, z = spec.worldbody, scene.floor_z_m
     _visual_box(world, (2.4, 2.6, 0.05), (0.8, -0.4, z - 0.05), FLOOR)
     for k in range(-1, 4):
-        _visual_box(world, (0.006, 2.6, 0.001), (k, -0.4, z), LINE)
-        _visual_box(world, (2.4, 0.006, 0.001), (0.8, k - 1.5, z), LINE)
+        _visual_box(world, (0.006, 2.6, 0.003), (k, -0.4, z), LINE)
+        _visual_box(world, (2.4, 0.006, 0.003), (0.8, k - 1.5, z), LINE)
     for x, y in ((-1.65, -0.4), (3.25, -0.4), (0.8, 2.25), (0.8, -3.05)):
         _visual_box(world, (2.5, 0.05, 1.5) if x == 0.8 else (0.05, 2.7, 1.5), (x, y, z + 1.5), WALL)
     _visual_box(world, (0.15, 0.15, -z / 2), (0, 0, z / 2), PEDESTAL)

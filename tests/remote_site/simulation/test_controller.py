@@ -20,6 +20,7 @@ class Desk:
         self.setup, self.command = np.zeros((), setup_dtype(6)), np.zeros((), command_dtype(6))
         self.setup[()] = (round(timeout_ms * 1e6), 10.0, 100.0)
         self.now_ns = 0
+        self.lag = np.zeros(6)
         self.motions = []
 
     def activate(self, q=Q0) -> None:
@@ -32,7 +33,8 @@ class Desk:
             self.now_ns += STEP_NS
             if self.controller.asked(self.command):
                 self.controller.activate(self.setup, self.command)
-            self.motions.append(self.controller.tick(self.command, self.now_ns, DT))
+            measured_q = self.controller.motion.q - self.lag
+            self.motions.append(self.controller.tick(self.command, measured_q, self.now_ns, DT))
 
     def cruise(self, seconds: float, speed: float = 0.5) -> None:
         """Speed up joint 1 smoothly and keep it going, a setpoint every 4 ms."""
@@ -164,6 +166,18 @@ def test_activation_waits_until_the_arm_rests():
     assert not desk.controller.active
     desk.tick(200)
     assert desk.controller.resting or desk.controller.active
+
+
+def test_a_blocked_arm_holds_where_it_is():
+    desk = Desk()
+    desk.activate()
+    desk.cruise(0.6)
+    desk.lag = np.array([0.11, 0, 0, 0, 0, 0])
+    held = desk.controller.motion.q[0] - 0.11
+    desk.cruise(0.2)
+    assert desk.controller.fault is ControllerFault.BLOCKED
+    assert desk.controller.resting
+    assert desk.controller.motion.q[0] == pytest.approx(held, abs=1e-9)
 
 
 def test_an_activated_arm_without_setpoints_holds_still():

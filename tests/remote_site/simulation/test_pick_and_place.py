@@ -9,14 +9,15 @@ from cell_motion import PICK_AND_PLACE, arm_model, sample
 from remote_site.config import RobotConfig
 from remote_site.shared_memory import CellMemory
 from remote_site.simulation.config import BlockConfig, CellConfig
+from remote_site.simulation.controller import ControllerFault
 from remote_site.simulation.process import SimulatedCell
 
 ROBOT = RobotConfig()
 STEP_NS = 2_000_000
 
 
-def play(block: BlockConfig) -> SimpleNamespace:
-    """Run the motion in simulated time and keep what happens at each setpoint."""
+def play(block: BlockConfig, stages=PICK_AND_PLACE, speed: float = 0.15) -> SimpleNamespace:
+    """Run a motion in simulated time and keep what happens at each setpoint."""
     memory = CellMemory.create(6)
     cell = SimulatedCell(CellConfig(block=block), ROBOT, memory)
     setup, command = np.zeros((), memory.setup.dtype), np.zeros((), memory.command.dtype)
@@ -26,7 +27,7 @@ def play(block: BlockConfig) -> SimpleNamespace:
     memory.command.write(command)
     cell.step(STEP_NS)
     now_ns, seen = STEP_NS, []
-    for seq, (q, dq, ddq, opened) in enumerate(zip(*sample(PICK_AND_PLACE, ROBOT, 0.15), strict=True), start=1):
+    for seq, (q, dq, ddq, opened) in enumerate(zip(*sample(stages, ROBOT, speed), strict=True), start=1):
         command[()] = (seq, now_ns, 1, True, opened, q, dq, ddq)
         memory.command.write(command)
         for _ in range(2):
@@ -46,6 +47,8 @@ def look(cell: SimulatedCell, reading) -> dict:
         "force": float(reading["force_n"]),
         "opening": float(reading["opening_m"]),
         "active": bool(reading["active"]),
+        "fault": ControllerFault(int(reading["fault"])),
+        "speed": float(np.abs(reading["dq"]).max()),
         "block": body.xpos.copy(),
         "upright": body.xmat[8],
         "table_hit": any("table" in pair and "block" not in pair for pair in contacts),
@@ -87,3 +90,18 @@ def test_nothing_but_the_block_touches_the_table(seen):
 def test_an_off_centre_block_is_taken_too():
     moved = play(BlockConfig(centre_xy_m=(0.603, 0.005)))
     assert moved.block[:, 2].max() - moved.block[0, 2] > 0.14
+
+
+def test_an_arm_driven_into_the_table_is_blocked_and_holds():
+    into_the_table = (
+        (0.0, 0.0, 0.0, True),
+        (0.10, 0.15, -0.45, True),
+        (0.10, 0.15, -0.45, True),
+        (0.0, 0.0, 0.0, True),
+    )
+    seen = play(BlockConfig(), into_the_table, speed=0.3)
+    assert seen.fault[-1] == ControllerFault.BLOCKED
+    assert seen.table_hit.any()
+    after = np.flatnonzero(seen.fault == ControllerFault.BLOCKED)[125:]
+    assert seen.speed[after].max() < 0.05
+    assert np.abs(seen.q[after] - seen.q[after[-1]]).max() < 0.01
