@@ -112,7 +112,8 @@ def _draw(outlines: Outlines, parts: tuple[Part, ...], box: Box) -> Image:
 def _shade(labels: Image) -> Image:
     """Brightness of each pixel by its depth inside its limb's outline, as if every limb were round."""
     edges = cv2.morphologyEx(labels, cv2.MORPH_GRADIENT, _NEIGHBOURS)
-    depth = cv2.distanceTransform((edges == 0).view(np.uint8), cv2.DIST_L2, cv2.DIST_MASK_3)
+    inside = ((edges == 0) & (labels > 0)).view(np.uint8)
+    depth = cv2.distanceTransform(inside, cv2.DIST_L2, cv2.DIST_MASK_3)
     level = cv2.LUT(cv2.convertScaleAbs(depth, alpha=255 / FULL_DEPTH_PX), _ROUND)
     return cv2.GaussianBlur(level, (0, 0), 1.0).astype(np.uint8, copy=False)
 

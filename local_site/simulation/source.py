@@ -47,6 +47,11 @@ class SimulatedCameras:
             SimulatedCamera(name, channel, self._child) for name, channel in zip(NAMES, channels, strict=True)
         )
 
+    @property
+    def pid(self) -> int | None:
+        """The process that renders."""
+        return self._child.process.pid
+
     def close(self) -> None:
         """End the process; reads that wait return None."""
         self._child.close()

@@ -1,0 +1,176 @@
+"""The simulated cameras as a source: paced exposures, shared frames, and a process that ends with its parent."""
+
+import os
+import signal
+import subprocess
+import sys
+import time
+
+import numpy as np
+import pytest
+
+from common.clock import NS_PER_MS, FakeClock
+from common.errors import CameraError, ConfigError
+from local_site.simulation.config import BodyConfig, MotionConfig, PictureConfig, SimulationConfig, StereoConfig
+from local_site.simulation.exposures import Exposure, ExposureLoop, Pace
+from local_site.simulation.frame_ring import SLOTS, FrameRing
+from local_site.simulation.operator import SimulatedOperator
+from local_site.simulation.source import SimulatedCameras
+
+SMALL = StereoConfig(width_px=160, height_px=120, focal_px=200.0)
+CONFIG = SimulationConfig(stereo=SMALL, fps=100.0)
+
+
+def test_synchronous_cameras_expose_together_at_absolute_deadlines():
+    pace = Pace(start_ns=1000, period_ns=100, offset_ns=0)
+    assert pace.after(0) == Exposure(1000, (0, 1))
+    assert pace.after(1000) == Exposure(1100, (0, 1))
+    assert pace.after(1567) == Exposure(1600, (0, 1))
+
+
+def test_the_second_camera_keeps_its_phase():
+    pace = Pace(start_ns=1000, period_ns=100, offset_ns=30)
+    times, t_ns = [], 0
+    for _ in range(4):
+        exposure = pace.after(t_ns)
+        t_ns = exposure.t_ns
+        times.append((t_ns, exposure.cameras))
+    assert times == [(1000, (0,)), (1030, (1,)), (1100, (0,)), (1130, (1,))]
+
+
+def loop(clock, published, offset_ms=0.0):
+    pace = Pace(clock.now_ns() + 5 * NS_PER_MS, 10 * NS_PER_MS, round(offset_ms * NS_PER_MS))
+
+    def keep(camera, image, t_ns):
+        published.append((camera, t_ns, image))
+
+    return ExposureLoop(SimulatedOperator(SimulationConfig(stereo=SMALL)), pace, clock, keep)
+
+
+def test_both_views_of_a_pair_carry_the_instant_of_the_rendered_pose():
+    clock, published = FakeClock(7), []
+    exposures = loop(clock, published)
+    exposures.expose_next()
+    exposures.expose_next()
+    assert [(camera, t_ns) for camera, t_ns, _ in published] == [
+        (0, 7 + 5 * NS_PER_MS),
+        (1, 7 + 5 * NS_PER_MS),
+        (0, 7 + 15 * NS_PER_MS),
+        (1, 7 + 15 * NS_PER_MS),
+    ]
+    expected = SimulatedOperator(SimulationConfig(stereo=SMALL)).render(0.0)
+    assert np.array_equal(published[0][2], expected[0])
+    assert np.array_equal(published[1][2], expected[1])
+
+
+def test_a_slow_renderer_skips_exposures_instead_of_falling_behind():
+    clock, published = FakeClock(0), []
+    exposures = loop(clock, published)
+    exposures.expose_next()
+    clock.advance_ms(43.0)
+    exposures.expose_next()
+    assert published[-1][1] >= 48 * NS_PER_MS
+    exposures.expose_next()
+    assert published[-1][1] == 55 * NS_PER_MS
+
+
+def test_an_offset_camera_is_rendered_though_the_other_took_its_time():
+    clock, published = FakeClock(0), []
+    exposures = loop(clock, published, offset_ms=2.0)
+    for _ in range(6):
+        exposures.expose_next()
+        clock.advance_ms(4.0)
+    assert [camera for camera, _, _ in published] == [0, 1, 0, 1, 0, 1]
+
+
+def test_the_ring_gives_the_newest_frame_once():
+    ring = FrameRing(4, 3)
+    assert ring.newest(-1) is None
+    for k in range(SLOTS + 3):
+        ring.publish(np.full((3, 4), k, np.uint8), 100 + k)
+    frame = ring.newest(-1)
+    assert (frame.seq, frame.capture_ns, frame.image.max()) == (SLOTS + 2, 100 + SLOTS + 2, SLOTS + 2)
+    assert ring.newest(frame.seq) is None
+    ring.publish(np.zeros((3, 4), np.uint8), 200)
+    assert frame.image.max() == SLOTS + 2
+    assert ring.newest(frame.seq).seq == SLOTS + 3
+
+
+@pytest.fixture
+def cameras():
+    source = SimulatedCameras(CONFIG)
+    yield source
+    source.close()
+
+
+def test_frames_arrive_in_order_with_one_exposure_for_both_views(cameras):
+    left = [cameras.left.read() for _ in range(5)]
+    right = [cameras.right.read() for _ in range(5)]
+    assert [cameras.left.name, cameras.right.name] == ["left", "right"]
+    for frames in (left, right):
+        assert all(frame.image.shape == (120, 160) for frame in frames)
+        assert all(np.diff([frame.seq for frame in frames]) >= 1)
+        assert all(np.diff([frame.capture_ns for frame in frames]) > 0)
+        assert frames[0].capture_ns >= cameras.start_ns
+    of_left = {frame.seq: frame.capture_ns for frame in left}
+    common = [frame for frame in right if frame.seq in of_left]
+    assert all(frame.capture_ns == of_left[frame.seq] for frame in common)
+
+
+def test_a_closed_source_gives_none(cameras):
+    assert cameras.right.read() is not None
+    cameras.close()
+    assert cameras.left.read() is None
+    assert cameras.right.read() is None
+
+
+def test_a_dead_renderer_is_a_camera_error(cameras):
+    cameras.left.read()
+    os.kill(cameras.pid, signal.SIGKILL)
+    with pytest.raises(CameraError, match="simulated operator ended, camera left"):
+        list(iter(cameras.left.read, None))
+
+
+def test_ctrl_c_is_left_to_the_parent(cameras):
+    cameras.left.read()
+    os.kill(cameras.pid, signal.SIGINT)
+    assert all(cameras.left.read() is not None for _ in range(5))
+
+
+PARENT = """
+import time
+from local_site.simulation.config import SimulationConfig, StereoConfig
+from local_site.simulation.source import SimulatedCameras
+cameras = SimulatedCameras(SimulationConfig(stereo=StereoConfig(width_px=160, height_px=120, focal_px=200.0)))
+cameras.left.read()
+print(cameras.pid, flush=True)
+time.sleep(60)
+"""
+
+
+def running(pid):
+    try:
+        with open(f"/proc/{pid}/stat") as stat:
+            return stat.read().rsplit(")", 1)[1].split()[0] != "Z"
+    except FileNotFoundError:
+        return False
+
+
+def test_the_renderer_dies_with_its_parent():
+    with subprocess.Popen([sys.executable, "-c", PARENT], stdout=subprocess.PIPE, text=True) as parent:
+        renderer = int(parent.stdout.readline())
+        assert running(renderer)
+        parent.kill()
+    deadline = time.monotonic() + 5.0
+    while running(renderer) and time.monotonic() < deadline:
+        time.sleep(0.02)
+    assert not running(renderer)
+
+
+def test_a_motion_out_of_reach_is_refused_before_any_process_starts():
+    with pytest.raises(ConfigError, match="cannot reach"):
+        SimulatedCameras(SimulationConfig(body=BodyConfig(forearm_length=0.15), motion=MotionConfig()))
+
+
+def test_the_default_picture_is_noisy_so_that_a_still_hand_is_not_taken_for_a_frozen_camera():
+    assert PictureConfig().noise_sigma > 0
