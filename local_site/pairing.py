@@ -12,6 +12,7 @@ from common.clock import NS_PER_MS, NS_PER_S
 from local_site.tracking.tracker import View, Views
 
 HISTORY = 4
+LEAST_STEP = 0.25
 
 
 class PairingConfig(Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
@@ -32,6 +33,7 @@ class PairingConfig(Struct, frozen=True, kw_only=True, forbid_unknown_fields=Tru
 class Pairing:
     """Finds the newest instant that the exposures of all cameras enclose; each instant is given once, in order.
 
+    Two cameras out of phase give up to two instants a period, none within a quarter period of the last.
     Frames are interpolated between two exposures, never beyond the newest. Times are ns on the cameras' clock.
     """
 
@@ -46,7 +48,7 @@ class Pairing:
         if not all(track.frames for track in self._tracks) or self._frozen() or self._skew_ns() > self._max_skew_ns():
             return None
         views = self._views()
-        if views is None or (self._last_ns is not None and views.t_ns <= self._last_ns):
+        if views is None or (self._last_ns is not None and views.t_ns - self._last_ns < self._least_step_ns(views)):
             return None
         self._last_ns = views.t_ns
         return views
@@ -73,6 +75,11 @@ class Pairing:
         views = [track.at(t_ns) for track in self._tracks]
         enclosed = tuple(view for view in views if view is not None)
         return Views(t_ns, enclosed) if len(enclosed) == len(views) else None
+
+    def _least_step_ns(self, views: Views) -> float:
+        """How far after the last instant the next may lie: a few ms more show nothing new for the price of a pair."""
+        gaps = [v.current.capture_ns - v.previous.capture_ns for v in views.views if v.previous is not None]
+        return max(1.0, LEAST_STEP * min(gaps)) if gaps else 1.0
 
     def _skew_ns(self) -> int:
         newest = [track.newest_ns for track in self._tracks]
