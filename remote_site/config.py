@@ -8,7 +8,10 @@ import msgspec
 import numpy as np
 from msgspec import Meta, field
 
+from common.channels import check_cell_name
 from common.geometry import Array, transform
+from remote_site.simulation.config import CellConfig
+from remote_site.video.config import SIMULATED, VideoConfig
 
 MODELS = Path(__file__).parent / "models"
 
@@ -136,18 +139,44 @@ class EngagementConfig(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown
 class DriverConfig(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
     """Which robot is driven."""
 
-    name: Annotated[str, Meta(min_length=1, description="kinematic, simulated, or an installed driver")] = "kinematic"
+    name: Annotated[str, Meta(min_length=1, description="kinematic, simulated, or an installed driver")] = SIMULATED
     command_timeout_ms: Annotated[
         float, Meta(ge=8, le=1000, description="without a command for so long, the driver stops the arm, ms")
     ] = 50.0
 
 
+class LinksConfig(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
+    """Where the remote site listens."""
+
+    control: Annotated[str, Meta(min_length=1, description="endpoint of hand, state and requests")] = (
+        "tcp/127.0.0.1:7447"
+    )
+    video: Annotated[str, Meta(min_length=1, description="endpoint of the camera streams")] = "tcp/127.0.0.1:7448"
+
+
 class RemoteConfig(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
     """Everything the remote site can be told."""
 
+    cell: Annotated[str, Meta(description="name of this cell; both sites must agree on it")] = "cell"
+    links: LinksConfig = field(default_factory=LinksConfig)
     robot: RobotConfig = field(default_factory=RobotConfig)
     mapping: MappingConfig = field(default_factory=MappingConfig)
     safety: SafetyConfig = field(default_factory=SafetyConfig)
     control: ControlConfig = field(default_factory=ControlConfig)
     engagement: EngagementConfig = field(default_factory=EngagementConfig)
     driver: DriverConfig = field(default_factory=DriverConfig)
+    video: VideoConfig = field(default_factory=VideoConfig)
+    simulation: CellConfig = field(default_factory=CellConfig)
+
+    def __post_init__(self) -> None:
+        check_cell_name(self.cell)
+
+    @property
+    def cell_is_simulated(self) -> bool:
+        """Whether the robot is the simulated cell's."""
+        return self.driver.name == SIMULATED
+
+    @property
+    def views_are_simulated(self) -> bool:
+        """Whether a camera shows the simulated cell."""
+        return any(camera.source == SIMULATED for camera in self.video.cameras)

@@ -30,16 +30,21 @@ def create_driver(name: str, host: DriverHost) -> Driver:
 
     An installed package offers a `DriverFactory` as an entry point of the group `farhand.drivers`.
     """
+    check_driver(name)
     if name in BUILT_IN:
         return BUILT_IN[name](host)
     installed = _installed()
-    if name not in installed:
-        raise DriverError(f"there is no driver {name!r}; choose one of: {', '.join(sorted({*BUILT_IN, *installed}))}")
     try:
         factory: DriverFactory = installed[name].load()
         return factory(host)
     except (ImportError, AttributeError) as error:
         raise DriverError(f"the driver {name!r} cannot be loaded from {installed[name].value}: {error}") from error
+
+
+def check_driver(name: str) -> None:
+    """DriverError, listing the alternatives, unless there is a driver of that name."""
+    if name not in driver_names():
+        raise DriverError(f"there is no driver {name!r}; choose one of: {', '.join(driver_names())}")
 
 
 def driver_names() -> tuple[str, ...]:

@@ -1,0 +1,145 @@
+"""The command line: every command's arguments, its help with an example, and what its exit code says."""
+
+import sys
+from collections.abc import Callable
+from pathlib import Path
+from typing import Annotated, TypeVar
+
+import msgspec
+import typer
+
+from common.config import load_config
+from common.errors import ConfigError, FarhandError
+from common.service import StopFlag
+
+S = TypeVar("S", bound=msgspec.Struct)
+
+FAILED, MISUSE = 1, 2
+
+ConfigFile = Annotated[Path | None, typer.Option("--config", help="TOML file; the defaults are the simulated pair.")]
+Settings = Annotated[list[str] | None, typer.Option("--set", help="Override one key, as table.key=value.")]
+
+app = typer.Typer(
+    help="Farhand moves a robot arm somewhere else with a bare hand.",
+    no_args_is_help=True,
+    add_completion=False,
+    pretty_exceptions_enable=False,
+)
+calibrate_app = typer.Typer(help="Compute a rig from measurements.", no_args_is_help=True)
+app.add_typer(calibrate_app, name="calibrate")
+
+
+def main() -> None:
+    """Run the command line; errors that name their cure are printed without a traceback."""
+    try:
+        app()
+    except ConfigError as error:
+        _fail(error, MISUSE)
+    except FarhandError as error:
+        _fail(error, FAILED)
+
+
+def _fail(error: FarhandError, code: int) -> None:
+    print(f"farhand: {error}", file=sys.stderr)  # noqa: T201  # the command line's own voice
+    sys.exit(code)
+
+
+def _until_signal(run: Callable[[StopFlag], None]) -> None:
+    should_stop = StopFlag()
+    should_stop.install()
+    run(should_stop)
+
+
+@app.command()
+def local(
+    config: ConfigFile = None,
+    settings: Settings = None,
+    save_views: Annotated[Path | None, typer.Option(help="Folder for the last annotated views, as PNG.")] = None,
+) -> None:
+    """Start the operator's side: track the arm and publish it.
+
+    Example: farhand local --config deploy/sites/local.toml
+    """
+    from local_site.app import run_local
+    from local_site.config import LocalConfig
+
+    loaded = load_config(LocalConfig, config, settings or ())
+    _until_signal(lambda should_stop: run_local(loaded, should_stop, save_views))
+
+
+@app.command()
+def remote(config: ConfigFile = None, settings: Settings = None) -> None:
+    """Start the robot's side: follow the hand inside the limits, and stream the cell.
+
+    Example: farhand remote --config deploy/sites/remote.toml --set driver.name=kinematic
+    """
+    from remote_site.app import run_remote
+    from remote_site.config import RemoteConfig
+
+    loaded = load_config(RemoteConfig, config, settings or ())
+    _until_signal(lambda should_stop: run_remote(loaded, should_stop))
+
+
+@app.command()
+def engage(
+    cell: Annotated[str, typer.Option(help="Name of the cell.")] = "cell",
+    at: Annotated[str, typer.Option("--remote", help="Control endpoint of the remote site.")] = "tcp/127.0.0.1:7447",
+) -> None:
+    """Let the arm follow the hand again, after a stop or a restart of the local site.
+
+    Example: farhand engage --cell cell
+    """
+    from farhand.engage import request_engage
+
+    typer.echo(request_engage(cell, at))
+
+
+@app.command()
+def loopback(
+    seconds: Annotated[float, typer.Option(help="How long to run; 0 until Ctrl-C.", min=0)] = 30.0,
+    headless: Annotated[bool, typer.Option("--headless", help="Never open a page (this version has none).")] = False,
+    report: Annotated[Path | None, typer.Option(help="Write all figures to this JSON file.")] = None,
+    driver: Annotated[str, typer.Option(help="simulated (physics) or kinematic (perfect tracking).")] = "simulated",
+    motion: Annotated[str, typer.Option(help="What the simulated operator does.")] = "pick_and_place",
+    save_views: Annotated[Path | None, typer.Option(help="Folder for the last views, as PNG.")] = None,
+) -> None:
+    """Run both sites on this machine against a simulated operator and a simulated cell, and measure.
+
+    Example: farhand loopback --seconds 30 --report out.json
+    """
+    from farhand.loopback import LoopbackOptions, run_loopback
+
+    options = LoopbackOptions(seconds, report, driver, motion, save_views)
+    _until_signal(lambda should_stop: run_loopback(options, should_stop))
+
+
+@calibrate_app.command("points")
+def calibrate_points_command(
+    csv: Annotated[Path, typer.Argument(help="X_mm,Y_mm,Z_mm,uL_px,vL_px,uR_px,vR_px")],
+    out: Annotated[Path, typer.Option(help="Rig file to write.")] = Path("rig.json"),
+) -> None:
+    """Solve the two cameras from control points, and print the reprojection and 3D error.
+
+    Example: farhand calibrate points control_points.csv --out rig.json
+    """
+    from farhand.calibrate import calibrate_points, describe_rig
+
+    typer.echo(describe_rig(calibrate_points(csv, out), out))
+
+
+@app.command()
+def track(
+    rig: Annotated[Path, typer.Option(help="Rig file from 'farhand calibrate'.")],
+    left: Annotated[str, typer.Option(help="Video file, folder of images, device or URL.")],
+    right: Annotated[str, typer.Option(help="The same for the right camera.")],
+    out: Annotated[Path, typer.Option(help="JSON lines to write.")] = Path("track.jsonl"),
+    fps: Annotated[float | None, typer.Option(help="Frame rate, where the source does not tell it.")] = None,
+    annotate: Annotated[Path | None, typer.Option(help="Folder for annotated pairs, as PNG.")] = None,
+) -> None:
+    """Track a recording or two cameras, one JSON line per pair; causal, unsmoothed.
+
+    Example: farhand track --rig rig.json --left left.avi --right right.avi --out track.jsonl
+    """
+    from farhand.track import TrackSources, run_track
+
+    typer.echo(run_track(TrackSources(rig, left, right, fps), out, annotate))

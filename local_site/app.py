@@ -1,0 +1,134 @@
+"""The local site: cameras, tracking, smoothing and publishing in one loop; wiring only."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from pathlib import Path
+
+import cv2
+import structlog
+
+from common.cameras.camera import Camera
+from common.cameras.sources import open_camera
+from common.channels import HAND, STATE
+from common.clock import Clock, MonotonicClock
+from common.errors import CameraError, FarhandError
+from common.messages import TrackingStatus
+from common.service import StopFlag, notify, start_log
+from common.transport import Link, check_endpoint, open_link
+from local_site.calibration.rig import Rig, load_rig
+from local_site.calibration.simulated import calibrate_simulated
+from local_site.capture import Capture
+from local_site.config import LocalConfig
+from local_site.gesture import OpenHand, observe
+from local_site.publisher import HandPublisher
+from local_site.remote_watch import RemoteWatch
+from local_site.simulation.source import SimulatedCameras
+from local_site.smoothing import make_smoother
+from local_site.tracking.annotate import annotate
+from local_site.tracking.silhouette.silhouette_tracker import SilhouetteTracker
+from local_site.tracking.tracker import ArmEstimate, Views
+
+VIEWS_TIMEOUT_S = 0.1
+NAMES = ("left", "right")
+
+
+def run_local(config: LocalConfig, should_stop: StopFlag, save_views: Path | None = None) -> None:
+    """Run the local site until asked to stop; FarhandError when it cannot start or its cameras fail for good.
+
+    `save_views` is a folder for the last annotated operator views, written as PNG at the end.
+    """
+    start_log("local")
+    for endpoint in (config.links.remote, config.links.listen):
+        check_endpoint(endpoint)
+    clock = MonotonicClock()
+    try:
+        rig, cameras = _open_operator(config)
+        capture = Capture(cameras, config.capture, clock)
+        try:
+            with open_link(listen=(config.links.listen,), connect=(config.links.remote,)) as link:
+                site = LocalSite(config, rig, capture, link, clock)
+                notify("READY=1")
+                structlog.get_logger().info("ready", cell=config.cell, remote=config.links.remote)
+                while not should_stop():
+                    site.step()
+                    notify("WATCHDOG=1")
+                if save_views is not None:
+                    site.save_views(save_views)
+        finally:
+            notify("STOPPING=1")
+            capture.close()
+    except FarhandError as error:
+        structlog.get_logger().error("ending", reason=str(error))
+        raise
+
+
+def _open_operator(config: LocalConfig) -> tuple[Rig, Sequence[Camera]]:
+    operator = config.operator
+    cv2.setNumThreads(1)
+    if operator.is_simulated:
+        simulated = SimulatedCameras(config.simulation)
+        return calibrate_simulated(config.simulation), (simulated.left, simulated.right)
+    rig = load_rig(Path(operator.rig))
+    sources = zip((operator.left, operator.right), NAMES, strict=True)
+    return rig, [open_camera(source, name, operator.fps, operator.latency_ms) for source, name in sources]
+
+
+@dataclass(frozen=True, slots=True)
+class Seen:
+    """The last views with what was found in them."""
+
+    views: Views
+    estimate: ArmEstimate
+
+
+class LocalSite:
+    """The loop's body: one instant from cameras to wire."""
+
+    def __init__(self, config: LocalConfig, rig: Rig, capture: Capture, link: Link, clock: Clock) -> None:
+        self._capture = capture
+        self._clock = clock
+        self._tracker = SilhouetteTracker(rig, config.tracking)
+        self._smoother = make_smoother(config.smoothing)
+        self._hold_ms = config.gesture.hold_ms
+        self._hand = OpenHand()
+        self._publisher = HandPublisher(link.publisher(HAND, config.cell))
+        self._watch = RemoteWatch(link.latest(STATE, config.cell))
+        self._status: TrackingStatus | None = None
+        self._seen: Seen | None = None
+
+    def step(self) -> None:
+        """Wait for the next views, track, smooth, publish; without views, say why. CameraError once a camera ended."""
+        views = self._capture.next(VIEWS_TIMEOUT_S)
+        if views is not None:
+            self._publish(views)
+        else:
+            self._publish_nothing_seen(self._capture.problem() or "no new views of the operator")
+        self._watch.look(self._clock.now_ns())
+
+    def _publish(self, views: Views) -> None:
+        estimate = self._tracker.track(views)
+        open_now = estimate.hand_open if estimate.wrist is not None else None
+        self._hand = observe(self._hand, open_now, views.t_ns, self._hold_ms)
+        self._publisher.publish(self._smoother.smooth(estimate), self._hand)
+        self._seen = Seen(views, estimate)
+        self._tell(estimate.status, estimate.reason)
+
+    def _publish_nothing_seen(self, reason: str) -> None:
+        self._publisher.publish_nothing_seen(self._clock.now_ns(), reason, self._hand)
+        self._tell(TrackingStatus.LOST, reason)
+        if self._capture.ended:
+            raise CameraError(reason)
+
+    def _tell(self, status: TrackingStatus, reason: str) -> None:
+        if status is not self._status:
+            self._status = status
+            structlog.get_logger().info("tracking", status=status.value, reason=reason)
+
+    def save_views(self, folder: Path) -> None:
+        """Write the last views with what was found in them as operator_left.png and operator_right.png."""
+        if self._seen is None:
+            return
+        folder.mkdir(parents=True, exist_ok=True)
+        for k, view in enumerate(self._seen.views.views):
+            picture = annotate(view.current.image, self._seen.estimate, k)
+            cv2.imwrite(str(folder / f"operator_{NAMES[k]}.png"), picture)

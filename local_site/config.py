@@ -1,0 +1,64 @@
+"""The local site's parameters: type, default, unit, bound and meaning of each."""
+
+from typing import Annotated
+
+import msgspec
+from msgspec import Meta, field
+
+from common.channels import check_cell_name
+from local_site.pairing import PairingConfig
+from local_site.simulation.config import SimulationConfig
+from local_site.smoothing import SmoothingConfig
+from local_site.tracking.silhouette.config import SilhouetteConfig
+
+SIMULATED = "simulated"
+
+
+class LinksConfig(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
+    """Where the remote site is, and where this site is heard on its own host."""
+
+    remote: Annotated[str, Meta(min_length=1, description="the remote site's control endpoint")] = "tcp/127.0.0.1:7447"
+    listen: Annotated[str, Meta(min_length=1, description="endpoint for programs of this host")] = "tcp/127.0.0.1:7457"
+
+
+class OperatorConfig(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
+    """The two cameras before the operator, and their calibration."""
+
+    left: Annotated[str, Meta(min_length=1, description="'simulated', device, URL, file or folder")] = SIMULATED
+    right: Annotated[str, Meta(min_length=1, description="'simulated', device, URL, file or folder")] = SIMULATED
+    rig: Annotated[str, Meta(description="rig file from 'farhand calibrate'; simulated cameras bring their own")] = ""
+    fps: Annotated[float, Meta(gt=0, le=240, description="frames per second asked of the cameras")] = 30.0
+    latency_ms: Annotated[float, Meta(ge=0, le=1000, description="exposure to arrival of a live camera")] = 30.0
+
+    def __post_init__(self) -> None:
+        if (self.left == SIMULATED) != (self.right == SIMULATED):
+            raise ValueError("left and right must both be simulated, or neither")
+        if not self.is_simulated and not self.rig:
+            raise ValueError("rig is missing; make one with: farhand calibrate points CSV --out rig.json")
+
+    @property
+    def is_simulated(self) -> bool:
+        """Whether the operator is a simulated one."""
+        return self.left == SIMULATED
+
+
+class GestureConfig(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
+    """When an open hand counts."""
+
+    hold_ms: Annotated[float, Meta(ge=0, le=1000, description="how long a change of the hand must last, ms")] = 120.0
+
+
+class LocalConfig(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
+    """Everything the local site can be told."""
+
+    cell: Annotated[str, Meta(description="name of the cell to operate; both sites must agree on it")] = "cell"
+    links: LinksConfig = field(default_factory=LinksConfig)
+    operator: OperatorConfig = field(default_factory=OperatorConfig)
+    capture: PairingConfig = field(default_factory=PairingConfig)
+    tracking: SilhouetteConfig = field(default_factory=SilhouetteConfig)
+    smoothing: SmoothingConfig = field(default_factory=SmoothingConfig)
+    gesture: GestureConfig = field(default_factory=GestureConfig)
+    simulation: SimulationConfig = field(default_factory=SimulationConfig)
+
+    def __post_init__(self) -> None:
+        check_cell_name(self.cell)

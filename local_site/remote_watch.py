@@ -1,0 +1,41 @@
+"""What the local site hears of the remote one: whether it is there, and why the arm does what it does."""
+
+import structlog
+
+from common.channels import STATE
+from common.errors import MessageError
+from common.health import ChannelHealth
+from common.messages import RobotState
+from common.transport import Latest
+
+
+class RemoteWatch:
+    """Logs when the remote site comes, falls silent or changes its state."""
+
+    def __init__(self, states: Latest[RobotState]) -> None:
+        self._states = states
+        self._health = ChannelHealth(STATE.stale_after_ns)
+        self._told: tuple[str, str] | None = None
+
+    def look(self, now_ns: int) -> None:
+        """Take the newest state, and tell what has changed."""
+        try:
+            state = self._states.take()
+        except MessageError as error:
+            structlog.get_logger().warning("state refused", reason=str(error))
+            return
+        if state is not None:
+            self._health.seen(now_ns)
+            self._tell(state)
+        alive = self._health.change(now_ns)
+        if alive is False:
+            self._told = None
+            structlog.get_logger().warning("the remote site is silent", for_ms=STATE.stale_after_ns // 1_000_000)
+        elif alive:
+            structlog.get_logger().info("the remote site is there")
+
+    def _tell(self, state: RobotState) -> None:
+        news = (state.state.value, state.code)
+        if news != self._told:
+            self._told = news
+            structlog.get_logger().info("remote", state=state.state.value, code=state.code, reason=state.reason)

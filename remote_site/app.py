@@ -1,0 +1,66 @@
+"""The remote site: starts control, video and, where it is simulated, the cell; ends all when one dies."""
+
+from functools import partial
+
+import structlog
+
+from common.channels import CAMERA
+from common.children import Children, Heartbeat
+from common.errors import FarhandError
+from common.messages import VideoFrame
+from common.service import StopFlag, notify, start_log
+from common.transport import Publisher, check_endpoint, open_link
+from remote_site.config import RemoteConfig
+from remote_site.control import run_control
+from remote_site.drivers.registry import check_driver
+from remote_site.shared_memory import CellMemory
+from remote_site.simulation.process import run_cell
+from remote_site.video.process import SimulatedViews, run_video
+
+READY_TIMEOUT_S = 30.0
+CHECK_S = 0.1
+
+
+def run_remote(config: RemoteConfig, should_stop: StopFlag) -> None:
+    """Run the remote site until asked to stop; ProcessError when one of its processes dies or hangs."""
+    start_log("remote")
+    log = structlog.get_logger()
+    for endpoint in (config.links.control, config.links.video):
+        check_endpoint(endpoint)
+    check_driver(config.driver.name)
+    memory = (
+        CellMemory.create(len(config.robot.start_deg))
+        if config.cell_is_simulated or config.views_are_simulated
+        else None
+    )
+    children = Children("remote")
+    try:
+        if memory is not None and config.cell_is_simulated:
+            children.start("cell", partial(_cell, config, memory))
+        children.start("video", partial(_video, config, memory))
+        children.start("control", partial(run_control, config, memory))
+        children.wait_ready(READY_TIMEOUT_S, should_stop)
+        notify("READY=1")
+        log.info("ready", cell=config.cell, driver=config.driver.name, control=config.links.control)
+        while not should_stop.wait(CHECK_S):
+            children.check()
+            notify("WATCHDOG=1")
+    except FarhandError as error:
+        log.error("ending", reason=str(error))
+        raise
+    finally:
+        notify("STOPPING=1")
+        children.end()
+
+
+def _cell(config: RemoteConfig, memory: CellMemory, should_stop: StopFlag, heartbeat: Heartbeat) -> None:
+    run_cell(config.simulation, config.robot, memory, should_stop, heartbeat.beat)
+
+
+def _video(config: RemoteConfig, memory: CellMemory | None, should_stop: StopFlag, heartbeat: Heartbeat) -> None:
+    views = SimulatedViews(config.simulation, config.robot, memory) if memory is not None else None
+    with open_link(listen=(config.links.video,)) as link:
+        publishers: dict[str, Publisher[VideoFrame]] = {
+            camera.name: link.publisher(CAMERA, config.cell, camera.name) for camera in config.video.cameras
+        }
+        run_video(config.video, views, lambda frame: publishers[frame.camera].put(frame), should_stop, heartbeat.beat)

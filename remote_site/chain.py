@@ -1,0 +1,132 @@
+"""From hand sample to joint motion: intake, session, mapping, inverse kinematics, follower and guard in a row; pure."""
+
+import math
+from dataclasses import dataclass
+
+import numpy as np
+
+from common.clock import ClockOffset
+from common.geometry import Array, quaternion_from_rotation
+from common.messages import Engagement, HandArm, Pose, SessionState
+from remote_site.config import RemoteConfig
+from remote_site.gripper import GripperToggles
+from remote_site.intake import Accepted, Intake
+from remote_site.kinematics.inverse import Solution, SphericalWristInverse
+from remote_site.kinematics.joints import JointMotion
+from remote_site.kinematics.limits import JointLimits
+from remote_site.kinematics.model import ArmModel
+from remote_site.mapping import Mapping
+from remote_site.motion import Course, Follower, leash
+from remote_site.safety.guard import Guard, Refused, Workspace
+from remote_site.safety.state import Action, Decision, Robot, Session
+from remote_site.safety.status import Reason
+
+
+@dataclass(frozen=True, slots=True)
+class Step:
+    """One tick's outcome: the state with its reason, and the motion that passed the guard."""
+
+    state: SessionState
+    reason: Reason
+    motion: JointMotion
+    obeys: Accepted | None
+
+
+class Chain:
+    """Everything between the wire and the driver; feed it samples and what was really sent, time comes in as ns."""
+
+    def __init__(self, config: RemoteConfig, model: ArmModel, limits: JointLimits, start: Array) -> None:
+        dt = 1.0 / config.control.rate_hz
+        self._control = config.control
+        self._model = model
+        self.intake = Intake(config.safety)
+        self.session = Session(config.safety, config.engagement)
+        self._mapping = Mapping(config.mapping)
+        self._inverse = SphericalWristInverse(model, limits)
+        self._course = Course(limits, config.control)
+        self._follower = Follower(limits, dt)
+        self._workspace = Workspace(np.array(config.safety.workspace_min_m), np.array(config.safety.workspace_max_m))
+        self._guard = Guard(limits, self._workspace, model, dt)
+        self.gripper = GripperToggles(is_open=True)
+        self.sent = JointMotion.at_rest(start)
+        self.engagement: Engagement | None = None
+        self._seed = self.sent.q
+        self._latest: Accepted | None = None
+        self._aimed: Accepted | None = None
+        self._hindrance: Reason | None = None
+
+    def restart_from(self, q: Array) -> None:
+        """Go on from an arm at rest at `q` (n,) rad, as after the robot was activated anew."""
+        self.sent = JointMotion.at_rest(q)
+        self._follower.reset(self.sent)
+
+    def receive(self, sample: HandArm, now_ns: int, offset: ClockOffset | None) -> None:
+        """Judge a sample from the wire and note it."""
+        result = self.intake.accept(sample, now_ns, offset)
+        self.session.sample(result)
+        if isinstance(result, Accepted):
+            self._latest = result
+
+    def robot(self, *, ready: bool, fault: str) -> Robot:
+        """What the session needs to know of the robot."""
+        return Robot(ready=ready, reason=fault, resting=self.sent.resting)
+
+    def tick(self, now_ns: int, robot: Robot) -> Step:
+        """Decide, and propose the next motion; whatever it is, the guard has passed it."""
+        decision = self.session.tick(now_ns, robot)
+        if decision.action is Action.STOP or self._latest is None:
+            return self._step(decision, self._guard.stop(self.sent))
+        if decision.action is Action.CAPTURE:
+            self._capture(self._latest, now_ns)
+        elif self._latest is not self._aimed:
+            self._aim(self._latest, now_ns)
+        return self._step(decision, self._follow(now_ns))
+
+    def _capture(self, latest: Accepted, now_ns: int) -> None:
+        """Take both origins: nothing that happened before is caught up."""
+        base_T_tool = self._model.forward(self.sent.q)
+        self._mapping.engage(latest.wrist, latest.operator_R_hand, base_T_tool)
+        self._course.reset(now_ns, self.sent.q)
+        self.gripper.rebase(latest.sample.gripper_toggles)
+        self._seed, self._aimed, self._hindrance = self.sent.q, latest, None
+        self.engagement = Engagement(self.session.engagements, latest.sample.capture_ns, pose_of(base_T_tool))
+
+    def _aim(self, latest: Accepted, now_ns: int) -> None:
+        """Turn the newest sample into a joint target inside box, leash and reach."""
+        self._aimed = latest
+        self.gripper.follow(latest.sample.gripper_toggles)
+        target = self._mapping.target(latest.wrist, latest.operator_R_hand)
+        target[:3, 3] = self._workspace.clamp(target[:3, 3])
+        leash_rad = math.radians(self._control.leash_deg)
+        leashed, self._hindrance = leash(target, self._model.forward(self.sent.q), self._control.leash_m, leash_rad)
+        solution = self._inverse.nearest(leashed, self._seed)
+        if isinstance(solution, Solution):
+            self._seed = solution.q
+            self._course.aim(latest.born_ns, solution.q, now_ns)
+        else:
+            self._hindrance = solution.reason
+
+    def _follow(self, now_ns: int) -> JointMotion:
+        """One tick towards the target, or into the stop if the guard refuses that."""
+        self._follower.reset(self.sent)
+        proposed = self._follower.track(*self._course.at(now_ns), self.session.speed_scale)
+        if isinstance(proposed, Reason):
+            self._hindrance = proposed
+            return self._guard.stop(self.sent)
+        verdict = self._guard.check(proposed, self.sent)
+        if isinstance(verdict, Refused):
+            self._hindrance = verdict.reason
+            return self._guard.stop(self.sent)
+        return proposed
+
+    def _step(self, decision: Decision, motion: JointMotion) -> Step:
+        following = decision.action is not Action.STOP
+        reason = self._hindrance if following and self._hindrance is not None else decision.reason
+        return Step(decision.state, reason, motion, self._aimed if following else None)
+
+
+def pose_of(base_T_tool: Array) -> Pose:
+    """A transform (4 x 4) as position in m and quaternion."""
+    x, y, z = base_T_tool[:3, 3].tolist()
+    qx, qy, qz, qw = quaternion_from_rotation(base_T_tool[:3, :3]).tolist()
+    return Pose((x, y, z), (qx, qy, qz, qw))

@@ -1,0 +1,166 @@
+"""The control process: read, intake, map, inverse kinematics, guard, write, 250 times a second; nothing else in it."""
+
+import gc
+import os
+import time
+from collections import Counter
+from dataclasses import dataclass, field
+
+import structlog
+
+from common.channels import ENGAGE, HAND, STATE
+from common.children import Heartbeat
+from common.clock import NS_PER_MS, SAME_HOST, MonotonicClock
+from common.errors import DriverError, MessageError
+from common.messages import HandArm, Reply, Request
+from common.rate import Rate
+from common.service import StopFlag
+from common.transport import Latest, Link, Server, open_link
+from remote_site.chain import Chain, Step
+from remote_site.config import RemoteConfig
+from remote_site.drivers.driver import Driver, DriverSetup, JointCommand, RobotReading
+from remote_site.drivers.registry import DriverHost, create_driver
+from remote_site.kinematics.limits import JointLimits
+from remote_site.kinematics.model import ArmModel
+from remote_site.reporting import Reporter
+from remote_site.shared_memory import CellMemory
+
+FIFO_PRIORITY = 50
+ACTIVATION_TIMEOUT_S = 10.0
+ACTIVATION_POLL_S = 0.05
+TICKS_PER_STATE = 5
+
+
+def run_control(config: RemoteConfig, memory: CellMemory | None, should_stop: StopFlag, heartbeat: Heartbeat) -> None:
+    """Control the robot until asked to stop; then stop it and deactivate the driver."""
+    clock = MonotonicClock()
+    model = ArmModel.from_urdf(config.robot.urdf, config.robot.tool_frame, config.robot.tool_T_tcp)
+    limits = JointLimits.from_model(model, config.robot)
+    driver = create_driver(config.driver.name, DriverHost(clock, memory))
+    timeout_ns = round(config.driver.command_timeout_ms * NS_PER_MS)
+    driver.configure(DriverSetup(model.joint_names, limits, 1.0 / config.control.rate_hz, timeout_ns))
+    with open_link(listen=(config.links.control,)) as link:
+        chain = Chain(config, model, limits, config.robot.start)
+        real_time = _ask_for_real_time()
+        _activate(driver, chain, should_stop)
+        rate = Rate(config.control.rate_hz, clock)
+        reporter = Reporter(link.publisher(STATE, config.cell), model, rate, real_time=real_time)
+        loop = ControlLoop(config, chain, driver, reporter, link)
+        gc.collect()
+        gc.freeze()
+        while not should_stop():
+            rate.wait()
+            loop.tick(clock.now_ns())
+            heartbeat.beat()
+        driver.stop()
+        driver.deactivate()
+
+
+@dataclass
+class Inbox:
+    """The hand channel and the engage requests, with a count of payloads that were no message."""
+
+    hand: Latest[HandArm]
+    engage: Server
+    malformed: Counter[str] = field(default_factory=Counter)
+
+    def take(self) -> HandArm | None:
+        """The newest hand sample, None without a valid one."""
+        try:
+            return self.hand.take()
+        except MessageError as error:
+            self.malformed[error.reason] += 1
+            return None
+
+
+class ControlLoop:
+    """One tick after the other; `tick` is the whole way from sample to command."""
+
+    def __init__(self, config: RemoteConfig, chain: Chain, driver: Driver, reporter: Reporter, link: Link) -> None:
+        self._chain = chain
+        self._driver = driver
+        self._reporter = reporter
+        self._inbox = Inbox(link.latest(HAND, config.cell), link.serve(ENGAGE, config.cell))
+        self._seq = 0
+        self._reading = driver.read()
+
+    def tick(self, now_ns: int) -> None:
+        """Read, take a sample, decide, command, tell."""
+        chain = self._chain
+        self._reading = self._read()
+        sample = self._inbox.take()
+        if sample is not None:
+            chain.receive(sample, now_ns, SAME_HOST)
+        self._inbox.engage.poll(now_ns, self._engage)
+        step = chain.tick(now_ns, chain.robot(ready=self._reading.ready, fault=self._reading.fault))
+        if self._reading.ready:
+            self._write(step, now_ns)
+        self._reporter.note(step, self._seq, now_ns, self._reading)
+        if self._seq % TICKS_PER_STATE == 0:
+            self._reporter.publish(step, chain, self._reading, self._inbox.malformed)
+
+    def _read(self) -> RobotReading:
+        try:
+            return self._driver.read()
+        except DriverError as error:
+            self._chain.session.fault(str(error))
+            return self._reading
+
+    def _write(self, step: Step, now_ns: int) -> None:
+        self._seq += 1
+        motion = step.motion
+        command = JointCommand(self._seq, now_ns, motion.q, motion.dq, motion.ddq, self._chain.gripper.is_open)
+        try:
+            self._chain.sent = self._driver.write(command).motion
+        except DriverError as error:
+            self._chain.session.fault(str(error))
+
+    def _engage(self, request: Request) -> Reply:
+        """Engage on request: clear a fault, wake a robot that has stopped by itself, then ask the session."""
+        chain, reading = self._chain, self._reading
+        chain.session.reset()
+        if not reading.ready:
+            try:
+                self._driver.activate(reading.q)
+                chain.restart_from(reading.q)
+            except DriverError as error:
+                return Reply(id=request.id, done=False, code="robot_not_ready", reason=str(error))
+            return Reply(
+                id=request.id, done=False, code="activated", reason="the robot is awake again; engage once more"
+            )
+        answer = chain.session.request_engage(
+            time.monotonic_ns(), chain.robot(ready=reading.ready, fault=reading.fault)
+        )
+        return Reply(id=request.id, done=answer.done, code=answer.reason.code.value, reason=answer.reason.sentence)
+
+
+def _activate(driver: Driver, chain: Chain, should_stop: StopFlag) -> None:
+    """Bring the driver to take commands where the arm stands; DriverError when the robot does not get ready."""
+    deadline = time.monotonic() + ACTIVATION_TIMEOUT_S
+    asked = False
+    while not should_stop():
+        try:
+            if not asked:
+                driver.activate(chain.sent.q)
+                asked = True
+            reading = driver.read()
+            if reading.ready:
+                return
+            why = reading.fault
+        except DriverError as error:
+            why = str(error)
+        if time.monotonic() > deadline:
+            raise DriverError(f"the robot did not get ready in {ACTIVATION_TIMEOUT_S:g} s: {why}")
+        time.sleep(ACTIVATION_POLL_S)
+
+
+def _ask_for_real_time() -> bool:
+    """Ask for SCHED_FIFO for this thread; say so in the log when it was refused."""
+    try:
+        os.sched_setscheduler(0, os.SCHED_FIFO, os.sched_param(FIFO_PRIORITY))
+    except PermissionError:
+        structlog.get_logger().warning(
+            "no real-time scheduling", cure="grant CAP_SYS_NICE or LimitRTPRIO=50; late ticks are likely under load"
+        )
+        return False
+    return True

@@ -1,0 +1,76 @@
+"""What the remote site tells of itself: the robot's state, which hand sample it obeys, and when that moved it."""
+
+import secrets
+from collections.abc import Mapping
+
+import msgspec
+
+from common.messages import LoopTiming, Obeyed, RobotState
+from common.rate import Rate
+from common.transport import Publisher
+from remote_site.chain import Chain, Step, pose_of
+from remote_site.drivers.driver import RobotReading
+from remote_site.intake import Accepted
+from remote_site.kinematics.model import ArmModel
+
+SESSION_BITS = 62
+LATE_PERCENTILE = 99.0
+STATES_PER_TIMING = 50  # ordering thousands of latenesses does not belong in every tick
+
+
+class Reporter:
+    """Keeps the times of the obeyed sample, and publishes RobotState."""
+
+    def __init__(self, publisher: Publisher[RobotState], model: ArmModel, rate: Rate, *, real_time: bool) -> None:
+        self._publisher = publisher
+        self._model = model
+        self._rate = rate
+        self._real_time = real_time
+        self._session = secrets.randbits(SESSION_BITS)
+        self._seq = 0
+        self._sample: Accepted | None = None
+        self._obeyed: Obeyed | None = None
+        self._command_seq = 0
+        self._timing = self._measured_timing()
+
+    def note(self, step: Step, command_seq: int, command_ns: int, reading: RobotReading) -> None:
+        """Note the command that first obeys a sample, and the reading that first shows it in the robot's motion."""
+        if step.obeys is not None and step.obeys is not self._sample:
+            self._sample, self._command_seq = step.obeys, command_seq
+            sample = step.obeys.sample
+            self._obeyed = Obeyed(sample.session, sample.seq, sample.capture_ns, command_ns, None)
+        obeyed, reached = self._obeyed, reading.obeyed_seq
+        if obeyed is not None and obeyed.motion_ns is None and reached is not None and reached >= self._command_seq:
+            self._obeyed = msgspec.structs.replace(obeyed, motion_ns=reading.t_ns)
+
+    def publish(self, step: Step, chain: Chain, reading: RobotReading, malformed: Mapping[str, int]) -> None:
+        """Send the robot's state as measured and commanded."""
+        self._seq += 1
+        if self._seq % STATES_PER_TIMING == 0:
+            self._timing = self._measured_timing()
+        rejected = {code.value: count for code, count in chain.intake.rejected.items()} | dict(malformed)
+        self._publisher.put(
+            RobotState(
+                session=self._session,
+                seq=self._seq,
+                t_ns=reading.t_ns,
+                state=step.state,
+                code=step.reason.code.value,
+                reason=step.reason.sentence,
+                joints=self._model.joint_names,
+                q=tuple(reading.q.tolist()),
+                q_commanded=tuple(chain.sent.q.tolist()),
+                base_T_tool=pose_of(self._model.forward(reading.q)),
+                gripper=reading.gripper,
+                gripper_toggles_applied=chain.gripper.applied,
+                obeyed=self._obeyed,
+                engagement=chain.engagement,
+                rejected=rejected,
+                timing=self._timing,
+            )
+        )
+
+    def _measured_timing(self) -> LoopTiming:
+        rate = self._rate
+        late_us = rate.late_us(LATE_PERCENTILE)
+        return LoopTiming(rate.hz, late_us, rate.missed, rate.ticks, self._real_time)
