@@ -74,7 +74,7 @@ def _set_physics(spec: mujoco.MjSpec, config: CellConfig) -> None:
 def _dress_arm(spec: mujoco.MjSpec, arm: ArmConfig, joints: Sequence[str]) -> None:
     values = (arm.armature_kg_m2, arm.coulomb_n_m, arm.viscous_n_m_s)
     if any(len(value) != len(joints) for value in values):
-        raise ModelError(f"the arm has {len(joints)} joints; give cell.arm as many armatures and frictions")
+        raise ModelError(f"the arm has {len(joints)} joints; give simulation.arm as many armatures and frictions")
     for joint, armature, coulomb, viscous in zip(spec.joints, *values, strict=True):
         joint.armature = armature
         joint.frictionloss = coulomb

@@ -83,8 +83,8 @@ class ViewConfig(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_field
 
 
 VIEWS = (
-    ViewConfig(name="front_high", position_m=(1.85, 0.50, 1.50), looks_at_m=(0.45, 0.08, 0.60), fovy_deg=32),
-    ViewConfig(name="front_low", position_m=(1.85, -0.40, 0.72), looks_at_m=(0.45, 0.08, 0.64), fovy_deg=30),
+    ViewConfig(name="front_high", position_m=(1.85, 0.50, 1.50), looks_at_m=(0.45, 0.08, 0.63), fovy_deg=34),
+    ViewConfig(name="front_low", position_m=(1.85, -0.40, 0.72), looks_at_m=(0.45, 0.08, 0.67), fovy_deg=32),
     ViewConfig(name="side", position_m=(0.45, -1.70, 0.90), looks_at_m=(0.40, 0.05, 0.62), fovy_deg=34),
     ViewConfig(name="gripper", frame="tool", position_m=(-0.15, 0, 0.06), looks_at_m=(0.0, 0, 0.165), fovy_deg=58),
 )

@@ -80,7 +80,7 @@ class Controller:
         return self.resting and int(command["activation"]) != self.activation
 
     def tick(self, command: Record, measured_q: Array, now_ns: int, dt: float) -> JointMotion:
-        """The motion to follow at `now_ns`, `dt` seconds after the last; the command as in `shared_memory`."""
+        """The motion to follow `dt` seconds after the last, at `now_ns`; the command as in `shared_memory`."""
         if not self.resting and np.abs(self.motion.q - measured_q).max() > self._config.following_error_rad:
             self._hold_blocked(measured_q)
         if self.active:

@@ -32,8 +32,11 @@ class SimulatedCell:
         self._reading = np.zeros((), dtype=memory.reading.dtype)
         self._snapshot = np.zeros((), dtype=memory.snapshot.dtype)
 
-    def step(self, now_ns: int) -> None:
-        """One period of control and physics, ending at `now_ns`."""
+    def step(self, due_ns: int, now_ns: int) -> None:
+        """One period of control and physics, ending at `due_ns`; silence and setpoints are timed by `now_ns`.
+
+        The two differ while late steps are caught up: the same setpoint then serves them all, and is not yet old.
+        """
         memory, controller = self._memory, self.controller
         if memory.command.count != self._command_count:
             self._command_count, self._command = memory.command.count, memory.command.read()
@@ -44,14 +47,14 @@ class SimulatedCell:
         self._servo.step(motion, controller.gripper_open)
         if self.data.time < before_s:  # MuJoCo starts anew when its state is no longer finite
             raise DriverError(
-                "the simulated cell's physics diverged; choose a shorter cell.step_ms or less stiff a servo"
+                "the simulated cell's physics diverged; choose a shorter simulation.step_ms or less stiff a servo"
             )
-        self._publish(now_ns)
+        self._publish(due_ns)
 
-    def _publish(self, now_ns: int) -> None:
+    def _publish(self, t_ns: int) -> None:
         controller, servo = self.controller, self._servo
         self._reading[()] = (
-            now_ns,
+            t_ns,
             controller.obeyed_seq,
             controller.obeyed_ns,
             controller.activation,
@@ -65,7 +68,7 @@ class SimulatedCell:
             servo.dq,
         )
         self._memory.reading.write(self._reading)
-        self._snapshot[()] = (now_ns, self.data.qpos)
+        self._snapshot[()] = (t_ns, self.data.qpos)
         self._memory.snapshot.write(self._snapshot)
 
 
@@ -87,7 +90,7 @@ def run_cell(
         if should_stop():
             cell.controller.stop()
         due_ns = _wait(due_ns + period_ns, MAX_LATE_STEPS * period_ns)
-        cell.step(due_ns)
+        cell.step(due_ns, time.monotonic_ns())
         beat()
 
 

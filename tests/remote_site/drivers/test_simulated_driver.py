@@ -32,7 +32,7 @@ class Bench:
     def run(self, steps: int = 1) -> None:
         for _ in range(steps):
             self.clock.advance_ms(2)
-            self.cell.step(self.clock.now_ns())
+            self.cell.step(self.clock.now_ns(), self.clock.now_ns())
 
     def ready(self) -> "Bench":
         self.driver.configure(SETUP)
@@ -136,6 +136,15 @@ def test_ceasing_commands_are_told_as_the_watchdog(bench):
     assert "watchdog" in reading.fault
     with pytest.raises(DriverError, match="watchdog"):
         bench.driver.write(bench.command())
+
+
+def test_steps_that_are_caught_up_do_not_pass_for_silence(bench):
+    bench.ready().hold(5)
+    now_ns = bench.clock.now_ns()
+    bench.driver.write(bench.command())
+    for late in range(80, 0, -1):
+        bench.cell.step(now_ns - 2_000_000 * late, now_ns)
+    assert bench.driver.read().ready
 
 
 def test_activation_elsewhere_is_refused_in_words(bench):

@@ -25,14 +25,14 @@ def play(block: BlockConfig, stages=PICK_AND_PLACE, speed: float = 0.15) -> Simp
     memory.setup.write(setup)
     command["activation"], command["run"], command["q"] = 1, True, ROBOT.start
     memory.command.write(command)
-    cell.step(STEP_NS)
+    cell.step(STEP_NS, STEP_NS)
     now_ns, seen = STEP_NS, []
     for seq, (q, dq, ddq, opened) in enumerate(zip(*sample(stages, ROBOT, speed), strict=True), start=1):
         command[()] = (seq, now_ns, 1, True, opened, q, dq, ddq)
         memory.command.write(command)
         for _ in range(2):
             now_ns += STEP_NS
-            cell.step(now_ns)
+            cell.step(now_ns, now_ns)
         seen.append(look(cell, memory.reading.read()))
     return SimpleNamespace(**{key: np.array([moment[key] for moment in seen]) for key in seen[0]})
 
