@@ -35,7 +35,7 @@ class Features:
     wrist: Array | None
     hand: Hand | None
     half_width: float
-    contour: Array
+    silhouette: Silhouette
     guess: Posture
     hand_cropped: bool
 
@@ -59,12 +59,12 @@ def _measure_near(silhouette: Silhouette, guess: Posture) -> Features | None:
     neck = _neck(edges, length, width)
     wrist = line.at(neck if neck is not None else length)
     guess = replace(guess, wrist=wrist)
-    hand = _hand(silhouette, edges, wrist, neck if neck is not None else length, guess)
+    hand = _hand(silhouette, edges, neck if neck is not None else length, guess, width)
     upper_arm, shoulder_end = _upper_arm(silhouette, guess)
     guess = replace(guess, shoulder_end=shoulder_end)
     measured = wrist if neck is not None else None
     cropped = hand is not None and bool(silhouette.touches_border(hand.contour).any())
-    return Features(line, upper_arm, measured, hand, width, silhouette.contour, guess, cropped)
+    return Features(line, upper_arm, measured, hand, width, silhouette, guess, cropped)
 
 
 def _forearm(silhouette: Silhouette, guess: Posture) -> tuple[Line, Edges, float] | None:
@@ -106,7 +106,7 @@ def _neck(edges: Edges, length: float, half_width: float) -> float | None:
     return float(edges.t[k]) + (0.5 * float((a - c) / curvature) if curvature > 1e-9 else 0.0)
 
 
-def _hand(silhouette: Silhouette, edges: Edges, wrist: Array, place: float, guess: Posture) -> Hand | None:
+def _hand(silhouette: Silhouette, edges: Edges, place: float, guess: Posture, half_width: float) -> Hand | None:
     usable = np.flatnonzero(np.isfinite(edges.width) & (edges.t <= place))
     if not len(usable):
         return None
@@ -114,7 +114,7 @@ def _hand(silhouette: Silhouette, edges: Edges, wrist: Array, place: float, gues
     middle, normal = edges.axis.at(float(edges.t[k])), edges.axis.normal
     sides = (middle + edges.lower[k] * normal, middle + edges.upper[k] * normal)
     contour = hand_contour(silhouette.contour, sides, guess.shoulder_end)
-    return measure_hand(contour, wrist) if contour is not None else None
+    return measure_hand(contour, guess.wrist, half_width) if contour is not None else None
 
 
 def _upper_arm(silhouette: Silhouette, guess: Posture) -> tuple[Line | None, Array]:

@@ -1,127 +1,274 @@
-"""Which tips are index and thumb: by length from the wrist, epipolar residual, shape of the hand and continuity.
+"""Which places are index and thumb: by length from the wrist, epipolar residual, shape of the hand and continuity.
 
-The thesis (3.2.11.1) asks for the tip nearest to the last index tip; lengths and epipolar residuals keep the two from
-changing places when the hand turns.
+The thesis (3.2.11.1) takes the tip nearest to the last index tip; lengths and epipolar residuals keep the two from
+changing places when the hand turns, and a neighbouring finger from standing in for the index.
 """
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
+from numpy.typing import NDArray
 
 from common.geometry import Array
-from local_site.calibration.triangulation import project
+from local_site.calibration.triangulation import reprojection_residual, triangulate
+from local_site.tracking.silhouette.candidates import SINGLE_VIEW_COST, Anchor, Candidates, Rays, find_places, stereo_candidates, tip_rays, with_place_costs
 from local_site.tracking.silhouette.features import Features
 
-RESIDUAL_SIGMA = 0.12
-MAX_RESIDUAL = 0.7
-LENGTH_SIGMA = 0.12
-SHAPE_SIGMA = 0.25
-MOTION_SIGMA = 0.25
-MAX_COST = 36.0
-NO_THUMB_COST = 16.0
+TYPICAL_SIGMA = 0.15
+KNOWN_SIGMA = 0.04
+MOTION_SIGMA = 0.12
+MAX_MOTION_COST = 12.0
+NEAREST_FINGER = 0.25
+KEPT = 16
+TRIED = 3
+RAY_REACH = 1.2
+MAX_REACH_RESIDUAL = 0.4
+OPEN_REACH = 1.1
+OPEN_GAP = 1.5
+OPEN_GAP_SIGMA = 0.2
+MAX_REACH = 1.6
+MAX_COST = 60.0
+NO_THUMB_COST = 32.0
 INDEX_PER_FOREARM = 0.66
 THUMB_PER_FOREARM = 0.52
-GAP_PER_FOREARM = 0.34
 
 
 @dataclass(frozen=True, slots=True)
 class HandShape:
-    """Distances in m: wrist to index tip, wrist to thumb tip, index tip to thumb tip."""
+    """Distances in m of the hand held like a gripper: wrist to index tip, wrist to thumb tip, index tip to thumb tip,
+    and wrist to the farthest point of the outline; the last two are None while the hand is not known.
+
+    `gap_sigma` is the relative standard deviation of the gap.
+   """
 
     index: float
     thumb: float
-    gap: float
+    gap: float | None = None
+    reach: float | None = None
+    gap_sigma: float = 0.10
 
 
 @dataclass(frozen=True, slots=True)
 class Fingers:
-    """Tips (3,) in m, None where not identified, and the tip's pixel (2,) in each view."""
+    """Tips (3,) in m, None where not identified, and whether they were inferred from one view and the hand's shape.
+
+    `hand_open` is this instant's observation; `stereo` are all places where rays
+    to tips of both views meet, `rays` those to the prominent tips.
+    """
 
     index: Array | None
     thumb: Array | None
-    index_pixels: tuple[Array, ...] = ()
-    thumb_pixels: tuple[Array, ...] = ()
+    thumb_inferred: bool = False
+    index_inferred: bool = False
+    hand_open: bool = False
+    stereo: Candidates | None = None
+    rays: Rays | None = None
 
 
 @dataclass(frozen=True, slots=True)
-class _Pairs:
-    """All N pairings of a tip in one view with a tip in the other: points (N, 3), pixels (N, 2, 2), residuals in
-    half widths (N,), and which tips were paired (N, 2)."""
+class _Choice:
+    """A possible answer and its cost in squared standard deviations."""
 
-    points: Array
-    pixels: Array
-    residuals: Array
-    members: Array
+    fingers: Fingers
+    cost: float
 
 
 def typical_shape(forearm_length: float) -> HandShape:
-    """The shape of a hand held like a gripper, by the proportions of the body."""
-    return HandShape(
-        INDEX_PER_FOREARM * forearm_length, THUMB_PER_FOREARM * forearm_length, GAP_PER_FOREARM * forearm_length
-    )
+    """What the proportions of the body say of a hand whose shape is not known yet."""
+    return HandShape(INDEX_PER_FOREARM * forearm_length, THUMB_PER_FOREARM * forearm_length)
 
 
 def find_fingers(
-    projections: Sequence[Array],
-    features: Sequence[Features],
-    wrist: Array,
-    shape: HandShape,
-    expected: Fingers,
+    projections: Sequence[Array], features: Sequence[Features], wrist: Array, shape: HandShape, expected: Fingers
 ) -> Fingers:
-    """Index and thumb of a hand seen in two views about a wrist (3,); `expected` are their predicted positions."""
-    hands = [f.hand for f in features[:2]]
-    if any(hand is None or not hand.tips for hand in hands):
-        return Fingers(None, None)
-    pairs = _pair(projections, features)
-    spread = any(hand is not None and hand.spread for hand in hands)
-    stretch = 2.0 if spread else 1.0
-    index_cost = _cost(pairs, wrist, shape.index, expected.index, stretch)
-    thumb_cost = _cost(pairs, wrist, shape.thumb, expected.thumb, stretch)
-    return _assign(pairs, index_cost, thumb_cost, shape, stretch)
+    """Index and thumb of a hand seen in two views about a wrist (3,); `expected` are their predicted positions.
+
+    First both from tips that both views show; once the hand's shape is known also one of them from a single view, if
+    that fits better.
+    """
+    projections, features = projections[:2], features[:2]
+    hands = [f.hand for f in features]
+    reach = hand_reach(projections, features, wrist)
+    spread = is_open(features, reach, shape)
+    places = [find_places(hand) for hand in hands if hand is not None]
+    if len(places) < 2 or not all(len(p.pixels) for p in places):
+        return Fingers(None, None, hand_open=spread)
+    if spread:
+        shape = _opened(shape, reach)
+    sigma = TYPICAL_SIGMA if shape.gap is None else KNOWN_SIGMA
+    stereo = stereo_candidates(projections, features, places)
+    costed = with_place_costs(stereo, places)
+    index = _ranked(costed, wrist, shape.index, expected.index, sigma)
+    thumb = _ranked(costed, wrist, shape.thumb, expected.thumb, sigma)
+    found = _assign(index, thumb, shape)
+    if shape.gap is None or spread:
+        return replace(found.fingers, hand_open=spread, stereo=stereo)
+    rays = tip_rays(projections, features, places, wrist, RAY_REACH * shape.index)
+    trials = [
+        found,
+        *_index_from_rays(rays, thumb, wrist, shape, expected),
+        *_thumb_from_rays(rays, index, wrist, shape, expected),
+    ]
+    found = min(trials, key=_cost)
+    if found.cost > 2 * SINGLE_VIEW_COST:
+        found = min(found, _both_from_rays(rays, wrist, shape, expected), key=_cost)
+    return replace(found.fingers, hand_open=spread, stereo=stereo, rays=rays)
 
 
-def _pair(projections: Sequence[Array], features: Sequence[Features]) -> _Pairs:
-    tips = [np.array([tip.point for tip in f.hand.tips]) for f in features[:2] if f.hand is not None]
-    members = np.array([(i, j) for i in range(len(tips[0])) for j in range(len(tips[1]))])
-    pixels = np.stack([tips[0][members[:, 0]], tips[1][members[:, 1]]], axis=1)
-    points = triangulate_many(projections[:2], pixels)
-    half_width = np.array([f.half_width for f in features[:2]])
-    squares = [np.sum((project(m, points) - pixels[:, k]) ** 2, axis=1) for k, m in enumerate(projections[:2])]
-    residuals = np.sqrt(np.mean(np.array(squares) / half_width[:, None] ** 2, axis=0))
-    return _Pairs(points, pixels, residuals, members)
+def _index_from_rays(rays: Rays, thumb: Candidates, wrist: Array, shape: HandShape, expected: Fingers) -> list[_Choice]:
+    """The best index on a ray for each of the likeliest thumbs."""
+    choices = []
+    for j in range(min(TRIED, len(thumb.points))):
+        anchors = _anchors(wrist, shape.index, thumb.points[j], shape)
+        found = _with_motion(rays.nearest(anchors), expected.index, shape.index)
+        found = _without(found, thumb.members[j])
+        if len(found.points):
+            i = int(np.argmin(found.cost))
+            fingers = Fingers(found.points[i], thumb.points[j], index_inferred=True)
+            choices.append(_Choice(fingers, float(found.cost[i] + thumb.cost[j])))
+    return choices
 
 
-def triangulate_many(projections: Sequence[Array], pixels: Array) -> Array:
-    """Points (N, 3) in m from pixels (N, V, 2) in V views, each by linear least squares (thesis equation 3.25)."""
-    rows = np.concatenate([m[:2] - pixels[:, k, :, None] * m[2] for k, m in enumerate(projections)], axis=1)
-    a, b = rows[..., :3], -rows[..., 3:]
-    at = a.transpose(0, 2, 1)
-    points: Array = np.linalg.solve(at @ a, at @ b)[..., 0]
-    return points
+def _thumb_from_rays(rays: Rays, index: Candidates, wrist: Array, shape: HandShape, expected: Fingers) -> list[_Choice]:
+    """The best thumb on a ray for each of the likeliest index tips."""
+    choices = []
+    for i in range(min(TRIED, len(index.points))):
+        anchors = _anchors(wrist, shape.thumb, index.points[i], shape)
+        found = _with_motion(rays.nearest(anchors), expected.thumb, shape.thumb)
+        found = _without(found, index.members[i])
+        if len(found.points):
+            j = int(np.argmin(found.cost))
+            fingers = Fingers(index.points[i], found.points[j], thumb_inferred=True)
+            choices.append(_Choice(fingers, float(found.cost[j] + index.cost[i])))
+    return choices
 
 
-def _cost(pairs: _Pairs, wrist: Array, length: float, expected: Array | None, stretch: float) -> Array:
-    """Squared deviations (N,) of each pair as the tip at a length from the wrist."""
-    lengths = np.linalg.norm(pairs.points - wrist, axis=1)
-    cost = (pairs.residuals / RESIDUAL_SIGMA) ** 2 + ((lengths / length - 1) / (LENGTH_SIGMA * stretch)) ** 2
-    if expected is not None:
-        moved = np.linalg.norm(pairs.points - expected, axis=1)
-        cost = cost + (moved / (MOTION_SIGMA * length * stretch)) ** 2
-    result: Array = np.where(pairs.residuals < MAX_RESIDUAL, cost, np.inf)
+def _both_from_rays(rays: Rays, wrist: Array, shape: HandShape, expected: Fingers) -> _Choice:
+    """Index and thumb on two rays, where they best keep their distances from the wrist and from each other."""
+    best = _Choice(Fingers(None, None), MAX_COST)
+    gap = shape.gap if shape.gap is not None else shape.index
+    as_index = _ray_costs(rays, wrist, shape.index, expected.index)
+    as_thumb = _ray_costs(rays, wrist, shape.thumb, expected.thumb)
+    for i in range(len(rays.points)):
+        for j in range(len(rays.points)):
+            if i == j:
+                continue
+            apart = np.linalg.norm(rays.points[i][:, None] - rays.points[j][None, :], axis=2)
+            cost = as_index[i][:, None] + as_thumb[j][None, :] + ((apart / gap - 1) / shape.gap_sigma) ** 2
+            a, b = np.unravel_index(int(np.argmin(cost)), cost.shape)
+            total = float(cost[a, b])
+            if total < best.cost:
+                fingers = Fingers(rays.points[i][a], rays.points[j][b], thumb_inferred=True, index_inferred=True)
+                best = _Choice(fingers, total)
+    return best
+
+
+def _ray_costs(rays: Rays, wrist: Array, length: float, before: Array | None) -> Array:
+    """Squared deviations (R, S) of the points of all rays as a tip at a length from the wrist."""
+    cost = ((np.linalg.norm(rays.points - wrist, axis=2) / length - 1) / KNOWN_SIGMA) ** 2 + rays.cost[:, None]
+    if before is not None:
+        cost = cost + _motion_cost(rays.points, before, length)
+    result: Array = np.where(rays.allowed, cost, np.inf)
     return result
 
 
-def _assign(pairs: _Pairs, index_cost: Array, thumb_cost: Array, shape: HandShape, stretch: float) -> Fingers:
-    """The pair of pairs of least total cost; a thumb may be missing, at a price."""
-    gap = np.linalg.norm(pairs.points[:, None] - pairs.points[None, :], axis=2)
-    both = index_cost[:, None] + thumb_cost[None, :] + ((gap / shape.gap - 1) / (SHAPE_SIGMA * stretch)) ** 2
-    shared = (pairs.members[:, None] == pairs.members[None, :]).any(axis=2)
-    both = np.where(shared, np.inf, both)
-    i, j = np.unravel_index(int(np.argmin(both)), both.shape)
-    alone = int(np.argmin(index_cost))
-    if float(both[i, j]) < float(index_cost[alone]) + NO_THUMB_COST:
-        return Fingers(pairs.points[i], pairs.points[j], tuple(pairs.pixels[i]), tuple(pairs.pixels[j]))
-    if float(index_cost[alone]) < MAX_COST:
-        return Fingers(pairs.points[alone], None, tuple(pairs.pixels[alone]))
-    return Fingers(None, None)
+def _cost(choice: _Choice) -> float:
+    return choice.cost
+
+
+def _anchors(wrist: Array, length: float, other_tip: Array, shape: HandShape) -> tuple[Anchor, Anchor]:
+    gap = shape.gap if shape.gap is not None else length
+    return Anchor(wrist, length, KNOWN_SIGMA * length), Anchor(other_tip, gap, shape.gap_sigma * gap)
+
+
+def _with_motion(found: Candidates, before: Array | None, length: float) -> Candidates:
+    if before is None:
+        return found
+    return replace(found, cost=found.cost + _motion_cost(found.points, before, length))
+
+
+def _motion_cost(points: Array, before: Array, length: float) -> Array:
+    """Squared deviations (...) of points (..., 3) from where the tip was; limited, so that a wrong place does not last."""
+    moved = np.linalg.norm(points - before, axis=-1) / (MOTION_SIGMA * length)
+    limited: Array = np.minimum(moved**2, MAX_MOTION_COST)
+    return limited
+
+
+def _without(found: Candidates, members: NDArray[np.int64]) -> Candidates:
+    """The candidates that use none of the places of another tip."""
+    taken = ((found.members == members) & (found.members >= 0)).any(axis=1)
+    return replace(found, cost=np.where(taken, np.inf, found.cost))
+
+
+def _ranked(found: Candidates, wrist: Array, length: float, before: Array | None, sigma: float) -> Candidates:
+    """The best candidates for a tip at a length from the wrist, with their squared deviations as cost."""
+    lengths = np.linalg.norm(found.points - wrist, axis=1)
+    costed = _with_motion(replace(found, cost=found.cost + ((lengths / length - 1) / sigma) ** 2), before, length)
+    best = np.argsort(costed.cost)[:KEPT]
+    return Candidates(costed.points[best], costed.cost[best], costed.members[best])
+
+
+def _assign(index: Candidates, thumb: Candidates, shape: HandShape) -> _Choice:
+    """The pair of candidates of least total cost; a thumb may be missing, at a price."""
+    nothing = _Choice(Fingers(None, None), MAX_COST)
+    if not len(index.points):
+        return nothing
+    alone = int(np.argmin(index.cost))
+    choice = _Choice(Fingers(index.points[alone], None), float(index.cost[alone]) + NO_THUMB_COST)
+    if len(thumb.points):
+        both = _together(index, thumb, shape)
+        i, j = np.unravel_index(int(np.argmin(both)), both.shape)
+        pair = _Choice(Fingers(index.points[i], thumb.points[j]), float(both[i, j]))
+        choice = min(choice, pair, key=_cost)
+    return min(choice, nothing, key=_cost)
+
+
+def _together(index: Candidates, thumb: Candidates, shape: HandShape) -> Array:
+    """Cost (I, T) of every index with every thumb; while the gap is unknown, the finger nearest the thumb is preferred."""
+    gap = np.linalg.norm(index.points[:, None] - thumb.points[None, :], axis=2)
+    if shape.gap is None:
+        deviation = gap / (NEAREST_FINGER * shape.index / INDEX_PER_FOREARM)
+    else:
+        deviation = (gap / shape.gap - 1) / shape.gap_sigma
+    shared = ((index.members[:, None] == thumb.members[None, :]) & (index.members[:, None] >= 0)).any(axis=2)
+    both: Array = index.cost[:, None] + thumb.cost[None, :] + deviation**2
+    return np.where(shared, np.inf, both)
+
+
+def carried(fingers: Fingers, shift: Array) -> Fingers:
+    """The fingers moved along with the hand."""
+    index, thumb = (None if p is None else p + shift for p in (fingers.index, fingers.thumb))
+    return replace(fingers, index=index, thumb=thumb)
+
+
+def hand_reach(projections: Sequence[Array], features: Sequence[Features], wrist: Array) -> float | None:
+    """Distance in m from the wrist (3,) to where the rays to the outlines' farthest points meet; None if they do not."""
+    hands = [f.hand for f in features[:2] if f.hand is not None]
+    if len(hands) < 2:
+        return None
+    pixels = [hand.farthest for hand in hands]
+    point = triangulate(projections[:2], pixels)
+    residual = reprojection_residual(projections[:2], pixels, point)
+    if residual > MAX_REACH_RESIDUAL * min(f.half_width for f in features[:2]):
+        return None
+    return float(np.linalg.norm(point - wrist))
+
+
+def is_open(features: Sequence[Features], reach: float | None, shape: HandShape) -> bool:
+    """Whether the hand is open: fingers stand apart in a view (thesis 4.2), or it reaches farther than when curled.
+
+    The second holds where an open hand is seen edge-on and no view shows its fingers apart.
+    """
+    if any(f.hand is not None and f.hand.spread for f in features):
+        return True
+    return reach is not None and shape.reach is not None and OPEN_REACH * shape.reach < reach < MAX_REACH * shape.reach
+
+
+def _opened(shape: HandShape, reach: float | None) -> HandShape:
+    """The shape once the fingers are stretched: the index reaches as much farther as the whole hand does, the gap is
+    wider and no longer certain."""
+    if shape.gap is None or shape.reach is None:
+        return shape
+    ratio = OPEN_REACH if reach is None else min(max(reach / shape.reach, 1.0), MAX_REACH)
+    return replace(shape, index=ratio * shape.index, gap=OPEN_GAP * shape.gap, gap_sigma=OPEN_GAP_SIGMA)

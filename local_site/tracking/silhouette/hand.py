@@ -10,10 +10,13 @@ from common.geometry import Array
 
 CUTTING_ANGLE = math.radians(61.0)
 MIN_PROMINENCE = 0.03
-OPEN_PROMINENCE = 0.045
-OPEN_TIPS = 3
+OPEN_PROMINENCE = 0.08
+OPEN_TIPS = 4
 SAME_TIP = 0.14
 MIN_HAND_POINTS = 12
+CORNER_REACH = 0.2
+MIN_TURN = math.radians(30.0)
+_OUTWARD = -1.0  # OpenCV walks outer contours so that the shape lies to the left in an image with y down
 
 
 @dataclass(frozen=True, slots=True)
@@ -26,19 +29,23 @@ class Tip:
 
 @dataclass(frozen=True, slots=True)
 class Hand:
-    """The hand in one view: contour from one side of the wrist to the other (M, 2), tips in order along it, length in px.
+    """The hand in one view: contour (M, 2) from one side of the wrist to the other, and its length from the wrist in px.
 
-    `open_tips` is the number of clearly separate tips that one cutting direction shows.
+    `tips` stand out and are in order along the contour; `corners` (C, 2) are all places where it turns sharply outwards
+    as around a finger tip, also tips that hardly stand out from their neighbours. `farthest` (2,) is the contour's
+    point farthest from the wrist, `open_tips` the number of tips that stand clear of each other as seen from the wrist.
     """
 
     contour: Array
     tips: tuple[Tip, ...]
+    corners: Array
+    farthest: Array
     length: float
     open_tips: int
 
     @property
     def spread(self) -> bool:
-        """Whether so many fingers stand apart that the hand is open."""
+        """Whether so many fingers stand apart that the hand is open; curled fingers show up to three tips."""
         return self.open_tips >= OPEN_TIPS
 
 
@@ -51,20 +58,35 @@ def hand_contour(contour: Array, sides: tuple[Array, Array], shoulder_end: Array
     return part if len(part) >= MIN_HAND_POINTS else None
 
 
-def measure_hand(contour: Array, wrist: Array) -> Hand:
-    """Tips of a hand contour (M, 2) about the wrist (2,).
+def measure_hand(contour: Array, wrist: Array, half_width: float) -> Hand:
+    """Tips of a hand contour (M, 2) about the wrist (2,); `half_width` is the forearm's in px.
 
     A cutting line that moves along its normal n towards the fingers splits the hand where s(i) = n (p_i - w) has
     separate superlevel sets, so its blobs are the prominent maxima of s along the contour.
     """
     arms = contour - wrist
     distance = np.hypot(arms[:, 0], arms[:, 1])
-    length = float(distance.max())
-    sigma = arms[int(np.argmax(distance))] / max(length, 1.0)
+    end = int(np.argmax(distance))
+    length = float(distance[end])
+    sigma = arms[end] / max(length, 1.0)
     heights = [arms @ _turned(sigma, turn) for turn in (math.pi / 2 - CUTTING_ANGLE, CUTTING_ANGLE - math.pi / 2)]
     found = [_peaks(height, length) for height in (*heights, distance)]
-    open_tips = max(sum(p >= OPEN_PROMINENCE for _, p in peaks) for peaks in found)
-    return Hand(contour, _merged(contour, distance, found, length), length, open_tips)
+    open_tips = sum(prominence >= OPEN_PROMINENCE for _, prominence in found[-1])
+    corners = find_corners(contour, CORNER_REACH * half_width)
+    return Hand(contour, _merged(contour, distance, found, length), corners, contour[end], length, open_tips)
+
+
+def find_corners(contour: Array, reach: float) -> Array:
+    """Where an open contour (M, 2), that has the shape on a fixed side, turns outwards by MIN_TURN within ± reach px."""
+    k = max(2, round(reach))
+    if len(contour) < 4 * k:
+        return np.empty((0, 2))
+    smooth = np.column_stack([np.convolve(contour[:, d], np.full(3, 1 / 3), mode="valid") for d in (0, 1)])
+    before, after = smooth[k:-k] - smooth[: -2 * k], smooth[2 * k :] - smooth[k:-k]
+    cross = before[:, 0] * after[:, 1] - before[:, 1] * after[:, 0]
+    turn = np.arctan2(cross, np.sum(before * after, axis=1))
+    peaks = find_peaks(_OUTWARD * turn, height=MIN_TURN, distance=k)[0]
+    return contour[peaks + k + 1]
 
 
 def _nearest(contour: Array, point: Array) -> int:

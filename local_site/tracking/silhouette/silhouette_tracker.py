@@ -1,5 +1,6 @@
 """The markerless tracker: silhouettes of a bare arm before two or more cameras to elbow, wrist, index and thumb."""
 
+import math
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
@@ -11,7 +12,8 @@ from local_site.calibration.rig import Rig
 from local_site.calibration.triangulation import project
 from local_site.tracking.silhouette.config import SilhouetteConfig
 from local_site.tracking.silhouette.features import Features
-from local_site.tracking.silhouette.fingers import Fingers, HandShape, find_fingers, typical_shape
+from local_site.tracking.silhouette.fingers import Fingers, HandShape, carried, find_fingers, hand_reach, typical_shape
+from local_site.tracking.silhouette.hand_model import HandModel
 from local_site.tracking.silhouette.joints import Body, Joints, solve_joints
 from local_site.tracking.silhouette.posture import Posture
 from local_site.tracking.silhouette.quality import doubts, objection
@@ -44,7 +46,7 @@ class SilhouetteTracker:
         self._projections = rig.matrices
         self._meters = tuple(ViewMeter(camera.name) for camera in rig.cameras)
         self._body = Body(None, self._config.elbow_dorsal_offset)
-        self._shape: HandShape | None = None
+        self._model: HandModel | None = None
         self._learned: list[_Moment] = []
         self._last: _Moment | None = None
         self._before: _Moment | None = None
@@ -67,8 +69,10 @@ class SilhouetteTracker:
 
     def _found(self, t_ns: int, joints: Joints, features: tuple[Features, ...]) -> ArmEstimate:
         forearm = float(np.linalg.norm(joints.wrist - joints.elbow))
-        shape = self._shape or typical_shape(forearm)
+        shape = self._model.shape if self._model is not None else typical_shape(forearm)
         fingers = find_fingers(self._projections, features, joints.wrist, shape, self._expected_fingers(joints))
+        if self._model is not None and not fingers.hand_open and fingers.thumb is not None and not fingers.thumb_inferred:
+            self._model.observe(joints.wrist, fingers.thumb, fingers.stereo, fingers.rays)
         moment = _Moment(t_ns, joints, fingers, features)
         status, reason = self._judge(moment)
         self._before, self._last = self._last, moment
@@ -80,7 +84,8 @@ class SilhouetteTracker:
             wrist=joints.wrist,
             index=fingers.index,
             thumb=fingers.thumb,
-            hand_open=any(f.hand is not None and f.hand.spread for f in features),
+            thumb_inferred=fingers.thumb_inferred,
+            hand_open=fingers.hand_open,
             overlays=tuple(self._overlay(k, moment) for k in range(len(features))),
         )
 
@@ -102,11 +107,21 @@ class SilhouetteTracker:
         self._learned.append(moment)
         if len(self._learned) < wanted:
             return TrackingStatus.INITIALISING, f"learning the arm: {len(self._learned)} of {wanted} pairs"
-        lengths = np.median([_lengths(m) for m in self._learned], axis=0)
+        lengths = np.nanmedian([self._lengths(m) for m in self._learned], axis=0)
         self._body = replace(self._body, forearm_length=float(lengths[0]))
-        self._shape = HandShape(*(float(v) for v in lengths[1:]))
+        self._model = HandModel(HandShape(*(float(v) for v in lengths[1:])))
         self._learned.clear()
         return TrackingStatus.INITIALISING, f"learned the arm from {wanted} pairs"
+
+    def _lengths(self, moment: _Moment) -> tuple[float, ...]:
+        """Forearm, wrist to index, wrist to thumb, index to thumb, and the hand's reach in m; NaN where not measured."""
+        missing = np.full(3, np.nan)
+        elbow, wrist = moment.joints.elbow, moment.joints.wrist
+        index = moment.fingers.index if moment.fingers.index is not None else missing
+        thumb = moment.fingers.thumb if moment.fingers.thumb is not None else missing
+        reach = hand_reach(self._projections, moment.features, wrist)
+        spans = (wrist - elbow, index - wrist, thumb - wrist, index - thumb)
+        return *(float(np.linalg.norm(span)) for span in spans), reach if reach is not None else math.nan
 
     def _lost(self, t_ns: int, reason: str) -> ArmEstimate:
         self._last = self._before = None
@@ -140,8 +155,7 @@ class SilhouetteTracker:
         if self._last is None:
             return Fingers(None, None)
         shift = joints.wrist - self._last.joints.wrist
-        index, thumb = (None if p is None else p + shift for p in (self._last.fingers.index, self._last.fingers.thumb))
-        return Fingers(index, thumb)
+        return carried(self._last.fingers, shift)
 
     def _overlay(self, view: int, moment: _Moment) -> Overlay:
         f, projection = moment.features[view], self._projections[view]
@@ -151,7 +165,7 @@ class SilhouetteTracker:
             return None if point is None else project(projection, point)
 
         return Overlay(
-            contour=f.contour.astype(np.int32),
+            contour=f.silhouette.contour.astype(np.int32),
             forearm_line=np.array([f.forearm.at(0.0), f.guess.wrist]),
             upper_arm_line=None if upper is None else np.array([upper.at(0.0), f.guess.shoulder_end]),
             elbow=pixel(moment.joints.elbow),
@@ -159,18 +173,6 @@ class SilhouetteTracker:
             index=pixel(moment.fingers.index),
             thumb=pixel(moment.fingers.thumb),
         )
-
-
-def _lengths(moment: _Moment) -> tuple[float, float, float, float]:
-    """Forearm, wrist to index, wrist to thumb and index to thumb in m; NaN where a tip is missing."""
-    missing = np.full(3, np.nan)
-    elbow, wrist = moment.joints.elbow, moment.joints.wrist
-    index = moment.fingers.index if moment.fingers.index is not None else missing
-    thumb = moment.fingers.thumb if moment.fingers.thumb is not None else missing
-    forearm, to_index, to_thumb, gap = (
-        float(np.linalg.norm(v)) for v in (wrist - elbow, index - wrist, thumb - wrist, index - thumb)
-    )
-    return forearm, to_index, to_thumb, gap
 
 
 def _moved(guess: Posture, elbow: Array, wrist: Array, last_elbow: Array, half_width: float) -> Posture:

@@ -110,4 +110,5 @@ def _blend_hands(before: Hand | None, now: Hand | None, weight: float) -> Hand |
         nearest = int(np.argmin(distances))
         if distances[nearest] < SAME_TIP * now.length:
             tips.append(Tip((1 - weight) * earlier[nearest] + weight * tip.point, tip.prominence))
-    return replace(now, tips=tuple(tips))
+    farthest = (1 - weight) * before.farthest + weight * now.farthest
+    return replace(now, tips=tuple(tips), farthest=farthest)

@@ -1,0 +1,83 @@
+"""The shape of the hand held like a gripper, learned while it turns.
+
+From one direction a neighbouring finger may stand in for the index without contradiction. When the hand turns, only the
+true tip stays at its distances from wrist and thumb on the ray of a visible tip and within the other view's silhouette:
+the shape that explains most orientations is the hand's.
+"""
+
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from common.geometry import Array
+from local_site.tracking.silhouette.candidates import Candidates, Rays
+from local_site.tracking.silhouette.fingers import HandShape
+
+MIN_TURN_COSINE = 0.9986
+MAX_KEPT = 30
+PER_ORIENTATION = 8
+LENGTH_SIGMA = 0.04
+GAP_SIGMA = 0.04
+MIN_ORIENTATIONS = 4
+MAX_CHANGE = 0.15
+LEARNED_GAP_SIGMA = 0.05
+
+
+@dataclass(frozen=True, slots=True)
+class _Orientation:
+    """One orientation of the hand: direction to the thumb (3,), and distances (N, 2) from wrist and thumb in m: of places
+    where both views may show the index (with the likelihood of that), and of all points where a ray may have it."""
+
+    direction: Array
+    stereo: Array
+    likelihood: Array
+    possible: Array
+
+
+class HandModel:
+    """Collects orientations of the hand and finds the shape that fits most of them."""
+
+    def __init__(self, shape: HandShape) -> None:
+        self.shape = shape
+        self._orientations: list[_Orientation] = []
+
+    def observe(self, wrist: Array, thumb: Array, stereo: Candidates, rays: Rays) -> None:
+        """Take in a hand with the thumb (3,) seen in both views, the places of tips, and the rays to them."""
+        arm = thumb - wrist
+        direction = arm / max(float(np.linalg.norm(arm)), 1e-9)
+        if any(float(direction @ known.direction) > MIN_TURN_COSINE for known in self._orientations):
+            return
+        distances = _distances(stereo.points, wrist, thumb)
+        likely = np.flatnonzero(np.abs(distances[:, 0] / self.shape.index - 1) < MAX_CHANGE)
+        order = likely[np.argsort(stereo.cost[likely])][:PER_ORIENTATION]
+        possible = _distances(rays.points[rays.allowed], wrist, thumb)
+        if not len(order) or not len(possible):
+            return
+        likelihood = np.exp(-0.5 * stereo.cost[order])
+        self._orientations.append(_Orientation(direction, distances[order], likelihood, possible))
+        del self._orientations[:-MAX_KEPT]
+        if len(self._orientations) >= MIN_ORIENTATIONS:
+            self._fit()
+
+    def _fit(self) -> None:
+        """Take the hypothesis that most orientations allow; where several do, the one that both views saw most often."""
+        hypotheses = np.concatenate([o.stereo for o in self._orientations])
+        sigma = np.array([LENGTH_SIGMA * self.shape.index, GAP_SIGMA * self.shape.index])
+        score = np.zeros(len(hypotheses))
+        for o in self._orientations:
+            score += _fit_of(hypotheses, o.possible, sigma).max(axis=1)
+            score += np.max(o.likelihood * _fit_of(hypotheses, o.stereo, sigma), axis=1)
+        length, gap = hypotheses[int(np.argmax(score))]
+        self.shape = replace(self.shape, index=float(length), gap=float(gap), gap_sigma=LEARNED_GAP_SIGMA)
+
+
+def _distances(points: Array, wrist: Array, thumb: Array) -> Array:
+    """Distances (N, 2) of points (N, 3) from wrist and thumb (3,)."""
+    return np.column_stack([np.linalg.norm(points - origin, axis=1) for origin in (wrist, thumb)])
+
+
+def _fit_of(hypotheses: Array, distances: Array, sigma: Array) -> Array:
+    """How well (H, N), 0 to 1, each of N observed distances (N, 2) fits each hypothesis (H, 2)."""
+    squares = np.sum(((hypotheses[:, None] - distances[None, :]) / sigma) ** 2, axis=2)
+    fit: Array = np.exp(-0.5 * squares)
+    return fit
