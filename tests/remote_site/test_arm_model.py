@@ -1,0 +1,152 @@
+"""The model of the arm and its limits: what the URDF says, what makes it unusable, what configuration may change."""
+
+import re
+from pathlib import Path
+
+import numpy as np
+import pytest
+from remote_loop import arm
+
+from common.errors import ConfigError, ModelError
+from remote_site.config import RobotConfig
+from remote_site.kinematics.inverse import SphericalWristInverse
+from remote_site.kinematics.limits import JointLimits
+from remote_site.kinematics.model import ArmModel
+
+URDF = RobotConfig().urdf
+START = np.radians([0.0, 0.0, -45.0, 0.0, -45.0, 0.0])
+
+
+@pytest.fixture
+def variant(tmp_path):
+    """The A465 with a text replaced, as a file."""
+
+    def make(pattern: str, replacement: str) -> Path:
+        text, count = re.subn(pattern, replacement, URDF.read_text(), flags=re.DOTALL)
+        assert count
+        path = tmp_path / "arm.urdf"
+        path.write_text(text)
+        return path
+
+    return make
+
+
+def load(path, tool_frame="tool0"):
+    return ArmModel.from_urdf(path, tool_frame, np.eye(4))
+
+
+def test_the_a465_stands_1041_mm_high_at_zero_and_its_tool_is_ahead_at_the_start():
+    model, _ = arm()
+    assert model.joint_names == tuple(f"joint_{k}" for k in range(1, 7))
+    assert load(URDF).forward(np.zeros(6))[:3, 3] == pytest.approx([0.0, 0.0, 1.0414])
+    assert model.forward(START)[:3, 3] == pytest.approx([0.4438, 0.0, 0.8685], abs=1e-4)
+    assert model.forward(START)[:3, 2] == pytest.approx([1.0, 0.0, 0.0])
+
+
+def test_the_flange_of_the_ready_posture():
+    ready = np.radians([0.0, 0.0, -90.0, 0.0, 0.0, 0.0])
+    assert load(URDF).forward(ready)[:3, 3] == pytest.approx([0.4064, 0.0, 0.635])
+
+
+def test_the_jacobian_is_the_derivative_of_the_tool_centre_point():
+    model, _ = arm()
+    q = START + np.array([0.3, -0.2, 0.1, 0.5, 0.2, -0.4])
+    jacobian = model.jacobian(q).copy()
+    for k in range(6):
+        step = 1e-6 * np.eye(6)[k]
+        ahead, behind = model.forward(q + step).copy(), model.forward(q - step).copy()
+        assert jacobian[:3, k] == pytest.approx((ahead - behind)[:3, 3] / 2e-6, abs=1e-6)
+        spin = (ahead - behind)[:3, :3] / 2e-6 @ model.forward(q)[:3, :3].T
+        assert jacobian[3:, k] == pytest.approx([spin[2, 1], spin[0, 2], spin[1, 0]], abs=1e-6)
+
+
+def test_a_pose_is_not_changed_by_the_next_one():
+    model, _ = arm()
+    first = model.forward(START)
+    kept = first.copy()
+    model.forward(START + 0.3)
+    assert np.array_equal(first, kept)
+
+
+@pytest.mark.parametrize(
+    ("pattern", "replacement", "words"),
+    [
+        (r"^.*$", "no robot", "cannot read"),
+        (r'(<joint name="joint_4" type=)"revolute"', r'\1"continuous"', "joint_4"),
+        (r'velocity="2.9845" effort="6.89"', 'velocity="0" effort="6.89"', "joint_4 needs"),
+        (r'lower="-1.9199" upper="1.9199"', 'lower="1" upper="-1"', "joint_3 needs|cannot read"),
+        (r'type="revolute"', 'type="fixed"', "no moving joint"),
+        (r'(<parent link=")forearm', r"\1upper_arm", "branches"),
+    ],
+)
+def test_an_unusable_urdf_is_refused_with_the_cure(variant, pattern, replacement, words):
+    with pytest.raises(ModelError, match=words):
+        load(variant(pattern, replacement))
+
+
+def test_a_missing_file_or_frame_is_refused(tmp_path):
+    with pytest.raises(ModelError, match="cannot read"):
+        load(tmp_path / "none.urdf")
+    with pytest.raises(ModelError, match=r"robot\.tool_frame.*wrist_yaw"):
+        load(URDF, "hook")
+
+
+@pytest.mark.parametrize(
+    ("pattern", "replacement", "words"),
+    [
+        (r'(<child link="upper_arm"/><origin xyz=")0 0', r"\g<1>0.1 0", "joint_2 lies beside"),
+        (r'(<child link="wrist_roll"/><origin xyz=")0 0', r"\g<1>0 0.05", "joint_4 lies beside"),
+        (r'(<child link="forearm"/>.{0,60}<axis xyz=)"0 -1 0"', r'\1"1 0 0"', "joint_3 does not turn"),
+        (r'(<child link="forearm"/><origin xyz="0 0 )0.3048', r"\1-0.3048", "above each other"),
+        (r'(<joint name="joint_6" type=)"revolute"', r'\1"fixed"', "5 joints"),
+    ],
+)
+def test_an_arm_of_another_kind_has_no_closed_form(variant, pattern, replacement, words):
+    model = load(variant(pattern, replacement))
+    limits = JointLimits.from_model(model, RobotConfig())
+    with pytest.raises(ModelError, match=words):
+        SphericalWristInverse(model, limits)
+
+
+def test_the_closed_form_reads_lengths_and_signs_from_the_urdf(variant):
+    path = variant(r'(<child link="forearm"/><origin xyz="0 0 )0.3048(.{0,40}axis xyz="0 )-1', r"\g<1>0.4\g<2>1")
+    model = load(path)
+    limits = JointLimits.from_model(model, RobotConfig())
+    q = np.array([0.3, -0.4, 0.9, 0.2, -0.7, 0.5])
+    solution = SphericalWristInverse(model, limits).nearest(model.forward(q), q)
+    assert solution.q == pytest.approx(q, abs=1e-9)
+
+
+def test_limits_are_the_urdfs_with_margin_and_the_configured_share():
+    model = load(URDF)
+    limits = JointLimits.from_model(model, RobotConfig(speed=0.5, position_margin_deg=2.0, jerk_rad_s3=77.0))
+    assert limits.upper == pytest.approx(model.upper - np.radians(2.0))
+    assert limits.lower == pytest.approx(model.lower + np.radians(2.0))
+    assert limits.velocity == pytest.approx(0.5 * model.velocity)
+    assert limits.acceleration.tolist() == [10.0] * 6
+    assert limits.jerk.tolist() == [77.0] * 6
+
+
+def test_configuration_can_tighten():
+    limits = JointLimits.from_model(load(URDF), RobotConfig(position_deg={"joint_2": (-60.0, 45.0)}))
+    assert np.degrees([limits.lower[1], limits.upper[1]]) == pytest.approx([-59.0, 44.0])
+
+
+def test_an_attempt_to_widen_names_every_joint_and_value():
+    config = RobotConfig(position_deg={"joint_2": (-95.0, 45.0), "joint_5": (0.0, 106.0), "elbow": (0.0, 1.0)})
+    with pytest.raises(ConfigError) as error:
+        JointLimits.from_model(load(URDF), config)
+    for words in (r"joint_2.*-95\.0.*-90\.0", r"joint_5.*106\.0.*105\.0", "no joint 'elbow'.*joint_1"):
+        assert re.search(words, str(error.value)), words
+
+
+def test_limits_that_leave_no_room_are_refused():
+    with pytest.raises(ConfigError, match=r"joint_1.*no room"):
+        JointLimits.from_model(load(URDF), RobotConfig(position_deg={"joint_1": (0.0, 1.5)}))
+
+
+@pytest.mark.parametrize("scale", [1.01, 0.0, -1.0, np.nan])
+def test_the_speed_scale_cannot_widen(scale):
+    _, limits = arm()
+    with pytest.raises(ValueError, match="widen"):
+        limits.scaled_speed(scale)
