@@ -5,7 +5,7 @@ import math
 import numpy as np
 
 from common.errors import ConfigError
-from common.geometry import Array, rotation_from_vector
+from common.geometry import Array, rotation_from_vector, skew
 from local_site.simulation.body import ArmPose
 from local_site.simulation.config import BodyConfig, MotionConfig
 from local_site.simulation.gestures import Gesture, gesture
@@ -61,7 +61,7 @@ class Motion:
         first = down - (down @ axis) * axis
         first /= math.sqrt(float(first @ first))
         swivel = math.radians(self._config.swivel_deg)
-        out = math.cos(swivel) * first + math.sin(swivel) * np.cross(axis, first)
+        out = math.cos(swivel) * first + math.sin(swivel) * (skew(axis) @ first)
         elbow: Array = self._shoulder + along * axis + math.sqrt(a * a - along * along) * out
         return elbow
 

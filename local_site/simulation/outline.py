@@ -29,8 +29,8 @@ class Outlines:
 
     def extent(self) -> tuple[Array, Array]:
         """The least and the greatest pixel coordinates, (2,) each."""
-        points = self.rims.reshape(-1, 2)
-        return points.min(axis=0), points.max(axis=0)
+        u, v = self.rims[..., 0], self.rims[..., 1]
+        return np.array([u.min(), v.min()]), np.array([u.max(), v.max()])
 
 
 def project(solid: Solid, camera: PinholeCamera, inset_px: float = 0.0) -> Outlines:
@@ -57,9 +57,9 @@ def _ball_outlines(centres: Array, radii: Array) -> Array:
     distance2 = np.sum(centres * centres, axis=1)
     shrink = 1.0 - radii * radii / distance2
     sight = centres / np.sqrt(distance2)[:, None]
-    side = np.column_stack([sight[:, 2], np.zeros(len(sight)), -sight[:, 0]])
-    side /= np.sqrt(np.sum(side * side, axis=1, keepdims=True))
-    radius = (radii * np.sqrt(shrink))[:, None]
-    axes = np.stack([radius * side, radius * np.cross(sight, side)], axis=1)
+    x, y, z = sight.T
+    # Two axes across the line of sight: (z, 0, -x) and its cross product with the sight. No ball is seen at z = 0.
+    across = np.stack([z, np.zeros_like(z), -x, -x * y, x * x + z * z, -y * z], axis=1).reshape(-1, 2, 3)
+    axes = (radii * np.sqrt(shrink / (x * x + z * z)))[:, None, None] * across
     touching: Array = shrink[:, None, None] * centres[:, None] + _CIRCLE @ axes
     return touching
