@@ -1,5 +1,6 @@
 """The arm's silhouette in one image: its grey picture, its outer contour, where it meets the border (thesis 3.1.3)."""
 
+import math
 from dataclasses import dataclass
 
 import cv2
@@ -15,7 +16,10 @@ MIN_CONTOUR_POINTS = 40
 
 @dataclass(frozen=True, slots=True)
 class Silhouette:
-    """The arm's blob: smoothed grey image (H, W), threshold level, ordered outer contour (N, 2) and area in px."""
+    """The arm's blob: smoothed grey image (H, W), threshold level, ordered outer contour (N, 2) and area in px.
+
+    Shadows within the contour are lifted above the level, so that they do not look like the arm's edge.
+    """
 
     grey: NDArray[np.uint8]
     level: float
@@ -58,4 +62,7 @@ def find_silhouette(grey: NDArray[np.uint8], level: float) -> Silhouette | None:
     area = cv2.contourArea(largest)
     if area < MIN_AREA_FRACTION * grey.size or len(largest) < MIN_CONTOUR_POINTS:
         return None
-    return Silhouette(grey, level, largest.reshape(-1, 2).astype(np.float64), area)
+    solid = np.zeros_like(grey)
+    cv2.drawContours(solid, [largest], -1, math.ceil(level) + 1, cv2.FILLED)
+    solid = np.asarray(cv2.max(solid, grey), dtype=np.uint8)
+    return Silhouette(solid, level, largest.reshape(-1, 2).astype(np.float64), area)

@@ -19,6 +19,7 @@ UPPER_ARM_SIGMA = 0.15
 NECK_SIGMA = 0.3
 LENGTH_SIGMA = 0.015
 ROUGH_SIGMA = 3.0
+EXPECTED_SIGMA = 1.0
 ITERATIONS = 12
 CONVERGED_M = 2e-5
 MAX_CONDITION = 1e12
@@ -166,11 +167,15 @@ def _system(
 
 
 def _constraints(view: Features) -> list[tuple[int, Array, Array, float]]:
-    """Normals (2,) and points (2,) of image lines on which elbow (first 0) or wrist (first 3) lie, with their sigma."""
+    """Normals (2,) and points (2,) of image lines on which elbow (first 0) or wrist (first 3) lie, with their sigma.
+
+    The elbow's expected place along the forearm weighs next to nothing, except where nothing else fixes it.
+    """
     forearm = view.forearm
     constraints = [
         (0, forearm.normal, forearm.point, FOREARM_SIGMA),
         (3, forearm.normal, forearm.point, FOREARM_SIGMA),
+        (0, forearm.direction, view.guess.elbow, EXPECTED_SIGMA),
         (3, forearm.direction, view.guess.wrist, NECK_SIGMA if view.wrist is not None else ROUGH_SIGMA),
     ]
     if view.upper_arm is not None:

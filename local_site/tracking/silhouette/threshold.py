@@ -10,8 +10,8 @@ from common.geometry import Array
 
 STRIDE = 2
 SMOOTHING_LEVELS = 4.0
-RISE = 0.25
-BACKGROUND_SIGMAS = 6.0
+RISE = 0.15
+BACKGROUND_SIGMAS = 5.0
 MIN_CONTRAST_SIGMAS = 10.0
 MIN_CONTRAST_LEVELS = 12.0
 MIN_ARM_FRACTION = 5e-4
@@ -28,9 +28,9 @@ class Threshold:
 
 
 def find_threshold(grey: NDArray[np.uint8]) -> Threshold:
-    """The threshold of an image (H, W), a quarter of the way from the background's level to the arm's.
+    """The threshold of an image (H, W), a part of the way from the background's level to the arm's.
 
-    The quarter keeps shaded skin; half would be the unbiased edge but loses shadows that the hand throws.
+    A small part keeps skin in the shadow of the hand; half would be the unbiased edge but loses it.
     """
     histogram = np.bincount(grey[::STRIDE, ::STRIDE].ravel(), minlength=256).astype(float)
     total = float(histogram.sum())
