@@ -12,7 +12,7 @@ from common.geometry import Array
 from remote_site.config import RobotConfig
 from remote_site.simulation.config import ArmConfig, CellConfig
 from remote_site.simulation.gripper import GRIP, THINGS, TOUCHES_ROBOT, add_gripper
-from remote_site.simulation.scenery import add_block, add_room, add_table, add_target
+from remote_site.simulation.scenery import add_block, add_light, add_room, add_table, add_target
 from remote_site.simulation.views import add_view
 
 
@@ -44,6 +44,7 @@ def build_cell(config: CellConfig, robot: RobotConfig) -> Cell:
     if tool is None:
         raise ModelError(f"{robot.urdf}: no link {robot.tool_frame!r} to carry the gripper; set robot.tool_frame")
     add_gripper(spec, tool, config.gripper)
+    add_light(spec)
     add_room(spec, config.scene)
     add_table(spec, config.scene)
     add_target(spec, config.scene)

@@ -7,6 +7,7 @@ from remote_site.simulation.gripper import THINGS, TOUCHES_ROBOT
 
 BOX = mujoco.mjtGeom.mjGEOM_BOX
 BLOCK = "block"
+ROOM_GROUP = 3
 TABLE_THICKNESS_M = 0.03
 PAPER_THICKNESS_M = 0.0004
 MARK_WIDTH_M = 0.006
@@ -22,27 +23,15 @@ MARK = (0.85, 0.12, 0.14, 1.0)
 FOAM = (0.25, 0.55, 0.80, 1.0)
 
 
-def add_room(spec: mujoco.MjSpec, scene: SceneConfig) -> None:
-    """Floor with a grid of one metre, four walls, light from above and beside the cameras."""
-    spec.visual.headlight.ambient = [0.35, 0.35, 0.36]
-    spec.visual.headlight.diffuse = [0.25, 0.25, 0.25]
-    spec.visual.headlight.specular = [0.0, 0.0, 0.0]
-    spec.visual.map.znear = 0.02
-    spec.visual.quality.numslices = 20
-    spec.visual.quality.numstacks = 2
-    spec.visual.quality.numquads = 1
-    spec.visual.quality.shadowsize = 0
-    spec.visual.quality.offsamples = 0
-    spec.stat.extent = 2.0
-    world, z = spec.worldbody, scene.floor_z_m
-    _visual_box(world, (2.4, 2.6, 0.05), (0.8, -0.4, z - 0.05), FLOOR)
-    for k in range(-1, 4):
-        _visual_box(world, (0.006, 2.6, 0.003), (k, -0.4, z), LINE)
-        _visual_box(world, (2.4, 0.006, 0.003), (0.8, k - 1.5, z), LINE)
-    for x, y in ((-1.65, -0.4), (3.25, -0.4), (0.8, 2.25), (0.8, -3.05)):
-        _visual_box(world, (2.5, 0.05, 1.5) if x == 0.8 else (0.05, 2.7, 1.5), (x, y, z + 1.5), WALL)
-    _visual_box(world, (0.15, 0.15, -z / 2), (0, 0, z / 2), PEDESTAL)
-    world.add_light(
+def add_light(spec: mujoco.MjSpec) -> None:
+    """Light from above and from the cameras, and shapes no finer than a software renderer draws quickly."""
+    visual = spec.visual
+    visual.headlight.ambient, visual.headlight.diffuse = [0.35, 0.35, 0.36], [0.25, 0.25, 0.25]
+    visual.headlight.specular = [0.0, 0.0, 0.0]
+    visual.map.znear, spec.stat.extent = 0.02, 2.0
+    visual.quality.numslices, visual.quality.numstacks, visual.quality.numquads = 20, 2, 1
+    visual.quality.shadowsize = visual.quality.offsamples = 0
+    spec.worldbody.add_light(
         type=mujoco.mjtLightType.mjLIGHT_DIRECTIONAL,
         pos=[1.5, -1, 3],
         dir=[-0.5, 0.45, -0.85],
@@ -50,6 +39,27 @@ def add_room(spec: mujoco.MjSpec, scene: SceneConfig) -> None:
         specular=[0.05, 0.05, 0.05],
         castshadow=False,
     )
+
+
+def add_room(spec: mujoco.MjSpec, scene: SceneConfig) -> None:
+    """Floor with a grid of one metre, four walls, and the pedestal under the arm.
+
+    Floor, grid and walls are of `ROOM_GROUP`: they are behind everything else in every view.
+    """
+    world, z = spec.worldbody, scene.floor_z_m
+    floor = _visual_box(world, (2.4, 2.6, 0.05), (0.8, -0.4, z - 0.05), FLOOR)
+    floor.contype, floor.conaffinity = THINGS, THINGS
+    room = [floor]
+    for k in range(-1, 4):
+        room.append(_visual_box(world, (0.006, 2.6, 0.003), (k, -0.4, z), LINE))
+        room.append(_visual_box(world, (2.4, 0.006, 0.003), (0.8, k - 1.5, z), LINE))
+    for x in (-1.65, 3.25):
+        room.append(_visual_box(world, (0.05, 2.7, 1.5), (x, -0.4, z + 1.5), WALL))
+    for y in (-3.05, 2.25):
+        room.append(_visual_box(world, (2.5, 0.05, 1.5), (0.8, y, z + 1.5), WALL))
+    for geom in room:
+        geom.group = ROOM_GROUP
+    _visual_box(world, (0.15, 0.15, -z / 2), (0, 0, z / 2), PEDESTAL)
 
 
 def add_table(spec: mujoco.MjSpec, scene: SceneConfig) -> None:
@@ -109,5 +119,5 @@ def _visual_box(
     centre: tuple[float, float, float],
     rgba: tuple[float, float, float, float],
     name: str = "",
-) -> None:
-    body.add_geom(name=name, type=BOX, size=half_size, pos=centre, rgba=rgba, contype=0, conaffinity=0, mass=0)
+) -> mujoco.MjsGeom:
+    return body.add_geom(name=name, type=BOX, size=half_size, pos=centre, rgba=rgba, contype=0, conaffinity=0, mass=0)

@@ -1,8 +1,6 @@
 """Views of the simulated cell, rendered off screen from its snapshot, so that the physics never waits for a picture."""
 
-import os
 from collections.abc import Sequence
-from typing import Any
 
 import cv2
 import mujoco
@@ -12,34 +10,36 @@ from common.cameras.camera import Frame, Image
 from common.errors import CameraError
 from remote_site.shared_memory import Record, SharedRecord
 from remote_site.simulation.cell import Cell
+from remote_site.simulation.scenery import ROOM_GROUP
+from remote_site.video.offscreen import OffScreen
 
 MAX_GEOMS = 500
+WORLD = 0
 EFFECTS = (
     mujoco.mjtRndFlag.mjRND_SHADOW,
     mujoco.mjtRndFlag.mjRND_REFLECTION,
     mujoco.mjtRndFlag.mjRND_SKYBOX,
     mujoco.mjtRndFlag.mjRND_HAZE,
 )
-CURE = "on Debian and Ubuntu: apt-get install libegl1 libopengl0 libgl1-mesa-dri"
 
 
 class CellRenderer:
-    """One EGL context that renders every view; made and used by one process, after its fork."""
+    """Renders every view on one context; made and used by one process, after its fork.
+
+    A camera that stands still draws the room once and keeps it as its background: the room is behind everything.
+    """
 
     def __init__(self, cell: Cell, width: int, height: int) -> None:
         self._model = cell.model
         self._data = mujoco.MjData(cell.model)
-        self._model.vis.global_.offwidth, self._model.vis.global_.offheight = width, height
-        self._gl: Any
-        self._gl, self._context = _open_gl(self._model, width, height)
-        self._scene = mujoco.MjvScene(self._model, MAX_GEOMS)
+        self._screen = OffScreen(cell.model, width, height)
+        self._scene = mujoco.MjvScene(cell.model, MAX_GEOMS)
         for effect in EFFECTS:
             self._scene.flags[effect] = 0
         self._option, self._perturbation = mujoco.MjvOption(), mujoco.MjvPerturb()
         self._camera = mujoco.MjvCamera()
         self._camera.type = mujoco.mjtCamera.mjCAMERA_FIXED
-        self._area = mujoco.MjrRect(0, 0, width, height)
-        self._pixels = np.empty((height, width, 3), dtype=np.uint8)
+        self._backgrounds: dict[int, Image] = {}
 
     def view_id(self, name: str) -> int:
         """The number of a view by its name; CameraError names the views that exist."""
@@ -50,24 +50,36 @@ class CellRenderer:
 
     def render(self, view: int, qpos: Record) -> Image:
         """A view (height, width, 3), BGR, of the cell in a posture (all of MuJoCo's qpos)."""
-        model, data = self._model, self._data
-        data.qpos[:] = qpos
-        mujoco.mj_kinematics(model, data)
-        mujoco.mj_comPos(model, data)
-        mujoco.mj_camlight(model, data)
-        self._camera.fixedcamid = view
-        everything = mujoco.mjtCatBit.mjCAT_ALL
-        mujoco.mjv_updateScene(model, data, self._option, self._perturbation, self._camera, everything, self._scene)
-        mujoco.mjr_render(self._area, self._scene, self._context)
-        mujoco.mjr_readPixels(self._pixels, None, self._area, self._context)
-        return np.asarray(cv2.cvtColor(cv2.flip(self._pixels, 0), cv2.COLOR_RGB2BGR), dtype=np.uint8)
+        self._data.qpos[:] = qpos
+        mujoco.mj_kinematics(self._model, self._data)
+        mujoco.mj_comPos(self._model, self._data)
+        mujoco.mj_camlight(self._model, self._data)
+        if self._model.cam_bodyid[view] != WORLD:
+            return _bgr(self._draw(view, room=True, things=True))
+        if view not in self._backgrounds:
+            self._backgrounds[view] = _bgr(self._draw(view, room=True, things=False))
+        drawn = self._draw(view, room=False, things=True)
+        picture, nothing = _bgr(drawn), cv2.bitwise_not(cv2.extractChannel(drawn, 3))
+        return _image(cv2.copyTo(self._backgrounds[view], nothing, picture))
 
     def close(self) -> None:
         """Give the context back; further calls do nothing."""
-        if self._gl is not None:
-            self._context.free()
-            self._gl.free()
-            self._gl = None
+        self._screen.close()
+
+    def _draw(self, view: int, *, room: bool, things: bool) -> Image:
+        self._camera.fixedcamid = view
+        self._option.geomgroup[:] = things
+        self._option.geomgroup[ROOM_GROUP] = room
+        mujoco.mjv_updateScene(
+            self._model,
+            self._data,
+            self._option,
+            self._perturbation,
+            self._camera,
+            mujoco.mjtCatBit.mjCAT_ALL,
+            self._scene,
+        )
+        return _image(cv2.flip(self._screen.draw(self._scene), 0))
 
 
 class CellCamera:
@@ -105,16 +117,9 @@ def open_cell_cameras(
     return [CellCamera(name, renderer, snapshot) for name in names]
 
 
-def _open_gl(model: mujoco.MjModel, width: int, height: int) -> tuple[Any, mujoco.MjrContext]:
-    # Mesa's software renderer would spread a small picture over threads, at more processor time than it saves.
-    os.environ.setdefault("LP_NUM_THREADS", "0")
-    try:
-        from mujoco.egl import GLContext  # noqa: PLC0415  # EGL loads only in the process that renders
+def _bgr(rgba: Image) -> Image:
+    return _image(cv2.cvtColor(rgba, cv2.COLOR_RGBA2BGR))
 
-        gl = GLContext(width, height)
-        gl.make_current()
-        context = mujoco.MjrContext(model, mujoco.mjtFontScale.mjFONTSCALE_50)
-    except Exception as error:  # PyOpenGL fails with many kinds where a library is missing
-        raise CameraError(f"simulated views need EGL, which does not start here ({error}); {CURE}") from error
-    mujoco.mjr_setBuffer(mujoco.mjtFramebuffer.mjFB_OFFSCREEN, context)
-    return gl, context
+
+def _image(array: object) -> Image:
+    return np.asarray(array, dtype=np.uint8)

@@ -67,6 +67,15 @@ def test_the_block_in_front_is_below_the_gripper_in_the_picture(cell, renderer):
     assert fingers[:, 0].mean() < foam[:, 0].min()
 
 
+@pytest.mark.parametrize("name", VIEWS)
+def test_a_kept_background_changes_no_pixel(cell, renderer, name):
+    view = renderer.view_id(name)
+    for joint_2 in (0.2, -0.4):
+        picture = renderer.render(view, posture(cell, joint_2))
+        whole = renderer._draw(view, room=True, things=True)[:, :, 2::-1]
+        assert (picture == whole).all()
+
+
 @pytest.mark.usefixtures("renderer")
 def test_a_frame_bears_the_time_of_the_posture_and_comes_once(cell):
     record = SharedRecord(snapshot_dtype(6))
