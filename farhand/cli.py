@@ -97,7 +97,9 @@ def engage(
 @app.command()
 def loopback(
     seconds: Annotated[float, typer.Option(help="How long to run; 0 until Ctrl-C.", min=0)] = 30.0,
-    headless: Annotated[bool, typer.Option("--headless", help="Never open a page (this version has none).")] = False,
+    headless: Annotated[  # noqa: ARG001  # scripts may say it already; there is no page yet that could be left out
+        bool, typer.Option("--headless", help="Leave the operator's page out (this version has none).")
+    ] = False,
     report: Annotated[Path | None, typer.Option(help="Write all figures to this JSON file.")] = None,
     driver: Annotated[str, typer.Option(help="simulated (physics) or kinematic (perfect tracking).")] = "simulated",
     motion: Annotated[str, typer.Option(help="What the simulated operator does.")] = "pick_and_place",
@@ -140,6 +142,6 @@ def track(
 
     Example: farhand track --rig rig.json --left left.avi --right right.avi --out track.jsonl
     """
-    from farhand.track import TrackSources, run_track
+    from farhand.track_command import TrackSources, run_track
 
     typer.echo(run_track(TrackSources(rig, left, right, fps), out, annotate))

@@ -72,7 +72,8 @@ def track_recording(
 ) -> Summary:
     """Track all pairs of two cameras, write a line each to `out` and, if asked, annotated pairs as PNG.
 
-    `progress` is called with the number of pairs done. Raises CameraError when no pair comes or a file cannot be written.
+    `progress` is called with the number of pairs done. Raises CameraError when no pair comes or a file cannot be
+    written.
     """
     tracker, hand, summary = SilhouetteTracker(rig), OpenHand(), Summary()
     try:

@@ -1,0 +1,1 @@
+"""The operator's side: cameras, tracking, gestures, and a simulated operator."""

@@ -1,0 +1,1 @@
+"""The robot's side: control, safety, drivers, video, and a simulated cell."""

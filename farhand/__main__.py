@@ -1,0 +1,5 @@
+"""`python -m farhand`: the command line."""
+
+from farhand.cli import main
+
+main()

@@ -1,0 +1,240 @@
+"""Both sites on this machine against a simulated operator and a simulated cell: started, watched, measured, ended."""
+
+import json
+import socket
+import time
+from collections.abc import Callable, Sequence
+from contextlib import ExitStack
+from dataclasses import dataclass
+from pathlib import Path
+
+import cv2
+import numpy as np
+import simplejpeg
+from rich.console import Console
+
+from common.clock import NS_PER_MS, NS_PER_S
+from common.config import load_config
+from common.errors import ProcessError
+from common.geometry import Array
+from common.messages import SessionState
+from common.service import StopFlag
+from common.transport import open_link
+from farhand.figures import Expectation, Figures, all_figures
+from farhand.live import LiveSummary, print_table
+from farhand.recorder import Record, Recorder
+from farhand.site_process import SiteProcess
+from local_site.config import LocalConfig
+from local_site.simulation.operator import SimulatedOperator
+from remote_site.config import RemoteConfig
+from remote_site.drivers.registry import check_driver
+
+CELL = "loopback"
+START_TIMEOUT_S = 40.0
+ENGAGE_TIMEOUT_S = 20.0
+SILENT_NS = NS_PER_S
+SETTLE_NS = 400 * NS_PER_MS  # from the opening of the hand to the toggled gripper, with room
+SETTLE_TIMEOUT_S = 3.0
+STARTS_IN_NS = 2 * NS_PER_S
+POLL_S = 0.05
+MAX_FOLLOW_MM = 50.0
+
+
+@dataclass(frozen=True, slots=True)
+class LoopbackOptions:
+    """What the command line asks for."""
+
+    seconds: float = 30.0
+    report: Path | None = None
+    driver: str = "simulated"
+    motion: str = "pick_and_place"
+    save_views: Path | None = None
+    remote_settings: tuple[str, ...] = ()
+    local_settings: tuple[str, ...] = ()
+
+
+@dataclass(frozen=True, slots=True)
+class Operator:
+    """The operator that the local site simulates, known here too for the truth."""
+
+    simulated: SimulatedOperator
+    start_ns: int
+
+    def truth(self, t_ns: int) -> dict[str, Array]:
+        """The true points at a time."""
+        truth = self.simulated.truth(max(0.0, (t_ns - self.start_ns) / NS_PER_S))
+        return {"elbow": truth.elbow, "wrist": truth.wrist, "index": truth.index, "thumb": truth.thumb}
+
+    def openings(self, t_ns: int) -> int:
+        """How often the hand has begun to open by a time."""
+        return self.simulated.motion.toggles_until((t_ns - self.start_ns) / NS_PER_S)
+
+
+@dataclass(frozen=True, slots=True)
+class Plan:
+    """The settings of both sites, and the endpoints to listen to them at."""
+
+    remote: tuple[str, ...]
+    local: tuple[str, ...]
+    control: tuple[str, ...]
+    video: tuple[str, ...]
+
+
+def plan_of(options: LoopbackOptions) -> Plan:
+    """Settings with free endpoints of this host; ConfigError when the options ask for what there is not."""
+    control, video, local = (f"tcp/127.0.0.1:{port}" for port in free_ports(3))
+    remote_settings = (f"links.control={control}", f"links.video={video}", f"driver.name={options.driver}")
+    local_settings = (f"links.remote={control}", f"links.listen={local}", f"simulation.motion.name={options.motion}")
+    plan = Plan(
+        remote=(f"cell={CELL}", *remote_settings, *options.remote_settings),
+        local=(f"cell={CELL}", *local_settings, *options.local_settings),
+        control=(control, local),
+        video=(video,),
+    )
+    load_config(LocalConfig, None, plan.local)
+    check_driver(load_config(RemoteConfig, None, plan.remote).driver.name)
+    return plan
+
+
+class Loopback:
+    """One run: the two sites, and everything heard of them."""
+
+    def __init__(self, options: LoopbackOptions, should_stop: StopFlag) -> None:
+        self._options = options
+        self._should_stop = should_stop
+        self._plan = plan_of(options)
+        self._sites: list[SiteProcess] = []
+        self._events: list[str] = []
+        self.record = Record()
+
+    def run(self) -> Figures:
+        """Start, wait for the arm to follow, measure, end; ProcessError says what went wrong."""
+        remote = load_config(RemoteConfig, None, self._plan.remote)
+        with ExitStack() as stack, LiveSummary(self._options.seconds) as live:
+            stack.callback(self._end)
+            self._start("remote", self._plan.remote)
+            control = stack.enter_context(open_link(connect=self._plan.control))
+            video = stack.enter_context(open_link(connect=self._plan.video))
+            self.record = Recorder(control, video, CELL, tuple(c.name for c in remote.video.cameras)).record
+            self._wait("the remote site to start", START_TIMEOUT_S, lambda: bool(self.record.states))
+            operator = self._start_local()
+            self._wait("the arm to be engaged", ENGAGE_TIMEOUT_S, self._is_engaged)
+            self._watch(live)
+            self._settle(operator)
+        return self._figures(operator, remote)
+
+    def _start(self, name: str, settings: Sequence[str], extra: Sequence[str] = ()) -> None:
+        arguments = [part for setting in settings for part in ("--set", setting)]
+        self._sites.append(SiteProcess(name, [*arguments, *extra]))
+
+    def _start_local(self) -> Operator:
+        start_ns = time.monotonic_ns() + STARTS_IN_NS
+        settings = [*self._plan.local, f"simulation.start_ns={start_ns}"]
+        local = load_config(LocalConfig, None, settings)
+        views = self._options.save_views
+        self._start("local", settings, ["--save-views", str(views.resolve())] if views else [])
+        return Operator(SimulatedOperator(local.simulation), start_ns)
+
+    def _is_engaged(self) -> bool:
+        return bool(self.record.states) and self.record.states[-1].state is SessionState.ENGAGED
+
+    def _wait(self, what: str, timeout_s: float, is_so: Callable[[], bool]) -> None:
+        deadline = time.monotonic() + timeout_s
+        while not is_so() and not self._should_stop():
+            self._check_sites()
+            if time.monotonic() > deadline:
+                raise ProcessError(f"waited {timeout_s:g} s in vain for {what}: {self._last_word()}")
+            time.sleep(POLL_S)
+
+    def _watch(self, live: LiveSummary) -> None:
+        start = time.monotonic()
+        while not self._should_stop():
+            elapsed = time.monotonic() - start
+            if self._options.seconds and elapsed >= self._options.seconds:
+                return
+            self._check_sites()
+            self._check_silence()
+            live.show(elapsed, self.record)
+            self._should_stop.wait(POLL_S)
+
+    def _settle(self, operator: Operator) -> None:
+        """Let an opening of the hand that has just begun reach the gripper."""
+        deadline = time.monotonic() + SETTLE_TIMEOUT_S
+        while not self._should_stop() and time.monotonic() < deadline:
+            now_ns = time.monotonic_ns()
+            if operator.openings(now_ns) == operator.openings(now_ns - SETTLE_NS):
+                return
+            time.sleep(POLL_S)
+
+    def _check_sites(self) -> None:
+        for site in self._sites:
+            if site.exit_code is not None:
+                raise ProcessError(f"the {site.name} site died (exit code {site.exit_code}): {site.last_error()}")
+
+    def _check_silence(self) -> None:
+        now_ns = time.monotonic_ns()
+        for name, heard_ns in (("local", self.record.last_hand_ns), ("remote", self.record.last_state_ns)):
+            if now_ns - heard_ns > SILENT_NS:
+                raise ProcessError(f"the {name} site has been silent for 1 s: {self._last_word()}")
+
+    def _last_word(self) -> str:
+        words = [site.last_error() for site in self._sites]
+        if self.record.states:
+            words.insert(0, self.record.states[-1].reason)
+        return "; ".join(words)
+
+    def _end(self) -> None:
+        for site in reversed(self._sites):
+            site.end()
+            self._events += site.events
+
+    def _figures(self, operator: Operator, remote: RemoteConfig) -> Figures:
+        expectation = Expectation(remote.mapping.scale, np.array(remote.mapping.base_R_operator))
+        figures = all_figures(self.record, operator.truth, expectation)
+        states = self.record.states
+        engaged = [s for s in states if s.engagement is not None]
+        begin_ns = engaged[0].engagement.hand_capture_ns if engaged and engaged[0].engagement else 0
+        sent = operator.openings(states[-1].t_ns) - operator.openings(begin_ns) if engaged else 0
+        figures["toggles"] = {"sent": sent, "applied": states[-1].gripper_toggles_applied if states else 0}
+        figures["rejected"] = states[-1].rejected if states else {}
+        figures["events"] = self._events
+        return figures
+
+
+def free_ports(count: int) -> list[int]:
+    """Ports of the loopback interface that nobody listens on now."""
+    with ExitStack() as stack:
+        probes = [stack.enter_context(socket.socket()) for _ in range(count)]
+        for probe in probes:
+            probe.bind(("127.0.0.1", 0))
+        return [int(probe.getsockname()[1]) for probe in probes]
+
+
+def run_loopback(options: LoopbackOptions, should_stop: StopFlag) -> None:
+    """Run, print the table, write report and views; ProcessError when a site dies or the arm does not follow."""
+    loop = Loopback(options, should_stop)
+    figures = loop.run()
+    print_table(figures, Console())
+    if options.report is not None:
+        options.report.write_text(json.dumps(figures, indent=2) + "\n", encoding="utf-8")
+    if options.save_views is not None:
+        save_camera_views(loop.record, options.save_views)
+    check_followed(figures)
+
+
+def save_camera_views(record: Record, folder: Path) -> None:
+    """Write the last picture of every camera as NAME.png."""
+    folder.mkdir(parents=True, exist_ok=True)
+    for name, camera in record.cameras.items():
+        if camera.last is not None:
+            picture = simplejpeg.decode_jpeg(camera.last.jpeg, colorspace="BGR")
+            cv2.imwrite(str(folder / f"{name}.png"), picture)
+
+
+def check_followed(figures: Figures) -> None:
+    """ProcessError when the tool did not follow the hand."""
+    mean = figures["follow_mm"]["mean"]
+    if mean is None:
+        raise ProcessError("the arm was never engaged")
+    if mean > MAX_FOLLOW_MM:
+        raise ProcessError(f"the arm does not follow: its tool is {mean:.0f} mm off on average")

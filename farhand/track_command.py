@@ -1,0 +1,49 @@
+"""The track command: opens rig and cameras, shows progress, tells what was found."""
+
+from contextlib import closing
+from dataclasses import dataclass
+from pathlib import Path
+
+import numpy as np
+from rich.console import Console
+from rich.progress import MofNCompleteColumn, Progress, SpinnerColumn, TextColumn
+
+from common.cameras.sources import open_camera
+from farhand.track import POINTS, Summary, track_recording
+from local_site.calibration.rig import load_rig
+
+
+@dataclass(frozen=True, slots=True)
+class TrackSources:
+    """What to track: the rig's file, and a device, URL, video file or folder of images for each camera."""
+
+    rig: Path
+    left: str
+    right: str
+    fps: float | None
+
+
+def run_track(sources: TrackSources, out: Path, annotate_dir: Path | None) -> str:
+    """Track everything the sources give, and sum it up in words; FarhandError names what cannot be opened."""
+    rig = load_rig(sources.rig)
+    columns = (SpinnerColumn(), TextColumn("tracking"), MofNCompleteColumn())
+    with (
+        closing(open_camera(sources.left, "left", sources.fps)) as left,
+        closing(open_camera(sources.right, "right", sources.fps)) as right,
+        Progress(*columns, console=Console(stderr=True)) as progress,
+    ):
+        task = progress.add_task("tracking", total=None)
+        done = track_recording(rig, left, right, out, annotate_dir, lambda n: progress.update(task, completed=n))
+    return describe(done, out)
+
+
+def describe(summary: Summary, out: Path) -> str:
+    """What a recording gave, in three lines."""
+    found = ", ".join(f"{name} {summary.found[name]}" for name in POINTS)
+    statuses = ", ".join(f"{count} {status.value}" for status, count in summary.statuses.items() if count)
+    median, p95 = np.percentile(summary.ms, [50, 95])
+    return (
+        f"{summary.pairs} pairs: {statuses}\n"
+        f"points found: {found}; gripper toggles: {summary.gripper_toggles}\n"
+        f"{median:.1f} ms per pair (p95 {p95:.1f}); written to {out}"
+    )
