@@ -8,11 +8,12 @@ from common.errors import ConfigError
 from common.geometry import Array, rotation_from_vector, skew
 from local_site.simulation.body import ArmPose
 from local_site.simulation.config import BodyConfig, MotionConfig
-from local_site.simulation.gestures import Gesture, gesture
+from local_site.simulation.hand_paths import hand_path
 
 CHECKED_S = 20.0
+LEAST_SINE = 1e-3
 TREMOR_HZ = (7.3, 9.1, 10.7)
-OPENING_ROLL = math.radians(50.0)
+OPENING_ROLL = math.radians(40.0)
 # Hand axes (columns x distal, y radial, z dorsal) at the start: to the operator's right, slightly up, thumb in front.
 START_HAND = np.array([[-0.96, 0.0, 0.28], [0.0, -1.0, 0.0], [0.28, 0.0, 0.96]])
 START_ROLL = math.radians(15.0)
@@ -24,7 +25,7 @@ class Motion:
     def __init__(self, config: MotionConfig, body: BodyConfig, seed: int) -> None:
         self._config = config
         self._upper_arm, self._forearm = body.upper_arm_length, body.forearm_length
-        self._gesture: Gesture = gesture(config.name)
+        self._path = hand_path(config.name)
         self._shoulder = np.array(config.shoulder)
         self._start = np.array(config.wrist)
         self._phases = np.random.default_rng(seed).uniform(0.0, 2.0 * np.pi, (len(TREMOR_HZ), 3))
@@ -33,7 +34,7 @@ class Motion:
 
     def pose(self, t_s: float) -> ArmPose:
         """The pose at a time; ConfigError when the arm cannot reach so far from its shoulder."""
-        state = self._gesture.at(max(t_s - self._config.still_s, 0.0))
+        state = self._path.at(max(t_s - self._config.still_s, 0.0))
         wrist = self._start + state.offset + self._tremor(t_s)
         roll = rotation_from_vector(np.array([START_ROLL + OPENING_ROLL * state.openness, 0.0, 0.0]))
         return ArmPose(
@@ -46,7 +47,7 @@ class Motion:
 
     def toggles_until(self, t_s: float) -> int:
         """How often the hand has begun to open."""
-        return self._gesture.openings_until(t_s - self._config.still_s)
+        return self._path.openings_until(t_s - self._config.still_s)
 
     def _elbow(self, wrist: Array) -> Array:
         """The elbow on its circle about the line from shoulder to wrist, turned by the swivel angle from hanging."""
@@ -59,7 +60,10 @@ class Motion:
         axis = reach / distance
         down = np.array([0.0, 0.0, -1.0])
         first = down - (down @ axis) * axis
-        first /= math.sqrt(float(first @ first))
+        sine = math.sqrt(float(first @ first))
+        if sine < LEAST_SINE:
+            raise ConfigError("the wrist is straight above or below the shoulder; move one of them aside")
+        first /= sine
         swivel = math.radians(self._config.swivel_deg)
         out = math.cos(swivel) * first + math.sin(swivel) * (skew(axis) @ first)
         elbow: Array = self._shoulder + along * axis + math.sqrt(a * a - along * along) * out

@@ -7,7 +7,7 @@ from local_site.simulation.config import SimulationConfig
 from local_site.simulation.motion import Motion
 from local_site.simulation.rendering import Renderer
 
-SUB_FRAMES = 5
+SUB_FRAMES = 3
 
 
 class SimulatedOperator:

@@ -10,7 +10,7 @@ from common.errors import ConfigError
 from common.geometry import vector_from_rotation
 from local_site.simulation.body import ArmBody
 from local_site.simulation.config import BodyConfig, MotionConfig, MotionName
-from local_site.simulation.gestures import minimum_jerk
+from local_site.simulation.hand_paths import minimum_jerk
 from local_site.simulation.motion import Motion
 
 NAMES = typing.get_args(MotionName)
@@ -108,6 +108,12 @@ def test_tremor_is_seeded_and_small():
 def test_an_arm_too_short_for_the_motion_is_refused():
     with pytest.raises(ConfigError, match="cannot reach"):
         Motion(MotionConfig(), BodyConfig(forearm_length=0.2), seed=1)
+
+
+def test_a_wrist_straight_below_the_shoulder_is_refused():
+    below = MotionConfig(name="hold", shoulder=(0.4, 0.4, 1.0), wrist=(0.4, 0.4, 0.5))
+    with pytest.raises(ConfigError, match="straight above or below"):
+        Motion(below, BodyConfig(), seed=1)
 
 
 def test_minimum_jerk_starts_and_ends_at_rest():

@@ -1,8 +1,8 @@
-"""The motions by name, as displacement, turn and opening of the hand since the end of the initial stillness."""
+"""The motions by name: displacement, turn and opening of the hand since the end of the initial stillness."""
 
 import math
 from collections.abc import Callable
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 
 import numpy as np
 
@@ -18,23 +18,23 @@ OPEN_S = 0.5
 class HandState:
     """Displacement of the wrist (3,) in m and turn of the hand (3,) as a rotation vector in rad; openness 0 to 1."""
 
-    offset: Array = field(default_factory=lambda: np.zeros(3))
-    turn: Array = field(default_factory=lambda: np.zeros(3))
-    openness: float = 0.0
+    offset: Array
+    turn: Array
+    openness: float
 
 
 @dataclass(frozen=True, slots=True)
-class Gesture:
-    """A motion: its path, and when in each of its periods the hand begins to open (s)."""
+class HandPath:
+    """A motion: its course, and when in each of its periods the hand begins to open (s)."""
 
-    path: Callable[[float], tuple[Array, Array]]
+    course: Callable[[float], tuple[Array, Array]]
     period_s: float = math.inf
     openings_s: tuple[float, ...] = ()
 
     def at(self, t_s: float) -> HandState:
         """The state at a time from 0 on."""
         phase = math.fmod(t_s, self.period_s)
-        offset, turn = self.path(phase if self.openings_s else t_s)
+        offset, turn = self.course(phase)
         return HandState(offset, turn, max((_opening(phase - start) for start in self.openings_s), default=0.0))
 
     def openings_until(self, t_s: float) -> int:
@@ -45,9 +45,9 @@ class Gesture:
         return int(periods) * len(self.openings_s) + sum(phase >= start for start in self.openings_s)
 
 
-def gesture(name: MotionName) -> Gesture:
+def hand_path(name: MotionName) -> HandPath:
     """The motion of this name."""
-    return _GESTURES[name]
+    return _PATHS[name]
 
 
 def minimum_jerk(share: float) -> float:
@@ -74,11 +74,11 @@ def _figure_of_eight(t_s: float) -> tuple[Array, Array]:
 def _rotation(axis: int) -> Callable[[float], tuple[Array, Array]]:
     direction = np.eye(3)[axis]
 
-    def path(t_s: float) -> tuple[Array, Array]:
+    def course(t_s: float) -> tuple[Array, Array]:
         angle = minimum_jerk(t_s / RAMP_S) * math.radians(25.0) * math.sin(2.0 * math.pi * t_s / 5.0)
         return np.zeros(3), angle * direction
 
-    return path
+    return course
 
 
 @dataclass(frozen=True, slots=True)
@@ -116,12 +116,12 @@ def _pick_and_place(t_s: float) -> tuple[Array, Array]:
     return start + share * (end - start), np.array([0.0, 0.0, yaw])
 
 
-_GESTURES: dict[MotionName, Gesture] = {
-    "hold": Gesture(_still),
-    "figure_of_eight": Gesture(_figure_of_eight),
-    "rotate_x": Gesture(_rotation(0)),
-    "rotate_y": Gesture(_rotation(1)),
-    "rotate_z": Gesture(_rotation(2)),
-    "pick_and_place": Gesture(_pick_and_place, _PICK_AND_PLACE[-1].t_s, (_PICK_S, _PLACE_S)),
-    "toggles": Gesture(_still, 2.0, (0.5,)),
+_PATHS: dict[MotionName, HandPath] = {
+    "hold": HandPath(_still),
+    "figure_of_eight": HandPath(_figure_of_eight),
+    "rotate_x": HandPath(_rotation(0)),
+    "rotate_y": HandPath(_rotation(1)),
+    "rotate_z": HandPath(_rotation(2)),
+    "pick_and_place": HandPath(_pick_and_place, _PICK_AND_PLACE[-1].t_s, (_PICK_S, _PLACE_S)),
+    "toggles": HandPath(_still, 2.0, (0.5,)),
 }
