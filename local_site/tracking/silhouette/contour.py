@@ -33,6 +33,11 @@ class Silhouette:
         touching: NDArray[np.bool_] = (x <= 1) | (y <= 1) | (x >= width - 2) | (y >= height - 2)
         return touching
 
+    @property
+    def at_border(self) -> bool:
+        """Whether the image border cuts the arm."""
+        return bool(self.touches_border(self.contour).any())
+
     def contains(self, pixels: Array) -> NDArray[np.bool_]:
         """Whether the image is bright at pixels (N, 2), (N,); False outside the image."""
         height, width = self.grey.shape

@@ -38,6 +38,7 @@ class Features:
     silhouette: Silhouette
     guess: Posture
     hand_cropped: bool
+    shoulder_cropped: bool
 
 
 def measure(silhouette: Silhouette, guess: Posture | None) -> Features | None:
@@ -64,7 +65,7 @@ def _measure_near(silhouette: Silhouette, guess: Posture) -> Features | None:
     guess = replace(guess, shoulder_end=shoulder_end)
     measured = wrist if neck is not None else None
     cropped = hand is not None and bool(silhouette.touches_border(hand.contour).any())
-    return Features(line, upper_arm, measured, hand, width, silhouette, guess, cropped)
+    return Features(line, upper_arm, measured, hand, width, silhouette, guess, cropped, silhouette.at_border)
 
 
 def _forearm(silhouette: Silhouette, guess: Posture) -> tuple[Line, Edges, float] | None:

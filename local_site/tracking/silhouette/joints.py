@@ -11,15 +11,19 @@ from dataclasses import dataclass
 import numpy as np
 
 from common.geometry import Array
-from local_site.calibration.triangulation import project, triangulate
+from local_site.calibration.triangulation import project, reprojection_residual, triangulate
 from local_site.tracking.silhouette.features import Features
 
 FOREARM_SIGMA = 0.06
 UPPER_ARM_SIGMA = 0.15
 NECK_SIGMA = 0.3
 LENGTH_SIGMA = 0.015
+SLEEVE_SIGMA = 0.1
+MAX_SLEEVE_RESIDUAL = 0.7
 ROUGH_SIGMA = 3.0
 EXPECTED_SIGMA = 1.0
+CLEAR_BEND_SINE = 0.4
+MIN_BEND_SINE = 0.02
 ITERATIONS = 12
 CONVERGED_M = 2e-5
 MAX_CONDITION = 1e12
@@ -30,10 +34,12 @@ BENT_HALF_COSINE = 0.25
 
 @dataclass(frozen=True, slots=True)
 class Body:
-    """Elbow to wrist in m once it is known, and how far behind the limbs' axes the elbow turns, in forearm lengths."""
+    """Elbow to wrist and elbow to sleeve end in m once they are known, and how far behind the limbs' axes the elbow
+    turns, in forearm lengths."""
 
     forearm_length: float | None = None
     dorsal_offset: float = 0.0
+    sleeve_distance: float | None = None
 
 
 @dataclass(frozen=True, slots=True)
@@ -56,6 +62,15 @@ class Joints:
         return math.sqrt(float(np.linalg.eigvalsh(self.covariance[3:, 3:])[-1]))
 
 
+@dataclass(frozen=True, slots=True)
+class _Link:
+    """A known distance in m, with its standard deviation, of the elbow from an anchor (3,), or from the wrist if None."""
+
+    anchor: Array | None
+    length: float
+    sigma: float
+
+
 def solve_joints(
     projections: Sequence[Array], features: Sequence[Features], body: Body, near: Joints | None = None
 ) -> Joints | None:
@@ -72,13 +87,33 @@ def solve_joints(
         state = np.concatenate([near.elbow, near.wrist])
     offset = np.zeros(3)
     joints = None
+    links = _links(body, sleeve_end(projections, features))
     for _ in range(2):
-        joints = _solve(projections, features, body.forearm_length, offset, state)
+        joints = _solve(projections, features, links, offset, state)
         if joints is None:
             return None
         offset = _dorsal_offset(projections, features, joints, body.dorsal_offset)
         state = np.concatenate([joints.elbow + offset, joints.wrist])
     return joints
+
+
+def sleeve_end(projections: Sequence[Array], features: Sequence[Features]) -> Array | None:
+    """Where the upper arm ends in all views (3,) in m; None where the image border cuts it or the views disagree."""
+    if any(f.shoulder_cropped or f.upper_arm is None for f in features):
+        return None
+    pixels = [f.guess.shoulder_end for f in features]
+    point = triangulate(projections, pixels)
+    residual = reprojection_residual(projections, pixels, point)
+    return point if residual < MAX_SLEEVE_RESIDUAL * min(f.half_width for f in features) else None
+
+
+def _links(body: Body, sleeve: Array | None) -> list[_Link]:
+    links = []
+    if body.forearm_length is not None:
+        links.append(_Link(None, body.forearm_length, LENGTH_SIGMA * body.forearm_length))
+        if body.sleeve_distance is not None and sleeve is not None:
+            links.append(_Link(sleeve, body.sleeve_distance, SLEEVE_SIGMA * body.forearm_length))
+    return links
 
 
 def _dorsal_offset(
@@ -126,11 +161,11 @@ def _image_motion(matrix: Array, point: Array, direction: Array) -> Array:
 
 
 def _solve(
-    projections: Sequence[Array], features: Sequence[Features], length: float | None, offset: Array, state: Array
+    projections: Sequence[Array], features: Sequence[Features], links: Sequence[_Link], offset: Array, state: Array
 ) -> Joints | None:
     """Gauss-Newton from a state (6,), elbow then wrist; `offset` is the elbow's from the meeting of the axes."""
     for _ in range(ITERATIONS):
-        jacobian, residual = _system(projections, features, state, length, offset)
+        jacobian, residual = _system(projections, features, state, links, offset)
         normal = jacobian.T @ jacobian
         if not np.isfinite(normal).all() or np.linalg.cond(normal) > MAX_CONDITION:
             return None
@@ -146,7 +181,7 @@ def _system(
     projections: Sequence[Array],
     features: Sequence[Features],
     state: Array,
-    forearm_length: float | None,
+    links: Sequence[_Link],
     offset: Array,
 ) -> tuple[Array, Array]:
     """Jacobian (M, 6) and residuals (M,) in standard deviations."""
@@ -158,18 +193,20 @@ def _system(
             row, residual = _distance(matrix, at, line, point)
             rows.append(np.concatenate([np.zeros(first), row, np.zeros(3 - first)]) / (sigma * view.half_width))
             residuals.append(residual / (sigma * view.half_width))
-    if forearm_length is not None:
-        arm = state[3:] - state[:3]
-        length = math.sqrt(float(arm @ arm))
-        rows.append(np.concatenate([-arm, arm]) / (length * LENGTH_SIGMA * forearm_length))
-        residuals.append((length - forearm_length) / (LENGTH_SIGMA * forearm_length))
+    for link in links:
+        arm = (state[3:] if link.anchor is None else link.anchor) - state[:3]
+        length = max(math.sqrt(float(arm @ arm)), MIN_LENGTH)
+        row = np.concatenate([-arm, arm if link.anchor is None else np.zeros(3)]) / length
+        rows.append(row / link.sigma)
+        residuals.append((length - link.length) / link.sigma)
     return np.array(rows), np.array(residuals)
 
 
 def _constraints(view: Features) -> list[tuple[int, Array, Array, float]]:
     """Normals (2,) and points (2,) of image lines on which elbow (first 0) or wrist (first 3) lie, with their sigma.
 
-    The elbow's expected place along the forearm weighs next to nothing, except where nothing else fixes it.
+    The elbow's expected place along the forearm weighs next to nothing, except where nothing else fixes it. Where the
+    arm looks nearly straight, a small offset of the upper arm's line would move the meeting point far along the arm.
     """
     forearm = view.forearm
     constraints = [
@@ -179,7 +216,9 @@ def _constraints(view: Features) -> list[tuple[int, Array, Array, float]]:
         (3, forearm.direction, view.guess.wrist, NECK_SIGMA if view.wrist is not None else ROUGH_SIGMA),
     ]
     if view.upper_arm is not None:
-        constraints.append((0, view.upper_arm.normal, view.upper_arm.point, UPPER_ARM_SIGMA))
+        bend = max(abs(float(view.upper_arm.normal @ forearm.direction)), MIN_BEND_SINE)
+        sigma = UPPER_ARM_SIGMA * max(1.0, CLEAR_BEND_SINE / bend) ** 2
+        constraints.append((0, view.upper_arm.normal, view.upper_arm.point, sigma))
     return constraints
 
 

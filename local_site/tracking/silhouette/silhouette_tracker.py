@@ -14,13 +14,14 @@ from local_site.tracking.silhouette.config import SilhouetteConfig
 from local_site.tracking.silhouette.features import Features
 from local_site.tracking.silhouette.fingers import Fingers, HandShape, carried, find_fingers, hand_reach, typical_shape
 from local_site.tracking.silhouette.hand_model import HandModel
-from local_site.tracking.silhouette.joints import Body, Joints, solve_joints
+from local_site.tracking.silhouette.joints import Body, Joints, sleeve_end, solve_joints
 from local_site.tracking.silhouette.posture import Posture
 from local_site.tracking.silhouette.quality import doubts, objection
 from local_site.tracking.silhouette.view import ViewMeter
 from local_site.tracking.tracker import ArmEstimate, Overlay, Views
 
 MAX_PREDICTION_NS = 200_000_000
+MAX_PREDICTED_SIGMA = 0.015
 
 
 @dataclass(frozen=True, slots=True)
@@ -108,19 +109,21 @@ class SilhouetteTracker:
         if len(self._learned) < wanted:
             return TrackingStatus.INITIALISING, f"learning the arm: {len(self._learned)} of {wanted} pairs"
         lengths = np.nanmedian([self._lengths(m) for m in self._learned], axis=0)
-        self._body = replace(self._body, forearm_length=float(lengths[0]))
-        self._model = HandModel(HandShape(*(float(v) for v in lengths[1:])))
+        sleeve = float(lengths[1]) if math.isfinite(lengths[1]) else None
+        self._body = replace(self._body, forearm_length=float(lengths[0]), sleeve_distance=sleeve)
+        self._model = HandModel(HandShape(*(float(v) for v in lengths[2:])))
         self._learned.clear()
         return TrackingStatus.INITIALISING, f"learned the arm from {wanted} pairs"
 
     def _lengths(self, moment: _Moment) -> tuple[float, ...]:
-        """Forearm, wrist to index, wrist to thumb, index to thumb, and the hand's reach in m; NaN where not measured."""
+        """Forearm, elbow to sleeve end, wrist to index, wrist to thumb, index to thumb, and the hand's reach in m; NaN where not measured."""
         missing = np.full(3, np.nan)
         elbow, wrist = moment.joints.elbow, moment.joints.wrist
         index = moment.fingers.index if moment.fingers.index is not None else missing
         thumb = moment.fingers.thumb if moment.fingers.thumb is not None else missing
         reach = hand_reach(self._projections, moment.features, wrist)
-        spans = (wrist - elbow, index - wrist, thumb - wrist, index - thumb)
+        sleeve = sleeve_end(self._projections, moment.features)
+        spans = (wrist - elbow, (sleeve if sleeve is not None else missing) - elbow, index - wrist, thumb - wrist, index - thumb)
         return *(float(np.linalg.norm(span)) for span in spans), reach if reach is not None else math.nan
 
     def _lost(self, t_ns: int, reason: str) -> ArmEstimate:
@@ -143,7 +146,8 @@ class SilhouetteTracker:
             return [None] * len(self._meters)
         factor = self._velocity_factor(t_ns)
         last, before = self._last.joints, (self._before or self._last).joints
-        elbow = last.elbow + factor * (last.elbow - before.elbow)
+        sure = max(last.elbow_sigma, before.elbow_sigma) < MAX_PREDICTED_SIGMA
+        elbow = last.elbow + (factor * (last.elbow - before.elbow) if sure else 0.0)
         wrist = last.wrist + factor * (last.wrist - before.wrist)
         return [
             _moved(f.guess, project(m, elbow), project(m, wrist), project(m, last.elbow), f.half_width)
