@@ -14,7 +14,6 @@ from remote_site.config import RemoteConfig
 from remote_site.control import run_control
 from remote_site.drivers.registry import check_driver
 from remote_site.shared_memory import CellMemory
-from remote_site.simulation.process import run_cell
 from remote_site.video.process import SimulatedViews, run_video
 
 READY_TIMEOUT_S = 30.0
@@ -54,6 +53,8 @@ def run_remote(config: RemoteConfig, should_stop: StopFlag) -> None:
 
 
 def _cell(config: RemoteConfig, memory: CellMemory, should_stop: StopFlag, heartbeat: Heartbeat) -> None:
+    from remote_site.simulation.process import run_cell  # noqa: PLC0415  # a real cell needs no MuJoCo
+
     run_cell(config.simulation, config.robot, memory, should_stop, heartbeat.beat)
 
 

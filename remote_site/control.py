@@ -24,6 +24,7 @@ from remote_site.kinematics.limits import JointLimits
 from remote_site.kinematics.model import ArmModel
 from remote_site.reporting import Reporter
 from remote_site.shared_memory import CellMemory
+from remote_site.simulation.mirror import PostureMirror
 
 FIFO_PRIORITY = 50
 ACTIVATION_TIMEOUT_S = 10.0
@@ -45,7 +46,8 @@ def run_control(config: RemoteConfig, memory: CellMemory | None, should_stop: St
         _activate(driver, chain, should_stop)
         rate = Rate(config.control.rate_hz, clock)
         reporter = Reporter(link.publisher(STATE, config.cell), model, rate, real_time=real_time)
-        loop = ControlLoop(config, chain, driver, reporter, link)
+        mirror = PostureMirror(config.simulation, memory.snapshot) if memory and not config.cell_is_simulated else None
+        loop = ControlLoop(config, chain, driver, reporter, link, mirror)
         gc.collect()
         gc.freeze()
         while not should_stop():
@@ -76,12 +78,21 @@ class Inbox:
 class ControlLoop:
     """One tick after the other; `tick` is the whole way from sample to command."""
 
-    def __init__(self, config: RemoteConfig, chain: Chain, driver: Driver, reporter: Reporter, link: Link) -> None:
+    def __init__(
+        self,
+        config: RemoteConfig,
+        chain: Chain,
+        driver: Driver,
+        reporter: Reporter,
+        link: Link,
+        mirror: PostureMirror | None,
+    ) -> None:
         self._chain = chain
+        self._mirror = mirror
         self._driver = driver
         self._reporter = reporter
         self._inbox = Inbox(link.latest(HAND, config.cell), link.serve(ENGAGE, config.cell))
-        self._seq = 0
+        self._seq = self._ticks = 0
         self._reading = driver.read()
 
     def tick(self, now_ns: int) -> None:
@@ -96,8 +107,11 @@ class ControlLoop:
         if self._reading.ready:
             self._write(step, now_ns)
         self._reporter.note(step, self._seq, now_ns, self._reading)
-        if self._seq % TICKS_PER_STATE == 0:
+        self._ticks += 1
+        if self._ticks % TICKS_PER_STATE == 0:
             self._reporter.publish(step, chain, self._reading, self._inbox.malformed)
+        if self._mirror is not None:
+            self._mirror.show(self._reading.t_ns, self._reading.q)
 
     def _read(self) -> RobotReading:
         try:

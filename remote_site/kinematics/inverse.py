@@ -14,12 +14,20 @@ from remote_site.kinematics.upright import UprightGeometry
 from remote_site.safety.status import Code, Reason, reason
 
 REACH = 1e-12  # of the cosine of the elbow: rounding at full stretch
-WRIST_HOLD = 0.02  # rad of joint 5: nearer to straight, joint 4 keeps its place (at most as much orientation is lost)
+WRIST_ZONE = 0.35  # rad of joint 5: nearer to straight, joint 4 is damped
+WRIST_RATE = 60.0  # 1/s: how fast joint 4 goes to its place at the border of that zone
+ROLL_SPEED = 0.8  # of joint 4's own speed
+UNWIND = 0.5  # per rad: how much joint 4 in that zone prefers the place nearer to its middle
+LOST_MOST = 0.8  # rad of orientation that joint 4 may lose at its limit
+SAMPLE_S = 1 / 30
 SHOULDER_HOLD = 1e-3  # m from the axis of joint 1: nearer, joint 1 keeps its place (at most as much position is lost)
 STANCE_CHANGE = 1.0  # rad: a solution in another stance is taken only if no joint moves further
+PASSES = 20  # of bringing the arm after a tool whose wrist is turned otherwise
+SETTLED = 1e-7  # rad: when that is done
 RIGID = 1e-6  # how far a target's rotation may be from orthonormal
 TURN = 2 * math.pi
 
+Point = tuple[float, float, float]
 Rows = list[list[float]]
 
 
@@ -33,11 +41,16 @@ class Stance(NamedTuple):
 
 @dataclass(frozen=True, slots=True)
 class Solution:
-    """Joint positions (6,) in rad that reach the target, their stance, and whether a singularity held a joint."""
+    """Joint positions (6,) in rad that reach the target, and their stance.
+
+    The position of the tool is always reached, but for `SHOULDER_HOLD` where `held` says so; `lost_rad` of its
+    orientation is not, while joint 4 is damped, limited or too slow.
+    """
 
     q: Array
     stance: Stance
-    held: bool
+    held: bool = False
+    lost_rad: float = 0.0
 
 
 @dataclass(frozen=True, slots=True)
@@ -47,20 +60,19 @@ class Unreachable:
     reason: Reason
 
 
+class Target(NamedTuple):
+    """Where the tool centre point shall be, and how the wrist shall be turned, in the base frame."""
+
+    tcp: Point
+    rotation: Rows
+
+
 class Arm(NamedTuple):
     """A solution for joints 1 to 3 in the canonical angles, positive about +z and +y."""
 
-    angles: tuple[float, ...]
+    angles: Point
     shoulder: int
     elbow: int
-    held: bool
-
-
-class Branch(NamedTuple):
-    """A solution for all joints in the canonical angles."""
-
-    angles: tuple[float, ...]
-    stance: Stance
     held: bool
 
 
@@ -70,6 +82,8 @@ class SphericalWristInverse:
     def __init__(self, model: ArmModel, limits: JointLimits) -> None:
         self._arm = UprightGeometry.from_model(model)
         self._tcp_T_wrist = inverse(self._arm.wrist_T_tcp)
+        self._offset = tuple(self._arm.wrist_T_tcp[:3, 3].tolist())
+        self._roll_speed = ROLL_SPEED * float(limits.velocity[3])
         self._limits = limits
         self._bounds = list(zip(limits.lower.tolist(), limits.upper.tolist(), strict=True))
         elbow = min(max(abs(limits.lower[2]), abs(limits.upper[2])), math.pi)
@@ -78,47 +92,54 @@ class SphericalWristInverse:
 
     def solutions(self, base_T_tool: Array) -> list[Solution]:
         """All eight solutions in (-pi, pi], without regard to limits; empty out of reach or if not a rigid pose."""
-        wrist = self._wrist(base_T_tool)
-        if wrist is None:
+        target = self._target(base_T_tool)
+        if target is None:
             return []
-        return [
-            Solution(np.array(self._joints(branch.angles)), branch.stance, branch.held)
-            for arm in self._arms(wrist, None)
-            for branch in self._branches(arm, wrist, None)
-        ]
+        found = []
+        for arm in self._arms(self._centre(target), None):
+            m = _in_forearm(target.rotation, arm.angles)
+            roll = math.atan2(m[1][2], m[0][2])
+            for angle in (roll, roll + math.pi):
+                angles = (*arm.angles, angle, *_pitch_and_twist(m, angle))
+                stance = Stance(arm.shoulder, arm.elbow, 1 if angles[4] >= 0 else -1)
+                found.append(Solution(np.array(self._joints(angles)), stance))
+        return found
 
-    def nearest(self, base_T_tool: Array, q_current: Array) -> Solution | Unreachable:
+    def nearest(self, base_T_tool: Array, q_current: Array, elapsed_s: float = SAMPLE_S) -> Solution | Unreachable:
         """The solution within limits nearest to `q_current` (6,) in joint space, each joint unwrapped towards it.
 
-        It keeps the stance, unless another one is near, as when a singularity is crossed. At the singularities of
-        wrist and shoulder, joint 4 and joint 1 keep their place.
+        It keeps the stance, unless another one is near, as when a singularity is crossed. Joint 4 goes to the nearer of
+        its two places, no faster than it can in `elapsed_s`, and the slower the straighter the wrist is, where it would
+        spin for nothing; meanwhile the tool keeps its position and loses some orientation. Above the shoulder joint 1
+        keeps its place.
         """
-        wrist = self._wrist(base_T_tool)
+        target = self._target(base_T_tool)
         current: tuple[float, ...] = tuple(q_current.tolist())
-        if wrist is None or not math.isfinite(sum(current)):
+        if target is None or not math.isfinite(sum(current)):
             return Unreachable(reason(Code.NOT_A_POSE))
         best: tuple[float, Solution] | None = None
         worst: tuple[float, Reason] | None = None
-        arms = [(_cost(self._unwrapped(arm.angles, current), current), arm) for arm in self._arms(wrist, current)]
+        arms = [
+            (_cost(self._unwrapped(arm.angles, current), current), arm)
+            for arm in self._arms(self._centre(target), current)
+        ]
         for arm_cost, arm in sorted(arms):
             if best is not None and arm_cost >= best[0]:
                 break
-            for branch in self._branches(arm, wrist, current):
-                q = self._unwrapped(branch.angles, current)
-                cost = _cost(q, current)
-                refusal = self._refusal(q, current, branch.stance)
-                if refusal is not None:
-                    worst = (cost, refusal) if worst is None or cost < worst[0] else worst
-                elif best is None or cost < best[0]:
-                    best = cost, Solution(np.array(q), branch.stance, branch.held)
+            found = self._placed(target, arm, current, elapsed_s)
+            if isinstance(found, Solution):
+                cost = _cost(found.q.tolist(), current)
+                best = (cost, found) if best is None or cost < best[0] else best
+            elif worst is None:
+                worst = arm_cost, found
         if best is not None:
             return best[1]
-        return Unreachable(self._out_of_reach(wrist, worst[1] if worst is not None else None))
+        return Unreachable(self._out_of_reach(target, worst[1] if worst is not None else None))
 
-    def _wrist(self, base_T_tool: Array) -> Rows | None:
-        """The pose of the wrist centre as rows, or None if the target is not a finite rigid pose."""
+    def _target(self, base_T_tool: Array) -> Target | None:
+        """The target of tool and wrist, or None if it is not a finite rigid pose."""
         rows: Rows = (base_T_tool @ self._tcp_T_wrist).tolist()
-        (a, b, c, x), (d, e, f, y), (g, h, i, z) = rows[:3]
+        (a, b, c, _), (d, e, f, _), (g, h, i, _) = rows[:3]
         off = (
             abs(a * a + b * b + c * c - 1)
             + abs(d * d + e * e + f * f - 1)
@@ -126,11 +147,22 @@ class SphericalWristInverse:
             + abs(c * d - a * f - h)
             + abs(a * e - b * d - i)
         )
-        return rows if off < RIGID and math.isfinite(x + y + z) else None
+        x, y, z = base_T_tool[:3, 3].tolist()
+        return Target((x, y, z), rows) if off < RIGID and math.isfinite(x + y + z) else None
 
-    def _arms(self, wrist: Rows, current: tuple[float, ...] | None) -> Iterator[Arm]:
+    def _centre(self, target: Target) -> Point:
+        """The wrist centre, when the wrist is turned as it shall be."""
+        (x, y, z), (a, b, c) = target.tcp, target.rotation[:3]
+        u, v, w = self._offset
+        return (
+            x - a[0] * u - a[1] * v - a[2] * w,
+            y - b[0] * u - b[1] * v - b[2] * w,
+            z - c[0] * u - c[1] * v - c[2] * w,
+        )
+
+    def _arms(self, centre: Point, current: tuple[float, ...] | None) -> Iterator[Arm]:
         """Joints 1 to 3 that bring the wrist centre to its place."""
-        (*_, x), (*_, y), (*_, z) = wrist[:3]
+        x, y, z = centre
         arm, h = self._arm, z - self._arm.shoulder_height
         yaw, held = math.atan2(y, x), False
         if current is not None and math.hypot(x, y) < SHOULDER_HOLD:
@@ -145,20 +177,55 @@ class SphericalWristInverse:
             for elbow in (1, -1):
                 yield Arm((turn, math.atan2(r, h) - elbow * inner, elbow * bend), shoulder, elbow, held)
 
-    def _branches(self, arm: Arm, wrist: Rows, current: tuple[float, ...] | None) -> Iterator[Branch]:
-        """Joints 4 to 6 that turn the wrist as it shall be."""
-        yaw, lean, bend = arm.angles
-        m = _in_forearm(wrist, yaw, lean + bend)
-        held = arm.held
-        if current is not None and m[2][2] > 0 and math.hypot(m[0][2], m[1][2]) < WRIST_HOLD:
-            rolls, held = [self._arm.signs[3] * current[3]], True
-        else:
-            roll = math.atan2(m[1][2], m[0][2])
-            rolls = [roll, roll + math.pi]
-        for roll in rolls:
-            pitch, twist = _pitch_and_twist(m, roll)
-            stance = Stance(arm.shoulder, arm.elbow, 1 if pitch >= 0 else -1)
-            yield Branch((*arm.angles, roll, pitch, twist), stance, held)
+    def _placed(self, target: Target, arm: Arm, current: tuple[float, ...], elapsed_s: float) -> Solution | Reason:
+        """Joints 4 to 6 for an arm; while joint 4 is not at its place, the arm moves so that the tool is."""
+        m = _in_forearm(target.rotation, arm.angles)
+        roll, rest = self._roll(m, current, elapsed_s)
+        pitch, twist = _pitch_and_twist(m, roll)
+        if rest:
+            for _ in range(PASSES):
+                before = arm.angles
+                centre = self._centre_of(target, (*arm.angles, roll, pitch, twist))
+                same = [a for a in self._arms(centre, current) if (a.shoulder, a.elbow) == (arm.shoulder, arm.elbow)]
+                if not same:
+                    return self._out_of_reach(target, None)
+                arm = same[0]
+                m = _in_forearm(target.rotation, arm.angles)
+                pitch, twist = _pitch_and_twist(m, roll)
+                if max(abs(a - b) for a, b in zip(before, arm.angles, strict=True)) < SETTLED:
+                    break
+        lost = math.asin(min(abs(math.cos(roll) * m[1][2] - math.sin(roll) * m[0][2]), 1.0))
+        q = self._unwrapped((*arm.angles, roll, pitch, twist), current)
+        stance = Stance(arm.shoulder, arm.elbow, 1 if pitch >= 0 else -1)
+        refusal = self._refusal(q, current, stance, lost if rest else 0.0)
+        return refusal if refusal is not None else Solution(np.array(q), stance, arm.held, lost if rest else 0.0)
+
+    def _roll(self, m: Rows, current: tuple[float, ...], elapsed_s: float) -> tuple[float, bool]:
+        """Joint 4's angle for now, and whether its place is elsewhere."""
+        sign, (lower, upper) = self._arm.signs[3], self._bounds[3]
+        here = sign * current[3]
+        bend = math.hypot(m[0][2], m[1][2])
+        way = math.remainder(math.atan2(m[1][2], m[0][2]) - here, math.pi)
+        other = way - math.copysign(math.pi, way)
+        if bend < WRIST_ZONE and abs(other) + UNWIND * abs(here + other) < abs(way) + UNWIND * abs(here + way):
+            way = other
+        step = way * _share(bend, elapsed_s) if m[2][2] > 0 else way
+        most = self._roll_speed * elapsed_s
+        step = min(max(step, -most), most)
+        roll = sign * min(max(sign * (here + step), lower), upper)
+        return roll, roll != here + way
+
+    def _centre_of(self, target: Target, angles: tuple[float, ...]) -> Point:
+        """The wrist centre that brings the tool to its position, when the joints turn it as they do."""
+        yaw, lean, bend, roll, pitch, twist = angles
+        x, y, z = self._offset
+        for angle, about_z in ((twist, True), (pitch, False), (roll, True), (lean + bend, False), (yaw, True)):
+            c, s = math.cos(angle), math.sin(angle)
+            if about_z:
+                x, y = c * x - s * y, s * x + c * y
+            else:
+                x, z = c * x + s * z, c * z - s * x
+        return target.tcp[0] - x, target.tcp[1] - y, target.tcp[2] - z
 
     def _joints(self, angles: tuple[float, ...]) -> list[float]:
         return [sign * math.remainder(angle, TURN) for sign, angle in zip(self._arm.signs, angles, strict=True)]
@@ -170,9 +237,10 @@ class SphericalWristInverse:
             for sign, angle, here in zip(self._arm.signs, angles, current, strict=False)
         ]
 
-    def _refusal(self, q: list[float], current: tuple[float, ...], stance: Stance) -> Reason | None:
+    def _refusal(self, q: list[float], current: tuple[float, ...], stance: Stance, lost: float) -> Reason | None:
+        limited = q[3] in self._bounds[3] and lost > LOST_MOST
         for i, (value, (lower, upper)) in enumerate(zip(q, self._bounds, strict=True)):
-            if not lower <= value <= upper:
+            if not lower <= value <= upper or (i == 3 and limited):
                 place = {"value_deg": value, "lower_deg": lower, "upper_deg": upper}
                 degrees = {key: math.degrees(v) for key, v in place.items()}
                 return reason(Code.IK_LIMIT, joint=self._limits.names[i], **degrees)
@@ -187,9 +255,9 @@ class SphericalWristInverse:
         r = self._arm.upper_arm * math.sin(lean) + self._arm.forearm * math.sin(lean + bend)
         return Stance(1 if r >= 0 else -1, 1 if bend >= 0 else -1, 1 if pitch >= 0 else -1)
 
-    def _out_of_reach(self, wrist: Rows, refusal: Reason | None) -> Reason:
+    def _out_of_reach(self, target: Target, refusal: Reason | None) -> Reason:
         """Why no solution will do: the wrist's distance if that is it, otherwise the nearest solution's refusal."""
-        (*_, x), (*_, y), (*_, z) = wrist[:3]
+        x, y, z = self._centre(target)
         distance = math.hypot(x, y, z - self._arm.shoulder_height)
         if refusal is not None and distance >= self._least:
             return refusal
@@ -202,10 +270,18 @@ def _cost(q: list[float], current: tuple[float, ...]) -> float:
     return sum((a - b) ** 2 for a, b in zip(q, current, strict=False))
 
 
-def _in_forearm(wrist: Rows, yaw: float, lean: float) -> Rows:
-    """The rotation of the wrist as seen from the forearm: Ry(-lean) Rz(-yaw) R."""
+def _share(bend: float, elapsed_s: float) -> float:
+    """How much of its way joint 4 goes in `elapsed_s`, when the wrist is bent by the sine `bend`."""
+    if bend >= WRIST_ZONE:
+        return 1.0
+    return -math.expm1(-elapsed_s * WRIST_RATE * (bend / WRIST_ZONE) ** 2) if bend > 0.0 else 0.0
+
+
+def _in_forearm(rotation: Rows, arm_angles: Point) -> Rows:
+    """A rotation in the base frame as seen from the forearm: Ry(-lean) Rz(-yaw) R."""
+    yaw, lean = arm_angles[0], arm_angles[1] + arm_angles[2]
     cy, sy, cl, sl = math.cos(yaw), math.sin(yaw), math.cos(lean), math.sin(lean)
-    first, second, third = wrist[0][:3], wrist[1][:3], wrist[2][:3]
+    first, second, third = rotation[0][:3], rotation[1][:3], rotation[2][:3]
     ahead = [cy * a + sy * b for a, b in zip(first, second, strict=True)]
     return [
         [cl * a - sl * c for a, c in zip(ahead, third, strict=True)],
