@@ -8,9 +8,7 @@ from contextlib import ExitStack
 from dataclasses import dataclass
 from pathlib import Path
 
-import cv2
 import numpy as np
-import simplejpeg
 from rich.console import Console
 
 from common.clock import NS_PER_MS, NS_PER_S
@@ -24,12 +22,14 @@ from farhand.figures import Expectation, Figures, all_figures
 from farhand.live import LiveSummary, print_table
 from farhand.recorder import Record, Recorder
 from farhand.site_process import SiteProcess
+from farhand.views import save_camera_views, save_overview
 from local_site.config import LocalConfig
 from local_site.simulation.operator import SimulatedOperator
 from remote_site.config import RemoteConfig
 from remote_site.drivers.registry import check_driver
 
 CELL = "loopback"
+OPERATOR_VIEWS = ("operator_left", "operator_right")
 START_TIMEOUT_S = 40.0
 ENGAGE_TIMEOUT_S = 20.0
 SILENT_NS = NS_PER_S
@@ -218,17 +218,9 @@ def run_loopback(options: LoopbackOptions, should_stop: StopFlag) -> None:
     if options.report is not None:
         options.report.write_text(json.dumps(figures, indent=2) + "\n", encoding="utf-8")
     if options.save_views is not None:
-        save_camera_views(loop.record, options.save_views)
+        save_camera_views(loop.record.cameras, options.save_views)
+        save_overview((*loop.record.cameras, *OPERATOR_VIEWS), options.save_views)
     check_followed(figures)
-
-
-def save_camera_views(record: Record, folder: Path) -> None:
-    """Write the last picture of every camera as NAME.png."""
-    folder.mkdir(parents=True, exist_ok=True)
-    for name, camera in record.cameras.items():
-        if camera.last is not None:
-            picture = simplejpeg.decode_jpeg(camera.last.jpeg, colorspace="BGR")
-            cv2.imwrite(str(folder / f"{name}.png"), picture)
 
 
 def check_followed(figures: Figures) -> None:
