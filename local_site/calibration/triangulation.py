@@ -18,7 +18,17 @@ def project(projection: Array, points: Array) -> Array:
 def triangulate(projections: Sequence[Array], pixels: Sequence[Array]) -> Array:
     """The point (3,) in m seen at pixels (2,) by two or more cameras: linear least squares, thesis equation 3.25."""
     rows = np.concatenate([_rows(matrix, pixel) for matrix, pixel in zip(projections, pixels, strict=True)])
-    return np.linalg.lstsq(rows[:, :3], -rows[:, 3], rcond=None)[0]
+    point: Array = np.linalg.lstsq(rows[:, :3], -rows[:, 3], rcond=None)[0]
+    return point
+
+
+def triangulate_many(projections: Sequence[Array], pixels: Array) -> Array:
+    """Points (N, 3) in m from pixels (N, V, 2) of N points in V views, as `triangulate` by the normal equations."""
+    rows = np.concatenate([m[:2] - pixels[:, k, :, None] * m[2] for k, m in enumerate(projections)], axis=1)
+    a, b = rows[..., :3], -rows[..., 3:]
+    transposed = a.transpose(0, 2, 1)
+    points: Array = np.linalg.solve(transposed @ a, transposed @ b)[..., 0]
+    return points
 
 
 def reprojection_residual(projections: Sequence[Array], pixels: Sequence[Array], point: Array) -> float:

@@ -8,13 +8,13 @@ import numpy as np
 from common.geometry import Array
 from local_site.tracking.silhouette.contour import Silhouette
 from local_site.tracking.silhouette.hand import Hand, hand_contour, measure_hand
-from local_site.tracking.silhouette.medial import Edges, Line, line_through, medial_line, scan_edges
+from local_site.tracking.silhouette.medial import Edges, Line, line_through, medial_line, middle_value, scan_edges
 from local_site.tracking.silhouette.posture import Posture, find_posture
 
 FOREARM_RANGE = (0.3, 0.92)
 UPPER_ARM_START = 0.6
 WIDTH_CHANGE = 0.25
-REFITS = 3
+REFITS = 2
 MAX_TURN = math.radians(40.0)
 MIN_VALID = 0.7
 NECK_WINDOW = 1.2
@@ -142,7 +142,7 @@ def _limb_end(edges: Edges, start: float, half_width: float) -> float:
     near = beyond & (edges.t < start + 1.5 * half_width) & np.isfinite(edges.width)
     if not near.any():
         return start
-    typical = float(np.median(edges.width[near]))
+    typical = middle_value(edges.width[near])
     with np.errstate(invalid="ignore"):
         kept = np.abs(edges.width / typical - 1) < WIDTH_CHANGE
     broken = np.flatnonzero(beyond & ~kept & (edges.t > start + 3))

@@ -12,7 +12,16 @@ from numpy.typing import NDArray
 
 from common.geometry import Array
 from local_site.calibration.triangulation import reprojection_residual, triangulate
-from local_site.tracking.silhouette.candidates import SINGLE_VIEW_COST, Anchor, Candidates, Rays, find_places, stereo_candidates, tip_rays, with_place_costs
+from local_site.tracking.silhouette.candidates import (
+    SINGLE_VIEW_COST,
+    Anchor,
+    Candidates,
+    Rays,
+    find_places,
+    stereo_candidates,
+    tip_rays,
+    with_place_costs,
+)
 from local_site.tracking.silhouette.features import Features
 
 TYPICAL_SIGMA = 0.15
@@ -40,7 +49,7 @@ class HandShape:
     and wrist to the farthest point of the outline; the last two are None while the hand is not known.
 
     `gap_sigma` is the relative standard deviation of the gap.
-   """
+    """
 
     index: float
     thumb: float

@@ -19,7 +19,10 @@ PER_ORIENTATION = 8
 LENGTH_SIGMA = 0.04
 GAP_SIGMA = 0.04
 MIN_ORIENTATIONS = 4
+OUTLIER_SHARE = 0.1
+STEREO_WEIGHT = 0.1
 MAX_CHANGE = 0.15
+MIN_GAP = 0.4
 LEARNED_GAP_SIGMA = 0.05
 
 
@@ -48,7 +51,8 @@ class HandModel:
         if any(float(direction @ known.direction) > MIN_TURN_COSINE for known in self._orientations):
             return
         distances = _distances(stereo.points, wrist, thumb)
-        likely = np.flatnonzero(np.abs(distances[:, 0] / self.shape.index - 1) < MAX_CHANGE)
+        apart = distances[:, 1] > MIN_GAP * self.shape.index
+        likely = np.flatnonzero(apart & (np.abs(distances[:, 0] / self.shape.index - 1) < MAX_CHANGE))
         order = likely[np.argsort(stereo.cost[likely])][:PER_ORIENTATION]
         possible = _distances(rays.points[rays.allowed], wrist, thumb)
         if not len(order) or not len(possible):
@@ -65,8 +69,8 @@ class HandModel:
         sigma = np.array([LENGTH_SIGMA * self.shape.index, GAP_SIGMA * self.shape.index])
         score = np.zeros(len(hypotheses))
         for o in self._orientations:
-            score += _fit_of(hypotheses, o.possible, sigma).max(axis=1)
-            score += np.max(o.likelihood * _fit_of(hypotheses, o.stereo, sigma), axis=1)
+            score += np.log(OUTLIER_SHARE + _fit_of(hypotheses, o.possible, sigma).max(axis=1))
+            score += STEREO_WEIGHT * np.max(o.likelihood * _fit_of(hypotheses, o.stereo, sigma), axis=1)
         length, gap = hypotheses[int(np.argmax(score))]
         self.shape = replace(self.shape, index=float(length), gap=float(gap), gap_sigma=LEARNED_GAP_SIGMA)
 

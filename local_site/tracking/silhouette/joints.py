@@ -13,20 +13,14 @@ import numpy as np
 from common.geometry import Array
 from local_site.calibration.triangulation import project, reprojection_residual, triangulate
 from local_site.tracking.silhouette.features import Features
+from local_site.tracking.silhouette.joint_equations import Constraints, Link, constraints_of, linearise
 
-FOREARM_SIGMA = 0.06
-UPPER_ARM_SIGMA = 0.15
-NECK_SIGMA = 0.3
 LENGTH_SIGMA = 0.015
 SLEEVE_SIGMA = 0.1
 MAX_SLEEVE_RESIDUAL = 0.7
-ROUGH_SIGMA = 3.0
-EXPECTED_SIGMA = 1.0
-CLEAR_BEND_SINE = 0.4
-MIN_BEND_SINE = 0.02
 ITERATIONS = 12
 CONVERGED_M = 2e-5
-MAX_CONDITION = 1e12
+MIN_DETERMINANT = 1e-40
 MIN_LENGTH = 1e-6
 MIN_PLANE_SINE = 0.05
 BENT_HALF_COSINE = 0.25
@@ -62,15 +56,6 @@ class Joints:
         return math.sqrt(float(np.linalg.eigvalsh(self.covariance[3:, 3:])[-1]))
 
 
-@dataclass(frozen=True, slots=True)
-class _Link:
-    """A known distance in m, with its standard deviation, of the elbow from an anchor (3,), or from the wrist if None."""
-
-    anchor: Array | None
-    length: float
-    sigma: float
-
-
 def solve_joints(
     projections: Sequence[Array], features: Sequence[Features], body: Body, near: Joints | None = None
 ) -> Joints | None:
@@ -88,8 +73,9 @@ def solve_joints(
     offset = np.zeros(3)
     joints = None
     links = _links(body, sleeve_end(projections, features))
+    constraints = [constraints_of(m, f) for m, f in zip(projections, features, strict=True)]
     for _ in range(2):
-        joints = _solve(projections, features, links, offset, state)
+        joints = _solve(constraints, links, offset, state)
         if joints is None:
             return None
         offset = _dorsal_offset(projections, features, joints, body.dorsal_offset)
@@ -107,12 +93,12 @@ def sleeve_end(projections: Sequence[Array], features: Sequence[Features]) -> Ar
     return point if residual < MAX_SLEEVE_RESIDUAL * min(f.half_width for f in features) else None
 
 
-def _links(body: Body, sleeve: Array | None) -> list[_Link]:
+def _links(body: Body, sleeve: Array | None) -> list[Link]:
     links = []
     if body.forearm_length is not None:
-        links.append(_Link(None, body.forearm_length, LENGTH_SIGMA * body.forearm_length))
+        links.append(Link(None, body.forearm_length, LENGTH_SIGMA * body.forearm_length))
         if body.sleeve_distance is not None and sleeve is not None:
-            links.append(_Link(sleeve, body.sleeve_distance, SLEEVE_SIGMA * body.forearm_length))
+            links.append(Link(sleeve, body.sleeve_distance, SLEEVE_SIGMA * body.forearm_length))
     return links
 
 
@@ -160,14 +146,12 @@ def _image_motion(matrix: Array, point: Array, direction: Array) -> Array:
     return result
 
 
-def _solve(
-    projections: Sequence[Array], features: Sequence[Features], links: Sequence[_Link], offset: Array, state: Array
-) -> Joints | None:
+def _solve(constraints: Sequence[Constraints], links: Sequence[Link], offset: Array, state: Array) -> Joints | None:
     """Gauss-Newton from a state (6,), elbow then wrist; `offset` is the elbow's from the meeting of the axes."""
     for _ in range(ITERATIONS):
-        jacobian, residual = _system(projections, features, state, links, offset)
+        jacobian, residual = linearise(constraints, state, links, offset)
         normal = jacobian.T @ jacobian
-        if not np.isfinite(normal).all() or np.linalg.cond(normal) > MAX_CONDITION:
+        if not np.isfinite(normal).all() or abs(np.linalg.det(normal / np.trace(normal))) < MIN_DETERMINANT:
             return None
         step = np.linalg.solve(normal, -jacobian.T @ residual)
         state = state + step
@@ -175,56 +159,3 @@ def _solve(
             misfit = math.sqrt(float(residual @ residual) / len(residual))
             return Joints(state[:3], state[3:], np.linalg.inv(normal), misfit)
     return None
-
-
-def _system(
-    projections: Sequence[Array],
-    features: Sequence[Features],
-    state: Array,
-    links: Sequence[_Link],
-    offset: Array,
-) -> tuple[Array, Array]:
-    """Jacobian (M, 6) and residuals (M,) in standard deviations."""
-    rows: list[Array] = []
-    residuals: list[float] = []
-    for matrix, view in zip(projections, features, strict=True):
-        for first, line, point, sigma in _constraints(view):
-            at = state[3:] if first else state[:3] - offset
-            row, residual = _distance(matrix, at, line, point)
-            rows.append(np.concatenate([np.zeros(first), row, np.zeros(3 - first)]) / (sigma * view.half_width))
-            residuals.append(residual / (sigma * view.half_width))
-    for link in links:
-        arm = (state[3:] if link.anchor is None else link.anchor) - state[:3]
-        length = max(math.sqrt(float(arm @ arm)), MIN_LENGTH)
-        row = np.concatenate([-arm, arm if link.anchor is None else np.zeros(3)]) / length
-        rows.append(row / link.sigma)
-        residuals.append((length - link.length) / link.sigma)
-    return np.array(rows), np.array(residuals)
-
-
-def _constraints(view: Features) -> list[tuple[int, Array, Array, float]]:
-    """Normals (2,) and points (2,) of image lines on which elbow (first 0) or wrist (first 3) lie, with their sigma.
-
-    The elbow's expected place along the forearm weighs next to nothing, except where nothing else fixes it. Where the
-    arm looks nearly straight, a small offset of the upper arm's line would move the meeting point far along the arm.
-    """
-    forearm = view.forearm
-    constraints = [
-        (0, forearm.normal, forearm.point, FOREARM_SIGMA),
-        (3, forearm.normal, forearm.point, FOREARM_SIGMA),
-        (0, forearm.direction, view.guess.elbow, EXPECTED_SIGMA),
-        (3, forearm.direction, view.guess.wrist, NECK_SIGMA if view.wrist is not None else ROUGH_SIGMA),
-    ]
-    if view.upper_arm is not None:
-        bend = max(abs(float(view.upper_arm.normal @ forearm.direction)), MIN_BEND_SINE)
-        sigma = UPPER_ARM_SIGMA * max(1.0, CLEAR_BEND_SINE / bend) ** 2
-        constraints.append((0, view.upper_arm.normal, view.upper_arm.point, sigma))
-    return constraints
-
-
-def _distance(matrix: Array, point: Array, normal: Array, on_line: Array) -> tuple[Array, float]:
-    """Signed px from a projected point (3,) to an image line, and its gradient (3,) in px per m."""
-    pixel = project(matrix, point)
-    depth = float(matrix[2, :3] @ point + matrix[2, 3])
-    gradient: Array = (normal @ matrix[:2, :3] - (normal @ pixel) * matrix[2, :3]) / depth
-    return gradient, float(normal @ (pixel - on_line))

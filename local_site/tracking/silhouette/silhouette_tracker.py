@@ -72,7 +72,12 @@ class SilhouetteTracker:
         forearm = float(np.linalg.norm(joints.wrist - joints.elbow))
         shape = self._model.shape if self._model is not None else typical_shape(forearm)
         fingers = find_fingers(self._projections, features, joints.wrist, shape, self._expected_fingers(joints))
-        if self._model is not None and not fingers.hand_open and fingers.thumb is not None and not fingers.thumb_inferred:
+        if (
+            self._model is not None
+            and not fingers.hand_open
+            and fingers.thumb is not None
+            and not fingers.thumb_inferred
+        ):
             self._model.observe(joints.wrist, fingers.thumb, fingers.stereo, fingers.rays)
         moment = _Moment(t_ns, joints, fingers, features)
         status, reason = self._judge(moment)
@@ -123,7 +128,13 @@ class SilhouetteTracker:
         thumb = moment.fingers.thumb if moment.fingers.thumb is not None else missing
         reach = hand_reach(self._projections, moment.features, wrist)
         sleeve = sleeve_end(self._projections, moment.features)
-        spans = (wrist - elbow, (sleeve if sleeve is not None else missing) - elbow, index - wrist, thumb - wrist, index - thumb)
+        spans = (
+            wrist - elbow,
+            (sleeve if sleeve is not None else missing) - elbow,
+            index - wrist,
+            thumb - wrist,
+            index - thumb,
+        )
         return *(float(np.linalg.norm(span)) for span in spans), reach if reach is not None else math.nan
 
     def _lost(self, t_ns: int, reason: str) -> ArmEstimate:
