@@ -14,6 +14,7 @@ from local_site.tracking.silhouette.posture import Posture, find_posture
 FOREARM_RANGE = (0.3, 0.92)
 UPPER_ARM_START = 0.6
 WIDTH_CHANGE = 0.25
+MAX_CREASE_COSINE = 0.87
 REFITS = 2
 MAX_TURN = math.radians(40.0)
 MIN_VALID = 0.7
@@ -73,11 +74,11 @@ def _forearm(silhouette: Silhouette, guess: Posture) -> tuple[Line, Edges, float
     first = line_through(guess.elbow, guess.wrist)
     if first is None:
         return None
-    axis = first
+    axis, crease = first, _crease(guess)
     for _ in range(REFITS):
         length = axis.along(guess.wrist)
         edges = scan_edges(silhouette, axis, 0.0, length + 2 * guess.half_width, 2.2 * guess.half_width)
-        low, high = (fraction * length for fraction in FOREARM_RANGE)
+        low, high = max(FOREARM_RANGE[0] * length, min(crease, 0.6 * length)), FOREARM_RANGE[1] * length
         line = medial_line(edges, low, high)
         if line is None or line.direction @ first.direction < math.cos(MAX_TURN):
             return None
@@ -88,6 +89,15 @@ def _forearm(silhouette: Silhouette, guess: Posture) -> tuple[Line, Edges, float
     if np.isfinite(edges.width[inside]).mean() < MIN_VALID:
         return None
     return axis, edges, length
+
+
+def _crease(guess: Posture) -> float:
+    """How far from the elbow, in px, forearm and upper arm part: the sharper the bend, the farther."""
+    to_wrist, to_shoulder = guess.wrist - guess.elbow, guess.shoulder_end - guess.elbow
+    product = math.sqrt(float(to_wrist @ to_wrist) * float(to_shoulder @ to_shoulder))
+    cosine = float(to_wrist @ to_shoulder) / product if product > 0 else -1.0
+    half_angle = 0.5 * math.acos(max(-1.0, min(cosine, MAX_CREASE_COSINE)))
+    return guess.half_width / math.tan(half_angle) if half_angle < 0.5 * math.pi - 1e-6 else 0.0
 
 
 def _neck(edges: Edges, length: float, half_width: float) -> float | None:
@@ -123,7 +133,7 @@ def _upper_arm(silhouette: Silhouette, guess: Posture) -> tuple[Line | None, Arr
     axis = line_through(guess.elbow, guess.shoulder_end)
     if axis is None:
         return None, guess.shoulder_end
-    start = UPPER_ARM_START * guess.half_width
+    start = max(UPPER_ARM_START * guess.half_width, _crease(guess))
     length = axis.along(guess.shoulder_end) + guess.half_width
     end = length
     for _ in range(REFITS + 1):

@@ -32,7 +32,9 @@ def objection(joints: Joints | None) -> str:
 def doubts(rig: Rig, features: Sequence[Features], joints: Joints, fingers: Fingers) -> list[str]:
     """Why a result is less sure than usual, a sentence each."""
     reasons = []
-    if _nearly_straight(features):
+    if all(f.upper_arm is None for f in features):
+        reasons.append("the upper arm does not show enough to place the elbow")
+    elif _nearly_straight(features):
         reasons.append("the elbow is nearly straight, so that its place follows from the wrist")
     if _plane_sine(rig.matrices, features) < MIN_PLANE_SINE:
         reasons.append("the forearm is nearly parallel to the line between the cameras")
@@ -44,7 +46,7 @@ def doubts(rig: Rig, features: Sequence[Features], joints: Joints, fingers: Fing
 
 
 def _nearly_straight(features: Sequence[Features]) -> bool:
-    """Whether no view shows a bend, or none shows the upper arm."""
+    """Whether no view shows a bend."""
     sines = [abs(float(f.upper_arm.normal @ f.forearm.direction)) for f in features if f.upper_arm is not None]
     return max(sines, default=0.0) < MIN_BEND_SINE
 
