@@ -55,7 +55,8 @@ def _unsolvable(points: Array) -> str:
 
 
 def _outlier(line: int, camera: str, residual: float) -> str:
-    return f"line {line}: {residual:.1f} px off in the {camera} camera; measure this point again, or leave its pixels empty"
+    cure = "measure this point again, or leave its pixels empty"
+    return f"line {line}: {residual:.1f} px off in the {camera} camera; {cure}"
 
 
 def _fit_without_outliers(points: Array, pixels: Array) -> tuple[Array, NDArray[np.bool_]]:
@@ -128,7 +129,8 @@ def _refined(projection: Array, points: Array, pixels: Array) -> Array:
 
 
 def _residuals(projection: Array, points: Array, pixels: Array) -> Array:
-    return np.linalg.norm(project(projection, points) - pixels, axis=1)
+    distances: Array = np.linalg.norm(project(projection, points) - pixels, axis=1)
+    return distances
 
 
 def _rig(control: ControlPoints, projections: list[Array], created: str) -> Rig:

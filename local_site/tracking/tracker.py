@@ -15,8 +15,9 @@ from common.messages import TrackingStatus
 class View:
     """What one camera contributes to an instant.
 
-    With `weight` 1 (synchronised cameras, or the camera whose exposure is the instant) `current` alone counts; otherwise
-    the instant lies between the two exposures and the measurements are (1 - weight) * previous + weight * current.
+    With `weight` 1 (synchronised cameras, or the camera whose exposure is the instant) `current` alone counts;
+    otherwise the instant lies between the two exposures and the measurements are
+    (1 - weight) * previous + weight * current.
     """
 
     current: Frame

@@ -36,8 +36,7 @@ class Candidates:
     @property
     def stereo(self) -> NDArray[np.bool_]:
         """Which candidates both views show (N,)."""
-        seen: NDArray[np.bool_] = (self.members >= 0).all(axis=1)
-        return seen
+        return np.asarray((self.members >= 0).all(axis=1), dtype=np.bool_)
 
     def joined(self, other: "Candidates") -> "Candidates":
         """These candidates and others."""

@@ -11,7 +11,6 @@ import numpy as np
 from numpy.typing import NDArray
 
 from common.geometry import Array
-from local_site.calibration.triangulation import reprojection_residual, triangulate
 from local_site.tracking.silhouette.candidates import (
     SINGLE_VIEW_COST,
     Anchor,
@@ -23,6 +22,7 @@ from local_site.tracking.silhouette.candidates import (
     with_place_costs,
 )
 from local_site.tracking.silhouette.features import Features
+from local_site.tracking.silhouette.opening import INDEX_PER_FOREARM, HandShape, hand_reach, is_open, opened
 
 TYPICAL_SIGMA = 0.15
 KNOWN_SIGMA = 0.04
@@ -32,30 +32,8 @@ NEAREST_FINGER = 0.25
 KEPT = 16
 TRIED = 3
 RAY_REACH = 1.2
-MAX_REACH_RESIDUAL = 0.4
-OPEN_REACH = 1.1
-OPEN_GAP = 1.5
-OPEN_GAP_SIGMA = 0.2
-MAX_REACH = 1.6
 MAX_COST = 60.0
 NO_THUMB_COST = 32.0
-INDEX_PER_FOREARM = 0.66
-THUMB_PER_FOREARM = 0.52
-
-
-@dataclass(frozen=True, slots=True)
-class HandShape:
-    """Distances in m of the hand held like a gripper: wrist to index tip, wrist to thumb tip, index tip to thumb tip,
-    and wrist to the farthest point of the outline; the last two are None while the hand is not known.
-
-    `gap_sigma` is the relative standard deviation of the gap.
-    """
-
-    index: float
-    thumb: float
-    gap: float | None = None
-    reach: float | None = None
-    gap_sigma: float = 0.10
 
 
 @dataclass(frozen=True, slots=True)
@@ -83,11 +61,6 @@ class _Choice:
     cost: float
 
 
-def typical_shape(forearm_length: float) -> HandShape:
-    """What the proportions of the body say of a hand whose shape is not known yet."""
-    return HandShape(INDEX_PER_FOREARM * forearm_length, THUMB_PER_FOREARM * forearm_length)
-
-
 def find_fingers(
     projections: Sequence[Array], features: Sequence[Features], wrist: Array, shape: HandShape, expected: Fingers
 ) -> Fingers:
@@ -104,7 +77,7 @@ def find_fingers(
     if len(places) < 2 or not all(len(p.pixels) for p in places):
         return Fingers(None, None, hand_open=spread)
     if spread:
-        shape = _opened(shape, reach)
+        shape = opened(shape, reach)
     sigma = TYPICAL_SIGMA if shape.gap is None else KNOWN_SIGMA
     stereo = stereo_candidates(projections, features, places)
     costed = with_place_costs(stereo, places)
@@ -198,7 +171,7 @@ def _with_motion(found: Candidates, before: Array | None, length: float) -> Cand
 
 
 def _motion_cost(points: Array, before: Array, length: float) -> Array:
-    """Squared deviations (...) of points (..., 3) from where the tip was; limited, so that a wrong place does not last."""
+    """Squared deviations (...) of points (..., 3) from the expected tip, limited so that a wrong place does not last."""
     moved = np.linalg.norm(points - before, axis=-1) / (MOTION_SIGMA * length)
     limited: Array = np.minimum(moved**2, MAX_MOTION_COST)
     return limited
@@ -234,7 +207,7 @@ def _assign(index: Candidates, thumb: Candidates, shape: HandShape) -> _Choice:
 
 
 def _together(index: Candidates, thumb: Candidates, shape: HandShape) -> Array:
-    """Cost (I, T) of every index with every thumb; while the gap is unknown, the finger nearest the thumb is preferred."""
+    """Cost (I, T) of every index with every thumb; while the gap is unknown, the nearest finger is preferred."""
     gap = np.linalg.norm(index.points[:, None] - thumb.points[None, :], axis=2)
     if shape.gap is None:
         deviation = gap / (NEAREST_FINGER * shape.index / INDEX_PER_FOREARM)
@@ -249,35 +222,3 @@ def carried(fingers: Fingers, shift: Array) -> Fingers:
     """The fingers moved along with the hand."""
     index, thumb = (None if p is None else p + shift for p in (fingers.index, fingers.thumb))
     return replace(fingers, index=index, thumb=thumb)
-
-
-def hand_reach(projections: Sequence[Array], features: Sequence[Features], wrist: Array) -> float | None:
-    """Distance in m from the wrist (3,) to where the rays to the outlines' farthest points meet; None if they do not."""
-    hands = [f.hand for f in features[:2] if f.hand is not None]
-    if len(hands) < 2:
-        return None
-    pixels = [hand.farthest for hand in hands]
-    point = triangulate(projections[:2], pixels)
-    residual = reprojection_residual(projections[:2], pixels, point)
-    if residual > MAX_REACH_RESIDUAL * min(f.half_width for f in features[:2]):
-        return None
-    return float(np.linalg.norm(point - wrist))
-
-
-def is_open(features: Sequence[Features], reach: float | None, shape: HandShape) -> bool:
-    """Whether the hand is open: fingers stand apart in a view (thesis 4.2), or it reaches farther than when curled.
-
-    The second holds where an open hand is seen edge-on and no view shows its fingers apart.
-    """
-    if any(f.hand is not None and f.hand.spread for f in features):
-        return True
-    return reach is not None and shape.reach is not None and OPEN_REACH * shape.reach < reach < MAX_REACH * shape.reach
-
-
-def _opened(shape: HandShape, reach: float | None) -> HandShape:
-    """The shape once the fingers are stretched: the index reaches as much farther as the whole hand does, the gap is
-    wider and no longer certain."""
-    if shape.gap is None or shape.reach is None:
-        return shape
-    ratio = OPEN_REACH if reach is None else min(max(reach / shape.reach, 1.0), MAX_REACH)
-    return replace(shape, index=ratio * shape.index, gap=OPEN_GAP * shape.gap, gap_sigma=OPEN_GAP_SIGMA)

@@ -29,7 +29,7 @@ class Tip:
 
 @dataclass(frozen=True, slots=True)
 class Hand:
-    """The hand in one view: contour (M, 2) from one side of the wrist to the other, and its length from the wrist in px.
+    """The hand in one view: contour (M, 2) from one side of the wrist to the other, and its length from the wrist, px.
 
     `tips` stand out and are in order along the contour; `corners` (C, 2) are all places where it turns sharply outwards
     as around a finger tip, also tips that hardly stand out from their neighbours. `farthest` (2,) is the contour's
@@ -77,7 +77,7 @@ def measure_hand(contour: Array, wrist: Array, half_width: float) -> Hand:
 
 
 def find_corners(contour: Array, reach: float) -> Array:
-    """Where an open contour (M, 2), that has the shape on a fixed side, turns outwards by MIN_TURN within ± reach px."""
+    """Where an open contour (M, 2) turns outwards by MIN_TURN within ± reach px, (C, 2)."""
     k = max(2, round(reach))
     if len(contour) < 4 * k:
         return np.empty((0, 2))

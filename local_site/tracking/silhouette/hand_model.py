@@ -10,8 +10,8 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from common.geometry import Array
-from local_site.tracking.silhouette.candidates import Candidates, Rays
-from local_site.tracking.silhouette.fingers import HandShape
+from local_site.tracking.silhouette.fingers import Fingers
+from local_site.tracking.silhouette.opening import HandShape
 
 MIN_TURN_COSINE = 0.9986
 MAX_KEPT = 30
@@ -28,8 +28,11 @@ LEARNED_GAP_SIGMA = 0.05
 
 @dataclass(frozen=True, slots=True)
 class _Orientation:
-    """One orientation of the hand: direction to the thumb (3,), and distances (N, 2) from wrist and thumb in m: of places
-    where both views may show the index (with the likelihood of that), and of all points where a ray may have it."""
+    """One orientation of the hand: direction to the thumb (3,), and distances (N, 2) in m from wrist and thumb.
+
+    `stereo` has those of the places where both views may show the index, with their likelihood, `possible` those of all
+    points where a ray may have it.
+    """
 
     direction: Array
     stereo: Array
@@ -44,8 +47,11 @@ class HandModel:
         self.shape = shape
         self._orientations: list[_Orientation] = []
 
-    def observe(self, wrist: Array, thumb: Array, stereo: Candidates, rays: Rays) -> None:
-        """Take in a hand with the thumb (3,) seen in both views, the places of tips, and the rays to them."""
+    def observe(self, wrist: Array, fingers: Fingers) -> None:
+        """Take in a hand about a wrist (3,), if it is held like a gripper and both views show the thumb."""
+        thumb, stereo, rays = fingers.thumb, fingers.stereo, fingers.rays
+        if fingers.hand_open or fingers.thumb_inferred or thumb is None or stereo is None or rays is None:
+            return
         arm = thumb - wrist
         direction = arm / max(float(np.linalg.norm(arm)), 1e-9)
         if any(float(direction @ known.direction) > MIN_TURN_COSINE for known in self._orientations):
@@ -64,7 +70,7 @@ class HandModel:
             self._fit()
 
     def _fit(self) -> None:
-        """Take the hypothesis that most orientations allow; where several do, the one that both views saw most often."""
+        """Take the hypothesis that most orientations allow, of equals the one that both views saw most often."""
         hypotheses = np.concatenate([o.stereo for o in self._orientations])
         sigma = np.array([LENGTH_SIGMA * self.shape.index, GAP_SIGMA * self.shape.index])
         score = np.zeros(len(hypotheses))

@@ -21,7 +21,7 @@ MIN_LENGTH = 1e-6
 
 @dataclass(frozen=True, slots=True)
 class Link:
-    """A known distance in m, with its standard deviation, of the elbow from an anchor (3,), or from the wrist if None."""
+    """A known distance, and its standard deviation, of the elbow from an anchor (3,), None for the wrist; all in m."""
 
     anchor: Array | None
     length: float
@@ -30,8 +30,10 @@ class Link:
 
 @dataclass(frozen=True, slots=True)
 class Constraints:
-    """Image lines of one view: normals (K, 2) and offsets (K,), both in standard deviations, on which the elbow's meeting
-    point (the first `elbows`) or the wrist (the others) lie."""
+    """Image lines of one view, normals (K, 2) and offsets (K,) in standard deviations.
+
+    The meeting point at the elbow lies on the first `elbows` of them, the wrist on the others.
+    """
 
     projection: Array
     normals: Array

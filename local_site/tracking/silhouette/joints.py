@@ -108,7 +108,8 @@ def _dorsal_offset(
     """From the meeting point of the limbs' axes to the joint's centre (3,) in m.
 
     The joint turns about the epicondyles, which lie nearer to the back of both limbs than their axes do; so the centre
-    is the point in the plane of the bent arm at `fraction` of the forearm's length behind either axis. A straight arm has no such plane.
+    is the point in the plane of the bent arm at `fraction` of the forearm's length behind either axis. A straight arm
+    has no such plane.
     """
     upper = _upper_arm_direction(projections, features, joints.elbow)
     forearm = joints.wrist - joints.elbow
@@ -136,7 +137,8 @@ def _upper_arm_direction(projections: Sequence[Array], features: Sequence[Featur
         return None
     direction = axes[2]
     votes = [line.direction @ _image_motion(m, elbow, direction) for m, line in seen]
-    return direction if sum(votes) > 0 else -direction
+    towards: Array = direction if sum(votes) > 0 else -direction
+    return towards
 
 
 def _image_motion(matrix: Array, point: Array, direction: Array) -> Array:
@@ -157,5 +159,5 @@ def _solve(constraints: Sequence[Constraints], links: Sequence[Link], offset: Ar
         state = state + step
         if float(np.abs(step).max()) < CONVERGED_M:
             misfit = math.sqrt(float(residual @ residual) / len(residual))
-            return Joints(state[:3], state[3:], np.linalg.inv(normal), misfit)
+            return Joints(state[:3], state[3:], np.linalg.inv(normal).astype(np.float64), misfit)
     return None

@@ -91,7 +91,7 @@ def _geodesic(mask: NDArray[np.uint8], start: tuple[int, int]) -> NDArray[np.int
     reached, rounds = -1, 0
     while True:
         front = np.asarray(cv2.min(cv2.dilate(front, SQUARE if rounds & 1 else CROSS), mask), dtype=np.uint8)
-        cv2.add(count, 1, dst=count, mask=front)
+        count[front > 0] += 1
         rounds += 1
         if rounds % SETTLED_EVERY == 0:
             now = cv2.countNonZero(front)

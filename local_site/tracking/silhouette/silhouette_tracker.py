@@ -12,9 +12,10 @@ from local_site.calibration.rig import Rig
 from local_site.calibration.triangulation import project
 from local_site.tracking.silhouette.config import SilhouetteConfig
 from local_site.tracking.silhouette.features import Features
-from local_site.tracking.silhouette.fingers import Fingers, HandShape, carried, find_fingers, hand_reach, typical_shape
+from local_site.tracking.silhouette.fingers import Fingers, carried, find_fingers
 from local_site.tracking.silhouette.hand_model import HandModel
 from local_site.tracking.silhouette.joints import Body, Joints, sleeve_end, solve_joints
+from local_site.tracking.silhouette.opening import HandShape, hand_reach, typical_shape
 from local_site.tracking.silhouette.posture import Posture
 from local_site.tracking.silhouette.quality import doubts, objection
 from local_site.tracking.silhouette.view import ViewMeter
@@ -72,13 +73,8 @@ class SilhouetteTracker:
         forearm = float(np.linalg.norm(joints.wrist - joints.elbow))
         shape = self._model.shape if self._model is not None else typical_shape(forearm)
         fingers = find_fingers(self._projections, features, joints.wrist, shape, self._expected_fingers(joints))
-        if (
-            self._model is not None
-            and not fingers.hand_open
-            and fingers.thumb is not None
-            and not fingers.thumb_inferred
-        ):
-            self._model.observe(joints.wrist, fingers.thumb, fingers.stereo, fingers.rays)
+        if self._model is not None:
+            self._model.observe(joints.wrist, fingers)
         moment = _Moment(t_ns, joints, fingers, features)
         status, reason = self._judge(moment)
         self._before, self._last = self._last, moment
@@ -121,7 +117,7 @@ class SilhouetteTracker:
         return TrackingStatus.INITIALISING, f"learned the arm from {wanted} pairs"
 
     def _lengths(self, moment: _Moment) -> tuple[float, ...]:
-        """Forearm, elbow to sleeve end, wrist to index, wrist to thumb, index to thumb, and the hand's reach in m; NaN where not measured."""
+        """Forearm, elbow to sleeve end, wrist to index, wrist to thumb, index to thumb, reach in m; NaN if not seen."""
         missing = np.full(3, np.nan)
         elbow, wrist = moment.joints.elbow, moment.joints.wrist
         index = moment.fingers.index if moment.fingers.index is not None else missing

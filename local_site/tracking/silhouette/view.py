@@ -1,21 +1,16 @@
-"""One camera's part in tracking: frames in, features out; a frame is measured once, instants between two are blended."""
-
-from dataclasses import replace
+"""One camera's part in tracking: frames in, features out; each frame is measured once."""
 
 import numpy as np
 
 from common.cameras.camera import Frame
-from common.geometry import Array
+from local_site.tracking.silhouette.blending import blend
 from local_site.tracking.silhouette.contour import find_silhouette, to_grey
 from local_site.tracking.silhouette.features import Features, measure
-from local_site.tracking.silhouette.hand import Hand, Tip
-from local_site.tracking.silhouette.medial import Line
 from local_site.tracking.silhouette.posture import Posture
 from local_site.tracking.silhouette.threshold import find_threshold
 from local_site.tracking.tracker import View
 
 MIN_SIDE_PX = 32
-SAME_TIP = 0.3
 
 
 class ViewMeter:
@@ -68,47 +63,3 @@ class ViewMeter:
         if features is None:
             return f"{self._name}: no forearm can be made out; hold the arm bent and across the view"
         return f"{self._name}: the hand is cropped by the border" if features.hand_cropped else features
-
-
-def blend(before: Features, now: Features, weight: float) -> Features:
-    """The features at a fraction `weight` of the way between two frames of one camera."""
-
-    def mix(a: Array, b: Array) -> Array:
-        result: Array = (1 - weight) * a + weight * b
-        return result
-
-    def line(a: Line, b: Line) -> Line:
-        direction = mix(a.direction, b.direction)
-        return Line(mix(a.point, b.point), direction / max(float(np.linalg.norm(direction)), 1e-9))
-
-    both_upper = before.upper_arm is not None and now.upper_arm is not None
-    guess = Posture(
-        *(
-            mix(getattr(before.guess, name), getattr(now.guess, name))
-            for name in ("shoulder_end", "elbow", "wrist", "hand_end")
-        ),
-        now.half_width,
-    )
-    return replace(
-        now,
-        forearm=line(before.forearm, now.forearm),
-        upper_arm=line(before.upper_arm, now.upper_arm) if both_upper else None,
-        wrist=mix(before.wrist, now.wrist) if before.wrist is not None and now.wrist is not None else None,
-        hand=_blend_hands(before.hand, now.hand, weight),
-        guess=guess,
-    )
-
-
-def _blend_hands(before: Hand | None, now: Hand | None, weight: float) -> Hand | None:
-    """The tips that both frames show, moved to the instant between; a tip without a partner is dropped."""
-    if before is None or now is None or not before.tips:
-        return None
-    earlier = np.array([tip.point for tip in before.tips])
-    tips = []
-    for tip in now.tips:
-        distances = np.hypot(*(earlier - tip.point).T)
-        nearest = int(np.argmin(distances))
-        if distances[nearest] < SAME_TIP * now.length:
-            tips.append(Tip((1 - weight) * earlier[nearest] + weight * tip.point, tip.prominence))
-    farthest = (1 - weight) * before.farthest + weight * now.farthest
-    return replace(now, tips=tuple(tips), farthest=farthest)
