@@ -13,12 +13,12 @@ from local_site.simulation.hand import DIGITS, JOINTS, Hand
 RIM_POINTS = 32
 OPEN_ABOVE = 0.5
 
-FOREARM_AT = np.array([0.0, 0.1, 0.2, 0.32, 0.45, 0.6, 0.75, 0.88, 1.0])
+FOREARM_AT = np.array([0.03, 0.1, 0.2, 0.32, 0.45, 0.6, 0.75, 0.88, 1.0])
 FOREARM_BELLY = np.array([0.0, 0.7, 1.0, 1.0, 0.72, 0.36, 0.12, 0.02, 0.0])
 # The axis of the elbow lies nearer to the back of the arm, so the limbs lie before it, and the more so at the bellies.
 FOREARM_BEFORE = np.array([0.75, 0.9, 1.0, 1.0, 0.85, 0.55, 0.25, 0.08, 0.0])
 UPPER_ARM_BEFORE = np.array([0.75, 0.85, 0.95, 1.0, 1.0])
-UPPER_ARM_AT = np.array([0.0, 0.15, 0.35, 0.6, 1.0])
+UPPER_ARM_AT = np.array([0.04, 0.15, 0.35, 0.6, 1.0])
 UPPER_ARM_BELLY = np.array([0.0, 0.35, 0.75, 1.0, 0.9])
 BELLY_AT = 0.26
 WRIST_FLATNESS = 0.42

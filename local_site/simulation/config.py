@@ -57,11 +57,11 @@ class MotionConfig(Struct, frozen=True, kw_only=True, forbid_unknown_fields=True
     name: MotionName = "pick_and_place"
     still_s: Annotated[float, Meta(ge=0, le=60, description="stillness before the motion begins")] = 2.0
     tremor_mm: Annotated[float, Meta(ge=0, le=10, description="amplitude of the tremor of the wrist")] = 0.0
-    shoulder: Annotated[Vector3, Meta(description="shoulder joint in the operator frame, m")] = (0.915, 0.445, 0.60)
-    wrist: Annotated[Vector3, Meta(description="wrist at the start in the operator frame, m")] = (0.37, 0.43, 0.70)
+    shoulder: Annotated[Vector3, Meta(description="shoulder joint in the operator frame, m")] = (0.88, 0.29, 0.46)
+    wrist: Annotated[Vector3, Meta(description="wrist at the start in the operator frame, m")] = (0.50, 0.45, 0.69)
     swivel_deg: Annotated[
         float, Meta(ge=-180, le=180, description="elbow about the line shoulder to wrist, 0 is hanging down")
-    ] = 34.0
+    ] = 16.0
 
 
 class SimulationConfig(Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):

@@ -67,7 +67,7 @@ def _still(_t_s: float) -> tuple[Array, Array]:
 
 def _figure_of_eight(t_s: float) -> tuple[Array, Array]:
     swell, phase = minimum_jerk(t_s / RAMP_S), 2.0 * math.pi * t_s / 6.0
-    offset = np.array([0.07 * (1.0 - math.cos(phase)), 0.0, 0.05 * math.sin(2.0 * phase)])
+    offset = np.array([-0.07 * (1.0 - math.cos(phase)), 0.0, 0.05 * math.sin(2.0 * phase)])
     return swell * offset, np.zeros(3)
 
 
@@ -92,16 +92,16 @@ class _Stop:
     yaw_deg: float
 
 
-# Forward is -y, the operator's left +x. Between two stops of one place the hand opens.
+# Forward is -y, the operator's right -x. Between two stops of one place the hand opens.
 _PICK_AND_PLACE = (
     _Stop(0.0, 0.0, 0.0, 0.0, 0.0),
     _Stop(0.8, 0.0, 0.0, 0.0, 0.0),
     _Stop(3.2, 0.0, -0.12, -0.25, 0.0),
     _Stop(4.6, 0.0, -0.12, -0.25, 0.0),
-    _Stop(5.9, 0.0, -0.12, -0.10, 15.0),
-    _Stop(7.5, 0.20, -0.12, -0.10, -15.0),
-    _Stop(8.8, 0.20, -0.12, -0.25, 0.0),
-    _Stop(10.2, 0.20, -0.12, -0.25, 0.0),
+    _Stop(5.9, 0.0, -0.12, -0.10, -15.0),
+    _Stop(7.5, -0.20, -0.12, -0.10, 15.0),
+    _Stop(8.8, -0.20, -0.12, -0.25, 0.0),
+    _Stop(10.2, -0.20, -0.12, -0.25, 0.0),
     _Stop(13.0, 0.0, 0.0, 0.0, 0.0),
 )
 _PICK_S, _PLACE_S = 3.5, 9.1

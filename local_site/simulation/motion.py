@@ -13,10 +13,17 @@ from local_site.simulation.hand_paths import hand_path
 CHECKED_S = 20.0
 LEAST_SINE = 1e-3
 TREMOR_HZ = (7.3, 9.1, 10.7)
-OPENING_ROLL = math.radians(40.0)
-# Hand axes (columns x distal, y radial, z dorsal) at the start: to the operator's right, slightly up, thumb in front.
-START_HAND = np.array([[-0.96, 0.0, 0.28], [0.0, -1.0, 0.0], [0.28, 0.0, 0.96]])
-START_ROLL = math.radians(15.0)
+OPENING_ROLL = math.radians(45.0)
+# Hand axes (columns x distal, y radial, z dorsal) at the start: up to the operator's right, the thumb in front.
+START_RISE = math.radians(35.0)
+START_HAND = np.array(
+    [
+        [-math.cos(START_RISE), 0.0, math.sin(START_RISE)],
+        [0.0, -1.0, 0.0],
+        [math.sin(START_RISE), 0.0, math.cos(START_RISE)],
+    ]
+)
+START_ROLL = math.radians(10.0)
 
 
 class Motion:
