@@ -41,7 +41,6 @@ class Chain:
         self.mapping = Mapping(config.mapping)
         start = config.robot.start
         self.sent = JointMotion.at_rest(start)
-        self.seed = start
         self.mapping.engage(np.zeros(3), np.eye(3), self.model.forward(start))
         self.course.reset(0, start)
         self.spent: dict[str, list[int]] = {}
@@ -55,11 +54,10 @@ class Chain:
         tool = self.model.forward(self.sent.q)
         target = self.timed("mapping", lambda: self.mapping.target(wrist, turn))
         leashed, _ = self.timed("leash", lambda: leash(target, tool, 0.2, 1.0))
-        solution = self.timed("inverse", lambda: self.inverse.nearest(leashed, self.seed))
+        solution = self.timed("inverse", lambda: self.inverse.nearest(leashed, self.sent.q))
         if not isinstance(solution, Solution):
             raise SystemExit(f"the path of the benchmark is not reachable: {solution.reason.sentence}")
-        self.seed = solution.q
-        self.timed("course: aim", lambda: self.course.aim(now_ns, self.seed, now_ns))
+        self.timed("course: aim", lambda: self.course.aim(now_ns, solution.q, now_ns))
         aim = self.timed("course: at", lambda: self.course.at(now_ns))
         self.follower.reset(self.sent)
         proposed = self.timed("follower", lambda: self.follower.track(*aim))

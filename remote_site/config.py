@@ -36,7 +36,10 @@ class RobotConfig(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fiel
         float, Meta(ge=0, le=20, description="distance kept from every joint limit, deg")
     ] = 1.0
     speed: Annotated[float, Meta(gt=0, le=1, description="share of every joint's own maximum speed")] = 1.0
-    acceleration_rad_s2: Annotated[float, Meta(gt=0, le=25, description="every joint's acceleration, rad/s²")] = 10.0
+    acceleration_rad_s2: Annotated[
+        tuple[Annotated[float, Meta(gt=0, le=25)], ...],
+        Meta(min_length=1, max_length=16, description="acceleration joint by joint, or one for all, rad/s²"),
+    ] = (10.0, 10.0, 10.0, 12.0, 12.0, 12.0)
     jerk_rad_s3: Annotated[float, Meta(gt=0, le=5000, description="every joint's jerk, rad/s³")] = 1000.0
 
     @property
@@ -116,10 +119,10 @@ class ControlConfig(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fi
     leash_deg: Annotated[float, Meta(gt=0, le=180, description="how far it may turn ahead of the tool, deg")] = 60.0
     position_gain: Annotated[
         float, Meta(gt=0, le=1, description="share of a sample's deviation that moves the target estimate")
-    ] = 0.8
+    ] = 0.6
     velocity_gain: Annotated[
         float, Meta(ge=0, le=1, description="share of a sample's deviation that changes its speed estimate")
-    ] = 0.4
+    ] = 0.2
     glide_rad_s: Annotated[
         float, Meta(ge=1, le=200, description="how fast the target glides onto a new course: bandwidth, rad/s")
     ] = 20.0

@@ -16,14 +16,15 @@ from remote_site.safety.status import Code, Reason, reason
 REACH = 1e-12  # of the cosine of the elbow: rounding at full stretch
 WRIST_ZONE = 0.35  # rad of joint 5: nearer to straight, joint 4 is damped
 WRIST_RATE = 60.0  # 1/s: how fast joint 4 goes to its place at the border of that zone
-ROLL_SPEED = 0.8  # of joint 4's own speed
+ROLL_SPEED = 1.5  # of joint 4's own speed: how far its target runs ahead of it
 UNWIND = 0.5  # per rad: how much joint 4 in that zone prefers the place nearer to its middle
-LOST_MOST = 0.8  # rad of orientation that joint 4 may lose at its limit
+LOST_MOST = 0.8  # rad of orientation that joints 4 and 6 may lose at their limits
 SAMPLE_S = 1 / 30
 SHOULDER_HOLD = 1e-3  # m from the axis of joint 1: nearer, joint 1 keeps its place (at most as much position is lost)
 STANCE_CHANGE = 1.0  # rad: a solution in another stance is taken only if no joint moves further
 PASSES = 20  # of bringing the arm after a tool whose wrist is turned otherwise
-SETTLED = 1e-7  # rad: when that is done
+SETTLED = 1e-8  # m: when that is done
+ROUNDING = 1e-9  # rad: what it may put a joint beyond its limit
 RIGID = 1e-6  # how far a target's rotation may be from orthonormal
 TURN = 2 * math.pi
 
@@ -44,7 +45,7 @@ class Solution:
     """Joint positions (6,) in rad that reach the target, and their stance.
 
     The position of the tool is always reached, but for `SHOULDER_HOLD` where `held` says so; `lost_rad` of its
-    orientation is not, while joint 4 is damped, limited or too slow.
+    orientation is not, while joint 4 is damped or too slow, or joint 4 or 6 at its limit.
     """
 
     q: Array
@@ -106,7 +107,7 @@ class SphericalWristInverse:
         return found
 
     def nearest(self, base_T_tool: Array, q_current: Array, elapsed_s: float = SAMPLE_S) -> Solution | Unreachable:
-        """The solution within limits nearest to `q_current` (6,) in joint space, each joint unwrapped towards it.
+        """The solution within limits nearest to `q_current` (6,), the posture last commanded, each joint unwrapped.
 
         It keeps the stance, unless another one is near, as when a singularity is crossed. Joint 4 goes to the nearer of
         its two places, no faster than it can in `elapsed_s`, and the slower the straighter the wrist is, where it would
@@ -181,24 +182,54 @@ class SphericalWristInverse:
         """Joints 4 to 6 for an arm; while joint 4 is not at its place, the arm moves so that the tool is."""
         m = _in_forearm(target.rotation, arm.angles)
         roll, rest = self._roll(m, current, elapsed_s)
-        pitch, twist = _pitch_and_twist(m, roll)
-        if rest:
-            for _ in range(PASSES):
-                before = arm.angles
-                centre = self._centre_of(target, (*arm.angles, roll, pitch, twist))
-                same = [a for a in self._arms(centre, current) if (a.shoulder, a.elbow) == (arm.shoulder, arm.elbow)]
-                if not same:
-                    return self._out_of_reach(target, None)
-                arm = same[0]
-                m = _in_forearm(target.rotation, arm.angles)
-                pitch, twist = _pitch_and_twist(m, roll)
-                if max(abs(a - b) for a, b in zip(before, arm.angles, strict=True)) < SETTLED:
-                    break
-        lost = math.asin(min(abs(math.cos(roll) * m[1][2] - math.sin(roll) * m[0][2]), 1.0))
+        pitch, twist, over = self._limited(_pitch_and_twist(m, roll), current)
+        lost = 0.0
+        if rest or over:
+            moved = self._moved(target, arm, roll, current)
+            if moved is None:
+                return self._out_of_reach(target, self._at_limit(3, current[3]))
+            arm = moved
+            m = _in_forearm(target.rotation, arm.angles)
+            pitch, twist, over = self._limited(_pitch_and_twist(m, roll), current)
+            beside = math.asin(min(abs(math.cos(roll) * m[1][2] - math.sin(roll) * m[0][2]), 1.0))
+            lost = math.hypot(beside, over)
         q = self._unwrapped((*arm.angles, roll, pitch, twist), current)
         stance = Stance(arm.shoulder, arm.elbow, 1 if pitch >= 0 else -1)
-        refusal = self._refusal(q, current, stance, lost if rest else 0.0)
-        return refusal if refusal is not None else Solution(np.array(q), stance, arm.held, lost if rest else 0.0)
+        refusal = self._refusal(q, current, stance, lost)
+        return refusal if refusal is not None else Solution(np.array(q), stance, arm.held, lost)
+
+    def _moved(self, target: Target, arm: Arm, roll: float, current: tuple[float, ...]) -> Arm | None:
+        """The arm that brings the tool to its position though joint 4 is at `roll`; None if there is none.
+
+        A fixed point of the wrist centre, found by Anderson's acceleration with one step of memory.
+        """
+        centre = self._centre(target)
+        last_off, last_next = (0.0, 0.0, 0.0), centre
+        for k in range(PASSES):
+            m = _in_forearm(target.rotation, arm.angles)
+            pitch, twist, _ = self._limited(_pitch_and_twist(m, roll), current)
+            wanted = self._centre_of(target, (*arm.angles, roll, pitch, twist))
+            off = _minus(wanted, centre)
+            if _dot(off, off) < SETTLED**2:
+                return arm
+            change = _minus(off, last_off)
+            share = _dot(off, change) / _dot(change, change) if k else 0.0
+            step = _minus(wanted, last_next)
+            last_off, last_next = off, wanted
+            centre = (wanted[0] - share * step[0], wanted[1] - share * step[1], wanted[2] - share * step[2])
+            same = [a for a in self._arms(centre, current) if (a.shoulder, a.elbow) == (arm.shoulder, arm.elbow)]
+            if not same:
+                return None
+            arm = same[0]
+        return None
+
+    def _limited(self, pitch_and_twist: tuple[float, float], current: tuple[float, ...]) -> tuple[float, float, float]:
+        """Joints 5 and 6, the latter stopped at its limit, and how far beyond it should be."""
+        pitch, twist = pitch_and_twist
+        sign, (lower, upper) = self._arm.signs[5], self._bounds[5]
+        q = sign * twist + TURN * round((current[5] - sign * twist) / TURN)
+        inside = min(max(q, lower), upper)
+        return pitch, sign * inside, abs(q - inside)
 
     def _roll(self, m: Rows, current: tuple[float, ...], elapsed_s: float) -> tuple[float, bool]:
         """Joint 4's angle for now, and whether its place is elsewhere."""
@@ -238,17 +269,21 @@ class SphericalWristInverse:
         ]
 
     def _refusal(self, q: list[float], current: tuple[float, ...], stance: Stance, lost: float) -> Reason | None:
-        limited = q[3] in self._bounds[3] and lost > LOST_MOST
         for i, (value, (lower, upper)) in enumerate(zip(q, self._bounds, strict=True)):
-            if not lower <= value <= upper or (i == 3 and limited):
-                place = {"value_deg": value, "lower_deg": lower, "upper_deg": upper}
-                degrees = {key: math.degrees(v) for key, v in place.items()}
-                return reason(Code.IK_LIMIT, joint=self._limits.names[i], **degrees)
+            at_limit = i in (3, 5) and value in (lower, upper)
+            if not lower - ROUNDING <= value <= upper + ROUNDING or (at_limit and lost > LOST_MOST):
+                return self._at_limit(i, value)
         moves = [abs(a - b) for a, b in zip(q, current, strict=True)]
         move = max(moves)
         if move <= STANCE_CHANGE or stance == self._stance_of(current):
             return None
         return reason(Code.STANCE, joint=self._limits.names[moves.index(move)], move_deg=math.degrees(move))
+
+    def _at_limit(self, joint: int, value: float) -> Reason:
+        lower, upper = self._bounds[joint]
+        place = {"value_deg": value, "lower_deg": lower, "upper_deg": upper}
+        degrees = {key: math.degrees(v) for key, v in place.items()}
+        return reason(Code.IK_LIMIT, joint=self._limits.names[joint], **degrees)
 
     def _stance_of(self, current: tuple[float, ...]) -> Stance:
         _, lean, bend, _, pitch, _ = (s * q for s, q in zip(self._arm.signs, current, strict=True))
@@ -268,6 +303,14 @@ class SphericalWristInverse:
 def _cost(q: list[float], current: tuple[float, ...]) -> float:
     """The squared distance in joint space, of as many joints as there are."""
     return sum((a - b) ** 2 for a, b in zip(q, current, strict=False))
+
+
+def _minus(a: Point, b: Point) -> Point:
+    return a[0] - b[0], a[1] - b[1], a[2] - b[2]
+
+
+def _dot(a: Point, b: Point) -> float:
+    return a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
 
 
 def _share(bend: float, elapsed_s: float) -> float:

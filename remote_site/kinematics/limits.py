@@ -33,7 +33,7 @@ class JointLimits:
             lower=lower,
             upper=upper,
             velocity=model.velocity * config.speed,
-            acceleration=ones * config.acceleration_rad_s2,
+            acceleration=ones * _accelerations(model, config),
             jerk=ones * config.jerk_rad_s3,
         )
 
@@ -66,6 +66,13 @@ def _positions(model: ArmModel, config: RobotConfig) -> tuple[Array, Array]:
     if mistakes:
         raise ConfigError("\n".join(mistakes))
     return lower, upper
+
+
+def _accelerations(model: ArmModel, config: RobotConfig) -> Array:
+    given, joints = config.acceleration_rad_s2, len(model.joint_names)
+    if len(given) not in (1, joints):
+        raise ConfigError(f"robot.acceleration_rad_s2 has {len(given)} values; give one, or one for each of {joints}")
+    return np.array(given)
 
 
 def _widening(name: str, wanted: tuple[float, float], own: tuple[float, float]) -> list[str]:

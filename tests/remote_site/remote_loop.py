@@ -70,7 +70,6 @@ class RemoteLoop:
         self.driver.configure(setup)
         self.driver.activate(self.config.robot.start)
         self.sent = JointMotion.at_rest(self.config.robot.start)
-        self.seed = self.sent.q
         self.latest: Accepted | None = None
         self.log: list[JointMotion] = [self.sent]
         self.states = []
@@ -98,18 +97,17 @@ class RemoteLoop:
             self.receive(sample)
         decision = self.session.tick(now_ns, self.robot)
         if decision.action is Action.CAPTURE:
-            self.capture(now_ns)
+            self.capture()
         elif decision.action is Action.FOLLOW and self.latest is not before:
             self.aim(now_ns)
         proposed = self.guard.stop(self.sent) if decision.action is Action.STOP else self.follow(now_ns)
         self.write(proposed, now_ns)
         self.states.append(decision.state)
 
-    def capture(self, now_ns: int) -> None:
+    def capture(self) -> None:
         """Take both origins."""
         self.mapping.engage(self.latest.wrist, self.latest.operator_R_hand, self.model.forward(self.sent.q))
-        self.course.reset(now_ns, self.sent.q)
-        self.seed = self.sent.q
+        self.course.reset(self.latest.born_ns, self.sent.q)
 
     def aim(self, now_ns: int) -> None:
         """Turn the newest sample into a joint target."""
@@ -117,9 +115,8 @@ class RemoteLoop:
         target[:3, 3] = self.workspace.clamp(target[:3, 3])
         control = self.config.control
         leashed, _ = leash(target, self.model.forward(self.sent.q), control.leash_m, np.radians(control.leash_deg))
-        solution = self.inverse.nearest(leashed, self.seed)
+        solution = self.inverse.nearest(leashed, self.sent.q)
         if isinstance(solution, Solution):
-            self.seed = solution.q
             self.course.aim(self.latest.born_ns, solution.q, now_ns)
 
     def follow(self, now_ns: int) -> JointMotion:

@@ -103,7 +103,7 @@ def test_a_missing_file_or_frame_is_refused(tmp_path):
 )
 def test_an_arm_of_another_kind_has_no_closed_form(variant, pattern, replacement, words):
     model = load(variant(pattern, replacement))
-    limits = JointLimits.from_model(model, RobotConfig())
+    limits = JointLimits.from_model(model, RobotConfig(acceleration_rad_s2=(10.0,)))
     with pytest.raises(ModelError, match=words):
         SphericalWristInverse(model, limits)
 
@@ -123,8 +123,15 @@ def test_limits_are_the_urdfs_with_margin_and_the_configured_share():
     assert limits.upper == pytest.approx(model.upper - np.radians(2.0))
     assert limits.lower == pytest.approx(model.lower + np.radians(2.0))
     assert limits.velocity == pytest.approx(0.5 * model.velocity)
-    assert limits.acceleration.tolist() == [10.0] * 6
+    assert limits.acceleration.tolist() == [10.0, 10.0, 10.0, 12.0, 12.0, 12.0]
     assert limits.jerk.tolist() == [77.0] * 6
+
+
+def test_accelerations_are_one_for_all_or_one_for_each():
+    model = load(URDF)
+    assert JointLimits.from_model(model, RobotConfig(acceleration_rad_s2=(3.0,))).acceleration.tolist() == [3.0] * 6
+    with pytest.raises(ConfigError, match="acceleration_rad_s2 has 2 values"):
+        JointLimits.from_model(model, RobotConfig(acceleration_rad_s2=(3.0, 4.0)))
 
 
 def test_configuration_can_tighten():

@@ -76,7 +76,7 @@ def test_a_velocity_that_cannot_be_kept_from_the_limit_is_refused(guard):
 @pytest.mark.parametrize("joint", range(6))
 @pytest.mark.parametrize("side", [1, -1])
 def test_too_much_acceleration_is_refused(guard, joint, side):
-    before = moving(acceleration=side * 9.9, joint=joint)
+    before = moving(acceleration=side * (LIMITS.acceleration[joint] - 0.1), joint=joint)
     assert code(guard.check(after(before, side * 100.0, joint), before)) is Code.ACCELERATION
 
 
@@ -100,7 +100,8 @@ def test_a_joint_that_could_not_stop_before_its_limit_is_refused(joint, side):
     guard = JointGuard(LIMITS, DT)
     end = LIMITS.upper[joint] if side > 0 else LIMITS.lower[joint]
     q = START.copy()
-    room = 1.0**2 / 20 + 10 / 2000  # what stopping from 1 rad/s takes at 10 rad/s² and 1000 rad/s³
+    most = LIMITS.acceleration[joint]
+    room = 1.0 / (2 * most) + most / (2 * LIMITS.jerk[joint])  # what stopping from 1 rad/s takes
     q[joint] = end - side * (room + 0.003)
     near = moving(q=q, velocity=side, joint=joint)
     assert isinstance(guard.check(after(near), near), Refused)

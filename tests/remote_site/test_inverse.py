@@ -7,13 +7,7 @@ from hypothesis import strategies as st
 from remote_loop import arm
 
 from common.geometry import rotation_from_vector, transform, vector_from_rotation
-from remote_site.kinematics.inverse import (
-    SHOULDER_HOLD,
-    WRIST_HOLD,
-    Solution,
-    SphericalWristInverse,
-    Unreachable,
-)
+from remote_site.kinematics.inverse import SHOULDER_HOLD, Solution, SphericalWristInverse, Unreachable
 from remote_site.safety.status import Code
 
 MODEL, LIMITS = arm()
@@ -40,39 +34,95 @@ def test_all_eight_branches_lead_back_to_the_pose(q):
         assert off(solution.q, pose) < 1e-9
 
 
+def lost(q, pose):
+    """The angle by which the tool is not turned as it should be, rad."""
+    return np.linalg.norm(vector_from_rotation(MODEL.forward(q)[:3, :3].T @ pose[:3, :3]))
+
+
 @settings(max_examples=300, deadline=None, derandomize=True)
 @given(postures)
 def test_the_nearest_solution_to_where_the_arm_is_is_where_it_is(q):
     result = INVERSE.nearest(MODEL.forward(q), q)
     assert isinstance(result, Solution)
-    if not result.held:
-        assert off(result.q, MODEL.forward(q)) < 1e-9
+    if result.held or result.lost_rad:
+        return
+    assert off(result.q, MODEL.forward(q)) < 1e-9
     # at the elbow's stretch two solutions meet, a square root apart from rounding
-    assert np.abs(result.q - q).max() < 1e-6
+    assert np.abs(result.q[:3] - q[:3]).max() < 1e-6
+    # nearly straight, the wrist may take the place of joint 4 nearer to its middle
+    assert np.abs(result.q - q).max() < 1e-6 or abs(q[4]) < 0.36
 
 
-@settings(max_examples=100, deadline=None, derandomize=True)
+@settings(max_examples=150, deadline=None, derandomize=True)
 @given(postures, st.lists(st.floats(-0.02, 0.02), min_size=6, max_size=6))
-def test_a_solution_is_within_limits_and_as_near_as_the_posture_that_is_known(q, step):
+def test_a_solution_near_the_arm_is_within_limits_and_keeps_the_tools_position(q, step):
     pose = MODEL.forward(q)
     result = INVERSE.nearest(pose, q + np.array(step))
-    if isinstance(result, Solution) and not result.held:
-        assert (result.q >= LIMITS.lower).all()
-        assert (result.q <= LIMITS.upper).all()
-        assert np.linalg.norm(result.q - q - step) <= np.linalg.norm(step) + 1e-6
+    if not isinstance(result, Solution):
+        assert result.reason.code in (Code.IK_LIMIT, Code.OUT_OF_REACH, Code.STANCE)
+        return
+    assert (result.q >= LIMITS.lower - 1e-9).all()
+    assert (result.q <= LIMITS.upper + 1e-9).all()
+    assert np.abs(MODEL.forward(result.q)[:3, 3] - pose[:3, 3]).max() < (SHOULDER_HOLD if result.held else 1e-6)
+    assert lost(result.q, pose) == pytest.approx(result.lost_rad, abs=1e-3) or result.held
+
+
+def test_a_straight_wrist_does_not_spin_joint_4_and_keeps_the_position():
+    rng = np.random.default_rng(3)
+    q = START + np.array([0.0, 0.0, 0.0, 0.3, 0.8, -0.2])
+    q[4] = 0.0
+    pose = MODEL.forward(q)
+    for _ in range(100):
+        noisy = transform(rotation_from_vector(rng.normal(0, 0.01, 3)) @ pose[:3, :3], pose[:3, 3])
+        result = INVERSE.nearest(noisy, q)
+        assert isinstance(result, Solution)
+        assert np.abs(MODEL.forward(result.q)[:3, 3] - pose[:3, 3]).max() < 1e-6
+        assert lost(result.q, noisy) < 0.05
+        assert abs(result.q[3] - q[3]) < 0.05
+        q = result.q
+    assert abs(q[3] - 0.3) < 0.3
+
+
+def test_joint_4_goes_no_faster_than_it_can_and_arrives():
+    q = START.copy()
+    wanted = q + np.array([0.0, 0.0, 0.0, 0.9, 0.0, 0.0])
+    pose = MODEL.forward(wanted)
+    for _ in range(12):
+        result = INVERSE.nearest(pose, q, elapsed_s=0.02)
+        assert isinstance(result, Solution)
+        assert abs(result.q[3] - q[3]) <= 1.5 * LIMITS.velocity[3] * 0.02 + 1e-9
+        assert np.abs(MODEL.forward(result.q)[:3, 3] - pose[:3, 3]).max() < 1e-6
+        q = result.q
+    assert q == pytest.approx(wanted, abs=1e-9)
+
+
+def test_joint_4_at_its_limit_loses_orientation_but_not_position_until_its_other_place_is_near():
+    q = START.copy()
+    q[3], q[4] = LIMITS.upper[3] - 0.01, -0.6
+    for turn in np.linspace(0, 2.0, 60):
+        wanted = START.copy()
+        wanted[3], wanted[4] = LIMITS.upper[3] - 0.01 + turn, -0.6
+        pose = MODEL.forward(wanted)
+        result = INVERSE.nearest(pose, q)
+        assert isinstance(result, Solution)
+        assert result.q[3] <= LIMITS.upper[3]
+        assert lost(result.q, pose) <= 0.8
+        assert np.abs(MODEL.forward(result.q)[:3, 3] - pose[:3, 3]).max() < 1e-6
+        q = result.q
+    assert q[3] < LIMITS.upper[3] - 0.5  # the other place of joint 4 came near
 
 
 def test_a_smooth_path_of_the_tool_is_a_smooth_path_of_the_joints():
-    posture = np.array([0.0, 0.2, -1.2, 0.1, -0.7, 0.0])
+    posture = np.array([0.0, 0.2, -1.4, 0.1, -1.1, 0.0])
     start, q = MODEL.forward(posture), posture
     for t in np.linspace(0, 2 * np.pi, 800):
-        turn = rotation_from_vector(0.3 * np.array([np.sin(t), np.sin(2 * t), np.sin(3 * t)]))
-        shift = 0.06 * np.array([np.sin(2 * t), np.sin(t), np.sin(3 * t)])
+        turn = rotation_from_vector(0.2 * np.array([np.sin(t), np.sin(2 * t), np.sin(3 * t)]))
+        shift = 0.04 * np.array([np.sin(2 * t), np.sin(t), np.sin(3 * t)])
         pose = transform(turn @ start[:3, :3], start[:3, 3] + shift)
         result = INVERSE.nearest(pose, q)
         assert isinstance(result, Solution)
         assert off(result.q, pose) < 1e-9
-        assert np.abs(result.q - q).max() < 0.04
+        assert np.abs(result.q - q).max() < 0.05
         q = result.q
     assert q == pytest.approx(posture, abs=1e-9)
 
@@ -84,23 +134,8 @@ def test_the_wrist_passes_straight_through_its_singularity():
         wanted[4] = pitch
         result = INVERSE.nearest(MODEL.forward(wanted), q)
         assert isinstance(result, Solution)
-        assert result.held == (abs(pitch) < WRIST_HOLD)
         assert np.abs(result.q - wanted).max() < 1e-9
         q = result.q
-
-
-@pytest.mark.parametrize("direction", np.linspace(-2, 2, 7))
-def test_near_the_straight_wrist_joint_4_is_held_and_little_orientation_lost(direction):
-    straight = START.copy()
-    straight[3:] = 0.3, 0.0, -0.2
-    for tilt in (0.0, 0.005, 0.019):
-        tilted = MODEL.forward(straight + np.array([0.0, 0.0, 0.0, direction, tilt, -direction]))
-        result = INVERSE.nearest(tilted, straight)
-        assert isinstance(result, Solution)
-        assert result.held
-        assert result.q[3] == pytest.approx(0.3)
-        lost = vector_from_rotation(MODEL.forward(result.q)[:3, :3].T @ tilted[:3, :3])
-        assert np.linalg.norm(lost) <= WRIST_HOLD + 1e-9
 
 
 def test_above_the_shoulder_joint_1_is_held_and_little_position_lost():
@@ -133,13 +168,19 @@ def test_joint_6_goes_on_turning_instead_of_jumping_back():
     assert result.q[5] == pytest.approx(3.1)
 
 
-def test_turning_beyond_the_limit_is_refused_and_not_taken_the_other_way_round():
+def test_joint_6_stops_at_its_limit_and_is_not_taken_the_other_way_round():
     q = START.copy()
     q[5] = LIMITS.upper[5] - 0.01
-    turned = MODEL.forward(q) @ transform(rotation_from_vector(np.array([0.0, 0.0, 0.05])), np.zeros(3))
-    result = INVERSE.nearest(turned, q)
-    assert isinstance(result, Unreachable)
-    assert result.reason.code in (Code.IK_LIMIT, Code.STANCE)
+    pose = MODEL.forward(q)
+    for turn, reachable in ((0.05, True), (0.6, True), (1.0, False)):
+        spun = pose @ transform(rotation_from_vector(np.array([0.0, 0.0, turn])), np.zeros(3))
+        result = INVERSE.nearest(spun, q)
+        assert isinstance(result, Solution) == reachable
+        if isinstance(result, Solution):
+            assert result.q[5] == pytest.approx(LIMITS.upper[5])
+            assert result.lost_rad == pytest.approx(turn - 0.01)
+        else:
+            assert result.reason.code is Code.IK_LIMIT
 
 
 @pytest.mark.parametrize(
@@ -183,7 +224,8 @@ def test_any_target_gets_an_answer_without_nan(values):
     result = INVERSE.nearest(pose, START)
     if isinstance(result, Solution):
         assert np.isfinite(result.q).all()
-        assert (result.q >= LIMITS.lower).all()
-        assert (result.q <= LIMITS.upper).all()
-        stance_kept = np.abs(result.q - START).max() <= 1.0 or result.stance == (1, 1, 1)
-        assert stance_kept
+        assert (result.q >= LIMITS.lower - 1e-9).all()
+        assert (result.q <= LIMITS.upper + 1e-9).all()
+        assert np.abs(result.q - START).max() <= 1.0 or result.stance == (1, 1, 1)
+        if not result.held:
+            assert np.abs(MODEL.forward(result.q)[:3, 3] - pose[:3, 3]).max() < 1e-5
