@@ -19,6 +19,7 @@ from common.errors import FarhandError, ProcessError
 from common.service import StopFlag
 
 PR_SET_PDEATHSIG = 1
+PR_SET_NAME = 15
 END_TIMEOUT_S = 1.5
 KILL_TIMEOUT_S = 0.5
 READY_POLL_S = 0.01
@@ -60,7 +61,10 @@ class Children:
     children: list[Child] = field(default_factory=list)
 
     def start(self, name: str, main: ChildMain) -> Child:
-        """Fork a child that runs `main`; it gets SIGTERM when its parent dies. Fork before opening any session."""
+        """Fork a child that runs `main`, shown by `ps` and `top` as farhand-NAME; SIGTERM comes when its parent dies.
+
+        Fork before opening any session.
+        """
         heartbeat = Heartbeat()
         context = multiprocessing.get_context("fork")
         process = context.Process(target=_run, args=(name, main, heartbeat, os.getpid()), name=f"{self.site}-{name}")
@@ -117,6 +121,7 @@ def _run(name: str, main: ChildMain, heartbeat: Heartbeat, parent_pid: int) -> N
     should_stop.install()
     signal.signal(signal.SIGINT, signal.SIG_IGN)
     die_with_parent(parent_pid)
+    ctypes.CDLL(None).prctl(PR_SET_NAME, f"farhand-{name}".encode())
     structlog.contextvars.bind_contextvars(process=name)
     try:
         main(should_stop, heartbeat)

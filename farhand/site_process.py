@@ -61,10 +61,11 @@ class SiteProcess:
         return (errors or list(self.lines) or ["it said nothing"])[-1]
 
     def _listen(self, stream: IO[str]) -> None:
-        for line in stream:
-            self.lines.append(line.rstrip())
-            if not line.startswith("level=info"):
-                self.events.append(f"{self.name}: {line.rstrip()}")
+        with stream:
+            for line in stream:
+                self.lines.append(line.rstrip())
+                if not line.startswith("level=info"):
+                    self.events.append(f"{self.name}: {line.rstrip()}")
 
 
 def _die_with(parent: int) -> None:

@@ -5,6 +5,7 @@ from typing import Annotated
 import msgspec
 from msgspec import Meta, field
 
+from common.cameras.sources import Source
 from common.channels import check_cell_name
 from local_site.pairing import PairingConfig
 from local_site.simulation.config import SimulationConfig
@@ -24,8 +25,8 @@ class LinksConfig(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fiel
 class OperatorConfig(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
     """The two cameras before the operator, and their calibration."""
 
-    left: Annotated[str, Meta(min_length=1, description="'simulated', device, URL, file or folder")] = SIMULATED
-    right: Annotated[str, Meta(min_length=1, description="'simulated', device, URL, file or folder")] = SIMULATED
+    left: Annotated[Source, Meta(description="'simulated', device, URL, file or folder")] = SIMULATED
+    right: Annotated[Source, Meta(description="'simulated', device, URL, file or folder")] = SIMULATED
     rig: Annotated[str, Meta(description="rig file from 'farhand calibrate'; simulated cameras bring their own")] = ""
     fps: Annotated[float, Meta(gt=0, le=240, description="frames per second asked of the cameras")] = 30.0
     latency_ms: Annotated[float, Meta(ge=0, le=1000, description="exposure to arrival of a live camera")] = 30.0

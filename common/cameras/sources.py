@@ -1,6 +1,9 @@
 """From what a person writes (device, URL, file, folder) to an open camera."""
 
 from pathlib import Path
+from typing import Annotated
+
+from msgspec import Meta
 
 from common.cameras.camera import Camera
 from common.cameras.images import ImageFolder
@@ -9,12 +12,15 @@ from common.errors import CameraError
 
 DEFAULT_FOLDER_FPS = 30.0
 
+Source = Annotated[int, Meta(ge=0)] | Annotated[str, Meta(min_length=1)]
 
-def open_camera(source: str, name: str, fps: float | None = None, latency_ms: float = DEFAULT_LATENCY_MS) -> Camera:
+
+def open_camera(source: Source, name: str, fps: float | None = None, latency_ms: float = DEFAULT_LATENCY_MS) -> Camera:
     """Open a device number or /dev path, a URL, a video file or a folder of images.
 
     `fps` overrides the rate of a recording and is asked of a live camera. Raises CameraError with the cure.
     """
+    source = str(source)
     if fps is not None and fps <= 0:
         raise CameraError(f"camera {name}: the frame rate must be positive, not {fps:g}")
     if source.isdecimal() or "://" in source or source.startswith("/dev/"):

@@ -5,6 +5,7 @@ from typing import Annotated
 import msgspec
 from msgspec import Meta
 
+from common.cameras.sources import Source
 from common.messages import Name
 
 SIMULATED = "simulated"
@@ -15,7 +16,7 @@ class CameraConfig(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fie
 
     name: Name
     source: Annotated[
-        str, Meta(min_length=1, description="'simulated' (the cell's view of this name), device, URL, file or folder")
+        Source, Meta(description="'simulated' (the cell's view of this name), device, URL, file or folder")
     ] = SIMULATED
     latency_ms: Annotated[float, Meta(ge=0, le=1000, description="exposure to arrival of a live camera")] = 30.0
 

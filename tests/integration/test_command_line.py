@@ -1,0 +1,83 @@
+"""The command line as a user meets it: exit codes, and errors that name the cure without a traceback."""
+
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+
+DEPLOY = Path(__file__).parents[2] / "deploy" / "sites"
+
+
+def farhand(*arguments: str) -> subprocess.CompletedProcess[str]:
+    return subprocess.run(
+        [sys.executable, "-m", "farhand", *arguments], check=False, capture_output=True, text=True, timeout=60
+    )
+
+
+@pytest.mark.parametrize(
+    "command", [[], ["local"], ["remote"], ["engage"], ["loopback"], ["track"], ["calibrate"], ["calibrate", "points"]]
+)
+def test_every_command_has_help(command: list[str]) -> None:
+    done = farhand(*command, "--help")
+    assert done.returncode == 0
+    assert "Usage" in done.stdout
+    if command and command != ["calibrate"]:
+        assert "Example: farhand" in done.stdout
+
+
+@pytest.mark.parametrize(
+    ("arguments", "code", "words"),
+    [
+        (["remote", "--set", "driver.nme=x"], 2, "did you mean name?"),
+        (["remote", "--set", "driver.name=elbow"], 1, "choose one of: kinematic, simulated"),
+        (["remote", "--set", "links.control=tcp/10.0.0.1:7447"], 1, "refused"),
+        (["remote", "--set", "safety.t_latch_ms=50"], 2, ">= 100"),
+        (["remote", "--config", "absent.toml"], 2, "absent.toml"),
+        (["local", "--set", "operator.left=0"], 2, "both be simulated, or neither"),
+        (["loopback", "--driver", "none"], 1, "choose one of"),
+        (["loopback", "--motion", "dance"], 2, "pick_and_place"),
+        (["engage", "--cell", "No Such"], 2, "small letters"),
+        (["calibrate", "points", "absent.csv"], 1, "absent.csv"),
+        (["track", "--rig", "absent.json", "--left", "a", "--right", "b"], 1, "absent.json"),
+        (["dance"], 2, "No such command"),
+    ],
+)
+def test_misuse_is_told_with_its_cure(arguments: list[str], code: int, words: str, tmp_path: Path) -> None:
+    done = farhand(*arguments)
+    assert done.returncode == code, done.stderr
+    assert words in " ".join(done.stderr.split())
+    assert "Traceback" not in done.stderr
+    assert not list(tmp_path.iterdir())
+
+
+def test_a_missing_camera_is_told(tmp_path: Path) -> None:
+    rig = tmp_path / "rig.json"
+    rig.write_text("{}")
+    settings = ["operator.left=/dev/video97", "operator.right=/dev/video98", f"operator.rig={rig}"]
+    done = farhand("local", *(part for s in settings for part in ("--set", s)))
+    assert done.returncode == 1
+    assert "rig" in done.stderr
+    assert "Traceback" not in done.stderr
+
+
+def test_a_calibration_file_with_a_nonsense_point_is_refused_by_its_line(tmp_path: Path) -> None:
+    csv = tmp_path / "points.csv"
+    csv.write_text("X_mm,Y_mm,Z_mm,uL_px,vL_px,uR_px,vR_px\n0,0,0,1,2,3,4\n0,0,banana,1,2,3,4\n0,0,1,inf,2,3,4\n")
+    out = tmp_path / "rig.json"
+    done = farhand("calibrate", "points", str(csv), "--out", str(out))
+    assert done.returncode == 1
+    assert "3" in done.stderr
+    assert "banana" in done.stderr
+    assert "4" in done.stderr
+    assert "Traceback" not in done.stderr
+    assert not out.exists()
+
+
+@pytest.mark.parametrize("name", ["remote", "local", "local-cameras"])
+def test_the_example_configurations_are_valid(name: str) -> None:
+    from common.config import load_config
+    from local_site.config import LocalConfig
+    from remote_site.config import RemoteConfig
+
+    load_config(RemoteConfig if name == "remote" else LocalConfig, DEPLOY / f"{name}.toml")

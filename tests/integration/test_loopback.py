@@ -1,0 +1,54 @@
+"""The whole loop on both drivers: a bare hand moves the arm and sees it move."""
+
+import json
+import os
+import signal
+import subprocess
+import sys
+import time
+from pathlib import Path
+
+import pytest
+from sites import alive, descendants
+
+MAX_FOLLOW_MM = 20.0
+
+
+@pytest.mark.parametrize("driver", ["simulated", "kinematic"])
+def test_the_loop_closes(driver: str, tmp_path: Path) -> None:
+    report, views = tmp_path / "out.json", tmp_path / "views"
+    command = ["loopback", "--seconds", "10", "--headless", "--driver", driver]
+    command += ["--report", str(report), "--save-views", str(views)]
+    done = subprocess.run(
+        [sys.executable, "-m", "farhand", *command], check=False, capture_output=True, text=True, timeout=120
+    )
+    assert done.returncode == 0, done.stderr
+    figures = json.loads(report.read_text())
+    assert figures["engagements"] == 1
+    assert figures["follow_mm"]["mean"] < MAX_FOLLOW_MM
+    assert figures["tracking"]["lost"] <= 0.05 * figures["tracking"]["frames"]
+    assert figures["toggles"]["sent"] == figures["toggles"]["applied"] >= 1
+    assert set(figures["video"]) == {"front_high", "front_low", "side", "gripper"}
+    assert all(camera["fps"] > 5 for camera in figures["video"].values())
+    assert figures["control"]["hz"] > 200
+    assert figures["capture_to_motion_ms"]["p50"] >= figures["capture_to_command_ms"]["p50"] > 0
+    names = {"front_high", "front_low", "side", "gripper", "operator_left", "operator_right", "overview"}
+    assert {path.stem for path in views.glob("*.png")} == names
+
+
+def test_ctrl_c_ends_it_with_a_table_and_leaves_no_process() -> None:
+    loopback = subprocess.Popen(
+        [sys.executable, "-m", "farhand", "loopback", "--seconds", "0"],
+        stdout=subprocess.PIPE,
+        stderr=subprocess.PIPE,
+        text=True,
+    )
+    deadline = time.monotonic() + 60
+    while len(descendants(loopback.pid)) < 6 and time.monotonic() < deadline:
+        time.sleep(0.1)
+    started = descendants(loopback.pid)
+    assert len(started) >= 6
+    time.sleep(1.0)
+    os.kill(loopback.pid, signal.SIGINT)
+    loopback.communicate(timeout=20)
+    assert not [pid for pid in started if alive(pid)]
