@@ -29,6 +29,10 @@ class Course:
     def __init__(self, limits: JointLimits, config: ControlConfig) -> None:
         self._limits = limits
         self._config = config
+        self._fastest = TARGET_SPEED * limits.velocity
+        # Further than this from its limits, a joint can stop from any speed.
+        far = (self._fastest**2 / limits.acceleration + self._fastest * limits.acceleration / limits.jerk) / 2
+        self._far_up, self._far_down = limits.upper - far, limits.lower + far
         self._predict_ns = round(config.predict_ms * NS_PER_MS)
         self._glide = config.glide_rad_s
         self.reset(0, np.zeros(len(limits.names)))
@@ -81,9 +85,11 @@ class Course:
         return inside
 
     def _bounded(self, q: Array, dq: Array) -> Array:
-        limits = self._limits
-        up = np.minimum(_stoppable(limits.upper - q, limits), TARGET_SPEED * limits.velocity)
-        down = np.minimum(_stoppable(q - limits.lower, limits), TARGET_SPEED * limits.velocity)
+        """A velocity (n,) from which the joints can stop inside their limits."""
+        up = down = self._fastest
+        if ((q > self._far_up) | (q < self._far_down)).any():
+            up = np.minimum(up, _stoppable(self._limits.upper - q, self._limits))
+            down = np.minimum(down, _stoppable(q - self._limits.lower, self._limits))
         bounded: Array = np.minimum(np.maximum(dq, -down), up)
         return bounded
 

@@ -25,8 +25,7 @@ class JointMotion:
     @property
     def finite(self) -> bool:
         """No NaN and no infinity anywhere."""
-        total = float(self.q @ self.q) + float(self.dq @ self.dq) + float(self.ddq @ self.ddq)
-        return math.isfinite(total)
+        return math.isfinite(sum(self.q.tolist()) + sum(self.dq.tolist()) + sum(self.ddq.tolist()))
 
     @property
     def resting(self) -> bool:

@@ -71,9 +71,13 @@ class JointGuard:
         """Passed, or Refused with the first rule that was broken."""
         if not (proposed.finite and sent.finite):
             return Refused(reason(Code.NOT_FINITE, what="command"))
+        return self.check_motion(proposed, stops(proposed, self.limits), sent)
+
+    def check_motion(self, proposed: JointMotion, ends: list[JointStop], sent: JointMotion) -> Passed | Refused:
+        """The same for finite motions, when the proposed one's stops are known."""
         broken = self._dynamics(proposed, sent)
         if broken is None:
-            broken = self._place(stops(proposed, self.limits), sent)
+            broken = self._place(ends, sent)
             if broken is not None and self.is_stop(proposed, sent):
                 broken = None
         return Passed(proposed) if broken is None else Refused(broken)
@@ -143,11 +147,16 @@ class Guard:
 
     def check(self, proposed: JointMotion, sent: JointMotion) -> Passed | Refused:
         """Passed, or Refused with the first rule that was broken."""
-        verdict = self._joints.check(proposed, sent)
+        if not (proposed.finite and sent.finite):
+            return Refused(reason(Code.NOT_FINITE, what="command"))
+        ends = stops(proposed, self._joints.limits)
+        verdict = self._joints.check_motion(proposed, ends, sent)
         if isinstance(verdict, Refused):
             return verdict
-        excess = self._tool_excess(proposed)
-        if excess <= POSITION or excess <= self._tool_excess(sent) + POSITION or self._joints.is_stop(proposed, sent):
+        excess = self._tool_excess(proposed, ends)
+        if excess <= POSITION or self._joints.is_stop(proposed, sent):
+            return verdict
+        if excess <= self._tool_excess(sent, stops(sent, self._joints.limits)) + POSITION:
             return verdict
         return Refused(reason(Code.WORKSPACE, excess_mm=excess * 1e3))
 
@@ -155,9 +164,9 @@ class Guard:
         """The motion one tick into the stop from what was really sent; it always passes."""
         return self._joints.stop(sent)
 
-    def _tool_excess(self, motion: JointMotion) -> float:
+    def _tool_excess(self, motion: JointMotion, ends: list[JointStop]) -> float:
         """How far the tool is outside the box, now or where the stop ends, whichever is worse, m."""
-        rest = np.array([stop.end for stop in stops(motion, self._joints.limits)])
+        rest = np.array([stop.end for stop in ends])
         return max(
             self._workspace.excess(self._model.forward(motion.q)[:3, 3]),
             self._workspace.excess(self._model.forward(rest)[:3, 3]),
