@@ -1,0 +1,63 @@
+"""Camera sources that a test can make: files, folders, and everything that is none."""
+
+from pathlib import Path
+
+import cv2
+import numpy as np
+import pytest
+
+from common.cameras.sources import open_camera
+from common.errors import CameraError
+
+
+@pytest.fixture
+def folder(tmp_path: Path) -> Path:
+    for k in range(3):
+        cv2.imwrite(str(tmp_path / f"{k:03d}.png"), np.full((48, 64), 60 * k, dtype=np.uint8))
+    return tmp_path
+
+
+def test_a_folder_is_read_in_order_and_ends(folder: Path) -> None:
+    camera = open_camera(str(folder), "left", fps=10)
+    frames = [camera.read() for _ in range(4)]
+    assert [f.capture_ns for f in frames if f] == [0, 100_000_000, 200_000_000]
+    assert [int(f.image[0, 0, 0]) for f in frames if f] == [0, 60, 120]
+    assert frames[3] is None
+    camera.close()
+
+
+def test_a_broken_image_is_named(folder: Path) -> None:
+    (folder / "001.png").write_bytes(b"no image")
+    camera = open_camera(str(folder), "left")
+    camera.read()
+    with pytest.raises(CameraError, match=r"001\.png"):
+        camera.read()
+
+
+def test_a_video_file_is_stamped_by_its_rate(tmp_path: Path) -> None:
+    path = tmp_path / "a.avi"
+    writer = cv2.VideoWriter(str(path), cv2.VideoWriter.fourcc(*"MJPG"), 20.0, (64, 48))
+    for _ in range(3):
+        writer.write(np.zeros((48, 64, 3), dtype=np.uint8))
+    writer.release()
+    camera = open_camera(str(path), "left")
+    frames = [camera.read() for _ in range(4)]
+    assert [f.capture_ns for f in frames if f] == [0, 50_000_000, 100_000_000]
+    assert frames[3] is None
+    camera.close()
+    slow = open_camera(str(path), "left", fps=5)
+    assert [slow.read().capture_ns for _ in range(2)] == [0, 200_000_000]
+
+
+@pytest.mark.parametrize("source", ["/dev/video97", 97, "absent.avi", "empty", "notes.txt"])
+def test_what_is_no_camera_is_refused_by_name(source: str | int, tmp_path: Path) -> None:
+    (tmp_path / "empty").mkdir()
+    (tmp_path / "notes.txt").write_text("no video")
+    place = source if isinstance(source, int) or source.startswith("/") else str(tmp_path / source)
+    with pytest.raises(CameraError, match="camera left"):
+        open_camera(place, "left")
+
+
+def test_a_rate_that_is_none_is_refused(folder: Path) -> None:
+    with pytest.raises(CameraError, match="positive"):
+        open_camera(str(folder), "left", fps=0)
