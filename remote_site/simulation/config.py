@@ -64,11 +64,11 @@ class SceneConfig(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fiel
 
     floor_z_m: Annotated[float, Meta(lt=0, description="the base stands on a pedestal this high")] = -0.45
     table_z_m: Annotated[float, Meta(description="top of the table")] = 0.469
-    table_centre_xy_m: tuple[float, float] = (0.72, 0.05)
+    table_centre_xy_m: tuple[float, float] = (0.72, -0.05)
     table_size_xy_m: tuple[Positive, Positive] = (0.60, 1.00)
     target_corner_xy_m: Annotated[
         tuple[float, float], Meta(description="where the block's corner (+x, -y) belongs; the paper extends to -x, +y")
-    ] = (0.650, 0.175)
+    ] = (0.650, -0.225)
     target_side_m: Annotated[Positive, Meta(description="side of the square target paper")] = 0.0765
 
 

@@ -59,10 +59,10 @@ def test_the_fingers_open_along_the_tool_y_axis(cell):
     assert gap / np.linalg.norm(gap) == pytest.approx(across, abs=1e-9)
 
 
-def test_the_target_lies_20_cm_to_the_left_of_the_block():
+def test_the_target_lies_20_cm_to_the_right_of_the_block():
     block = CellConfig().block
     (x, y), (depth, thickness, _) = block.centre_xy_m, block.size_m
-    corner = (x + depth / 2, y - thickness / 2 + 0.2)
+    corner = (x + depth / 2, y - thickness / 2 - 0.2)
     assert CellConfig().scene.target_corner_xy_m == pytest.approx(corner, abs=1e-9)
 
 

@@ -63,7 +63,7 @@ def seen():
 def test_the_block_is_lifted_moved_and_set_down_on_its_target(seen):
     start, end = seen.block[0], seen.block[-1]
     assert seen.block[:, 2].max() - start[2] > 0.14
-    assert end - start == pytest.approx([0, 0.2, 0], abs=0.003)
+    assert end - start == pytest.approx([0, -0.2, 0], abs=0.003)
     assert seen.upright.min() > np.cos(np.radians(3))
 
 
