@@ -53,9 +53,9 @@ class JointGuard:
     """Judges each proposed motion against the one really sent before it, one tick of `dt` seconds ago.
 
     Always: finite; velocity (also the one that remains when the acceleration is taken back), acceleration and jerk
-    within limits; position, velocity and acceleration consistent with a jerk within limits during the tick. The stop
-    from the last motion then passes. Anything else must also come to rest, from where it is, within the position
-    limits, or at least no further outside than the last motion would: so an arm outside can retreat.
+    within limits; position, velocity and acceleration consistent with a jerk within limits during the tick; and from
+    where it is it can come to rest within the position limits, or at least no further outside than the last motion
+    would. So the stop from the last motion always passes, and an arm outside can retreat.
     """
 
     def __init__(self, limits: JointLimits, dt: float) -> None:
@@ -78,8 +78,6 @@ class JointGuard:
         broken = self._dynamics(proposed, sent)
         if broken is None:
             broken = self._place(ends, sent)
-            if broken is not None and self.is_stop(proposed, sent):
-                broken = None
         return Passed(proposed) if broken is None else Refused(broken)
 
     def stop(self, sent: JointMotion) -> JointMotion:

@@ -95,6 +95,13 @@ def test_position_and_velocity_must_follow_from_the_last_command(guard, joint, d
 
 
 @pytest.mark.parametrize("joint", range(6))
+def test_velocity_must_follow_from_the_acceleration_even_if_the_position_fits(guard, joint):
+    fitting = moving(velocity=0.01, joint=joint)
+    fitting.q[joint] += DT / 2 * 0.01
+    assert code(guard.check(fitting, moving())) is Code.INCONSISTENT
+
+
+@pytest.mark.parametrize("joint", range(6))
 @pytest.mark.parametrize("side", [1, -1])
 def test_a_joint_that_could_not_stop_before_its_limit_is_refused(joint, side):
     guard = JointGuard(LIMITS, DT)

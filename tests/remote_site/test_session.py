@@ -171,6 +171,13 @@ def test_a_new_session_before_the_first_engagement_disarms_the_automatic_one():
     assert rig.frames(100).state is SessionState.DISENGAGED
 
 
+def test_disengaging_before_the_first_engagement_disarms_the_automatic_one():
+    rig = Rig()
+    rig.frames(10)
+    rig.session.request_disengage()
+    assert rig.frames(100).state is SessionState.DISENGAGED
+
+
 def test_jumps_before_the_first_engagement_only_count_anew():
     rig = Rig()
     rig.frames(10)
