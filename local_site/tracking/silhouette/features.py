@@ -44,12 +44,15 @@ class Features:
 
 def measure(silhouette: Silhouette, guess: Posture | None) -> Features | None:
     """The features of a silhouette near a guess, or found afresh; None where it shows no arm with a forearm."""
-    if guess is not None:
-        features = _measure_near(silhouette, guess)
-        if features is not None:
-            return features
+    near = _measure_near(silhouette, guess) if guess is not None else None
+    if near is not None and near.upper_arm is not None:
+        return near
     posture = find_posture(silhouette)
-    return _measure_near(silhouette, posture) if posture is not None else None
+    if posture is None:
+        return near
+    if near is None:
+        return _measure_near(silhouette, posture)
+    return _measure_near(silhouette, replace(near.guess, shoulder_end=posture.shoulder_end)) or near
 
 
 def _measure_near(silhouette: Silhouette, guess: Posture) -> Features | None:
@@ -147,13 +150,13 @@ def _upper_arm(silhouette: Silhouette, guess: Posture) -> tuple[Line | None, Arr
 
 
 def _limb_end(edges: Edges, start: float, half_width: float) -> float:
-    """How far along its axis the limb keeps its width."""
-    beyond = edges.t > start
-    near = beyond & (edges.t < start + 1.5 * half_width) & np.isfinite(edges.width)
-    if not near.any():
+    """How far along its axis the limb keeps its width, from where it first shows two edges."""
+    shown = np.flatnonzero((edges.t > start) & np.isfinite(edges.width))
+    if not len(shown):
         return start
-    typical = middle_value(edges.width[near])
+    first = float(edges.t[shown[0]])
+    typical = middle_value(edges.width[shown[edges.t[shown] < first + 1.5 * half_width]])
     with np.errstate(invalid="ignore"):
         kept = np.abs(edges.width / typical - 1) < WIDTH_CHANGE
-    broken = np.flatnonzero(beyond & ~kept & (edges.t > start + 3))
+    broken = np.flatnonzero((edges.t > first + 3) & ~kept)
     return float(edges.t[broken[0]] if len(broken) else edges.t[-1])

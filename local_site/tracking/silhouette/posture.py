@@ -4,6 +4,7 @@ Distances are geodesic: layers of equal distance from the shoulder end cross the
 medial axis in any pose, and the largest distance to the background within a layer is the arm's half width there.
 """
 
+import math
 from dataclasses import dataclass
 
 import cv2
@@ -48,7 +49,12 @@ def find_posture(silhouette: Silhouette) -> Posture | None:
     radii = np.asarray(cv2.distanceTransform(mask, cv2.DIST_L2, 3), dtype=np.float64)
     ends = _ends(mask, radii)
     border = _border_pixel(silhouette, scale, origin)
-    start = border if border is not None and mask[border[1], border[0]] else _blunt(ends, radii)
+    start = _blunt(ends, radii)
+    if border is not None and mask[border[1], border[0]]:
+        away = max(ends, key=lambda end: math.hypot(end[0] - border[0], end[1] - border[1]))
+        if _blunt((border, away), radii) != border:
+            return None
+        start = border
     axis = _medial_axis(mask, radii, start)
     if axis is None:
         return None

@@ -109,10 +109,11 @@ class SilhouetteTracker:
         self._learned.append(moment)
         if len(self._learned) < wanted:
             return TrackingStatus.INITIALISING, f"learning the arm: {len(self._learned)} of {wanted} pairs"
-        lengths = np.nanmedian([self._lengths(m) for m in self._learned], axis=0)
-        sleeve = float(lengths[1]) if math.isfinite(lengths[1]) else None
-        self._body = replace(self._body, forearm_length=float(lengths[0]), sleeve_distance=sleeve)
-        self._model = HandModel(HandShape(*(float(v) for v in lengths[2:])))
+        lengths = [_median(values) for values in zip(*map(self._lengths, self._learned), strict=True)]
+        sleeve = lengths[1] if math.isfinite(lengths[1]) else None
+        self._body = replace(self._body, forearm_length=lengths[0], sleeve_distance=sleeve)
+        reach = lengths[5] if math.isfinite(lengths[5]) else None
+        self._model = HandModel(HandShape(lengths[2], lengths[3], lengths[4], reach))
         self._learned.clear()
         return TrackingStatus.INITIALISING, f"learned the arm from {wanted} pairs"
 
@@ -184,6 +185,12 @@ class SilhouetteTracker:
             index=pixel(moment.fingers.index),
             thumb=pixel(moment.fingers.thumb),
         )
+
+
+def _median(values: Sequence[float]) -> float:
+    """The median of the finite values, NaN without any."""
+    finite = [value for value in values if math.isfinite(value)]
+    return float(np.median(finite)) if finite else math.nan
 
 
 def _moved(guess: Posture, elbow: Array, wrist: Array, last_elbow: Array, half_width: float) -> Posture:
