@@ -171,7 +171,7 @@ def _with_motion(found: Candidates, before: Array | None, length: float) -> Cand
 
 
 def _motion_cost(points: Array, before: Array, length: float) -> Array:
-    """Squared deviations (...) of points (..., 3) from the expected tip, limited so that a wrong place does not last."""
+    """Squared deviations (...) of points (..., 3) from the expected tip, limited so that no error lasts."""
     moved = np.linalg.norm(points - before, axis=-1) / (MOTION_SIGMA * length)
     limited: Array = np.minimum(moved**2, MAX_MOTION_COST)
     return limited

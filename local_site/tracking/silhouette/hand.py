@@ -13,6 +13,7 @@ MIN_PROMINENCE = 0.03
 OPEN_PROMINENCE = 0.08
 OPEN_TIPS = 4
 SAME_TIP = 0.14
+TIE_BREAK = 1e-6
 MIN_HAND_POINTS = 12
 CORNER_REACH = 0.2
 MIN_TURN = math.radians(30.0)
@@ -102,6 +103,7 @@ def _peaks(height: Array, length: float) -> list[tuple[int, float]]:
     """Contour index and relative prominence of the prominent maxima of a height along the contour."""
     smooth = np.convolve(height, np.full(3, 1 / 3), mode="same")
     smooth[[0, -1]] = height[[0, -1]]
+    smooth += TIE_BREAK * np.arange(len(smooth))  # of two equal maxima only one shall have the whole prominence
     candidates = find_peaks(smooth)[0]
     prominence = peak_prominences(smooth, candidates)[0] / max(length, 1.0)
     kept = prominence >= MIN_PROMINENCE

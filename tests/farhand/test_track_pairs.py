@@ -1,0 +1,67 @@
+"""Pairing two recordings by exposure time, and what an empty or unwritable track says."""
+
+import numpy as np
+import pytest
+
+from common.cameras.camera import Frame
+from common.errors import CameraError
+from farhand.track import pair_views, track_recording
+from local_site.simulation.cameras import exact_rig
+from local_site.simulation.config import StereoConfig
+
+IMAGE = np.full((48, 64), 8, np.uint8)
+
+
+class Recording:
+    """Dark frames at given times."""
+
+    def __init__(self, *times_ns, name="camera"):
+        self.name = name
+        self._frames = iter([Frame(IMAGE, t, k) for k, t in enumerate(times_ns)])
+
+    def read(self):
+        return next(self._frames, None)
+
+    def close(self):
+        pass
+
+
+def test_synchronous_frames_are_paired_as_they_are():
+    views = list(pair_views(Recording(0, 10, 20), Recording(0, 10, 20)))
+    assert [(v.t_ns, v.views[1].current.capture_ns, v.views[1].weight) for v in views] == [
+        (0, 0, 1.0),
+        (10, 10, 1.0),
+        (20, 20, 1.0),
+    ]
+
+
+def test_a_late_camera_is_interpolated_between_the_exposures_around():
+    views = list(pair_views(Recording(0, 10, 20, 30), Recording(4, 14, 24)))
+    right = [v.views[1] for v in views]
+    assert [v.t_ns for v in views] == [0, 10, 20]
+    assert [(r.previous and r.previous.capture_ns, r.current.capture_ns) for r in right] == [
+        (None, 4),
+        (4, 14),
+        (14, 24),
+    ]
+    assert [r.weight for r in right] == [1.0, 0.6, 0.6]
+
+
+def test_dark_recordings_give_lost_lines_and_their_summary(tmp_path):
+    annotated = tmp_path / "pictures"
+    done = []
+    summary = track_recording(
+        exact_rig(StereoConfig()), Recording(0, 10), Recording(0, 10), tmp_path / "track.jsonl", annotated, done.append
+    )
+    assert (summary.pairs, summary.statuses["lost"], summary.found["wrist"]) == (2, 2, 0)
+    assert done == [1, 2]
+    assert len((tmp_path / "track.jsonl").read_text().splitlines()) == 2
+    assert sorted(p.name for p in annotated.iterdir()) == ["000000.png", "000001.png"]
+
+
+def test_nothing_to_track_and_nowhere_to_write_are_told(tmp_path):
+    rig = exact_rig(StereoConfig())
+    with pytest.raises(CameraError, match="no pair"):
+        track_recording(rig, Recording(), Recording(0), tmp_path / "track.jsonl", None, lambda _: None)
+    with pytest.raises(CameraError, match="cannot write"):
+        track_recording(rig, Recording(0), Recording(0), tmp_path / "absent" / "track.jsonl", None, lambda _: None)
