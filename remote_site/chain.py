@@ -50,7 +50,6 @@ class Chain:
         self.gripper = GripperToggles(is_open=True)
         self.sent = JointMotion.at_rest(start)
         self.engagement: Engagement | None = None
-        self._seed = self.sent.q
         self._latest: Accepted | None = None
         self._aimed: Accepted | None = None
         self._hindrance: Reason | None = None
@@ -77,18 +76,18 @@ class Chain:
         if decision.action is Action.STOP or self._latest is None:
             return self._step(decision, self._guard.stop(self.sent))
         if decision.action is Action.CAPTURE:
-            self._capture(self._latest, now_ns)
+            self._capture(self._latest)
         elif self._latest is not self._aimed:
             self._aim(self._latest, now_ns)
         return self._step(decision, self._follow(now_ns))
 
-    def _capture(self, latest: Accepted, now_ns: int) -> None:
+    def _capture(self, latest: Accepted) -> None:
         """Take both origins: nothing that happened before is caught up."""
         base_T_tool = self._model.forward(self.sent.q)
         self._mapping.engage(latest.wrist, latest.operator_R_hand, base_T_tool)
-        self._course.reset(now_ns, self.sent.q)
+        self._course.reset(latest.born_ns, self.sent.q)
         self.gripper.rebase(latest.sample.gripper_toggles)
-        self._seed, self._aimed, self._hindrance = self.sent.q, latest, None
+        self._aimed, self._hindrance = latest, None
         self.engagement = Engagement(self.session.engagements, latest.sample.capture_ns, pose_of(base_T_tool))
 
     def _aim(self, latest: Accepted, now_ns: int) -> None:
@@ -99,9 +98,8 @@ class Chain:
         target[:3, 3] = self._workspace.clamp(target[:3, 3])
         leash_rad = math.radians(self._control.leash_deg)
         leashed, self._hindrance = leash(target, self._model.forward(self.sent.q), self._control.leash_m, leash_rad)
-        solution = self._inverse.nearest(leashed, self._seed)
+        solution = self._inverse.nearest(leashed, self.sent.q)
         if isinstance(solution, Solution):
-            self._seed = solution.q
             self._course.aim(latest.born_ns, solution.q, now_ns)
         else:
             self._hindrance = solution.reason

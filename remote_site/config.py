@@ -39,7 +39,7 @@ class RobotConfig(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fiel
     acceleration_rad_s2: Annotated[
         tuple[Annotated[float, Meta(gt=0, le=25)], ...],
         Meta(min_length=1, max_length=16, description="acceleration joint by joint, or one for all, rad/s²"),
-    ] = (10.0, 10.0, 10.0, 12.0, 12.0, 12.0)
+    ] = (10.0, 10.0, 10.0, 20.0, 20.0, 20.0)
     jerk_rad_s3: Annotated[float, Meta(gt=0, le=5000, description="every joint's jerk, rad/s³")] = 1000.0
 
     @property

@@ -92,19 +92,22 @@ class _Stop:
     yaw_deg: float
 
 
-# Forward is -y, the operator's right -x. Between two stops of one place the hand opens.
+# Forward is -y, the operator's right -x. Down before forward, so that a tool a little off pushes the block aside instead
+# of pressing on it from above. Between two stops of one place the hand opens.
 _PICK_AND_PLACE = (
     _Stop(0.0, 0.0, 0.0, 0.0, 0.0),
     _Stop(0.8, 0.0, 0.0, 0.0, 0.0),
-    _Stop(3.2, 0.0, -0.12, -0.25, 0.0),
-    _Stop(4.6, 0.0, -0.12, -0.25, 0.0),
-    _Stop(5.9, 0.0, -0.12, -0.10, -15.0),
-    _Stop(7.5, -0.20, -0.12, -0.10, 15.0),
-    _Stop(8.8, -0.20, -0.12, -0.25, 0.0),
-    _Stop(10.2, -0.20, -0.12, -0.25, 0.0),
-    _Stop(13.0, 0.0, 0.0, 0.0, 0.0),
+    _Stop(2.9, 0.0, -0.04, -0.25, 0.0),
+    _Stop(4.0, 0.0, -0.14, -0.25, 0.0),
+    _Stop(5.4, 0.0, -0.14, -0.25, 0.0),
+    _Stop(6.5, 0.0, -0.14, -0.15, -15.0),
+    _Stop(8.1, -0.20, -0.14, -0.15, 15.0),
+    _Stop(9.2, -0.20, -0.14, -0.25, 0.0),
+    _Stop(10.6, -0.20, -0.14, -0.25, 0.0),
+    _Stop(11.5, -0.20, -0.04, -0.25, 0.0),
+    _Stop(13.5, 0.0, 0.0, 0.0, 0.0),
 )
-_PICK_S, _PLACE_S = 3.5, 9.1
+_PICK_S, _PLACE_S = 4.3, 9.5
 
 
 def _pick_and_place(t_s: float) -> tuple[Array, Array]:

@@ -43,7 +43,7 @@ class ServoConfig(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fiel
     extrapolation_ms: Annotated[float, Meta(ge=0, le=50, description="a late setpoint is extended this long")] = 20.0
     watchdog_ms: Annotated[float, Meta(ge=10, le=1000, description="silence after which the arm is stopped")] = 100.0
     max_velocity_rad_s: Annotated[Positive, Meta(description="of every joint")] = 2.98
-    max_acceleration_rad_s2: Annotated[Positive, Meta(description="of every joint")] = 12.5
+    max_acceleration_rad_s2: Annotated[PerJoint, Meta(description="what the motors can do")] = (12.5,) * 3 + (25.0,) * 3
     stop_acceleration_rad_s2: Annotated[Positive, Meta(description="of the watchdog's stop")] = 10.0
     stop_jerk_rad_s3: Annotated[Positive, Meta(description="of the watchdog's stop")] = 100.0
     following_error_rad: Annotated[Positive, Meta(description="lagging this far, the arm is blocked: it holds")] = 0.1

@@ -7,6 +7,7 @@ from enum import IntEnum
 import numpy as np
 
 from common.clock import NS_PER_MS, NS_PER_S
+from common.errors import ModelError
 from common.geometry import Array
 from remote_site.kinematics.joints import JointMotion
 from remote_site.safety.stopping import JointStop, joint_stop
@@ -57,6 +58,9 @@ class Controller:
         self._limits = limits
         self._follow = 2.0 * math.pi * config.follow_hz
         self._timeout_ns = round(config.watchdog_ms * NS_PER_MS)
+        self._top = np.array(config.max_acceleration_rad_s2)
+        if len(self._top) != len(q0):
+            raise ModelError(f"simulation.servo.max_acceleration_rad_s2 needs {len(q0)} values, one for each joint")
         self._stop_acceleration = np.full(len(q0), config.stop_acceleration_rad_s2)
         self._stop_jerk = np.full(len(q0), config.stop_jerk_rad_s3)
         self._stop: _Stop | None = None
@@ -152,7 +156,7 @@ class Controller:
     def _towards(self, wanted: JointMotion, dt: float) -> JointMotion:
         now, follow, limits = self.motion, self._follow, self._limits
         target = _within(wanted.q, limits.lower, limits.upper)
-        error, top = target - now.q, self._config.max_acceleration_rad_s2
+        error, top = target - now.q, self._top
         # Critically damped near by; from far, no faster than half the acceleration can brake.
         catch_up = np.copysign(np.minimum(0.5 * follow * np.abs(error), np.sqrt(top * np.abs(error))), error)
         ddq = wanted.ddq + 2.0 * follow * (wanted.dq + catch_up - now.dq)

@@ -3,21 +3,28 @@
 import numpy as np
 
 from common.clock import NS_PER_MS, SAME_HOST, FakeClock
-from common.messages import HandArm, TrackingStatus
+from common.messages import HandArm, SessionState, TrackingStatus
+from remote_site.chain import Chain
 from remote_site.config import RemoteConfig
 from remote_site.drivers.driver import DriverSetup, JointCommand
 from remote_site.drivers.kinematic import KinematicDriver
-from remote_site.intake import Accepted, Intake
-from remote_site.kinematics.inverse import Solution, SphericalWristInverse
 from remote_site.kinematics.joints import JointMotion
 from remote_site.kinematics.limits import JointLimits
 from remote_site.kinematics.model import ArmModel
-from remote_site.mapping import Mapping
-from remote_site.motion import Course, Follower, leash
 from remote_site.safety.guard import Guard, Passed, Workspace
-from remote_site.safety.state import Action, Robot, Session
+from remote_site.safety.state import Robot, Session
+from remote_site.safety.status import Code
 
 TICK_NS = 4 * NS_PER_MS
+REFUSALS = {
+    Code.POSITION,
+    Code.VELOCITY,
+    Code.ACCELERATION,
+    Code.JERK,
+    Code.INCONSISTENT,
+    Code.WORKSPACE,
+    Code.NO_TRAJECTORY,
+}
 START_NS = 10_000 * NS_PER_MS
 
 
@@ -51,90 +58,56 @@ def hand(seq, capture_ns, wrist=(0.0, 0.0, 0.3), session=7, status=TrackingStatu
 
 
 class RemoteLoop:
-    """Intake, session, mapping, inverse kinematics, follower and guard around a kinematic robot."""
+    """The chain around a kinematic robot, on a fake clock."""
 
     def __init__(self, config: RemoteConfig | None = None) -> None:
         self.config = config or RemoteConfig()
         self.model, self.limits = arm(self.config)
         self.clock = FakeClock(START_NS)
-        self.intake = Intake(self.config.safety)
-        self.session = Session(self.config.safety, self.config.engagement)
-        self.mapping = Mapping(self.config.mapping)
-        self.inverse = SphericalWristInverse(self.model, self.limits)
-        self.course = Course(self.limits, self.config.control)
-        self.follower = Follower(self.limits, TICK_NS / 1e9)
-        self.workspace = workspace(self.config)
-        self.guard = Guard(self.limits, self.workspace, self.model, TICK_NS / 1e9)
+        self.chain = Chain(self.config, self.model, self.limits, self.config.robot.start)
+        self.guard = Guard(self.limits, workspace(self.config), self.model, TICK_NS / 1e9)
         self.driver = KinematicDriver(self.clock)
         setup = DriverSetup(self.model.joint_names, self.limits, TICK_NS / 1e9, 50 * NS_PER_MS)
         self.driver.configure(setup)
         self.driver.activate(self.config.robot.start)
-        self.sent = JointMotion.at_rest(self.config.robot.start)
-        self.latest: Accepted | None = None
         self.log: list[JointMotion] = [self.sent]
         self.states = []
         self.refusals = 0
         self.seq = 0
 
     @property
+    def sent(self) -> JointMotion:
+        """What was really sent last."""
+        return self.chain.sent
+
+    @property
+    def session(self) -> Session:
+        """The chain's session."""
+        return self.chain.session
+
+    @property
     def robot(self) -> Robot:
         """What the session sees of the robot."""
-        return Robot(ready=True, reason="", resting=self.sent.resting)
-
-    def receive(self, sample: HandArm) -> None:
-        """Take one sample from the wire; while following, aim at it."""
-        result = self.intake.accept(sample, self.clock.now_ns(), SAME_HOST)
-        self.session.sample(result)
-        if isinstance(result, Accepted):
-            self.latest = result
+        return self.chain.robot(ready=True, fault="")
 
     def tick(self, *samples: HandArm) -> None:
         """One control tick: the samples that have come, then a decision, then a command."""
         self.clock.advance_ms(TICK_NS / NS_PER_MS)
         now_ns = self.clock.now_ns()
-        before = self.latest
         for sample in samples:
-            self.receive(sample)
-        decision = self.session.tick(now_ns, self.robot)
-        if decision.action is Action.CAPTURE:
-            self.capture()
-        elif decision.action is Action.FOLLOW and self.latest is not before:
-            self.aim(now_ns)
-        proposed = self.guard.stop(self.sent) if decision.action is Action.STOP else self.follow(now_ns)
-        self.write(proposed, now_ns)
-        self.states.append(decision.state)
-
-    def capture(self) -> None:
-        """Take both origins."""
-        self.mapping.engage(self.latest.wrist, self.latest.operator_R_hand, self.model.forward(self.sent.q))
-        self.course.reset(self.latest.born_ns, self.sent.q)
-
-    def aim(self, now_ns: int) -> None:
-        """Turn the newest sample into a joint target."""
-        target = self.mapping.target(self.latest.wrist, self.latest.operator_R_hand)
-        target[:3, 3] = self.workspace.clamp(target[:3, 3])
-        control = self.config.control
-        leashed, _ = leash(target, self.model.forward(self.sent.q), control.leash_m, np.radians(control.leash_deg))
-        solution = self.inverse.nearest(leashed, self.sent.q)
-        if isinstance(solution, Solution):
-            self.course.aim(self.latest.born_ns, solution.q, now_ns)
-
-    def follow(self, now_ns: int) -> JointMotion:
-        """One tick towards the target, or into the stop if the guard refuses that."""
-        self.follower.reset(self.sent)
-        proposed = self.follower.track(*self.course.at(now_ns), self.session.speed_scale)
-        if isinstance(proposed, JointMotion) and isinstance(self.guard.check(proposed, self.sent), Passed):
-            return proposed
-        self.refusals += 1
-        return self.guard.stop(self.sent)
+            self.chain.receive(sample, now_ns, SAME_HOST)
+        step = self.chain.tick(now_ns, self.robot)
+        self.refusals += step.state is SessionState.ENGAGED and step.reason.code in REFUSALS
+        self.write(step.motion, now_ns)
+        self.states.append(step.state)
 
     def write(self, motion: JointMotion, now_ns: int) -> None:
-        """The last gate, then the driver; every command is logged as sent."""
+        """Judge the motion once more, then the driver; every command is logged as sent."""
         verdict = self.guard.check(motion, self.sent)
         assert isinstance(verdict, Passed), verdict
         self.seq += 1
-        command = JointCommand(self.seq, now_ns, motion.q, motion.dq, motion.ddq, False)
-        self.sent = self.driver.write(command).motion
+        command = JointCommand(self.seq, now_ns, motion.q, motion.dq, motion.ddq, self.chain.gripper.is_open)
+        self.chain.sent = self.driver.write(command).motion
         assert self.sent.q is motion.q  # the driver's own limits had nothing to object to
         self.log.append(self.sent)
 

@@ -123,7 +123,7 @@ def test_limits_are_the_urdfs_with_margin_and_the_configured_share():
     assert limits.upper == pytest.approx(model.upper - np.radians(2.0))
     assert limits.lower == pytest.approx(model.lower + np.radians(2.0))
     assert limits.velocity == pytest.approx(0.5 * model.velocity)
-    assert limits.acceleration.tolist() == [10.0, 10.0, 10.0, 12.0, 12.0, 12.0]
+    assert limits.acceleration.tolist() == [10.0, 10.0, 10.0, 20.0, 20.0, 20.0]
     assert limits.jerk.tolist() == [77.0] * 6
 
 

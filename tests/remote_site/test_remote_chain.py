@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
-from remote_loop import TICK_NS, RemoteLoop, assert_within_limits, hand
+from remote_loop import TICK_NS, RemoteLoop, assert_within_limits, hand, workspace
 
 from common.clock import NS_PER_MS
 from common.messages import SessionState, TrackingStatus
@@ -53,7 +53,7 @@ def test_the_tool_follows_the_hand_within_limits():
 def test_silence_stops_the_arm_by_the_soft_limit_and_the_stop_time_then_latches(phase_ticks):
     loop = engaged_loop(swaying)
     loop.run(100 + phase_ticks, swaying)
-    born_ns = loop.latest.born_ns
+    born_ns = loop.chain._latest.born_ns
     onset = None
     for _ in range(200):
         loop.tick()
@@ -151,7 +151,7 @@ def test_the_tool_never_rests_outside_the_workspace():
     loop.run(3000, sweep)
     assert_within_limits(loop)
     tools = [loop.model.forward(motion.q)[:3, 3] for motion in loop.log]
-    assert max(loop.workspace.excess(tool) for tool in tools) < 0.002
+    assert max(workspace(loop.config).excess(tool) for tool in tools) < 0.002
     assert np.ptp(tools, axis=0).min() > 0.2
 
 

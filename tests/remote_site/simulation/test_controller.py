@@ -117,7 +117,7 @@ def test_a_jump_is_followed_within_the_acceleration_of_the_robot():
         desk.command["seq"] += 1
         desk.tick()
     q, dq, ddq = desk.joint_1()
-    assert np.abs(ddq).max() <= ServoConfig().max_acceleration_rad_s2 + 1e-9
+    assert np.abs(ddq).max() <= ServoConfig().max_acceleration_rad_s2[0] + 1e-9
     assert np.abs(dq).max() <= 2.98
     assert q[-1] == pytest.approx(0.3, abs=1e-3)
     assert q.max() < 0.301
