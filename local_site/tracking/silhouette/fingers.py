@@ -29,9 +29,11 @@ KNOWN_SIGMA = 0.04
 MOTION_SIGMA = 0.12
 MAX_MOTION_COST = 12.0
 NEAREST_FINGER = 0.25
+MAX_GAP_DEVIATION = 4.0
 KEPT = 16
 TRIED = 3
 RAY_REACH = 1.2
+RAY_GATE = 0.15
 MAX_COST = 60.0
 NO_THUMB_COST = 32.0
 
@@ -103,7 +105,7 @@ def _index_from_rays(rays: Rays, thumb: Candidates, wrist: Array, shape: HandSha
     choices = []
     for j in range(min(TRIED, len(thumb.points))):
         anchors = _anchors(wrist, shape.index, thumb.points[j], shape)
-        found = _with_motion(rays.nearest(anchors), expected.index, shape.index)
+        found = _continued(rays.nearest(anchors), expected.index, shape.index)
         found = _without(found, thumb.members[j])
         if len(found.points):
             i = int(np.argmin(found.cost))
@@ -117,7 +119,7 @@ def _thumb_from_rays(rays: Rays, index: Candidates, wrist: Array, shape: HandSha
     choices = []
     for i in range(min(TRIED, len(index.points))):
         anchors = _anchors(wrist, shape.thumb, index.points[i], shape)
-        found = _with_motion(rays.nearest(anchors), expected.thumb, shape.thumb)
+        found = _continued(rays.nearest(anchors), expected.thumb, shape.thumb)
         found = _without(found, index.members[i])
         if len(found.points):
             j = int(np.argmin(found.cost))
@@ -149,9 +151,10 @@ def _both_from_rays(rays: Rays, wrist: Array, shape: HandShape, expected: Finger
 def _ray_costs(rays: Rays, wrist: Array, length: float, before: Array | None) -> Array:
     """Squared deviations (R, S) of the points of all rays as a tip at a length from the wrist."""
     cost = ((np.linalg.norm(rays.points - wrist, axis=2) / length - 1) / KNOWN_SIGMA) ** 2 + rays.cost[:, None]
-    if before is not None:
-        cost = cost + _motion_cost(rays.points, before, length)
-    result: Array = np.where(rays.allowed, cost, np.inf)
+    if before is None:
+        return np.full(cost.shape, np.inf)
+    near = np.linalg.norm(rays.points - before, axis=2) < RAY_GATE * length
+    result: Array = np.where(rays.allowed & near, cost + _motion_cost(rays.points, before, length), np.inf)
     return result
 
 
@@ -168,6 +171,14 @@ def _with_motion(found: Candidates, before: Array | None, length: float) -> Cand
     if before is None:
         return found
     return replace(found, cost=found.cost + _motion_cost(found.points, before, length))
+
+
+def _continued(found: Candidates, before: Array | None, length: float) -> Candidates:
+    """Candidates of a single view where they continue what was seen; without that, one view is not enough."""
+    if before is None:
+        return replace(found, cost=np.full(len(found.cost), np.inf))
+    near = np.linalg.norm(found.points - before, axis=1) < RAY_GATE * length
+    return _with_motion(replace(found, cost=np.where(near, found.cost, np.inf)), before, length)
 
 
 def _motion_cost(points: Array, before: Array, length: float) -> Array:
@@ -212,7 +223,7 @@ def _together(index: Candidates, thumb: Candidates, shape: HandShape) -> Array:
     if shape.gap is None:
         deviation = gap / (NEAREST_FINGER * shape.index / INDEX_PER_FOREARM)
     else:
-        deviation = (gap / shape.gap - 1) / shape.gap_sigma
+        deviation = np.minimum(np.abs(gap / shape.gap - 1) / shape.gap_sigma, MAX_GAP_DEVIATION)
     shared = ((index.members[:, None] == thumb.members[None, :]) & (index.members[:, None] >= 0)).any(axis=2)
     both: Array = index.cost[:, None] + thumb.cost[None, :] + deviation**2
     return np.where(shared, np.inf, both)

@@ -2,7 +2,8 @@
 
 From one direction a neighbouring finger may stand in for the index without contradiction. When the hand turns, only the
 true tip stays at its distances from wrist and thumb on the ray of a visible tip and within the other view's silhouette:
-the shape that explains most orientations is the hand's.
+the shape that explains most orientations is the hand's. A neighbour stands in from a finger's breadth away, so the
+first shape is never far off.
 """
 
 from dataclasses import dataclass, replace
@@ -21,8 +22,9 @@ GAP_SIGMA = 0.04
 MIN_ORIENTATIONS = 4
 OUTLIER_SHARE = 0.1
 STEREO_WEIGHT = 0.1
-MAX_CHANGE = 0.15
-MIN_GAP = 0.4
+MAX_CHANGE = 0.06
+GAP_RANGE = (0.78, 1.03)
+NEARNESS_WEIGHT = 0.5
 LEARNED_GAP_SIGMA = 0.05
 
 
@@ -45,6 +47,7 @@ class HandModel:
 
     def __init__(self, shape: HandShape) -> None:
         self.shape = shape
+        self._first = shape
         self._orientations: list[_Orientation] = []
 
     def observe(self, wrist: Array, fingers: Fingers) -> None:
@@ -57,8 +60,9 @@ class HandModel:
         if any(float(direction @ known.direction) > MIN_TURN_COSINE for known in self._orientations):
             return
         distances = _distances(stereo.points, wrist, thumb)
-        apart = distances[:, 1] > MIN_GAP * self.shape.index
-        likely = np.flatnonzero(apart & (np.abs(distances[:, 0] / self.shape.index - 1) < MAX_CHANGE))
+        low, high = (share * (self._first.gap or self._first.index) for share in GAP_RANGE)
+        apart = (distances[:, 1] > low) & (distances[:, 1] < high)
+        likely = np.flatnonzero(apart & (np.abs(distances[:, 0] / self._first.index - 1) < MAX_CHANGE))
         order = likely[np.argsort(stereo.cost[likely])][:PER_ORIENTATION]
         possible = _distances(rays.points[rays.allowed], wrist, thumb)
         if not len(order) or not len(possible):
@@ -70,10 +74,11 @@ class HandModel:
             self._fit()
 
     def _fit(self) -> None:
-        """Take the hypothesis that most orientations allow, of equals the one that both views saw most often."""
+        """Take the hypothesis that most orientations allow; of equals the finger nearer to the thumb."""
         hypotheses = np.concatenate([o.stereo for o in self._orientations])
         sigma = np.array([LENGTH_SIGMA * self.shape.index, GAP_SIGMA * self.shape.index])
-        score = np.zeros(len(hypotheses))
+        nearness = 1 - hypotheses[:, 1] / (self._first.gap or self._first.index)
+        score = NEARNESS_WEIGHT * len(self._orientations) * nearness
         for o in self._orientations:
             score += np.log(OUTLIER_SHARE + _fit_of(hypotheses, o.possible, sigma).max(axis=1))
             score += STEREO_WEIGHT * np.max(o.likelihood * _fit_of(hypotheses, o.stereo, sigma), axis=1)

@@ -163,11 +163,11 @@ class SilhouetteTracker:
         ]
 
     def _expected_fingers(self, joints: Joints) -> Fingers:
-        """The last fingers, carried along with the wrist."""
+        """The last fingers, carried along with the wrist; an open hand says nothing of where the thumb will be."""
         if self._last is None:
             return Fingers(None, None)
-        shift = joints.wrist - self._last.joints.wrist
-        return carried(self._last.fingers, shift)
+        expected = carried(self._last.fingers, joints.wrist - self._last.joints.wrist)
+        return replace(expected, thumb=None) if self._last.fingers.hand_open else expected
 
     def _overlay(self, view: int, moment: _Moment) -> Overlay:
         f, projection = moment.features[view], self._projections[view]
