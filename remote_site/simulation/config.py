@@ -56,19 +56,19 @@ class BlockConfig(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fiel
     size_m: Annotated[Point, Meta(description="depth (x), thickness (y), height (z)")] = (0.100, 0.050, 0.200)
     mass_kg: Annotated[float, Meta(gt=0, le=2.0, description="plastic foam; the arm carries 2 kg at most")] = 0.12
     friction: Annotated[Positive, Meta(description="on table and fingers")] = 0.7
-    centre_xy_m: Annotated[tuple[float, float], Meta(description="centre on the table")] = (0.600, 0.0)
+    centre_xy_m: Annotated[tuple[float, float], Meta(description="centre on the table")] = (0.564, 0.0)
 
 
 class SceneConfig(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
     """Floor, table and target paper, in the base frame."""
 
     floor_z_m: Annotated[float, Meta(lt=0, description="the base stands on a pedestal this high")] = -0.45
-    table_z_m: Annotated[float, Meta(description="top of the table")] = 0.469
+    table_z_m: Annotated[float, Meta(description="top of the table")] = 0.578
     table_centre_xy_m: tuple[float, float] = (0.72, -0.05)
     table_size_xy_m: tuple[Positive, Positive] = (0.60, 1.00)
     target_corner_xy_m: Annotated[
         tuple[float, float], Meta(description="where the block's corner (+x, -y) belongs; the paper extends to -x, +y")
-    ] = (0.650, -0.225)
+    ] = (0.614, -0.225)
     target_side_m: Annotated[Positive, Meta(description="side of the square target paper")] = 0.0765
 
 
