@@ -70,8 +70,8 @@ def test_pick_and_place_goes_where_it_should_and_returns():
     assert path.pose(2.0 + 3.6).wrist - start == pytest.approx([0.0, -0.10, -0.14])
     assert path.pose(2.0 + 6.0).wrist - start == pytest.approx([0.0, -0.10, -0.09])
     assert path.pose(2.0 + 9.5).wrist - start == pytest.approx([-0.20, -0.10, -0.14])
-    assert path.pose(2.0 + 13.0).wrist == pytest.approx(start)
-    assert path.pose(2.0 + 13.0 + 3.6).wrist - start == pytest.approx([0.0, -0.10, -0.14])
+    assert path.pose(2.0 + 13.2).wrist == pytest.approx(start)
+    assert path.pose(2.0 + 13.2 + 3.6).wrist - start == pytest.approx([0.0, -0.10, -0.14])
 
 
 @pytest.mark.parametrize("name", ["pick_and_place", "toggles"])

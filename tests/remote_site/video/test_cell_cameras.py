@@ -38,7 +38,7 @@ def posture(cell, joint_2: float = 0.0):
 
 @pytest.mark.parametrize("name", VIEWS)
 def test_every_view_sees_the_fingers_and_the_block(cell, renderer, name):
-    image = renderer.render(renderer.view_id(name), posture(cell, -0.35)).astype(int)
+    image = renderer.render(renderer.view_id(name), posture(cell, -0.1)).astype(int)
     blue, green, red = image[:, :, 0], image[:, :, 1], image[:, :, 2]
     orange = (red > 100) & (red - blue > 80) & (green - blue > 25)
     foam = (blue > 70) & (blue - red > 40)
