@@ -1,99 +1,72 @@
-"""How long the pure part of a control tick takes: mapping, inverse kinematics, follower and guard, in microseconds."""
+"""What the pure part of a control tick costs: the whole chain, with and without a new hand sample, in microseconds."""
 
 import gc
 import time
-from collections.abc import Callable
-from typing import TypeVar
 
 import numpy as np
-from rich.console import Console
-from rich.table import Table
 
-from common.clock import NS_PER_S
-from common.geometry import rotation_from_vector
+from common.clock import NS_PER_MS, NS_PER_S, SAME_HOST
+from common.messages import HandArm, TrackingStatus
+from remote_site.chain import Chain
 from remote_site.config import RemoteConfig
-from remote_site.kinematics.inverse import Solution, SphericalWristInverse
-from remote_site.kinematics.joints import JointMotion
 from remote_site.kinematics.limits import JointLimits
 from remote_site.kinematics.model import ArmModel
-from remote_site.mapping import Mapping
-from remote_site.motion import Course, Follower, leash
-from remote_site.safety.guard import Guard, Passed, Workspace
 
-T = TypeVar("T")
-TICKS = 5000
-TICK_S = 0.004
+TICKS = 6000
+TICK_NS = 4 * NS_PER_MS
+TICKS_PER_SAMPLE = 8
+WARM_UP = 500
 
 
-class Chain:
-    """The steps of a tick around an arm that follows a swaying hand."""
-
-    def __init__(self) -> None:
-        config = RemoteConfig()
-        self.config = config
-        self.model = ArmModel.from_urdf(config.robot.urdf, config.robot.tool_frame, config.robot.tool_T_tcp)
-        limits = JointLimits.from_model(self.model, config.robot)
-        box = Workspace(np.array(config.safety.workspace_min_m), np.array(config.safety.workspace_max_m))
-        self.inverse = SphericalWristInverse(self.model, limits)
-        self.guard = Guard(limits, box, self.model, TICK_S)
-        self.follower = Follower(limits, TICK_S)
-        self.course = Course(limits, config.control)
-        self.mapping = Mapping(config.mapping)
-        start = config.robot.start
-        self.sent = JointMotion.at_rest(start)
-        self.mapping.engage(np.zeros(3), np.eye(3), self.model.forward(start))
-        self.course.reset(0, start)
-        self.spent: dict[str, list[int]] = {}
-
-    def tick(self, k: int) -> None:
-        """One tick with a new hand sample in it."""
-        now_ns = round(k * TICK_S * NS_PER_S)
-        t = k * TICK_S
-        wrist = 0.06 * np.array([np.sin(1.3 * t), np.sin(1.7 * t), np.cos(2.1 * t) - 1.5])
-        turn = rotation_from_vector(0.3 * np.array([np.sin(1.1 * t), np.sin(1.9 * t), np.sin(0.7 * t)]))
-        tool = self.model.forward(self.sent.q)
-        target = self.timed("mapping", lambda: self.mapping.target(wrist, turn))
-        leashed, _ = self.timed("leash", lambda: leash(target, tool, 0.2, 1.0))
-        solution = self.timed("inverse", lambda: self.inverse.nearest(leashed, self.sent.q))
-        if not isinstance(solution, Solution):
-            raise SystemExit(f"the path of the benchmark is not reachable: {solution.reason.sentence}")
-        self.timed("course: aim", lambda: self.course.aim(now_ns, solution.q, now_ns))
-        aim = self.timed("course: at", lambda: self.course.at(now_ns))
-        self.follower.reset(self.sent)
-        proposed = self.timed("follower", lambda: self.follower.track(*aim))
-        if not isinstance(proposed, JointMotion):
-            raise SystemExit(f"the follower found no way: {proposed.sentence}")
-        verdict = self.timed("guard", lambda: self.guard.check(proposed, self.sent))
-        self.sent = proposed if isinstance(verdict, Passed) else self.guard.stop(self.sent)
-        self.timed("stop (in place of the follower)", lambda: self.guard.stop(self.sent))
-
-    def timed(self, name: str, step: Callable[[], T]) -> T:
-        """Run a step and note its time."""
-        begin = time.perf_counter_ns()
-        result = step()
-        self.spent.setdefault(name, []).append(time.perf_counter_ns() - begin)
-        return result
-
-
-def main() -> None:
-    """Print the table."""
-    chain = Chain()
-    for k in range(200):
-        chain.tick(k)
-    chain.spent.clear()
+def measure() -> dict[str, float]:
+    """p50 and p99 in µs of a tick, without and with a new sample, while the arm follows a swaying hand."""
+    config = RemoteConfig()
+    model = ArmModel.from_urdf(config.robot.urdf, config.robot.tool_frame, config.robot.tool_T_tcp)
+    chain = Chain(config, model, JointLimits.from_model(model, config.robot), config.robot.start)
+    spent: dict[bool, list[int]] = {True: [], False: []}
     gc.disable()
-    for k in range(200, 200 + TICKS):
-        chain.tick(k)
-    table = Table("step", "p50 µs", "p99 µs", title=f"control tick, {TICKS} ticks, each with a new sample")
-    spent = {name: np.array(times) / 1e3 for name, times in chain.spent.items()}
-    between = spent["course: at"] + spent["follower"] + spent["guard"]
-    rows = spent | {"a tick between samples": between}
-    new = [spent[name] for name in ("mapping", "leash", "inverse", "course: aim")]
-    rows["a tick with a new sample"] = between + sum(new)
-    for name, times in rows.items():
-        table.add_row(name, *(f"{np.percentile(times, p):.1f}" for p in (50, 99)))
-    Console().print(table)
+    try:
+        for k in range(1, TICKS):
+            new_sample = k % TICKS_PER_SAMPLE == 0
+            elapsed_ns = _tick(chain, k, new_sample=new_sample)
+            if k > WARM_UP:
+                spent[new_sample].append(elapsed_ns)
+    finally:
+        gc.enable()
+    names = {True: "with a new sample", False: "between samples"}
+    return {
+        f"{names[new]}, p{level} µs": float(np.percentile(times, level)) / 1e3
+        for new, times in spent.items()
+        for level in (50, 99)
+    }
 
 
-if __name__ == "__main__":
-    main()
+def _tick(chain: Chain, k: int, *, new_sample: bool) -> int:
+    now_ns = k * TICK_NS
+    sample = _swaying_hand(k, now_ns - TICK_NS) if new_sample else None
+    begin_ns = time.perf_counter_ns()
+    if sample is not None:
+        chain.receive(sample, now_ns, SAME_HOST)
+    step = chain.tick(now_ns, chain.robot(ready=True, fault=""))
+    elapsed_ns = time.perf_counter_ns() - begin_ns
+    chain.sent = step.motion
+    return elapsed_ns
+
+
+def _swaying_hand(seq: int, capture_ns: int) -> HandArm:
+    t = capture_ns / NS_PER_S
+    x, y, z = 0.06 * np.sin(1.3 * t), 0.06 * np.sin(1.7 * t), 0.3 - 0.05 * (1 - np.cos(2.1 * t))
+    return HandArm(
+        session=1,
+        seq=seq,
+        capture_ns=capture_ns,
+        elbow=None,
+        wrist=(x, y, z),
+        index=(x + 0.02, y - 0.17, z),
+        thumb=(x - 0.05, y - 0.1, z + 0.01),
+        status=TrackingStatus.TRACKED,
+        reason="",
+        thumb_inferred=False,
+        hand_open=False,
+        gripper_toggles=0,
+    )

@@ -10,7 +10,6 @@ from local_site.simulation.operator import SimulatedOperator
 
 PAIRS = 200
 STEP_S = 0.08
-LIMITS_MS = {"plain": 5.0, "noise, blur, distortion": 12.0}
 CONFIGS = {
     "plain": SimulationConfig(picture=PictureConfig(blur_sigma_px=0.0, noise_sigma=0.0)),
     "noise, blur, distortion": SimulationConfig(stereo=StereoConfig(k1=-0.1)),
@@ -36,17 +35,3 @@ def _pair_times_ms(operator: SimulatedOperator) -> list[float]:
         operator.render(k * STEP_S)
         times_ms.append(1e3 * (time.perf_counter() - start))
     return times_ms
-
-
-def main() -> None:
-    """Print the table."""
-    figures = measure()
-    print(f"{'stereo pair, 640 x 480':28}{'median ms':>10}{'p95 ms':>10}{'limit ms':>10}")
-    for name in CONFIGS:
-        limit = LIMITS_MS.get(name)
-        median, p95 = figures[f"{name}, median ms"], figures[f"{name}, p95 ms"]
-        print(f"{name:28}{median:10.2f}{p95:10.2f}{'' if limit is None else limit:>10}")
-
-
-if __name__ == "__main__":
-    main()

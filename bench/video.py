@@ -1,6 +1,5 @@
 """What one camera frame costs: rendered, encoded, and through the whole video process's path; milliseconds each."""
 
-import json
 import statistics
 import time
 from collections.abc import Callable
@@ -43,7 +42,3 @@ def measure() -> dict[str, float]:
     figures["core_share_percent"] = round(per_round * config.fps / 10.0, 1)
     renderer.close()
     return figures
-
-
-if __name__ == "__main__":
-    print(json.dumps({"video": measure()}, indent=1))

@@ -1,0 +1,38 @@
+"""Runs every measurement, prints one table each, and writes build/bench.json: {benchmark: {figure: value}}."""
+
+import json
+import sys
+from collections.abc import Callable
+from pathlib import Path
+
+from rich.console import Console
+from rich.table import Table
+
+from bench import control_tick, rendering, tracking, video
+
+BENCHMARKS: dict[str, Callable[[], dict[str, float]]] = {
+    "control_tick": control_tick.measure,
+    "rendering": rendering.measure,
+    "tracking": tracking.measure,
+    "video": video.measure,
+}
+RESULTS = Path("build") / "bench.json"
+
+
+def main(names: list[str]) -> None:
+    """Run the named benchmarks, all without names."""
+    unknown = set(names) - set(BENCHMARKS)
+    if unknown:
+        sys.exit(f"no such benchmark: {', '.join(sorted(unknown))}; there are {', '.join(BENCHMARKS)}")
+    results = {name: BENCHMARKS[name]() for name in names or BENCHMARKS}
+    for name, figures in results.items():
+        table = Table(title=name, show_header=False)
+        for figure, value in figures.items():
+            table.add_row(figure, f"{value:.3f}")
+        Console().print(table)
+    RESULTS.parent.mkdir(exist_ok=True)
+    RESULTS.write_text(json.dumps(results, indent=2) + "\n", encoding="utf-8")
+
+
+if __name__ == "__main__":
+    main(sys.argv[1:])
