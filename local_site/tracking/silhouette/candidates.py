@@ -1,6 +1,5 @@
 """Where a finger tip may be in 3D: tips paired between two views, and tips of one view at known distances."""
 
-import math
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
@@ -128,25 +127,22 @@ def tip_rays(
     projections: Sequence[Array], features: Sequence[Features], places: Sequence[Places], wrist: Array, reach: float
 ) -> Rays:
     """The rays of the likeliest tips within `reach` m of the wrist (3,)."""
-    points, allowed, cost, members = [], [], [], []
-    depths = np.linspace(-reach, reach, SAMPLES)[:, None]
+    lines, allowed, cost, members = [], [], [], []
+    depths = np.linspace(-reach, reach, SAMPLES)
     for k, place in enumerate(places):
         inverse = np.linalg.inv(projections[k][:, :3])
         centre = -inverse @ projections[k][:, 3]
-        for n in np.argsort(place.cost)[:RAYS_PER_VIEW]:
-            ray = inverse @ np.append(place.pixels[n], 1.0)
-            ray = ray / math.sqrt(float(ray @ ray))
-            line = centre + (float((wrist - centre) @ ray) + depths) * ray
-            points.append(line)
-            allowed.append(features[1 - k].silhouette.contains(project(projections[1 - k], line)))
-            cost.append(SINGLE_VIEW_COST + float(place.cost[n]))
-            members.append((int(n), -1) if k == 0 else (-1, int(n)))
-    return Rays(
-        np.array(points).reshape(-1, SAMPLES, 3),
-        np.array(allowed, dtype=bool).reshape(-1, SAMPLES),
-        np.array(cost),
-        np.array(members, dtype=np.int64).reshape(-1, 2),
-    )
+        chosen = np.argsort(place.cost)[:RAYS_PER_VIEW]
+        rays = np.column_stack([place.pixels[chosen], np.ones(len(chosen))]) @ inverse.T
+        rays /= np.linalg.norm(rays, axis=1, keepdims=True)
+        along = (rays @ (wrist - centre))[:, None] + depths
+        lines.append(centre + along[..., None] * rays[:, None])
+        inside = features[1 - k].silhouette.contains(project(projections[1 - k], lines[-1]).reshape(-1, 2))
+        allowed.append(inside.reshape(-1, SAMPLES))
+        cost.append(SINGLE_VIEW_COST + place.cost[chosen])
+        unseen = np.full(len(chosen), -1)
+        members.append(np.column_stack([chosen, unseen] if k == 0 else [unseen, chosen]))
+    return Rays(np.concatenate(lines), np.concatenate(allowed), np.concatenate(cost), np.concatenate(members))
 
 
 def _deviation(points: Array, anchors: Sequence[Anchor]) -> Array:

@@ -89,11 +89,10 @@ def find_fingers(
     if shape.gap is None or spread:
         return replace(found.fingers, hand_open=spread, stereo=stereo)
     rays = tip_rays(projections, features, places, wrist, RAY_REACH * shape.index)
-    trials = [
-        found,
-        *_index_from_rays(rays, thumb, wrist, shape, expected),
-        *_thumb_from_rays(rays, index, wrist, shape, expected),
-    ]
+    trials = [found]
+    if found.cost > SINGLE_VIEW_COST:
+        trials += _index_from_rays(rays, thumb, wrist, shape, expected)
+        trials += _thumb_from_rays(rays, index, wrist, shape, expected)
     found = min(trials, key=_cost)
     if found.cost > 2 * SINGLE_VIEW_COST:
         found = min(found, _both_from_rays(rays, wrist, shape, expected), key=_cost)
