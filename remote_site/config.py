@@ -91,6 +91,12 @@ class SafetyConfig(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fie
     ] = 500.0
     hand_speed_m_s: Annotated[float, Meta(gt=0, le=20, description="a faster wrist is a jump, m/s")] = 3.0
     hand_noise_m: Annotated[float, Meta(ge=0, le=0.2, description="added to the jump limit for noise, m")] = 0.03
+    hand_turn_deg_s: Annotated[
+        float, Meta(gt=0, le=2000, description="a hand that turns faster turns the tool no more, deg/s")
+    ] = 120.0
+    turn_settle_ms: Annotated[
+        float, Meta(ge=0, le=2000, description="calm before the hand's orientation turns the tool again, ms")
+    ] = 200.0
     jumps_to_latch: Annotated[int, Meta(ge=1, le=100, description="jumps in a row that end the engagement")] = 3
     workspace_min_m: Annotated[Row3, Meta(description="lower corner of the tool's box in the base frame, m")] = (
         0.15,

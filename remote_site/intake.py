@@ -9,6 +9,7 @@ from common.clock import NS_PER_MS, NS_PER_S, ClockOffset
 from common.geometry import Array, hand_rotation
 from common.messages import HandArm, TrackingStatus
 from remote_site.config import SafetyConfig
+from remote_site.orientation import OrientationGate
 from remote_site.safety.status import Code, Reason, reason
 
 SESSIONS_REMEMBERED = 256
@@ -19,7 +20,7 @@ class Accepted:
     """A sample to act on: wrist (3,) in the operator frame in m, the hand's orientation (3 x 3) if it shows one.
 
     `born_ns` is its capture on our clock, the earliest it can be; the age counts from there. The orientation is None
-    while a fingertip is missing or the hand is open.
+    while a fingertip is missing, the hand is open or turns too fast to be meant.
     """
 
     sample: HandArm
@@ -53,6 +54,7 @@ class Intake:
         self._capture_ns = -1
         self._last: Accepted | None = None
         self._jumps = 0
+        self._gate = OrientationGate(config)
 
     def accept(self, sample: HandArm, now_ns: int, offset: ClockOffset | None) -> Accepted | Rejected:
         """Accepted, or Rejected with the first rule that was broken; only samples that exist in time are remembered."""
@@ -69,7 +71,8 @@ class Intake:
         if (jump := self._jump(wrist, born_ns)) is not None:
             return self._jumped(jump, new_session)
         self._jumps = 0
-        self._last = Accepted(sample, wrist, _orientation(sample), born_ns, new_session)
+        orientation = self._gate.judge(_orientation(sample), born_ns)
+        self._last = Accepted(sample, wrist, orientation, born_ns, new_session)
         return self._last
 
     def _order(self, sample: HandArm) -> Reason | None:

@@ -34,10 +34,11 @@ def accept(intake, sample, now_ns=None, offset=SAME_HOST):
 
 
 def test_a_good_sample_is_accepted_with_wrist_orientation_and_time_of_birth(intake):
-    sample = hand(1, NOW)
-    result = accept(intake, sample)
+    for seq in range(1, 11):
+        sample = hand(seq, NOW + seq * 33 * NS_PER_MS)
+        result = accept(intake, sample)
     assert isinstance(result, Accepted)
-    assert result.born_ns == NOW
+    assert result.born_ns == sample.capture_ns
     assert result.wrist.tolist() == list(sample.wrist)
     assert np.array_equal(
         result.operator_R_hand, hand_rotation(*map(np.array, (sample.wrist, sample.index, sample.thumb)))
