@@ -93,21 +93,22 @@ class _Stop:
 
 
 # Forward is -y, the operator's right -x. Down before forward, so that a tool a little off pushes the block aside instead
-# of pressing on it from above. Between two stops of one place the hand opens.
+# of pressing on it from above; let go 3 cm above the table, for this operator does not see what he sets down. Between two
+# stops of one place the hand opens.
 _PICK_AND_PLACE = (
     _Stop(0.0, 0.0, 0.0, 0.0, 0.0),
     _Stop(0.8, 0.0, 0.0, 0.0, 0.0),
-    _Stop(2.5, 0.0, -0.02, -0.14, 0.0),
-    _Stop(3.6, 0.0, -0.10, -0.14, 0.0),
-    _Stop(5.0, 0.0, -0.10, -0.14, 0.0),
-    _Stop(6.0, 0.0, -0.10, -0.09, -15.0),
-    _Stop(7.8, -0.20, -0.10, -0.09, 15.0),
-    _Stop(8.8, -0.20, -0.10, -0.14, 0.0),
-    _Stop(10.2, -0.20, -0.10, -0.14, 0.0),
-    _Stop(11.3, -0.20, -0.02, -0.14, 0.0),
-    _Stop(13.2, 0.0, 0.0, 0.0, 0.0),
+    _Stop(2.5, 0.0, -0.02, -0.16, 0.0),
+    _Stop(3.6, 0.0, -0.10, -0.16, 0.0),
+    _Stop(5.0, 0.0, -0.10, -0.16, 0.0),
+    _Stop(6.1, 0.0, -0.10, -0.09, -15.0),
+    _Stop(7.9, -0.20, -0.10, -0.09, 15.0),
+    _Stop(8.9, -0.20, -0.10, -0.13, 0.0),
+    _Stop(10.3, -0.20, -0.10, -0.13, 0.0),
+    _Stop(11.4, -0.20, -0.02, -0.13, 0.0),
+    _Stop(13.3, 0.0, 0.0, 0.0, 0.0),
 )
-_PICK_S, _PLACE_S = 3.9, 9.1
+_PICK_S, _PLACE_S = 3.9, 9.2
 
 
 def _pick_and_place(t_s: float) -> tuple[Array, Array]:

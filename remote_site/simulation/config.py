@@ -63,7 +63,7 @@ class SceneConfig(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fiel
     """Floor, table and target paper, in the base frame."""
 
     floor_z_m: Annotated[float, Meta(lt=0, description="the base stands on a pedestal this high")] = -0.45
-    table_z_m: Annotated[float, Meta(description="top of the table")] = 0.578
+    table_z_m: Annotated[float, Meta(description="top of the table")] = 0.558
     table_centre_xy_m: tuple[float, float] = (0.72, -0.05)
     table_size_xy_m: tuple[Positive, Positive] = (0.60, 1.00)
     target_corner_xy_m: Annotated[
