@@ -56,7 +56,7 @@ class BlockConfig(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fiel
     size_m: Annotated[Point, Meta(description="depth (x), thickness (y), height (z)")] = (0.100, 0.050, 0.200)
     mass_kg: Annotated[float, Meta(gt=0, le=2.0, description="plastic foam; the arm carries 2 kg at most")] = 0.12
     friction: Annotated[Positive, Meta(description="on table and fingers")] = 0.7
-    centre_xy_m: Annotated[tuple[float, float], Meta(description="centre on the table")] = (0.564, 0.0)
+    centre_xy_m: Annotated[tuple[float, float], Meta(description="centre on the table")] = (0.544, 0.0)
 
 
 class SceneConfig(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
@@ -68,7 +68,7 @@ class SceneConfig(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fiel
     table_size_xy_m: tuple[Positive, Positive] = (0.60, 1.00)
     target_corner_xy_m: Annotated[
         tuple[float, float], Meta(description="where the block's corner (+x, -y) belongs; the paper extends to -x, +y")
-    ] = (0.614, -0.225)
+    ] = (0.594, -0.225)
     target_side_m: Annotated[Positive, Meta(description="side of the square target paper")] = 0.0765
 
 

@@ -67,11 +67,11 @@ def test_rotations_turn_about_their_axis_with_the_wrist_still(name, axis):
 def test_pick_and_place_goes_where_it_should_and_returns():
     path = motion("pick_and_place")
     start = path.pose(0.0).wrist
-    assert path.pose(2.0 + 3.6).wrist - start == pytest.approx([0.0, -0.10, -0.16])
-    assert path.pose(2.0 + 6.1).wrist - start == pytest.approx([0.0, -0.10, -0.09])
-    assert path.pose(2.0 + 9.5).wrist - start == pytest.approx([-0.20, -0.10, -0.13])
-    assert path.pose(2.0 + 13.3).wrist == pytest.approx(start)
-    assert path.pose(2.0 + 13.3 + 3.6).wrist - start == pytest.approx([0.0, -0.10, -0.16])
+    assert path.pose(2.0 + 3.6).wrist - start == pytest.approx([0.0, -0.08, -0.16])
+    assert path.pose(2.0 + 6.0).wrist - start == pytest.approx([0.0, -0.08, -0.12])
+    assert path.pose(2.0 + 9.5).wrist - start == pytest.approx([-0.20, -0.08, -0.13])
+    assert path.pose(2.0 + 13.0).wrist == pytest.approx(start)
+    assert path.pose(2.0 + 13.0 + 3.6).wrist - start == pytest.approx([0.0, -0.08, -0.16])
 
 
 @pytest.mark.parametrize("name", ["pick_and_place", "toggles"])
