@@ -65,6 +65,18 @@ def start_log(site: str) -> None:
     structlog.contextvars.bind_contextvars(site=site)
 
 
+def ask_for_real_time(priority: int) -> bool:
+    """Ask for SCHED_FIFO for the calling thread, and say in the log when it was refused."""
+    try:
+        os.sched_setscheduler(0, os.SCHED_FIFO, os.sched_param(priority))
+    except PermissionError:
+        structlog.get_logger().warning(
+            "no real-time scheduling", cure="grant CAP_SYS_NICE or LimitRTPRIO; late ticks are likely under load"
+        )
+        return False
+    return True
+
+
 def be_nice(increment: int) -> None:
     """Give way to the processes that control the robot."""
     os.nice(increment)

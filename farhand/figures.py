@@ -2,6 +2,7 @@
 
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
+from itertools import pairwise
 from typing import Any
 
 import numpy as np
@@ -126,7 +127,16 @@ def all_figures(record: Record, truth: Truth, expectation: Expectation) -> Figur
         "video": video_figures(record.cameras),
         "control": control_figures(states),
         "engagements": states[-1].engagement.number if states and states[-1].engagement else 0,
+        "holds": _holds(states),
     }
+
+
+def _holds(states: Sequence[RobotState]) -> int:
+    """How often following gave way to a hold."""
+    return sum(
+        before.state is SessionState.ENGAGED and after.state is not SessionState.ENGAGED
+        for before, after in pairwise(states)
+    )
 
 
 def _sampled_truth(start_ns: int, end_ns: int, truth: Truth) -> tuple[Array, Array]:

@@ -1,15 +1,19 @@
 """What a person sees of a loopback run: a progress bar with the state in words, and the table at the end."""
 
+import math
 from types import TracebackType
 from typing import Self
 
+import numpy as np
 from rich.console import Console
 from rich.progress import BarColumn, Progress, TextColumn, TimeElapsedColumn
 from rich.table import Table
 
 from common.clock import NS_PER_MS
+from common.messages import HandArm
 from farhand.figures import POINTS, Figures
 from farhand.recorder import Record
+from remote_site.mapping import thesis_angles
 
 
 class LiveSummary:
@@ -38,10 +42,18 @@ def _words(record: Record) -> str:
     if not record.states or not record.hands:
         return "waiting for both sites"
     state, hand = record.states[-1], record.hands[-1]
-    words = [f"{state.state.value}: {state.reason}", f"hand {hand.status.value}"]
+    words = [f"{state.state.value}: {state.reason}", f"hand {hand.status.value}{_angles(hand)}"]
     if state.obeyed is not None:
         words.append(f"{(state.obeyed.command_ns - state.obeyed.capture_ns) / NS_PER_MS:.0f} ms to the command")
     return ", ".join(words)
+
+
+def _angles(hand: HandArm) -> str:
+    """The thesis's angles of the hand, in degrees, where it shows them."""
+    if hand.wrist is None or hand.index is None or hand.thumb is None:
+        return ""
+    angles = thesis_angles(*map(np.array, (hand.wrist, hand.index, hand.thumb)))
+    return " α {:.0f}° β {:.0f}° γ {:.0f}°".format(*map(math.degrees, angles))
 
 
 def print_table(figures: Figures, console: Console) -> None:
@@ -74,7 +86,7 @@ def _rows(figures: Figures) -> list[tuple[str, str]]:
             f"{_show(control['hz'])} Hz, {control['missed']} late by a period, p99 {_show(control['late_p99_us'])} µs",
         ),
         ("scheduling", "SCHED_FIFO" if control["real_time"] else "ordinary: no right to SCHED_FIFO"),
-        ("engagements", str(figures["engagements"])),
+        ("engagements, holds", f"{figures['engagements']}, {figures['holds']}"),
         ("gripper toggles", f"{figures['toggles']['sent']} sent, {figures['toggles']['applied']} applied"),
         ("samples refused", ", ".join(f"{n} {code}" for code, n in figures["rejected"].items()) or "none"),
     ]

@@ -1,12 +1,9 @@
 """The control process: read, intake, map, inverse kinematics, guard, write, 250 times a second; nothing else in it."""
 
 import gc
-import os
 import time
 from collections import Counter
 from dataclasses import dataclass, field
-
-import structlog
 
 from common.channels import ENGAGE, HAND, STATE
 from common.children import Heartbeat
@@ -14,7 +11,7 @@ from common.clock import NS_PER_MS, SAME_HOST, MonotonicClock
 from common.errors import DriverError, MessageError
 from common.messages import HandArm, Reply, Request
 from common.rate import Rate
-from common.service import StopFlag
+from common.service import StopFlag, ask_for_real_time
 from common.transport import Latest, Link, Server, open_link
 from remote_site.chain import Chain, Step
 from remote_site.config import RemoteConfig
@@ -42,7 +39,7 @@ def run_control(config: RemoteConfig, memory: CellMemory | None, should_stop: St
     driver.configure(DriverSetup(model.joint_names, limits, 1.0 / config.control.rate_hz, timeout_ns))
     with open_link(listen=(config.links.control,)) as link:
         chain = Chain(config, model, limits, config.robot.start)
-        real_time = _ask_for_real_time()
+        real_time = ask_for_real_time(FIFO_PRIORITY)
         _activate(driver, chain, should_stop)
         rate = Rate(config.control.rate_hz, clock)
         reporter = Reporter(link.publisher(STATE, config.cell), model, rate, real_time=real_time)
@@ -166,15 +163,3 @@ def _activate(driver: Driver, chain: Chain, should_stop: StopFlag) -> None:
         if time.monotonic() > deadline:
             raise DriverError(f"the robot did not get ready in {ACTIVATION_TIMEOUT_S:g} s: {why}")
         time.sleep(ACTIVATION_POLL_S)
-
-
-def _ask_for_real_time() -> bool:
-    """Ask for SCHED_FIFO for this thread; say so in the log when it was refused."""
-    try:
-        os.sched_setscheduler(0, os.SCHED_FIFO, os.sched_param(FIFO_PRIORITY))
-    except PermissionError:
-        structlog.get_logger().warning(
-            "no real-time scheduling", cure="grant CAP_SYS_NICE or LimitRTPRIO=50; late ticks are likely under load"
-        )
-        return False
-    return True

@@ -20,7 +20,7 @@ class Accepted:
     """A sample to act on: wrist (3,) in the operator frame in m, the hand's orientation (3 x 3) if it shows one.
 
     `born_ns` is its capture on our clock, the earliest it can be; the age counts from there. The orientation is None
-    while a fingertip is missing, the hand is open or turns too fast to be meant.
+    while a fingertip is missing or inferred, the hand is open or turns too fast to be meant.
     """
 
     sample: HandArm
@@ -137,7 +137,13 @@ def _not_tracked(sample: HandArm) -> Reason:
 
 
 def _orientation(sample: HandArm) -> Array | None:
-    if sample.wrist is None or sample.index is None or sample.thumb is None or sample.hand_open:
+    if (
+        sample.wrist is None
+        or sample.index is None
+        or sample.thumb is None
+        or sample.hand_open
+        or sample.thumb_inferred
+    ):
         return None
     points = np.array([sample.wrist, sample.index, sample.thumb])
     return hand_rotation(*points) if np.isfinite(points).all() else None

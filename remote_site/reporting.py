@@ -1,21 +1,46 @@
 """What the remote site tells of itself: the robot's state, which hand sample it obeys, and when that moved it."""
 
 import secrets
+import threading
 from collections.abc import Mapping
+from queue import SimpleQueue
 
 import msgspec
+import structlog
 
-from common.messages import LoopTiming, Obeyed, RobotState
+from common.messages import LoopTiming, Obeyed, RobotState, SessionState
 from common.rate import Rate
 from common.transport import Publisher
 from remote_site.chain import Chain, Step, pose_of
 from remote_site.drivers.driver import RobotReading
 from remote_site.intake import Accepted
 from remote_site.kinematics.model import ArmModel
+from remote_site.safety.status import Reason
 
 SESSION_BITS = 62
 LATE_PERCENTILE = 99.0
 STATES_PER_TIMING = 50  # ordering thousands of latenesses does not belong in every tick
+
+
+class TransitionLog:
+    """Writes every change of the session's state to the log from a thread of its own: no tick waits for a log."""
+
+    def __init__(self) -> None:
+        self._queue: SimpleQueue[tuple[SessionState, Reason]] = SimpleQueue()
+        self._state: SessionState | None = None
+        threading.Thread(target=self._write_for_ever, name="log", daemon=True).start()
+
+    def note(self, state: SessionState, reason: Reason) -> None:
+        """Note the state of a tick."""
+        if state is not self._state:
+            self._state = state
+            self._queue.put((state, reason))
+
+    def _write_for_ever(self) -> None:
+        log = structlog.get_logger()
+        while True:
+            state, reason = self._queue.get()
+            log.info("session", state=state.value, code=reason.code.value, reason=reason.sentence)
 
 
 class Reporter:
@@ -32,9 +57,11 @@ class Reporter:
         self._obeyed: Obeyed | None = None
         self._command_seq = 0
         self._timing = self._measured_timing()
+        self._log = TransitionLog()
 
     def note(self, step: Step, command_seq: int, command_ns: int, reading: RobotReading) -> None:
         """Note the command that first obeys a sample, and the reading that first shows it in the robot's motion."""
+        self._log.note(step.state, step.reason)
         if step.obeys is not None and step.obeys is not self._sample:
             self._sample, self._command_seq = step.obeys, command_seq
             sample = step.obeys.sample

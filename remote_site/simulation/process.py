@@ -8,6 +8,7 @@ import structlog
 
 from common.clock import NS_PER_S
 from common.errors import DriverError
+from common.service import ask_for_real_time
 from remote_site.config import RobotConfig
 from remote_site.shared_memory import CellMemory
 from remote_site.simulation.cell import Cell, build_cell
@@ -16,6 +17,7 @@ from remote_site.simulation.controller import ArmLimits, Controller
 from remote_site.simulation.servo import Servo
 
 MAX_LATE_STEPS = 20
+FIFO_PRIORITY = 40  # as a robot's own controller, but below the control loop
 
 
 class SimulatedCell:
@@ -84,6 +86,7 @@ def run_cell(
     Late steps are caught up; more than 40 ms late, time is let go and the log says so.
     """
     cell = SimulatedCell(config, robot, memory)
+    ask_for_real_time(FIFO_PRIORITY)
     period_ns = round(cell.dt * NS_PER_S)
     due_ns = time.monotonic_ns()
     while not (should_stop() and cell.controller.resting):

@@ -6,6 +6,12 @@ from pathlib import Path
 
 import pytest
 
+from common.config import load_config
+from local_site.config import LocalConfig
+from local_site.simulation.cameras import control_point_rows
+from local_site.simulation.config import SimulationConfig
+from remote_site.config import RemoteConfig
+
 DEPLOY = Path(__file__).parents[2] / "deploy" / "sites"
 
 
@@ -51,13 +57,30 @@ def test_misuse_is_told_with_its_cure(arguments: list[str], code: int, words: st
     assert not list(tmp_path.iterdir())
 
 
+def local_with_cameras(rig: Path) -> subprocess.CompletedProcess[str]:
+    settings = ["operator.left=/dev/video97", "operator.right=/dev/video98", f"operator.rig={rig}"]
+    return farhand("local", *(part for s in settings for part in ("--set", s)))
+
+
 def test_a_missing_camera_is_told(tmp_path: Path) -> None:
+    csv, rig = tmp_path / "points.csv", tmp_path / "rig.json"
+    csv.write_text("\n".join(control_point_rows(SimulationConfig().stereo, 0.3, 1)) + "\n")
+    calibrated = farhand("calibrate", "points", str(csv), "--out", str(rig))
+    assert calibrated.returncode == 0
+    assert "reprojection rms: left 0." in calibrated.stdout
+    assert "total" in calibrated.stdout
+    done = local_with_cameras(rig)
+    assert done.returncode == 1
+    assert "camera left: cannot open /dev/video97" in done.stderr
+    assert "Traceback" not in done.stderr
+
+
+def test_a_rig_that_is_none_is_told(tmp_path: Path) -> None:
     rig = tmp_path / "rig.json"
     rig.write_text("{}")
-    settings = ["operator.left=/dev/video97", "operator.right=/dev/video98", f"operator.rig={rig}"]
-    done = farhand("local", *(part for s in settings for part in ("--set", s)))
+    done = local_with_cameras(rig)
     assert done.returncode == 1
-    assert "rig" in done.stderr
+    assert "farhand calibrate points" in done.stderr
     assert "Traceback" not in done.stderr
 
 
@@ -76,8 +99,4 @@ def test_a_calibration_file_with_a_nonsense_point_is_refused_by_its_line(tmp_pat
 
 @pytest.mark.parametrize("name", ["remote", "local", "local-cameras"])
 def test_the_example_configurations_are_valid(name: str) -> None:
-    from common.config import load_config
-    from local_site.config import LocalConfig
-    from remote_site.config import RemoteConfig
-
     load_config(RemoteConfig if name == "remote" else LocalConfig, DEPLOY / f"{name}.toml")

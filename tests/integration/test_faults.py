@@ -47,12 +47,13 @@ def wait_until_it_moves(sites: Sites) -> None:
 
 @pytest.mark.parametrize("driver", ["simulated", "kinematic"])
 def test_a_killed_local_site_stops_the_arm_until_it_is_engaged_anew(sites: Sites, driver: str) -> None:
-    sites.remote(f"driver.name={driver}")
+    remote = sites.remote(f"driver.name={driver}")
     local = sites.local()
     wait_until_it_moves(sites)
 
     os.kill(local.pid, signal.SIGKILL)
     sites.wait("the latch", lambda: sites.is_in(SessionState.DISENGAGED), LATCH_AND_STOP_S)
+    sites.wait("the remote site to say so", lambda: any("state=disengaged code=latched" in x for x in remote.lines), 2)
     assert "old" in sites.state.reason
     sites.wait("rest", lambda: at_rest(sites), LATCH_AND_STOP_S)
     stopped_at = sites.state.q_commanded

@@ -100,12 +100,24 @@ def test_a_wrist_that_is_not_finite_is_refused(intake, value):
 
 @pytest.mark.parametrize(
     "changes",
-    [{"index": None}, {"thumb": None}, {"hand_open": True}, {"index": (0.0, np.nan, 0.0)}, {"thumb": (0.0, 0.0, 0.3)}],
+    [
+        {"index": None},
+        {"thumb": None},
+        {"thumb_inferred": True},
+        {"hand_open": True},
+        {"index": (0.0, np.nan, 0.0)},
+        {"thumb": (0.0, 0.0, 0.3)},
+    ],
 )
-def test_no_orientation_while_a_tip_is_missing_or_the_hand_is_open(intake, changes):
-    result = accept(intake, hand(1, NOW, **changes))
-    assert isinstance(result, Accepted)
-    assert result.operator_R_hand is None
+def test_no_orientation_while_a_tip_is_missing_or_inferred_or_the_hand_is_open(intake, changes):
+    def result(seq, **changes):
+        return accept(intake, hand(seq, NOW + seq * 33 * NS_PER_MS, **changes))
+
+    calm = [result(seq) for seq in range(1, 21)]
+    assert calm[-1].operator_R_hand is not None
+    changed = [result(seq, **changes) for seq in range(21, 24)]
+    assert all(isinstance(r, Accepted) for r in changed)
+    assert [r.operator_R_hand for r in changed[1:]] == [None, None]
 
 
 def test_a_jump_is_refused_and_three_in_a_row_latch(intake):
