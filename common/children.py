@@ -109,11 +109,11 @@ class Children:
                 child.process.join(KILL_TIMEOUT_S)
 
 
-def die_with_parent(parent_pid: int) -> None:
-    """Ask the kernel for SIGTERM when the parent dies; exit at once if it is dead already."""
-    ctypes.CDLL(None, use_errno=True).prctl(PR_SET_PDEATHSIG, signal.SIGTERM)
+def die_with_parent(parent_pid: int, number: signal.Signals = signal.SIGTERM) -> None:
+    """Ask the kernel for this signal when the parent dies; exit at once if it is dead already."""
+    ctypes.CDLL(None).prctl(PR_SET_PDEATHSIG, number)
     if os.getppid() != parent_pid:
-        sys.exit(1)
+        os._exit(1)
 
 
 def _run(name: str, main: ChildMain, heartbeat: Heartbeat, parent_pid: int) -> None:

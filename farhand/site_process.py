@@ -1,15 +1,14 @@
 """A site as a process of its own under the loopback: started, listened to, ended, never left behind."""
 
-import ctypes
 import os
-import signal
 import subprocess
 import sys
 import threading
 from collections import deque
 from typing import IO
 
-PR_SET_PDEATHSIG = 1
+from common.children import die_with_parent
+
 LINES_KEPT = 200
 END_TIMEOUT_S = 4.0
 
@@ -28,7 +27,7 @@ class SiteProcess:
             stderr=subprocess.PIPE,
             text=True,
             start_new_session=True,
-            preexec_fn=lambda: _die_with(parent),  # noqa: PLW1509  # two system calls that take no lock
+            preexec_fn=lambda: die_with_parent(parent),  # noqa: PLW1509  # two system calls that take no lock
         )
         if self._process.stderr is not None:
             self._listener = threading.Thread(target=self._listen, args=(self._process.stderr,), daemon=True)
@@ -66,10 +65,3 @@ class SiteProcess:
                 self.lines.append(line.rstrip())
                 if not line.startswith("level=info"):
                     self.events.append(f"{self.name}: {line.rstrip()}")
-
-
-def _die_with(parent: int) -> None:
-    """In the child before it runs: end in order when the loopback dies, whatever kills it."""
-    ctypes.CDLL(None).prctl(PR_SET_PDEATHSIG, signal.SIGTERM)
-    if os.getppid() != parent:
-        os._exit(1)

@@ -92,9 +92,9 @@ class _Stop:
     yaw_deg: float
 
 
-# Forward is -y, the operator's right -x. Down before forward, so that a tool a little off pushes the block aside instead
-# of pressing on it from above; let go 3 cm above the table, for this operator does not see what he sets down. Between two
-# stops of one place the hand opens.
+# Forward is -y, the operator's right -x. Down before forward, so that a tool a little off pushes the block aside
+# instead of pressing on it from above; let go 3 cm above the table, for this operator does not see what he sets down.
+# Between two stops of one place the hand opens.
 _PICK_AND_PLACE = (
     _Stop(0.0, 0.0, 0.0, 0.0, 0.0),
     _Stop(0.8, 0.0, 0.0, 0.0, 0.0),

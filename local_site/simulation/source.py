@@ -1,6 +1,5 @@
 """The simulated operator as a pair of cameras: rendered in a process of its own, read like any camera."""
 
-import ctypes
 import multiprocessing
 import os
 import select
@@ -11,6 +10,7 @@ from multiprocessing.process import BaseProcess
 import cv2
 
 from common.cameras.camera import Frame, Image
+from common.children import die_with_parent
 from common.clock import NS_PER_MS, NS_PER_S, MonotonicClock
 from common.errors import CameraError
 from local_site.calibration.rig import Rig
@@ -20,7 +20,6 @@ from local_site.simulation.exposures import ExposureLoop, Pace
 from local_site.simulation.frame_ring import FrameRing
 from local_site.simulation.operator import SimulatedOperator
 
-PR_SET_PDEATHSIG = 1
 END_WITHIN_S = 1.0
 
 
@@ -123,7 +122,7 @@ def _render_for_ever(loop: ExposureLoop, parent: int) -> None:
     signal.set_wakeup_fd(-1)
     signal.signal(signal.SIGINT, signal.SIG_IGN)
     signal.signal(signal.SIGTERM, signal.SIG_DFL)
-    ctypes.CDLL(None).prctl(PR_SET_PDEATHSIG, signal.SIGKILL)
+    die_with_parent(parent, signal.SIGKILL)
     # Zero and not one: one would wait for OpenCV's worker threads, which a forked process has not.
     cv2.setNumThreads(0)
     while os.getppid() == parent:
