@@ -3,6 +3,7 @@
 import statistics
 import time
 from collections.abc import Callable
+from functools import partial
 
 import cv2
 
@@ -36,8 +37,8 @@ def measure() -> dict[str, float]:
     for camera in config.cameras:
         view = renderer.view_id(camera.name)
         image = renderer.render(view, posture)
-        figures[f"{camera.name}_render_ms"] = median_ms(lambda view=view: renderer.render(view, posture))
-        figures[f"{camera.name}_encode_ms"] = median_ms(lambda image=image: encode_jpeg(image, config.quality))
+        figures[f"{camera.name}_render_ms"] = median_ms(partial(renderer.render, view, posture))
+        figures[f"{camera.name}_encode_ms"] = median_ms(partial(encode_jpeg, image, config.quality))
     per_round = sum(figures.values())
     figures["core_share_percent"] = round(per_round * config.fps / 10.0, 1)
     renderer.close()
