@@ -6,7 +6,7 @@ import numpy as np
 
 from common.geometry import Array
 from local_site.tracking.silhouette.features import Features
-from local_site.tracking.silhouette.hand import Hand, Tip
+from local_site.tracking.silhouette.hand import Hand
 from local_site.tracking.silhouette.medial import Line
 from local_site.tracking.silhouette.posture import Posture
 
@@ -59,6 +59,6 @@ def _hands(before: Hand | None, now: Hand | None, weight: float) -> Hand | None:
         distances = np.hypot(*(earlier - tip.point).T)
         nearest = int(np.argmin(distances))
         if distances[nearest] < SAME_TIP * now.length:
-            tips.append(Tip((1 - weight) * earlier[nearest] + weight * tip.point, tip.prominence))
+            tips.append(replace(tip, point=(1 - weight) * earlier[nearest] + weight * tip.point))
     farthest = (1 - weight) * before.farthest + weight * now.farthest
     return replace(now, tips=tuple(tips), farthest=farthest)

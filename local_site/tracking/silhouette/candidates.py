@@ -1,5 +1,6 @@
 """Where a finger tip may be in 3D: tips paired between two views, and tips of one view at known distances."""
 
+import math
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
@@ -16,6 +17,9 @@ MAX_RESIDUAL = 0.5
 RESIDUAL_SIGMA = 0.06
 CORNER_COST = 1.5
 UNEXPLAINED_COST = 8.0
+BLUNT_COST = 10.0
+SHARP_ANGLE = math.radians(105.0)
+BLUNT_ANGLE = math.radians(135.0)
 CLEAR_PROMINENCE = 0.3
 RAYS_PER_VIEW = 5
 SINGLE_VIEW_COST = 10.0
@@ -69,7 +73,11 @@ def find_places(hand: Hand) -> Places:
     tips = np.array([tip.point for tip in hand.tips]).reshape(-1, 2)
     apart = np.hypot(*(hand.corners[:, None] - tips[None, :]).transpose(2, 0, 1)) > SAME_PLACE * hand.length
     corners = hand.corners[apart.all(axis=1)]
-    unexplained = [UNEXPLAINED_COST * max(0.0, 1 - tip.prominence / CLEAR_PROMINENCE) for tip in hand.tips]
+    unexplained = [
+        UNEXPLAINED_COST * max(0.0, 1 - tip.prominence / CLEAR_PROMINENCE)
+        + BLUNT_COST * min(max((tip.angle - SHARP_ANGLE) / (BLUNT_ANGLE - SHARP_ANGLE), 0.0), 1.0)
+        for tip in hand.tips
+    ]
     cost = np.concatenate([unexplained, np.full(len(corners), UNEXPLAINED_COST + CORNER_COST)])
     return Places(np.concatenate([tips, corners]), cost)
 

@@ -21,3 +21,6 @@ class SilhouetteConfig(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown
             "the epicondyles lie nearer to the back of the arm than to its front",
         ),
     ] = 0.045
+    right_arm: Annotated[
+        bool, Meta(description="which arm is tracked; it tells on which side of the hand the index is")
+    ] = True

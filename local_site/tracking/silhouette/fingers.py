@@ -21,6 +21,7 @@ from local_site.tracking.silhouette.candidates import (
     tip_rays,
     with_place_costs,
 )
+from local_site.tracking.silhouette.edges_on_rays import edge_candidates
 from local_site.tracking.silhouette.features import Features
 from local_site.tracking.silhouette.opening import INDEX_PER_FOREARM, HandShape, hand_reach, is_open, opened
 
@@ -36,14 +37,29 @@ RAY_REACH = 1.2
 RAY_GATE = 0.15
 MAX_COST = 60.0
 NO_THUMB_COST = 32.0
+MAX_THUMB_CHANGE = 0.15
+MAX_THUMB_STEP = 0.3
+NEW_THUMB_COST = 20.0
+CLOSING_SIGMA = 0.25
+OPENING_SIGMA = 0.06
+LEAST_GAP = 0.45
+LEAST_FIRST_GAP = 0.3
+FINGER = 0.09
+BUNDLE = 0.18
+MAX_SIDE = 1.8
+MAX_INDEX_STEP = 0.15
+MAX_LENGTH_CHANGE = 0.2
+MAX_TIP_COST = 14.0
+MAX_EXTRA_COST = 10.0
+RADIAL_COST = 8.0
+KNOWN_RADIAL_COST = 3.0
 
 
 @dataclass(frozen=True, slots=True)
 class Fingers:
     """Tips (3,) in m, None where not identified, and whether they were inferred from one view and the hand's shape.
 
-    `hand_open` is this instant's observation; `stereo` are all places where rays
-    to tips of both views meet, `rays` those to the prominent tips.
+    `hand_open` is this instant's observation.
     """
 
     index: Array | None
@@ -51,8 +67,6 @@ class Fingers:
     thumb_inferred: bool = False
     index_inferred: bool = False
     hand_open: bool = False
-    stereo: Candidates | None = None
-    rays: Rays | None = None
 
 
 @dataclass(frozen=True, slots=True)
@@ -80,23 +94,30 @@ def find_fingers(
         return Fingers(None, None, hand_open=spread)
     if spread:
         shape = opened(shape, reach)
-    sigma = TYPICAL_SIGMA if shape.gap is None else KNOWN_SIGMA
-    stereo = stereo_candidates(projections, features, places)
-    costed = with_place_costs(stereo, places)
-    index = _ranked(costed, wrist, shape.index, expected.index, sigma)
-    thumb = _ranked(costed, wrist, shape.thumb, expected.thumb, sigma)
+    costed = with_place_costs(stereo_candidates(projections, features, places), places)
+    index, thumb = _ranked_tips(costed, wrist, shape, expected)
     found = _assign(index, thumb, shape)
-    if shape.gap is None or spread:
-        return replace(found.fingers, hand_open=spread, stereo=stereo)
-    rays = tip_rays(projections, features, places, wrist, RAY_REACH * shape.index)
-    trials = [found]
-    if found.cost > SINGLE_VIEW_COST:
-        trials += _index_from_rays(rays, thumb, wrist, shape, expected)
-        trials += _thumb_from_rays(rays, index, wrist, shape, expected)
-    found = min(trials, key=_cost)
-    if found.cost > 2 * SINGLE_VIEW_COST:
-        found = min(found, _both_from_rays(rays, wrist, shape, expected), key=_cost)
-    return replace(found.fingers, hand_open=spread, stereo=stereo, rays=rays)
+    if spread:
+        return replace(_sure(found, wrist, shape, expected).fingers, hand_open=True)
+    rays = None
+    if shape.gap is not None:
+        rays = tip_rays(projections, features, places, wrist, RAY_REACH * shape.index)
+        if found.cost > SINGLE_VIEW_COST:
+            trials = _index_from_rays(rays, thumb, wrist, shape, expected)
+            trials += _thumb_from_rays(rays, index, wrist, shape, expected)
+            found = min([found, *trials], key=_cost)
+        found = _sure(found, wrist, shape, expected)
+    edges = edge_candidates(projections, features, places, wrist, shape.index)
+    tips = costed.joined(_beside(edges, costed, wrist, shape.index))
+    index = _ranked_tips(tips, wrist, shape, expected)[0]
+    return _index_again(found.fingers, index, rays, wrist, shape, expected)
+
+
+def _ranked_tips(found: Candidates, wrist: Array, shape: HandShape, expected: Fingers) -> tuple[Candidates, Candidates]:
+    """The best candidates for index and thumb."""
+    sigma = TYPICAL_SIGMA if shape.gap is None else KNOWN_SIGMA
+    index = _ranked(found, wrist, shape.index, expected.index, sigma)
+    return index, _ranked(found, wrist, shape.thumb, expected.thumb, sigma)
 
 
 def _index_from_rays(rays: Rays, thumb: Candidates, wrist: Array, shape: HandShape, expected: Fingers) -> list[_Choice]:
@@ -125,36 +146,6 @@ def _thumb_from_rays(rays: Rays, index: Candidates, wrist: Array, shape: HandSha
             fingers = Fingers(index.points[i], found.points[j], thumb_inferred=True)
             choices.append(_Choice(fingers, float(found.cost[j] + index.cost[i])))
     return choices
-
-
-def _both_from_rays(rays: Rays, wrist: Array, shape: HandShape, expected: Fingers) -> _Choice:
-    """Index and thumb on two rays, where they best keep their distances from the wrist and from each other."""
-    best = _Choice(Fingers(None, None), MAX_COST)
-    gap = shape.gap if shape.gap is not None else shape.index
-    as_index = _ray_costs(rays, wrist, shape.index, expected.index)
-    as_thumb = _ray_costs(rays, wrist, shape.thumb, expected.thumb)
-    for i in range(len(rays.points)):
-        for j in range(len(rays.points)):
-            if i == j:
-                continue
-            apart = np.linalg.norm(rays.points[i][:, None] - rays.points[j][None, :], axis=2)
-            cost = as_index[i][:, None] + as_thumb[j][None, :] + ((apart / gap - 1) / shape.gap_sigma) ** 2
-            a, b = np.unravel_index(int(np.argmin(cost)), cost.shape)
-            total = float(cost[a, b])
-            if total < best.cost:
-                fingers = Fingers(rays.points[i][a], rays.points[j][b], thumb_inferred=True, index_inferred=True)
-                best = _Choice(fingers, total)
-    return best
-
-
-def _ray_costs(rays: Rays, wrist: Array, length: float, before: Array | None) -> Array:
-    """Squared deviations (R, S) of the points of all rays as a tip at a length from the wrist."""
-    cost = ((np.linalg.norm(rays.points - wrist, axis=2) / length - 1) / KNOWN_SIGMA) ** 2 + rays.cost[:, None]
-    if before is None:
-        return np.full(cost.shape, np.inf)
-    near = np.linalg.norm(rays.points - before, axis=2) < RAY_GATE * length
-    result: Array = np.where(rays.allowed & near, cost + _motion_cost(rays.points, before, length), np.inf)
-    return result
 
 
 def _cost(choice: _Choice) -> float:
@@ -199,6 +190,77 @@ def _ranked(found: Candidates, wrist: Array, length: float, before: Array | None
     costed = _with_motion(replace(found, cost=found.cost + ((lengths / length - 1) / sigma) ** 2), before, length)
     best = np.argsort(costed.cost)[:KEPT]
     return Candidates(costed.points[best], costed.cost[best], costed.members[best])
+
+
+def _beside(edges: Candidates, tips: Candidates, wrist: Array, length: float) -> Candidates:
+    """The edges within a few fingers' breadths of a place where tips of both views meet at a finger's length."""
+    lengths = np.linalg.norm(tips.points - wrist, axis=1)
+    fits = (np.abs(lengths / length - 1) < MAX_LENGTH_CHANGE) & (tips.cost < MAX_TIP_COST)
+    apart = np.linalg.norm(edges.points[:, None] - tips.points[fits][None, :], axis=2)
+    kept = (apart < BUNDLE * length).any(axis=1)
+    return Candidates(edges.points[kept], edges.cost[kept], edges.members[kept])
+
+
+def _sure(found: _Choice, wrist: Array, shape: HandShape, expected: Fingers) -> _Choice:
+    """The choice without its thumb where that breaks the hand's shape, or appears anew without clear evidence."""
+    thumb = found.fingers.thumb
+    if thumb is None or shape.gap is None:
+        return found
+    change = abs(float(np.linalg.norm(thumb - wrist)) / shape.thumb - 1)
+    anew = expected.thumb is None or float(np.linalg.norm(thumb - expected.thumb)) > MAX_THUMB_STEP * shape.thumb
+    if change < MAX_THUMB_CHANGE and not (anew and found.cost > NEW_THUMB_COST):
+        return found
+    return replace(found, fingers=replace(found.fingers, thumb=None, thumb_inferred=False))
+
+
+def _index_again(
+    fingers: Fingers, index: Candidates, rays: Rays | None, wrist: Array, shape: HandShape, expected: Fingers
+) -> Fingers:
+    """The fingers with the index chosen once more, now that the thumb tells the sides of the hand."""
+    thumb, first = fingers.thumb, fingers.index
+    if thumb is None or first is None or not len(index.points):
+        return fingers
+    origins = [first] if expected.index is None else [first, expected.index]
+    away = np.min([np.linalg.norm(index.points - origin, axis=1) for origin in origins], axis=0)
+    cost = index.cost + _gap_cost(np.linalg.norm(index.points - thumb, axis=1), shape)
+    cost = np.where(away < MAX_INDEX_STEP * shape.index, cost, np.inf)
+    if not np.isfinite(cost).any():
+        return fingers
+    index = _radial(replace(index, cost=cost), wrist, thumb, shape)
+    best = int(np.argmin(index.cost))
+    if rays is not None and len(rays.points):
+        on_rays = _continued(rays.nearest(_anchors(wrist, shape.index, thumb, shape)), expected.index, shape.index)
+        nearest = int(np.argmin(on_rays.cost))
+        if on_rays.cost[nearest] < index.cost[best]:
+            return replace(fingers, index=on_rays.points[nearest], index_inferred=True)
+    return replace(fingers, index=index.points[best], index_inferred=False)
+
+
+def _radial(index: Candidates, wrist: Array, thumb: Array, shape: HandShape) -> Candidates:
+    """The candidates with a price for lying beside the finger of a bundle that is nearest to the thumb's side.
+
+    The index is the outermost finger there; lengths alone do not tell it from its neighbour.
+    """
+    first = int(np.argmin(index.cost))
+    tip = index.points[first]
+    normal = np.cross(tip - wrist, thumb - wrist) * (1 if shape.right_arm else -1)
+    breadth = max(float(np.linalg.norm(normal)), 1e-9) * FINGER * shape.index
+    side = (index.points - tip) @ normal / breadth
+    near = np.linalg.norm(index.points - tip, axis=1) < BUNDLE * shape.index
+    near &= (index.cost < index.cost[first] + MAX_EXTRA_COST) & (side < MAX_SIDE)
+    weight = RADIAL_COST if shape.gap is None else KNOWN_RADIAL_COST
+    price = weight * np.clip(float(side[near].max()) - side, 0.0, 1.0)
+    return replace(index, cost=index.cost + np.where(near, price, price[first]))
+
+
+def _gap_cost(gap: Array, shape: HandShape) -> Array:
+    """Squared deviations of distances between index and thumb; closing the grip is easier than opening it."""
+    if shape.gap is None:
+        cost: Array = (gap / (NEAREST_FINGER * shape.index / INDEX_PER_FOREARM)) ** 2
+        return np.where(gap < LEAST_FIRST_GAP * shape.index, np.inf, cost)
+    change = gap / shape.gap - 1
+    cost = (change / np.where(change < 0, CLOSING_SIGMA, OPENING_SIGMA)) ** 2
+    return np.where(gap < LEAST_GAP * shape.gap, np.inf, cost)
 
 
 def _assign(index: Candidates, thumb: Candidates, shape: HandShape) -> _Choice:

@@ -22,10 +22,12 @@ _OUTWARD = -1.0  # OpenCV walks outer contours so that the shape lies to the lef
 
 @dataclass(frozen=True, slots=True)
 class Tip:
-    """A finger-like end of the hand: its pixel (2,) and its prominence relative to the hand's length."""
+    """A finger-like end of the hand: its pixel (2,), its prominence relative to the hand's length, and the angle in rad
+    between its sides, by which a bent knuckle is told from a finger tip."""
 
     point: Array
     prominence: float
+    angle: float = 0.0
 
 
 @dataclass(frozen=True, slots=True)
@@ -74,7 +76,8 @@ def measure_hand(contour: Array, wrist: Array, half_width: float) -> Hand:
     found = [_peaks(height, length) for height in (*heights, distance)]
     open_tips = sum(prominence >= OPEN_PROMINENCE for _, prominence in found[-1])
     corners = find_corners(contour, CORNER_REACH * half_width)
-    return Hand(contour, _merged(contour, distance, found, length), corners, contour[end], length, open_tips)
+    tips = _merged(contour, distance, found, length, half_width)
+    return Hand(contour, tips, corners, contour[end], length, open_tips)
 
 
 def find_corners(contour: Array, reach: float) -> Array:
@@ -110,7 +113,9 @@ def _peaks(height: Array, length: float) -> list[tuple[int, float]]:
     return [(int(i), float(p)) for i, p in zip(candidates[kept], prominence[kept], strict=True)]
 
 
-def _merged(contour: Array, distance: Array, found: list[list[tuple[int, float]]], length: float) -> tuple[Tip, ...]:
+def _merged(
+    contour: Array, distance: Array, found: list[list[tuple[int, float]]], length: float, reach: float
+) -> tuple[Tip, ...]:
     """One tip for maxima of different directions on the same finger: their most distant point from the wrist."""
     everything = sorted(peak for peaks in found for peak in peaks)
     groups: list[list[tuple[int, float]]] = []
@@ -123,5 +128,15 @@ def _merged(contour: Array, distance: Array, found: list[list[tuple[int, float]]
     tips = []
     for group in groups:
         best = max(group, key=lambda peak: distance[peak[0]])[0]
-        tips.append(Tip(contour[best], max(p for _, p in group)))
+        tips.append(Tip(contour[best], max(p for _, p in group), _angle(contour, best, reach)))
     return tuple(tips)
+
+
+def _angle(contour: Array, index: int, reach: float) -> float:
+    """The angle in rad between the contour's two sides at a point, each followed for `reach` px."""
+    step = np.hypot(*np.diff(contour, axis=0).T)
+    arc = np.concatenate([[0.0], np.cumsum(step)])
+    ends = np.searchsorted(arc, [arc[index] - reach, arc[index] + reach])
+    a, b = (contour[min(int(k), len(contour) - 1)] - contour[index] for k in ends)
+    product = math.sqrt(float(a @ a) * float(b @ b))
+    return math.acos(max(-1.0, min(1.0, float(a @ b) / product))) if product > 0 else math.pi

@@ -31,11 +31,12 @@ class HandShape:
     gap: float | None = None
     reach: float | None = None
     gap_sigma: float = 0.10
+    right_arm: bool = True
 
 
-def typical_shape(forearm_length: float) -> HandShape:
+def typical_shape(forearm_length: float, right_arm: bool) -> HandShape:
     """What the proportions of the body say of a hand whose shape is not known yet."""
-    return HandShape(INDEX_PER_FOREARM * forearm_length, THUMB_PER_FOREARM * forearm_length)
+    return HandShape(INDEX_PER_FOREARM * forearm_length, THUMB_PER_FOREARM * forearm_length, right_arm=right_arm)
 
 
 def hand_reach(projections: Sequence[Array], features: Sequence[Features], wrist: Array) -> float | None:

@@ -13,7 +13,6 @@ from local_site.calibration.triangulation import project
 from local_site.tracking.silhouette.config import SilhouetteConfig
 from local_site.tracking.silhouette.features import Features
 from local_site.tracking.silhouette.fingers import Fingers, carried, find_fingers
-from local_site.tracking.silhouette.hand_model import HandModel
 from local_site.tracking.silhouette.joints import Body, Joints, sleeve_end, solve_joints
 from local_site.tracking.silhouette.opening import HandShape, hand_reach, typical_shape
 from local_site.tracking.silhouette.posture import Posture
@@ -48,7 +47,7 @@ class SilhouetteTracker:
         self._projections = rig.matrices
         self._meters = tuple(ViewMeter(camera.name) for camera in rig.cameras)
         self._body = Body(None, self._config.elbow_dorsal_offset)
-        self._model: HandModel | None = None
+        self._shape: HandShape | None = None
         self._learned: list[_Moment] = []
         self._last: _Moment | None = None
         self._before: _Moment | None = None
@@ -71,10 +70,8 @@ class SilhouetteTracker:
 
     def _found(self, t_ns: int, joints: Joints, features: tuple[Features, ...]) -> ArmEstimate:
         forearm = float(np.linalg.norm(joints.wrist - joints.elbow))
-        shape = self._model.shape if self._model is not None else typical_shape(forearm)
+        shape = self._shape or typical_shape(forearm, self._config.right_arm)
         fingers = find_fingers(self._projections, features, joints.wrist, shape, self._expected_fingers(joints))
-        if self._model is not None:
-            self._model.observe(joints.wrist, fingers)
         moment = _Moment(t_ns, joints, fingers, features)
         status, reason = self._judge(moment)
         self._before, self._last = self._last, moment
@@ -113,7 +110,7 @@ class SilhouetteTracker:
         sleeve = lengths[1] if math.isfinite(lengths[1]) else None
         self._body = replace(self._body, forearm_length=lengths[0], sleeve_distance=sleeve)
         reach = lengths[5] if math.isfinite(lengths[5]) else None
-        self._model = HandModel(HandShape(lengths[2], lengths[3], lengths[4], reach))
+        self._shape = HandShape(lengths[2], lengths[3], lengths[4], reach, right_arm=self._config.right_arm)
         self._learned.clear()
         return TrackingStatus.INITIALISING, f"learned the arm from {wanted} pairs"
 

@@ -46,6 +46,14 @@ def test_only_a_hand_with_many_fingers_apart_is_open(angles, spread):
     assert measure_hand(contour, WRIST, 30.0).spread is spread
 
 
+def test_a_finger_tip_is_sharper_than_a_fist():
+    contour, _ = drawn_hand((-40, 35))
+    angles = [tip.angle for tip in measure_hand(contour, WRIST, 30.0).tips if tip.prominence > 0.1]
+    assert max(angles) < np.radians(100)
+    knuckles, _ = drawn_hand(())
+    assert all(tip.angle > np.radians(100) for tip in measure_hand(knuckles, WRIST, 30.0).tips)
+
+
 def test_a_fist_has_no_finger_to_count():
     contour, _ = drawn_hand(())
     assert measure_hand(contour, WRIST, 30.0).open_tips <= 1

@@ -45,3 +45,10 @@ def test_recordings_are_followed_and_openings_counted(name, toggles, tmp_path):
     assert lines[-1]["gripper_toggles"] == toggles
     assert mean_error_mm(lines, truth, "elbow") < 15
     assert mean_error_mm(lines, truth, "wrist") < 8
+
+
+@pytest.mark.parametrize(("name", "index_mm", "thumb_mm"), [("yz", 10, 6), ("icr_elbow", 12, 8)])
+def test_index_and_thumb_are_followed_while_the_grip_is_held(name, index_mm, thumb_mm, tmp_path):
+    lines, truth = tracked(name, tmp_path)
+    assert mean_error_mm(lines, truth, "index") < index_mm
+    assert mean_error_mm(lines, truth, "thumb") < thumb_mm

@@ -52,6 +52,16 @@ def test_bodies_of_any_build_are_tracked(body):
     assert sum(e.index is not None for e in after) >= 33
 
 
+@pytest.mark.parametrize("body", [THIN, STRONG])
+def test_the_index_is_not_its_neighbour(body):
+    at = scene(body)
+    errors = []
+    for k in range(25):
+        estimate, truth = at.step(k), at.operator.truth(k * PERIOD_S)
+        errors.append((np.linalg.norm(estimate.index - truth.index), np.linalg.norm(estimate.thumb - truth.thumb)))
+    assert np.all(np.mean(errors, axis=0) < 0.006)
+
+
 def test_a_loss_is_reported_and_over_when_the_arm_is_back():
     at = scene()
     for k in range(15):
