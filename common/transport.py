@@ -2,6 +2,7 @@
 
 import json
 import re
+import socket
 import time
 from collections import OrderedDict
 from collections.abc import Callable
@@ -167,15 +168,29 @@ class Link:
         raise TransportError(f"nobody answered {procedure.key_for(cell)}: is the remote site of cell {cell} running?")
 
 
+def _check_free(endpoint: str) -> None:
+    """TransportError at once when the port is taken; zenoh would try for seconds."""
+    host, _, port = endpoint.removeprefix("tcp/").rpartition(":")
+    family = socket.AF_INET6 if host.startswith("[") else socket.AF_INET
+    with socket.socket(family, socket.SOCK_STREAM) as probe:
+        probe.setsockopt(socket.SOL_SOCKET, socket.SO_REUSEADDR, 1)
+        try:
+            probe.bind((host.strip("[]"), int(port)))
+        except (OSError, OverflowError) as error:
+            raise TransportError(f"cannot listen at {endpoint}: {error}; is the port taken by another site?") from error
+
+
 def open_link(*, listen: tuple[str, ...] = (), connect: tuple[str, ...] = ()) -> Link:
     """Open a session at explicit endpoints; TransportError when one is refused or cannot be opened.
 
     Listening fails at once when the port is taken; connecting goes on in the background until the other side is there.
     """
+    for endpoint in listen:
+        _check_free(check_endpoint(endpoint))
     config = zenoh.Config()
     for key, value in {
         "mode": "peer",
-        "listen/endpoints": [check_endpoint(e) for e in listen],
+        "listen/endpoints": list(listen),
         "connect/endpoints": [check_endpoint(e) for e in connect],
         "connect/retry": RETRY,
         "connect/exit_on_failure": False,
@@ -192,5 +207,4 @@ def open_link(*, listen: tuple[str, ...] = (), connect: tuple[str, ...] = ()) ->
         return Link(zenoh.open(config))
     except zenoh.ZError as error:
         places = ", ".join((*listen, *connect))
-        cause = str(error).partition(" at /")[0].strip(" .[")
-        raise TransportError(f"cannot open {places}: {cause}; is the port taken by another program?") from error
+        raise TransportError(f"cannot open {places}: {str(error).partition(' at /')[0].strip(' .[')}") from error

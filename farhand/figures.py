@@ -128,6 +128,7 @@ def all_figures(record: Record, truth: Truth, expectation: Expectation) -> Figur
         "control": control_figures(states),
         "engagements": states[-1].engagement.number if states and states[-1].engagement else 0,
         "holds": _holds(states),
+        "followed_share": _followed_share(states),
     }
 
 
@@ -137,6 +138,12 @@ def _holds(states: Sequence[RobotState]) -> int:
         before.state is SessionState.ENGAGED and after.state is not SessionState.ENGAGED
         for before, after in pairwise(states)
     )
+
+
+def _followed_share(states: Sequence[RobotState]) -> float:
+    """The share of the time since the first engagement in which the arm followed."""
+    since = [s.state is SessionState.ENGAGED for s in states if s.engagement is not None]
+    return _rounded(np.mean(since)) if since else 0.0
 
 
 def _sampled_truth(start_ns: int, end_ns: int, truth: Truth) -> tuple[Array, Array]:

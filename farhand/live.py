@@ -86,7 +86,8 @@ def _rows(figures: Figures) -> list[tuple[str, str]]:
             f"{_show(control['hz'])} Hz, {control['missed']} late by a period, p99 {_show(control['late_p99_us'])} µs",
         ),
         ("scheduling", "SCHED_FIFO" if control["real_time"] else "ordinary: no right to SCHED_FIFO"),
-        ("engagements, holds", f"{figures['engagements']}, {figures['holds']}"),
+        ("engagements", str(figures["engagements"])),
+        ("followed", f"{figures['followed_share']:.1%} of the time, {figures['holds']} holds"),
         ("gripper toggles", f"{figures['toggles']['sent']} sent, {figures['toggles']['applied']} applied"),
         ("samples refused", ", ".join(f"{n} {code}" for code, n in figures["rejected"].items()) or "none"),
     ]

@@ -13,7 +13,7 @@ from rich.console import Console
 
 from common.clock import NS_PER_MS, NS_PER_S
 from common.config import load_config
-from common.errors import ProcessError
+from common.errors import ConfigError, ProcessError
 from common.geometry import Array
 from common.messages import SessionState
 from common.service import StopFlag
@@ -38,6 +38,7 @@ SETTLE_TIMEOUT_S = 3.0
 STARTS_IN_NS = 2 * NS_PER_S
 POLL_S = 0.05
 MAX_FOLLOW_MM = 50.0
+FOLLOWING = (SessionState.ENGAGED, SessionState.HOLDING)
 
 
 @dataclass(frozen=True, slots=True)
@@ -196,6 +197,8 @@ class Loopback:
         begin_ns = engaged[0].engagement.hand_capture_ns if engaged and engaged[0].engagement else 0
         sent = operator.openings(states[-1].t_ns) - operator.openings(begin_ns) if engaged else 0
         figures["toggles"] = {"sent": sent, "applied": states[-1].gripper_toggles_applied if states else 0}
+        last = states[-1] if states else None
+        figures["stopped"] = last.reason if last is not None and last.state not in FOLLOWING else None
         figures["rejected"] = states[-1].rejected if states else {}
         figures["events"] = self._events
         return figures
@@ -212,6 +215,7 @@ def free_ports(count: int) -> list[int]:
 
 def run_loopback(options: LoopbackOptions, should_stop: StopFlag) -> None:
     """Run, print the table, write report and views; ProcessError when a site dies or the arm does not follow."""
+    _check_outputs(options)
     loop = Loopback(options, should_stop)
     figures = loop.run()
     print_table(figures, Console())
@@ -223,8 +227,21 @@ def run_loopback(options: LoopbackOptions, should_stop: StopFlag) -> None:
     check_followed(figures)
 
 
+def _check_outputs(options: LoopbackOptions) -> None:
+    """ConfigError, before anything runs, for places where the results could not be written."""
+    report, views = options.report, options.save_views
+    if report is not None and (report.is_dir() or not report.parent.is_dir()):
+        raise ConfigError(f"--report {report}: give a file in a folder that exists")
+    if views is not None and views.exists() and not views.is_dir():
+        raise ConfigError(f"--save-views {views} is a file; give a folder")
+
+
 def check_followed(figures: Figures) -> None:
-    """ProcessError when the tool did not follow the hand."""
+    """ProcessError when the tool did not follow the hand, or stopped following it."""
+    if figures["stopped"] is not None:
+        raise ProcessError(
+            f"the arm followed for {figures['followed_share']:.0%} of the time, then: {figures['stopped']}"
+        )
     mean = figures["follow_mm"]["mean"]
     if mean is None:
         raise ProcessError("the arm was never engaged")

@@ -2,6 +2,7 @@
 
 from functools import partial
 
+import msgspec
 import structlog
 
 from common.channels import CAMERA
@@ -10,9 +11,11 @@ from common.errors import FarhandError
 from common.messages import VideoFrame
 from common.service import StopFlag, notify, start_log
 from common.transport import Publisher, check_endpoint, open_link
+from remote_site.checks import check_robot
 from remote_site.config import RemoteConfig
 from remote_site.control import run_control
 from remote_site.drivers.registry import check_driver
+from remote_site.running_mark import RunningMark
 from remote_site.shared_memory import CellMemory
 from remote_site.video.process import SimulatedViews, run_video
 
@@ -27,6 +30,11 @@ def run_remote(config: RemoteConfig, should_stop: StopFlag) -> None:
     for endpoint in (config.links.control, config.links.video):
         check_endpoint(endpoint)
     check_driver(config.driver.name)
+    check_robot(config)
+    mark = RunningMark(config.cell, config.links.control)
+    if mark.set() and config.engagement.automatic:
+        log.warning("the last run did not end in order: nothing engages by itself", cure="farhand engage")
+        config = without_automatic_engagement(config)
     memory = (
         CellMemory.create(len(config.robot.start_deg))
         if config.cell_is_simulated or config.views_are_simulated
@@ -44,12 +52,19 @@ def run_remote(config: RemoteConfig, should_stop: StopFlag) -> None:
         while not should_stop.wait(CHECK_S):
             children.check()
             notify("WATCHDOG=1")
+        mark.clear()
     except FarhandError as error:
         log.error("ending", reason=str(error))
         raise
     finally:
         notify("STOPPING=1")
         children.end()
+
+
+def without_automatic_engagement(config: RemoteConfig) -> RemoteConfig:
+    """The same configuration, in which only a request engages."""
+    engagement = msgspec.structs.replace(config.engagement, automatic=False)
+    return msgspec.structs.replace(config, engagement=engagement)
 
 
 def _cell(config: RemoteConfig, memory: CellMemory, should_stop: StopFlag, heartbeat: Heartbeat) -> None:

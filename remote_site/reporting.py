@@ -1,5 +1,6 @@
 """What the remote site tells of itself: the robot's state, which hand sample it obeys, and when that moved it."""
 
+import contextvars
 import secrets
 import threading
 from collections.abc import Mapping
@@ -28,7 +29,8 @@ class TransitionLog:
     def __init__(self) -> None:
         self._queue: SimpleQueue[tuple[SessionState, Reason]] = SimpleQueue()
         self._state: SessionState | None = None
-        threading.Thread(target=self._write_for_ever, name="log", daemon=True).start()
+        context = contextvars.copy_context()
+        threading.Thread(target=context.run, args=(self._write_for_ever,), name="log", daemon=True).start()
 
     def note(self, state: SessionState, reason: Reason) -> None:
         """Note the state of a tick."""

@@ -42,7 +42,7 @@ class Rig(msgspec.Struct, frozen=True, forbid_unknown_fields=True):
 
 def load_rig(path: Path) -> Rig:
     """Read a rig file; CalibrationError names what is wrong and the cure."""
-    cure = f"make it with: farhand calibrate points CSV --out {path}"
+    cure = "make a rig with: farhand calibrate points CSV --out rig.json"
     try:
         rig = msgspec.json.decode(path.read_bytes(), type=Rig)
     except OSError as error:
@@ -59,4 +59,7 @@ def load_rig(path: Path) -> Rig:
 
 def save_rig(rig: Rig, path: Path) -> None:
     """Write a rig file, readable by a person."""
-    path.write_bytes(msgspec.json.format(msgspec.json.encode(rig), indent=2) + b"\n")
+    try:
+        path.write_bytes(msgspec.json.format(msgspec.json.encode(rig), indent=2) + b"\n")
+    except OSError as error:
+        raise CalibrationError(f"cannot write the rig {path}: {error.strerror}; choose another place") from error

@@ -122,7 +122,7 @@ class Session:
             self._leave(_latched(reason(Code.ROBOT_NOT_READY, reason=robot.reason)))
             return self._decide(Action.STOP)
         if self._age_ns(now_ns) > self._latch_ns:
-            self._leave(_latched(self._unwell(now_ns) or self._stale(now_ns)))
+            self._leave(_latched(self._trouble or self._stale(now_ns, self._latch_ns)))
             return self._decide(Action.STOP)
         return self._engaged(now_ns, robot)
 
@@ -175,7 +175,7 @@ class Session:
             return self._trouble
         if self._born_ns is None:
             return reason(Code.NO_HAND)
-        return self._stale(now_ns) if self._age_ns(now_ns) > self._soft_ns else None
+        return self._stale(now_ns, self._soft_ns) if self._age_ns(now_ns) > self._soft_ns else None
 
     def _fault(self) -> Reason | None:
         return self._reason if self.state is SessionState.FAULT else None
@@ -183,8 +183,8 @@ class Session:
     def _age_ns(self, now_ns: int) -> int:
         return now_ns - self._born_ns if self._born_ns is not None else self._latch_ns + 1
 
-    def _stale(self, now_ns: int) -> Reason:
-        return reason(Code.STALE, age_ms=self._age_ns(now_ns) / NS_PER_MS, limit_ms=self._soft_ns / NS_PER_MS)
+    def _stale(self, now_ns: int, limit_ns: int) -> Reason:
+        return reason(Code.STALE, age_ms=self._age_ns(now_ns) / NS_PER_MS, limit_ms=limit_ns / NS_PER_MS)
 
     def _collecting(self, needed: int) -> Reason:
         return reason(Code.COLLECTING, count=min(self._good, needed), needed=needed)
