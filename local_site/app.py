@@ -13,7 +13,7 @@ from common.channels import HAND, STATE
 from common.clock import Clock, MonotonicClock
 from common.errors import CameraError, FarhandError
 from common.messages import TrackingStatus
-from common.service import StopFlag, notify, start_log
+from common.service import StopFlag, ask_for_real_time, notify, start_log
 from common.transport import Link, check_endpoint, open_link
 from local_site.calibration.rig import Rig, load_rig
 from local_site.calibration.simulated import calibrate_simulated
@@ -29,6 +29,7 @@ from local_site.tracking.silhouette.silhouette_tracker import SilhouetteTracker
 from local_site.tracking.tracker import ArmEstimate, Views
 
 VIEWS_TIMEOUT_S = 0.1
+FIFO_PRIORITY = 20  # of tracking: below the robot's control, above everything that may come late
 NAMES = ("left", "right")
 
 
@@ -47,6 +48,7 @@ def run_local(config: LocalConfig, should_stop: StopFlag, save_views: Path | Non
         try:
             with open_link(listen=(config.links.listen,), connect=(config.links.remote,)) as link:
                 site = LocalSite(config, rig, capture, link, clock)
+                ask_for_real_time(FIFO_PRIORITY)
                 notify("READY=1")
                 structlog.get_logger().info("ready", cell=config.cell, remote=config.links.remote)
                 while not should_stop():
