@@ -2,6 +2,7 @@
 
 import json
 import socket
+import tempfile
 import time
 from collections.abc import Callable, Sequence
 from contextlib import ExitStack
@@ -104,6 +105,7 @@ class Loopback:
         self._options = options
         self._should_stop = should_stop
         self._plan = plan_of(options)
+        self._runtime = Path()
         self._sites: list[SiteProcess] = []
         self._events: list[str] = []
         self.record = Record()
@@ -112,6 +114,7 @@ class Loopback:
         """Start, wait for the arm to follow, measure, end; ProcessError says what went wrong."""
         remote = load_config(RemoteConfig, None, self._plan.remote)
         with ExitStack() as stack, LiveSummary(self._options.seconds) as live:
+            self._runtime = Path(stack.enter_context(tempfile.TemporaryDirectory(prefix="farhand-")))
             stack.callback(self._end)
             self._start("remote", self._plan.remote)
             control = stack.enter_context(open_link(connect=self._plan.control))
@@ -126,7 +129,7 @@ class Loopback:
 
     def _start(self, name: str, settings: Sequence[str], extra: Sequence[str] = ()) -> None:
         arguments = [part for setting in settings for part in ("--set", setting)]
-        self._sites.append(SiteProcess(name, [*arguments, *extra]))
+        self._sites.append(SiteProcess(name, [*arguments, *extra], self._runtime))
 
     def _start_local(self) -> Operator:
         start_ns = time.monotonic_ns() + STARTS_IN_NS

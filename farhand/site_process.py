@@ -5,6 +5,7 @@ import subprocess
 import sys
 import threading
 from collections import deque
+from pathlib import Path
 from typing import IO
 
 from common.children import die_with_parent
@@ -14,9 +15,12 @@ END_TIMEOUT_S = 4.0
 
 
 class SiteProcess:
-    """One daemon of this installation; its log lines are kept, warnings and errors are handed on."""
+    """One daemon of this installation; its log lines are kept, warnings and errors are handed on.
 
-    def __init__(self, name: str, arguments: list[str]) -> None:
+    `runtime` is the folder of its run-time files, so that they end with whoever starts the sites.
+    """
+
+    def __init__(self, name: str, arguments: list[str], runtime: Path) -> None:
         self.name = name
         self.lines: deque[str] = deque(maxlen=LINES_KEPT)
         self.events: deque[str] = deque(maxlen=LINES_KEPT)
@@ -26,6 +30,7 @@ class SiteProcess:
             stdin=subprocess.DEVNULL,
             stderr=subprocess.PIPE,
             text=True,
+            env=os.environ | {"RUNTIME_DIRECTORY": str(runtime)},
             start_new_session=True,
             preexec_fn=lambda: die_with_parent(parent),  # noqa: PLW1509  # two system calls that take no lock
         )

@@ -1,5 +1,6 @@
 """Both daemons as real processes on free endpoints, and everything heard of them."""
 
+import tempfile
 import time
 from collections.abc import Callable, Iterator
 from contextlib import ExitStack, contextmanager
@@ -23,6 +24,7 @@ class Sites:
         self.control, self.video, self.listen = (f"tcp/127.0.0.1:{port}" for port in free_ports(3))
         self.processes: list[SiteProcess] = []
         self.stack = ExitStack()
+        self.runtime = Path(self.stack.enter_context(tempfile.TemporaryDirectory()))
         link = self.stack.enter_context(open_link(connect=(self.control, self.listen)))
         self.link = link
         self.record = Recorder(link, link, CELL, ()).record
@@ -42,7 +44,7 @@ class Sites:
 
     def _start(self, name: str, *settings: str) -> SiteProcess:
         arguments = [part for setting in (f"cell={CELL}", *settings) for part in ("--set", setting)]
-        self.processes.append(SiteProcess(name, arguments))
+        self.processes.append(SiteProcess(name, arguments, self.runtime))
         return self.processes[-1]
 
     @property

@@ -93,6 +93,12 @@ def test_a_killed_control_process_is_named_and_its_robot_stops_by_itself(sites: 
     sites.wait("the local site to say so", lambda: any("silent" in line for line in local.lines), 2)
     sites.wait("no process to be left", lambda: not any(alive(p) for p in children), 3)
 
+    again = sites.remote()
+    seen = len(sites.record.hands)
+    sites.wait("a tracked hand", lambda: len(sites.record.hands) > seen + 60)
+    assert sites.is_in(SessionState.DISENGAGED)
+    assert any("did not end in order" in line for line in again.lines)
+
 
 def test_a_random_payload_is_counted_and_moves_nothing(sites: Sites) -> None:
     sites.remote()
