@@ -1,4 +1,4 @@
-"""The rig: a projection matrix for each camera in the operator frame, read from and written to a JSON file."""
+"""The rig: a projection matrix and a lens for each camera in the operator frame, kept in a JSON file."""
 
 import math
 from pathlib import Path
@@ -8,16 +8,25 @@ import numpy as np
 
 from common.errors import CalibrationError
 from common.geometry import Array
+from local_site.calibration.lens import Lens
 
 Row4 = tuple[float, float, float, float]
+Vector3 = tuple[float, float, float]
 
 
 class CameraCalibration(msgspec.Struct, frozen=True, forbid_unknown_fields=True):
-    """One camera: 3 x 4 projection from metres in the operator frame to pixels, and its residual at calibration."""
+    """One camera: 3 x 4 projection from metres in the operator frame to pixels, its lens, its residual at calibration.
+
+    `projection` is a pure pinhole's. With a `lens` it holds for undistorted pixels only (`lens.undistort_pixels`);
+    without one it holds for the picture as it is.
+    """
 
     name: str
     projection: tuple[Row4, Row4, Row4]
     reprojection_rms_px: float
+    lens: Lens | None = None
+    serial: str = ""
+    size_px: tuple[int, int] | None = None
 
     @property
     def matrix(self) -> Array:
@@ -26,13 +35,21 @@ class CameraCalibration(msgspec.Struct, frozen=True, forbid_unknown_fields=True)
 
 
 class Rig(msgspec.Struct, frozen=True, forbid_unknown_fields=True):
-    """The calibrated cameras, the box that the control points span (m), and the 3D error per axis (rms, m)."""
+    """The calibrated cameras, the box that the control points span (m), and how well they give their places back.
+
+    `error_rms` is the 3D error per axis (rms, m) of the points that made the rig, `leave_one_out_rms` of each point by
+    a rig made without it; `epipolar_px` the median epipolar residual of the points; `lens_choice` why each lens was
+    taken as bent or straight.
+    """
 
     cameras: tuple[CameraCalibration, ...]
-    volume_min: tuple[float, float, float]
-    volume_max: tuple[float, float, float]
-    error_rms: tuple[float, float, float]
+    volume_min: Vector3
+    volume_max: Vector3
+    error_rms: Vector3
     created: str
+    leave_one_out_rms: Vector3 | None = None
+    epipolar_px: float | None = None
+    lens_choice: tuple[str, ...] = ()
 
     @property
     def matrices(self) -> tuple[Array, ...]:

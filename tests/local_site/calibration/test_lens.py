@@ -1,0 +1,42 @@
+"""A lens: bending and straightening undo each other, agree with OpenCV, and the maps straighten a picture."""
+
+import cv2
+import numpy as np
+import pytest
+
+from local_site.calibration.lens import Lens
+
+BENT = Lens(fx=800.0, fy=790.0, cx=310.0, cy=245.0, k1=-0.1, k2=0.02)
+PIXELS = np.array([(u, v) for u in (0.0, 100.0, 310.0, 639.0) for v in (0.0, 245.0, 479.0)])
+
+
+@pytest.mark.parametrize("k", [(0.0, 0.0), (-0.1, 0.0), (-0.3, 0.1), (0.2, -0.05)])
+def test_straightening_undoes_bending(k):
+    lens = Lens(800.0, 790.0, 310.0, 245.0, *k)
+    assert lens.undistort_pixels(lens.distort_pixels(PIXELS)) == pytest.approx(PIXELS, abs=1e-9)
+    assert np.isnan(lens.undistort_pixels(np.array([np.nan, np.nan]))).all()
+
+
+def test_bending_is_opencvs():
+    slopes = np.column_stack([(PIXELS - (BENT.cx, BENT.cy)) / (BENT.fx, BENT.fy), np.ones(len(PIXELS))])
+    expected = cv2.projectPoints(slopes, np.zeros(3), np.zeros(3), BENT.matrix, np.array([BENT.k1, BENT.k2, 0, 0]))[0]
+    assert BENT.distort_pixels(PIXELS) == pytest.approx(expected[:, 0], abs=1e-9)
+
+
+def test_the_maps_put_every_dot_where_a_pinhole_sees_it():
+    picture = np.zeros((480, 640), dtype=np.uint8)
+    straight = np.array([(60.0, 60.0), (320.0, 240.0), (590.0, 430.0)])
+    for u, v in BENT.distort_pixels(straight):
+        cv2.circle(picture, (round(16 * u), round(16 * v)), 16 * 6, 255, -1, cv2.LINE_AA, 4)
+    maps = BENT.undistortion_maps(640, 480)
+    assert maps[0].dtype == np.int16
+    found = cv2.remap(picture, *maps, cv2.INTER_LINEAR)
+    for u, v in straight.astype(int):
+        moments = cv2.moments(found[v - 15 : v + 16, u - 15 : u + 16])
+        assert moments["m10"] / moments["m00"] == pytest.approx(15, abs=0.15)
+        assert moments["m01"] / moments["m00"] == pytest.approx(15, abs=0.15)
+
+
+def test_a_lens_that_folds_the_picture_is_known():
+    assert Lens(800.0, 800.0, 320.0, 240.0, k1=-1.0).folds_within(0.6)
+    assert not BENT.folds_within(0.6)
