@@ -1,6 +1,6 @@
 """The simulated operator's right arm as a solid: convex hulls of balls, posed by a skeleton."""
 
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from itertools import pairwise
 
 import numpy as np
@@ -53,10 +53,14 @@ class ArmTruth:
 
 @dataclass(frozen=True, slots=True)
 class Part:
-    """A limb that is drawn as one: each of its pieces is the convex hull of these balls (the last index is the rim)."""
+    """A limb that is drawn as one: each of its pieces is the convex hull of these balls.
+
+    The rim comes after the last ball, then the markers; a marker is `worn_on` a limb at one of its balls.
+    """
 
     name: str
     pieces: tuple[NDArray[np.intp], ...]
+    worn_on: "tuple[Part, int] | None" = None
 
     @property
     def balls(self) -> NDArray[np.intp]:
@@ -66,11 +70,13 @@ class Part:
 
 @dataclass(frozen=True, slots=True)
 class Solid:
-    """The skin: balls (N, 3) with radii (N,), and the sleeve's rim (M, 3); all in the operator frame, m."""
+    """The skin: balls (N, 3) with radii (N,), the sleeve's rim (M, 3), markers (K, 3); all in the operator frame, m."""
 
     centres: Array
     radii: Array
     rim: Array
+    markers: Array = field(default_factory=lambda: np.empty((0, 3)))
+    marker_radius: float = 0.0
 
 
 class ArmBody:
@@ -85,6 +91,7 @@ class ArmBody:
             [np.repeat(self._forearm.radius, 2), np.repeat(self._upper_arm.radius[:-1], 2), self._hand.radii]
         )
         self.parts = _parts(len(FOREARM_AT), len(UPPER_ARM_AT) - 1)
+        self.ball_count = len(self._radii)
 
     def solid(self, pose: ArmPose) -> Solid:
         """The skin of the whole arm in this pose."""

@@ -71,6 +71,9 @@ class SimulationConfig(Struct, frozen=True, kw_only=True, forbid_unknown_fields=
     stereo: StereoConfig = StereoConfig()
     picture: PictureConfig = PictureConfig()
     motion: MotionConfig = MotionConfig()
+    markers: Annotated[
+        bool, Meta(description="a dark glove with bright markers on wrist, index and thumb instead of a bare arm")
+    ] = False
     seed: Annotated[int, Meta(ge=0, lt=2**32)] = 1
     fps: Annotated[float, Meta(gt=0, le=240)] = 30.0
     phase_offset_ms: Annotated[

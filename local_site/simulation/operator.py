@@ -4,6 +4,7 @@ from common.cameras.camera import Image
 from local_site.simulation.body import ArmBody, ArmTruth, Solid
 from local_site.simulation.cameras import stereo_pair
 from local_site.simulation.config import SimulationConfig
+from local_site.simulation.markers import MarkedArm
 from local_site.simulation.motion import Motion
 from local_site.simulation.rendering import Renderer
 
@@ -11,11 +12,12 @@ SUB_FRAMES = 3
 
 
 class SimulatedOperator:
-    """A bare right arm that moves before two cameras; times are s since the start of the motion."""
+    """A right arm, bare or with markers, that moves before two cameras; times are s since the start of the motion."""
 
     def __init__(self, config: SimulationConfig) -> None:
         self.motion = Motion(config.motion, config.body, config.seed)
-        self._body = ArmBody(config.body)
+        body = ArmBody(config.body)
+        self._body = MarkedArm(body) if config.markers else body
         self._shutter_s = config.picture.shutter_ms * 1e-3
         self._renderers = [
             Renderer(camera, self._body.parts, config.stereo, config.picture, config.seed + k)

@@ -12,6 +12,7 @@ from local_site.simulation.cameras import PinholeCamera
 
 FixedPoints = NDArray[np.int32]
 
+JUST_M = 1e-6
 _TURN = np.linspace(0.0, 2.0 * np.pi, RIM_POINTS, endpoint=False)
 # Half way between inscribed and circumscribed, so that a polygon of few corners is as wide as its circle on average.
 _CIRCLE = np.column_stack([np.cos(_TURN), np.sin(_TURN)]) * (0.5 + 0.5 / np.cos(np.pi / RIM_POINTS))
@@ -19,9 +20,9 @@ _CIRCLE = np.column_stack([np.cos(_TURN), np.sin(_TURN)]) * (0.5 + 0.5 / np.cos(
 
 @dataclass(frozen=True, slots=True)
 class Outlines:
-    """What the lens makes of the balls: `rims` (N + 1, RIM_POINTS, 2) in px, the sleeve's rim last.
+    """What the lens makes of N balls, the sleeve's rim and K markers: `rims` (N + 1 + K, RIM_POINTS, 2) in px.
 
-    `depths` (N + 1,) are the distances of their centres along the line of sight, m.
+    `depths` (N + 1 + K,) are the distances of their centres along the line of sight, m.
     """
 
     rims: Array
@@ -35,17 +36,31 @@ class Outlines:
 
 def project(solid: Solid, camera: PinholeCamera, inset_px: float = 0.0) -> Outlines:
     """The outlines of all balls in one camera, each smaller all round by `inset_px`."""
-    centres = camera.to_camera(solid.centres)
-    radii = solid.radii - inset_px / camera.focal_px * centres[:, 2]
+    count = len(solid.radii)
+    centres = camera.to_camera(np.concatenate([solid.centres, solid.markers]))
+    full = np.concatenate([solid.radii, np.full(len(solid.markers), solid.marker_radius)])
+    balls = _ball_outlines(centres, full - inset_px / camera.focal_px * centres[:, 2])
     rim = camera.to_camera(solid.rim)
-    rims = camera.pixels(np.concatenate([_ball_outlines(centres, radii), rim[None]]))
-    return Outlines(rims, np.append(centres[:, 2], rim[:, 2].mean()))
+    rims = camera.pixels(np.concatenate([balls[:count], rim[None], balls[count:]]))
+    return Outlines(rims, np.insert(centres[:, 2], count, rim[:, 2].mean()))
 
 
 def part_polygons(rims: FixedPoints, depths: Array, parts: tuple[Part, ...]) -> list[list[FixedPoints]]:
-    """Each part's convex polygons, whose union is its silhouette; the farthest part first."""
-    order = sorted(parts, key=lambda part: -depths[part.balls].mean())
-    return [[_hull(rims[piece].reshape(-1, 2)) for piece in part.pieces] for part in order]
+    """Each part's convex polygons, whose union is its silhouette, in the order of `farthest_first`."""
+    return [[_hull(rims[piece].reshape(-1, 2)) for piece in part.pieces] for part in farthest_first(depths, parts)]
+
+
+def farthest_first(depths: Array, parts: tuple[Part, ...]) -> list[Part]:
+    """The parts in the order in which to draw them: a marker just before or just after the limb that wears it."""
+    return sorted(parts, key=lambda part: -_distance(depths, part))
+
+
+def _distance(depths: Array, part: Part) -> float:
+    if part.worn_on is None:
+        return float(depths[part.balls].mean())
+    limb, ball = part.worn_on
+    behind = depths[part.balls[0]] > depths[ball] + JUST_M
+    return _distance(depths, limb) + (JUST_M if behind else -JUST_M)
 
 
 def _hull(points: FixedPoints) -> FixedPoints:

@@ -7,10 +7,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 from common.cameras.camera import Image
+from common.geometry import Array
 from local_site.simulation.body import Part, Solid
 from local_site.simulation.cameras import PinholeCamera
 from local_site.simulation.config import PictureConfig, StereoConfig
-from local_site.simulation.outline import Outlines, part_polygons, project
+from local_site.simulation.outline import FixedPoints, Outlines, farthest_first, part_polygons, project
 
 Box = tuple[int, int, int, int]
 
@@ -26,6 +27,8 @@ BACKGROUND_RELIEF = 4.0
 RIM_LEVEL = 96
 PEAK_LEVEL = 190
 FULL_DEPTH_PX = 18.0
+GLOVE_LEVEL = 22
+MARKER_LEVEL = 225
 
 
 class Renderer:
@@ -100,15 +103,30 @@ def _draw(outlines: Outlines, parts: tuple[Part, ...], box: Box) -> Image:
     fine_px = FINE * (outlines.rims - (left, top)) + (FINE - 1) / 2
     fixed = np.rint(fine_px * (1 << SHIFT)).astype(np.int32)
     fine = np.zeros((FINE * size[1], FINE * size[0]), np.uint8)
+    if any(part.worn_on for part in parts):
+        _fill_marked(fine, fixed, outlines.depths, parts)
+        return _coarse(fine)
     labels = np.zeros(size[::-1], np.uint8)
     for label, polygons in enumerate(part_polygons(fixed, outlines.depths, parts), start=1):
         for polygon in polygons:
             cv2.fillConvexPoly(labels, polygon, label, cv2.LINE_8, COARSE_SHIFT)
             cv2.fillConvexPoly(fine, polygon, 255, cv2.LINE_8, SHIFT)
-    # Halving twice is eight times as fast as a quarter at once.
-    half = cv2.resize(fine, (2 * size[0], 2 * size[1]), interpolation=cv2.INTER_AREA)
-    coverage = cv2.resize(half, size, interpolation=cv2.INTER_AREA)
-    return cv2.multiply(_shade(labels), coverage, scale=1 / 255).astype(np.uint8, copy=False)
+    return cv2.multiply(_shade(labels), _coarse(fine), scale=1 / 255).astype(np.uint8, copy=False)
+
+
+def _fill_marked(fine: Image, fixed: FixedPoints, depths: Array, parts: tuple[Part, ...]) -> None:
+    """A dark glove and evenly bright markers, as their foil throws light back."""
+    for part, polygons in zip(farthest_first(depths, parts), part_polygons(fixed, depths, parts), strict=True):
+        level = GLOVE_LEVEL if part.worn_on is None else MARKER_LEVEL
+        for polygon in polygons:
+            cv2.fillConvexPoly(fine, polygon, level, cv2.LINE_8, SHIFT)
+
+
+def _coarse(fine: Image) -> Image:
+    """A quarter of the size; halving twice is eight times as fast as a quarter at once."""
+    height, width = fine.shape
+    half = cv2.resize(fine, (width // 2, height // 2), interpolation=cv2.INTER_AREA)
+    return np.asarray(cv2.resize(half, (width // 4, height // 4), interpolation=cv2.INTER_AREA), dtype=np.uint8)
 
 
 def _shade(labels: Image) -> Image:
