@@ -1,28 +1,83 @@
-"""Calibration from files: control points in, rig file out."""
+"""Calibration from control points: a CSV file in, a rig file out, and what a person wants to know of it."""
 
 import math
+from collections.abc import Sequence
+from dataclasses import dataclass
 from datetime import UTC, datetime
 from pathlib import Path
 
-from local_site.calibration.control_points import read_control_points
-from local_site.calibration.dlt import solve_rig
-from local_site.calibration.rig import Rig, save_rig
+from msgspec.structs import replace
+
+from common.errors import ConfigError
+from local_site.calibration.control_points import ControlPoints, Size, read_control_points
+from local_site.calibration.coverage import coverage_warnings
+from local_site.calibration.rig import Rig, Vector3, save_rig
+from local_site.calibration.solve import solve_rig
+
+MAX_PICTURE_PX = 100_000
 
 
-def calibrate_points(csv: Path, out: Path) -> Rig:
+@dataclass(frozen=True, slots=True)
+class Calibrated:
+    """A new rig, where it was written, and what is to be said against it."""
+
+    rig: Rig
+    out: Path
+    warnings: tuple[str, ...] = ()
+
+
+def calibrate_points(csv: Path, out: Path, size: Size | None = None, serials: Sequence[str] = ()) -> Calibrated:
     """Solve the rig of a control point file and write it; CalibrationError names every mistake of the file."""
-    rig = solve_rig(read_control_points(csv), created=datetime.now(UTC).isoformat(timespec="seconds"))
+    return calibrate_control(read_control_points(csv, size), out, serials)
+
+
+def calibrate_control(control: ControlPoints, out: Path, serials: Sequence[str] = ()) -> Calibrated:
+    """Solve the rig of control points, however they were found, and write it."""
+    rig = with_serials(solve_rig(control, created=now()), serials)
     save_rig(rig, out)
-    return rig
+    return Calibrated(rig, out, coverage_warnings(control))
 
 
-def describe_rig(rig: Rig, out: Path) -> str:
-    """What a person wants to know of a new rig: reprojection per camera and 3D error per axis."""
+def now() -> str:
+    """The date and time of a rig, UTC."""
+    return datetime.now(UTC).isoformat(timespec="seconds")
+
+
+def with_serials(rig: Rig, serials: Sequence[str]) -> Rig:
+    """The rig with the cameras' serial numbers, each given as NAME=NUMBER; ConfigError names an unknown camera."""
+    pairs = dict(text.partition("=")[::2] for text in serials)
+    names = [camera.name for camera in rig.cameras]
+    unknown = [name for name in pairs if name not in names]
+    if unknown or not all(pairs.values()):
+        raise ConfigError(f"--serial must be NAME=NUMBER with NAME one of {', '.join(names)}")
+    cameras = tuple(replace(camera, serial=pairs.get(camera.name, "")) for camera in rig.cameras)
+    return replace(rig, cameras=cameras)
+
+
+def parse_pair(text: str, option: str) -> tuple[int, int]:
+    """Two whole numbers written as 640x480; ConfigError names the option."""
+    first, _, second = text.lower().partition("x")
+    if not (first.isdecimal() and second.isdecimal() and min(int(first), int(second)) > 0):
+        raise ConfigError(f"{option} must be two whole numbers such as 8x6, not {text!r}")
+    if max(int(first), int(second)) > MAX_PICTURE_PX:
+        raise ConfigError(f"{option} is too large: {text}")
+    return int(first), int(second)
+
+
+def describe(calibrated: Calibrated) -> str:
+    """What a person wants to know of a new rig: reprojection per camera, 3D error per axis, lenses, warnings."""
+    rig = calibrated.rig
     cameras = ", ".join(f"{camera.name} {camera.reprojection_rms_px:.3f} px" for camera in rig.cameras)
-    x, y, z = (1e3 * error for error in rig.error_rms)
-    total = math.sqrt(x * x + y * y + z * z)
-    return (
-        f"reprojection rms: {cameras}\n"
-        f"3D error rms: X {x:.3f} mm, Y {y:.3f} mm, Z {z:.3f} mm, total {total:.3f} mm\n"
-        f"rig written to {out}"
-    )
+    lines = [f"reprojection rms: {cameras}", f"3D error rms: {_axes(rig.error_rms)}"]
+    if rig.leave_one_out_rms is not None:
+        lines.append(f"3D error rms, each left out in turn: {_axes(rig.leave_one_out_rms)}")
+    if rig.epipolar_px is not None:
+        lines.append(f"epipolar residual, median: {rig.epipolar_px:.3f} px")
+    lines += [f"lens, {camera.name}: {why}" for camera, why in zip(rig.cameras, rig.lens_choice, strict=False)]
+    lines += [f"warning: {sentence}" for sentence in calibrated.warnings]
+    return "\n".join([*lines, f"rig written to {calibrated.out}"])
+
+
+def _axes(values: Vector3) -> str:
+    x, y, z = (1e3 * value for value in values)
+    return f"X {x:.3f} mm, Y {y:.3f} mm, Z {z:.3f} mm, total {math.sqrt(x * x + y * y + z * z):.3f} mm"

@@ -19,6 +19,9 @@ FAILED, MISUSE = 1, 2
 ConfigFile = Annotated[Path | None, typer.Option("--config", help="TOML file; the defaults are the simulated pair.")]
 Settings = Annotated[list[str] | None, typer.Option("--set", help="Override one key, as table.key=value.")]
 
+RigFile = Annotated[Path, typer.Option(help="Rig file to write.")]
+Serials = Annotated[list[str] | None, typer.Option(help="A camera's serial number, as left=NUMBER.")]
+
 app = typer.Typer(
     help="Farhand moves a robot arm somewhere else with a bare hand.",
     no_args_is_help=True,
@@ -117,16 +120,19 @@ def loopback(
 
 @calibrate_app.command("points")
 def calibrate_points_command(
-    csv: Annotated[Path, typer.Argument(help="X_mm,Y_mm,Z_mm,uL_px,vL_px,uR_px,vR_px")],
-    out: Annotated[Path, typer.Option(help="Rig file to write.")] = Path("rig.json"),
+    csv: Annotated[Path, typer.Argument(help="X_mm,Y_mm,Z_mm,uL_px,vL_px,uR_px,vR_px[,u3_px,v3_px[,u4_px,v4_px]]")],
+    out: RigFile = Path("rig.json"),
+    size: Annotated[str | None, typer.Option(help="The pictures' size, as 640x480, to judge the coverage.")] = None,
+    serial: Serials = None,
 ) -> None:
-    """Solve the two cameras from control points, and print the reprojection and 3D error.
+    """Solve the cameras from control points, and print the reprojection and 3D error.
 
     Example: farhand calibrate points control_points.csv --out rig.json
     """
-    from farhand.calibrate import calibrate_points, describe_rig
+    from farhand.calibrate import calibrate_points, describe, parse_pair
 
-    typer.echo(describe_rig(calibrate_points(csv, out), out))
+    parsed = None if size is None else parse_pair(size, "--size")
+    typer.echo(describe(calibrate_points(csv, out, parsed, serial or ())))
 
 
 @app.command()

@@ -4,8 +4,8 @@ import tempfile
 from pathlib import Path
 
 from local_site.calibration.control_points import read_control_points
-from local_site.calibration.dlt import solve_rig
 from local_site.calibration.rig import Rig
+from local_site.calibration.solve import solve_rig
 from local_site.simulation.cameras import control_point_rows
 from local_site.simulation.config import SimulationConfig
 

@@ -17,7 +17,22 @@ def test_points_come_in_metres_and_unseen_pixels_as_nan(tmp_path):
     assert control.points.tolist() == [[1.0, 0.0, 0.5], [0.0, 0.0, 0.0]]
     assert control.pixels[0][0].tolist() == [1.5, 2.5]
     assert [str(v) for v in control.pixels[1][0]] == ["nan", "nan"]
-    assert control.lines == (2, 4)
+    assert control.labels == ("line 2", "line 4")
+    assert control.cameras == ("left", "right")
+
+
+def test_a_third_and_a_fourth_camera_bring_columns_of_their_own(tmp_path):
+    path = tmp_path / "four.csv"
+    path.write_text(
+        ",".join([*HEADER, "u3_px", "v3_px", "u4_px", "v4_px"]) + "\n0,0,0,1,2,3,4,5,6,,\n1,1,1,1,2,3,4,,,7,\n"
+    )
+    with pytest.raises(CalibrationError, match="line 3: only one pixel coordinate for the fourth camera"):
+        read_control_points(path)
+    path.write_text(",".join([*HEADER, "u3_px", "v3_px"]) + "\n0,0,0,1,2,3,4,5,6\n")
+    control = read_control_points(path, size=(640, 480))
+    assert control.cameras == ("left", "right", "third")
+    assert control.pixels[2].tolist() == [[5.0, 6.0]]
+    assert control.sizes == ((640, 480),) * 3
 
 
 def test_all_mistakes_are_named_at_once(tmp_path):

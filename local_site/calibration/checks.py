@@ -1,0 +1,53 @@
+"""Checks of solved cameras: mirrored pictures, exchanged cameras, points that no camera could have seen."""
+
+from collections.abc import Sequence
+
+import numpy as np
+
+from common.geometry import Array
+from local_site.calibration.physical_camera import PhysicalCamera
+
+MAX_RELATIVE_RESIDUAL = 0.02
+MIN_AGREEING = 2 / 3
+MIN_SPREAD = 1e-6
+MIN_SIDEWAYS = 0.3
+
+MIRRORED = (
+    "sees the points mirrored; switch off the mirroring of its picture, or correct the axes of the control points "
+    "(x right, y away, z up)"
+)
+NONSENSE = (
+    "its pixels fit no camera that could see these points; make sure that each line holds one point's position in mm "
+    "and its own pixels, left camera first"
+)
+EXCHANGED = (
+    "the left camera stands to the right of the right one, as both see it; exchange the two, or switch off the "
+    "mirroring of both pictures"
+)
+
+
+def unusable(pixels: Array) -> str:
+    """Why these pixels (N, 2) give no camera, with the cure; empty if they may."""
+    spread = np.linalg.svd(pixels - pixels.mean(axis=0), compute_uv=False)
+    return NONSENSE if spread[0] == 0.0 or spread[1] < MIN_SPREAD * spread[0] else ""
+
+
+def fits_no_camera(residuals: Array, pixels: Array) -> bool:
+    """Whether too many of the residuals (N,) of pixels (N, 2) are too large for a camera, its lens and its noise."""
+    extent = float(np.linalg.norm(np.ptp(pixels, axis=0)))
+    return float(np.quantile(residuals, MIN_AGREEING)) > MAX_RELATIVE_RESIDUAL * extent
+
+
+def looks_backwards(camera: PhysicalCamera, points: Array) -> bool:
+    """Whether a point (N, 3) lies behind the camera that is said to see it."""
+    return bool(np.any(camera.to_camera(points)[:, 2] <= 0))
+
+
+def exchanged(cameras: Sequence[PhysicalCamera]) -> str:
+    """What to do if the left camera stands to the right of the right one, as both see it; empty if all is well."""
+    left, right = cameras[:2]
+    baseline = right.centre - left.centre
+    sideways = baseline / max(float(np.linalg.norm(baseline)), 1e-12)
+    if all(float(camera.camera_R_operator[0] @ sideways) < -MIN_SIDEWAYS for camera in (left, right)):
+        return EXCHANGED
+    return ""
