@@ -1,0 +1,81 @@
+"""From the chosen spots to each marker's place: how far its centroids can be trusted, and what it looks like."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from common.geometry import Array
+from local_site.calibration.rig import Rig
+from local_site.tracking.markers.correspondence import Candidates
+from local_site.tracking.markers.spots import Spots
+from local_site.tracking.markers.uncertainty import MarkerFix, fix_marker, magnification
+
+# What sampling by pixels leaves of a centroid, px.
+SAMPLING_SIGMA_PX = 0.04
+# Eleven numbers of a projection fitted to 75 points leave this share of their noise in it, thesis section 3.2.9.1.
+CALIBRATION_SHARE = 0.27
+# Of a disc that is hidden to a small share, the centroid moves by about this many radii per share.
+HIDDEN_SHIFT = 0.85
+WHOLE_SHARES = (0.85, 1.2)
+
+
+@dataclass(frozen=True, slots=True)
+class Sighting:
+    """One marker as it was measured: its place, its spot in each view (-1 for none), how far in px its spots are from
+    the projected place at most, its diameter in m, and how much of it each view shows (V,): 1 is all, NaN where none,
+    more where it is merged with something else."""
+
+    fix: MarkerFix
+    spots: tuple[int, ...]
+    residual_px: float
+    size: float
+    shares: Array
+
+    @property
+    def sigma_m(self) -> float:
+        """The standard deviation along the least certain direction, m."""
+        return float(np.sqrt(np.linalg.eigvalsh(self.fix.covariance)[-1]))
+
+    @property
+    def is_whole(self) -> bool:
+        """Whether all views that see the marker show all of it and nothing bright beside it."""
+        seen = self.shares[np.isfinite(self.shares)]
+        return bool(np.all((seen >= WHOLE_SHARES[0]) & (seen <= WHOLE_SHARES[1])))
+
+
+class MarkerMeter:
+    """Measures chosen candidates with all views that see them."""
+
+    def __init__(self, rig: Rig) -> None:
+        self._projections = rig.matrices
+        self._calibration_px = [CALIBRATION_SHARE * camera.reprojection_rms_px for camera in rig.cameras]
+
+    def measure(self, candidates: Candidates, which: int, spots: Sequence[Spots], size: float | None) -> Sighting:
+        """One candidate's place; `size` is the marker's diameter in m where it is known."""
+        members = candidates.members[which]
+        start = candidates.points[which]
+        seen = [k for k in range(len(members)) if members[k] >= 0]
+        scales = np.array([magnification(self._projections[k], start) for k in seen])
+        areas = np.array([spots[k].areas[members[k]] for k in seen])
+        diameters = np.sqrt(4.0 * areas / np.pi) / np.maximum(scales, 1e-9)
+        shares = np.full(len(members), np.nan)
+        shares[seen] = 1.0 if size is None else (diameters / size) ** 2
+        pixels = np.array([spots[k].pixels[members[k]] for k in seen])
+        sigmas = np.array([self._sigma(k, spots[k].sigmas[members[k]]) for k in seen])
+        if size is not None:
+            sigmas = np.hypot(sigmas, _hidden_sigma(shares[seen], 0.5 * size * scales))
+        fix = fix_marker([self._projections[k] for k in seen], pixels, sigmas, start)
+        residual_px = float(candidates.residuals[which])
+        return Sighting(fix, tuple(int(m) for m in members), residual_px, float(np.median(diameters)), shares)
+
+    def _sigma(self, view: int, noise: float) -> float:
+        return float(np.sqrt(noise**2 + SAMPLING_SIGMA_PX**2 + self._calibration_px[view] ** 2))
+
+
+def _hidden_sigma(shares: Array, radii_px: Array) -> Array:
+    """What a marker that is not shown whole adds to its centroid's deviation, px."""
+    low, high = WHOLE_SHARES
+    excess = np.maximum(np.maximum(low - shares, shares - high), 0.0)
+    whole = excess == 0.0
+    return np.where(whole, 0.0, HIDDEN_SHIFT * radii_px * np.abs(1.0 - shares))

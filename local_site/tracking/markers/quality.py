@@ -1,0 +1,68 @@
+"""When to doubt what the markers say, and when to refuse it: report, never guess."""
+
+from collections.abc import Sequence
+
+import numpy as np
+
+from local_site.calibration.rig import Rig
+from local_site.tracking.markers.identity import NOBODY, ROLES, Identity
+from local_site.tracking.markers.measuring import Sighting
+from local_site.tracking.markers.spots import Spots
+
+LEAST_RESIDUAL_PX = 0.3
+GATE = 10.0
+REFUSED = 8.0
+DOUBTED = 4.0
+MAX_SIGMA_M = 0.015
+VOLUME_MARGIN = 0.15
+OUT_OF_SYNC = "the views do not fit together: they are out of sync, or a camera has moved since calibration"
+
+
+class Quality:
+    """Judges by the residuals that are usual with this rig, and by the volume that it was calibrated in."""
+
+    def __init__(self, rig: Rig) -> None:
+        self._names = [camera.name for camera in rig.cameras]
+        usual = float(np.mean([camera.reprojection_rms_px for camera in rig.cameras]))
+        self._usual_px = float(np.hypot(LEAST_RESIDUAL_PX, usual))
+        low, high = np.array(rig.volume_min), np.array(rig.volume_max)
+        margin = VOLUME_MARGIN * (high - low)
+        self._low, self._high = low - margin, high + margin
+
+    @property
+    def gate_px(self) -> float:
+        """How far spots of one marker may be from its projection so that it is found at all, px."""
+        return GATE * self._usual_px
+
+    def is_sure(self, sighting: Sighting) -> bool:
+        """Whether a marker's place is sure enough to be told."""
+        return sighting.sigma_m <= MAX_SIGMA_M
+
+    def out_of_sync(self, sightings: Sequence[Sighting | None]) -> bool:
+        """Whether the lines of sight miss each other by too much for one instant and one calibration."""
+        return self._residual_px(sightings) > REFUSED * self._usual_px
+
+    def remarks(self, sightings: Sequence[Sighting | None], identity: Identity, spots: Sequence[Spots]) -> list[str]:
+        """Why a result is less sure than usual, or not complete, a sentence each."""
+        told = [self._remark(*it) for it in zip(ROLES, sightings, identity.chosen, identity.doubtful, strict=True)]
+        if self._residual_px(sightings) > DOUBTED * self._usual_px:
+            told.append("the views fit badly: they may be out of sync")
+        for k, name in enumerate(self._names):
+            if len(spots[k]) and all(s is None or s.spots[k] == NOBODY for s in sightings):
+                told.append(f"{name}: what this camera sees does not fit the others")
+        return [remark for remark in told if remark]
+
+    def _remark(self, name: str, sighting: Sighting | None, chosen: int, doubtful: bool) -> str:
+        if sighting is None:
+            if chosen == NOBODY:
+                return f"the {name} marker is hidden"
+            return f"the {name} marker cannot be told from {'another bright place' if doubtful else 'its surroundings'}"
+        if not sighting.is_whole:
+            return f"the {name} marker is partly hidden"
+        point = sighting.fix.point
+        inside = np.all(point > self._low) and np.all(point < self._high)
+        return "" if inside else f"the {name} marker is outside the calibrated volume"
+
+    def _residual_px(self, sightings: Sequence[Sighting | None]) -> float:
+        residuals = [s.residual_px for s in sightings if s is not None]
+        return float(np.sqrt(np.mean(np.square(residuals)))) if residuals else 0.0
