@@ -20,7 +20,7 @@ class MarkersConfig(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fi
         Meta(
             gt=1,
             le=3,
-            description="the hand is open when the distance index to thumb over that of wrist to thumb is so many times "
-            "what was learned",
+            description="the hand is open when the distance index to thumb over that of wrist to thumb is so many "
+            "times what was learned",
         ),
     ] = 1.12

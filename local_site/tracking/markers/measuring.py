@@ -9,7 +9,7 @@ from common.geometry import Array
 from local_site.calibration.rig import Rig
 from local_site.tracking.markers.correspondence import Candidates
 from local_site.tracking.markers.spots import Spots
-from local_site.tracking.markers.uncertainty import MarkerFix, fix_marker, magnification
+from local_site.tracking.markers.uncertainty import MarkerFix, fix_marker, magnifications
 
 # What sampling by pixels leaves of a centroid, px.
 SAMPLING_SIGMA_PX = 0.04
@@ -48,7 +48,7 @@ class MarkerMeter:
     """Measures chosen candidates with all views that see them."""
 
     def __init__(self, rig: Rig) -> None:
-        self._projections = rig.matrices
+        self._projections = np.array(rig.matrices)
         self._calibration_px = [CALIBRATION_SHARE * camera.reprojection_rms_px for camera in rig.cameras]
 
     def measure(self, candidates: Candidates, which: int, spots: Sequence[Spots], size: float | None) -> Sighting:
@@ -56,7 +56,7 @@ class MarkerMeter:
         members = candidates.members[which]
         start = candidates.points[which]
         seen = [k for k in range(len(members)) if members[k] >= 0]
-        scales = np.array([magnification(self._projections[k], start) for k in seen])
+        scales = magnifications(self._projections[seen], start)
         areas = np.array([spots[k].areas[members[k]] for k in seen])
         diameters = np.sqrt(4.0 * areas / np.pi) / np.maximum(scales, 1e-9)
         shares = np.full(len(members), np.nan)
@@ -65,7 +65,7 @@ class MarkerMeter:
         sigmas = np.array([self._sigma(k, spots[k].sigmas[members[k]]) for k in seen])
         if size is not None:
             sigmas = np.hypot(sigmas, _hidden_sigma(shares[seen], 0.5 * size * scales))
-        fix = fix_marker([self._projections[k] for k in seen], pixels, sigmas, start)
+        fix = fix_marker(self._projections[seen], pixels, sigmas, start)
         residual_px = float(candidates.residuals[which])
         return Sighting(fix, tuple(int(m) for m in members), residual_px, float(np.median(diameters)), shares)
 

@@ -1,18 +1,18 @@
 """The bright spots of one picture, each with its intensity-weighted centroid to a fraction of a pixel."""
 
+import math
 from dataclasses import dataclass
 
 import cv2
 import numpy as np
-from numpy.typing import NDArray
 
 from common.cameras.camera import Image
 from common.geometry import Array
 
-Labels = NDArray[np.int32]
+Outline = cv2.typing.MatLike
 
 MAX_SPOTS = 8
-MAX_COMPONENTS = 300
+MAX_PLACES = 300
 PEAK_PIXELS = 20
 SEED_SHARE = 0.3
 MIN_PIXELS = 6
@@ -22,6 +22,7 @@ MIN_FILLING = 0.45
 SPREAD_PX = 3
 RING_PX = 5
 LEAST_NOISE = 0.5
+BRIGHT_SHARE = 0.8
 
 _DISC = cv2.getStructuringElement(cv2.MORPH_ELLIPSE, (2 * SPREAD_PX + 1, 2 * SPREAD_PX + 1))
 
@@ -52,13 +53,11 @@ def find_spots(image: Image, min_contrast: float) -> Spots | str:
     if peak - background < min_contrast:
         return "nothing stands out brightly: no marker in view, or too little light on them"
     level = background + max(SEED_SHARE * (peak - background), 0.5 * min_contrast)
-    mask = cv2.threshold(grey, level, 255, cv2.THRESH_BINARY)[1]
-    found = cv2.connectedComponentsWithStats(mask, connectivity=8)
-    count, labels, stats = found[0], np.asarray(found[1], dtype=np.int32), np.asarray(found[2], dtype=np.int32)
-    if count > MAX_COMPONENTS:
+    mask = np.asarray(cv2.threshold(grey, level, 255, cv2.THRESH_BINARY)[1], dtype=np.uint8)
+    outlines = cv2.findContours(mask, cv2.RETR_EXTERNAL, cv2.CHAIN_APPROX_NONE)[0]
+    if len(outlines) > MAX_PLACES:
         return "the picture is full of bright places"
-    chosen = [k for k in range(1, count) if _is_marker_like(stats[k], grey.shape)]
-    measured = [_measure(grey, labels, k, stats[k]) for k in chosen]
+    measured = [_measure(grey, mask, outline) for outline in outlines if _is_marker_like(outline, grey.shape)]
     kept = sorted((m for m in measured if m[4] >= min_contrast), key=lambda m: -m[3] * m[4])[:MAX_SPOTS]
     if not kept:
         return "no bright place looks like a marker: a dark glove and a dark background are needed"
@@ -74,33 +73,46 @@ def _levels(grey: Image) -> tuple[float, float]:
     return float(np.searchsorted(below, 0.5 * below[-1])), float(np.searchsorted(below, peak_rank))
 
 
-def _is_marker_like(stats: Labels, shape: tuple[int, ...]) -> bool:
-    left, top, width, height, pixels = (int(value) for value in stats[:5])
+def _is_marker_like(outline: Outline, shape: tuple[int, ...]) -> bool:
+    left, top, width, height = cv2.boundingRect(outline)
+    # The outline runs through the centres of the outermost pixels.
+    pixels = cv2.contourArea(outline) + 0.5 * len(outline) + 1.0
     inside = left > 0 and top > 0 and left + width < shape[1] and top + height < shape[0]
     size = MIN_PIXELS <= pixels <= max(MAX_PICTURE_SHARE * shape[0] * shape[1], MIN_PIXELS)
     round_enough = max(width, height) <= MAX_ELONGATION * min(width, height)
     return inside and size and round_enough and pixels >= MIN_FILLING * width * height
 
 
-def _measure(grey: Image, labels: Labels, label: int, stats: Labels) -> tuple[float, float, float, float, float]:
+def _measure(grey: Image, mask: Image, outline: Outline) -> tuple[float, float, float, float, float]:
     """Centroid u and v, its noise (px), area (px²) and brightness of one spot above its own surroundings."""
-    left, top, width, height = (int(value) for value in stats[:4])
-    rows = slice(max(top - RING_PX, 0), top + height + RING_PX)
-    columns = slice(max(left - RING_PX, 0), left + width + RING_PX)
-    near = labels[rows, columns]
-    own = cv2.dilate((near == label).astype(np.uint8), _DISC) > 0
-    others = cv2.dilate(((near > 0) & (near != label)).astype(np.uint8), _DISC) > 0
-    values = grey[rows, columns].astype(np.float64)
-    ring = values[~own & ~others]
-    around = float(np.median(ring)) if ring.size else 0.0
-    noise = max(1.4826 * float(np.median(np.abs(ring - around))), LEAST_NOISE) if ring.size else LEAST_NOISE
-    v, u = np.nonzero(own & (~others | (near == label)))
+    left, top, width, height = cv2.boundingRect(outline)
+    first = np.array([max(left - RING_PX, 0), max(top - RING_PX, 0)])
+    window = np.s_[first[1] : top + height + RING_PX, first[0] : left + width + RING_PX]
+    values = grey[window].astype(np.float64)
+    own = np.zeros(values.shape, np.uint8)
+    cv2.drawContours(own, [outline - first.astype(np.int32)], 0, 255, cv2.FILLED)
+    others = cv2.dilate(cv2.subtract(mask[window], own), _DISC) > 0
+    region = (cv2.dilate(own, _DISC) > 0) & (~others | (own > 0))
+    around, noise = _surroundings(values[~region & ~others])
+    v, u = np.nonzero(region)
     weight = values[v, u] - around
-    total = float(weight.sum())
-    bright = float(np.percentile(values[near == label], 80)) - around
+    total, bright = float(weight.sum()), _quantile(values[own > 0], BRIGHT_SHARE) - around
     if total <= 0 or bright <= 0:
         return 0.0, 0.0, 0.0, 0.0, 0.0
-    centre = np.array([u @ weight, v @ weight]) / total
-    spread = float(np.sum((u - centre[0]) ** 2 + (v - centre[1]) ** 2)) / 2.0
-    sigma = noise * np.sqrt(spread) / total
-    return float(centre[0]) + columns.start, float(centre[1]) + rows.start, float(sigma), total / bright, bright
+    centre_u, centre_v = float(u @ weight) / total, float(v @ weight) / total
+    spread = 0.5 * float(np.sum((u - centre_u) ** 2 + (v - centre_v) ** 2))
+    return first[0] + centre_u, first[1] + centre_v, noise * math.sqrt(spread) / total, total / bright, bright
+
+
+def _surroundings(ring: Array) -> tuple[float, float]:
+    """The median brightness about a spot, and the noise there as a standard deviation."""
+    if not ring.size:
+        return 0.0, LEAST_NOISE
+    around = _quantile(ring, 0.5)
+    return around, max(1.4826 * _quantile(np.abs(ring - around), 0.5), LEAST_NOISE)
+
+
+def _quantile(values: Array, share: float) -> float:
+    """One of the values (N,), that with this share of them below it."""
+    rank = int(share * (len(values) - 1))
+    return float(np.partition(values, rank)[rank])

@@ -1,14 +1,12 @@
 """A marker's place and its covariance from its centroids: what sensor noise and calibration leave open."""
 
-from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
 
 from common.geometry import Array
-from local_site.calibration.triangulation import project
 
-REFINEMENTS = 3
+REFINEMENTS = 2
 
 
 @dataclass(frozen=True, slots=True)
@@ -22,40 +20,39 @@ class MarkerFix:
     freedom: int
 
 
-def fix_marker(projections: Sequence[Array], pixels: Array, sigmas: Array, start: Array) -> MarkerFix:
-    """The likeliest place of a marker seen at pixels (V, 2) with standard deviations (V,) px, V >= 2.
+def fix_marker(projections: Array, pixels: Array, sigmas: Array, start: Array) -> MarkerFix:
+    """The likeliest place of a marker that cameras with projections (V, 3, 4), V >= 2, see at pixels (V, 2) with
+    standard deviations (V,) px.
 
     Gauss-Newton on the weighted reprojection error from a point (3,) near by; the covariance is the inverse of the
     normal matrix. Views that disagree more than their deviations allow make it larger, never smaller.
     """
-    weights = np.repeat(1.0 / sigmas, 2)
     point = start
     for _ in range(REFINEMENTS):
-        jacobian, offset = _linearised(projections, pixels, point)
-        point = point + np.linalg.lstsq(jacobian * weights[:, None], offset * weights, rcond=None)[0]
-    jacobian, offset = _linearised(projections, pixels, point)
-    scaled = jacobian * weights[:, None]
-    misfit = float(np.sum((offset * weights) ** 2))
-    freedom = 2 * len(sigmas) - 3
-    covariance: Array = np.linalg.pinv(scaled.T @ scaled) * max(1.0, misfit / freedom)
-    return MarkerFix(point, covariance, misfit, freedom)
+        jacobian, offset = _weighted(projections, pixels, sigmas, point)
+        point = point + np.linalg.pinv(jacobian) @ offset
+    jacobian, offset = _weighted(projections, pixels, sigmas, point)
+    misfit, freedom = float(offset @ offset), 2 * len(sigmas) - 3
+    inverse = np.linalg.pinv(jacobian)
+    return MarkerFix(point, inverse @ inverse.T * max(1.0, misfit / freedom), misfit, freedom)
 
 
-def pixel_jacobian(projection: Array, point: Array) -> Array:
-    """How a pixel moves with its point (3,): (2, 3) in px per m."""
-    pixel = project(projection, point)
-    depth = float(projection[2, :3] @ point + projection[2, 3])
-    result: Array = (projection[:2, :3] - np.outer(pixel, projection[2, :3])) / depth
-    return result
+def magnifications(projections: Array, point: Array) -> Array:
+    """The length in px (V,) of a metre across the line of sight of each camera (V, 3, 4) at a point (3,)."""
+    _, jacobians = _projected(projections, point)
+    areas: Array = np.sqrt(np.linalg.det(jacobians @ jacobians.transpose(0, 2, 1)))
+    return np.sqrt(areas)
 
 
-def magnification(projection: Array, point: Array) -> float:
-    """The length in px of a metre across the line of sight at a point (3,)."""
-    jacobian = pixel_jacobian(projection, point)
-    return float(np.sqrt(np.sqrt(np.linalg.det(jacobian @ jacobian.T))))
+def _projected(projections: Array, point: Array) -> tuple[Array, Array]:
+    """The pixels (V, 2) of a point, and how they move with it (V, 2, 3) in px per m."""
+    image = projections[:, :, :3] @ point + projections[:, :, 3]
+    pixels = image[:, :2] / image[:, 2:]
+    return pixels, (projections[:, :2, :3] - pixels[..., None] * projections[:, 2:, :3]) / image[:, 2:, None]
 
 
-def _linearised(projections: Sequence[Array], pixels: Array, point: Array) -> tuple[Array, Array]:
-    jacobian = np.concatenate([pixel_jacobian(matrix, point) for matrix in projections])
-    offset = np.concatenate([pixel - project(matrix, point) for matrix, pixel in zip(projections, pixels, strict=True)])
-    return jacobian, offset
+def _weighted(projections: Array, pixels: Array, sigmas: Array, point: Array) -> tuple[Array, Array]:
+    """Jacobian (2V, 3) and offsets (2V,) in standard deviations."""
+    projected, jacobians = _projected(projections, point)
+    offset = (pixels - projected) / sigmas[:, None]
+    return (jacobians / sigmas[:, None, None]).reshape(-1, 3), offset.reshape(-1)
