@@ -21,6 +21,9 @@ Settings = Annotated[list[str] | None, typer.Option("--set", help="Override one 
 
 RigFile = Annotated[Path, typer.Option(help="Rig file to write.")]
 Serials = Annotated[list[str] | None, typer.Option(help="A camera's serial number, as left=NUMBER.")]
+TrackerName = Annotated[
+    str, typer.Option(help="silhouette (a bare arm) or markers (three bright markers on a dark glove).")
+]
 
 app = typer.Typer(
     help="Farhand moves a robot arm somewhere else with a bare hand.",
@@ -106,6 +109,7 @@ def loopback(
     report: Annotated[Path | None, typer.Option(help="Write all figures to this JSON file.")] = None,
     driver: Annotated[str, typer.Option(help="simulated (physics) or kinematic (perfect tracking).")] = "simulated",
     motion: Annotated[str, typer.Option(help="What the simulated operator does.")] = "pick_and_place",
+    tracker: TrackerName = "silhouette",
     save_views: Annotated[Path | None, typer.Option(help="Folder for the last views, as PNG.")] = None,
 ) -> None:
     """Run both sites on this machine against a simulated operator and a simulated cell, and measure.
@@ -114,7 +118,7 @@ def loopback(
     """
     from farhand.loopback import LoopbackOptions, run_loopback
 
-    options = LoopbackOptions(seconds, report, driver, motion, save_views)
+    options = LoopbackOptions(seconds, report, driver, motion, tracker, save_views)
     _until_signal(lambda should_stop: run_loopback(options, should_stop))
 
 
@@ -142,6 +146,7 @@ def track(
     right: Annotated[str, typer.Option(help="The same for the right camera.")],
     out: Annotated[Path, typer.Option(help="JSON lines to write.")] = Path("track.jsonl"),
     fps: Annotated[float | None, typer.Option(help="Frame rate, where the source does not tell it.")] = None,
+    tracker: TrackerName = "silhouette",
     annotate: Annotated[Path | None, typer.Option(help="Folder for annotated pairs, as PNG.")] = None,
 ) -> None:
     """Track a recording or two cameras, one JSON line per pair; causal, unsmoothed.
@@ -149,5 +154,7 @@ def track(
     Example: farhand track --rig rig.json --left left.avi --right right.avi --out track.jsonl
     """
     from farhand.track_command import TrackSources, run_track
+    from local_site.tracking.choice import TrackingConfig
 
-    typer.echo(run_track(TrackSources(rig, left, right, fps), out, annotate))
+    tracking = load_config(TrackingConfig, None, (f"method={tracker}",))
+    typer.echo(run_track(TrackSources(rig, left, right, fps, tracking), out, annotate))

@@ -50,6 +50,7 @@ class LoopbackOptions:
     report: Path | None = None
     driver: str = "simulated"
     motion: str = "pick_and_place"
+    tracker: str = "silhouette"
     save_views: Path | None = None
     remote_settings: tuple[str, ...] = ()
     local_settings: tuple[str, ...] = ()
@@ -86,7 +87,13 @@ def plan_of(options: LoopbackOptions) -> Plan:
     """Settings with free endpoints of this host; ConfigError when the options ask for what there is not."""
     control, video, local = (f"tcp/127.0.0.1:{port}" for port in free_ports(3))
     remote_settings = (f"links.control={control}", f"links.video={video}", f"driver.name={options.driver}")
-    local_settings = (f"links.remote={control}", f"links.listen={local}", f"simulation.motion.name={options.motion}")
+    local_settings = (
+        f"links.remote={control}",
+        f"links.listen={local}",
+        f"simulation.motion.name={options.motion}",
+        f"simulation.markers={str(options.tracker == 'markers').lower()}",
+        f"tracking.method={options.tracker}",
+    )
     plan = Plan(
         remote=(f"cell={CELL}", *remote_settings, *options.remote_settings),
         local=(f"cell={CELL}", *local_settings, *options.local_settings),

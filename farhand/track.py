@@ -18,7 +18,7 @@ from common.messages import TrackingStatus, Vector3
 from local_site.calibration.rig import Rig
 from local_site.gesture import OpenHand, observe
 from local_site.tracking.annotate import annotate
-from local_site.tracking.silhouette.silhouette_tracker import SilhouetteTracker
+from local_site.tracking.choice import TrackingConfig, make_tracker
 from local_site.tracking.tracker import ArmEstimate, View, Views
 
 POINTS = ("elbow", "wrist", "index", "thumb")
@@ -69,13 +69,14 @@ def track_recording(
     out: Path,
     annotate_dir: Path | None,
     progress: Callable[[int], None],
+    tracking: TrackingConfig | None = None,
 ) -> Summary:
     """Track all pairs of two cameras, write a line each to `out` and, if asked, annotated pairs as PNG.
 
     `progress` is called with the number of pairs done. Raises CameraError when no pair comes or a file cannot be
     written.
     """
-    tracker, hand, summary = SilhouetteTracker(rig), OpenHand(), Summary()
+    tracker, hand, summary = make_tracker(rig, tracking or TrackingConfig()), OpenHand(), Summary()
     try:
         if annotate_dir is not None:
             annotate_dir.mkdir(parents=True, exist_ok=True)

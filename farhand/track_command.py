@@ -1,7 +1,7 @@
 """The track command: opens rig and cameras, shows progress, tells what was found."""
 
 from contextlib import closing
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from pathlib import Path
 
 import numpy as np
@@ -11,16 +11,18 @@ from rich.progress import MofNCompleteColumn, Progress, SpinnerColumn, TextColum
 from common.cameras.sources import open_camera
 from farhand.track import POINTS, Summary, track_recording
 from local_site.calibration.rig import load_rig
+from local_site.tracking.choice import TrackingConfig
 
 
 @dataclass(frozen=True, slots=True)
 class TrackSources:
-    """What to track: the rig's file, and a device, URL, video file or folder of images for each camera."""
+    """What to track: the rig's file, a device, URL, video file or folder of images for each camera, and how."""
 
     rig: Path
     left: str
     right: str
     fps: float | None
+    tracking: TrackingConfig = field(default_factory=TrackingConfig)
 
 
 def run_track(sources: TrackSources, out: Path, annotate_dir: Path | None) -> str:
@@ -33,7 +35,11 @@ def run_track(sources: TrackSources, out: Path, annotate_dir: Path | None) -> st
         Progress(*columns, console=Console(stderr=True)) as progress,
     ):
         task = progress.add_task("tracking", total=None)
-        done = track_recording(rig, left, right, out, annotate_dir, lambda n: progress.update(task, completed=n))
+
+        def show(pairs: int) -> None:
+            progress.update(task, completed=pairs)
+
+        done = track_recording(rig, left, right, out, annotate_dir, show, sources.tracking)
     return describe(done, out)
 
 

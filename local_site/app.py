@@ -25,7 +25,7 @@ from local_site.remote_watch import RemoteWatch
 from local_site.simulation.source import SimulatedCameras
 from local_site.smoothing import make_smoother
 from local_site.tracking.annotate import annotate
-from local_site.tracking.silhouette.silhouette_tracker import SilhouetteTracker
+from local_site.tracking.choice import make_tracker
 from local_site.tracking.tracker import ArmEstimate, Views
 
 VIEWS_TIMEOUT_S = 0.1
@@ -89,7 +89,7 @@ class LocalSite:
     def __init__(self, config: LocalConfig, rig: Rig, capture: Capture, link: Link, clock: Clock) -> None:
         self._capture = capture
         self._clock = clock
-        self._tracker = SilhouetteTracker(rig, config.tracking)
+        self._tracker = make_tracker(rig, config.tracking)
         self._smoother = make_smoother(config.smoothing)
         self._hold_ms = config.gesture.hold_ms
         self._hand = OpenHand()

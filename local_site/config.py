@@ -10,7 +10,7 @@ from common.channels import check_cell_name
 from local_site.pairing import PairingConfig
 from local_site.simulation.config import SimulationConfig
 from local_site.smoothing import SmoothingConfig
-from local_site.tracking.silhouette.config import SilhouetteConfig
+from local_site.tracking.choice import TrackingConfig
 
 SIMULATED = "simulated"
 
@@ -56,7 +56,7 @@ class LocalConfig(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fiel
     links: LinksConfig = field(default_factory=LinksConfig)
     operator: OperatorConfig = field(default_factory=OperatorConfig)
     capture: PairingConfig = field(default_factory=PairingConfig)
-    tracking: SilhouetteConfig = field(default_factory=SilhouetteConfig)
+    tracking: TrackingConfig = field(default_factory=TrackingConfig)
     smoothing: SmoothingConfig = field(default_factory=SmoothingConfig)
     gesture: GestureConfig = field(default_factory=GestureConfig)
     simulation: SimulationConfig = field(default_factory=SimulationConfig)

@@ -13,8 +13,9 @@ from local_site.tracking.markers.uncertainty import MarkerFix, fix_marker, magni
 
 # What sampling by pixels leaves of a centroid, px.
 SAMPLING_SIGMA_PX = 0.04
-# Eleven numbers of a projection fitted to 75 points leave this share of their noise in it, thesis section 3.2.9.1.
-CALIBRATION_SHARE = 0.27
+# A projection of p = 11 numbers fitted to N = 75 points (thesis section 3.2.9.1) is off by sqrt(p / (2N - p)) of the
+# residual of a coordinate, which is the rms distance that the rig tells over the square root of two.
+CALIBRATION_SHARE = 0.2
 # Of a disc that is hidden to a small share, the centroid moves by about this many radii per share.
 HIDDEN_SHIFT = 0.85
 WHOLE_SHARES = (0.85, 1.2)

@@ -23,6 +23,8 @@ SPREAD_PX = 3
 RING_PX = 5
 LEAST_NOISE = 0.5
 BRIGHT_SHARE = 0.8
+# Weights count from here up, so that a glove on one side and a black background on the other do not draw the centroid.
+FOOT_SHARE = 0.5
 
 _DISC = cv2.getStructuringElement(cv2.MORPH_ELLIPSE, (2 * SPREAD_PX + 1, 2 * SPREAD_PX + 1))
 
@@ -94,14 +96,22 @@ def _measure(grey: Image, mask: Image, outline: Outline) -> tuple[float, float, 
     others = cv2.dilate(cv2.subtract(mask[window], own), _DISC) > 0
     region = (cv2.dilate(own, _DISC) > 0) & (~others | (own > 0))
     around, noise = _surroundings(values[~region & ~others])
-    v, u = np.nonzero(region)
-    weight = values[v, u] - around
-    total, bright = float(weight.sum()), _quantile(values[own > 0], BRIGHT_SHARE) - around
+    bright = _quantile(values[own > 0], BRIGHT_SHARE) - around
+    weights = np.where(region, values - around - FOOT_SHARE * bright, 0.0)
+    v, u = np.nonzero(weights > 0)
+    weight = weights[v, u]
+    total = float(weight.sum())
     if total <= 0 or bright <= 0:
         return 0.0, 0.0, 0.0, 0.0, 0.0
     centre_u, centre_v = float(u @ weight) / total, float(v @ weight) / total
     spread = 0.5 * float(np.sum((u - centre_u) ** 2 + (v - centre_v) ** 2))
-    return first[0] + centre_u, first[1] + centre_v, noise * math.sqrt(spread) / total, total / bright, bright
+    return (
+        first[0] + centre_u,
+        first[1] + centre_v,
+        noise * math.sqrt(spread) / total,
+        total / ((1 - FOOT_SHARE) * bright),
+        bright,
+    )
 
 
 def _surroundings(ring: Array) -> tuple[float, float]:
