@@ -5,17 +5,14 @@ from functools import cached_property
 
 import numpy as np
 from scipy.optimize import least_squares
-from scipy.special import fdtrc
 
 from common.geometry import Array
+from local_site.calibration.model_choice import choose_model
 from local_site.calibration.physical_camera import ASPECT, BASE, K1, K2, NUMBERS, PhysicalCamera
 
-SIGNIFICANCE = 0.01
-ROUNDING_PX = 1e-4
 MAX_CONDITION = 1e14
 SPARE_NUMBERS = 4
 TOLERANCE = 1e-13
-LENS_NAMES = {(): "no distortion", (K1,): "k1", (K1, K2): "k1 and k2"}
 
 
 @dataclass(frozen=True)
@@ -28,9 +25,14 @@ class Resection:
     slope: Array
 
     @property
-    def square_sum(self) -> float:
-        """Sum of squared residuals, px²."""
-        return float(np.sum(self.residuals**2))
+    def numbers(self) -> int:
+        """How many numbers were fitted."""
+        return len(self.free)
+
+    @property
+    def rms_px(self) -> float:
+        """Root mean square distance between model and measurement, px."""
+        return float(np.sqrt(np.mean(np.sum(self.residuals**2, axis=1))))
 
     @cached_property
     def normal(self) -> Array:
@@ -74,36 +76,14 @@ def fit_camera(points: Array, pixels: Array, start: PhysicalCamera, free: tuple[
 
 
 def choose_camera(points: Array, pixels: Array, start: PhysicalCamera) -> tuple[Resection, str]:
-    """The camera with as few numbers as an F-test at 1 % lets the residuals get by with; and why, in words.
-
-    From the fullest camera that the count of points allows, fy apart from fx, then k2, then k1 are left out, each
-    wherever leaving it out costs no more than noise would.
-    """
+    """The camera with no more numbers than the points (N, 3) and pixels (N, 2) ask for; and why, in words."""
     enough = 2 * len(points) >= NUMBERS + SPARE_NUMBERS
-    chosen = fit_camera(points, pixels, start, (*BASE, ASPECT, K1, K2) if enough else (*BASE, ASPECT))
-    reasons = []
-    for number in (ASPECT, K2, K1):
-        if number not in chosen.free or (number == K1 and K2 in chosen.free):
-            continue
-        simple = fit_camera(points, pixels, chosen.camera, tuple(n for n in chosen.free if n != number))
-        chance = chance_of_noise(simple, chosen)
-        if number != ASPECT:
-            reasons.append(f"{'k1' if number == K1 else 'k2'} p = {chance:.2g}")
-        if chance >= SIGNIFICANCE or folds(chosen.camera, points):
-            chosen = simple
-    lens = LENS_NAMES[tuple(n for n in chosen.free if n >= K1)]
-    pixel = "square pixels" if ASPECT not in chosen.free else "fx apart from fy"
-    return chosen, f"{lens}, {pixel} (F-test: {', '.join(reasons) or 'too few points'})"
 
+    def refit(chosen: Resection, free: tuple[int, ...]) -> Resection:
+        return fit_camera(points, pixels, chosen.camera, free)
 
-def chance_of_noise(simple: Resection, rich: Resection) -> float:
-    """How probably noise alone would let the richer model fit as much better as it does (F-test)."""
-    added = len(rich.free) - len(simple.free)
-    count = rich.residuals.size
-    freedom = count - len(rich.free)
-    floor = count * ROUNDING_PX**2
-    ratio = ((simple.square_sum - rich.square_sum) / added) / ((rich.square_sum + floor) / freedom)
-    return float(fdtrc(added, freedom, max(ratio, 0.0)))
+    fullest = fit_camera(points, pixels, start, (*BASE, ASPECT, K1, K2) if enough else (*BASE, ASPECT))
+    return choose_model(fullest, refit, lambda chosen: folds(chosen.camera, points))
 
 
 def folds(camera: PhysicalCamera, points: Array) -> bool:

@@ -8,7 +8,7 @@ from numpy.typing import NDArray
 from common.errors import CalibrationError
 from common.geometry import Array
 from local_site.calibration import accuracy, checks
-from local_site.calibration.control_points import ControlPoints, refusal
+from local_site.calibration.control_points import ControlPoints, Size, refusal
 from local_site.calibration.dlt import agreeing, outlier_limit, reprojection_errors, solve_projection, unsolvable
 from local_site.calibration.physical_camera import PhysicalCamera, decomposed
 from local_site.calibration.resection import Resection, choose_camera
@@ -93,7 +93,7 @@ def _rig(control: ControlPoints, solved: list[_Solved], created: str) -> Rig:
     epipolar = accuracy.epipolar_residuals(cameras, control.pixels)
     return Rig(
         cameras=tuple(
-            camera_calibration(name, resection, size)
+            camera_calibration(name, resection.camera, resection.rms_px, size)
             for name, resection, size in zip(control.cameras, resections, control.sizes, strict=False)
         ),
         volume_min=vector(control.points.min(axis=0)),
@@ -106,16 +106,14 @@ def _rig(control: ControlPoints, solved: list[_Solved], created: str) -> Rig:
     )
 
 
-def camera_calibration(name: str, resection: Resection, size: tuple[int, int] | None) -> CameraCalibration:
+def camera_calibration(name: str, camera: PhysicalCamera, rms_px: float, size: Size | None) -> CameraCalibration:
     """What the rig keeps of a fitted camera; a straight lens is not kept, so that nobody straightens for nothing."""
-    camera = resection.camera
-    rms = float(np.sqrt(resection.square_sum / len(resection.residuals)))
     bent = camera.lens.k1 != 0.0 or camera.lens.k2 != 0.0
     rows = [_row(row) for row in camera.projection]
     return CameraCalibration(
         name=name,
         projection=(rows[0], rows[1], rows[2]),
-        reprojection_rms_px=rms,
+        reprojection_rms_px=rms_px,
         lens=camera.lens if bent else None,
         size_px=size,
     )

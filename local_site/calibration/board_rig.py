@@ -1,0 +1,182 @@
+"""A rig from pictures of a printed board in several poses: lenses and places of the cameras, and how exact they are."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from common.errors import CalibrationError
+from common.geometry import Array
+from local_site.calibration import accuracy, checks
+from local_site.calibration.board_errors import board_errors
+from local_site.calibration.board_start import Views, observations, starting_scene
+from local_site.calibration.boards import Board
+from local_site.calibration.bundle import Adjusted, Observations, Scene, adjust
+from local_site.calibration.control_points import ControlPoints, Size
+from local_site.calibration.model_choice import choose_model
+from local_site.calibration.physical_camera import ASPECT, BASE, K1, K2, PhysicalCamera
+from local_site.calibration.resection import folds
+from local_site.calibration.rig import Rig
+from local_site.calibration.solve import camera_calibration, vector
+
+MIN_POSES = 5
+MIN_TILT_DEG = 15.0
+MAX_RMS_PX = 3.0
+
+
+@dataclass(frozen=True, slots=True)
+class BoardPictures:
+    """Each camera's view of each pose (None where the board was not seen), and its picture's width and height in px."""
+
+    views: Views
+    sizes: tuple[Size, ...]
+    names: tuple[str, ...]
+
+
+def solve_boards(
+    pictures: BoardPictures, board: Board, created: str, standing: bool = False
+) -> tuple[Rig, ControlPoints]:
+    """The rig of board pictures, and the corners seen, in the operator frame.
+
+    The first pose that two cameras saw sets the operator frame: origin in the middle of the print, x along the edge of
+    the print that runs to the right in the left camera's picture. If the board lies, z points out of the print and y
+    away from the cameras; if it stands, y points into the print and z up. Raises CalibrationError for too few or too
+    similar poses, cameras that do not agree, and exchanged cameras.
+    """
+    views = _common_views(pictures.views)
+    seen = observations(views, board)
+    start = starting_scene(views, board, pictures.sizes, pictures.names)
+    _refuse_similar_poses(start)
+    fitted, why = _fit(start, seen)
+    _refuse_misfit(fitted, seen, pictures.names)
+    old_R_new, old_t_new = operator_pose(fitted.scene, board, standing)
+    cameras = [camera.in_frame(old_R_new, old_t_new) for camera in fitted.scene.cameras]
+    exchanged = checks.exchanged(cameras)
+    if exchanged:
+        raise CalibrationError(exchanged)
+    control = _control(pictures, views, board, (fitted.scene, old_R_new, old_t_new))
+    errors = _error_rms(views, board, fitted, seen, old_R_new)
+    return _rig(control, cameras, fitted, seen, errors, why, created), control
+
+
+def _common_views(views: Views) -> Views:
+    """The poses that two cameras saw; CalibrationError if they are too few."""
+    common = [i for i, pose in enumerate(zip(*views, strict=True)) if sum(view is not None for view in pose) >= 2]
+    if len(common) < MIN_POSES:
+        raise CalibrationError(
+            f"the board was seen by two cameras in {len(common)} poses, needs at least {MIN_POSES}; show it in more "
+            "places and at more angles, whole, well lit and still"
+        )
+    return [[own[i] for i in common] for own in views]
+
+
+def _refuse_similar_poses(scene: Scene) -> None:
+    normals = scene.rotations[:, :, 2]
+    tilt = float(np.degrees(np.arccos(np.clip(np.min(normals @ normals.T), -1.0, 1.0))))
+    if tilt < MIN_TILT_DEG:
+        raise CalibrationError(
+            f"all poses of the board are within {tilt:.0f} degrees of each other; tilt it by {2 * MIN_TILT_DEG:.0f} "
+            "degrees or more, about both of its edges, or the focal lengths cannot be told from the distance"
+        )
+
+
+def _fit(start: Scene, seen: Observations) -> tuple[Adjusted, str]:
+    def refit(chosen: Adjusted, free: tuple[int, ...]) -> Adjusted:
+        return adjust(chosen.scene, seen, free)
+
+    def unreal(chosen: Adjusted) -> bool:
+        places = chosen.scene.places(seen)
+        return any(folds(camera, places[seen.camera == k]) for k, camera in enumerate(chosen.scene.cameras))
+
+    return choose_model(adjust(start, seen, (*BASE, ASPECT, K1, K2)), refit, unreal)
+
+
+def _rms_px(fitted: Adjusted, seen: Observations, camera: int) -> float:
+    return float(np.sqrt(np.mean(np.sum(fitted.residuals[seen.camera == camera] ** 2, axis=1))))
+
+
+def _refuse_misfit(fitted: Adjusted, seen: Observations, names: Sequence[str]) -> None:
+    worst = [f"{name} {_rms_px(fitted, seen, k):.1f} px" for k, name in enumerate(names)]
+    if max(_rms_px(fitted, seen, k) for k in range(len(names))) > MAX_RMS_PX:
+        raise CalibrationError(
+            f"the pictures do not fit one rig (residuals: {', '.join(worst)}); keep cameras and board still while a "
+            "picture is taken, keep the board flat, and give its true squares"
+        )
+
+
+def operator_pose(scene: Scene, board: Board, standing: bool) -> tuple[Array, Array]:
+    """The operator frame in the first camera's frame, by the first board: old_R_new (3, 3), old_t_new (3,) in m."""
+    right, down, into = scene.rotations[0].T
+    x = max((right, -right, down, -down), key=lambda axis: float(axis[0]))
+    z = np.cross(x, into) if standing else -into
+    axes = np.column_stack([x, np.cross(z, x), z])
+    return axes, scene.rotations[0] @ board.middle + scene.translations[0]
+
+
+def _pixels(views: Views, pose: int, count: int) -> list[Array]:
+    """Each camera's pixels (count, 2) of a pose's corners, NaN where unseen."""
+    pixels = []
+    for own in views:
+        found, view = np.full((count, 2), np.nan), own[pose]
+        if view is not None:
+            found[view.ids] = view.pixels
+        pixels.append(found)
+    return pixels
+
+
+def _control(pictures: BoardPictures, views: Views, board: Board, placed: tuple[Scene, Array, Array]) -> ControlPoints:
+    """The corners of all poses as points in the operator frame, with the pixels that were measured."""
+    scene, old_R_new, old_t_new = placed
+    count = len(board.corners)
+    poses = range(len(views[0]))
+    points = np.einsum("pij,cj->pci", scene.rotations, board.corners) + scene.translations[:, None]
+    pixels = [_pixels(views, pose, count) for pose in poses]
+    measured = tuple(np.concatenate([of_pose[k] for of_pose in pixels]) for k in range(len(views)))
+    seen = np.any([np.isfinite(own[:, 0]) for own in measured], axis=0)
+    labels = np.array([f"pose {pose + 1}, corner {corner}" for pose in poses for corner in range(count)])
+    return ControlPoints(
+        points=((points - old_t_new) @ old_R_new).reshape(-1, 3)[seen],
+        pixels=tuple(own[seen] for own in measured),
+        labels=tuple(labels[seen].tolist()),
+        source="the board",
+        sizes=pictures.sizes,
+    )
+
+
+def _error_rms(
+    views: Views, board: Board, fitted: Adjusted, seen: Observations, old_R_new: Array
+) -> tuple[Array | None, Array | None]:
+    """3D error per axis of the operator frame (rms, m): by the rig, and by rigs made without each pose in turn."""
+    poses = range(len(views[0]))
+    pixels = [_pixels(views, pose, len(board.corners)) for pose in poses]
+    all_in = board_errors([fitted.scene.cameras] * len(poses), board.corners, pixels)
+    left_out = board_errors([fitted.cameras_without(pose, seen) for pose in poses], board.corners, pixels)
+    return accuracy.rms(all_in @ old_R_new), accuracy.rms(left_out @ old_R_new)
+
+
+def _rig(
+    control: ControlPoints,
+    cameras: Sequence[PhysicalCamera],
+    fitted: Adjusted,
+    seen: Observations,
+    errors: tuple[Array | None, Array | None],
+    why: str,
+    created: str,
+) -> Rig:
+    error_rms, left_out = errors
+    if error_rms is None:
+        raise CalibrationError("no corner of the board is seen by two cameras; let their views overlap")
+    epipolar = accuracy.epipolar_residuals(cameras, control.pixels)
+    return Rig(
+        cameras=tuple(
+            camera_calibration(name, camera, _rms_px(fitted, seen, k), control.sizes[k])
+            for k, (name, camera) in enumerate(zip(control.cameras, cameras, strict=True))
+        ),
+        volume_min=vector(control.points.min(axis=0)),
+        volume_max=vector(control.points.max(axis=0)),
+        error_rms=vector(error_rms),
+        created=created,
+        leave_one_out_rms=None if left_out is None else vector(left_out),
+        epipolar_px=float(np.median(epipolar)) if len(epipolar) else None,
+        lens_choice=(why,) * len(cameras),
+    )

@@ -1,0 +1,135 @@
+"""Printed boards: ChArUco boards and chessboards, and their corners in a picture."""
+
+from dataclasses import dataclass
+from typing import Literal
+
+import cv2
+import numpy as np
+from numpy.typing import NDArray
+
+from common.cameras.camera import Image
+from common.errors import ConfigError
+from common.geometry import Array
+from local_site.calibration.discs import as_grey
+
+BoardKind = Literal["charuco", "chessboard"]
+
+MIN_CORNERS = 8
+MAX_SQUARES = 60
+DEFAULT_DICTIONARY = "5X5_250"
+
+
+@dataclass(frozen=True, slots=True)
+class Board:
+    """A board of squares in columns and rows; lengths in m. Markers and dictionary are a ChArUco board's only."""
+
+    kind: BoardKind
+    columns: int
+    rows: int
+    square: float
+    marker: float = 0.0
+    dictionary: str = DEFAULT_DICTIONARY
+
+    def __post_init__(self) -> None:
+        if min(self.columns, self.rows) < 3 or max(self.columns, self.rows) > MAX_SQUARES:
+            raise ConfigError(f"--squares must be 3 to {MAX_SQUARES} each way, not {self.columns}x{self.rows}")
+        if self.kind == "charuco" and not 0 < self.marker < self.square:
+            raise ConfigError(
+                "--marker-mm must be larger than 0 and smaller than --square-mm; measure both on the print"
+            )
+        if self.kind == "charuco" and not hasattr(cv2.aruco, f"DICT_{self.dictionary}"):
+            raise ConfigError(f"--dictionary must be one such as 4X4_50, 5X5_250 or 6X6_1000, not {self.dictionary!r}")
+
+    @property
+    def corners(self) -> Array:
+        """Inner corners ((columns-1)(rows-1), 3) in m: x right, y down the print, row by row from its upper left."""
+        y, x = np.mgrid[1 : self.rows, 1 : self.columns]
+        return self.square * np.column_stack([x.ravel(), y.ravel(), np.zeros(x.size)]).astype(np.float64)
+
+    @property
+    def middle(self) -> Array:
+        """The middle of the print (3,), m."""
+        return self.square / 2 * np.array([self.columns, self.rows, 0.0])
+
+
+@dataclass(frozen=True, slots=True)
+class BoardView:
+    """Which corners (M,) of a board a picture shows, and where: pixels (M, 2)."""
+
+    ids: NDArray[np.int64]
+    pixels: Array
+
+
+class BoardFinder:
+    """Finds one kind of board in pictures."""
+
+    def __init__(self, board: Board) -> None:
+        self._board = board
+        if board.kind == "charuco":
+            dictionary = cv2.aruco.getPredefinedDictionary(getattr(cv2.aruco, f"DICT_{board.dictionary}"))
+            printed = cv2.aruco.CharucoBoard((board.columns, board.rows), board.square, board.marker, dictionary)
+            self._detector = cv2.aruco.CharucoDetector(printed)
+
+    def find(self, picture: Image) -> BoardView | None:
+        """The board in a picture; None if it is not seen, or too little of it."""
+        grey = as_grey(picture)
+        view = self._charuco(grey) if self._board.kind == "charuco" else self._chessboard(grey)
+        return view if view is not None and len(view.ids) >= MIN_CORNERS else None
+
+    def finds_mirrored(self, picture: Image) -> bool:
+        """Whether the board is seen in the mirrored picture: then the camera mirrors. Chessboards do not tell."""
+        flipped = np.ascontiguousarray(as_grey(picture)[:, ::-1])
+        return self._board.kind == "charuco" and self.find(picture) is None and self.find(flipped) is not None
+
+    def _charuco(self, grey: Image) -> BoardView | None:
+        corners, ids, _, _ = self._detector.detectBoard(grey)
+        if corners is None or ids is None or len(ids) == 0:
+            return None
+        clear = (self._board.square - self._board.marker) / (2 * self._board.square)
+        rough = np.asarray(corners, dtype=np.float32).reshape(-1, 2)
+        return BoardView(np.asarray(ids, dtype=np.int64).ravel(), _sharpened(rough, clear * _spacing(rough), grey))
+
+    def _chessboard(self, grey: Image) -> BoardView | None:
+        columns, rows = self._board.columns - 1, self._board.rows - 1
+        flags = cv2.CALIB_CB_NORMALIZE_IMAGE | cv2.CALIB_CB_ACCURACY
+        found, corners = cv2.findChessboardCornersSB(grey, (columns, rows), flags=flags)
+        if not found:
+            return None
+        rough = np.asarray(corners, dtype=np.float32).reshape(-1, 2)
+        grid = _sharpened(rough, _spacing(rough) / 3, grey).reshape(rows, columns, 2)
+        return BoardView(np.arange(rows * columns), _ordered(grid, grey).reshape(-1, 2))
+
+
+def _spacing(corners: NDArray[np.float32]) -> float:
+    """How near the nearest two of corners (M, 2) are, px."""
+    apart = np.linalg.norm(corners[:, None] - corners[None], axis=2)
+    return float(np.min(apart + np.diag(np.full(len(corners), np.inf)))) if len(corners) > 1 else 0.0
+
+
+def _sharpened(corners: NDArray[np.float32], reach_px: float, grey: Image) -> Array:
+    """Corners (M, 2) to a fraction of a pixel, from the edges within reach: as much of the print as is theirs alone."""
+    half = int(np.clip(reach_px, 2, 11))
+    stop = (cv2.TERM_CRITERIA_EPS | cv2.TERM_CRITERIA_MAX_ITER, 30, 0.001)
+    fine = cv2.cornerSubPix(grey, corners.reshape(-1, 1, 2).copy(), (half, half), (-1, -1), stop)
+    return np.asarray(fine, dtype=np.float64).reshape(-1, 2)
+
+
+def _ordered(grid: Array, grey: Image) -> Array:
+    """Corners (rows, columns, 2) named as on the print: not mirrored, and its first inner square black.
+
+    On a board whose columns and rows are both even or both odd the squares do not tell its two ends apart; then rows
+    run to the right of the picture.
+    """
+    across, down = grid[0, -1] - grid[0, 0], grid[-1, 0] - grid[0, 0]
+    if across[0] * down[1] - across[1] * down[0] < 0:
+        grid = grid[:, ::-1]
+    greys = [_square_grey(grey, corner) for corner in (grid[:2, :2], grid[-2:, -2:])]
+    rows, columns, _ = grid.shape
+    turned = greys[0] > greys[1] if (rows + columns) % 2 else bool(grid[0, -1, 0] < grid[0, 0, 0])
+    return grid[::-1, ::-1] if turned else grid
+
+
+def _square_grey(grey: Image, corners: Array) -> float:
+    u, v = (round(float(value)) for value in corners.reshape(-1, 2).mean(axis=0))
+    patch = grey[max(v - 1, 0) : v + 2, max(u - 1, 0) : u + 2]
+    return float(patch.mean()) if patch.size else 0.0

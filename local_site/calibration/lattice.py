@@ -1,0 +1,163 @@
+"""A lattice seen in perspective: which disc is which column and row, found without help."""
+
+from collections import deque
+from collections.abc import Sequence
+from dataclasses import dataclass
+from itertools import product
+
+import cv2
+import numpy as np
+from numpy.typing import NDArray
+
+from common.geometry import Array
+from local_site.calibration.discs import Disc
+
+Cell = tuple[int, int]
+
+STEPS: tuple[Cell, ...] = ((1, 0), (-1, 0), (0, 1), (0, -1))
+GROW_SLACK, FIT_SLACK = 0.3, 0.2
+MIN_CELLS = 6
+FITS = 3
+MAX_SEEDS = 40
+
+
+@dataclass(frozen=True, slots=True)
+class Lattice:
+    """Cells (M, 2), as columns to the right and rows upwards in the picture, their pixels, the homography between."""
+
+    cells: NDArray[np.int64]
+    pixels: Array
+    pixel_H_cell: Array
+
+    @property
+    def extent(self) -> Cell:
+        """How many columns and rows it spans."""
+        columns, rows = (np.ptp(self.cells, axis=0) + 1).tolist()
+        return columns, rows
+
+    def predicted(self, cells: Array) -> Array:
+        """Pixels (N, 2) where cells (N, 2) would be seen."""
+        return _mapped(self.pixel_H_cell, cells)
+
+
+def find_lattice(discs: Sequence[Disc], size: Cell) -> Lattice | None:
+    """The lattice of at most `size` columns and rows that takes in the most discs; None where there is none.
+
+    Around each disc its own ellipse tells how the plate is foreshortened there, so that the four nearest neighbours are
+    known; from them the lattice grows, and a homography takes in the rest. Columns count to the right.
+    """
+    if len(discs) < MIN_CELLS:
+        return None
+    centres = np.array([disc.centre for disc in discs])
+    middle = np.median(centres, axis=0)
+    seeds = np.argsort(np.linalg.norm(centres - middle, axis=1))[:MAX_SEEDS]
+    best: Lattice | None = None
+    for seed in seeds:
+        found = _grown_from(int(seed), discs, centres)
+        lattice = _fitted(found, centres, size) if found else None
+        if lattice is not None and (best is None or len(lattice.cells) > len(best.cells)):
+            best = lattice
+    return best
+
+
+def _grown_from(seed: int, discs: Sequence[Disc], centres: Array) -> dict[int, Cell]:
+    """Cells of the discs that can be reached from one of them step by step."""
+    basis = _basis(discs[seed], centres)
+    if basis is None:
+        return {}
+    cells: dict[int, Cell] = {seed: (0, 0)}
+    taken = {(0, 0)}
+    queue = deque([(seed, basis)])
+    while queue:
+        index, local = queue.popleft()
+        away = np.linalg.solve(local, (centres - centres[index]).T).T
+        for step in STEPS:
+            misses = np.linalg.norm(away - step, axis=1)
+            nearest = int(np.argmin(misses))
+            cell = (cells[index][0] + step[0], cells[index][1] + step[1])
+            if misses[nearest] > GROW_SLACK or nearest in cells or cell in taken:
+                continue
+            cells[nearest] = cell
+            taken.add(cell)
+            axis = 0 if step[0] else 1
+            turned = local.copy()
+            turned[:, axis] = (centres[nearest] - centres[index]) * (step[0] + step[1])
+            queue.append((nearest, turned))
+    return cells
+
+
+def _basis(disc: Disc, centres: Array) -> Array | None:
+    """The two steps of the lattice at a disc as columns (2, 2), px: nearest neighbours once its ellipse is a circle."""
+    round_T = np.linalg.inv(np.linalg.cholesky(disc.covariance))
+    away = centres - disc.centre
+    flat = away @ round_T.T
+    distances = np.linalg.norm(flat, axis=1)
+    order = np.argsort(distances)[1:9]
+    first = flat[order[0]] / distances[order[0]]
+    for index in order[1:]:
+        across = abs(float(first[0] * flat[index, 1] - first[1] * flat[index, 0])) / distances[index]
+        if across > 0.7:
+            return np.column_stack([away[order[0]], away[index]])
+    return None
+
+
+def _fitted(found: dict[int, Cell], centres: Array, size: Cell) -> Lattice | None:
+    """The grown cells as a lattice with every disc that fits its homography, upright; None if it is not one."""
+    indices, cells = list(found), np.array(list(found.values()), dtype=np.int64)
+    homography: Array | None = None
+    for _ in range(FITS):
+        if len(indices) < MIN_CELLS or min(np.ptp(cells, axis=0)) < 1:
+            return None
+        fit = cv2.findHomography(cells.astype(np.float64), centres[indices], 0)[0]
+        if fit is None:
+            return None
+        homography = np.asarray(fit, dtype=np.float64)
+        exact = _mapped(np.asarray(np.linalg.inv(homography), dtype=np.float64), centres)
+        whole = np.round(exact)
+        fits = np.linalg.norm(exact - whole, axis=1) < FIT_SLACK
+        indices = _one_each(np.flatnonzero(fits), whole, exact)
+        cells = whole[indices].astype(np.int64)
+    if homography is None:
+        return None
+    lattice = _upright(cells, centres[indices], homography, size)
+    return lattice if all(n <= most for n, most in zip(lattice.extent, size, strict=True)) else None
+
+
+def _one_each(candidates: NDArray[np.intp], whole: Array, exact: Array) -> list[int]:
+    """Of several discs that claim a cell, the nearest."""
+    nearest: dict[tuple[float, ...], int] = {}
+    for index in sorted(candidates.tolist(), key=lambda k: float(np.linalg.norm(exact[k] - whole[k]))):
+        nearest.setdefault(tuple(whole[index]), index)
+    return list(nearest.values())
+
+
+def _upright(cells: NDArray[np.int64], pixels: Array, pixel_H_cell: Array, size: Cell) -> Lattice:
+    """The lattice with its columns to the right and its rows upwards, turned but never mirrored."""
+    middle = cells.mean(axis=0)
+    ends = _mapped(pixel_H_cell, middle + 0.1 * np.array([(0.0, 0.0), (1.0, 0.0), (0.0, 1.0)]))
+    steps = np.column_stack([ends[1] - ends[0], ends[2] - ends[0]])
+    best_turn, best_right = np.eye(2), -np.inf
+    for turn in _turns():
+        columns, rows = steps @ turn.T[:, 0], steps @ turn.T[:, 1]
+        right = float(columns[0] / np.linalg.norm(columns))
+        upwards = columns[0] * rows[1] - columns[1] * rows[0] < 0
+        extent = np.ptp(cells @ turn.T, axis=0) + 1
+        if upwards and right > best_right and np.all(extent <= size):
+            best_turn, best_right = turn, right
+    turned = np.round(cells @ best_turn.T).astype(np.int64)
+    first = turned.min(axis=0)
+    shift = np.eye(3)
+    shift[:2, :2], shift[:2, 2] = best_turn, -first
+    return Lattice(turned - first, pixels, pixel_H_cell @ np.linalg.inv(shift))
+
+
+def _turns() -> list[Array]:
+    """The eight ways to name two axes."""
+    swaps = (np.eye(2), np.eye(2)[::-1])
+    return [np.diag(signs) @ swap for signs, swap in product(product((1.0, -1.0), repeat=2), swaps)]
+
+
+def _mapped(homography: Array, points: Array) -> Array:
+    homogeneous = np.asarray(points, dtype=np.float64) @ homography[:, :2].T + homography[:, 2]
+    result: Array = homogeneous[:, :2] / homogeneous[:, 2:]
+    return result

@@ -1,0 +1,77 @@
+"""Pictures of a printed board before two cameras, rendered by following each pixel's ray to the print."""
+
+import cv2
+import numpy as np
+from scipy.spatial.transform import Rotation
+
+from local_site.calibration.boards import Board
+from local_site.calibration.lens import Lens
+from local_site.calibration.physical_camera import PhysicalCamera
+
+SIZE = (640, 480)
+PX_PER_SQUARE = 48
+SAMPLES = 2
+
+
+def print_of(board):
+    """The print, PX_PER_SQUARE to a square, with a white margin of one square."""
+    if board.kind == "charuco":
+        dictionary = cv2.aruco.getPredefinedDictionary(getattr(cv2.aruco, f"DICT_{board.dictionary}"))
+        made = cv2.aruco.CharucoBoard((board.columns, board.rows), board.square, board.marker, dictionary)
+        inner = made.generateImage((board.columns * PX_PER_SQUARE, board.rows * PX_PER_SQUARE), marginSize=0)
+    else:
+        black = np.indices((board.rows, board.columns)).sum(axis=0) % 2 == 0
+        inner = np.kron(np.where(black, 0, 255), np.ones((PX_PER_SQUARE, PX_PER_SQUARE))).astype(np.uint8)
+    return cv2.copyMakeBorder(inner, *[PX_PER_SQUARE] * 4, cv2.BORDER_CONSTANT, value=255)
+
+
+class Renderer:
+    """Renders one print for one camera; noise is drawn from a seeded generator."""
+
+    def __init__(self, board: Board, camera: PhysicalCamera, seed: int) -> None:
+        self._print, self._board, self._camera = print_of(board), board, camera
+        self._random = np.random.default_rng(seed)
+        width, height = SIZE
+        ticks = [(np.arange(SAMPLES * n) + 0.5) / SAMPLES - 0.5 for n in (width, height)]
+        pixels = np.stack(np.meshgrid(*ticks), axis=-1)
+        lens = camera.lens
+        self._slopes = (lens.undistort_pixels(pixels) - (lens.cx, lens.cy)) / (lens.fx, lens.fy)
+
+    def picture(self, rotation, translation):
+        """The board at a pose (operator_R_board, translation in m) as a grey picture."""
+        R = self._camera.camera_R_operator @ rotation
+        t = self._camera.to_camera(translation)
+        rays = np.dstack([self._slopes, np.ones(self._slopes.shape[:2])])
+        depth = (R[:, 2] @ t) / (rays @ R[:, 2])
+        on_board = (rays * depth[..., None] - t) @ R[:, :2]
+        where = (on_board / self._board.square + 1.0) * PX_PER_SQUARE - 0.5
+        where[depth <= 0] = -1e4
+        fine = cv2.remap(
+            self._print, where.astype(np.float32), None, cv2.INTER_LINEAR, borderMode=cv2.BORDER_CONSTANT, borderValue=30
+        )
+        coarse = cv2.GaussianBlur(cv2.resize(fine, SIZE, interpolation=cv2.INTER_AREA), (0, 0), 0.7)
+        noise = 2.0 * self._random.standard_normal(coarse.shape)
+        return np.clip(0.8 * coarse.astype(float) + 10 + noise, 0, 255).astype(np.uint8)
+
+
+def looking_down(side, k1=0.0, k2=0.0, focal=800.0):
+    """A camera 0.9 m from the origin, on the left (-1) or right (1), that looks down at it."""
+    turn = np.radians(20.0 * side)
+    forward = np.array([-np.sin(turn), np.cos(turn), -0.8])
+    forward /= np.linalg.norm(forward)
+    right = np.cross(forward, [0.0, 0.0, 1.0])
+    right /= np.linalg.norm(right)
+    rotation = np.array([right, np.cross(forward, right), forward])
+    return PhysicalCamera(Lens(focal, focal, 322.0, 236.0, k1, k2), rotation, rotation @ (0.9 * forward))
+
+
+def poses(board, count, seed=3):
+    """Poses of the board (operator_R_board, translation): first flat at the origin, then tilted here and there."""
+    random = np.random.default_rng(seed)
+    flat = np.diag([1.0, -1.0, -1.0])
+    found = [(flat, -flat @ board.middle)]
+    while len(found) < count:
+        tilt = Rotation.from_euler("xyz", random.uniform((10, -30, -25), (60, 30, 25)), degrees=True).as_matrix()
+        middle = random.uniform((-0.12, -0.12, -0.05), (0.12, 0.12, 0.15))
+        found.append((tilt @ flat, middle - tilt @ flat @ board.middle))
+    return found
