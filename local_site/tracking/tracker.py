@@ -1,6 +1,7 @@
 """What a tracker is: views of one instant in, the operator's arm with status and reason out."""
 
-from dataclasses import dataclass
+from collections.abc import Mapping
+from dataclasses import dataclass, field
 from typing import Protocol
 
 import numpy as np
@@ -53,7 +54,7 @@ class Overlay:
 class ArmEstimate:
     """The arm at one instant: points (3,) in the operator frame in m, None where they could not be measured.
 
-    `hand_open` is this instant's observation, not yet debounced. `overlays` has an entry for each view.
+    `covariances` (3, 3) in m² are by the name of the point, for every point that is there. `hand_open` is this instant's observation, not yet debounced. `overlays` has an entry for each view.
     """
 
     t_ns: int
@@ -66,6 +67,7 @@ class ArmEstimate:
     thumb_inferred: bool = False
     hand_open: bool = False
     overlays: tuple[Overlay, ...] = ()
+    covariances: Mapping[str, Array] = field(default_factory=dict)
 
 
 class Tracker(Protocol):

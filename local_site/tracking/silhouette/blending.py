@@ -6,21 +6,25 @@ import numpy as np
 
 from common.geometry import Array
 from local_site.tracking.silhouette.features import Features
-from local_site.tracking.silhouette.hand import Hand
 from local_site.tracking.silhouette.medial import Line
 from local_site.tracking.silhouette.posture import Posture
 
-SAME_TIP = 0.3
-
 
 def blend(before: Features, now: Features, weight: float) -> Features:
-    """The features at a fraction `weight` of the way from one frame of a camera to its next."""
+    """The features at a fraction `weight` of the way from one frame of a camera to its next.
+
+    The hand's outline is that of the later frame, to be moved back along with the hand.
+    """
+    shift = np.zeros(2)
+    if before.hand is not None and now.hand is not None:
+        shift = (1 - weight) * (before.hand.mean(axis=0) - now.hand.mean(axis=0))
     return replace(
         now,
         forearm=_line(before.forearm, now.forearm, weight),
+        root=_line(before.root, now.root, weight),
         upper_arm=_upper_arm(before.upper_arm, now.upper_arm, weight),
         wrist=None if before.wrist is None or now.wrist is None else _mix(before.wrist, now.wrist, weight),
-        hand=_hands(before.hand, now.hand, weight),
+        hand_shift=shift,
         guess=_posture(before.guess, now.guess, weight),
     )
 
@@ -47,18 +51,3 @@ def _posture(before: Posture, now: Posture, weight: float) -> Posture:
         hand_end=_mix(before.hand_end, now.hand_end, weight),
         half_width=now.half_width,
     )
-
-
-def _hands(before: Hand | None, now: Hand | None, weight: float) -> Hand | None:
-    """The tips that both frames show, moved to the instant between; a tip without a partner is dropped."""
-    if before is None or now is None or not before.tips:
-        return None
-    earlier = np.array([tip.point for tip in before.tips])
-    tips = []
-    for tip in now.tips:
-        distances = np.hypot(*(earlier - tip.point).T)
-        nearest = int(np.argmin(distances))
-        if distances[nearest] < SAME_TIP * now.length:
-            tips.append(replace(tip, point=(1 - weight) * earlier[nearest] + weight * tip.point))
-    farthest = (1 - weight) * before.farthest + weight * now.farthest
-    return replace(now, tips=tuple(tips), farthest=farthest)

@@ -12,15 +12,6 @@ class SilhouetteConfig(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown
     initial_pairs: Annotated[
         int, Meta(ge=1, le=1000, description="pairs of images from which body lengths are learned, thesis 3.1")
     ] = 10
-    elbow_dorsal_offset: Annotated[
-        float,
-        Meta(
-            ge=0,
-            le=0.15,
-            description="distance of the elbow's axis of rotation behind the limbs' medial axes, in forearm lengths; "
-            "the epicondyles lie nearer to the back of the arm than to its front",
-        ),
-    ] = 0.045
     right_arm: Annotated[
         bool, Meta(description="which arm is tracked; it tells on which side of the hand the index is")
     ] = True

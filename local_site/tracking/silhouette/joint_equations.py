@@ -29,10 +29,18 @@ class Link:
 
 
 @dataclass(frozen=True, slots=True)
+class Shifts:
+    """How far beside the medial lines of a view, along their normals in px, the elbow's axis of rotation lies."""
+
+    forearm_px: float = 0.0
+    upper_arm_px: float = 0.0
+
+
+@dataclass(frozen=True, slots=True)
 class Constraints:
     """Image lines of one view, normals (K, 2) and offsets (K,) in standard deviations.
 
-    The meeting point at the elbow lies on the first `elbows` of them, the wrist on the others.
+    The elbow lies on the first `elbows` of them, the wrist on the others.
     """
 
     projection: Array
@@ -41,32 +49,31 @@ class Constraints:
     elbows: int
 
 
-def constraints_of(projection: Array, view: Features) -> Constraints:
+def constraints_of(projection: Array, view: Features, shifts: Shifts) -> Constraints:
     """The lines that a view lays down.
 
     The elbow's expected place along the forearm weighs next to nothing, except where nothing else fixes it. Where the
     arm looks nearly straight, a small offset of the upper arm's line would move the meeting point far along the arm.
     """
-    forearm = view.forearm
+    forearm, root = view.forearm, view.root
     neck = NECK_SIGMA if view.wrist is not None else ROUGH_SIGMA
     lines = [
-        (forearm.normal, forearm.point, FOREARM_SIGMA),
+        (root.normal, root.at(0.0) + shifts.forearm_px * root.normal, FOREARM_SIGMA),
         (forearm.direction, view.guess.elbow, EXPECTED_SIGMA),
         (forearm.normal, forearm.point, FOREARM_SIGMA),
         (forearm.direction, view.guess.wrist, neck),
     ]
     if view.upper_arm is not None:
-        bend = max(abs(float(view.upper_arm.normal @ forearm.direction)), MIN_BEND_SINE)
+        upper = view.upper_arm
+        bend = max(abs(float(upper.normal @ forearm.direction)), MIN_BEND_SINE)
         sigma = UPPER_ARM_SIGMA * max(1.0, CLEAR_BEND_SINE / bend) ** 2
-        lines.insert(0, (view.upper_arm.normal, view.upper_arm.point, sigma))
+        lines.insert(0, (upper.normal, upper.point + shifts.upper_arm_px * upper.normal, sigma))
     normals = np.array([normal / (sigma * view.half_width) for normal, _, sigma in lines])
     points = np.array([point for _, point, _ in lines])
     return Constraints(projection, normals, np.sum(normals * points, axis=1), len(lines) - 2)
 
 
-def linearise(
-    constraints: Sequence[Constraints], state: Array, links: Sequence[Link], offset: Array
-) -> tuple[Array, Array]:
+def linearise(constraints: Sequence[Constraints], state: Array, links: Sequence[Link]) -> tuple[Array, Array]:
     """Jacobian (M, 6) and residuals (M,) in standard deviations."""
     count = sum(len(c.offsets) for c in constraints)
     jacobian, residual = np.zeros((count + len(links), 6)), np.empty(count + len(links))
@@ -74,7 +81,7 @@ def linearise(
     for c in constraints:
         split, end = row + c.elbows, row + len(c.offsets)
         for rows, part, point, columns in (
-            (slice(row, split), slice(0, c.elbows), state[:3] - offset, slice(0, 3)),
+            (slice(row, split), slice(0, c.elbows), state[:3], slice(0, 3)),
             (slice(split, end), slice(c.elbows, None), state[3:], slice(3, 6)),
         ):
             pixel, gradient = _pixel(c.projection, point)

@@ -12,28 +12,28 @@ import numpy as np
 
 from common.geometry import Array
 from local_site.calibration.triangulation import project, reprojection_residual, triangulate
+from local_site.tracking.silhouette.elbow_depth import Bend, shifts_of
 from local_site.tracking.silhouette.features import Features
-from local_site.tracking.silhouette.joint_equations import Constraints, Link, constraints_of, linearise
+from local_site.tracking.silhouette.joint_equations import Constraints, Link, Shifts, constraints_of, linearise
 
 LENGTH_SIGMA = 0.015
 SLEEVE_SIGMA = 0.1
 MAX_SLEEVE_RESIDUAL = 0.7
 ITERATIONS = 12
-CONVERGED_M = 2e-5
+CONVERGED_M = 1e-4
 MIN_DETERMINANT = 1e-40
-MIN_LENGTH = 1e-6
 MIN_PLANE_SINE = 0.05
-BENT_HALF_COSINE = 0.25
+SHIFT_ROUNDS = 2
 
 
 @dataclass(frozen=True, slots=True)
 class Body:
-    """Elbow to wrist and elbow to sleeve end in m once they are known, and how far behind the limbs' axes the elbow
-    turns, in forearm lengths."""
+    """Elbow to wrist and elbow to sleeve end in m once they are known, and what was learnt of the elbow's offsets in m
+    from the middle of forearm and upper arm towards the arm's back, beyond those of an average arm."""
 
     forearm_length: float | None = None
-    dorsal_offset: float = 0.0
     sleeve_distance: float | None = None
+    elbow_offsets: tuple[float, float] = (0.0, 0.0)
 
 
 @dataclass(frozen=True, slots=True)
@@ -70,16 +70,20 @@ def solve_joints(
         state = np.concatenate([elbow, wrist])
     else:
         state = np.concatenate([near.elbow, near.wrist])
-    offset = np.zeros(3)
     joints = None
     links = _links(body, sleeve_end(projections, features))
-    constraints = [constraints_of(m, f) for m, f in zip(projections, features, strict=True)]
-    for _ in range(2):
-        joints = _solve(constraints, links, offset, state)
+    shifts = [Shifts()] * len(features)
+    for _ in range(SHIFT_ROUNDS):
+        pairs = zip(projections, features, shifts, strict=True)
+        joints = _solve([constraints_of(m, f, shift) for m, f, shift in pairs], links, state)
         if joints is None:
             return None
-        offset = _dorsal_offset(projections, features, joints, body.dorsal_offset)
-        state = np.concatenate([joints.elbow + offset, joints.wrist])
+        upper = upper_arm_direction(projections, features, joints.elbow)
+        if upper is None:
+            return joints
+        state = np.concatenate([joints.elbow, joints.wrist])
+        bend = Bend(joints.elbow, joints.wrist, upper)
+        shifts = [shifts_of(m, f, bend, body.elbow_offsets) for m, f in zip(projections, features, strict=True)]
     return joints
 
 
@@ -102,30 +106,7 @@ def _links(body: Body, sleeve: Array | None) -> list[Link]:
     return links
 
 
-def _dorsal_offset(
-    projections: Sequence[Array], features: Sequence[Features], joints: Joints, fraction: float
-) -> Array:
-    """From the meeting point of the limbs' axes to the joint's centre (3,) in m.
-
-    The joint turns about the epicondyles, which lie nearer to the back of both limbs than their axes do; so the centre
-    is the point in the plane of the bent arm at `fraction` of the forearm's length behind either axis. A straight arm
-    has no such plane.
-    """
-    upper = _upper_arm_direction(projections, features, joints.elbow)
-    forearm = joints.wrist - joints.elbow
-    length = math.sqrt(float(forearm @ forearm))
-    if upper is None or length < MIN_LENGTH or not fraction:
-        return np.zeros(3)
-    forearm = forearm / length
-    inner = forearm + upper
-    half_cosine = math.sqrt(max(0.0, 0.5 + 0.5 * float(forearm @ upper)))
-    half_sine = math.sqrt(max(1e-9, 1 - half_cosine**2))
-    fade = min(1.0, half_cosine / BENT_HALF_COSINE)
-    result: Array = -inner / max(2 * half_cosine, 1e-9) * (fade * fraction * length / half_sine)
-    return result
-
-
-def _upper_arm_direction(projections: Sequence[Array], features: Sequence[Features], elbow: Array) -> Array | None:
+def upper_arm_direction(projections: Sequence[Array], features: Sequence[Features], elbow: Array) -> Array | None:
     """The unit vector (3,) from the elbow to the shoulder along which the planes of the upper arm's lines meet."""
     seen = [(m, f.upper_arm) for m, f in zip(projections, features, strict=True) if f.upper_arm is not None]
     planes = np.array([line.normal @ (m[:2, :3] - np.outer(line.point, m[2, :3])) for m, line in seen])
@@ -148,10 +129,10 @@ def _image_motion(matrix: Array, point: Array, direction: Array) -> Array:
     return result
 
 
-def _solve(constraints: Sequence[Constraints], links: Sequence[Link], offset: Array, state: Array) -> Joints | None:
-    """Gauss-Newton from a state (6,), elbow then wrist; `offset` is the elbow's from the meeting of the axes."""
+def _solve(constraints: Sequence[Constraints], links: Sequence[Link], state: Array) -> Joints | None:
+    """Gauss-Newton from a state (6,), elbow then wrist."""
     for _ in range(ITERATIONS):
-        jacobian, residual = linearise(constraints, state, links, offset)
+        jacobian, residual = linearise(constraints, state, links)
         normal = jacobian.T @ jacobian
         if not np.isfinite(normal).all() or abs(np.linalg.det(normal / np.trace(normal))) < MIN_DETERMINANT:
             return None

@@ -6,11 +6,15 @@ from dataclasses import dataclass
 import cv2
 import numpy as np
 
+from numpy.typing import NDArray
+
 from common.geometry import Array
 from local_site.tracking.silhouette.contour import Silhouette
+from local_site.tracking.silhouette.compiled import compiled
 
 MIN_ROWS = 6
 WIDTH_TOLERANCE = 1.4
+EDGE_REACH = 3
 
 
 @dataclass(frozen=True, slots=True)
@@ -72,21 +76,38 @@ def scan_edges(silhouette: Silhouette, axis: Line, start: float, end: float, rea
     size = (2 * half + 1, len(t))
     flags = cv2.INTER_LINEAR | cv2.WARP_INVERSE_MAP
     patch = cv2.warpAffine(silhouette.grey, matrix, size, flags=flags, borderMode=cv2.BORDER_REPLICATE)
-    values = patch.astype(np.float64) - silhouette.level
-    upper = _crossing(values[:, half:])
-    lower = -_crossing(values[:, half::-1])
-    return Edges(axis, t, np.where(np.isnan(upper), np.nan, lower), np.where(np.isnan(lower), np.nan, upper))
+    lower, upper = _edges(patch, silhouette.level, half)
+    return Edges(axis, t, lower, upper)
 
 
-def _crossing(values: Array) -> Array:
-    """Where each row (R, K) of values first falls below zero, from a positive first value; NaN where it never does."""
-    dark = values <= 0
-    first = np.argmax(dark, axis=1)
-    rows = np.arange(len(values))
-    inner, outer = values[rows, np.maximum(first - 1, 0)], values[rows, first]
-    with np.errstate(divide="ignore", invalid="ignore"):
-        place = first - 1 + inner / (inner - outer)
-    return np.where(first > 0, place, np.nan)
+@compiled
+def _edges(patch: NDArray[np.uint8], level: float, half: int) -> tuple[Array, Array]:
+    """Where each row (R, K) falls off on both sides of its middle, px from there; NaN where one side never does."""
+    lower, upper = np.full(len(patch), np.nan), np.full(len(patch), np.nan)
+    for row in range(len(patch)):
+        before, after = _edge(patch[row], level, half, -1), _edge(patch[row], level, half, 1)
+        if not (math.isnan(before) or math.isnan(after)):
+            lower[row], upper[row] = -before, after
+    return lower, upper
+
+
+@compiled
+def _edge(values: NDArray[np.uint8], level: float, middle: int, step: int) -> float:
+    """Px from the middle to the edge: found where the values first drop below the level, placed where they fall most,
+    which also holds for skin in shadow."""
+    reach = len(values) // 2
+    first = 0
+    while first <= reach and values[middle + step * first] > level:
+        first += 1
+    if first == 0 or first > reach:
+        return math.nan
+    total, place = 0.0, 0.0
+    for k in range(max(first - EDGE_REACH, 0), min(first + EDGE_REACH, reach)):
+        fall = float(values[middle + step * k]) - float(values[middle + step * (k + 1)])
+        if fall > 0:
+            total += fall * fall
+            place += fall * fall * (k + 0.5)
+    return place / total if total > 0 else math.nan
 
 
 def medial_line(edges: Edges, start: float, end: float) -> Line | None:
@@ -114,6 +135,12 @@ def medial_line(edges: Edges, start: float, end: float) -> Line | None:
         axis.at(mean_t) + 0.5 * (mean_u + mean_l) * axis.normal,
         along * axis.direction + across * axis.normal,
     )
+
+
+def width_between(edges: Edges, start: float, end: float) -> float | None:
+    """The typical width in px between two places along the scan axis, None where no row is clean."""
+    chosen = (edges.t >= start) & (edges.t <= end) & np.isfinite(edges.lower)
+    return middle_value(edges.width[chosen]) if chosen.any() else None
 
 
 def middle_value(values: Array) -> float:

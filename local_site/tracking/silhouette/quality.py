@@ -6,8 +6,8 @@ import numpy as np
 
 from common.geometry import Array
 from local_site.calibration.rig import Rig
+from local_site.tracking.reasons import Reason
 from local_site.tracking.silhouette.features import Features
-from local_site.tracking.silhouette.fingers import Fingers
 from local_site.tracking.silhouette.joints import Joints
 
 MAX_MISFIT = 2.5
@@ -15,33 +15,37 @@ MAX_ELBOW_SIGMA = 0.10
 MAX_WRIST_SIGMA = 0.06
 MIN_BEND_SINE = 0.25
 MIN_PLANE_SINE = 0.15
+MAX_FOLD_COSINE = 0.64
+MIN_FORESHORTENING = 0.5
 VOLUME_MARGIN = 0.15
 
 
-def objection(joints: Joints | None) -> str:
-    """Why the joints cannot be used at all, or an empty string."""
+def objection(joints: Joints | None) -> Reason | None:
+    """Why the joints cannot be used at all."""
     if joints is None:
-        return "the lines of the views do not meet in an arm"
+        return Reason.NO_ARM
     if joints.misfit > MAX_MISFIT:
-        return "the views do not fit together: they are out of sync, or a camera has moved since calibration"
+        return Reason.OUT_OF_STEP
     if joints.elbow_sigma > MAX_ELBOW_SIGMA or joints.wrist_sigma > MAX_WRIST_SIGMA:
-        return "the views leave elbow or wrist open: bend the arm and hold it across the view"
-    return ""
+        return Reason.LEFT_OPEN
+    return None
 
 
-def doubts(rig: Rig, features: Sequence[Features], joints: Joints, fingers: Fingers) -> list[str]:
-    """Why a result is less sure than usual, a sentence each."""
+def doubts(rig: Rig, projections: Sequence[Array], features: Sequence[Features], joints: Joints) -> list[Reason]:
+    """Why elbow and wrist are less sure than usual."""
     reasons = []
     if all(f.upper_arm is None for f in features):
-        reasons.append("the upper arm does not show enough to place the elbow")
+        reasons.append(Reason.NO_UPPER_ARM)
     elif _nearly_straight(features):
-        reasons.append("the elbow is nearly straight, so that its place follows from the wrist")
-    if _plane_sine(rig.matrices, features) < MIN_PLANE_SINE:
-        reasons.append("the forearm is nearly parallel to the line between the cameras")
+        reasons.append(Reason.NEARLY_STRAIGHT)
+    elif any(_folded(f) for f in features):
+        reasons.append(Reason.FOLDED)
+    if _plane_sine(projections, features) < MIN_PLANE_SINE:
+        reasons.append(Reason.PARALLEL_TO_BASELINE)
+    if any(_share_seen(m, joints) < MIN_FORESHORTENING for m in projections):
+        reasons.append(Reason.FORESHORTENED)
     if not _inside(rig, joints.wrist):
-        reasons.append("the wrist is outside the calibrated volume")
-    if fingers.index is None:
-        reasons.append("the index tip cannot be told from the other fingers")
+        reasons.append(Reason.OUTSIDE_VOLUME)
     return reasons
 
 
@@ -51,14 +55,29 @@ def _nearly_straight(features: Sequence[Features]) -> bool:
     return max(sines, default=0.0) < MIN_BEND_SINE
 
 
+def _folded(view: Features) -> bool:
+    return view.upper_arm is not None and float(view.upper_arm.direction @ view.forearm.direction) > MAX_FOLD_COSINE
+
+
+def _share_seen(projection: Array, joints: Joints) -> float:
+    """The sine between the forearm and the line of sight."""
+    centre = -np.linalg.solve(projection[:, :3], projection[:, 3])
+    sight, arm = joints.wrist - centre, joints.wrist - joints.elbow
+    across = np.cross(sight, arm)
+    return float(np.linalg.norm(across) / max(float(np.linalg.norm(sight) * np.linalg.norm(arm)), 1e-9))
+
+
 def _plane_sine(projections: Sequence[Array], features: Sequence[Features]) -> float:
-    """The sine between the planes through the forearm's medial line in the first two views."""
-    planes = [
-        f.forearm.normal @ (m[:2, :3] - np.outer(f.forearm.point, m[2, :3]))
-        for m, f in zip(projections[:2], features[:2], strict=True)
-    ]
-    a, b = (plane / np.linalg.norm(plane) for plane in planes)
-    return float(np.linalg.norm(np.cross(a, b)))
+    """The largest sine between the planes through the forearm's medial lines of two views."""
+    planes = np.array(
+        [
+            f.forearm.normal @ (m[:2, :3] - np.outer(f.forearm.point, m[2, :3]))
+            for m, f in zip(projections, features, strict=True)
+        ]
+    )
+    planes /= np.linalg.norm(planes, axis=1, keepdims=True)
+    cosines = np.abs(planes @ planes.T)
+    return float(np.sqrt(max(0.0, 1 - float(cosines.min()) ** 2)))
 
 
 def _inside(rig: Rig, point: Array) -> bool:

@@ -9,12 +9,13 @@ import numpy as np
 from common.geometry import Array
 from common.messages import TrackingStatus
 from local_site.calibration.rig import Rig
-from local_site.calibration.triangulation import project
+from local_site.calibration.triangulation import project, triangulate
+from local_site.tracking.reasons import Reason, sentence
 from local_site.tracking.silhouette.config import SilhouetteConfig
 from local_site.tracking.silhouette.features import Features
-from local_site.tracking.silhouette.fingers import Fingers, carried, find_fingers
+from local_site.tracking.silhouette.hand_tracker import Arm, HandEstimate, HandTracker
+from local_site.tracking.silhouette.hand_view import make_hand_view
 from local_site.tracking.silhouette.joints import Body, Joints, sleeve_end, solve_joints
-from local_site.tracking.silhouette.opening import HandShape, hand_reach, typical_shape
 from local_site.tracking.silhouette.posture import Posture
 from local_site.tracking.silhouette.quality import doubts, objection
 from local_site.tracking.silhouette.view import ViewMeter
@@ -22,118 +23,127 @@ from local_site.tracking.tracker import ArmEstimate, Overlay, Views
 
 MAX_PREDICTION_NS = 200_000_000
 MAX_PREDICTED_SIGMA = 0.015
+MIN_VIEWS = 2
+ALONG_SIGMA, ACROSS_SIGMA = 0.008, 0.002
+ELBOW_MODEL_SIGMA, WRIST_MODEL_SIGMA = 0.004, 0.0025
 
 
 @dataclass(frozen=True, slots=True)
 class _Moment:
-    """A successful measurement: time, joints, fingers, and the features of each view."""
+    """A successful measurement: time, joints, hand, and the features of the views that saw the arm, by their number."""
 
     t_ns: int
     joints: Joints
-    fingers: Fingers
+    hand: HandEstimate | None
+    seen: tuple[int, ...]
     features: tuple[Features, ...]
+
+    @property
+    def wrist(self) -> Array:
+        """The wrist (3,) in m, from the hand where there is one."""
+        return self.joints.wrist if self.hand is None else self.hand.wrist
 
 
 class SilhouetteTracker:
     """Tracks an arm from its silhouettes (thesis chapter 3).
 
     Each view is measured on its own; only the places where to look come from the last instants, so nothing is smoothed
-    and a loss is over as soon as both views show the arm again. The body's lengths are learned from the first pairs.
+    and a loss is over as soon as two views show the arm again. The body's lengths are learned from the first pairs.
     """
 
     def __init__(self, rig: Rig, config: SilhouetteConfig | None = None) -> None:
         self._rig = rig
         self._config = config or SilhouetteConfig()
         self._projections = rig.matrices
-        self._meters = tuple(ViewMeter(camera.name) for camera in rig.cameras)
-        self._body = Body(None, self._config.elbow_dorsal_offset)
-        self._shape: HandShape | None = None
-        self._learned: list[_Moment] = []
+        self._meters = tuple(ViewMeter(camera) for camera in rig.cameras)
+        self._body = Body()
+        self._hand = HandTracker(self._config.initial_pairs, self._config.right_arm)
+        self._lengths: list[tuple[float, float]] = []
         self._last: _Moment | None = None
         self._before: _Moment | None = None
 
     def track(self, views: Views) -> ArmEstimate:
         """The arm at the views' instant; a frame that cannot be tracked says why."""
-        if len(views.views) != len(self._meters) or len(self._meters) < 2:
+        if len(views.views) != len(self._meters) or len(self._meters) < MIN_VIEWS:
             return self._lost(views.t_ns, f"{len(views.views)} views for {len(self._meters)} calibrated cameras")
         guesses = self._guesses(views.t_ns)
         measured = [m.features(v, g) for m, v, g in zip(self._meters, views.views, guesses, strict=True)]
-        failures = [found for found in measured if isinstance(found, str)]
-        features = tuple(found for found in measured if not isinstance(found, str))
-        if failures:
-            return self._lost(views.t_ns, "; ".join(failures))
-        joints = solve_joints(self._projections, features, self._body)
+        seen = tuple(k for k, found in enumerate(measured) if isinstance(found, Features))
+        features = tuple(found for found in measured if isinstance(found, Features))
+        if len(seen) < MIN_VIEWS:
+            return self._lost(views.t_ns, sentence(found for found in measured if isinstance(found, str)))
+        joints = solve_joints(self._matrices(seen), features, self._body)
         problem = objection(joints)
         if joints is None or problem:
-            return self._lost(views.t_ns, problem)
-        return self._found(views.t_ns, joints, features)
+            return self._lost(views.t_ns, problem or Reason.NO_ARM)
+        return self._found(_Moment(views.t_ns, joints, self._track_hand(seen, features, joints), seen, features))
 
-    def _found(self, t_ns: int, joints: Joints, features: tuple[Features, ...]) -> ArmEstimate:
-        forearm = float(np.linalg.norm(joints.wrist - joints.elbow))
-        shape = self._shape or typical_shape(forearm, self._config.right_arm)
-        fingers = find_fingers(self._projections, features, joints.wrist, shape, self._expected_fingers(joints))
-        moment = _Moment(t_ns, joints, fingers, features)
+    def _matrices(self, seen: Sequence[int]) -> list[Array]:
+        return [self._projections[k] for k in seen]
+
+    def _track_hand(self, seen: Sequence[int], features: Sequence[Features], joints: Joints) -> HandEstimate | None:
+        matrices = self._matrices(seen)
+        pairs = [(make_hand_view(m, f, joints.wrist), f) for m, f in zip(matrices, features, strict=True)]
+        views = [view for view, _ in pairs if view is not None]
+        if len(views) < MIN_VIEWS:
+            self._hand.forget()
+            return None
+        ends = [_farthest(f) for f in features]
+        arm = Arm(joints.wrist, _wrist_covariance(joints), joints.elbow, triangulate(matrices, ends))
+        return self._hand.track(views, arm)
+
+    def _found(self, moment: _Moment) -> ArmEstimate:
         status, reason = self._judge(moment)
         self._before, self._last = self._last, moment
+        hand = moment.hand
+        covariances = {"elbow": _elbow_covariance(moment.joints), "wrist": moment.joints.covariance[3:, 3:]}
+        if hand is not None:
+            covariances["wrist"] = hand.wrist_covariance + WRIST_MODEL_SIGMA**2 * np.eye(3)
+            covariances |= {"index": hand.index.covariance, "thumb": hand.thumb.covariance}
         return ArmEstimate(
-            t_ns=t_ns,
+            t_ns=moment.t_ns,
             status=status,
             reason=reason,
-            elbow=joints.elbow,
-            wrist=joints.wrist,
-            index=fingers.index,
-            thumb=fingers.thumb,
-            thumb_inferred=fingers.thumb_inferred,
-            hand_open=fingers.hand_open,
-            overlays=tuple(self._overlay(k, moment) for k in range(len(features))),
+            elbow=moment.joints.elbow,
+            wrist=moment.wrist,
+            index=None if hand is None else hand.index.point,
+            thumb=None if hand is None else hand.thumb.point,
+            thumb_inferred=hand is not None and hand.thumb.views < MIN_VIEWS,
+            hand_open=hand is not None and hand.hand_open,
+            overlays=self._overlays(moment),
+            covariances=covariances,
         )
 
     def _judge(self, moment: _Moment) -> tuple[TrackingStatus, str]:
         """Learn while initialising; afterwards say how far the result can be trusted."""
-        reasons = doubts(self._rig, moment.features, moment.joints, moment.fingers)
+        reasons = doubts(self._rig, self._matrices(moment.seen), moment.features, moment.joints)
+        if moment.hand is None:
+            reasons.append(Reason.HAND_UNCLEAR)
         if self._body.forearm_length is None:
             return self._learn(moment, reasons)
         if reasons:
-            return TrackingStatus.DEGRADED, "; ".join(reasons)
-        return TrackingStatus.TRACKED, "" if moment.fingers.thumb is not None else "the thumb is not seen in both views"
+            return TrackingStatus.DEGRADED, sentence(reasons)
+        inferred = moment.hand is not None and moment.hand.thumb.views < MIN_VIEWS
+        return TrackingStatus.TRACKED, Reason.THUMB_INFERRED if inferred else ""
 
-    def _learn(self, moment: _Moment, reasons: Sequence[str]) -> tuple[TrackingStatus, str]:
+    def _learn(self, moment: _Moment, reasons: Sequence[Reason]) -> tuple[TrackingStatus, str]:
         """Take the median lengths of the first good pairs, thesis equation 3.26."""
-        wanted = self._config.initial_pairs
-        if reasons or moment.fingers.thumb is None:
-            why = "; ".join(reasons) or "hold thumb and index apart, so that both views show them"
-            return TrackingStatus.INITIALISING, why
-        self._learned.append(moment)
-        if len(self._learned) < wanted:
-            return TrackingStatus.INITIALISING, f"learning the arm: {len(self._learned)} of {wanted} pairs"
-        lengths = [_median(values) for values in zip(*map(self._lengths, self._learned), strict=True)]
-        sleeve = lengths[1] if math.isfinite(lengths[1]) else None
-        self._body = replace(self._body, forearm_length=lengths[0], sleeve_distance=sleeve)
-        reach = lengths[5] if math.isfinite(lengths[5]) else None
-        self._shape = HandShape(lengths[2], lengths[3], lengths[4], reach, right_arm=self._config.right_arm)
-        self._learned.clear()
-        return TrackingStatus.INITIALISING, f"learned the arm from {wanted} pairs"
-
-    def _lengths(self, moment: _Moment) -> tuple[float, ...]:
-        """Forearm, elbow to sleeve end, wrist to index, wrist to thumb, index to thumb, reach in m; NaN if not seen."""
-        missing = np.full(3, np.nan)
-        elbow, wrist = moment.joints.elbow, moment.joints.wrist
-        index = moment.fingers.index if moment.fingers.index is not None else missing
-        thumb = moment.fingers.thumb if moment.fingers.thumb is not None else missing
-        reach = hand_reach(self._projections, moment.features, wrist)
-        sleeve = sleeve_end(self._projections, moment.features)
-        spans = (
-            wrist - elbow,
-            (sleeve if sleeve is not None else missing) - elbow,
-            index - wrist,
-            thumb - wrist,
-            index - thumb,
-        )
-        return *(float(np.linalg.norm(span)) for span in spans), reach if reach is not None else math.nan
+        if reasons:
+            return TrackingStatus.INITIALISING, sentence(reasons)
+        sleeve = sleeve_end(self._matrices(moment.seen), moment.features)
+        elbow = moment.joints.elbow
+        to_sleeve = math.nan if sleeve is None else float(np.linalg.norm(sleeve - elbow))
+        self._lengths.append((float(np.linalg.norm(moment.wrist - elbow)), to_sleeve))
+        if len(self._lengths) >= self._config.initial_pairs:
+            forearm, upper = (_median(values) for values in zip(*self._lengths, strict=True))
+            sleeve_distance = upper if math.isfinite(upper) else None
+            self._body = replace(self._body, forearm_length=forearm, sleeve_distance=sleeve_distance)
+        count = f"{len(self._lengths)} of {self._config.initial_pairs} pairs"
+        return TrackingStatus.INITIALISING, f"{Reason.LEARNING} ({count})"
 
     def _lost(self, t_ns: int, reason: str) -> ArmEstimate:
         self._last = self._before = None
-        self._learned.clear()
+        self._hand.forget()
         for meter in self._meters:
             meter.forget()
         return ArmEstimate(t_ns=t_ns, status=TrackingStatus.LOST, reason=reason)
@@ -147,41 +157,58 @@ class SilhouetteTracker:
 
     def _guesses(self, t_ns: int) -> list[Posture | None]:
         """Where each view should look: the last joints moved on at constant velocity."""
+        guesses: list[Posture | None] = [None] * len(self._meters)
         if self._last is None:
-            return [None] * len(self._meters)
-        factor = self._velocity_factor(t_ns)
-        last, before = self._last.joints, (self._before or self._last).joints
-        sure = max(last.elbow_sigma, before.elbow_sigma) < MAX_PREDICTED_SIGMA
-        elbow = last.elbow + (factor * (last.elbow - before.elbow) if sure else 0.0)
+            return guesses
+        factor, last = self._velocity_factor(t_ns), self._last
+        before = self._before or last
+        sure = max(last.joints.elbow_sigma, before.joints.elbow_sigma) < MAX_PREDICTED_SIGMA
+        elbow = last.joints.elbow + (factor * (last.joints.elbow - before.joints.elbow) if sure else 0.0)
         wrist = last.wrist + factor * (last.wrist - before.wrist)
-        return [
-            _moved(f.guess, project(m, elbow), project(m, wrist), project(m, last.elbow), f.half_width)
-            for m, f in zip(self._projections, self._last.features, strict=True)
-        ]
+        for k, f in zip(last.seen, last.features, strict=True):
+            m = self._projections[k]
+            moved = project(m, elbow), project(m, wrist), project(m, last.joints.elbow)
+            guesses[k] = _moved(f.guess, *moved, f.half_width)
+        return guesses
 
-    def _expected_fingers(self, joints: Joints) -> Fingers:
-        """The last fingers, carried along with the wrist; an open hand says nothing of where the thumb will be."""
-        if self._last is None:
-            return Fingers(None, None)
-        expected = carried(self._last.fingers, joints.wrist - self._last.joints.wrist)
-        return replace(expected, thumb=None) if self._last.fingers.hand_open else expected
-
-    def _overlay(self, view: int, moment: _Moment) -> Overlay:
-        f, projection = moment.features[view], self._projections[view]
-        upper = f.upper_arm
-
-        def pixel(point: Array | None) -> Array | None:
-            return None if point is None else project(projection, point)
-
-        return Overlay(
-            contour=f.silhouette.contour.astype(np.int32),
-            forearm_line=np.array([f.forearm.at(0.0), f.guess.wrist]),
-            upper_arm_line=None if upper is None else np.array([upper.at(0.0), f.guess.shoulder_end]),
-            elbow=pixel(moment.joints.elbow),
-            wrist=pixel(moment.joints.wrist),
-            index=pixel(moment.fingers.index),
-            thumb=pixel(moment.fingers.thumb),
+    def _overlays(self, moment: _Moment) -> tuple[Overlay, ...]:
+        seen = dict(zip(moment.seen, moment.features, strict=True))
+        return tuple(
+            _overlay(matrix, seen[k], moment) if k in seen else Overlay() for k, matrix in enumerate(self._projections)
         )
+
+
+def _overlay(projection: Array, f: Features, moment: _Moment) -> Overlay:
+    hand, upper = moment.hand, f.upper_arm
+    return Overlay(
+        contour=f.silhouette.contour.astype(np.int32),
+        forearm_line=np.array([f.forearm.at(0.0), f.guess.wrist]),
+        upper_arm_line=None if upper is None else np.array([upper.at(0.0), f.guess.shoulder_end]),
+        elbow=project(projection, moment.joints.elbow),
+        wrist=project(projection, moment.wrist),
+        index=None if hand is None else project(projection, hand.index.point),
+        thumb=None if hand is None else project(projection, hand.thumb.point),
+    )
+
+
+def _wrist_covariance(joints: Joints) -> Array:
+    """What the limbs say of the wrist before the hand is fitted: it lies on the forearm's axis, less sure along it."""
+    arm = joints.wrist - joints.elbow
+    axis = arm / max(float(np.linalg.norm(arm)), 1e-6)
+    result: Array = ACROSS_SIGMA**2 * np.eye(3) + ALONG_SIGMA**2 * np.outer(axis, axis)
+    return result
+
+
+def _elbow_covariance(joints: Joints) -> Array:
+    result: Array = joints.covariance[:3, :3] + ELBOW_MODEL_SIGMA**2 * np.eye(3)
+    return result
+
+
+def _farthest(view: Features) -> Array:
+    """The outline's pixel (2,) farthest from the wrist."""
+    contour = view.silhouette.contour if view.hand is None else view.hand
+    pixel: Array = contour[int(np.argmax(np.sum((contour - view.guess.wrist) ** 2, axis=1)))] + view.hand_shift
+    return pixel
 
 
 def _median(values: Sequence[float]) -> float:

@@ -1,8 +1,12 @@
 """One camera's part in tracking: frames in, features out; each frame is measured once."""
 
+import cv2
 import numpy as np
+from numpy.typing import NDArray
 
 from common.cameras.camera import Frame
+from local_site.calibration.lens import Maps
+from local_site.calibration.rig import CameraCalibration
 from local_site.tracking.silhouette.blending import blend
 from local_site.tracking.silhouette.contour import find_silhouette, to_grey
 from local_site.tracking.silhouette.features import Features, measure
@@ -16,8 +20,10 @@ MIN_SIDE_PX = 32
 class ViewMeter:
     """Measures the frames of one camera with a threshold found once and kept until the arm is lost."""
 
-    def __init__(self, name: str) -> None:
-        self._name = name
+    def __init__(self, camera: CameraCalibration) -> None:
+        self._name = camera.name
+        self._lens = camera.lens
+        self._maps: tuple[tuple[int, ...], Maps] | None = None
         self._level: float | None = None
         self._measured: dict[tuple[int, int], Features | str] = {}
 
@@ -50,7 +56,7 @@ class ViewMeter:
             or min(image.shape[:2]) < MIN_SIDE_PX
         ):
             return f"{self._name}: the picture is too small or of a wrong kind"
-        grey = to_grey(image)
+        grey = self._straightened(to_grey(image))
         if self._level is None:
             threshold = find_threshold(grey)
             if threshold.level is None:
@@ -63,3 +69,12 @@ class ViewMeter:
         if features is None:
             return f"{self._name}: no forearm can be made out; hold the arm bent and across the view"
         return f"{self._name}: the hand is cropped by the border" if features.hand_cropped else features
+
+    def _straightened(self, grey: NDArray[np.uint8]) -> NDArray[np.uint8]:
+        """The picture of a pinhole camera, for which the rig's projection holds."""
+        if self._lens is None or not (self._lens.k1 or self._lens.k2):
+            return grey
+        if self._maps is None or self._maps[0] != grey.shape:
+            self._maps = grey.shape, self._lens.undistortion_maps(grey.shape[1], grey.shape[0])
+        straight = cv2.remap(grey, *self._maps[1], cv2.INTER_LINEAR, borderMode=cv2.BORDER_REPLICATE)
+        return np.asarray(straight, dtype=np.uint8)

@@ -1,0 +1,27 @@
+"""Why a tracker doubts or refuses what it sees: one sentence for each reason, with the cure where there is one."""
+
+from collections.abc import Iterable
+from enum import StrEnum
+
+
+class Reason(StrEnum):
+    """A reason by name; its value is the sentence for people."""
+
+    NO_ARM = "the lines of the views do not meet in an arm"
+    OUT_OF_STEP = "the views do not fit together: they are out of sync, swapped, or a camera has moved since calibration"
+    LEFT_OPEN = "the views leave elbow or wrist open: bend the arm and hold it across the view"
+    NO_UPPER_ARM = "the upper arm does not show enough to place the elbow"
+    NEARLY_STRAIGHT = "the elbow is nearly straight, so that its place follows from the wrist"
+    FOLDED = "the arm is folded, so that forearm and upper arm hide each other"
+    FORESHORTENED = "the forearm points at a camera and looks short"
+    PARALLEL_TO_BASELINE = "the forearm is nearly parallel to the line between the cameras"
+    OUTSIDE_VOLUME = "the wrist is outside the calibrated volume"
+    HAND_UNCLEAR = "the outline does not look like a hand held like a gripper, or open"
+    THUMB_INFERRED = "the thumb is not seen in outline by two cameras; its place follows from the hand's shape"
+    LEARNING = "learning the arm: hold it bent, thumb and index apart"
+    CALIBRATION_DRIFT = "the views fit together worse than when tracking began: calibrate again"
+
+
+def sentence(reasons: Iterable[str]) -> str:
+    """Reasons as one text."""
+    return "; ".join(reasons)

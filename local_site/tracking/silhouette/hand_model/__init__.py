@@ -1,0 +1,1 @@
+"""The hand as a jointed body of capsules, fitted to its outlines."""

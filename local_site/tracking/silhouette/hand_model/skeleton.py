@@ -1,0 +1,106 @@
+"""The hand as spheres joined to tapered capsules: sizes of a grown hand, and where the spheres lie for a posture.
+
+Local frame: origin at the wrist's centre of rotation, x to the knuckle of the middle finger, y to the thumb's side,
+z out of the back of the hand. Lengths of metacarpals and phalanges are the averages of grown hands; all else scales
+with them.
+"""
+
+import math
+
+import numpy as np
+from numpy.typing import NDArray
+
+from common.geometry import Array
+from local_site.tracking.silhouette.compiled import compiled
+
+MCP_CURL, PIP_CURL, EXTRA_CURL, SPREAD, ABDUCTION, OPPOSITION, THUMB_FLEXION, PALM, FINGERS, BREADTH = range(10)
+PARAMETERS = 10
+TYPICAL_FOREARM = 0.28
+DIP_PER_PIP = 0.7
+
+_KNUCKLES = np.array([[0.113, 0.030, 0.0], [0.116, 0.005, 0.002], [0.110, -0.017, 0.0], [0.100, -0.037, -0.005]])
+_PHALANGES = np.array(
+    [[0.0398, 0.0224, 0.0197], [0.0446, 0.0263, 0.0213], [0.0414, 0.0257, 0.0212], [0.0327, 0.0181, 0.0197]]
+)
+_FINGER_RADII = np.array(
+    [
+        [0.0125, 0.0095, 0.0082, 0.0065],
+        [0.0130, 0.0098, 0.0084, 0.0067],
+        [0.0125, 0.0092, 0.0080, 0.0064],
+        [0.0115, 0.0082, 0.0070, 0.0057],
+    ]
+)
+_SPREAD_OF = np.array([0.5, -0.3, -0.9, -1.6])
+_REST_SPREAD = np.array([0.03, 0.0, -0.03, -0.06])
+_EXTRA_OF = np.array([0.0, 0.7, 1.0, 1.0])
+_THUMB_BASE = np.array([0.036, 0.022, -0.008])
+_THUMB_LENGTHS = np.array([0.0462, 0.0316, 0.0260])
+_THUMB_RADII = np.array([0.0165, 0.0125, 0.0105, 0.0085])
+_WRIST = np.array([[0.0, 0.011, 0.0], [0.0, -0.011, 0.0]])
+_WRIST_RADIUS = 0.0185
+FOREARM_SPHERE_DISTANCE = 0.06
+
+THUMB, WRIST, FOREARM, SPHERES = 16, 20, 22, 24
+INDEX_TIP, MIDDLE_TIP, THUMB_TIP = 3, 7, 19
+
+_fingers = [(4 * f + j, 4 * f + j + 1) for f in range(4) for j in range(3)]
+_palm = [(20, 0), (20, 4), (21, 8), (21, 12), (0, 4), (4, 8), (8, 12), (20, 21), (20, 16), (16, 0)]
+_thumb = [(16, 17), (17, 18), (18, 19)]
+CAPSULES: NDArray[np.intp] = np.array(_fingers + _palm + _thumb + [(20, 22), (21, 23)], dtype=np.intp)
+
+
+@compiled
+def pose_spheres(posture: Array, scale: float, right_arm: bool) -> tuple[Array, Array]:
+    """Centres (24, 3) in the local frame and radii (24,) in m, for a posture (10,).
+
+    The posture is angles in rad, then the logarithms of three sizes; `scale` is the person's. The forearm's spheres
+    coincide with the wrist's: their distance along the forearm is no part of the hand.
+    """
+    centres, radii = np.empty((SPHERES, 3)), np.empty(SPHERES)
+    length = scale * math.exp(posture[FINGERS])
+    sizes = np.array([scale * math.exp(posture[PALM]), scale * math.exp(posture[BREADTH]), 0.0])
+    sizes[2] = sizes[1]
+    for finger in range(4):
+        _place_finger(centres, finger, posture, sizes, length)
+        radii[4 * finger : 4 * finger + 4] = sizes[1] * _FINGER_RADII[finger]
+    _place_thumb(centres, posture, sizes, length)
+    radii[THUMB : THUMB + 4] = sizes[1] * _THUMB_RADII
+    for k in range(4):
+        centres[WRIST + k] = sizes * _WRIST[k % 2]
+        radii[WRIST + k] = sizes[1] * _WRIST_RADIUS
+    if not right_arm:
+        centres[:, 1] *= -1.0
+    return centres, radii
+
+
+@compiled
+def _place_finger(centres: Array, finger: int, posture: Array, sizes: Array, length: float) -> None:
+    """Knuckle, two joints and tip's centre."""
+    turn = _REST_SPREAD[finger] + posture[SPREAD] * _SPREAD_OF[finger]
+    extra = posture[EXTRA_CURL] * _EXTRA_OF[finger]
+    pip = posture[PIP_CURL] + extra
+    bends = (posture[MCP_CURL] + extra, pip, DIP_PER_PIP * pip)
+    centres[4 * finger] = sizes * _KNUCKLES[finger]
+    angle = 0.0
+    for j in range(3):
+        angle += bends[j]
+        reach = length * _PHALANGES[finger, j]
+        step = np.array([math.cos(angle) * math.cos(turn), math.cos(angle) * math.sin(turn), -math.sin(angle)])
+        centres[4 * finger + j + 1] = centres[4 * finger + j] + reach * step
+
+
+@compiled
+def _place_thumb(centres: Array, posture: Array, sizes: Array, length: float) -> None:
+    """Base, two joints and tip's centre.
+
+    The thumb points away from the palm's plane by the opposition, away from the index by the abduction, and bends
+    towards the little finger's side.
+    """
+    ca, sa = math.cos(posture[ABDUCTION]), math.sin(posture[ABDUCTION])
+    co, so = math.cos(posture[OPPOSITION]), math.sin(posture[OPPOSITION])
+    out, inwards = np.array([ca * co, sa * co, -so]), np.array([sa, -ca, 0.0])
+    centres[THUMB] = sizes * _THUMB_BASE
+    for j in range(3):
+        angle = j * posture[THUMB_FLEXION]
+        step = math.cos(angle) * out + math.sin(angle) * inwards
+        centres[THUMB + j + 1] = centres[THUMB + j] + length * _THUMB_LENGTHS[j] * step

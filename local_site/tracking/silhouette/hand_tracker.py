@@ -1,0 +1,183 @@
+"""The hand from instant to instant: predicted, fitted, found again; index and thumb with their covariance."""
+
+import math
+from collections import deque
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from common.geometry import Array
+from local_site.tracking.silhouette.hand_model.fit import Fit, HandView, Prior, fit_hand, rotation_vector
+from local_site.tracking.silhouette.hand_model.habits import (
+    Belief,
+    Habits,
+    near_last,
+    posture_information,
+    prior_information,
+)
+from local_site.tracking.silhouette.hand_model.placement import POSE, HandPose, Person, turned
+from local_site.tracking.silhouette.hand_model.search import search_hand
+from local_site.tracking.silhouette.hand_model.skeleton import CAPSULES, INDEX_TIP, THUMB_TIP, TYPICAL_FOREARM
+
+ITERATIONS = 4
+REFIT_ITERATIONS = 8
+FIRST_ROLLS, FIRST_KEPT = 24, 6
+AGAIN_ROLLS, AGAIN_KEPT = 12, 3
+REMEMBERED_COSTS = 30
+WORSE_FACTOR, WORSE_MARGIN = 1.8, 0.1
+MAX_COST = 1.2
+MAX_TURN_AHEAD = 0.5
+SEEN_PIXELS, SEEN_DISTANCE_PX = 3, 2.5
+MODEL_SIGMA = 0.003
+HIDDEN_SIGMA = 0.008
+
+
+@dataclass(frozen=True, slots=True)
+class Tip:
+    """A finger tip on the skin (3,) in m, its covariance (3, 3) in m², and how many views show it in outline."""
+
+    point: Array
+    covariance: Array
+    views: int
+
+
+@dataclass(frozen=True, slots=True)
+class HandEstimate:
+    """The hand at one instant: wrist (3,) in m with its covariance (3, 3), tips, and whether the fingers are open."""
+
+    wrist: Array
+    wrist_covariance: Array
+    index: Tip
+    thumb: Tip
+    hand_open: bool
+    cost: float
+
+
+@dataclass(frozen=True, slots=True)
+class Arm:
+    """What the limbs say of the hand: wrist (3,) in m with covariance (3, 3), elbow (3,), far end of the hand (3,)."""
+
+    wrist: Array
+    wrist_covariance: Array
+    elbow: Array
+    far_end: Array
+
+
+class HandTracker:
+    """Follows a hand with the hand model; its habits are those of one operator and last through losses."""
+
+    def __init__(self, initial_pairs: int, right_arm: bool) -> None:
+        self._initial_pairs = initial_pairs
+        self._right_arm = right_arm
+        self._habits = Habits()
+        self._scale: float | None = None
+        self._last: tuple[Fit, Array] | None = None
+        self._turn = np.zeros(3)
+        self._costs: deque[float] = deque(maxlen=REMEMBERED_COSTS)
+
+    @property
+    def known(self) -> bool:
+        """Whether the operator's hand has been learned."""
+        return self._habits.learned >= self._initial_pairs
+
+    def forget(self) -> None:
+        """Start from an unknown pose with the next instant."""
+        self._last, self._turn = None, np.zeros(3)
+
+    def track(self, views: Sequence[HandView], arm: Arm) -> HandEstimate | None:
+        """The hand seen in the views; None where the model cannot explain the outlines."""
+        person = self._person(arm)
+        fit = self._fit(views, arm, person)
+        if fit.cost > MAX_COST:
+            self.forget()
+            return None
+        if self._last is not None:
+            self._turn = rotation_vector(fit.pose.rotation @ self._last[0].pose.rotation.T)
+        self._last = fit, arm.wrist
+        self._costs.append(fit.cost)
+        if self._habits.is_closed(fit.pose.posture) or not self.known:
+            self._learn(fit)
+        return _estimate(fit, self._habits.is_open(fit.pose.posture))
+
+    def _learn(self, fit: Fit) -> None:
+        prior = fit.prior
+        told = fit.information - prior.information
+        told[:3, :3] += prior.information[:3, :3]
+        belief = Belief(prior.posture, prior.information[POSE:, POSE:])
+        self._habits.learn(fit.pose.posture, belief, posture_information(told))
+
+    def _person(self, arm: Arm) -> Person:
+        to_elbow = arm.elbow - arm.wrist
+        length = max(float(np.linalg.norm(to_elbow)), 1e-6)
+        if self._scale is None:
+            self._scale = length / TYPICAL_FOREARM
+        return Person(self._scale, self._right_arm, to_elbow / length)
+
+    def _fit(self, views: Sequence[HandView], arm: Arm, person: Person) -> Fit:
+        closed = self._prior(arm, self._habits.closed)
+        if self._last is None:
+            fits = [search_hand(views, arm.far_end, closed, person, FIRST_ROLLS, FIRST_KEPT)]
+            if self.known:
+                opened = self._prior(arm, self._habits.opened)
+                fits.append(search_hand(views, arm.far_end, opened, person, AGAIN_ROLLS, AGAIN_KEPT))
+            return min(fits, key=_cost)
+        fit = self._followed(views, arm, person)
+        limit = WORSE_FACTOR * float(np.median(self._costs)) + WORSE_MARGIN
+        if fit.cost < limit:
+            return fit
+        fit = min(fit, *self._refits(views, arm, person), key=_cost)
+        if fit.cost < limit:
+            return fit
+        return min(fit, search_hand(views, arm.far_end, closed, person, AGAIN_ROLLS, AGAIN_KEPT), key=_cost)
+
+    def _followed(self, views: Sequence[HandView], arm: Arm, person: Person) -> Fit:
+        """From the last pose, moved along with the wrist and turning on."""
+        start = self._carried(arm)
+        size = float(np.linalg.norm(self._turn))
+        rotation = turned(self._turn * min(1.0, MAX_TURN_AHEAD / max(size, 1e-9))) @ start.rotation
+        start = replace(start, rotation=rotation)
+        prior = self._prior(arm, near_last(self._habits.closed, start.posture), start)
+        return fit_hand(views, start, prior, person, ITERATIONS)
+
+    def _refits(self, views: Sequence[HandView], arm: Arm, person: Person) -> list[Fit]:
+        """From the last rotation with the fingers opened, and held as usual."""
+        fits = []
+        for belief in (self._habits.opened, self._habits.closed):
+            start = replace(self._carried(arm), posture=belief.posture)
+            fits.append(fit_hand(views, start, self._prior(arm, belief, start), person, REFIT_ITERATIONS))
+        return fits
+
+    def _carried(self, arm: Arm) -> HandPose:
+        if self._last is None:
+            raise RuntimeError("no hand to carry on")
+        fit, wrist = self._last
+        return replace(fit.pose, wrist=fit.pose.wrist + arm.wrist - wrist)
+
+    def _prior(self, arm: Arm, belief: Belief, near: HandPose | None = None) -> Prior:
+        information = prior_information(arm.wrist_covariance, belief.information, turn_known=near is not None)
+        return Prior(arm.wrist, belief.posture, information, near)
+
+
+def _estimate(fit: Fit, hand_open: bool) -> HandEstimate:
+    covariance = np.linalg.inv(fit.information)
+    index, thumb = (_tip(fit, sphere, covariance) for sphere in (INDEX_TIP, THUMB_TIP))
+    return HandEstimate(fit.pose.wrist, covariance[:3, :3], index, thumb, hand_open, fit.cost)
+
+
+def _tip(fit: Fit, sphere: int, covariance: Array) -> Tip:
+    point, change = fit.placed.tip(sphere)
+    views = sum(_shows(fit, k, sphere) for k in range(len(fit.contacts)))
+    floor = MODEL_SIGMA if views >= 2 else HIDDEN_SIGMA
+    return Tip(point, change @ covariance @ change.T + floor**2 * np.eye(3), views)
+
+
+def _shows(fit: Fit, view: int, sphere: int) -> bool:
+    """Whether outline pixels of a view touch the last half of a finger's last part."""
+    contact = fit.contacts[view]
+    touching = (CAPSULES[contact.capsule, 1] == sphere) & (contact.share > 0.5)
+    return int(np.count_nonzero(touching & (np.abs(contact.distance) < SEEN_DISTANCE_PX))) >= SEEN_PIXELS
+
+
+def _cost(fit: Fit) -> float:
+    return fit.cost if math.isfinite(fit.cost) else math.inf
