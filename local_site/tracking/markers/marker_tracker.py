@@ -57,7 +57,7 @@ class MarkerTracker:
         if self._quality.out_of_sync(sightings):
             return _lost(views.t_ns, OUT_OF_SYNC)
         if not any(sightings):
-            return self._nobody(views.t_ns, len(candidates))
+            return self._nobody(views.t_ns, len(candidates), spots)
         self._strange = 0
         return self._found(views.t_ns, sightings, [*silent, *self._quality.remarks(sightings, identity, spots)], spots)
 
@@ -76,8 +76,10 @@ class MarkerTracker:
         sighting = self._meter.measure(candidates, which, spots, size)
         return sighting if self._quality.is_sure(sighting) else None
 
-    def _nobody(self, t_ns: int, candidates: int) -> ArmEstimate:
+    def _nobody(self, t_ns: int, candidates: int, spots: Sequence[Spots]) -> ArmEstimate:
         """Bright places that are not the markers of this hand; if it stays so, another hand is to be learned."""
+        if candidates < len(ROLES) <= min(len(found) for found in spots):
+            return _lost(t_ns, OUT_OF_SYNC)
         if self._hand is None:
             self._learning.forget()
             reason = "show wrist, index and thumb marker to all cameras, thumb and index in a U"
