@@ -22,6 +22,7 @@ TYPICAL_SIGMAS = (0.25, 0.25, 0.30)
 TYPICAL_LIMITS = ((0.5, 1.7), (0.5, 1.7), (0.3, 2.0))
 ORDER_MARGIN = 1.08
 PREDICTED_SIGMA_M = 0.020
+MAX_DEVIATION = 6.0
 MAX_SURPRISE = 24.0
 UNEXPECTED_COST = 8.0
 ABSENCE_COST = 22.0
@@ -103,14 +104,15 @@ def _shape_cost(candidates: Candidates, spans: Spans) -> Array:
 def _span_cost(candidates: Candidates, length: float, sigma: float, limits: tuple[float, float]) -> Array:
     """What the distance of two candidates (N + 1, N + 1) costs; infinite beyond belief, or where they share a spot.
 
-    It rises as the square near the known distance, and only as a logarithm further off: a hand that opens leaves its
+    It rises as the square near the known distance, then as a logarithm up to a limit: a hand that opens leaves its
     shape, but as long as it keeps it, small differences tell its markers apart.
     """
     count = len(candidates)
     share = _distances(candidates.points) / length
     cost = np.zeros((count + 1, count + 1))
     impossible = candidates.rivals() | (share < limits[0]) | (share > limits[1])
-    cost[:count, :count] = np.where(impossible, np.inf, 2.0 * np.log1p(0.5 * ((share - 1.0) / sigma) ** 2))
+    deviation = np.minimum(2.0 * np.log1p(0.5 * ((share - 1.0) / sigma) ** 2), MAX_DEVIATION)
+    cost[:count, :count] = np.where(impossible, np.inf, deviation)
     return cost
 
 

@@ -11,8 +11,8 @@ SIZE = (120, 160)
 
 def disc(centre, radius, level=220.0, background=10.0, noise=0.0, seed=0):
     """A picture of a disc, drawn eight times finer, a little out of focus as every lens is."""
-    rows, columns = np.mgrid[0 : SIZE[0] * 8, 0 : SIZE[1] * 8] / 8.0 - 7.0 / 16.0
-    inside = (np.hypot(columns - centre[0], rows - centre[1]) < radius).astype(np.float64)
+    columns, rows = (np.arange(length * 8) / 8.0 - 7.0 / 16.0 for length in SIZE[::-1])
+    inside = (columns - centre[0]) ** 2 + ((rows - centre[1]) ** 2)[:, None] < radius**2
     coverage = inside.reshape(SIZE[0], 8, SIZE[1], 8).mean(axis=(1, 3))
     image = cv2.GaussianBlur(np.broadcast_to(background, SIZE) * (1.0 - coverage) + level * coverage, (0, 0), 0.6)
     image = image + noise * np.random.default_rng(seed).standard_normal(SIZE)
