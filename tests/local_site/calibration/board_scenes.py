@@ -47,7 +47,12 @@ class Renderer:
         where = (on_board / self._board.square + 1.0) * PX_PER_SQUARE - 0.5
         where[depth <= 0] = -1e4
         fine = cv2.remap(
-            self._print, where.astype(np.float32), None, cv2.INTER_LINEAR, borderMode=cv2.BORDER_CONSTANT, borderValue=30
+            self._print,
+            where.astype(np.float32),
+            None,
+            cv2.INTER_LINEAR,
+            borderMode=cv2.BORDER_CONSTANT,
+            borderValue=30,
         )
         coarse = cv2.GaussianBlur(cv2.resize(fine, SIZE, interpolation=cv2.INTER_AREA), (0, 0), 0.7)
         noise = 2.0 * self._random.standard_normal(coarse.shape)
