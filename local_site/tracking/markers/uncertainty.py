@@ -28,13 +28,15 @@ def fix_marker(projections: Array, pixels: Array, sigmas: Array, start: Array) -
     Gauss-Newton on the weighted reprojection error from a point (3,) near by; the covariance is the inverse of the
     normal matrix. Views that disagree more than their deviations allow make it larger, never smaller.
     """
-    point = start
+    point: Array = start
     for _ in range(REFINEMENTS):
         jacobian, offset = _weighted(projections, pixels, sigmas, point)
-        point = point + np.linalg.solve(_normal(jacobian), jacobian.T @ offset)
+        step: Array = np.linalg.solve(_normal(jacobian), jacobian.T @ offset)
+        point = point + step
     jacobian, offset = _weighted(projections, pixels, sigmas, point)
     misfit, freedom = float(offset @ offset), 2 * len(sigmas) - 3
-    return MarkerFix(point, np.linalg.inv(_normal(jacobian)) * max(1.0, misfit / freedom), misfit, freedom)
+    covariance: Array = np.linalg.inv(_normal(jacobian)) * max(1.0, misfit / freedom)
+    return MarkerFix(point, covariance, misfit, freedom)
 
 
 def magnifications(projections: Array, point: Array) -> Array:
@@ -47,7 +49,8 @@ def magnifications(projections: Array, point: Array) -> Array:
 def _normal(jacobian: Array) -> Array:
     """The normal matrix (3, 3), kept from being singular where lines of sight coincide: that is told by its inverse."""
     normal: Array = jacobian.T @ jacobian
-    return normal + RIDGE * np.trace(normal) * np.eye(3)
+    normal += RIDGE * np.trace(normal) * np.eye(3)
+    return normal
 
 
 def _projected(projections: Array, point: Array) -> tuple[Array, Array]:
