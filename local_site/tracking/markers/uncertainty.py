@@ -28,14 +28,13 @@ def fix_marker(projections: Array, pixels: Array, sigmas: Array, start: Array) -
     Gauss-Newton on the weighted reprojection error from a point (3,) near by; the covariance is the inverse of the
     normal matrix. Views that disagree more than their deviations allow make it larger, never smaller.
     """
-    point: Array = start
+    point = start
     for _ in range(REFINEMENTS):
         jacobian, offset = _weighted(projections, pixels, sigmas, point)
-        step: Array = np.linalg.solve(_normal(jacobian), jacobian.T @ offset)
-        point = point + step
+        point = point + np.asarray(np.linalg.solve(_normal(jacobian), jacobian.T @ offset), dtype=np.float64)
     jacobian, offset = _weighted(projections, pixels, sigmas, point)
     misfit, freedom = float(offset @ offset), 2 * len(sigmas) - 3
-    covariance: Array = np.linalg.inv(_normal(jacobian)) * max(1.0, misfit / freedom)
+    covariance = np.asarray(np.linalg.inv(_normal(jacobian)) * max(1.0, misfit / freedom), dtype=np.float64)
     return MarkerFix(point, covariance, misfit, freedom)
 
 
