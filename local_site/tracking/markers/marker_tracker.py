@@ -92,13 +92,14 @@ class MarkerTracker:
     def _found(
         self, t_ns: int, sightings: list[Sighting | None], remarks: list[str], spots: Sequence[Spots]
     ) -> ArmEstimate:
-        points = np.array([np.full(3, np.nan) if s is None else s.fix.point for s in sightings])
+        points = _points(sightings)
         self._memory.keep(t_ns, points)
         status, reason = TrackingStatus.DEGRADED if remarks else TrackingStatus.TRACKED, "; ".join(remarks)
         if self._hand is None:
             status, reason = TrackingStatus.INITIALISING, self._learn(points, sightings, reason)
         else:
-            self._open = is_open(points, self._hand.spans, self._config.open_ratio, self._open)
+            whole = _points([s if s is not None and s.is_whole else None for s in sightings])
+            self._open = is_open(whole, self._hand.spans, self._config.open_ratio, self._open)
         wrist, index, thumb = (None if s is None else s.fix.point for s in sightings)
         return ArmEstimate(
             t_ns=t_ns,
@@ -128,6 +129,11 @@ class MarkerTracker:
 
 def _lost(t_ns: int, reason: str) -> ArmEstimate:
     return ArmEstimate(t_ns, TrackingStatus.LOST, reason)
+
+
+def _points(sightings: Sequence[Sighting | None]) -> Array:
+    """The markers (3, 3) in m, NaN where there is none."""
+    return np.array([np.full(3, np.nan) if s is None else s.fix.point for s in sightings])
 
 
 def _overlay(spots: Spots, view: int, sightings: Sequence[Sighting | None]) -> Overlay:

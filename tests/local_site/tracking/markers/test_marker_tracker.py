@@ -159,16 +159,27 @@ def test_a_third_camera_that_disagrees_or_is_blind_is_left_out_and_told():
         assert error_mm(estimate, points).max() < 0.5
 
 
-def test_a_marker_shown_in_part_is_told(learned):
-    points = hand_at()
+def in_part(learned, points):
+    """An instant in which the first camera sees half of the index marker."""
     pictures = [draw(camera, points) for camera in learned.cameras]
     camera = learned.cameras[0]
     u, v = camera.pixels(camera.to_camera(points[1])).astype(int)
     pictures[0][v - 10 : v + 10, u + 1 : u + 12] = 10
-    frames = tuple(View(Frame(picture, PERIOD_NS * 20, 20)) for picture in pictures)
-    estimate = learned.tracker.track(Views(PERIOD_NS * 20, frames))
+    t_ns = PERIOD_NS * learned.k
+    learned.k += 1
+    return learned.tracker.track(Views(t_ns, tuple(View(Frame(picture, t_ns, learned.k)) for picture in pictures)))
+
+
+def test_a_marker_shown_in_part_is_told(learned):
+    estimate = in_part(learned, hand_at())
     assert estimate.status is DEGRADED
     assert "index marker is partly hidden" in estimate.reason
+
+
+def test_a_marker_shown_in_part_does_not_open_or_close_the_hand(learned):
+    assert not in_part(learned, opened(1.0)).hand_open
+    assert learned.step(opened(1.0)).hand_open
+    assert in_part(learned, hand_at()).hand_open
 
 
 def test_another_hand_is_learned_once_the_known_one_stays_away(learned):
