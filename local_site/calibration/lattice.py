@@ -18,6 +18,7 @@ STEPS: tuple[Cell, ...] = ((1, 0), (-1, 0), (0, 1), (0, -1))
 GROW_SLACK, FIT_SLACK = 0.3, 0.2
 MIN_CELLS = 6
 MIN_PART = 0.85
+ENOUGH = 0.9
 FITS = 3
 MAX_SEEDS = 40
 
@@ -58,6 +59,8 @@ def find_lattice(discs: Sequence[Disc], size: Cell) -> Lattice | None:
         lattice = _fitted(found, centres, size) if found else None
         if lattice is not None and (best is None or len(lattice.cells) > len(best.cells)):
             best = lattice
+        if best is not None and len(best.cells) >= ENOUGH * len(discs):
+            break
     return best
 
 
