@@ -1,5 +1,6 @@
 """The plate of discs: found and ordered without help, whole or cropped, and centred without perspective bias."""
 
+from dataclasses import replace
 from pathlib import Path
 
 import cv2
@@ -84,6 +85,18 @@ def test_cropped_plates_are_placed_by_their_ends_and_their_heights():
         assert pixels[seen] == pytest.approx(c.pixels(control.points[seen]), abs=0.4)
 
 
+def test_other_heights_tell_where_a_plate_without_an_end_in_view_lies():
+    cameras = [camera(angle, drop=0.7) for angle in ANGLES]
+    views = [[view_plate(plate_picture(PLATE, c, h), PLATE, "view") for h in HEIGHTS] for c in cameras]
+    seen = views[0][1]
+    inner = seen.lattice.cells[:, 0] >= 1
+    lattice = replace(seen.lattice, cells=seen.lattice.cells[inner] - (1, 0), pixels=seen.lattice.pixels[inner])
+    views[0][1] = replace(seen, lattice=lattice, beginnings=((0, 0), (1, 0)))
+    control = plate_control_points(views, HEIGHTS, PLATE)
+    found = np.isfinite(control.pixels[0][:, 0])
+    assert control.pixels[0][found] == pytest.approx(cameras[0].pixels(control.points[found]), abs=0.4)
+
+
 def test_large_discs_lose_their_perspective_bias():
     plate = Plate(diameter=0.12)
     cameras, control = simulated(plate=plate)
@@ -153,8 +166,6 @@ def test_a_plate_without_any_end_in_view_is_refused():
 
 def replace_beginnings(view):
     """The view as if none of the plate's ends were seen in it."""
-    from dataclasses import replace
-
     columns, rows = view.lattice.extent
     return replace(view, beginnings=tuple((i, j) for i in range(12 - columns) for j in range(12 - rows)))
 
