@@ -7,34 +7,38 @@ import numpy as np
 from common.geometry import Array
 from local_site.calibration.physical_camera import PhysicalCamera
 from local_site.calibration.resection import Resection
-from local_site.calibration.triangulation import epipolar_residual, fundamental_matrix, triangulate
+from local_site.calibration.triangulation import epipolar_residual, fundamental_matrix, triangulate_many
 
 
-def located(cameras: Sequence[PhysicalCamera | None], pixels: Sequence[Array]) -> Array:
-    """The point (3,) in m from its pixels (2,) in each camera's picture, NaN where unseen; NaN if fewer than two."""
-    views = [(c, p) for c, p in zip(cameras, pixels, strict=True) if c is not None and np.isfinite(p[0])]
-    if len(views) < 2:
-        return np.full(3, np.nan)
-    return triangulate([c.projection for c, _ in views], [c.lens.undistort_pixels(p) for c, p in views])
+def located(cameras: Sequence[PhysicalCamera], pixels: Sequence[Array]) -> Array:
+    """Points (N, 3) in m from each camera's pixels (N, 2), NaN where unseen; NaN where fewer than two saw them."""
+    straight = np.stack([c.lens.undistort_pixels(p) for c, p in zip(cameras, pixels, strict=True)], axis=1)
+    seen = np.isfinite(straight[:, :, 0])
+    found = np.full((len(straight), 3), np.nan)
+    for views in np.unique(seen, axis=0):
+        mine = np.all(seen == views, axis=1)
+        if np.sum(views) >= 2:
+            projections = [cameras[k].projection for k in np.flatnonzero(views).tolist()]
+            found[mine] = triangulate_many(projections, straight[mine][:, views])
+    return found
 
 
 def errors(cameras: Sequence[PhysicalCamera], points: Array, pixels: Sequence[Array]) -> Array:
     """Located less known position (N, 3) of points (N, 3), m; NaN where fewer than two cameras saw it."""
-    return np.array([located(cameras, [p[i] for p in pixels]) for i in range(len(points))]) - points
+    return located(cameras, pixels) - points
 
 
 def leave_one_out_errors(resections: Sequence[Resection], points: Array, pixels: Sequence[Array]) -> Array:
     """As `errors`, each point by cameras fitted without it; NaN too where the rest would not give a camera."""
     places = [np.cumsum(np.isfinite(p[:, 0])) - 1 for p in pixels]
-    found = []
+    found = np.full(points.shape, np.nan)
     for i in range(len(points)):
-        seen = [p[i] for p in pixels]
-        cameras = [
-            r.without(int(place[i])) if np.isfinite(p[0]) else None
-            for r, place, p in zip(resections, places, seen, strict=True)
-        ]
-        found.append(located(cameras, seen))
-    return np.array(found) - points
+        seen = [k for k, p in enumerate(pixels) if np.isfinite(p[i, 0])]
+        cameras = [resections[k].without(int(places[k][i])) for k in seen]
+        usable = [(camera, pixels[k][i : i + 1]) for camera, k in zip(cameras, seen, strict=True) if camera is not None]
+        if usable:
+            found[i] = located([camera for camera, _ in usable], [pixel for _, pixel in usable])[0]
+    return found - points
 
 
 def rms(values: Array) -> Array | None:

@@ -20,7 +20,7 @@ def board_errors(
     """
     parts = [np.zeros((0, 3))]
     for cameras, pixels in zip(cameras_of_pose, pixels_of_pose, strict=True):
-        places = np.array([located(cameras, [own[i] for own in pixels]) for i in range(len(corners))])
+        places = located(cameras, pixels)
         known = np.isfinite(places[:, 0])
         if np.sum(known) >= MIN_CORNERS:
             parts.append(places[known] - laid_upon(corners[known], places[known]))

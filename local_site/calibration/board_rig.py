@@ -9,7 +9,7 @@ from common.errors import CalibrationError
 from common.geometry import Array
 from local_site.calibration import accuracy, checks
 from local_site.calibration.board_errors import board_errors
-from local_site.calibration.board_start import Views, observations, starting_scene
+from local_site.calibration.board_start import UNSOLVABLE, Views, observations, starting_scene
 from local_site.calibration.boards import Board
 from local_site.calibration.bundle import Adjusted, Observations, Scene, adjust
 from local_site.calibration.control_points import ControlPoints, Size
@@ -51,9 +51,9 @@ def solve_boards(
     _refuse_misfit(fitted, seen, pictures.names)
     old_R_new, old_t_new = operator_pose(fitted.scene, board, standing)
     cameras = [camera.in_frame(old_R_new, old_t_new) for camera in fitted.scene.cameras]
-    exchanged = checks.exchanged(cameras)
-    if exchanged:
-        raise CalibrationError(exchanged)
+    mistake = checks.same_view(cameras, np.zeros((1, 3))) or checks.exchanged(cameras)
+    if mistake:
+        raise CalibrationError(mistake)
     control = _control(pictures, views, board, (fitted.scene, old_R_new, old_t_new))
     errors = _error_rms(views, board, fitted, seen, old_R_new)
     return _rig(control, cameras, fitted, seen, errors, why, created), control
@@ -88,7 +88,10 @@ def _fit(start: Scene, seen: Observations) -> tuple[Adjusted, str]:
         places = chosen.scene.places(seen)
         return any(folds(camera, places[seen.camera == k]) for k, camera in enumerate(chosen.scene.cameras))
 
-    return choose_model(adjust(start, seen, (*BASE, ASPECT, K1, K2)), refit, unreal)
+    try:
+        return choose_model(adjust(start, seen, (*BASE, ASPECT, K1, K2)), refit, unreal)
+    except (ValueError, np.linalg.LinAlgError) as error:
+        raise CalibrationError(f"{UNSOLVABLE} ({error})") from error
 
 
 def _rms_px(fitted: Adjusted, seen: Observations, camera: int) -> float:

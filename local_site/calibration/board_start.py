@@ -19,6 +19,8 @@ STRAIGHT = (
     cv2.CALIB_FIX_K1 | cv2.CALIB_FIX_K2 | cv2.CALIB_FIX_K3 | cv2.CALIB_ZERO_TANGENT_DIST | cv2.CALIB_FIX_PRINCIPAL_POINT
 )
 
+UNSOLVABLE = "the pictures give no camera; show the board larger, flat and at more angles, and give its true squares"
+
 Views = Sequence[Sequence[BoardView | None]]
 Pose = tuple[Array, Array]
 
@@ -56,7 +58,10 @@ def _alone(views: Sequence[BoardView | None], board: Board, size: Size) -> tuple
     corners = [board.corners[view.ids].astype(np.float32) for view in seen.values()]
     pixels = [view.pixels.astype(np.float32) for view in seen.values()]
     guess, bending = np.eye(3), np.zeros(5)
-    _, k, _, turns, shifts = cv2.calibrateCamera(corners, pixels, size, guess, bending, flags=STRAIGHT)
+    try:
+        _, k, _, turns, shifts = cv2.calibrateCamera(corners, pixels, size, guess, bending, flags=STRAIGHT)
+    except cv2.error as error:
+        raise CalibrationError(f"{UNSOLVABLE} ({error.err})") from error
     lens = Lens(float(k[0, 0]), float(k[1, 1]), float(k[0, 2]), float(k[1, 2]))
     poses = {
         i: (Rotation.from_rotvec(np.ravel(turn)).as_matrix(), np.ravel(shift).astype(np.float64))

@@ -16,6 +16,7 @@ POSE_NUMBERS = 6
 POSE_OF_CAMERA = BASE[3:]
 SLOPE_STEP = 1e-6
 TOLERANCE = 1e-10
+MAX_STEPS = 60
 
 
 @dataclass(frozen=True, slots=True)
@@ -101,7 +102,15 @@ def adjust(start: Scene, seen: Observations, free: tuple[int, ...]) -> Adjusted:
 
     zero = np.zeros(cameras * len(free) - len(POSE_OF_CAMERA) + POSE_NUMBERS * poses)
     fit = least_squares(
-        residuals, zero, slope, method="lm", x_scale="jac", ftol=TOLERANCE, xtol=TOLERANCE, gtol=TOLERANCE
+        residuals,
+        zero,
+        slope,
+        method="lm",
+        x_scale="jac",
+        ftol=TOLERANCE,
+        xtol=TOLERANCE,
+        gtol=TOLERANCE,
+        max_nfev=MAX_STEPS,
     )
     scene = at(fit.x)
     return Adjusted(scene, free, scene.residuals(seen), slope(fit.x))

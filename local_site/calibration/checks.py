@@ -11,6 +11,7 @@ MAX_RELATIVE_RESIDUAL = 0.02
 MIN_AGREEING = 2 / 3
 MIN_SPREAD = 1e-6
 MIN_SIDEWAYS = 0.3
+MIN_PARALLAX = 0.02
 
 MIRRORED = (
     "sees the points mirrored; switch off the mirroring of its picture, or correct the axes of the control points "
@@ -19,6 +20,10 @@ MIRRORED = (
 NONSENSE = (
     "its pixels fit no camera that could see these points; make sure that each line holds one point's position in mm "
     "and its own pixels, left camera first"
+)
+SAME_VIEW = (
+    "both cameras see the points from one direction, so that depth cannot be told; make sure that each camera's "
+    "pictures are its own, and move the cameras apart"
 )
 EXCHANGED = (
     "the left camera stands to the right of the right one, as both see it; exchange the two, or switch off the "
@@ -36,6 +41,13 @@ def fits_no_camera(residuals: Array, pixels: Array) -> bool:
     """Whether too many of the residuals (N,) of pixels (N, 2) are too large for a camera, its lens and its noise."""
     extent = float(np.linalg.norm(np.ptp(pixels, axis=0)))
     return float(np.quantile(residuals, MIN_AGREEING)) > MAX_RELATIVE_RESIDUAL * extent
+
+
+def same_view(cameras: Sequence[PhysicalCamera], points: Array) -> str:
+    """What to do if the first two cameras see the points (N, 3) from one direction; empty if all is well."""
+    rays = [np.median(points, axis=0) - camera.centre for camera in cameras[:2]]
+    first, second = (ray / max(float(np.linalg.norm(ray)), 1e-12) for ray in rays)
+    return SAME_VIEW if float(np.linalg.norm(np.cross(first, second))) < MIN_PARALLAX else ""
 
 
 def looks_backwards(camera: PhysicalCamera, points: Array) -> bool:

@@ -24,7 +24,7 @@ def solve_projection(points: Array, pixels: Array) -> Array:
     u = (np.column_stack([pixels, np.ones(len(pixels))]) @ image_T.T)[:, :2]
     zero = np.zeros_like(X)
     rows = np.concatenate([np.hstack([X, zero, -u[:, :1] * X]), np.hstack([zero, X, -u[:, 1:] * X])])
-    normalised = np.linalg.svd(rows)[2][-1].reshape(3, 4)
+    normalised = np.linalg.svd(rows, full_matrices=False)[2][-1].reshape(3, 4)
     projection: Array = np.linalg.inv(image_T) @ normalised @ world_T
     return _signed(projection, points)
 

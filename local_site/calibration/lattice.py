@@ -17,6 +17,8 @@ Cell = tuple[int, int]
 STEPS: tuple[Cell, ...] = ((1, 0), (-1, 0), (0, 1), (0, -1))
 GROW_SLACK, FIT_SLACK = 0.3, 0.2
 MIN_CELLS = 6
+MIN_PART = 0.85
+ENOUGH = 0.9
 FITS = 3
 MAX_SEEDS = 40
 
@@ -57,6 +59,8 @@ def find_lattice(discs: Sequence[Disc], size: Cell) -> Lattice | None:
         lattice = _fitted(found, centres, size) if found else None
         if lattice is not None and (best is None or len(lattice.cells) > len(best.cells)):
             best = lattice
+        if best is not None and len(best.cells) >= ENOUGH * len(discs):
+            break
     return best
 
 
@@ -114,13 +118,14 @@ def _fitted(found: dict[int, Cell], centres: Array, size: Cell) -> Lattice | Non
         homography = np.asarray(fit, dtype=np.float64)
         exact = _mapped(np.asarray(np.linalg.inv(homography), dtype=np.float64), centres)
         whole = np.round(exact)
-        fits = np.linalg.norm(exact - whole, axis=1) < FIT_SLACK
+        near = np.all((whole >= cells.min(axis=0) - size) & (whole <= cells.max(axis=0) + size), axis=1)
+        fits = near & (np.linalg.norm(exact - whole, axis=1) < FIT_SLACK)
         indices = _one_each(np.flatnonzero(fits), whole, exact)
         cells = whole[indices].astype(np.int64)
     if homography is None:
         return None
     lattice = _upright(cells, centres[indices], homography, size)
-    return lattice if all(n <= most for n, most in zip(lattice.extent, size, strict=True)) else None
+    return lattice if lattice is not None and len(lattice.cells) >= MIN_PART * len(cells) else None
 
 
 def _one_each(candidates: NDArray[np.intp], whole: Array, exact: Array) -> list[int]:
@@ -131,24 +136,35 @@ def _one_each(candidates: NDArray[np.intp], whole: Array, exact: Array) -> list[
     return list(nearest.values())
 
 
-def _upright(cells: NDArray[np.int64], pixels: Array, pixel_H_cell: Array, size: Cell) -> Lattice:
-    """The lattice with its columns to the right and its rows upwards, turned but never mirrored."""
+def _upright(cells: NDArray[np.int64], pixels: Array, pixel_H_cell: Array, size: Cell) -> Lattice | None:
+    """The lattice with its columns to the right and its rows upwards, turned but never mirrored, cut to the plate."""
     middle = cells.mean(axis=0)
     ends = _mapped(pixel_H_cell, middle + 0.1 * np.array([(0.0, 0.0), (1.0, 0.0), (0.0, 1.0)]))
     steps = np.column_stack([ends[1] - ends[0], ends[2] - ends[0]])
-    best_turn, best_right = np.eye(2), -np.inf
+    choices = []
     for turn in _turns():
         columns, rows = steps @ turn.T[:, 0], steps @ turn.T[:, 1]
-        right = float(columns[0] / np.linalg.norm(columns))
-        upwards = columns[0] * rows[1] - columns[1] * rows[0] < 0
-        extent = np.ptp(cells @ turn.T, axis=0) + 1
-        if upwards and right > best_right and np.all(extent <= size):
-            best_turn, best_right = turn, right
-    turned = np.round(cells @ best_turn.T).astype(np.int64)
-    first = turned.min(axis=0)
-    shift = np.eye(3)
-    shift[:2, :2], shift[:2, 2] = best_turn, -first
-    return Lattice(turned - first, pixels, pixel_H_cell @ np.linalg.inv(shift))
+        if columns[0] * rows[1] - columns[1] * rows[0] < 0:
+            turned = np.round(cells @ turn.T).astype(np.int64)
+            first, kept = _window(turned, size)
+            right = float(columns[0] / np.linalg.norm(columns))
+            choices.append((int(kept.sum()), right, turned[kept] - first, kept))
+    _, _, upright, kept = max(choices, key=lambda choice: choice[:2])
+    fit = cv2.findHomography(upright.astype(np.float64), pixels[kept], 0)[0]
+    return None if fit is None else Lattice(upright, pixels[kept], np.asarray(fit, dtype=np.float64))
+
+
+def _window(cells: NDArray[np.int64], size: Cell) -> tuple[NDArray[np.int64], NDArray[np.bool_]]:
+    """Which of the cells (M, 2) the best window of a plate's size holds (M,), and their least column and row (2,)."""
+
+    def held(first: tuple[int, ...]) -> NDArray[np.bool_]:
+        inside: NDArray[np.bool_] = np.all((cells >= first) & (cells < np.add(first, size)), axis=1)
+        return inside
+
+    bounds = zip(cells.min(axis=0).tolist(), cells.max(axis=0).tolist(), size, strict=True)
+    starts = [range(low, max(low, high - count + 1) + 1) for low, high, count in bounds]
+    best = held(max(product(*starts), key=lambda first: int(held(first).sum())))
+    return cells[best].min(axis=0), best
 
 
 def _turns() -> list[Array]:

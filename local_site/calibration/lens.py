@@ -37,6 +37,8 @@ class Lens(msgspec.Struct, frozen=True, forbid_unknown_fields=True):
 
     def undistort_pixels(self, pixels: Array) -> Array:
         """Pixels (..., 2) in a pinhole's picture, of pixels (..., 2) in the picture taken; NaN stays NaN."""
+        if self.k1 == 0.0 and self.k2 == 0.0:
+            return np.array(pixels, dtype=np.float64)
         bent = self._slopes(pixels)
         radius = np.linalg.norm(bent, axis=-1, keepdims=True)
         straight = radius.copy()

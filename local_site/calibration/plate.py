@@ -2,7 +2,7 @@
 
 from collections.abc import Sequence
 from dataclasses import dataclass
-from itertools import product
+from itertools import islice, product
 
 import numpy as np
 
@@ -17,7 +17,7 @@ from local_site.calibration.lattice import Cell, Lattice, find_lattice
 CLEARANCE = 1.5
 CLEAR_CELLS = 2
 AMBIGUOUS = 3.0
-MAX_CHOICES = 4096
+MAX_CHOICES = 1000
 
 
 @dataclass(frozen=True, slots=True)
@@ -135,11 +135,11 @@ def _ends(lattice: Lattice, discs: Sequence[Disc], axis: int, line: int, size_px
 
 def _choose(name: str, views: Sequence[PlateView], heights: Sequence[float]) -> tuple[Cell, ...]:
     """Which beginnings make one camera of all heights."""
-    choices = list(product(*(view.beginnings for view in views)))[:MAX_CHOICES]
+    choices = list(islice(product(*(view.beginnings for view in views)), MAX_CHOICES + 1))
     if len(choices) == 1:
         return choices[0]
-    ranked = sorted((_misfit(views, heights, choice), choice) for choice in choices)
-    if ranked[1][0] < AMBIGUOUS * ranked[0][0]:
+    ranked = sorted((_misfit(views, heights, choice), choice) for choice in choices[:MAX_CHOICES])
+    if len(choices) > MAX_CHOICES or ranked[1][0] < AMBIGUOUS * ranked[0][0]:
         raise CalibrationError(
             f"{name} camera: its pictures do not tell which of the plate's discs they show; let each height's picture "
             "show an end of the plate's columns and an end of its rows"

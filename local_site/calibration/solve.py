@@ -37,7 +37,7 @@ def solve_rig(control: ControlPoints, created: str) -> Rig:
             mistakes += outcome
     if not mistakes:
         cameras = [one.resection.camera for one in solved]
-        mistakes += filter(None, [checks.exchanged(cameras)])
+        mistakes += filter(None, [checks.same_view(cameras, control.points) or checks.exchanged(cameras)])
     if mistakes:
         raise refusal(control.source, mistakes)
     return _rig(control, solved, created)

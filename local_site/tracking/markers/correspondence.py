@@ -87,7 +87,7 @@ def _solved(projections: Sequence[Array], spots: Sequence[Spots], members: Membe
     for k, view in enumerate(spots):
         pixels[seen[:, k], k] = view.pixels[members[seen[:, k], k]]
     rows = np.stack([m[:2] - pixels[:, k, :, None] * m[2] for k, m in enumerate(projections)], axis=1)
-    rows = (rows * seen[..., None, None]).reshape(len(members), -1, 4)
+    rows = (rows * seen[..., None, None]).reshape(len(members), 2 * len(projections), 4)
     a, b = rows[..., :3], -rows[..., 3:]
     normal = a.transpose(0, 2, 1) @ a
     ridge = RIDGE * np.trace(normal, axis1=1, axis2=2)[:, None, None] + np.finfo(float).tiny

@@ -10,18 +10,22 @@ from local_site.tracking.markers.correspondence import Candidates
 
 WRIST, INDEX, THUMB = 0, 1, 2
 ROLES = ("wrist", "index", "thumb")
+Triple = tuple[float, float, float]
 SPANS = ((WRIST, INDEX), (WRIST, THUMB), (INDEX, THUMB))
 NOBODY = -1
 
-# Relative standard deviations: a hand flexes a little, and opens between index and thumb.
-LEARNED_SIGMAS = (0.08, 0.10, 0.20)
+# How much the distances of a hand in its U shape change, relatively, and between which shares of them no hand goes.
+LEARNED_SIGMAS = (0.02, 0.02, 0.03)
+LEARNED_LIMITS = ((0.75, 1.3), (0.65, 1.4), (0.2, 2.2))
 TYPICAL_M = (0.170, 0.130, 0.085)
 TYPICAL_SIGMAS = (0.25, 0.25, 0.30)
-MAX_SIGMAS = 4.0
-ORDER_MARGIN = 1.04
+TYPICAL_LIMITS = ((0.5, 1.7), (0.5, 1.7), (0.3, 2.0))
+ORDER_MARGIN = 1.08
 PREDICTED_SIGMA_M = 0.020
-MAX_SURPRISE = 16.0
-ABSENCE_COST = 12.0
+MAX_DEVIATION = 6.0
+MAX_SURPRISE = 24.0
+UNEXPECTED_COST = 8.0
+ABSENCE_COST = 22.0
 UNSEEN_COST = 2.0
 RESIDUAL_COST = 4.0
 DOUBT = 4.0
@@ -30,13 +34,15 @@ SAME_PLACE_M = 0.010
 
 @dataclass(frozen=True, slots=True)
 class Spans:
-    """The distances in m wrist to index, wrist to thumb and index to thumb, with relative standard deviations."""
+    """The distances in m wrist to index, wrist to thumb and index to thumb, with relative standard deviations and the
+    least and greatest share of each that is believed."""
 
-    lengths: tuple[float, float, float]
-    sigmas: tuple[float, float, float] = LEARNED_SIGMAS
+    lengths: Triple
+    sigmas: Triple = LEARNED_SIGMAS
+    limits: tuple[tuple[float, float], ...] = LEARNED_LIMITS
 
 
-TYPICAL = Spans(TYPICAL_M, TYPICAL_SIGMAS)
+TYPICAL = Spans(TYPICAL_M, TYPICAL_SIGMAS, TYPICAL_LIMITS)
 
 
 @dataclass(frozen=True, slots=True)
@@ -62,29 +68,51 @@ def next_identity(candidates: Candidates, learned: Spans, expected: Array, gate_
 
 
 def _costs(candidates: Candidates, spans: Spans, expected: Array | None, gate_px: float) -> Array:
-    """The cost (N + 1, N + 1, N + 1) of each choice of wrist, index and thumb; the last choice is NOBODY."""
-    count = len(candidates)
-    own = np.zeros((3, count + 1))
-    own[:, :count] = RESIDUAL_COST * (candidates.residuals / gate_px) ** 2
-    own[:, :count] += UNSEEN_COST * (candidates.members < 0).sum(axis=1)
-    if expected is not None:
-        distances = np.linalg.norm(candidates.points[None] - expected[:, None], axis=2)
-        surprise = np.minimum((distances / PREDICTED_SIGMA_M) ** 2, MAX_SURPRISE)
-        own[:, :count] += np.nan_to_num(surprise, nan=0.0)
-    own[:, count] = ABSENCE_COST
-    pairs = [_span_cost(candidates, length, sigma) for length, sigma in zip(spans.lengths, spans.sigmas, strict=True)]
-    wrist_index, wrist_thumb, index_thumb = pairs
+    """The cost (N + 1, N + 1, N + 1) of each choice of wrist, index and thumb; the last choice is NOBODY.
+
+    Three markers at the right distances are believed wherever they are; fewer only near where they are expected.
+    """
+    shape = _shape_cost(candidates, spans)
+    if expected is None:
+        return shape + _own_cost(candidates, np.zeros((3, len(candidates))), gate_px)
+    distances = np.linalg.norm(candidates.points[None] - expected[:, None], axis=2)
+    surprise = np.nan_to_num((distances / PREDICTED_SIGMA_M) ** 2, nan=UNEXPECTED_COST)
+    cost = shape + _own_cost(candidates, np.minimum(surprise, MAX_SURPRISE), gate_px)
+    complete = shape + _own_cost(candidates, np.minimum(surprise, UNEXPECTED_COST), gate_px)
+    cost[:-1, :-1, :-1] = complete[:-1, :-1, :-1]
+    return cost
+
+
+def _own_cost(candidates: Candidates, surprise: Array, gate_px: float) -> Array:
+    """What the choices cost apart from their distances; `surprise` (3, N) is by how much each is not where expected."""
+    own = np.full((3, len(candidates) + 1), ABSENCE_COST)
+    unseen = (candidates.members < 0).sum(axis=1)
+    own[:, :-1] = surprise + RESIDUAL_COST * (candidates.residuals / gate_px) ** 2 + UNSEEN_COST * unseen
     total: Array = own[WRIST][:, None, None] + own[INDEX][None, :, None] + own[THUMB][None, None, :]
-    return total + wrist_index[:, :, None] + wrist_thumb[:, None, :] + index_thumb[None]
+    return total
 
 
-def _span_cost(candidates: Candidates, length: float, sigma: float) -> Array:
-    """What the distance of two candidates (N + 1, N + 1) costs; infinite beyond belief, or where they share a spot."""
+def _shape_cost(candidates: Candidates, spans: Spans) -> Array:
+    """What the distances between the markers cost."""
+    wrist_index, wrist_thumb, index_thumb = (
+        _span_cost(candidates, *it) for it in zip(spans.lengths, spans.sigmas, spans.limits, strict=True)
+    )
+    total: Array = wrist_index[:, :, None] + wrist_thumb[:, None, :] + index_thumb[None]
+    return total
+
+
+def _span_cost(candidates: Candidates, length: float, sigma: float, limits: tuple[float, float]) -> Array:
+    """What the distance of two candidates (N + 1, N + 1) costs; infinite beyond belief, or where they share a spot.
+
+    It rises as the square near the known distance, then as a logarithm up to a limit: a hand that opens leaves its
+    shape, but as long as it keeps it, small differences tell its markers apart.
+    """
     count = len(candidates)
-    deviation = (_distances(candidates.points) / length - 1.0) / sigma
+    share = _distances(candidates.points) / length
     cost = np.zeros((count + 1, count + 1))
-    impossible = candidates.rivals() | (np.abs(deviation) > MAX_SIGMAS)
-    cost[:count, :count] = np.where(impossible, np.inf, deviation**2)
+    impossible = candidates.rivals() | (share < limits[0]) | (share > limits[1])
+    deviation = np.minimum(2.0 * np.log1p(0.5 * ((share - 1.0) / sigma) ** 2), MAX_DEVIATION)
+    cost[:count, :count] = np.where(impossible, np.inf, deviation)
     return cost
 
 

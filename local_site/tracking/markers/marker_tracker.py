@@ -57,7 +57,7 @@ class MarkerTracker:
         if self._quality.out_of_sync(sightings):
             return _lost(views.t_ns, OUT_OF_SYNC)
         if not any(sightings):
-            return self._nobody(views.t_ns, len(candidates))
+            return self._nobody(views.t_ns, len(candidates), spots)
         self._strange = 0
         return self._found(views.t_ns, sightings, [*silent, *self._quality.remarks(sightings, identity, spots)], spots)
 
@@ -76,8 +76,10 @@ class MarkerTracker:
         sighting = self._meter.measure(candidates, which, spots, size)
         return sighting if self._quality.is_sure(sighting) else None
 
-    def _nobody(self, t_ns: int, candidates: int) -> ArmEstimate:
+    def _nobody(self, t_ns: int, candidates: int, spots: Sequence[Spots]) -> ArmEstimate:
         """Bright places that are not the markers of this hand; if it stays so, another hand is to be learned."""
+        if candidates < len(ROLES) <= min(len(found) for found in spots):
+            return _lost(t_ns, OUT_OF_SYNC)
         if self._hand is None:
             self._learning.forget()
             reason = "show wrist, index and thumb marker to all cameras, thumb and index in a U"
@@ -90,13 +92,14 @@ class MarkerTracker:
     def _found(
         self, t_ns: int, sightings: list[Sighting | None], remarks: list[str], spots: Sequence[Spots]
     ) -> ArmEstimate:
-        points = np.array([np.full(3, np.nan) if s is None else s.fix.point for s in sightings])
+        points = _points(sightings)
         self._memory.keep(t_ns, points)
         status, reason = TrackingStatus.DEGRADED if remarks else TrackingStatus.TRACKED, "; ".join(remarks)
         if self._hand is None:
             status, reason = TrackingStatus.INITIALISING, self._learn(points, sightings, reason)
         else:
-            self._open = is_open(points, self._hand.spans, self._config.open_ratio, self._open)
+            whole = _points([s if s is not None and s.is_whole else None for s in sightings])
+            self._open = is_open(whole, self._hand.spans, self._config.open_ratio, self._open)
         wrist, index, thumb = (None if s is None else s.fix.point for s in sightings)
         return ArmEstimate(
             t_ns=t_ns,
@@ -126,6 +129,11 @@ class MarkerTracker:
 
 def _lost(t_ns: int, reason: str) -> ArmEstimate:
     return ArmEstimate(t_ns, TrackingStatus.LOST, reason)
+
+
+def _points(sightings: Sequence[Sighting | None]) -> Array:
+    """The markers (3, 3) in m, NaN where there is none."""
+    return np.array([np.full(3, np.nan) if s is None else s.fix.point for s in sightings])
 
 
 def _overlay(spots: Spots, view: int, sightings: Sequence[Sighting | None]) -> Overlay:

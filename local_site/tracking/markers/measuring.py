@@ -18,6 +18,7 @@ SAMPLING_SIGMA_PX = 0.04
 CALIBRATION_SHARE = 0.2
 # Of a disc that is hidden to a small share, the centroid moves by about this many radii per share.
 HIDDEN_SHIFT = 0.85
+SHARE_NOISE = 0.04
 WHOLE_SHARES = (0.85, 1.2)
 
 
@@ -76,7 +77,5 @@ class MarkerMeter:
 
 def _hidden_sigma(shares: Array, radii_px: Array) -> Array:
     """What a marker that is not shown whole adds to its centroid's deviation, px."""
-    low, high = WHOLE_SHARES
-    excess = np.maximum(np.maximum(low - shares, shares - high), 0.0)
-    whole = excess == 0.0
-    return np.where(whole, 0.0, HIDDEN_SHIFT * radii_px * np.abs(1.0 - shares))
+    missing = np.abs(1.0 - shares)
+    return np.where(missing > SHARE_NOISE, HIDDEN_SHIFT * radii_px * missing, 0.0)

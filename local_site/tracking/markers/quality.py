@@ -11,8 +11,8 @@ from local_site.tracking.markers.spots import Spots
 
 LEAST_RESIDUAL_PX = 0.3
 GATE = 10.0
-REFUSED = 8.0
-DOUBTED = 4.0
+REFUSED = 6.0
+DOUBTED = 2.5
 MAX_SIGMA_M = 0.015
 VOLUME_MARGIN = 0.15
 OUT_OF_SYNC = "the views do not fit together: they are out of sync, or a camera has moved since calibration"

@@ -2,6 +2,7 @@
 
 import math
 from dataclasses import dataclass
+from typing import NamedTuple
 
 import cv2
 import numpy as np
@@ -13,7 +14,7 @@ Outline = cv2.typing.MatLike
 
 MAX_SPOTS = 8
 MAX_PLACES = 300
-PEAK_PIXELS = 20
+PEAK_PIXELS = 5
 SEED_SHARE = 0.3
 MIN_PIXELS = 6
 MAX_PICTURE_SHARE = 0.01
@@ -24,7 +25,7 @@ RING_PX = 5
 LEAST_NOISE = 0.5
 BRIGHT_SHARE = 0.8
 # Weights count from here up, so that a glove on one side and a black background on the other do not draw the centroid.
-FOOT_SHARE = 0.5
+FOOT_SHARE = 0.4
 
 _DISC = cv2.getStructuringElement(cv2.MORPH_ELLIPSE, (2 * SPREAD_PX + 1, 2 * SPREAD_PX + 1))
 
@@ -59,12 +60,22 @@ def find_spots(image: Image, min_contrast: float) -> Spots | str:
     outlines = cv2.findContours(mask, cv2.RETR_EXTERNAL, cv2.CHAIN_APPROX_NONE)[0]
     if len(outlines) > MAX_PLACES:
         return "the picture is full of bright places"
-    measured = [_measure(grey, mask, outline) for outline in outlines if _is_marker_like(outline, grey.shape)]
-    kept = sorted((m for m in measured if m[4] >= min_contrast), key=lambda m: -m[3] * m[4])[:MAX_SPOTS]
-    if not kept:
+    spots = [_measure(grey, mask, outline) for outline in outlines if _is_marker_like(outline, grey.shape)]
+    bright = [spot for spot in spots if spot is not None and spot.brightness >= min_contrast]
+    if not bright:
         return "no bright place looks like a marker: a dark glove and a dark background are needed"
-    table = np.array(kept)
+    table = np.array(sorted(bright, key=lambda spot: -spot.area * spot.brightness)[:MAX_SPOTS])
     return Spots(table[:, :2], table[:, :2], table[:, 2], table[:, 3])
+
+
+class _Spot(NamedTuple):
+    """Centroid and its noise in px, area in px², and brightness above the surroundings."""
+
+    u: float
+    v: float
+    sigma: float
+    area: float
+    brightness: float
 
 
 def _levels(grey: Image) -> tuple[float, float]:
@@ -85,8 +96,8 @@ def _is_marker_like(outline: Outline, shape: tuple[int, ...]) -> bool:
     return inside and size and round_enough and pixels >= MIN_FILLING * width * height
 
 
-def _measure(grey: Image, mask: Image, outline: Outline) -> tuple[float, float, float, float, float]:
-    """Centroid u and v, its noise (px), area (px²) and brightness of one spot above its own surroundings."""
+def _measure(grey: Image, mask: Image, outline: Outline) -> _Spot | None:
+    """One spot above its own surroundings."""
     left, top, width, height = cv2.boundingRect(outline)
     first = np.array([max(left - RING_PX, 0), max(top - RING_PX, 0)])
     window = np.s_[first[1] : top + height + RING_PX, first[0] : left + width + RING_PX]
@@ -102,16 +113,12 @@ def _measure(grey: Image, mask: Image, outline: Outline) -> tuple[float, float, 
     weight = weights[v, u]
     total = float(weight.sum())
     if total <= 0 or bright <= 0:
-        return 0.0, 0.0, 0.0, 0.0, 0.0
+        return None
     centre_u, centre_v = float(u @ weight) / total, float(v @ weight) / total
     spread = 0.5 * float(np.sum((u - centre_u) ** 2 + (v - centre_v) ** 2))
-    return (
-        first[0] + centre_u,
-        first[1] + centre_v,
-        noise * math.sqrt(spread) / total,
-        total / ((1 - FOOT_SHARE) * bright),
-        bright,
-    )
+    # Stretched about its middle, so that blurred edges count by half and the surroundings not at all.
+    area = float(np.clip(2.0 * (values[region] - around) / bright - 0.5, 0.0, 1.0).sum())
+    return _Spot(first[0] + centre_u, first[1] + centre_v, noise * math.sqrt(spread) / total, area, bright)
 
 
 def _surroundings(ring: Array) -> tuple[float, float]:

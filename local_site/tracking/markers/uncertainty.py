@@ -7,6 +7,7 @@ import numpy as np
 from common.geometry import Array
 
 REFINEMENTS = 2
+RIDGE = 1e-12
 
 
 @dataclass(frozen=True, slots=True)
@@ -30,11 +31,11 @@ def fix_marker(projections: Array, pixels: Array, sigmas: Array, start: Array) -
     point = start
     for _ in range(REFINEMENTS):
         jacobian, offset = _weighted(projections, pixels, sigmas, point)
-        point = point + np.linalg.pinv(jacobian) @ offset
+        point = point + np.asarray(np.linalg.solve(_normal(jacobian), jacobian.T @ offset), dtype=np.float64)
     jacobian, offset = _weighted(projections, pixels, sigmas, point)
     misfit, freedom = float(offset @ offset), 2 * len(sigmas) - 3
-    inverse = np.linalg.pinv(jacobian)
-    return MarkerFix(point, inverse @ inverse.T * max(1.0, misfit / freedom), misfit, freedom)
+    covariance = np.asarray(np.linalg.inv(_normal(jacobian)) * max(1.0, misfit / freedom), dtype=np.float64)
+    return MarkerFix(point, covariance, misfit, freedom)
 
 
 def magnifications(projections: Array, point: Array) -> Array:
@@ -42,6 +43,13 @@ def magnifications(projections: Array, point: Array) -> Array:
     _, jacobians = _projected(projections, point)
     areas: Array = np.sqrt(np.linalg.det(jacobians @ jacobians.transpose(0, 2, 1)))
     return np.sqrt(areas)
+
+
+def _normal(jacobian: Array) -> Array:
+    """The normal matrix (3, 3), kept from being singular where lines of sight coincide: that is told by its inverse."""
+    normal: Array = jacobian.T @ jacobian
+    normal += RIDGE * np.trace(normal) * np.eye(3)
+    return normal
 
 
 def _projected(projections: Array, point: Array) -> tuple[Array, Array]:

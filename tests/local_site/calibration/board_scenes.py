@@ -1,5 +1,7 @@
 """Pictures of a printed board before two cameras, rendered by following each pixel's ray to the print."""
 
+from functools import lru_cache
+
 import cv2
 import numpy as np
 from scipy.spatial.transform import Rotation
@@ -25,29 +27,40 @@ def print_of(board):
     return cv2.copyMakeBorder(inner, *[PX_PER_SQUARE] * 4, cv2.BORDER_CONSTANT, value=255)
 
 
+@lru_cache(maxsize=6)
+def rays_of(lens):
+    """The ray (x/z, y/z, 1) of every sample of every pixel, (SAMPLES H, SAMPLES W, 3)."""
+    ticks = [(np.arange(SAMPLES * n) + 0.5) / SAMPLES - 0.5 for n in SIZE]
+    slopes = (lens.undistort_pixels(np.stack(np.meshgrid(*ticks), axis=-1)) - (lens.cx, lens.cy)) / (lens.fx, lens.fy)
+    return np.dstack([slopes, np.ones(slopes.shape[:2])]).astype(np.float32)
+
+
 class Renderer:
     """Renders one print for one camera; noise is drawn from a seeded generator."""
 
     def __init__(self, board: Board, camera: PhysicalCamera, seed: int) -> None:
         self._print, self._board, self._camera = print_of(board), board, camera
         self._random = np.random.default_rng(seed)
-        width, height = SIZE
-        ticks = [(np.arange(SAMPLES * n) + 0.5) / SAMPLES - 0.5 for n in (width, height)]
-        pixels = np.stack(np.meshgrid(*ticks), axis=-1)
-        lens = camera.lens
-        self._slopes = (lens.undistort_pixels(pixels) - (lens.cx, lens.cy)) / (lens.fx, lens.fy)
+        self._rays = rays_of(camera.lens)
 
     def picture(self, rotation, translation):
         """The board at a pose (operator_R_board, translation in m) as a grey picture."""
         R = self._camera.camera_R_operator @ rotation
         t = self._camera.to_camera(translation)
-        rays = np.dstack([self._slopes, np.ones(self._slopes.shape[:2])])
-        depth = (R[:, 2] @ t) / (rays @ R[:, 2])
-        on_board = (rays * depth[..., None] - t) @ R[:, :2]
-        where = (on_board / self._board.square + 1.0) * PX_PER_SQUARE - 0.5
-        where[depth <= 0] = -1e4
+        print_H_board = np.array(
+            [[1 / self._board.square, 0.0, 1.0], [0.0, 1 / self._board.square, 1.0], [0.0, 0.0, 1.0]]
+        )
+        print_H_ray = print_H_board @ np.linalg.inv(np.column_stack([R[:, :2], t]))
+        homogeneous = self._rays @ print_H_ray.T.astype(np.float32)
+        where = homogeneous[..., :2] / homogeneous[..., 2:] * PX_PER_SQUARE - 0.5
+        where[homogeneous[..., 2] <= 0] = -1e4
         fine = cv2.remap(
-            self._print, where.astype(np.float32), None, cv2.INTER_LINEAR, borderMode=cv2.BORDER_CONSTANT, borderValue=30
+            self._print,
+            where.astype(np.float32),
+            None,
+            cv2.INTER_LINEAR,
+            borderMode=cv2.BORDER_CONSTANT,
+            borderValue=30,
         )
         coarse = cv2.GaussianBlur(cv2.resize(fine, SIZE, interpolation=cv2.INTER_AREA), (0, 0), 0.7)
         noise = 2.0 * self._random.standard_normal(coarse.shape)

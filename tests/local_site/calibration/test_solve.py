@@ -61,9 +61,9 @@ def test_three_and_four_cameras_are_solved_alike():
 
 
 def test_noise_is_not_taken_for_distortion():
-    rigs = [solve_rig(control(noise=0.3, seed=seed), "now") for seed in range(10)]
-    assert sum(c.lens is None for rig in rigs for c in rig.cameras) >= 18
-    assert "F-test: k2 p = " in rigs[0].lens_choice[0]
+    rigs = [solve_rig(control(noise=0.3, seed=seed), "now") for seed in range(6)]
+    assert sum(c.lens is None for rig in rigs for c in rig.cameras) >= 11
+    assert "F-test at 1 %: k2 p = " in rigs[0].lens_choice[0]
 
 
 def test_distortion_is_found_under_noise():
@@ -86,7 +86,7 @@ def test_residuals_are_of_the_size_of_the_noise_and_leaving_out_makes_them_large
 def test_leaving_out_is_what_a_rig_without_the_point_gives():
     points = control(noise=0.3)
     rig_errors = []
-    for i in range(0, 75, 15):
+    for i in range(0, 75, 25):
         others = np.arange(75) != i
         rest = ControlPoints(
             points.points[others], tuple(p[others] for p in points.pixels), points.labels[1:], points.source
@@ -98,7 +98,7 @@ def test_leaving_out_is_what_a_rig_without_the_point_gives():
 
     solved = [solve._solve_camera(name, points, p) for name, p in zip(points.cameras, points.pixels, strict=True)]
     quick = accuracy.leave_one_out_errors([s.resection for s in solved], points.points, points.pixels)
-    assert quick[::15] == pytest.approx(np.array(rig_errors), abs=2e-5)
+    assert quick[::25] == pytest.approx(np.array(rig_errors), abs=2e-5)
 
 
 def test_one_plane_and_too_few_points_are_refused_for_each_camera():
@@ -141,6 +141,12 @@ def test_exchanged_cameras_are_refused():
     points = control(noise=0.3)
     with pytest.raises(CalibrationError, match="exchange the two"):
         solve_rig(replace(points, pixels=points.pixels[::-1]), "now")
+
+
+def test_one_camera_given_twice_is_refused():
+    points = control(noise=0.3)
+    with pytest.raises(CalibrationError, match="move the cameras apart"):
+        solve_rig(replace(points, pixels=(points.pixels[0], points.pixels[0].copy())), "now")
 
 
 @pytest.mark.parametrize("which", [0, 1])
