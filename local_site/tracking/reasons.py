@@ -8,7 +8,7 @@ class Reason(StrEnum):
     """A reason by name; its value is the sentence for people."""
 
     NO_ARM = "the lines of the views do not meet in an arm"
-    OUT_OF_STEP = "the views do not fit together: they are out of sync, swapped, or a camera has moved since calibration"
+    OUT_OF_STEP = "the views do not fit together: out of sync, exchanged, or moved since calibration"
     LEFT_OPEN = "the views leave elbow or wrist open: bend the arm and hold it across the view"
     NO_UPPER_ARM = "the upper arm does not show enough to place the elbow"
     NEARLY_STRAIGHT = "the elbow is nearly straight, so that its place follows from the wrist"

@@ -54,7 +54,8 @@ class Overlay:
 class ArmEstimate:
     """The arm at one instant: points (3,) in the operator frame in m, None where they could not be measured.
 
-    `covariances` (3, 3) in m² are by the name of the point, for every point that is there. `hand_open` is this instant's observation, not yet debounced. `overlays` has an entry for each view.
+    `covariances` (3, 3) in m² are by the name of the point, for every point that is there. `hand_open` is this
+    instant's observation, not yet debounced. `overlays` has an entry for each view.
     """
 
     t_ns: int

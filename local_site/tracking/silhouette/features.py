@@ -41,9 +41,10 @@ HAND_OVERLAP = 0.08
 class Features:
     """Measurements of one view in px; lines point from the elbow outwards.
 
-    `root` leads from the forearm's middle near the elbow, at `root_share` of its length, to the wrist. `wrist` is where the forearm turns into the palm,
-    None where the silhouette does not show it; `hand` is the contour (M, 2) beyond it. Widths are those of the limbs
-    near the elbow. `hand_shift` (2,) takes what was seen of the hand to the instant measured. `guess` are the rough positions that the measurement started from, brought up to date.
+    `root` leads from the forearm's middle near the elbow, at `root_share` of its length, to the wrist. `wrist` is where
+    the forearm turns into the palm, None where the silhouette does not show it; `hand` is the contour (M, 2) beyond it.
+    Widths are those of the limbs near the elbow. `hand_shift` (2,) takes what was seen of the hand to the instant
+    measured. `guess` are the rough positions that the measurement started from, brought up to date.
     """
 
     forearm: Line

@@ -160,7 +160,7 @@ class HandTracker:
 
 
 def _estimate(fit: Fit, hand_open: bool) -> HandEstimate:
-    covariance = np.linalg.inv(fit.information)
+    covariance = np.linalg.inv(fit.information).astype(np.float64)
     index, thumb = (_tip(fit, sphere, covariance) for sphere in (INDEX_TIP, THUMB_TIP))
     return HandEstimate(fit.pose.wrist, covariance[:3, :3], index, thumb, hand_open, fit.cost)
 

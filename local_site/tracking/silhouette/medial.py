@@ -5,12 +5,11 @@ from dataclasses import dataclass
 
 import cv2
 import numpy as np
-
 from numpy.typing import NDArray
 
 from common.geometry import Array
-from local_site.tracking.silhouette.contour import Silhouette
 from local_site.tracking.silhouette.compiled import compiled
+from local_site.tracking.silhouette.contour import Silhouette
 
 MIN_ROWS = 6
 WIDTH_TOLERANCE = 1.4
@@ -75,7 +74,9 @@ def scan_edges(silhouette: Silhouette, axis: Line, start: float, end: float, rea
     matrix = np.array([[n[0], d[0], corner[0]], [n[1], d[1], corner[1]]])
     size = (2 * half + 1, len(t))
     flags = cv2.INTER_LINEAR | cv2.WARP_INVERSE_MAP
-    patch = cv2.warpAffine(silhouette.grey, matrix, size, flags=flags, borderMode=cv2.BORDER_REPLICATE)
+    patch = np.asarray(
+        cv2.warpAffine(silhouette.grey, matrix, size, flags=flags, borderMode=cv2.BORDER_REPLICATE), dtype=np.uint8
+    )
     lower, upper = _edges(patch, silhouette.level, half)
     return Edges(axis, t, lower, upper)
 

@@ -124,7 +124,7 @@ def focal_length(projection: Array) -> float:
 def _step(pose: HandPose, system: _System, prior: Prior) -> Array:
     """The Gauss-Newton step (16,), shortened where it would turn a joint too far at once."""
     pull = system.gradient + prior.information @ _strain(pose, prior)
-    step: Array = -np.linalg.solve(system.information + prior.information, pull)
+    step = np.linalg.solve(system.information + prior.information, -pull).astype(np.float64)
     return step * min(1.0, MAX_TURN / max(float(np.abs(step[3:]).max()), 1e-9))
 
 

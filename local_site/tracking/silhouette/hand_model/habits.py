@@ -42,7 +42,7 @@ class Habits:
     def closed(self) -> Belief:
         """The hand held like a gripper."""
         spread = np.linalg.inv(self._information) + np.diag(HABIT_SIGMA**2)
-        return Belief(self._mean, np.linalg.inv(spread))
+        return Belief(self._mean, np.linalg.inv(spread).astype(np.float64))
 
     @property
     def opened(self) -> Belief:
@@ -83,7 +83,7 @@ def near_last(belief: Belief, last: Array) -> Belief:
     near = np.diag(1 / STEP_SIGMA**2)
     information = belief.information + near
     mean = np.linalg.solve(information, belief.information @ belief.posture + near @ last)
-    return Belief(mean, information)
+    return Belief(mean.astype(np.float64), information)
 
 
 def prior_information(wrist_covariance: Array, posture_information: Array, turn_known: bool) -> Array:

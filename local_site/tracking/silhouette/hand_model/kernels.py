@@ -34,9 +34,7 @@ def project_spheres(
             places[s, d] = (row[0] * x + row[1] * y + row[2] * z + row[3]) / depth
             slope = (row[:3] - places[s, d] * projection[2, :3]) / depth
             for p in range(states):
-                moved[s, d, p] = (
-                    slope[0] * moving[s, 0, p] + slope[1] * moving[s, 1, p] + slope[2] * moving[s, 2, p]
-                )
+                moved[s, d, p] = slope[0] * moving[s, 0, p] + slope[1] * moving[s, 1, p] + slope[2] * moving[s, 2, p]
     return places, circles, moved, growth
 
 

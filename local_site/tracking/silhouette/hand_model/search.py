@@ -16,16 +16,14 @@ LAST_ITERATIONS = 8
 COARSE_STEP = 2
 
 
-def search_hand(
-    views: Sequence[HandView], far_end: Array, prior: Prior, person: Person, rolls: int, kept: int
-) -> Fit:
+def search_hand(views: Sequence[HandView], far_end: Array, prior: Prior, person: Person, rolls: int, kept: int) -> Fit:
     """The best fit from `rolls` starts with the middle finger's tip towards `far_end` (3,) in m.
 
     All starts are improved a little on some of the outline's pixels, the best `kept` of them fully.
     """
     coarse = [replace(view, pixels=view.pixels[::COARSE_STEP]) for view in views]
-    rough = [fit_hand(coarse, start, prior, person, FIRST_ITERATIONS) for start in _starts(far_end, prior, person, rolls)]
-    rough.sort(key=_cost)
+    starts = _starts(far_end, prior, person, rolls)
+    rough = sorted((fit_hand(coarse, start, prior, person, FIRST_ITERATIONS) for start in starts), key=_cost)
     return min((fit_hand(views, fit.pose, prior, person, LAST_ITERATIONS) for fit in rough[:kept]), key=_cost)
 
 
