@@ -5,13 +5,15 @@ from typing import Annotated
 
 import msgspec
 
-PROTOCOL_VERSION = 1
+PROTOCOL_VERSION = 2
 
 Vector3 = tuple[float, float, float]
 Quaternion = tuple[float, float, float, float]
 Text = Annotated[str, msgspec.Meta(max_length=400)]
 Name = Annotated[str, msgspec.Meta(min_length=1, max_length=64)]
 Count = Annotated[int, msgspec.Meta(ge=0, le=2**63 - 1)]
+Variance = Annotated[float, msgspec.Meta(ge=0)]
+Covariance = tuple[Variance, float, float, Variance, float, Variance]
 Joints = Annotated[tuple[float, ...], msgspec.Meta(max_length=16)]
 
 
@@ -47,10 +49,20 @@ class Message(msgspec.Struct, frozen=True, forbid_unknown_fields=True, kw_only=T
     version: int = PROTOCOL_VERSION
 
 
+class PointCovariances(msgspec.Struct, frozen=True, forbid_unknown_fields=True, kw_only=True):
+    """How sure each point is: its covariance xx, xy, xz, yy, yz, zz in m² in the operator frame, None where unknown."""
+
+    elbow: Covariance | None = None
+    wrist: Covariance | None = None
+    index: Covariance | None = None
+    thumb: Covariance | None = None
+
+
 class HandArm(Message, frozen=True):
     """One tracked instant of the operator's arm.
 
     Points are absolute in the operator frame (the calibration plate's), m, None where they could not be measured.
+    `covariance` is of the single measurement, before any smoothing; None from a sender that does not know it.
     `session` is a random number chosen at each start of the local site, `seq` rises by one each sample,
     `gripper_toggles` counts the openings of the hand since the session began.
     """
@@ -67,6 +79,7 @@ class HandArm(Message, frozen=True):
     thumb_inferred: bool
     hand_open: bool
     gripper_toggles: Count
+    covariance: PointCovariances | None = None
 
 
 class Pose(msgspec.Struct, frozen=True, forbid_unknown_fields=True):

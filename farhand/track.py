@@ -1,5 +1,6 @@
 """Tracking a recording: two cameras in, a line of JSON per pair out; causal and unsmoothed."""
 
+import math
 import time
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass, field
@@ -25,7 +26,10 @@ POINTS = ("elbow", "wrist", "index", "thumb")
 
 
 class TrackLine(msgspec.Struct, frozen=True, kw_only=True):
-    """One pair of a recording: points and their standard deviations in m in the operator frame, null where unknown."""
+    """One pair of a recording: points (m, operator frame) and how sure they are, null where unknown.
+
+    `sigma` in m is the root of the covariance's trace: the rms length of the point's 3D error, not of one axis.
+    """
 
     frame: int
     t_ns: int
@@ -129,7 +133,7 @@ def _write(lines: TextIO, frame: int, estimate: ArmEstimate, hand: OpenHand, ms:
         wrist=_vector(estimate.wrist),
         index=_vector(estimate.index),
         thumb=_vector(estimate.thumb),
-        sigma=dict.fromkeys(POINTS, None),
+        sigma={name: _sigma(estimate, name) for name in POINTS},
         thumb_inferred=estimate.thumb_inferred,
         hand_open=hand.is_open,
         gripper_toggles=hand.toggles,
@@ -137,6 +141,14 @@ def _write(lines: TextIO, frame: int, estimate: ArmEstimate, hand: OpenHand, ms:
     )
     lines.write(msgspec.json.encode(line).decode() + "\n")
     return line
+
+
+def _sigma(estimate: ArmEstimate, name: str) -> float | None:
+    """The rms length of a point's 3D error, m."""
+    if getattr(estimate, name) is None or name not in estimate.covariances:
+        return None
+    variance = float(np.trace(estimate.covariances[name]))
+    return round(math.sqrt(variance), 6) if 0 <= variance < math.inf else None
 
 
 def _vector(point: Array | None) -> Vector3 | None:

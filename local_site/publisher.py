@@ -1,9 +1,11 @@
 """From arm estimate to hand sample: one session per start, a sequence, and the count of openings."""
 
+import math
 import secrets
+from collections.abc import Mapping
 
 from common.geometry import Array
-from common.messages import HandArm, TrackingStatus, Vector3
+from common.messages import Covariance, HandArm, PointCovariances, TrackingStatus, Vector3
 from common.transport import Publisher
 from local_site.gesture import OpenHand
 from local_site.tracking.tracker import ArmEstimate
@@ -35,6 +37,7 @@ class HandPublisher:
             thumb_inferred=estimate.thumb_inferred,
             hand_open=estimate.hand_open or hand.is_open,
             gripper_toggles=hand.toggles,
+            covariance=_covariance(estimate.covariances),
         )
         self._seq += 1
         self._publisher.put(sample)
@@ -43,6 +46,17 @@ class HandPublisher:
     def publish_nothing_seen(self, t_ns: int, reason: str, hand: OpenHand) -> HandArm:
         """Say that there is no view of the operator at all, and why."""
         return self.publish(ArmEstimate(t_ns, TrackingStatus.LOST, reason), hand)
+
+
+def _covariance(matrices: Mapping[str, Array]) -> PointCovariances | None:
+    return PointCovariances(**{name: _upper(matrix) for name, matrix in matrices.items()}) if matrices else None
+
+
+def _upper(matrix: Array) -> Covariance | None:
+    """The upper half of a covariance (3, 3); None where it is not one, for which a receiver would refuse the sample."""
+    (xx, xy, xz), (_, yy, yz), (_, _, zz) = matrix.tolist()
+    upper = xx, xy, xz, yy, yz, zz
+    return upper if all(map(math.isfinite, upper)) and min(xx, yy, zz) >= 0 else None
 
 
 def _vector(point: Array | None) -> Vector3 | None:

@@ -31,7 +31,10 @@ class SmoothingConfig(Struct, frozen=True, kw_only=True, forbid_unknown_fields=T
 
 
 class Smoother(Protocol):
-    """Turns estimates of successive instants into calmer ones; causal, a LOST estimate makes it start anew."""
+    """Turns estimates of successive instants into calmer ones; causal, a LOST estimate makes it start anew.
+
+    Covariances stay those of the single measurement: smoothing trades noise for lag, which they do not tell.
+    """
 
     def smooth(self, estimate: ArmEstimate) -> ArmEstimate: ...
 

@@ -55,7 +55,8 @@ class ArmEstimate:
     """The arm at one instant: points (3,) in the operator frame in m, None where they could not be measured.
 
     `covariances` (3, 3) in m² are by the name of the point, for every point that is there. `hand_open` is this
-    instant's observation, not yet debounced. `overlays` has an entry for each view.
+    instant's observation, not yet debounced. `overlays` has an entry for each view. `residual_px` is the rms epipolar
+    residual of what both views show, px, None where nothing was compared; also given where it made the arm refused.
     """
 
     t_ns: int
@@ -69,6 +70,7 @@ class ArmEstimate:
     hand_open: bool = False
     overlays: tuple[Overlay, ...] = ()
     covariances: Mapping[str, Array] = field(default_factory=dict)
+    residual_px: float | None = None
 
 
 class Tracker(Protocol):

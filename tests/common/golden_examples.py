@@ -7,6 +7,7 @@ import msgspec
 
 from common.codec import encode
 from common.messages import (
+    PROTOCOL_VERSION,
     CameraStatus,
     Engagement,
     GripperState,
@@ -14,6 +15,7 @@ from common.messages import (
     LoopTiming,
     Message,
     Obeyed,
+    PointCovariances,
     Pose,
     Reply,
     Request,
@@ -38,6 +40,11 @@ HAND = HandArm(
     thumb_inferred=False,
     hand_open=True,
     gripper_toggles=3,
+    covariance=PointCovariances(
+        elbow=(1.6e-5, -2e-6, 0.0, 1.2e-5, 1e-6, 9e-6),
+        wrist=(4e-6, 0.0, 0.0, 4e-6, 0.0, 4e-6),
+        index=(6e-6, 1e-6, -1e-6, 9e-6, 0.0, 5e-6),
+    ),
 )
 POSE = Pose(position=(0.444, 0.0, 0.869), orientation=(0.0, 0.70710678, 0.0, 0.70710678))
 STATE = RobotState(
@@ -81,11 +88,16 @@ def broken() -> dict[str, bytes]:
     """Payloads that no receiver may take for a hand sample, each named reason.detail."""
     fields = msgspec.to_builtins(HAND)
     return {
-        "version.newer": msgpack.packb(fields | {"version": 2}),
+        "version.newer": msgpack.packb(fields | {"version": PROTOCOL_VERSION + 1}),
+        "version.older": msgpack.packb(fields | {"version": PROTOCOL_VERSION - 1}),
         "version.missing": msgpack.packb({k: v for k, v in fields.items() if k != "version"}),
-        "version.text": msgpack.packb(fields | {"version": "1"}),
+        "version.text": msgpack.packb(fields | {"version": str(PROTOCOL_VERSION)}),
         "not_finite.nan": msgpack.packb(fields | {"wrist": (float("nan"), 0.0, 0.0)}),
         "not_finite.infinity": msgpack.packb(fields | {"elbow": (0.0, float("-inf"), 0.0)}),
+        "not_finite.covariance": _with_covariance(fields, wrist=(float("nan"), 0.0, 0.0, 1e-6, 0.0, 1e-6)),
+        "invalid.negative_variance": _with_covariance(fields, wrist=(1e-6, 0.0, 0.0, -1e-6, 0.0, 1e-6)),
+        "invalid.short_covariance": _with_covariance(fields, wrist=(1e-6, 1e-6, 1e-6)),
+        "invalid.covariance_of_no_point": _with_covariance(fields, palm=(1e-6, 0.0, 0.0, 1e-6, 0.0, 1e-6)),
         "invalid.unknown_field": msgpack.packb(fields | {"joint": 1}),
         "invalid.missing_field": msgpack.packb({k: v for k, v in fields.items() if k != "wrist"}),
         "invalid.short_vector": msgpack.packb(fields | {"wrist": (0.0, 1.0)}),
@@ -101,6 +113,11 @@ def broken() -> dict[str, bytes]:
         "malformed.deep": b"\x91" * 2000,
         "oversized.padded": encode(HAND) + b"\x00" * 5000,
     }
+
+
+def _with_covariance(fields: dict[str, object], **points: tuple[float, ...]) -> bytes:
+    payload: bytes = msgpack.packb(fields | {"covariance": points})
+    return payload
 
 
 if __name__ == "__main__":

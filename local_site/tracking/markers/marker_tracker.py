@@ -55,7 +55,7 @@ class MarkerTracker:
         identity = self._identity(candidates, views.t_ns)
         sightings = [self._sighting(candidates, identity, role, spots) for role in range(len(ROLES))]
         if self._quality.out_of_sync(sightings):
-            return _lost(views.t_ns, OUT_OF_SYNC)
+            return _lost(views.t_ns, OUT_OF_SYNC, self._quality.epipolar_px(sightings, spots))
         if not any(sightings):
             return self._nobody(views.t_ns, len(candidates), spots)
         self._strange = 0
@@ -110,6 +110,8 @@ class MarkerTracker:
             thumb=thumb,
             hand_open=self._open,
             overlays=tuple(_overlay(view, k, sightings) for k, view in enumerate(spots)),
+            covariances={name: s.fix.covariance for name, s in zip(ROLES, sightings, strict=True) if s is not None},
+            residual_px=self._quality.epipolar_px(sightings, spots),
         )
 
     def _learn(self, points: Array, sightings: Sequence[Sighting | None], doubts: str) -> str:
@@ -127,8 +129,8 @@ class MarkerTracker:
         return "hold the hand in its U shape, so that the distances of the markers can be learned"
 
 
-def _lost(t_ns: int, reason: str) -> ArmEstimate:
-    return ArmEstimate(t_ns, TrackingStatus.LOST, reason)
+def _lost(t_ns: int, reason: str, residual_px: float | None = None) -> ArmEstimate:
+    return ArmEstimate(t_ns, TrackingStatus.LOST, reason, residual_px=residual_px)
 
 
 def _points(sightings: Sequence[Sighting | None]) -> Array:

@@ -1,9 +1,12 @@
 """When to doubt what the markers say, and when to refuse it: report, never guess."""
 
+import math
 from collections.abc import Sequence
 
 import numpy as np
 
+from common.geometry import Array
+from local_site.calibration.drift import fundamentals, pair_residuals
 from local_site.calibration.rig import Rig
 from local_site.tracking.markers.identity import NOBODY, ROLES, Identity
 from local_site.tracking.markers.measuring import Sighting
@@ -24,6 +27,7 @@ class Quality:
     def __init__(self, rig: Rig) -> None:
         self._names = [camera.name for camera in rig.cameras]
         usual = float(np.mean([camera.reprojection_rms_px for camera in rig.cameras]))
+        self._of_pairs = fundamentals(rig.matrices)
         self._usual_px = float(np.hypot(LEAST_RESIDUAL_PX, usual))
         low, high = np.array(rig.volume_min), np.array(rig.volume_max)
         margin = VOLUME_MARGIN * (high - low)
@@ -41,6 +45,13 @@ class Quality:
     def out_of_sync(self, sightings: Sequence[Sighting | None]) -> bool:
         """Whether the lines of sight miss each other by too much for one instant and one calibration."""
         return self._residual_px(sightings) > REFUSED * self._usual_px
+
+    def epipolar_px(self, sightings: Sequence[Sighting | None], spots: Sequence[Spots]) -> float | None:
+        """The rms distance of the markers' spots from each other's epipolar lines, px; None without a marker."""
+        seen = [_pixels(sighting, spots) for sighting in sightings if sighting is not None]
+        if not seen:
+            return None
+        return math.sqrt(float(np.nanmean(np.square(pair_residuals(self._of_pairs, np.array(seen))))))
 
     def remarks(self, sightings: Sequence[Sighting | None], identity: Identity, spots: Sequence[Spots]) -> list[str]:
         """Why a result is less sure than usual, or not complete, a sentence each."""
@@ -66,3 +77,9 @@ class Quality:
     def _residual_px(self, sightings: Sequence[Sighting | None]) -> float:
         residuals = [s.residual_px for s in sightings if s is not None]
         return float(np.sqrt(np.mean(np.square(residuals)))) if residuals else 0.0
+
+
+def _pixels(sighting: Sighting, spots: Sequence[Spots]) -> Array:
+    """Where each view shows a marker (V, 2), NaN where it does not."""
+    unseen = np.full(2, np.nan)
+    return np.array([unseen if k == NOBODY else view.pixels[k] for k, view in zip(sighting.spots, spots, strict=True)])

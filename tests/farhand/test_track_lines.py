@@ -1,0 +1,75 @@
+"""A line of a track says how sure its points are: the rms length of each one's 3D error."""
+
+import json
+
+import numpy as np
+import pytest
+
+import farhand.track
+from common.cameras.camera import Frame
+from common.messages import TrackingStatus
+from farhand.track import track_recording
+from local_site.simulation.cameras import exact_rig
+from local_site.simulation.config import StereoConfig
+from local_site.tracking.tracker import ArmEstimate
+
+IMAGE = np.full((48, 64), 8, np.uint8)
+WRIST = np.array([0.4, 0.3, 0.5])
+
+
+class Recording:
+    """Frames 33 ms apart."""
+
+    name = "camera"
+
+    def __init__(self, count):
+        self._frames = iter([Frame(IMAGE, 33_000_000 * k, k) for k in range(count)])
+
+    def read(self):
+        return next(self._frames, None)
+
+
+class Scripted:
+    """A tracker that answers as a test wants it to: an estimate from the number of the pair."""
+
+    def __init__(self, answer):
+        self._answer, self._count = answer, 0
+
+    def track(self, views):
+        self._count += 1
+        return self._answer(self._count - 1, views.t_ns)
+
+
+@pytest.fixture
+def track(monkeypatch, tmp_path):
+    """Runs so many pairs through a scripted tracker; gives the summary and the lines."""
+
+    def run(answer, count):
+        monkeypatch.setattr(farhand.track, "make_tracker", lambda *_: Scripted(answer))
+        path = tmp_path / "track.jsonl"
+        rig = exact_rig(StereoConfig())
+        summary = track_recording(rig, Recording(count), Recording(count), path, None, lambda _: None)
+        return summary, [json.loads(line) for line in path.read_text().splitlines()]
+
+    return run
+
+
+def test_sigma_is_the_rms_length_of_the_points_error(track):
+    random = np.random.default_rng(0)
+    factor = random.normal(0.0, 0.003, (3, 3))
+
+    def answer(k, t_ns):
+        return ArmEstimate(t_ns, TrackingStatus.TRACKED, "", wrist=WRIST, covariances={"wrist": factor @ factor.T})
+
+    _, (line,) = track(answer, 1)
+    errors = np.linalg.norm(random.standard_normal((100_000, 3)) @ factor.T, axis=1)
+    assert line["sigma"]["wrist"] == pytest.approx(np.sqrt(np.mean(errors**2)), rel=0.01)
+
+
+def test_sigma_is_null_where_there_is_no_point_or_no_covariance(track):
+    def answer(k, t_ns):
+        covariances = {"elbow": np.eye(3), "thumb": np.full((3, 3), np.nan)}
+        return ArmEstimate(t_ns, TrackingStatus.TRACKED, "", wrist=WRIST, thumb=WRIST, covariances=covariances)
+
+    _, (line,) = track(answer, 1)
+    assert line["sigma"] == {"elbow": None, "wrist": None, "index": None, "thumb": None}
