@@ -16,7 +16,9 @@ from common.clock import NS_PER_MS
 from common.errors import CameraError
 from common.geometry import Array
 from common.messages import TrackingStatus, Vector3
+from local_site.calibration.drift import DriftConfig
 from local_site.calibration.rig import Rig
+from local_site.drift_watch import DriftWatch
 from local_site.gesture import OpenHand, observe
 from local_site.tracking.annotate import annotate
 from local_site.tracking.choice import TrackingConfig, make_tracker
@@ -48,13 +50,17 @@ class TrackLine(msgspec.Struct, frozen=True, kw_only=True):
 
 @dataclass
 class Summary:
-    """What a recording gave: pairs, how many of each status, how often each point was found, toggles, ms per pair."""
+    """What a recording gave: pairs, how many of each status, how often each point was found, toggles, ms per pair.
+
+    `drift` is the sentence of the drift alarm when it rang first, if it did.
+    """
 
     pairs: int = 0
     statuses: dict[TrackingStatus, int] = field(default_factory=lambda: dict.fromkeys(TrackingStatus, 0))
     found: dict[str, int] = field(default_factory=lambda: dict.fromkeys(POINTS, 0))
     gripper_toggles: int = 0
     ms: list[float] = field(default_factory=list)
+    drift: str | None = None
 
     def add(self, line: TrackLine) -> None:
         """Count one pair."""
@@ -64,6 +70,10 @@ class Summary:
             self.found[name] += getattr(line, name) is not None
         self.gripper_toggles = line.gripper_toggles
         self.ms.append(line.ms)
+
+    def warn_of_drift(self, sentence: str) -> None:
+        """Keep what the drift alarm says."""
+        self.drift = sentence
 
 
 def track_recording(
@@ -81,13 +91,14 @@ def track_recording(
     written.
     """
     tracker, hand, summary = make_tracker(rig, tracking or TrackingConfig()), OpenHand(), Summary()
+    drift = DriftWatch(rig, DriftConfig(), summary.warn_of_drift)
     try:
         if annotate_dir is not None:
             annotate_dir.mkdir(parents=True, exist_ok=True)
         with out.open("w", encoding="utf-8") as lines:
             for views in pair_views(left_camera, right_camera):
                 start_ns = time.perf_counter_ns()
-                estimate = tracker.track(views)
+                estimate = drift.judge(tracker.track(views))
                 ms = (time.perf_counter_ns() - start_ns) / NS_PER_MS
                 hand = observe(hand, estimate.hand_open if estimate.wrist is not None else None, views.t_ns)
                 summary.add(_write(lines, summary.pairs, estimate, hand, ms))

@@ -44,12 +44,13 @@ def run_track(sources: TrackSources, out: Path, annotate_dir: Path | None) -> st
 
 
 def describe(summary: Summary, out: Path) -> str:
-    """What a recording gave, in three lines."""
+    """What a recording gave, in three lines, and one more if the calibration has drifted."""
     found = ", ".join(f"{name} {summary.found[name]}" for name in POINTS)
     statuses = ", ".join(f"{count} {status.value}" for status, count in summary.statuses.items() if count)
     median, p95 = np.percentile(summary.ms, [50, 95])
+    warning = f"\nwarning: {summary.drift}" if summary.drift else ""
     return (
         f"{summary.pairs} pairs: {statuses}\n"
         f"points found: {found}; gripper toggles: {summary.gripper_toggles}\n"
-        f"{median:.1f} ms per pair (p95 {p95:.1f}); written to {out}"
+        f"{median:.1f} ms per pair (p95 {p95:.1f}); written to {out}{warning}"
     )

@@ -19,6 +19,7 @@ from local_site.calibration.rig import Rig, load_rig
 from local_site.calibration.simulated import calibrate_simulated
 from local_site.capture import Capture
 from local_site.config import LocalConfig
+from local_site.drift_watch import DriftWatch
 from local_site.gesture import OpenHand, observe
 from local_site.publisher import HandPublisher
 from local_site.remote_watch import RemoteWatch
@@ -75,6 +76,10 @@ def _open_operator(config: LocalConfig) -> tuple[Rig, Sequence[Camera]]:
     return rig, [open_camera(source, name, operator.fps, operator.latency_ms) for source, name in sources]
 
 
+def _warn_of_drift(sentence: str) -> None:
+    structlog.get_logger().warning("drift", reason=sentence)
+
+
 @dataclass(frozen=True, slots=True)
 class Seen:
     """The last views with what was found in them."""
@@ -90,6 +95,7 @@ class LocalSite:
         self._capture = capture
         self._clock = clock
         self._tracker = make_tracker(rig, config.tracking)
+        self._drift = DriftWatch(rig, config.drift, _warn_of_drift)
         self._smoother = make_smoother(config.smoothing)
         self._hold_ms = config.gesture.hold_ms
         self._hand = OpenHand()
@@ -108,7 +114,7 @@ class LocalSite:
         self._watch.look(self._clock.now_ns())
 
     def _publish(self, views: Views) -> None:
-        estimate = self._tracker.track(views)
+        estimate = self._drift.judge(self._tracker.track(views))
         open_now = estimate.hand_open if estimate.wrist is not None else None
         self._hand = observe(self._hand, open_now, views.t_ns, self._hold_ms)
         self._publisher.publish(self._smoother.smooth(estimate), self._hand)

@@ -7,6 +7,7 @@ from msgspec import Meta, field
 
 from common.cameras.sources import Source
 from common.channels import check_cell_name
+from local_site.calibration.drift import DriftConfig
 from local_site.pairing import PairingConfig
 from local_site.simulation.config import SimulationConfig
 from local_site.smoothing import SmoothingConfig
@@ -59,6 +60,7 @@ class LocalConfig(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fiel
     tracking: TrackingConfig = field(default_factory=TrackingConfig)
     smoothing: SmoothingConfig = field(default_factory=SmoothingConfig)
     gesture: GestureConfig = field(default_factory=GestureConfig)
+    drift: DriftConfig = field(default_factory=DriftConfig)
     simulation: SimulationConfig = field(default_factory=SimulationConfig)
 
     def __post_init__(self) -> None:

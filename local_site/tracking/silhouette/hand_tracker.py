@@ -18,28 +18,17 @@ from local_site.tracking.silhouette.hand_model.habits import (
 )
 from local_site.tracking.silhouette.hand_model.placement import POSE, HandPose, Person, turned
 from local_site.tracking.silhouette.hand_model.search import search_hand
-from local_site.tracking.silhouette.hand_model.skeleton import CAPSULES, INDEX_TIP, THUMB_TIP, TYPICAL_FOREARM
+from local_site.tracking.silhouette.hand_model.skeleton import INDEX_TIP, THUMB_TIP, TYPICAL_FOREARM
+from local_site.tracking.silhouette.tips import Tip, find_tip
 
 ITERATIONS = 4
 REFIT_ITERATIONS = 8
 FIRST_ROLLS, FIRST_KEPT = 24, 6
 AGAIN_ROLLS, AGAIN_KEPT = 12, 3
 REMEMBERED_COSTS = 30
-WORSE_FACTOR, WORSE_MARGIN = 1.8, 0.1
+WORSE_FACTOR, WORSE_MARGIN = 1.4, 0.05
 MAX_COST = 1.2
 MAX_TURN_AHEAD = 0.5
-SEEN_PIXELS, SEEN_DISTANCE_PX = 3, 2.5
-MODEL_SIGMA = 0.003
-HIDDEN_SIGMA = 0.008
-
-
-@dataclass(frozen=True, slots=True)
-class Tip:
-    """A finger tip on the skin (3,) in m, its covariance (3, 3) in m², and how many views show it in outline."""
-
-    point: Array
-    covariance: Array
-    views: int
 
 
 @dataclass(frozen=True, slots=True)
@@ -98,7 +87,7 @@ class HandTracker:
         self._costs.append(fit.cost)
         if self._habits.is_closed(fit.pose.posture) or not self.known:
             self._learn(fit)
-        return _estimate(fit, self._habits.is_open(fit.pose.posture))
+        return _estimate(views, fit, self._habits.is_open(fit.pose.posture))
 
     def _learn(self, fit: Fit) -> None:
         prior = fit.prior
@@ -115,13 +104,11 @@ class HandTracker:
         return Person(self._scale, self._right_arm, to_elbow / length)
 
     def _fit(self, views: Sequence[HandView], arm: Arm, person: Person) -> Fit:
-        closed = self._prior(arm, self._habits.closed)
         if self._last is None:
-            fits = [search_hand(views, arm.far_end, closed, person, FIRST_ROLLS, FIRST_KEPT)]
             if self.known:
-                opened = self._prior(arm, self._habits.opened)
-                fits.append(search_hand(views, arm.far_end, opened, person, AGAIN_ROLLS, AGAIN_KEPT))
-            return min(fits, key=_cost)
+                return min(self._searches(views, arm, person), key=_cost)
+            closed = self._prior(arm, self._habits.closed)
+            return search_hand(views, arm.far_end, closed, person, FIRST_ROLLS, FIRST_KEPT)
         fit = self._followed(views, arm, person)
         limit = WORSE_FACTOR * float(np.median(self._costs)) + WORSE_MARGIN
         if fit.cost < limit:
@@ -129,7 +116,13 @@ class HandTracker:
         fit = min(fit, *self._refits(views, arm, person), key=_cost)
         if fit.cost < limit:
             return fit
-        return min(fit, search_hand(views, arm.far_end, closed, person, AGAIN_ROLLS, AGAIN_KEPT), key=_cost)
+        return min(fit, *self._searches(views, arm, person), key=_cost)
+
+    def _searches(self, views: Sequence[HandView], arm: Arm, person: Person) -> list[Fit]:
+        """From any rotation, with the fingers held as usual, and opened."""
+        beliefs = (self._habits.closed, self._habits.opened) if self.known else (self._habits.closed,)
+        priors = [self._prior(arm, belief) for belief in beliefs]
+        return [search_hand(views, arm.far_end, prior, person, AGAIN_ROLLS, AGAIN_KEPT) for prior in priors]
 
     def _followed(self, views: Sequence[HandView], arm: Arm, person: Person) -> Fit:
         """From the last pose, moved along with the wrist and turning on."""
@@ -159,24 +152,10 @@ class HandTracker:
         return Prior(arm.wrist, belief.posture, information, near)
 
 
-def _estimate(fit: Fit, hand_open: bool) -> HandEstimate:
+def _estimate(views: Sequence[HandView], fit: Fit, hand_open: bool) -> HandEstimate:
     covariance = np.linalg.inv(fit.information).astype(np.float64)
-    index, thumb = (_tip(fit, sphere, covariance) for sphere in (INDEX_TIP, THUMB_TIP))
+    index, thumb = (find_tip(views, fit, covariance, sphere) for sphere in (INDEX_TIP, THUMB_TIP))
     return HandEstimate(fit.pose.wrist, covariance[:3, :3], index, thumb, hand_open, fit.cost)
-
-
-def _tip(fit: Fit, sphere: int, covariance: Array) -> Tip:
-    point, change = fit.placed.tip(sphere)
-    views = sum(_shows(fit, k, sphere) for k in range(len(fit.contacts)))
-    floor = MODEL_SIGMA if views >= 2 else HIDDEN_SIGMA
-    return Tip(point, change @ covariance @ change.T + floor**2 * np.eye(3), views)
-
-
-def _shows(fit: Fit, view: int, sphere: int) -> bool:
-    """Whether outline pixels of a view touch the last half of a finger's last part."""
-    contact = fit.contacts[view]
-    touching = (CAPSULES[contact.capsule, 1] == sphere) & (contact.share > 0.5)
-    return int(np.count_nonzero(touching & (np.abs(contact.distance) < SEEN_DISTANCE_PX))) >= SEEN_PIXELS
 
 
 def _cost(fit: Fit) -> float:

@@ -12,7 +12,7 @@ from local_site.tracking.silhouette.hand_model.fit import HandView, focal_length
 
 MIN_PIXELS = 24
 MARGIN_PX = 16
-PIXELS_WANTED = 48
+PIXELS_WANTED = 64
 TANGENT_REACH = 3
 PROBE = np.arange(-3.0, 3.01, 0.75)
 MAX_SHIFT_PX = 2.0
@@ -31,7 +31,7 @@ def make_hand_view(projection: Array, view: Features, wrist: Array) -> HandView 
     px_per_m = focal_length(projection) / max(depth, 1e-6)
     sigma = math.hypot(PIXEL_SIGMA, MODEL_SIGMA_M * px_per_m)
     pixels = _refined(silhouette, contour, step) + view.hand_shift
-    return HandView(projection, pixels, field, origin + view.hand_shift, sigma)
+    return HandView(projection, pixels, field, origin + view.hand_shift, sigma, silhouette.grey)
 
 
 def _distance_field(silhouette: Silhouette, contour: Array) -> tuple[np.ndarray, Array]:

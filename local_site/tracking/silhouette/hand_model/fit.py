@@ -37,6 +37,7 @@ class HandView:
     field: NDArray[np.float32]
     origin: Array
     sigma: float
+    grey: NDArray[np.uint8]
 
 
 @dataclass(frozen=True, slots=True)

@@ -8,6 +8,8 @@ from marker_scene import Scene, error_mm, four_cameras, hand_at, moving_hand, ri
 from scipy.spatial.transform import Rotation
 
 from common.messages import TrackingStatus
+from local_site.calibration.drift import DriftConfig
+from local_site.drift_watch import DriftWatch
 from local_site.tracking.markers.marker_tracker import MarkerTracker
 
 
@@ -66,3 +68,17 @@ def test_there_is_no_residual_without_markers():
     scene = Scene()
     scene.learn()
     assert scene.step(without(hand_at(), "wrist", "index", "thumb")).residual_px is None
+
+
+def test_a_bumped_camera_rings_the_drift_alarm():
+    config = DriftConfig(learn_s=1.0, window_s=1.0, min_residuals=10)
+    scene = Scene((cameras := four_cameras()[:2]), MarkerTracker(rig := rig_of(cameras)))
+    told = []
+    watch = DriftWatch(rig, config, told.append)
+    judged = [watch.judge(scene.step(moving_hand(k))) for k in range(70)]
+    assert told == []
+    scene.cameras = (cameras[0], nodding(cameras[1], 0.3))
+    after = [watch.judge(scene.step(moving_hand(k))) for k in range(70, 130)]
+    assert not any("calibrate again" in estimate.reason for estimate in judged)
+    assert after[-1].reason.endswith("calibrate again")
+    assert len(told) == 1
