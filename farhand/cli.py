@@ -225,12 +225,15 @@ def track(
     rig: Annotated[Path, typer.Option(help="Rig file from 'farhand calibrate'.")],
     left: Annotated[str, typer.Option(help="Video file, folder of images, device or URL.")],
     right: Annotated[str, typer.Option(help="The same for the right camera.")],
+    also: Annotated[
+        list[str] | None, typer.Option(help="A third, and given again a fourth camera, in the rig's order.")
+    ] = None,
     out: Annotated[Path, typer.Option(help="JSON lines to write.")] = Path("track.jsonl"),
     fps: Annotated[float | None, typer.Option(help="Frame rate, where the source does not tell it.")] = None,
     tracker: TrackerName = "silhouette",
     annotate: Annotated[Path | None, typer.Option(help="Folder for annotated pairs, as PNG.")] = None,
 ) -> None:
-    """Track a recording or two cameras, one JSON line per pair; causal, unsmoothed.
+    """Track a recording or two to four cameras, one JSON line per pair; causal, unsmoothed.
 
     Example: farhand track --rig rig.json --left left.avi --right right.avi --out track.jsonl
     """
@@ -238,4 +241,5 @@ def track(
     from local_site.tracking.choice import TrackingConfig
 
     tracking = load_config(TrackingConfig, None, (f"method={tracker}",))
-    typer.echo(run_track(TrackSources(rig, left, right, fps, tracking), out, annotate))
+    sources = TrackSources(rig, left, right, fps, tracking, tuple(also or ()))
+    typer.echo(run_track(sources, out, annotate))

@@ -1,8 +1,8 @@
-"""Tracking a recording: two cameras in, a line of JSON per pair out; causal and unsmoothed."""
+"""Tracking a recording: two or more cameras in, a line of JSON per pair out; causal and unsmoothed."""
 
 import math
 import time
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import TextIO
@@ -84,9 +84,11 @@ def track_recording(
     annotate_dir: Path | None,
     progress: Callable[[int], None],
     tracking: TrackingConfig | None = None,
+    also: Sequence[Camera] = (),
 ) -> Summary:
     """Track all pairs of two cameras, write a line each to `out` and, if asked, annotated pairs as PNG.
 
+    `also` are a third and a fourth camera; the cameras stand in the rig's order.
     `progress` is called with the number of pairs done. Raises CameraError when no pair comes or a file cannot be
     written.
     """
@@ -96,7 +98,7 @@ def track_recording(
         if annotate_dir is not None:
             annotate_dir.mkdir(parents=True, exist_ok=True)
         with out.open("w", encoding="utf-8") as lines:
-            for views in pair_views(left_camera, right_camera):
+            for views in pair_views(left_camera, right_camera, *also):
                 start_ns = time.perf_counter_ns()
                 estimate = drift.judge(tracker.track(views))
                 ms = (time.perf_counter_ns() - start_ns) / NS_PER_MS
@@ -108,23 +110,38 @@ def track_recording(
     except OSError as error:
         raise CameraError(f"cannot write the track: {error}; choose a place that can be written") from error
     if not summary.pairs:
-        raise CameraError(f"{left_camera.name} and {right_camera.name} gave no pair of frames of a common time")
+        names = " and ".join(camera.name for camera in (left_camera, right_camera, *also))
+        raise CameraError(f"{names} gave no pair of frames of a common time")
     return summary
 
 
-def pair_views(left: Camera, right: Camera) -> Iterator[Views]:
-    """Views at the instants of the left camera's frames, until either ends.
+def pair_views(left: Camera, *others: Camera) -> Iterator[Views]:
+    """Views at the instants of the left camera's frames, until any camera ends.
 
-    The right camera's measurements are interpolated between the two exposures around the instant.
+    The other cameras' measurements are interpolated between the two exposures around the instant.
     """
-    previous: Frame | None = None
-    current = right.read()
+    followers = [_Follower(camera) for camera in others]
     while (frame := left.read()) is not None:
-        while current is not None and current.capture_ns < frame.capture_ns:
-            previous, current = current, right.read()
-        if current is None:
+        found = [follower.at(frame.capture_ns) for follower in followers]
+        views = [view for view in found if view is not None]
+        if len(views) < len(found):
             return
-        yield Views(frame.capture_ns, (View(frame), _between(previous, current, frame.capture_ns)))
+        yield Views(frame.capture_ns, (View(frame), *views))
+
+
+class _Follower:
+    """A camera that is read as far as the instants of another ask for."""
+
+    def __init__(self, camera: Camera) -> None:
+        self._camera = camera
+        self._previous: Frame | None = None
+        self._current = camera.read()
+
+    def at(self, t_ns: int) -> View | None:
+        """The view of an instant no earlier than the last; None once the camera has ended."""
+        while self._current is not None and self._current.capture_ns < t_ns:
+            self._previous, self._current = self._current, self._camera.read()
+        return None if self._current is None else _between(self._previous, self._current, t_ns)
 
 
 def _between(previous: Frame | None, current: Frame, t_ns: int) -> View:

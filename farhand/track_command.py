@@ -1,6 +1,6 @@
 """The track command: opens rig and cameras, shows progress, tells what was found."""
 
-from contextlib import closing
+from contextlib import ExitStack, closing
 from dataclasses import dataclass, field
 from pathlib import Path
 
@@ -8,38 +8,41 @@ import numpy as np
 from rich.console import Console
 from rich.progress import MofNCompleteColumn, Progress, SpinnerColumn, TextColumn
 
-from common.cameras.sources import open_camera
 from farhand.track import POINTS, Summary, track_recording
 from local_site.calibration.rig import load_rig
+from local_site.rig_cameras import open_rig_cameras
 from local_site.tracking.choice import TrackingConfig
 
 
 @dataclass(frozen=True, slots=True)
 class TrackSources:
-    """What to track: the rig's file, a device, URL, video file or folder of images for each camera, and how."""
+    """What to track: the rig's file, a device, URL, video file or folder of images for each camera, and how.
+
+    `also` is a third and a fourth camera, in the rig's order.
+    """
 
     rig: Path
     left: str
     right: str
     fps: float | None
     tracking: TrackingConfig = field(default_factory=TrackingConfig)
+    also: tuple[str, ...] = ()
 
 
 def run_track(sources: TrackSources, out: Path, annotate_dir: Path | None) -> str:
     """Track everything the sources give, and sum it up in words; FarhandError names what cannot be opened."""
     rig = load_rig(sources.rig)
     columns = (SpinnerColumn(), TextColumn("tracking"), MofNCompleteColumn())
-    with (
-        closing(open_camera(sources.left, "left", sources.fps)) as left,
-        closing(open_camera(sources.right, "right", sources.fps)) as right,
-        Progress(*columns, console=Console(stderr=True)) as progress,
-    ):
+    with ExitStack() as opened:
+        cameras = open_rig_cameras(rig, (sources.left, sources.right, *sources.also), sources.fps)
+        left, right, *also = (opened.enter_context(closing(camera)) for camera in cameras)
+        progress = opened.enter_context(Progress(*columns, console=Console(stderr=True)))
         task = progress.add_task("tracking", total=None)
 
         def show(pairs: int) -> None:
             progress.update(task, completed=pairs)
 
-        done = track_recording(rig, left, right, out, annotate_dir, show, sources.tracking)
+        done = track_recording(rig, left, right, out, annotate_dir, show, sources.tracking, also)
     return describe(done, out)
 
 

@@ -8,13 +8,13 @@ import cv2
 import structlog
 
 from common.cameras.camera import Camera
-from common.cameras.sources import open_camera
 from common.channels import HAND, STATE
 from common.clock import Clock, MonotonicClock
 from common.errors import CameraError, FarhandError
 from common.messages import TrackingStatus
 from common.service import StopFlag, ask_for_real_time, notify, start_log
 from common.transport import Link, check_endpoint, open_link
+from local_site.calibration.control_points import CAMERAS
 from local_site.calibration.rig import Rig, load_rig
 from local_site.calibration.simulated import calibrate_simulated
 from local_site.capture import Capture
@@ -23,6 +23,7 @@ from local_site.drift_watch import DriftWatch
 from local_site.gesture import OpenHand, observe
 from local_site.publisher import HandPublisher
 from local_site.remote_watch import RemoteWatch
+from local_site.rig_cameras import open_rig_cameras
 from local_site.simulation.source import SimulatedCameras
 from local_site.smoothing import make_smoother
 from local_site.tracking.annotate import annotate
@@ -31,7 +32,6 @@ from local_site.tracking.tracker import ArmEstimate, Views
 
 VIEWS_TIMEOUT_S = 0.1
 FIFO_PRIORITY = 20  # of tracking: below the robot's control, above everything that may come late
-NAMES = ("left", "right")
 
 
 def run_local(config: LocalConfig, should_stop: StopFlag, save_views: Path | None = None) -> None:
@@ -72,8 +72,7 @@ def _open_operator(config: LocalConfig) -> tuple[Rig, Sequence[Camera]]:
         simulated = SimulatedCameras(config.simulation)
         return calibrate_simulated(config.simulation), (simulated.left, simulated.right)
     rig = load_rig(Path(operator.rig))
-    sources = zip((operator.left, operator.right), NAMES, strict=True)
-    return rig, [open_camera(source, name, operator.fps, operator.latency_ms) for source, name in sources]
+    return rig, open_rig_cameras(rig, operator.sources, operator.fps, operator.latency_ms)
 
 
 def _warn_of_drift(sentence: str) -> None:
@@ -133,10 +132,10 @@ class LocalSite:
             structlog.get_logger().info("tracking", status=status.value, reason=reason)
 
     def save_views(self, folder: Path) -> None:
-        """Write the last views with what was found in them as operator_left.png and operator_right.png."""
+        """Write the last views with what was found in them as operator_left.png, operator_right.png and so on."""
         if self._seen is None:
             return
         folder.mkdir(parents=True, exist_ok=True)
         for k, view in enumerate(self._seen.views.views):
             picture = annotate(view.current.image, self._seen.estimate, k)
-            cv2.imwrite(str(folder / f"operator_{NAMES[k]}.png"), picture)
+            cv2.imwrite(str(folder / f"operator_{CAMERAS[k]}.png"), picture)

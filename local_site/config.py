@@ -24,10 +24,13 @@ class LinksConfig(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fiel
 
 
 class OperatorConfig(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
-    """The two cameras before the operator, and their calibration."""
+    """The two to four cameras before the operator, and their calibration."""
 
     left: Annotated[Source, Meta(description="'simulated', device, URL, file or folder")] = SIMULATED
     right: Annotated[Source, Meta(description="'simulated', device, URL, file or folder")] = SIMULATED
+    also: Annotated[
+        tuple[Source, ...], Meta(max_length=2, description="a third and a fourth camera, in the rig's order")
+    ] = ()
     rig: Annotated[str, Meta(description="rig file from 'farhand calibrate'; simulated cameras bring their own")] = ""
     fps: Annotated[float, Meta(gt=0, le=240, description="frames per second asked of the cameras")] = 30.0
     latency_ms: Annotated[float, Meta(ge=0, le=1000, description="exposure to arrival of a live camera")] = 30.0
@@ -35,6 +38,8 @@ class OperatorConfig(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_f
     def __post_init__(self) -> None:
         if (self.left == SIMULATED) != (self.right == SIMULATED):
             raise ValueError("left and right must both be simulated, or neither")
+        if self.is_simulated and self.also:
+            raise ValueError("also is for real cameras; the simulated operator has two")
         if not self.is_simulated and not self.rig:
             raise ValueError("rig is missing; make one with: farhand calibrate points CSV --out rig.json")
 
@@ -42,6 +47,11 @@ class OperatorConfig(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_f
     def is_simulated(self) -> bool:
         """Whether the operator is a simulated one."""
         return self.left == SIMULATED
+
+    @property
+    def sources(self) -> tuple[Source, ...]:
+        """All cameras, in the rig's order."""
+        return (self.left, self.right, *self.also)
 
 
 class GestureConfig(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):

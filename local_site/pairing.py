@@ -33,7 +33,7 @@ class PairingConfig(Struct, frozen=True, kw_only=True, forbid_unknown_fields=Tru
 class Pairing:
     """Finds the newest instant that the exposures of all cameras enclose; each instant is given once, in order.
 
-    Two cameras out of phase give up to two instants a period, none within a quarter period of the last.
+    Cameras out of phase give up to an instant each a period, none within a quarter period of the last.
     Frames are interpolated between two exposures, never beyond the newest. Times are ns on the cameras' clock.
     """
 

@@ -1,11 +1,14 @@
 """Pairing two recordings by exposure time, and what an empty or unwritable track says."""
 
+import cv2
 import numpy as np
 import pytest
 
 from common.cameras.camera import Frame
 from common.errors import CameraError
 from farhand.track import pair_views, track_recording
+from farhand.track_command import TrackSources, run_track
+from local_site.calibration.rig import Rig, save_rig
 from local_site.simulation.cameras import exact_rig
 from local_site.simulation.config import StereoConfig
 
@@ -47,6 +50,12 @@ def test_a_late_camera_is_interpolated_between_the_exposures_around():
     assert [r.weight for r in right] == [1.0, 0.6, 0.6]
 
 
+def test_a_third_camera_is_brought_to_the_lefts_instants_and_ends_with_its_recording():
+    views = list(pair_views(Recording(0, 10, 20), Recording(0, 10, 20), Recording(5, 15)))
+    assert [(v.t_ns, len(v.views)) for v in views] == [(0, 3), (10, 3)]
+    assert [(v.views[2].current.capture_ns, v.views[2].weight) for v in views] == [(5, 1.0), (15, 0.5)]
+
+
 def test_dark_recordings_give_lost_lines_and_their_summary(tmp_path):
     annotated = tmp_path / "pictures"
     done = []
@@ -65,3 +74,16 @@ def test_nothing_to_track_and_nowhere_to_write_are_told(tmp_path):
         track_recording(rig, Recording(), Recording(0), tmp_path / "track.jsonl", None, lambda _: None)
     with pytest.raises(CameraError, match="cannot write"):
         track_recording(rig, Recording(0), Recording(0), tmp_path / "absent" / "track.jsonl", None, lambda _: None)
+
+
+def test_the_command_tracks_four_cameras(tmp_path):
+    for name in ("left", "right", "third", "fourth"):
+        (tmp_path / name).mkdir()
+        cv2.imwrite(str(tmp_path / name / "0.png"), IMAGE)
+    pair = exact_rig(StereoConfig())
+    save_rig(Rig(pair.cameras * 2, pair.volume_min, pair.volume_max, pair.error_rms, "made up"), tmp_path / "rig.json")
+    left, right, *also = (str(tmp_path / name) for name in ("left", "right", "third", "fourth"))
+    sources = TrackSources(tmp_path / "rig.json", left, right, None, also=tuple(also))
+    said = run_track(sources, tmp_path / "track.jsonl", tmp_path / "pictures")
+    assert said.startswith("1 pairs: 1 lost")
+    assert cv2.imread(str(tmp_path / "pictures" / "000000.png")).shape == (48, 4 * 64, 3)

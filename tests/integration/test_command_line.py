@@ -7,8 +7,9 @@ from pathlib import Path
 import pytest
 
 from common.config import load_config
+from local_site.calibration.rig import save_rig
 from local_site.config import LocalConfig
-from local_site.simulation.cameras import control_point_rows
+from local_site.simulation.cameras import control_point_rows, exact_rig
 from local_site.simulation.config import SimulationConfig
 from remote_site.config import RemoteConfig
 
@@ -73,6 +74,14 @@ def test_a_missing_camera_is_told(tmp_path: Path) -> None:
     assert done.returncode == 1
     assert "camera left: cannot open /dev/video97" in done.stderr
     assert "Traceback" not in done.stderr
+
+
+def test_more_cameras_than_the_rig_has_are_refused(tmp_path: Path) -> None:
+    rig = tmp_path / "rig.json"
+    save_rig(exact_rig(SimulationConfig().stereo), rig)
+    done = farhand("track", "--rig", str(rig), "--left", "a", "--right", "b", "--also", "c")
+    assert done.returncode == 1
+    assert "the rig has 2 cameras (left, right), but 3 are given" in done.stderr
 
 
 def test_a_rig_that_is_none_is_told(tmp_path: Path) -> None:

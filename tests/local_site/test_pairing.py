@@ -157,3 +157,23 @@ def test_a_frozen_camera_is_refused_until_its_picture_changes():
     pair.feed(0, frame(298.0))
     assert pair.feed(1, frame(298.0)) is not None
     assert pair.problem(298 * NS_PER_MS) is None
+
+
+def test_three_cameras_in_step_are_taken_as_they_are():
+    steps = [(100 + k * PERIOD_MS, camera) for k in range(4) for camera in range(3)]
+    views = feed_all(pairing(("left", "right", "third")), steps)
+    assert [[view.weight for view in v.views] for v in views] == [[1.0] * 3] * 4
+
+
+def test_a_third_camera_out_of_step_is_interpolated_and_its_silence_told():
+    pair = pairing(("left", "right", "third"))
+    steps = [(100 + k * PERIOD_MS + (12 if camera == 2 else 0), camera) for k in range(5) for camera in range(3)]
+    views = feed_all(pair, steps)
+    assert len(views) >= 4
+    for v in views:
+        exposed = [(view.previous or view.current).capture_ns for view in v.views]
+        assert max(exposed) <= v.t_ns <= min(view.current.capture_ns for view in v.views)
+    for k in range(5, 12):
+        for camera in range(2):
+            pair.feed(camera, frame(100 + k * PERIOD_MS))
+    assert "camera third" in pair.problem(round((100 + 11 * PERIOD_MS) * NS_PER_MS))
