@@ -11,7 +11,7 @@ import numpy as np
 
 from common.geometry import Array
 from local_site.tracking.silhouette.features import Features
-from local_site.tracking.silhouette.hand_model.fit import focal_length
+from local_site.tracking.silhouette.hand_model.descent import focal_length
 from local_site.tracking.silhouette.joint_equations import Shifts
 from local_site.tracking.silhouette.medial import Line
 

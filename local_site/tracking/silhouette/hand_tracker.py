@@ -8,7 +8,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from common.geometry import Array
-from local_site.tracking.silhouette.hand_model.fit import Fit, HandView, Prior, fit_hand, rotation_vector
+from local_site.tracking.silhouette.hand_model.fit import Fit, HandView, Prior, fit_hand
 from local_site.tracking.silhouette.hand_model.habits import (
     Belief,
     Habits,
@@ -16,7 +16,7 @@ from local_site.tracking.silhouette.hand_model.habits import (
     posture_information,
     prior_information,
 )
-from local_site.tracking.silhouette.hand_model.placement import POSE, HandPose, Person, turned
+from local_site.tracking.silhouette.hand_model.placement import POSE, HandPose, Person, rotation_vector, turned
 from local_site.tracking.silhouette.hand_model.search import search_hand
 from local_site.tracking.silhouette.hand_model.skeleton import INDEX_TIP, THUMB_TIP, TYPICAL_FOREARM
 from local_site.tracking.silhouette.tips import Tip, find_tip

@@ -8,7 +8,8 @@ import numpy as np
 from common.geometry import Array
 from local_site.tracking.silhouette.contour import Silhouette
 from local_site.tracking.silhouette.features import Features
-from local_site.tracking.silhouette.hand_model.fit import HandView, focal_length
+from local_site.tracking.silhouette.hand_model.descent import focal_length
+from local_site.tracking.silhouette.hand_model.fit import HandView
 
 MIN_PIXELS = 24
 MARGIN_PX = 16
@@ -25,13 +26,22 @@ def make_hand_view(projection: Array, view: Features, wrist: Array) -> HandView 
     contour, silhouette = view.hand, view.silhouette
     if contour is None or len(contour) < MIN_PIXELS:
         return None
-    step = max(1, round(len(contour) / PIXELS_WANTED))
     field, origin = _distance_field(silhouette, contour)
     depth = float(projection[2, :3] @ wrist + projection[2, 3])
-    px_per_m = focal_length(projection) / max(depth, 1e-6)
-    sigma = math.hypot(PIXEL_SIGMA, MODEL_SIGMA_M * px_per_m)
-    pixels = _refined(silhouette, contour, step) + view.hand_shift
-    return HandView(projection, pixels, field, origin + view.hand_shift, sigma, silhouette.grey)
+    focal_px = focal_length(projection)
+    sigma = math.hypot(PIXEL_SIGMA, MODEL_SIGMA_M * focal_px / max(depth, 1e-6))
+    outline = _refined(silhouette, contour) + view.hand_shift
+    step = max(1, round(len(outline) / PIXELS_WANTED))
+    return HandView(
+        projection=projection,
+        focal_px=focal_px,
+        pixels=np.ascontiguousarray(outline[::step]),
+        field=field,
+        origin=origin + view.hand_shift,
+        sigma=sigma,
+        outline=outline,
+        grey=silhouette.grey,
+    )
 
 
 def _distance_field(silhouette: Silhouette, contour: Array) -> tuple[np.ndarray, Array]:
@@ -43,12 +53,12 @@ def _distance_field(silhouette: Silhouette, contour: Array) -> tuple[np.ndarray,
     return field, np.array([x0, y0], dtype=np.float64)
 
 
-def _refined(silhouette: Silhouette, contour: Array, step: int) -> Array:
-    """Every step-th pixel of a contour (M, 2), moved along its normal to where the grey falls most.
+def _refined(silhouette: Silhouette, contour: Array) -> Array:
+    """The pixels of a contour (M, 2), moved along its normal to where the grey falls most.
 
     That place is the edge itself also where the skin lies in shadow, and does not depend on the threshold.
     """
-    k = np.arange(TANGENT_REACH, len(contour) - TANGENT_REACH, step)
+    k = np.arange(TANGENT_REACH, len(contour) - TANGENT_REACH)
     tangent = contour[k + TANGENT_REACH] - contour[k - TANGENT_REACH]
     # OpenCV walks outer contours so that the shape lies to the left in an image with y down
     normal = np.column_stack([-tangent[:, 1], tangent[:, 0]])

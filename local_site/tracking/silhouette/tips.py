@@ -8,11 +8,11 @@ import cv2
 import numpy as np
 
 from common.geometry import Array
-from local_site.tracking.silhouette.hand_model.fit import Fit, HandView, focal_length
+from local_site.tracking.silhouette.hand_model.fit import Fit, HandView, contact
 from local_site.tracking.silhouette.hand_model.skeleton import CAPSULES
 
 FREEDOM_M = 0.008
-PIXEL_SIGMA = 1.2
+PIXEL_SIGMA = 1.7
 REACH_PX = 3.0
 CAP_BACK = 0.3
 MIN_PIXELS = 4
@@ -39,13 +39,13 @@ def find_tip(views: Sequence[HandView], fit: Fit, covariance: Array, sphere: int
     """
     point, change = fit.placed.tip(sphere)
     inherited = change @ covariance @ change.T
+    owned = [_owned(view, fit, sphere) for view in views]
     shift, information, seen = np.zeros(3), np.eye(3) / FREEDOM_M**2, 0
     for _ in range(STEPS):
         information, pull, seen = np.eye(3) / FREEDOM_M**2, shift / FREEDOM_M**2, 0
-        for view, contact in zip(views, fit.contacts, strict=True):
+        for view, pixels in zip(views, owned, strict=True):
             circle = _circle(view, fit, sphere, shift)
-            own = CAPSULES[contact.capsule, 1] == sphere
-            rows, residuals = _on_outline(circle, view.pixels[own])
+            rows, residuals = _on_outline(circle, pixels)
             if len(rows) >= MIN_PIXELS:
                 seen += 1
             else:
@@ -55,6 +55,13 @@ def find_tip(views: Sequence[HandView], fit: Fit, covariance: Array, sphere: int
         shift = shift - np.linalg.solve(information, pull)
     spread = np.linalg.inv(information).astype(np.float64)
     return Tip(point + shift, spread + _unseen_part(inherited, spread), seen)
+
+
+def _owned(view: HandView, fit: Fit, sphere: int) -> Array:
+    """The outline pixels (N, 2) that no other part of the hand is nearer to."""
+    own = CAPSULES[contact(view, fit.placed, view.outline).capsule, 1] == sphere
+    result: Array = view.outline[own]
+    return result
 
 
 def _unseen_part(inherited: Array, spread: Array) -> Array:
@@ -80,7 +87,7 @@ def _circle(view: HandView, fit: Fit, sphere: int, shift: Array) -> _Circle:
     centre, back = np.array([x, y]) / depth, np.array([u, v]) / w
     ahead = (centre - back) / max(math.hypot(*(centre - back)), 1e-6)
     gradient = (m[:2, :3] - centre[:, None] * m[2, :3]) / depth
-    return _Circle(centre, float(fit.placed.radii[sphere]) * focal_length(m) / depth, ahead, gradient)
+    return _Circle(centre, float(fit.placed.radii[sphere]) * view.focal_px / depth, ahead, gradient)
 
 
 def _on_outline(circle: _Circle, pixels: Array) -> tuple[Array, Array]:

@@ -7,30 +7,57 @@ from local_site.calibration.triangulation import project
 from local_site.simulation.cameras import exact_rig
 from local_site.simulation.config import StereoConfig
 from local_site.tracking.silhouette.contour import Silhouette
+from local_site.tracking.silhouette.elbow_depth import UPPER_ARM_DEPTH_M
 from local_site.tracking.silhouette.features import Features
-from local_site.tracking.silhouette.joints import Body, solve_joints
+from local_site.tracking.silhouette.joints import Body, sleeve_end, solve_joints, upper_arm_direction
 from local_site.tracking.silhouette.medial import line_through
 from local_site.tracking.silhouette.posture import Posture
 
-PROJECTIONS = exact_rig(StereoConfig()).matrices
+STEREO = StereoConfig()
+PROJECTIONS = exact_rig(STEREO).matrices
 ELBOW = np.array([0.62, 0.42, 0.42])
 BENT = np.array([0.43, 0.37, 0.61])
-SHOULDER = np.array([0.20, -0.05, 0.14])
+SHOULDER = ELBOW + np.array([0.20, -0.05, 0.14])
+LENGTH = float(np.linalg.norm(BENT - ELBOW))
 BLANK = Silhouette(np.zeros((480, 640), np.uint8), 40.0, np.array([[300.0, 200.0], [310.0, 210.0]]), 1.0)
 
 
-def seen(elbow, wrist, shoulder, neck=True, upper=True, rough=0.0):
-    """The exact features of an arm in every view, with the guesses `rough` px off."""
+def on_the_axis_px(matrix, elbow):
+    """The width of an upper arm whose axis of rotation lies in its middle."""
+    return 2 * UPPER_ARM_DEPTH_M * STEREO.focal_px / float(matrix[2, :3] @ elbow + matrix[2, 3])
+
+
+def seen(elbow, wrist, shoulder, neck=True, upper=True, rough=0.0, cropped=True):
+    """The exact features in every view of an arm without flesh, with the guesses `rough` px off."""
     features = []
     for matrix in PROJECTIONS:
         e, w, s = (project(matrix, p) for p in (elbow, wrist, shoulder))
         forearm, upper_arm = line_through(e, w), line_through(e, s)
         assert forearm is not None
-        guess = Posture(s, e + rough, w if neck else w + rough, w, 20.0)
         features.append(
-            Features(forearm, upper_arm if upper else None, w if neck else None, None, 20.0, BLANK, guess, False, True)
+            Features(
+                forearm=forearm,
+                root=forearm,
+                root_width=0.0,
+                root_share=0.0,
+                upper_arm=upper_arm if upper else None,
+                upper_arm_width=on_the_axis_px(matrix, elbow),
+                wrist=w if neck else None,
+                hand=None,
+                half_width=20.0,
+                silhouette=BLANK,
+                guess=Posture(s, e + rough, w if neck else w + rough, w, 20.0),
+                hand_cropped=False,
+                shoulder_cropped=cropped,
+            )
         )
     return features
+
+
+def solved(features, body=None):
+    joints = solve_joints(PROJECTIONS, features, body or Body())
+    assert joints is not None
+    return joints
 
 
 def error_m(found, truth):
@@ -38,45 +65,54 @@ def error_m(found, truth):
 
 
 def test_exact_lines_give_the_joints_back():
-    joints = solve_joints(PROJECTIONS, seen(ELBOW, BENT, ELBOW + SHOULDER), Body())
-    assert joints is not None
+    joints = solved(seen(ELBOW, BENT, SHOULDER))
     assert error_m(joints.elbow, ELBOW) < 1e-3
     assert error_m(joints.wrist, BENT) < 1e-3
     assert joints.misfit < 0.1
 
 
 def test_the_forearm_length_places_a_wrist_without_a_neck():
-    length = error_m(ELBOW, BENT)
-    features = seen(ELBOW, BENT, ELBOW + SHOULDER, neck=False, rough=8.0)
-    joints = solve_joints(PROJECTIONS, features, Body(length))
-    assert joints is not None
+    joints = solved(seen(ELBOW, BENT, SHOULDER, neck=False, rough=8.0), Body(LENGTH))
     assert error_m(joints.wrist, BENT) < 0.003
 
 
 @pytest.mark.parametrize("upper", [True, False])
 def test_a_straight_arm_has_its_elbow_a_forearm_from_the_wrist(upper):
-    shoulder = ELBOW + 0.9 * (ELBOW - BENT)
-    joints = solve_joints(PROJECTIONS, seen(ELBOW, BENT, shoulder, upper=upper), Body(error_m(ELBOW, BENT)))
-    assert joints is not None
+    joints = solved(seen(ELBOW, BENT, ELBOW + 0.9 * (ELBOW - BENT), upper=upper), Body(LENGTH))
     assert error_m(joints.elbow, ELBOW) < 0.003
 
 
 def test_less_is_known_where_less_is_seen():
-    shoulder = ELBOW + SHOULDER
-    full = solve_joints(PROJECTIONS, seen(ELBOW, BENT, shoulder), Body(0.28))
-    poor = solve_joints(PROJECTIONS, seen(ELBOW, BENT, shoulder, neck=False, upper=False), Body())
-    assert full is not None
-    assert poor is not None
+    full = solved(seen(ELBOW, BENT, SHOULDER), Body(LENGTH))
+    poor = solved(seen(ELBOW, BENT, SHOULDER, neck=False, upper=False))
     assert poor.elbow_sigma > 3 * full.elbow_sigma
+    assert poor.wrist_sigma > 3 * full.wrist_sigma
+    assert np.linalg.eigvalsh(full.covariance)[0] > 0
 
 
-def test_the_elbow_turns_behind_the_axes_of_both_limbs():
-    shoulder = ELBOW + SHOULDER
-    plain = solve_joints(PROJECTIONS, seen(ELBOW, BENT, shoulder), Body())
-    moved = solve_joints(PROJECTIONS, seen(ELBOW, BENT, shoulder), Body(dorsal_offset=0.04))
-    assert plain is not None
-    assert moved is not None
-    inward = (BENT - ELBOW) / error_m(BENT, ELBOW) + (shoulder - ELBOW) / error_m(shoulder, ELBOW)
+@pytest.mark.parametrize("limb", [0, 1])
+def test_what_was_learnt_of_the_elbow_moves_it_to_the_arms_back(limb):
+    plain = solved(seen(ELBOW, BENT, SHOULDER))
+    offsets = tuple(0.01 * (k == limb) for k in range(2))
+    moved = solved(seen(ELBOW, BENT, SHOULDER), Body(elbow_offsets=offsets))
+    inward = (BENT - ELBOW) / LENGTH + (SHOULDER - ELBOW) / error_m(SHOULDER, ELBOW)
     shift = moved.elbow - plain.elbow
     assert float(shift @ inward) < 0
-    assert 0.04 * 0.25 < np.linalg.norm(shift) < 0.04 * 0.6
+    assert 0.003 < np.linalg.norm(shift) < 0.03
+
+
+def test_the_upper_arm_points_to_the_shoulder():
+    direction = upper_arm_direction(PROJECTIONS, seen(ELBOW, BENT, SHOULDER), ELBOW)
+    assert direction is not None
+    assert float(direction @ (SHOULDER - ELBOW)) == pytest.approx(error_m(SHOULDER, ELBOW), rel=1e-9)
+    assert upper_arm_direction(PROJECTIONS, seen(ELBOW, BENT, SHOULDER, upper=False), ELBOW) is None
+
+
+def test_a_sleeve_ends_where_all_views_agree():
+    features = seen(ELBOW, BENT, SHOULDER, cropped=False)
+    end = sleeve_end(PROJECTIONS, features)
+    assert end is not None
+    assert error_m(end, SHOULDER) < 1e-6
+    apart = [features[0], seen(ELBOW, BENT, SHOULDER + np.array([0.0, 0.0, 0.1]), cropped=False)[1]]
+    assert sleeve_end(PROJECTIONS, apart) is None
+    assert sleeve_end(PROJECTIONS, seen(ELBOW, BENT, SHOULDER)) is None

@@ -82,13 +82,14 @@ class Placed:
 def place(pose: HandPose, person: Person) -> Placed:
     """The spheres of a hand; the posture's derivatives are differences."""
     forearm = person.scale * FOREARM_SPHERE_DISTANCE * person.to_elbow
-    return Placed(*_place(pose.wrist, pose.rotation, pose.posture, person.scale, person.right_arm, forearm))
+    return Placed(*place_spheres(pose.wrist, pose.rotation, pose.posture, person.scale, person.right_arm, forearm))
 
 
 @compiled
-def _place(
+def place_spheres(
     wrist: Array, rotation: Array, posture: Array, scale: float, right_arm: bool, forearm: Array
 ) -> tuple[Array, Array, Array, Array]:
+    """The arrays of `Placed`; `forearm` (3,) in m leads from the wrist to the spheres on the forearm."""
     local, radii = pose_spheres(posture, scale, right_arm)
     centres, moving, growing = np.empty((SPHERES, 3)), np.zeros((SPHERES, 3, STATE)), np.zeros((SPHERES, STATE))
     for s in range(SPHERES):
@@ -120,12 +121,22 @@ def _rotated(rotation: Array, v: Array) -> tuple[float, float, float]:
     )
 
 
+@compiled
 def turned(vector: Array) -> Array:
     """The rotation (3, 3) by a vector (3,), its length the angle in rad."""
-    angle = math.sqrt(float(vector @ vector))
+    angle = math.sqrt(vector[0] ** 2 + vector[1] ** 2 + vector[2] ** 2)
     if angle < 1e-9:
         return np.eye(3)
     x, y, z = vector / angle
     k = np.array([[0.0, -z, y], [z, 0.0, -x], [-y, x, 0.0]])
-    result: Array = np.eye(3) + math.sin(angle) * k + (1 - math.cos(angle)) * (k @ k)
-    return result
+    return np.eye(3) + math.sin(angle) * k + (1 - math.cos(angle)) * (k @ k)
+
+
+@compiled
+def rotation_vector(rotation: Array) -> Array:
+    """The vector (3,) of a rotation (3, 3) by less than half a turn."""
+    r = rotation
+    v = 0.5 * np.array([r[2, 1] - r[1, 2], r[0, 2] - r[2, 0], r[1, 0] - r[0, 1]])
+    sine = math.sqrt(v[0] ** 2 + v[1] ** 2 + v[2] ** 2)
+    cosine = 0.5 * (r[0, 0] + r[1, 1] + r[2, 2] - 1)
+    return v * (math.atan2(sine, cosine) / sine) if sine > 1e-9 else v

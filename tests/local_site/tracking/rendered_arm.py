@@ -1,0 +1,80 @@
+"""Rendered sequences of the simulated arm before any number of cameras, and trackers fed with them."""
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from common.cameras.camera import Frame
+from local_site.calibration.rig import CameraCalibration, Rig
+from local_site.simulation.body import ArmBody
+from local_site.simulation.cameras import stereo_pair
+from local_site.simulation.config import BodyConfig, MotionConfig, PictureConfig, StereoConfig
+from local_site.simulation.motion import Motion
+from local_site.simulation.rendering import Renderer
+from local_site.tracking.tracker import View, Views
+
+PERIOD_S = 1 / 30
+STEREO = StereoConfig()
+PAIR = stereo_pair(STEREO)
+ABOVE = stereo_pair(StereoConfig(half_angle_deg=8.0, elevation_deg=45.0))[1]
+ASIDE = stereo_pair(StereoConfig(half_angle_deg=45.0, elevation_deg=5.0))[0]
+POINTS = ("elbow", "wrist", "index", "thumb")
+EVERYWHERE = 50.0
+
+
+@dataclass(frozen=True)
+class Sequence:
+    """What cameras with these projections see: `pictures[k]` are those of all cameras at `times_s[k]`."""
+
+    projections: tuple
+    times_s: tuple
+    pictures: tuple
+    truths: tuple
+
+    def views(self, k, change=tuple):
+        """The views of the k-th instant, after a change to its pictures."""
+        t_ns = round(self.times_s[k] * 1e9)
+        return Views(t_ns, tuple(View(Frame(image, t_ns, k)) for image in change(self.pictures[k])))
+
+    def tracked(self, tracker, change=tuple):
+        """The estimates of all instants."""
+        return [tracker.track(self.views(k, change)) for k in range(len(self.times_s))]
+
+
+def render_sequence(motion, count, cameras=PAIR, body=None, late_s=0.0):
+    """The arm at `count` instants a period apart; camera k exposes k times `late_s` later than the first."""
+    body = body or BodyConfig()
+    course, arm = Motion(motion, body, 1), ArmBody(body)
+    renderers = [Renderer(camera, arm.parts, STEREO, PictureConfig(), 1 + k) for k, camera in enumerate(cameras)]
+    times = tuple(k * PERIOD_S for k in range(count))
+    return Sequence(
+        projections=tuple(camera.projection for camera in cameras),
+        times_s=times,
+        pictures=tuple(
+            tuple(r.render([arm.solid(course.pose(t + k * late_s))]) for k, r in enumerate(renderers)) for t in times
+        ),
+        truths=tuple(arm.truth(course.pose(t)) for t in times),
+    )
+
+
+def rig_of(projections, reach_m=EVERYWHERE):
+    """An exact rig whose volume reaches as far in all directions."""
+    cameras = tuple(
+        CameraCalibration(f"camera {k}", tuple(tuple(map(float, row)) for row in m), 0.0)
+        for k, m in enumerate(projections)
+    )
+    return Rig(cameras, (-reach_m,) * 3, (reach_m,) * 3, (0.0,) * 3, "exact, simulated")
+
+
+def errors_m(estimates, truths, name):
+    """Errors (N, 3) of a point in m; every estimate must have it."""
+    return np.array([getattr(e, name) - getattr(t, name) for e, t in zip(estimates, truths, strict=True)])
+
+
+def motion_error_m(errors):
+    """Mean distance in m of errors (N, 3) from their mean: what is left when a constant offset is taken away."""
+    return float(np.linalg.norm(errors - errors.mean(axis=0), axis=1).mean())
+
+
+MOVING = MotionConfig(name="figure_of_eight", still_s=0.4)
+TURNING = MotionConfig(name="rotate_x", still_s=0.4)
