@@ -27,6 +27,8 @@ FIRST_ROLLS, FIRST_KEPT = 24, 6
 AGAIN_ROLLS, AGAIN_KEPT = 12, 3
 REMEMBERED_COSTS = 30
 WORSE_FACTOR, WORSE_MARGIN = 1.4, 0.05
+BAD_FACTOR, BAD_MARGIN = 1.7, 0.08
+SEARCH_PAUSE = 3
 MAX_COST = 1.2
 MAX_TURN_AHEAD = 0.5
 
@@ -63,6 +65,7 @@ class HandTracker:
         self._scale: float | None = None
         self._last: tuple[Fit, Array] | None = None
         self._turn = np.zeros(3)
+        self._pause = 0
         self._costs: deque[float] = deque(maxlen=REMEMBERED_COSTS)
 
     @property
@@ -110,12 +113,14 @@ class HandTracker:
             closed = self._prior(arm, self._habits.closed)
             return search_hand(views, arm.far_end, closed, person, FIRST_ROLLS, FIRST_KEPT)
         fit = self._followed(views, arm, person)
-        limit = WORSE_FACTOR * float(np.median(self._costs)) + WORSE_MARGIN
-        if fit.cost < limit:
+        usual = float(np.median(self._costs))
+        if fit.cost < WORSE_FACTOR * usual + WORSE_MARGIN:
             return fit
         fit = min(fit, *self._refits(views, arm, person), key=_cost)
-        if fit.cost < limit:
+        self._pause -= 1
+        if fit.cost < BAD_FACTOR * usual + BAD_MARGIN or self._pause > 0:
             return fit
+        self._pause = SEARCH_PAUSE
         return min(fit, *self._searches(views, arm, person), key=_cost)
 
     def _searches(self, views: Sequence[HandView], arm: Arm, person: Person) -> list[Fit]:

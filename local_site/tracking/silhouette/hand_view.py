@@ -41,6 +41,7 @@ def make_hand_view(projection: Array, view: Features, wrist: Array) -> HandView 
         sigma=sigma,
         outline=outline,
         grey=silhouette.grey,
+        shift=view.hand_shift,
     )
 
 

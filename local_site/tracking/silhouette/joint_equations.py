@@ -7,6 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from common.geometry import Array
+from local_site.tracking.silhouette.compiled import compiled
 from local_site.tracking.silhouette.features import Features
 
 FOREARM_SIGMA = 0.06
@@ -17,6 +18,7 @@ EXPECTED_SIGMA = 1.0
 CLEAR_BEND_SINE = 0.4
 MIN_BEND_SINE = 0.02
 MIN_LENGTH = 1e-6
+TINY = 1e-40
 
 
 @dataclass(frozen=True, slots=True)
@@ -48,6 +50,11 @@ class Constraints:
     offsets: Array
     elbows: int
 
+    @property
+    def arrays(self) -> tuple[Array, Array, Array, int]:
+        """All of it as `descend` takes it."""
+        return self.projection, self.normals, self.offsets, self.elbows
+
 
 def constraints_of(projection: Array, view: Features, shifts: Shifts) -> Constraints:
     """The lines that a view lays down.
@@ -73,35 +80,74 @@ def constraints_of(projection: Array, view: Features, shifts: Shifts) -> Constra
     return Constraints(projection, normals, np.sum(normals * points, axis=1), len(lines) - 2)
 
 
-def linearise(constraints: Sequence[Constraints], state: Array, links: Sequence[Link]) -> tuple[Array, Array]:
-    """Jacobian (M, 6) and residuals (M,) in standard deviations."""
-    count = sum(len(c.offsets) for c in constraints)
-    jacobian, residual = np.zeros((count + len(links), 6)), np.empty(count + len(links))
-    row = 0
-    for c in constraints:
-        split, end = row + c.elbows, row + len(c.offsets)
-        for rows, part, point, columns in (
-            (slice(row, split), slice(0, c.elbows), state[:3], slice(0, 3)),
-            (slice(split, end), slice(c.elbows, None), state[3:], slice(3, 6)),
-        ):
-            pixel, gradient = _pixel(c.projection, point)
-            jacobian[rows, columns] = c.normals[part] @ gradient
-            residual[rows] = c.normals[part] @ pixel - c.offsets[part]
-        row = end
-    for link in links:
-        arm = (state[3:] if link.anchor is None else link.anchor) - state[:3]
-        length = max(math.sqrt(float(arm @ arm)), MIN_LENGTH)
-        jacobian[row, :3] = -arm / (length * link.sigma)
-        if link.anchor is None:
-            jacobian[row, 3:] = arm / (length * link.sigma)
-        residual[row] = (length - link.length) / link.sigma
-        row += 1
-    return jacobian, residual
+def known_distances(links: Sequence[Link]) -> Array:
+    """The links as rows (N, 5): anchor, NaN for the wrist, length and standard deviation."""
+    rows = [(*(np.full(3, np.nan) if it.anchor is None else it.anchor), it.length, it.sigma) for it in links]
+    return np.array(rows, dtype=np.float64).reshape(-1, 5)
 
 
-def _pixel(projection: Array, point: Array) -> tuple[Array, Array]:
-    """The pixel (2,) of a point (3,) and its gradient (2, 3) in px per m."""
-    x, y, depth = (projection[:, :3] @ point + projection[:, 3]).tolist()
-    pixel = np.array([x / depth, y / depth])
-    gradient: Array = (projection[:2, :3] - pixel[:, None] * projection[2, :3]) / depth
-    return pixel, gradient
+@compiled
+def descend(
+    views: tuple[tuple[Array, Array, Array, int], ...], links: Array, state: Array, iterations: int, converged_m: float
+) -> tuple[Array, Array, float]:
+    """Gauss-Newton from a state (6,), elbow then wrist: the state, its information (6, 6), the rms of the residuals.
+
+    Views are projection, normals, offsets and number of elbow lines. The rms is NaN where it does not converge.
+    """
+    for _ in range(iterations):
+        information, pull = np.zeros((6, 6)), np.zeros(6)
+        squares, count = 0.0, len(links)
+        for projection, normals, offsets, elbows in views:
+            squares += _add_lines(projection, normals[:elbows], offsets[:elbows], state, 0, information, pull)
+            squares += _add_lines(projection, normals[elbows:], offsets[elbows:], state, 3, information, pull)
+            count += len(offsets)
+        for k in range(len(links)):
+            squares += _add_link(links[k], state, information, pull)
+        if not np.isfinite(information).all() or abs(np.linalg.det(information / np.trace(information))) < TINY:
+            break
+        step = -np.linalg.solve(information, pull)
+        state = state + step
+        if np.abs(step).max() < converged_m:
+            return state, information, math.sqrt(squares / count)
+    return state, np.eye(6), math.nan
+
+
+@compiled
+def _add_lines(
+    projection: Array, normals: Array, offsets: Array, state: Array, first: int, information: Array, pull: Array
+) -> float:
+    """Add image lines through a joint, the three numbers of the state from `first` on."""
+    h = projection[:, 3].copy()
+    for d in range(3):
+        h += projection[:, d] * state[first + d]
+    x, y = h[0] / h[2], h[1] / h[2]
+    slope_x = (projection[0, :3] - x * projection[2, :3]) / h[2]
+    slope_y = (projection[1, :3] - y * projection[2, :3]) / h[2]
+    squares = 0.0
+    for k in range(len(offsets)):
+        row = normals[k, 0] * slope_x + normals[k, 1] * slope_y
+        residual = normals[k, 0] * x + normals[k, 1] * y - offsets[k]
+        squares += residual * residual
+        for p in range(3):
+            pull[first + p] += row[p] * residual
+            for q in range(3):
+                information[first + p, first + q] += row[p] * row[q]
+    return squares
+
+
+@compiled
+def _add_link(link: Array, state: Array, information: Array, pull: Array) -> float:
+    """Add a known distance of the elbow."""
+    anchored = not math.isnan(link[0])
+    arm = (link[:3] if anchored else state[3:]) - state[:3]
+    length = max(math.sqrt(arm[0] ** 2 + arm[1] ** 2 + arm[2] ** 2), MIN_LENGTH)
+    row = np.zeros(6)
+    row[:3] = -arm / (length * link[4])
+    if not anchored:
+        row[3:] = -row[:3]
+    residual = (length - link[3]) / link[4]
+    for p in range(6):
+        pull[p] += row[p] * residual
+        for q in range(6):
+            information[p, q] += row[p] * row[q]
+    return float(residual * residual)

@@ -14,14 +14,20 @@ from common.geometry import Array
 from local_site.calibration.triangulation import project, reprojection_residual, triangulate
 from local_site.tracking.silhouette.elbow_depth import Bend, shifts_of
 from local_site.tracking.silhouette.features import Features
-from local_site.tracking.silhouette.joint_equations import Constraints, Link, Shifts, constraints_of, linearise
+from local_site.tracking.silhouette.joint_equations import (
+    Constraints,
+    Link,
+    Shifts,
+    constraints_of,
+    descend,
+    known_distances,
+)
 
 LENGTH_SIGMA = 0.015
 SLEEVE_SIGMA = 0.1
 MAX_SLEEVE_RESIDUAL = 0.7
 ITERATIONS = 12
 CONVERGED_M = 1e-4
-MIN_DETERMINANT = 1e-40
 MIN_PLANE_SINE = 0.05
 SHIFT_ROUNDS = 2
 
@@ -130,15 +136,8 @@ def _image_motion(matrix: Array, point: Array, direction: Array) -> Array:
 
 
 def _solve(constraints: Sequence[Constraints], links: Sequence[Link], state: Array) -> Joints | None:
-    """Gauss-Newton from a state (6,), elbow then wrist."""
-    for _ in range(ITERATIONS):
-        jacobian, residual = linearise(constraints, state, links)
-        normal = jacobian.T @ jacobian
-        if not np.isfinite(normal).all() or abs(np.linalg.det(normal / np.trace(normal))) < MIN_DETERMINANT:
-            return None
-        step = np.linalg.solve(normal, -jacobian.T @ residual)
-        state = state + step
-        if float(np.abs(step).max()) < CONVERGED_M:
-            misfit = math.sqrt(float(residual @ residual) / len(residual))
-            return Joints(state[:3], state[3:], np.linalg.inv(normal).astype(np.float64), misfit)
-    return None
+    views = tuple(c.arrays for c in constraints)
+    state, information, misfit = descend(views, known_distances(links), state, ITERATIONS, CONVERGED_M)
+    if math.isnan(misfit):
+        return None
+    return Joints(state[:3], state[3:], np.linalg.inv(information).astype(np.float64), misfit)

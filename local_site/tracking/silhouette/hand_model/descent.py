@@ -50,15 +50,16 @@ def descend(
         information[:], gradient[:] = 0.0, 0.0
         cost = _add_views(views, wrist, rotation, posture, body, information, gradient)
         strain = _strain(wrist, rotation, posture, known)
-        step = -np.linalg.solve(information + known[3], gradient + known[3] @ strain)
-        step *= min(1.0, MAX_TURN / max(np.abs(step[3:]).max(), 1e-9))
+        step = np.linalg.solve(information + known[3], -gradient - known[3] @ strain).astype(np.float64)
+        step = step * min(1.0, MAX_TURN / max(np.abs(step[3:]).max(), 1e-9))
         wrist, rotation, posture = wrist + step[:3], turned(step[3:POSE]) @ rotation, posture + step[POSE:]
         if max(np.abs(step[3:]).max(), 10 * np.abs(step[:3]).max()) < SMALL_STEP:
             break
     count = 0
     for view in views:
         count += len(view[2])
-    return wrist, rotation, posture, information, (cost + strain @ known[3] @ strain) / max(count, 1)
+    strained = float(strain @ known[3] @ strain)
+    return wrist, rotation, posture, information, (cost + strained) / max(count, 1)
 
 
 @compiled

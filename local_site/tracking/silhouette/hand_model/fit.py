@@ -19,7 +19,7 @@ class HandView:
     """The hand in one view: projection (3, 4) and its focal length, outline pixels (N, 2), distance field (H, W) in px,
     positive inside the silhouette, whose first pixel is at `origin` (2,), and the standard deviation in px of an
     outline pixel from the model, which differs more from a real hand than the pixel is uncertain; all of the outline
-    (M, 2), of which the pixels are some, and the picture."""
+    (M, 2), of which the pixels are some, the picture, and the shift (2,) that takes it to the instant measured."""
 
     projection: Array
     focal_px: float
@@ -29,6 +29,7 @@ class HandView:
     sigma: float
     outline: Array
     grey: NDArray[np.uint8]
+    shift: Array
 
 
 @dataclass(frozen=True, slots=True)

@@ -129,7 +129,8 @@ def turned(vector: Array) -> Array:
         return np.eye(3)
     x, y, z = vector / angle
     k = np.array([[0.0, -z, y], [z, 0.0, -x], [-y, x, 0.0]])
-    return np.eye(3) + math.sin(angle) * k + (1 - math.cos(angle)) * (k @ k)
+    result: Array = np.eye(3) + math.sin(angle) * k + (1 - math.cos(angle)) * (k @ k)
+    return result
 
 
 @compiled
