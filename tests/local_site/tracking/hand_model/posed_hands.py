@@ -1,14 +1,18 @@
-"""Hands in known poses as two cameras see them: capsules drawn with OpenCV, outlines traced, distance fields."""
+"""Hands in known poses as two cameras see them: capsules drawn with OpenCV and measured like pictures."""
 
 import cv2
 import numpy as np
 
 from local_site.simulation.cameras import stereo_pair
 from local_site.simulation.config import StereoConfig
-from local_site.tracking.silhouette.hand_model.fit import HandView
+from local_site.tracking.silhouette.contour import find_silhouette, to_grey
+from local_site.tracking.silhouette.features import Features
 from local_site.tracking.silhouette.hand_model.habits import GRIPPER, Belief, prior_information
 from local_site.tracking.silhouette.hand_model.placement import HandPose, Person, place, turned
 from local_site.tracking.silhouette.hand_model.skeleton import CAPSULES, FOREARM, MIDDLE_TIP
+from local_site.tracking.silhouette.hand_view import make_hand_view
+from local_site.tracking.silhouette.medial import Line
+from local_site.tracking.silhouette.posture import Posture
 
 STEREO = StereoConfig()
 PROJECTIONS = tuple(camera.projection for camera in stereo_pair(STEREO))
@@ -16,10 +20,11 @@ SIZE = (STEREO.width_px, STEREO.height_px)
 FINE, SHIFT = 4, 4
 # OpenCV also fills the pixels that an outline touches: about half a fine pixel too much all round.
 EXCESS_PX = 0.47 / FINE
-SIGMA_PX = 2.0
+DARK, BRIGHT, LEVEL = 9.0, 170.0, 50.0
+LINE = Line(np.zeros(2), np.array([1.0, 0.0]))
 WRIST = np.array([0.50, 0.45, 0.60])
 # Columns: to the middle knuckle, to the thumb's side, out of the back of the hand.
-POINTING = np.column_stack([[-0.82, 0.0, 0.57], [0.0, -1.0, 0.0], [0.57, 0.0, 0.82]])
+POINTING = np.column_stack([[-0.8, 0.0, 0.6], [0.0, -1.0, 0.0], [0.6, 0.0, 0.8]])
 TO_ELBOW = np.array([0.70, -0.10, -0.70]) / np.linalg.norm([0.70, -0.10, -0.70])
 PERSON = Person(1.0, True, TO_ELBOW)
 WRIST_COVARIANCE = np.diag([0.008, 0.008, 0.008]) ** 2
@@ -51,17 +56,37 @@ def mask_of(centres, radii, scale):
     return mask
 
 
-def hand_view(pose, person, projection, every=5):
-    """One view of a hand whose outline ends a little before the wrist."""
+def picture_of(pose, person, projection):
+    """A grey picture (H, W) of a hand and the end of its forearm, and the pixels of wrist and forearm (2,)."""
     centres, radii = circles_of(pose, person, projection)
-    fine = mask_of(centres, radii, FINE)
-    contour = max(cv2.findContours(fine, cv2.RETR_EXTERNAL, cv2.CHAIN_APPROX_NONE)[0], key=len)
-    pixels = (contour.reshape(-1, 2)[:: every * FINE] - (FINE - 1) / 2) / FINE
-    wrist, forearm = centres[FOREARM - 2 : FOREARM].mean(axis=0), centres[FOREARM:].mean(axis=0)
-    kept = (pixels - wrist) @ (forearm - wrist) < 0.4 * float(np.sum((forearm - wrist) ** 2))
-    inside = (cv2.resize(fine, SIZE, interpolation=cv2.INTER_AREA) > 127).astype(np.uint8)
-    field = cv2.distanceTransform(inside, cv2.DIST_L2, 3) - cv2.distanceTransform(1 - inside, cv2.DIST_L2, 3)
-    return HandView(projection, pixels[kept], field, np.zeros(2), SIGMA_PX)
+    grey = cv2.resize(mask_of(centres, radii, FINE), SIZE, interpolation=cv2.INTER_AREA)
+    picture = np.rint(DARK + (BRIGHT - DARK) / 255 * cv2.GaussianBlur(grey, (0, 0), 0.7)).astype(np.uint8)
+    return picture, centres[FOREARM - 2 : FOREARM].mean(axis=0), centres[FOREARM:].mean(axis=0)
+
+
+def hand_view(pose, person, projection):
+    """One view of a hand whose outline begins a little before the wrist."""
+    picture, wrist, forearm = picture_of(pose, person, projection)
+    silhouette = find_silhouette(to_grey(picture), LEVEL)
+    contour = silhouette.contour
+    kept = (contour - wrist) @ (forearm - wrist) < 0.4 * float(np.sum((forearm - wrist) ** 2))
+    first = int(np.flatnonzero(kept & ~np.roll(kept, 1))[0])
+    features = Features(
+        forearm=LINE,
+        root=LINE,
+        root_width=0.0,
+        root_share=0.0,
+        upper_arm=None,
+        upper_arm_width=0.0,
+        wrist=None,
+        hand=np.roll(contour, -first, axis=0)[: np.count_nonzero(kept)],
+        half_width=20.0,
+        silhouette=silhouette,
+        guess=Posture(forearm, forearm, wrist, wrist, 20.0),
+        hand_cropped=False,
+        shoulder_cropped=False,
+    )
+    return make_hand_view(projection, features, pose.wrist)
 
 
 def hand_views(pose, person=PERSON, projections=PROJECTIONS):
