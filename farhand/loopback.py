@@ -21,6 +21,7 @@ from common.service import StopFlag
 from common.transport import open_link
 from farhand.figures import Expectation, Figures, all_figures
 from farhand.live import LiveSummary, print_table
+from farhand.preparing import prepare_tracker
 from farhand.recorder import Record, Recorder
 from farhand.site_process import SiteProcess
 from farhand.views import save_camera_views, save_overview
@@ -36,7 +37,7 @@ ENGAGE_TIMEOUT_S = 20.0
 SILENT_NS = NS_PER_S
 SETTLE_NS = 400 * NS_PER_MS  # from the opening of the hand to the toggled gripper, with room
 SETTLE_TIMEOUT_S = 3.0
-STARTS_IN_NS = 2 * NS_PER_S
+STARTS_IN_NS = 3 * NS_PER_S
 POLL_S = 0.05
 MAX_FOLLOW_MM = 50.0
 FOLLOWING = (SessionState.ENGAGED, SessionState.HOLDING)
@@ -120,6 +121,7 @@ class Loopback:
     def run(self) -> Figures:
         """Start, wait for the arm to follow, measure, end; ProcessError says what went wrong."""
         remote = load_config(RemoteConfig, None, self._plan.remote)
+        prepare_tracker(load_config(LocalConfig, None, self._plan.local).tracking, len(OPERATOR_VIEWS))
         with ExitStack() as stack, LiveSummary(self._options.seconds) as live:
             self._runtime = Path(stack.enter_context(tempfile.TemporaryDirectory(prefix="farhand-")))
             stack.callback(self._end)

@@ -8,6 +8,7 @@ import numpy as np
 from rich.console import Console
 from rich.progress import MofNCompleteColumn, Progress, SpinnerColumn, TextColumn
 
+from farhand.preparing import prepare_tracker
 from farhand.track import POINTS, Summary, track_recording
 from local_site.calibration.rig import load_rig
 from local_site.rig_cameras import open_rig_cameras
@@ -32,6 +33,7 @@ class TrackSources:
 def run_track(sources: TrackSources, out: Path, annotate_dir: Path | None) -> str:
     """Track everything the sources give, and sum it up in words; FarhandError names what cannot be opened."""
     rig = load_rig(sources.rig)
+    prepare_tracker(sources.tracking, len(rig.cameras))
     columns = (SpinnerColumn(), TextColumn("tracking"), MofNCompleteColumn())
     with ExitStack() as opened:
         cameras = open_rig_cameras(rig, (sources.left, sources.right, *sources.also), sources.fps)

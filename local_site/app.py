@@ -29,6 +29,7 @@ from local_site.smoothing import make_smoother
 from local_site.tracking.annotate import annotate
 from local_site.tracking.choice import make_tracker
 from local_site.tracking.tracker import ArmEstimate, Views
+from local_site.warm_up import warm_up
 
 VIEWS_TIMEOUT_S = 0.1
 FIFO_PRIORITY = 20  # of tracking: below the robot's control, above everything that may come late
@@ -43,6 +44,8 @@ def run_local(config: LocalConfig, should_stop: StopFlag, save_views: Path | Non
     for endpoint in (config.links.remote, config.links.listen):
         check_endpoint(endpoint)
     clock = MonotonicClock()
+    cv2.setNumThreads(1)
+    warm_up(config.tracking, len(config.operator.sources))
     try:
         rig, cameras = _open_operator(config)
         capture = Capture(cameras, config.capture, clock)
@@ -67,7 +70,6 @@ def run_local(config: LocalConfig, should_stop: StopFlag, save_views: Path | Non
 
 def _open_operator(config: LocalConfig) -> tuple[Rig, Sequence[Camera]]:
     operator = config.operator
-    cv2.setNumThreads(1)
     if operator.is_simulated:
         simulated = SimulatedCameras(config.simulation)
         return calibrate_simulated(config.simulation), (simulated.left, simulated.right)

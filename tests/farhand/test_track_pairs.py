@@ -11,6 +11,7 @@ from farhand.track_command import TrackSources, run_track
 from local_site.calibration.rig import Rig, save_rig
 from local_site.simulation.cameras import exact_rig
 from local_site.simulation.config import StereoConfig
+from local_site.tracking.choice import TrackingConfig
 
 IMAGE = np.full((48, 64), 8, np.uint8)
 
@@ -83,7 +84,8 @@ def test_the_command_tracks_four_cameras(tmp_path):
     pair = exact_rig(StereoConfig())
     save_rig(Rig(pair.cameras * 2, pair.volume_min, pair.volume_max, pair.error_rms, "made up"), tmp_path / "rig.json")
     left, right, *also = (str(tmp_path / name) for name in ("left", "right", "third", "fourth"))
-    sources = TrackSources(tmp_path / "rig.json", left, right, None, also=tuple(also))
+    markers = TrackingConfig(method="markers")
+    sources = TrackSources(tmp_path / "rig.json", left, right, None, markers, tuple(also))
     said = run_track(sources, tmp_path / "track.jsonl", tmp_path / "pictures")
     assert said.startswith("1 pairs: 1 lost")
     assert cv2.imread(str(tmp_path / "pictures" / "000000.png")).shape == (48, 4 * 64, 3)

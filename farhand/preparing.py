@@ -1,0 +1,12 @@
+"""Prepares the tracker before a command needs it, and says so where a person waits."""
+
+from rich.console import Console
+
+from local_site.tracking.choice import TrackingConfig
+from local_site.warm_up import warm_up
+
+
+def prepare_tracker(tracking: TrackingConfig, cameras: int) -> None:
+    """Have the tracker compiled, or load what was compiled before."""
+    with Console(stderr=True).status("preparing the tracker (up to a minute the first time)"):
+        warm_up(tracking, cameras)
