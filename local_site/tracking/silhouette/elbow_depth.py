@@ -15,7 +15,7 @@ from local_site.tracking.silhouette.hand_model.descent import focal_length
 from local_site.tracking.silhouette.joint_equations import Shifts
 from local_site.tracking.silhouette.medial import Line
 
-FOREARM_OFFSET_SHARE = 0.15
+FOREARM_OFFSET_SHARE = 0.13
 UPPER_ARM_DEPTH_M = 0.036
 CLEAR_BEND_SINE = 0.35
 MIN_LENGTH_M = 1e-6
@@ -48,16 +48,14 @@ class Bend:
         return away / max(sine, 1e-9) * min(1.0, sine / CLEAR_BEND_SINE)
 
 
-def shifts_of(projection: Array, view: Features, bend: Bend, learnt: tuple[float, float]) -> Shifts:
-    """From the medial lines of a view to the elbow's axis; `learnt` corrects the offsets (m) from forearm and upper
-    arm towards the back."""
-    px_per_m = _px_per_m(projection, bend.elbow)
-    offset = FOREARM_OFFSET_SHARE * 0.5 * view.root_width + learnt[0] * px_per_m
+def shifts_of(projection: Array, view: Features, bend: Bend) -> Shifts:
+    """From the medial lines of a view to the elbow's axis."""
+    offset = FOREARM_OFFSET_SHARE * 0.5 * view.root_width
     across = offset * bend.behind(bend.forearm, bend.upper_arm)
     first = _shown(projection, bend.elbow, view.root, across) / (1 - view.root_share)
     if view.upper_arm is None:
         return Shifts(first)
-    offset = 0.5 * view.upper_arm_width + (learnt[1] - UPPER_ARM_DEPTH_M) * px_per_m
+    offset = 0.5 * view.upper_arm_width - UPPER_ARM_DEPTH_M * _px_per_m(projection, bend.elbow)
     across = offset * bend.behind(bend.upper_arm, bend.forearm)
     return Shifts(first, _shown(projection, bend.elbow, view.upper_arm, across))
 

@@ -28,18 +28,17 @@ SLEEVE_SIGMA = 0.1
 MAX_SLEEVE_RESIDUAL = 0.7
 ITERATIONS = 12
 CONVERGED_M = 1e-4
-MIN_PLANE_SINE = 0.05
+MIN_PLANE_SINE = 0.12
+MIN_UPPER_ARM_M = 0.02
 SHIFT_ROUNDS = 2
 
 
 @dataclass(frozen=True, slots=True)
 class Body:
-    """Elbow to wrist and elbow to sleeve end in m once they are known, and what was learnt of the elbow's offsets in m
-    from the middle of forearm and upper arm towards the arm's back, beyond those of an average arm."""
+    """Elbow to wrist and elbow to sleeve end in m once they are known."""
 
     forearm_length: float | None = None
     sleeve_distance: float | None = None
-    elbow_offsets: tuple[float, float] = (0.0, 0.0)
 
 
 @dataclass(frozen=True, slots=True)
@@ -89,7 +88,7 @@ def solve_joints(
             return joints
         state = np.concatenate([joints.elbow, joints.wrist])
         bend = Bend(joints.elbow, joints.wrist, upper)
-        shifts = [shifts_of(m, f, bend, body.elbow_offsets) for m, f in zip(projections, features, strict=True)]
+        shifts = [shifts_of(m, f, bend) for m, f in zip(projections, features, strict=True)]
     return joints
 
 
@@ -113,18 +112,24 @@ def _links(body: Body, sleeve: Array | None) -> list[Link]:
 
 
 def upper_arm_direction(projections: Sequence[Array], features: Sequence[Features], elbow: Array) -> Array | None:
-    """The unit vector (3,) from the elbow to the shoulder along which the planes of the upper arm's lines meet."""
-    seen = [(m, f.upper_arm) for m, f in zip(projections, features, strict=True) if f.upper_arm is not None]
-    planes = np.array([line.normal @ (m[:2, :3] - np.outer(line.point, m[2, :3])) for m, line in seen])
-    if len(planes) < 2:
+    """The unit vector (3,) from the elbow to the shoulder along which the planes of the upper arm's lines meet.
+
+    Where the planes nearly coincide, as for an upper arm parallel to the baseline, it leads in their common plane to
+    where the views' far ends of the upper arm meet.
+    """
+    seen = [(m, f, f.upper_arm) for m, f in zip(projections, features, strict=True) if f.upper_arm is not None]
+    if len(seen) < 2:
         return None
+    planes = np.array([line.normal @ (m[:2, :3] - np.outer(line.point, m[2, :3])) for m, _, line in seen])
     planes /= np.linalg.norm(planes, axis=1, keepdims=True)
     _, singular, axes = np.linalg.svd(planes)
     if singular[1] < MIN_PLANE_SINE:
-        return None
-    direction = axes[2]
-    votes = [line.direction @ _image_motion(m, elbow, direction) for m, line in seen]
-    towards: Array = direction if sum(votes) > 0 else -direction
+        far_end = triangulate([m for m, _, _ in seen], [f.guess.shoulder_end for _, f, _ in seen])
+        direction = (far_end - elbow) - axes[0] * float(axes[0] @ (far_end - elbow))
+        length = float(np.linalg.norm(direction))
+        return direction / length if length > MIN_UPPER_ARM_M else None
+    votes = [line.direction @ _image_motion(m, elbow, axes[2]) for m, _, line in seen]
+    towards: Array = axes[2] if sum(votes) > 0 else -axes[2]
     return towards
 
 
