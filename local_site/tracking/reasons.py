@@ -19,7 +19,6 @@ class Reason(StrEnum):
     HAND_UNCLEAR = "the outline does not look like a hand held like a gripper, or open"
     THUMB_INFERRED = "the thumb is not seen in outline by two cameras; its place follows from the hand's shape"
     LEARNING = "learning the arm: hold it bent, thumb and index apart"
-    CALIBRATION_DRIFT = "the views fit together worse than when tracking began: calibrate again"
 
 
 def sentence(reasons: Iterable[str]) -> str:

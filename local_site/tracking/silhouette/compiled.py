@@ -1,4 +1,4 @@
-"""Compiling of inner loops: over a few thousand pairs of pixel and part, arrays would cost ten times as much."""
+"""Compiling of inner loops: over a few thousand pairs of pixel and part, arrays would cost many times as much."""
 
 from collections.abc import Callable
 from typing import TypeVar, cast

@@ -19,18 +19,19 @@ from local_site.tracking.silhouette.hand_model.habits import (
 from local_site.tracking.silhouette.hand_model.placement import POSE, HandPose, Person, rotation_vector, turned
 from local_site.tracking.silhouette.hand_model.search import search_hand
 from local_site.tracking.silhouette.hand_model.skeleton import INDEX_TIP, THUMB_TIP, TYPICAL_FOREARM
-from local_site.tracking.silhouette.tips import Tip, find_tip
+from local_site.tracking.silhouette.tips import MIN_VIEWS, Tip, find_tip
 
 ITERATIONS = 4
 REFIT_ITERATIONS = 8
-FIRST_ROLLS, FIRST_KEPT = 24, 6
-AGAIN_ROLLS, AGAIN_KEPT = 12, 3
+FIRST_ROLLS, FIRST_KEPT = 24, 12
+AGAIN_ROLLS, AGAIN_KEPT = 8, 3
 REMEMBERED_COSTS = 30
 WORSE_FACTOR, WORSE_MARGIN = 1.4, 0.05
 BAD_FACTOR, BAD_MARGIN = 1.7, 0.08
 SEARCH_PAUSE = 3
 MAX_COST = 1.2
 MAX_TURN_AHEAD = 0.5
+OPEN_THUMB_SIGMA_M = 0.02
 
 
 @dataclass(frozen=True, slots=True)
@@ -90,7 +91,7 @@ class HandTracker:
         self._costs.append(fit.cost)
         if self._habits.is_closed(fit.pose.posture) or not self.known:
             self._learn(fit)
-        return _estimate(views, fit, self._habits.is_open(fit.pose.posture))
+        return _estimate(views, fit, self._habits.is_open(fit.pose.posture), float(np.median(self._costs)))
 
     def _learn(self, fit: Fit) -> None:
         prior = fit.prior
@@ -157,10 +158,18 @@ class HandTracker:
         return Prior(arm.wrist, belief.posture, information, near)
 
 
-def _estimate(views: Sequence[HandView], fit: Fit, hand_open: bool) -> HandEstimate:
+def _estimate(views: Sequence[HandView], fit: Fit, hand_open: bool, usual_cost: float) -> HandEstimate:
     covariance = np.linalg.inv(fit.information).astype(np.float64)
-    index, thumb = (find_tip(views, fit, covariance, sphere) for sphere in (INDEX_TIP, THUMB_TIP))
-    return HandEstimate(fit.pose.wrist, covariance[:3, :3], index, thumb, hand_open, fit.cost)
+    strain = max(1.0, fit.cost / max(usual_cost, 1e-6))
+    index, thumb = (_strained(find_tip(views, fit, covariance, sphere), strain) for sphere in (INDEX_TIP, THUMB_TIP))
+    if hand_open and thumb.views < MIN_VIEWS:
+        thumb = replace(thumb, covariance=thumb.covariance + OPEN_THUMB_SIGMA_M**2 * np.eye(3))
+    return HandEstimate(fit.pose.wrist, strain * covariance[:3, :3], index, thumb, hand_open, fit.cost)
+
+
+def _strained(tip: Tip, strain: float) -> Tip:
+    """A tip of a fit that explains the outlines less well than usual: its variance grows likewise."""
+    return replace(tip, covariance=strain * tip.covariance)
 
 
 def _cost(fit: Fit) -> float:

@@ -31,6 +31,8 @@ CONVERGED_M = 1e-4
 MIN_PLANE_SINE = 0.12
 MIN_UPPER_ARM_M = 0.02
 SHIFT_ROUNDS = 2
+MAX_VIEWS = 4
+NO_LINES = (np.eye(3, 4), np.empty((0, 2)), np.empty(0), 0)
 
 
 @dataclass(frozen=True, slots=True)
@@ -141,7 +143,7 @@ def _image_motion(matrix: Array, point: Array, direction: Array) -> Array:
 
 
 def _solve(constraints: Sequence[Constraints], links: Sequence[Link], state: Array) -> Joints | None:
-    views = tuple(c.arrays for c in constraints)
+    views = (*(c.arrays for c in constraints), *[NO_LINES] * (MAX_VIEWS - len(constraints)))
     state, information, misfit = descend(views, known_distances(links), state, ITERATIONS, CONVERGED_M)
     if math.isnan(misfit):
         return None

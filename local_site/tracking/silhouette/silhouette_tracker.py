@@ -18,12 +18,14 @@ from local_site.tracking.silhouette.hand_view import make_hand_view
 from local_site.tracking.silhouette.joints import Body, Joints, sleeve_end, solve_joints
 from local_site.tracking.silhouette.posture import Posture
 from local_site.tracking.silhouette.quality import doubts, objection
+from local_site.tracking.silhouette.tangency import Tangency
 from local_site.tracking.silhouette.view import ViewMeter
 from local_site.tracking.tracker import ArmEstimate, Overlay, Views
 
 MAX_PREDICTION_NS = 200_000_000
 MAX_PREDICTED_SIGMA = 0.015
 MIN_VIEWS = 2
+MAX_TANGENT_RESIDUAL, DOUBTED_TANGENT_RESIDUAL = 0.4, 0.12
 ALONG_SIGMA, ACROSS_SIGMA = 0.006, 0.002
 ELBOW_MODEL_SIGMA, WRIST_MODEL_SIGMA = 0.004, 0.004
 
@@ -37,6 +39,7 @@ class _Moment:
     hand: HandEstimate | None
     seen: tuple[int, ...]
     features: tuple[Features, ...]
+    residual_px: float | None
 
     @property
     def wrist(self) -> Array:
@@ -56,6 +59,7 @@ class SilhouetteTracker:
         self._config = config or SilhouetteConfig()
         self._projections = rig.matrices
         self._meters = tuple(ViewMeter(camera) for camera in rig.cameras)
+        self._tangency = Tangency(self._projections)
         self._body = Body()
         self._hand = HandTracker(self._config.initial_pairs, self._config.right_arm)
         self._lengths: list[tuple[float, float]] = []
@@ -72,11 +76,17 @@ class SilhouetteTracker:
         features = tuple(found for found in measured if isinstance(found, Features))
         if len(seen) < MIN_VIEWS:
             return self._lost(views.t_ns, sentence(found for found in measured if isinstance(found, str)))
+        # Between two exposures the features are interpolated, but an outline cannot be.
+        exposed = all(views.views[k].weight >= 1.0 for k in seen)
+        residual_px = self._tangency.residual_px(seen, [f.silhouette for f in features]) if exposed else None
+        if (residual_px or 0.0) > MAX_TANGENT_RESIDUAL * min(f.half_width for f in features):
+            return self._lost(views.t_ns, Reason.OUT_OF_STEP, residual_px)
         joints = solve_joints(self._matrices(seen), features, self._body)
         problem = objection(joints)
         if joints is None or problem:
-            return self._lost(views.t_ns, problem or Reason.NO_ARM)
-        return self._found(_Moment(views.t_ns, joints, self._track_hand(seen, features, joints), seen, features))
+            return self._lost(views.t_ns, problem or Reason.NO_ARM, residual_px)
+        hand = self._track_hand(seen, features, joints)
+        return self._found(_Moment(views.t_ns, joints, hand, seen, features, residual_px))
 
     def _matrices(self, seen: Sequence[int]) -> list[Array]:
         return [self._projections[k] for k in seen]
@@ -112,6 +122,7 @@ class SilhouetteTracker:
             hand_open=hand is not None and hand.hand_open,
             overlays=self._overlays(moment),
             covariances=covariances,
+            residual_px=moment.residual_px,
         )
 
     def _judge(self, moment: _Moment) -> tuple[TrackingStatus, str]:
@@ -119,6 +130,8 @@ class SilhouetteTracker:
         reasons = doubts(self._rig, self._matrices(moment.seen), moment.features, moment.joints)
         if moment.hand is None:
             reasons.append(Reason.HAND_UNCLEAR)
+        if (moment.residual_px or 0.0) > DOUBTED_TANGENT_RESIDUAL * min(f.half_width for f in moment.features):
+            reasons.append(Reason.OUT_OF_STEP)
         if self._body.forearm_length is None:
             return self._learn(moment, reasons)
         if reasons:
@@ -141,12 +154,12 @@ class SilhouetteTracker:
         count = f"{len(self._lengths)} of {self._config.initial_pairs} pairs"
         return TrackingStatus.INITIALISING, f"{Reason.LEARNING} ({count})"
 
-    def _lost(self, t_ns: int, reason: str) -> ArmEstimate:
+    def _lost(self, t_ns: int, reason: str, residual_px: float | None = None) -> ArmEstimate:
         self._last = self._before = None
         self._hand.forget()
         for meter in self._meters:
             meter.forget()
-        return ArmEstimate(t_ns=t_ns, status=TrackingStatus.LOST, reason=reason)
+        return ArmEstimate(t_ns=t_ns, status=TrackingStatus.LOST, reason=reason, residual_px=residual_px)
 
     def _velocity_factor(self, t_ns: int) -> float:
         """Time since the last instant in units of the interval before it; 0 where there is nothing to go by."""

@@ -11,7 +11,9 @@ from local_site.tracking.silhouette.hand_model.skeleton import CAPSULES
 from local_site.tracking.silhouette.tip_edges import add_grey_edges, add_outline_pixels
 
 FREEDOM_M = 0.008
+SEEN_SIGMA_M, HIDDEN_SIGMA_M = 0.002, 0.005
 MIN_PIXELS = 4
+MIN_VIEWS = 2
 STEPS = 3
 
 
@@ -44,7 +46,8 @@ def find_tip(views: Sequence[HandView], fit: Fit, covariance: Array, sphere: int
                 add_grey_edges(view.projection, view.focal_px, view.grey, view.shift, tip, information, pull)
         shift = shift - np.linalg.solve(information, pull)
     spread = np.linalg.inv(information).astype(np.float64)
-    return Tip(point + shift, spread + _unseen_part(inherited, spread), seen)
+    own_sigma = SEEN_SIGMA_M if seen >= MIN_VIEWS else HIDDEN_SIGMA_M
+    return Tip(point + shift, spread + _unseen_part(inherited, spread) + own_sigma**2 * np.eye(3), seen)
 
 
 def _owned(view: HandView, fit: Fit, sphere: int) -> Array:

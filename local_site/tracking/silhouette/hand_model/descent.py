@@ -75,6 +75,8 @@ def _add_views(
     spheres = place_spheres(wrist, rotation, posture, body[0], body[1], body[2])
     cost = 0.0
     for projection, focal_px, pixels, field, origin, sigma in views:
+        if len(pixels) == 0:
+            continue
         circles = project_spheres(projection, focal_px, spheres[0], spheres[1], spheres[2], spheres[3])
         frames = capsule_frames(circles[0], circles[1], CAPSULES)
         contact = touch(pixels, circles[0], circles[1], CAPSULES, frames)

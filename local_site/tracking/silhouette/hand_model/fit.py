@@ -13,6 +13,10 @@ from local_site.tracking.silhouette.hand_model.kernels import capsule_frames, pr
 from local_site.tracking.silhouette.hand_model.placement import HandPose, Person, Placed, place
 from local_site.tracking.silhouette.hand_model.skeleton import CAPSULES, FOREARM_SPHERE_DISTANCE
 
+# one number of views for all, so that the descent is compiled once
+MAX_VIEWS = 4
+NO_VIEW = (np.zeros((3, 4)), 1.0, np.empty((0, 2)), np.zeros((4, 4), dtype=np.float32), np.zeros(2), 1.0)
+
 
 @dataclass(frozen=True, slots=True)
 class HandView:
@@ -75,8 +79,9 @@ def fit_hand(views: Sequence[HandView], start: HandPose, prior: Prior, person: P
     near = start.rotation if prior.near is None else prior.near.rotation
     known = (prior.wrist, near, prior.posture, prior.information)
     body = (person.scale, person.right_arm, person.scale * FOREARM_SPHERE_DISTANCE * person.to_elbow)
-    arrays = tuple((v.projection, v.focal_px, v.pixels, v.field, v.origin, v.sigma) for v in views)
-    state = descend(arrays, start.wrist, start.rotation, start.posture, known, body, iterations)
+    arrays = [(v.projection, v.focal_px, v.pixels, v.field, v.origin, v.sigma) for v in views]
+    padded = (*arrays, *[NO_VIEW] * (MAX_VIEWS - len(arrays)))
+    state = descend(padded, start.wrist, start.rotation, start.posture, known, body, iterations)
     return Fit(HandPose(*state[:3]), prior, person, state[3] + prior.information, state[4])
 
 

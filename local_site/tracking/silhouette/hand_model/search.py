@@ -14,14 +14,16 @@ from local_site.tracking.silhouette.hand_model.skeleton import MIDDLE_TIP
 FIRST_ITERATIONS = 4
 LAST_ITERATIONS = 8
 COARSE_STEP = 2
+TILTS = (-0.35, 0.0, 0.35)
 
 
 def search_hand(views: Sequence[HandView], far_end: Array, prior: Prior, person: Person, rolls: int, kept: int) -> Fit:
-    """The best fit from `rolls` starts with the middle finger's tip towards `far_end` (3,) in m.
+    """The best fit from `rolls` starts, each tilted a little to and fro, with the middle finger's tip towards `far_end`
+    (3,) in m.
 
     All starts are improved a little on some of the outline's pixels, the best `kept` of them fully.
     """
-    coarse = [replace(view, pixels=view.pixels[::COARSE_STEP]) for view in views]
+    coarse = [replace(view, pixels=np.ascontiguousarray(view.pixels[::COARSE_STEP])) for view in views]
     starts = _starts(far_end, prior, person, rolls)
     rough = sorted((fit_hand(coarse, start, prior, person, FIRST_ITERATIONS) for start in starts), key=_cost)
     return min((fit_hand(views, fit.pose, prior, person, LAST_ITERATIONS) for fit in rough[:kept]), key=_cost)
@@ -32,8 +34,9 @@ def _starts(far_end: Array, prior: Prior, person: Person, rolls: int) -> list[Ha
     towards = towards / max(float(np.linalg.norm(towards)), 1e-9)
     local = place(HandPose(np.zeros(3), np.eye(3), prior.posture), person).centres[MIDDLE_TIP]
     aligned = _between(local / np.linalg.norm(local), towards)
-    angles = [2 * math.pi * k / rolls for k in range(rolls)]
-    return [HandPose(prior.wrist, turned(angle * towards) @ aligned, prior.posture) for angle in angles]
+    turns = [turned(2 * math.pi * k / rolls * towards) @ aligned for k in range(rolls)]
+    tilts = [turned(np.array([0.0, tilt, 0.0])) for tilt in TILTS]
+    return [HandPose(prior.wrist, turn @ tilt, prior.posture) for turn in turns for tilt in tilts]
 
 
 def _between(first: Array, second: Array) -> Array:
