@@ -105,7 +105,7 @@ def track_recording(
                 hand = observe(hand, estimate.hand_open if estimate.wrist is not None else None, views.t_ns)
                 summary.add(_write(lines, summary.pairs, estimate, hand, ms))
                 if annotate_dir is not None:
-                    _save_annotated(annotate_dir / f"{summary.pairs - 1:06d}.png", views, estimate)
+                    _save_annotated(annotate_dir / f"{summary.pairs - 1:06d}.png", rig, views, estimate)
                 progress(summary.pairs)
     except OSError as error:
         raise CameraError(f"cannot write the track: {error}; choose a place that can be written") from error
@@ -186,8 +186,9 @@ def _vector(point: Array | None) -> Vector3 | None:
     return x, y, z
 
 
-def _save_annotated(path: Path, views: Views, estimate: ArmEstimate) -> None:
-    pictures = [annotate(view.current.image, estimate, k) for k, view in enumerate(views.views)]
+def _save_annotated(path: Path, rig: Rig, views: Views, estimate: ArmEstimate) -> None:
+    in_camera_order = enumerate(zip(views.views, rig.matrices, strict=True))
+    pictures = [annotate(view.current.image, estimate, k, matrix) for k, (view, matrix) in in_camera_order]
     height = max(picture.shape[0] for picture in pictures)
     padded = [np.pad(p, ((0, height - p.shape[0]), (0, 0), (0, 0))) for p in pictures]
     if not cv2.imwrite(str(path), np.hstack(padded)):

@@ -1,4 +1,6 @@
-"""What the tracker saw, drawn over a frame for people: contour, medial lines, joints, tips and status."""
+"""What the tracker saw, drawn over a frame for people: contour, medial lines, joints, tips, sigmas, and its words."""
+
+from collections.abc import Iterator
 
 import cv2
 import numpy as np
@@ -10,46 +12,137 @@ from local_site.tracking.tracker import ArmEstimate, Overlay
 
 Colour = tuple[int, int, int]
 
-CONTOUR: Colour = (150, 110, 40)
-LINE: Colour = (200, 200, 200)
+CONTOUR: Colour = (210, 150, 60)
+LINE: Colour = (255, 255, 255)
+DARK: Colour = (0, 0, 0)
+DIM: Colour = (150, 150, 150)
 POINTS: dict[str, Colour] = {
-    "elbow": (60, 76, 231),
-    "wrist": (90, 200, 80),
-    "index": (230, 150, 50),
-    "thumb": (40, 200, 240),
+    "elbow": (80, 90, 255),
+    "wrist": (90, 220, 80),
+    "index": (255, 160, 60),
+    "thumb": (40, 210, 250),
 }
 STATUS: dict[TrackingStatus, Colour] = {
     TrackingStatus.INITIALISING: (40, 200, 240),
-    TrackingStatus.TRACKED: (90, 200, 80),
-    TrackingStatus.DEGRADED: (40, 150, 240),
-    TrackingStatus.LOST: (60, 76, 231),
+    TrackingStatus.TRACKED: (90, 220, 80),
+    TrackingStatus.DEGRADED: (40, 150, 250),
+    TrackingStatus.LOST: (80, 90, 255),
 }
 SHIFT = 4
-LINE_HEIGHT_PX = 18
+FONT, FONT_SCALE = cv2.FONT_HERSHEY_SIMPLEX, 0.45
+MARGIN_PX, LINE_HEIGHT_PX = 6, 18
+PAD_PX, DARKENED = 3, 4
+DOT_PX = 2.5
+SIGMAS = 2.0
 
 
-def annotate(image: Image, estimate: ArmEstimate, view: int) -> Image:
-    """A copy of a frame (H, W) or (H, W, 3) in BGR with what was found in it."""
-    canvas = cv2.cvtColor(image, cv2.COLOR_GRAY2BGR) if image.ndim == 2 else np.ascontiguousarray(image[..., :3]).copy()
+def annotate(image: Image, estimate: ArmEstimate, view: int, projection: Array | None = None) -> Image:
+    """A copy of a frame (H, W) or (H, W, 3) in BGR with what was found in it.
+
+    With the camera's `projection` (3, 4), an ellipse of two sigma surrounds every point that has a covariance.
+    """
+    coloured = np.repeat(image[..., None], 3, axis=2) if image.ndim == 2 else image[..., :3]
+    canvas: Image = np.array(coloured, dtype=np.uint8, order="C")
     if view < len(estimate.overlays):
-        _draw(canvas, estimate.overlays[view])
-    text = estimate.status.value + (f": {estimate.reason}" if estimate.reason else "")
-    cv2.putText(
-        canvas, text, (6, LINE_HEIGHT_PX), cv2.FONT_HERSHEY_SIMPLEX, 0.4, STATUS[estimate.status], 1, cv2.LINE_AA
-    )
-    return np.asarray(canvas, dtype=np.uint8)
+        _draw_shape(canvas, estimate.overlays[view])
+        for name in POINTS:
+            _draw_point(canvas, name, estimate, estimate.overlays[view], projection)
+    if canvas.shape[0] - _write_status(canvas, estimate) >= LINE_HEIGHT_PX * len(POINTS):
+        _write_sigmas(canvas, estimate)
+    return canvas
 
 
-def _draw(canvas: cv2.typing.MatLike, overlay: Overlay) -> None:
+def _draw_shape(canvas: Image, overlay: Overlay) -> None:
     if overlay.contour is not None and len(overlay.contour):
         cv2.polylines(canvas, [overlay.contour], isClosed=True, color=CONTOUR, lineType=cv2.LINE_AA)
-    for line in (overlay.forearm_line, overlay.upper_arm_line):
-        if line is not None:
-            cv2.line(canvas, _fixed(line[0]), _fixed(line[1]), LINE, 1, cv2.LINE_AA, SHIFT)
-    for name, colour in POINTS.items():
-        point: Array | None = getattr(overlay, name)
-        if point is not None:
-            cv2.circle(canvas, _fixed(point), 4 << SHIFT, colour, 1, cv2.LINE_AA, SHIFT)
+    for colour, width in ((DARK, 3), (LINE, 1)):
+        for line in (overlay.forearm_line, overlay.upper_arm_line):
+            if line is not None:
+                cv2.line(canvas, _fixed(line[0]), _fixed(line[1]), colour, width, cv2.LINE_AA, SHIFT)
+
+
+def _draw_point(canvas: Image, name: str, estimate: ArmEstimate, overlay: Overlay, projection: Array | None) -> None:
+    """A dot, a ring where the place was inferred, and the ellipse of its sigma."""
+    pixel: Array | None = getattr(overlay, name)
+    if pixel is None:
+        return
+    inferred = name == "thumb" and estimate.thumb_inferred
+    radius = round(DOT_PX * (1 << SHIFT))
+    for colour, more in ((DARK, 1 << SHIFT), (POINTS[name], 0)):
+        thickness = (3 if more else 1) if inferred else cv2.FILLED
+        cv2.circle(canvas, _fixed(pixel), radius + more * (not inferred), colour, thickness, cv2.LINE_AA, SHIFT)
+    place: Array | None = getattr(estimate, name)
+    if projection is not None and place is not None and name in estimate.covariances:
+        outline = sigma_outline(projection, place, estimate.covariances[name]) + pixel
+        fixed = [np.array([_fixed(corner) for corner in outline], dtype=np.int32)]
+        cv2.polylines(canvas, fixed, isClosed=True, color=POINTS[name], lineType=cv2.LINE_AA, shift=SHIFT)
+
+
+def sigma_outline(projection: Array, place: Array, covariance: Array) -> Array:
+    """The ellipse of two sigma about the pixel of a place (3,) in m, as pixels (36, 2) from its middle.
+
+    The covariance (3, 3) in m² goes through the slope of the projection (3, 4).
+    """
+    homogeneous = projection @ np.append(place, 1.0)
+    pixel = homogeneous[:2] / homogeneous[2]
+    slope = (projection[:2, :3] - np.outer(pixel, projection[2, :3])) / homogeneous[2]
+    values, directions = np.linalg.eigh(slope @ covariance @ slope.T)
+    turn = np.linspace(0.0, 2.0 * np.pi, 36, endpoint=False)
+    circle = np.column_stack([np.cos(turn), np.sin(turn)])
+    outline: Array = SIGMAS * (circle * np.sqrt(np.maximum(values, 0.0))) @ directions.T
+    return outline
+
+
+def _write_status(canvas: Image, estimate: ArmEstimate) -> int:
+    """The status, and the reason in as many lines as it takes, at the top; how many rows (px) they take."""
+    text = estimate.status.value + (f": {estimate.reason}" if estimate.reason else "")
+    lines = wrapped(text, canvas.shape[1] - 2 * MARGIN_PX)
+    for row, line in enumerate(lines, start=1):
+        _write(canvas, line, (MARGIN_PX, row * LINE_HEIGHT_PX), STATUS[estimate.status])
+    return len(lines) * LINE_HEIGHT_PX + MARGIN_PX
+
+
+def _write_sigmas(canvas: Image, estimate: ArmEstimate) -> None:
+    """Each point's name in its colour with its sigma in mm, one below the other at the bottom."""
+    first = canvas.shape[0] - MARGIN_PX - LINE_HEIGHT_PX * (len(POINTS) - 1)
+    for row, (name, colour) in enumerate(POINTS.items()):
+        found = getattr(estimate, name) is not None
+        at = (MARGIN_PX, first + row * LINE_HEIGHT_PX)
+        _write(canvas, f"{name} {_sigma_text(name, estimate)}", at, colour if found else DIM)
+
+
+def _sigma_text(name: str, estimate: ArmEstimate) -> str:
+    if getattr(estimate, name) is None:
+        return "not found"
+    text = "inferred" if name == "thumb" and estimate.thumb_inferred else ""
+    if name in estimate.covariances:
+        text += f" ±{1e3 * float(np.sqrt(np.trace(estimate.covariances[name]))):.1f} mm"
+    return text.strip()
+
+
+def wrapped(text: str, width_px: int) -> list[str]:
+    """The text in lines of whole words that fit into a width; a word that is too long has a line of its own."""
+    return list(_lines(text.split(), width_px))
+
+
+def _lines(words: list[str], width_px: int) -> Iterator[str]:
+    line = ""
+    for word in words:
+        longer = f"{line} {word}".strip()
+        if line and cv2.getTextSize(longer, FONT, FONT_SCALE, 1)[0][0] > width_px:
+            yield line
+            longer = word
+        line = longer
+    yield line
+
+
+def _write(canvas: Image, text: str, at: tuple[int, int], colour: Colour) -> None:
+    """Text on a darkened strip, readable before any picture."""
+    (width, height), below = cv2.getTextSize(text, FONT, FONT_SCALE, 1)
+    x, y = at
+    strip = canvas[max(y - height - PAD_PX, 0) : max(y + below, 0), max(x - PAD_PX, 0) : x + width + PAD_PX]
+    strip //= DARKENED
+    cv2.putText(canvas, text, at, FONT, FONT_SCALE, colour, 1, cv2.LINE_AA)
 
 
 def _fixed(point: Array) -> tuple[int, int]:

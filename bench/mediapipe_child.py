@@ -1,0 +1,53 @@
+"""MediaPipe Hands as a child process with libraries of its own: pictures come by standard input, landmarks go back.
+
+A request is a line of JSON {"scene", "shapes"} and the pictures' bytes after it; the answer a line {"wall_ms",
+"processor_ms", "hands"} with, for each picture, 21 landmarks [x, y] as shares of width and height, or null.
+"""
+
+import json
+import os
+import sys
+import time
+from typing import Any, BinaryIO
+
+import mediapipe
+import numpy as np
+
+
+def serve(requests: BinaryIO, answers: BinaryIO) -> None:
+    """Answer until the requests end; every camera of every scene has a tracker of its own."""
+    scene, trackers = None, []
+    while line := requests.readline():
+        header = json.loads(line)
+        pictures = [_read(requests, shape) for shape in header["shapes"]]
+        if header["scene"] != scene:
+            scene = header["scene"]
+            trackers = [mediapipe.solutions.hands.Hands(max_num_hands=1) for _ in pictures]
+        answers.write(json.dumps(_find(trackers, pictures)).encode() + b"\n")
+        answers.flush()
+
+
+def _read(requests: BinaryIO, shape: list[int]) -> Any:
+    picture = np.frombuffer(requests.read(int(np.prod(shape))), np.uint8).reshape(shape)
+    rgb = np.repeat(picture[..., None], 3, axis=2) if picture.ndim == 2 else picture[..., ::-1]
+    return np.ascontiguousarray(rgb)
+
+
+def _find(trackers: list[Any], pictures: list[Any]) -> dict[str, Any]:
+    wall, processor = time.perf_counter(), time.process_time()
+    results = [tracker.process(picture) for tracker, picture in zip(trackers, pictures, strict=True)]
+    wall_ms, processor_ms = 1e3 * (time.perf_counter() - wall), 1e3 * (time.process_time() - processor)
+    return {"wall_ms": wall_ms, "processor_ms": processor_ms, "hands": [_landmarks(result) for result in results]}
+
+
+def _landmarks(result: Any) -> list[tuple[float, float]] | None:
+    if not result.multi_hand_landmarks:
+        return None
+    return [(mark.x, mark.y) for mark in result.multi_hand_landmarks[0].landmark]
+
+
+if __name__ == "__main__":
+    # Whatever the libraries print must not get between the answers.
+    own_output = os.fdopen(os.dup(1), "wb")
+    os.dup2(2, 1)
+    serve(sys.stdin.buffer, own_output)

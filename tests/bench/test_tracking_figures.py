@@ -1,0 +1,103 @@
+"""The figures of the tracking benchmark: errors, gaps, toggles and the honesty of sigmas, on made-up results."""
+
+import io
+import json
+
+import numpy as np
+import pytest
+from rich.console import Console
+
+from bench.tracking_figures import SETTLED, Found, flat, judge, normalised_square, openings, rank_correlation
+from bench.tracking_table import shown
+from local_site.simulation.body import ArmTruth
+
+ELBOW, WRIST, INDEX, THUMB = np.eye(4, 3)
+POINTS = {"elbow": ELBOW, "wrist": WRIST, "index": INDEX, "thumb": THUMB}
+OFF = np.array([0.0, 3e-3, -4e-3])
+
+
+def truth(count, hand_open=()):
+    return [ArmTruth(ELBOW, WRIST, INDEX, THUMB, k in hand_open) for k in range(count)]
+
+
+def found(points=None, ms=2.0, **more):
+    return Found({**POINTS, **(points or {})}, ms, ms / 2, **{"covariances": {}, **more})
+
+
+def test_errors_are_those_after_the_first_frames():
+    early = [found({"wrist": WRIST + 1.0}, ms=99.0)] * SETTLED
+    figures = judge([*early, *[found({"wrist": WRIST + OFF})] * 5], truth(SETTLED + 5), ("wrist",))
+    wrist = figures.points["wrist"]
+    assert (wrist.frames, figures.frames) == (5, 5)
+    assert (wrist.mean, wrist.p95, wrist.largest) == pytest.approx((5.0, 5.0, 5.0))
+    assert wrist.bias == pytest.approx([0.0, 3.0, -4.0])
+    assert (figures.median_ms, figures.p95_ms, figures.processor_ms) == pytest.approx((2.0, 2.0, 1.0))
+    assert figures.points["elbow"].largest == 0.0
+
+
+def test_a_frame_without_a_needed_point_is_one_without_result():
+    blind = Found({"wrist": WRIST}, 1.0, 1.0, covariances={})
+    figures = judge([found()] * SETTLED + [blind, found(), blind], truth(SETTLED + 3), ("wrist", "index"))
+    assert figures.without_result == 2
+    assert figures.points["wrist"].frames == 3
+    assert figures.points["index"].frames == 1
+
+
+def test_a_thumb_that_was_inferred_is_counted_apart():
+    inferred = found({"thumb": THUMB + OFF}, thumb_inferred=True)
+    figures = judge([found()] * (SETTLED + 2) + [inferred], truth(SETTLED + 3), ())
+    assert (figures.points["thumb seen"].frames, figures.points["thumb seen"].mean) == (2, 0.0)
+    assert figures.points["thumb inferred"].mean == pytest.approx(5.0)
+
+
+def test_points_never_found_have_no_figures():
+    figures = judge([Found({}, 1.0, 1.0, covariances={})] * (SETTLED + 1), truth(SETTLED + 1), ("wrist",))
+    assert figures.points == {}
+    assert figures.without_result == 1
+
+
+def test_openings_are_rising_edges():
+    assert openings(truth(10, hand_open=(0, 1, 4, 5, 9))) == 3
+    assert openings(truth(3)) == 0
+
+
+def test_honest_covariances_give_three():
+    random = np.random.default_rng(3)
+    spread = random.standard_normal((3, 3))
+    covariance = spread @ spread.T + 0.1 * np.eye(3)
+    errors = random.multivariate_normal(np.zeros(3), covariance, 20000)
+    covariances = np.broadcast_to(covariance, (len(errors), 3, 3))
+    assert normalised_square(errors, covariances) == pytest.approx(3.0, abs=0.1)
+    assert normalised_square(2.0 * errors, covariances) == pytest.approx(12.0, abs=0.4)
+    assert np.isnan(normalised_square(errors[:0], covariances[:0]))
+
+
+def test_ranks_agree_however_the_values_are_spread():
+    values = np.array([1.0, 2.0, 5.0, 9.0])
+    assert rank_correlation(values, values**3) == pytest.approx(1.0)
+    assert rank_correlation(values, -values) == pytest.approx(-1.0)
+    assert np.isnan(rank_correlation(values, np.ones(4)))
+
+
+def test_only_figures_that_could_be_had_are_written():
+    sure = found({"wrist": WRIST + OFF}, covariances={"wrist": 25e-6 / 3 * np.eye(3)}, toggles=2)
+    names = flat(judge([sure] * (SETTLED + 4), truth(SETTLED + 4, hand_open=(3, 4, 8)), ("wrist",)))
+    assert names["wrist, normalised error squared (3)"] == pytest.approx(3.0)
+    assert names["wrist, bias z mm"] == pytest.approx(-4.0)
+    assert (names["toggles"], names["true toggles"]) == (2.0, 2.0)
+    assert "wrist, rank correlation of sigma and error" not in names
+    assert "elbow, normalised error squared (3)" not in names
+    assert json.loads(json.dumps(names, allow_nan=False)) == names
+    assert "toggles" not in flat(judge([found()] * (SETTLED + 1), truth(SETTLED + 1), ()))
+
+
+def test_the_table_tells_both_trackers_and_why_one_is_missing():
+    figures = judge([found({"index": INDEX + OFF}, toggles=1)] * (SETTLED + 4), truth(SETTLED + 4), ("index",))
+    console = Console(width=120, record=True, file=io.StringIO())
+    console.print(shown("yz", {"ours": figures, "theirs": figures}, ("another skipped: no network",)))
+    text = console.export_text()
+    assert "5.0" in text
+    assert text.count("thumb seen") == 2
+    assert "ours: median 2.0, p95 2.0 ms" in text
+    assert "0 of 4 frames without result; 1 toggles of 0" in text
+    assert "another skipped: no network" in text
