@@ -15,16 +15,19 @@ from local_site.tracking.silhouette.threshold import find_threshold
 from local_site.tracking.tracker import View
 
 MIN_SIDE_PX = 32
+FOLLOWED_EVERY = 15
+FOLLOWED_SHARE = 0.3
 
 
 class ViewMeter:
-    """Measures the frames of one camera with a threshold found once and kept until the arm is lost."""
+    """Measures the frames of one camera with a threshold that follows slow changes of the light."""
 
     def __init__(self, camera: CameraCalibration) -> None:
         self._name = camera.name
         self._lens = camera.lens
         self._maps: tuple[tuple[int, ...], Maps] | None = None
         self._level: float | None = None
+        self._since = 0
         self._measured: dict[tuple[int, int], Features | str] = {}
 
     def features(self, view: View, guess: Posture | None) -> Features | str:
@@ -57,18 +60,34 @@ class ViewMeter:
         ):
             return f"{self._name}: the picture is too small or of a wrong kind"
         grey = self._straightened(to_grey(image))
-        if self._level is None:
-            threshold = find_threshold(grey)
-            if threshold.level is None:
-                return f"{self._name}: {threshold.reason}"
-            self._level = threshold.level
-        silhouette = find_silhouette(grey, self._level)
+        level = self._followed_level(grey)
+        if isinstance(level, str):
+            return f"{self._name}: {level}"
+        silhouette = find_silhouette(grey, level)
         if silhouette is None:
             return f"{self._name}: no arm in the picture"
         features = measure(silhouette, guess)
         if features is None:
             return f"{self._name}: no forearm can be made out; hold the arm bent and across the view"
         return f"{self._name}: the hand is cropped by the border" if features.hand_cropped else features
+
+    def _followed_level(self, grey: NDArray[np.uint8]) -> float | str:
+        """The threshold, found anew now and then and followed slowly, or why there is none yet.
+
+        A later picture without two clear modes changes nothing: the arm may just have left it.
+        """
+        self._since += 1
+        if self._level is not None and self._since < FOLLOWED_EVERY:
+            return self._level
+        self._since = 0
+        threshold = find_threshold(grey)
+        if self._level is None:
+            if threshold.level is None:
+                return threshold.reason
+            self._level = threshold.level
+        elif threshold.level is not None:
+            self._level += FOLLOWED_SHARE * (threshold.level - self._level)
+        return self._level
 
     def _straightened(self, grey: NDArray[np.uint8]) -> NDArray[np.uint8]:
         """The picture of a pinhole camera, for which the rig's projection holds."""
