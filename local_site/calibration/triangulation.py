@@ -7,6 +7,8 @@ import numpy as np
 
 from common.geometry import Array
 
+MIN_DETERMINANT = 1e-12
+
 
 def project(projection: Array, points: Array) -> Array:
     """Pixels (..., 2) of points (..., 3) in m by a projection (3, 4)."""
@@ -18,7 +20,10 @@ def project(projection: Array, points: Array) -> Array:
 def triangulate(projections: Sequence[Array], pixels: Sequence[Array]) -> Array:
     """The point (3,) in m seen at pixels (2,) by two or more cameras: linear least squares, thesis equation 3.25."""
     rows = np.concatenate([_rows(matrix, pixel) for matrix, pixel in zip(projections, pixels, strict=True)])
-    point: Array = np.linalg.lstsq(rows[:, :3], -rows[:, 3], rcond=None)[0]
+    a = rows[:, :3]
+    normal, right = a.T @ a, -a.T @ rows[:, 3]
+    singular = abs(float(np.linalg.det(normal))) < MIN_DETERMINANT * float(np.trace(normal)) ** 3
+    point: Array = np.linalg.lstsq(a, -rows[:, 3], rcond=None)[0] if singular else np.linalg.solve(normal, right)
     return point
 
 

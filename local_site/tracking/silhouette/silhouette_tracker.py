@@ -193,14 +193,17 @@ class SilhouetteTracker:
 
 def _overlay(projection: Array, f: Features, moment: _Moment) -> Overlay:
     hand, upper = moment.hand, f.upper_arm
+    points = [moment.joints.elbow, moment.wrist]
+    points += [] if hand is None else [hand.index.point, hand.thumb.point]
+    pixels = [*project(projection, np.array(points)), None, None]
     return Overlay(
         contour=f.silhouette.contour.astype(np.int32),
         forearm_line=np.array([f.forearm.at(0.0), f.guess.wrist]),
         upper_arm_line=None if upper is None else np.array([upper.at(0.0), f.guess.shoulder_end]),
-        elbow=project(projection, moment.joints.elbow),
-        wrist=project(projection, moment.wrist),
-        index=None if hand is None else project(projection, hand.index.point),
-        thumb=None if hand is None else project(projection, hand.thumb.point),
+        elbow=pixels[0],
+        wrist=pixels[1],
+        index=pixels[2],
+        thumb=pixels[3],
     )
 
 
