@@ -36,17 +36,22 @@ class Sequence:
         t_ns = round(self.times_s[k] * 1e9)
         return Views(t_ns, tuple(View(Frame(image, t_ns, k)) for image in change(self.pictures[k])))
 
+    def between(self, k, camera, late_s):
+        """The view at the k-th instant of a camera that exposes later, from its exposures before and after."""
+        now, before = (Frame(self.pictures[n][camera], round((self.times_s[n] + late_s) * 1e9), n) for n in (k, k - 1))
+        return View(now, before, weight=1 - late_s / PERIOD_S)
+
     def tracked(self, tracker, change=tuple):
         """The estimates of all instants."""
         return [tracker.track(self.views(k, change)) for k in range(len(self.times_s))]
 
 
-def render_sequence(motion, count, cameras=PAIR, body=None, late_s=0.0):
+def render_sequence(motion, count, cameras=PAIR, body=None, late_s=0.0, since_s=0.0):
     """The arm at `count` instants a period apart; camera k exposes k times `late_s` later than the first."""
     body = body or BodyConfig()
     course, arm = Motion(motion, body, 1), ArmBody(body)
     renderers = [Renderer(camera, arm.parts, STEREO, PictureConfig(), 1 + k) for k, camera in enumerate(cameras)]
-    times = tuple(k * PERIOD_S for k in range(count))
+    times = tuple(since_s + k * PERIOD_S for k in range(count))
     return Sequence(
         projections=tuple(camera.projection for camera in cameras),
         times_s=times,
@@ -71,10 +76,16 @@ def errors_m(estimates, truths, name):
     return np.array([getattr(e, name) - getattr(t, name) for e, t in zip(estimates, truths, strict=True)])
 
 
+def apart_m(first, second, name):
+    """The mean distance in m of a point between two runs."""
+    return float(np.linalg.norm(errors_m(first, second, name), axis=1).mean())
+
+
 def motion_error_m(errors):
     """Mean distance in m of errors (N, 3) from their mean: what is left when a constant offset is taken away."""
     return float(np.linalg.norm(errors - errors.mean(axis=0), axis=1).mean())
 
 
+BRISK_S = 2.5
 MOVING = MotionConfig(name="figure_of_eight", still_s=0.4)
 TURNING = MotionConfig(name="rotate_x", still_s=0.4)

@@ -1,6 +1,7 @@
 """The tracker on recordings of an arm with known truth: how much of them it follows, how closely, and the toggles."""
 
 import json
+from dataclasses import dataclass
 from pathlib import Path
 
 import numpy as np
@@ -12,43 +13,84 @@ from farhand.track import track_recording
 
 DATA = Path(__file__).parents[4] / "shared/data/recordings"
 SETTLED = 10
+POINTS = ("elbow", "wrist", "index", "thumb")
+TOGGLES = {"yz": 0, "icr_elbow": 0, "pick": 2, "toggle": 4}
+# A third more than the mean errors measured; of the thumb where both cameras show it in outline.
+MEAN_MM = {
+    "yz": {"elbow": 16.0, "wrist": 9.0, "index": 7.0, "thumb": 3.0},
+    "icr_elbow": {"elbow": 12.0, "wrist": 8.0, "index": 9.0, "thumb": 4.0},
+    "pick": {"elbow": 14.5, "wrist": 7.0, "index": 9.5, "thumb": 3.6},
+    "toggle": {"elbow": 12.0, "wrist": 7.5, "index": 7.0, "thumb": 5.6},
+}
+WORST_MM = {"elbow": 30.0, "wrist": 27.0, "index": 40.0}
+WITHIN_SIGMAS, SURE_SHARE = 3.0, 0.9
+TRACKED_SHARE = {"yz": 0.95, "icr_elbow": 0.7, "pick": 0.7, "toggle": 0.95}
 
 pytestmark = pytest.mark.skipif(not DATA.exists(), reason="the recordings are not here")
 
 
-def tracked(name, tmp_path):
-    """The lines of a tracked recording and of its truth, after the first frames."""
-    folder = DATA / name
-    rig = calibrate_points(folder / "control_points.csv", tmp_path / "rig.json")
+@dataclass(frozen=True)
+class Track:
+    """The lines of a tracked recording and of its truth, after the first frames, and the pairs counted."""
+
+    lines: list
+    truth: list
+    counted: list
+    pairs: int
+
+    def errors_mm(self, name):
+        """Distances (N,) of a point from the truth."""
+        pairs = zip(self.lines, self.truth, strict=True)
+        return np.array([1e3 * np.linalg.norm(np.subtract(line[name], true[name])) for line, true in pairs])
+
+
+@pytest.fixture(scope="module", params=list(TOGGLES))
+def track(request, tmp_path_factory):
+    """Each recording by its name, tracked once."""
+    folder, out = DATA / request.param, tmp_path_factory.mktemp(request.param)
+    rig = calibrate_points(folder / "control_points.csv", out / "rig.json").rig
     cameras = [open_camera(str(folder / f"{side}.avi"), side) for side in ("left", "right")]
     counted = []
-    summary = track_recording(rig, cameras[0], cameras[1], tmp_path / "track.jsonl", None, counted.append)
+    summary = track_recording(rig, cameras[0], cameras[1], out / "track.jsonl", None, counted.append)
     for camera in cameras:
         camera.close()
-    lines = [json.loads(line) for line in (tmp_path / "track.jsonl").read_text().splitlines()]
+    lines = [json.loads(line) for line in (out / "track.jsonl").read_text().splitlines()]
     truth = [json.loads(line) for line in (folder / "truth.jsonl").read_text().splitlines()]
-    assert counted == list(range(1, len(truth) + 1))
-    assert summary.pairs == len(lines) == len(truth)
-    return lines[SETTLED:], truth[SETTLED:]
+    assert len(lines) == len(truth)
+    return request.param, Track(lines[SETTLED:], truth[SETTLED:], counted, summary.pairs)
 
 
-def mean_error_mm(lines, truth, name):
-    pairs = [(line[name], true[name]) for line, true in zip(lines, truth, strict=True) if line[name] is not None]
-    return 1e3 * np.mean([np.linalg.norm(np.subtract(*pair)) for pair in pairs])
+def test_every_pair_is_answered(track):
+    _, at = track
+    everything = SETTLED + len(at.truth)
+    assert at.counted == list(range(1, everything + 1))
+    assert at.pairs == everything
 
 
-@pytest.mark.parametrize(("name", "toggles"), [("yz", 0), ("icr_elbow", 0), ("pick", 2), ("toggle", 4)])
-def test_recordings_are_followed_and_openings_counted(name, toggles, tmp_path):
-    lines, truth = tracked(name, tmp_path)
-    complete = [all(line[point] is not None for point in ("elbow", "wrist", "index")) for line in lines]
-    assert np.mean(complete) >= 0.95
-    assert lines[-1]["gripper_toggles"] == toggles
-    assert mean_error_mm(lines, truth, "elbow") < 15
-    assert mean_error_mm(lines, truth, "wrist") < 8
+def test_the_arm_is_always_there_and_openings_are_counted(track):
+    name, at = track
+    assert all(line[point] is not None for line in at.lines for point in POINTS)
+    assert np.mean([line["status"] == "tracked" for line in at.lines]) >= TRACKED_SHARE[name]
+    assert at.lines[-1]["gripper_toggles"] == TOGGLES[name]
 
 
-@pytest.mark.parametrize(("name", "index_mm", "thumb_mm"), [("yz", 10, 6), ("icr_elbow", 12, 8)])
-def test_index_and_thumb_are_followed_while_the_grip_is_held(name, index_mm, thumb_mm, tmp_path):
-    lines, truth = tracked(name, tmp_path)
-    assert mean_error_mm(lines, truth, "index") < index_mm
-    assert mean_error_mm(lines, truth, "thumb") < thumb_mm
+@pytest.mark.parametrize("point", ["elbow", "wrist", "index"])
+def test_joints_and_index_are_followed(track, point):
+    name, at = track
+    errors = at.errors_mm(point)
+    assert errors.mean() < MEAN_MM[name][point]
+    assert errors.max() < WORST_MM[point]
+
+
+def test_the_thumb_is_followed_where_both_cameras_show_it(track):
+    name, at = track
+    shown = np.array([all(true["thumb_outline"].values()) for true in at.truth])
+    assert np.count_nonzero(shown) > 30
+    assert at.errors_mm("thumb")[shown].mean() < MEAN_MM[name]["thumb"]
+
+
+@pytest.mark.parametrize("point", POINTS)
+def test_points_are_as_sure_as_is_said(track, point):
+    _, at = track
+    sigma_mm = 1e3 * np.array([line["sigma"][point] for line in at.lines])
+    assert np.mean(at.errors_mm(point) < WITHIN_SIGMAS * sigma_mm) >= SURE_SHARE

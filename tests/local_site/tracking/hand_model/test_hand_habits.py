@@ -52,7 +52,7 @@ def test_a_persons_posture_is_learned_from_fits_under_the_habits_themselves(rank
 def test_what_is_learned_does_not_depend_on_the_prior_of_the_fits():
     elsewhere = Belief(GRIPPER - 2 * GRIPPER_SIGMA, np.diag(9 / GRIPPER_SIGMA**2))
     plain = learned(PERSONS_POSTURE, lambda h: h.closed, 10)
-    pulled = learned(PERSONS_POSTURE, lambda h: elsewhere, 10)
+    pulled = learned(PERSONS_POSTURE, lambda _: elsewhere, 10)
     np.testing.assert_allclose(plain.closed.posture, pulled.closed.posture, atol=1e-6)
 
 
