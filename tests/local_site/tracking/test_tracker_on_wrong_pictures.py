@@ -8,13 +8,13 @@ from common.messages import TrackingStatus
 from local_site.simulation.config import MotionConfig
 from local_site.tracking.silhouette.silhouette_tracker import SilhouetteTracker
 
-FRAMES = 20
+FRAMES = 14
 ASIDE = MotionConfig(name="figure_of_eight", still_s=0.2, wrist=(0.38, 0.40, 0.60), shoulder=(0.76, 0.24, 0.40))
 
 REACHING = MotionConfig(name="pick_and_place", still_s=0.0)
 SINCE_S = 1.0
-# Of the tangents to both silhouettes: measured at most 0.31 px, and of wrong pictures at least 4.3 px in the middle.
-RIGHT_PX, WRONG_PX = 0.5, 3.0
+# Of the tangents to both silhouettes: measured at most 0.31 px, and of wrong pictures at least 2.0 px in the middle.
+RIGHT_PX, WRONG_PX = 0.5, 1.4
 
 
 @pytest.fixture(
