@@ -19,4 +19,4 @@ def turning():
 @pytest.fixture(scope="session")
 def surrounded():
     """The arm on a figure of eight before four cameras."""
-    return render_sequence(MOVING, 30, (*PAIR, ABOVE, ASIDE))
+    return render_sequence(MOVING, 20, (*PAIR, ABOVE, ASIDE))
