@@ -107,7 +107,7 @@ def descend(
             break
         step = -np.linalg.solve(information, pull)
         state = state + step
-        if np.abs(step).max() < converged_m:
+        if np.sqrt(np.sum(step**2)) < converged_m:
             return state, information, math.sqrt(squares / count)
     return state, np.eye(6), math.nan
 

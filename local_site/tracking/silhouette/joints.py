@@ -14,6 +14,7 @@ from common.geometry import Array
 from local_site.calibration.triangulation import project, reprojection_residual, triangulate
 from local_site.tracking.silhouette.elbow_depth import Bend, shifts_of
 from local_site.tracking.silhouette.features import Features
+from local_site.tracking.silhouette.hand_model.fit import MAX_VIEWS
 from local_site.tracking.silhouette.joint_equations import (
     Constraints,
     Link,
@@ -27,11 +28,10 @@ LENGTH_SIGMA = 0.015
 SLEEVE_SIGMA = 0.1
 MAX_SLEEVE_RESIDUAL = 0.7
 ITERATIONS = 12
-CONVERGED_M = 1e-4
+CONVERGED_M = 1e-5
 MIN_PLANE_SINE = 0.12
 MIN_UPPER_ARM_M = 0.02
 SHIFT_ROUNDS = 2
-MAX_VIEWS = 4
 NO_LINES = (np.eye(3, 4), np.empty((0, 2)), np.empty(0), 0)
 
 

@@ -6,6 +6,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
+from common.errors import CalibrationError
 from common.geometry import Array
 from common.messages import TrackingStatus
 from local_site.calibration.rig import Rig
@@ -13,6 +14,7 @@ from local_site.calibration.triangulation import project, triangulate
 from local_site.tracking.reasons import Reason, sentence
 from local_site.tracking.silhouette.config import SilhouetteConfig
 from local_site.tracking.silhouette.features import Features
+from local_site.tracking.silhouette.hand_model.fit import MAX_VIEWS
 from local_site.tracking.silhouette.hand_tracker import Arm, HandEstimate, HandTracker
 from local_site.tracking.silhouette.hand_view import make_hand_view
 from local_site.tracking.silhouette.joints import Body, Joints, sleeve_end, solve_joints
@@ -52,9 +54,12 @@ class SilhouetteTracker:
 
     Each view is measured on its own; only the places where to look come from the last instants, so nothing is smoothed
     and a loss is over as soon as two views show the arm again. The body's lengths are learned from the first pairs.
+    Raises CalibrationError for a rig of more than four cameras.
     """
 
     def __init__(self, rig: Rig, config: SilhouetteConfig | None = None) -> None:
+        if len(rig.cameras) > MAX_VIEWS:
+            raise CalibrationError(f"the tracker takes {MAX_VIEWS} cameras at most, the rig has {len(rig.cameras)}")
         self._rig = rig
         self._config = config or SilhouetteConfig()
         self._projections = rig.matrices

@@ -13,7 +13,7 @@ FRAMES = 16
 SHIFTED_M = 1e-6
 # Iterations end, and the search for the hand begins, by the axes of the operator frame, and a tip may then settle on
 # another edge: measured at most 0.6, 0.6, 6.6 and 0.2 mm.
-TURNED_M = {"elbow": 0.001, "wrist": 0.001, "index": 0.010, "thumb": 0.001}
+TURNED_M = {"elbow": 1e-5, "wrist": 1e-5, "index": 1e-5, "thumb": 1e-5}
 
 
 @pytest.fixture(scope="module")

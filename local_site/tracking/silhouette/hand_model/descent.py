@@ -51,9 +51,10 @@ def descend(
         cost = _add_views(views, wrist, rotation, posture, body, information, gradient)
         strain = _strain(wrist, rotation, posture, known)
         step = np.linalg.solve(information + known[3], -gradient - known[3] @ strain).astype(np.float64)
-        step = step * min(1.0, MAX_TURN / max(np.abs(step[3:]).max(), 1e-9))
+        turn = max(np.sqrt(np.sum(step[3:POSE] ** 2)), np.abs(step[POSE:]).max())
+        step = step * min(1.0, MAX_TURN / max(turn, 1e-9))
         wrist, rotation, posture = wrist + step[:3], turned(step[3:POSE]) @ rotation, posture + step[POSE:]
-        if max(np.abs(step[3:]).max(), 10 * np.abs(step[:3]).max()) < SMALL_STEP:
+        if max(turn, 10 * np.sqrt(np.sum(step[:3] ** 2))) < SMALL_STEP:
             break
     count = 0
     for view in views:

@@ -15,6 +15,7 @@ FIRST_ITERATIONS = 4
 LAST_ITERATIONS = 8
 COARSE_STEP = 2
 TILTS = (-0.35, 0.0, 0.35)
+PARALLEL = 1e-6
 
 
 def search_hand(views: Sequence[HandView], far_end: Array, prior: Prior, person: Person, rolls: int, kept: int) -> Fit:
@@ -30,24 +31,22 @@ def search_hand(views: Sequence[HandView], far_end: Array, prior: Prior, person:
 
 
 def _starts(far_end: Array, prior: Prior, person: Person, rolls: int) -> list[HandPose]:
-    towards = far_end - prior.wrist
-    towards = towards / max(float(np.linalg.norm(towards)), 1e-9)
     local = place(HandPose(np.zeros(3), np.eye(3), prior.posture), person).centres[MIDDLE_TIP]
-    aligned = _between(local / np.linalg.norm(local), towards)
+    aligned = _frame(far_end - prior.wrist, -person.to_elbow) @ _frame(local, np.array([0.0, 0.0, 1.0])).T
+    towards = _frame(far_end - prior.wrist, -person.to_elbow)[:, 0]
     turns = [turned(2 * math.pi * k / rolls * towards) @ aligned for k in range(rolls)]
     tilts = [turned(np.array([0.0, tilt, 0.0])) for tilt in TILTS]
     return [HandPose(prior.wrist, turn @ tilt, prior.posture) for turn in turns for tilt in tilts]
 
 
-def _between(first: Array, second: Array) -> Array:
-    """The least rotation (3, 3) that takes one unit vector to another."""
-    axis = np.cross(first, second)
-    sine, cosine = float(np.linalg.norm(axis)), float(first @ second)
-    if sine < 1e-9:
-        across = np.eye(3)[int(np.argmin(np.abs(first)))]
-        axis, sine = np.cross(first, across), float(np.linalg.norm(np.cross(first, across)))
-        return np.eye(3) if cosine > 0 else turned(math.pi * axis / sine)
-    return turned(axis / sine * math.atan2(sine, cosine))
+def _frame(first: Array, second: Array) -> Array:
+    """The rotation (3, 3) with its first axis along one vector (3,) and the second as near to another as it can be."""
+    x = first / max(float(np.linalg.norm(first)), 1e-9)
+    y = second - x * float(x @ second)
+    if float(np.linalg.norm(y)) < PARALLEL:
+        y = np.cross(x, np.eye(3)[int(np.argmin(np.abs(x)))])
+    y = y / float(np.linalg.norm(y))
+    return np.column_stack([x, y, np.cross(x, y)])
 
 
 def _cost(fit: Fit) -> float:
