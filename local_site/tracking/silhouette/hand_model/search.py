@@ -11,7 +11,7 @@ from local_site.tracking.silhouette.hand_model.fit import Fit, HandView, Prior, 
 from local_site.tracking.silhouette.hand_model.placement import HandPose, Person, place, turned
 from local_site.tracking.silhouette.hand_model.skeleton import MIDDLE_TIP
 
-FIRST_ITERATIONS = 4
+FIRST_ITERATIONS = 6
 LAST_ITERATIONS = 8
 COARSE_STEP = 2
 TILTS = (-0.35, 0.0, 0.35)
