@@ -17,18 +17,18 @@ from local_site.tracking.silhouette.hand_model.habits import (
     prior_information,
 )
 from local_site.tracking.silhouette.hand_model.placement import POSE, HandPose, Person, rotation_vector, turned
-from local_site.tracking.silhouette.hand_model.search import search_hand
+from local_site.tracking.silhouette.hand_model.search import Effort, search_hand
 from local_site.tracking.silhouette.hand_model.skeleton import INDEX_TIP, THUMB_TIP, TYPICAL_FOREARM
 from local_site.tracking.silhouette.tips import MIN_VIEWS, Tip, find_tip
 
 ITERATIONS = 4
 REFIT_ITERATIONS = 8
-FIRST_ROLLS, FIRST_KEPT = 32, 32
-AGAIN_ROLLS, AGAIN_KEPT = 8, 3
+FIRST_SEARCH = Effort(rolls=32, kept=32)
+AGAIN_ROLLS, AGAIN_KEPT = 6, 2
+AGAIN_OFFSETS = (0.0, 0.5, 0.25, 0.75)
 REMEMBERED_COSTS = 30
 WORSE_FACTOR, WORSE_MARGIN = 1.4, 0.05
 BAD_FACTOR, BAD_MARGIN = 1.7, 0.08
-SEARCH_PAUSE = 3
 MAX_COST = 1.2
 MAX_TURN_AHEAD = 0.5
 OPEN_THUMB_SIGMA_M = 0.02
@@ -66,7 +66,7 @@ class HandTracker:
         self._scale: float | None = None
         self._last: tuple[Fit, Array] | None = None
         self._turn = np.zeros(3)
-        self._pause = 0
+        self._searches = 0
         self._costs: deque[float] = deque(maxlen=REMEMBERED_COSTS)
 
     @property
@@ -110,25 +110,24 @@ class HandTracker:
     def _fit(self, views: Sequence[HandView], arm: Arm, person: Person) -> Fit:
         if self._last is None:
             if self.known:
-                return min(self._searches(views, arm, person), key=_cost)
-            closed = self._prior(arm, self._habits.closed)
-            return search_hand(views, arm.far_end, closed, person, FIRST_ROLLS, FIRST_KEPT)
+                return self._search_on(views, arm, person)
+            return search_hand(views, arm.far_end, self._prior(arm, self._habits.closed), person, FIRST_SEARCH)
         fit = self._followed(views, arm, person)
         usual = float(np.median(self._costs))
         if fit.cost < WORSE_FACTOR * usual + WORSE_MARGIN:
             return fit
         fit = min(fit, *self._refits(views, arm, person), key=_cost)
-        self._pause -= 1
-        if fit.cost < BAD_FACTOR * usual + BAD_MARGIN or self._pause > 0:
+        if fit.cost < BAD_FACTOR * usual + BAD_MARGIN:
             return fit
-        self._pause = SEARCH_PAUSE
-        return min(fit, *self._searches(views, arm, person), key=_cost)
+        return min(fit, self._search_on(views, arm, person), key=_cost)
 
-    def _searches(self, views: Sequence[HandView], arm: Arm, person: Person) -> list[Fit]:
-        """From any rotation, with the fingers held as usual, and opened."""
-        beliefs = (self._habits.closed, self._habits.opened) if self.known else (self._habits.closed,)
-        priors = [self._prior(arm, belief) for belief in beliefs]
-        return [search_hand(views, arm.far_end, prior, person, AGAIN_ROLLS, AGAIN_KEPT) for prior in priors]
+    def _search_on(self, views: Sequence[HandView], arm: Arm, person: Person) -> Fit:
+    X
+        self._searches += 1
+        turn, opened = divmod(self._searches, 2)
+        belief = self._habits.opened if opened else self._habits.closed
+        effort = Effort(AGAIN_ROLLS, AGAIN_KEPT, (0.0,), AGAIN_OFFSETS[turn % len(AGAIN_OFFSETS)])
+        return search_hand(views, arm.far_end, self._prior(arm, belief), person, effort)
 
     def _followed(self, views: Sequence[HandView], arm: Arm, person: Person) -> Fit:
         """From the last pose, moved along with the wrist and turning on."""

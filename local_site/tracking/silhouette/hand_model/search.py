@@ -2,7 +2,7 @@
 
 import math
 from collections.abc import Sequence
-from dataclasses import replace
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -14,28 +14,38 @@ from local_site.tracking.silhouette.hand_model.skeleton import MIDDLE_TIP
 FIRST_ITERATIONS = 6
 LAST_ITERATIONS = 8
 COARSE_STEP = 2
-TILTS = (-0.35, 0.0, 0.35)
 PARALLEL = 1e-6
 
 
-def search_hand(views: Sequence[HandView], far_end: Array, prior: Prior, person: Person, rolls: int, kept: int) -> Fit:
-    """The best fit from `rolls` starts, each tilted a little to and fro, with the middle finger's tip towards `far_end`
-    (3,) in m.
+@dataclass(frozen=True, slots=True)
+class Effort:
+    """How widely to search: `rolls` starts around the line to the far end, turned by `offset` of a step, each tilted by
+    `tilts` in rad; the best `kept` are improved fully."""
 
-    All starts are improved a little on some of the outline's pixels, the best `kept` of them fully.
+    rolls: int
+    kept: int
+    tilts: tuple[float, ...] = (-0.35, 0.0, 0.35)
+    offset: float = 0.0
+
+
+def search_hand(views: Sequence[HandView], far_end: Array, prior: Prior, person: Person, effort: Effort) -> Fit:
+    """The best fit from starts with the middle finger's tip towards `far_end` (3,) in m.
+
+    All starts are improved a little on some of the outline's pixels, the best fully on all.
     """
     coarse = [replace(view, pixels=np.ascontiguousarray(view.pixels[::COARSE_STEP])) for view in views]
-    starts = _starts(far_end, prior, person, rolls)
+    starts = _starts(far_end, prior, person, effort)
     rough = sorted((fit_hand(coarse, start, prior, person, FIRST_ITERATIONS) for start in starts), key=_cost)
-    return min((fit_hand(views, fit.pose, prior, person, LAST_ITERATIONS) for fit in rough[:kept]), key=_cost)
+    return min((fit_hand(views, fit.pose, prior, person, LAST_ITERATIONS) for fit in rough[: effort.kept]), key=_cost)
 
 
-def _starts(far_end: Array, prior: Prior, person: Person, rolls: int) -> list[HandPose]:
+def _starts(far_end: Array, prior: Prior, person: Person, effort: Effort) -> list[HandPose]:
     local = place(HandPose(np.zeros(3), np.eye(3), prior.posture), person).centres[MIDDLE_TIP]
-    aligned = _frame(far_end - prior.wrist, -person.to_elbow) @ _frame(local, np.array([0.0, 0.0, 1.0])).T
-    towards = _frame(far_end - prior.wrist, -person.to_elbow)[:, 0]
-    turns = [turned(2 * math.pi * k / rolls * towards) @ aligned for k in range(rolls)]
-    tilts = [turned(np.array([0.0, tilt, 0.0])) for tilt in TILTS]
+    ahead = _frame(far_end - prior.wrist, -person.to_elbow)
+    aligned = ahead @ _frame(local, np.array([0.0, 0.0, 1.0])).T
+    angles = [2 * math.pi * (k + effort.offset) / effort.rolls for k in range(effort.rolls)]
+    turns = [turned(angle * ahead[:, 0]) @ aligned for angle in angles]
+    tilts = [turned(np.array([0.0, tilt, 0.0])) for tilt in effort.tilts]
     return [HandPose(prior.wrist, turn @ tilt, prior.posture) for turn in turns for tilt in tilts]
 
 

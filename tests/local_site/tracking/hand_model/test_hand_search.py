@@ -7,7 +7,7 @@ from posed_hands import MIRROR, PERSON, PROJECTIONS, TO_ELBOW, angle_deg, far_en
 from local_site.tracking.silhouette.hand_model.fit import Prior
 from local_site.tracking.silhouette.hand_model.habits import GRIPPER, GRIPPER_SIGMA, Habits
 from local_site.tracking.silhouette.hand_model.placement import HandPose, Person, place
-from local_site.tracking.silhouette.hand_model.search import search_hand
+from local_site.tracking.silhouette.hand_model.search import Effort, search_hand
 
 ROLLS, KEPT = 24, 6
 HANDS = 20
@@ -18,7 +18,7 @@ FOUND, THUMB_FOUND = 0.9, 0.8
 
 def searched(views, pose, person=PERSON):
     prior = Prior(pose.wrist, GRIPPER, known(Habits().closed, False))
-    return search_hand(views, far_end(pose, person), prior, person, ROLLS, KEPT)
+    return search_hand(views, far_end(pose, person), prior, person, Effort(ROLLS, KEPT))
 
 
 def test_hands_of_many_shapes_are_found_from_nothing():
