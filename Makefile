@@ -26,4 +26,6 @@ $(READY): constraints.txt pyproject.toml
 	@echo 'Setting up .venv (once) ...'
 	@$(PYTHON) -m venv .venv
 	@$(BIN)/python -m pip install --quiet --disable-pip-version-check --constraint constraints.txt --editable '.[sim,dev]'
+	@echo 'Compiling the tracker (once, up to a minute) ...'
+	@$(BIN)/python -m local_site.warm_up
 	@touch $@

@@ -121,7 +121,7 @@ class Loopback:
     def run(self) -> Figures:
         """Start, wait for the arm to follow, measure, end; ProcessError says what went wrong."""
         remote = load_config(RemoteConfig, None, self._plan.remote)
-        prepare_tracker(load_config(LocalConfig, None, self._plan.local).tracking, len(OPERATOR_VIEWS))
+        prepare_tracker(load_config(LocalConfig, None, self._plan.local).tracking)
         with ExitStack() as stack, LiveSummary(self._options.seconds) as live:
             self._runtime = Path(stack.enter_context(tempfile.TemporaryDirectory(prefix="farhand-")))
             stack.callback(self._end)

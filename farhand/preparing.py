@@ -6,7 +6,7 @@ from local_site.tracking.choice import TrackingConfig
 from local_site.warm_up import warm_up
 
 
-def prepare_tracker(tracking: TrackingConfig, cameras: int) -> None:
+def prepare_tracker(tracking: TrackingConfig) -> None:
     """Have the tracker compiled, or load what was compiled before."""
     with Console(stderr=True).status("preparing the tracker (up to a minute the first time)"):
-        warm_up(tracking, cameras)
+        warm_up(tracking)

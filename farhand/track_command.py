@@ -33,7 +33,7 @@ class TrackSources:
 def run_track(sources: TrackSources, out: Path, annotate_dir: Path | None) -> str:
     """Track everything the sources give, and sum it up in words; FarhandError names what cannot be opened."""
     rig = load_rig(sources.rig)
-    prepare_tracker(sources.tracking, len(rig.cameras))
+    prepare_tracker(sources.tracking)
     columns = (SpinnerColumn(), TextColumn("tracking"), MofNCompleteColumn())
     with ExitStack() as opened:
         cameras = open_rig_cameras(rig, (sources.left, sources.right, *sources.also), sources.fps)

@@ -45,7 +45,7 @@ def run_local(config: LocalConfig, should_stop: StopFlag, save_views: Path | Non
         check_endpoint(endpoint)
     clock = MonotonicClock()
     cv2.setNumThreads(1)
-    warm_up(config.tracking, len(config.operator.sources))
+    warm_up(config.tracking)
     try:
         rig, cameras = _open_operator(config)
         capture = Capture(cameras, config.capture, clock)

@@ -8,4 +8,4 @@ from local_site.warm_up import warm_up
 
 @pytest.fixture(scope="session", autouse=True)
 def tracker_is_compiled() -> None:
-    warm_up(TrackingConfig(), cameras=2)
+    warm_up(TrackingConfig())

@@ -32,7 +32,7 @@ def compiled():
 
 
 def test_nothing_is_left_to_compile():
-    warm_up(TrackingConfig(), cameras=2)
+    warm_up(TrackingConfig())
     before = compiled()
     simulation = SimulationConfig(motion=MotionConfig(name="toggles"))
     operator = SimulatedOperator(simulation)

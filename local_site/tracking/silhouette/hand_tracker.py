@@ -122,7 +122,7 @@ class HandTracker:
         return min(fit, self._search_on(views, arm, person), key=_cost)
 
     def _search_on(self, views: Sequence[HandView], arm: Arm, person: Person) -> Fit:
-        """From a few rotations, others each time, with the fingers as usual or opened, so that no instant takes long."""
+        """From a few rotations, others each time, so that no instant takes long; fingers as usual or opened."""
         self._searches += 1
         turn, opened = divmod(self._searches, 2)
         belief = self._habits.opened if opened else self._habits.closed
