@@ -11,6 +11,7 @@ from local_site.tracking.silhouette.compiled import compiled
 PIXEL_SIGMA = 1.7
 REACH_PX = 3.0
 CAP_BACK = 0.3
+AHEAD = 0.7
 EDGE_SIGMA = 2.5
 EDGE_ANGLES = np.radians(np.arange(-75.0, 76.0, 15.0))
 EDGE_STEPS = 12
@@ -52,14 +53,18 @@ def _add(
 def add_outline_pixels(
     projection: Array, focal_px: float, pixels: Array, tip: TipSphere, information: Array, pull: Array
 ) -> int:
-    """Add outline pixels (N, 2) close around the tip's end to information (3, 3) and pull (3,); returns how many."""
+    """Add outline pixels (N, 2) close around the tip's end to information (3, 3) and pull (3,).
+
+    Returns how many lie ahead of it: an outline that only passes beside a tip does not show where it ends.
+    """
     centre, radius, ahead, gradient = _circle(projection, focal_px, tip)
     count = 0
     for n in range(len(pixels)):
         x, y = pixels[n, 0] - centre[0], pixels[n, 1] - centre[1]
         distance = max(math.sqrt(x * x + y * y), MIN_DISTANCE_PX)
-        if abs(distance - radius) < REACH_PX and x * ahead[0] + y * ahead[1] > -CAP_BACK * radius:
-            count += 1
+        forward = x * ahead[0] + y * ahead[1]
+        if abs(distance - radius) < REACH_PX and forward > -CAP_BACK * radius:
+            count += forward > AHEAD * distance
             _add(gradient, x / distance, y / distance, distance - radius, PIXEL_SIGMA, information, pull)
     return count
 

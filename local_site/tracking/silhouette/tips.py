@@ -12,7 +12,7 @@ from local_site.tracking.silhouette.tip_edges import add_grey_edges, add_outline
 
 FREEDOM_M = 0.008
 SEEN_SIGMA_M, HIDDEN_SIGMA_M = 0.002, 0.005
-MIN_PIXELS = 4
+MIN_PIXELS = 3
 MIN_VIEWS = 2
 STEPS = 3
 
