@@ -18,6 +18,7 @@ from local_site.tracking.silhouette.hand_model.fit import MAX_VIEWS
 from local_site.tracking.silhouette.hand_tracker import Arm, HandEstimate, HandTracker
 from local_site.tracking.silhouette.hand_view import make_hand_view
 from local_site.tracking.silhouette.joints import Body, Joints, sleeve_end, solve_joints
+from local_site.tracking.silhouette.overlay import overlay_of
 from local_site.tracking.silhouette.posture import Posture
 from local_site.tracking.silhouette.quality import doubts, objection
 from local_site.tracking.silhouette.tangency import Tangency
@@ -191,25 +192,12 @@ class SilhouetteTracker:
 
     def _overlays(self, moment: _Moment) -> tuple[Overlay, ...]:
         seen = dict(zip(moment.seen, moment.features, strict=True))
+        hand = moment.hand
+        points = (moment.joints.elbow, moment.wrist, *(() if hand is None else (hand.index.point, hand.thumb.point)))
         return tuple(
-            _overlay(matrix, seen[k], moment) if k in seen else Overlay() for k, matrix in enumerate(self._projections)
+            overlay_of(camera, seen[k], points) if k in seen else Overlay()
+            for k, camera in enumerate(self._rig.cameras)
         )
-
-
-def _overlay(projection: Array, f: Features, moment: _Moment) -> Overlay:
-    hand, upper = moment.hand, f.upper_arm
-    points = [moment.joints.elbow, moment.wrist]
-    points += [] if hand is None else [hand.index.point, hand.thumb.point]
-    pixels = [*project(projection, np.array(points)), None, None]
-    return Overlay(
-        contour=f.silhouette.contour.astype(np.int32),
-        forearm_line=np.array([f.forearm.at(0.0), f.guess.wrist]),
-        upper_arm_line=None if upper is None else np.array([upper.at(0.0), f.guess.shoulder_end]),
-        elbow=pixels[0],
-        wrist=pixels[1],
-        index=pixels[2],
-        thumb=pixels[3],
-    )
 
 
 def _wrist_covariance(joints: Joints) -> Array:
