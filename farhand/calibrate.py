@@ -1,20 +1,25 @@
 """Calibration from control points: a CSV file in, a rig file out, and what a person wants to know of it."""
 
 import math
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
+from contextlib import contextmanager
 from dataclasses import dataclass
 from datetime import UTC, datetime
 from pathlib import Path
 
+import cv2
+import numpy as np
 from msgspec.structs import replace
 
-from common.errors import ConfigError
+from common.errors import CalibrationError, ConfigError
 from local_site.calibration.control_points import ControlPoints, Size, read_control_points
 from local_site.calibration.coverage import coverage_warnings
 from local_site.calibration.rig import Rig, Vector3, save_rig
 from local_site.calibration.solve import solve_rig
 
 MAX_PICTURE_PX = 100_000
+USUAL_RMS_PX = 1.0
+USUAL_SPAN_M = (0.05, 20.0)
 
 
 @dataclass(frozen=True, slots=True)
@@ -36,6 +41,30 @@ def calibrate_control(control: ControlPoints, out: Path, serials: Sequence[str] 
     rig = with_serials(solve_rig(control, created=now()), serials)
     save_rig(rig, out)
     return Calibrated(rig, out, coverage_warnings(control))
+
+
+@contextmanager
+def solvable() -> Iterator[None]:
+    """Turn a system of equations without a solution into a CalibrationError with its cure."""
+    try:
+        yield
+    except (np.linalg.LinAlgError, cv2.error) as error:
+        cure = "give every camera pictures or pixels of its own, and check the plate's size, pitch and heights"
+        raise CalibrationError(f"the points do not determine the cameras: {cure}") from error
+
+
+def doubts(rig: Rig) -> list[str]:
+    """What looks wrong with a rig that could be solved all the same."""
+    sentences = [
+        f"{camera.name} is off by {camera.reprojection_rms_px:.1f} px, far more than usual: "
+        "check the plate's sizes and heights, and whether a point is wrong"
+        for camera in rig.cameras
+        if camera.reprojection_rms_px > USUAL_RMS_PX
+    ]
+    span_m = math.dist(rig.volume_min, rig.volume_max)
+    if not USUAL_SPAN_M[0] < span_m < USUAL_SPAN_M[1]:
+        sentences.append(f"the points span {span_m:.3g} m: check that they are given in mm")
+    return sentences
 
 
 def now() -> str:
@@ -74,7 +103,7 @@ def describe(calibrated: Calibrated) -> str:
     if rig.epipolar_px is not None:
         lines.append(f"epipolar residual, median: {rig.epipolar_px:.3f} px")
     lines += [f"lens, {camera.name}: {why}" for camera, why in zip(rig.cameras, rig.lens_choice, strict=False)]
-    lines += [f"warning: {sentence}" for sentence in calibrated.warnings]
+    lines += [f"warning: {sentence}" for sentence in (*doubts(rig), *calibrated.warnings)]
     return "\n".join([*lines, f"rig written to {calibrated.out}"])
 
 

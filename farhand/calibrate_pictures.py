@@ -56,7 +56,12 @@ def _read(path: Path, name: str) -> Image:
 
 def write_picture(folder: Path, name: str, picture: Image) -> None:
     """Write a picture as PNG; CalibrationError if it cannot be written."""
-    folder.mkdir(parents=True, exist_ok=True)
+    try:
+        folder.mkdir(parents=True, exist_ok=True)
+    except OSError as error:
+        raise CalibrationError(
+            f"cannot make {folder}: {error.strerror}; choose another folder with --pictures"
+        ) from error
     path = folder / f"{name}.png"
     if not cv2.imwrite(str(path), picture):
         raise CalibrationError(f"cannot write {path}; choose another folder with --pictures")

@@ -142,10 +142,13 @@ def calibrate_points_command(
 
     Example: farhand calibrate points control_points.csv --out rig.json
     """
-    from farhand.calibrate import calibrate_points, describe, parse_pair
+    from farhand.calibrate import calibrate_points, describe, parse_pair, solvable
+    from farhand.outputs import refuse_inputs
 
+    refuse_inputs(out, [csv])
     parsed = None if size is None else parse_pair(size, "--size")
-    typer.echo(describe(calibrate_points(csv, out, parsed, serial or ())))
+    with solvable():
+        typer.echo(describe(calibrate_points(csv, out, parsed, serial or ())))
 
 
 @calibrate_app.command("images")
@@ -156,8 +159,8 @@ def calibrate_images_command(
     fourth: Annotated[str | None, typer.Option(help="The same for a fourth camera.")] = None,
     board: Annotated[str, typer.Option(help="plate (of discs), charuco or chessboard.")] = "plate",
     discs: Annotated[str, typer.Option(help="Plate: columns x rows of discs.")] = "5x5",
-    pitch_mm: Annotated[float, typer.Option(help="Plate: from disc to disc.", min=1)] = 250.0,
-    disc_mm: Annotated[float, typer.Option(help="Plate: diameter of a disc.", min=1)] = 32.0,
+    pitch_mm: Annotated[float, typer.Option(help="Plate: from disc to disc.", min=1, max=10_000)] = 250.0,
+    disc_mm: Annotated[float, typer.Option(help="Plate: diameter of a disc.", min=1, max=10_000)] = 32.0,
     heights_mm: Annotated[str, typer.Option(help="Plate: its height in each picture.")] = "0,497,994",
     squares: Squares = "8x6",
     square_mm: SquareMm = 30.0,
@@ -172,7 +175,7 @@ def calibrate_images_command(
 
     Example: farhand calibrate images --left 'left_*.png' --right 'right_*.png' --heights-mm 0,497,994
     """
-    from farhand.calibrate import describe, parse_pair
+    from farhand.calibrate import describe, parse_pair, solvable
     from farhand.calibrate_boards import BoardJob, calibrate_board_pictures, make_board
     from farhand.calibrate_pictures import by_name
     from farhand.calibrate_plate import PlateJob, calibrate_plate, parse_heights
@@ -182,10 +185,13 @@ def calibrate_images_command(
     if board == "plate":
         plate = Plate(*parse_pair(discs, "--discs"), pitch_mm / 1000, disc_mm / 1000)
         job = PlateJob(plate, parse_heights(heights_mm), sources, out, pictures)
-        typer.echo(describe(calibrate_plate(job, serial or ())))
+        with solvable():
+            typer.echo(describe(calibrate_plate(job, serial or ())))
         return
     printed = make_board(board, parse_pair(squares, "--squares"), square_mm, marker_mm, dictionary)
-    typer.echo(describe(calibrate_board_pictures(BoardJob(printed, standing, sources, out, pictures), serial or ())))
+    boards = BoardJob(printed, standing, sources, out, pictures)
+    with solvable():
+        typer.echo(describe(calibrate_board_pictures(boards, serial or ())))
 
 
 @calibrate_app.command("live")
@@ -237,9 +243,11 @@ def track(
 
     Example: farhand track --rig rig.json --left left.avi --right right.avi --out track.jsonl
     """
+    from farhand.outputs import refuse_inputs
     from farhand.track_command import TrackSources, run_track
     from local_site.tracking.choice import TrackingConfig
 
+    refuse_inputs(out, [rig, left, right, *(also or ())])
     tracking = load_config(TrackingConfig, None, (f"method={tracker}",))
     sources = TrackSources(rig, left, right, fps, tracking, tuple(also or ()))
     typer.echo(run_track(sources, out, annotate))

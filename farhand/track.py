@@ -2,7 +2,9 @@
 
 import math
 import time
+from collections import Counter
 from collections.abc import Callable, Iterator, Sequence
+from contextlib import contextmanager
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import TextIO
@@ -60,12 +62,14 @@ class Summary:
     found: dict[str, int] = field(default_factory=lambda: dict.fromkeys(POINTS, 0))
     gripper_toggles: int = 0
     ms: list[float] = field(default_factory=list)
+    reasons: Counter[str] = field(default_factory=Counter)
     drift: str | None = None
 
     def add(self, line: TrackLine) -> None:
         """Count one pair."""
         self.pairs += 1
         self.statuses[line.status] += 1
+        self.reasons[line.reason] += 1
         for name in POINTS:
             self.found[name] += getattr(line, name) is not None
         self.gripper_toggles = line.gripper_toggles
@@ -97,7 +101,7 @@ def track_recording(
     try:
         if annotate_dir is not None:
             annotate_dir.mkdir(parents=True, exist_ok=True)
-        with out.open("w", encoding="utf-8") as lines:
+        with _written_at_end(out) as lines:
             for views in pair_views(left_camera, right_camera, *also):
                 start_ns = time.perf_counter_ns()
                 estimate = drift.judge(tracker.track(views))
@@ -113,6 +117,20 @@ def track_recording(
         names = " and ".join(camera.name for camera in (left_camera, right_camera, *also))
         raise CameraError(f"{names} gave no pair of frames of a common time")
     return summary
+
+
+@contextmanager
+def _written_at_end(out: Path) -> Iterator[TextIO]:
+    """A file that takes its place once something is in it, so that a failure leaves an earlier track alone."""
+    part = out.with_name(f"{out.name}.part")
+    try:
+        with part.open("w", encoding="utf-8", buffering=1) as lines:
+            yield lines
+    finally:
+        if part.exists() and part.stat().st_size:
+            part.replace(out)
+        else:
+            part.unlink(missing_ok=True)
 
 
 def pair_views(left: Camera, *others: Camera) -> Iterator[Views]:

@@ -8,6 +8,7 @@ import numpy as np
 from rich.console import Console
 from rich.progress import MofNCompleteColumn, Progress, SpinnerColumn, TextColumn
 
+from common.messages import TrackingStatus
 from farhand.preparing import prepare_tracker
 from farhand.track import POINTS, Summary, track_recording
 from local_site.calibration.rig import load_rig
@@ -54,6 +55,8 @@ def describe(summary: Summary, out: Path) -> str:
     statuses = ", ".join(f"{count} {status.value}" for status, count in summary.statuses.items() if count)
     median, p95 = np.percentile(summary.ms, [50, 95])
     warning = f"\nwarning: {summary.drift}" if summary.drift else ""
+    if not summary.statuses[TrackingStatus.TRACKED] + summary.statuses[TrackingStatus.DEGRADED]:
+        warning += f"\nwarning: nothing was tracked; most often: {summary.reasons.most_common(1)[0][0]}"
     return (
         f"{summary.pairs} pairs: {statuses}\n"
         f"points found: {found}; gripper toggles: {summary.gripper_toggles}\n"

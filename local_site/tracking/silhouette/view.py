@@ -25,6 +25,7 @@ class ViewMeter:
     def __init__(self, camera: CameraCalibration) -> None:
         self._name = camera.name
         self._lens = camera.lens
+        self._size_px = camera.size_px
         self._maps: tuple[tuple[int, ...], Maps] | None = None
         self._level: float | None = None
         self._since = 0
@@ -59,6 +60,10 @@ class ViewMeter:
             or min(image.shape[:2]) < MIN_SIDE_PX
         ):
             return f"{self._name}: the picture is too small or of a wrong kind"
+        height, width = image.shape[:2]
+        if self._size_px not in (None, (width, height)):
+            expected = "{}x{}".format(*self._size_px or ())
+            return f"{self._name}: the picture is {width}x{height}, but was calibrated at {expected}"
         grey = self._straightened(to_grey(image))
         level = self._followed_level(grey)
         if isinstance(level, str):

@@ -1,0 +1,68 @@
+"""Results never replace what they come from, and a failure leaves earlier results alone."""
+
+import cv2
+import numpy as np
+import pytest
+from typer.testing import CliRunner
+
+from common.cameras.camera import Frame
+from common.errors import ConfigError, FarhandError
+from farhand.calibrate import solvable
+from farhand.cli import app
+from farhand.outputs import refuse_inputs
+from farhand.track import track_recording
+from local_site.calibration.rig import save_rig
+from local_site.calibration.simulated import calibrate_simulated
+from local_site.simulation.cameras import control_point_rows
+from local_site.simulation.config import SimulationConfig, StereoConfig
+
+
+class Blank:
+    """A camera of black pictures that fails after some."""
+
+    def __init__(self, name, pictures, fails):
+        self.name, self._left, self._fails, self._seq = name, pictures, fails, 0
+
+    def read(self):
+        if not self._left:
+            if self._fails:
+                raise OSError("the disk is gone")
+            return None
+        self._left, self._seq = self._left - 1, self._seq + 1
+        return Frame(np.zeros((48, 64), np.uint8), self._seq * 10**7, self._seq)
+
+
+def test_an_output_over_an_input_is_refused(tmp_path):
+    csv = tmp_path / "points.csv"
+    csv.write_text("\n".join(control_point_rows(StereoConfig(), 0.3, seed=1)))
+    before = csv.read_text()
+    with pytest.raises(ConfigError, match="choose another name"):
+        refuse_inputs(csv, [csv])
+    result = CliRunner().invoke(app, ["calibrate", "points", str(csv), "--out", str(csv)])
+    assert isinstance(result.exception, ConfigError)
+    assert csv.read_text() == before
+
+
+def test_a_track_over_its_rig_is_refused(tmp_path):
+    rig = tmp_path / "rig.json"
+    save_rig(calibrate_simulated(SimulationConfig()), rig)
+    arguments = ["track", "--rig", str(rig), "--left", "a.avi", "--right", "b.avi", "--out", str(rig)]
+    assert isinstance(CliRunner().invoke(app, arguments).exception, ConfigError)
+
+
+@pytest.mark.parametrize(("pictures", "kept"), [(0, True), (3, False)])
+def test_an_earlier_track_is_replaced_only_by_a_new_one(tmp_path, pictures, kept):
+    out = tmp_path / "track.jsonl"
+    out.write_text("earlier\n")
+    rig = calibrate_simulated(SimulationConfig())
+    cameras = Blank("left", pictures, fails=False), Blank("right", max(pictures - 1, 0), fails=True)
+    with pytest.raises(FarhandError):
+        track_recording(rig, *cameras, out, None, lambda _: None)
+    assert (out.read_text() == "earlier\n") is kept
+    assert list(tmp_path.iterdir()) == [out]
+
+
+@pytest.mark.parametrize("error", [np.linalg.LinAlgError("singular"), cv2.error("findHomography")])
+def test_equations_without_a_solution_are_told_with_their_cure(error):
+    with pytest.raises(FarhandError, match="check the plate's size"), solvable():
+        raise error
