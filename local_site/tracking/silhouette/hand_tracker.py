@@ -65,6 +65,7 @@ class HandTracker:
         self._habits = Habits()
         self._scale: float | None = None
         self._last: tuple[Fit, Array] | None = None
+        self._open = False
         self._turn = np.zeros(3)
         self._searches = 0
         self._costs: deque[float] = deque(maxlen=REMEMBERED_COSTS)
@@ -76,7 +77,7 @@ class HandTracker:
 
     def forget(self) -> None:
         """Start from an unknown pose with the next instant."""
-        self._last, self._turn = None, np.zeros(3)
+        self._last, self._turn, self._open = None, np.zeros(3), False
 
     def track(self, views: Sequence[HandView], arm: Arm) -> HandEstimate | None:
         """The hand seen in the views; None where the model cannot explain the outlines."""
@@ -91,7 +92,8 @@ class HandTracker:
         self._costs.append(fit.cost)
         if self._habits.is_closed(fit.pose.posture) or not self.known:
             self._learn(fit)
-        return _estimate(views, fit, self._habits.is_open(fit.pose.posture), float(np.median(self._costs)))
+        self._open = self._habits.is_open(fit.pose.posture, self._open)
+        return _estimate(views, fit, self._open, float(np.median(self._costs)))
 
     def _learn(self, fit: Fit) -> None:
         prior = fit.prior

@@ -16,7 +16,7 @@ STEP_SIGMA = np.array([0.06, 0.06, 0.02, 0.03, 0.05, 0.05, 0.05, 0.004, 0.004, 0
 TURN_SIGMA = 0.5
 OPEN_CURL = (0.03, 0.1)
 OPEN_SPREAD = 0.25
-OPEN_SHARE, CLOSED_SHARE = 0.6, 0.85
+OPEN_SHARE, STILL_OPEN_SHARE, CLOSED_SHARE = 0.6, 0.75, 0.85
 FRAME_SHARE = 0.15
 MEMORY = 0.998
 
@@ -65,9 +65,12 @@ class Habits:
         self._mean = self._mean + np.linalg.solve(self._information, FRAME_SHARE * damped @ alone)
         self.learned += 1
 
-    def is_open(self, posture: Array) -> bool:
-        """Whether the fingers are stretched well beyond their usual curl (thesis 4.2)."""
-        return self._curl_share(posture) < OPEN_SHARE
+    def is_open(self, posture: Array, was_open: bool = False) -> bool:
+        """Whether the fingers are stretched well beyond their usual curl (thesis 4.2).
+
+        A hand that was open stays so until the fingers are nearly curled as usual, lest it opens twice in one move.
+        """
+        return self._curl_share(posture) < (STILL_OPEN_SHARE if was_open else OPEN_SHARE)
 
     def is_closed(self, posture: Array) -> bool:
         """Whether the fingers are curled as usual."""

@@ -100,6 +100,8 @@ def test_open_and_closed_are_told_apart_with_room_between(habits):
     between = closed.copy()
     between[[MCP_CURL, PIP_CURL]] *= 0.7
     assert not habits.is_open(between)
+    assert habits.is_open(between, was_open=True)
+    assert not habits.is_open(closed, was_open=True)
     assert not habits.is_closed(between)
 
 
