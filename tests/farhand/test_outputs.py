@@ -3,11 +3,12 @@
 import cv2
 import numpy as np
 import pytest
+from msgspec.structs import replace
 from typer.testing import CliRunner
 
 from common.cameras.camera import Frame
 from common.errors import ConfigError, FarhandError
-from farhand.calibrate import solvable
+from farhand.calibrate import doubts, solvable
 from farhand.cli import app
 from farhand.outputs import refuse_inputs
 from farhand.track import track_recording
@@ -15,6 +16,8 @@ from local_site.calibration.rig import save_rig
 from local_site.calibration.simulated import calibrate_simulated
 from local_site.simulation.cameras import control_point_rows
 from local_site.simulation.config import SimulationConfig, StereoConfig
+from local_site.tracking.silhouette.silhouette_tracker import SilhouetteTracker
+from local_site.tracking.tracker import View, Views
 
 
 class Blank:
@@ -66,3 +69,18 @@ def test_an_earlier_track_is_replaced_only_by_a_new_one(tmp_path, pictures, kept
 def test_equations_without_a_solution_are_told_with_their_cure(error):
     with pytest.raises(FarhandError, match="check the plate's size"), solvable():
         raise error
+
+
+def test_points_that_cannot_be_in_mm_are_doubted():
+    rig = calibrate_simulated(SimulationConfig())
+    assert doubts(rig) == []
+    shrunk = replace(rig, volume_max=tuple(low + 1e-3 for low in rig.volume_min))
+    assert "given in mm" in doubts(shrunk)[0]
+
+
+def test_pictures_of_another_size_than_calibrated_are_told():
+    rig = calibrate_simulated(SimulationConfig())
+    sized = replace(rig, cameras=tuple(replace(camera, size_px=(640, 480)) for camera in rig.cameras))
+    frames = tuple(View(Frame(np.zeros((240, 320), np.uint8), 0, 0)) for _ in sized.cameras)
+    reason = SilhouetteTracker(sized).track(Views(0, frames)).reason
+    assert "the picture is 320x240, but was calibrated at 640x480" in reason

@@ -38,15 +38,6 @@ class Silhouette:
         """Whether the image border cuts the arm."""
         return bool(self.touches_border(self.contour).any())
 
-    def contains(self, pixels: Array) -> NDArray[np.bool_]:
-        """Whether the image is bright at pixels (N, 2), (N,); False outside the image."""
-        height, width = self.grey.shape
-        x, y = np.rint(np.clip(np.nan_to_num(pixels, nan=-1.0), -1, max(height, width))).astype(np.int64).T
-        within = (x >= 0) & (y >= 0) & (x < width) & (y < height)
-        bright = self.grey[np.clip(y, 0, height - 1), np.clip(x, 0, width - 1)] > self.level
-        result: NDArray[np.bool_] = within & bright
-        return result
-
 
 def to_grey(image: Image) -> NDArray[np.uint8]:
     """The image as smoothed grey (H, W); colours are weighted as usual, other channel counts use the first."""

@@ -8,7 +8,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from common.geometry import Array
-from local_site.tracking.silhouette.hand_model.fit import Fit, HandView, Prior, fit_hand
+from local_site.tracking.silhouette.hand_model.fit import MIN_VIEWS, Fit, HandView, Prior, contact, fit_hand
 from local_site.tracking.silhouette.hand_model.habits import (
     Belief,
     Habits,
@@ -19,7 +19,7 @@ from local_site.tracking.silhouette.hand_model.habits import (
 from local_site.tracking.silhouette.hand_model.placement import POSE, HandPose, Person, rotation_vector, turned
 from local_site.tracking.silhouette.hand_model.search import Effort, search_hand
 from local_site.tracking.silhouette.hand_model.skeleton import INDEX_TIP, THUMB_TIP, TYPICAL_FOREARM
-from local_site.tracking.silhouette.tips import MIN_VIEWS, Tip, find_tip
+from local_site.tracking.silhouette.tips import Tip, find_tip
 
 ITERATIONS = 4
 REFIT_ITERATIONS = 8
@@ -43,7 +43,6 @@ class HandEstimate:
     index: Tip
     thumb: Tip
     hand_open: bool
-    cost: float
 
 
 @dataclass(frozen=True, slots=True)
@@ -162,10 +161,12 @@ class HandTracker:
 def _estimate(views: Sequence[HandView], fit: Fit, hand_open: bool, usual_cost: float) -> HandEstimate:
     covariance = np.linalg.inv(fit.information).astype(np.float64)
     strain = max(1.0, fit.cost / max(usual_cost, 1e-6))
-    index, thumb = (_strained(find_tip(views, fit, covariance, sphere), strain) for sphere in (INDEX_TIP, THUMB_TIP))
+    contacts = [contact(view, fit.placed, view.outline) for view in views]
+    tips = (find_tip(views, contacts, fit, covariance, sphere) for sphere in (INDEX_TIP, THUMB_TIP))
+    index, thumb = (_strained(tip, strain) for tip in tips)
     if hand_open and thumb.views < MIN_VIEWS:
         thumb = replace(thumb, covariance=thumb.covariance + OPEN_THUMB_SIGMA_M**2 * np.eye(3))
-    return HandEstimate(fit.pose.wrist, strain * covariance[:3, :3], index, thumb, hand_open, fit.cost)
+    return HandEstimate(fit.pose.wrist, strain * covariance[:3, :3], index, thumb, hand_open)
 
 
 def _strained(tip: Tip, strain: float) -> Tip:

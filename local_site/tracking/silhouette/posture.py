@@ -19,7 +19,6 @@ SETTLED_EVERY = 8
 END_REACH = 1.6
 HAND_RADII = (2.5, 7.0)
 DEFAULT_HAND_RADII = 4.2
-MIN_LIMB_RADII = 0.6
 CROSS = cv2.getStructuringElement(cv2.MORPH_CROSS, (3, 3))
 SQUARE = np.ones((3, 3), dtype=np.uint8)
 

@@ -14,7 +14,7 @@ from local_site.calibration.triangulation import project, triangulate
 from local_site.tracking.reasons import Reason, sentence
 from local_site.tracking.silhouette.config import SilhouetteConfig
 from local_site.tracking.silhouette.features import Features
-from local_site.tracking.silhouette.hand_model.fit import MAX_VIEWS
+from local_site.tracking.silhouette.hand_model.fit import MAX_VIEWS, MIN_VIEWS
 from local_site.tracking.silhouette.hand_tracker import Arm, HandEstimate, HandTracker
 from local_site.tracking.silhouette.hand_view import make_hand_view
 from local_site.tracking.silhouette.joints import Body, Joints, sleeve_end, solve_joints
@@ -27,7 +27,6 @@ from local_site.tracking.tracker import ArmEstimate, Overlay, Views
 
 MAX_PREDICTION_NS = 200_000_000
 MAX_PREDICTED_SIGMA = 0.015
-MIN_VIEWS = 2
 MAX_TANGENT_RESIDUAL, DOUBTED_TANGENT_RESIDUAL = 0.4, 0.12
 ALONG_SIGMA, ACROSS_SIGMA = 0.006, 0.002
 ELBOW_MODEL_SIGMA, WRIST_MODEL_SIGMA = 0.004, 0.004

@@ -6,14 +6,13 @@ from dataclasses import dataclass
 import numpy as np
 
 from common.geometry import Array
-from local_site.tracking.silhouette.hand_model.fit import Fit, HandView, contact
+from local_site.tracking.silhouette.hand_model.fit import MIN_VIEWS, Contact, Fit, HandView
 from local_site.tracking.silhouette.hand_model.skeleton import CAPSULES
 from local_site.tracking.silhouette.tip_edges import add_grey_edges, add_outline_pixels
 
 FREEDOM_M = 0.008
 SEEN_SIGMA_M, HIDDEN_SIGMA_M = 0.002, 0.005
 MIN_PIXELS = 3
-MIN_VIEWS = 2
 STEPS = 3
 
 
@@ -26,15 +25,16 @@ class Tip:
     views: int
 
 
-def find_tip(views: Sequence[HandView], fit: Fit, covariance: Array, sphere: int) -> Tip:
+def find_tip(views: Sequence[HandView], contacts: Sequence[Contact], fit: Fit, covariance: Array, sphere: int) -> Tip:
     """The tip of the finger that ends in a sphere, for a fit with its covariance (16, 16).
 
-    The tip's sphere may leave its place in the model by a few millimetres towards the outline pixels around it.
+    `contacts` are where the outlines of the views touch the hand. The tip's sphere may leave its place in the model by
+    a few millimetres towards the outline pixels around it.
     """
     point, change = fit.placed.tip(sphere)
     inherited = change @ covariance @ change.T
     centre, before, radius = fit.placed.centres[sphere], fit.placed.centres[sphere - 1], fit.placed.radii[sphere]
-    owned = [_owned(view, fit, sphere) for view in views]
+    owned = [v.outline[CAPSULES[c.capsule, 1] == sphere] for v, c in zip(views, contacts, strict=True)]
     shift, information, seen = np.zeros(3), np.eye(3) / FREEDOM_M**2, 0
     for _ in range(STEPS):
         information, pull, seen = np.eye(3) / FREEDOM_M**2, shift / FREEDOM_M**2, 0
@@ -48,13 +48,6 @@ def find_tip(views: Sequence[HandView], fit: Fit, covariance: Array, sphere: int
     spread = np.linalg.inv(information).astype(np.float64)
     own_sigma = SEEN_SIGMA_M if seen >= MIN_VIEWS else HIDDEN_SIGMA_M
     return Tip(point + shift, spread + _unseen_part(inherited, spread) + own_sigma**2 * np.eye(3), seen)
-
-
-def _owned(view: HandView, fit: Fit, sphere: int) -> Array:
-    """The outline pixels (N, 2) that no other part of the hand is nearer to."""
-    own = CAPSULES[contact(view, fit.placed, view.outline).capsule, 1] == sphere
-    result: Array = view.outline[own]
-    return result
 
 
 def _unseen_part(inherited: Array, spread: Array) -> Array:

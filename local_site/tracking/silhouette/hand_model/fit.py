@@ -13,6 +13,7 @@ from local_site.tracking.silhouette.hand_model.kernels import capsule_frames, pr
 from local_site.tracking.silhouette.hand_model.placement import HandPose, Person, Placed, place
 from local_site.tracking.silhouette.hand_model.skeleton import CAPSULES, FOREARM_SPHERE_DISTANCE
 
+MIN_VIEWS = 2
 # one number of views for all, so that the descent is compiled once
 MAX_VIEWS = 4
 NO_VIEW = (np.zeros((3, 4)), 1.0, np.empty((0, 2)), np.zeros((4, 4), dtype=np.float32), np.zeros(2), 1.0)
