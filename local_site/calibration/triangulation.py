@@ -6,6 +6,7 @@ from collections.abc import Sequence
 import numpy as np
 
 from common.geometry import Array
+from local_site.compiled import compiled
 
 MIN_DETERMINANT = 1e-12
 
@@ -19,12 +20,23 @@ def project(projection: Array, points: Array) -> Array:
 
 def triangulate(projections: Sequence[Array], pixels: Sequence[Array]) -> Array:
     """The point (3,) in m seen at pixels (2,) by two or more cameras: linear least squares, thesis equation 3.25."""
-    rows = np.concatenate([_rows(matrix, pixel) for matrix, pixel in zip(projections, pixels, strict=True)])
-    a = rows[:, :3]
-    normal, right = a.T @ a, -a.T @ rows[:, 3]
-    singular = abs(float(np.linalg.det(normal))) < MIN_DETERMINANT * float(np.trace(normal)) ** 3
-    point: Array = np.linalg.lstsq(a, -rows[:, 3], rcond=None)[0] if singular else np.linalg.solve(normal, right)
-    return point
+    return _meeting(np.array(projections), np.array(pixels, dtype=np.float64))
+
+
+@compiled
+def _meeting(projections: Array, pixels: Array) -> Array:
+    """The point (3,) where sights of V views meet: projections (V, 3, 4), pixels (V, 2)."""
+    normal, right = np.zeros((3, 3)), np.zeros(3)
+    for k in range(len(projections)):
+        for d in range(2):
+            row = projections[k, d] - pixels[k, d] * projections[k, 2]
+            for p in range(3):
+                right[p] -= row[p] * row[3]
+                for q in range(3):
+                    normal[p, q] += row[p] * row[q]
+    if abs(np.linalg.det(normal)) < MIN_DETERMINANT * np.trace(normal) ** 3:
+        return (np.linalg.pinv(normal) @ right).astype(np.float64)
+    return np.linalg.solve(normal, right).astype(np.float64)
 
 
 def triangulate_many(projections: Sequence[Array], pixels: Array) -> Array:
@@ -59,6 +71,8 @@ def epipolar_residual(fundamental: Array, first_pixel: Array, second_pixel: Arra
     return abs(float(b @ line_b)) / scale if scale > 0 else math.inf
 
 
-def _rows(projection: Array, pixel: Array) -> Array:
-    rows: Array = projection[:2] - np.outer(pixel, projection[2])
-    return rows
+def focal_length(projection: Array) -> float:
+    """The focal length in px of a projection (3, 4) whose third row gives depths in m."""
+    a, b = projection[0, :3], projection[2, :3]
+    dot = float(a @ b)
+    return math.sqrt(max(float(a @ a) * float(b @ b) - dot * dot, 0.0))

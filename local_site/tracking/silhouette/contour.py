@@ -9,6 +9,7 @@ from numpy.typing import NDArray
 
 from common.cameras.camera import Image
 from common.geometry import Array
+from local_site.compiled import compiled
 
 MIN_AREA_FRACTION = 1e-3
 MIN_CONTOUR_POINTS = 40
@@ -36,7 +37,17 @@ class Silhouette:
     @property
     def at_border(self) -> bool:
         """Whether the image border cuts the arm."""
-        return bool(self.touches_border(self.contour).any())
+        return any_at_border(self.contour, *self.grey.shape)
+
+
+@compiled
+def any_at_border(points: Array, height: int, width: int) -> bool:
+    """Whether any of pixels (N, 2) lies on the border of a picture of this size."""
+    for k in range(len(points)):
+        x, y = points[k]
+        if x <= 1 or y <= 1 or x >= width - 2 or y >= height - 2:
+            return True
+    return False
 
 
 def to_grey(image: Image) -> NDArray[np.uint8]:

@@ -5,15 +5,12 @@ constant depth, however thick the arm; the forearm's muscles lie so that the off
 """
 
 import math
-from dataclasses import dataclass
 
 import numpy as np
 
 from common.geometry import Array
-from local_site.tracking.silhouette.features import Features
-from local_site.tracking.silhouette.hand_model.descent import focal_length
-from local_site.tracking.silhouette.joint_equations import Shifts
-from local_site.tracking.silhouette.medial import Line
+from local_site.compiled import compiled
+from local_site.tracking.silhouette.limbs import Limb
 
 FOREARM_OFFSET_SHARE = 0.13
 UPPER_ARM_DEPTH_M = 0.036
@@ -21,52 +18,57 @@ CLEAR_BEND_SINE = 0.35
 MIN_LENGTH_M = 1e-6
 
 
-@dataclass(frozen=True, slots=True)
-class Bend:
-    """The bent arm: elbow (3,) and wrist (3,) in m, unit vector (3,) from the elbow up the upper arm."""
-
-    elbow: Array
-    wrist: Array
-    upper_arm: Array
-
-    @property
-    def forearm(self) -> Array:
-        """Unit vector (3,) from the elbow to the wrist."""
-        arm = self.wrist - self.elbow
-        unit: Array = arm / max(math.sqrt(float(arm @ arm)), MIN_LENGTH_M)
-        return unit
-
-    @property
-    def cosine(self) -> float:
-        """Of the angle between the limbs, -1 where the arm is straight."""
-        return max(-1.0, min(1.0, float(self.forearm @ self.upper_arm)))
-
-    def behind(self, limb: Array, other: Array) -> Array:
-        """Towards the arm's back across a limb (3,), in the plane of both; shorter where the arm is nearly straight."""
-        sine = math.sqrt(max(1 - self.cosine**2, 0.0))
-        away: Array = self.cosine * limb - other
-        return away / max(sine, 1e-9) * min(1.0, sine / CLEAR_BEND_SINE)
+@compiled
+def unit(vector: Array) -> Array:
+    """A vector (3,) at length one."""
+    return vector / max(math.sqrt(vector[0] ** 2 + vector[1] ** 2 + vector[2] ** 2), MIN_LENGTH_M)
 
 
-def shifts_of(projection: Array, view: Features, bend: Bend) -> Shifts:
-    """From the medial lines of a view to the elbow's axis."""
+@compiled
+def behind(limb: Array, other: Array) -> Array:
+    """Towards the arm's back across a limb, in the plane of both; shorter where the arm is nearly straight.
+
+    Both are unit vectors (3,) from the elbow.
+    """
+    cosine = max(-1.0, min(1.0, limb[0] * other[0] + limb[1] * other[1] + limb[2] * other[2]))
+    sine = math.sqrt(max(1 - cosine**2, 0.0))
+    away: Array = (cosine * limb - other) / max(sine, 1e-9) * min(1.0, sine / CLEAR_BEND_SINE)
+    return away
+
+
+@compiled
+def elbow_shifts(view: Limb, elbow: Array, forearm: Array, upper_arm: Array) -> tuple[float, float]:
+    """How far beside the root and the upper arm's line of a view, along their normals in px, the elbow's axis lies.
+
+    The elbow (3,) in m; unit vectors (3,) from it along the limbs.
+    """
     offset = FOREARM_OFFSET_SHARE * 0.5 * view.root_width
-    across = offset * bend.behind(bend.forearm, bend.upper_arm)
-    first = _shown(projection, bend.elbow, view.root, across) / (1 - view.root_share)
-    if view.upper_arm is None:
-        return Shifts(first)
-    offset = 0.5 * view.upper_arm_width - UPPER_ARM_DEPTH_M * _px_per_m(projection, bend.elbow)
-    across = offset * bend.behind(bend.upper_arm, bend.forearm)
-    return Shifts(first, _shown(projection, bend.elbow, view.upper_arm, across))
+    first = _shown(view, elbow, view.root, offset * behind(forearm, upper_arm)) / (1 - view.root_share)
+    if not view.has_upper_arm:
+        return first, 0.0
+    offset = 0.5 * view.upper_arm_width - UPPER_ARM_DEPTH_M * _px_per_m(view, elbow)
+    return first, _shown(view, elbow, view.upper_arm, offset * behind(upper_arm, forearm))
 
 
-def _px_per_m(projection: Array, point: Array) -> float:
-    return focal_length(projection) / float(projection[2, :3] @ point + projection[2, 3])
+@compiled
+def _px_per_m(view: Limb, point: Array) -> float:
+    m = view.projection
+    return float(view.focal_px / (m[2, 0] * point[0] + m[2, 1] * point[1] + m[2, 2] * point[2] + m[2, 3]))
 
 
-def _shown(projection: Array, elbow: Array, line: Line, offset_px: Array) -> float:
+@compiled
+def _shown(view: Limb, elbow: Array, line: Array, offset_px: Array) -> float:
     """How far along a line's normal an offset (3,), in px at the elbow's distance, shows in the view."""
-    x, y, distance = (projection[:, :3] @ elbow + projection[:, 3]).tolist()
-    pixel = np.array([x / distance, y / distance])
-    motion = (projection[:2, :3] - pixel[:, None] * projection[2, :3]) @ offset_px / distance
-    return float(line.normal @ motion) / _px_per_m(projection, elbow)
+    motion = image_motion(view.projection, elbow, offset_px)
+    return float((line[1, 0] * motion[1] - line[1, 1] * motion[0]) / _px_per_m(view, elbow))
+
+
+@compiled
+def image_motion(projection: Array, point: Array, direction: Array) -> Array:
+    """Pixels per m (2,) by which the image of a point (3,) moves along a direction (3,)."""
+    h, g = projection[:, 3].copy(), np.zeros(3)
+    for d in range(3):
+        h += projection[:, d] * point[d]
+        g += projection[:, d] * direction[d]
+    motion: Array = (g[:2] - h[:2] / h[2] * g[2]) / h[2]
+    return motion

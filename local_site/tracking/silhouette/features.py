@@ -6,32 +6,28 @@ from dataclasses import dataclass, field, replace
 import numpy as np
 
 from common.geometry import Array
-from local_site.tracking.silhouette.contour import Silhouette
+from local_site.compiled import compiled
+from local_site.tracking.silhouette.contour import Silhouette, any_at_border
 from local_site.tracking.silhouette.medial import (
     Edges,
     Line,
     line_through,
     medial_line,
-    middle_value,
     scan_edges,
-    width_between,
+    typical_width,
 )
 from local_site.tracking.silhouette.posture import Posture, find_posture
+from local_site.tracking.silhouette.profile import last_clean, limb_end, mean_between, palm_begin, share_seen, widest
 
 FOREARM_RANGE = (0.3, 0.92)
 ROOT_START, ROOT_LENGTH = 0.2, 0.2
 MIN_ROOT_ROWS = 4
 NEAR_SHARE = 0.4
 UPPER_ARM_START = 0.6
-WIDTH_CHANGE = 0.25
 MAX_CREASE_COSINE = 0.87
 REFITS = 1
 MAX_TURN = math.radians(40.0)
 MIN_VALID = 0.7
-NECK_WINDOW = 1.2
-NECK_SMOOTHING = 5
-PALM_GROWTH = 1.1
-PALM_BEGINS = 0.06
 MIN_HAND_PIXELS = 24
 HAND_PROBE = 6
 HAND_OVERLAP = 0.08
@@ -83,11 +79,12 @@ def _measure_near(silhouette: Silhouette, guess: Posture) -> Features | None:
     if forearm is None:
         return None
     line, edges, length = forearm
-    width = 0.5 * float(np.nanmax(edges.width[(edges.t > 0.3 * length) & (edges.t < length)]))
-    palm = _palm(edges, length, width)
-    wrist = line.at(palm if palm is not None else length)
+    width = 0.5 * widest(*edges.rows, FOREARM_RANGE[0] * length, FOREARM_RANGE[1] * length)
+    palm = palm_begin(*edges.rows, length, width)
+    seen = not math.isnan(palm)
+    wrist = line.at(palm if seen else length)
     guess = replace(guess, wrist=wrist)
-    hand = _hand(silhouette, edges, (palm if palm is not None else length) - HAND_OVERLAP * length)
+    hand = _hand(silhouette, edges, (palm if seen else length) - HAND_OVERLAP * length)
     upper_arm, upper_width, shoulder_end = _upper_arm(silhouette, guess)
     guess = replace(guess, shoulder_end=shoulder_end)
     far = line.at(length)
@@ -99,12 +96,12 @@ def _measure_near(silhouette: Silhouette, guess: Posture) -> Features | None:
         root_share=root_share,
         upper_arm=upper_arm,
         upper_arm_width=upper_width,
-        wrist=wrist if palm is not None else None,
+        wrist=wrist if seen else None,
         hand=hand,
         half_width=width,
         silhouette=silhouette,
         guess=guess,
-        hand_cropped=hand is not None and bool(silhouette.touches_border(hand).any()),
+        hand_cropped=hand is not None and any_at_border(hand, *silhouette.grey.shape),
         shoulder_cropped=silhouette.at_border,
     )
 
@@ -115,12 +112,11 @@ def _root(edges: Edges, length: float, wrist: Array, crease: float) -> tuple[Lin
     Muscle bends the medial axis; the bone's axis is straight, and the wrist lies on both.
     """
     low = max(ROOT_START * length, min(crease, 0.5 * length))
-    chosen = (edges.t >= low) & (edges.t <= low + ROOT_LENGTH * length) & np.isfinite(edges.lower)
-    if np.count_nonzero(chosen) < MIN_ROOT_ROWS:
+    rows, place, middle, width = mean_between(*edges.rows, low, low + ROOT_LENGTH * length)
+    if rows < MIN_ROOT_ROWS:
         return None
-    place, middle = float(edges.t[chosen].mean()), 0.5 * float((edges.upper + edges.lower)[chosen].mean())
     line = line_through(edges.axis.at(place) + middle * edges.axis.normal, wrist)
-    return None if line is None else (line, float(edges.width[chosen].mean()), place / max(length, 1.0))
+    return None if line is None else (line, width, place / max(length, 1.0))
 
 
 def _forearm(silhouette: Silhouette, guess: Posture) -> tuple[Line, Edges, float] | None:
@@ -139,55 +135,49 @@ def _forearm(silhouette: Silhouette, guess: Posture) -> tuple[Line, Edges, float
         axis = Line(line.at(line.along(guess.elbow)), line.direction)
     length = axis.along(guess.wrist)
     edges = scan_edges(silhouette, axis, 0.0, length + 2 * guess.half_width, 2.2 * guess.half_width)
-    inside = (edges.t >= low) & (edges.t <= high)
-    if np.isfinite(edges.width[inside]).mean() < MIN_VALID:
-        return None
-    return axis, edges, length
+    return (axis, edges, length) if share_seen(edges.t, edges.lower, low, high) >= MIN_VALID else None
 
 
 def _crease(guess: Posture) -> float:
     """How far from the elbow, in px, forearm and upper arm part: the sharper the bend, the farther."""
-    to_wrist, to_shoulder = guess.wrist - guess.elbow, guess.shoulder_end - guess.elbow
-    product = math.sqrt(float(to_wrist @ to_wrist) * float(to_shoulder @ to_shoulder))
-    cosine = float(to_wrist @ to_shoulder) / product if product > 0 else -1.0
+    (ex, ey), (wx, wy), (sx, sy) = guess.elbow.tolist(), guess.wrist.tolist(), guess.shoulder_end.tolist()
+    product = math.hypot(wx - ex, wy - ey) * math.hypot(sx - ex, sy - ey)
+    cosine = ((wx - ex) * (sx - ex) + (wy - ey) * (sy - ey)) / product if product > 0 else -1.0
     half_angle = 0.5 * math.acos(max(-1.0, min(cosine, MAX_CREASE_COSINE)))
     return guess.half_width / math.tan(half_angle) if half_angle < 0.5 * math.pi - 1e-6 else 0.0
 
 
-def _palm(edges: Edges, length: float, half_width: float) -> float | None:
-    """Where along the axis the wrist is, told by where the palm begins to widen beyond the narrowest place.
-
-    The joint lies a small share of the forearm's length before that; None where nothing widens.
-    """
-    width = np.where(np.isfinite(edges.width), edges.width, 4 * half_width)
-    kernel = np.full(NECK_SMOOTHING, 1 / NECK_SMOOTHING)
-    smooth = np.convolve(np.pad(width, NECK_SMOOTHING // 2, mode="edge"), kernel, mode="valid")
-    window = np.flatnonzero(np.abs(edges.t - length) < NECK_WINDOW * half_width)
-    if len(window) < NECK_SMOOTHING:
-        return None
-    k = int(window[np.argmin(smooth[window])])
-    wider = np.flatnonzero(smooth[k:] > PALM_GROWTH * smooth[k])
-    if k == window[0] or not len(wider):
-        return None
-    after = k + int(wider[0])
-    step = (PALM_GROWTH * smooth[k] - smooth[after - 1]) / (smooth[after] - smooth[after - 1])
-    return float(edges.t[after - 1]) + float(step) - PALM_BEGINS * length
-
-
 def _hand(silhouette: Silhouette, edges: Edges, place: float) -> Array | None:
     """The contour (M, 2) beyond a place along the forearm's axis, in order."""
-    usable = np.flatnonzero(np.isfinite(edges.width) & (edges.t <= place))
-    if not len(usable):
+    ends = _row_ends(edges, place)
+    if ends is None:
         return None
-    k = usable[-1]
-    middle, normal = edges.axis.at(float(edges.t[k])), edges.axis.normal
-    contour = silhouette.contour
-    ends = (middle + edges.lower[k] * normal, middle + edges.upper[k] * normal)
-    low, high = sorted(int(np.argmin(np.sum((contour - end) ** 2, axis=1))) for end in ends)
-    beyond = min(low + HAND_PROBE, high)
-    inner = float(edges.axis.direction @ (contour[beyond] - contour[low])) > 0
+    contour, (dx, dy) = silhouette.contour, edges.axis.direction
+    low, high = sorted(_nearest(contour, *end) for end in ends)
+    step = contour[min(low + HAND_PROBE, high)] - contour[low]
+    inner = float(step[0] * dx + step[1] * dy) > 0
     part = contour[low : high + 1] if inner else np.concatenate([contour[high:], contour[: low + 1]])
     return part if len(part) >= MIN_HAND_PIXELS else None
+
+
+def _row_ends(edges: Edges, place: float) -> list[list[float]] | None:
+    """The pixels of both edges on the last clean row up to a place."""
+    k = last_clean(edges.t, edges.lower, place)
+    if k < 0:
+        return None
+    middle, normal = edges.axis.at(float(edges.t[k])), edges.axis.normal
+    return [(middle + side[k] * normal).tolist() for side in (edges.lower, edges.upper)]
+
+
+@compiled
+def _nearest(contour: Array, x: float, y: float) -> int:
+    """The number of the contour pixel nearest to a place."""
+    best, nearest = math.inf, 0
+    for k in range(len(contour)):
+        square = (contour[k, 0] - x) ** 2 + (contour[k, 1] - y) ** 2
+        if square < best:
+            best, nearest = square, k
+    return nearest
 
 
 def _upper_arm(silhouette: Silhouette, guess: Posture) -> tuple[Line | None, float, Array]:
@@ -200,23 +190,10 @@ def _upper_arm(silhouette: Silhouette, guess: Posture) -> tuple[Line | None, flo
     end = length
     for _ in range(REFITS + 1):
         edges = scan_edges(silhouette, axis, 0.0, length, 2.2 * guess.half_width)
-        end = _limb_end(edges, start, guess.half_width)
+        end = limb_end(*edges.rows, start, guess.half_width)
         line = medial_line(edges, start, end - 2)
         if line is None:
             return None, 0.0, guess.shoulder_end
         axis = Line(line.at(line.along(guess.elbow)), line.direction)
-    width = width_between(edges, start, start + NEAR_SHARE * (end - start))
-    return axis, 2 * guess.half_width if width is None else width, axis.at(end)
-
-
-def _limb_end(edges: Edges, start: float, half_width: float) -> float:
-    """How far along its axis the limb keeps its width, from where it first shows two edges."""
-    shown = np.flatnonzero((edges.t > start) & np.isfinite(edges.width))
-    if not len(shown):
-        return start
-    first = float(edges.t[shown[0]])
-    typical = middle_value(edges.width[shown[edges.t[shown] < first + 1.5 * half_width]])
-    with np.errstate(invalid="ignore"):
-        kept = np.abs(edges.width / typical - 1) < WIDTH_CHANGE
-    broken = np.flatnonzero((edges.t > first + 3) & ~kept)
-    return float(edges.t[broken[0]] if len(broken) else edges.t[-1])
+    width = typical_width(*edges.rows, start, start + NEAR_SHARE * (end - start))
+    return axis, 2 * guess.half_width if math.isnan(width) else width, axis.at(end)

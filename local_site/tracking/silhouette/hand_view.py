@@ -4,18 +4,21 @@ import math
 
 import cv2
 import numpy as np
+from numpy.typing import NDArray
 
 from common.geometry import Array
+from local_site.calibration.triangulation import focal_length
+from local_site.compiled import compiled
 from local_site.tracking.silhouette.contour import Silhouette
 from local_site.tracking.silhouette.features import Features
-from local_site.tracking.silhouette.hand_model.descent import focal_length
 from local_site.tracking.silhouette.hand_model.fit import HandView
+from local_site.tracking.silhouette.pixels import grey_at
 
 MIN_PIXELS = 24
 MARGIN_PX = 16
 PIXELS_WANTED = 64
 TANGENT_REACH = 3
-PROBE = np.arange(-3.0, 3.01, 0.75)
+PROBE_REACH, PROBE_STEP, PROBES = 3.0, 0.75, 8
 MAX_SHIFT_PX = 2.0
 PIXEL_SIGMA = 1.6
 MODEL_SIGMA_M = 0.005
@@ -30,7 +33,7 @@ def make_hand_view(projection: Array, view: Features, wrist: Array) -> HandView 
     depth = float(projection[2, :3] @ wrist + projection[2, 3])
     focal_px = focal_length(projection)
     sigma = math.hypot(PIXEL_SIGMA, MODEL_SIGMA_M * focal_px / max(depth, 1e-6))
-    outline = _refined(silhouette, contour) + view.hand_shift
+    outline = _refined(silhouette.grey, contour) + view.hand_shift
     step = max(1, round(len(outline) / PIXELS_WANTED))
     return HandView(
         projection=projection,
@@ -54,21 +57,37 @@ def _distance_field(silhouette: Silhouette, contour: Array) -> tuple[np.ndarray,
     return field, np.array([x0, y0], dtype=np.float64)
 
 
-def _refined(silhouette: Silhouette, contour: Array) -> Array:
-    """The pixels of a contour (M, 2), moved along its normal to where the grey falls most.
+@compiled
+def _refined(grey: NDArray[np.uint8], contour: Array) -> Array:
+    """The pixels of a contour (M, 2) but the outermost, moved along its normal to where the grey falls most.
 
     That place is the edge itself also where the skin lies in shadow, and does not depend on the threshold.
     """
-    k = np.arange(TANGENT_REACH, len(contour) - TANGENT_REACH)
-    tangent = contour[k + TANGENT_REACH] - contour[k - TANGENT_REACH]
-    # OpenCV walks outer contours so that the shape lies to the left in an image with y down
-    normal = np.column_stack([-tangent[:, 1], tangent[:, 0]])
-    normal /= np.maximum(np.hypot(normal[:, 0], normal[:, 1]), 1e-9)[:, None]
-    x, y = (contour[k, d, None] + PROBE * normal[:, d, None] for d in (0, 1))
-    grey = cv2.remap(
-        silhouette.grey, x.astype(np.float32), y.astype(np.float32), cv2.INTER_LINEAR, borderMode=cv2.BORDER_REPLICATE
-    ).astype(np.float64)
-    fall = np.maximum(grey[:, :-1] - grey[:, 1:], 0.0) ** 2
-    total = fall.sum(axis=1)
-    shift = np.where(total > 1.0, fall @ (0.5 * (PROBE[:-1] + PROBE[1:])) / np.maximum(total, 1e-9), 0.0)
-    return contour[k] + np.clip(shift, -MAX_SHIFT_PX, MAX_SHIFT_PX)[:, None] * normal
+    refined = np.empty((len(contour) - 2 * TANGENT_REACH, 2))
+    values = np.empty(PROBES + 1)
+    for n in range(len(refined)):
+        k = n + TANGENT_REACH
+        x, y = contour[k]
+        # OpenCV walks outer contours so that the shape lies to the left in an image with y down
+        nx, ny = (
+            contour[k - TANGENT_REACH, 1] - contour[k + TANGENT_REACH, 1],
+            contour[k + TANGENT_REACH, 0] - contour[k - TANGENT_REACH, 0],
+        )
+        length = max(math.sqrt(nx * nx + ny * ny), 1e-9)
+        nx, ny = nx / length, ny / length
+        for j in range(PROBES + 1):
+            values[j] = grey_at(grey, x + (j * PROBE_STEP - PROBE_REACH) * nx, y + (j * PROBE_STEP - PROBE_REACH) * ny)
+        shift = _steepest(values)
+        refined[n] = x + shift * nx, y + shift * ny
+    return refined
+
+
+@compiled
+def _steepest(values: Array) -> float:
+    """Where values probed across an edge fall most, px from the middle."""
+    total, place = 0.0, 0.0
+    for j in range(len(values) - 1):
+        fall = max(values[j] - values[j + 1], 0.0) ** 2
+        total += fall
+        place += fall * ((j + 0.5) * PROBE_STEP - PROBE_REACH)
+    return min(max(place / total, -MAX_SHIFT_PX), MAX_SHIFT_PX) if total > 1.0 else 0.0

@@ -11,28 +11,19 @@ from dataclasses import dataclass
 import numpy as np
 
 from common.geometry import Array
-from local_site.calibration.triangulation import project, reprojection_residual, triangulate
-from local_site.tracking.silhouette.elbow_depth import Bend, shifts_of
+from local_site.calibration.triangulation import reprojection_residual, triangulate
+from local_site.compiled import compiled
+from local_site.tracking.silhouette.elbow_depth import elbow_shifts, image_motion, unit
 from local_site.tracking.silhouette.features import Features
-from local_site.tracking.silhouette.hand_model.fit import MAX_VIEWS
-from local_site.tracking.silhouette.joint_equations import (
-    Constraints,
-    Link,
-    Shifts,
-    constraints_of,
-    descend,
-    known_distances,
-)
+from local_site.tracking.silhouette.joint_equations import descend
+from local_site.tracking.silhouette.limbs import Limbs, limbs_of
 
 LENGTH_SIGMA = 0.015
 SLEEVE_SIGMA = 0.1
 MAX_SLEEVE_RESIDUAL = 0.7
-ITERATIONS = 12
-CONVERGED_M = 1e-5
 MIN_PLANE_SINE = 0.12
 MIN_UPPER_ARM_M = 0.02
 SHIFT_ROUNDS = 2
-NO_LINES = (np.eye(3, 4), np.empty((0, 2)), np.empty(0), 0)
 
 
 @dataclass(frozen=True, slots=True)
@@ -63,35 +54,30 @@ class Joints:
         return math.sqrt(float(np.linalg.eigvalsh(self.covariance[3:, 3:])[-1]))
 
 
-def solve_joints(
-    projections: Sequence[Array], features: Sequence[Features], body: Body, near: Joints | None = None
-) -> Joints | None:
-    """Elbow and wrist from the features of two or more views; `near` starts the iteration.
+def solve_joints(projections: Sequence[Array], features: Sequence[Features], body: Body) -> Joints | None:
+    """Elbow and wrist from the features of two or more views; None where the least squares do not converge."""
+    views = limbs_of(projections, features)
+    start = [triangulate(projections, list(views[joint])) for joint in ("elbow", "wrist", "shoulder_end")]
+    state, information, misfit = _solve(views, _links(body, sleeve_end(projections, features)), *start)
+    if math.isnan(misfit):
+        return None
+    return Joints(state[:3], state[3:], np.linalg.inv(information).astype(np.float64), misfit)
 
-    Standard deviations of the measurements are fractions of each view's limb half width, so they scale with distance.
-    None where the least squares do not converge.
-    """
-    if near is None:
-        elbow = triangulate(projections, [f.guess.elbow for f in features])
-        wrist = triangulate(projections, [f.guess.wrist for f in features])
-        state = np.concatenate([elbow, wrist])
-    else:
-        state = np.concatenate([near.elbow, near.wrist])
-    joints = None
-    links = _links(body, sleeve_end(projections, features))
-    shifts = [Shifts()] * len(features)
-    for _ in range(SHIFT_ROUNDS):
-        pairs = zip(projections, features, shifts, strict=True)
-        joints = _solve([constraints_of(m, f, shift) for m, f, shift in pairs], links, state)
-        if joints is None:
-            return None
-        upper = upper_arm_direction(projections, features, joints.elbow)
-        if upper is None:
-            return joints
-        state = np.concatenate([joints.elbow, joints.wrist])
-        bend = Bend(joints.elbow, joints.wrist, upper)
-        shifts = [shifts_of(m, f, bend) for m, f in zip(projections, features, strict=True)]
-    return joints
+
+@compiled
+def _solve(views: Limbs, links: Array, elbow: Array, wrist: Array, far_end: Array) -> tuple[Array, Array, float]:
+    """The state (6,) with its information and misfit, in rounds: the elbow's place in the limbs depends on the bend."""
+    shifts = np.zeros((len(views), 2))
+    state, information, misfit = descend(views, links, shifts, np.concatenate((elbow, wrist)))
+    for _ in range(1, SHIFT_ROUNDS):
+        found, upper_arm = upper_arm_direction(views, state[:3], far_end)
+        if not found or math.isnan(misfit):
+            break
+        forearm = unit(state[3:] - state[:3])
+        for k in range(len(views)):
+            shifts[k] = elbow_shifts(views[k], state[:3], forearm, upper_arm)
+        state, information, misfit = descend(views, links, shifts, state)
+    return state, information, misfit
 
 
 def sleeve_end(projections: Sequence[Array], features: Sequence[Features]) -> Array | None:
@@ -104,47 +90,49 @@ def sleeve_end(projections: Sequence[Array], features: Sequence[Features]) -> Ar
     return point if residual < MAX_SLEEVE_RESIDUAL * min(f.half_width for f in features) else None
 
 
-def _links(body: Body, sleeve: Array | None) -> list[Link]:
-    links = []
+def _links(body: Body, sleeve: Array | None) -> Array:
+    """Known distances of the elbow as rows (N, 5): anchor, NaN for the wrist, length and standard deviation, m."""
+    rows = []
     if body.forearm_length is not None:
-        links.append(Link(None, body.forearm_length, LENGTH_SIGMA * body.forearm_length))
+        rows.append((math.nan, math.nan, math.nan, body.forearm_length, LENGTH_SIGMA * body.forearm_length))
         if body.sleeve_distance is not None and sleeve is not None:
-            links.append(Link(sleeve, body.sleeve_distance, SLEEVE_SIGMA * body.forearm_length))
-    return links
+            rows.append((*sleeve.tolist(), body.sleeve_distance, SLEEVE_SIGMA * body.forearm_length))
+    return np.array(rows, dtype=np.float64).reshape(-1, 5)
 
 
-def upper_arm_direction(projections: Sequence[Array], features: Sequence[Features], elbow: Array) -> Array | None:
-    """The unit vector (3,) from the elbow to the shoulder along which the planes of the upper arm's lines meet.
+@compiled
+def upper_arm_direction(views: Limbs, elbow: Array, far_end: Array) -> tuple[bool, Array]:
+    """Whether it is known, and the unit vector (3,) from the elbow to the shoulder, where the planes of the upper arm's
+    lines meet.
 
     Where the planes nearly coincide, as for an upper arm parallel to the baseline, it leads in their common plane to
-    where the views' far ends of the upper arm meet.
+    its far end (3,) in m.
     """
-    seen = [(m, f, f.upper_arm) for m, f in zip(projections, features, strict=True) if f.upper_arm is not None]
-    if len(seen) < 2:
-        return None
-    planes = np.array([line.normal @ (m[:2, :3] - np.outer(line.point, m[2, :3])) for m, _, line in seen])
-    planes /= np.linalg.norm(planes, axis=1, keepdims=True)
-    _, singular, axes = np.linalg.svd(planes)
-    if singular[1] < MIN_PLANE_SINE:
-        far_end = triangulate([m for m, _, _ in seen], [f.guess.shoulder_end for _, f, _ in seen])
-        direction = (far_end - elbow) - axes[0] * float(axes[0] @ (far_end - elbow))
-        length = float(np.linalg.norm(direction))
-        return direction / length if length > MIN_UPPER_ARM_M else None
-    votes = [line.direction @ _image_motion(m, elbow, axes[2]) for m, _, line in seen]
-    towards: Array = axes[2] if sum(votes) > 0 else -axes[2]
-    return towards
+    spread, seen = np.zeros((3, 3)), 0
+    for k in range(len(views)):
+        if views[k].has_upper_arm:
+            normal = plane_normal(views[k].projection, views[k].upper_arm)
+            seen += 1
+            for p in range(3):
+                spread[p] += normal[p] * normal
+    if seen < 2:
+        return False, np.zeros(3)
+    squares, axes = np.linalg.eigh(spread)
+    if squares[1] < MIN_PLANE_SINE**2:
+        common = np.ascontiguousarray(axes[:, 2])
+        towards = far_end - elbow
+        towards = towards - common * np.sum(common * towards)
+        return bool(np.sum(towards**2) > MIN_UPPER_ARM_M**2), unit(towards)
+    meeting, votes = np.ascontiguousarray(axes[:, 0]), 0.0
+    for k in range(len(views)):
+        if views[k].has_upper_arm:
+            votes += np.sum(views[k].upper_arm[1] * image_motion(views[k].projection, elbow, meeting))
+    return True, meeting if votes > 0 else -meeting
 
 
-def _image_motion(matrix: Array, point: Array, direction: Array) -> Array:
-    """Pixels per m (2,) by which the image of a point (3,) moves along a direction (3,)."""
-    depth = float(matrix[2, :3] @ point + matrix[2, 3])
-    result: Array = (matrix[:2, :3] - np.outer(project(matrix, point), matrix[2, :3])) @ direction / depth
-    return result
-
-
-def _solve(constraints: Sequence[Constraints], links: Sequence[Link], state: Array) -> Joints | None:
-    views = (*(c.arrays for c in constraints), *[NO_LINES] * (MAX_VIEWS - len(constraints)))
-    state, information, misfit = descend(views, known_distances(links), state, ITERATIONS, CONVERGED_M)
-    if math.isnan(misfit):
-        return None
-    return Joints(state[:3], state[3:], np.linalg.inv(information).astype(np.float64), misfit)
+@compiled
+def plane_normal(projection: Array, line: Array) -> Array:
+    """The unit normal (3,) of the plane through a camera's centre and an image line, a point and a direction (2, 2)."""
+    point, direction = line[0], line[1]
+    ahead = projection[1, :3] * direction[0] - projection[0, :3] * direction[1]
+    return unit(ahead - (point[1] * direction[0] - point[0] * direction[1]) * projection[2, :3])

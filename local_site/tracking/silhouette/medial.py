@@ -3,13 +3,13 @@
 import math
 from dataclasses import dataclass
 
-import cv2
 import numpy as np
 from numpy.typing import NDArray
 
 from common.geometry import Array
-from local_site.tracking.silhouette.compiled import compiled
+from local_site.compiled import compiled
 from local_site.tracking.silhouette.contour import Silhouette
+from local_site.tracking.silhouette.pixels import grey_at
 
 MIN_ROWS = 6
 WIDTH_TOLERANCE = 1.4
@@ -27,6 +27,11 @@ class Line:
     def normal(self) -> Array:
         """The unit normal (2,), the direction turned by +90 deg (x towards y)."""
         return np.array([-self.direction[1], self.direction[0]])
+
+    @property
+    def pair(self) -> tuple[Array, Array]:
+        """Point and direction."""
+        return self.point, self.direction
 
     def along(self, point: Array) -> float:
         """Signed distance in px of a pixel's foot from the line's point."""
@@ -51,9 +56,9 @@ class Edges:
     upper: Array
 
     @property
-    def width(self) -> Array:
-        """Distance between the edges (R,) in px."""
-        return self.upper - self.lower
+    def rows(self) -> tuple[Array, Array, Array]:
+        """Places along the axis and the offsets of both edges."""
+        return self.t, self.lower, self.upper
 
 
 def line_through(start: Array, end: Array) -> Line | None:
@@ -67,44 +72,50 @@ def scan_edges(silhouette: Silhouette, axis: Line, start: float, end: float, rea
 
     Each scan line is followed from the axis to both sides until the grey value falls below the threshold.
     """
-    t = np.arange(math.floor(start), math.ceil(end) + 1.0)
-    half = max(2, math.ceil(reach))
-    n, d = axis.normal, axis.direction
-    corner = axis.at(t[0]) - half * n
-    matrix = np.array([[n[0], d[0], corner[0]], [n[1], d[1], corner[1]]])
-    size = (2 * half + 1, len(t))
-    flags = cv2.INTER_LINEAR | cv2.WARP_INVERSE_MAP
-    patch = np.asarray(
-        cv2.warpAffine(silhouette.grey, matrix, size, flags=flags, borderMode=cv2.BORDER_REPLICATE), dtype=np.uint8
-    )
-    lower, upper = _edges(patch, silhouette.level, half)
+    first, rows = math.floor(start), max(math.ceil(end) + 1 - math.floor(start), 0)
+    (x, y), (dx, dy) = axis.at(first).tolist(), axis.direction.tolist()
+    t, lower, upper = _scan(silhouette.grey, silhouette.level, (x, y, dx, dy), rows, max(2, math.ceil(reach)))
+    t += first
     return Edges(axis, t, lower, upper)
 
 
 @compiled
-def _edges(patch: NDArray[np.uint8], level: float, half: int) -> tuple[Array, Array]:
-    """Where each row (R, K) falls off on both sides of its middle, px from there; NaN where one side never does."""
-    lower, upper = np.full(len(patch), np.nan), np.full(len(patch), np.nan)
-    for row in range(len(patch)):
-        before, after = _edge(patch[row], level, half, -1), _edge(patch[row], level, half, 1)
+def _scan(
+    grey: NDArray[np.uint8], level: float, axis: tuple[float, float, float, float], rows: int, reach: int
+) -> tuple[Array, Array, Array]:
+    """Where rows at 0, 1, ... px along an axis fall off on both sides of it, px from there; NaN where one does not."""
+    x, y, dx, dy = axis
+    t, lower, upper = np.empty(rows), np.full(rows, np.nan), np.full(rows, np.nan)
+    values = np.empty(reach + 1)
+    for row in range(rows):
+        t[row] = row
+        before = _edge(grey, level, (x + row * dx, y + row * dy, dy, -dx), values)
+        after = _edge(grey, level, (x + row * dx, y + row * dy, -dy, dx), values)
         if not (math.isnan(before) or math.isnan(after)):
             lower[row], upper[row] = -before, after
-    return lower, upper
+    return t, lower, upper
 
 
 @compiled
-def _edge(values: NDArray[np.uint8], level: float, middle: int, step: int) -> float:
-    """Px from the middle to the edge: found where the values first drop below the level, placed where they fall most,
-    which also holds for skin in shadow."""
-    reach = len(values) // 2
+def _edge(grey: NDArray[np.uint8], level: float, ray: tuple[float, float, float, float], values: Array) -> float:
+    """Px along a ray (x, y and a unit step) to the edge: found where the values first drop below the level, placed
+    where they fall most, which also holds for skin in shadow. `values` is room for those along the ray."""
+    x, y, step_x, step_y = ray
+    reach = len(values) - 1
     first = 0
-    while first <= reach and values[middle + step * first] > level:
+    while first <= reach:
+        values[first] = grey_at(grey, x + first * step_x, y + first * step_y)
+        if values[first] <= level:
+            break
         first += 1
     if first == 0 or first > reach:
         return math.nan
+    last = min(first + EDGE_REACH, reach)
+    for k in range(first + 1, last + 1):
+        values[k] = grey_at(grey, x + k * step_x, y + k * step_y)
     total, place = 0.0, 0.0
-    for k in range(max(first - EDGE_REACH, 0), min(first + EDGE_REACH, reach)):
-        fall = float(values[middle + step * k]) - float(values[middle + step * (k + 1)])
+    for k in range(max(first - EDGE_REACH, 0), last):
+        fall = values[k] - values[k + 1]
         if fall > 0:
             total += fall * fall
             place += fall * fall * (k + 0.5)
@@ -117,39 +128,39 @@ def medial_line(edges: Edges, start: float, end: float) -> Line | None:
     All P x R midpoints of upper and lower edge have the mean (a + b) / 2 and the covariance (Ca + Cb) / 4, so the line
     costs O(P + R); both edges cover the same rows, which keeps a taper from tilting it.
     """
-    chosen = np.flatnonzero((edges.t >= start) & (edges.t <= end) & np.isfinite(edges.lower))
-    if len(chosen) < MIN_ROWS:
+    count, place, middle, along, across = _middle(*edges.rows, start, end)
+    if count < MIN_ROWS:
         return None
-    width = edges.width[chosen]
-    chosen = chosen[width < WIDTH_TOLERANCE * middle_value(width)]
-    if len(chosen) < MIN_ROWS:
-        return None
-    t, upper, lower = edges.t[chosen], edges.upper[chosen], edges.lower[chosen]
-    n = len(chosen)
-    mean_t, mean_u, mean_l = (float(v.sum()) / n for v in (t, upper, lower))
-    t, upper, lower = t - mean_t, upper - mean_u, lower - mean_l
-    along, across = _top_eigenvector(
-        0.5 * float(t @ t) / n, 0.25 * float(t @ (upper + lower)) / n, 0.25 * float(upper @ upper + lower @ lower) / n
-    )
     axis = edges.axis
-    return Line(
-        axis.at(mean_t) + 0.5 * (mean_u + mean_l) * axis.normal,
-        along * axis.direction + across * axis.normal,
-    )
+    return Line(axis.at(place) + middle * axis.normal, along * axis.direction + across * axis.normal)
 
 
-def width_between(edges: Edges, start: float, end: float) -> float | None:
-    """The typical width in px between two places along the scan axis, None where no row is clean."""
-    chosen = (edges.t >= start) & (edges.t <= end) & np.isfinite(edges.lower)
-    return middle_value(edges.width[chosen]) if chosen.any() else None
+@compiled
+def _middle(t: Array, lower: Array, upper: Array, start: float, end: float) -> tuple[int, float, float, float, float]:
+    """How many rows are clean, their mean along the scan axis and across, and the line's direction along and across."""
+    typical = typical_width(t, lower, upper, start, end)
+    count, a, u, v = 0, 0.0, 0.0, 0.0
+    for k in range(len(t)):
+        if start <= t[k] <= end and upper[k] - lower[k] < WIDTH_TOLERANCE * typical:
+            count, a, u, v = count + 1, a + t[k], u + upper[k], v + lower[k]
+    if count < MIN_ROWS:
+        return count, 0.0, 0.0, 1.0, 0.0
+    a, u, v = a / count, u / count, v / count
+    tt, ts, ss = 0.0, 0.0, 0.0
+    for k in range(len(t)):
+        if start <= t[k] <= end and upper[k] - lower[k] < WIDTH_TOLERANCE * typical:
+            along, up, low = t[k] - a, upper[k] - u, lower[k] - v
+            tt, ts, ss = tt + along * along, ts + along * (up + low), ss + up * up + low * low
+    angle = 0.5 * math.atan2(0.5 * ts, 0.5 * tt - 0.25 * ss)
+    return count, a, 0.5 * (u + v), math.cos(angle), math.sin(angle)
 
 
-def middle_value(values: Array) -> float:
-    """The upper median of values (N,), N > 0; much quicker than numpy.median on short arrays."""
-    return float(np.sort(values)[len(values) // 2])
-
-
-def _top_eigenvector(tt: float, ts: float, ss: float) -> tuple[float, float]:
-    """The main direction of the covariance [[tt, ts], [ts, ss]], pointing along positive t."""
-    angle = 0.5 * math.atan2(2 * ts, tt - ss)
-    return math.cos(angle), math.sin(angle)
+@compiled
+def typical_width(t: Array, lower: Array, upper: Array, start: float, end: float) -> float:
+    """The upper median of the widths in px between two places along the scan axis, NaN where no row is clean."""
+    widths, count = np.empty(len(t)), 0
+    for k in range(len(t)):
+        if start <= t[k] <= end and not math.isnan(lower[k]):
+            widths[count] = upper[k] - lower[k]
+            count += 1
+    return float(np.sort(widths[:count])[count // 2]) if count else math.nan

@@ -6,9 +6,12 @@ import numpy as np
 
 from common.geometry import Array
 from local_site.calibration.rig import Rig
+from local_site.compiled import compiled
 from local_site.tracking.reasons import Reason
+from local_site.tracking.silhouette.elbow_depth import unit
 from local_site.tracking.silhouette.features import Features
-from local_site.tracking.silhouette.joints import Joints
+from local_site.tracking.silhouette.joints import Joints, plane_normal
+from local_site.tracking.silhouette.limbs import Limbs, limbs_of
 
 MAX_MISFIT = 2.5
 MAX_ELBOW_SIGMA = 0.10
@@ -40,9 +43,10 @@ def doubts(rig: Rig, projections: Sequence[Array], features: Sequence[Features],
         reasons.append(Reason.NEARLY_STRAIGHT)
     elif any(_folded(f) for f in features):
         reasons.append(Reason.FOLDED)
-    if _plane_sine(projections, features) < MIN_PLANE_SINE:
+    plane_sine, share_seen = _sights(limbs_of(projections, features), joints.elbow, joints.wrist)
+    if plane_sine < MIN_PLANE_SINE:
         reasons.append(Reason.PARALLEL_TO_BASELINE)
-    if any(_share_seen(m, joints) < MIN_FORESHORTENING for m in projections):
+    if share_seen < MIN_FORESHORTENING:
         reasons.append(Reason.FORESHORTENED)
     if not _inside(rig, joints.wrist):
         reasons.append(Reason.OUTSIDE_VOLUME)
@@ -51,7 +55,8 @@ def doubts(rig: Rig, projections: Sequence[Array], features: Sequence[Features],
 
 def _nearly_straight(features: Sequence[Features]) -> bool:
     """Whether no view shows a bend."""
-    sines = [abs(float(f.upper_arm.normal @ f.forearm.direction)) for f in features if f.upper_arm is not None]
+    pairs = [(f.upper_arm.direction, f.forearm.direction) for f in features if f.upper_arm is not None]
+    sines = [abs(float(upper[0] * fore[1] - upper[1] * fore[0])) for upper, fore in pairs]
     return max(sines, default=0.0) < MIN_BEND_SINE
 
 
@@ -59,28 +64,22 @@ def _folded(view: Features) -> bool:
     return view.upper_arm is not None and float(view.upper_arm.direction @ view.forearm.direction) > MAX_FOLD_COSINE
 
 
-def _share_seen(projection: Array, joints: Joints) -> float:
-    """The sine between the forearm and the line of sight."""
-    centre = -np.linalg.solve(projection[:, :3], projection[:, 3])
-    sight, arm = joints.wrist - centre, joints.wrist - joints.elbow
-    across = np.cross(sight, arm)
-    return float(np.linalg.norm(across) / max(float(np.linalg.norm(sight) * np.linalg.norm(arm)), 1e-9))
-
-
-def _plane_sine(projections: Sequence[Array], features: Sequence[Features]) -> float:
-    """The largest sine between the planes through the forearm's medial lines of two views."""
-    planes = np.array(
-        [
-            f.forearm.normal @ (m[:2, :3] - np.outer(f.forearm.point, m[2, :3]))
-            for m, f in zip(projections, features, strict=True)
-        ]
-    )
-    planes /= np.linalg.norm(planes, axis=1, keepdims=True)
-    cosines = np.abs(planes @ planes.T)
-    return float(np.sqrt(max(0.0, 1 - float(cosines.min()) ** 2)))
+@compiled
+def _sights(views: Limbs, elbow: Array, wrist: Array) -> tuple[float, float]:
+    """The largest sine between the planes through the forearm's lines of two views, and the smallest between the
+    forearm and a line of sight to the wrist."""
+    planes, arm = np.empty((len(views), 3)), unit(wrist - elbow)
+    least_cosine, share = 1.0, 1.0
+    for k in range(len(views)):
+        matrix = views[k].projection
+        planes[k] = plane_normal(matrix, views[k].forearm)
+        centre = -np.linalg.solve(np.ascontiguousarray(matrix[:, :3]), np.ascontiguousarray(matrix[:, 3]))
+        share = min(share, np.sqrt(max(0.0, 1 - np.sum(unit(wrist - centre) * arm) ** 2)))
+        for j in range(k):
+            least_cosine = min(least_cosine, abs(np.sum(planes[k] * planes[j])))
+    return np.sqrt(max(0.0, 1 - least_cosine**2)), share
 
 
 def _inside(rig: Rig, point: Array) -> bool:
-    low, high = np.array(rig.volume_min), np.array(rig.volume_max)
-    margin = VOLUME_MARGIN * (high - low)
-    return bool(np.all(point > low - margin) and np.all(point < high + margin))
+    sides = zip(point.tolist(), rig.volume_min, rig.volume_max, strict=True)
+    return all(low - VOLUME_MARGIN * (high - low) < x < high + VOLUME_MARGIN * (high - low) for x, low, high in sides)

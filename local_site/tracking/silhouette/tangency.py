@@ -6,12 +6,28 @@ one view are those of the other, whatever the arm's shape. Skew, a moved camera 
 
 import math
 from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import Self
 
 import numpy as np
 
 from common.geometry import Array
 from local_site.calibration.triangulation import fundamental_matrix
+from local_site.compiled import compiled
 from local_site.tracking.silhouette.contour import Silhouette
+
+
+@dataclass(frozen=True, slots=True)
+class _Epipolar:
+    """The fundamental matrix (3, 3) from one view to another, and where the first sees the other's centre (3,)."""
+
+    fundamental: Array
+    epipole: Array
+
+    @classmethod
+    def of(cls, first: Array, second: Array) -> Self:
+        fundamental = fundamental_matrix(first, second)
+        return cls(fundamental, np.linalg.svd(fundamental)[2][-1])
 
 
 class Tangency:
@@ -19,7 +35,7 @@ class Tangency:
 
     def __init__(self, projections: Sequence[Array]) -> None:
         self._of_pairs = {
-            (i, j): fundamental_matrix(projections[i], projections[j])
+            (i, j): _Epipolar.of(projections[i], projections[j])
             for i in range(len(projections))
             for j in range(len(projections))
             if i != j
@@ -43,21 +59,39 @@ class Tangency:
         return max(residuals, default=None)
 
 
-def _misfits(fundamental: Array, first: Silhouette, second: Silhouette) -> list[float]:
+def _misfits(views: _Epipolar, first: Silhouette, second: Silhouette) -> list[float]:
     """How far, in px, the second outline is from the epipolar tangents of the first that lie within the picture."""
-    contour = first.contour
-    epipole = np.linalg.svd(fundamental)[2][-1]
-    middle = contour.mean(axis=0)
-    towards = epipole[:2] - epipole[2] * middle
-    towards = towards / max(math.hypot(*towards), 1e-12)
-    across = towards[0] * (contour[:, 1] - middle[1]) - towards[1] * (contour[:, 0] - middle[0])
-    order = across / ((epipole[:2] - epipole[2] * contour) @ towards)
-    ends = contour[[int(np.argmin(order)), int(np.argmax(order))]]
+    ends = first.contour[list(_outermost(first.contour, views.epipole))]
     usable = ends[~first.touches_border(ends)]
-    return [_nearest_side(fundamental @ np.array([*end, 1.0]), second) for end in usable]
+    return [_nearest_side(second.contour, views.fundamental @ np.array([*end, 1.0])) for end in usable]
 
 
-def _nearest_side(line: Array, silhouette: Silhouette) -> float:
-    """How far an outline reaches beyond, or stays short of, a line that should touch it, in px."""
-    distances = (silhouette.contour @ line[:2] + line[2]) / max(math.hypot(*line[:2]), 1e-12)
-    return min(abs(float(distances.max())), abs(float(distances.min())))
+@compiled
+def _outermost(contour: Array, epipole: Array) -> tuple[int, int]:
+    """The outline's pixels (N, 2) through which the first and the last line from a pole (3,) run."""
+    x, y = 0.0, 0.0
+    for k in range(len(contour)):
+        x, y = x + contour[k, 0] / len(contour), y + contour[k, 1] / len(contour)
+    ux, uy = epipole[0] - epipole[2] * x, epipole[1] - epipole[2] * y
+    length = max(math.sqrt(ux * ux + uy * uy), 1e-12)
+    ux, uy = ux / length, uy / length
+    first, last, low, high = 0, 0, math.inf, -math.inf
+    for k in range(len(contour)):
+        px, py = contour[k]
+        towards = (epipole[0] - epipole[2] * px) * ux + (epipole[1] - epipole[2] * py) * uy
+        order = (ux * (py - y) - uy * (px - x)) / towards
+        if order < low:
+            first, low = k, order
+        if order > high:
+            last, high = k, order
+    return first, last
+
+
+@compiled
+def _nearest_side(contour: Array, line: Array) -> float:
+    """How far an outline (N, 2) reaches beyond, or stays short of, a line (3,) that should touch it, in px."""
+    low, high = math.inf, -math.inf
+    for k in range(len(contour)):
+        distance = contour[k, 0] * line[0] + contour[k, 1] * line[1] + line[2]
+        low, high = min(low, distance), max(high, distance)
+    return min(abs(low), abs(high)) / max(math.sqrt(line[0] ** 2 + line[1] ** 2), 1e-12)

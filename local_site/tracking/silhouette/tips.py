@@ -6,14 +6,13 @@ from dataclasses import dataclass
 import numpy as np
 
 from common.geometry import Array
-from local_site.tracking.silhouette.hand_model.fit import MIN_VIEWS, Contact, Fit, HandView
+from local_site.tracking.silhouette.hand_model.fit import MAX_VIEWS, MIN_VIEWS, Contact, Fit, HandView
 from local_site.tracking.silhouette.hand_model.skeleton import CAPSULES
-from local_site.tracking.silhouette.tip_edges import add_grey_edges, add_outline_pixels
+from local_site.tracking.silhouette.tip_edges import settle
 
 FREEDOM_M = 0.008
 SEEN_SIGMA_M, HIDDEN_SIGMA_M = 0.002, 0.005
-MIN_PIXELS = 3
-STEPS = 3
+NO_EDGES = (np.eye(3, 4), 1.0, np.empty((0, 2)), np.empty(0, np.intp), np.empty((0, 0), np.uint8), np.zeros(2))
 
 
 @dataclass(frozen=True, slots=True)
@@ -31,21 +30,15 @@ def find_tip(views: Sequence[HandView], contacts: Sequence[Contact], fit: Fit, c
     `contacts` are where the outlines of the views touch the hand. The tip's sphere may leave its place in the model by
     a few millimetres towards the outline pixels around it.
     """
-    point, change = fit.placed.tip(sphere)
+    placed = fit.placed
+    point, change = placed.tip(sphere)
     inherited = change @ covariance @ change.T
-    centre, before, radius = fit.placed.centres[sphere], fit.placed.centres[sphere - 1], fit.placed.radii[sphere]
-    owned = [v.outline[CAPSULES[c.capsule, 1] == sphere] for v, c in zip(views, contacts, strict=True)]
-    shift, information, seen = np.zeros(3), np.eye(3) / FREEDOM_M**2, 0
-    for _ in range(STEPS):
-        information, pull, seen = np.eye(3) / FREEDOM_M**2, shift / FREEDOM_M**2, 0
-        for view, pixels in zip(views, owned, strict=True):
-            tip = (centre + shift, before + shift, radius)
-            if add_outline_pixels(view.projection, view.focal_px, pixels, tip, information, pull) >= MIN_PIXELS:
-                seen += 1
-            else:
-                add_grey_edges(view.projection, view.focal_px, view.grey, view.shift, tip, information, pull)
-        shift = shift - np.linalg.solve(information, pull)
-    spread = np.linalg.inv(information).astype(np.float64)
+    edges = [
+        (v.projection, v.focal_px, v.outline, c.capsule, v.grey, v.shift) for v, c in zip(views, contacts, strict=True)
+    ]
+    padded = (*edges, *[NO_EDGES] * (MAX_VIEWS - len(edges)))
+    tip = (placed.centres[sphere], placed.centres[sphere - 1], float(placed.radii[sphere]))
+    shift, spread, seen = settle(padded, CAPSULES[:, 1] == sphere, tip, FREEDOM_M)
     own_sigma = SEEN_SIGMA_M if seen >= MIN_VIEWS else HIDDEN_SIGMA_M
     return Tip(point + shift, spread + _unseen_part(inherited, spread) + own_sigma**2 * np.eye(3), seen)
 

@@ -11,11 +11,13 @@ from local_site.tracking.silhouette.elbow_depth import (
     CLEAR_BEND_SINE,
     FOREARM_OFFSET_SHARE,
     UPPER_ARM_DEPTH_M,
-    Bend,
-    shifts_of,
+    behind,
+    elbow_shifts,
+    unit,
 )
 from local_site.tracking.silhouette.features import Features
 from local_site.tracking.silhouette.joints import Body, solve_joints
+from local_site.tracking.silhouette.limbs import limbs_of
 from local_site.tracking.silhouette.medial import line_through
 from local_site.tracking.silhouette.posture import Posture
 
@@ -54,35 +56,36 @@ def seen(wrist, shoulder, width_px, root_share=0.0):
     return view_of(CAMERA, ELBOW, wrist, ELBOW, shoulder, width_px, root_share)
 
 
+def shifts_of(view, forearm, upper_arm):
+    """Forearm's and upper arm's shift in px, seen by CAMERA, of limbs along unit vectors (3,)."""
+    return elbow_shifts(limbs_of([CAMERA], [view])[0], ELBOW, forearm, upper_arm)
+
+
 def along(line_normal, direction):
     """Pixels along a normal for each metre along a direction, at the elbow."""
     return float(line_normal @ (project(CAMERA, 1e-6 * direction) - project(CAMERA, ELBOW))) / 1e-6
 
 
 def test_from_the_side_the_whole_offset_shows_towards_the_back():
-    bend, width = Bend(ELBOW, 0.28 * X, Z), THICK_M * PX_PER_M
-    view = seen(0.28 * X, 0.2 * Z, width)
-    shifts = shifts_of(CAMERA, view, bend)
+    view = seen(0.28 * X, 0.2 * Z, THICK_M * PX_PER_M)
+    forearm_px, upper_arm_px = shifts_of(view, X, Z)
     forearm_m = FOREARM_OFFSET_SHARE * 0.5 * THICK_M
     upper_arm_m = 0.5 * THICK_M - UPPER_ARM_DEPTH_M
-    assert shifts.forearm_px == pytest.approx(along(view.root.normal, -forearm_m * Z), rel=1e-3)
-    assert shifts.upper_arm_px == pytest.approx(along(view.upper_arm.normal, -upper_arm_m * X), rel=1e-3)
-    assert abs(shifts.forearm_px) > 3
+    assert forearm_px == pytest.approx(along(view.root.normal, -forearm_m * Z), rel=1e-3)
+    assert upper_arm_px == pytest.approx(along(view.upper_arm.normal, -upper_arm_m * X), rel=1e-3)
+    assert abs(forearm_px) > 3
 
 
 @pytest.mark.parametrize("sight", [-1, 1])
 def test_from_before_or_behind_nothing_shows(sight):
-    forearm_across = shifts_of(CAMERA, seen(0.28 * X, 0.1 * X + 0.2 * Z, 48), Bend(ELBOW, 0.28 * X, sight * Y))
-    assert abs(forearm_across.forearm_px) < 1e-6
-    upper_across = shifts_of(CAMERA, seen(0.1 * X + 0.2 * Z, 0.2 * X, 48), Bend(ELBOW, 0.28 * sight * Y, X))
-    assert abs(upper_across.upper_arm_px) < 1e-6
+    assert abs(shifts_of(seen(0.28 * X, 0.1 * X + 0.2 * Z, 48), X, sight * Y)[0]) < 1e-6
+    assert abs(shifts_of(seen(0.1 * X + 0.2 * Z, 0.2 * X, 48), sight * Y, X)[1]) < 1e-6
 
 
 def test_it_fades_as_the_arm_straightens():
     def forearm_px(bend_rad):
         upper = np.array([-np.cos(bend_rad), 0.0, np.sin(bend_rad)])
-        bend = Bend(ELBOW, 0.28 * X, upper)
-        return abs(shifts_of(CAMERA, seen(0.28 * X, 0.2 * upper, 48), bend).forearm_px)
+        return abs(shifts_of(seen(0.28 * X, 0.2 * upper, 48), X, upper)[0])
 
     clear, half = np.arcsin(CLEAR_BEND_SINE), np.arcsin(0.5 * CLEAR_BEND_SINE)
     assert forearm_px(1.5) == pytest.approx(forearm_px(clear), rel=1e-3)
@@ -91,9 +94,8 @@ def test_it_fades_as_the_arm_straightens():
 
 
 def test_a_root_that_begins_down_the_arm_swings_farther_at_the_elbow():
-    bend = Bend(ELBOW, 0.28 * X, Z)
-    near, far = (shifts_of(CAMERA, seen(0.28 * X, 0.2 * Z, 48, share), bend) for share in (0.0, 0.25))
-    assert far.forearm_px == pytest.approx(near.forearm_px / 0.75)
+    near, far = (shifts_of(seen(0.28 * X, 0.2 * Z, 48, share), X, Z)[0] for share in (0.0, 0.25))
+    assert far == pytest.approx(near / 0.75)
 
 
 @pytest.mark.parametrize("wrist_off", [(-0.19, -0.05, 0.19), (-0.22, 0.08, 0.12), (-0.10, -0.12, 0.22)])
@@ -101,9 +103,9 @@ def test_limbs_before_the_elbow_give_its_axis_back(wrist_off):
     matrices = exact_rig(StereoConfig()).matrices
     elbow = np.array([0.62, 0.42, 0.42])
     wrist, shoulder = elbow + wrist_off, elbow + np.array([0.20, -0.05, 0.14])
-    bend = Bend(elbow, wrist, (shoulder - elbow) / np.linalg.norm(shoulder - elbow))
-    on_forearm = elbow - FOREARM_OFFSET_SHARE * 0.5 * THICK_M * bend.behind(bend.forearm, bend.upper_arm)
-    on_upper_arm = (0.5 * THICK_M - UPPER_ARM_DEPTH_M) * bend.behind(bend.upper_arm, bend.forearm)
+    forearm, upper_arm = unit(wrist - elbow), unit(shoulder - elbow)
+    on_forearm = elbow - FOREARM_OFFSET_SHARE * 0.5 * THICK_M * behind(forearm, upper_arm)
+    on_upper_arm = (0.5 * THICK_M - UPPER_ARM_DEPTH_M) * behind(upper_arm, forearm)
     features = []
     for matrix in matrices:
         width_px = THICK_M * FOCAL_PX / float(matrix[2, :3] @ elbow + matrix[2, 3])

@@ -12,6 +12,7 @@ from local_site.tracking.silhouette.contour import Silhouette
 from local_site.tracking.silhouette.elbow_depth import UPPER_ARM_DEPTH_M
 from local_site.tracking.silhouette.features import Features
 from local_site.tracking.silhouette.joints import Body, sleeve_end, solve_joints, upper_arm_direction
+from local_site.tracking.silhouette.limbs import limbs_of
 from local_site.tracking.silhouette.medial import line_through
 from local_site.tracking.silhouette.posture import Posture
 
@@ -103,10 +104,20 @@ def test_a_thicker_arm_turns_nearer_to_its_back():
 
 
 def test_the_upper_arm_points_to_the_shoulder():
-    direction = upper_arm_direction(PROJECTIONS, seen(ELBOW, BENT, SHOULDER), ELBOW)
-    assert direction is not None
+    found, direction = upper_arm_direction(limbs_of(PROJECTIONS, seen(ELBOW, BENT, SHOULDER)), ELBOW, BENT)
+    assert found
     assert float(direction @ (SHOULDER - ELBOW)) == pytest.approx(error_m(SHOULDER, ELBOW), rel=1e-9)
-    assert upper_arm_direction(PROJECTIONS, seen(ELBOW, BENT, SHOULDER, upper=False), ELBOW) is None
+    hidden = limbs_of(PROJECTIONS, seen(ELBOW, BENT, SHOULDER, upper=False))
+    assert not upper_arm_direction(hidden, ELBOW, SHOULDER)[0]
+
+
+def test_an_upper_arm_along_the_baseline_points_to_its_far_end():
+    shoulder = ELBOW + np.array([0.2, 0.0, 0.0])
+    views = limbs_of(PROJECTIONS, seen(ELBOW, BENT, shoulder))
+    for far_end in (shoulder, 2 * ELBOW - shoulder):
+        found, direction = upper_arm_direction(views, ELBOW, far_end)
+        assert found
+        assert float(direction @ (far_end - ELBOW)) == pytest.approx(0.2, rel=1e-2)
 
 
 def test_a_sleeve_ends_where_all_views_agree():

@@ -1,12 +1,10 @@
 """Gauss-Newton on a hand's outlines, compiled from end to end, so that many starts can be tried."""
 
-import math
-
 import numpy as np
 from numpy.typing import NDArray
 
 from common.geometry import Array
-from local_site.tracking.silhouette.compiled import compiled
+from local_site.compiled import compiled
 from local_site.tracking.silhouette.hand_model.kernels import (
     add_outline,
     add_outside,
@@ -94,10 +92,3 @@ def _strain(wrist: Array, rotation: Array, posture: Array, known: Known) -> Arra
     strain[3:POSE] = rotation_vector(rotation @ known[1].T)
     strain[POSE:] = posture - known[2]
     return strain
-
-
-def focal_length(projection: Array) -> float:
-    """The focal length in px of a projection (3, 4) whose third row gives depths in m."""
-    a, b = projection[0, :3], projection[2, :3]
-    dot = float(a @ b)
-    return math.sqrt(max(float(a @ a) * float(b @ b) - dot * dot, 0.0))

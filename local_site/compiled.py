@@ -9,5 +9,5 @@ Function = TypeVar("Function", bound=Callable[..., object])
 
 
 def compiled(function: Function) -> Function:
-    """The function as machine code, kept on disk between runs."""
-    return cast(Function, numba.njit(cache=True)(function))
+    """The function as machine code, kept on disk between runs; divisions by zero give infinities, as in arrays."""
+    return cast(Function, numba.njit(cache=True, error_model="numpy")(function))
