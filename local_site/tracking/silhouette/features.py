@@ -17,7 +17,7 @@ from local_site.tracking.silhouette.medial import (
     typical_width,
 )
 from local_site.tracking.silhouette.posture import Posture, find_posture
-from local_site.tracking.silhouette.profile import last_clean, limb_end, mean_between, palm_begin, share_seen, widest
+from local_site.tracking.silhouette.profile import last_clean, limb_span, mean_between, palm_begin, share_seen, widest
 
 FOREARM_RANGE = (0.3, 0.92)
 ROOT_START, ROOT_LENGTH = 0.2, 0.2
@@ -187,13 +187,13 @@ def _upper_arm(silhouette: Silhouette, guess: Posture) -> tuple[Line | None, flo
         return None, 0.0, guess.shoulder_end
     start = max(UPPER_ARM_START * guess.half_width, _crease(guess))
     length = axis.along(guess.shoulder_end) + guess.half_width
-    end = length
+    begin, end = start, length
     for _ in range(REFITS + 1):
         edges = scan_edges(silhouette, axis, 0.0, length, 2.2 * guess.half_width)
-        end = limb_end(*edges.rows, start, guess.half_width)
-        line = medial_line(edges, start, end - 2)
+        begin, end = limb_span(*edges.rows, start, guess.half_width)
+        line = medial_line(edges, begin, end - 2)
         if line is None:
             return None, 0.0, guess.shoulder_end
         axis = Line(line.at(line.along(guess.elbow)), line.direction)
-    width = typical_width(*edges.rows, start, start + NEAR_SHARE * (end - start))
+    width = typical_width(*edges.rows, begin, begin + NEAR_SHARE * (end - begin))
     return axis, 2 * guess.half_width if math.isnan(width) else width, axis.at(end)

@@ -4,6 +4,7 @@ import math
 from collections import deque
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
+from statistics import median
 
 import numpy as np
 
@@ -26,10 +27,20 @@ REFIT_ITERATIONS = 8
 FIRST_SEARCH = Effort(rolls=32, kept=32)
 AGAIN_ROLLS, AGAIN_KEPT = 6, 2
 AGAIN_OFFSETS = (0.0, 0.5, 0.25, 0.75)
+SEARCH_EVERY = 4
 REMEMBERED_COSTS = 30
 WORSE_FACTOR, WORSE_MARGIN = 1.4, 0.05
 BAD_FACTOR, BAD_MARGIN = 1.7, 0.08
 MAX_COST = 1.2
+CLEARLY_BETTER = 0.95
+# turns about the hand's own axes, rad, each with a change of the first posture angles
+OPINIONS = (
+    ((0.4, 0.0, 0.0), (0.0, 0.0, 0.0, 0.2)),
+    ((0.0, 0.3, 0.0), (-0.3, 0.0, 0.0, 0.0)),
+    ((0.0, 0.0, 0.3), (0.0, 0.0, 0.1, 0.2)),
+    ((0.2, 0.2, 0.0), (0.2, -0.2, 0.0, 0.0)),
+    ((0.8, 0.0, 0.0), (0.0, 0.0, 0.1, 0.0)),
+)
 MAX_TURN_AHEAD = 0.5
 OPEN_THUMB_SIGMA_M = 0.02
 
@@ -66,7 +77,7 @@ class HandTracker:
         self._last: tuple[Fit, Array] | None = None
         self._open = False
         self._turn = np.zeros(3)
-        self._searches = 0
+        self._searches = self._opinions = 0
         self._costs: deque[float] = deque(maxlen=REMEMBERED_COSTS)
 
     @property
@@ -92,7 +103,7 @@ class HandTracker:
         if self._habits.is_closed(fit.pose.posture) or not self.known:
             self._learn(fit)
         self._open = self._habits.is_open(fit.pose.posture, self._open)
-        return _estimate(views, fit, self._open, float(np.median(self._costs)))
+        return _estimate(views, fit, self._open, median(self._costs))
 
     def _learn(self, fit: Fit) -> None:
         prior = fit.prior
@@ -111,19 +122,25 @@ class HandTracker:
     def _fit(self, views: Sequence[HandView], arm: Arm, person: Person) -> Fit:
         if self._last is None:
             if self.known:
-                return self._search_on(views, arm, person)
+                return self._searched(views, arm, person)
             return search_hand(views, arm.far_end, self._prior(arm, self._habits.closed), person, FIRST_SEARCH)
         fit = self._followed(views, arm, person)
-        usual = float(np.median(self._costs))
-        if fit.cost < WORSE_FACTOR * usual + WORSE_MARGIN:
-            return fit
-        fit = min(fit, *self._refits(views, arm, person), key=_cost)
-        if fit.cost < BAD_FACTOR * usual + BAD_MARGIN:
-            return fit
-        return min(fit, self._search_on(views, arm, person), key=_cost)
+        other = self._second_opinion(views, arm, person)
+        if other.cost < CLEARLY_BETTER * fit.cost:
+            fit = other
+        usual = median(self._costs)
+        if fit.cost > WORSE_FACTOR * usual + WORSE_MARGIN:
+            fit = min(fit, self._the_other_way(views, arm, person), key=_cost)
+        if fit.cost > BAD_FACTOR * usual + BAD_MARGIN and self._opinions % SEARCH_EVERY == 0:
+            fit = min(fit, self._search(views, arm, person), key=_cost)
+        return fit if fit.cost <= MAX_COST else min(fit, self._searched(views, arm, person), key=_cost)
 
-    def _search_on(self, views: Sequence[HandView], arm: Arm, person: Person) -> Fit:
-        """From a few rotations, others each time, so that no instant takes long; fingers as usual or opened."""
+    def _searched(self, views: Sequence[HandView], arm: Arm, person: Person) -> Fit:
+        """The better of two searches, one of them for an opened hand."""
+        return min(self._search(views, arm, person), self._search(views, arm, person), key=_cost)
+
+    def _search(self, views: Sequence[HandView], arm: Arm, person: Person) -> Fit:
+        """From a few rotations, others each time, so that no instant takes long; by turns opened and as usual."""
         self._searches += 1
         turn, opened = divmod(self._searches, 2)
         belief = self._habits.opened if opened else self._habits.closed
@@ -136,16 +153,30 @@ class HandTracker:
         size = float(np.linalg.norm(self._turn))
         rotation = turned(self._turn * min(1.0, MAX_TURN_AHEAD / max(size, 1e-9))) @ start.rotation
         start = replace(start, rotation=rotation)
-        prior = self._prior(arm, near_last(self._habits.closed, start.posture), start)
+        prior = self._prior(arm, near_last(self._belief(), start.posture), start)
         return fit_hand(views, start, prior, person, ITERATIONS)
 
-    def _refits(self, views: Sequence[HandView], arm: Arm, person: Person) -> list[Fit]:
-        """From the last rotation with the fingers opened, and held as usual."""
-        fits = []
-        for belief in (self._habits.opened, self._habits.closed):
-            start = replace(self._carried(arm), posture=belief.posture)
-            fits.append(fit_hand(views, start, self._prior(arm, belief, start), person, REFIT_ITERATIONS))
-        return fits
+    def _second_opinion(self, views: Sequence[HandView], arm: Arm, person: Person) -> Fit:
+        """From beside the last pose, elsewhere each time: what is followed may be the second best for long."""
+        self._opinions += 1
+        axis, way = divmod(self._opinions % (2 * len(OPINIONS)), 2)
+        turn, change = OPINIONS[axis]
+        sign = 1.0 if way else -1.0
+        belief = self._belief()
+        start = self._carried(arm)
+        posture = belief.posture.copy()
+        posture[: len(change)] += sign * np.array(change)
+        start = replace(start, rotation=start.rotation @ turned(sign * np.array(turn)), posture=posture)
+        return fit_hand(views, start, self._prior(arm, belief, start), person, REFIT_ITERATIONS)
+
+    def _belief(self) -> Belief:
+        return self._habits.opened if self._open else self._habits.closed
+
+    def _the_other_way(self, views: Sequence[HandView], arm: Arm, person: Person) -> Fit:
+        """From the last rotation with the fingers opened if they were not, or held as usual if they were."""
+        belief = self._habits.closed if self._open else self._habits.opened
+        start = replace(self._carried(arm), posture=belief.posture)
+        return fit_hand(views, start, self._prior(arm, belief, start), person, REFIT_ITERATIONS)
 
     def _carried(self, arm: Arm) -> HandPose:
         if self._last is None:

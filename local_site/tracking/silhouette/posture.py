@@ -12,15 +12,14 @@ import numpy as np
 from numpy.typing import NDArray
 
 from common.geometry import Array
+from local_site.compiled import compiled
 from local_site.tracking.silhouette.contour import Silhouette
 
 WORKING_SIZE = 112
-SETTLED_EVERY = 8
+MIN_LAYERS = 16
 END_REACH = 1.6
 HAND_RADII = (2.5, 7.0)
 DEFAULT_HAND_RADII = 4.2
-CROSS = cv2.getStructuringElement(cv2.MORPH_CROSS, (3, 3))
-SQUARE = np.ones((3, 3), dtype=np.uint8)
 
 
 @dataclass(frozen=True, slots=True)
@@ -88,26 +87,39 @@ def _border_pixel(silhouette: Silhouette, scale: float, origin: Array) -> tuple[
     return int(x), int(y)
 
 
-def _geodesic(mask: NDArray[np.uint8], start: tuple[int, int]) -> NDArray[np.int16]:
-    """Steps back from the farthest layer: each reached pixel counts the rounds since, so the start has the most."""
-    front = np.zeros_like(mask)
-    front[start[1], start[0]] = 255
-    count = np.zeros(mask.shape, dtype=np.int16)
-    reached, rounds = -1, 0
-    while True:
-        front = np.asarray(cv2.min(cv2.dilate(front, SQUARE if rounds & 1 else CROSS), mask), dtype=np.uint8)
-        count[front > 0] += 1
+@compiled
+def _layers(mask: NDArray[np.uint8], start: tuple[int, int]) -> NDArray[np.int32]:
+    """Steps within the mask from a pixel (x, y) to each, -1 where there is no way; the mask's rim is 0.
+
+    Steps lead by turns to four and to eight neighbours, so that layers of equal distance are nearly round.
+    """
+    layer = np.full(mask.shape, -1, np.int32)
+    queue = np.empty((mask.size, 2), np.int32)
+    if mask[start[1], start[0]] == 0:
+        return layer
+    layer[start[1], start[0]] = 0
+    queue[0] = start
+    # pixels of the last round, from `fresh` on, and of the round before it, whose corners were left to a later step
+    old, fresh, count, rounds = 0, 0, 1, 0
+    while old < count:
         rounds += 1
-        if rounds % SETTLED_EVERY == 0:
-            now = cv2.countNonZero(front)
-            if now == reached:
-                return count
-            reached = now
+        corners = rounds % 2 == 0
+        begin, end = old if corners else fresh, count
+        for k in range(begin, end):
+            x, y = queue[k]
+            for dy in range(-1, 2):
+                for dx in range(-1, 2):
+                    if (corners or dx * dy == 0) and mask[y + dy, x + dx] and layer[y + dy, x + dx] < 0:
+                        layer[y + dy, x + dx] = rounds
+                        queue[count] = x + dx, y + dy
+                        count += 1
+        old, fresh = fresh, end
+    return layer
 
 
 def _farthest(mask: NDArray[np.uint8], start: tuple[int, int]) -> tuple[int, int]:
-    count = _geodesic(mask, start)
-    y, x = np.unravel_index(int(np.argmin(np.where(count > 0, count, np.iinfo(np.int16).max))), count.shape)
+    layer = _layers(mask, start)
+    y, x = np.unravel_index(int(np.argmax(layer)), layer.shape)
     return int(x), int(y)
 
 
@@ -127,13 +139,13 @@ def _blunt(ends: tuple[tuple[int, int], tuple[int, int]], radii: Array) -> tuple
 
 
 def _medial_axis(mask: NDArray[np.uint8], radii: Array, start: tuple[int, int]) -> _Axis | None:
-    count = _geodesic(mask, start)
-    inside = count > 0
-    layer = (count.max() - count)[inside].astype(np.int64)
+    layers = _layers(mask, start)
+    inside = layers >= 0
+    layer = layers[inside]
     size = np.bincount(layer)
     y, x = np.nonzero(inside)
     kept = size > 0
-    if np.count_nonzero(kept) < 2 * SETTLED_EVERY:
+    if np.count_nonzero(kept) < MIN_LAYERS:
         return None
     points = np.column_stack([np.bincount(layer, weights=v)[kept] / size[kept] for v in (x, y)])
     widest = np.zeros(len(size))

@@ -100,19 +100,24 @@ def _smooth_width(lower: Array, upper: Array, unseen: float) -> Array:
 
 
 @compiled
-def limb_end(t: Array, lower: Array, upper: Array, start: float, half_width: float) -> float:
-    """How far along its axis the limb keeps its width, from where it first shows two edges after `start`."""
+def limb_span(t: Array, lower: Array, upper: Array, start: float, half_width: float) -> tuple[float, float]:
+    """From where to where along its axis, after `start`, the limb keeps its width.
+
+    Where it parts from the other limb at the crease, rows are wider than the limb.
+    """
     first = -1
     for k in range(len(t)):
         if t[k] > start and not math.isnan(lower[k]):
             first = k
             break
     if first < 0:
-        return start
-    reach = t[first] + TYPICAL_HALF_WIDTHS * half_width
-    typical = typical_width(t, lower, upper, t[first], reach - 1e-9)
+        return start, start
+    typical = typical_width(t, lower, upper, t[first], t[first] + TYPICAL_HALF_WIDTHS * half_width)
+    begin = -1
     for k in range(first, len(t)):
         kept = abs((upper[k] - lower[k]) / typical - 1) < WIDTH_CHANGE
-        if t[k] > t[first] + SURE_PX and not kept:
-            return float(t[k])
-    return float(t[-1])
+        if kept and begin < 0:
+            begin = k
+        elif not kept and begin >= 0 and t[k] > t[begin] + SURE_PX:
+            return float(t[begin]), float(t[k])
+    return float(t[max(begin, first)]), float(t[-1])

@@ -13,7 +13,7 @@ from local_site.tracking.tracker import View, Views
 
 BENT_K1 = -0.2
 PAIRS, PERIOD_NS = 6, 33_333_333
-SAME_M, DRAWN_PX = 0.004, 3.0
+SAME_M, DRAWN_PX = 0.006, 3.0
 
 
 def last_estimate(k1):

@@ -47,6 +47,7 @@ def descend(
     for _ in range(iterations):
         information[:], gradient[:] = 0.0, 0.0
         cost = _add_views(views, wrist, rotation, posture, body, information, gradient)
+        information += np.tril(information, -1).T
         strain = _strain(wrist, rotation, posture, known)
         step = np.linalg.solve(information + known[3], -gradient - known[3] @ strain).astype(np.float64)
         turn = max(np.sqrt(np.sum(step[3:POSE] ** 2)), np.abs(step[POSE:]).max())

@@ -6,16 +6,15 @@ import numpy as np
 
 from common.geometry import Array
 from local_site.tracking.silhouette.hand_model.placement import POSE, STATE
-from local_site.tracking.silhouette.hand_model.skeleton import MCP_CURL, PARAMETERS, PIP_CURL, SPREAD
+from local_site.tracking.silhouette.hand_model.skeleton import MCP_CURL, PARAMETERS, PIP_CURL
 
 GRIPPER = np.array([0.6, 0.4, 0.1, 0.03, 0.85, 0.57, -0.1, 0.0, 0.0, 0.0])
 GRIPPER_SIGMA = np.array([0.35, 0.35, 0.1, 0.08, 0.3, 0.3, 0.25, 0.08, 0.10, 0.12])
 HABIT_SIGMA = np.array([0.08, 0.08, 0.03, 0.03, 0.08, 0.08, 0.08, 0.004, 0.004, 0.004])
-OPEN_SIGMA = np.array([0.2, 0.2, 0.05, 0.15, 0.25, 0.2, 0.2, 0.02, 0.02, 0.02])
+OPEN = np.array([0.03, 0.1, 0.0, 0.25, 1.0, 0.0, 0.0])
+OPEN_SIGMA = np.array([0.2, 0.2, 0.05, 0.15, 0.25, 0.25, 0.2, 0.02, 0.02, 0.02])
 STEP_SIGMA = np.array([0.06, 0.06, 0.02, 0.03, 0.05, 0.05, 0.05, 0.004, 0.004, 0.004])
 TURN_SIGMA = 0.5
-OPEN_CURL = (0.03, 0.1)
-OPEN_SPREAD = 0.25
 OPEN_SHARE, STILL_OPEN_SHARE, CLOSED_SHARE = 0.6, 0.75, 0.85
 FRAME_SHARE = 0.15
 MEMORY = 0.998
@@ -48,8 +47,7 @@ class Habits:
     def opened(self) -> Belief:
         """The hand with its fingers stretched and spread."""
         posture = self._mean.copy()
-        posture[[MCP_CURL, PIP_CURL]] = OPEN_CURL
-        posture[SPREAD] = OPEN_SPREAD
+        posture[: len(OPEN)] = OPEN
         return Belief(posture, np.diag(1 / OPEN_SIGMA**2))
 
     def learn(self, seen: Array, prior: Belief, information: Array) -> None:

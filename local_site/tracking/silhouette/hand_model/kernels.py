@@ -83,7 +83,8 @@ def add_outline(
     information: Array,
     gradient: Array,
 ) -> float:
-    """Add what outline pixels say to information (P, P) and gradient (P,); returns their robust cost."""
+    """Add what outline pixels say to the gradient (P,) and to the lower half of information (P, P); returns their
+    robust cost."""
     (distances, nearest, shares), (places, _, moved, growth) = contact, view
     cost, row = 0.0, np.empty(len(gradient))
     for n in range(len(pixels)):
@@ -148,9 +149,9 @@ def _sample(field: NDArray[np.float32], px: float, py: float) -> tuple[float, fl
 
 @compiled
 def _add(information: Array, gradient: Array, row: Array, residual: float, weight: float) -> None:
-    """Add one weighted row to the normal equations."""
+    """Add one weighted row to the normal equations, of whose information only the lower half is kept."""
     for p in range(len(row)):
         w = weight * row[p]
         gradient[p] += w * residual
-        for q in range(len(row)):
+        for q in range(p + 1):
             information[p, q] += w * row[q]
