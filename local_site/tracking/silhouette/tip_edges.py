@@ -9,7 +9,7 @@ from common.geometry import Array
 from local_site.compiled import compiled
 from local_site.tracking.silhouette.pixels import grey_at
 
-PIXEL_SIGMA = 1.7
+PIXEL_SIGMA = 1.4
 REACH_PX = 3.0
 CAP_BACK = 0.3
 AHEAD = 0.7
@@ -18,7 +18,7 @@ EDGE_ANGLES = np.radians(np.arange(-75.0, 76.0, 15.0))
 EDGE_STEPS = 12
 MIN_EDGE = 0.08
 MIN_DISTANCE_PX = 1e-6
-MIN_PIXELS = 3
+MIN_PIXELS, END_SHARE = 3, 0.7  # of outline before the tip: at least, and in units of its radius
 STEPS = 3
 
 TipSphere = tuple[Array, Array, float]
@@ -49,7 +49,7 @@ def settle(
             if grey.size == 0:
                 continue
             circle = _circle(projection, focal_px, moved)
-            if _add_outline(circle, outline, owned, capsules, information, pull) >= MIN_PIXELS:
+            if _add_outline(circle, outline, owned, capsules, information, pull) >= max(MIN_PIXELS, END_SHARE * circle[1]):
                 seen += 1
             else:
                 _add_grey_edges(circle, grey, to_now, information, pull)
