@@ -25,6 +25,8 @@ from local_site.tracking.silhouette.tips import Tip, find_tip
 ITERATIONS = 4
 REFIT_ITERATIONS = 8
 FIRST_SEARCH = Effort(rolls=32, kept=32)
+QUICK_SEARCH = Effort(rolls=6, kept=3)
+FIRST_SEARCH_EVERY = 30
 AGAIN_ROLLS, AGAIN_KEPT = 6, 2
 AGAIN_OFFSETS = (0.0, 0.5, 0.25, 0.75)
 SEARCH_EVERY = 4
@@ -121,9 +123,7 @@ class HandTracker:
 
     def _fit(self, views: Sequence[HandView], arm: Arm, person: Person) -> Fit:
         if self._last is None:
-            if self.known:
-                return self._searched(views, arm, person)
-            return search_hand(views, arm.far_end, self._prior(arm, self._habits.closed), person, FIRST_SEARCH)
+            return self._searched(views, arm, person) if self.known else self._first_search(views, arm, person)
         fit = self._followed(views, arm, person)
         other = self._second_opinion(views, arm, person)
         if other.cost < CLEARLY_BETTER * fit.cost:
@@ -134,6 +134,13 @@ class HandTracker:
         if fit.cost > BAD_FACTOR * usual + BAD_MARGIN and self._opinions % SEARCH_EVERY == 0:
             fit = min(fit, self._search(views, arm, person), key=_cost)
         return fit if fit.cost <= MAX_COST else min(fit, self._searched(views, arm, person), key=_cost)
+
+    def _first_search(self, views: Sequence[HandView], arm: Arm, person: Person) -> Fit:
+        """All around at first and now and then; between, in case it is no hand that is shown, from a few rotations."""
+        step, thorough = self._searches % len(AGAIN_OFFSETS), self._searches % FIRST_SEARCH_EVERY == 0
+        self._searches += 1
+        effort = FIRST_SEARCH if thorough else replace(QUICK_SEARCH, offset=AGAIN_OFFSETS[step])
+        return search_hand(views, arm.far_end, self._prior(arm, self._habits.closed), person, effort)
 
     def _searched(self, views: Sequence[HandView], arm: Arm, person: Person) -> Fit:
         """The better of two searches, one of them for an opened hand."""
