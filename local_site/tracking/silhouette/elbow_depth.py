@@ -1,7 +1,7 @@
-"""Where in the limbs the elbow turns: nearer to the arm's back than the middle of the silhouette.
+"""Where in the limbs the elbow turns: at a nearly constant depth beneath the skin of the arm's back.
 
-The bones lie right under the skin there, muscle on the other sides. Below the upper arm's skin the axis has a nearly
-constant depth, however thick the arm; the forearm's muscles lie so that the offset from its middle stays small.
+The bones lie right under the skin there, muscle on the other sides, so that the middle of the silhouette moves with
+the build of the arm, and the depth does not.
 """
 
 import math
@@ -12,8 +12,7 @@ from common.geometry import Array
 from local_site.compiled import compiled
 from local_site.tracking.silhouette.limbs import Limb
 
-FOREARM_OFFSET_SHARE = 0.13
-UPPER_ARM_DEPTH_M = 0.036
+FOREARM_DEPTH_M, UPPER_ARM_DEPTH_M = 0.0285, 0.037
 CLEAR_BEND_SINE = 0.35
 MIN_LENGTH_M = 1e-6
 
@@ -42,12 +41,24 @@ def elbow_shifts(view: Limb, elbow: Array, forearm: Array, upper_arm: Array) -> 
 
     The elbow (3,) in m; unit vectors (3,) from it along the limbs.
     """
-    offset = FOREARM_OFFSET_SHARE * 0.5 * view.root_width
-    first = _shown(view, elbow, view.root, offset * behind(forearm, upper_arm)) / (1 - view.root_share)
+    first = _shift(view, elbow, view.root, view.forearm_sides, FOREARM_DEPTH_M, behind(forearm, upper_arm))
     if not view.has_upper_arm:
         return first, 0.0
-    offset = 0.5 * view.upper_arm_width - UPPER_ARM_DEPTH_M * _px_per_m(view, elbow)
-    return first, _shown(view, elbow, view.upper_arm, offset * behind(upper_arm, forearm))
+    towards_back = behind(upper_arm, forearm)
+    return first, _shift(view, elbow, view.upper_arm, view.upper_arm_sides, UPPER_ARM_DEPTH_M, towards_back)
+
+
+@compiled
+def _shift(view: Limb, elbow: Array, line: Array, sides: Array, depth_m: float, towards_back: Array) -> float:
+    """How far beside a limb's line, px, the axis lies that is so deep beneath the skin of its back.
+
+    The limb counts as round: the less a view shows the back from the side, the less of it. Nothing where that skin is
+    not seen.
+    """
+    shown = _shown(view, elbow, line, towards_back)
+    skin = sides[1] if shown > 0 else sides[0]
+    half = abs(line[1, 0] * (skin[1] - line[0, 1]) - line[1, 1] * (skin[0] - line[0, 0]))
+    return 0.0 if math.isnan(half) else shown * (half - depth_m * _px_per_m(view, elbow))
 
 
 @compiled
@@ -57,9 +68,9 @@ def _px_per_m(view: Limb, point: Array) -> float:
 
 
 @compiled
-def _shown(view: Limb, elbow: Array, line: Array, offset_px: Array) -> float:
-    """How far along a line's normal an offset (3,), in px at the elbow's distance, shows in the view."""
-    motion = image_motion(view.projection, elbow, offset_px)
+def _shown(view: Limb, elbow: Array, line: Array, offset: Array) -> float:
+    """How far along a line's normal an offset (3,) shows in the view, in lengths of the elbow's distance."""
+    motion = image_motion(view.projection, elbow, offset)
     return float((line[1, 0] * motion[1] - line[1, 1] * motion[0]) / _px_per_m(view, elbow))
 
 

@@ -11,10 +11,10 @@ from local_site.tracking.silhouette.contour import Silhouette, any_at_border
 from local_site.tracking.silhouette.medial import (
     Edges,
     Line,
+    limb_sides,
     line_through,
     medial_line,
     scan_edges,
-    typical_width,
 )
 from local_site.tracking.silhouette.posture import Posture, find_posture
 from local_site.tracking.silhouette.profile import last_clean, limb_span, mean_between, palm_begin, share_seen, widest
@@ -22,7 +22,7 @@ from local_site.tracking.silhouette.profile import last_clean, limb_span, mean_b
 FOREARM_RANGE = (0.3, 0.92)
 ROOT_START, ROOT_LENGTH = 0.2, 0.2
 MIN_ROOT_ROWS = 4
-NEAR_SHARE = 0.4
+FOREARM_SIDES, UPPER_ARM_SIDES = (0.0, 0.6), (0.3, 1.0)
 UPPER_ARM_START = 0.6
 MAX_CREASE_COSINE = 0.87
 REFITS = 1
@@ -37,18 +37,18 @@ HAND_OVERLAP = 0.08
 class Features:
     """Measurements of one view in px; lines point from the elbow outwards.
 
-    `root` leads from the forearm's middle near the elbow, at `root_share` of its length, to the wrist. `wrist` is where
-    the forearm turns into the palm, None where the silhouette does not show it; `hand` is the contour (M, 2) beyond it.
-    Widths are those of the limbs near the elbow. `hand_shift` (2,) takes what was seen of the hand to the instant
-    measured. `guess` are the rough positions that the measurement started from, brought up to date.
+    `root` leads from the forearm's middle near the elbow to the wrist. `forearm_sides` and `upper_arm_sides` are the
+    skin (2, 2) just beside the elbow, against and along the normal of the limb's line, NaN where it is not seen.
+    `wrist` is where the forearm turns into the palm, None where the silhouette does not show it; `hand` is the contour
+    (M, 2) beyond it. `hand_shift` (2,) takes what was seen of the hand to the instant measured. `guess` are the rough
+    positions that the measurement started from, brought up to date.
     """
 
     forearm: Line
     root: Line
-    root_width: float
-    root_share: float
+    forearm_sides: Array
     upper_arm: Line | None
-    upper_arm_width: float
+    upper_arm_sides: Array
     wrist: Array | None
     hand: Array | None
     half_width: float
@@ -85,17 +85,14 @@ def _measure_near(silhouette: Silhouette, guess: Posture) -> Features | None:
     wrist = line.at(palm if seen else length)
     guess = replace(guess, wrist=wrist)
     hand = _hand(silhouette, edges, (palm if seen else length) - HAND_OVERLAP * length)
-    upper_arm, upper_width, shoulder_end = _upper_arm(silhouette, guess)
+    upper_arm, shoulder_end = _upper_arm(silhouette, guess)
     guess = replace(guess, shoulder_end=shoulder_end)
-    far = line.at(length)
-    root, root_width, root_share = _root(edges, length, far, _crease(guess)) or (line, 2 * width, 0.0)
     return Features(
         forearm=line,
-        root=root,
-        root_width=root_width,
-        root_share=root_share,
+        root=_root(edges, length, line.at(length), _crease(guess)) or line,
+        forearm_sides=_sides(silhouette, line, guess, FOREARM_SIDES),
         upper_arm=upper_arm,
-        upper_arm_width=upper_width,
+        upper_arm_sides=_sides(silhouette, upper_arm, guess, UPPER_ARM_SIDES),
         wrist=wrist if seen else None,
         hand=hand,
         half_width=width,
@@ -106,17 +103,26 @@ def _measure_near(silhouette: Silhouette, guess: Posture) -> Features | None:
     )
 
 
-def _root(edges: Edges, length: float, wrist: Array, crease: float) -> tuple[Line, float, float] | None:
-    """The line from the forearm's middle near the elbow to the wrist, the width there, and its share of the length.
+def _root(edges: Edges, length: float, wrist: Array, crease: float) -> Line | None:
+    """The line from the forearm's middle near the elbow to the wrist.
 
     Muscle bends the medial axis; the bone's axis is straight, and the wrist lies on both.
     """
     low = max(ROOT_START * length, min(crease, 0.5 * length))
-    rows, place, middle, width = mean_between(*edges.rows, low, low + ROOT_LENGTH * length)
+    rows, place, middle = mean_between(*edges.rows, low, low + ROOT_LENGTH * length)
     if rows < MIN_ROOT_ROWS:
         return None
-    line = line_through(edges.axis.at(place) + middle * edges.axis.normal, wrist)
-    return None if line is None else (line, width, place / max(length, 1.0))
+    return line_through(edges.axis.at(place) + middle * edges.axis.normal, wrist)
+
+
+def _sides(silhouette: Silhouette, limb: Line | None, guess: Posture, shares: tuple[float, float]) -> Array:
+    """The skin (2, 2) in px on both sides of a limb, between two shares of the half width from the elbow."""
+    if limb is None:
+        return np.full((2, 2), np.nan)
+    near, far = (share * guess.half_width for share in shares)
+    offsets = limb_sides(silhouette, limb, near, far, 2.2 * guess.half_width)
+    result: Array = limb.at(0.5 * (near + far)) + offsets[:, None] * limb.normal
+    return result
 
 
 def _forearm(silhouette: Silhouette, guess: Posture) -> tuple[Line, Edges, float] | None:
@@ -180,11 +186,11 @@ def _nearest(contour: Array, x: float, y: float) -> int:
     return nearest
 
 
-def _upper_arm(silhouette: Silhouette, guess: Posture) -> tuple[Line | None, float, Array]:
-    """The upper arm's medial line, None where too little of it shows, its width, and the middle of its far end."""
+def _upper_arm(silhouette: Silhouette, guess: Posture) -> tuple[Line | None, Array]:
+    """The upper arm's medial line, None where too little of it shows, and the middle of its far end."""
     axis = line_through(guess.elbow, guess.shoulder_end)
     if axis is None:
-        return None, 0.0, guess.shoulder_end
+        return None, guess.shoulder_end
     start = max(UPPER_ARM_START * guess.half_width, _crease(guess))
     length = axis.along(guess.shoulder_end) + guess.half_width
     begin, end = start, length
@@ -193,7 +199,6 @@ def _upper_arm(silhouette: Silhouette, guess: Posture) -> tuple[Line | None, flo
         begin, end = limb_span(*edges.rows, start, guess.half_width)
         line = medial_line(edges, begin, end - 2)
         if line is None:
-            return None, 0.0, guess.shoulder_end
+            return None, guess.shoulder_end
         axis = Line(line.at(line.along(guess.elbow)), line.direction)
-    width = typical_width(*edges.rows, begin, begin + NEAR_SHARE * (end - begin))
-    return axis, 2 * guess.half_width if math.isnan(width) else width, axis.at(end)
+    return axis, axis.at(end)

@@ -9,11 +9,11 @@ from local_site.compiled import compiled
 from local_site.tracking.silhouette.limbs import Limb, Limbs
 
 FOREARM_SIGMA = 0.06
-UPPER_ARM_SIGMA = 0.15
+ROOT_SIGMA, UPPER_ARM_SIGMA = 0.08, 0.1
 NECK_SIGMA = 0.3
 ROUGH_SIGMA = 3.0
 EXPECTED_SIGMA = 1.0
-CLEAR_BEND_SINE = 0.4
+CLEAR_BEND_SINE = 0.6
 MIN_BEND_SINE = 0.02
 MIN_LENGTH = 1e-6
 TINY = 1e-40
@@ -56,9 +56,10 @@ def _add_view(view: Limb, shifts: Array, state: Array, information: Array, pull:
     """
     elbow, wrist = _image_of(view.projection, state, ELBOW), _image_of(view.projection, state, WRIST)
     ahead, width = view.forearm[1], view.half_width
-    beside = FOREARM_SIGMA * width
-    squares = _add_line(elbow, _across(view.root[0], view.root[1], shifts[0]), beside, ELBOW, information, pull)
-    squares += _add_line(wrist, _across(view.forearm[0], ahead, 0.0), beside, WRIST, information, pull)
+    root = _across(view.root[0], view.root[1], shifts[0])
+    squares = _add_line(elbow, root, ROOT_SIGMA * width, ELBOW, information, pull)
+    axis = _across(view.forearm[0], ahead, 0.0)
+    squares += _add_line(wrist, axis, FOREARM_SIGMA * width, WRIST, information, pull)
     squares += _add_line(elbow, _at(view.elbow, ahead), EXPECTED_SIGMA * width, ELBOW, information, pull)
     neck = NECK_SIGMA if view.has_wrist else ROUGH_SIGMA
     squares += _add_line(wrist, _at(view.wrist, ahead), neck * width, WRIST, information, pull)

@@ -17,10 +17,9 @@ LIMBS = np.dtype(
         ("focal_px", np.float64),
         ("forearm", np.float64, (2, 2)),
         ("root", np.float64, (2, 2)),
-        ("root_width", np.float64),
-        ("root_share", np.float64),
+        ("forearm_sides", np.float64, (2, 2)),
         ("upper_arm", np.float64, (2, 2)),
-        ("upper_arm_width", np.float64),
+        ("upper_arm_sides", np.float64, (2, 2)),
         ("has_upper_arm", np.int64),
         ("has_wrist", np.int64),
         ("half_width", np.float64),
@@ -41,10 +40,9 @@ class Limb(Protocol):
     focal_px: float
     forearm: Array
     root: Array
-    root_width: float
-    root_share: float
+    forearm_sides: Array
     upper_arm: Array
-    upper_arm_width: float
+    upper_arm_sides: Array
     has_upper_arm: int
     has_wrist: int
     half_width: float
@@ -64,10 +62,9 @@ def limbs_of(projections: Sequence[Array], features: Sequence[Features]) -> Limb
             focal_length(projection),
             view.forearm.pair,
             view.root.pair,
-            view.root_width,
-            view.root_share,
+            view.forearm_sides,
             line,
-            view.upper_arm_width,
+            view.upper_arm_sides,
             upper is not None,
             view.wrist is not None,
             view.half_width,

@@ -79,6 +79,33 @@ def scan_edges(silhouette: Silhouette, axis: Line, start: float, end: float, rea
     return Edges(axis, t, lower, upper)
 
 
+def limb_sides(silhouette: Silhouette, axis: Line, start: float, end: float, reach: float) -> Array:
+    """Typical offsets (2,) in px along an axis's normal of the limb's two edges between two places, the lower first.
+
+    Each side stands for itself, NaN where most of it is not seen: beside a bent elbow only the arm's back has an edge.
+    """
+    (x, y), (dx, dy) = axis.at(start).tolist(), axis.direction.tolist()
+    rows = max(math.ceil(end - start), 1)
+    lower, upper = _sides(silhouette.grey, silhouette.level, (x, y, dx, dy), rows, max(2, math.ceil(reach)))
+    return np.array([lower, upper])
+
+
+@compiled
+def _sides(
+    grey: NDArray[np.uint8], level: float, axis: tuple[float, float, float, float], rows: int, reach: int
+) -> tuple[float, float]:
+    """The upper medians of where rows at 0, 1, ... px along an axis fall off on each side of it, NaN without most."""
+    x, y, dx, dy = axis
+    values, found = np.empty(reach + 1), np.empty(rows)
+    typical = np.empty(2)
+    for k, side in enumerate((-1.0, 1.0)):
+        for row in range(rows):
+            found[row] = _edge(grey, level, (x + row * dx, y + row * dy, -side * dy, side * dx), values)
+        seen = np.sort(found[np.isfinite(found)])
+        typical[k] = side * seen[len(seen) // 2] if 2 * len(seen) > rows else math.nan
+    return typical[0], typical[1]
+
+
 @compiled
 def _scan(
     grey: NDArray[np.uint8], level: float, axis: tuple[float, float, float, float], rows: int, reach: int

@@ -53,14 +53,14 @@ def last_clean(t: Array, lower: Array, end: float) -> int:
 
 
 @compiled
-def mean_between(t: Array, lower: Array, upper: Array, start: float, end: float) -> tuple[int, float, float, float]:
-    """Of the clean rows between two places: their number, mean place, mean middle and mean width in px."""
-    rows, place, middle, width = 0, 0.0, 0.0, 0.0
+def mean_between(t: Array, lower: Array, upper: Array, start: float, end: float) -> tuple[int, float, float]:
+    """Of the clean rows between two places: their number, mean place and mean middle in px."""
+    rows, place, middle = 0, 0.0, 0.0
     for k in range(len(t)):
         if start <= t[k] <= end and not math.isnan(lower[k]):
             rows, place = rows + 1, place + t[k]
-            middle, width = middle + 0.5 * (upper[k] + lower[k]), width + upper[k] - lower[k]
-    return rows, place / max(rows, 1), middle / max(rows, 1), width / max(rows, 1)
+            middle += 0.5 * (upper[k] + lower[k])
+    return rows, place / max(rows, 1), middle / max(rows, 1)
 
 
 @compiled

@@ -1,5 +1,8 @@
 """Where in the limbs the elbow turns: what a camera beside, behind or anywhere sees of it."""
 
+import math
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
@@ -9,7 +12,7 @@ from local_site.simulation.config import StereoConfig
 from local_site.tracking.silhouette.contour import Silhouette
 from local_site.tracking.silhouette.elbow_depth import (
     CLEAR_BEND_SINE,
-    FOREARM_OFFSET_SHARE,
+    FOREARM_DEPTH_M,
     UPPER_ARM_DEPTH_M,
     behind,
     elbow_shifts,
@@ -18,7 +21,7 @@ from local_site.tracking.silhouette.elbow_depth import (
 from local_site.tracking.silhouette.features import Features
 from local_site.tracking.silhouette.joints import Body, solve_joints
 from local_site.tracking.silhouette.limbs import limbs_of
-from local_site.tracking.silhouette.medial import line_through
+from local_site.tracking.silhouette.medial import Line, line_through
 from local_site.tracking.silhouette.posture import Posture
 
 FOCAL_PX, DISTANCE_M = 800.0, 1.5
@@ -31,17 +34,17 @@ THICK_M = 0.09
 BLANK = Silhouette(np.zeros((480, 640), np.uint8), 40.0, np.array([[300.0, 200.0], [310.0, 210.0]]), 1.0)
 
 
-def view_of(matrix, forearm_from, wrist, upper_from, shoulder, width_px, root_share=0.0):
-    """The features of limbs whose middles run between these points (3,)."""
+def view_of(matrix, forearm_from, wrist, upper_from, shoulder, width_px):
+    """The features of limbs as wide as that whose middles run between these points (3,)."""
     a, w, b, s = (project(matrix, p) for p in (forearm_from, wrist, upper_from, shoulder))
-    forearm = line_through(a, w)
+    forearm, upper_arm = line_through(a, w), line_through(b, s)
+    across = 0.5 * width_px * np.array([[-1.0], [1.0]])
     return Features(
         forearm=forearm,
         root=forearm,
-        root_width=width_px,
-        root_share=root_share,
-        upper_arm=line_through(b, s),
-        upper_arm_width=width_px,
+        forearm_sides=a + across * forearm.normal,
+        upper_arm=upper_arm,
+        upper_arm_sides=b + across * upper_arm.normal,
         wrist=w,
         hand=None,
         half_width=0.5 * width_px,
@@ -52,13 +55,18 @@ def view_of(matrix, forearm_from, wrist, upper_from, shoulder, width_px, root_sh
     )
 
 
-def seen(wrist, shoulder, width_px, root_share=0.0):
-    return view_of(CAMERA, ELBOW, wrist, ELBOW, shoulder, width_px, root_share)
+def seen(wrist, shoulder, width_px):
+    return view_of(CAMERA, ELBOW, wrist, ELBOW, shoulder, width_px)
 
 
 def shifts_of(view, forearm, upper_arm):
     """Forearm's and upper arm's shift in px, seen by CAMERA, of limbs along unit vectors (3,)."""
     return elbow_shifts(limbs_of([CAMERA], [view])[0], ELBOW, forearm, upper_arm)
+
+
+def towards(line, direction):
+    """A line's normal (2,) on the side to which a direction (3,) points."""
+    return math.copysign(1.0, along(line.normal, direction)) * line.normal
 
 
 def along(line_normal, direction):
@@ -69,7 +77,7 @@ def along(line_normal, direction):
 def test_from_the_side_the_whole_offset_shows_towards_the_back():
     view = seen(0.28 * X, 0.2 * Z, THICK_M * PX_PER_M)
     forearm_px, upper_arm_px = shifts_of(view, X, Z)
-    forearm_m = FOREARM_OFFSET_SHARE * 0.5 * THICK_M
+    forearm_m = 0.5 * THICK_M - FOREARM_DEPTH_M
     upper_arm_m = 0.5 * THICK_M - UPPER_ARM_DEPTH_M
     assert forearm_px == pytest.approx(along(view.root.normal, -forearm_m * Z), rel=1e-3)
     assert upper_arm_px == pytest.approx(along(view.upper_arm.normal, -upper_arm_m * X), rel=1e-3)
@@ -93,9 +101,21 @@ def test_it_fades_as_the_arm_straightens():
     assert forearm_px(1e-4) < 0.01
 
 
-def test_a_root_that_begins_down_the_arm_swings_farther_at_the_elbow():
-    near, far = (shifts_of(seen(0.28 * X, 0.2 * Z, 48, share), X, Z)[0] for share in (0.0, 0.25))
-    assert far == pytest.approx(near / 0.75)
+@pytest.mark.parametrize("bulge_px", [0.0, 9.0])
+def test_flesh_on_the_inner_side_does_not_move_it(bulge_px):
+    """The line in the middle of a limb goes with the flesh, the axis stays beneath the skin of the back."""
+    view = seen(0.28 * X, 0.2 * Z, 48)
+    shift = shifts_of(view, X, Z)[0]
+    middle = Line(view.root.point + bulge_px * towards(view.root, Z), view.root.direction)
+    moved = shifts_of(replace(view, root=middle), X, Z)[0]
+    axis, same = (float(line.normal @ line.point) + s for line, s in ((view.root, shift), (middle, moved)))
+    assert same == pytest.approx(axis, abs=1e-3)
+
+
+def test_where_the_back_is_not_seen_the_middle_stands():
+    view = seen(0.28 * X, 0.2 * Z, 48)
+    hidden = np.full((2, 2), np.nan)
+    assert shifts_of(replace(view, forearm_sides=hidden, upper_arm_sides=hidden), X, Z) == (0.0, 0.0)
 
 
 @pytest.mark.parametrize("wrist_off", [(-0.19, -0.05, 0.19), (-0.22, 0.08, 0.12), (-0.10, -0.12, 0.22)])
@@ -104,7 +124,7 @@ def test_limbs_before_the_elbow_give_its_axis_back(wrist_off):
     elbow = np.array([0.62, 0.42, 0.42])
     wrist, shoulder = elbow + wrist_off, elbow + np.array([0.20, -0.05, 0.14])
     forearm, upper_arm = unit(wrist - elbow), unit(shoulder - elbow)
-    on_forearm = elbow - FOREARM_OFFSET_SHARE * 0.5 * THICK_M * behind(forearm, upper_arm)
+    on_forearm = elbow - (0.5 * THICK_M - FOREARM_DEPTH_M) * behind(forearm, upper_arm)
     on_upper_arm = (0.5 * THICK_M - UPPER_ARM_DEPTH_M) * behind(upper_arm, forearm)
     features = []
     for matrix in matrices:

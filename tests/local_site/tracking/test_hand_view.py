@@ -17,6 +17,7 @@ CAMERA = np.array([[FOCAL_PX, 0.0, 80.0, 0.0], [0.0, FOCAL_PX, 60.0, 0.0], [0.0,
 WRIST = np.array([0.0, 0.0, DISTANCE_M])
 EDGE_PX = 0.15
 LINE = Line(np.zeros(2), np.array([1.0, 0.0]))
+UNSEEN = np.full((2, 2), np.nan)
 
 
 def disc(shadow):
@@ -37,10 +38,9 @@ def view_of(image, hand=slice(None), shift=(0.0, 0.0)):
     return Features(
         forearm=LINE,
         root=LINE,
-        root_width=0.0,
-        root_share=0.0,
+        forearm_sides=UNSEEN,
         upper_arm=None,
-        upper_arm_width=0.0,
+        upper_arm_sides=UNSEEN,
         wrist=None,
         hand=silhouette.contour[hand],
         half_width=20.0,

@@ -1,7 +1,5 @@
 """Elbow and wrist from exact lines of both views, also where the planes alone leave them open."""
 
-from dataclasses import replace
-
 import numpy as np
 import pytest
 
@@ -9,7 +7,7 @@ from local_site.calibration.triangulation import project
 from local_site.simulation.cameras import exact_rig
 from local_site.simulation.config import StereoConfig
 from local_site.tracking.silhouette.contour import Silhouette
-from local_site.tracking.silhouette.elbow_depth import UPPER_ARM_DEPTH_M
+from local_site.tracking.silhouette.elbow_depth import FOREARM_DEPTH_M, UPPER_ARM_DEPTH_M
 from local_site.tracking.silhouette.features import Features
 from local_site.tracking.silhouette.joints import Body, sleeve_end, solve_joints, upper_arm_direction
 from local_site.tracking.silhouette.limbs import limbs_of
@@ -25,12 +23,13 @@ LENGTH = float(np.linalg.norm(BENT - ELBOW))
 BLANK = Silhouette(np.zeros((480, 640), np.uint8), 40.0, np.array([[300.0, 200.0], [310.0, 210.0]]), 1.0)
 
 
-def on_the_axis_px(matrix, elbow):
-    """The width of an upper arm whose axis of rotation lies in its middle."""
-    return 2 * UPPER_ARM_DEPTH_M * STEREO.focal_px / float(matrix[2, :3] @ elbow + matrix[2, 3])
+def beside(matrix, elbow, line, depth_m):
+    """The skin (2, 2) on both sides of a limb whose axis lies everywhere so deep beneath it."""
+    half_px = depth_m * STEREO.focal_px / float(matrix[2, :3] @ elbow + matrix[2, 3])
+    return line.point + np.array([[-half_px], [half_px]]) * line.normal
 
 
-def seen(elbow, wrist, shoulder, neck=True, upper=True, rough=0.0, cropped=True):
+def seen(elbow, wrist, shoulder, neck=True, upper=True, rough=0.0, cropped=True, thickness=1.0):
     """The exact features in every view of an arm without flesh, with the guesses `rough` px off."""
     features = []
     for matrix in PROJECTIONS:
@@ -41,10 +40,9 @@ def seen(elbow, wrist, shoulder, neck=True, upper=True, rough=0.0, cropped=True)
             Features(
                 forearm=forearm,
                 root=forearm,
-                root_width=0.0,
-                root_share=0.0,
+                forearm_sides=beside(matrix, elbow, forearm, FOREARM_DEPTH_M),
                 upper_arm=upper_arm if upper else None,
-                upper_arm_width=on_the_axis_px(matrix, elbow),
+                upper_arm_sides=beside(matrix, elbow, upper_arm, thickness * UPPER_ARM_DEPTH_M),
                 wrist=w if neck else None,
                 hand=None,
                 half_width=20.0,
@@ -95,7 +93,7 @@ def test_less_is_known_where_less_is_seen():
 
 def test_a_thicker_arm_turns_nearer_to_its_back():
     plain = solved(seen(ELBOW, BENT, SHOULDER))
-    moved = solved([replace(f, upper_arm_width=1.3 * f.upper_arm_width) for f in seen(ELBOW, BENT, SHOULDER)])
+    moved = solved(seen(ELBOW, BENT, SHOULDER, thickness=1.3))
     inward = (BENT - ELBOW) / LENGTH + (SHOULDER - ELBOW) / error_m(SHOULDER, ELBOW)
     shift = moved.elbow - plain.elbow
     assert float(shift @ inward) < 0

@@ -22,6 +22,7 @@ FINE, SHIFT = 4, 4
 EXCESS_PX = 0.47 / FINE
 DARK, BRIGHT, LEVEL = 9.0, 170.0, 50.0
 LINE = Line(np.zeros(2), np.array([1.0, 0.0]))
+UNSEEN = np.full((2, 2), np.nan)
 WRIST = np.array([0.50, 0.45, 0.60])
 # Columns: to the middle knuckle, to the thumb's side, out of the back of the hand.
 POINTING = np.column_stack([[-0.8, 0.0, 0.6], [0.0, -1.0, 0.0], [0.6, 0.0, 0.8]])
@@ -74,10 +75,9 @@ def hand_view(pose, person, projection):
     features = Features(
         forearm=LINE,
         root=LINE,
-        root_width=0.0,
-        root_share=0.0,
+        forearm_sides=UNSEEN,
         upper_arm=None,
-        upper_arm_width=0.0,
+        upper_arm_sides=UNSEEN,
         wrist=None,
         hand=np.roll(contour, -first, axis=0)[: np.count_nonzero(kept)],
         half_width=20.0,
