@@ -12,8 +12,10 @@ import numpy as np
 from msgspec.structs import replace
 
 from common.errors import CalibrationError, ConfigError
+from local_site.calibration.checks import odd_stance
 from local_site.calibration.control_points import ControlPoints, Size, read_control_points
 from local_site.calibration.coverage import coverage_warnings
+from local_site.calibration.physical_camera import decomposed
 from local_site.calibration.rig import Rig, Vector3, save_rig
 from local_site.calibration.solve import solve_rig
 
@@ -61,6 +63,10 @@ def doubts(rig: Rig) -> list[str]:
         for camera in rig.cameras
         if camera.reprojection_rms_px > USUAL_RMS_PX
     ]
+    for camera in rig.cameras:
+        physical = decomposed(camera.matrix)
+        stance = "" if physical is None else odd_stance(physical)
+        sentences += [f"{camera.name} camera {stance}"] if stance else []
     span_m = math.dist(rig.volume_min, rig.volume_max)
     if not USUAL_SPAN_M[0] < span_m < USUAL_SPAN_M[1]:
         sentences.append(f"the points span {span_m:.3g} m: check that they are given in mm")

@@ -11,6 +11,7 @@ MAX_RELATIVE_RESIDUAL = 0.02
 MIN_AGREEING = 2 / 3
 MIN_SPREAD = 1e-6
 MIN_SIDEWAYS = 0.3
+MIN_TURNED = 0.3
 MIN_PARALLAX = 0.02
 
 MIRRORED = (
@@ -28,6 +29,14 @@ SAME_VIEW = (
 EXCHANGED = (
     "the left camera stands to the right of the right one, as both see it; exchange the two, or switch off the "
     "mirroring of both pictures"
+)
+
+UPSIDE_DOWN = (
+    "stands upside down: turn it, or its picture, by 180 degrees and calibrate again, unless it hangs so on purpose"
+)
+TURNED_AXES = (
+    "sees X_mm run to the left, so that the hand would move the robot the wrong way: give the control points with x to "
+    "the right as the cameras see it, y away and z up, or adapt mapping.base_R_operator"
 )
 
 
@@ -55,11 +64,22 @@ def looks_backwards(camera: PhysicalCamera, points: Array) -> bool:
     return bool(np.any(camera.to_camera(points)[:, 2] <= 0))
 
 
+def upside_down(camera: PhysicalCamera) -> bool:
+    """Whether what is below in the camera's picture lies above in the operator frame."""
+    return float(camera.camera_R_operator[1, 2]) > MIN_TURNED
+
+
+def odd_stance(camera: PhysicalCamera) -> str:
+    """What to do about a camera that fits, but stands as few do; empty if all is well."""
+    if upside_down(camera):
+        return UPSIDE_DOWN
+    return TURNED_AXES if float(camera.camera_R_operator[0, 0]) < -MIN_TURNED else ""
+
+
 def exchanged(cameras: Sequence[PhysicalCamera]) -> str:
     """What to do if the left camera stands to the right of the right one, as both see it; empty if all is well."""
     left, right = cameras[:2]
     baseline = right.centre - left.centre
     sideways = baseline / max(float(np.linalg.norm(baseline)), 1e-12)
-    if all(float(camera.camera_R_operator[0] @ sideways) < -MIN_SIDEWAYS for camera in (left, right)):
-        return EXCHANGED
-    return ""
+    to_the_right = [camera.camera_R_operator[0] * (-1.0 if upside_down(camera) else 1.0) for camera in (left, right)]
+    return EXCHANGED if all(float(axis @ sideways) < -MIN_SIDEWAYS for axis in to_the_right) else ""

@@ -10,9 +10,12 @@ from common.geometry import Array
 from local_site.calibration import accuracy, checks
 from local_site.calibration.control_points import ControlPoints, Size, refusal
 from local_site.calibration.dlt import agreeing, outlier_limit, reprojection_errors, solve_projection, unsolvable
+from local_site.calibration.likely_cause import likely_cause
 from local_site.calibration.physical_camera import PhysicalCamera, decomposed
 from local_site.calibration.resection import Resection, choose_camera
 from local_site.calibration.rig import CameraCalibration, Rig, Row4, Vector3
+
+MANY_OUTLYING = 0.1
 
 
 @dataclass(frozen=True, slots=True)
@@ -54,9 +57,9 @@ def _solve_camera(name: str, control: ControlPoints, all_pixels: Array) -> _Solv
     linear = solve_projection(points[kept], pixels[kept])
     start = decomposed(linear)
     if checks.fits_no_camera(reprojection_errors(linear, points, pixels), pixels):
-        return [f"{name} camera: {checks.NONSENSE}"]
+        return [f"{name} camera: {likely_cause(points, pixels) or checks.NONSENSE}"]
     if start is None:
-        return [f"{name} camera: {checks.MIRRORED}"]
+        return [f"{name} camera: {likely_cause(points, pixels) or checks.MIRRORED}"]
     return _refine(name, np.array(control.labels)[seen], (points, pixels, kept), start)
 
 
@@ -69,7 +72,9 @@ def _refine(
     lengths = np.linalg.norm(resection.camera.pixels(points) - pixels, axis=1)
     outliers = lengths > outlier_limit(lengths[kept])
     if np.any(outliers):
-        return _outliers(name, labels[outliers], lengths[outliers])
+        many = float(np.mean(outliers)) > MANY_OUTLYING
+        cause = [f"{name} camera: {likely_cause(points, pixels) or checks.NONSENSE}"] if many else []
+        return cause + _outliers(name, labels[outliers], lengths[outliers])
     if checks.looks_backwards(resection.camera, points):
         return [f"{name} camera: {checks.NONSENSE}"]
     return _Solved(*((resection, why) if np.all(kept) else choose_camera(points, pixels, resection.camera)))
