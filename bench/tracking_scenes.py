@@ -13,7 +13,7 @@ from common.cameras.camera import Frame
 from common.cameras.sources import open_camera
 from common.clock import NS_PER_S
 from common.errors import CameraError
-from farhand.track import pair_views
+from farhand.recorded_pairs import RecordedPairs
 from local_site.calibration.control_points import read_control_points
 from local_site.calibration.rig import Rig
 from local_site.calibration.solve import solve_rig
@@ -122,7 +122,7 @@ def recorded(folder: Path) -> Scene:
             closing(open_camera(str(folder / "left.avi"), "left")) as left,
             closing(open_camera(str(folder / "right.avi"), "right")) as right,
         ):
-            for views, truth in zip_longest(pair_views(left, right), truths):
+            for views, truth in zip_longest(RecordedPairs(left, right), truths):
                 if views is None or truth is None:
                     raise CameraError(f"{folder} does not have as many pairs as its {len(truths)} lines of truth")
                 yield Instant(views, truth)

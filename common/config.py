@@ -6,7 +6,7 @@ import tomllib
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any, Literal, TypeVar, get_args, get_origin
+from typing import Annotated, Any, Literal, TypeVar, get_args, get_origin
 
 import msgspec
 
@@ -75,7 +75,8 @@ def _value(expected: Any, value: Any, path: KeyPath, mistakes: list[Mistake]) ->
     try:
         return msgspec.convert(value, expected)
     except msgspec.ValidationError as error:
-        choices = ", ".join(map(str, get_args(expected))) if get_origin(expected) is Literal else ""
+        bare = get_args(expected)[0] if get_origin(expected) is Annotated else expected
+        choices = ", ".join(map(str, get_args(bare))) if get_origin(bare) is Literal else ""
         cure = f"choose one of {choices}" if choices else str(error)
         mistakes.append(Mistake(path, f"{value!r} will not do: {cure}"))
         return None

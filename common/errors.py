@@ -8,7 +8,8 @@ FarhandError
 ├── CalibrationError  control points, a plate or a rig file cannot give a calibration
 ├── ModelError        a robot model is unusable
 ├── DriverError       a robot driver refuses, fails or reports a fault
-└── ProcessError      a child process died or did not become ready
+├── ProcessError      a child process died or did not become ready
+└── InterruptionError a person ended the work before it was done
 """
 
 
@@ -50,3 +51,7 @@ class DriverError(FarhandError):
 
 class ProcessError(FarhandError):
     """A child process died, or did not become ready in time."""
+
+
+class InterruptionError(FarhandError):
+    """A person ended the work before it was done; what was done is kept, and nothing has failed."""

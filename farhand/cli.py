@@ -9,21 +9,25 @@ import msgspec
 import typer
 
 from common.config import load_config
-from common.errors import ConfigError, FarhandError
+from common.errors import ConfigError, FarhandError, InterruptionError
 from common.service import StopFlag
+from local_site.tracking.method import Method
 
 S = TypeVar("S", bound=msgspec.Struct)
 
-FAILED, MISUSE = 1, 2
+FAILED, MISUSE, INTERRUPTED = 1, 2, 130
 
 ConfigFile = Annotated[Path | None, typer.Option("--config", help="TOML file; the defaults are the simulated pair.")]
+TrackingFile = Annotated[
+    Path | None,
+    typer.Option("--config", help="TOML file of the local site; its tables tracking, drift and gesture count."),
+]
 Settings = Annotated[list[str] | None, typer.Option("--set", help="Override one key, as table.key=value.")]
 
 RigFile = Annotated[Path, typer.Option(help="Rig file to write.")]
 Serials = Annotated[list[str] | None, typer.Option(help="A camera's serial number, as left=NUMBER.")]
-TrackerName = Annotated[
-    str, typer.Option(help="silhouette (a bare arm) or markers (three bright markers on a dark glove).")
-]
+TRACKER_HELP = "A bare arm's silhouette, or three bright markers on a dark glove."
+TrackerName = Annotated[Method, typer.Option(help=TRACKER_HELP)]
 
 LeftPictures = Annotated[str, typer.Option(help="Folder, quoted pattern such as 'left_*.png', or video; by name.")]
 RightPictures = Annotated[str, typer.Option(help="The same for the right camera, taken at the same instants.")]
@@ -50,6 +54,8 @@ def main() -> None:
         app()
     except ConfigError as error:
         _fail(error, MISUSE)
+    except InterruptionError as error:
+        _fail(error, INTERRUPTED)
     except FarhandError as error:
         _fail(error, FAILED)
 
@@ -143,9 +149,9 @@ def calibrate_points_command(
     Example: farhand calibrate points control_points.csv --out rig.json
     """
     from farhand.calibrate import calibrate_points, describe, parse_pair, solvable
-    from farhand.outputs import refuse_inputs
+    from farhand.outputs import check_file
 
-    refuse_inputs(out, [csv])
+    check_file("--out", out, [csv])
     parsed = None if size is None else parse_pair(size, "--size")
     with solvable():
         typer.echo(describe(calibrate_points(csv, out, parsed, serial or ())))
@@ -179,9 +185,12 @@ def calibrate_images_command(
     from farhand.calibrate_boards import BoardJob, calibrate_board_pictures, make_board
     from farhand.calibrate_pictures import by_name
     from farhand.calibrate_plate import PlateJob, calibrate_plate, parse_heights
+    from farhand.outputs import check_file, check_folder
     from local_site.calibration.plate import Plate
 
     sources = by_name((left, right, third, fourth))
+    check_file("--out", out, sources.values())
+    check_folder("--pictures", pictures, sources.values())
     if board == "plate":
         plate = Plate(*parse_pair(discs, "--discs"), pitch_mm / 1000, disc_mm / 1000)
         job = PlateJob(plate, parse_heights(heights_mm), sources, out, pictures)
@@ -218,9 +227,13 @@ def calibrate_live_command(
     from farhand.calibrate import describe, parse_pair
     from farhand.calibrate_boards import BoardJob, calibrate_live, make_board
     from farhand.calibrate_pictures import by_name
+    from farhand.outputs import check_file, check_folder
 
+    sources = by_name((left, right, third, fourth))
+    check_file("--out", out, sources.values())
+    check_folder("--pictures", pictures, sources.values())
     printed = make_board(board, parse_pair(squares, "--squares"), square_mm, marker_mm, dictionary)
-    job = BoardJob(printed, standing, by_name((left, right, third, fourth)), out, pictures)
+    job = BoardJob(printed, standing, sources, out, pictures)
     should_stop = StopFlag()
     should_stop.install()
     typer.echo(describe(calibrate_live(job, poses, should_stop, typer.echo, serial or ())))
@@ -235,19 +248,26 @@ def track(
         list[str] | None, typer.Option(help="A third, and given again a fourth camera, in the rig's order.")
     ] = None,
     out: Annotated[Path, typer.Option(help="JSON lines to write.")] = Path("track.jsonl"),
-    fps: Annotated[float | None, typer.Option(help="Frame rate, where the source does not tell it.")] = None,
-    tracker: TrackerName = "silhouette",
+    fps: Annotated[float | None, typer.Option(help="Frame rate, where the sources do not tell it, or wrongly.")] = None,
+    config: TrackingFile = None,
+    settings: Settings = None,
+    tracker: Annotated[
+        Method | None, typer.Option(help=f"{TRACKER_HELP} The same as --set tracking.method=NAME.")
+    ] = None,
     annotate: Annotated[Path | None, typer.Option(help="Folder for annotated pairs, as PNG.")] = None,
 ) -> None:
     """Track a recording or two to four cameras, one JSON line per pair; causal, unsmoothed.
 
-    Example: farhand track --rig rig.json --left left.avi --right right.avi --out track.jsonl
+    Example: farhand track --rig rig.json --left left.avi --right right.avi --set tracking.silhouette.right_arm=false
     """
-    from farhand.outputs import refuse_inputs
     from farhand.track_command import TrackSources, run_track
-    from local_site.tracking.choice import TrackingConfig
+    from local_site.config import LocalConfig
 
-    refuse_inputs(out, [rig, left, right, *(also or ())])
-    tracking = load_config(TrackingConfig, None, (f"method={tracker}",))
-    sources = TrackSources(rig, left, right, fps, tracking, tuple(also or ()))
-    typer.echo(run_track(sources, out, annotate))
+    chosen = [] if tracker is None else [f"tracking.method={tracker}"]
+    site = load_config(LocalConfig, config, [*(settings or ()), *chosen])
+    sources = TrackSources(rig, left, right, fps, site, tuple(also or ()))
+    should_stop = StopFlag()
+    should_stop.install()
+    typer.echo(run_track(sources, out, annotate, should_stop))
+    if should_stop():
+        raise InterruptionError(f"interrupted; {out} ends where it was")

@@ -14,13 +14,14 @@ from rich.console import Console
 
 from common.clock import NS_PER_MS, NS_PER_S
 from common.config import load_config
-from common.errors import ConfigError, ProcessError
+from common.errors import InterruptionError, ProcessError
 from common.geometry import Array
 from common.messages import SessionState
 from common.service import StopFlag
 from common.transport import open_link
 from farhand.figures import Expectation, Figures, all_figures
 from farhand.live import LiveSummary, print_table
+from farhand.outputs import check_file, check_folder
 from farhand.preparing import prepare_tracker
 from farhand.recorder import Record, Recorder
 from farhand.site_process import SiteProcess
@@ -130,6 +131,8 @@ class Loopback:
             video = stack.enter_context(open_link(connect=self._plan.video))
             self.record = Recorder(control, video, CELL, tuple(c.name for c in remote.video.cameras)).record
             self._wait("the remote site to start", START_TIMEOUT_S, lambda: bool(self.record.states))
+            if self._should_stop():
+                raise InterruptionError("interrupted before both sites were up; nothing was measured")
             operator = self._start_local()
             self._wait("the arm to be engaged", ENGAGE_TIMEOUT_S, self._is_engaged)
             self._watch(live)
@@ -226,8 +229,13 @@ def free_ports(count: int) -> list[int]:
 
 
 def run_loopback(options: LoopbackOptions, should_stop: StopFlag) -> None:
-    """Run, print the table, write report and views; ProcessError when a site dies or the arm does not follow."""
-    _check_outputs(options)
+    """Run, print the table, write report and views; ProcessError when a site dies or the arm does not follow.
+
+    InterruptionError, with what was measured printed and written, when a person ended a run before its time.
+    """
+    if options.report is not None:
+        check_file("--report", options.report)
+    check_folder("--save-views", options.save_views)
     loop = Loopback(options, should_stop)
     figures = loop.run()
     print_table(figures, Console())
@@ -236,16 +244,9 @@ def run_loopback(options: LoopbackOptions, should_stop: StopFlag) -> None:
     if options.save_views is not None:
         save_camera_views(loop.record.cameras, options.save_views)
         save_overview((*loop.record.cameras, *OPERATOR_VIEWS), options.save_views)
+    if should_stop() and (options.seconds or not figures["engagements"]):
+        raise InterruptionError("interrupted")
     check_followed(figures)
-
-
-def _check_outputs(options: LoopbackOptions) -> None:
-    """ConfigError, before anything runs, for places where the results could not be written."""
-    report, views = options.report, options.save_views
-    if report is not None and (report.is_dir() or not report.parent.is_dir()):
-        raise ConfigError(f"--report {report}: give a file in a folder that exists")
-    if views is not None and views.exists() and not views.is_dir():
-        raise ConfigError(f"--save-views {views} is a file; give a folder")
 
 
 def check_followed(figures: Figures) -> None:

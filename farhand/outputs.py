@@ -1,13 +1,36 @@
-"""Where results go: never over what they are made from."""
+"""Where results go: to places that can be written, and never over what they are made from."""
 
+import glob
 from collections.abc import Iterable
 from pathlib import Path
 
+from common.cameras.images import IMAGE_SUFFIXES
 from common.errors import ConfigError
 
 
-def refuse_inputs(out: Path, inputs: Iterable[str | Path]) -> None:
-    """ConfigError if a result would be written over one of the files that it comes from."""
-    for given in inputs:
-        if out.exists() and Path(given).exists() and out.samefile(given):
-            raise ConfigError(f"--out {out} would overwrite what is read; choose another name")
+def check_file(option: str, out: Path, inputs: Iterable[str | Path] = ()) -> None:
+    """ConfigError, before any work, if a file cannot be written there or is one that is read."""
+    if out.is_dir() or not out.parent.is_dir():
+        raise ConfigError(f"{option} {out}: give a file in a folder that exists")
+    _refuse_inputs(option, out, inputs)
+
+
+def check_folder(option: str, folder: Path | None, inputs: Iterable[str | Path] = ()) -> None:
+    """ConfigError, before any work, if a folder of results cannot be made there or is one that is read."""
+    if folder is None:
+        return
+    if folder.exists() and not folder.is_dir():
+        raise ConfigError(f"{option} {folder} is a file; give a folder")
+    _refuse_inputs(option, folder, [_folder_of_pictures(Path(given)) for given in inputs])
+
+
+def _folder_of_pictures(given: Path) -> Path:
+    """The folder that a pattern or a picture names; anything else as it is."""
+    is_inside = glob.has_magic(given.name) or given.suffix.lower() in IMAGE_SUFFIXES
+    return given.parent if is_inside else given
+
+
+def _refuse_inputs(option: str, out: Path, inputs: Iterable[str | Path]) -> None:
+    for given in map(Path, inputs):
+        if out.exists() and given.exists() and out.samefile(given):
+            raise ConfigError(f"{option} {out} would overwrite what is read; choose another name")

@@ -6,6 +6,7 @@ from collections import Counter
 from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass, field
+from itertools import takewhile
 from pathlib import Path
 from typing import TextIO
 
@@ -13,18 +14,19 @@ import cv2
 import msgspec
 import numpy as np
 
-from common.cameras.camera import Camera, Frame
+from common.cameras.camera import Camera
 from common.clock import NS_PER_MS
 from common.errors import CameraError
 from common.geometry import Array
 from common.messages import TrackingStatus, Vector3
-from local_site.calibration.drift import DriftConfig
+from farhand.recorded_pairs import RecordedPairs
 from local_site.calibration.rig import Rig
+from local_site.config import LocalConfig
 from local_site.drift_watch import DriftWatch
 from local_site.gesture import OpenHand, observe
 from local_site.tracking.annotate import annotate
-from local_site.tracking.choice import TrackingConfig, make_tracker
-from local_site.tracking.tracker import ArmEstimate, View, Views
+from local_site.tracking.choice import make_tracker
+from local_site.tracking.tracker import ArmEstimate, Views
 
 POINTS = ("elbow", "wrist", "index", "thumb")
 
@@ -54,7 +56,8 @@ class TrackLine(msgspec.Struct, frozen=True, kw_only=True):
 class Summary:
     """What a recording gave: pairs, how many of each status, how often each point was found, toggles, ms per pair.
 
-    `drift` is the sentence of the drift alarm when it rang first, if it did.
+    `drift` is the sentence of the drift alarm when it rang first, if it did; `left_out` says what was not tracked
+    because a camera ended before another.
     """
 
     pairs: int = 0
@@ -64,6 +67,7 @@ class Summary:
     ms: list[float] = field(default_factory=list)
     reasons: Counter[str] = field(default_factory=Counter)
     drift: str | None = None
+    left_out: str = ""
 
     def add(self, line: TrackLine) -> None:
         """Count one pair."""
@@ -87,41 +91,82 @@ def track_recording(
     out: Path,
     annotate_dir: Path | None,
     progress: Callable[[int], None],
-    tracking: TrackingConfig | None = None,
+    site: LocalConfig | None = None,
     also: Sequence[Camera] = (),
+    should_stop: Callable[[], bool] = lambda: False,
 ) -> Summary:
     """Track all pairs of two cameras, write a line each to `out` and, if asked, annotated pairs as PNG.
 
-    `also` are a third and a fourth camera; the cameras stand in the rig's order.
-    `progress` is called with the number of pairs done. Raises CameraError when no pair comes or a file cannot be
-    written.
+    `also` are a third and a fourth camera; the cameras stand in the rig's order. Of the local site's configuration,
+    tracking, drift alarm and gesture count. `progress` is called with the number of pairs done. Raises CameraError when
+    no pair comes, a picture has the wrong size, or a file cannot be written.
     """
-    tracker, hand, summary = make_tracker(rig, tracking or TrackingConfig()), OpenHand(), Summary()
-    drift = DriftWatch(rig, DriftConfig(), summary.warn_of_drift)
+    recording = _Recording(rig, site or LocalConfig(), annotate_dir)
     try:
         if annotate_dir is not None:
             annotate_dir.mkdir(parents=True, exist_ok=True)
+        pairs = RecordedPairs(left_camera, right_camera, *also)
         with _written_at_end(out) as lines:
-            for views in pair_views(left_camera, right_camera, *also):
-                start_ns = time.perf_counter_ns()
-                estimate = drift.judge(tracker.track(views))
-                ms = (time.perf_counter_ns() - start_ns) / NS_PER_MS
-                hand = observe(hand, estimate.hand_open if estimate.wrist is not None else None, views.t_ns)
-                summary.add(_write(lines, summary.pairs, estimate, hand, ms))
-                if annotate_dir is not None:
-                    _save_annotated(annotate_dir / f"{summary.pairs - 1:06d}.png", rig, views, estimate)
-                progress(summary.pairs)
+            for views in takewhile(lambda _: not should_stop(), pairs):
+                recording.track(views, lines)
+                progress(recording.summary.pairs)
     except OSError as error:
         raise CameraError(f"cannot write the track: {error}; choose a place that can be written") from error
-    if not summary.pairs:
-        names = " and ".join(camera.name for camera in (left_camera, right_camera, *also))
-        raise CameraError(f"{names} gave no pair of frames of a common time")
+    summary = recording.summary
+    if not summary.pairs and not should_stop():
+        why = pairs.left_out.partition(";")[0] or "no camera gave a frame"
+        raise CameraError(f"no pair of frames of a common time: {why}; give recordings that hold frames")
+    summary.left_out = pairs.left_out
     return summary
+
+
+class _Recording:
+    """A recording being tracked: each pair's views to a line, and the summary of all."""
+
+    def __init__(self, rig: Rig, site: LocalConfig, annotate_dir: Path | None) -> None:
+        self.summary = Summary()
+        self._rig = rig
+        self._annotate_dir = annotate_dir
+        self._tracker = make_tracker(rig, site.tracking)
+        self._drift = DriftWatch(rig, site.drift, self.summary.warn_of_drift)
+        self._hand, self._hold_ms = OpenHand(), site.gesture.hold_ms
+        self._sizes = [camera.size_px for camera in rig.cameras]
+
+    def track(self, views: Views, lines: TextIO) -> None:
+        """Track the views of one instant and write its line, and its picture if asked."""
+        self._refuse_other_sizes(views)
+        start_ns = time.perf_counter_ns()
+        estimate = self._drift.judge(self._tracker.track(views))
+        ms = (time.perf_counter_ns() - start_ns) / NS_PER_MS
+        open_now = estimate.hand_open if estimate.wrist is not None else None
+        self._hand = observe(self._hand, open_now, views.t_ns, self._hold_ms)
+        self.summary.add(_write(lines, self.summary.pairs, estimate, self._hand, ms))
+        if self._annotate_dir is not None:
+            path = self._annotate_dir / f"{self.summary.pairs - 1:06d}.png"
+            _save_annotated(path, self._rig, views, estimate)
+
+    def _refuse_other_sizes(self, views: Views) -> None:
+        """CameraError for a picture of another size than calibrated or, where that is unknown, than the first."""
+        for k, (view, camera) in enumerate(zip(views.views, self._rig.cameras, strict=True)):
+            height, width = view.current.image.shape[:2]
+            expected = self._sizes[k] or (width, height)
+            self._sizes[k] = expected
+            if (width, height) != expected:
+                first = "calibrated at" if camera.size_px else "begun with"
+                raise CameraError(
+                    f"camera {camera.name}: its picture {view.current.seq} is {width}x{height}, but it was {first} "
+                    "{}x{}; give pictures of one size, that of the calibration".format(*expected)
+                )
 
 
 @contextmanager
 def _written_at_end(out: Path) -> Iterator[TextIO]:
     """A file that takes its place once something is in it, so that a failure leaves an earlier track alone."""
+    if out.exists() and not out.is_file():
+        with out.open("w", encoding="utf-8") as lines:
+            yield lines
+        return
+    out = out.resolve()
     part = out.with_name(f"{out.name}.part")
     try:
         with part.open("w", encoding="utf-8", buffering=1) as lines:
@@ -131,42 +176,6 @@ def _written_at_end(out: Path) -> Iterator[TextIO]:
             part.replace(out)
         else:
             part.unlink(missing_ok=True)
-
-
-def pair_views(left: Camera, *others: Camera) -> Iterator[Views]:
-    """Views at the instants of the left camera's frames, until any camera ends.
-
-    The other cameras' measurements are interpolated between the two exposures around the instant.
-    """
-    followers = [_Follower(camera) for camera in others]
-    while (frame := left.read()) is not None:
-        found = [follower.at(frame.capture_ns) for follower in followers]
-        views = [view for view in found if view is not None]
-        if len(views) < len(found):
-            return
-        yield Views(frame.capture_ns, (View(frame), *views))
-
-
-class _Follower:
-    """A camera that is read as far as the instants of another ask for."""
-
-    def __init__(self, camera: Camera) -> None:
-        self._camera = camera
-        self._previous: Frame | None = None
-        self._current = camera.read()
-
-    def at(self, t_ns: int) -> View | None:
-        """The view of an instant no earlier than the last; None once the camera has ended."""
-        while self._current is not None and self._current.capture_ns < t_ns:
-            self._previous, self._current = self._current, self._camera.read()
-        return None if self._current is None else _between(self._previous, self._current, t_ns)
-
-
-def _between(previous: Frame | None, current: Frame, t_ns: int) -> View:
-    if previous is None or current.capture_ns == t_ns:
-        return View(current)
-    weight = (t_ns - previous.capture_ns) / (current.capture_ns - previous.capture_ns)
-    return View(current, previous, weight)
 
 
 def _write(lines: TextIO, frame: int, estimate: ArmEstimate, hand: OpenHand, ms: float) -> TrackLine:

@@ -20,7 +20,7 @@ class ImageFolder:
         self._paths = sorted(path for path in folder.iterdir() if path.suffix.lower() in IMAGE_SUFFIXES)
         if not self._paths:
             raise CameraError(f"camera {name}: {folder} holds no image ({', '.join(sorted(IMAGE_SUFFIXES))})")
-        self._period_ns = NS_PER_S / fps
+        self.fps = fps
         self._seq = 0
 
     @property
@@ -35,7 +35,7 @@ class ImageFolder:
         image = cv2.imread(str(path), cv2.IMREAD_COLOR)
         if image is None:
             raise CameraError(f"camera {self._name}: {path} is not an image that can be read; remove or replace it")
-        frame = Frame(np.asarray(image, dtype=np.uint8), round(self._seq * self._period_ns), self._seq)
+        frame = Frame(np.asarray(image, dtype=np.uint8), round(self._seq * NS_PER_S / self.fps), self._seq)
         self._seq += 1
         return frame
 

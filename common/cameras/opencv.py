@@ -60,10 +60,9 @@ class VideoFile:
         self._capture = cv2.VideoCapture(str(path))
         if not path.is_file() or not self._capture.isOpened():
             raise CameraError(f"camera {name}: {path} is not a video file that can be read")
-        rate = fps if fps is not None else float(self._capture.get(cv2.CAP_PROP_FPS))
-        if not (math.isfinite(rate) and rate > 0):
+        self.fps = fps if fps is not None else float(self._capture.get(cv2.CAP_PROP_FPS))
+        if not (math.isfinite(self.fps) and self.fps > 0):
             raise CameraError(f"camera {name}: {path} does not state its frame rate; give it with --fps")
-        self._period_ns = NS_PER_S / rate
         self._seq = 0
 
     @property
@@ -75,7 +74,7 @@ class VideoFile:
         ok, image = self._capture.read()
         if not ok:
             return None
-        frame = Frame(_as_image(image), round(self._seq * self._period_ns), self._seq)
+        frame = Frame(_as_image(image), round(self._seq * NS_PER_S / self.fps), self._seq)
         self._seq += 1
         return frame
 

@@ -1,5 +1,6 @@
 """From what a person writes (device, URL, file, folder) to an open camera."""
 
+import math
 from pathlib import Path
 from typing import Annotated
 
@@ -8,7 +9,7 @@ from msgspec import Meta
 from common.cameras.camera import Camera
 from common.cameras.images import ImageFolder
 from common.cameras.opencv import DEFAULT_LATENCY_MS, LiveCamera, VideoFile
-from common.errors import CameraError
+from common.errors import CameraError, ConfigError
 
 DEFAULT_FOLDER_FPS = 30.0
 
@@ -21,8 +22,8 @@ def open_camera(source: Source, name: str, fps: float | None = None, latency_ms:
     `fps` overrides the rate of a recording and is asked of a live camera. Raises CameraError with the cure.
     """
     source = str(source)
-    if fps is not None and fps <= 0:
-        raise CameraError(f"camera {name}: the frame rate must be positive, not {fps:g}")
+    if fps is not None and not 0 < fps < math.inf:
+        raise ConfigError(f"camera {name}: the frame rate must be positive, not {fps:g}")
     if source.isdecimal() or "://" in source or source.startswith("/dev/"):
         return LiveCamera(source, name, fps, latency_ms)
     path = Path(source)
@@ -33,3 +34,8 @@ def open_camera(source: Source, name: str, fps: float | None = None, latency_ms:
     raise CameraError(
         f"camera {name}: {source} does not exist; give a device number, a URL, a video file or a folder of images"
     )
+
+
+def recorded_fps(camera: Camera) -> float | None:
+    """The frame rate of a recording, Hz; None for a live camera."""
+    return camera.fps if isinstance(camera, VideoFile | ImageFolder) else None

@@ -1,6 +1,6 @@
 """Which tracker a site runs: the choice, the parameters of each, and how one is made."""
 
-from typing import Annotated, Literal
+from typing import Annotated
 
 import msgspec
 from msgspec import Meta, field
@@ -8,11 +8,10 @@ from msgspec import Meta, field
 from local_site.calibration.rig import Rig
 from local_site.tracking.markers.config import MarkersConfig
 from local_site.tracking.markers.marker_tracker import MarkerTracker
+from local_site.tracking.method import Method
 from local_site.tracking.silhouette.config import SilhouetteConfig
 from local_site.tracking.silhouette.silhouette_tracker import SilhouetteTracker
 from local_site.tracking.tracker import Tracker
-
-Method = Literal["silhouette", "markers"]
 
 
 class TrackingConfig(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):

@@ -10,7 +10,7 @@ from common.cameras.camera import Frame
 from common.errors import ConfigError, FarhandError
 from farhand.calibrate import doubts, solvable
 from farhand.cli import app
-from farhand.outputs import refuse_inputs
+from farhand.outputs import check_file, check_folder
 from farhand.track import track_recording
 from local_site.calibration.rig import save_rig
 from local_site.calibration.simulated import calibrate_simulated
@@ -40,7 +40,7 @@ def test_an_output_over_an_input_is_refused(tmp_path):
     csv.write_text("\n".join(control_point_rows(StereoConfig(), 0.3, seed=1)))
     before = csv.read_text()
     with pytest.raises(ConfigError, match="choose another name"):
-        refuse_inputs(csv, [csv])
+        check_file("--out", csv, [csv])
     result = CliRunner().invoke(app, ["calibrate", "points", str(csv), "--out", str(csv)])
     assert isinstance(result.exception, ConfigError)
     assert csv.read_text() == before
@@ -51,6 +51,23 @@ def test_a_track_over_its_rig_is_refused(tmp_path):
     save_rig(calibrate_simulated(SimulationConfig()), rig)
     arguments = ["track", "--rig", str(rig), "--left", "a.avi", "--right", "b.avi", "--out", str(rig)]
     assert isinstance(CliRunner().invoke(app, arguments).exception, ConfigError)
+
+
+@pytest.mark.parametrize("out", [".", "absent/track.jsonl"])
+def test_a_file_that_cannot_be_written_is_refused_before_any_work(tmp_path, out):
+    with pytest.raises(ConfigError, match=r"--out .*: give a file in a folder that exists"):
+        check_file("--out", tmp_path / out)
+
+
+@pytest.mark.parametrize("source", ["pictures", "pictures/*.png", "pictures/000000.png"])
+def test_drawn_pictures_never_go_where_pictures_are_read(tmp_path, source):
+    (tmp_path / "pictures").mkdir()
+    (tmp_path / "pictures" / "000000.png").touch()
+    with pytest.raises(ConfigError, match=r"--annotate .* would overwrite what is read"):
+        check_folder("--annotate", tmp_path / "pictures", [tmp_path / source])
+    check_folder("--annotate", tmp_path / "other", [tmp_path / source])
+    with pytest.raises(ConfigError, match="is a file; give a folder"):
+        check_folder("--annotate", tmp_path / "pictures" / "000000.png")
 
 
 @pytest.mark.parametrize(("pictures", "kept"), [(0, True), (3, False)])

@@ -1,9 +1,13 @@
 """The --tracker option: which tracker runs, and what the simulated operator wears for it."""
 
+import re
+
 import pytest
+from typer.testing import CliRunner
 
 from common.config import load_config
 from common.errors import ConfigError
+from farhand.cli import app
 from farhand.loopback import LoopbackOptions, plan_of
 from local_site.calibration.simulated import calibrate_simulated
 from local_site.config import LocalConfig
@@ -29,3 +33,44 @@ def test_each_tracker_has_a_table_of_its_own():
     settings = ("method=markers", "markers.initial_pairs=3", "silhouette.initial_pairs=20")
     config = load_config(TrackingConfig, None, settings)
     assert (config.markers.initial_pairs, config.silhouette.initial_pairs) == (3, 20)
+
+
+def tracked_with(monkeypatch, *arguments):
+    """The local site's configuration that a track command comes to."""
+    seen = []
+    monkeypatch.setattr("farhand.track_command.run_track", lambda sources, *_: seen.append(sources.site) or "done")
+    result = CliRunner().invoke(app, ["track", "--rig", "r", "--left", "a", "--right", "b", *map(str, arguments)])
+    if isinstance(result.exception, ConfigError):
+        raise result.exception
+    assert result.exit_code == 0, result.output
+    return seen[0]
+
+
+def test_a_track_takes_its_parameters_from_the_local_sites_file_and_from_settings(monkeypatch, tmp_path):
+    file = tmp_path / "local.toml"
+    file.write_text("[tracking.silhouette]\nright_arm = false\n[gesture]\nhold_ms = 50.0\n")
+    site = tracked_with(monkeypatch, "--config", file, "--set", "tracking.silhouette.initial_pairs=20")
+    assert (site.tracking.silhouette.right_arm, site.tracking.silhouette.initial_pairs) == (False, 20)
+    assert site.gesture.hold_ms == 50.0
+    assert tracked_with(monkeypatch).tracking.method == "silhouette"
+    assert tracked_with(monkeypatch, "--tracker", "markers").tracking.method == "markers"
+
+
+@pytest.mark.parametrize(
+    ("setting", "cure"),
+    [
+        ("tracking.method=foo", "choose one of silhouette, markers"),
+        ("tracking.metod=markers", "did you mean method?"),
+        ("tracking.silhouette.right_arm=left", "Expected `bool`"),
+    ],
+)
+def test_misuse_of_a_setting_names_the_cure(monkeypatch, setting, cure):
+    with pytest.raises(ConfigError, match=re.escape(cure)):
+        tracked_with(monkeypatch, "--set", setting)
+
+
+@pytest.mark.parametrize("command", [["track", "--rig", "r", "--left", "a", "--right", "b"], ["loopback"]])
+def test_an_unknown_tracker_is_refused_with_those_there_are(command):
+    result = CliRunner().invoke(app, [*command, "--tracker", "foo"])
+    assert result.exit_code == 2
+    assert all(word in result.output for word in ("--tracker", "silhouette", "markers"))

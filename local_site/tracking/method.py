@@ -1,0 +1,5 @@
+"""The trackers by name."""
+
+from typing import Literal
+
+Method = Literal["silhouette", "markers"]
