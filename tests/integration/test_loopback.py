@@ -39,7 +39,7 @@ def test_the_loop_closes(driver: str, tmp_path: Path) -> None:
     assert {path.stem for path in views.glob("*.png")} == names
 
 
-def test_ctrl_c_ends_it_with_a_table_and_leaves_no_process() -> None:
+def test_ctrl_c_before_engagement_is_no_failure_and_leaves_no_process() -> None:
     loopback = subprocess.Popen(
         [sys.executable, "-m", "farhand", "loopback", "--seconds", "0"],
         stdout=subprocess.PIPE,
@@ -53,5 +53,7 @@ def test_ctrl_c_ends_it_with_a_table_and_leaves_no_process() -> None:
     assert len(started) >= 6
     time.sleep(1.0)
     os.kill(loopback.pid, signal.SIGINT)
-    loopback.communicate(timeout=20)
+    _, told = loopback.communicate(timeout=20)
+    assert loopback.returncode == 130
+    assert told.splitlines()[-1] == "farhand: interrupted"
     assert not [pid for pid in started if alive(pid)]
