@@ -33,11 +33,6 @@ class Rate:
             self._deadline_ns += skipped * self.period_ns
         return self._deadline_ns
 
-    def reset_statistics(self) -> None:
-        """Count anew from now, as after a warm-up."""
-        self._start_ns, self.ticks, self.missed = self._deadline_ns, 0, 0
-        self._lateness_ns.clear()
-
     @property
     def hz(self) -> float:
         """The rate really kept, in Hz."""

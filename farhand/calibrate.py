@@ -16,7 +16,8 @@ from local_site.calibration.checks import odd_stance
 from local_site.calibration.control_points import ControlPoints, Size, read_control_points
 from local_site.calibration.coverage import coverage_warnings
 from local_site.calibration.physical_camera import decomposed
-from local_site.calibration.rig import Rig, Vector3, save_rig
+from local_site.calibration.rig import Rig, Vector3
+from local_site.calibration.rig_file import save_rig
 from local_site.calibration.solve import solve_rig
 
 MAX_PICTURE_PX = 100_000

@@ -9,16 +9,17 @@ import numpy as np
 
 from common.cameras.camera import Camera, Image
 from common.cameras.sources import open_camera
-from common.errors import CalibrationError, ConfigError
+from common.errors import CalibrationError, ConfigError, InterruptionError
 from common.geometry import Array
 from farhand.calibrate import Calibrated, now, with_serials
-from farhand.calibrate_pictures import read_pictures, write_picture
+from farhand.calibrate_pictures import read_pictures
 from local_site.calibration.board_rig import BoardPictures, solve_boards
 from local_site.calibration.boards import Board, BoardFinder, BoardKind, BoardView
 from local_site.calibration.coverage import coverage_map, coverage_warnings, picture_coverage
 from local_site.calibration.found import draw_found
 from local_site.calibration.pose_gate import PoseGate
-from local_site.calibration.rig import save_rig
+from local_site.calibration.rig_file import save_rig
+from local_site.pictures import write_picture
 
 Pictures = tuple[Image, ...]
 
@@ -118,6 +119,8 @@ def calibrate_live(
             if len(gate.taken) >= poses:
                 break
     if not gate.taken:
+        if should_stop():
+            raise InterruptionError("interrupted before a pose of the board was taken")
         raise CalibrationError(
             "no board was seen still by two cameras; hold it still for a moment where both see it, and check --squares "
             "and --dictionary against the print"

@@ -1,4 +1,4 @@
-"""Pictures for a calibration: read from folders, patterns and videos, and written back with what was found in them."""
+"""Pictures for a calibration, read from folders, patterns and videos."""
 
 import glob
 from collections.abc import Sequence
@@ -10,7 +10,7 @@ import numpy as np
 from common.cameras.camera import Image
 from common.cameras.images import IMAGE_SUFFIXES
 from common.cameras.sources import open_camera
-from common.errors import CalibrationError, CameraError, ConfigError
+from common.errors import CameraError, ConfigError
 from local_site.calibration.control_points import CAMERAS
 
 MAX_PICTURES = 500
@@ -52,16 +52,3 @@ def _read(path: Path, name: str) -> Image:
     if picture is None:
         raise CameraError(f"camera {name}: {path} is not an image that can be read; remove or replace it")
     return np.asarray(picture, dtype=np.uint8)
-
-
-def write_picture(folder: Path, name: str, picture: Image) -> None:
-    """Write a picture as PNG; CalibrationError if it cannot be written."""
-    try:
-        folder.mkdir(parents=True, exist_ok=True)
-    except OSError as error:
-        raise CalibrationError(
-            f"cannot make {folder}: {error.strerror}; choose another folder with --pictures"
-        ) from error
-    path = folder / f"{name}.png"
-    if not cv2.imwrite(str(path), picture):
-        raise CalibrationError(f"cannot write {path}; choose another folder with --pictures")

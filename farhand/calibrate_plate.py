@@ -9,7 +9,7 @@ import numpy as np
 from common.cameras.camera import Image
 from common.errors import CalibrationError, ConfigError
 from farhand.calibrate import Calibrated, calibrate_control
-from farhand.calibrate_pictures import read_pictures, write_picture
+from farhand.calibrate_pictures import read_pictures
 from local_site.calibration.coverage import coverage_map
 from local_site.calibration.found import draw_found
 from local_site.calibration.plate import (
@@ -20,6 +20,7 @@ from local_site.calibration.plate import (
     without_perspective_bias,
 )
 from local_site.calibration.solve import solve_rig
+from local_site.pictures import write_picture
 
 
 @dataclass(frozen=True, slots=True)

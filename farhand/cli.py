@@ -81,9 +81,11 @@ def local(
 
     Example: farhand local --config deploy/sites/local.toml
     """
+    from farhand.outputs import check_folder
     from local_site.app import run_local
     from local_site.config import LocalConfig
 
+    check_folder("--save-views", save_views)
     loaded = load_config(LocalConfig, config, settings or ())
     _until_signal(lambda should_stop: run_local(loaded, should_stop, save_views))
 

@@ -10,11 +10,10 @@ from itertools import takewhile
 from pathlib import Path
 from typing import TextIO
 
-import cv2
 import msgspec
 import numpy as np
 
-from common.cameras.camera import Camera
+from common.cameras.camera import Camera, Image
 from common.clock import NS_PER_MS
 from common.errors import CameraError
 from common.geometry import Array
@@ -24,6 +23,7 @@ from local_site.calibration.rig import Rig
 from local_site.config import LocalConfig
 from local_site.drift_watch import DriftWatch
 from local_site.gesture import OpenHand, observe
+from local_site.pictures import write_picture
 from local_site.tracking.annotate import annotate
 from local_site.tracking.choice import make_tracker
 from local_site.tracking.tracker import ArmEstimate, Views
@@ -103,8 +103,6 @@ def track_recording(
     """
     recording = _Recording(rig, site or LocalConfig(), annotate_dir)
     try:
-        if annotate_dir is not None:
-            annotate_dir.mkdir(parents=True, exist_ok=True)
         pairs = RecordedPairs(left_camera, right_camera, *also)
         with _written_at_end(out) as lines:
             for views in takewhile(lambda _: not should_stop(), pairs):
@@ -142,8 +140,8 @@ class _Recording:
         self._hand = observe(self._hand, open_now, views.t_ns, self._hold_ms)
         self.summary.add(_write(lines, self.summary.pairs, estimate, self._hand, ms))
         if self._annotate_dir is not None:
-            path = self._annotate_dir / f"{self.summary.pairs - 1:06d}.png"
-            _save_annotated(path, self._rig, views, estimate)
+            name = f"{self.summary.pairs - 1:06d}"
+            write_picture(self._annotate_dir, name, _annotated(self._rig, views, estimate))
 
     def _refuse_other_sizes(self, views: Views) -> None:
         """CameraError for a picture of another size than calibrated or, where that is unknown, than the first."""
@@ -213,10 +211,10 @@ def _vector(point: Array | None) -> Vector3 | None:
     return x, y, z
 
 
-def _save_annotated(path: Path, rig: Rig, views: Views, estimate: ArmEstimate) -> None:
+def _annotated(rig: Rig, views: Views, estimate: ArmEstimate) -> Image:
+    """All views side by side with what was found in them."""
     in_camera_order = enumerate(zip(views.views, rig.matrices, strict=True))
     pictures = [annotate(view.current.image, estimate, k, matrix) for k, (view, matrix) in in_camera_order]
     height = max(picture.shape[0] for picture in pictures)
     padded = [np.pad(p, ((0, height - p.shape[0]), (0, 0), (0, 0))) for p in pictures]
-    if not cv2.imwrite(str(path), np.hstack(padded)):
-        raise OSError(f"{path} was not written")
+    return np.hstack(padded)

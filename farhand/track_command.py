@@ -14,7 +14,7 @@ from farhand.outputs import check_file, check_folder
 from farhand.preparing import prepare_tracker
 from farhand.recorded_pairs import refuse_other_rates
 from farhand.track import POINTS, Summary, track_recording
-from local_site.calibration.rig import load_rig
+from local_site.calibration.rig_file import load_rig
 from local_site.config import LocalConfig
 from local_site.rig_cameras import open_rig_cameras
 

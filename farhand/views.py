@@ -8,19 +8,18 @@ import numpy as np
 import simplejpeg
 
 from common.cameras.camera import Image
-from common.errors import CameraError
 from farhand.recorder import CameraRecord
+from local_site.pictures import write_picture
 
-OVERVIEW = "overview.png"
+OVERVIEW = "overview"
 TILE = (480, 360)
 
 
 def save_camera_views(cameras: Mapping[str, CameraRecord], folder: Path) -> None:
     """Write the last picture of every camera as NAME.png."""
-    folder.mkdir(parents=True, exist_ok=True)
     for name, camera in cameras.items():
         if camera.last is not None:
-            _write(folder / f"{name}.png", simplejpeg.decode_jpeg(camera.last.jpeg, colorspace="BGR"))
+            write_picture(folder, name, simplejpeg.decode_jpeg(camera.last.jpeg, colorspace="BGR"))
 
 
 def save_overview(names: tuple[str, ...], folder: Path) -> None:
@@ -28,7 +27,7 @@ def save_overview(names: tuple[str, ...], folder: Path) -> None:
     tiles = [_tile(folder / f"{name}.png") for name in names]
     tiles += [np.zeros_like(tiles[0])] * (len(tiles) % 2)
     rows = [np.hstack(tiles[k : k + 2]) for k in range(0, len(tiles), 2)]
-    _write(folder / OVERVIEW, np.vstack(rows))
+    write_picture(folder, OVERVIEW, np.vstack(rows))
 
 
 def _tile(path: Path) -> Image:
@@ -36,8 +35,3 @@ def _tile(path: Path) -> Image:
     if picture is None:
         return np.zeros((TILE[1], TILE[0], 3), dtype=np.uint8)
     return np.asarray(cv2.resize(picture, TILE, interpolation=cv2.INTER_AREA), dtype=np.uint8)
-
-
-def _write(path: Path, picture: Image) -> None:
-    if not cv2.imwrite(str(path), picture):
-        raise CameraError(f"cannot write {path}; choose a folder that can be written")

@@ -15,12 +15,14 @@ from common.messages import TrackingStatus
 from common.service import StopFlag, ask_for_real_time, notify, start_log
 from common.transport import Link, check_endpoint, open_link
 from local_site.calibration.control_points import CAMERAS
-from local_site.calibration.rig import Rig, load_rig
+from local_site.calibration.rig import Rig
+from local_site.calibration.rig_file import load_rig
 from local_site.calibration.simulated import calibrate_simulated
 from local_site.capture import Capture
 from local_site.config import LocalConfig
 from local_site.drift_watch import DriftWatch
 from local_site.gesture import OpenHand, observe
+from local_site.pictures import write_picture
 from local_site.publisher import HandPublisher
 from local_site.remote_watch import RemoteWatch
 from local_site.rig_cameras import open_rig_cameras
@@ -100,6 +102,7 @@ class LocalSite:
         self._smoother = make_smoother(config.smoothing)
         self._hold_ms = config.gesture.hold_ms
         self._hand = OpenHand()
+        self._matrices = rig.matrices
         self._publisher = HandPublisher(link.publisher(HAND, config.cell))
         self._watch = RemoteWatch(link.latest(STATE, config.cell))
         self._status: TrackingStatus | None = None
@@ -134,10 +137,13 @@ class LocalSite:
             structlog.get_logger().info("tracking", status=status.value, reason=reason)
 
     def save_views(self, folder: Path) -> None:
-        """Write the last views with what was found in them as operator_left.png, operator_right.png and so on."""
+        """Write the last views with what was found in them as operator_left.png, operator_right.png and so on.
+
+        CameraError if they cannot be written; without any view, it is said and nothing is written.
+        """
         if self._seen is None:
+            structlog.get_logger().warning("no views to save", reason=self._capture.problem() or "none came in time")
             return
-        folder.mkdir(parents=True, exist_ok=True)
         for k, view in enumerate(self._seen.views.views):
-            picture = annotate(view.current.image, self._seen.estimate, k)
-            cv2.imwrite(str(folder / f"operator_{CAMERAS[k]}.png"), picture)
+            picture = annotate(view.current.image, self._seen.estimate, k, self._matrices[k])
+            write_picture(folder, f"operator_{CAMERAS[k]}", picture)

@@ -1,13 +1,13 @@
 """Reads one to n cameras, each in a thread of its own, and gives the newest views of a common instant."""
 
 import threading
-from collections.abc import Iterator, Sequence
+from collections.abc import Sequence
 
 from common.cameras.camera import Camera
 from common.clock import Clock
 from common.errors import CameraError
 from local_site.pairing import Pairing, PairingConfig
-from local_site.tracking.tracker import View, Views
+from local_site.tracking.tracker import Views
 
 JOIN_S = 1.0
 
@@ -69,13 +69,3 @@ class Capture:
             self._failure = self._failure or failure
             self._reading -= 1
             self._changed.notify_all()
-
-
-def recorded_views(cameras: Sequence[Camera]) -> Iterator[Views]:
-    """Frame i of every recording with frame i of the others, timed by the first, until one of them ends."""
-    while True:
-        frames = [camera.read() for camera in cameras]
-        present = [frame for frame in frames if frame is not None]
-        if len(present) < len(frames):
-            return
-        yield Views(present[0].capture_ns, tuple(View(frame) for frame in present))

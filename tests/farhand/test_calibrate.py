@@ -9,14 +9,14 @@ import pytest
 from scipy.spatial.transform import Rotation
 from typer.testing import CliRunner
 
-from common.errors import CalibrationError, ConfigError, FarhandError
+from common.errors import CalibrationError, ConfigError, FarhandError, InterruptionError
 from farhand.calibrate import calibrate_points, describe, parse_pair
 from farhand.calibrate_boards import BoardJob, calibrate_board_pictures, calibrate_live, make_board
 from farhand.calibrate_pictures import by_name, read_pictures
 from farhand.calibrate_plate import PlateJob, calibrate_plate, parse_heights
 from farhand.cli import app
 from local_site.calibration.plate import Plate
-from local_site.calibration.rig import load_rig
+from local_site.calibration.rig_file import load_rig
 from local_site.simulation.cameras import control_point_rows
 from local_site.simulation.config import StereoConfig
 
@@ -168,9 +168,11 @@ def test_a_live_run_without_a_board_or_stopped_at_once_says_so(tmp_path):
     (tmp_path / "dark").mkdir()
     cv2.imwrite(str(tmp_path / "dark" / "0.png"), np.zeros((48, 64), np.uint8))
     sources = {"left": str(tmp_path / "dark"), "right": str(tmp_path / "dark")}
-    for stopped in (False, True):
-        with pytest.raises(CalibrationError, match="hold it still for a moment"):
-            calibrate_live(BoardJob(BOARD, False, sources, tmp_path / "r.json"), 5, lambda s=stopped: s, print)
+    job = BoardJob(BOARD, False, sources, tmp_path / "r.json")
+    with pytest.raises(CalibrationError, match="hold it still for a moment"):
+        calibrate_live(job, 5, lambda: False, print)
+    with pytest.raises(InterruptionError, match="before a pose"):
+        calibrate_live(job, 5, lambda: True, print)
 
 
 def test_pictures_without_the_board_are_refused_by_their_camera(tmp_path):

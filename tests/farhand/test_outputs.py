@@ -12,7 +12,7 @@ from farhand.calibrate import doubts, solvable
 from farhand.cli import app
 from farhand.outputs import check_file, check_folder
 from farhand.track import track_recording
-from local_site.calibration.rig import save_rig
+from local_site.calibration.rig_file import save_rig
 from local_site.calibration.simulated import calibrate_simulated
 from local_site.simulation.cameras import control_point_rows
 from local_site.simulation.config import SimulationConfig, StereoConfig

@@ -15,7 +15,8 @@ from farhand.recorded_pairs import RecordedPairs
 from farhand.track import track_recording
 from farhand.track_command import TrackSources, describe, run_track
 from local_site.calibration.control_points import CAMERAS
-from local_site.calibration.rig import Rig, save_rig
+from local_site.calibration.rig import Rig
+from local_site.calibration.rig_file import save_rig
 from local_site.config import LocalConfig
 from local_site.simulation.cameras import exact_rig
 from local_site.simulation.config import StereoConfig

@@ -7,7 +7,7 @@ from pathlib import Path
 import pytest
 
 from common.config import load_config
-from local_site.calibration.rig import save_rig
+from local_site.calibration.rig_file import save_rig
 from local_site.config import LocalConfig
 from local_site.simulation.cameras import control_point_rows, exact_rig
 from local_site.simulation.config import SimulationConfig

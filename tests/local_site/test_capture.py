@@ -8,7 +8,7 @@ import numpy as np
 from common.cameras.camera import Frame
 from common.clock import NS_PER_MS, FakeClock, MonotonicClock
 from common.errors import CameraError
-from local_site.capture import Capture, recorded_views
+from local_site.capture import Capture
 from local_site.pairing import PairingConfig
 from local_site.simulation.config import SimulationConfig, StereoConfig
 from local_site.simulation.source import SimulatedCameras
@@ -96,14 +96,6 @@ def test_the_end_of_a_recording_is_said():
     assert capture.next(WAIT_S) is None
     assert capture.problem() == "camera left has come to its end"
     capture.close()
-
-
-def test_recordings_are_paired_frame_by_frame():
-    left = ScriptedCamera("left", [frame(k, t_ms=66 * k) for k in range(4)] + [None])
-    right = ScriptedCamera("right", [frame(k, t_ms=66 * k + 20) for k in range(3)] + [None])
-    views = list(recorded_views([left, right]))
-    assert [[view.current.seq for view in pair.views] for pair in views] == [[0, 0], [1, 1], [2, 2]]
-    assert [pair.t_ns for pair in views] == [0, 66 * NS_PER_MS, 132 * NS_PER_MS]
 
 
 def views_of_simulation(phase_offset_ms):

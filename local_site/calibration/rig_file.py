@@ -1,0 +1,37 @@
+"""The rig's file: JSON that a person can read, refused where it cannot be right."""
+
+from pathlib import Path
+
+import msgspec
+
+from common.errors import CalibrationError
+from local_site.calibration.rig import Rig
+from local_site.calibration.rig_checks import rig_mistakes
+
+
+def load_rig(path: Path) -> Rig:
+    """Read a rig file; CalibrationError names what is wrong and the cure."""
+    cure = "make a rig with: farhand calibrate points CSV --out rig.json"
+    try:
+        rig = msgspec.json.decode(path.read_bytes(), type=Rig)
+    except OSError as error:
+        raise CalibrationError(f"cannot read the rig {path}: {error.strerror}; {cure}") from error
+    except (msgspec.DecodeError, UnicodeDecodeError) as error:
+        raise CalibrationError(f"{path} is not a rig file of this version, or not whole: {error}; {cure}") from error
+    mistakes = rig_mistakes(rig)
+    if mistakes:
+        raise CalibrationError("\n  ".join([f"{path} cannot be used; {cure}", *mistakes]))
+    return rig
+
+
+def save_rig(rig: Rig, path: Path) -> None:
+    """Write a rig file, readable by a person; an earlier one gives way only to a whole one."""
+    text = msgspec.json.format(msgspec.json.encode(rig), indent=2) + b"\n"
+    path = path.resolve()
+    part = path.with_name(f"{path.name}.part")
+    try:
+        part.write_bytes(text)
+        part.replace(path)
+    except OSError as error:
+        part.unlink(missing_ok=True)
+        raise CalibrationError(f"cannot write the rig {path}: {error.strerror}; choose another place") from error
