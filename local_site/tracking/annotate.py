@@ -72,8 +72,11 @@ def _draw_point(canvas: Image, name: str, estimate: ArmEstimate, overlay: Overla
         thickness = (3 if more else 1) if inferred else cv2.FILLED
         cv2.circle(canvas, _fixed(pixel), radius + more * (not inferred), colour, thickness, cv2.LINE_AA, SHIFT)
     place: Array | None = getattr(estimate, name)
-    if projection is not None and place is not None and name in estimate.covariances:
-        outline = sigma_outline(projection, place, estimate.covariances[name]) + pixel
+    covariance = estimate.covariances.get(name)
+    if projection is None or place is None or covariance is None or not np.all(np.isfinite(covariance)):
+        return
+    if projection[2, :3] @ place + projection[2, 3] > 0:
+        outline = sigma_outline(projection, place, covariance) + pixel
         fixed = [np.array([_fixed(corner) for corner in outline], dtype=np.int32)]
         cv2.polylines(canvas, fixed, isClosed=True, color=POINTS[name], lineType=cv2.LINE_AA, shift=SHIFT)
 

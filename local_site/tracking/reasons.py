@@ -17,6 +17,9 @@ class Reason(StrEnum):
     PARALLEL_TO_BASELINE = "the forearm is nearly parallel to the line between the cameras"
     OUTSIDE_VOLUME = "the wrist is outside the calibrated volume"
     HAND_UNCLEAR = "the outline does not look like a hand held like a gripper, or open"
+    OTHER_ARM = (
+        "the hand looks like one of the other arm: the pictures are mirrored and exchanged, or right_arm is set wrongly"
+    )
     THUMB_INFERRED = "the thumb is not seen in outline by two cameras; its place follows from the hand's shape"
     LEARNING = "learning the arm: hold it bent, thumb and index apart"
 

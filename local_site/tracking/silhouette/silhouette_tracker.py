@@ -14,9 +14,10 @@ from local_site.calibration.triangulation import project, triangulate
 from local_site.tracking.reasons import Reason, sentence
 from local_site.tracking.silhouette.config import SilhouetteConfig
 from local_site.tracking.silhouette.features import Features
-from local_site.tracking.silhouette.hand_model.fit import MAX_VIEWS, MIN_VIEWS
+from local_site.tracking.silhouette.hand_model.fit import MAX_VIEWS, MIN_VIEWS, HandView
 from local_site.tracking.silhouette.hand_tracker import Arm, HandEstimate, HandTracker
 from local_site.tracking.silhouette.hand_view import make_hand_view
+from local_site.tracking.silhouette.handedness import looks_like_the_other_arm
 from local_site.tracking.silhouette.joints import Body, Joints, sleeve_end, solve_joints
 from local_site.tracking.silhouette.overlay import overlay_of
 from local_site.tracking.silhouette.posture import Posture
@@ -67,6 +68,7 @@ class SilhouetteTracker:
         self._tangency = Tangency(self._projections)
         self._body = Body()
         self._hand = HandTracker(self._config.initial_pairs, self._config.right_arm)
+        self._shown: tuple[Sequence[HandView], Arm] | None = None
         self._lengths: list[tuple[float, float]] = []
         self._last: _Moment | None = None
         self._before: _Moment | None = None
@@ -105,6 +107,7 @@ class SilhouetteTracker:
             return None
         ends = [_farthest(f) for f in features]
         arm = Arm(joints.wrist, _wrist_covariance(joints), joints.elbow, triangulate(matrices, ends))
+        self._shown = views, arm
         return self._hand.track(views, arm)
 
     def _found(self, moment: _Moment) -> ArmEstimate:
@@ -153,6 +156,10 @@ class SilhouetteTracker:
         to_sleeve = math.nan if sleeve is None else float(np.linalg.norm(sleeve - elbow))
         self._lengths.append((float(np.linalg.norm(moment.wrist - elbow)), to_sleeve))
         if len(self._lengths) >= self._config.initial_pairs:
+            if self._shown is not None and looks_like_the_other_arm(*self._shown, self._config.right_arm):
+                self._lengths.clear()
+                self._hand = HandTracker(self._config.initial_pairs, self._config.right_arm)
+                return TrackingStatus.INITIALISING, Reason.OTHER_ARM
             forearm, upper = (_median(values) for values in zip(*self._lengths, strict=True))
             sleeve_distance = upper if math.isfinite(upper) else None
             self._body = replace(self._body, forearm_length=forearm, sleeve_distance=sleeve_distance)

@@ -139,3 +139,22 @@ def test_points_that_are_nowhere_do_no_harm():
 def test_small_pictures_leave_the_sigmas_out_rather_than_write_over_the_reason():
     small = np.full((90, 300), 200, np.uint8)
     assert (annotate(small, lost(REASON), 0)[-20:] == 200).all()
+
+
+@pytest.mark.parametrize("number", [np.nan, np.inf])
+def test_a_sigma_that_is_no_number_leaves_its_ellipse_out(number):
+    without = annotate(BLACK, estimate(covariances={}), 0, MATRIX)
+    picture = annotate(BLACK, estimate(covariances={"wrist": np.full((3, 3), number)}), 0, MATRIX)
+    rows = slice(0, BLACK.shape[0] - 18 * len(POINTS) - 18)
+    assert np.array_equal(picture[rows], without[rows])
+
+
+def test_a_place_behind_the_camera_has_no_ellipse():
+    behind = -MATRIX
+    assert np.array_equal(annotate(BLACK, estimate(), 0, behind), annotate(BLACK, estimate(), 0))
+
+
+def test_a_camera_that_saw_nothing_shows_the_status_alone_beside_one_that_saw_all():
+    given = estimate(overlay=Overlay())
+    assert not annotate(BLACK, given, 0, MATRIX)[30:400].any()
+    assert np.array_equal(annotate(BLACK, given, 1, MATRIX), annotate(BLACK, given, 0, MATRIX))
