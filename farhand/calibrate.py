@@ -16,12 +16,13 @@ from local_site.calibration.checks import odd_stance
 from local_site.calibration.control_points import ControlPoints, Size, read_control_points
 from local_site.calibration.coverage import coverage_warnings
 from local_site.calibration.physical_camera import decomposed
-from local_site.calibration.rig import Rig, Vector3
+from local_site.calibration.rig import CameraCalibration, Rig, Vector3
 from local_site.calibration.rig_file import save_rig
 from local_site.calibration.solve import solve_rig
 
 MAX_PICTURE_PX = 100_000
 USUAL_RMS_PX = 1.0
+USUAL_STRETCH = 0.03
 USUAL_SPAN_M = (0.05, 20.0)
 
 
@@ -64,14 +65,26 @@ def doubts(rig: Rig) -> list[str]:
         for camera in rig.cameras
         if camera.reprojection_rms_px > USUAL_RMS_PX
     ]
-    for camera in rig.cameras:
-        physical = decomposed(camera.matrix)
-        stance = "" if physical is None else odd_stance(physical)
-        sentences += [f"{camera.name} camera {stance}"] if stance else []
+    sentences += [sentence for camera in rig.cameras for sentence in _odd(camera)]
     span_m = math.dist(rig.volume_min, rig.volume_max)
     if not USUAL_SPAN_M[0] < span_m < USUAL_SPAN_M[1]:
         sentences.append(f"the points span {span_m:.3g} m: check that they are given in mm")
     return sentences
+
+
+def _odd(calibrated: CameraCalibration) -> Iterator[str]:
+    """What is odd about a camera's place and its pixels."""
+    camera = decomposed(calibrated.matrix)
+    if camera is None:
+        return
+    if stance := odd_stance(camera):
+        yield f"{calibrated.name} camera {stance}"
+    stretch = camera.lens.fx / camera.lens.fy
+    if abs(stretch - 1.0) > USUAL_STRETCH:
+        yield (
+            f"{calibrated.name} camera: its pixels come out {stretch:.2f} times as high as wide, but those of cameras are "
+            "square; check that positions, pitch and heights are all given in mm"
+        )
 
 
 def now() -> str:

@@ -1,6 +1,7 @@
 """Tracking a recording: two or more cameras in, a line of JSON per pair out; causal and unsmoothed."""
 
 import math
+import re
 import time
 from collections import Counter
 from collections.abc import Callable, Iterator, Sequence
@@ -28,6 +29,7 @@ from local_site.tracking.annotate import annotate
 from local_site.tracking.choice import make_tracker
 from local_site.tracking.tracker import ArmEstimate, Views
 
+LEARNED_SO_FAR = re.compile(r" \(\d+ of \d+ pairs\)")
 POINTS = ("elbow", "wrist", "index", "thumb")
 
 
@@ -73,7 +75,7 @@ class Summary:
         """Count one pair."""
         self.pairs += 1
         self.statuses[line.status] += 1
-        self.reasons[line.reason] += 1
+        self.reasons[LEARNED_SO_FAR.sub("", line.reason)] += 1
         for name in POINTS:
             self.found[name] += getattr(line, name) is not None
         self.gripper_toggles = line.gripper_toggles

@@ -68,6 +68,7 @@ class SilhouetteTracker:
         self._tangency = Tangency(self._projections)
         self._body = Body()
         self._hand = HandTracker(self._config.initial_pairs, self._config.right_arm)
+        self._lesson = Reason.LEARNING
         self._shown: tuple[Sequence[HandView], Arm] | None = None
         self._lengths: list[tuple[float, float]] = []
         self._last: _Moment | None = None
@@ -158,13 +159,14 @@ class SilhouetteTracker:
         if len(self._lengths) >= self._config.initial_pairs:
             if self._shown is not None and looks_like_the_other_arm(*self._shown, self._config.right_arm):
                 self._lengths.clear()
+                self._lesson = Reason.OTHER_ARM
                 self._hand = HandTracker(self._config.initial_pairs, self._config.right_arm)
                 return TrackingStatus.INITIALISING, Reason.OTHER_ARM
             forearm, upper = (_median(values) for values in zip(*self._lengths, strict=True))
             sleeve_distance = upper if math.isfinite(upper) else None
             self._body = replace(self._body, forearm_length=forearm, sleeve_distance=sleeve_distance)
         count = f"{len(self._lengths)} of {self._config.initial_pairs} pairs"
-        return TrackingStatus.INITIALISING, f"{Reason.LEARNING} ({count})"
+        return TrackingStatus.INITIALISING, f"{self._lesson} ({count})"
 
     def _lost(self, t_ns: int, reason: str, residual_px: float | None = None) -> ArmEstimate:
         self._last = self._before = None

@@ -110,3 +110,8 @@ def test_axes_turned_half_round_are_told():
 def test_cameras_below_above_and_overhead_stand_well(drop):
     cameras = [camera(angle, drop=drop) for angle in ANGLES]
     assert doubts(solve_rig(control(cameras), "now")) == []
+
+
+def test_a_wrong_pitch_shows_in_pixels_that_are_not_square():
+    flat = replace(control(noise=0.3), points=GRID * (1.0, 1.0, 0.1))
+    assert [s for s in doubts(solve_rig(flat, "now")) if "pixels come out" in s]
