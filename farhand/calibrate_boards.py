@@ -148,8 +148,8 @@ def _refuse_unseen(finder: BoardFinder, pictures: Mapping[str, Sequence[Image]])
         if any(finder.finds_mirrored(picture) for picture in own):
             raise CalibrationError(f"camera {name}: its pictures are mirrored; switch off the camera's mirroring")
         raise CalibrationError(
-            f"camera {name}: none of its {len(own)} pictures shows the board; check --board, --squares and "
-            "--dictionary against the print, and light it evenly"
+            f"camera {name}: none of its {len(own)} pictures shows the board; check --board, --squares "
+            "(squares, not corners) and --dictionary against the print, and light it evenly"
         )
 
 

@@ -52,7 +52,7 @@ def calibrate_plate(job: PlateJob, serials: Sequence[str] = ()) -> Calibrated:
         if len(own) != len(job.heights):
             raise CalibrationError(
                 f"camera {name}: {len(own)} pictures for {len(job.heights)} heights; give one picture for each of "
-                "--heights-mm, in the same order"
+                "--heights-mm, in the same order; for a printed board, give --board charuco or --board chessboard"
             )
     views = {
         name: [view_plate(picture, job.plate, f"{name} picture {k + 1}") for k, picture in enumerate(own)]

@@ -1,6 +1,7 @@
 """Tracking a recording: two or more cameras in, a line of JSON per pair out; causal and unsmoothed."""
 
 import math
+import os
 import re
 import time
 from collections import Counter
@@ -172,10 +173,19 @@ def _written_at_end(out: Path) -> Iterator[TextIO]:
         with part.open("w", encoding="utf-8", buffering=1) as lines:
             yield lines
     finally:
-        if part.exists() and part.stat().st_size:
+        if _whole_lines(part):
             part.replace(out)
         else:
             part.unlink(missing_ok=True)
+
+
+def _whole_lines(part: Path) -> int:
+    """Cut a last line that was not written to its end, as on a full disk; how many bytes are left."""
+    text = part.read_bytes() if part.exists() else b""
+    whole = text.rfind(b"\n") + 1
+    if whole < len(text):
+        os.truncate(part, whole)
+    return whole
 
 
 def _write(lines: TextIO, frame: int, estimate: ArmEstimate, hand: OpenHand, ms: float) -> TrackLine:

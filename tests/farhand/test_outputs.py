@@ -11,7 +11,7 @@ from common.errors import ConfigError, FarhandError
 from farhand.calibrate import doubts, solvable
 from farhand.cli import app
 from farhand.outputs import check_file, check_folder
-from farhand.track import track_recording
+from farhand.track import _written_at_end, track_recording
 from local_site.calibration.rig_file import save_rig
 from local_site.calibration.simulated import calibrate_simulated
 from local_site.simulation.cameras import control_point_rows
@@ -79,6 +79,16 @@ def test_an_earlier_track_is_replaced_only_by_a_new_one(tmp_path, pictures, kept
     with pytest.raises(FarhandError):
         track_recording(rig, *cameras, out, None, lambda _: None)
     assert (out.read_text() == "earlier\n") is kept
+    assert list(tmp_path.iterdir()) == [out]
+
+
+def test_a_full_disk_leaves_whole_lines(tmp_path):
+    out = tmp_path / "track.jsonl"
+    with pytest.raises(OSError, match="full"), _written_at_end(out) as lines:
+        lines.write('{"frame":0}\n{"fra')
+        lines.flush()
+        raise OSError("the disk is full")
+    assert out.read_text() == '{"frame":0}\n'
     assert list(tmp_path.iterdir()) == [out]
 
 
