@@ -82,8 +82,8 @@ def _odd(calibrated: CameraCalibration) -> Iterator[str]:
     stretch = camera.lens.fx / camera.lens.fy
     if abs(stretch - 1.0) > USUAL_STRETCH:
         yield (
-            f"{calibrated.name} camera: its pixels come out {stretch:.2f} times as high as wide, which few are; check that "
-            "positions, pitch and heights are all given in mm"
+            f"{calibrated.name} camera: its pixels come out {stretch:.2f} times as high as wide, which few are; "
+            "check that positions, pitch and heights are all given in mm"
         )
 
 

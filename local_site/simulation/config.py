@@ -6,8 +6,6 @@ from msgspec import Meta, Struct
 
 Vector3 = tuple[float, float, float]
 MotionName = Literal["hold", "figure_of_eight", "rotate_x", "rotate_y", "rotate_z", "pick_and_place", "toggles"]
-Length = Annotated[float, Meta(gt=0, le=1)]
-Fraction = Annotated[float, Meta(ge=0, le=1)]
 
 
 class BodyConfig(Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):

@@ -15,6 +15,7 @@ from farhand.calibrate_boards import BoardJob, calibrate_board_pictures, calibra
 from farhand.calibrate_pictures import by_name, read_pictures
 from farhand.calibrate_plate import PlateJob, calibrate_plate, parse_heights
 from farhand.cli import app
+from local_site.calibration.boards import BoardFinder
 from local_site.calibration.plate import Plate
 from local_site.calibration.rig_file import load_rig
 from local_site.simulation.cameras import control_point_rows
@@ -149,7 +150,17 @@ def board_folders(tmp_path, repeats=1):
     return sources
 
 
-def test_a_live_board_is_taken_once_per_pose_drawn_and_solved(tmp_path):
+def test_a_live_board_is_taken_once_per_pose_drawn_and_solved(tmp_path, monkeypatch):
+    find, found_in = BoardFinder.find, {}
+
+    def find_once(finder, picture):
+        """A board that is held still gives the same picture several times."""
+        key = picture.tobytes()
+        if key not in found_in:
+            found_in[key] = find(finder, picture)
+        return found_in[key]
+
+    monkeypatch.setattr(BoardFinder, "find", find_once)
     sources, found, said = board_folders(tmp_path, repeats=6), tmp_path / "found", []
     job = BoardJob(BOARD, True, sources, tmp_path / "rig.json", found)
     rig = calibrate_live(job, len(POSES), lambda: False, said.append).rig

@@ -82,12 +82,10 @@ def test_an_earlier_track_is_replaced_only_by_a_new_one(tmp_path, pictures, kept
     assert list(tmp_path.iterdir()) == [out]
 
 
-def test_a_full_disk_leaves_whole_lines(tmp_path):
+def test_a_last_line_that_found_no_room_is_cut(tmp_path):
     out = tmp_path / "track.jsonl"
-    with pytest.raises(OSError, match="full"), _written_at_end(out) as lines:
+    with _written_at_end(out) as lines:
         lines.write('{"frame":0}\n{"fra')
-        lines.flush()
-        raise OSError("the disk is full")
     assert out.read_text() == '{"frame":0}\n'
     assert list(tmp_path.iterdir()) == [out]
 

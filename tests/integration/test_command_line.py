@@ -2,11 +2,13 @@
 
 import subprocess
 import sys
+from collections.abc import Callable
 from pathlib import Path
 
 import pytest
 
 from common.config import load_config
+from farhand.cli import main
 from local_site.calibration.rig_file import save_rig
 from local_site.config import LocalConfig
 from local_site.simulation.cameras import control_point_rows, exact_rig
@@ -22,11 +24,25 @@ def farhand(*arguments: str) -> subprocess.CompletedProcess[str]:
     )
 
 
+@pytest.fixture
+def here(monkeypatch, capsys) -> Callable[..., subprocess.CompletedProcess[str]]:
+    """Runs a command in this process, which is quicker, and tells how it ended."""
+
+    def run(*arguments: str) -> subprocess.CompletedProcess[str]:
+        monkeypatch.setattr(sys, "argv", ["farhand", *arguments])
+        with pytest.raises(SystemExit) as ended:
+            main()
+        told = capsys.readouterr()
+        return subprocess.CompletedProcess(arguments, ended.value.code, told.out, told.err)
+
+    return run
+
+
 @pytest.mark.parametrize(
     "command", [[], ["local"], ["remote"], ["engage"], ["loopback"], ["track"], ["calibrate"], ["calibrate", "points"]]
 )
-def test_every_command_has_help(command: list[str]) -> None:
-    done = farhand(*command, "--help")
+def test_every_command_has_help(command: list[str], here) -> None:
+    done = here(*command, "--help")
     assert done.returncode == 0
     assert "Usage" in done.stdout
     if command and command != ["calibrate"]:
@@ -37,12 +53,9 @@ def test_every_command_has_help(command: list[str]) -> None:
     ("arguments", "code", "words"),
     [
         (["remote", "--set", "driver.nme=x"], 2, "did you mean name?"),
-        (["remote", "--set", "driver.name=elbow"], 1, "choose one of: kinematic, simulated"),
-        (["remote", "--set", "links.control=tcp/10.0.0.1:7447"], 1, "refused"),
         (["remote", "--set", "safety.t_latch_ms=50"], 2, ">= 100"),
         (["remote", "--config", "absent.toml"], 2, "absent.toml"),
         (["local", "--set", "operator.left=0"], 2, "both be simulated, or neither"),
-        (["loopback", "--driver", "none"], 1, "choose one of"),
         (["loopback", "--motion", "dance"], 2, "pick_and_place"),
         (["engage", "--cell", "No Such"], 2, "small letters"),
         (["calibrate", "points", "absent.csv"], 1, "absent.csv"),
@@ -50,12 +63,26 @@ def test_every_command_has_help(command: list[str]) -> None:
         (["dance"], 2, "No such command"),
     ],
 )
-def test_misuse_is_told_with_its_cure(arguments: list[str], code: int, words: str, tmp_path: Path) -> None:
+def test_misuse_is_told_with_its_cure(arguments: list[str], code: int, words: str, here) -> None:
+    done = here(*arguments)
+    assert done.returncode == code, done.stderr
+    assert words in " ".join(done.stderr.split())
+
+
+@pytest.mark.parametrize(
+    ("arguments", "code", "words"),
+    [
+        (["remote", "--set", "driver.name=elbow"], 1, "choose one of: kinematic, simulated"),
+        (["remote", "--set", "links.control=tcp/10.0.0.1:7447"], 1, "refused"),
+        (["loopback", "--driver", "none"], 1, "choose one of"),
+        (["track"], 2, "Missing option"),
+    ],
+)
+def test_a_process_that_cannot_run_says_why_without_a_traceback(arguments: list[str], code: int, words: str) -> None:
     done = farhand(*arguments)
     assert done.returncode == code, done.stderr
     assert words in " ".join(done.stderr.split())
     assert "Traceback" not in done.stderr
-    assert not list(tmp_path.iterdir())
 
 
 def local_with_cameras(rig: Path) -> subprocess.CompletedProcess[str]:
@@ -63,10 +90,10 @@ def local_with_cameras(rig: Path) -> subprocess.CompletedProcess[str]:
     return farhand("local", *(part for s in settings for part in ("--set", s)))
 
 
-def test_a_missing_camera_is_told(tmp_path: Path) -> None:
+def test_a_missing_camera_is_told(tmp_path: Path, here) -> None:
     csv, rig = tmp_path / "points.csv", tmp_path / "rig.json"
     csv.write_text("\n".join(control_point_rows(SimulationConfig().stereo, 0.3, 1)) + "\n")
-    calibrated = farhand("calibrate", "points", str(csv), "--out", str(rig))
+    calibrated = here("calibrate", "points", str(csv), "--out", str(rig))
     assert calibrated.returncode == 0
     assert "reprojection rms: left 0." in calibrated.stdout
     assert "total" in calibrated.stdout
@@ -76,10 +103,10 @@ def test_a_missing_camera_is_told(tmp_path: Path) -> None:
     assert "Traceback" not in done.stderr
 
 
-def test_more_cameras_than_the_rig_has_are_refused(tmp_path: Path) -> None:
+def test_more_cameras_than_the_rig_has_are_refused(tmp_path: Path, here) -> None:
     rig = tmp_path / "rig.json"
     save_rig(exact_rig(SimulationConfig().stereo), rig)
-    done = farhand("track", "--rig", str(rig), "--left", "a", "--right", "b", "--also", "c")
+    done = here("track", "--rig", str(rig), "--left", "a", "--right", "b", "--also", "c")
     assert done.returncode == 1
     assert "the rig has 2 cameras (left, right), but 3 are given" in done.stderr
 
@@ -93,11 +120,11 @@ def test_a_rig_that_is_none_is_told(tmp_path: Path) -> None:
     assert "Traceback" not in done.stderr
 
 
-def test_a_calibration_file_with_a_nonsense_point_is_refused_by_its_line(tmp_path: Path) -> None:
+def test_a_calibration_file_with_a_nonsense_point_is_refused_by_its_line(tmp_path: Path, here) -> None:
     csv = tmp_path / "points.csv"
     csv.write_text("X_mm,Y_mm,Z_mm,uL_px,vL_px,uR_px,vR_px\n0,0,0,1,2,3,4\n0,0,banana,1,2,3,4\n0,0,1,inf,2,3,4\n")
     out = tmp_path / "rig.json"
-    done = farhand("calibrate", "points", str(csv), "--out", str(out))
+    done = here("calibrate", "points", str(csv), "--out", str(out))
     assert done.returncode == 1
     assert "3" in done.stderr
     assert "banana" in done.stderr
