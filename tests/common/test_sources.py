@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 from common.cameras.sources import open_camera
-from common.errors import CameraError
+from common.errors import CameraError, ConfigError
 
 
 @pytest.fixture
@@ -59,5 +59,5 @@ def test_what_is_no_camera_is_refused_by_name(source: str | int, tmp_path: Path)
 
 
 def test_a_rate_that_is_none_is_refused(folder: Path) -> None:
-    with pytest.raises(CameraError, match="positive"):
+    with pytest.raises(ConfigError, match="positive"):
         open_camera(str(folder), "left", fps=0)
