@@ -49,7 +49,9 @@ def settle(
             if grey.size == 0:
                 continue
             circle = _circle(projection, focal_px, moved)
-            if _add_outline(circle, outline, owned, capsules, information, pull) >= max(MIN_PIXELS, END_SHARE * circle[1]):
+            if _add_outline(circle, outline, owned, capsules, information, pull) >= max(
+                MIN_PIXELS, END_SHARE * circle[1]
+            ):
                 seen += 1
             else:
                 _add_grey_edges(circle, grey, to_now, information, pull)
