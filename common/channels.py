@@ -7,9 +7,22 @@ from typing import Generic, TypeVar
 
 from common.clock import NS_PER_MS
 from common.errors import ConfigError
-from common.messages import HandArm, Message, Reply, Request, RobotState, VideoFrame
+from common.messages import HandArm, Message, OperatorIntent, RobotState, VideoFrame
+from common.requests import (
+    ClockAnswer,
+    ClockQuestion,
+    DescribeQuestion,
+    Description,
+    EngageRequest,
+    LeaseReply,
+    LeaseRequest,
+    OperatorRequest,
+    Reply,
+)
 
 M = TypeVar("M", bound=Message)
+Q = TypeVar("Q", bound=Message)
+R = TypeVar("R", bound=Message)
 CELL_NAME = re.compile(r"[a-z0-9][a-z0-9_-]{0,31}")
 
 
@@ -30,7 +43,10 @@ class Priority(StrEnum):
 
 @dataclass(frozen=True, slots=True)
 class Channel(Generic[M]):
-    """One channel; `key` may hold {cell} and {name}. Periodic channels drop under congestion, never block."""
+    """One channel; `key` may hold {cell} and {name}. Periodic channels drop under congestion, never block.
+
+    `depth` is how many of the newest messages wait for a receiver: 1 where several senders cannot push one another out.
+    """
 
     key: str
     message: type[M]
@@ -39,6 +55,7 @@ class Channel(Generic[M]):
     rate_hz: float
     stale_after_ns: int
     max_bytes: int
+    depth: int = 1
 
     def key_for(self, cell: str, name: str = "*") -> str:
         """The Zenoh key of this channel in a cell."""
@@ -53,6 +70,7 @@ HAND = Channel(
     rate_hz=30.0,
     stale_after_ns=100 * NS_PER_MS,
     max_bytes=4096,
+    depth=4,  # an operator without the lease must not push out the samples of the one who has it
 )
 STATE = Channel(
     key="farhand/{cell}/state",
@@ -74,27 +92,42 @@ CAMERA = Channel(
 )
 
 
+INTENT = Channel(
+    key="farhand/{cell}/operator/{name}/intent",
+    message=OperatorIntent,
+    session=Session.CONTROL,
+    priority=Priority.INTERACTIVE,
+    rate_hz=20.0,
+    stale_after_ns=200 * NS_PER_MS,
+    max_bytes=1024,
+)
+
+
 @dataclass(frozen=True, slots=True)
-class Procedure:
-    """Something that must happen once, asked by a query and answered by the remote site."""
+class Procedure(Generic[Q, R]):
+    """Something asked by a query and answered by one site; `key` may hold {cell} and {name}."""
 
     key: str
-    request: type[Request]
-    reply: type[Reply]
+    request: type[Q]
+    reply: type[R]
     max_bytes: int
 
-    def key_for(self, cell: str) -> str:
+    def key_for(self, cell: str, name: str = "*") -> str:
         """The Zenoh key of this procedure in a cell."""
-        return self.key.format(cell=cell)
+        return self.key.format(cell=cell, name=name)
 
 
-ENGAGE = Procedure(key="farhand/{cell}/rpc/engage", request=Request, reply=Reply, max_bytes=1024)
+ENGAGE = Procedure("farhand/{cell}/rpc/engage", EngageRequest, Reply, 1024)
+LEASE = Procedure("farhand/{cell}/rpc/lease", LeaseRequest, LeaseReply, 2048)
+DESCRIBE = Procedure("farhand/{cell}/rpc/describe", DescribeQuestion, Description, 16384)
+CLOCK = Procedure("farhand/{cell}/clock", ClockQuestion, ClockAnswer, 256)
+OPERATE = Procedure("farhand/{cell}/operator/{name}/lease", OperatorRequest, Reply, 1024)
 
 
-def check_cell_name(cell: str) -> str:
-    """The cell's name if it can stand in a key, else ConfigError."""
+def check_cell_name(cell: str, what: str = "cell") -> str:
+    """The cell's name (or another's, `what`) if it can stand in a key, else ConfigError."""
     if CELL_NAME.fullmatch(cell) is None:
         raise ConfigError(
-            f"cell {cell!r}: use 1 to 32 small letters, digits, '-' and '_', beginning with a letter or digit"
+            f"{what} {cell!r}: use 1 to 32 small letters, digits, '-' and '_', beginning with a letter or digit"
         )
     return cell

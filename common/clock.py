@@ -1,11 +1,15 @@
-"""Time: monotonic nanoseconds, one clock for all processes of a host, and a fake one for tests."""
+"""Time: monotonic nanoseconds, one clock for all processes of a host, the offset between two, a fake for tests."""
 
 import time
-from dataclasses import dataclass
+from collections import deque
+from dataclasses import dataclass, field
 from typing import Protocol
 
 NS_PER_MS = 1_000_000
 NS_PER_S = 1_000_000_000
+
+KEPT_NS = 4 * NS_PER_S
+DRIFT = 10_000  # two clocks part by at most one nanosecond in so many, 100 parts per million
 
 
 class Clock(Protocol):
@@ -56,4 +60,73 @@ class ClockOffset:
         return now_ns - (stamp_ns - self.offset_ns) + self.uncertainty_ns
 
 
-SAME_HOST = ClockOffset(offset_ns=0, uncertainty_ns=0)
+@dataclass(frozen=True, slots=True)
+class RoundTrip:
+    """One question to the other host's clock: asked and heard by ours, received and answered by the other's, ns."""
+
+    asked_ns: int
+    received_ns: int
+    answered_ns: int
+    heard_ns: int
+
+    @property
+    def duration_ns(self) -> int:
+        """How long the question and its answer were on their way."""
+        return (self.heard_ns - self.asked_ns) - (self.answered_ns - self.received_ns)
+
+    @property
+    def offset_ns(self) -> int:
+        """The other clock minus ours, if both ways took as long; off by half the duration at most."""
+        return ((self.received_ns - self.asked_ns) + (self.answered_ns - self.heard_ns)) // 2
+
+    @property
+    def possible(self) -> bool:
+        """Whether two clocks can have told these times."""
+        return self.answered_ns >= self.received_ns and self.duration_ns >= 0
+
+    def uncertainty_ns(self, now_ns: int) -> int:
+        """Half the duration, and what the clocks may have drifted since: which way was longer cannot be seen."""
+        return self.duration_ns // 2 + 1 + max(0, now_ns - self.heard_ns) // DRIFT
+
+
+@dataclass(frozen=True, slots=True)
+class ClockEstimate:
+    """The offset as known now, and when (by the other clock) it was measured."""
+
+    offset: ClockOffset
+    measured_ns: int
+
+
+@dataclass
+class OffsetEstimator:
+    """Keeps the quickest round trip of each of the last seconds; the surest of them is the estimate."""
+
+    _best: deque[RoundTrip] = field(default_factory=deque)
+
+    def add(self, trip: RoundTrip) -> None:
+        """Take a round trip; one that contradicts those before it shows that a clock was reset, and replaces them."""
+        if not trip.possible:
+            return
+        if self._contradicted(trip):
+            self._best.clear()
+        if self._best and self._best[-1].heard_ns // NS_PER_S == trip.heard_ns // NS_PER_S:
+            if trip.duration_ns >= self._best[-1].duration_ns:
+                return
+            self._best.pop()
+        self._best.append(trip)
+
+    def estimate(self, now_ns: int) -> ClockEstimate | None:
+        """The other clock minus ours; None without a round trip in the last four seconds."""
+        while self._best and now_ns - self._best[0].heard_ns > KEPT_NS:
+            self._best.popleft()
+        if not self._best:
+            return None
+        surest = min(self._best, key=lambda trip: trip.uncertainty_ns(now_ns))
+        return ClockEstimate(ClockOffset(surest.offset_ns, surest.uncertainty_ns(now_ns)), surest.answered_ns)
+
+    def _contradicted(self, trip: RoundTrip) -> bool:
+        known = self.estimate(trip.heard_ns)
+        if known is None:
+            return False
+        apart_ns = abs(trip.offset_ns - known.offset.offset_ns)
+        return apart_ns > known.offset.uncertainty_ns + trip.uncertainty_ns(trip.heard_ns)

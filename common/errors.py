@@ -4,6 +4,7 @@ FarhandError
 ├── ConfigError       a configuration file or setting is wrong; every mistake at once, each with its cure
 ├── MessageError      bytes from the wire are not a valid message
 ├── TransportError    a session cannot be opened, or a request had no answer
+│   └── RefusedError  the other side cannot speak with this one, and says why
 ├── CameraError       a camera is missing, ended or gives no frames
 ├── CalibrationError  control points, a plate or a rig file cannot give a calibration
 ├── ModelError        a robot model is unusable
@@ -31,6 +32,10 @@ class MessageError(FarhandError):
 
 class TransportError(FarhandError):
     """A session cannot be opened, an endpoint is refused, or a request had no answer."""
+
+
+class RefusedError(TransportError):
+    """The other side answered that it cannot understand this one, or this one cannot understand the answer."""
 
 
 class CameraError(FarhandError):

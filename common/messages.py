@@ -5,13 +5,14 @@ from typing import Annotated
 
 import msgspec
 
-PROTOCOL_VERSION = 2
+PROTOCOL_VERSION = 3
 
 Vector3 = tuple[float, float, float]
 Quaternion = tuple[float, float, float, float]
 Text = Annotated[str, msgspec.Meta(max_length=400)]
 Name = Annotated[str, msgspec.Meta(min_length=1, max_length=64)]
 Count = Annotated[int, msgspec.Meta(ge=0, le=2**63 - 1)]
+Difference = Annotated[int, msgspec.Meta(ge=-(2**63), le=2**63 - 1)]
 Variance = Annotated[float, msgspec.Meta(ge=0)]
 Covariance = tuple[Variance, float, float, Variance, float, Variance]
 Joints = Annotated[tuple[float, ...], msgspec.Meta(max_length=16)]
@@ -58,13 +59,57 @@ class PointCovariances(msgspec.Struct, frozen=True, forbid_unknown_fields=True, 
     thumb: Covariance | None = None
 
 
+class Locks(msgspec.Struct, frozen=True, forbid_unknown_fields=True, kw_only=True):
+    """Motions that the operator does not want copied: along the base's axes, and about the tool's."""
+
+    x: bool = False
+    y: bool = False
+    z: bool = False
+    roll: bool = False
+    pitch: bool = False
+    yaw: bool = False
+
+
+class Intent(msgspec.Struct, frozen=True, forbid_unknown_fields=True, kw_only=True):
+    """What the operator wants; the defaults mean that nothing is held and nothing is asked for.
+
+    `hold` is the hold-to-run key or pedal. `clutch_count` rises by one each time the operator takes new origins; the
+    scales multiply what the remote site has configured.
+    """
+
+    hold: bool = False
+    clutch_count: Count = 0
+    scale: Annotated[float, msgspec.Meta(ge=0.01, le=5)] = 1.0
+    rotation_scale: Annotated[float, msgspec.Meta(ge=0, le=2)] = 1.0
+    locks: Locks = Locks()
+
+
+class OperatorIntent(Message, frozen=True):
+    """The intent as a console or pedal tells it to the local site on its own host, at 20 Hz or more."""
+
+    sent_ns: Count
+    intent: Intent
+
+
+class ClockSync(msgspec.Struct, frozen=True, forbid_unknown_fields=True, kw_only=True):
+    """The remote site's clock minus the local site's, as the local site measured it over the control session, ns.
+
+    `measured_ns` is by the remote site's clock, so that it can tell how old the measurement is.
+    """
+
+    remote_minus_local_ns: Difference
+    uncertainty_ns: Count
+    measured_ns: Count
+
+
 class HandArm(Message, frozen=True):
     """One tracked instant of the operator's arm.
 
     Points are absolute in the operator frame (the calibration plate's), m, None where they could not be measured.
     `covariance` is of the single measurement, before any smoothing; None from a sender that does not know it.
     `session` is a random number chosen at each start of the local site, `seq` rises by one each sample,
-    `gripper_toggles` counts the openings of the hand since the session began.
+    `gripper_toggles` counts the openings of the hand since the session began. `lease` is the number under which the
+    remote site lets this operator work, 0 without one; `clock` is None while the offset is not known.
     """
 
     session: Count
@@ -80,6 +125,9 @@ class HandArm(Message, frozen=True):
     hand_open: bool
     gripper_toggles: Count
     covariance: PointCovariances | None = None
+    lease: Count = 0
+    clock: ClockSync | None = None
+    intent: Intent = Intent()
 
 
 class Pose(msgspec.Struct, frozen=True, forbid_unknown_fields=True):
@@ -115,6 +163,25 @@ class Engagement(msgspec.Struct, frozen=True, forbid_unknown_fields=True):
     base_T_tool: Pose
 
 
+class LeaseState(msgspec.Struct, frozen=True, forbid_unknown_fields=True):
+    """Who may operate: the lease's number, its holder, until when by the remote clock, and who asks for it."""
+
+    number: Count
+    holder: Name
+    session: Count
+    expires_ns: Count
+    asked_by: Name | None
+
+
+class Readiness(msgspec.Struct, frozen=True, forbid_unknown_fields=True):
+    """Whether the arm could be engaged now, and what the operator wants; the sentence says what is missing."""
+
+    ready: bool
+    code: Name
+    reason: Text
+    held: bool
+
+
 class LoopTiming(msgspec.Struct, frozen=True, forbid_unknown_fields=True):
     """How well the control loop keeps its pace since it started."""
 
@@ -129,7 +196,8 @@ class RobotState(Message, frozen=True):
     """The robot and its session at one instant, as measured and as commanded.
 
     `q` and `q_commanded` are in the order of `joints` (rad); `code` and `reason` say why the robot does what it does.
-    `rejected` counts refused hand samples by reason since the remote site started.
+    `rejected` counts refused hand samples by reason since the remote site started. `clock` is what the newest sample of
+    the lease's holder said of the clocks.
     """
 
     session: Count
@@ -148,6 +216,9 @@ class RobotState(Message, frozen=True):
     engagement: Engagement | None
     rejected: Annotated[dict[Name, Count], msgspec.Meta(max_length=64)]
     timing: LoopTiming
+    lease: LeaseState | None
+    clock: ClockSync | None
+    readiness: Readiness
 
 
 class VideoFrame(Message, frozen=True):
@@ -162,19 +233,3 @@ class VideoFrame(Message, frozen=True):
     width: Annotated[int, msgspec.Meta(ge=0, le=8192)]
     height: Annotated[int, msgspec.Meta(ge=0, le=8192)]
     jpeg: bytes
-
-
-class Request(Message, frozen=True):
-    """Something that must happen once: retried with the same `id`, refused after `deadline_ns`."""
-
-    id: Count
-    deadline_ns: Count
-
-
-class Reply(Message, frozen=True):
-    """The answer to a request: done or refused, with code and sentence."""
-
-    id: Count
-    done: bool
-    code: Name
-    reason: Text

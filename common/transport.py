@@ -4,19 +4,25 @@ import json
 import re
 import socket
 import time
-from collections import OrderedDict
 from collections.abc import Callable
 from types import TracebackType
 from typing import Generic, Self, TypeVar
 
 import zenoh
 
-from common.channels import Channel, Priority, Procedure
+from common.channels import CLOCK, Channel, Priority, Procedure
+from common.clock import NS_PER_S, RoundTrip
 from common.codec import decode, encode
-from common.errors import MessageError, TransportError
-from common.messages import Message, Reply, Request
+from common.errors import MessageError, RefusedError, TransportError
+from common.messages import Message
+from common.requests import ClockQuestion, Reply, Request
 
 M = TypeVar("M", bound=Message)
+Q = TypeVar("Q", bound=Message)
+R = TypeVar("R", bound=Message)
+Requested = TypeVar("Requested", bound=Request)
+Replied = TypeVar("Replied", bound=Reply)
+Refused = Callable[[MessageError], None]
 
 LOOPBACK_ENDPOINT = re.compile(r"tcp/(127\.0\.0\.1|\[::1\]|localhost):\d{1,5}")
 LEASE_MS = 1000
@@ -25,7 +31,8 @@ OPEN_TIMEOUT_MS = 1000
 RETRY = {"period_init_ms": 100, "period_max_ms": 500, "period_increase_factor": 2}
 REQUEST_TIMEOUT_S = 0.3
 PENDING_REQUESTS = 16
-REMEMBERED_REPLIES = 64
+REFUSAL = b"refused: "  # begins our own error replies; zenoh has others, such as for a time-out
+MAX_DEADLINE_NS = 10 * NS_PER_S  # a request is remembered so long that no repetition can outlive it
 PRIORITIES = {
     Priority.REAL_TIME: zenoh.Priority.REAL_TIME,
     Priority.INTERACTIVE: zenoh.Priority.INTERACTIVE_HIGH,
@@ -55,7 +62,7 @@ class Publisher(Generic[M]):
 
 
 class Latest(Generic[M]):
-    """The newest message of one key: older ones that nobody took are dropped."""
+    """The newest messages of one key, as many as the channel's depth: older ones that nobody took are dropped."""
 
     def __init__(
         self, subscriber: "zenoh.Subscriber[zenoh.handlers.Handler[zenoh.Sample]]", channel: Channel[M]
@@ -64,7 +71,7 @@ class Latest(Generic[M]):
         self._channel = channel
 
     def take(self) -> M | None:
-        """The newest message not taken yet, None without one; MessageError for a payload that is none."""
+        """The oldest message kept and not taken yet, None without one; MessageError for a payload that is none."""
         sample = self._subscriber.try_recv()
         return None if sample is None else self._decode(sample)
 
@@ -80,41 +87,64 @@ class Latest(Generic[M]):
         return decode(sample.payload.to_bytes(), self._channel.message, self._channel.max_bytes)
 
 
-class Server:
-    """Answers one procedure when polled; a repeated id gets the first answer, an expired one is refused."""
+class Answers(Generic[Q, R]):
+    """Answers questions that may be asked again, when polled; what is no question is refused with a sentence."""
 
-    def __init__(self, queryable: "zenoh.Queryable[zenoh.handlers.Handler[zenoh.Query]]", procedure: Procedure) -> None:
+    def __init__(
+        self,
+        queryable: "zenoh.Queryable[zenoh.handlers.Handler[zenoh.Query]]",
+        key: str,
+        procedure: Procedure[Q, R],
+        refused: Refused,
+    ) -> None:
         self._queryable = queryable
+        self._key = key
         self._procedure = procedure
-        self._replies: OrderedDict[int, Reply] = OrderedDict()
+        self._refused = refused
 
-    def poll(self, now_ns: int, handle: Callable[[Request], Reply]) -> None:
-        """Answer one waiting request, if there is one; never blocks."""
+    def poll(self, answer: Callable[[Q], R]) -> None:
+        """Answer one waiting question, if there is one; never blocks. `refused` hears what could not be understood."""
         query = self._queryable.try_recv()
         if query is None:
             return
         with query:
             try:
                 payload = query.payload.to_bytes() if query.payload is not None else b""
-                request = decode(payload, self._procedure.request, self._procedure.max_bytes)
+                question = decode(payload, self._procedure.request, self._procedure.max_bytes)
             except MessageError as error:
-                query.reply_err(str(error).encode())
+                query.reply_err(REFUSAL + str(error).encode())
+                self._refused(error)
                 return
-            query.reply(query.key_expr, encode(self._answer(request, now_ns, handle)))
+            query.reply(self._key, encode(answer(question)))
 
-    def _answer(self, request: Request, now_ns: int, handle: Callable[[Request], Reply]) -> Reply:
-        known = self._replies.get(request.id)
+
+class Server(Generic[Requested, Replied]):
+    """Answers one procedure when polled; a repeated id gets the first answer, an expired one is refused."""
+
+    def __init__(self, answers: Answers[Requested, Replied], reply: type[Replied]) -> None:
+        self._answers = answers
+        self._reply = reply
+        self._done: dict[int, tuple[int, Replied]] = {}
+
+    def poll(self, now_ns: int, handle: Callable[[Requested], Replied]) -> None:
+        """Answer one waiting request, if there is one; never blocks."""
+        self._answers.poll(lambda request: self._answer(request, now_ns, handle))
+
+    def _answer(self, request: Requested, now_ns: int, handle: Callable[[Requested], Replied]) -> Replied:
+        known = self._done.get(request.id)
         if known is not None:
-            return known
+            return known[1]
         if now_ns > request.deadline_ns:
-            return Reply(
-                id=request.id, done=False, code="expired", reason="the request came after its deadline; ask again"
-            )
+            return self._refuse(request, "expired", "the request came after its deadline; ask again")
+        if request.deadline_ns - now_ns > MAX_DEADLINE_NS:
+            return self._refuse(request, "deadline", "the deadline is too far ahead: the clocks disagree; ask again")
+        self._done = {known: kept for known, kept in self._done.items() if kept[0] >= now_ns}
         reply = handle(request)
-        self._replies[request.id] = reply
-        while len(self._replies) > REMEMBERED_REPLIES:
-            self._replies.popitem(last=False)
+        self._done[request.id] = (request.deadline_ns, reply)
         return reply
+
+    def _refuse(self, request: Requested, code: str, reason: str) -> Replied:
+        return self._reply(id=request.id, done=False, code=code, reason=reason)
 
 
 class Link:
@@ -147,25 +177,57 @@ class Link:
         )
 
     def latest(self, channel: Channel[M], cell: str, name: str = "*") -> Latest[M]:
-        """A subscription that keeps only the newest message of one key."""
-        handler: zenoh.handlers.RingChannel[zenoh.Sample] = zenoh.handlers.RingChannel(1)
+        """A subscription that keeps only the newest messages of one key, as many as the channel's depth."""
+        handler: zenoh.handlers.RingChannel[zenoh.Sample] = zenoh.handlers.RingChannel(channel.depth)
         return Latest(self._session.declare_subscriber(channel.key_for(cell, name), handler), channel)
 
-    def serve(self, procedure: Procedure, cell: str) -> Server:
-        """Answer a procedure in a cell, by polling."""
+    def answer(self, procedure: Procedure[Q, R], cell: str, refused: Refused, name: str = "*") -> Answers[Q, R]:
+        """Answer questions in a cell, by polling; `refused` hears of queries that are none."""
         handler: zenoh.handlers.FifoChannel[zenoh.Query] = zenoh.handlers.FifoChannel(PENDING_REQUESTS)
-        return Server(self._session.declare_queryable(procedure.key_for(cell), handler), procedure)
+        key = procedure.key_for(cell, name)
+        return Answers(self._session.declare_queryable(key, handler), key, procedure, refused)
 
-    def request(self, procedure: Procedure, cell: str, request: Request) -> Reply:
-        """Ask until the deadline of `request`, always with the same id; TransportError when nobody answered."""
-        while time.monotonic_ns() < request.deadline_ns:
+    def serve(
+        self, procedure: Procedure[Requested, Replied], cell: str, refused: Refused, name: str = "*"
+    ) -> Server[Requested, Replied]:
+        """Answer requests that must happen once, by polling; `refused` hears of queries that are none."""
+        return Server(self.answer(procedure, cell, refused, name), procedure.reply)
+
+    def ask(self, procedure: Procedure[Q, R], cell: str, question: Q, name: str = "*") -> R | None:
+        """Ask once; None when nobody answers in time, RefusedError when the sites do not understand each other."""
+        replies = self._session.get(procedure.key_for(cell, name), payload=encode(question), timeout=REQUEST_TIMEOUT_S)
+        for reply in replies:
+            if reply.ok is not None:
+                return _understood(reply.ok.payload.to_bytes(), procedure)
+            if reply.err is not None and (why := reply.err.payload.to_bytes()).startswith(REFUSAL):
+                raise RefusedError(f"the other site {why.decode(errors='replace')}")
+        return None
+
+    def request(
+        self, procedure: Procedure[Requested, Replied], cell: str, request: Requested, give_up_ns: int, name: str = "*"
+    ) -> Replied:
+        """Ask until `give_up_ns` by our clock, always with the same id; TransportError when nobody answered."""
+        while time.monotonic_ns() < give_up_ns:
             attempt_ends = time.monotonic() + REQUEST_TIMEOUT_S
-            replies = self._session.get(procedure.key_for(cell), payload=encode(request), timeout=REQUEST_TIMEOUT_S)
-            for reply in replies:
-                if reply.ok is not None:
-                    return decode(reply.ok.payload.to_bytes(), procedure.reply, procedure.max_bytes)
-            time.sleep(max(0.0, min(attempt_ends, request.deadline_ns / 1e9) - time.monotonic()))
-        raise TransportError(f"nobody answered {procedure.key_for(cell)}: is the remote site of cell {cell} running?")
+            reply = self.ask(procedure, cell, request, name)
+            if reply is not None:
+                return reply
+            time.sleep(max(0.0, min(attempt_ends, give_up_ns / NS_PER_S) - time.monotonic()))
+        raise TransportError(f"nobody answered {procedure.key_for(cell, name)}: is that site of cell {cell} running?")
+
+    def round_trip(self, cell: str) -> RoundTrip | None:
+        """Ask the remote site's clock once; None when nobody answers in time."""
+        asked_ns = time.monotonic_ns()
+        answer = self.ask(CLOCK, cell, ClockQuestion())
+        heard_ns = time.monotonic_ns()
+        return None if answer is None else RoundTrip(asked_ns, answer.received_ns, answer.answered_ns, heard_ns)
+
+
+def _understood(payload: bytes, procedure: Procedure[Q, R]) -> R:
+    try:
+        return decode(payload, procedure.reply, procedure.max_bytes)
+    except MessageError as error:
+        raise RefusedError(f"the other site's answer is refused: {error}") from error
 
 
 def _check_free(endpoint: str) -> None:

@@ -24,6 +24,11 @@ TrackingFile = Annotated[
 ]
 Settings = Annotated[list[str] | None, typer.Option("--set", help="Override one key, as table.key=value.")]
 
+CellName = Annotated[str, typer.Option("--cell", help="Name of the cell.")]
+RemoteEndpoint = Annotated[str, typer.Option("--remote", help="Control endpoint of the remote site.")]
+LocalEndpoint = Annotated[str, typer.Option("--local", help="Where the local site of this host listens.")]
+REMOTE, LOCAL = "tcp/127.0.0.1:7447", "tcp/127.0.0.1:7457"
+
 RigFile = Annotated[Path, typer.Option(help="Rig file to write.")]
 Serials = Annotated[list[str] | None, typer.Option(help="A camera's serial number, as left=NUMBER.")]
 TRACKER_HELP = "A bare arm's silhouette, or three bright markers on a dark glove."
@@ -46,6 +51,8 @@ app = typer.Typer(
 )
 calibrate_app = typer.Typer(help="Compute a rig from measurements.", no_args_is_help=True)
 app.add_typer(calibrate_app, name="calibrate")
+lease_app = typer.Typer(help="Show who may operate a cell, take the lease, give it away.", no_args_is_help=True)
+app.add_typer(lease_app, name="lease")
 
 
 def main() -> None:
@@ -105,8 +112,9 @@ def remote(config: ConfigFile = None, settings: Settings = None) -> None:
 
 @app.command()
 def engage(
-    cell: Annotated[str, typer.Option(help="Name of the cell.")] = "cell",
-    at: Annotated[str, typer.Option("--remote", help="Control endpoint of the remote site.")] = "tcp/127.0.0.1:7447",
+    cell: CellName = "cell",
+    at: RemoteEndpoint = REMOTE,
+    operator: Annotated[str, typer.Option(help="The operator's name, where it is not this host's.")] = "",
 ) -> None:
     """Let the arm follow the hand again, after a stop or a restart of the local site.
 
@@ -114,7 +122,52 @@ def engage(
     """
     from farhand.engage import request_engage
 
-    typer.echo(request_engage(cell, at))
+    typer.echo(request_engage(cell, at, operator))
+
+
+@lease_app.command("show")
+def lease_show(cell: CellName = "cell", at: RemoteEndpoint = REMOTE) -> None:
+    """Show who holds the lease of a cell, who asks for it, and what engaging still lacks.
+
+    Example: farhand lease show --cell cell
+    """
+    from farhand.lease import show_lease
+
+    typer.echo(show_lease(cell, at))
+
+
+@lease_app.command("take")
+def lease_take(cell: CellName = "cell", at: LocalEndpoint = LOCAL) -> None:
+    """Ask for the lease; while another operator holds it, ask for a minute for consent.
+
+    Example: farhand lease take
+    """
+    _act_on_lease(cell, at, "take")
+
+
+@lease_app.command("give")
+def lease_give(cell: CellName = "cell", at: LocalEndpoint = LOCAL) -> None:
+    """Consent: hand the lease to the operator who asks for it. The arm stops.
+
+    Example: farhand lease give
+    """
+    _act_on_lease(cell, at, "give")
+
+
+@lease_app.command("release")
+def lease_release(cell: CellName = "cell", at: LocalEndpoint = LOCAL) -> None:
+    """Give the lease back, for whoever asks first. The arm stops.
+
+    Example: farhand lease release
+    """
+    _act_on_lease(cell, at, "release")
+
+
+def _act_on_lease(cell: str, at: str, action: str) -> None:
+    from common.requests import OperatorAction
+    from farhand.lease import act_on_lease
+
+    typer.echo(act_on_lease(cell, at, OperatorAction(action)))
 
 
 @app.command()

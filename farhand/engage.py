@@ -1,32 +1,34 @@
 """Asks the remote site to let the arm follow the hand."""
 
-import secrets
 import time
 
 from common.channels import ENGAGE, check_cell_name
-from common.clock import NS_PER_S
 from common.errors import TransportError
-from common.messages import Reply, Request
+from common.requests import EngageRequest, Reply
 from common.transport import Link, open_link
+from farhand.asking import ask_remote
+from local_site.operator_name import host_operator
 
-PATIENCE_NS = 3 * NS_PER_S
 SETTLE_S = 0.3
 AWAKE_AGAIN = "activated"
 
 
-def request_engage(cell: str, endpoint: str) -> str:
-    """What the remote site answers; TransportError when it refuses or does not answer."""
+def request_engage(cell: str, endpoint: str, operator: str = "") -> str:
+    """What the remote site answers to an operator (this host's by default); TransportError when it refuses."""
     check_cell_name(cell)
+    name = check_cell_name(operator or host_operator(), "operator")
     with open_link(connect=(endpoint,)) as link:
-        reply = _ask(link, cell)
+        reply = _ask(link, cell, name)
         if reply.code == AWAKE_AGAIN:
             time.sleep(SETTLE_S)
-            reply = _ask(link, cell)
+            reply = _ask(link, cell, name)
     if not reply.done:
         raise TransportError(f"not engaged ({reply.code}): {reply.reason}")
     return f"engaged: {reply.reason}"
 
 
-def _ask(link: Link, cell: str) -> Reply:
-    request = Request(id=secrets.randbits(62), deadline_ns=time.monotonic_ns() + PATIENCE_NS)
-    return link.request(ENGAGE, cell, request)
+def _ask(link: Link, cell: str, operator: str) -> Reply:
+    def request(number: int, deadline_ns: int) -> EngageRequest:
+        return EngageRequest(id=number, deadline_ns=deadline_ns, operator=operator)
+
+    return ask_remote(link, cell, ENGAGE, request)

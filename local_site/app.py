@@ -1,5 +1,6 @@
 """The local site: cameras, tracking, smoothing and publishing in one loop; wiring only."""
 
+import secrets
 from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
@@ -8,12 +9,13 @@ import cv2
 import structlog
 
 from common.cameras.camera import Camera
-from common.channels import HAND, STATE
+from common.channels import HAND, INTENT, STATE
 from common.clock import Clock, MonotonicClock
-from common.errors import CameraError, FarhandError
+from common.errors import CameraError, FarhandError, MessageError
 from common.messages import TrackingStatus
 from common.service import StopFlag, ask_for_real_time, notify, start_log
 from common.transport import Link, check_endpoint, open_link
+from local_site.authority import Authority
 from local_site.calibration.control_points import CAMERAS
 from local_site.calibration.rig import Rig
 from local_site.calibration.rig_file import load_rig
@@ -23,6 +25,7 @@ from local_site.config import LocalConfig
 from local_site.drift_watch import DriftWatch
 from local_site.gesture import OpenHand, observe
 from local_site.pictures import write_picture
+from local_site.intent import IntentMerge
 from local_site.publisher import HandPublisher
 from local_site.remote_watch import RemoteWatch
 from local_site.rig_cameras import open_rig_cameras
@@ -34,6 +37,7 @@ from local_site.tracking.tracker import ArmEstimate, Views
 from local_site.warm_up import warm_up
 
 VIEWS_TIMEOUT_S = 0.1
+SESSION_BITS = 62
 FIFO_PRIORITY = 20  # of tracking: below the robot's control, above everything that may come late
 
 
@@ -52,8 +56,13 @@ def run_local(config: LocalConfig, should_stop: StopFlag, save_views: Path | Non
         rig, cameras = _open_operator(config)
         capture = Capture(cameras, config.capture, clock)
         try:
-            with open_link(listen=(config.links.listen,), connect=(config.links.remote,)) as link:
-                site = LocalSite(config, rig, capture, link, clock)
+            session = secrets.randbits(SESSION_BITS)
+            wanted = config.authority
+            with (
+                open_link(listen=(config.links.listen,), connect=(config.links.remote,)) as link,
+                Authority(link, config.cell, wanted.name, session, automatic=wanted.automatic) as authority,
+            ):
+                site = LocalSite(config, rig, capture, link, authority, clock)
                 ask_for_real_time(FIFO_PRIORITY)
                 notify("READY=1")
                 structlog.get_logger().info("ready", cell=config.cell, remote=config.links.remote)
@@ -94,8 +103,11 @@ class Seen:
 class LocalSite:
     """The loop's body: one instant from cameras to wire."""
 
-    def __init__(self, config: LocalConfig, rig: Rig, capture: Capture, link: Link, clock: Clock) -> None:
+    def __init__(
+        self, config: LocalConfig, rig: Rig, capture: Capture, link: Link, authority: Authority, clock: Clock
+    ) -> None:
         self._capture = capture
+        self._authority = authority
         self._clock = clock
         self._tracker = make_tracker(rig, config.tracking)
         self._drift = DriftWatch(rig, config.drift, _warn_of_drift)
@@ -103,8 +115,10 @@ class LocalSite:
         self._hold_ms = config.gesture.hold_ms
         self._hand = OpenHand()
         self._matrices = rig.matrices
-        self._publisher = HandPublisher(link.publisher(HAND, config.cell))
-        self._watch = RemoteWatch(link.latest(STATE, config.cell))
+        self._publisher = HandPublisher(link.publisher(HAND, config.cell), authority.session)
+        self._intents = link.latest(INTENT, config.cell, config.authority.name)
+        self._intent = IntentMerge()
+        self._watch = RemoteWatch(link.latest(STATE, config.cell), authority.session)
         self._status: TrackingStatus | None = None
         self._seen: Seen | None = None
 
@@ -121,15 +135,27 @@ class LocalSite:
         estimate = self._drift.judge(self._tracker.track(views))
         open_now = estimate.hand_open if estimate.wrist is not None else None
         self._hand = observe(self._hand, open_now, views.t_ns, self._hold_ms)
-        self._publisher.publish(self._smoother.smooth(estimate), self._hand)
+        self._send(self._smoother.smooth(estimate))
         self._seen = Seen(views, estimate)
         self._tell(estimate.status, estimate.reason)
 
     def _publish_nothing_seen(self, reason: str) -> None:
-        self._publisher.publish_nothing_seen(self._clock.now_ns(), reason, self._hand)
+        self._send(ArmEstimate(self._clock.now_ns(), TrackingStatus.LOST, reason))
         self._tell(TrackingStatus.LOST, reason)
         if self._capture.ended:
             raise CameraError(reason)
+
+    def _send(self, estimate: ArmEstimate) -> None:
+        """Publish an estimate with what holds now: the lease, the clocks, the operator's intent."""
+        now_ns = self._clock.now_ns()
+        try:
+            told = self._intents.take()
+        except MessageError as error:
+            structlog.get_logger().warning("intent refused", reason=str(error))
+        else:
+            if told is not None:
+                self._intent.hear(told, now_ns)
+        self._publisher.publish(estimate, self._hand, self._authority.standing(now_ns), self._intent.at(now_ns))
 
     def _tell(self, status: TrackingStatus, reason: str) -> None:
         if status is not self._status:

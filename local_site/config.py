@@ -8,6 +8,7 @@ from msgspec import Meta, field
 from common.cameras.sources import Source
 from common.channels import check_cell_name
 from local_site.calibration.drift import DriftConfig
+from local_site.operator_name import host_operator
 from local_site.pairing import PairingConfig
 from local_site.simulation.config import SimulationConfig
 from local_site.smoothing import SmoothingConfig
@@ -54,6 +55,23 @@ class OperatorConfig(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_f
         return (self.left, self.right, *self.also)
 
 
+class AuthorityConfig(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
+    """How this operator comes by the right to operate the cell."""
+
+    operator: Annotated[str, Meta(description="name shown to others at the cell; empty: this host's name")] = ""
+    automatic: Annotated[
+        bool, Meta(description="ask for the lease whenever nobody holds it; otherwise: farhand lease take")
+    ] = True
+
+    def __post_init__(self) -> None:
+        check_cell_name(self.name, "operator")
+
+    @property
+    def name(self) -> str:
+        """The operator's name."""
+        return self.operator or host_operator()
+
+
 class GestureConfig(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
     """When an open hand counts."""
 
@@ -70,6 +88,7 @@ class LocalConfig(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fiel
     tracking: TrackingConfig = field(default_factory=TrackingConfig)
     smoothing: SmoothingConfig = field(default_factory=SmoothingConfig)
     gesture: GestureConfig = field(default_factory=GestureConfig)
+    authority: AuthorityConfig = field(default_factory=AuthorityConfig)
     drift: DriftConfig = field(default_factory=DriftConfig)
     simulation: SimulationConfig = field(default_factory=SimulationConfig)
 

@@ -1,28 +1,27 @@
 """From arm estimate to hand sample: one session per start, a sequence, and the count of openings."""
 
 import math
-import secrets
 from collections.abc import Mapping
 
 from common.geometry import Array
-from common.messages import Covariance, HandArm, PointCovariances, TrackingStatus, Vector3
+from common.messages import Covariance, HandArm, Intent, PointCovariances, Vector3
 from common.transport import Publisher
+from local_site.authority import Standing
 from local_site.gesture import OpenHand
 from local_site.tracking.tracker import ArmEstimate
 
-SESSION_BITS = 62
 REASON_CHARACTERS = 400
 
 
 class HandPublisher:
-    """Publishes hand samples of one session."""
+    """Publishes hand samples of one session, each with the standing and the intent of its instant."""
 
-    def __init__(self, publisher: Publisher[HandArm]) -> None:
+    def __init__(self, publisher: Publisher[HandArm], session: int) -> None:
         self._publisher = publisher
-        self._session = secrets.randbits(SESSION_BITS)
+        self._session = session
         self._seq = 0
 
-    def publish(self, estimate: ArmEstimate, hand: OpenHand) -> HandArm:
+    def publish(self, estimate: ArmEstimate, hand: OpenHand, standing: Standing, intent: Intent) -> HandArm:
         """Send one instant; the sample as sent comes back."""
         sample = HandArm(
             session=self._session,
@@ -38,14 +37,13 @@ class HandPublisher:
             hand_open=estimate.hand_open or hand.is_open,
             gripper_toggles=hand.toggles,
             covariance=_covariance(estimate.covariances),
+            lease=standing.lease,
+            clock=standing.clock,
+            intent=intent,
         )
         self._seq += 1
         self._publisher.put(sample)
         return sample
-
-    def publish_nothing_seen(self, t_ns: int, reason: str, hand: OpenHand) -> HandArm:
-        """Say that there is no view of the operator at all, and why."""
-        return self.publish(ArmEstimate(t_ns, TrackingStatus.LOST, reason), hand)
 
 
 def _covariance(matrices: Mapping[str, Array]) -> PointCovariances | None:

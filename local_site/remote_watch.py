@@ -10,10 +10,12 @@ from common.transport import Latest
 
 
 class RemoteWatch:
-    """Logs when the remote site comes, falls silent or changes its state."""
+    """Logs when the remote site comes, falls silent or changes its state, and who asks this site for the lease."""
 
-    def __init__(self, states: Latest[RobotState]) -> None:
+    def __init__(self, states: Latest[RobotState], session: int) -> None:
         self._states = states
+        self._session = session
+        self._asker: str | None = None
         self._health = ChannelHealth(STATE.stale_after_ns)
         self._told: tuple[str, str] | None = None
 
@@ -39,3 +41,10 @@ class RemoteWatch:
         if news != self._told:
             self._told = news
             structlog.get_logger().info("remote", state=state.state.value, code=state.code, reason=state.reason)
+        lease = state.lease
+        asker = lease.asked_by if lease is not None and lease.session == self._session else None
+        if asker not in (None, self._asker):
+            structlog.get_logger().warning(
+                "another operator asks for the arm", name=asker, consent="farhand lease give"
+            )
+        self._asker = asker

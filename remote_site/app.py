@@ -12,7 +12,7 @@ from common.messages import VideoFrame
 from common.service import StopFlag, notify, start_log
 from common.transport import Publisher, check_endpoint, open_link
 from remote_site.checks import check_robot
-from remote_site.config import RemoteConfig
+from remote_site.config import EngagementMode, RemoteConfig
 from remote_site.control import run_control
 from remote_site.drivers.registry import check_driver
 from remote_site.running_mark import RunningMark
@@ -32,7 +32,7 @@ def run_remote(config: RemoteConfig, should_stop: StopFlag) -> None:
     check_driver(config.driver.name)
     check_robot(config)
     mark = RunningMark(config.cell, config.links.control)
-    if mark.set() and config.engagement.automatic:
+    if mark.set() and config.engagement.mode is EngagementMode.AUTOMATIC:
         log.warning("the last run did not end in order: nothing engages by itself", cure="farhand engage")
         config = without_automatic_engagement(config)
     memory = (
@@ -63,7 +63,7 @@ def run_remote(config: RemoteConfig, should_stop: StopFlag) -> None:
 
 def without_automatic_engagement(config: RemoteConfig) -> RemoteConfig:
     """The same configuration, in which only a request engages."""
-    engagement = msgspec.structs.replace(config.engagement, automatic=False)
+    engagement = msgspec.structs.replace(config.engagement, mode=EngagementMode.ON_REQUEST)
     return msgspec.structs.replace(config, engagement=engagement)
 
 

@@ -5,7 +5,6 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from common.clock import ClockOffset
 from common.geometry import Array, quaternion_from_rotation
 from common.messages import Engagement, HandArm, Pose, SessionState
 from remote_site.config import RemoteConfig
@@ -15,6 +14,7 @@ from remote_site.kinematics.inverse import Solution, SphericalWristInverse
 from remote_site.kinematics.joints import JointMotion
 from remote_site.kinematics.limits import JointLimits
 from remote_site.kinematics.model import ArmModel
+from remote_site.lease import Lease, LeaseDesk
 from remote_site.mapping import Mapping
 from remote_site.motion import Course, Follower, leash
 from remote_site.safety.guard import Guard, Refused, Workspace
@@ -35,10 +35,13 @@ class Step:
 class Chain:
     """Everything between the wire and the driver; feed it samples and what was really sent, time comes in as ns."""
 
-    def __init__(self, config: RemoteConfig, model: ArmModel, limits: JointLimits, start: Array) -> None:
+    def __init__(
+        self, config: RemoteConfig, model: ArmModel, limits: JointLimits, start: Array, leases: LeaseDesk
+    ) -> None:
         dt = 1.0 / config.control.rate_hz
         self._control = config.control
         self._model = model
+        self.leases = leases
         self.intake = Intake(config.safety)
         self.session = Session(config.safety, config.engagement)
         self._mapping = Mapping(config.mapping)
@@ -59,9 +62,14 @@ class Chain:
         self.sent = JointMotion.at_rest(q)
         self._follower.reset(self.sent)
 
-    def receive(self, sample: HandArm, now_ns: int, offset: ClockOffset | None) -> None:
-        """Judge a sample from the wire and note it."""
-        result = self.intake.accept(sample, now_ns, offset)
+    def receive(self, sample: HandArm, now_ns: int) -> None:
+        """Judge a sample from the wire and note it; what was not sent under the lease in force is only counted."""
+        lease = self.leases.in_force(sample.lease, sample.session, now_ns)
+        if not isinstance(lease, Lease):
+            self.intake.refuse(lease)
+            return
+        self.session.authorise(lease)
+        result = self.intake.accept(sample, now_ns)
         self.session.sample(result)
         if isinstance(result, Accepted):
             self._latest = result
@@ -72,6 +80,7 @@ class Chain:
 
     def tick(self, now_ns: int, robot: Robot) -> Step:
         """Decide, and propose the next motion; whatever it is, the guard has passed it."""
+        self.session.authorise(self.leases.current(now_ns))
         decision = self.session.tick(now_ns, robot)
         if decision.action is Action.STOP or self._latest is None:
             return self._step(decision, self._guard.stop(self.sent))

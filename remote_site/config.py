@@ -1,6 +1,7 @@
 """The remote site's parameters: type, default, unit, bound and meaning of each."""
 
 import math
+from enum import StrEnum
 from pathlib import Path
 from typing import Annotated
 
@@ -137,12 +138,35 @@ class ControlConfig(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fi
     ] = 60.0
 
 
+class EngagementMode(StrEnum):
+    """What makes the arm follow once all is ready."""
+
+    AUTOMATIC = "automatic"
+    ON_REQUEST = "on_request"
+    HOLD_TO_RUN = "hold_to_run"
+    PEDAL = "pedal"
+
+
 class EngagementConfig(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
     """What must be so before the arm follows the hand."""
 
-    automatic: Annotated[bool, Meta(description="engage by itself, once per start of the remote site")] = True
+    mode: Annotated[
+        EngagementMode,
+        Meta(
+            description="automatic: by itself, once per start of the remote site; on_request: by 'farhand engage'; "
+            "hold_to_run or pedal: while the operator holds it down"
+        ),
+    ] = EngagementMode.AUTOMATIC
     frames: Annotated[int, Meta(ge=1, le=1000, description="good hand samples in a row before engaging")] = 30
     resume_frames: Annotated[int, Meta(ge=1, le=100, description="good samples in a row that end a hold")] = 3
+
+
+class LeaseConfig(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
+    """The right to operate this cell."""
+
+    seconds: Annotated[
+        float, Meta(ge=1, le=60, description="how long it lasts; the local site renews it five times as often, s")
+    ] = 5.0
 
 
 class DriverConfig(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
@@ -173,6 +197,7 @@ class RemoteConfig(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fie
     safety: SafetyConfig = field(default_factory=SafetyConfig)
     control: ControlConfig = field(default_factory=ControlConfig)
     engagement: EngagementConfig = field(default_factory=EngagementConfig)
+    lease: LeaseConfig = field(default_factory=LeaseConfig)
     driver: DriverConfig = field(default_factory=DriverConfig)
     video: VideoConfig = field(default_factory=VideoConfig)
     simulation: CellConfig = field(default_factory=CellConfig)

@@ -1,25 +1,28 @@
 """The control process: read, intake, map, inverse kinematics, guard, write, 250 times a second; nothing else in it."""
 
 import gc
+import secrets
 import time
-from collections import Counter
-from dataclasses import dataclass, field
 
 from common.channels import ENGAGE, HAND, STATE
 from common.children import Heartbeat
-from common.clock import NS_PER_MS, SAME_HOST, MonotonicClock
+from common.clock import NS_PER_MS, NS_PER_S, MonotonicClock
 from common.errors import DriverError, MessageError
-from common.messages import HandArm, Reply, Request
+from common.messages import HandArm
 from common.rate import Rate
+from common.requests import EngageRequest, Reply
 from common.service import StopFlag, ask_for_real_time
-from common.transport import Latest, Link, Server, open_link
+from common.transport import Link, open_link
 from remote_site.chain import Chain, Step
 from remote_site.config import RemoteConfig
 from remote_site.drivers.driver import Driver, DriverSetup, JointCommand, RobotReading
 from remote_site.drivers.registry import DriverHost, create_driver
+from remote_site.front_desk import FrontDesk, describe
 from remote_site.kinematics.limits import JointLimits
 from remote_site.kinematics.model import ArmModel
-from remote_site.reporting import Reporter
+from remote_site.lease import LeaseDesk
+from remote_site.reporting import Refusals, Reporter
+from remote_site.safety.status import Code, Reason, reason
 from remote_site.shared_memory import CellMemory
 from remote_site.simulation.mirror import PostureMirror
 
@@ -27,6 +30,7 @@ FIFO_PRIORITY = 50
 ACTIVATION_TIMEOUT_S = 10.0
 ACTIVATION_POLL_S = 0.05
 TICKS_PER_STATE = 5
+LEASE_BITS = 48
 
 
 def run_control(config: RemoteConfig, memory: CellMemory | None, should_stop: StopFlag, heartbeat: Heartbeat) -> None:
@@ -38,13 +42,17 @@ def run_control(config: RemoteConfig, memory: CellMemory | None, should_stop: St
     timeout_ns = round(config.driver.command_timeout_ms * NS_PER_MS)
     driver.configure(DriverSetup(model.joint_names, limits, 1.0 / config.control.rate_hz, timeout_ns))
     with open_link(listen=(config.links.control,)) as link:
-        chain = Chain(config, model, limits, config.robot.start)
+        leases = LeaseDesk(round(config.lease.seconds * NS_PER_S), 1 + secrets.randbits(LEASE_BITS))
+        chain = Chain(config, model, limits, config.robot.start, leases)
         real_time = ask_for_real_time(FIFO_PRIORITY)
         _activate(driver, chain, should_stop)
         rate = Rate(config.control.rate_hz, clock)
         reporter = Reporter(link.publisher(STATE, config.cell), model, rate, real_time=real_time)
         mirror = PostureMirror(config.simulation, memory.snapshot) if memory and not config.cell_is_simulated else None
-        loop = ControlLoop(config, chain, driver, reporter, link, mirror)
+        refusals = Refusals(reporter.log)
+        description = describe(config, limits, config.control.rate_hz / TICKS_PER_STATE)
+        desk = FrontDesk(link, description, leases, clock, refusals.note)
+        loop = ControlLoop(chain, driver, reporter, Inbox(link, config.cell, refusals), desk, mirror)
         gc.collect()
         gc.freeze()
         while not should_stop():
@@ -55,21 +63,27 @@ def run_control(config: RemoteConfig, memory: CellMemory | None, should_stop: St
         driver.deactivate()
 
 
-@dataclass
 class Inbox:
-    """The hand channel and the engage requests, with a count of payloads that were no message."""
+    """The hand channel and the engage requests; payloads that are no message are counted and told."""
 
-    hand: Latest[HandArm]
-    engage: Server
-    malformed: Counter[str] = field(default_factory=Counter)
+    def __init__(self, link: Link, cell: str, refusals: Refusals) -> None:
+        self.hand = link.latest(HAND, cell)
+        self.engage = link.serve(ENGAGE, cell, refusals.note)
+        self.refusals = refusals
 
-    def take(self) -> HandArm | None:
-        """The newest hand sample, None without a valid one."""
-        try:
-            return self.hand.take()
-        except MessageError as error:
-            self.malformed[error.reason] += 1
-            return None
+    def take(self) -> list[HandArm]:
+        """The hand samples that have come, the oldest first."""
+        samples = []
+        for _ in range(HAND.depth):
+            try:
+                sample = self.hand.take()
+            except MessageError as error:
+                self.refusals.note(error)
+                continue
+            if sample is None:
+                break
+            samples.append(sample)
+        return samples
 
 
 class ControlLoop:
@@ -77,18 +91,19 @@ class ControlLoop:
 
     def __init__(
         self,
-        config: RemoteConfig,
         chain: Chain,
         driver: Driver,
         reporter: Reporter,
-        link: Link,
+        inbox: Inbox,
+        desk: FrontDesk,
         mirror: PostureMirror | None,
     ) -> None:
         self._chain = chain
         self._mirror = mirror
         self._driver = driver
         self._reporter = reporter
-        self._inbox = Inbox(link.latest(HAND, config.cell), link.serve(ENGAGE, config.cell))
+        self._inbox = inbox
+        self._desk = desk
         self._seq = self._ticks = 0
         self._reading = driver.read()
 
@@ -96,9 +111,8 @@ class ControlLoop:
         """Read, take a sample, decide, command, tell."""
         chain = self._chain
         self._reading = self._read()
-        sample = self._inbox.take()
-        if sample is not None:
-            chain.receive(sample, now_ns, SAME_HOST)
+        for sample in self._inbox.take():
+            chain.receive(sample, now_ns)
         self._inbox.engage.poll(now_ns, self._engage)
         step = chain.tick(now_ns, chain.robot(ready=self._reading.ready, fault=self._reading.fault))
         if self._reading.ready:
@@ -106,9 +120,10 @@ class ControlLoop:
         self._reporter.note(step, self._seq, now_ns, self._reading)
         self._ticks += 1
         if self._ticks % TICKS_PER_STATE == 0:
-            self._reporter.publish(step, chain, self._reading, self._inbox.malformed)
+            self._reporter.publish(step, chain, self._reading, self._inbox.refusals.counts, now_ns)
         if self._mirror is not None:
             self._mirror.show(self._reading.t_ns, self._reading.q)
+        self._desk.poll()
 
     def _read(self) -> RobotReading:
         try:
@@ -126,9 +141,12 @@ class ControlLoop:
         except DriverError as error:
             self._chain.session.fault(str(error))
 
-    def _engage(self, request: Request) -> Reply:
-        """Engage on request: clear a fault, wake a robot that has stopped by itself, then ask the session."""
+    def _engage(self, request: EngageRequest) -> Reply:
+        """Engage on the holder's request: clear a fault, wake a robot that has stopped, then ask the session."""
         chain, reading = self._chain, self._reading
+        foreign = self._foreign(request.operator)
+        if foreign is not None:
+            return Reply(id=request.id, done=False, code=foreign.code.value, reason=foreign.sentence)
         chain.session.reset()
         if not reading.ready:
             try:
@@ -143,6 +161,13 @@ class ControlLoop:
             time.monotonic_ns(), chain.robot(ready=reading.ready, fault=reading.fault)
         )
         return Reply(id=request.id, done=answer.done, code=answer.reason.code.value, reason=answer.reason.sentence)
+
+    def _foreign(self, operator: str) -> Reason | None:
+        """Why this operator may not engage the arm; None for the lease's holder."""
+        lease = self._chain.leases.current(time.monotonic_ns())
+        if lease is None:
+            return reason(Code.NO_LEASE)
+        return None if lease.holder.name == operator else reason(Code.NOT_HOLDER, holder=lease.holder.name)
 
 
 def _activate(driver: Driver, chain: Chain, should_stop: StopFlag) -> None:

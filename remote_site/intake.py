@@ -1,18 +1,18 @@
 """The intake of hand samples: in order, young, finite and plausible, or refused with the reason; pure."""
 
-from collections import Counter, deque
-from dataclasses import dataclass
+from collections import Counter
+from dataclasses import dataclass, replace
 
 import numpy as np
 
 from common.clock import NS_PER_MS, NS_PER_S, ClockOffset
 from common.geometry import Array, hand_rotation
-from common.messages import HandArm, TrackingStatus
+from common.messages import ClockSync, HandArm, TrackingStatus
 from remote_site.config import SafetyConfig
 from remote_site.orientation import OrientationGate
 from remote_site.safety.status import Code, Reason, reason
 
-SESSIONS_REMEMBERED = 256
+OFFSET_VALID_NS = 5 * NS_PER_S  # an older measurement of the clocks says nothing any more
 
 
 @dataclass(frozen=True, slots=True)
@@ -32,16 +32,23 @@ class Accepted:
 
 @dataclass(frozen=True, slots=True)
 class Rejected:
-    """A sample not to act on; `hand_lost` when the tracker says so, `latch` when the engagement must end."""
+    """A sample not to act on; `hand_lost` when the tracker says so, `latch` when the engagement must end.
+
+    `held` is the operator's intent in it, None where the sample is not to be believed at all.
+    """
 
     reason: Reason
     hand_lost: bool = False
     latch: bool = False
     new_session: bool = False
+    held: bool | None = None
 
 
 class Intake:
-    """Judges samples one by one; `rejected` counts refusals by code."""
+    """Judges samples one by one; `rejected` counts refusals by code, `clock` is what the newest one said of the clocks.
+
+    What comes here was sent under the lease in force, so that no former session or site can be among it.
+    """
 
     def __init__(self, config: SafetyConfig) -> None:
         self._config = config
@@ -49,44 +56,52 @@ class Intake:
         self._latch_ns = round(config.t_latch_ms * NS_PER_MS)
         self.rejected: Counter[Code] = Counter()
         self._session: int | None = None
-        self._former: deque[int] = deque(maxlen=SESSIONS_REMEMBERED)
+        self.clock: ClockSync | None = None
         self._seq = -1
         self._capture_ns = -1
         self._last: Accepted | None = None
         self._jumps = 0
         self._gate = OrientationGate(config)
 
-    def accept(self, sample: HandArm, now_ns: int, offset: ClockOffset | None) -> Accepted | Rejected:
+    def accept(self, sample: HandArm, now_ns: int) -> Accepted | Rejected:
         """Accepted, or Rejected with the first rule that was broken; only samples that exist in time are remembered."""
+        offset = clock_offset(sample.clock, now_ns)
+        if isinstance(offset, Reason):
+            return self.refuse(offset)
+        self.clock = sample.clock
         broken = self._order(sample) or self._time(sample, now_ns, offset)
-        if broken is not None or offset is None:
-            return self._reject(broken or reason(Code.NO_OFFSET))
+        if broken is not None:
+            return self.refuse(broken)
         new_session = self._remember(sample)
-        born_ns = now_ns - offset.age_ns(sample.capture_ns, now_ns)
+        judged = self._judge(sample, now_ns - offset.age_ns(sample.capture_ns, now_ns), new_session)
+        if isinstance(judged, Rejected):
+            return replace(judged, new_session=new_session, held=sample.intent.hold)
+        self._jumps, self._last = 0, judged
+        return judged
+
+    def refuse(self, why: Reason, *, hand_lost: bool = False, latch: bool = False) -> Rejected:
+        """Refuse a sample, and count it."""
+        self.rejected[why.code] += 1
+        return Rejected(why, hand_lost, latch)
+
+    def _judge(self, sample: HandArm, born_ns: int, new_session: bool) -> Accepted | Rejected:
         if sample.wrist is None or sample.status in (TrackingStatus.LOST, TrackingStatus.INITIALISING):
-            return self._reject(_not_tracked(sample), hand_lost=True, new_session=new_session)
+            return self.refuse(_not_tracked(sample), hand_lost=True)
         wrist = np.array(sample.wrist)
         if not np.isfinite(wrist).all():
-            return self._reject(reason(Code.NOT_FINITE, what="wrist"), new_session=new_session)
+            return self.refuse(reason(Code.NOT_FINITE, what="wrist"))
         if (jump := self._jump(wrist, born_ns)) is not None:
-            return self._jumped(jump, new_session)
-        self._jumps = 0
-        orientation = self._gate.judge(_orientation(sample), born_ns)
-        self._last = Accepted(sample, wrist, orientation, born_ns, new_session)
-        return self._last
+            return self._jumped(jump)
+        return Accepted(sample, wrist, self._gate.judge(_orientation(sample), born_ns), born_ns, new_session)
 
     def _order(self, sample: HandArm) -> Reason | None:
-        if sample.session in self._former:
-            return reason(Code.OLD_SESSION)
         if sample.session != self._session or sample.seq > self._seq:
             return None
         if sample.seq == self._seq:
             return reason(Code.DUPLICATE, seq=sample.seq)
         return reason(Code.OLD, seq=sample.seq, newest=self._seq)
 
-    def _time(self, sample: HandArm, now_ns: int, offset: ClockOffset | None) -> Reason | None:
-        if offset is None:
-            return reason(Code.NO_OFFSET)
+    def _time(self, sample: HandArm, now_ns: int, offset: ClockOffset) -> Reason | None:
         age_ns = offset.age_ns(sample.capture_ns, now_ns)
         if age_ns < 0:
             return reason(Code.FUTURE, ahead_ms=-age_ns / NS_PER_MS)
@@ -99,8 +114,7 @@ class Intake:
     def _remember(self, sample: HandArm) -> bool:
         """Note the sample's place in the order; True when it opens a new local session after another."""
         new_session = self._session is not None and sample.session != self._session
-        if new_session and self._session is not None:
-            self._former.append(self._session)
+        if new_session:
             self._last, self._jumps = None, 0
         self._session, self._seq, self._capture_ns = sample.session, sample.seq, sample.capture_ns
         return new_session
@@ -114,19 +128,23 @@ class Intake:
             return None
         return reason(Code.JUMP, distance_mm=distance * 1e3, interval_ms=interval_ns / NS_PER_MS)
 
-    def _jumped(self, jump: Reason, new_session: bool) -> Rejected:
+    def _jumped(self, jump: Reason) -> Rejected:
         self._jumps += 1
         if self._jumps < self._config.jumps_to_latch:
-            return self._reject(jump, new_session=new_session)
+            return self.refuse(jump)
         latch = reason(Code.JUMPS, count=self._jumps)
         self._last, self._jumps = None, 0
-        return self._reject(latch, latch=True, new_session=new_session)
+        return self.refuse(latch, latch=True)
 
-    def _reject(
-        self, why: Reason, *, hand_lost: bool = False, latch: bool = False, new_session: bool = False
-    ) -> Rejected:
-        self.rejected[why.code] += 1
-        return Rejected(why, hand_lost, latch, new_session)
+
+def clock_offset(clock: ClockSync | None, now_ns: int) -> ClockOffset | Reason:
+    """The local clock minus ours as a sample tells it, or why that cannot be used."""
+    if clock is None or clock.measured_ns > now_ns:
+        return reason(Code.NO_OFFSET)
+    age_ns = now_ns - clock.measured_ns
+    if age_ns > OFFSET_VALID_NS:
+        return reason(Code.OLD_OFFSET, age_ms=age_ns / NS_PER_MS, limit_ms=OFFSET_VALID_NS / NS_PER_MS)
+    return ClockOffset(-clock.remote_minus_local_ns, clock.uncertainty_ns)
 
 
 def _not_tracked(sample: HandArm) -> Reason:

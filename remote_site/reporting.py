@@ -3,13 +3,15 @@
 import contextvars
 import secrets
 import threading
-from collections.abc import Mapping
+from collections import Counter
+from collections.abc import Callable, Mapping
 from queue import SimpleQueue
 
 import msgspec
 import structlog
 
-from common.messages import LoopTiming, Obeyed, RobotState, SessionState
+from common.errors import MessageError
+from common.messages import LeaseState, LoopTiming, Obeyed, Readiness, RobotState, SessionState
 from common.rate import Rate
 from common.transport import Publisher
 from remote_site.chain import Chain, Step, pose_of
@@ -27,7 +29,7 @@ class TransitionLog:
     """Writes every change of the session's state to the log from a thread of its own: no tick waits for a log."""
 
     def __init__(self) -> None:
-        self._queue: SimpleQueue[tuple[SessionState, Reason]] = SimpleQueue()
+        self._queue: SimpleQueue[Callable[[], object]] = SimpleQueue()
         self._state: SessionState | None = None
         context = contextvars.copy_context()
         threading.Thread(target=context.run, args=(self._write_for_ever,), name="log", daemon=True).start()
@@ -36,13 +38,31 @@ class TransitionLog:
         """Note the state of a tick."""
         if state is not self._state:
             self._state = state
-            self._queue.put((state, reason))
+            log = structlog.get_logger()
+            words = {"state": state.value, "code": reason.code.value, "reason": reason.sentence}
+            self._queue.put(lambda: log.info("session", **words))
+
+    def warn(self, event: str, sentence: str) -> None:
+        """Write a warning."""
+        self._queue.put(lambda: structlog.get_logger().warning(event, reason=sentence))
 
     def _write_for_ever(self) -> None:
-        log = structlog.get_logger()
         while True:
-            state, reason = self._queue.get()
-            log.info("session", state=state.value, code=reason.code.value, reason=reason.sentence)
+            self._queue.get()()
+
+
+class Refusals:
+    """Counts payloads that were no message by reason, and tells the first of each in the log."""
+
+    def __init__(self, log: TransitionLog) -> None:
+        self.counts: Counter[str] = Counter()
+        self._log = log
+
+    def note(self, error: MessageError) -> None:
+        """Count one."""
+        if not self.counts[error.reason]:
+            self._log.warn("a message is refused", str(error))
+        self.counts[error.reason] += 1
 
 
 class Reporter:
@@ -59,11 +79,11 @@ class Reporter:
         self._obeyed: Obeyed | None = None
         self._command_seq = 0
         self._timing = self._measured_timing()
-        self._log = TransitionLog()
+        self.log = TransitionLog()
 
     def note(self, step: Step, command_seq: int, command_ns: int, reading: RobotReading) -> None:
         """Note the command that first obeys a sample, and the reading that first shows it in the robot's motion."""
-        self._log.note(step.state, step.reason)
+        self.log.note(step.state, step.reason)
         if step.obeys is not None and step.obeys is not self._sample:
             self._sample, self._command_seq = step.obeys, command_seq
             sample = step.obeys.sample
@@ -72,7 +92,9 @@ class Reporter:
         if obeyed is not None and obeyed.motion_ns is None and reached is not None and reached >= self._command_seq:
             self._obeyed = msgspec.structs.replace(obeyed, motion_ns=reading.t_ns)
 
-    def publish(self, step: Step, chain: Chain, reading: RobotReading, malformed: Mapping[str, int]) -> None:
+    def publish(
+        self, step: Step, chain: Chain, reading: RobotReading, malformed: Mapping[str, int], now_ns: int
+    ) -> None:
         """Send the robot's state as measured and commanded."""
         self._seq += 1
         if self._seq % STATES_PER_TIMING == 0:
@@ -96,6 +118,9 @@ class Reporter:
                 engagement=chain.engagement,
                 rejected=rejected,
                 timing=self._timing,
+                lease=_lease(chain, now_ns),
+                clock=chain.intake.clock,
+                readiness=_readiness(chain, reading, now_ns),
             )
         )
 
@@ -103,3 +128,16 @@ class Reporter:
         rate = self._rate
         late_us = rate.late_us(LATE_PERCENTILE)
         return LoopTiming(rate.hz, late_us, rate.missed, rate.ticks, self._real_time)
+
+
+def _lease(chain: Chain, now_ns: int) -> LeaseState | None:
+    lease, asker = chain.leases.current(now_ns), chain.leases.asker(now_ns)
+    if lease is None:
+        return None
+    holder = lease.holder
+    return LeaseState(lease.number, holder.name, holder.session, lease.expires_ns, asker.name if asker else None)
+
+
+def _readiness(chain: Chain, reading: RobotReading, now_ns: int) -> Readiness:
+    answer = chain.session.readiness(now_ns, chain.robot(ready=reading.ready, fault=reading.fault))
+    return Readiness(answer.done, answer.reason.code.value, answer.reason.sentence, chain.session.held)

@@ -5,14 +5,18 @@ from enum import Enum, auto
 
 from common.clock import NS_PER_MS
 from common.messages import SessionState
-from remote_site.config import EngagementConfig, SafetyConfig
+from remote_site.config import EngagementConfig, EngagementMode, SafetyConfig
 from remote_site.intake import Accepted, Rejected
+from remote_site.lease import Lease
+from remote_site.safety.hold import HoldToRun
 from remote_site.safety.status import Code, Reason, reason
 
 FULL_SPEED_MS = 100.0  # a longer T_soft slows the arm in proportion
 
 FOLLOWING = (SessionState.ENGAGED, SessionState.HOLDING)
-REPEATS = (Code.DUPLICATE, Code.OLD, Code.OLD_SESSION)  # they say nothing about the hand
+REPEATS = (Code.DUPLICATE, Code.OLD)  # they say nothing about the hand
+CLOCK_TROUBLE = (Code.NO_OFFSET, Code.OLD_OFFSET, Code.FUTURE)  # how old the hand is cannot be told
+INPUTS = {EngagementMode.HOLD_TO_RUN: "key", EngagementMode.PEDAL: "pedal"}
 
 
 class Action(Enum):
@@ -52,8 +56,9 @@ class Answer:
 class Session:
     """DISENGAGED -> ENGAGED <-> HOLDING -> DISENGAGED, FAULT above all; time comes in as nanoseconds of one clock.
 
-    Feed every intake result to `sample` and call `tick` once per control tick. What a loss ended never starts again by
-    itself: automatic engagement fires once, and any other end of an engagement, or a new local session, disarms it.
+    Feed every intake result to `sample`, the lease in force to `authorise`, and call `tick` once per control tick. What
+    a loss ended never starts again by itself: automatic engagement fires once, any other end of an engagement, or a new
+    local session, disarms it, and a key or pedal has to be let go and pressed anew.
     """
 
     def __init__(self, safety: SafetyConfig, engagement: EngagementConfig) -> None:
@@ -64,11 +69,29 @@ class Session:
         self.state = SessionState.DISENGAGED
         self.engagements = 0
         self._reason = reason(Code.NOT_ENGAGED)
-        self._armed = engagement.automatic
+        self._armed = engagement.mode is EngagementMode.AUTOMATIC
+        self._input = INPUTS.get(engagement.mode)
+        self._hold = HoldToRun()
+        self._lease: Lease | None = None
         self._requested = False
         self._good = 0
         self._born_ns: int | None = None
         self._trouble: Reason | None = None
+
+    @property
+    def held(self) -> bool:
+        """Whether the operator holds down the key or pedal, as far as that counts."""
+        return self._hold.held
+
+    def authorise(self, lease: Lease | None) -> None:
+        """Take note of the lease in force; the end of the one before ends the engagement, and what it has shown."""
+        former, self._lease = self._lease, lease
+        if former is None or (lease is not None and lease.number == former.number):
+            return
+        self._good, self._born_ns, self._trouble = 0, None, None
+        self._hold.end()
+        if self.state in FOLLOWING:
+            self._leave(_latched(reason(Code.LEASE_LOST, holder=former.holder.name)))
 
     def sample(self, result: Accepted | Rejected) -> None:
         """Take note of a judged sample."""
@@ -76,11 +99,12 @@ class Session:
             self._armed = False
             self._good, self._born_ns = 0, None
             self._leave(reason(Code.NEW_SESSION))
+        self._see_intent(result.sample.intent.hold if isinstance(result, Accepted) else result.held)
         if isinstance(result, Accepted):
             self._accept(result)
         elif result.reason.code not in REPEATS:
             self._good = 0
-            if result.hand_lost:
+            if result.hand_lost or result.reason.code in CLOCK_TROUBLE:
                 self._trouble = result.reason
             if result.latch and self.state in FOLLOWING:
                 self._leave(_latched(result.reason))
@@ -95,6 +119,13 @@ class Session:
         self._requested = True
         return Answer(True, reason(Code.OK))
 
+    def readiness(self, now_ns: int, robot: Robot) -> Answer:
+        """Whether the arm follows or could be engaged now, apart from whether the operator wants it; if not, why."""
+        if self.state in FOLLOWING:
+            return Answer(True, self._reason)
+        missing = self._fault() or self._unready(now_ns, robot)
+        return Answer(missing is None, missing or reason(Code.READY))
+
     def request_disengage(self) -> Answer:
         """End the engagement; the arm stops."""
         self._leave(reason(Code.RELEASED))
@@ -104,6 +135,7 @@ class Session:
         """The robot or a part of the remote site has failed: no motion until `reset` and a new engagement."""
         self.state, self._reason = SessionState.FAULT, reason(Code.FAULT, cause=cause)
         self._armed = self._requested = False
+        self._hold.end()
 
     def reset(self) -> Answer:
         """Clear a fault; engaging is a request of its own."""
@@ -132,9 +164,17 @@ class Session:
         self._born_ns = accepted.born_ns
         self._trouble = None
 
+    def _see_intent(self, held: bool | None) -> None:
+        """Letting go of the key or pedal ends the engagement at once."""
+        if held is not None and self._hold.see(held) and self._input is not None and self.state in FOLLOWING:
+            self._leave(reason(Code.LET_GO, input=self._input))
+            self._hold.see(held)
+
     def _wait(self, now_ns: int, robot: Robot, requested: bool) -> Decision:
+        if self._age_ns(now_ns) > self._latch_ns:
+            self._hold.end()
         missing = self._missing(now_ns, robot)
-        if missing is None and (requested or self._armed):
+        if missing is None and (requested or self._armed or self._input is not None):
             self._armed = False
             self.engagements += 1
             self.state = SessionState.ENGAGED
@@ -158,7 +198,17 @@ class Session:
         return self._decide(Action.CAPTURE, reason(Code.OK))
 
     def _missing(self, now_ns: int, robot: Robot) -> Reason | None:
-        """What engagement still lacks."""
+        """What engagement still lacks, of readiness or of the operator's intent."""
+        return self._unready(now_ns, robot) or self._unwanted()
+
+    def _unwanted(self) -> Reason | None:
+        if self._input is None or self._hold.held:
+            return None
+        return reason(Code.NOT_HELD if self._hold.armed else Code.LET_GO_FIRST, input=self._input)
+
+    def _unready(self, now_ns: int, robot: Robot) -> Reason | None:
+        if self._lease is None:
+            return reason(Code.NO_LEASE)
         if not robot.ready:
             return reason(Code.ROBOT_NOT_READY, reason=robot.reason)
         if not robot.resting:
@@ -194,6 +244,7 @@ class Session:
             return
         self.state = SessionState.DISENGAGED
         self._armed = self._requested = False
+        self._hold.end()
         self._reason = why
 
     def _decide(self, action: Action, why: Reason | None = None) -> Decision:

@@ -11,7 +11,6 @@ class Code(StrEnum):
     # the hand sample
     DUPLICATE = "duplicate"
     OLD = "old"
-    OLD_SESSION = "old_session"
     STALE = "stale"
     FUTURE = "future"
     NOT_FINITE = "not_finite"
@@ -21,6 +20,16 @@ class Code(StrEnum):
     JUMP = "jump"
     JUMPS = "jumps"
     NO_OFFSET = "no_offset"
+    OLD_OFFSET = "old_offset"
+    # the lease
+    NO_LEASE = "no_lease"
+    NOT_HOLDER = "not_holder"
+    OLD_LEASE = "old_lease"
+    LEASE_LOST = "lease_lost"
+    LEASE_HELD = "lease_held"
+    LEASE_RELEASED = "lease_released"
+    NOBODY_ASKS = "nobody_asks"
+    HANDED_OVER = "handed_over"
     # the session
     NOT_ENGAGED = "not_engaged"
     NO_HAND = "no_hand"
@@ -29,6 +38,9 @@ class Code(StrEnum):
     LATCHED = "latched"
     NEW_SESSION = "new_session"
     RELEASED = "released"
+    NOT_HELD = "not_held"
+    LET_GO_FIRST = "let_go_first"
+    LET_GO = "let_go"
     ROBOT_NOT_READY = "robot_not_ready"
     MOVING = "moving"
     FAULT = "fault"
@@ -53,7 +65,6 @@ SENTENCES: dict[Code, str] = {
     Code.OK: "the arm follows the hand",
     Code.DUPLICATE: "sample {seq} came twice",
     Code.OLD: "sample {seq} is older than the newest, {newest}",
-    Code.OLD_SESSION: "the sample belongs to a local session that a newer one replaced",
     Code.STALE: "newest hand sample is {age_ms:.0f} ms old (limit {limit_ms:.0f} ms)",
     Code.FUTURE: "the sample was captured {ahead_ms:.0f} ms in the future: the clocks disagree",
     Code.NOT_FINITE: "the {what} is not finite",
@@ -62,7 +73,16 @@ SENTENCES: dict[Code, str] = {
     Code.NO_WRIST: "the sample has no wrist: {reason}",
     Code.JUMP: "the wrist jumped {distance_mm:.0f} mm in {interval_ms:.0f} ms",
     Code.JUMPS: "the wrist jumped in {count} samples in a row",
-    Code.NO_OFFSET: "the clock offset of the local site is not known",
+    Code.NO_OFFSET: "the clock offset of the local site is not known yet",
+    Code.OLD_OFFSET: "the clock offset of the local site was measured {age_ms:.0f} ms ago (limit {limit_ms:.0f} ms)",
+    Code.NO_LEASE: "nobody holds the lease of this cell; ask for it with: farhand lease take",
+    Code.NOT_HOLDER: "{holder} holds the lease of this cell, and has to give or release it, or to let it expire",
+    Code.OLD_LEASE: "lease {number} is not in force any more",
+    Code.LEASE_LOST: "the lease of {holder} has ended",
+    Code.LEASE_HELD: "the lease of this cell is yours",
+    Code.LEASE_RELEASED: "the lease is given back",
+    Code.NOBODY_ASKS: "nobody asks for the lease, so it cannot be handed over",
+    Code.HANDED_OVER: "the lease went to {holder}",
     Code.NOT_ENGAGED: "not engaged yet",
     Code.NO_HAND: "no hand sample has come yet",
     Code.COLLECTING: "{count} of {needed} good hand samples in a row",
@@ -70,6 +90,9 @@ SENTENCES: dict[Code, str] = {
     Code.LATCHED: "disengaged, {cause}; engage again to go on",
     Code.NEW_SESSION: "the local site started anew; engage to go on",
     Code.RELEASED: "disengaged on request",
+    Code.NOT_HELD: "the {input} is not held down",
+    Code.LET_GO_FIRST: "let go of the {input} first, then press it: what has ended does not start again by itself",
+    Code.LET_GO: "disengaged: the {input} was let go",
     Code.ROBOT_NOT_READY: "the robot is not ready: {reason}",
     Code.MOVING: "the arm is still coming to rest",
     Code.FAULT: "fault: {cause}; reset it, then engage",

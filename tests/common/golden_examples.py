@@ -9,24 +9,45 @@ from common.codec import encode
 from common.messages import (
     PROTOCOL_VERSION,
     CameraStatus,
+    ClockSync,
     Engagement,
     GripperState,
     HandArm,
+    Intent,
+    LeaseState,
+    Locks,
     LoopTiming,
     Message,
     Obeyed,
+    OperatorIntent,
     PointCovariances,
     Pose,
-    Reply,
-    Request,
+    Readiness,
     RobotState,
     SessionState,
     TrackingStatus,
     VideoFrame,
 )
+from common.requests import (
+    CameraDescription,
+    ClockAnswer,
+    ClockQuestion,
+    DescribeQuestion,
+    Description,
+    EngageRequest,
+    JointDescription,
+    LeaseAction,
+    LeaseReply,
+    LeaseRequest,
+    OperatorAction,
+    OperatorRequest,
+    Reply,
+)
 
 GOLDEN = Path(__file__).parents[1] / "golden"
 
+INTENT = Intent(hold=True, clutch_count=2, scale=0.5, rotation_scale=0.25, locks=Locks(z=True, roll=True))
+CLOCKS = ClockSync(remote_minus_local_ns=-3_600_000_000_123, uncertainty_ns=81_000, measured_ns=1_234_000_000)
 HAND = HandArm(
     session=81985529216486895,
     seq=42,
@@ -45,6 +66,9 @@ HAND = HandArm(
         wrist=(4e-6, 0.0, 0.0, 4e-6, 0.0, 4e-6),
         index=(6e-6, 1e-6, -1e-6, 9e-6, 0.0, 5e-6),
     ),
+    lease=1311768467463790321,
+    clock=CLOCKS,
+    intent=INTENT,
 )
 POSE = Pose(position=(0.444, 0.0, 0.869), orientation=(0.0, 0.70710678, 0.0, 0.70710678))
 STATE = RobotState(
@@ -66,6 +90,9 @@ STATE = RobotState(
     engagement=Engagement(number=1, hand_capture_ns=1_234_000_000_000, base_T_tool=POSE),
     rejected={"stale": 2},
     timing=LoopTiming(hz=250.0, late_p99_us=210.5, missed=0, ticks=5000, real_time=True),
+    lease=LeaseState(1311768467463790321, "anna", 81985529216486895, 1_234_572_000_000, "ben"),
+    clock=CLOCKS,
+    readiness=Readiness(ready=True, code="ok", reason="the arm follows the hand", held=True),
 )
 VIDEO = VideoFrame(
     camera="front_high",
@@ -78,10 +105,39 @@ VIDEO = VideoFrame(
     height=480,
     jpeg=b"\xff\xd8\xff\xd9",
 )
-REQUEST = Request(id=5, deadline_ns=10**12)
+ENGAGE = EngageRequest(id=5, deadline_ns=10**12, operator="anna")
+LEASE = LeaseRequest(id=6, deadline_ns=10**12, action=LeaseAction.RENEW, session=7, operator="anna", lease=8)
+LEASE_REPLY = LeaseReply(
+    id=6, done=True, code="lease_held", reason="it is yours", lease=8, lasts_ns=5 * 10**9, holder="anna"
+)
+OPERATE = OperatorRequest(id=9, deadline_ns=10**12, action=OperatorAction.GIVE)
+DESCRIPTION = Description(
+    cell="cell",
+    software="0.1.0",
+    robot="a465",
+    driver="kinematic",
+    joints=(JointDescription("joint_1", -3.05, 3.05, 3.14),),
+    cameras=(CameraDescription("side", 640, 480, 30.0),),
+    control_hz=250.0,
+    state_hz=50.0,
+)
 REPLY = Reply(id=5, done=False, code="not_ready", reason="the robot is not ready")
 
-VALID: dict[str, Message] = {"hand": HAND, "state": STATE, "video": VIDEO, "request": REQUEST, "reply": REPLY}
+VALID: dict[str, Message] = {
+    "hand": HAND,
+    "state": STATE,
+    "video": VIDEO,
+    "engage": ENGAGE,
+    "reply": REPLY,
+    "intent": OperatorIntent(sent_ns=10**9, intent=INTENT),
+    "lease": LEASE,
+    "lease_reply": LEASE_REPLY,
+    "operate": OPERATE,
+    "clock_question": ClockQuestion(),
+    "clock": ClockAnswer(received_ns=10**9, answered_ns=10**9 + 50),
+    "describe": DescribeQuestion(),
+    "description": DESCRIPTION,
+}
 
 
 def broken() -> dict[str, bytes]:
@@ -98,6 +154,14 @@ def broken() -> dict[str, bytes]:
         "invalid.negative_variance": _with_covariance(fields, wrist=(1e-6, 0.0, 0.0, -1e-6, 0.0, 1e-6)),
         "invalid.short_covariance": _with_covariance(fields, wrist=(1e-6, 1e-6, 1e-6)),
         "invalid.covariance_of_no_point": _with_covariance(fields, palm=(1e-6, 0.0, 0.0, 1e-6, 0.0, 1e-6)),
+        "invalid.scale_of_nothing": _with_intent(fields, scale=0.0),
+        "invalid.scale_too_large": _with_intent(fields, scale=50.0),
+        "invalid.hold_as_number": _with_intent(fields, hold=1),
+        "invalid.negative_clutch": _with_intent(fields, clutch_count=-1),
+        "invalid.lock_of_no_axis": _with_intent(fields, locks={"w": True}),
+        "invalid.negative_lease": msgpack.packb(fields | {"lease": -1}),
+        "invalid.negative_uncertainty": msgpack.packb(fields | {"clock": fields["clock"] | {"uncertainty_ns": -1}}),
+        "not_finite.scale": _with_intent(fields, scale=float("nan")),
         "invalid.unknown_field": msgpack.packb(fields | {"joint": 1}),
         "invalid.missing_field": msgpack.packb({k: v for k, v in fields.items() if k != "wrist"}),
         "invalid.short_vector": msgpack.packb(fields | {"wrist": (0.0, 1.0)}),
@@ -117,6 +181,11 @@ def broken() -> dict[str, bytes]:
 
 def _with_covariance(fields: dict[str, object], **points: tuple[float, ...]) -> bytes:
     payload: bytes = msgpack.packb(fields | {"covariance": points})
+    return payload
+
+
+def _with_intent(fields: dict[str, object], **changes: object) -> bytes:
+    payload: bytes = msgpack.packb(fields | {"intent": fields["intent"] | changes})
     return payload
 
 

@@ -13,13 +13,14 @@ import pytest
 from common.channels import ENGAGE, HAND
 from common.codec import encode
 from common.errors import MessageError, TransportError
-from common.messages import HandArm, Reply, Request
+from common.messages import HandArm
+from common.requests import EngageRequest, Reply
 from common.transport import Latest, Link, Publisher, check_endpoint, open_link
 
 sys.path.insert(0, str(Path(__file__).parent))
 import golden_examples as golden
 
-WAIT_S = 10.0
+WAIT_S = 9.0
 
 
 def free_endpoint() -> str:
@@ -74,9 +75,9 @@ def test_a_random_payload_is_a_rejection(links: tuple[Link, Link]) -> None:
 
 
 def serve(link: Link, handled: list[int], stop: threading.Event, delay_s: float = 0.0) -> threading.Thread:
-    server = link.serve(ENGAGE, "lab")
+    server = link.serve(ENGAGE, "lab", print)
 
-    def handle(request: Request) -> Reply:
+    def handle(request: EngageRequest) -> Reply:
         handled.append(request.id)
         time.sleep(delay_s)
         return Reply(id=request.id, done=True, code="ok", reason="")
@@ -92,7 +93,10 @@ def serve(link: Link, handled: list[int], stop: threading.Event, delay_s: float 
 
 
 def ask(link: Link, identity: int, seconds: float = WAIT_S) -> Reply:
-    return link.request(ENGAGE, "lab", Request(id=identity, deadline_ns=time.monotonic_ns() + round(seconds * 1e9)))
+    deadline_ns = time.monotonic_ns() + round(seconds * 1e9)
+    return link.request(
+        ENGAGE, "lab", EngageRequest(id=identity, deadline_ns=deadline_ns, operator="anna"), deadline_ns
+    )
 
 
 def test_a_request_repeated_with_its_id_happens_once(links: tuple[Link, Link]) -> None:
@@ -117,7 +121,7 @@ def test_an_expired_request_is_refused(links: tuple[Link, Link]) -> None:
     thread = serve(server, handled, stop)
     try:
         ask(client, 1)
-        late = Request(id=9, deadline_ns=0)
+        late = EngageRequest(id=9, deadline_ns=0, operator="anna")
         replies = client._session.get(ENGAGE.key_for("lab"), payload=encode(late), timeout=WAIT_S)
         payloads = [reply.ok.payload.to_bytes() for reply in replies if reply.ok]
     finally:

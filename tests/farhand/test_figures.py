@@ -9,6 +9,7 @@ from common.messages import (
     LoopTiming,
     Obeyed,
     Pose,
+    Readiness,
     RobotState,
     SessionState,
     TrackingStatus,
@@ -45,6 +46,9 @@ def state(t_ns: int, tool: np.ndarray, obeyed: Obeyed | None = None) -> RobotSta
         engagement=Engagement(1, 2000 * MS, ORIGIN),
         rejected={},
         timing=LoopTiming(hz=250.0, late_p99_us=80.0, missed=5, ticks=1000, real_time=True),
+        lease=None,
+        clock=None,
+        readiness=Readiness(ready=True, code="ok", reason="", held=False),
     )
 
 

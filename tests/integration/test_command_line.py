@@ -39,13 +39,28 @@ def here(monkeypatch, capsys) -> Callable[..., subprocess.CompletedProcess[str]]
 
 
 @pytest.mark.parametrize(
-    "command", [[], ["local"], ["remote"], ["engage"], ["loopback"], ["track"], ["calibrate"], ["calibrate", "points"]]
+    "command",
+    [
+        [],
+        ["local"],
+        ["remote"],
+        ["engage"],
+        ["lease"],
+        ["lease", "show"],
+        ["lease", "take"],
+        ["lease", "give"],
+        ["lease", "release"],
+        ["loopback"],
+        ["track"],
+        ["calibrate"],
+        ["calibrate", "points"],
+    ],
 )
 def test_every_command_has_help(command: list[str], here) -> None:
     done = here(*command, "--help")
     assert done.returncode == 0
     assert "Usage" in done.stdout
-    if command and command != ["calibrate"]:
+    if command and command not in (["calibrate"], ["lease"]):
         assert "Example: farhand" in done.stdout
 
 
@@ -58,6 +73,11 @@ def test_every_command_has_help(command: list[str], here) -> None:
         (["local", "--set", "operator.left=0"], 2, "both be simulated, or neither"),
         (["loopback", "--motion", "dance"], 2, "pick_and_place"),
         (["engage", "--cell", "No Such"], 2, "small letters"),
+        (["engage", "--operator", "No One"], 2, "operator 'No One': use"),
+        (["local", "--set", "authority.operator=Anna Meier"], 2, "small letters"),
+        (["remote", "--set", "engagement.mode=button"], 2, "button"),
+        (["lease", "take", "--local", "tcp/127.0.0.1:9"], 1, "nobody answered"),
+        (["lease", "show", "--remote", "tcp/127.0.0.1:9"], 1, "is the remote site of cell cell running?"),
         (["calibrate", "points", "absent.csv"], 1, "absent.csv"),
         (["track", "--rig", "absent.json", "--left", "a", "--right", "b"], 1, "absent.json"),
         (["dance"], 2, "No such command"),

@@ -9,6 +9,7 @@ from common.cameras.camera import Frame
 from common.clock import NS_PER_S, FakeClock
 from common.messages import TrackingStatus
 from local_site.app import LocalSite
+from local_site.authority import Standing
 from local_site.calibration.rig import Rig
 from local_site.config import LocalConfig
 from local_site.simulation.cameras import exact_rig
@@ -54,6 +55,15 @@ class Wire:
         return None
 
 
+class Alone:
+    """A site without a lease."""
+
+    session = 1
+
+    def standing(self, _now_ns):
+        return Standing()
+
+
 class BumpedLater:
     """A tracker whose views stop to fit together when a camera is bumped."""
 
@@ -70,7 +80,7 @@ def site(monkeypatch):
         monkeypatch.setattr(local_site.app, "make_tracker", lambda *_: BumpedLater())
         wire = Wire()
         rig = Rig(PAIR.cameras * (cameras // 2), PAIR.volume_min, PAIR.volume_max, PAIR.error_rms, "made up")
-        return LocalSite(LocalConfig(), rig, Cameras(cameras), wire, FakeClock(0)), wire
+        return LocalSite(LocalConfig(), rig, Cameras(cameras), wire, Alone(), FakeClock(0)), wire
 
     return make
 

@@ -5,7 +5,8 @@ import pytest
 
 from common.channels import HAND
 from common.codec import decode, encode
-from common.messages import HandArm, PointCovariances, TrackingStatus
+from common.messages import ClockSync, HandArm, Intent, PointCovariances, TrackingStatus
+from local_site.authority import Standing
 from local_site.gesture import OpenHand
 from local_site.publisher import HandPublisher
 from local_site.smoothing import SmoothingConfig, make_smoother
@@ -25,7 +26,7 @@ class Wire:
 def received(covariances):
     wire = Wire()
     estimate = ArmEstimate(5, TrackingStatus.TRACKED, "", wrist=WRIST, covariances=covariances)
-    HandPublisher(wire).publish(estimate, OpenHand())
+    HandPublisher(wire, 3).publish(estimate, OpenHand(), Standing(), Intent())
     return wire.received.covariance
 
 
@@ -54,3 +55,12 @@ def test_smoothing_leaves_covariances_as_measured(method):
         smoothed = smoother.smooth(measured)
     assert smoothed.covariances["wrist"] is WRIST_COVARIANCE
     assert not np.array_equal(smoothed.wrist, measured.wrist)
+
+
+def test_a_sample_says_under_which_lease_by_which_clock_and_with_what_intent_it_was_sent():
+    wire = Wire()
+    clock = ClockSync(remote_minus_local_ns=-5, uncertainty_ns=2, measured_ns=9)
+    estimate = ArmEstimate(5, TrackingStatus.LOST, "gone")
+    HandPublisher(wire, 3).publish(estimate, OpenHand(), Standing(41, clock), Intent(hold=True, scale=0.5))
+    sent = wire.received
+    assert (sent.session, sent.lease, sent.clock, sent.intent) == (3, 41, clock, Intent(hold=True, scale=0.5))

@@ -2,8 +2,8 @@
 
 import numpy as np
 
-from common.clock import NS_PER_MS, SAME_HOST, FakeClock
-from common.messages import HandArm, SessionState, TrackingStatus
+from common.clock import NS_PER_MS, FakeClock
+from common.messages import ClockSync, HandArm, SessionState, TrackingStatus
 from remote_site.chain import Chain
 from remote_site.config import RemoteConfig
 from remote_site.drivers.driver import DriverSetup, JointCommand
@@ -11,6 +11,7 @@ from remote_site.drivers.kinematic import KinematicDriver
 from remote_site.kinematics.joints import JointMotion
 from remote_site.kinematics.limits import JointLimits
 from remote_site.kinematics.model import ArmModel
+from remote_site.lease import Holder, LeaseDesk
 from remote_site.safety.guard import Guard, Passed, Workspace
 from remote_site.safety.state import Robot, Session
 from remote_site.safety.status import Code
@@ -26,6 +27,8 @@ REFUSALS = {
     Code.NO_TRAJECTORY,
 }
 START_NS = 10_000 * NS_PER_MS
+FOR_EVER_NS = 10**15
+LEASE = 41
 
 
 def arm(config: RemoteConfig | None = None) -> tuple[ArmModel, JointLimits]:
@@ -53,6 +56,8 @@ def hand(seq, capture_ns, wrist=(0.0, 0.0, 0.3), session=7, status=TrackingStatu
         "thumb_inferred": False,
         "hand_open": False,
         "gripper_toggles": 0,
+        "lease": LEASE,
+        "clock": ClockSync(remote_minus_local_ns=0, uncertainty_ns=0, measured_ns=capture_ns),
     }
     return HandArm(session=session, seq=seq, capture_ns=capture_ns, status=status, **(fields | changes))
 
@@ -64,7 +69,9 @@ class RemoteLoop:
         self.config = config or RemoteConfig()
         self.model, self.limits = arm(self.config)
         self.clock = FakeClock(START_NS)
-        self.chain = Chain(self.config, self.model, self.limits, self.config.robot.start)
+        self.leases = LeaseDesk(FOR_EVER_NS, LEASE)
+        self.grant(7)
+        self.chain = Chain(self.config, self.model, self.limits, self.config.robot.start, self.leases)
         self.guard = Guard(self.limits, workspace(self.config), self.model, TICK_NS / 1e9)
         self.driver = KinematicDriver(self.clock)
         setup = DriverSetup(self.model.joint_names, self.limits, TICK_NS / 1e9, 50 * NS_PER_MS)
@@ -74,6 +81,14 @@ class RemoteLoop:
         self.states = []
         self.refusals = 0
         self.seq = 0
+
+    def grant(self, session: int) -> None:
+        """Give the lease to a local site, whoever has it."""
+        now_ns = self.clock.now_ns()
+        held = self.leases.current(now_ns)
+        if held is not None:
+            self.leases.release(held.number, held.holder.session, now_ns)
+        self.lease = self.leases.acquire(Holder(session, f"operator-{session}"), now_ns).number
 
     @property
     def sent(self) -> JointMotion:
@@ -95,7 +110,7 @@ class RemoteLoop:
         self.clock.advance_ms(TICK_NS / NS_PER_MS)
         now_ns = self.clock.now_ns()
         for sample in samples:
-            self.chain.receive(sample, now_ns, SAME_HOST)
+            self.chain.receive(sample, now_ns)
         step = self.chain.tick(now_ns, self.robot)
         self.refusals += step.state is SessionState.ENGAGED and step.reason.code in REFUSALS
         self.write(step.motion, now_ns)
@@ -118,7 +133,8 @@ class RemoteLoop:
             if wrist is not None and k % every == 0:
                 capture_ns = self.clock.now_ns()
                 self.hand_seq = getattr(self, "hand_seq", 0) + 1
-                samples = [hand(self.hand_seq, capture_ns, wrist(capture_ns), session=session, **changes)]
+                fields = {"session": session, "lease": self.lease} | changes
+                samples = [hand(self.hand_seq, capture_ns, wrist(capture_ns), **fields)]
             self.tick(*samples)
 
     def arrays(self):

@@ -6,7 +6,7 @@ import pytest
 from common.errors import ConfigError, ModelError
 from remote_site.app import without_automatic_engagement
 from remote_site.checks import check_robot
-from remote_site.config import MappingConfig, RemoteConfig, RobotConfig
+from remote_site.config import EngagementMode, MappingConfig, RemoteConfig, RobotConfig
 from remote_site.running_mark import RunningMark
 
 
@@ -46,5 +46,5 @@ def test_a_mark_that_still_stands_tells_of_an_unordered_end(tmp_path, monkeypatc
 
 def test_without_automatic_engagement_all_else_stays():
     config = without_automatic_engagement(RemoteConfig(cell="lab"))
-    assert not config.engagement.automatic
+    assert config.engagement.mode is EngagementMode.ON_REQUEST
     assert msgspec.structs.replace(config, engagement=RemoteConfig().engagement) == RemoteConfig(cell="lab")

@@ -107,9 +107,11 @@ def test_a_lost_hand_stops_at_once_and_a_returning_one_takes_new_origins():
 
 def test_a_new_local_session_stops_the_arm_until_engaged_anew():
     loop = engaged_loop(swaying)
+    loop.grant(8)
     loop.run(1000, swaying, session=8)
     assert loop.states[-1] is SessionState.DISENGAGED
     assert loop.sent.resting
+    assert loop.session.request_engage(loop.clock.now_ns(), loop.robot).done
 
 
 def test_a_jump_of_the_wrist_moves_nothing_and_three_latch():
@@ -200,7 +202,9 @@ def test_no_sequence_of_events_breaks_the_invariant(sequence):
         wrist = wrist + np.array(step) * 0.3
         place = tuple(wrist.tolist())
         seq += kind in ("good", "lost", "session")
-        session += kind == "session"
+        if kind == "session":
+            session += 1
+            loop.grant(session)
         changes = {
             "lost": {"status": TrackingStatus.LOST, "wrist": None},
             "late": {"capture_ns": now_ns - 150 * NS_PER_MS},
@@ -208,7 +212,7 @@ def test_no_sequence_of_events_breaks_the_invariant(sequence):
         }.get(kind, {})
         if kind == "engage":
             loop.session.request_engage(now_ns, loop.robot)
-        fields = {"seq": seq, "capture_ns": now_ns, "wrist": place, "session": session} | changes
+        fields = {"seq": seq, "capture_ns": now_ns, "wrist": place, "session": session, "lease": loop.lease} | changes
         samples = [] if kind in ("nothing", "engage") else [hand(**fields)]
         state = loop.states[-1]
         for k in range(ticks):

@@ -9,14 +9,16 @@ from remote_loop import hand
 
 from common.clock import NS_PER_MS
 from common.messages import SessionState
-from remote_site.config import EngagementConfig, SafetyConfig
+from remote_site.config import EngagementConfig, EngagementMode, SafetyConfig
 from remote_site.intake import Accepted, Rejected
+from remote_site.lease import Holder, Lease
 from remote_site.safety.state import FOLLOWING, Action, Robot, Session
 from remote_site.safety.status import Code, reason
 
 READY = Robot(ready=True, reason="", resting=True)
 MOVING = Robot(ready=True, reason="", resting=False)
 DEAD = Robot(ready=False, reason="brakes on", resting=True)
+LEASE = Lease(41, Holder(7, "anna"), 10**18)
 PERIOD = 33 * NS_PER_MS
 LOST = Rejected(reason(Code.LOST, reason="gone"), hand_lost=True)
 JUMPS = Rejected(reason(Code.JUMPS, count=3), latch=True)
@@ -31,6 +33,7 @@ class Rig:
 
     def __init__(self, **engagement):
         self.session = Session(SafetyConfig(), EngagementConfig(**engagement))
+        self.session.authorise(LEASE)
         self.now_ns = 10_000 * NS_PER_MS
 
     def frames(self, count, robot=READY):
@@ -64,7 +67,7 @@ def test_thirty_good_frames_engage_once_and_capture():
 
 
 def test_manual_engagement_waits_to_be_asked():
-    rig = Rig(automatic=False)
+    rig = Rig(mode=EngagementMode.ON_REQUEST)
     assert rig.frames(60).state is SessionState.DISENGAGED
     assert rig.session.request_engage(rig.now_ns, READY).done
     assert rig.wait(4).action is Action.CAPTURE
@@ -83,7 +86,7 @@ def test_manual_engagement_waits_to_be_asked():
     ],
 )
 def test_engaging_is_refused_with_the_reason(prepare, robot, expected):
-    rig = Rig(automatic=False)
+    rig = Rig(mode=EngagementMode.ON_REQUEST)
     prepare(rig)
     answer = rig.session.request_engage(rig.now_ns, robot)
     assert not answer.done
@@ -209,6 +212,7 @@ class SessionMachine(RuleBasedStateMachine):
     def __init__(self):
         super().__init__()
         self.session = Session(SafetyConfig(), EngagementConfig(frames=3))
+        self.session.authorise(LEASE)
         self.now_ns, self.born_ns = 10_000 * NS_PER_MS, None
         self.granted, self.captured = True, False
         self.decision = None

@@ -1,0 +1,116 @@
+"""The messages of requests: what must happen once, and questions that may be asked again."""
+
+from enum import StrEnum
+from typing import Annotated
+
+import msgspec
+
+from common.messages import Count, Message, Name, Text
+
+
+class Request(Message, frozen=True):
+    """What must happen once: retried with the same `id`, refused after `deadline_ns` by the server's clock."""
+
+    id: Count
+    deadline_ns: Count
+
+
+class Reply(Message, frozen=True):
+    """The answer to a request: done or refused, with code and sentence."""
+
+    id: Count
+    done: bool
+    code: Name
+    reason: Text
+
+
+class EngageRequest(Request, frozen=True):
+    """Let the arm follow the hand of this operator, who has to hold the lease."""
+
+    operator: Name
+
+
+class LeaseAction(StrEnum):
+    """What a local site asks of the remote site's lease."""
+
+    ACQUIRE = "acquire"
+    RENEW = "renew"
+    RELEASE = "release"
+    HAND_OVER = "hand_over"
+
+
+class LeaseRequest(Request, frozen=True):
+    """A local site, known by its session and its operator's name, and the lease that it holds (0 without one)."""
+
+    action: LeaseAction
+    session: Count
+    operator: Name
+    lease: Count
+
+
+class LeaseReply(Reply, frozen=True):
+    """The asker's lease, 0 without one, and how long it lasts from now, ns; `holder` is who holds the cell's."""
+
+    lease: Count = 0
+    lasts_ns: Count = 0
+    holder: Text = ""
+
+
+class OperatorAction(StrEnum):
+    """What an operator does at the own local site: ask for the lease, hand it to who asks for it, give it back."""
+
+    TAKE = "take"
+    GIVE = "give"
+    RELEASE = "release"
+
+
+class OperatorRequest(Request, frozen=True):
+    """An explicit act of the operator, asked of the local site."""
+
+    action: OperatorAction
+
+
+class ClockQuestion(Message, frozen=True):
+    """What time is it at the remote site?"""
+
+
+class ClockAnswer(Message, frozen=True):
+    """When the question was received and when it was answered, by the remote site's clock."""
+
+    received_ns: Count
+    answered_ns: Count
+
+
+class DescribeQuestion(Message, frozen=True):
+    """What is this cell?"""
+
+
+class JointDescription(msgspec.Struct, frozen=True, forbid_unknown_fields=True):
+    """One joint with the limits in force: position in rad, speed in rad/s."""
+
+    name: Name
+    lower: float
+    upper: float
+    speed: float
+
+
+class CameraDescription(msgspec.Struct, frozen=True, forbid_unknown_fields=True):
+    """One camera of the cell, as configured."""
+
+    name: Name
+    width: Count
+    height: Count
+    fps: float
+
+
+class Description(Message, frozen=True):
+    """The cell: its software, its robot with joints and limits, its cameras, and its rates in Hz."""
+
+    cell: Name
+    software: Name
+    robot: Text
+    driver: Name
+    joints: Annotated[tuple[JointDescription, ...], msgspec.Meta(max_length=16)]
+    cameras: Annotated[tuple[CameraDescription, ...], msgspec.Meta(max_length=16)]
+    control_hz: float
+    state_hz: float
