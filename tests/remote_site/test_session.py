@@ -8,7 +8,7 @@ from hypothesis.stateful import RuleBasedStateMachine, invariant, rule
 from remote_loop import hand
 
 from common.clock import NS_PER_MS
-from common.messages import SessionState
+from common.messages import Intent, SessionState
 from remote_site.config import EngagementConfig, EngagementMode, SafetyConfig
 from remote_site.intake import Accepted, Rejected
 from remote_site.lease import Holder, Lease
@@ -19,13 +19,16 @@ READY = Robot(ready=True, reason="", resting=True)
 MOVING = Robot(ready=True, reason="", resting=False)
 DEAD = Robot(ready=False, reason="brakes on", resting=True)
 LEASE = Lease(41, Holder(7, "anna"), 10**18)
+OTHERS = Lease(42, Holder(8, "ben"), 10**18)
 PERIOD = 33 * NS_PER_MS
 LOST = Rejected(reason(Code.LOST, reason="gone"), hand_lost=True)
+NO_OFFSET = Rejected(reason(Code.NO_OFFSET))
+OLD_OFFSET = Rejected(reason(Code.OLD_OFFSET, age_ms=5001, limit_ms=5000))
 JUMPS = Rejected(reason(Code.JUMPS, count=3), latch=True)
 
 
-def good(born_ns, new_session=False):
-    return Accepted(hand(1, born_ns), np.zeros(3), None, born_ns, new_session)
+def good(born_ns, new_session=False, held=False):
+    return Accepted(hand(1, born_ns, intent=Intent(hold=held)), np.zeros(3), None, born_ns, new_session)
 
 
 class Rig:
@@ -36,11 +39,11 @@ class Rig:
         self.session.authorise(LEASE)
         self.now_ns = 10_000 * NS_PER_MS
 
-    def frames(self, count, robot=READY):
+    def frames(self, count, robot=READY, held=False):
         """So many good samples at the camera's pace, each followed by a tick."""
         for _ in range(count):
             self.now_ns += PERIOD
-            self.session.sample(good(self.now_ns))
+            self.session.sample(good(self.now_ns, held=held))
             decision = self.session.tick(self.now_ns, robot)
         return decision
 
@@ -83,6 +86,9 @@ def test_manual_engagement_waits_to_be_asked():
         (lambda rig: (rig.frames(40), rig.wait(101)), READY, Code.STALE),
         (lambda rig: (rig.frames(40), rig.session.sample(LOST)), READY, Code.LOST),
         (lambda rig: rig.session.fault("driver died"), READY, Code.FAULT),
+        (lambda rig: (rig.frames(40), rig.session.authorise(None)), READY, Code.NO_LEASE),
+        (lambda rig: (rig.frames(40), rig.session.sample(NO_OFFSET)), READY, Code.NO_OFFSET),
+        (lambda rig: (rig.frames(40), rig.session.sample(OLD_OFFSET)), READY, Code.OLD_OFFSET),
     ],
 )
 def test_engaging_is_refused_with_the_reason(prepare, robot, expected):
@@ -154,6 +160,8 @@ def test_a_lost_hand_holds_at_once_and_latches_after_the_latch_time():
         lambda rig: rig.session.sample(JUMPS),
         lambda rig: rig.session.sample(good(rig.now_ns, new_session=True)),
         lambda rig: rig.session.request_disengage(),
+        lambda rig: (rig.session.authorise(None), rig.session.authorise(LEASE)),
+        lambda rig: rig.session.authorise(OTHERS),
         lambda rig: rig.wait(4, DEAD),
         lambda rig: (rig.session.fault("x"), rig.session.reset()),
     ],
@@ -204,6 +212,137 @@ def test_a_fault_stays_until_reset():
 @pytest.mark.parametrize(("soft", "scale"), [(50.0, 1.0), (100.0, 1.0), (200.0, 0.5), (400.0, 0.25)])
 def test_a_longer_soft_limit_slows_the_arm_in_proportion(soft, scale):
     assert Session(SafetyConfig(t_soft_ms=soft), EngagementConfig()).speed_scale == scale
+
+
+def test_a_lost_lease_latches_and_names_its_holder():
+    rig = engaged()
+    rig.session.authorise(None)
+    decision = rig.wait(4)
+    assert (decision.state, decision.action, decision.reason.code) == (
+        SessionState.DISENGAGED,
+        Action.STOP,
+        Code.LATCHED,
+    )
+    assert "lease of anna has ended" in decision.reason.sentence
+    rig.session.authorise(LEASE)
+    assert rig.frames(60).state is SessionState.DISENGAGED
+
+
+def test_a_renewed_lease_changes_nothing():
+    rig = engaged()
+    rig.session.authorise(Lease(41, LEASE.holder, LEASE.expires_ns + 1))
+    assert rig.frames(1).action is Action.FOLLOW
+
+
+def test_what_one_operator_has_shown_does_not_count_for_the_next():
+    rig = Rig(mode=EngagementMode.ON_REQUEST)
+    rig.frames(40)
+    rig.session.authorise(OTHERS)
+    answer = rig.session.request_engage(rig.now_ns, READY)
+    assert (answer.done, answer.reason.code) == (False, Code.NO_HAND)
+
+
+@pytest.mark.parametrize("trouble", [NO_OFFSET, OLD_OFFSET])
+def test_a_clock_that_is_not_known_any_more_holds_the_arm(trouble):
+    rig = engaged()
+    rig.session.sample(trouble)
+    decision = rig.wait(4)
+    assert (decision.state, decision.reason.code) == (SessionState.HOLDING, trouble.reason.code)
+
+
+HELD_DOWN = [(EngagementMode.HOLD_TO_RUN, "key"), (EngagementMode.PEDAL, "pedal")]
+
+
+def held(mode=EngagementMode.HOLD_TO_RUN):
+    rig = Rig(mode=mode)
+    rig.frames(30)
+    assert rig.frames(1, held=True).action is Action.CAPTURE
+    return rig
+
+
+@pytest.mark.parametrize(("mode", "name"), HELD_DOWN)
+def test_the_arm_follows_while_the_input_is_held_and_stops_when_it_is_let_go(mode, name):
+    rig = held(mode)
+    assert rig.frames(20, held=True).action is Action.FOLLOW
+    decision = rig.frames(1)
+    assert (decision.state, decision.action, decision.reason.code) == (
+        SessionState.DISENGAGED,
+        Action.STOP,
+        Code.LET_GO,
+    )
+    assert name in decision.reason.sentence
+    assert rig.frames(50).state is SessionState.DISENGAGED
+    assert rig.frames(1, held=True).action is Action.CAPTURE
+
+
+def test_an_input_held_before_all_is_ready_counts_when_it_is():
+    rig = Rig(mode=EngagementMode.HOLD_TO_RUN)
+    rig.frames(1)
+    assert rig.frames(28, held=True).state is SessionState.DISENGAGED
+    assert rig.frames(1, held=True).action is Action.CAPTURE
+
+
+def test_an_input_that_was_never_seen_let_go_engages_nothing():
+    rig = Rig(mode=EngagementMode.HOLD_TO_RUN)
+    assert rig.frames(90, held=True).state is SessionState.DISENGAGED
+    answer = rig.session.request_engage(rig.now_ns, READY)
+    assert (answer.done, answer.reason.code) == (False, Code.LET_GO_FIRST)
+    rig.frames(1)
+    assert rig.session.request_engage(rig.now_ns, READY).reason.code is Code.NOT_HELD
+
+
+@pytest.mark.parametrize(
+    "end",
+    [
+        lambda rig: rig.wait(501),
+        lambda rig: rig.session.sample(JUMPS),
+        lambda rig: (rig.session.authorise(None), rig.session.authorise(LEASE)),
+        lambda rig: rig.session.sample(good(rig.now_ns, new_session=True, held=True)),
+        lambda rig: rig.wait(4, DEAD),
+        lambda rig: (rig.session.fault("x"), rig.session.reset()),
+        lambda rig: rig.session.request_disengage(),
+    ],
+)
+def test_an_input_still_held_after_the_end_of_an_engagement_has_to_be_pressed_anew(end):
+    rig = held()
+    end(rig)
+    assert rig.frames(90, held=True).state is not SessionState.ENGAGED
+    rig.frames(1)
+    assert rig.frames(1, held=True).action is Action.CAPTURE
+
+
+def test_an_input_held_while_the_hand_was_away_has_to_be_pressed_anew():
+    rig = Rig(mode=EngagementMode.HOLD_TO_RUN)
+    rig.frames(5)
+    rig.frames(5, held=True)
+    rig.wait(600)
+    assert rig.frames(90, held=True).state is SessionState.DISENGAGED
+
+
+def test_letting_go_counts_even_in_a_sample_whose_hand_is_lost():
+    rig = held()
+    rig.session.sample(Rejected(reason(Code.LOST, reason="gone"), hand_lost=True, held=False))
+    assert rig.wait(4).reason.code is Code.LET_GO
+
+
+def test_the_key_means_nothing_where_engagement_is_automatic():
+    rig = engaged()
+    rig.frames(5, held=True)
+    assert rig.frames(5).action is Action.FOLLOW
+
+
+def test_readiness_is_told_apart_from_what_the_operator_wants():
+    rig = Rig(mode=EngagementMode.HOLD_TO_RUN)
+    rig.frames(10)
+    assert rig.session.readiness(rig.now_ns, READY).reason.code is Code.COLLECTING
+    rig.frames(20)
+    assert rig.session.readiness(rig.now_ns, READY).reason.code is Code.READY
+    assert not rig.session.held
+    rig.frames(1, held=True)
+    assert rig.session.held
+    rig.session.fault("x")
+    answer = rig.session.readiness(rig.now_ns, READY)
+    assert (answer.done, answer.reason.code) == (False, Code.FAULT)
 
 
 class SessionMachine(RuleBasedStateMachine):
@@ -287,3 +426,67 @@ class SessionMachine(RuleBasedStateMachine):
 
 TestSessionMachine = SessionMachine.TestCase
 TestSessionMachine.settings = settings(max_examples=60, stateful_step_count=30, deadline=None, derandomize=True)
+
+
+class HeldMachine(RuleBasedStateMachine):
+    """Arbitrary presses, losses and leases: the arm follows only while the key is held, after a press of its own."""
+
+    def __init__(self):
+        super().__init__()
+        self.session = Session(SafetyConfig(), EngagementConfig(frames=3, mode=EngagementMode.HOLD_TO_RUN))
+        self.now_ns = 10_000 * NS_PER_MS
+        self.lease = None
+        self.told = False
+        self.pressed = False  # since the last end of anything, the key was seen up and then down
+        self.seen_up = False
+
+    def end(self):
+        self.pressed = self.seen_up = False
+
+    @rule(count=st.integers(1, 8), down=st.booleans())
+    def see(self, count, down):
+        for _ in range(count):
+            self.now_ns += PERIOD
+            if self.lease is not None:
+                self.session.sample(good(self.now_ns, held=down))
+                self.told = down
+                self.seen_up |= not down
+                self.pressed = down and self.seen_up
+            self.step(READY)
+
+    @rule(ticks=st.integers(1, 40), robot=st.sampled_from([READY, READY, DEAD]))
+    def pass_time(self, ticks, robot):
+        for _ in range(ticks):
+            self.now_ns += 16 * NS_PER_MS
+            self.step(robot)
+
+    @rule(lease=st.sampled_from([None, LEASE, OTHERS]))
+    def authorise(self, lease):
+        if lease is not self.lease:
+            self.end()
+        self.lease = lease
+        self.session.authorise(lease)
+
+    @rule()
+    def fail_and_reset(self):
+        self.session.fault("x")
+        self.end()
+        self.session.reset()
+
+    @rule()
+    def engage(self):
+        assert not self.session.request_engage(self.now_ns, READY).done or self.pressed
+
+    def step(self, robot):
+        followed = self.session.state in FOLLOWING
+        decision = self.session.tick(self.now_ns, robot)
+        if decision.action is not Action.STOP:
+            assert self.lease is not None
+            assert self.told
+            assert self.pressed
+        if followed and decision.state not in FOLLOWING:
+            self.end()
+
+
+TestHeldMachine = HeldMachine.TestCase
+TestHeldMachine.settings = settings(max_examples=80, stateful_step_count=40, deadline=None, derandomize=True)

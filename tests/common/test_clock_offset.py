@@ -1,0 +1,105 @@
+"""The offset between two hosts' clocks: right within its stated uncertainty, whatever the way and the wall clock do."""
+
+import random
+import time
+
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from common.clock import NS_PER_MS, NS_PER_S, MonotonicClock, OffsetEstimator, RoundTrip
+
+HOUR_NS = 3600 * NS_PER_S
+
+
+def trip(t_ns, offset_ns, there_ns, back_ns, answering_ns=0):
+    """A question asked at `t_ns` by our clock; the other shows `offset_ns` more."""
+    received_ns = t_ns + there_ns + offset_ns
+    return RoundTrip(t_ns, received_ns, received_ns + answering_ns, t_ns + there_ns + answering_ns + back_ns)
+
+
+def test_equal_ways_give_the_offset_exactly():
+    one = trip(1000, -HOUR_NS, 200, 200, answering_ns=50)
+    assert (one.offset_ns, one.duration_ns) == (-HOUR_NS, 400)
+
+
+@settings(max_examples=100, deadline=None, derandomize=True)
+@given(
+    st.integers(-HOUR_NS, HOUR_NS),
+    st.lists(st.tuples(st.integers(0, 400 * NS_PER_MS), st.integers(0, 400 * NS_PER_MS)), min_size=1, max_size=60),
+)
+def test_the_error_never_exceeds_the_uncertainty_however_uneven_the_ways(offset_ns, ways):
+    estimator, now_ns = OffsetEstimator(), 10 * NS_PER_S
+    for there_ns, back_ns in ways:
+        one = trip(now_ns, offset_ns, there_ns, back_ns)
+        estimator.add(one)
+        now_ns = one.heard_ns + 100 * NS_PER_MS
+        known = estimator.estimate(now_ns)
+        assert abs(known.offset.offset_ns - offset_ns) <= known.offset.uncertainty_ns
+
+
+def test_the_quickest_round_trip_counts_and_its_half_is_the_uncertainty():
+    estimator = OffsetEstimator()
+    for k, way_ms in enumerate((30, 2, 25)):
+        estimator.add(trip(k * 200 * NS_PER_MS, 7 * NS_PER_S, way_ms * NS_PER_MS, way_ms * NS_PER_MS))
+    known = estimator.estimate(450 * NS_PER_MS)
+    assert known.offset.offset_ns == 7 * NS_PER_S
+    assert known.offset.uncertainty_ns == pytest.approx(2 * NS_PER_MS, abs=0.05 * NS_PER_MS)
+
+
+def test_under_jitter_of_20_ms_each_way_it_errs_by_a_few_milliseconds():
+    draw = random.Random(4)  # noqa: S311  # jitter, not secrets
+    estimator, errors = OffsetEstimator(), []
+    for k in range(300):
+        there, back = (round((20 + draw.uniform(0, 20)) * NS_PER_MS) for _ in range(2))
+        estimator.add(trip(k * 200 * NS_PER_MS, HOUR_NS, there, back))
+        known = estimator.estimate(k * 200 * NS_PER_MS + there + back)
+        errors.append((known.offset.offset_ns - HOUR_NS) / NS_PER_MS)
+    assert (sum(e * e for e in errors[20:]) / len(errors[20:])) ** 0.5 < 4
+
+
+def test_without_round_trips_for_four_seconds_nothing_is_known():
+    estimator = OffsetEstimator()
+    assert estimator.estimate(0) is None
+    estimator.add(trip(0, 5, 100, 100))
+    assert estimator.estimate(4 * NS_PER_S).measured_ns == 105
+    assert estimator.estimate(4 * NS_PER_S + 201) is None
+
+
+def test_uncertainty_grows_with_drift_while_nothing_new_is_heard():
+    estimator = OffsetEstimator()
+    estimator.add(trip(0, 5, 100, 100))
+    grown = estimator.estimate(2 * NS_PER_S).offset.uncertainty_ns - estimator.estimate(200).offset.uncertainty_ns
+    assert grown == pytest.approx(200_000, abs=100)
+
+
+def test_a_clock_that_starts_anew_replaces_the_estimate_at_once():
+    estimator = OffsetEstimator()
+    estimator.add(trip(NS_PER_S, HOUR_NS, 100, 100))
+    estimator.add(trip(NS_PER_S + 200 * NS_PER_MS, -HOUR_NS, 5 * NS_PER_MS, 5 * NS_PER_MS))
+    assert estimator.estimate(2 * NS_PER_S).offset.offset_ns == -HOUR_NS
+
+
+@pytest.mark.parametrize("times", [(100, 0, 50, 90), (0, 60, 50, 100), (0, 10, 200, 100)])
+def test_times_that_no_clocks_can_tell_are_left_out(times):
+    estimator = OffsetEstimator()
+    estimator.add(RoundTrip(*times))
+    assert estimator.estimate(200) is None
+
+
+@pytest.mark.parametrize("step_s", [3600.0, -3600.0])
+def test_wall_clock_steps_change_nothing(monkeypatch, step_s):
+    clock, estimator = MonotonicClock(), OffsetEstimator()
+    real_time, real_time_ns = time.time, time.time_ns
+    before_ns = clock.now_ns()
+    for k in range(40):
+        if k == 20:
+            monkeypatch.setattr(time, "time", lambda: real_time() + step_s)
+            monkeypatch.setattr(time, "time_ns", lambda: real_time_ns() + round(step_s * NS_PER_S))
+        asked_ns = clock.now_ns()
+        received_ns = clock.now_ns()
+        estimator.add(RoundTrip(asked_ns, received_ns, clock.now_ns(), clock.now_ns()))
+    now_ns = clock.now_ns()
+    known = estimator.estimate(now_ns)
+    assert abs(known.offset.offset_ns) <= known.offset.uncertainty_ns < NS_PER_S
+    assert 0 <= now_ns - before_ns < HOUR_NS
