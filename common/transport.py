@@ -112,8 +112,8 @@ class Answers(Generic[Q, R]):
                 payload = query.payload.to_bytes() if query.payload is not None else b""
                 question = decode(payload, self._procedure.request, self._procedure.max_bytes)
             except MessageError as error:
-                query.reply_err(REFUSAL + str(error).encode())
                 self._refused(error)
+                query.reply_err(REFUSAL + str(error).encode())
                 return
             query.reply(self._key, encode(answer(question)))
 
