@@ -114,14 +114,17 @@ def test_a_request_repeated_with_its_id_happens_once(links: tuple[Link, Link]) -
     assert handled == [1, 2]
 
 
-def test_an_expired_request_is_refused(links: tuple[Link, Link]) -> None:
+@pytest.mark.parametrize(("deadline_ns", "code"), [(0, b"expired"), (2**62, b"deadline")])
+def test_an_expired_request_and_one_that_would_never_expire_are_refused(
+    links: tuple[Link, Link], deadline_ns: int, code: bytes
+) -> None:
     server, client = links
     stop = threading.Event()
     handled: list[int] = []
     thread = serve(server, handled, stop)
     try:
         ask(client, 1)
-        late = EngageRequest(id=9, deadline_ns=0, operator="anna")
+        late = EngageRequest(id=9, deadline_ns=deadline_ns, operator="anna")
         replies = client._session.get(ENGAGE.key_for("lab"), payload=encode(late), timeout=WAIT_S)
         payloads = [reply.ok.payload.to_bytes() for reply in replies if reply.ok]
     finally:
@@ -129,7 +132,7 @@ def test_an_expired_request_is_refused(links: tuple[Link, Link]) -> None:
         thread.join()
     assert handled == [1]
     assert payloads
-    assert b"expired" in payloads[0]
+    assert code in payloads[0]
 
 
 def test_nobody_answering_is_an_error() -> None:

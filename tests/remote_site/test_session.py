@@ -275,6 +275,12 @@ def test_the_arm_follows_while_the_input_is_held_and_stops_when_it_is_let_go(mod
     assert rig.frames(1, held=True).action is Action.CAPTURE
 
 
+def test_letting_go_for_a_single_sample_is_a_clutch():
+    rig = held()
+    assert rig.frames(1).state is SessionState.DISENGAGED
+    assert rig.frames(1, held=True).action is Action.CAPTURE
+
+
 def test_an_input_held_before_all_is_ready_counts_when_it_is():
     rig = Rig(mode=EngagementMode.HOLD_TO_RUN)
     rig.frames(1)
