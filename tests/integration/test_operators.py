@@ -23,6 +23,7 @@ from farhand.lease import act_on_lease, show_lease
 from farhand.loopback import free_ports
 
 MARKERS = ("simulation.markers=true", "tracking.method=markers")
+PATIENT = ("safety.t_soft_ms=400", "safety.t_latch_ms=2000")  # only the key ends an engagement, not a busy machine
 LEASE_S = 5.0
 APART_S = 3600
 IN_ANOTHER_TIME = ["unshare", "-T", "--monotonic", str(APART_S)]
@@ -132,7 +133,7 @@ class Console:
 
 @pytest.mark.skipif(not in_another_time(), reason="no right to a time namespace")
 def test_hold_to_run_between_hosts_whose_clocks_differ_by_an_hour(sites: Sites) -> None:
-    sites.remote("driver.name=kinematic", "engagement.mode=hold_to_run")
+    sites.remote("driver.name=kinematic", "engagement.mode=hold_to_run", *PATIENT)
     with local_an_hour_ahead(sites), Console(sites) as console:
         sites.wait("readiness", lambda: sites.state.readiness.ready)
         clock = sites.state.clock
