@@ -24,8 +24,8 @@ from local_site.capture import Capture
 from local_site.config import LocalConfig
 from local_site.drift_watch import DriftWatch
 from local_site.gesture import OpenHand, observe
-from local_site.pictures import write_picture
 from local_site.intent import IntentMerge
+from local_site.pictures import write_picture
 from local_site.publisher import HandPublisher
 from local_site.remote_watch import RemoteWatch
 from local_site.rig_cameras import open_rig_cameras
