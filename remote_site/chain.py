@@ -17,9 +17,12 @@ from remote_site.kinematics.model import ArmModel
 from remote_site.lease import Lease, LeaseDesk
 from remote_site.mapping import Mapping
 from remote_site.motion import Course, Follower, leash
-from remote_site.safety.guard import Guard, Refused, Workspace
+from remote_site.safety.collision import CollisionModel
+from remote_site.safety.guard import Guard, Refused
+from remote_site.safety.shield import Shield
 from remote_site.safety.state import Action, Decision, Robot, Session
 from remote_site.safety.status import Reason
+from remote_site.safety.surroundings import Surroundings, Workspace
 
 
 @dataclass(frozen=True, slots=True)
@@ -49,13 +52,17 @@ class Chain:
         self._course = Course(limits, config.control)
         self._follower = Follower(limits, dt)
         self._workspace = Workspace(np.array(config.safety.workspace_min_m), np.array(config.safety.workspace_max_m))
-        self._guard = Guard(limits, self._workspace, model, dt)
+        robot, collision = config.robot, config.safety.collision
+        self.collision = CollisionModel.from_urdf(robot.urdf, model, robot.capsules, collision)
+        self._shield = Shield(self.collision, collision)
+        self._guard = Guard(limits, Surroundings(model, self._workspace, self.collision), dt)
         self.gripper = GripperToggles(is_open=True)
         self.sent = JointMotion.at_rest(start)
         self.engagement: Engagement | None = None
         self._latest: Accepted | None = None
         self._aimed: Accepted | None = None
         self._hindrance: Reason | None = None
+        self._obstacle: Reason | None = None
 
     def restart_from(self, q: Array) -> None:
         """Go on from an arm at rest at `q` (n,) rad, as after the robot was activated anew."""
@@ -116,7 +123,9 @@ class Chain:
     def _follow(self, now_ns: int) -> JointMotion:
         """One tick towards the target, or into the stop if the guard refuses that."""
         self._follower.reset(self.sent)
-        proposed = self._follower.track(*self._course.at(now_ns), self.session.speed_scale)
+        aside = self._shield.turn_aside(self.sent.q, *self._course.at(now_ns))
+        self._obstacle = aside.reason
+        proposed = self._follower.track(aside.q, aside.dq, self.session.speed_scale * aside.speed)
         if isinstance(proposed, Reason):
             self._hindrance = proposed
             return self._guard.stop(self.sent)
@@ -128,8 +137,8 @@ class Chain:
 
     def _step(self, decision: Decision, motion: JointMotion) -> Step:
         following = decision.action is not Action.STOP
-        reason = self._hindrance if following and self._hindrance is not None else decision.reason
-        return Step(decision.state, reason, motion, self._aimed if following else None)
+        hindered = self._hindrance or self._obstacle if following else None
+        return Step(decision.state, hindered or decision.reason, motion, self._aimed if following else None)
 
 
 def pose_of(base_T_tool: Array) -> Pose:

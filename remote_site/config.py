@@ -11,12 +11,20 @@ from msgspec import Meta, field
 
 from common.channels import check_cell_name
 from common.geometry import Array, transform
+from remote_site.safety.config import CapsuleConfig, CertaintyConfig, CollisionConfig
 from remote_site.simulation.config import CellConfig
 from remote_site.video.config import SIMULATED, VideoConfig
 
 MODELS = Path(__file__).parent / "models"
 
 Row3 = tuple[float, float, float]
+
+
+GRIPPER = (
+    CapsuleConfig(link="tool0", start_m=(0.0, 0.0, 0.0), end_m=(0.0, 0.0, 0.05), radius_m=0.035),
+    CapsuleConfig(link="tool0", start_m=(0.0, -0.03, 0.08), end_m=(0.0, 0.03, 0.08), radius_m=0.035),
+    CapsuleConfig(link="tool0", start_m=(0.0, 0.0, 0.11), end_m=(0.0, 0.0, 0.122), radius_m=0.015),
+)
 
 
 class RobotConfig(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
@@ -42,6 +50,9 @@ class RobotConfig(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fiel
         Meta(min_length=1, max_length=16, description="acceleration joint by joint, or one for all, rad/s²"),
     ] = (10.0, 10.0, 10.0, 20.0, 20.0, 20.0)
     jerk_rad_s3: Annotated[float, Meta(gt=0, le=5000, description="every joint's jerk, rad/s³")] = 1000.0
+    capsules: Annotated[
+        tuple[CapsuleConfig, ...], Meta(description="what must not touch anything, besides the URDF's collision shapes")
+    ] = GRIPPER
 
     @property
     def urdf(self) -> Path:
@@ -98,6 +109,8 @@ class SafetyConfig(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fie
     turn_settle_ms: Annotated[
         float, Meta(ge=0, le=2000, description="calm before the hand's orientation turns the tool again, ms")
     ] = 200.0
+    collision: CollisionConfig = field(default_factory=CollisionConfig)
+    certainty: CertaintyConfig = field(default_factory=CertaintyConfig)
     jumps_to_latch: Annotated[int, Meta(ge=1, le=100, description="jumps in a row that end the engagement")] = 3
     workspace_min_m: Annotated[Row3, Meta(description="lower corner of the tool's box in the base frame, m")] = (
         0.15,

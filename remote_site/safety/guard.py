@@ -8,9 +8,9 @@ import numpy as np
 from common.geometry import Array
 from remote_site.kinematics.joints import JointMotion
 from remote_site.kinematics.limits import JointLimits
-from remote_site.kinematics.model import ArmModel
 from remote_site.safety.status import Code, Reason, reason
 from remote_site.safety.stopping import JointStop, State, stopping, stops
+from remote_site.safety.surroundings import Surroundings
 
 RELATIVE = 1e-6  # of a limit: what rounding may add to velocity, acceleration and jerk
 POSITION = 1e-9  # rad and m: what rounding may add to a position
@@ -28,25 +28,6 @@ class Refused:
     """The motion must not be sent, and why; the stop from the last sent motion may."""
 
     reason: Reason
-
-
-@dataclass(frozen=True, slots=True)
-class Workspace:
-    """The box of the tool centre point in the base frame: lower and upper corner (3,) in m."""
-
-    lower: Array
-    upper: Array
-
-    def excess(self, point_in_base: Array) -> float:
-        """How far a point lies outside, m; 0 inside."""
-        sides = zip(self.lower.tolist(), point_in_base.tolist(), self.upper.tolist(), strict=True)
-        excess: float = max(0.0, *(max(low - x, x - high) for low, x, high in sides))
-        return excess
-
-    def clamp(self, point_in_base: Array) -> Array:
-        """The nearest point of the box."""
-        clamped: Array = np.minimum(np.maximum(point_in_base, self.lower), self.upper)
-        return clamped
 
 
 class JointGuard:
@@ -136,12 +117,13 @@ class JointGuard:
 
 
 class Guard:
-    """The joints' guard, and the box: the tool must come to rest in it, or no further outside than before."""
+    """The joints' guard, and the surroundings: on the way to rest the tool stays in its box, and nothing comes nearer
+    to anything than the margin; an arm that is where it may not be only retreats.
+    """
 
-    def __init__(self, limits: JointLimits, workspace: Workspace, model: ArmModel, dt: float) -> None:
+    def __init__(self, limits: JointLimits, surroundings: Surroundings, dt: float) -> None:
         self._joints = JointGuard(limits, dt)
-        self._workspace = workspace
-        self._model = model
+        self._surroundings = surroundings
 
     def check(self, proposed: JointMotion, sent: JointMotion) -> Passed | Refused:
         """Passed, or Refused with the first rule that was broken."""
@@ -149,26 +131,17 @@ class Guard:
             return Refused(reason(Code.NOT_FINITE, what="command"))
         ends = stops(proposed, self._joints.limits)
         verdict = self._joints.check_motion(proposed, ends, sent)
-        if isinstance(verdict, Refused):
+        if isinstance(verdict, Refused) or self._surroundings.clear(ends, proposed.q):
             return verdict
-        excess = self._tool_excess(proposed, ends)
-        if excess <= POSITION or self._joints.is_stop(proposed, sent):
+        if self._joints.is_stop(proposed, sent):
             return verdict
-        if excess <= self._tool_excess(sent, stops(sent, self._joints.limits)) + POSITION:
+        if self._surroundings.retreats(ends, stops(sent, self._joints.limits)):
             return verdict
-        return Refused(reason(Code.WORKSPACE, excess_mm=excess * 1e3))
+        return Refused(self._surroundings.why(proposed, ends))
 
     def stop(self, sent: JointMotion) -> JointMotion:
         """The motion one tick into the stop from what was really sent; it always passes."""
         return self._joints.stop(sent)
-
-    def _tool_excess(self, motion: JointMotion, ends: list[JointStop]) -> float:
-        """How far the tool is outside the box, now or where the stop ends, whichever is worse, m."""
-        rest = np.array([stop.end for stop in ends])
-        return max(
-            self._workspace.excess(self._model.forward(motion.q)[:3, 3]),
-            self._workspace.excess(self._model.forward(rest)[:3, 3]),
-        )
 
 
 def _states(motion: JointMotion) -> Iterator[State]:

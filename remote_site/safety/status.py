@@ -17,6 +17,7 @@ class Code(StrEnum):
     LOST = "lost"
     INITIALISING = "initialising"
     NO_WRIST = "no_wrist"
+    UNCERTAIN = "uncertain"
     JUMP = "jump"
     JUMPS = "jumps"
     NO_OFFSET = "no_offset"
@@ -50,6 +51,9 @@ class Code(StrEnum):
     STANCE = "stance"
     SATURATED = "saturated"
     NOT_A_POSE = "not_a_pose"
+    UNREACHED = "unreached"
+    SINGULAR = "singular"
+    OBSTACLE = "obstacle"
     # the command
     POSITION = "position"
     VELOCITY = "velocity"
@@ -57,6 +61,7 @@ class Code(StrEnum):
     JERK = "jerk"
     INCONSISTENT = "inconsistent"
     WORKSPACE = "workspace"
+    COLLISION = "collision"
     NO_TRAJECTORY = "no_trajectory"
     COMMAND_TIMEOUT = "command_timeout"
 
@@ -71,6 +76,7 @@ SENTENCES: dict[Code, str] = {
     Code.LOST: "the hand is lost: {reason}",
     Code.INITIALISING: "tracking is initialising: {reason}",
     Code.NO_WRIST: "the sample has no wrist: {reason}",
+    Code.UNCERTAIN: "the wrist is known to {sigma_mm:.0f} mm only (limit {limit_mm:.0f} mm)",
     Code.JUMP: "the wrist jumped {distance_mm:.0f} mm in {interval_ms:.0f} ms",
     Code.JUMPS: "the wrist jumped in {count} samples in a row",
     Code.NO_OFFSET: "the clock offset of the local site is not known yet",
@@ -102,12 +108,16 @@ SENTENCES: dict[Code, str] = {
     Code.STANCE: "the target needs another stance of the arm, {move_deg:.0f} deg of {joint} away",
     Code.SATURATED: "the target is {distance_mm:.0f} mm ahead of the arm and held at {limit_mm:.0f} mm",
     Code.NOT_A_POSE: "the target is not a finite rigid pose",
+    Code.UNREACHED: "the arm comes no nearer to the target than {distance_mm:.0f} mm and {angle_deg:.0f} deg",
+    Code.SINGULAR: "near a singular posture (condition {condition:.0f}): slowed to {share:.0%}",
+    Code.OBSTACLE: "{first} is {distance_mm:.0f} mm from {second}: the arm comes no nearer",
     Code.POSITION: "{joint} would come to rest at {value:.4f} rad, outside {lower:.4f} to {upper:.4f} rad",
     Code.VELOCITY: "{joint} would move at {value:.3f} rad/s (limit {limit:.3f})",
     Code.ACCELERATION: "{joint} would accelerate at {value:.2f} rad/s² (limit {limit:.2f})",
     Code.JERK: "{joint} would jerk at {value:.1f} rad/s³ (limit {limit:.1f})",
     Code.INCONSISTENT: "{joint}: position, velocity and acceleration do not follow from the last command",
     Code.WORKSPACE: "the tool would come to rest {excess_mm:.1f} mm outside the workspace",
+    Code.COLLISION: "{first} would come {distance_mm:.1f} mm near to {second} (limit {limit_mm:.1f} mm)",
     Code.NO_TRAJECTORY: "no jerk-limited trajectory to the target: {reason}",
     Code.COMMAND_TIMEOUT: "no command for {age_ms:.0f} ms (limit {limit_ms:.0f} ms): the driver stops the arm",
 }

@@ -57,11 +57,20 @@ def build_cell(config: CellConfig, robot: RobotConfig) -> Cell:
 def _read_arm(urdf: Path) -> mujoco.MjSpec:
     try:
         robot = ElementTree.parse(urdf).getroot()  # noqa: S314  # the robot model is the site's own file
+        _leave_out_hulls(robot)
         extension = ElementTree.SubElement(robot, "mujoco")
         ElementTree.SubElement(extension, "compiler", discardvisual="false", fusestatic="false")
         return mujoco.MjSpec.from_string(ElementTree.tostring(robot, encoding="unicode"))
     except (OSError, ElementTree.ParseError, ValueError) as error:
         raise ModelError(f"{urdf}: MuJoCo cannot read this robot: {error}") from error
+
+
+def _leave_out_hulls(robot: ElementTree.Element) -> None:
+    """Take out the collision elements of links that have a shape to be seen: those are hulls that keep a distance."""
+    for link in robot.findall("link"):
+        if link.find("visual") is not None:
+            for hull in link.findall("collision"):
+                link.remove(hull)
 
 
 def _set_physics(spec: mujoco.MjSpec, config: CellConfig) -> None:

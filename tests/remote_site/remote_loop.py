@@ -12,9 +12,11 @@ from remote_site.kinematics.joints import JointMotion
 from remote_site.kinematics.limits import JointLimits
 from remote_site.kinematics.model import ArmModel
 from remote_site.lease import Holder, LeaseDesk
-from remote_site.safety.guard import Guard, Passed, Workspace
+from remote_site.safety.collision import CollisionModel
+from remote_site.safety.guard import Guard, Passed
 from remote_site.safety.state import Robot, Session
 from remote_site.safety.status import Code
+from remote_site.safety.surroundings import Surroundings, Workspace
 
 TICK_NS = 4 * NS_PER_MS
 REFUSALS = {
@@ -24,6 +26,7 @@ REFUSALS = {
     Code.JERK,
     Code.INCONSISTENT,
     Code.WORKSPACE,
+    Code.COLLISION,
     Code.NO_TRAJECTORY,
 }
 START_NS = 10_000 * NS_PER_MS
@@ -42,6 +45,22 @@ def workspace(config: RemoteConfig | None = None) -> Workspace:
     """The configured box."""
     safety = (config or RemoteConfig()).safety
     return Workspace(np.array(safety.workspace_min_m), np.array(safety.workspace_max_m))
+
+
+def guard_of(config: RemoteConfig | None = None, box: Workspace | None = None) -> Guard:
+    """The guard of the configured arm, with another box if one is given."""
+    config = config or RemoteConfig()
+    _, limits = arm(config)
+    return Guard(limits, surroundings(config, box), TICK_NS / 1e9)
+
+
+def surroundings(config: RemoteConfig | None = None, box: Workspace | None = None) -> Surroundings:
+    """The configured arm's surroundings, with another box if one is given."""
+    config = config or RemoteConfig()
+    model, _ = arm(config)
+    robot = config.robot
+    collision = CollisionModel.from_urdf(robot.urdf, model, robot.capsules, config.safety.collision)
+    return Surroundings(model, box or workspace(config), collision)
 
 
 def hand(seq, capture_ns, wrist=(0.0, 0.0, 0.3), session=7, status=TrackingStatus.TRACKED, **changes) -> HandArm:
@@ -72,7 +91,7 @@ class RemoteLoop:
         self.leases = LeaseDesk(FOR_EVER_NS, LEASE)
         self.grant(7)
         self.chain = Chain(self.config, self.model, self.limits, self.config.robot.start, self.leases)
-        self.guard = Guard(self.limits, workspace(self.config), self.model, TICK_NS / 1e9)
+        self.guard = guard_of(self.config)
         self.driver = KinematicDriver(self.clock)
         setup = DriverSetup(self.model.joint_names, self.limits, TICK_NS / 1e9, 50 * NS_PER_MS)
         self.driver.configure(setup)

@@ -6,12 +6,13 @@ import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
-from remote_loop import arm, workspace
+from remote_loop import arm, guard_of, workspace
 
 from remote_site.kinematics.joints import JointMotion
-from remote_site.safety.guard import Guard, JointGuard, Passed, Refused, Workspace
+from remote_site.safety.guard import JointGuard, Passed, Refused
 from remote_site.safety.status import Code
 from remote_site.safety.stopping import stop_time
+from remote_site.safety.surroundings import Workspace
 
 DT = 0.004
 MODEL, LIMITS = arm()
@@ -20,7 +21,7 @@ START = np.radians([0.0, 0.0, -45.0, 0.0, -45.0, 0.0])
 
 @pytest.fixture
 def guard():
-    return Guard(LIMITS, workspace(), MODEL, DT)
+    return guard_of()
 
 
 def moving(q=START, joint=0, velocity=0.0, acceleration=0.0):
@@ -128,7 +129,7 @@ def test_an_arm_outside_its_limits_may_only_retreat(guard):
 
 def test_a_tool_outside_the_workspace_may_only_retreat():
     below = Workspace(np.array([0.15, -0.55, 0.25]), np.array([0.80, 0.55, 0.80]))
-    guard = Guard(LIMITS, below, MODEL, DT)
+    guard = guard_of(box=below)
     outside = moving()
     up, down = (1, 300.0), (1, -300.0)  # joint 2 leans back with positive jerk, which lifts the tool
     assert code(guard.check(after(outside, up[1], up[0]), outside)) is Code.WORKSPACE
@@ -137,7 +138,7 @@ def test_a_tool_outside_the_workspace_may_only_retreat():
 
 def test_a_tool_that_could_not_stop_inside_the_workspace_is_refused():
     wall = Workspace(np.array([0.15, -0.55, 0.25]), np.array([0.80, 0.01, 1.25]))
-    guard = Guard(LIMITS, wall, MODEL, DT)
+    guard = guard_of(box=wall)
     left = moving(velocity=0.6)
     assert code(guard.check(after(left), left)) is Code.WORKSPACE
     assert isinstance(guard.check(guard.stop(left), left), Passed)
@@ -153,7 +154,7 @@ motions = st.tuples(
 @settings(max_examples=60, deadline=None, derandomize=True)
 @given(motions)
 def test_the_stop_always_passes_and_ends_in_time(values):
-    guard = Guard(LIMITS, workspace(), MODEL, DT)
+    guard = guard_of()
     motion = JointMotion(*(np.array(v) for v in values))
     coasting = motion.dq + motion.ddq * np.abs(motion.ddq) / 2000
     if (np.abs(coasting) > LIMITS.velocity).any():
@@ -170,7 +171,7 @@ def test_the_stop_always_passes_and_ends_in_time(values):
 @settings(max_examples=40, deadline=None, derandomize=True)
 @given(st.lists(st.tuples(st.lists(st.floats(-1400, 1400), min_size=6, max_size=6), st.integers(1, 15)), max_size=15))
 def test_whatever_jerks_are_proposed_the_sent_motion_stays_within_every_limit(sequence):
-    guard = Guard(LIMITS, workspace(), MODEL, DT)
+    guard = guard_of()
     sent = JointMotion.at_rest(START)
     for jerks, ticks in sequence:
         for _ in range(ticks):

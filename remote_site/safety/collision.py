@@ -1,0 +1,210 @@
+"""Distances of the arm to itself and to what stands around it, from capsules and boxes; pure."""
+
+import math
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Self
+
+import coal
+import numpy as np
+import pinocchio as pin
+
+from common.errors import ConfigError, ModelError
+from common.geometry import Array
+from remote_site.kinematics.model import ArmModel
+from remote_site.safety.config import CapsuleConfig, CollisionConfig, FixtureConfig
+
+MIN_NORMAL = 1e-9
+NEIGHBOURS = 1  # joints apart: links that touch by construction
+
+
+@dataclass(frozen=True, slots=True)
+class Near:
+    """Two bodies that are near each other: `gradient` (n,) says how their distance in m grows per rad of each joint."""
+
+    names: tuple[str, str]
+    distance: float
+    gradient: Array
+
+
+class CollisionModel:
+    """The shortest distances between the links of an arm, and between them and the fixtures of its cell.
+
+    One instance serves one thread. Joints that are not finite are never far from anything: their distance is -inf.
+    """
+
+    def __init__(self, model: ArmModel, shapes: pin.GeometryModel, config: CollisionConfig) -> None:
+        self._pin_model = model.pin_model
+        self._data = model.pin_model.createData()
+        self._shapes = shapes
+        self.margin = config.margin_m
+        for fixture in config.fixtures:
+            shapes.addGeometryObject(_box(fixture))
+        self._add_pairs(config)
+        self._distances = shapes.createData()
+        self.levers = _levers(model, shapes)
+        self._known_q, self._known_m = np.zeros(len(model.joint_names)), -math.inf
+
+    @classmethod
+    def from_urdf(
+        cls, path: Path, model: ArmModel, capsules: tuple[CapsuleConfig, ...], config: CollisionConfig
+    ) -> Self:
+        """The collision elements of a URDF, the configured capsules, and the fixtures.
+
+        A cylinder of the URDF counts as the capsule around it. ConfigError names a link that the arm does not have.
+        """
+        try:
+            shapes = pin.buildGeomFromUrdf(model.pin_model, str(path), pin.GeometryType.COLLISION)
+        except (ValueError, RuntimeError) as error:
+            raise ModelError(f"cannot read the collision elements of {path}: {error}") from error
+        for shape in shapes.geometryObjects:
+            shape.geometry = _smooth(shape.geometry)
+        for k, capsule in enumerate(capsules):
+            shapes.addGeometryObject(_capsule(model.pin_model, capsule, k))
+        return cls(model, shapes, config)
+
+    @property
+    def empty(self) -> bool:
+        """Whether there is nothing that could be touched."""
+        return not len(self._shapes.collisionPairs)
+
+    def distance(self, q: Array) -> float:
+        """The least distance in m at joint positions (n,) in rad; negative where bodies overlap, inf without any."""
+        if not math.isfinite(sum(q.tolist())):
+            return -math.inf
+        if self.empty:
+            return math.inf
+        nearest = pin.computeDistances(self._pin_model, self._data, self._shapes, self._distances, q)
+        least: float = self._distances.distanceResults[nearest].min_distance
+        self._known_q, self._known_m = q.copy(), least if math.isfinite(least) else -math.inf
+        return self._known_m
+
+    def farther_than(self, q: Array, distance: float) -> bool:
+        """Whether nothing is nearer than a distance in m; measured only if the last measurement leaves it open."""
+        return self.at_least(q) >= distance or self.distance(q) >= distance
+
+    def at_least(self, q: Array) -> float:
+        """What the last measurement leaves of the least distance at `q` at any rate, m; -inf if `q` is not finite."""
+        left = self._known_m - float(self.levers @ np.abs(q - self._known_q))
+        return left if math.isfinite(left) else -math.inf
+
+    def distances(self, q: Array) -> Array:
+        """Every pair's distance (m,) in m; -inf where it cannot be told."""
+        if not math.isfinite(sum(q.tolist())):
+            return np.full(len(self._shapes.collisionPairs), -math.inf)
+        if not self.empty:
+            pin.computeDistances(self._pin_model, self._data, self._shapes, self._distances, q)
+        found = np.array([result.min_distance for result in self._distances.distanceResults])
+        return np.where(np.isfinite(found), found, -math.inf)
+
+    def nearest(self, q: Array) -> tuple[str, str]:
+        """The names of the two bodies that are nearest to each other."""
+        return self._names(int(np.argmin(self.distances(q))))
+
+    def nearer_than(self, q: Array, distance: float) -> list[Near]:
+        """The pairs nearer than a distance in m at finite `q`, with the gradients of their distances."""
+        found = self.distances(q)
+        close = np.flatnonzero(found < distance)
+        if not len(close):
+            return []
+        jacobian: Array = pin.computeJointJacobians(self._pin_model, self._data, q)
+        return [Near(self._names(int(k)), float(found[k]), self._gradient(int(k), jacobian)) for k in close]
+
+    def _gradient(self, k: int, jacobian: Array) -> Array:
+        """How a pair's distance grows with each joint: along the line between its nearest points."""
+        result, pair = self._distances.distanceResults[k], self._shapes.collisionPairs[k]
+        normal: list[float] = result.normal.tolist()
+        length = math.hypot(*normal)
+        gradient = np.zeros(jacobian.shape[1])
+        if length < MIN_NORMAL:
+            return gradient
+        ends = ((-1.0, pair.first, result.getNearestPoint1()), (1.0, pair.second, result.getNearestPoint2()))
+        for side, shape, point in ends:
+            joints = self._shapes.geometryObjects[shape].parentJoint
+            gradient[:joints] += side / length * (_wrench(point.tolist(), normal) @ jacobian[:, :joints])
+        return gradient
+
+    def _names(self, k: int) -> tuple[str, str]:
+        pair = self._shapes.collisionPairs[k]
+        first, second = (self._name(self._shapes.geometryObjects[i]) for i in (pair.first, pair.second))
+        return first, second
+
+    def _name(self, shape: pin.GeometryObject) -> str:
+        """The fixture's own name, or the link's."""
+        frame = shape.parentFrame
+        return str(self._pin_model.frames[frame].name) if 0 < frame < self._pin_model.nframes else str(shape.name)
+
+    def _add_pairs(self, config: CollisionConfig) -> None:
+        """Pair every link with every other that is not its neighbour, and all that move with all fixtures."""
+        shapes = list(self._shapes.geometryObjects)
+        names = [self._name(shape) for shape in shapes]
+        ignored = {frozenset(pair) for pair in config.ignored_pairs}
+        unknown = sorted({name for pair in ignored for name in pair} - set(names))
+        if unknown:
+            known = ", ".join(sorted(set(names)))
+            raise ConfigError(f"safety.collision.ignored_pairs: no {', '.join(unknown)}; there are {known}")
+        fixtures = range(len(shapes) - len(config.fixtures), len(shapes))
+        for i, first in enumerate(shapes):
+            for j in range(i + 1, len(shapes)):
+                apart = abs(first.parentJoint - shapes[j].parentJoint)
+                near = apart == 0 or (apart <= NEIGHBOURS and j not in fixtures)
+                if not near and frozenset((names[i], names[j])) not in ignored:
+                    self._shapes.addCollisionPair(pin.CollisionPair(i, j))
+
+
+def _wrench(point: list[float], force: list[float]) -> Array:
+    """A force at a point as force and moment about the origin (6,)."""
+    (x, y, z), (u, v, w) = point, force
+    return np.array([u, v, w, y * w - z * v, z * u - x * w, x * v - y * u])
+
+
+def _smooth(geometry: coal.CollisionGeometry) -> coal.CollisionGeometry:
+    """The shape that is measured instead: a capsule around a cylinder, the convex hull of a mesh."""
+    if isinstance(geometry, coal.Cylinder):
+        return coal.Capsule(geometry.radius, 2 * geometry.halfLength)
+    if isinstance(geometry, coal.BVHModelBase):
+        geometry.buildConvexHull(True, "Qt")
+        return geometry.convex
+    return geometry
+
+
+def _box(fixture: FixtureConfig) -> pin.GeometryObject:
+    low, high = np.array(fixture.min_m), np.array(fixture.max_m)
+    placement = pin.SE3(np.eye(3), (low + high) / 2)
+    return pin.GeometryObject(fixture.name, 0, 0, placement, coal.Box(*(high - low)))
+
+
+def _capsule(model: pin.Model, capsule: CapsuleConfig, number: int) -> pin.GeometryObject:
+    if not model.existFrame(capsule.link):
+        known = ", ".join(frame.name for frame in model.frames)
+        raise ConfigError(f"robot.capsules: there is no link {capsule.link!r}; the frames are {known}")
+    frame_id = model.getFrameId(capsule.link)
+    frame = model.frames[frame_id]
+    start, end = np.array(capsule.start_m), np.array(capsule.end_m)
+    along = end - start
+    length = math.sqrt(float(along @ along))
+    turn = pin.Quaternion.FromTwoVectors(np.array([0.0, 0.0, 1.0]), along / length if length else np.eye(3)[2])
+    placement = frame.placement * pin.SE3(turn.matrix(), (start + end) / 2)
+    shape = coal.Capsule(capsule.radius_m, length)
+    return pin.GeometryObject(f"capsule_{number}", frame.parentJoint, frame_id, placement, shape)
+
+
+def _levers(model: ArmModel, shapes: pin.GeometryModel) -> Array:
+    """How far any point of the arm can move at most per rad (or m) of each joint, m: the sum of all lengths beyond."""
+    pin_model, joints = model.pin_model, len(model.joint_names)
+    beyond = np.zeros(joints + 1)
+    for shape in shapes.geometryObjects:
+        shape.geometry.computeLocalAABB()
+        centre = shape.placement.act(shape.geometry.aabb_center)
+        reach = float(np.linalg.norm(centre)) + shape.geometry.aabb_radius
+        beyond[shape.parentJoint] = max(beyond[shape.parentJoint], reach)
+    for frame in pin_model.frames:
+        beyond[frame.parentJoint] = max(beyond[frame.parentJoint], float(np.linalg.norm(frame.placement.translation)))
+    levers = np.zeros(joints)
+    for joint in range(joints, 0, -1):
+        prismatic = pin_model.joints[joint].shortname().startswith("JointModelP")
+        slide = max(abs(model.lower[joint - 1]), abs(model.upper[joint - 1])) if prismatic else 0.0
+        levers[joint - 1] = 1.0 if prismatic else beyond[joint]
+        length = float(np.linalg.norm(pin_model.jointPlacements[joint].translation))
+        beyond[joint - 1] = max(beyond[joint - 1], beyond[joint] + slide + length)
+    return levers

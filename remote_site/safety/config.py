@@ -1,0 +1,79 @@
+"""The parameters of what the arm must not touch, and of how sure a hand sample must be."""
+
+import math
+from typing import Annotated
+
+import msgspec
+from msgspec import Meta
+
+Row3 = tuple[float, float, float]
+
+
+class CapsuleConfig(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
+    """A capsule around a part of the arm or its tool, in the frame of its link."""
+
+    link: Annotated[str, Meta(min_length=1, description="URDF link or frame that carries it")]
+    start_m: Annotated[Row3, Meta(description="one end of its axis, m")]
+    end_m: Annotated[Row3, Meta(description="the other end of its axis, m")]
+    radius_m: Annotated[float, Meta(gt=0, le=1, description="radius, m")]
+
+    def __post_init__(self) -> None:
+        if not all(math.isfinite(v) for v in (*self.start_m, *self.end_m)):
+            raise ValueError(f"a capsule of {self.link} has an end that is not finite")
+
+
+class FixtureConfig(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
+    """A box that stands still in the cell, along the axes of the base frame: table, wall, fixture."""
+
+    name: Annotated[str, Meta(min_length=1, max_length=64, description="its name in refusals")]
+    min_m: Annotated[Row3, Meta(description="lower corner in the base frame, m")]
+    max_m: Annotated[Row3, Meta(description="upper corner in the base frame, m")]
+
+    def __post_init__(self) -> None:
+        corners = zip(self.min_m, self.max_m, strict=True)
+        if not all(math.isfinite(low) and math.isfinite(high) and low < high for low, high in corners):
+            raise ValueError(f"min_m of {self.name} must be below max_m on every axis")
+
+
+TABLE = FixtureConfig(name="table", min_m=(0.42, -0.55, -0.45), max_m=(1.02, 0.45, 0.558))
+PEDESTAL = FixtureConfig(name="pedestal", min_m=(-0.15, -0.15, -0.45), max_m=(0.15, 0.15, 0.0))
+
+
+class CollisionConfig(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
+    """How near the arm may come to itself and to what stands around it."""
+
+    margin_m: Annotated[float, Meta(ge=0.001, le=0.2, description="distance that is always kept, m")] = 0.01
+    slow_m: Annotated[float, Meta(gt=0, le=0.5, description="nearer, the arm approaches more slowly, m")] = 0.06
+    slowest: Annotated[float, Meta(gt=0, le=1, description="share of the speed left at the margin")] = 0.15
+    fixtures: Annotated[tuple[FixtureConfig, ...], Meta(description="boxes in the cell")] = (TABLE, PEDESTAL)
+    ignored_pairs: Annotated[
+        tuple[tuple[str, str], ...], Meta(description="links or fixtures that are allowed to touch, by name")
+    ] = ()
+
+    def __post_init__(self) -> None:
+        if self.slow_m <= self.margin_m:
+            raise ValueError(f"slow_m {self.slow_m} must be above margin_m {self.margin_m}")
+
+
+class CertaintyConfig(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
+    """How the covariance of a hand sample slows the arm: full speed up to `sure`, none beyond `poor`.
+
+    Sigma is the root of the covariance's trace, the rms length of the 3D error. The wrist decides about the position;
+    index and thumb, at the hand's length, about the orientation.
+    """
+
+    wrist_sure_mm: Annotated[float, Meta(gt=0, le=200, description="wrist sigma up to which speed is full, mm")] = 10.0
+    wrist_poor_mm: Annotated[float, Meta(gt=0, le=500, description="wrist sigma beyond which the arm holds, mm")] = 40.0
+    tips_sure_mm: Annotated[float, Meta(gt=0, le=200, description="tip sigma up to which speed is full, mm")] = 15.0
+    tips_poor_mm: Annotated[
+        float, Meta(gt=0, le=500, description="tip sigma beyond which the tool keeps its orientation, mm")
+    ] = 50.0
+    slowest: Annotated[float, Meta(gt=0, le=1, description="share of the speed left just before the hold")] = 0.2
+
+    def __post_init__(self) -> None:
+        for sure, poor, name in (
+            (self.wrist_sure_mm, self.wrist_poor_mm, "wrist"),
+            (self.tips_sure_mm, self.tips_poor_mm, "tips"),
+        ):
+            if poor <= sure:
+                raise ValueError(f"{name}_poor_mm {poor} must be above {name}_sure_mm {sure}")

@@ -1,0 +1,127 @@
+"""Where the arm may be: the tool in its box, everything far enough from everything else, on all the way to rest."""
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from common.geometry import Array
+from remote_site.kinematics.joints import JointMotion
+from remote_site.kinematics.model import ArmModel
+from remote_site.safety.collision import CollisionModel
+from remote_site.safety.status import Code, Reason, reason
+from remote_site.safety.stopping import JointStop
+
+POSITION = 1e-9  # m: what rounding may add to a position
+TOLERANCE = 5e-4  # m: between two instants that are looked at, nothing moves further from both
+NOISE = 1e-6  # m: how exactly a distance is found
+MOST_LOOKS = 200  # instants of one way to rest; a way that needs more is not clear
+
+
+@dataclass(frozen=True, slots=True)
+class Workspace:
+    """The box of the tool centre point in the base frame: lower and upper corner (3,) in m."""
+
+    lower: Array
+    upper: Array
+
+    def depth(self, point_in_base: Array) -> float:
+        """How far a point lies inside, m; negative outside, and -inf if it is not finite."""
+        sides = zip(self.lower.tolist(), point_in_base.tolist(), self.upper.tolist(), strict=True)
+        depth: float = min(min(x - low, high - x) for low, x, high in sides)
+        return depth if depth == depth else -np.inf
+
+    def excess(self, point_in_base: Array) -> float:
+        """How far a point lies outside, m; 0 inside."""
+        return max(0.0, -self.depth(point_in_base))
+
+    def clamp(self, point_in_base: Array) -> Array:
+        """The nearest point of the box."""
+        clamped: Array = np.minimum(np.maximum(point_in_base, self.lower), self.upper)
+        return clamped
+
+
+class Surroundings:
+    """Judges the way to rest of the whole arm, not only its ends.
+
+    No point of the arm moves further than its joints' levers let it; between two instants at which there is room for
+    half of that, nothing has to be looked at. Distances count beyond the margin.
+    """
+
+    def __init__(self, model: ArmModel, workspace: Workspace, collision: CollisionModel) -> None:
+        self._model = model
+        self._workspace = workspace
+        self.collision = collision
+        self._levers: list[float] = collision.levers.tolist()
+        self._kept = collision.margin + TOLERANCE
+
+    def clear(self, ends: list[JointStop], q: Array) -> bool:
+        """Whether the arm stays where it may be from `q` (n,) rad until all stops have ended."""
+        speed = sum(
+            lever * (abs(stop.v) + stop.a * stop.a / abs(2 * stop.jerk or 1.0))
+            for lever, stop in zip(self._levers, ends, strict=True)
+        )
+        duration = max(stop.duration for stop in ends)
+        depth = self._workspace.depth(self._model.forward(q)[:3, 3])
+        if depth >= speed * duration and self.collision.farther_than(q, self._kept + speed * duration):
+            return True
+        return self._room(q) >= -POSITION and self._clear_between(ends, q, speed, duration)
+
+    def retreats(self, ends: list[JointStop], from_ends: list[JointStop]) -> bool:
+        """Whether nothing gets into worse than the stops `from_ends` would bring it into."""
+        now, before = self._worst(ends), self._worst(from_ends)
+        allowed = np.minimum(before, 0.0)
+        allowed[1:] -= NOISE
+        return bool((now >= allowed - POSITION).all())
+
+    def why(self, motion: JointMotion, ends: list[JointStop]) -> Reason:
+        """What is wrong with a motion's way to rest."""
+        worst = self._worst(ends)
+        if worst[0] < -POSITION:
+            return reason(Code.WORKSPACE, excess_mm=-worst[0] * 1e3)
+        rest = np.array([stop.end for stop in ends])
+        at = rest if self.collision.distance(rest) < self.collision.distance(motion.q) else motion.q
+        distance, (first, second) = self.collision.distance(at), self.collision.nearest(at)
+        return reason(
+            Code.COLLISION, first=first, second=second, distance_mm=distance * 1e3, limit_mm=self.collision.margin * 1e3
+        )
+
+    def _clear_between(self, ends: list[JointStop], q: Array, speed: float, duration: float) -> bool:
+        """Look at ever shorter parts of the way, until each is known to be clear."""
+        rest = self._room(_at(ends, duration))
+        parts = [(0.0, self._room(q), duration, rest)]
+        if rest < -POSITION:
+            return False
+        for _ in range(MOST_LOOKS):
+            if not parts:
+                return True
+            begin, room, end, last = parts.pop()
+            travel = speed * (end - begin)
+            if room + last >= travel or travel <= 2 * TOLERANCE:
+                continue
+            middle = (begin + end) / 2
+            between = self._room(_at(ends, middle))
+            if between < -POSITION:
+                return False
+            parts += [(begin, room, middle, between), (middle, between, end, last)]
+        return False
+
+    def _room(self, q: Array) -> float:
+        """How much room there is before anything is where it may not be, m."""
+        depth = self._workspace.depth(self._model.forward(q)[:3, 3])
+        return min(depth, self.collision.distance(q) - self._kept)
+
+    def _rooms(self, q: Array) -> Array:
+        """The room in the box, then of every pair, m."""
+        depth = self._workspace.depth(self._model.forward(q)[:3, 3])
+        return np.concatenate([[depth], self.collision.distances(q) - self._kept])
+
+    def _worst(self, ends: list[JointStop]) -> Array:
+        """The least room of each kind on the way to rest."""
+        duration = max(stop.duration for stop in ends)
+        looks = 8 if duration else 1
+        rooms: Array = np.min([self._rooms(_at(ends, t)) for t in np.linspace(0.0, duration, looks)], axis=0)
+        return rooms
+
+
+def _at(ends: list[JointStop], t: float) -> Array:
+    return np.array([stop.at(t)[0] for stop in ends])
