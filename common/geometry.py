@@ -77,6 +77,16 @@ def vector_from_rotation(rotation: Array) -> Array:
     return axis * (2.0 * math.atan2(sine, w) / sine)
 
 
+def unwound(vector: Array, last: Array) -> Array:
+    """The rotation vector (3,) in rad of the same rotation, a whole turn more or less, that is nearest to the last."""
+    angle = math.sqrt(float(vector @ vector))
+    if angle < 1.0:
+        return vector
+    other: Array = vector * (1.0 - 2 * math.pi / angle)
+    near, far = vector - last, other - last
+    return other if float(far @ far) < float(near @ near) else vector
+
+
 def skew(v: Array) -> Array:
     """The 3 x 3 matrix of the cross product with v."""
     return np.array([[0.0, -v[2], v[1]], [v[2], 0.0, -v[0]], [-v[1], v[0], 0.0]])

@@ -197,7 +197,8 @@ class RobotState(Message, frozen=True):
 
     `q` and `q_commanded` are in the order of `joints` (rad); `code` and `reason` say why the robot does what it does.
     `rejected` counts refused hand samples by reason since the remote site started. `clock` is what the newest sample of
-    the lease's holder said of the clocks.
+    the lease's holder said of the clocks. `min_distance` is the least between parts of the arm, and between them and
+    the cell's fixtures, in m; None where nothing is known that could be touched.
     """
 
     session: Count
@@ -219,6 +220,7 @@ class RobotState(Message, frozen=True):
     lease: LeaseState | None
     clock: ClockSync | None
     readiness: Readiness
+    min_distance: float | None = None
 
 
 class VideoFrame(Message, frozen=True):

@@ -10,13 +10,14 @@ from common.messages import Engagement, HandArm, Pose, SessionState
 from remote_site.config import RemoteConfig
 from remote_site.gripper import GripperToggles
 from remote_site.intake import Accepted, Intake
-from remote_site.kinematics.inverse import Solution, SphericalWristInverse
+from remote_site.kinematics.dexterity import Dexterity, Slowing
 from remote_site.kinematics.joints import JointMotion
 from remote_site.kinematics.limits import JointLimits
 from remote_site.kinematics.model import ArmModel
 from remote_site.lease import Lease, LeaseDesk
-from remote_site.mapping import Mapping
-from remote_site.motion import Course, Follower, leash
+from remote_site.mapping import Mapping, Steering
+from remote_site.motion import Follower, leash
+from remote_site.pursuit import choose_pursuit
 from remote_site.safety.collision import CollisionModel
 from remote_site.safety.guard import Guard, Refused
 from remote_site.safety.shield import Shield
@@ -48,8 +49,8 @@ class Chain:
         self.intake = Intake(config.safety)
         self.session = Session(config.safety, config.engagement)
         self._mapping = Mapping(config.mapping)
-        self._inverse = SphericalWristInverse(model, limits)
-        self._course = Course(limits, config.control)
+        self._pursuit = choose_pursuit(config, model, limits)
+        self._dexterity = Dexterity(model, config.control.singularity)
         self._follower = Follower(limits, dt)
         self._workspace = Workspace(np.array(config.safety.workspace_min_m), np.array(config.safety.workspace_max_m))
         robot, collision = config.robot, config.safety.collision
@@ -63,6 +64,10 @@ class Chain:
         self._aimed: Accepted | None = None
         self._hindrance: Reason | None = None
         self._obstacle: Reason | None = None
+        self._slowing: Slowing | None = None
+        self._held = model.forward(start)
+        self.steering = Steering()
+        self.measured: Array | None = None
 
     def restart_from(self, q: Array) -> None:
         """Go on from an arm at rest at `q` (n,) rad, as after the robot was activated anew."""
@@ -99,33 +104,36 @@ class Chain:
 
     def _capture(self, latest: Accepted) -> None:
         """Take both origins: nothing that happened before is caught up."""
-        base_T_tool = self._model.forward(self.sent.q)
+        base_T_tool = self._held = self._model.forward(self.sent.q)
+        self._mapping.steer(self.steering, latest.wrist, latest.operator_R_hand, base_T_tool)
         self._mapping.engage(latest.wrist, latest.operator_R_hand, base_T_tool)
-        self._course.reset(latest.born_ns, self.sent.q)
+        self._pursuit.reset(latest.born_ns, self.sent.q)
         self.gripper.rebase(latest.sample.gripper_toggles)
-        self._aimed, self._hindrance = latest, None
+        self._aimed, self._hindrance, self._slowing = latest, None, None
         self.engagement = Engagement(self.session.engagements, latest.sample.capture_ns, pose_of(base_T_tool))
 
     def _aim(self, latest: Accepted, now_ns: int) -> None:
         """Turn the newest sample into a joint target inside box, leash and reach."""
         self._aimed = latest
         self.gripper.follow(latest.sample.gripper_toggles)
+        self._mapping.steer(self.steering, latest.wrist, latest.operator_R_hand, self._held)
         target = self._mapping.target(latest.wrist, latest.operator_R_hand)
         target[:3, 3] = self._workspace.clamp(target[:3, 3])
         leash_rad = math.radians(self._control.leash_deg)
-        leashed, self._hindrance = leash(target, self._model.forward(self.sent.q), self._control.leash_m, leash_rad)
-        solution = self._inverse.nearest(leashed, self.sent.q)
-        if isinstance(solution, Solution):
-            self._course.aim(latest.born_ns, solution.q, now_ns)
-        else:
-            self._hindrance = solution.reason
+        measured = self._model.forward(self.measured if self.measured is not None else self.sent.q)
+        self._held, saturated = leash(target, measured, self._control.leash_m, leash_rad)
+        elbow = self._mapping.elbow(latest.wrist, latest.sample.elbow)
+        unreached = self._pursuit.aim(latest.born_ns, self._held, elbow, self.sent.q, now_ns)
+        self._hindrance, self._slowing = unreached or saturated, None
 
     def _follow(self, now_ns: int) -> JointMotion:
         """One tick towards the target, or into the stop if the guard refuses that."""
         self._follower.reset(self.sent)
-        aside = self._shield.turn_aside(self.sent.q, *self._course.at(now_ns))
-        self._obstacle = aside.reason
-        proposed = self._follower.track(aside.q, aside.dq, self.session.speed_scale * aside.speed)
+        q_target, dq_target = self._pursuit.at(now_ns, self.sent.q)
+        aside = self._shield.turn_aside(self.sent.q, q_target, dq_target)
+        slowing = self._slowing = self._slowing or self._dexterity.slowing(self.sent.q, q_target)
+        self._obstacle = aside.reason or slowing.reason
+        proposed = self._follower.track(aside.q, aside.dq, aside.speed * slowing.share * self._speed())
         if isinstance(proposed, Reason):
             self._hindrance = proposed
             return self._guard.stop(self.sent)
@@ -134,6 +142,10 @@ class Chain:
             self._hindrance = verdict.reason
             return self._guard.stop(self.sent)
         return proposed
+
+    def _speed(self) -> float:
+        """The share of full speed that the link and the sample's certainty leave."""
+        return self.session.speed_scale * (self._aimed.speed if self._aimed is not None else 1.0)
 
     def _step(self, decision: Decision, motion: JointMotion) -> Step:
         following = decision.action is not Action.STOP

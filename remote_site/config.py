@@ -3,7 +3,7 @@
 import math
 from enum import StrEnum
 from pathlib import Path
-from typing import Annotated
+from typing import Annotated, Literal
 
 import msgspec
 import numpy as np
@@ -11,6 +11,7 @@ from msgspec import Meta, field
 
 from common.channels import check_cell_name
 from common.geometry import Array, transform
+from remote_site.kinematics.config import SingularityConfig, SolverConfig, StanceConfig
 from remote_site.safety.config import CapsuleConfig, CertaintyConfig, CollisionConfig
 from remote_site.simulation.config import CellConfig
 from remote_site.video.config import SIMULATED, VideoConfig
@@ -35,6 +36,11 @@ class RobotConfig(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fiel
     tool_offset_m: Annotated[
         float, Meta(ge=0, le=1, description="tool centre point beyond the tool frame along its z, m")
     ] = 0.1341
+    kinematics: Annotated[
+        Literal["auto", "closed", "general"],
+        Meta(description="closed form, general solver, or the closed form if it fits the URDF"),
+    ] = "auto"
+    stance: StanceConfig = field(default_factory=StanceConfig)
     start_deg: Annotated[
         tuple[float, ...], Meta(min_length=1, max_length=16, description="posture at the start, joint by joint, deg")
     ] = (0.0, 0.0, -45.0, 0.0, -45.0, 0.0)
@@ -149,6 +155,8 @@ class ControlConfig(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fi
     predict_ms: Annotated[
         float, Meta(ge=0, le=200, description="how long a target is carried on beyond its sample, ms")
     ] = 60.0
+    solver: SolverConfig = field(default_factory=SolverConfig)
+    singularity: SingularityConfig = field(default_factory=SingularityConfig)
 
 
 class EngagementMode(StrEnum):

@@ -111,6 +111,7 @@ class ControlLoop:
         """Read, take a sample, decide, command, tell."""
         chain = self._chain
         self._reading = self._read()
+        chain.measured = self._reading.q
         for sample in self._inbox.take():
             chain.receive(sample, now_ns)
         self._inbox.engage.poll(now_ns, self._engage)

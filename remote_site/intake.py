@@ -8,6 +8,7 @@ import numpy as np
 from common.clock import NS_PER_MS, NS_PER_S, ClockOffset
 from common.geometry import Array, hand_rotation
 from common.messages import ClockSync, HandArm, TrackingStatus
+from remote_site.certainty import certainty_of
 from remote_site.config import SafetyConfig
 from remote_site.orientation import OrientationGate
 from remote_site.safety.status import Code, Reason, reason
@@ -20,7 +21,8 @@ class Accepted:
     """A sample to act on: wrist (3,) in the operator frame in m, the hand's orientation (3 x 3) if it shows one.
 
     `born_ns` is its capture on our clock, the earliest it can be; the age counts from there. The orientation is None
-    while a fingertip is missing or inferred, the hand is open or turns too fast to be meant.
+    while a fingertip is missing, inferred or poorly known, the hand is open or turns too fast to be meant.
+    `speed` is the share of full speed that the wrist's covariance allows.
     """
 
     sample: HandArm
@@ -28,6 +30,7 @@ class Accepted:
     operator_R_hand: Array | None
     born_ns: int
     new_session: bool
+    speed: float = 1.0
 
 
 @dataclass(frozen=True, slots=True)
@@ -87,12 +90,19 @@ class Intake:
     def _judge(self, sample: HandArm, born_ns: int, new_session: bool) -> Accepted | Rejected:
         if sample.wrist is None or sample.status in (TrackingStatus.LOST, TrackingStatus.INITIALISING):
             return self.refuse(_not_tracked(sample), hand_lost=True)
+        certainty = certainty_of(sample.covariance, self._config.certainty)
+        if certainty.position == 0.0:
+            limit_mm = self._config.certainty.wrist_poor_mm
+            poor = reason(Code.UNCERTAIN, sigma_mm=certainty.wrist_mm, limit_mm=limit_mm)
+            return self.refuse(poor, hand_lost=True)
         wrist = np.array(sample.wrist)
         if not np.isfinite(wrist).all():
             return self.refuse(reason(Code.NOT_FINITE, what="wrist"))
         if (jump := self._jump(wrist, born_ns)) is not None:
             return self._jumped(jump)
-        return Accepted(sample, wrist, self._gate.judge(_orientation(sample), born_ns), born_ns, new_session)
+        shown = _orientation(sample) if certainty.orientation else None
+        orientation = self._gate.judge(shown, born_ns, certainty.orientation)
+        return Accepted(sample, wrist, orientation, born_ns, new_session, certainty.position)
 
     def _order(self, sample: HandArm) -> Reason | None:
         if sample.session != self._session or sample.seq > self._seq:

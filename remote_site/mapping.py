@@ -1,58 +1,121 @@
 """Relative motion: from the hand's motion since its origin to the tool's target since its own."""
 
 import math
+from dataclasses import dataclass
+from typing import Protocol
 
 import numpy as np
 
 from common.errors import ConfigError
-from common.geometry import Array, rotation_from_vector, transform, vector_from_rotation
+from common.geometry import Array, rotation_from_vector, transform, unwound, vector_from_rotation
+from common.messages import Vector3
 from remote_site.config import LocksConfig, MappingConfig
 
 PROPER = 1e-6
+NO_LOCKS = LocksConfig()
+
+
+class Locks(Protocol):
+    """Motions that the arm does not copy: along the base's axes, about the tool's at the last reference."""
+
+    @property
+    def x(self) -> bool: ...
+    @property
+    def y(self) -> bool: ...
+    @property
+    def z(self) -> bool: ...
+    @property
+    def roll(self) -> bool: ...
+    @property
+    def pitch(self) -> bool: ...
+    @property
+    def yaw(self) -> bool: ...
+
+
+@dataclass(frozen=True, slots=True)
+class Steering:
+    """What the operator changes while working; the scales multiply the configured one, locks add to the configured.
+
+    `clutch_count` rises by one whenever the operator takes a new reference, after having moved the hand freely.
+    """
+
+    clutch_count: int = 0
+    scale: float = 1.0
+    rotation_scale: float = 1.0
+    locks: Locks = NO_LOCKS
 
 
 class Mapping:
-    """Moves the tool as the hand has moved since `engage`, in the robot's world axes (thesis section 4.2).
+    """Moves the tool as the hand has moved since its reference, in the robot's world axes (thesis section 4.2).
 
     While the hand shows no orientation (thumb hidden, hand open) the tool keeps its own; when the orientation is back,
-    the hand's rotation counts from there, so the tool never swings.
+    the hand's rotation counts from there, so the tool never swings. Whatever the operator steers, the target goes on
+    from where it is.
     """
 
     def __init__(self, config: MappingConfig) -> None:
         self._base_R_operator = _proper_rotation(config)
-        self._scale = config.scale
-        self._moving = np.array([not lock for lock in (config.locks.x, config.locks.y, config.locks.z)], dtype=float)
-        self._locks = config.locks
+        self._config = config
+        self._apply(Steering())
         self._wrist_origin = np.zeros(3)
         self._tool_origin = np.eye(4)
         self._hand_reference: Array | None = None
         self._rotation_reference = np.eye(3)
         self._rotation = np.eye(3)
+        self._turned = np.zeros(3)
 
     def engage(self, wrist_in_operator: Array, operator_R_hand: Array | None, base_T_tool: Array) -> None:
         """Capture both origins: from here the target is `base_T_tool` plus the hand's motion."""
         self._wrist_origin = wrist_in_operator.copy()
         self._tool_origin = base_T_tool.copy()
-        self._hand_reference = operator_R_hand
+        self._hand_reference, self._turned = operator_R_hand, np.zeros(3)
         self._rotation_reference = self._rotation = np.eye(3)
+
+    def steer(
+        self, steering: Steering, wrist_in_operator: Array, operator_R_hand: Array | None, base_T_target: Array
+    ) -> None:
+        """Take what the operator wants; a change takes both origins anew, the tool's from the target as it is held."""
+        if steering != self._steering:
+            self._apply(steering)
+            self.engage(wrist_in_operator, operator_R_hand, base_T_target)
 
     def target(self, wrist_in_operator: Array, operator_R_hand: Array | None) -> Array:
         """The tool's target `base_T_tool` (4 x 4) for a wrist (3,) in m and the hand's orientation, if it shows one."""
         moved = self._base_R_operator @ (wrist_in_operator - self._wrist_origin)
         self._turn(operator_R_hand)
         origin = self._tool_origin[:3, :3]
-        turned = origin @ _locked(origin.T @ self._rotation @ origin, self._locks)
-        return transform(turned, self._tool_origin[:3, 3] + self._scale * self._moving * moved)
+        turned = origin @ _locked(origin.T @ self._rotation @ origin, self._turns)
+        return transform(turned, self._tool_origin[:3, 3] + self._ways * moved)
+
+    def elbow(self, wrist_in_operator: Array, elbow_in_operator: Vector3 | None) -> Array | None:
+        """The operator's elbow from the wrist (3,) in m in the base's axes, None while it is not seen."""
+        if elbow_in_operator is None:
+            return None
+        elbow: Array = self._base_R_operator @ (np.array(elbow_in_operator) - wrist_in_operator)
+        return elbow
+
+    def _apply(self, steering: Steering) -> None:
+        own, theirs = self._config.locks, steering.locks
+        moving = np.array([not (own.x or theirs.x), not (own.y or theirs.y), not (own.z or theirs.z)], dtype=float)
+        self._ways = self._config.scale * steering.scale * moving
+        self._turns = np.array(
+            [not (own.yaw or theirs.yaw), not (own.pitch or theirs.pitch), not (own.roll or theirs.roll)], dtype=float
+        )
+        self._rotation_scale = steering.rotation_scale
+        self._steering = steering
 
     def _turn(self, operator_R_hand: Array | None) -> None:
-        """Bring `_rotation`, the tool's unlocked rotation in the base's axes since engagement, up to date."""
+        """Bring `_rotation`, the tool's unlocked rotation in the base's axes since its reference, up to date."""
         if operator_R_hand is None:
             self._hand_reference = None
             return
         if self._hand_reference is None:
-            self._hand_reference = operator_R_hand
+            self._hand_reference, self._turned = operator_R_hand, np.zeros(3)
             self._rotation_reference = self._rotation
         turned = self._base_R_operator @ operator_R_hand @ self._hand_reference.T @ self._base_R_operator.T
+        if self._rotation_scale != 1.0:
+            self._turned = unwound(vector_from_rotation(turned), self._turned)
+            turned = rotation_from_vector(self._rotation_scale * self._turned)
         self._rotation = turned @ self._rotation_reference
 
 
@@ -70,16 +133,14 @@ def thesis_angles(wrist: Array, index: Array, thumb: Array) -> tuple[float, floa
     return alpha, beta, gamma
 
 
-def _locked(tool_R_turned: Array, locks: LocksConfig) -> Array:
-    """A rotation in the tool's axes without its locked parts: roll is the twist about z, the swing has x and y."""
-    if not (locks.roll or locks.pitch or locks.yaw):
+def _locked(tool_R_turned: Array, free: Array) -> Array:
+    """A rotation in the tool's axes with its free parts (3,), 1 or 0: z is the twist about z, the swing has x and y."""
+    if free.all():
         return tool_R_turned
-    z = tool_R_turned[:, 2]
-    swing = _swing_to(z)
+    swing = _swing_to(tool_R_turned[:, 2])
     twist = swing.T @ tool_R_turned
-    vector = vector_from_rotation(swing)
-    swing = rotation_from_vector(vector * np.array([not locks.yaw, not locks.pitch, 1.0]))
-    return swing if locks.roll else swing @ twist
+    kept = rotation_from_vector(vector_from_rotation(swing) * np.array([free[0], free[1], 1.0]))
+    return kept @ twist if free[2] else kept
 
 
 def _swing_to(z: Array) -> Array:

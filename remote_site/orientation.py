@@ -26,12 +26,16 @@ class OrientationGate:
         self._calm_since_ns = 0
         self._acted: deque[tuple[int, Array]] = deque(maxlen=ACTED_KEPT)
 
-    def judge(self, operator_R_hand: Array | None, born_ns: int) -> Array | None:
-        """The orientation (3 x 3) if it may act, None otherwise; `born_ns` rises from call to call."""
+    def judge(self, operator_R_hand: Array | None, born_ns: int, share: float = 1.0) -> Array | None:
+        """The orientation (3 x 3) if it may act, None otherwise; `born_ns` rises from call to call.
+
+        `share` is the part of the fastest turn that is believed of so uncertain an orientation.
+        """
         if operator_R_hand is None:
             self._last = None
             return self._take_back(born_ns)
-        if self._last is None or self._speed_rad_s(operator_R_hand, self._last, born_ns) > self._fastest_rad_s:
+        fastest = share * self._fastest_rad_s
+        if self._last is None or self._speed_rad_s(operator_R_hand, self._last, born_ns) > fastest:
             self._calm_since_ns = born_ns
         self._last = operator_R_hand, born_ns
         if born_ns - self._calm_since_ns < self._settle_ns:

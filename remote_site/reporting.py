@@ -1,6 +1,7 @@
 """What the remote site tells of itself: the robot's state, which hand sample it obeys, and when that moved it."""
 
 import contextvars
+import math
 import secrets
 import threading
 from collections import Counter
@@ -121,6 +122,7 @@ class Reporter:
                 lease=_lease(chain, now_ns),
                 clock=chain.intake.clock,
                 readiness=_readiness(chain, reading, now_ns),
+                min_distance=_finite(chain.collision.distance(reading.q)),
             )
         )
 
@@ -141,3 +143,7 @@ def _lease(chain: Chain, now_ns: int) -> LeaseState | None:
 def _readiness(chain: Chain, reading: RobotReading, now_ns: int) -> Readiness:
     answer = chain.session.readiness(now_ns, chain.robot(ready=reading.ready, fault=reading.fault))
     return Readiness(answer.done, answer.reason.code.value, answer.reason.sentence, chain.session.held)
+
+
+def _finite(distance: float) -> float | None:
+    return distance if math.isfinite(distance) else None

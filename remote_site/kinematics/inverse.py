@@ -2,14 +2,27 @@
 
 import math
 from collections.abc import Iterator
-from dataclasses import dataclass
-from typing import NamedTuple
 
 import numpy as np
 
+from common.errors import ModelError
 from common.geometry import Array, inverse
+from remote_site.kinematics.config import StanceConfig
 from remote_site.kinematics.limits import JointLimits
 from remote_site.kinematics.model import ArmModel
+from remote_site.kinematics.solution import Solution, Stance, Unreachable
+from remote_site.kinematics.spherical import (
+    TURN,
+    Arm,
+    Point,
+    Rows,
+    Target,
+    apart,
+    dot,
+    in_forearm,
+    minus,
+    pitch_and_twist,
+)
 from remote_site.kinematics.upright import UprightGeometry
 from remote_site.safety.status import Code, Reason, reason
 
@@ -25,62 +38,21 @@ STANCE_CHANGE = 1.0  # rad: a solution in another stance is taken only if no joi
 PASSES = 20  # of bringing the arm after a tool whose wrist is turned otherwise
 SETTLED = 1e-8  # m: when that is done
 ROUNDING = 1e-9  # rad: what it may put a joint beyond its limit
+SIDES = {"keep": 0, "front": 1, "back": -1, "forward": 1, "backward": -1}
+BRANCHES = 8
+TRIED = 16  # postures at which the closed form is compared with the model
 RIGID = 1e-6  # how far a target's rotation may be from orthonormal
-TURN = 2 * math.pi
-
-Point = tuple[float, float, float]
-Rows = list[list[float]]
 
 
-class Stance(NamedTuple):
-    """Which of the eight: shoulder to the front or back, elbow, wrist turned one way (+1) or the other (-1)."""
-
-    shoulder: int
-    elbow: int
-    wrist: int
-
-
-@dataclass(frozen=True, slots=True)
-class Solution:
-    """Joint positions (6,) in rad that reach the target, and their stance.
-
-    The position of the tool is always reached, but for `SHOULDER_HOLD` where `held` says so; `lost_rad` of its
-    orientation is not, while joint 4 is damped or too slow, or joint 4 or 6 at its limit.
-    """
-
-    q: Array
-    stance: Stance
-    held: bool = False
-    lost_rad: float = 0.0
-
-
-@dataclass(frozen=True, slots=True)
-class Unreachable:
-    """There is no acceptable solution, and why."""
-
-    reason: Reason
-
-
-class Target(NamedTuple):
-    """Where the tool centre point shall be, and how the wrist shall be turned, in the base frame."""
-
-    tcp: Point
-    rotation: Rows
-
-
-class Arm(NamedTuple):
-    """A solution for joints 1 to 3 in the canonical angles, positive about +z and +y."""
-
-    angles: Point
-    shoulder: int
-    elbow: int
-    held: bool
+KEEP = StanceConfig()
 
 
 class SphericalWristInverse:
-    """Inverse kinematics within limits; ModelError if the arm is of another kind."""
+    """Inverse kinematics within limits, in a chosen stance or the arm's; ModelError if the arm is of another kind."""
 
-    def __init__(self, model: ArmModel, limits: JointLimits) -> None:
+    def __init__(self, model: ArmModel, limits: JointLimits, stance: StanceConfig = KEEP) -> None:
+        self._model = model
+        self._chosen = Stance(SIDES[stance.shoulder], SIDES[stance.elbow], SIDES[stance.wrist])
         self._arm = UprightGeometry.from_model(model)
         self._tcp_T_wrist = inverse(self._arm.wrist_T_tcp)
         self._offset = tuple(self._arm.wrist_T_tcp[:3, 3].tolist())
@@ -91,6 +63,23 @@ class SphericalWristInverse:
         upper_arm, forearm = self._arm.upper_arm, self._arm.forearm
         self._least = math.sqrt(upper_arm**2 + forearm**2 + 2 * upper_arm * forearm * math.cos(elbow))
 
+    def verify(self) -> None:
+        """Compare the closed form with the model at postures all over the joints' range; ModelError if it differs."""
+        spread = np.outer(np.arange(1, TRIED + 1), np.sqrt([2.0, 3.0, 5.0, 7.0, 11.0, 13.0])) % 1.0
+        for q in self._limits.lower + spread * (self._limits.upper - self._limits.lower):
+            pose = self._model.forward(q)
+            found = self.solutions(pose)
+            off = [float(np.abs(self._model.forward(solution.q) - pose).max()) for solution in found]
+            if len(found) != BRANCHES or max(off) > RIGID:
+                raise ModelError("the closed form does not lead back to poses of this arm")
+
+    def check_stance(self, q: Array) -> None:
+        """ModelError if the arm at `q` (6,) rad is in another stance than the chosen one."""
+        current = self._stance_of(tuple(q.tolist()))
+        for name, wanted, here in zip(Stance._fields, self._chosen, current, strict=True):
+            if wanted not in (0, here):
+                raise ModelError(f"robot.stance.{name} is not that of robot.start_deg; change one of them")
+
     def solutions(self, base_T_tool: Array) -> list[Solution]:
         """All eight solutions in (-pi, pi], without regard to limits; empty out of reach or if not a rigid pose."""
         target = self._target(base_T_tool)
@@ -98,10 +87,10 @@ class SphericalWristInverse:
             return []
         found = []
         for arm in self._arms(self._centre(target), None):
-            m = _in_forearm(target.rotation, arm.angles)
+            m = in_forearm(target.rotation, arm.angles)
             roll = math.atan2(m[1][2], m[0][2])
             for angle in (roll, roll + math.pi):
-                angles = (*arm.angles, angle, *_pitch_and_twist(m, angle))
+                angles = (*arm.angles, angle, *pitch_and_twist(m, angle))
                 stance = Stance(arm.shoulder, arm.elbow, 1 if angles[4] >= 0 else -1)
                 found.append(Solution(np.array(self._joints(angles)), stance))
         return found
@@ -121,16 +110,17 @@ class SphericalWristInverse:
         best: tuple[float, Solution] | None = None
         worst: tuple[float, Reason] | None = None
         arms = [
-            (_cost(self._unwrapped(arm.angles, current), current), arm)
+            (apart(self._unwrapped(arm.angles, current), current), arm)
             for arm in self._arms(self._centre(target), current)
+            if self._chosen.shoulder in (0, arm.shoulder) and self._chosen.elbow in (0, arm.elbow)
         ]
         for arm_cost, arm in sorted(arms):
             if best is not None and arm_cost >= best[0]:
                 break
             found = self._placed(target, arm, current, elapsed_s)
             if isinstance(found, Solution):
-                cost = _cost(found.q.tolist(), current)
-                best = (cost, found) if best is None or cost < best[0] else best
+                way = apart(found.q.tolist(), current)
+                best = (way, found) if best is None or way < best[0] else best
             elif worst is None:
                 worst = arm_cost, found
         if best is not None:
@@ -180,17 +170,17 @@ class SphericalWristInverse:
 
     def _placed(self, target: Target, arm: Arm, current: tuple[float, ...], elapsed_s: float) -> Solution | Reason:
         """Joints 4 to 6 for an arm; while joint 4 is not at its place, the arm moves so that the tool is."""
-        m = _in_forearm(target.rotation, arm.angles)
+        m = in_forearm(target.rotation, arm.angles)
         roll, rest = self._roll(m, current, elapsed_s)
-        pitch, twist, over = self._limited(_pitch_and_twist(m, roll), current)
+        pitch, twist, over = self._limited(pitch_and_twist(m, roll), current)
         lost = 0.0
         if rest or over:
             moved = self._moved(target, arm, roll, current)
             if moved is None:
                 return self._out_of_reach(target, self._at_limit(3, current[3]))
             arm = moved
-            m = _in_forearm(target.rotation, arm.angles)
-            pitch, twist, over = self._limited(_pitch_and_twist(m, roll), current)
+            m = in_forearm(target.rotation, arm.angles)
+            pitch, twist, over = self._limited(pitch_and_twist(m, roll), current)
             beside = math.asin(min(abs(math.cos(roll) * m[1][2] - math.sin(roll) * m[0][2]), 1.0))
             lost = math.hypot(beside, over)
         q = self._unwrapped((*arm.angles, roll, pitch, twist), current)
@@ -206,15 +196,15 @@ class SphericalWristInverse:
         centre = self._centre(target)
         last_off, last_next = (0.0, 0.0, 0.0), centre
         for k in range(PASSES):
-            m = _in_forearm(target.rotation, arm.angles)
-            pitch, twist, _ = self._limited(_pitch_and_twist(m, roll), current)
+            m = in_forearm(target.rotation, arm.angles)
+            pitch, twist, _ = self._limited(pitch_and_twist(m, roll), current)
             wanted = self._centre_of(target, (*arm.angles, roll, pitch, twist))
-            off = _minus(wanted, centre)
-            if _dot(off, off) < SETTLED**2:
+            off = minus(wanted, centre)
+            if dot(off, off) < SETTLED**2:
                 return arm
-            change = _minus(off, last_off)
-            share = _dot(off, change) / _dot(change, change) if k else 0.0
-            step = _minus(wanted, last_next)
+            change = minus(off, last_off)
+            share = dot(off, change) / dot(change, change) if k else 0.0
+            step = minus(wanted, last_next)
             last_off, last_next = off, wanted
             centre = (wanted[0] - share * step[0], wanted[1] - share * step[1], wanted[2] - share * step[2])
             same = [a for a in self._arms(centre, current) if (a.shoulder, a.elbow) == (arm.shoulder, arm.elbow)]
@@ -273,6 +263,8 @@ class SphericalWristInverse:
             at_limit = i in (3, 5) and value in (lower, upper)
             if not lower - ROUNDING <= value <= upper + ROUNDING or (at_limit and lost > LOST_MOST):
                 return self._at_limit(i, value)
+        if self._chosen.wrist not in (0, stance.wrist):
+            return reason(Code.STANCE, joint=self._limits.names[4], move_deg=math.degrees(abs(q[4])))
         moves = [abs(a - b) for a, b in zip(q, current, strict=True)]
         move = max(moves)
         if move <= STANCE_CHANGE or stance == self._stance_of(current):
@@ -300,45 +292,8 @@ class SphericalWristInverse:
         return reason(Code.OUT_OF_REACH, distance_mm=distance * 1e3, least_mm=self._least * 1e3, most_mm=most * 1e3)
 
 
-def _cost(q: list[float], current: tuple[float, ...]) -> float:
-    """The squared distance in joint space, of as many joints as there are."""
-    return sum((a - b) ** 2 for a, b in zip(q, current, strict=False))
-
-
-def _minus(a: Point, b: Point) -> Point:
-    return a[0] - b[0], a[1] - b[1], a[2] - b[2]
-
-
-def _dot(a: Point, b: Point) -> float:
-    return a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
-
-
 def _share(bend: float, elapsed_s: float) -> float:
     """How much of its way joint 4 goes in `elapsed_s`, when the wrist is bent by the sine `bend`."""
     if bend >= WRIST_ZONE:
         return 1.0
     return -math.expm1(-elapsed_s * WRIST_RATE * (bend / WRIST_ZONE) ** 2) if bend > 0.0 else 0.0
-
-
-def _in_forearm(rotation: Rows, arm_angles: Point) -> Rows:
-    """A rotation in the base frame as seen from the forearm: Ry(-lean) Rz(-yaw) R."""
-    yaw, lean = arm_angles[0], arm_angles[1] + arm_angles[2]
-    cy, sy, cl, sl = math.cos(yaw), math.sin(yaw), math.cos(lean), math.sin(lean)
-    first, second, third = rotation[0][:3], rotation[1][:3], rotation[2][:3]
-    ahead = [cy * a + sy * b for a, b in zip(first, second, strict=True)]
-    return [
-        [cl * a - sl * c for a, c in zip(ahead, third, strict=True)],
-        [cy * b - sy * a for a, b in zip(first, second, strict=True)],
-        [sl * a + cl * c for a, c in zip(ahead, third, strict=True)],
-    ]
-
-
-def _pitch_and_twist(m: Rows, roll: float) -> tuple[float, float]:
-    """Joints 5 and 6 that best make up the rotation Rz(roll) Ry(pitch) Rz(twist), given the roll."""
-    c, s = math.cos(roll), math.sin(roll)
-    pitch = math.atan2(c * m[0][2] + s * m[1][2], m[2][2])
-    cp, sp = math.cos(pitch), math.sin(pitch)
-    xx = cp * (c * m[0][0] + s * m[1][0]) - sp * m[2][0]
-    xy = cp * (c * m[0][1] + s * m[1][1]) - sp * m[2][1]
-    yx, yy = c * m[1][0] - s * m[0][0], c * m[1][1] - s * m[0][1]
-    return pitch, math.atan2(yx - xy, xx + yy)

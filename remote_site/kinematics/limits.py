@@ -11,6 +11,8 @@ from common.geometry import Array
 from remote_site.config import RobotConfig
 from remote_site.kinematics.model import ArmModel
 
+TARGET_SPEED = 0.9  # of a joint's speed, for its target: the joint must be quicker to catch it
+
 
 @dataclass(frozen=True, slots=True)
 class JointLimits:
@@ -36,6 +38,15 @@ class JointLimits:
             acceleration=ones * _accelerations(model, config),
             jerk=ones * config.jerk_rad_s3,
         )
+
+    def stoppable(self, room: Array) -> Array:
+        """The speed (n,) in rad/s from which a joint without acceleration stops within `room` (n,) rad."""
+        room = np.maximum(room, 0.0)
+        gentle = np.cbrt(room**2 * self.jerk)
+        ramp = self.acceleration**2 / (2 * self.jerk)
+        hard = np.sqrt(ramp**2 + 2 * self.acceleration * room) - ramp
+        speed: Array = np.where(gentle <= 2 * ramp, gentle, hard)
+        return speed
 
     def scaled_speed(self, scale: float) -> Self:
         """The same limits with the velocities times `scale` (0 to 1]."""

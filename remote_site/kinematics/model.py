@@ -27,7 +27,7 @@ class ArmModel:
         self.velocity: Array = np.array(model.velocityLimit)
         self.effort: Array = np.array(model.effortLimit)
         self._data = model.createData()
-        self._tcp_frame = tcp_frame
+        self.tcp_frame = tcp_frame
 
     @classmethod
     def from_urdf(cls, path: Path, tool_frame: str, tool_T_tcp: Array) -> Self:
@@ -46,13 +46,13 @@ class ArmModel:
     def forward(self, q: Array) -> Array:
         """The tool centre point's pose `base_T_tool` (4 x 4) at joint positions (n,) in rad."""
         pin.forwardKinematics(self.pin_model, self._data, q)
-        pose: Array = pin.updateFramePlacement(self.pin_model, self._data, self._tcp_frame).homogeneous
+        pose: Array = pin.updateFramePlacement(self.pin_model, self._data, self.tcp_frame).homogeneous
         return pose
 
     def jacobian(self, q: Array) -> Array:
         """The Jacobian (6 x n) of the tool centre point: linear (m/s), then angular (rad/s), in the base's axes."""
         jacobian: Array = pin.computeFrameJacobian(
-            self.pin_model, self._data, q, self._tcp_frame, pin.ReferenceFrame.LOCAL_WORLD_ALIGNED
+            self.pin_model, self._data, q, self.tcp_frame, pin.ReferenceFrame.LOCAL_WORLD_ALIGNED
         )
         return jacobian
 

@@ -1,6 +1,6 @@
 """Where the arm may be: the tool in its box, everything far enough from everything else, on all the way to rest."""
 
-from dataclasses import dataclass
+import math
 
 import numpy as np
 
@@ -17,18 +17,20 @@ NOISE = 1e-6  # m: how exactly a distance is found
 MOST_LOOKS = 200  # instants of one way to rest; a way that needs more is not clear
 
 
-@dataclass(frozen=True, slots=True)
 class Workspace:
     """The box of the tool centre point in the base frame: lower and upper corner (3,) in m."""
 
-    lower: Array
-    upper: Array
+    def __init__(self, lower: Array, upper: Array) -> None:
+        self.lower, self.upper = lower, upper
+        self._lower, self._upper = lower.tolist(), upper.tolist()
 
     def depth(self, point_in_base: Array) -> float:
         """How far a point lies inside, m; negative outside, and -inf if it is not finite."""
-        sides = zip(self.lower.tolist(), point_in_base.tolist(), self.upper.tolist(), strict=True)
-        depth: float = min(min(x - low, high - x) for low, x, high in sides)
-        return depth if depth == depth else -np.inf
+        point = point_in_base.tolist()
+        if not math.isfinite(sum(point)):
+            return -math.inf
+        depth: float = min(min(x - low, high - x) for low, x, high in zip(self._lower, point, self._upper, strict=True))
+        return depth
 
     def excess(self, point_in_base: Array) -> float:
         """How far a point lies outside, m; 0 inside."""

@@ -7,7 +7,8 @@ from hypothesis import strategies as st
 from remote_loop import arm
 
 from common.geometry import rotation_from_vector, transform, vector_from_rotation
-from remote_site.kinematics.inverse import SHOULDER_HOLD, Solution, SphericalWristInverse, Unreachable
+from remote_site.kinematics.inverse import SHOULDER_HOLD, SphericalWristInverse
+from remote_site.kinematics.solution import Solution, Unreachable
 from remote_site.safety.status import Code
 
 MODEL, LIMITS = arm()

@@ -9,8 +9,9 @@ from remote_loop import arm
 from common.clock import NS_PER_MS, NS_PER_S
 from common.geometry import rotation_from_vector, transform, vector_from_rotation
 from remote_site.config import ControlConfig
+from remote_site.course import Course
 from remote_site.kinematics.joints import JointMotion
-from remote_site.motion import Course, Follower, leash
+from remote_site.motion import Follower, leash
 from remote_site.safety.guard import JointGuard, Passed
 from remote_site.safety.status import Code, Reason
 

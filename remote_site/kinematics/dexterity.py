@@ -1,0 +1,54 @@
+"""How singular a posture is, and how much slower the arm goes on towards a more singular one."""
+
+import math
+from dataclasses import dataclass
+
+import numpy as np
+from scipy.linalg import lapack
+
+from common.geometry import Array
+from remote_site.kinematics.config import SingularityConfig
+from remote_site.kinematics.model import ArmModel
+from remote_site.safety.status import Code, Reason, reason
+
+TINY = 1e-12
+
+
+@dataclass(frozen=True, slots=True)
+class Slowing:
+    """The share of the speed that is left, and why it is less than all."""
+
+    share: float
+    reason: Reason | None
+
+
+FULL = Slowing(1.0, None)
+
+
+class Dexterity:
+    """Slows the way into a singular posture in proportion to the condition number; the way out is never slowed."""
+
+    def __init__(self, model: ArmModel, config: SingularityConfig) -> None:
+        self._model = model
+        self._config = config
+        self._weights = task_weights(config.radius_m)
+
+    def condition(self, q: Array) -> float:
+        """The condition number of the Jacobian, turns counted as ways at `radius_m`; inf where it is singular."""
+        _, sigma, _, failed = lapack.dgesdd(self._weights * self._model.jacobian(q), compute_uv=0)
+        least = float(sigma[-1])
+        return float(sigma[0]) / least if not failed and least > TINY else math.inf
+
+    def slowing(self, q: Array, q_target: Array) -> Slowing:
+        """For an arm at `q` (n,) rad on its way to `q_target` (n,) rad, both finite."""
+        condition = self.condition(q)
+        begins = self._config.slow_condition
+        if condition <= begins or self.condition(q_target) < condition:
+            return FULL
+        share = max(begins / condition, self._config.slowest)
+        return Slowing(share, reason(Code.SINGULAR, condition=condition, share=share))
+
+
+def task_weights(radius_m: float) -> Array:
+    """What each row of a Jacobian (6 x n) counts, (6, 1): ways as they are, turns as ways at `radius_m`."""
+    return np.array([1.0, 1.0, 1.0, radius_m, radius_m, radius_m])[:, None]

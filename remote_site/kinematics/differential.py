@@ -1,0 +1,138 @@
+"""Inverse kinematics of any serial arm, one step at a time: damped least squares inside a box of joint speeds."""
+
+import math
+from dataclasses import dataclass
+
+import daqp
+import numpy as np
+import pinocchio as pin
+from scipy.linalg import lapack
+
+from common.geometry import Array
+from remote_site.kinematics.config import SingularityConfig, SolverConfig
+from remote_site.kinematics.dexterity import task_weights
+from remote_site.kinematics.limits import TARGET_SPEED, JointLimits
+from remote_site.kinematics.model import ArmModel
+from remote_site.kinematics.swivel import Swivel
+
+FASTEST_M_S = 1.5  # of taking back an error; faster would only turn the joints' common direction
+FASTEST_RAD_S = 4.0
+FREE_WEIGHT = 1e-4  # of motion that the tool does not feel, when a joint's speed has to give way
+ACCELERATE = 0.8  # of a joint's acceleration: the follower must be quicker than its target to catch it
+NEAR_LIMITS = 0.7  # of the speed from which a joint could just stop
+RETURN_S = 10.0  # 1/s: the speed of a joint beside its limit by its distance
+SOLVED = 1
+TINY = 1e-12
+
+
+@dataclass(frozen=True, slots=True)
+class Move:
+    """One step: joint positions (n,) in rad and speeds in rad/s, and how far off the tool was before it."""
+
+    q: Array
+    dq: Array
+    off_m: float
+    off_rad: float
+
+
+class DifferentialInverse:
+    """Follows a moving pose, joints inside their limits and speeds, with what is free left to elbow or posture.
+
+    Directions that a nearly singular posture has lost are damped one by one, the others stay exact. Where a joint
+    would be too fast or beyond its limit, a quadratic program (by daqp) finds the speeds nearest to those wanted, as
+    felt at the tool. A joint outside its limit returns at its speed.
+    """
+
+    def __init__(
+        self, model: ArmModel, limits: JointLimits, solver: SolverConfig, singularity: SingularityConfig, posture: Array
+    ) -> None:
+        self._model = model
+        self._data = model.pin_model.createData()
+        self._limits = limits
+        self._gain, self._posture_gain = solver.gain_s, solver.posture_gain_s
+        self._weights = task_weights(singularity.radius_m)
+        self._damp = singularity.damp_condition
+        self._posture = posture
+        self._fastest = TARGET_SPEED * limits.velocity
+        self.swivel = Swivel.of(model, solver)
+        self._far = np.maximum(limits.velocity / RETURN_S, limits.velocity**2 / limits.acceleration) / NEAR_LIMITS**2
+        n = len(limits.names)
+        self._no_rows, self._sense = np.zeros((0, n)), np.zeros(n, dtype=np.int32)
+
+    def step(self, last: Move, base_T_target: Array, twist: Array, dt: float, elbow: Array | None) -> Move:
+        """From the last step towards a finite pose (4 x 4) that moves with `twist` (6,) in m/s and rad/s, for `dt` s.
+
+        `elbow` (3,) is the operator's, from the wrist, in the base's axes, None if it never was seen.
+        """
+        q = last.q
+        pose, jacobian = self._kinematics(q)
+        off = np.concatenate(
+            [base_T_target[:3, 3] - pose.translation, pin.log3(base_T_target[:3, :3] @ pose.rotation.T)]
+        )
+        way, turn = math.sqrt(float(off[:3] @ off[:3])), math.sqrt(float(off[3:] @ off[3:]))
+        back = self._gain * (off - dt * twist)
+        back *= min(1.0, FASTEST_M_S / max(self._gain * way, TINY), FASTEST_RAD_S / max(self._gain * turn, TINY))
+        dq = self._speeds(last, jacobian, twist + back, dt, elbow)
+        return Move(q + dt * dq, dq, way, turn)
+
+    def _kinematics(self, q: Array) -> tuple[pin.SE3, Array]:
+        model, data, frame = self._model.pin_model, self._data, self._model.tcp_frame
+        pin.computeJointJacobians(model, data, q)
+        pose = pin.updateFramePlacement(model, data, frame)
+        return pose, pin.getFrameJacobian(model, data, frame, pin.ReferenceFrame.LOCAL_WORLD_ALIGNED)
+
+    def _speeds(self, last: Move, jacobian: Array, wanted: Array, dt: float, elbow: Array | None) -> Array:
+        weighted = self._weights * jacobian
+        u, sigma, vt, failed = lapack.dgesdd(weighted)
+        if failed:
+            return np.zeros(len(last.q))
+        least = sigma[0] / self._damp
+        damping = np.maximum(least**2 - sigma**2, 0.0)
+        squares = sigma**2 + damping
+        rows = vt[: len(sigma)]
+        dq = ((u.T @ (self._weights[:, 0] * wanted))[: len(sigma)] * sigma / squares) @ rows
+        dq += self._free(last.q, vt, rows, sigma**2 / squares, elbow, dt)
+        lowest, highest = self._box(last, dt)
+        if (dq < lowest).any() or (dq > highest).any():
+            weights = np.concatenate([squares, np.full(len(last.q) - len(sigma), FREE_WEIGHT)])
+            dq = self._nearest_inside(dq, (vt.T * weights) @ vt, lowest, highest)
+        speeds: Array = dq
+        return speeds
+
+    def _free(self, q: Array, vt: Array, rows: Array, taken: Array, elbow: Array | None, dt: float) -> Array:
+        """What the joints do besides: the operator's elbow followed, or back to the posture, as far as it is free."""
+        if elbow is not None and self.swivel is not None:
+            free = vt[-1]
+            along: Array = free * self.swivel.rate(self._data, self._data.J, free, elbow, self._fastest, dt)
+            return along
+        back = self._posture_gain * (self._posture - q)
+        rest: Array = back - (taken * (rows @ back)) @ rows
+        return rest
+
+    def _box(self, last: Move, dt: float) -> tuple[Array, Array]:
+        """The lowest and highest speeds (n,): what a joint can reach, what leaves it time to stop before its limit.
+
+        Outside its limit a joint only comes back.
+        """
+        q, fastest, change = last.q, self._fastest, ACCELERATE * dt * self._limits.acceleration
+        up, down = self._limits.upper - q, q - self._limits.lower
+        highest = lowest = fastest
+        if not ((up > self._far) & (down > self._far)).all():
+            highest = np.maximum(np.where(up > 0.0, self._gently(up), RETURN_S * up), -fastest)
+            lowest = np.maximum(np.where(down > 0.0, self._gently(down), RETURN_S * down), -fastest)
+        return _between(-lowest, last.dq - change, highest), _between(-lowest, last.dq + change, highest)
+
+    def _gently(self, room: Array) -> Array:
+        """The speed (n,) at which a joint with `room` (n,) rad is never late in stopping."""
+        return np.minimum(np.minimum(NEAR_LIMITS * self._limits.stoppable(room), RETURN_S * room), self._fastest)
+
+    def _nearest_inside(self, dq: Array, weight: Array, lowest: Array, highest: Array) -> Array:
+        """The speeds inside the box nearest to `dq` as `weight` (n x n) measures it."""
+        found, _, status, _ = daqp.solve(weight, -weight @ dq, self._no_rows, highest, lowest, self._sense)
+        return _between(lowest, found if status == SOLVED else dq, highest)
+
+
+def _between(lowest: Array, values: Array, highest: Array) -> Array:
+    """The values (n,) moved between two bounds."""
+    inside: Array = np.minimum(np.maximum(values, lowest), highest)
+    return inside
