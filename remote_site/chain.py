@@ -55,7 +55,7 @@ class Chain:
         self._workspace = Workspace(np.array(config.safety.workspace_min_m), np.array(config.safety.workspace_max_m))
         robot, collision = config.robot, config.safety.collision
         self.collision = CollisionModel.from_urdf(robot.urdf, model, robot.capsules, collision)
-        self._shield = Shield(self.collision, collision)
+        self._shield = Shield(self.collision, collision, limits, dt)
         self._guard = Guard(limits, Surroundings(model, self._workspace, self.collision), dt)
         self.gripper = GripperToggles(is_open=True)
         self.sent = JointMotion.at_rest(start)
@@ -137,11 +137,14 @@ class Chain:
         if isinstance(proposed, Reason):
             self._hindrance = proposed
             return self._guard.stop(self.sent)
-        verdict = self._guard.check(proposed, self.sent)
+        tempered = self._shield.temper(proposed, self.sent, aside.near) if aside.near else proposed
+        if tempered is None:
+            return self._guard.stop(self.sent)
+        verdict = self._guard.check(tempered, self.sent)
         if isinstance(verdict, Refused):
             self._hindrance = verdict.reason
             return self._guard.stop(self.sent)
-        return proposed
+        return tempered
 
     def _speed(self) -> float:
         """The share of full speed that the link and the sample's certainty leave."""

@@ -58,10 +58,7 @@ class Surroundings:
 
     def clear(self, ends: list[JointStop], q: Array) -> bool:
         """Whether the arm stays where it may be from `q` (n,) rad until all stops have ended."""
-        speed = sum(
-            lever * (abs(stop.v) + stop.a * stop.a / abs(2 * stop.jerk or 1.0))
-            for lever, stop in zip(self._levers, ends, strict=True)
-        )
+        speed = self._speed(ends)
         duration = max(stop.duration for stop in ends)
         depth = self._workspace.depth(self._model.forward(q)[:3, 3])
         if depth >= speed * duration and self.collision.farther_than(q, self._kept + speed * duration):
@@ -69,8 +66,10 @@ class Surroundings:
         return self._room(q) >= -POSITION and self._clear_between(ends, q, speed, duration)
 
     def retreats(self, ends: list[JointStop], from_ends: list[JointStop]) -> bool:
-        """Whether nothing gets into worse than the stops `from_ends` would bring it into."""
+        """Whether an arm that is not clear gets into nothing worse than the stops `from_ends` would bring it into."""
         now, before = self._worst(ends), self._worst(from_ends)
+        if before.min() >= -NOISE:
+            return False
         allowed = np.minimum(before, 0.0)
         allowed[1:] -= NOISE
         return bool((now >= allowed - POSITION).all())
@@ -85,6 +84,13 @@ class Surroundings:
         distance, (first, second) = self.collision.distance(at), self.collision.nearest(at)
         return reason(
             Code.COLLISION, first=first, second=second, distance_mm=distance * 1e3, limit_mm=self.collision.margin * 1e3
+        )
+
+    def _speed(self, ends: list[JointStop]) -> float:
+        """A speed that no point of the arm exceeds on the way to rest, m/s."""
+        return sum(
+            lever * (abs(stop.v) + stop.a * stop.a / abs(2 * stop.jerk or 1.0))
+            for lever, stop in zip(self._levers, ends, strict=True)
         )
 
     def _clear_between(self, ends: list[JointStop], q: Array, speed: float, duration: float) -> bool:
@@ -120,7 +126,8 @@ class Surroundings:
     def _worst(self, ends: list[JointStop]) -> Array:
         """The least room of each kind on the way to rest."""
         duration = max(stop.duration for stop in ends)
-        looks = 8 if duration else 1
+        travel = self._speed(ends) * duration
+        looks = min(2 + int(travel / (2 * TOLERANCE)), MOST_LOOKS)
         rooms: Array = np.min([self._rooms(_at(ends, t)) for t in np.linspace(0.0, duration, looks)], axis=0)
         return rooms
 
