@@ -123,8 +123,9 @@ class Chain:
         measured = self._model.forward(self.measured if self.measured is not None else self.sent.q)
         self._held, saturated = leash(target, measured, self._control.leash_m, leash_rad)
         elbow = self._mapping.elbow(latest.wrist, latest.sample.elbow)
-        unreached = self._pursuit.aim(latest.born_ns, self._held, elbow, self.sent.q, now_ns)
-        self._hindrance, self._slowing = unreached or saturated, None
+        leashed = saturated is not None
+        unreached = self._pursuit.aim(latest.born_ns, self._held, elbow, self.sent.q, now_ns, leashed=leashed)
+        self._hindrance, self._slowing = saturated or unreached, None
 
     def _follow(self, now_ns: int) -> JointMotion:
         """One tick towards the target, or into the stop if the guard refuses that."""

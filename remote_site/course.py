@@ -32,15 +32,19 @@ class FreeCourse:
         self._t_ns, self._q, self._dq = t_ns, q.copy(), zero
         self._since_ns, self._off, self._off_rate = t_ns, zero, zero
 
-    def aim(self, t_ns: int, q: Array, now_ns: int) -> None:
-        """A new sample of the target (n,) for the time `t_ns`, later than the last, known at `now_ns`."""
+    def aim(self, t_ns: int, q: Array, now_ns: int, *, moving: bool = True) -> None:
+        """A new sample of the target (n,) for the time `t_ns`, later than the last, known at `now_ns`.
+
+        A target that does not move by itself, but only because it is held near the arm, has no course.
+        """
         elapsed = (t_ns - self._t_ns) / NS_PER_S
         if elapsed <= 0:
             return
         expected = self._q + self._dq * min(elapsed, self._predict_ns / NS_PER_S)
         error = q - expected
         estimate = expected + self._config.position_gain * error
-        velocity = self._dq + self._config.velocity_gain / max(elapsed, SHORTEST_S) * error
+        rate = self._config.velocity_gain / max(elapsed, SHORTEST_S)
+        velocity = self._dq + rate * error if moving else np.zeros(len(q))
         self._turn_to(t_ns, estimate, self._bounded(estimate, velocity), now_ns)
 
     def at(self, now_ns: int) -> tuple[Array, Array]:

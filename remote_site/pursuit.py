@@ -24,14 +24,17 @@ FAR_M, FAR_RAD = 0.01, 0.05  # a tool further from its target than the solver br
 class Pursuit(Protocol):
     """Leads the joints after the tool's target.
 
-    `aim` takes a leashed target (4 x 4) for the time `t_ns`, known at `now_ns`, an arm at `q` (n,) rad, and the
-    operator's elbow from the wrist (3,) in the base's axes if it is seen; it says why a target cannot be followed.
+    `aim` takes a target (4 x 4) for the time `t_ns`, known at `now_ns`, an arm at `q` (n,) rad, the operator's elbow
+    from the wrist (3,) in the base's axes if it is seen, and whether the leash holds the target, so that it moves with
+    the arm only; the answer says why a target cannot be followed.
     `at` is asked once per tick: the joints' target (n,) in rad and its speed in rad/s, for an arm at `q`.
     """
 
     def reset(self, t_ns: int, q: Array) -> None: ...
 
-    def aim(self, t_ns: int, base_T_target: Array, elbow: Array | None, q: Array, now_ns: int) -> Reason | None: ...
+    def aim(
+        self, t_ns: int, base_T_target: Array, elbow: Array | None, q: Array, now_ns: int, *, leashed: bool
+    ) -> Reason | None: ...
 
     def at(self, now_ns: int, q: Array) -> tuple[Array, Array]: ...
 
@@ -47,9 +50,11 @@ class ClosedPursuit:
         """Rest at `q`."""
         self._course.reset(t_ns, q)
 
-    def aim(self, t_ns: int, base_T_target: Array, elbow: Array | None, q: Array, now_ns: int) -> Reason | None:
+    def aim(
+        self, t_ns: int, base_T_target: Array, elbow: Array | None, q: Array, now_ns: int, *, leashed: bool
+    ) -> Reason | None:
         """Solve for the target; without a solution the joints go on to the one before. The elbow is the stance's."""
-        del elbow
+        del elbow, leashed
         solution = self._inverse.nearest(base_T_target, q)
         if not isinstance(solution, Solution):
             return solution.reason
@@ -86,14 +91,16 @@ class GeneralPursuit:
         if self._inverse.swivel is not None:
             self._inverse.swivel.forget()
 
-    def aim(self, t_ns: int, base_T_target: Array, elbow: Array | None, q: Array, now_ns: int) -> Reason | None:
+    def aim(
+        self, t_ns: int, base_T_target: Array, elbow: Array | None, q: Array, now_ns: int, *, leashed: bool
+    ) -> Reason | None:
         """Set the tool's course; the answer is what the last steps could not reach."""
         del q
         if not (np.isfinite(base_T_target).all() and (elbow is None or np.isfinite(elbow).all())):
             return reason(Code.NOT_A_POSE)
         turn = unwound(pin.log3(base_T_target[:3, :3] @ self._turned_from.T), self._place[3:])
         self._place = np.concatenate([base_T_target[:3, 3], turn])
-        self._course.aim(t_ns, self._place, now_ns)
+        self._course.aim(t_ns, self._place, now_ns, moving=not leashed)
         self._elbow = elbow if elbow is not None else self._elbow
         return self._off
 

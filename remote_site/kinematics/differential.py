@@ -15,8 +15,8 @@ from remote_site.kinematics.limits import TARGET_SPEED, JointLimits
 from remote_site.kinematics.model import ArmModel
 from remote_site.kinematics.swivel import Swivel
 
-FASTEST_M_S = 1.5  # of taking back an error; faster would only turn the joints' common direction
-FASTEST_RAD_S = 4.0
+BRAKE_M_S2, BRAKE_RAD_S2 = 1.5, 5.0  # an error is taken back no faster than the arm can stop at its end
+MISSED = 0.5  # damping by the square of what is missed: before what is out of reach the arm comes to rest
 FREE_WEIGHT = 1e-4  # of motion that the tool does not feel, when a joint's speed has to give way
 ACCELERATE = 0.8  # of a joint's acceleration: the follower must be quicker than its target to catch it
 NEAR_LIMITS = 0.7  # of the speed from which a joint could just stop
@@ -38,7 +38,8 @@ class Move:
 class DifferentialInverse:
     """Follows a moving pose, joints inside their limits and speeds, with what is free left to elbow or posture.
 
-    Directions that a nearly singular posture has lost are damped one by one, the others stay exact. Where a joint
+    Directions that a nearly singular posture has lost are damped one by one, the others stay exact while the tool is
+    where it shall be; the further it is off, the more all are damped (Levenberg-Marquardt after Sugihara). Where a joint
     would be too fast or beyond its limit, a quadratic program (by daqp) finds the speeds nearest to those wanted, as
     felt at the tool. A joint outside its limit returns at its speed.
     """
@@ -70,9 +71,9 @@ class DifferentialInverse:
             [base_T_target[:3, 3] - pose.translation, pin.log3(base_T_target[:3, :3] @ pose.rotation.T)]
         )
         way, turn = math.sqrt(float(off[:3] @ off[:3])), math.sqrt(float(off[3:] @ off[3:]))
-        back = self._gain * (off - dt * twist)
-        back *= min(1.0, FASTEST_M_S / max(self._gain * way, TINY), FASTEST_RAD_S / max(self._gain * turn, TINY))
-        dq = self._speeds(last, jacobian, twist + back, dt, elbow)
+        back = (off - dt * twist) * min(self._gain, _rate(way, BRAKE_M_S2), _rate(turn, BRAKE_RAD_S2))
+        missed = self._weights[:, 0] * off
+        dq = self._speeds(last, jacobian, twist + back, float(missed @ missed), dt, elbow)
         return Move(q + dt * dq, dq, way, turn)
 
     def _kinematics(self, q: Array) -> tuple[pin.SE3, Array]:
@@ -81,13 +82,15 @@ class DifferentialInverse:
         pose = pin.updateFramePlacement(model, data, frame)
         return pose, pin.getFrameJacobian(model, data, frame, pin.ReferenceFrame.LOCAL_WORLD_ALIGNED)
 
-    def _speeds(self, last: Move, jacobian: Array, wanted: Array, dt: float, elbow: Array | None) -> Array:
+    def _speeds(
+        self, last: Move, jacobian: Array, wanted: Array, missed: float, dt: float, elbow: Array | None
+    ) -> Array:
         weighted = self._weights * jacobian
         u, sigma, vt, failed = lapack.dgesdd(weighted)
         if failed:
             return np.zeros(len(last.q))
         least = sigma[0] / self._damp
-        damping = np.maximum(least**2 - sigma**2, 0.0)
+        damping = np.maximum(least**2 - sigma**2, 0.0) + MISSED * missed
         squares = sigma**2 + damping
         rows = vt[: len(sigma)]
         dq = ((u.T @ (self._weights[:, 0] * wanted))[: len(sigma)] * sigma / squares) @ rows
@@ -130,6 +133,11 @@ class DifferentialInverse:
         """The speeds inside the box nearest to `dq` as `weight` (n x n) measures it."""
         found, _, status, _ = daqp.solve(weight, -weight @ dq, self._no_rows, highest, lowest, self._sense)
         return _between(lowest, found if status == SOLVED else dq, highest)
+
+
+def _rate(off: float, braking: float) -> float:
+    """The share of an error that is taken back in a second, when all of it is done at constant braking."""
+    return math.sqrt(2 * braking / max(off, TINY))
 
 
 def _between(lowest: Array, values: Array, highest: Array) -> Array:

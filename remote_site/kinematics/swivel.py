@@ -12,8 +12,8 @@ from remote_site.kinematics.model import ArmModel
 
 LEAST_RADIUS = 0.03  # m: an elbow nearer to the line has no direction
 LEAST_TURNING = 0.05  # rad/s of the elbow per rad/s of the joints
-SHARE = 0.4  # of the joints' speeds: the tool goes first
-ACCELERATION = 4.0  # rad/s² of the elbow
+SHARE = 0.7  # of the joints' speeds: the tool goes first
+ACCELERATION = 8.0  # rad/s² of the elbow
 FORWARD = np.array([1.0, 0.0, 0.0])  # of the base: along it the operator's arm reaches, too
 SEVEN = 7
 

@@ -98,7 +98,7 @@ class RemoteLoop:
         self.driver.activate(self.config.robot.start)
         self.log: list[JointMotion] = [self.sent]
         self.states = []
-        self.refusals = 0
+        self.refusals = self.saturated = 0
         self.seq = 0
 
     def grant(self, session: int) -> None:
@@ -132,6 +132,7 @@ class RemoteLoop:
             self.chain.receive(sample, now_ns)
         step = self.chain.tick(now_ns, self.robot)
         self.refusals += step.state is SessionState.ENGAGED and step.reason.code in REFUSALS
+        self.saturated += step.reason.code is Code.SATURATED
         self.write(step.motion, now_ns)
         self.states.append(step.state)
 
