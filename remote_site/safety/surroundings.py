@@ -14,6 +14,7 @@ from remote_site.safety.stopping import JointStop
 POSITION = 1e-9  # m: what rounding may add to a position
 TOLERANCE = 5e-4  # m: between two instants that are looked at, nothing moves further from both
 NOISE = 1e-6  # m: how exactly a distance is found
+RETREAT_LOOKS = 16  # instants of a retreat
 MOST_LOOKS = 200  # instants of one way to rest; a way that needs more is not clear
 
 
@@ -127,7 +128,7 @@ class Surroundings:
         """The least room of each kind on the way to rest."""
         duration = max(stop.duration for stop in ends)
         travel = self._speed(ends) * duration
-        looks = min(2 + int(travel / (2 * TOLERANCE)), MOST_LOOKS)
+        looks = min(2 + int(travel / (2 * TOLERANCE)), RETREAT_LOOKS)
         rooms: Array = np.min([self._rooms(_at(ends, t)) for t in np.linspace(0.0, duration, looks)], axis=0)
         return rooms
 

@@ -8,7 +8,7 @@ from hypothesis import strategies as st
 from common.errors import ConfigError
 from common.geometry import rotation_from_vector, transform, vector_from_rotation
 from remote_site.config import LocksConfig, MappingConfig
-from remote_site.mapping import Mapping, thesis_angles
+from remote_site.mapping import Mapping, Steering, thesis_angles
 
 TOOL = transform(rotation_from_vector(np.array([0.3, 1.2, -0.4])), np.array([0.45, 0.02, 0.85]))
 WRIST = np.array([0.1, -0.2, 0.3])
@@ -131,3 +131,64 @@ def test_the_angles_of_the_thesis():
     turn = rotation_from_vector(np.array([0.4, 0.0, 0.0]))
     angles = thesis_angles(wrist, wrist + turn @ (ahead + across), wrist + turn @ (ahead - across))
     assert angles == pytest.approx((0.0, 0.0, 0.4))
+
+
+def steered(mapping, wrist, hand, held, **changes):
+    mapping.steer(Steering(**changes), wrist, hand, held)
+    return mapping.target(wrist, hand)
+
+
+@settings(max_examples=50, deadline=None, derandomize=True)
+@given(turns, turns, vectors, st.floats(0.05, 5), st.floats(0, 2), st.integers(1, 9), st.booleans(), st.booleans())
+def test_whatever_the_operator_steers_the_target_does_not_jump(first, second, step, scale, turning, clutch, lock, roll):
+    """Scale, locks and clutch take effect from where the target is: 0.01 mm is allowed, rounding is left."""
+    mapping, wrist = engaged(first), WRIST + step
+    held = mapping.target(wrist, second)
+    locks = LocksConfig(x=lock, roll=roll)
+    after = steered(mapping, wrist, second, held, clutch_count=clutch, scale=scale, rotation_scale=turning, locks=locks)
+    assert np.abs(after - held).max() < 1e-9
+
+
+def test_a_clutch_takes_the_hand_anew_and_the_tool_from_where_it_is_held():
+    mapping = engaged(np.eye(3))
+    saturated = transform(TOOL[:3, :3], TOOL[:3, 3] + [0.1, 0.0, 0.0])
+    far = WRIST + np.array([0.0, -2.0, 0.0])
+    assert steered(mapping, far, np.eye(3), saturated, clutch_count=1) == pytest.approx(saturated)
+    onward = steered(mapping, far + [0.0, -0.05, 0.0], np.eye(3), saturated, clutch_count=1)
+    assert onward[:3, 3] - saturated[:3, 3] == pytest.approx([0.05, 0.0, 0.0])
+
+
+def test_scales_at_run_time_multiply_the_configured_one():
+    mapping = engaged(np.eye(3), scale=0.5)
+    start = mapping.target(WRIST, np.eye(3))
+    steered(mapping, WRIST, np.eye(3), start, scale=0.4, rotation_scale=0.5)
+    turn = rotation_from_vector(np.array([0.0, 0.0, 0.8]))
+    target = mapping.target(WRIST + np.array([0.0, -1.0, 0.0]), turn)
+    assert target[:3, 3] - start[:3, 3] == pytest.approx([0.2, 0.0, 0.0])
+    assert vector_from_rotation(target[:3, :3] @ start[:3, :3].T) == pytest.approx([0.0, 0.0, 0.4])
+
+
+def test_a_scaled_turn_goes_on_beyond_half_a_turn():
+    mapping = engaged(np.eye(3))
+    start = mapping.target(WRIST, np.eye(3))
+    steered(mapping, WRIST, np.eye(3), start, rotation_scale=0.5)
+    for angle in np.linspace(0, 3.6, 40):
+        target = mapping.target(WRIST, rotation_from_vector(np.array([0.0, 0.0, angle])))
+        assert vector_from_rotation(target[:3, :3] @ start[:3, :3].T) == pytest.approx([0.0, 0.0, angle / 2], abs=1e-9)
+
+
+def test_locks_at_run_time_add_to_the_configured_ones_and_can_be_taken_back():
+    mapping = engaged(None, locks=LocksConfig(y=True))
+    start = mapping.target(WRIST, None)
+    steered(mapping, WRIST, None, start, locks=LocksConfig(x=True))
+    moved = mapping.target(WRIST + np.array([0.1, -0.1, 0.1]), None)
+    assert moved[:3, 3] - start[:3, 3] == pytest.approx([0.0, 0.0, 0.1])
+    steered(mapping, WRIST, None, start)
+    moved = mapping.target(WRIST + np.array([0.1, -0.1, 0.1]), None)
+    assert moved[:3, 3] - start[:3, 3] == pytest.approx([0.1, 0.0, 0.1])
+
+
+def test_the_elbow_comes_from_the_wrist_in_the_bases_axes():
+    mapping = engaged()
+    assert mapping.elbow(WRIST, (0.1, 0.05, 0.3)) == pytest.approx([-0.25, 0.0, 0.0])
+    assert mapping.elbow(WRIST, None) is None
