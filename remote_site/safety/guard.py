@@ -135,7 +135,7 @@ class Guard:
             return verdict
         if self._joints.is_stop(proposed, sent):
             return verdict
-        if self._surroundings.retreats(ends, stops(sent, self._joints.limits)):
+        if self._surroundings.retreats(ends, sent.q):
             return verdict
         return Refused(self._surroundings.why(proposed, ends))
 

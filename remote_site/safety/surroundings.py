@@ -66,14 +66,14 @@ class Surroundings:
             return True
         return self._room(q) >= -POSITION and self._clear_between(ends, q, speed, duration)
 
-    def retreats(self, ends: list[JointStop], from_ends: list[JointStop]) -> bool:
-        """Whether an arm that is not clear gets into nothing worse than the stops `from_ends` would bring it into."""
-        now, before = self._worst(ends), self._worst(from_ends)
-        if before.min() >= -NOISE:
+    def retreats(self, ends: list[JointStop], q: Array) -> bool:
+        """Whether an arm that is where it may not be, at `q` (n,) rad, gets into nothing worse until all stops end."""
+        here = self._rooms(q)
+        if here.min() >= -NOISE:
             return False
-        allowed = np.minimum(before, 0.0)
+        allowed = np.minimum(here, 0.0)
         allowed[1:] -= NOISE
-        return bool((now >= allowed - POSITION).all())
+        return bool((self._worst(ends) >= allowed - POSITION).all())
 
     def why(self, motion: JointMotion, ends: list[JointStop]) -> Reason:
         """What is wrong with a motion's way to rest."""

@@ -124,7 +124,7 @@ def wandering(loop, legs, seed, reach):
 def test_whatever_the_hand_does_nothing_comes_nearer_than_the_margin(seed):
     loop = RemoteLoop(RemoteConfig(safety=SafetyConfig(**WIDE)))
     loop.run(8 * 31, lambda _t_ns: (0.0, 0.0, 0.3))
-    nearest = wandering(loop, 10, seed, np.array([0.4, 0.4, 0.5]))
+    nearest = wandering(loop, 6, seed, np.array([0.4, 0.4, 0.5]))
     margin = loop.config.safety.collision.margin_m
     assert nearest.min() >= margin
     assert nearest.min() < margin + 0.01  # it was tried
