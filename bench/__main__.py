@@ -8,10 +8,10 @@ from pathlib import Path
 from rich.console import Console
 from rich.table import Table
 
-from bench import control_tick, rendering, tracking, video
+from bench import control, rendering, tracking, video
 
 BENCHMARKS: dict[str, Callable[[], dict[str, float]]] = {
-    "control_tick": control_tick.measure,
+    "control": control.measure,
     "rendering": rendering.measure,
     "tracking": tracking.measure,
     "video": video.measure,

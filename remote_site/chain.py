@@ -65,7 +65,7 @@ class Chain:
         self._hindrance: Reason | None = None
         self._obstacle: Reason | None = None
         self._slowing: Slowing | None = None
-        self._held = model.forward(start)
+        self.target = model.forward(start)
         self.steering = Steering()
         self.measured: Array | None = None
 
@@ -104,7 +104,7 @@ class Chain:
 
     def _capture(self, latest: Accepted) -> None:
         """Take both origins: nothing that happened before is caught up."""
-        base_T_tool = self._held = self._model.forward(self.sent.q)
+        base_T_tool = self.target = self._model.forward(self.sent.q)
         self._mapping.steer(self.steering, latest.wrist, latest.operator_R_hand, base_T_tool)
         self._mapping.engage(latest.wrist, latest.operator_R_hand, base_T_tool)
         self._pursuit.reset(latest.born_ns, self.sent.q)
@@ -116,15 +116,15 @@ class Chain:
         """Turn the newest sample into a joint target inside box, leash and reach."""
         self._aimed = latest
         self.gripper.follow(latest.sample.gripper_toggles)
-        self._mapping.steer(self.steering, latest.wrist, latest.operator_R_hand, self._held)
+        self._mapping.steer(self.steering, latest.wrist, latest.operator_R_hand, self.target)
         target = self._mapping.target(latest.wrist, latest.operator_R_hand)
         target[:3, 3] = self._workspace.clamp(target[:3, 3])
         leash_rad = math.radians(self._control.leash_deg)
         measured = self._model.forward(self.measured if self.measured is not None else self.sent.q)
-        self._held, saturated = leash(target, measured, self._control.leash_m, leash_rad)
+        self.target, saturated = leash(target, measured, self._control.leash_m, leash_rad)
         elbow = self._mapping.elbow(latest.wrist, latest.sample.elbow)
         leashed = saturated is not None
-        unreached = self._pursuit.aim(latest.born_ns, self._held, elbow, self.sent.q, now_ns, leashed=leashed)
+        unreached = self._pursuit.aim(latest.born_ns, self.target, elbow, self.sent.q, now_ns, leashed=leashed)
         self._hindrance, self._slowing = saturated or unreached, None
 
     def _follow(self, now_ns: int) -> JointMotion:

@@ -56,6 +56,25 @@ class ArmModel:
         )
         return jacobian
 
+    def levers(self, inner: int, outer: int, reach_m: float) -> list[float]:
+        """How far a point can move at most per rad (or m) of each joint, m: the sum of all lengths beyond the joint.
+
+        The point lies up to `reach_m` from the joint of number `outer` (from 1), and is seen from the link of `inner`.
+        """
+        levers, beyond, model = [0.0] * len(self.joint_names), reach_m, self.pin_model
+        for joint in range(outer, inner, -1):
+            slides = model.joints[joint].shortname().startswith("JointModelP")
+            levers[joint - 1] = 1.0 if slides else beyond
+            beyond += float(np.linalg.norm(model.jointPlacements[joint].translation))
+            beyond += max(abs(self.lower[joint - 1]), abs(self.upper[joint - 1])) if slides else 0.0
+        return levers
+
+    @property
+    def tcp_levers(self) -> list[float]:
+        """How far the tool centre point can move at most per rad (or m) of each joint, m."""
+        reach_m = float(np.linalg.norm(self.pin_model.frames[self.tcp_frame].placement.translation))
+        return self.levers(0, len(self.joint_names), reach_m)
+
 
 def _check_joints(path: Path, model: pin.Model) -> None:
     kinds = [joint.shortname() for joint in model.joints][1:]

@@ -42,8 +42,9 @@ class CollisionModel:
             shapes.addGeometryObject(_box(fixture))
         self._add_pairs(config)
         self._distances = shapes.createData()
-        self.levers = _levers(model, shapes)
-        self._known_q, self._known_m = np.zeros(len(model.joint_names)), -math.inf
+        pairs = [(pair.first, pair.second) for pair in shapes.collisionPairs]
+        self.levers: Array = np.array([_levers(model, shapes, *pair) for pair in pairs]).reshape(len(pairs), -1)
+        self._known_q, self._known = np.zeros(len(model.joint_names)), np.full(len(pairs), -math.inf)
 
     @classmethod
     def from_urdf(
@@ -63,39 +64,43 @@ class CollisionModel:
             shapes.addGeometryObject(_capsule(model.pin_model, capsule, k))
         return cls(model, shapes, config)
 
-    @property
-    def empty(self) -> bool:
-        """Whether there is nothing that could be touched."""
-        return not len(self._shapes.collisionPairs)
-
     def distance(self, q: Array) -> float:
         """The least distance in m at joint positions (n,) in rad; negative where bodies overlap, inf without any."""
         if not math.isfinite(sum(q.tolist())):
             return -math.inf
-        if self.empty:
+        if not len(self._known):
             return math.inf
         nearest = pin.computeDistances(self._pin_model, self._data, self._shapes, self._distances, q)
         least: float = self._distances.distanceResults[nearest].min_distance
-        self._known_q, self._known_m = q.copy(), least if math.isfinite(least) else -math.inf
-        return self._known_m
+        return least if math.isfinite(least) else -math.inf
 
-    def farther_than(self, q: Array, distance: float) -> bool:
-        """Whether nothing is nearer than a distance in m; measured only if the last measurement leaves it open."""
-        return self.at_least(q) >= distance or self.distance(q) >= distance
+    def keeps(self, q: Array, travel: Array, distance: float) -> bool:
+        """Whether nothing comes nearer than a distance in m while no joint moves further than `travel` (n,) from `q`.
 
-    def at_least(self, q: Array) -> float:
-        """What the last measurement leaves of the least distance at `q` at any rate, m; -inf if `q` is not finite."""
-        left = self._known_m - float(self.levers @ np.abs(q - self._known_q))
-        return left if math.isfinite(left) else -math.inf
+        What was measured before is enough as long as it leaves no doubt: a pair's distance changes by no more than its
+        joints' levers allow.
+        """
+        if not math.isfinite(sum(q.tolist())):
+            return False
+        if self._least(np.abs(q - self._known_q) + travel) >= distance:
+            return True
+        self.distances(q)
+        return self._least(travel) >= distance
 
     def distances(self, q: Array) -> Array:
         """Every pair's distance (m,) in m; -inf where it cannot be told."""
         if not math.isfinite(sum(q.tolist())):
-            return np.full(len(self._shapes.collisionPairs), -math.inf)
-        if not self.empty:
+            return np.full(max(len(self._known), 1), -math.inf)
+        if len(self._known):
             pin.computeDistances(self._pin_model, self._data, self._shapes, self._distances, q)
         found = np.array([result.min_distance for result in self._distances.distanceResults])
-        return np.where(np.isfinite(found), found, -math.inf)
+        self._known_q, self._known = q.copy(), np.where(np.isfinite(found), found, -math.inf)
+        return self._known
+
+    def _least(self, moved: Array) -> float:
+        """What is left of the known distances after so much motion, m; NaN and -inf compare as too near."""
+        left: float = (self._known - self.levers @ moved).min(initial=math.inf)
+        return left
 
     def nearest(self, q: Array) -> tuple[str, str]:
         """The names of the two bodies that are nearest to each other."""
@@ -189,22 +194,12 @@ def _capsule(model: pin.Model, capsule: CapsuleConfig, number: int) -> pin.Geome
     return pin.GeometryObject(f"capsule_{number}", frame.parentJoint, frame_id, placement, shape)
 
 
-def _levers(model: ArmModel, shapes: pin.GeometryModel) -> Array:
-    """How far any point of the arm can move at most per rad (or m) of each joint, m: the sum of all lengths beyond."""
-    pin_model, joints = model.pin_model, len(model.joint_names)
-    beyond = np.zeros(joints + 1)
-    for shape in shapes.geometryObjects:
-        shape.geometry.computeLocalAABB()
-        centre = shape.placement.act(shape.geometry.aabb_center)
-        reach = float(np.linalg.norm(centre)) + shape.geometry.aabb_radius
-        beyond[shape.parentJoint] = max(beyond[shape.parentJoint], reach)
-    for frame in pin_model.frames:
-        beyond[frame.parentJoint] = max(beyond[frame.parentJoint], float(np.linalg.norm(frame.placement.translation)))
-    levers = np.zeros(joints)
-    for joint in range(joints, 0, -1):
-        prismatic = pin_model.joints[joint].shortname().startswith("JointModelP")
-        slide = max(abs(model.lower[joint - 1]), abs(model.upper[joint - 1])) if prismatic else 0.0
-        levers[joint - 1] = 1.0 if prismatic else beyond[joint]
-        length = float(np.linalg.norm(pin_model.jointPlacements[joint].translation))
-        beyond[joint - 1] = max(beyond[joint - 1], beyond[joint] + slide + length)
-    return levers
+def _levers(model: ArmModel, shapes: pin.GeometryModel, first: int, second: int) -> list[float]:
+    """How far two shapes can move against each other at most per rad (or m) of each joint, m: all lengths beyond it."""
+    one, other = shapes.geometryObjects[first], shapes.geometryObjects[second]
+    inner, outer = sorted((one, other), key=lambda shape: int(shape.parentJoint))
+    outer.geometry.computeLocalAABB()
+    centre = outer.placement.act(outer.geometry.aabb_center)
+    return model.levers(
+        inner.parentJoint, outer.parentJoint, float(np.linalg.norm(centre)) + outer.geometry.aabb_radius
+    )

@@ -43,7 +43,7 @@ class CollisionConfig(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_
     """How near the arm may come to itself and to what stands around it."""
 
     margin_m: Annotated[float, Meta(ge=0.001, le=0.2, description="distance that is always kept, m")] = 0.01
-    slow_m: Annotated[float, Meta(gt=0, le=0.5, description="nearer, the arm approaches more slowly, m")] = 0.06
+    slow_m: Annotated[float, Meta(gt=0, le=0.5, description="nearer, the arm approaches more slowly, m")] = 0.04
     slowest: Annotated[float, Meta(gt=0, le=1, description="share of the speed left at the margin")] = 0.1
     fixtures: Annotated[tuple[FixtureConfig, ...], Meta(description="boxes in the cell")] = (TABLE, PEDESTAL)
     ignored_pairs: Annotated[

@@ -43,11 +43,12 @@ class Shield:
         self._limits = limits
         self._dt = dt
         self._stops_at = config.margin_m + SPARE
+        self._none = np.zeros(len(limits.names))
         self._identity, self._every = np.eye(len(limits.names)), np.zeros(len(limits.names), dtype=np.int32)
 
     def turn_aside(self, q: Array, q_target: Array, dq_target: Array) -> Shielded:
         """The target for an arm at `q` (n,) rad whose target (n,) rad moves with (n,) rad/s."""
-        if self._collision.farther_than(q, self._config.slow_m):
+        if self._collision.keeps(q, self._none, self._config.slow_m):
             return Shielded(q_target, dq_target, 1.0, (), None)
         near = [pair for pair in self._collision.nearer_than(q, self._config.slow_m) if pair.gradient.any()]
         ahead = q_target - q

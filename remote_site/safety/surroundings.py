@@ -14,8 +14,8 @@ from remote_site.safety.stopping import JointStop
 POSITION = 1e-9  # m: what rounding may add to a position
 TOLERANCE = 5e-4  # m: between two instants that are looked at, nothing moves further from both
 NOISE = 1e-6  # m: how exactly a distance is found
-RETREAT_LOOKS = 16  # instants of a retreat
-MOST_LOOKS = 200  # instants of one way to rest; a way that needs more is not clear
+RETREAT_LOOKS = 12  # instants of a retreat
+MOST_LOOKS = 100  # instants of one way to rest; a way that needs more is not clear
 
 
 class Workspace:
@@ -46,25 +46,27 @@ class Workspace:
 class Surroundings:
     """Judges the way to rest of the whole arm, not only its ends.
 
-    No point of the arm moves further than its joints' levers let it; between two instants at which there is room for
-    half of that, nothing has to be looked at. Distances count beyond the margin.
+    Nothing moves further than its joints' levers let it; between two instants at which there is room for half of that,
+    nothing has to be looked at. Distances count beyond the margin.
     """
 
     def __init__(self, model: ArmModel, workspace: Workspace, collision: CollisionModel) -> None:
         self._model = model
         self._workspace = workspace
         self.collision = collision
-        self._levers: list[float] = collision.levers.tolist()
+        self._tool = np.array(model.tcp_levers)
+        self._levers = np.vstack([self._tool, collision.levers])
         self._kept = collision.margin + TOLERANCE
 
     def clear(self, ends: list[JointStop], q: Array) -> bool:
         """Whether the arm stays where it may be from `q` (n,) rad until all stops have ended."""
-        speed = self._speed(ends)
-        duration = max(stop.duration for stop in ends)
+        speeds = np.array([abs(stop.v) + stop.a * stop.a / abs(2 * stop.jerk or 1.0) for stop in ends])
+        durations = np.array([stop.duration for stop in ends])
+        travel = speeds * durations
         depth = self._workspace.depth(self._model.forward(q)[:3, 3])
-        if depth >= speed * duration and self.collision.farther_than(q, self._kept + speed * duration):
+        if depth >= self._tool @ travel and self.collision.keeps(q, travel, self._kept):
             return True
-        return self._room(q) >= -POSITION and self._clear_between(ends, q, speed, duration)
+        return self._clear_between(ends, q, self._levers @ speeds, float(durations.max()))
 
     def retreats(self, ends: list[JointStop], q: Array) -> bool:
         """Whether an arm that is where it may not be, at `q` (n,) rad, gets into nothing worse until all stops end."""
@@ -87,49 +89,36 @@ class Surroundings:
             Code.COLLISION, first=first, second=second, distance_mm=distance * 1e3, limit_mm=self.collision.margin * 1e3
         )
 
-    def _speed(self, ends: list[JointStop]) -> float:
-        """A speed that no point of the arm exceeds on the way to rest, m/s."""
-        return sum(
-            lever * (abs(stop.v) + stop.a * stop.a / abs(2 * stop.jerk or 1.0))
-            for lever, stop in zip(self._levers, ends, strict=True)
-        )
-
-    def _clear_between(self, ends: list[JointStop], q: Array, speed: float, duration: float) -> bool:
-        """Look at ever shorter parts of the way, until each is known to be clear."""
-        rest = self._room(_at(ends, duration))
-        parts = [(0.0, self._room(q), duration, rest)]
-        if rest < -POSITION:
+    def _clear_between(self, ends: list[JointStop], q: Array, speeds: Array, duration: float) -> bool:
+        """Look at ever shorter parts of the way, until each is known to be clear; `speeds` (m,) bound every room's."""
+        here, rest = self._rooms(q), self._rooms(_at(ends, duration))
+        if not min(here.min(), rest.min()) >= -POSITION:
             return False
+        parts = [(0.0, here, duration, rest)]
         for _ in range(MOST_LOOKS):
             if not parts:
                 return True
             begin, room, end, last = parts.pop()
-            travel = speed * (end - begin)
-            if room + last >= travel or travel <= 2 * TOLERANCE:
+            travel = speeds * (end - begin)
+            if travel.max() <= 2 * TOLERANCE or (room + last >= travel).all():
                 continue
             middle = (begin + end) / 2
-            between = self._room(_at(ends, middle))
-            if between < -POSITION:
+            between = self._rooms(_at(ends, middle))
+            if not between.min() >= -POSITION:
                 return False
             parts += [(begin, room, middle, between), (middle, between, end, last)]
         return False
 
-    def _room(self, q: Array) -> float:
-        """How much room there is before anything is where it may not be, m."""
-        depth = self._workspace.depth(self._model.forward(q)[:3, 3])
-        return min(depth, self.collision.distance(q) - self._kept)
-
     def _rooms(self, q: Array) -> Array:
-        """The room in the box, then of every pair, m."""
+        """The room in the box, then of every pair beyond what it keeps, m."""
         depth = self._workspace.depth(self._model.forward(q)[:3, 3])
         return np.concatenate([[depth], self.collision.distances(q) - self._kept])
 
     def _worst(self, ends: list[JointStop]) -> Array:
         """The least room of each kind on the way to rest."""
         duration = max(stop.duration for stop in ends)
-        travel = self._speed(ends) * duration
-        looks = min(2 + int(travel / (2 * TOLERANCE)), RETREAT_LOOKS)
-        rooms: Array = np.min([self._rooms(_at(ends, t)) for t in np.linspace(0.0, duration, looks)], axis=0)
+        instants = np.linspace(0.0, duration, RETREAT_LOOKS) if duration else (0.0,)
+        rooms: Array = np.min([self._rooms(_at(ends, t)) for t in instants], axis=0)
         return rooms
 
 

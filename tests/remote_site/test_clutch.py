@@ -25,11 +25,11 @@ def swaying(t_ns):
 def test_a_change_of_steering_in_motion_is_no_jump_of_the_target(steering):
     loop = RemoteLoop()
     loop.run(600, swaying)
-    held = loop.chain._held.copy()
+    held = loop.chain.target.copy()
     loop.chain.steering = steering
     loop.run(1, swaying)
     assert loop.chain._latest is loop.chain._aimed
-    jump_mm = np.linalg.norm(loop.chain._held[:3, 3] - held[:3, 3]) * 1e3
+    jump_mm = np.linalg.norm(loop.chain.target[:3, 3] - held[:3, 3]) * 1e3
     assert jump_mm <= 0.01
     loop.run(300, swaying)
     assert_within_limits(loop)

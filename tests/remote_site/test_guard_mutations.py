@@ -154,29 +154,41 @@ MUTATIONS = [
         lambda: test_guard.test_an_arm_outside_its_limits_may_only_retreat(guard_of()),
     ),
     (Mutation(Guard, "check", " or self._surroundings.clear(ends, proposed.q)", " or True"), no_tool_leaves_its_box),
-    (Mutation(Surroundings, "clear", "depth >= speed * duration and ", ""), no_tool_leaves_its_box),
+    (Mutation(Surroundings, "clear", "depth >= self._tool @ travel and ", ""), no_tool_leaves_its_box),
     (
-        Mutation(Surroundings, "clear", " and self.collision.farther_than(q, self._kept + speed * duration)", ""),
+        Mutation(Surroundings, "clear", " and self.collision.keeps(q, travel, self._kept)", ""),
         nothing_is_hit_at_rest,
     ),
     (
-        Mutation(Surroundings, "_room", "min(depth, self.collision.distance(q) - self._kept)", "depth"),
+        Mutation(Surroundings, "_rooms", "self.collision.distances(q) - self._kept", "self.collision.distances(q) + 1"),
         nothing_is_hit_at_rest,
     ),
     (
-        Mutation(Surroundings, "_room", "min(depth, self.collision.distance(q) - self._kept)", "1.0"),
+        Mutation(Surroundings, "_rooms", "[[depth]", "[[1.0]"),
         no_tool_leaves_its_box,
     ),
     (
-        Mutation(Surroundings, "clear", " and self._clear_between(ends, q, speed, duration)", ""),
+        Mutation(
+            Surroundings,
+            "clear",
+            "return self._clear_between(ends, q, self._levers @ speeds, float(durations.max()))",
+            "return True",
+        ),
         nothing_is_hit_on_the_way_to_rest,
     ),
     (
-        Mutation(Surroundings, "_clear_between", "if room + last >= travel or travel <= 2 * TOLERANCE:", "if True:"),
+        Mutation(
+            Surroundings,
+            "_clear_between",
+            "if travel.max() <= 2 * TOLERANCE or (room + last >= travel).all():",
+            "if True:",
+        ),
         nothing_is_hit_on_the_way_to_rest,
     ),
     (
-        Mutation(Surroundings, "retreats", "return bool((self._worst(ends) >= allowed - POSITION).all())", "return True"),
+        Mutation(
+            Surroundings, "retreats", "return bool((self._worst(ends) >= allowed - POSITION).all())", "return True"
+        ),
         an_arm_too_near_does_not_come_nearer,
     ),
     (

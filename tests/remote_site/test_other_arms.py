@@ -155,7 +155,10 @@ def test_a_target_that_is_not_finite_moves_nothing(value):
     pose = model.forward(start)
     pose[0, 3] = value
     assert pursuit.aim(10**8, pose, None, start, 10**8, leashed=False).code is Code.NOT_A_POSE
-    assert pursuit.aim(10**8, model.forward(start), np.array([value, 0.0, 0.0]), start, 10**8, leashed=False).code is Code.NOT_A_POSE
+    assert (
+        pursuit.aim(10**8, model.forward(start), np.array([value, 0.0, 0.0]), start, 10**8, leashed=False).code
+        is Code.NOT_A_POSE
+    )
     q, dq = pursuit.at(2 * 10**8, start)
     assert np.abs(q - start).max() < 1e-9
     assert np.abs(dq).max() < 1e-6

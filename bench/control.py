@@ -1,0 +1,118 @@
+"""What a control tick costs, decode to write, beside Pink with daqp on the same targets; microseconds, one run."""
+
+import gc
+import math
+import time
+
+import numpy as np
+
+from bench.pink_ik import Pink, UnavailableError
+from common.channels import HAND
+from common.clock import NS_PER_MS, NS_PER_S, SAME_HOST, FakeClock
+from common.codec import decode, encode
+from common.geometry import Array
+from common.messages import HandArm, TrackingStatus
+from remote_site.chain import Chain
+from remote_site.config import RemoteConfig, RobotConfig
+from remote_site.drivers.driver import DriverSetup, JointCommand
+from remote_site.drivers.kinematic import KinematicDriver
+from remote_site.kinematics.limits import JointLimits
+from remote_site.kinematics.model import ArmModel
+
+TICKS = 4000
+TICK_NS = 4 * NS_PER_MS
+TICKS_PER_SAMPLE = 8
+WARM_UP = 500
+TCP = "tool_centre_point"
+LEVELS = (50, 99)
+
+
+class Bench:
+    """One arm's chain and driver behind encoded samples of a swaying hand, tick by tick."""
+
+    def __init__(self, config: RemoteConfig) -> None:
+        robot = config.robot
+        self.model = ArmModel.from_urdf(robot.urdf, robot.tool_frame, robot.tool_T_tcp)
+        limits = JointLimits.from_model(self.model, robot)
+        self.chain = Chain(config, self.model, limits, robot.start)
+        self._clock = FakeClock(TICK_NS)
+        self._driver = KinematicDriver(self._clock)
+        self._driver.configure(DriverSetup(self.model.joint_names, limits, TICK_NS / NS_PER_S, 50 * NS_PER_MS))
+        self._driver.activate(robot.start)
+        self.spent: dict[str, list[int]] = {"with a new sample": [], "between samples": [], "all": []}
+
+    def tick(self, k: int) -> None:
+        """Decode, intake, map, inverse kinematics, collision, Ruckig, guard, write; timed after the warm-up."""
+        self._clock.advance_ms(TICK_NS / NS_PER_MS)
+        now_ns, new = self._clock.now_ns(), k % TICKS_PER_SAMPLE == 0
+        payload = encode(_swaying_hand(k, now_ns - TICK_NS)) if new else b""
+        chain, begin_ns = self.chain, time.perf_counter_ns()
+        chain.measured = self._driver.read().q
+        if payload:
+            chain.receive(decode(payload, HandArm, HAND.max_bytes), now_ns, SAME_HOST)
+        motion = chain.tick(now_ns, chain.robot(ready=True, fault="")).motion
+        command = JointCommand(k, now_ns, motion.q, motion.dq, motion.ddq, chain.gripper.is_open)
+        chain.sent = self._driver.write(command).motion
+        spent_ns = time.perf_counter_ns() - begin_ns
+        if k > WARM_UP:
+            self.spent["all"].append(spent_ns)
+            self.spent["with a new sample" if new else "between samples"].append(spent_ns)
+
+
+def measure() -> dict[str, float]:
+    """p50 and p99 in µs: our whole tick with the closed form, with the general solver, and Pink's solution alone."""
+    general = RemoteConfig(robot=RobotConfig(kinematics="general"))
+    benches = {"closed form": Bench(RemoteConfig()), "general solver": Bench(general)}
+    pink, why = _pink(benches["closed form"].model, RemoteConfig().robot.start)
+    theirs: list[int] = []
+    gc.disable()
+    try:
+        for k in range(1, TICKS):
+            for bench in benches.values():
+                bench.tick(k)
+            if pink is not None:
+                begin_ns = time.perf_counter_ns()
+                pink.step(benches["closed form"].chain.target)
+                theirs += [time.perf_counter_ns() - begin_ns] if k > WARM_UP else []
+    finally:
+        gc.enable()
+    figures = {f"{name}, {kind}": times for name, bench in benches.items() for kind, times in bench.spent.items()}
+    if pink is None:
+        print(f"Pink skipped: {why}")
+    else:
+        figures["Pink with daqp, its solution alone"] = theirs
+    return {"Pink measured": float(pink is not None)} | _levels(figures)
+
+
+def _levels(figures: dict[str, list[int]]) -> dict[str, float]:
+    return {
+        f"{name}, p{level} µs": float(np.percentile(times, level)) / 1e3
+        for name, times in figures.items()
+        for level in LEVELS
+    }
+
+
+def _pink(model: ArmModel, start: Array) -> tuple[Pink | None, str]:
+    try:
+        return Pink(model.pin_model, TCP, start, TICK_NS / NS_PER_S), ""
+    except UnavailableError as error:
+        return None, str(error)
+
+
+def _swaying_hand(seq: int, capture_ns: int) -> HandArm:
+    t = capture_ns / NS_PER_S
+    x, y, z = 0.06 * math.sin(1.3 * t), 0.06 * math.sin(1.7 * t), 0.3 - 0.05 * (1 - math.cos(2.1 * t))
+    return HandArm(
+        session=1,
+        seq=seq,
+        capture_ns=capture_ns,
+        elbow=None,
+        wrist=(x, y, z),
+        index=(x + 0.02, y - 0.17, z),
+        thumb=(x - 0.05, y - 0.1, z + 0.01),
+        status=TrackingStatus.TRACKED,
+        reason="",
+        thumb_inferred=False,
+        hand_open=False,
+        gripper_toggles=0,
+    )
