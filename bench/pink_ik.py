@@ -22,7 +22,7 @@ class UnavailableError(Exception):
 
 
 class Pink:
-    """One arm with a frame and a posture task, solved for one tick at a time; UnavailableError says why there is none."""
+    """One arm with a frame and a posture task, solved for a tick at a time; UnavailableError says why there is none."""
 
     def __init__(self, model: pin.Model, frame: str, q: Array, dt: float) -> None:
         self._pink, self._tasks_module = _import()

@@ -101,9 +101,9 @@ def hand_rotation(wrist: Array, index: Array, thumb: Array) -> Array | None:
     """
     to_index, to_thumb = index - wrist, thumb - wrist
     x = 0.5 * (to_index + to_thumb)
-    z = np.cross(to_index, to_thumb)
+    z = skew(to_index) @ to_thumb
     x_length, z_length = math.sqrt(float(x @ x)), math.sqrt(float(z @ z))
     if x_length < MIN_LENGTH or z_length < MIN_LENGTH:
         return None
     x, z = x / x_length, z / z_length
-    return np.column_stack([x, np.cross(z, x), z])
+    return np.column_stack([x, skew(z) @ x, z])

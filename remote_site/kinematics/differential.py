@@ -39,7 +39,7 @@ class DifferentialInverse:
     """Follows a moving pose, joints inside their limits and speeds, with what is free left to elbow or posture.
 
     Directions that a nearly singular posture has lost are damped one by one, the others stay exact while the tool is
-    where it shall be; the further it is off, the more all are damped (Levenberg-Marquardt after Sugihara). Where a joint
+    where it shall be; the further it is off, the more all are damped (Levenberg-Marquardt after Sugihara). Where one
     would be too fast or beyond its limit, a quadratic program (by daqp) finds the speeds nearest to those wanted, as
     felt at the tool. A joint outside its limit returns at its speed.
     """

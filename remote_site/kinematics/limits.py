@@ -35,7 +35,7 @@ class JointLimits:
             lower=lower,
             upper=upper,
             velocity=model.velocity * config.speed,
-            acceleration=ones * _accelerations(model, config),
+            acceleration=_accelerations(model, config),
             jerk=ones * config.jerk_rad_s3,
         )
 
@@ -83,7 +83,15 @@ def _accelerations(model: ArmModel, config: RobotConfig) -> Array:
     given, joints = config.acceleration_rad_s2, len(model.joint_names)
     if len(given) not in (1, joints):
         raise ConfigError(f"robot.acceleration_rad_s2 has {len(given)} values; give one, or one for each of {joints}")
-    return np.array(given)
+    wanted: Array = np.array(given) * np.ones(joints)
+    mistakes = [
+        f"robot.acceleration_rad_s2: {value:g} for {name} is above the robot's own {own:g}; limits only tighten"
+        for name, value, own in zip(model.joint_names, wanted.tolist(), model.acceleration.tolist(), strict=True)
+        if not value <= own
+    ]
+    if mistakes:
+        raise ConfigError("\n".join(mistakes))
+    return wanted
 
 
 def _widening(name: str, wanted: tuple[float, float], own: tuple[float, float]) -> list[str]:

@@ -1,7 +1,9 @@
 """The arm as its URDF describes it: joints, limits, the tool centre point's pose and Jacobian."""
 
+import math
 from pathlib import Path
 from typing import Self
+from xml.etree import ElementTree
 
 import numpy as np
 import pinocchio as pin
@@ -16,10 +18,11 @@ class ArmModel:
     """A serial arm of one-degree joints; one instance serves one thread, since its work space is reused.
 
     `joint_names` is the order of every joint vector; `lower`, `upper` (rad), `velocity` (rad/s) and `effort` (N·m) are
-    the URDF's limits, each (n,).
+    the URDF's limits, each (n,); so is `acceleration` (rad/s²), inf where the URDF gives none.
     """
 
-    def __init__(self, model: pin.Model, tcp_frame: int) -> None:
+    def __init__(self, model: pin.Model, tcp_frame: int, acceleration: Array) -> None:
+        self.acceleration = acceleration
         self.pin_model = model
         self.joint_names = tuple(model.names)[1:]
         self.lower: Array = np.array(model.lowerPositionLimit)
@@ -41,7 +44,7 @@ class ArmModel:
         if not model.existFrame(tool_frame):
             known = ", ".join(frame.name for frame in model.frames)
             raise ModelError(f"{path} has no frame {tool_frame!r}; set robot.tool_frame to one of: {known}")
-        return cls(model, _add_tcp(model, tool_frame, tool_T_tcp))
+        return cls(model, _add_tcp(model, tool_frame, tool_T_tcp), _accelerations(path, tuple(model.names)[1:]))
 
     def forward(self, q: Array) -> Array:
         """The tool centre point's pose `base_T_tool` (4 x 4) at joint positions (n,) in rad."""
@@ -74,6 +77,15 @@ class ArmModel:
         """How far the tool centre point can move at most per rad (or m) of each joint, m."""
         reach_m = float(np.linalg.norm(self.pin_model.frames[self.tcp_frame].placement.translation))
         return self.levers(0, len(self.joint_names), reach_m)
+
+
+def _accelerations(path: Path, names: tuple[str, ...]) -> Array:
+    """The joints' own limits of acceleration (n,), an attribute of <limit> that not every reader of URDF knows."""
+    found = {}
+    for joint in ElementTree.parse(path).getroot().findall("joint"):  # noqa: S314  # the robot model is the site's own
+        limit = joint.find("limit")
+        found[joint.get("name")] = math.inf if limit is None else float(limit.get("acceleration", "inf"))
+    return np.array([found[name] for name in names])
 
 
 def _check_joints(path: Path, model: pin.Model) -> None:

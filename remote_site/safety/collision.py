@@ -15,6 +15,7 @@ from remote_site.kinematics.model import ArmModel
 from remote_site.safety.config import CapsuleConfig, CollisionConfig, FixtureConfig
 
 MIN_NORMAL = 1e-9
+NOWHERE = 1e9  # rad: no posture that was ever measured
 NEIGHBOURS = 1  # joints apart: links that touch by construction
 
 
@@ -44,7 +45,7 @@ class CollisionModel:
         self._distances = shapes.createData()
         pairs = [(pair.first, pair.second) for pair in shapes.collisionPairs]
         self.levers: Array = np.array([_levers(model, shapes, *pair) for pair in pairs]).reshape(len(pairs), -1)
-        self._known_q, self._known = np.zeros(len(model.joint_names)), np.full(len(pairs), -math.inf)
+        self._known_q, self._known = np.full(len(model.joint_names), NOWHERE), np.full(len(pairs), -math.inf)
 
     @classmethod
     def from_urdf(
@@ -91,6 +92,10 @@ class CollisionModel:
         """Every pair's distance (m,) in m; -inf where it cannot be told."""
         if not math.isfinite(sum(q.tolist())):
             return np.full(max(len(self._known), 1), -math.inf)
+        return self._known if np.array_equal(q, self._known_q) else self._measure(q)
+
+    def _measure(self, q: Array) -> Array:
+        """Every pair's distance (m,) at finite `q`, with its nearest points."""
         if len(self._known):
             pin.computeDistances(self._pin_model, self._data, self._shapes, self._distances, q)
         found = np.array([result.min_distance for result in self._distances.distanceResults])
@@ -108,7 +113,7 @@ class CollisionModel:
 
     def nearer_than(self, q: Array, distance: float) -> list[Near]:
         """The pairs nearer than a distance in m at finite `q`, with the gradients of their distances."""
-        found = self.distances(q)
+        found = self._measure(q)
         close = np.flatnonzero(found < distance)
         if not len(close):
             return []

@@ -22,7 +22,7 @@ SOLVED = 1
 
 @dataclass(frozen=True, slots=True)
 class Shielded:
-    """The target that is left: joints (n,) in rad and rad/s, the share of the speed, what is near, and why it changed."""
+    """The target that is left: joints (n,) in rad and rad/s, the share of the speed, what is near, why it changed."""
 
     q: Array
     dq: Array

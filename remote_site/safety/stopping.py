@@ -29,6 +29,16 @@ class JointStop(NamedTuple):
         return self.first + self.cruise + self.last
 
     @property
+    def fastest(self) -> float:
+        """A speed that is not exceeded on the way to rest."""
+        return abs(self.v) + self.a * self.a / abs(2 * self.jerk or 1.0)
+
+    @property
+    def travel(self) -> float:
+        """A way that is not exceeded: once the acceleration has turned, the speed falls below the line to rest."""
+        return self.fastest * (self.first + (self.cruise + self.last) / 2)
+
+    @property
     def end(self) -> float:
         """The position at rest."""
         state = advance((self.q, self.v, self.a), self.jerk, self.first)

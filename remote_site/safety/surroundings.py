@@ -60,13 +60,11 @@ class Surroundings:
 
     def clear(self, ends: list[JointStop], q: Array) -> bool:
         """Whether the arm stays where it may be from `q` (n,) rad until all stops have ended."""
-        speeds = np.array([abs(stop.v) + stop.a * stop.a / abs(2 * stop.jerk or 1.0) for stop in ends])
-        durations = np.array([stop.duration for stop in ends])
-        travel = speeds * durations
+        travel = np.array([stop.travel for stop in ends])
         depth = self._workspace.depth(self._model.forward(q)[:3, 3])
         if depth >= self._tool @ travel and self.collision.keeps(q, travel, self._kept):
             return True
-        return self._clear_between(ends, q, self._levers @ speeds, float(durations.max()))
+        return self._clear_between(ends, q)
 
     def retreats(self, ends: list[JointStop], q: Array) -> bool:
         """Whether an arm that is where it may not be, at `q` (n,) rad, gets into nothing worse until all stops end."""
@@ -89,8 +87,10 @@ class Surroundings:
             Code.COLLISION, first=first, second=second, distance_mm=distance * 1e3, limit_mm=self.collision.margin * 1e3
         )
 
-    def _clear_between(self, ends: list[JointStop], q: Array, speeds: Array, duration: float) -> bool:
-        """Look at ever shorter parts of the way, until each is known to be clear; `speeds` (m,) bound every room's."""
+    def _clear_between(self, ends: list[JointStop], q: Array) -> bool:
+        """Look at ever shorter parts of the way, until each is known to be clear."""
+        duration = max(stop.duration for stop in ends)
+        speeds = self._levers @ np.array([stop.fastest for stop in ends])
         here, rest = self._rooms(q), self._rooms(_at(ends, duration))
         if not min(here.min(), rest.min()) >= -POSITION:
             return False

@@ -73,7 +73,7 @@ def test_a_pose_is_not_changed_by_the_next_one():
     [
         (r"^.*$", "no robot", "cannot read"),
         (r'(<joint name="joint_4" type=)"revolute"', r'\1"continuous"', "joint_4"),
-        (r'velocity="2.9845" effort="6.89"', 'velocity="0" effort="6.89"', "joint_4 needs"),
+        (r'velocity="2.9845"( acceleration="24.958" effort="6.89")', r'velocity="0"\1', "joint_4 needs"),
         (r'lower="-1.9199" upper="1.9199"', 'lower="1" upper="-1"', "joint_3 needs|cannot read"),
         (r'type="revolute"', 'type="fixed"', "no moving joint"),
         (r'(<parent link=")forearm', r"\1upper_arm", "branches"),
@@ -132,6 +132,11 @@ def test_accelerations_are_one_for_all_or_one_for_each():
     assert JointLimits.from_model(model, RobotConfig(acceleration_rad_s2=(3.0,))).acceleration.tolist() == [3.0] * 6
     with pytest.raises(ConfigError, match="acceleration_rad_s2 has 2 values"):
         JointLimits.from_model(model, RobotConfig(acceleration_rad_s2=(3.0, 4.0)))
+
+
+def test_an_acceleration_above_the_robots_own_is_refused_by_joint_and_value():
+    with pytest.raises(ConfigError, match=r"13 for joint_2 is above the robot's own 12\.566"):
+        JointLimits.from_model(load(URDF), RobotConfig(acceleration_rad_s2=(10.0, 13.0, 10.0, 20.0, 20.0, 20.0)))
 
 
 def test_configuration_can_tighten():

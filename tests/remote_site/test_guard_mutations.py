@@ -171,7 +171,7 @@ MUTATIONS = [
         Mutation(
             Surroundings,
             "clear",
-            "return self._clear_between(ends, q, self._levers @ speeds, float(durations.max()))",
+            "return self._clear_between(ends, q)",
             "return True",
         ),
         nothing_is_hit_on_the_way_to_rest,

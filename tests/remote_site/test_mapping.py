@@ -154,7 +154,7 @@ def test_a_clutch_takes_the_hand_anew_and_the_tool_from_where_it_is_held():
     saturated = transform(TOOL[:3, :3], TOOL[:3, 3] + [0.1, 0.0, 0.0])
     far = WRIST + np.array([0.0, -2.0, 0.0])
     assert steered(mapping, far, np.eye(3), saturated, clutch_count=1) == pytest.approx(saturated)
-    onward = steered(mapping, far + [0.0, -0.05, 0.0], np.eye(3), saturated, clutch_count=1)
+    onward = steered(mapping, far + np.array([0.0, -0.05, 0.0]), np.eye(3), saturated, clutch_count=1)
     assert onward[:3, 3] - saturated[:3, 3] == pytest.approx([0.05, 0.0, 0.0])
 
 

@@ -59,3 +59,12 @@ def test_stepping_replans_the_same_stop(state):
 
 def test_constant_jerk_is_integrated_exactly():
     assert advance((1.0, 2.0, 3.0), 6.0, 0.5) == pytest.approx((1 + 1 + 0.375 + 0.125, 2 + 1.5 + 0.75, 6.0))
+
+
+@settings(max_examples=200, deadline=None, derandomize=True)
+@given(st.floats(-3, 3), st.floats(-10, 10))
+def test_no_stop_goes_further_or_faster_than_it_says(v, a):
+    stop = joint_stop((0.0, v, a), 10.0, 1000.0)
+    low, high = stop.extent()
+    assert max(-low, high) <= stop.travel + 1e-12
+    assert all(abs(stop.at(t)[1]) <= stop.fastest + 1e-9 for t in np.linspace(0, stop.duration, 40))
