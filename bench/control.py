@@ -8,16 +8,17 @@ import numpy as np
 
 from bench.pink_ik import Pink, UnavailableError
 from common.channels import HAND
-from common.clock import NS_PER_MS, NS_PER_S, SAME_HOST, FakeClock
+from common.clock import NS_PER_MS, NS_PER_S, FakeClock
 from common.codec import decode, encode
 from common.geometry import Array
-from common.messages import HandArm, TrackingStatus
+from common.messages import ClockSync, HandArm, TrackingStatus
 from remote_site.chain import Chain
 from remote_site.config import RemoteConfig, RobotConfig
 from remote_site.drivers.driver import DriverSetup, JointCommand
 from remote_site.drivers.kinematic import KinematicDriver
 from remote_site.kinematics.limits import JointLimits
 from remote_site.kinematics.model import ArmModel
+from remote_site.lease import Holder, LeaseDesk
 
 TICKS = 4000
 TICK_NS = 4 * NS_PER_MS
@@ -25,6 +26,7 @@ TICKS_PER_SAMPLE = 8
 WARM_UP = 500
 TCP = "tool_centre_point"
 LEVELS = (50, 99)
+LEASE = 1
 
 
 class Bench:
@@ -34,7 +36,9 @@ class Bench:
         robot = config.robot
         self.model = ArmModel.from_urdf(robot.urdf, robot.tool_frame, robot.tool_T_tcp)
         limits = JointLimits.from_model(self.model, robot)
-        self.chain = Chain(config, self.model, limits, robot.start)
+        leases = LeaseDesk(TICKS * TICK_NS, LEASE)
+        leases.acquire(Holder(1, "bench"), 0)
+        self.chain = Chain(config, self.model, limits, robot.start, leases)
         self._clock = FakeClock(TICK_NS)
         self._driver = KinematicDriver(self._clock)
         self._driver.configure(DriverSetup(self.model.joint_names, limits, TICK_NS / NS_PER_S, 50 * NS_PER_MS))
@@ -49,7 +53,7 @@ class Bench:
         chain, begin_ns = self.chain, time.perf_counter_ns()
         chain.measured = self._driver.read().q
         if payload:
-            chain.receive(decode(payload, HandArm, HAND.max_bytes), now_ns, SAME_HOST)
+            chain.receive(decode(payload, HandArm, HAND.max_bytes), now_ns)
         motion = chain.tick(now_ns, chain.robot(ready=True, fault="")).motion
         command = JointCommand(k, now_ns, motion.q, motion.dq, motion.ddq, chain.gripper.is_open)
         chain.sent = self._driver.write(command).motion
@@ -115,4 +119,6 @@ def _swaying_hand(seq: int, capture_ns: int) -> HandArm:
         thumb_inferred=False,
         hand_open=False,
         gripper_toggles=0,
+        lease=LEASE,
+        clock=ClockSync(remote_minus_local_ns=0, uncertainty_ns=0, measured_ns=capture_ns),
     )

@@ -84,6 +84,8 @@ class Chain:
         result = self.intake.accept(sample, now_ns)
         self.session.sample(result)
         if isinstance(result, Accepted):
+            intent = sample.intent
+            self.steering = Steering(intent.clutch_count, intent.scale, intent.rotation_scale, intent.locks)
             self._latest = result
 
     def robot(self, *, ready: bool, fault: str) -> Robot:

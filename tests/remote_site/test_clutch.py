@@ -4,8 +4,7 @@ import numpy as np
 import pytest
 from remote_loop import RemoteLoop, assert_within_limits
 
-from remote_site.config import LocksConfig
-from remote_site.mapping import Steering
+from common.messages import Intent, Locks
 
 
 def swaying(t_ns):
@@ -14,24 +13,23 @@ def swaying(t_ns):
 
 
 @pytest.mark.parametrize(
-    "steering",
+    "intent",
     [
-        Steering(clutch_count=1),
-        Steering(scale=0.3),
-        Steering(rotation_scale=0.0),
-        Steering(clutch_count=3, scale=2.0, locks=LocksConfig(x=True, roll=True)),
+        Intent(clutch_count=1),
+        Intent(scale=0.3),
+        Intent(rotation_scale=0.0),
+        Intent(clutch_count=3, scale=2.0, locks=Locks(x=True, roll=True)),
     ],
 )
-def test_a_change_of_steering_in_motion_is_no_jump_of_the_target(steering):
+def test_a_change_of_steering_in_motion_is_no_jump_of_the_target(intent):
     loop = RemoteLoop()
     loop.run(600, swaying)
     held = loop.chain.target.copy()
-    loop.chain.steering = steering
-    loop.run(1, swaying)
+    loop.run(1, swaying, intent=intent)
     assert loop.chain._latest is loop.chain._aimed
     jump_mm = np.linalg.norm(loop.chain.target[:3, 3] - held[:3, 3]) * 1e3
     assert jump_mm <= 0.01
-    loop.run(300, swaying)
+    loop.run(300, swaying, intent=intent)
     assert_within_limits(loop)
 
 
@@ -41,6 +39,6 @@ def test_while_the_hand_is_brought_back_under_the_clutch_the_arm_keeps_its_place
     loop.run(400, lambda _t_ns: (0.0, -0.05, 0.3))
     before = loop.model.forward(loop.sent.q)[:3, 3]
     for count in range(1, 20):
-        loop.chain.steering = Steering(clutch_count=count)
-        loop.run(8, lambda _t_ns, k=count: (0.0, -0.05 + 0.002 * k, 0.3))
+        intent = Intent(clutch_count=count)
+        loop.run(8, lambda _t_ns, k=count: (0.0, -0.05 + 0.002 * k, 0.3), intent=intent)
     assert np.linalg.norm(loop.model.forward(loop.sent.q)[:3, 3] - before) * 1e3 < 0.01
