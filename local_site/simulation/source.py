@@ -13,6 +13,7 @@ from common.cameras.camera import Frame, Image
 from common.children import die_with_parent
 from common.clock import NS_PER_MS, NS_PER_S, MonotonicClock
 from common.errors import CameraError
+from common.service import ask_for_real_time
 from local_site.calibration.rig import Rig
 from local_site.simulation.cameras import NAMES, exact_rig
 from local_site.simulation.config import SimulationConfig
@@ -21,6 +22,7 @@ from local_site.simulation.frame_ring import FrameRing
 from local_site.simulation.operator import SimulatedOperator
 
 END_WITHIN_S = 1.0
+FIFO_PRIORITY = 21
 
 
 class SimulatedCameras:
@@ -125,5 +127,7 @@ def _render_for_ever(loop: ExposureLoop, parent: int) -> None:
     die_with_parent(parent, signal.SIGKILL)
     # Zero and not one: one would wait for OpenCV's worker threads, which a forked process has not.
     cv2.setNumThreads(0)
+    # a real camera waits for no processor
+    ask_for_real_time(FIFO_PRIORITY)
     while os.getppid() == parent:
         loop.expose_next()

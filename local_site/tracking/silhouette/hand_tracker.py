@@ -23,7 +23,7 @@ from local_site.tracking.silhouette.hand_model.skeleton import INDEX_TIP, THUMB_
 from local_site.tracking.silhouette.tips import Tip, find_tip
 
 ITERATIONS = 4
-REFIT_ITERATIONS = 8
+REFIT_ITERATIONS, OPINION_ITERATIONS = 8, 6
 FIRST_SEARCH = Effort(rolls=32, kept=32)
 QUICK_SEARCH = Effort(rolls=6, kept=3)
 FIRST_SEARCH_EVERY = 30
@@ -174,7 +174,7 @@ class HandTracker:
         posture = belief.posture.copy()
         posture[: len(change)] += sign * np.array(change)
         start = replace(start, rotation=start.rotation @ turned(sign * np.array(turn)), posture=posture)
-        return fit_hand(views, start, self._prior(arm, belief, start), person, REFIT_ITERATIONS)
+        return fit_hand(views, start, self._prior(arm, belief, start), person, OPINION_ITERATIONS)
 
     def _belief(self) -> Belief:
         return self._habits.opened if self._open else self._habits.closed

@@ -14,6 +14,7 @@ from local_site.tracking.silhouette.pixels import grey_at
 MIN_ROWS = 6
 WIDTH_TOLERANCE = 1.4
 EDGE_REACH = 3
+STRIDE = 4  # px; nothing within a limb is darker than the level, so the way to its edge may be leapt along
 
 
 @dataclass(frozen=True, slots=True)
@@ -129,17 +130,18 @@ def _edge(grey: NDArray[np.uint8], level: float, ray: tuple[float, float, float,
     where they fall most, which also holds for skin in shadow. `values` is room for those along the ray."""
     x, y, step_x, step_y = ray
     reach = len(values) - 1
-    first = 0
-    while first <= reach:
-        values[first] = grey_at(grey, x + first * step_x, y + first * step_y)
-        if values[first] <= level:
-            break
+    beyond = 0
+    while beyond <= reach and grey_at(grey, x + beyond * step_x, y + beyond * step_y) > level:
+        beyond += STRIDE
+    last = min(beyond + EDGE_REACH, reach)
+    for k in range(max(beyond - STRIDE - EDGE_REACH, 0), last + 1):
+        values[k] = grey_at(grey, x + k * step_x, y + k * step_y)
+    first = max(beyond - STRIDE, 0)
+    while first <= reach and values[first] > level:
         first += 1
     if first == 0 or first > reach:
         return math.nan
     last = min(first + EDGE_REACH, reach)
-    for k in range(first + 1, last + 1):
-        values[k] = grey_at(grey, x + k * step_x, y + k * step_y)
     total, place = 0.0, 0.0
     for k in range(max(first - EDGE_REACH, 0), last):
         fall = values[k] - values[k + 1]
