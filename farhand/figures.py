@@ -140,6 +140,16 @@ def _holds(states: Sequence[RobotState]) -> int:
     )
 
 
+def session_events(states: Sequence[RobotState]) -> list[str]:
+    """When the session changed after the first engagement, in seconds from there, to what and why."""
+    begin = next((k for k, s in enumerate(states) if s.state is SessionState.ENGAGED), len(states))
+    return [
+        f"{(now.t_ns - states[begin].t_ns) / NS_PER_S:.1f} s: {now.state.value}, {now.reason}"
+        for before, now in pairwise(states[begin:])
+        if now.state is not before.state
+    ]
+
+
 def _followed_share(states: Sequence[RobotState]) -> float:
     """The share of the time since the first engagement in which the arm followed."""
     since = [s.state is SessionState.ENGAGED for s in states if s.engagement is not None]

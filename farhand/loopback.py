@@ -19,7 +19,7 @@ from common.geometry import Array
 from common.messages import SessionState
 from common.service import StopFlag
 from common.transport import open_link
-from farhand.figures import Expectation, Figures, all_figures
+from farhand.figures import Expectation, Figures, all_figures, session_events
 from farhand.live import LiveSummary, print_table
 from farhand.outputs import check_file, check_folder
 from farhand.preparing import prepare_tracker
@@ -215,7 +215,7 @@ class Loopback:
         last = states[-1] if states else None
         figures["stopped"] = last.reason if last is not None and last.state not in FOLLOWING else None
         figures["rejected"] = states[-1].rejected if states else {}
-        figures["events"] = self._events
+        figures["events"] = session_events(states) + self._events
         return figures
 
 
