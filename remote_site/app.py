@@ -14,6 +14,8 @@ from common.transport import Publisher, check_endpoint, open_link
 from remote_site.checks import check_robot
 from remote_site.config import EngagementMode, RemoteConfig
 from remote_site.control import run_control
+from remote_site.drivers.memory import DriverMemory
+from remote_site.drivers.process import run_driver
 from remote_site.drivers.registry import check_driver
 from remote_site.running_mark import RunningMark
 from remote_site.shared_memory import CellMemory
@@ -40,12 +42,14 @@ def run_remote(config: RemoteConfig, should_stop: StopFlag) -> None:
         if config.cell_is_simulated or config.views_are_simulated
         else None
     )
+    driver_memory = DriverMemory.create(len(config.robot.start_deg))
     children = Children("remote")
     try:
         if memory is not None and config.cell_is_simulated:
             children.start("cell", partial(_cell, config, memory))
+        children.start("driver", partial(run_driver, config, driver_memory, memory))
         children.start("video", partial(_video, config, memory))
-        children.start("control", partial(run_control, config, memory))
+        children.start("control", partial(run_control, config, driver_memory, memory))
         children.wait_ready(READY_TIMEOUT_S, should_stop)
         notify("READY=1")
         log.info("ready", cell=config.cell, driver=config.driver.name, control=config.links.control)

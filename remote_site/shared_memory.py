@@ -11,7 +11,6 @@ from numpy.typing import NDArray
 from common.errors import DriverError
 
 COUNTER_BYTES = 64
-SLOTS = 2
 READ_ATTEMPTS = 1000
 BLOCK_VALUES = 7
 FINGERS = 2
@@ -20,17 +19,18 @@ Record = NDArray[np.void]
 
 
 class SharedRecord:
-    """One record in anonymous memory that a fork inherits.
+    """One record in anonymous memory that a fork inherits, and its forerunners in the other slots.
 
     The writer fills the slot that no reader is sent to, then turns the counter; a writer killed half way leaves the
     last whole record standing. A reader takes a slot only if the counter stood still meanwhile and the checksum agrees,
     which also holds on processors that reorder writes.
     """
 
-    def __init__(self, dtype: np.dtype[np.void]) -> None:
+    def __init__(self, dtype: np.dtype[np.void], slots: int = 2) -> None:
         self.dtype = dtype
+        self._slots = slots
         self._slot_bytes = dtype.itemsize + 4
-        self._memory = mmap.mmap(-1, COUNTER_BYTES + SLOTS * self._slot_bytes)
+        self._memory = mmap.mmap(-1, COUNTER_BYTES + slots * self._slot_bytes)
         self._counter = np.frombuffer(self._memory, dtype=np.uint64, count=1)
         self.write(np.zeros((), dtype=dtype))
 
@@ -43,7 +43,7 @@ class SharedRecord:
         """Publish a record of this dtype (0-d array); only one process may write."""
         data = record.tobytes()
         count = int(self._counter[0]) + 1
-        start = COUNTER_BYTES + (count % SLOTS) * self._slot_bytes
+        start = self._start(count)
         self._memory[start : start + self._slot_bytes] = data + zlib.crc32(data).to_bytes(4, "little")
         self._counter[0] = count
 
@@ -55,20 +55,36 @@ class SharedRecord:
                 return np.frombuffer(data, dtype=self.dtype).reshape(())
         raise DriverError(f"shared memory: no whole record in {READ_ATTEMPTS} tries; restart the remote site")
 
+    def at(self, count: int) -> Record | None:
+        """A copy of the record written as the so-many-eth, None once another has taken its slot."""
+        data = self._slot(count, self._slots - 2)
+        return None if data is None else np.frombuffer(data, dtype=self.dtype).reshape(())
+
     def _try_read(self) -> bytes | None:
-        count = int(self._counter[0])
-        start = COUNTER_BYTES + (count % SLOTS) * self._slot_bytes
+        return self._slot(int(self._counter[0]), 0)
+
+    def _slot(self, count: int, behind: int) -> bytes | None:
+        """The slot's content, if no more than `behind` records have been written since."""
+        start = self._start(count)
         slot = self._memory[start : start + self._slot_bytes]
-        if int(self._counter[0]) != count:
+        if int(self._counter[0]) - count > behind:
             return None
         data = slot[:-4]
         return data if zlib.crc32(data) == int.from_bytes(slot[-4:], "little") else None
 
+    def _start(self, count: int) -> int:
+        return COUNTER_BYTES + (count % self._slots) * self._slot_bytes
+
 
 def setup_dtype(joints: int) -> np.dtype[np.void]:
-    """What the driver demands of the controller's own stop: after how long a silence, and within which limits."""
+    """What the driver demands: after how long a silence the controller stops, within which limits, how firm a grip."""
     return np.dtype(
-        [("timeout_ns", np.int64), ("acceleration", np.float64, (joints,)), ("jerk", np.float64, (joints,))]
+        [
+            ("timeout_ns", np.int64),
+            ("acceleration", np.float64, (joints,)),
+            ("jerk", np.float64, (joints,)),
+            ("grip_force_n", np.float64),
+        ]
     )
 
 

@@ -21,7 +21,7 @@ def play(block: BlockConfig, stages=PICK_AND_PLACE, speed: float = 0.15) -> Simp
     memory = CellMemory.create(6)
     cell = SimulatedCell(CellConfig(block=block), ROBOT, memory)
     setup, command = np.zeros((), memory.setup.dtype), np.zeros((), memory.command.dtype)
-    setup[()] = (100_000_000, 10.0, 100.0)
+    setup[()] = (100_000_000, 10.0, 100.0, 25.0)
     memory.setup.write(setup)
     command["activation"], command["run"], command["q"] = 1, True, ROBOT.start
     memory.command.write(command)
