@@ -1,5 +1,6 @@
 """The remote site: starts control, video and, where it is simulated, the cell; ends all when one dies."""
 
+import time
 from functools import partial
 
 import msgspec
@@ -45,6 +46,7 @@ def run_remote(config: RemoteConfig, should_stop: StopFlag) -> None:
     driver_memory = DriverMemory.create(len(config.robot.start_deg))
     children = Children("remote")
     try:
+        config = start_robot(config, children)
         if memory is not None and config.cell_is_simulated:
             children.start("cell", partial(_cell, config, memory))
         children.start("driver", partial(run_driver, config, driver_memory, memory))
@@ -69,6 +71,25 @@ def without_automatic_engagement(config: RemoteConfig) -> RemoteConfig:
     """The same configuration, in which only a request engages."""
     engagement = msgspec.structs.replace(config.engagement, mode=EngagementMode.ON_REQUEST)
     return msgspec.structs.replace(config, engagement=engagement)
+
+
+def start_robot(config: RemoteConfig, children: Children) -> RemoteConfig:
+    """Start the emulated controller where one is asked for; the configuration then names its line."""
+    if not config.driver.emulate:
+        return config
+    from remote_site.drivers.c500c.emulation import Emulation, Terminal, run_emulation  # noqa: PLC0415
+    from remote_site.drivers.c500c.emulator import Controller  # noqa: PLC0415  # a real controller needs neither
+
+    terminal = Terminal.create()
+
+    def emulate(should_stop: StopFlag, heartbeat: Heartbeat) -> None:
+        emulation = Emulation(Controller(config.robot.start), time.monotonic_ns())
+        run_emulation(emulation, terminal, should_stop, heartbeat.beat)
+
+    children.start("robot", emulate)
+    options = dict(config.driver.options) | {"port": terminal.path}
+    driver = msgspec.structs.replace(config.driver, options=options)
+    return msgspec.structs.replace(config, driver=driver)
 
 
 def _cell(config: RemoteConfig, memory: CellMemory, should_stop: StopFlag, heartbeat: Heartbeat) -> None:

@@ -16,6 +16,7 @@ from remote_site.safety.config import CapsuleConfig, CertaintyConfig, CollisionC
 from remote_site.simulation.config import CellConfig
 from remote_site.video.config import SIMULATED, VideoConfig
 
+EMULATED = "c500c"
 MODELS = Path(__file__).parent / "models"
 
 Row3 = tuple[float, float, float]
@@ -200,6 +201,10 @@ class DriverConfig(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fie
     options: Annotated[
         dict[str, str | int | float | bool], Meta(description="what the driver itself can be told, by its own keys")
     ] = field(default_factory=dict)
+
+    def __post_init__(self) -> None:
+        if self.emulate and self.name != EMULATED:
+            raise ValueError(f"driver.emulate is for the driver {EMULATED}; {self.name} has no emulator")
     command_timeout_ms: Annotated[
         float, Meta(ge=8, le=1000, description="without a command for so long, the driver stops the arm, ms")
     ] = 50.0

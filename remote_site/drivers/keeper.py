@@ -153,8 +153,9 @@ class Keeper:
         readings: list[RobotReading] = []
         failed = self._call("read", lambda: readings.append(self._driver.read()))
         if failed is not None:
-            if self.reading is not None or self.phase is not Phase.IDLE:  # before that there is nothing to read
-                self._fail(failed)
+            if self.reading is None and self.phase is Phase.IDLE and failed.code is FaultCode.REFUSED:
+                return  # nothing has been measured yet
+            self._fail(failed)
             return
         reading = self.reading = readings[-1]
         if self.phase is Phase.ACTIVATING:
@@ -197,6 +198,8 @@ class Keeper:
 
     def _fail(self, fault: RobotFault) -> None:
         """The robot cannot be led to rest: it has to stop by itself."""
+        if fault.code is FaultCode.REFUSED:
+            fault = RobotFault(FaultCode.DRIVER, fault.sentence)
         if self.phase is Phase.IDLE:
             if self.fault is None or self.fault.calm:
                 self.fault = fault if not fault.calm else self.fault
@@ -216,7 +219,7 @@ class Keeper:
         try:
             call()
         except DriverError as error:
-            return RobotFault(FaultCode.REFUSED if what == "activate" else FaultCode.DRIVER, str(error))
+            return RobotFault(FaultCode.REFUSED, str(error))
         except Exception as error:  # a stranger's code: whatever it raises is a fault, and told
             return RobotFault(FaultCode.DRIVER, f"the driver's {what} raised {type(error).__name__}: {error}")
         finally:
