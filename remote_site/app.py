@@ -48,7 +48,7 @@ def run_remote(config: RemoteConfig, should_stop: StopFlag) -> None:
     try:
         config = start_robot(config, children)
         if memory is not None and config.cell_is_simulated:
-            children.start("cell", partial(_cell, config, memory))
+            children.start("cell", partial(run_cell_child, config, memory))
         children.start("driver", partial(run_driver, config, driver_memory, memory))
         children.start("video", partial(_video, config, memory))
         children.start("control", partial(run_control, config, driver_memory, memory))
@@ -92,7 +92,8 @@ def start_robot(config: RemoteConfig, children: Children) -> RemoteConfig:
     return msgspec.structs.replace(config, driver=driver)
 
 
-def _cell(config: RemoteConfig, memory: CellMemory, should_stop: StopFlag, heartbeat: Heartbeat) -> None:
+def run_cell_child(config: RemoteConfig, memory: CellMemory, should_stop: StopFlag, heartbeat: Heartbeat) -> None:
+    """The process of the simulated cell."""
     from remote_site.simulation.process import run_cell  # noqa: PLC0415  # a real cell needs no MuJoCo
 
     run_cell(config.simulation, config.robot, memory, should_stop, heartbeat.beat)
