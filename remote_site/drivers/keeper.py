@@ -70,6 +70,9 @@ class Keeper:
         self._settle_ns = self._period_ns * (driver.capabilities.queued_periods + 2)
         self._due_ns = 0
         self._fresh = False
+        self._led = False
+        self._written = 0
+        self._under_way: dict[int, int] = {}
         self._onset: tuple[int, JointMotion] | None = None
         self._rested_ns: int | None = None
         self._heard_ns: int | None = None
@@ -78,6 +81,7 @@ class Keeper:
         self.phase = Phase.IDLE
         self.asked = self.diversions = 0
         self.fault: RobotFault | None = NOT_ACTIVATED
+        self.obeyed_seq: int | None = None
         self.reading: RobotReading | None = None
         self.gripper: GripperState | None = None
 
@@ -98,8 +102,10 @@ class Keeper:
             onset_ns, motion = self._onset
             self.motion = stopping(motion, self._setup.limits, (now_ns - onset_ns) / NS_PER_S)
             self._fresh = True
-        self._send(now_ns)
+        failed = self._send(now_ns)
         self._read(now_ns)
+        if failed is not None:
+            self._fail(failed)  # unless the reading has already told the robot's own reason
         if self.phase is Phase.STOPPING and self.motion.resting:
             self._rest(now_ns)
 
@@ -113,7 +119,7 @@ class Keeper:
     @property
     def settled(self) -> bool:
         """Nothing moves, and nothing will without an activation."""
-        return self.phase is Phase.IDLE
+        return self.phase is Phase.IDLE and (self.reading is None or not _moves(self.reading))
 
     def _watch(self, now_ns: int) -> None:
         if self.phase is not Phase.ACTIVE or self._heard_ns is None:
@@ -145,6 +151,8 @@ class Keeper:
         self.phase, self.fault = Phase.ACTIVATING, NOT_ACTIVATED
         self._command, self.motion = order.command, JointMotion.at_rest(order.command.q)
         self._heard_ns, self._onset, self._fresh, self._due_ns = None, None, False, now_ns
+        self._led, self.obeyed_seq = True, None
+        self._under_way.clear()
         refused = self._call("activate", lambda: self._driver.activate(order.command.q))
         if refused is not None:
             self.phase, self.fault = Phase.IDLE, refused
@@ -162,6 +170,9 @@ class Keeper:
             self._answer(reading)
         elif reading.fault is not None and self.phase is not Phase.IDLE:
             self._fail(reading.fault)
+        if not self._led:
+            self.motion = JointMotion.at_rest(reading.q)
+        self._note_obeyed(reading.obeyed_seq)
         if reading.gripper is not None:
             measured, wanted = reading.gripper, self._command.gripper_open
             status = self._grip.judge(now_ns, measured.opening_m, wanted_open=wanted)
@@ -176,17 +187,17 @@ class Keeper:
         elif not reading.fault.calm:
             self.phase, self.fault = Phase.IDLE, reading.fault
 
-    def _send(self, now_ns: int) -> None:
+    def _send(self, now_ns: int) -> RobotFault | None:
         due = now_ns >= self._due_ns if self._period_ns else self._fresh
         if not due or self.phase not in (Phase.ACTIVE, Phase.STOPPING):
-            return
+            return None
         self._due_ns = max(self._due_ns + self._period_ns, now_ns) if self._period_ns else 0
         self._fresh = False
         last, motion = self._command, self.motion
-        command = JointCommand(last.seq, now_ns, motion.q, motion.dq, motion.ddq, last.gripper_open)
-        failed = self._call("write", lambda: self._driver.write(command))
-        if failed is not None:
-            self._fail(failed)
+        self._written += 1
+        self._under_way[self._written] = last.seq
+        command = JointCommand(self._written, now_ns, motion.q, motion.dq, motion.ddq, last.gripper_open)
+        return self._call("write", lambda: self._driver.write(command))
 
     def _rest(self, now_ns: int) -> None:
         """Hold once the robot has had the time to come to rest too."""
@@ -209,8 +220,13 @@ class Keeper:
         failed = self._call("stop", self._driver.stop)
         if failed is not None:
             self.fault = RobotFault(self.fault.code, f"{self.fault.sentence}; nor does it stop: {failed.sentence}")
-        if self.reading is not None:
-            self.motion = JointMotion.at_rest(self.reading.q)
+        self._led = False
+
+    def _note_obeyed(self, written: int | None) -> None:
+        """Which of control's commands has reached the robot's motion."""
+        if written in self._under_way:
+            self.obeyed_seq = self._under_way[written]
+            self._under_way = {own: seq for own, seq in self._under_way.items() if own >= written}
 
     def _call(self, what: str, call: Callable[[], object]) -> RobotFault | None:
         """Make a call of the driver, watched from outside; the fault when it fails or takes too long."""

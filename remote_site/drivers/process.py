@@ -107,8 +107,8 @@ class Desk:
         sent = record["sent"]
         sent[0], sent[1], sent[2] = keeper.motion.q, keeper.motion.dq, keeper.motion.ddq
         if reading is not None:
-            record["t_ns"], record["has_obeyed"] = reading.t_ns, reading.obeyed_seq is not None
-            record["obeyed_seq"] = reading.obeyed_seq or 0
+            record["t_ns"], record["has_obeyed"] = reading.t_ns, keeper.obeyed_seq is not None
+            record["obeyed_seq"] = keeper.obeyed_seq or 0
             record["joints"][0], record["joints"][1] = reading.q, reading.dq
         if gripper is not None:
             record["grip"], record["opening_m"] = gripper.status.value, gripper.opening
