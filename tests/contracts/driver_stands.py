@@ -32,19 +32,19 @@ class CellClock(FakeClock):
             self.cell.step(self.time_ns, self.time_ns)
 
 
-def kinematic_stand(make=KinematicDriver) -> Stand:
+def kinematic_stand(make=KinematicDriver, robot=CONFIG.robot) -> Stand:
     clock = FakeClock(NS_PER_MS * 1000)
-    return Stand(clock, SETUP, lambda: make(clock), CONFIG.robot.start)
+    return Stand(clock, SETUP, lambda: make(clock), robot.start)
 
 
-def simulated_stand() -> Stand:
+def simulated_stand(robot=CONFIG.robot) -> Stand:
     memory = CellMemory.create(6)
-    clock = CellClock(SimulatedCell(CONFIG.simulation, CONFIG.robot, memory))
-    return Stand(clock, SETUP, lambda: SimulatedDriver(memory, clock), CONFIG.robot.start)
+    clock = CellClock(SimulatedCell(CONFIG.simulation, robot, memory))
+    return Stand(clock, SETUP, lambda: SimulatedDriver(memory, clock), robot.start)
 
 
-def c500c_stand(loss: float = 0.0) -> Stand:
+def c500c_stand(loss: float = 0.0, robot=CONFIG.robot) -> Stand:
     clock = FakeClock(NS_PER_MS * 1000)
-    emulation = Emulation(Controller(CONFIG.robot.start), clock.now_ns(), loss=loss)
+    emulation = Emulation(Controller(robot.start), clock.now_ns(), loss=loss)
     port = EmulatedPort(emulation, clock)
-    return Stand(clock, SETUP, lambda: C500cDriver(C500cConfig(), port, clock), CONFIG.robot.start)
+    return Stand(clock, SETUP, lambda: C500cDriver(C500cConfig(), port, clock), robot.start)

@@ -19,7 +19,7 @@ class C500cConfig(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fiel
     rate_hz: Annotated[float, Meta(ge=10, le=20, description="setpoints per second; more than 20 overrun the line")] = (
         15.0
     )
-    answer_ms: Annotated[float, Meta(ge=20, le=200, description="an answer later than this is asked for again")] = 35.0
+    answer_ms: Annotated[float, Meta(ge=20, le=200, description="an answer later than this is asked for again")] = 25.0
     silent_ms: Annotated[float, Meta(ge=100, le=2000, description="no answer for so long is a fault of the link")] = (
         200.0
     )

@@ -1,5 +1,7 @@
 """The driver of the A465's controller: setpoints at 15 Hz over a serial line, a halt on every trouble, never limp."""
 
+import math
+
 import numpy as np
 
 from common.clock import NS_PER_MS, NS_PER_S, Clock
@@ -34,10 +36,12 @@ class C500cDriver:
 
     def __init__(self, config: C500cConfig, port: Port, clock: Clock) -> None:
         self._config = config
+        self._period_ms = math.ceil(1000 / config.rate_hz)
         self._exchange = Exchange(config, port)
         self._clock = clock
         self._setup: DriverSetup | None = None
-        self._activation = self._count = 0
+        self._activation = -1  # none yet
+        self._count = 0
         self._seqs: dict[int, int] = {}
         self._obeyed: int | None = None
         self._running = False
@@ -48,7 +52,7 @@ class C500cDriver:
     def capabilities(self) -> Capabilities:
         """Six joints and a gripper whose force is not measured; a watchdog of its own, two periods of lag."""
         return Capabilities(
-            rate_hz=self._config.rate_hz,
+            rate_hz=1000 / self._period_ms,
             joints=JOINTS,
             gripper=True,
             force=False,
@@ -75,8 +79,8 @@ class C500cDriver:
             raise DriverError("the arm still moves; activate it when it rests")
         self._activation = (state.activation + 1) & 0xFFFF
         self._running, self._obeyed, self._seqs = True, None, {}
-        period_ms = -(-1000 // round(self._config.rate_hz))  # not shorter than ours, so that the queue never runs dry
-        self._exchange.say(Kind.ACTIVATE, Activation(self._activation, tuple(q0.tolist()), period_ms).payload)
+        activation = Activation(self._activation, tuple(q0.tolist()), self._period_ms)
+        self._exchange.say(Kind.ACTIVATE, activation.payload)
         self._pump()
 
     def read(self) -> RobotReading:
@@ -113,8 +117,7 @@ class C500cDriver:
 
     def _pump(self) -> None:
         exchange, before = self._exchange, self._exchange.heard_ns
-        room = exchange.state is None or exchange.state.queued < MOST_QUEUED
-        exchange.pump(self._clock.now_ns(), room=room)
+        exchange.pump(self._clock.now_ns())
         if exchange.state is not None and exchange.heard_ns is not None and exchange.heard_ns != before:
             self._note(exchange.state, exchange.heard_ns)
 

@@ -82,7 +82,7 @@ class EmulatedPort:
 class Terminal:
     """A pseudo-terminal: the controller's end, and the path at which the driver opens the other."""
 
-    handle: int
+    port: SerialPort
     path: str
     _kept: int  # an open far end, so that the terminal lives on between two drivers
 
@@ -92,14 +92,14 @@ class Terminal:
         ours, theirs = os.openpty()
         tty.setraw(theirs)
         os.set_blocking(ours, False)
-        return cls(ours, os.ttyname(theirs), theirs)
+        return cls(SerialPort(ours), os.ttyname(theirs), theirs)
 
 
 def run_emulation(
     emulation: Emulation, terminal: Terminal, should_stop: Callable[[], bool], beat: Callable[[], None]
 ) -> None:
     """Be the controller at real time in this process until `should_stop`, then until the arm rests."""
-    port = SerialPort(terminal.handle)
+    port = terminal.port
     ask_for_real_time(FIFO_PRIORITY)
     while not (should_stop() and not emulation.controller.dq.any()):
         if should_stop():

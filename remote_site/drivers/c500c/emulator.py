@@ -181,6 +181,7 @@ class Controller:
             len(self.player.queue),
             self.activation,
             self.player.begun,
+            self._last_setpoint or 0,
             self.gripper.opening_m,
             tuple(self.player.q.tolist()),
         )

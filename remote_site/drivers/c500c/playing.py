@@ -1,4 +1,4 @@
-"""How the emulated controller plays its queue: one setpoint a period, smooth, never beyond a setpoint; pure."""
+"""How the emulated controller plays its queue: one setpoint a period, smooth, turning nowhere but at setpoints; pure."""
 
 from collections import deque
 from dataclasses import dataclass, field
@@ -8,6 +8,8 @@ import numpy as np
 from common.geometry import Array
 
 MOST_QUEUED = 2
+PHASE = 0.2  # of a segment: when the next setpoint should come, so that it may be late by the rest
+HASTE = 0.02  # by how much a segment is shorter or longer, to keep that phase although two clocks differ
 
 
 @dataclass(frozen=True, slots=True)
@@ -41,6 +43,7 @@ class Player:
     _segment: Segment | None = None
     _elapsed: float = 0.0
     _waited: float = 0.0
+    _came_at: float = PHASE
 
     def __post_init__(self) -> None:
         self.dq = np.zeros(len(self.q))
@@ -50,6 +53,7 @@ class Player:
         if len(self.queue) >= MOST_QUEUED:
             return False
         self.queue.append((count, q))
+        self._came_at = self._elapsed / self.period if self._segment is not None else PHASE
         return True
 
     def tick(self, dt: float) -> bool:
@@ -68,19 +72,20 @@ class Player:
         return True
 
     def _begin(self, dt: float, *, running: bool) -> None:
-        """Take the next setpoint, from rest only when another is there or it has waited a period."""
+        """Take the next setpoint, from rest only when it has waited long enough for others to be there."""
         if not self.queue:
             self._waited = 0.0
             return
         self._waited += dt
-        if not running and len(self.queue) < MOST_QUEUED and self._waited < self.period:
+        if not running and self._waited < (2 - PHASE) * self.period:
             return
         self._elapsed = self._elapsed if running else 0.0
         self._waited = 0.0
         self.begun, goal = self.queue.popleft()
-        slope = (goal - self.q) / self.period
-        after = (self.queue[0][1] - goal) / self.period if self.queue else slope
-        self._segment = Segment(self.q, self.dq, goal, _between(slope, after), self.period)
+        period = self.period * (1 + HASTE * min(max((self._came_at - PHASE) / PHASE, -1.0), 1.0))
+        slope = (goal - self.q) / period
+        after = (self.queue[0][1] - goal) / period if self.queue else slope
+        self._segment = Segment(self.q, self.dq, goal, _between(slope, after), period)
 
 
 def _between(before: Array, after: Array) -> Array:

@@ -159,8 +159,8 @@ class Activation:
 class State:
     """The controller's answer to every frame.
 
-    `begun` is the count of the setpoint that the arm now moves to, `queued` how many wait behind it; joints in rad,
-    the gripper's opening in m.
+    `begun` is the count of the setpoint that the arm now moves to, `taken` of the last one that found room in the queue,
+    `queued` how many wait; joints in rad, the gripper's opening in m.
     """
 
     flags: Flag
@@ -168,25 +168,26 @@ class State:
     queued: int
     activation: int
     begun: int
+    taken: int
     opening_m: float
     joints: tuple[float, ...]
 
-    FORMAT = struct.Struct(f"<BBBHHH{JOINTS}i")
+    FORMAT = struct.Struct(f"<BBBHHHH{JOINTS}i")
 
     @property
     def payload(self) -> bytes:
         """As it travels."""
         joints = (round(angle / RAD) for angle in self.joints)
         opening = round(self.opening_m * 1e5)
-        head = (self.flags, self.fault, self.queued, self.activation & 0xFFFF, self.begun & 0xFFFF, opening)
-        return self.FORMAT.pack(*head, *joints)
+        counts = (count & 0xFFFF for count in (self.activation, self.begun, self.taken))
+        return self.FORMAT.pack(self.flags, self.fault, self.queued, *counts, opening, *joints)
 
     @classmethod
     def parse(cls, payload: bytes) -> Self:
         """From the line; struct.error or ValueError when it is none."""
-        flags, fault, queued, activation, begun, opening, *joints = cls.FORMAT.unpack(payload)
+        flags, fault, queued, activation, begun, taken, opening, *joints = cls.FORMAT.unpack(payload)
         angles = tuple(angle * RAD for angle in joints)
-        return cls(Flag(flags), Fault(fault), queued, activation, begun, opening * 1e-5, angles)
+        return cls(Flag(flags), Fault(fault), queued, activation, begun, taken, opening * 1e-5, angles)
 
 
 def _crc(body: bytes) -> bytes:

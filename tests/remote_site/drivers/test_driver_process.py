@@ -146,7 +146,7 @@ def test_control_killed_in_full_motion_ends_in_the_verified_stop(make_rig, comma
     victim.join(5)
     last = rig.memory.orders._record.read()["motion"]
     end = stopping(JointMotion(*last), LIMITS, 9.9).q[0]
-    report = rig.watch(lambda report: report.fault is not None and not report.sent.dq.any() and not report.dq.any(), 3)
+    report = rig.watch(lambda r: r.fault is not None and not r.sent.dq.any() and np.abs(r.dq).max() < 0.01, 3)
     assert report.fault.code is FaultCode.COMMAND_TIMEOUT
     assert report.sent.q[0] == pytest.approx(end, abs=1e-9)
     rig.watch(lambda r: abs(r.q[0] - end) < 0.003 and np.abs(r.dq).max() < 0.01, 3)
