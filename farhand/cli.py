@@ -203,7 +203,9 @@ def loopback(
         bool, typer.Option("--headless", help="Leave the operator's page out (this version has none).")
     ] = False,
     report: Annotated[Path | None, typer.Option(help="Write all figures to this JSON file.")] = None,
-    driver: Annotated[str, typer.Option(help="simulated (physics), kinematic (perfect) or c500c (emulated).")] = "simulated",
+    driver: Annotated[
+        str, typer.Option(help="simulated (physics), kinematic (perfect) or c500c (emulated).")
+    ] = "simulated",
     motion: Annotated[str, typer.Option(help="What the simulated operator does.")] = "pick_and_place",
     tracker: TrackerName = "silhouette",
     save_views: Annotated[Path | None, typer.Option(help="Folder for the last views, as PNG.")] = None,

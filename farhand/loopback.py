@@ -88,8 +88,12 @@ class Plan:
 def plan_of(options: LoopbackOptions) -> Plan:
     """Settings with free endpoints of this host; ConfigError when the options ask for what there is not."""
     control, video, local = (f"tcp/127.0.0.1:{port}" for port in free_ports(3))
-    remote_settings = (f"links.control={control}", f"links.video={video}", f"driver.name={options.driver}")
-    remote_settings += (f"driver.emulate={str(options.driver == EMULATED).lower()}",)
+    remote_settings = (
+        f"links.control={control}",
+        f"links.video={video}",
+        f"driver.name={options.driver}",
+        f"driver.emulate={str(options.driver == EMULATED).lower()}",
+    )
     local_settings = (
         f"links.remote={control}",
         f"links.listen={local}",

@@ -205,6 +205,7 @@ class DriverConfig(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fie
     def __post_init__(self) -> None:
         if self.emulate and self.name != EMULATED:
             raise ValueError(f"driver.emulate is for the driver {EMULATED}; {self.name} has no emulator")
+
     command_timeout_ms: Annotated[
         float, Meta(ge=8, le=1000, description="without a command for so long, the driver stops the arm, ms")
     ] = 50.0
@@ -213,10 +214,12 @@ class DriverConfig(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fie
 class GripConfig(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
     """How the gripper closes, and when it has done so."""
 
-    force_n: Annotated[float, Meta(gt=0, le=200, description="largest grip force, N; the gripper's own may be less")] = (
-        25.0
+    force_n: Annotated[
+        float, Meta(gt=0, le=200, description="largest grip force, N; the gripper's own may be less")
+    ] = 25.0
+    closed_mm: Annotated[float, Meta(ge=0, le=50, description="narrower, it is closed; wider, it holds an object")] = (
+        3.0
     )
-    closed_mm: Annotated[float, Meta(ge=0, le=50, description="narrower, it is closed; wider, it holds an object")] = 3.0
     open_mm: Annotated[float, Meta(gt=0, le=500, description="wider, it is open, mm")] = 45.0
     timeout_ms: Annotated[float, Meta(ge=200, le=10000, description="longest time to open or close, ms")] = 2000.0
 

@@ -100,7 +100,11 @@ class Desk:
     def _report(self) -> None:
         keeper, record = self._keeper, self._record
         fault, reading, gripper = keeper.fault, keeper.reading, keeper.gripper
-        record["at_ns"], record["answered"], record["diversions"] = self._clock.now_ns(), keeper.asked, keeper.diversions
+        record["at_ns"], record["answered"], record["diversions"] = (
+            self._clock.now_ns(),
+            keeper.asked,
+            keeper.diversions,
+        )
         record["code"], record["native"], record["sentence"] = (
             (fault.code.value, fault.native.encode(), fault.sentence.encode()) if fault is not None else ("", "", "")
         )

@@ -1,5 +1,6 @@
 """Stands for the conformance suite on a clock moved by hand, with the robots stepped along."""
 
+from common.clock import NS_PER_MS, FakeClock
 from remote_site.config import RemoteConfig
 from remote_site.drivers.c500c.config import C500cConfig
 from remote_site.drivers.c500c.driver import C500cDriver
@@ -11,8 +12,6 @@ from remote_site.drivers.process import setup_of
 from remote_site.drivers.simulated import SimulatedDriver
 from remote_site.shared_memory import CellMemory
 from remote_site.simulation.process import SimulatedCell
-
-from common.clock import NS_PER_MS, FakeClock
 
 CONFIG = RemoteConfig()
 SETUP = setup_of(CONFIG)

@@ -4,12 +4,12 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 from driver_stands import CONFIG, SETUP
+
+from common.clock import NS_PER_MS, NS_PER_S
 from remote_site.drivers.driver import JointCommand
 from remote_site.drivers.grip import GripSettings, GripWatch
 from remote_site.drivers.keeper import Keeper, Order
 from remote_site.kinematics.joints import JointMotion
-
-from common.clock import NS_PER_MS, NS_PER_S
 
 DT = 0.004
 
@@ -84,9 +84,7 @@ def measured_stop(stand, speed: float, jerk: float, *, accelerating: bool) -> St
     sent_s, sent_at = _rest(sent, begin_ns)
     robot_s, rest_at = _rest(robot, begin_ns)
     beyond = max(q for _, q, _ in robot) - sent_at
-    return Stop(
-        last.dq[0], sent_s, sent_at - last.q[0], robot_s, rest_at - robot_at, last.q[0] - robot_at, beyond
-    )
+    return Stop(last.dq[0], sent_s, sent_at - last.q[0], robot_s, rest_at - robot_at, last.q[0] - robot_at, beyond)
 
 
 def _rest(path: list[tuple[int, float, float]], begin_ns: int) -> tuple[float, float]:

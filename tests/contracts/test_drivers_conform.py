@@ -148,7 +148,7 @@ class Broken(KinematicDriver):
     """Raises what it likes."""
 
     def configure(self, setup: DriverSetup) -> None:
-        raise KeyError("setup")
+        raise KeyError(setup)
 
 
 class Deaf(KinematicDriver):
@@ -164,7 +164,7 @@ class Refuser(KinematicDriver):
     """Takes no command at all."""
 
     def write(self, command: JointCommand) -> JointCommand:
-        raise DriverError("not today")
+        raise DriverError(f"not today: {command.seq}")
 
 
 @pytest.mark.parametrize(

@@ -100,7 +100,9 @@ def test_a_stop_is_idempotent_and_activation_waits_for_rest(bench):
 def registered(monkeypatch):
     """The drivers of the house as pyproject.toml registers them, whatever is installed, and two of others."""
     project = tomllib.loads((Path(__file__).parents[2] / "pyproject.toml").read_text())["project"]
-    points = [EntryPoint(name, value, registry.GROUP) for name, value in project["entry-points"][registry.GROUP].items()]
+    points = [
+        EntryPoint(name, value, registry.GROUP) for name, value in project["entry-points"][registry.GROUP].items()
+    ]
     points += [
         EntryPoint("lab", "remote_site.drivers.factories:kinematic", registry.GROUP),
         EntryPoint("broken", "no_such_package:make", registry.GROUP),
@@ -126,11 +128,11 @@ def test_an_unknown_driver_lists_the_alternatives():
 def test_what_a_driver_needs_is_told():
     with pytest.raises(DriverError, match="cell"):
         create_driver("simulated", DriverHost(FakeClock()))
-    with pytest.raises(DriverError, match="driver.options.port"):
+    with pytest.raises(DriverError, match=r"driver\.options\.port"):
         create_driver("c500c", DriverHost(FakeClock()))
     with pytest.raises(DriverError, match="cannot open the serial line /dev/none"):
         create_driver("c500c", DriverHost(FakeClock(), {"port": "/dev/none"}))
-    with pytest.raises(ConfigError, match=r"driver.options.prot: .*did you mean port"):
+    with pytest.raises(ConfigError, match=r"driver\.options\.prot: .*did you mean port"):
         create_driver("c500c", DriverHost(FakeClock(), {"prot": "/dev/ttyUSB0"}))
 
 

@@ -27,7 +27,9 @@ class C500cConfig(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fiel
     hold_percent: Annotated[
         int, Meta(ge=1, le=75, description="force after strong_grip_s; the gripper stands no more for long")
     ] = 50
-    strong_grip_s: Annotated[float, Meta(ge=0, le=15, description="how long a force above hold_percent lasts, s")] = 10.0
+    strong_grip_s: Annotated[float, Meta(ge=0, le=15, description="how long a force above hold_percent lasts, s")] = (
+        10.0
+    )
 
 
 def options_of(options: Mapping[str, Option]) -> C500cConfig:

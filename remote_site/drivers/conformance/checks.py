@@ -7,7 +7,7 @@ import numpy as np
 
 from common.clock import NS_PER_MS
 from common.errors import DriverError
-from remote_site.drivers.conformance.trial import SPEED_RAD_S, STEP_MS, STROKE_RAD, Failed, Stand, Trial
+from remote_site.drivers.conformance.trial import SPEED_RAD_S, STEP_MS, STROKE_RAD, WINDOW_MS, Failed, Stand, Trial
 from remote_site.drivers.driver import JointCommand, RobotReading
 from remote_site.drivers.faults import FaultCode
 from remote_site.drivers.keeper import DEADLINE_NS, Phase
@@ -262,6 +262,8 @@ def _healthy(trial: Trial) -> None:
 
 
 def _rests(trial: Trial, when: str) -> None:
+    """Failed if the joint moves from now on."""
+    trial.run(WINDOW_MS)
     if trial.speed() > REACHED_RAD:
         raise Failed(f"the joint still moves at {trial.speed():.3f} rad/s {when}")
 

@@ -16,6 +16,7 @@ from remote_site.motion import Follower
 
 READY_MS = 5000
 STEP_MS = 2
+WINDOW_MS = 150
 STILL_RAD_S = 0.01
 SPEED_RAD_S = 0.8
 STROKE_RAD = 0.7
@@ -155,7 +156,7 @@ class Trial:
             raise Failed(f"nothing can be read: {self.keeper.fault}")
         return self.log[-1]
 
-    def speed(self, window_ms: float = 150) -> float:
+    def speed(self, window_ms: float = WINDOW_MS) -> float:
         """The first joint's mean speed over the last readings, rad/s."""
         last = self.last()
         since_ns = last.t_ns - round(window_ms * NS_PER_MS)

@@ -163,9 +163,8 @@ def test_a_line_that_loses_too_much_halts_the_arm_before_a_setpoint_is_left_out(
     bench = Bench().ready()
     bench.emulation.there.loss = bench.emulation.back.loss = 0.02
     with pytest.raises(DriverError, match="does not keep up"):
-        for k in range(90):
-            bench.send(ROBOT.start + 0.004 * k)
-            assert bench.longest <= 2
+        bench.send(ROBOT.start + 0.02, periods=90)
+    assert bench.longest <= 2
     bench.run(500)
     assert not bench.controller.dq.any()
 

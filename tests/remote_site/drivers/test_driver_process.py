@@ -72,7 +72,9 @@ class Rig:
         self.memory, self.cell = DriverMemory.create(6), CellMemory.create(6)
         self.children = Children("remote")
         if factory is simulated:
-            self.children.start("cell", lambda stop, beat: run_cell(CONFIG.simulation, CONFIG.robot, self.cell, stop, beat.beat))
+            self.children.start(
+                "cell", lambda stop, beat: run_cell(CONFIG.simulation, CONFIG.robot, self.cell, stop, beat.beat)
+            )
         self.driver = self.children.start("driver", partial(process.run_driver, CONFIG, self.memory, self.cell))
         self.children.wait_ready(10.0, StopFlag())
         self.log = []
