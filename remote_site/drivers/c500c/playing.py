@@ -1,4 +1,4 @@
-"""How the emulated controller plays its queue: one setpoint a period, smooth, turning nowhere but at setpoints; pure."""
+"""How the emulated controller plays its queue: a setpoint a period, smooth, turning nowhere but at setpoints; pure."""
 
 from collections import deque
 from dataclasses import dataclass, field

@@ -1,7 +1,7 @@
 """The server protocol of the A465's controller: frames with checksum and sequence, built and taken apart; pure.
 
-A frame is `A5 length sequence kind payload crc`: one byte each, `length` of the payload, and CRC-16-CCITT of all between
-the start byte and the checksum, low byte first. Angles travel as signed 32-bit microradians, little-endian.
+A frame is `A5 length sequence kind payload crc`: one byte each, `length` of the payload, and CRC-16-CCITT of all
+between the start byte and the checksum, low byte first. Angles travel as signed 32-bit microradians, little-endian.
 """
 
 import binascii
@@ -159,8 +159,8 @@ class Activation:
 class State:
     """The controller's answer to every frame.
 
-    `begun` is the count of the setpoint that the arm now moves to, `taken` of the last one that found room in the queue,
-    `queued` how many wait; joints in rad, the gripper's opening in m.
+    `begun` is the count of the setpoint that the arm now moves to, `taken` of the last one that found room in the
+    queue, `queued` how many wait; joints in rad, the gripper's opening in m.
     """
 
     flags: Flag

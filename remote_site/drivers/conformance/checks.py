@@ -16,6 +16,7 @@ from remote_site.safety.stopping import stop_time
 
 REACHED_RAD = 0.01
 HOLDS_RAD = 0.005
+AGAIN_MS = 20
 OVER = 1.1  # what measuring and smoothing may add
 
 
@@ -92,11 +93,10 @@ def idempotent_stop(trial: Trial) -> None:
     """A second stop, on the way and at rest, changes nothing; only an activation moves the robot again."""
     trial.activated().in_motion()
     sent = trial.keeper.motion
-    slow_ms = 1000 * stop_time(sent, trial.setup.limits)
-    for _ in range(8):
+    slow_ms = 1000 * stop_time(sent, trial.setup.limits) + trial.lag_ms + WINDOW_MS
+    for _ in range(round(slow_ms / AGAIN_MS)):
         trial.driver.stop()
-        trial.run(slow_ms / 8)
-    trial.run(trial.lag_ms + 100)
+        trial.run(AGAIN_MS)
     _rests(trial, "after a stop that was repeated")
     rest = trial.q0.copy()
     trial.driver.stop()
