@@ -16,9 +16,10 @@ from common.transport import Link, open_link
 from remote_site.chain import Chain, Step
 from remote_site.config import RemoteConfig
 from remote_site.drivers.driver import JointCommand
-from remote_site.drivers.faults import FaultCode, RobotFault
+from remote_site.drivers.faults import FaultCode
 from remote_site.drivers.link import DriverLink, RobotReport
 from remote_site.drivers.memory import DriverMemory
+from remote_site.fault_latch import FaultLatch
 from remote_site.front_desk import FrontDesk, describe
 from remote_site.kinematics.limits import JointLimits
 from remote_site.kinematics.model import ArmModel
@@ -111,14 +112,14 @@ class ControlLoop:
         self._desk = desk
         self._seq = self._ticks = 0
         self._reading = driver.read()
-        self._fault: FaultCode | None = None
+        self._faults = FaultLatch(chain.session)
 
     def tick(self, now_ns: int) -> None:
         """Read, take a sample, decide, command, tell."""
         chain = self._chain
         self._reading = self._driver.read()
         chain.measured = self._reading.q
-        self._note_fault(self._reading.fault)
+        self._faults.note(self._reading.fault)
         for sample in self._inbox.take():
             chain.receive(sample, now_ns)
         self._inbox.engage.poll(now_ns, self._engage)
@@ -134,13 +135,6 @@ class ControlLoop:
         if self._mirror is not None:
             self._mirror.show(self._reading.t_ns, self._reading.q)
         self._desk.poll()
-
-    def _note_fault(self, fault: RobotFault | None) -> None:
-        """Latch a new fault; one that goes by itself stays latched."""
-        code = fault.code if fault is not None else None
-        if fault is not None and not fault.calm and code is not self._fault:
-            self._chain.session.fault(str(fault))
-        self._fault = code
 
     def _write(self, step: Step, now_ns: int) -> None:
         self._seq += 1

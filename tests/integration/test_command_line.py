@@ -54,6 +54,7 @@ def here(monkeypatch, capsys) -> Callable[..., subprocess.CompletedProcess[str]]
         ["track"],
         ["calibrate"],
         ["calibrate", "points"],
+        ["driver", "test"],
     ],
 )
 def test_every_command_has_help(command: list[str], here) -> None:
@@ -80,6 +81,7 @@ def test_every_command_has_help(command: list[str], here) -> None:
         (["lease", "show", "--remote", "tcp/127.0.0.1:9"], 1, "is the remote site of cell cell running?"),
         (["calibrate", "points", "absent.csv"], 1, "absent.csv"),
         (["track", "--rig", "absent.json", "--left", "a", "--right", "b"], 1, "absent.json"),
+        (["remote", "--emulate"], 2, "driver.emulate is for the driver c500c"),
         (["dance"], 2, "No such command"),
     ],
 )

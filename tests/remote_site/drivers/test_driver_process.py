@@ -1,5 +1,6 @@
 """Control and driver in processes of their own: a killed control, a driver that blocks, a fault that stays."""
 
+import contextlib
 import multiprocessing
 import os
 import signal
@@ -12,18 +13,22 @@ from remote_loop import arm
 
 from common.children import Children
 from common.clock import NS_PER_MS, MonotonicClock
+from common.errors import DriverError
 from common.service import StopFlag, ask_for_real_time
 from remote_site.config import DriverConfig, RemoteConfig
 from remote_site.drivers import process
 from remote_site.drivers.c500c.config import C500cConfig
 from remote_site.drivers.c500c.driver import C500cDriver
-from remote_site.drivers.c500c.emulation import EmulatedPort, Emulation
+from remote_site.drivers.c500c.emulation import EmulatedPort, Emulation, Terminal, run_emulation
 from remote_site.drivers.c500c.emulator import Controller
+from remote_site.drivers.c500c.port import open_port
+from remote_site.drivers.c500c.protocol import Fault
 from remote_site.drivers.driver import JointCommand
 from remote_site.drivers.faults import FaultCode
 from remote_site.drivers.kinematic import KinematicDriver
 from remote_site.drivers.link import DriverLink
 from remote_site.drivers.memory import DriverMemory
+from remote_site.drivers.registry import DriverHost
 from remote_site.drivers.simulated import SimulatedDriver
 from remote_site.kinematics.joints import JointMotion
 from remote_site.motion import Follower
@@ -144,7 +149,7 @@ def commander():
 def test_control_killed_in_full_motion_ends_in_the_verified_stop(make_rig, commander, factory):
     rig = make_rig(factory)
     victim = commander(rig)
-    rig.watch(lambda report: report.ready and report.sent.dq[0] > 2.0 and report.dq[0] > 1.0)
+    rig.watch(lambda report: report.ready and report.sent.dq[0] > 1.0 and report.dq[0] > 0.5)
     os.kill(victim.pid, signal.SIGKILL)
     victim.join(5)
     last = rig.memory.orders._record.read()["motion"]
@@ -156,6 +161,38 @@ def test_control_killed_in_full_motion_ends_in_the_verified_stop(make_rig, comma
     assert max(r.q[0] for _, r in rig.log) < end + 0.003
     time.sleep(0.1)
     assert rig.memory.report.read()["sent"][0][0] == report.sent.q[0]
+
+
+def test_a_driver_killed_in_motion_leaves_the_controllers_own_watchdog(make_rig, commander):
+    terminal = Terminal.create()
+    robot = Children("remote")
+
+    def over_the_line(host):
+        return C500cDriver(C500cConfig(), open_port(terminal.path, 57600), host.clock)
+
+    def be_the_robot(should_stop, heartbeat):
+        emulation = Emulation(Controller(CONFIG.robot.start), CLOCK.now_ns())
+        run_emulation(emulation, terminal, should_stop, heartbeat.beat)
+
+    robot.start("robot", be_the_robot)
+    robot.wait_ready(10.0, StopFlag())
+    rig = make_rig(over_the_line)
+    commander(rig)
+    rig.watch(lambda report: report.ready and report.dq[0] > 0.5)
+    rig.driver.process.kill()
+    rig.driver.process.join(3)
+    time.sleep(1.0)
+    again = over_the_line(DriverHost(CLOCK))
+    places = []
+    for _ in range(100):
+        time.sleep(0.004)
+        with contextlib.suppress(DriverError):
+            places.append(again.read())
+    robot.end()
+    assert places[-1].fault is not None
+    assert places[-1].q[0] > 0.05
+    assert places[-1].q == pytest.approx(places[0].q, abs=1e-9)
+    assert again._exchange.state.fault in (Fault.WATCHDOG, Fault.UNDERRUN)
 
 
 def test_the_driver_process_told_to_end_leaves_the_arm_at_rest(make_rig, commander):
