@@ -11,9 +11,8 @@ from common.messages import GripperState, GripperStatus
 from remote_site.drivers.driver import JointCommand
 from remote_site.drivers.faults import NOT_ACTIVATED, FaultCode, RobotFault
 from remote_site.drivers.keeper import DEADLINE_NS, Order, late_call
-from remote_site.drivers.memory import DriverMemory
+from remote_site.drivers.memory import DriverMemory, Report
 from remote_site.kinematics.joints import JointMotion
-from remote_site.shared_memory import Record
 
 SILENT_NS = 100 * NS_PER_MS
 STARTING = RobotFault(FaultCode.NOT_ACTIVATED, "the driver has measured nothing yet")
@@ -50,29 +49,29 @@ class DriverLink:
         self._clock = clock
         self._activation = self._diversions = 0
         self._last: JointCommand | None = None
-        self._report = self._decoded(memory.report.read())
+        self._raw = memory.report.read()
+        self._report = self._decoded(self._raw)
 
     def read(self) -> RobotReport:
         """The newest report; not ready when the driver's process or one of its calls takes too long."""
-        record = self._memory.report.read()
-        report = self._decoded(record)
+        raw = self._raw = self._memory.report.read()
+        report = self._decoded(raw)
         now_ns = self._clock.now_ns()
         busy_ns = self._memory.busy.since_ns
         if busy_ns and now_ns - busy_ns > DEADLINE_NS:
             report = replace(report, fault=late_call("call", now_ns - busy_ns))
-        elif record["at_ns"] and now_ns - int(record["at_ns"]) > SILENT_NS:
-            late_ms = (now_ns - int(record["at_ns"])) / NS_PER_MS
-            report = replace(report, fault=RobotFault(FaultCode.PROCESS, f"the driver is silent for {late_ms:.0f} ms"))
+        elif raw.at_ns and now_ns - raw.at_ns > SILENT_NS:
+            late = f"the driver's process is silent for {(now_ns - raw.at_ns) / NS_PER_MS:.0f} ms"
+            report = replace(report, fault=RobotFault(FaultCode.PROCESS, late))
         self._report = report
         return report
 
     def write(self, command: JointCommand) -> JointCommand:
-        """Order a command; what was really sent instead when the driver's process had left the course."""
-        record = self._memory.report.read()
-        diversions = int(record["diversions"])
-        if diversions != self._diversions:
-            self._diversions = diversions
-            q, dq, ddq = record["sent"]
+        """Order a command; what was really sent instead when by the last report the course had been left."""
+        raw = self._raw
+        if raw.diversions != self._diversions:
+            self._diversions = raw.diversions
+            _, _, q, dq, ddq = raw.motions
             return replace(command, q=q, dq=dq, ddq=ddq)
         self._order(command, run=True)
         return command
@@ -95,39 +94,37 @@ class DriverLink:
         self._memory.orders.write(Order(self._activation, run, self._diversions, command))
         self._memory.bell.ring()
 
-    def _decoded(self, record: Record) -> RobotReport:
-        answered = int(record["answered"]) == self._activation
-        q, dq = record["joints"]
+    def _decoded(self, raw: Report) -> RobotReport:
+        answered = raw.answered == self._activation
+        q, dq, *sent = raw.motions
         return RobotReport(
-            t_ns=int(record["t_ns"]),
+            t_ns=raw.t_ns,
             q=q,
             dq=dq,
-            gripper=_gripper(record),
-            fault=_fault(record) if answered else NOT_ACTIVATED,
-            obeyed_seq=int(record["obeyed_seq"]) if record["has_obeyed"] else None,
-            sent=JointMotion(*record["sent"]),
+            gripper=_gripper(raw),
+            fault=_fault(raw) if answered else NOT_ACTIVATED,
+            obeyed_seq=raw.obeyed_seq if raw.has_obeyed else None,
+            sent=JointMotion(*sent),
             answered=answered,
         )
 
 
-def _fault(record: Record) -> RobotFault | None:
-    if not record["at_ns"]:
+def _fault(raw: Report) -> RobotFault | None:
+    if not raw.at_ns:
         return STARTING
-    code = record["code"].item()
-    if not code:
+    if not raw.code[0]:
         return None
-    native, sentence = (record[key].item().decode(errors="replace") for key in ("native", "sentence"))
-    return RobotFault(FaultCode(code.decode()), sentence, native)
+    code, native, sentence = (_text(word) for word in (raw.code, raw.native, raw.sentence))
+    return RobotFault(FaultCode(code), sentence, native)
 
 
-def _gripper(record: Record) -> GripperState | None:
-    grip = record["grip"].item()
+def _gripper(raw: Report) -> GripperState | None:
+    grip = _text(raw.grip)
     if not grip:
         return None
-    force = float(record["force_n"])
-    return GripperState(
-        float(record["opening_m"]),
-        None if math.isnan(force) else force,
-        bool(record["gripper_open"]),
-        GripperStatus(grip.decode()),
-    )
+    force = None if math.isnan(raw.force_n) else raw.force_n
+    return GripperState(raw.opening_m, force, raw.gripper_open, GripperStatus(grip))
+
+
+def _text(word: bytes) -> str:
+    return word.rstrip(b"\0").decode(errors="ignore")

@@ -3,79 +3,41 @@
 import mmap
 import os
 import select
+import struct
 from dataclasses import dataclass
-from typing import Self
+from typing import NamedTuple, Self
 
 import numpy as np
 
+from common.geometry import Array
 from remote_site.drivers.driver import JointCommand
 from remote_site.drivers.keeper import Order
-from remote_site.shared_memory import Record, SharedRecord
+from remote_site.shared_memory import SharedRecord
 
 ORDERS_KEPT = 64
-FAULT_BYTES = 400
-NATIVE_BYTES = 32
+WORD_BYTES = 32
+SENTENCE_BYTES = 400
 
 
-def order_dtype(joints: int) -> np.dtype[np.void]:
-    """An `Order`, its command included."""
-    return np.dtype(
-        [
-            ("activation", np.uint32),
-            ("run", np.bool_),
-            ("diversions", np.uint32),
-            ("gripper_open", np.bool_),
-            ("seq", np.uint64),
-            ("t_ns", np.int64),
-            ("motion", np.float64, (3, joints)),
-        ]
-    )
-
-
-def report_dtype(joints: int) -> np.dtype[np.void]:
-    """What the robot measured and what was last sent to it; `answered` is the last activation that was looked at.
-
-    `code` is empty while the robot takes commands; `t_ns` is 0 before anything was measured, `force_n` NaN where no
-    force is measured; `grip` is empty without a gripper.
-    """
-    return np.dtype(
-        [
-            ("at_ns", np.int64),
-            ("answered", np.uint32),
-            ("diversions", np.uint32),
-            ("code", f"S{NATIVE_BYTES}"),
-            ("native", f"S{NATIVE_BYTES}"),
-            ("sentence", f"S{FAULT_BYTES}"),
-            ("sent", np.float64, (3, joints)),
-            ("t_ns", np.int64),
-            ("has_obeyed", np.bool_),
-            ("obeyed_seq", np.uint64),
-            ("joints", np.float64, (2, joints)),
-            ("grip", f"S{NATIVE_BYTES}"),
-            ("opening_m", np.float64),
-            ("force_n", np.float64),
-            ("gripper_open", np.bool_),
-        ]
-    )
+ORDER = struct.Struct("<I?I?Qq")  # activation, run, diversions, gripper_open, seq, t_ns; then q, dq, ddq
+REPORT = struct.Struct(f"<qIIq?Qdd?{WORD_BYTES}s{WORD_BYTES}s{WORD_BYTES}s{SENTENCE_BYTES}s")
+DOUBLES = np.dtype("<f8")
 
 
 class OrderRing:
     """The newest 64 orders; the reader gets each of them once, unless it sleeps for longer than they are kept."""
 
     def __init__(self, joints: int) -> None:
-        dtype = order_dtype(joints)
-        self._record = SharedRecord(dtype, ORDERS_KEPT)
-        self._scratch = np.zeros((), dtype=dtype)
+        self._record = SharedRecord(np.dtype([("order", f"V{ORDER.size + 24 * joints}")]), ORDERS_KEPT)
         self._seen = self._record.count
 
     def write(self, order: Order) -> None:
         """Append an order; only control writes."""
-        scratch, command = self._scratch, order.command
-        scratch["activation"], scratch["run"], scratch["diversions"] = order.activation, order.run, order.diversions
-        scratch["seq"], scratch["t_ns"], scratch["gripper_open"] = command.seq, command.t_ns, command.gripper_open
-        motion = scratch["motion"]
-        motion[0], motion[1], motion[2] = command.q, command.dq, command.ddq
-        self._record.write(scratch)
+        command = order.command
+        head = ORDER.pack(
+            order.activation, order.run, order.diversions, command.gripper_open, command.seq, command.t_ns
+        )
+        self._record.write_bytes(head + command.q.tobytes() + command.dq.tobytes() + command.ddq.tobytes())
 
     def take(self) -> list[Order]:
         """The orders written since the last call, oldest first; what was overwritten meanwhile is missing."""
@@ -83,13 +45,54 @@ class OrderRing:
         first = max(self._seen, newest - ORDERS_KEPT + 1) + 1
         self._seen = newest
         records = (self._record.at(count) for count in range(first, newest + 1))
-        return [_order(record) for record in records if record is not None]
+        return [_order(data) for data in records if data is not None]
 
 
-def _order(record: Record) -> Order:
-    q, dq, ddq = record["motion"]
-    command = JointCommand(int(record["seq"]), int(record["t_ns"]), q, dq, ddq, bool(record["gripper_open"]))
-    return Order(int(record["activation"]), bool(record["run"]), int(record["diversions"]), command)
+def _order(data: bytes) -> Order:
+    activation, run, diversions, gripper_open, seq, t_ns = ORDER.unpack_from(data)
+    q, dq, ddq = np.frombuffer(data, DOUBLES, offset=ORDER.size).reshape(3, -1)
+    return Order(activation, run, diversions, JointCommand(seq, t_ns, q, dq, ddq, gripper_open))
+
+
+class Report(NamedTuple):
+    """What the robot measured and what was last sent to it; `answered` is the last activation that was looked at.
+
+    `at_ns` is when it was written, `t_ns` when it was measured, 0 before anything was. `obeyed_seq` counts if
+    `has_obeyed`. `code` is empty while the robot takes commands, `grip` without a gripper, `force_n` NaN where no force
+    is measured. `motions` (5, n): q and dq as measured, then q, dq, ddq as sent.
+    """
+
+    at_ns: int
+    answered: int
+    diversions: int
+    t_ns: int
+    has_obeyed: bool
+    obeyed_seq: int
+    opening_m: float
+    force_n: float
+    gripper_open: bool
+    grip: bytes
+    code: bytes
+    native: bytes
+    sentence: bytes
+    motions: Array
+
+
+class ReportRecord:
+    """The newest report."""
+
+    def __init__(self, joints: int) -> None:
+        self._record = SharedRecord(np.dtype([("report", f"V{REPORT.size + 40 * joints}")]))
+
+    def write(self, report: Report) -> None:
+        """Publish a report; only the driver's process writes."""
+        self._record.write_bytes(REPORT.pack(*report[:-1]) + report.motions.tobytes())
+
+    def read(self) -> Report:
+        """The newest one."""
+        data = self._record.read_bytes()
+        motions = np.frombuffer(data, DOUBLES, offset=REPORT.size).reshape(5, -1)
+        return Report(*REPORT.unpack_from(data), motions)
 
 
 class Bell:
@@ -130,11 +133,11 @@ class DriverMemory:
     """Everything control shares with the driver's process; made before both fork."""
 
     orders: OrderRing
-    report: SharedRecord
+    report: ReportRecord
     busy: BusyMark
     bell: Bell
 
     @classmethod
     def create(cls, joints: int) -> Self:
         """Empty memory for an arm of so many joints."""
-        return cls(OrderRing(joints), SharedRecord(report_dtype(joints)), BusyMark(), Bell())
+        return cls(OrderRing(joints), ReportRecord(joints), BusyMark(), Bell())

@@ -2,6 +2,7 @@
 
 import contextvars
 import gc
+import math
 import threading
 from queue import SimpleQueue
 
@@ -17,7 +18,7 @@ from remote_site.drivers.driver import DriverSetup
 from remote_site.drivers.faults import STOPPED, FaultCode, RobotFault
 from remote_site.drivers.grip import GripSettings, GripWatch
 from remote_site.drivers.keeper import Keeper
-from remote_site.drivers.memory import DriverMemory
+from remote_site.drivers.memory import DriverMemory, Report
 from remote_site.drivers.registry import DriverHost, create_driver
 from remote_site.kinematics.limits import JointLimits
 from remote_site.kinematics.model import ArmModel
@@ -86,7 +87,7 @@ class Desk:
 
     def __init__(self, keeper: Keeper, memory: DriverMemory, clock: Clock) -> None:
         self._keeper, self._memory, self._clock = keeper, memory, clock
-        self._record = np.zeros((), dtype=memory.report.dtype)
+        self._motions = np.zeros((5, len(keeper.motion.q)))
         self._log = FaultLog()
 
     def turn(self) -> None:
@@ -98,27 +99,29 @@ class Desk:
         self._log.note(self._keeper.fault)
 
     def _report(self) -> None:
-        keeper, record = self._keeper, self._record
+        keeper, motions = self._keeper, self._motions
         fault, reading, gripper = keeper.fault, keeper.reading, keeper.gripper
-        record["at_ns"], record["answered"], record["diversions"] = (
-            self._clock.now_ns(),
-            keeper.asked,
-            keeper.diversions,
-        )
-        record["code"], record["native"], record["sentence"] = (
-            (fault.code.value, fault.native.encode(), fault.sentence.encode()) if fault is not None else ("", "", "")
-        )
-        sent = record["sent"]
-        sent[0], sent[1], sent[2] = keeper.motion.q, keeper.motion.dq, keeper.motion.ddq
         if reading is not None:
-            record["t_ns"], record["has_obeyed"] = reading.t_ns, keeper.obeyed_seq is not None
-            record["obeyed_seq"] = keeper.obeyed_seq or 0
-            record["joints"][0], record["joints"][1] = reading.q, reading.dq
-        if gripper is not None:
-            record["grip"], record["opening_m"] = gripper.status.value, gripper.opening
-            record["force_n"] = np.nan if gripper.force is None else gripper.force
-            record["gripper_open"] = gripper.commanded_open
-        self._memory.report.write(record)
+            motions[0], motions[1] = reading.q, reading.dq
+        motions[2], motions[3], motions[4] = keeper.motion.q, keeper.motion.dq, keeper.motion.ddq
+        self._memory.report.write(
+            Report(
+                at_ns=self._clock.now_ns(),
+                answered=keeper.asked,
+                diversions=keeper.diversions,
+                t_ns=reading.t_ns if reading is not None else 0,
+                has_obeyed=keeper.obeyed_seq is not None,
+                obeyed_seq=keeper.obeyed_seq or 0,
+                opening_m=gripper.opening if gripper is not None else 0.0,
+                force_n=gripper.force if gripper is not None and gripper.force is not None else math.nan,
+                gripper_open=gripper.commanded_open if gripper is not None else True,
+                grip=gripper.status.value.encode() if gripper is not None else b"",
+                code=fault.code.value.encode() if fault is not None else b"",
+                native=fault.native.encode() if fault is not None else b"",
+                sentence=fault.sentence.encode() if fault is not None else b"",
+                motions=motions,
+            )
+        )
 
 
 class FaultLog:

@@ -89,7 +89,7 @@ class Rig:
         watcher = DriverLink(self.memory, CLOCK)
         deadline = time.monotonic() + seconds
         while time.monotonic() < deadline:
-            watcher._activation = int(self.memory.report.read()["answered"])
+            watcher._activation = self.memory.report.read().answered
             report = watcher.read()
             self.log.append((time.monotonic(), report))
             if until(report):
@@ -152,15 +152,16 @@ def test_control_killed_in_full_motion_ends_in_the_verified_stop(make_rig, comma
     rig.watch(lambda report: report.ready and report.sent.dq[0] > 1.0 and report.dq[0] > 0.5)
     os.kill(victim.pid, signal.SIGKILL)
     victim.join(5)
-    last = rig.memory.orders._record.read()["motion"]
-    end = stopping(JointMotion(*last), LIMITS, 9.9).q[0]
+    rig.memory.orders._seen = rig.memory.orders._record.count - 1
+    (last,) = rig.memory.orders.take()
+    end = stopping(last.command.motion, LIMITS, 9.9).q[0]
     report = rig.watch(lambda r: r.fault is not None and not r.sent.dq.any() and np.abs(r.dq).max() < 0.01, 5)
     assert report.fault.code is FaultCode.COMMAND_TIMEOUT
     assert report.sent.q[0] == pytest.approx(end, abs=1e-9)
     rig.watch(lambda r: abs(r.q[0] - end) < 0.003 and np.abs(r.dq).max() < 0.01, 3)
     assert max(r.q[0] for _, r in rig.log) < end + 0.003
     time.sleep(0.1)
-    assert rig.memory.report.read()["sent"][0][0] == report.sent.q[0]
+    assert rig.memory.report.read().motions[2][0] == report.sent.q[0]
 
 
 def test_a_driver_killed_in_motion_leaves_the_controllers_own_watchdog(make_rig, commander):
@@ -243,9 +244,8 @@ def test_a_process_that_is_gone_is_told(make_rig):
 def test_the_first_command_after_a_diversion_is_what_was_really_sent():
     memory = DriverMemory.create(6)
     link = DriverLink(memory, CLOCK)
-    record = memory.report.read().copy()
-    record["at_ns"], record["diversions"], record["sent"][0] = CLOCK.now_ns(), 1, 0.3
-    memory.report.write(record)
+    memory.report.write(memory.report.read()._replace(at_ns=CLOCK.now_ns(), diversions=1, motions=np.full((5, 6), 0.3)))
+    link.read()
     zero = np.zeros(6)
     command = JointCommand(1, CLOCK.now_ns(), zero, zero, zero, gripper_open=True)
     assert (link.write(command).q == 0.3).all()
