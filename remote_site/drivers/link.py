@@ -1,7 +1,8 @@
 """Control's end of the shared memory: orders to the driver's process, its reports, and whether it still answers."""
 
 import math
-from dataclasses import dataclass, replace
+from dataclasses import replace
+from typing import NamedTuple
 
 import numpy as np
 
@@ -18,8 +19,7 @@ SILENT_NS = 100 * NS_PER_MS
 STARTING = RobotFault(FaultCode.NOT_ACTIVATED, "the driver has measured nothing yet")
 
 
-@dataclass(frozen=True, slots=True)
-class RobotReport:
+class RobotReport(NamedTuple):
     """The robot as its driver's process tells it; `fault` is None while it takes commands.
 
     `t_ns` is when `q`, `dq` (rad, rad/s) were measured, 0 before anything was. `sent` is the motion that was sent last.
@@ -59,10 +59,10 @@ class DriverLink:
         now_ns = self._clock.now_ns()
         busy_ns = self._memory.busy.since_ns
         if busy_ns and now_ns - busy_ns > DEADLINE_NS:
-            report = replace(report, fault=late_call("call", now_ns - busy_ns))
+            report = report._replace(fault=late_call("call", now_ns - busy_ns))
         elif raw.at_ns and now_ns - raw.at_ns > SILENT_NS:
             late = f"the driver's process is silent for {(now_ns - raw.at_ns) / NS_PER_MS:.0f} ms"
-            report = replace(report, fault=RobotFault(FaultCode.PROCESS, late))
+            report = report._replace(fault=RobotFault(FaultCode.PROCESS, late))
         self._report = report
         return report
 

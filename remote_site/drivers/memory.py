@@ -92,7 +92,7 @@ class ReportRecord:
         """The newest one."""
         data = self._record.read_bytes()
         motions = np.frombuffer(data, DOUBLES, offset=REPORT.size).reshape(5, -1)
-        return Report(*REPORT.unpack_from(data), motions)
+        return Report._make((*REPORT.unpack_from(data), motions))
 
 
 class Bell:
@@ -117,7 +117,7 @@ class BusyMark:
     """Since when a call of the driver is under way, in ns; 0 between calls."""
 
     def __init__(self) -> None:
-        self._since_ns = np.frombuffer(mmap.mmap(-1, 8), dtype=np.int64)
+        self._since_ns = memoryview(mmap.mmap(-1, 8)).cast("q")
 
     def set(self, since_ns: int) -> None:
         """Note the begin of a call, or its end by 0."""
@@ -125,7 +125,7 @@ class BusyMark:
 
     @property
     def since_ns(self) -> int:
-        return int(self._since_ns[0])
+        return self._since_ns[0]
 
 
 @dataclass(frozen=True, slots=True)
