@@ -116,6 +116,7 @@ def read_never_invents(trial: Trial) -> None:
     if before is not None and np.abs(before.q - trial.q0).max() > 0.5:
         raise Failed(f"before its activation it reads {before.q}, far from where the robot stands")
     trial.run(300)
+    trial.turn_to_the_middle()
     trial.activate()
     trial.run(200)
     first = trial.last()

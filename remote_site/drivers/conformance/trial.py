@@ -72,8 +72,7 @@ class Trial:
         self._follower = Follower(self.setup.limits, self.setup.dt)
         capabilities = self.driver.capabilities
         periods = (capabilities.queued_periods + 2) if capabilities.queued_periods else 1
-        upper, lower = stand.setup.limits.upper[0], stand.setup.limits.lower[0]
-        self.side = 1.0 if upper + lower >= 2 * stand.start[0] else -1.0  # where the first joint has more room
+        self.side = 1.0
         self.lag_ms = 1000 * periods / capabilities.rate_hz + 50
 
     @property
@@ -85,7 +84,13 @@ class Trial:
         """The same, configured, with a first reading where the driver has one before it is activated."""
         self.driver.configure(self.setup)
         self.run(300)
+        self.turn_to_the_middle()
         return self
+
+    def turn_to_the_middle(self) -> None:
+        """Have the first joint move to where it has more room, from now on."""
+        upper, lower = self.setup.limits.upper[0], self.setup.limits.lower[0]
+        self.side = 1.0 if upper + lower >= 2 * self.q0[0] else -1.0
 
     def activated(self) -> "Trial":
         """The same, ready for commands where it stands."""

@@ -193,6 +193,7 @@ def test_a_command_planned_before_the_stop_began_does_not_count(bench):
     begun = bench.keeper.motion
     bench.turn(old)
     assert bench.keeper.fault is None
+    assert bench.keeper.diversions == 1
     assert bench.keeper.motion.dq[0] < begun.dq[0]
 
 
