@@ -145,6 +145,11 @@ def commander():
         each.join(5)
 
 
+def is_stopped(report):
+    timed_out = report.fault is not None and report.fault.code is FaultCode.COMMAND_TIMEOUT
+    return timed_out and not report.sent.dq.any() and np.abs(report.dq).max() < 0.01
+
+
 @pytest.mark.parametrize("factory", [kinematic, simulated, c500c])
 def test_control_killed_in_full_motion_ends_in_the_verified_stop(make_rig, commander, factory):
     rig = make_rig(factory)
@@ -155,8 +160,7 @@ def test_control_killed_in_full_motion_ends_in_the_verified_stop(make_rig, comma
     rig.memory.orders._seen = rig.memory.orders._record.count - 1
     (last,) = rig.memory.orders.take()
     end = stopping(last.command.motion, LIMITS, 9.9).q[0]
-    report = rig.watch(lambda r: r.fault is not None and not r.sent.dq.any() and np.abs(r.dq).max() < 0.01, 5)
-    assert report.fault.code is FaultCode.COMMAND_TIMEOUT
+    report = rig.watch(is_stopped, 5)
     assert report.sent.q[0] == pytest.approx(end, abs=1e-9)
     rig.watch(lambda r: abs(r.q[0] - end) < 0.003 and np.abs(r.dq).max() < 0.01, 3)
     assert max(r.q[0] for _, r in rig.log) < end + 0.003
