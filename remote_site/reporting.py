@@ -140,8 +140,8 @@ def _lease(chain: Chain, now_ns: int) -> LeaseState | None:
     return LeaseState(lease.number, holder.name, holder.session, lease.expires_ns, asker.name if asker else None)
 
 
-def _readiness(chain: Chain, reading: RobotReading, now_ns: int) -> Readiness:
-    answer = chain.session.readiness(now_ns, chain.robot(ready=reading.ready, fault=reading.fault))
+def _readiness(chain: Chain, reading: RobotReport, now_ns: int) -> Readiness:
+    answer = chain.session.readiness(now_ns, chain.robot(ready=reading.ready, fault=str(reading.fault or "")))
     return Readiness(answer.done, answer.reason.code.value, answer.reason.sentence, chain.session.held)
 
 

@@ -94,9 +94,11 @@ def test_misuse_is_told_with_its_cure(arguments: list[str], code: int, words: st
 @pytest.mark.parametrize(
     ("arguments", "code", "words"),
     [
-        (["remote", "--set", "driver.name=elbow"], 1, "choose one of: kinematic, simulated"),
+        (["remote", "--set", "driver.name=elbow"], 1, "choose one of: c500c, kinematic, simulated"),
         (["remote", "--set", "links.control=tcp/10.0.0.1:7447"], 1, "refused"),
         (["loopback", "--driver", "none"], 1, "choose one of"),
+        (["remote", "--driver", "c500c"], 1, "driver.options.port"),
+        (["driver", "test", "elbow"], 1, "choose one of"),
         (["track"], 2, "Missing option"),
     ],
 )
