@@ -36,6 +36,16 @@ class SessionState(StrEnum):
     FAULT = "fault"
 
 
+class GripperStatus(StrEnum):
+    """How far the gripper has come with what it was told; `holding` is closed short, on an object."""
+
+    MOVING = "moving"
+    OPEN = "open"
+    CLOSED = "closed"
+    HOLDING = "holding"
+    TIMED_OUT = "timed_out"
+
+
 class CameraStatus(StrEnum):
     """Whether a camera's picture shows the cell as it is now."""
 
@@ -138,11 +148,15 @@ class Pose(msgspec.Struct, frozen=True, forbid_unknown_fields=True):
 
 
 class GripperState(msgspec.Struct, frozen=True, forbid_unknown_fields=True):
-    """The gripper as measured: opening between the fingers in m, grip force in N, and the last command."""
+    """The gripper as measured: opening between the fingers in m, grip force in N, None where it is not measured.
+
+    `commanded_open` is the last command, `status` what has become of it.
+    """
 
     opening: float
-    force: float
+    force: float | None
     commanded_open: bool
+    status: GripperStatus
 
 
 class Obeyed(msgspec.Struct, frozen=True, forbid_unknown_fields=True):

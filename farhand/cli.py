@@ -53,6 +53,8 @@ calibrate_app = typer.Typer(help="Compute a rig from measurements.", no_args_is_
 app.add_typer(calibrate_app, name="calibrate")
 lease_app = typer.Typer(help="Show who may operate a cell, take the lease, give it away.", no_args_is_help=True)
 app.add_typer(lease_app, name="lease")
+driver_app = typer.Typer(help="Look after robot drivers.", no_args_is_help=True)
+app.add_typer(driver_app, name="driver")
 
 
 def main() -> None:
@@ -98,16 +100,40 @@ def local(
 
 
 @app.command()
-def remote(config: ConfigFile = None, settings: Settings = None) -> None:
+def remote(
+    config: ConfigFile = None,
+    settings: Settings = None,
+    driver: Annotated[str | None, typer.Option(help="The robot's driver: the same as --set driver.name=NAME.")] = None,
+    emulate: Annotated[bool, typer.Option("--emulate", help="c500c: against an emulated controller.")] = False,
+) -> None:
     """Start the robot's side: follow the hand inside the limits, and stream the cell.
 
-    Example: farhand remote --config deploy/sites/remote.toml --set driver.name=kinematic
+    Example: farhand remote --config deploy/sites/remote.toml --driver kinematic
     """
     from remote_site.app import run_remote
     from remote_site.config import RemoteConfig
 
-    loaded = load_config(RemoteConfig, config, settings or ())
+    chosen = ([f"driver.name={driver}"] if driver else []) + (["driver.emulate=true"] if emulate else [])
+    loaded = load_config(RemoteConfig, config, [*(settings or ()), *chosen])
     _until_signal(lambda should_stop: run_remote(loaded, should_stop))
+
+
+@driver_app.command("test")
+def driver_test_command(
+    name: Annotated[str, typer.Argument(help="The driver's name, as in driver.name.")],
+    config: ConfigFile = None,
+    settings: Settings = None,
+) -> None:
+    """Check a driver against everything that Farhand expects of one; it MOVES the robot's first joint, by 40 degrees.
+
+    Example: farhand driver test kinematic
+    """
+    from farhand.driver_command import test_driver
+    from remote_site.config import RemoteConfig
+
+    loaded = load_config(RemoteConfig, config, [*(settings or ()), f"driver.name={name}"])
+    if not test_driver(loaded, typer.echo):
+        raise typer.Exit(FAILED)
 
 
 @app.command()
@@ -177,7 +203,9 @@ def loopback(
         bool, typer.Option("--headless", help="Leave the operator's page out (this version has none).")
     ] = False,
     report: Annotated[Path | None, typer.Option(help="Write all figures to this JSON file.")] = None,
-    driver: Annotated[str, typer.Option(help="simulated (physics) or kinematic (perfect tracking).")] = "simulated",
+    driver: Annotated[
+        str, typer.Option(help="simulated (physics), kinematic (perfect) or c500c (emulated).")
+    ] = "simulated",
     motion: Annotated[str, typer.Option(help="What the simulated operator does.")] = "pick_and_place",
     tracker: TrackerName = "silhouette",
     save_views: Annotated[Path | None, typer.Option(help="Folder for the last views, as PNG.")] = None,

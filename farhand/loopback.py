@@ -28,7 +28,7 @@ from farhand.site_process import SiteProcess
 from farhand.views import save_camera_views, save_overview
 from local_site.config import LocalConfig
 from local_site.simulation.operator import SimulatedOperator
-from remote_site.config import RemoteConfig
+from remote_site.config import EMULATED, RemoteConfig
 from remote_site.drivers.registry import check_driver
 
 CELL = "loopback"
@@ -88,7 +88,12 @@ class Plan:
 def plan_of(options: LoopbackOptions) -> Plan:
     """Settings with free endpoints of this host; ConfigError when the options ask for what there is not."""
     control, video, local = (f"tcp/127.0.0.1:{port}" for port in free_ports(3))
-    remote_settings = (f"links.control={control}", f"links.video={video}", f"driver.name={options.driver}")
+    remote_settings = (
+        f"links.control={control}",
+        f"links.video={video}",
+        f"driver.name={options.driver}",
+        f"driver.emulate={str(options.driver == EMULATED).lower()}",
+    )
     local_settings = (
         f"links.remote={control}",
         f"links.listen={local}",

@@ -1,5 +1,6 @@
 """The remote site: starts control, video and, where it is simulated, the cell; ends all when one dies."""
 
+import time
 from functools import partial
 
 import msgspec
@@ -14,6 +15,8 @@ from common.transport import Publisher, check_endpoint, open_link
 from remote_site.checks import check_robot
 from remote_site.config import EngagementMode, RemoteConfig
 from remote_site.control import run_control
+from remote_site.drivers.memory import DriverMemory
+from remote_site.drivers.process import run_driver
 from remote_site.drivers.registry import check_driver
 from remote_site.running_mark import RunningMark
 from remote_site.shared_memory import CellMemory
@@ -40,12 +43,15 @@ def run_remote(config: RemoteConfig, should_stop: StopFlag) -> None:
         if config.cell_is_simulated or config.views_are_simulated
         else None
     )
+    driver_memory = DriverMemory.create(len(config.robot.start_deg))
     children = Children("remote")
     try:
+        config = start_robot(config, children)
         if memory is not None and config.cell_is_simulated:
-            children.start("cell", partial(_cell, config, memory))
+            children.start("cell", partial(run_cell_child, config, memory))
+        children.start("driver", partial(run_driver, config, driver_memory, memory))
         children.start("video", partial(_video, config, memory))
-        children.start("control", partial(run_control, config, memory))
+        children.start("control", partial(run_control, config, driver_memory, memory))
         children.wait_ready(READY_TIMEOUT_S, should_stop)
         notify("READY=1")
         log.info("ready", cell=config.cell, driver=config.driver.name, control=config.links.control)
@@ -67,7 +73,27 @@ def without_automatic_engagement(config: RemoteConfig) -> RemoteConfig:
     return msgspec.structs.replace(config, engagement=engagement)
 
 
-def _cell(config: RemoteConfig, memory: CellMemory, should_stop: StopFlag, heartbeat: Heartbeat) -> None:
+def start_robot(config: RemoteConfig, children: Children) -> RemoteConfig:
+    """Start the emulated controller where one is asked for; the configuration then names its line."""
+    if not config.driver.emulate:
+        return config
+    from remote_site.drivers.c500c.emulation import Emulation, Terminal, run_emulation  # noqa: PLC0415
+    from remote_site.drivers.c500c.emulator import Controller  # noqa: PLC0415  # a real controller needs neither
+
+    terminal = Terminal.create()
+
+    def emulate(should_stop: StopFlag, heartbeat: Heartbeat) -> None:
+        emulation = Emulation(Controller(config.robot.start), time.monotonic_ns())
+        run_emulation(emulation, terminal, should_stop, heartbeat.beat)
+
+    children.start("robot", emulate)
+    options = dict(config.driver.options) | {"port": terminal.path}
+    driver = msgspec.structs.replace(config.driver, options=options)
+    return msgspec.structs.replace(config, driver=driver)
+
+
+def run_cell_child(config: RemoteConfig, memory: CellMemory, should_stop: StopFlag, heartbeat: Heartbeat) -> None:
+    """The process of the simulated cell."""
     from remote_site.simulation.process import run_cell  # noqa: PLC0415  # a real cell needs no MuJoCo
 
     run_cell(config.simulation, config.robot, memory, should_stop, heartbeat.beat)

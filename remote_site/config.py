@@ -16,6 +16,7 @@ from remote_site.safety.config import CapsuleConfig, CertaintyConfig, CollisionC
 from remote_site.simulation.config import CellConfig
 from remote_site.video.config import SIMULATED, VideoConfig
 
+EMULATED = "c500c"
 MODELS = Path(__file__).parent / "models"
 
 Row3 = tuple[float, float, float]
@@ -193,10 +194,34 @@ class LeaseConfig(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fiel
 class DriverConfig(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
     """Which robot is driven."""
 
-    name: Annotated[str, Meta(min_length=1, description="kinematic, simulated, or an installed driver")] = SIMULATED
+    name: Annotated[str, Meta(min_length=1, description="kinematic, simulated, c500c, or an installed driver")] = (
+        SIMULATED
+    )
+    emulate: Annotated[bool, Meta(description="c500c: against an emulated controller instead of a serial line")] = False
+    options: Annotated[
+        dict[str, str | int | float | bool], Meta(description="what the driver itself can be told, by its own keys")
+    ] = field(default_factory=dict)
+
+    def __post_init__(self) -> None:
+        if self.emulate and self.name != EMULATED:
+            raise ValueError(f"driver.emulate is for the driver {EMULATED}; {self.name} has no emulator")
+
     command_timeout_ms: Annotated[
         float, Meta(ge=8, le=1000, description="without a command for so long, the driver stops the arm, ms")
     ] = 50.0
+
+
+class GripConfig(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
+    """How the gripper closes, and when it has done so."""
+
+    force_n: Annotated[
+        float, Meta(gt=0, le=200, description="largest grip force, N; the gripper's own may be less")
+    ] = 25.0
+    closed_mm: Annotated[float, Meta(ge=0, le=50, description="narrower, it is closed; wider, it holds an object")] = (
+        3.0
+    )
+    open_mm: Annotated[float, Meta(gt=0, le=500, description="wider, it is open, mm")] = 45.0
+    timeout_ms: Annotated[float, Meta(ge=200, le=10000, description="longest time to open or close, ms")] = 2000.0
 
 
 class LinksConfig(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
@@ -220,6 +245,7 @@ class RemoteConfig(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fie
     engagement: EngagementConfig = field(default_factory=EngagementConfig)
     lease: LeaseConfig = field(default_factory=LeaseConfig)
     driver: DriverConfig = field(default_factory=DriverConfig)
+    grip: GripConfig = field(default_factory=GripConfig)
     video: VideoConfig = field(default_factory=VideoConfig)
     simulation: CellConfig = field(default_factory=CellConfig)
 

@@ -6,7 +6,7 @@ import time
 
 from common.channels import ENGAGE, HAND, STATE
 from common.children import Heartbeat
-from common.clock import NS_PER_MS, NS_PER_S, MonotonicClock
+from common.clock import NS_PER_S, MonotonicClock
 from common.errors import DriverError, MessageError
 from common.messages import HandArm
 from common.rate import Rate
@@ -15,8 +15,11 @@ from common.service import StopFlag, ask_for_real_time
 from common.transport import Link, open_link
 from remote_site.chain import Chain, Step
 from remote_site.config import RemoteConfig
-from remote_site.drivers.driver import Driver, DriverSetup, JointCommand, RobotReading
-from remote_site.drivers.registry import DriverHost, create_driver
+from remote_site.drivers.driver import JointCommand
+from remote_site.drivers.faults import FaultCode
+from remote_site.drivers.link import DriverLink, RobotReport
+from remote_site.drivers.memory import DriverMemory
+from remote_site.fault_latch import FaultLatch
 from remote_site.front_desk import FrontDesk, describe
 from remote_site.kinematics.limits import JointLimits
 from remote_site.kinematics.model import ArmModel
@@ -28,19 +31,23 @@ from remote_site.simulation.mirror import PostureMirror
 
 FIFO_PRIORITY = 50
 ACTIVATION_TIMEOUT_S = 10.0
-ACTIVATION_POLL_S = 0.05
+ACTIVATION_POLL_S = 0.02
 TICKS_PER_STATE = 5
 LEASE_BITS = 48
 
 
-def run_control(config: RemoteConfig, memory: CellMemory | None, should_stop: StopFlag, heartbeat: Heartbeat) -> None:
-    """Control the robot until asked to stop; then stop it and deactivate the driver."""
+def run_control(
+    config: RemoteConfig,
+    driver_memory: DriverMemory,
+    memory: CellMemory | None,
+    should_stop: StopFlag,
+    heartbeat: Heartbeat,
+) -> None:
+    """Control the robot until asked to stop; then have it stopped."""
     clock = MonotonicClock()
     model = ArmModel.from_urdf(config.robot.urdf, config.robot.tool_frame, config.robot.tool_T_tcp)
     limits = JointLimits.from_model(model, config.robot)
-    driver = create_driver(config.driver.name, DriverHost(clock, memory))
-    timeout_ns = round(config.driver.command_timeout_ms * NS_PER_MS)
-    driver.configure(DriverSetup(model.joint_names, limits, 1.0 / config.control.rate_hz, timeout_ns))
+    driver = DriverLink(driver_memory, clock)
     with open_link(listen=(config.links.control,)) as link:
         leases = LeaseDesk(round(config.lease.seconds * NS_PER_S), 1 + secrets.randbits(LEASE_BITS))
         chain = Chain(config, model, limits, config.robot.start, leases)
@@ -60,7 +67,6 @@ def run_control(config: RemoteConfig, memory: CellMemory | None, should_stop: St
             loop.tick(clock.now_ns())
             heartbeat.beat()
         driver.stop()
-        driver.deactivate()
 
 
 class Inbox:
@@ -92,7 +98,7 @@ class ControlLoop:
     def __init__(
         self,
         chain: Chain,
-        driver: Driver,
+        driver: DriverLink,
         reporter: Reporter,
         inbox: Inbox,
         desk: FrontDesk,
@@ -106,18 +112,22 @@ class ControlLoop:
         self._desk = desk
         self._seq = self._ticks = 0
         self._reading = driver.read()
+        self._faults = FaultLatch(chain.session)
 
     def tick(self, now_ns: int) -> None:
         """Read, take a sample, decide, command, tell."""
         chain = self._chain
-        self._reading = self._read()
+        self._reading = self._driver.read()
         chain.measured = self._reading.q
+        self._faults.note(self._reading.fault)
         for sample in self._inbox.take():
             chain.receive(sample, now_ns)
         self._inbox.engage.poll(now_ns, self._engage)
-        step = chain.tick(now_ns, chain.robot(ready=self._reading.ready, fault=self._reading.fault))
+        step = chain.tick(now_ns, chain.robot(ready=self._reading.ready, fault=str(self._reading.fault or "")))
         if self._reading.ready:
             self._write(step, now_ns)
+        else:
+            chain.sent = self._reading.sent
         self._reporter.note(step, self._seq, now_ns, self._reading)
         self._ticks += 1
         if self._ticks % TICKS_PER_STATE == 0:
@@ -126,21 +136,11 @@ class ControlLoop:
             self._mirror.show(self._reading.t_ns, self._reading.q)
         self._desk.poll()
 
-    def _read(self) -> RobotReading:
-        try:
-            return self._driver.read()
-        except DriverError as error:
-            self._chain.session.fault(str(error))
-            return self._reading
-
     def _write(self, step: Step, now_ns: int) -> None:
         self._seq += 1
         motion = step.motion
         command = JointCommand(self._seq, now_ns, motion.q, motion.dq, motion.ddq, self._chain.gripper.is_open)
-        try:
-            self._chain.sent = self._driver.write(command).motion
-        except DriverError as error:
-            self._chain.session.fault(str(error))
+        self._chain.sent = self._driver.write(command).motion
 
     def _engage(self, request: EngageRequest) -> Reply:
         """Engage on the holder's request: clear a fault, wake a robot that has stopped, then ask the session."""
@@ -150,16 +150,13 @@ class ControlLoop:
             return Reply(id=request.id, done=False, code=foreign.code.value, reason=foreign.sentence)
         chain.session.reset()
         if not reading.ready:
-            try:
-                self._driver.activate(reading.q)
-                chain.restart_from(reading.q)
-            except DriverError as error:
-                return Reply(id=request.id, done=False, code="robot_not_ready", reason=str(error))
+            self._driver.activate(reading.q)
+            chain.restart_from(reading.q)
             return Reply(
                 id=request.id, done=False, code="activated", reason="the robot is awake again; engage once more"
             )
         answer = chain.session.request_engage(
-            time.monotonic_ns(), chain.robot(ready=reading.ready, fault=reading.fault)
+            time.monotonic_ns(), chain.robot(ready=reading.ready, fault=str(reading.fault or ""))
         )
         return Reply(id=request.id, done=answer.done, code=answer.reason.code.value, reason=answer.reason.sentence)
 
@@ -171,21 +168,22 @@ class ControlLoop:
         return None if lease.holder.name == operator else reason(Code.NOT_HOLDER, holder=lease.holder.name)
 
 
-def _activate(driver: Driver, chain: Chain, should_stop: StopFlag) -> None:
-    """Bring the driver to take commands where the arm stands; DriverError when the robot does not get ready."""
+def _activate(driver: DriverLink, chain: Chain, should_stop: StopFlag) -> None:
+    """Bring the robot to take commands where it stands; DriverError when it does not get ready."""
     deadline = time.monotonic() + ACTIVATION_TIMEOUT_S
     asked = False
     while not should_stop():
-        try:
-            if not asked:
-                driver.activate(chain.sent.q)
-                asked = True
-            reading = driver.read()
-            if reading.ready:
-                return
-            why = reading.fault
-        except DriverError as error:
-            why = str(error)
+        report = driver.read()
+        if asked and report.ready:
+            return
+        if not asked or (report.answered and not report.ready and not _pending(report)):
+            chain.restart_from(report.q if report.t_ns else chain.sent.q)
+            driver.activate(chain.sent.q)
+            asked = True
         if time.monotonic() > deadline:
-            raise DriverError(f"the robot did not get ready in {ACTIVATION_TIMEOUT_S:g} s: {why}")
+            raise DriverError(f"the robot did not get ready in {ACTIVATION_TIMEOUT_S:g} s: {report.fault}")
         time.sleep(ACTIVATION_POLL_S)
+
+
+def _pending(report: RobotReport) -> bool:
+    return report.fault is not None and report.fault.code is FaultCode.NOT_ACTIVATED

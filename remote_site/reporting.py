@@ -16,7 +16,7 @@ from common.messages import LeaseState, LoopTiming, Obeyed, Readiness, RobotStat
 from common.rate import Rate
 from common.transport import Publisher
 from remote_site.chain import Chain, Step, pose_of
-from remote_site.drivers.driver import RobotReading
+from remote_site.drivers.link import RobotReport
 from remote_site.intake import Accepted
 from remote_site.kinematics.model import ArmModel
 from remote_site.safety.status import Reason
@@ -82,7 +82,7 @@ class Reporter:
         self._timing = self._measured_timing()
         self.log = TransitionLog()
 
-    def note(self, step: Step, command_seq: int, command_ns: int, reading: RobotReading) -> None:
+    def note(self, step: Step, command_seq: int, command_ns: int, reading: RobotReport) -> None:
         """Note the command that first obeys a sample, and the reading that first shows it in the robot's motion."""
         self.log.note(step.state, step.reason)
         if step.obeys is not None and step.obeys is not self._sample:
@@ -94,7 +94,7 @@ class Reporter:
             self._obeyed = msgspec.structs.replace(obeyed, motion_ns=reading.t_ns)
 
     def publish(
-        self, step: Step, chain: Chain, reading: RobotReading, malformed: Mapping[str, int], now_ns: int
+        self, step: Step, chain: Chain, reading: RobotReport, malformed: Mapping[str, int], now_ns: int
     ) -> None:
         """Send the robot's state as measured and commanded."""
         self._seq += 1
@@ -140,8 +140,8 @@ def _lease(chain: Chain, now_ns: int) -> LeaseState | None:
     return LeaseState(lease.number, holder.name, holder.session, lease.expires_ns, asker.name if asker else None)
 
 
-def _readiness(chain: Chain, reading: RobotReading, now_ns: int) -> Readiness:
-    answer = chain.session.readiness(now_ns, chain.robot(ready=reading.ready, fault=reading.fault))
+def _readiness(chain: Chain, reading: RobotReport, now_ns: int) -> Readiness:
+    answer = chain.session.readiness(now_ns, chain.robot(ready=reading.ready, fault=str(reading.fault or "")))
     return Readiness(answer.done, answer.reason.code.value, answer.reason.sentence, chain.session.held)
 
 

@@ -4,7 +4,7 @@ from dataclasses import dataclass
 from typing import Protocol
 
 from common.geometry import Array
-from common.messages import GripperState
+from remote_site.drivers.faults import RobotFault
 from remote_site.kinematics.joints import JointMotion
 from remote_site.kinematics.limits import JointLimits
 
@@ -30,39 +30,76 @@ class JointCommand:
 
 
 @dataclass(frozen=True, slots=True)
+class GripperReading:
+    """The gripper as measured: opening between the fingers in m, grip force in N or None where none is measured."""
+
+    opening_m: float
+    force_n: float | None
+
+
+@dataclass(frozen=True, slots=True)
 class RobotReading:
     """The robot as measured at `t_ns`: joints in rad and rad/s, the gripper if there is one.
 
-    `ready` is False, with the reason in `fault`, while the robot cannot take commands. `obeyed_seq` is the newest
-    command that has reached the robot's motion, None before the first.
+    `fault` says why the robot cannot take commands, None while it can. `obeyed_seq` is the newest command that has
+    reached the robot's motion, None before the first.
     """
 
     t_ns: int
     q: Array
     dq: Array
-    gripper: GripperState | None
-    ready: bool
-    fault: str
+    gripper: GripperReading | None
+    fault: RobotFault | None
     obeyed_seq: int | None
+
+    @property
+    def ready(self) -> bool:
+        """The robot takes commands."""
+        return self.fault is None
+
+
+@dataclass(frozen=True, slots=True)
+class Capabilities:
+    """What a robot can do: commands per second it takes, and joints, None for any number.
+
+    `gripper` and `force`: it has one, and measures its force. `watchdog_ms`: after so long a silence of its driver the
+    robot stops by itself, None when it does not. `queued_periods`: how many periods its motion lags behind commands.
+    """
+
+    rate_hz: float
+    joints: int | None
+    gripper: bool
+    force: bool
+    watchdog_ms: float | None
+    queued_periods: int = 0
 
 
 @dataclass(frozen=True, slots=True)
 class DriverSetup:
-    """What every driver is told before it starts: joints by name, limits, tick in s, command time-out in ns."""
+    """What every driver is told before it starts: joints by name, limits, tick in s, command time-out in ns.
+
+    The gripper closes with at most `grip_force_n`.
+    """
 
     joint_names: tuple[str, ...]
     limits: JointLimits
     dt: float
     command_timeout_ns: int
+    grip_force_n: float = 25.0
 
 
 class Driver(Protocol):
-    """A robot, real or simulated; no call ever waits, and DriverError says why a call is refused.
+    """A robot, real or simulated; DriverError says why a call is refused, and no call takes longer than 50 ms.
 
-    `configure` comes once, `activate` makes the robot take commands from rest at `q0`, `write` returns the command that
-    was really sent, `stop` executes the jerk-limited stop at once and may be repeated, `deactivate` ends it for good.
-    When commands cease for longer than the time-out, the driver executes the stop by itself.
+    `configure` comes once. `activate` makes the robot take commands from rest at `q0`; `read` tells by its `fault` when
+    it does, and raises while nothing has been measured. `write` hands on a motion that the driver's process has checked
+    and returns what was really sent. `stop` brings the robot to rest at once and may be repeated; then only a new
+    activation moves it. A fault that one reading shows is kept by the driver's process until the next activation.
+    `deactivate` ends it all.
     """
+
+    @property
+    def capabilities(self) -> Capabilities: ...
 
     def configure(self, setup: DriverSetup) -> None: ...
 

@@ -3,33 +3,36 @@
 from common.clock import NS_PER_S, Clock
 from common.errors import DriverError
 from common.geometry import Array
-from remote_site.drivers.driver import DriverSetup, JointCommand, RobotReading
+from remote_site.drivers.driver import Capabilities, DriverSetup, JointCommand, RobotReading
+from remote_site.drivers.faults import STOPPED, RobotFault
 from remote_site.kinematics.joints import JointMotion
-from remote_site.safety.guard import JointGuard, Refused
-from remote_site.safety.status import Code, reason
 from remote_site.safety.stopping import stopping
+
+CAPABILITIES = Capabilities(rate_hz=1000.0, joints=None, gripper=False, force=False, watchdog_ms=None)
 
 
 class KinematicDriver:
-    """A `Driver` whose joints are where they were last commanded, and which keeps the last limits itself.
+    """A `Driver` whose joints are where they were last commanded.
 
-    A command that breaks a limit is replaced by the stop from the one before it. After `stop`, or when commands cease
-    for the time-out, the jerk-limited stop runs in the clock's time, and the arm must be activated anew, at rest.
+    After `stop` the jerk-limited stop runs in the clock's time, and the arm must be activated anew, at rest. It has no
+    watchdog: without its process there is no arm.
     """
 
     def __init__(self, clock: Clock) -> None:
         self._clock = clock
         self._setup: DriverSetup | None = None
         self._sent: JointCommand | None = None
-        self._since_ns = 0
         self._obeyed: int | None = None
         self._stop_ns: int | None = None
-        self._fault = "not activated yet"
+
+    @property
+    def capabilities(self) -> Capabilities:
+        """Any arm, without a gripper."""
+        return CAPABILITIES
 
     def configure(self, setup: DriverSetup) -> None:
-        """Take the limits and the time-out."""
+        """Take the limits of the stop."""
         self._setup = setup
-        self._guard = JointGuard(setup.limits, setup.dt)
 
     def activate(self, q0: Array) -> None:
         """Stand at `q0` and take commands from there."""
@@ -40,42 +43,27 @@ class KinematicDriver:
             raise DriverError(f"a posture has {len(self._setup.joint_names)} finite positions, not {q0}")
         if self._sent is not None and not self._motion(self._sent).resting:
             raise DriverError("the arm still moves; activate it when it rests")
-        seq, gripper_open = (self._sent.seq, self._sent.gripper_open) if self._sent is not None else (0, False)
-        self._sent = JointCommand(seq, self._clock.now_ns(), motion.q, motion.dq, motion.ddq, gripper_open)
-        self._since_ns = self._clock.now_ns()
-        self._stop_ns, self._fault, self._obeyed = None, "", None
+        self._sent = JointCommand(0, self._clock.now_ns(), motion.q, motion.dq, motion.ddq, gripper_open=True)
+        self._stop_ns, self._obeyed = None, None
 
     def read(self) -> RobotReading:
         """Where the joints are; there is no gripper to measure."""
-        sent = self._activated()
-        self._watch()
-        motion = self._motion(sent)
-        return RobotReading(
-            t_ns=self._clock.now_ns(),
-            q=motion.q,
-            dq=motion.dq,
-            gripper=None,
-            ready=not self._fault,
-            fault=self._fault,
-            obeyed_seq=self._obeyed,
-        )
+        motion = self._motion(self._activated())
+        fault: RobotFault | None = STOPPED if self._stop_ns is not None else None
+        return RobotReading(self._clock.now_ns(), motion.q, motion.dq, None, fault, self._obeyed)
 
     def write(self, command: JointCommand) -> JointCommand:
-        """Obey a command, or the stop in its place; DriverError while stopped."""
-        sent = self._activated()
-        self._watch()
-        if self._fault:
-            raise DriverError(self._fault)
-        motion = command.motion
-        if isinstance(self._guard.check(motion, sent.motion), Refused):
-            motion = self._guard.stop(sent.motion)
-        self._sent = JointCommand(command.seq, command.t_ns, motion.q, motion.dq, motion.ddq, command.gripper_open)
-        self._since_ns, self._obeyed = self._clock.now_ns(), command.seq
-        return self._sent
+        """Obey a command; DriverError while stopped."""
+        self._activated()
+        if self._stop_ns is not None:
+            raise DriverError(STOPPED.sentence)
+        self._sent, self._obeyed = command, command.seq
+        return command
 
     def stop(self) -> None:
         """Stop within the limits, and hold."""
-        self._halt(self._clock.now_ns(), "stopped; activate anew")
+        if self._stop_ns is None:
+            self._stop_ns = self._clock.now_ns()
 
     def deactivate(self) -> None:
         """Stop, and take no more commands."""
@@ -85,20 +73,6 @@ class KinematicDriver:
         if self._sent is None:
             raise DriverError("activate the kinematic driver before it is read or commanded")
         return self._sent
-
-    def _watch(self) -> None:
-        """Begin the stop when commands have ceased."""
-        if self._setup is None:
-            return
-        silent_ns = self._clock.now_ns() - self._since_ns
-        limit_ns = self._setup.command_timeout_ns
-        if silent_ns > limit_ns and self._obeyed is not None:
-            late = reason(Code.COMMAND_TIMEOUT, age_ms=silent_ns / 1e6, limit_ms=limit_ns / 1e6)
-            self._halt(self._since_ns + limit_ns, f"{late.sentence}; activate anew")
-
-    def _halt(self, at_ns: int, why: str) -> None:
-        if self._stop_ns is None:
-            self._stop_ns, self._fault = at_ns, why
 
     def _motion(self, sent: JointCommand) -> JointMotion:
         if self._stop_ns is None or self._setup is None:

@@ -1,24 +1,25 @@
-"""Drivers by name: the built-in ones, and those that installed packages register."""
+"""Drivers by name: every one, also Farhand's own, is an entry point of the group `farhand.drivers`."""
 
-from collections.abc import Callable
-from dataclasses import dataclass
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass, field
 from importlib.metadata import EntryPoint, entry_points
 
 from common.clock import Clock
 from common.errors import DriverError
 from remote_site.drivers.driver import Driver
-from remote_site.drivers.kinematic import KinematicDriver
-from remote_site.drivers.simulated import SimulatedDriver
 from remote_site.shared_memory import CellMemory
 
 GROUP = "farhand.drivers"
 
+Option = str | int | float | bool
+
 
 @dataclass(frozen=True, slots=True)
 class DriverHost:
-    """What the house lends a driver: its clock, and the simulated cell's memory if there is such a cell."""
+    """What the house lends a driver: its clock, the table `driver.options`, and the simulated cell's memory if any."""
 
     clock: Clock
+    options: Mapping[str, Option] = field(default_factory=dict)
     cell: CellMemory | None = None
 
 
@@ -30,40 +31,24 @@ def create_driver(name: str, host: DriverHost) -> Driver:
 
     An installed package offers a `DriverFactory` as an entry point of the group `farhand.drivers`.
     """
-    check_driver(name)
-    if name in BUILT_IN:
-        return BUILT_IN[name](host)
-    installed = _installed()
+    point = check_driver(name)
     try:
-        factory: DriverFactory = installed[name].load()
-        return factory(host)
+        factory: DriverFactory = point.load()
     except (ImportError, AttributeError) as error:
-        raise DriverError(f"the driver {name!r} cannot be loaded from {installed[name].value}: {error}") from error
+        raise DriverError(f"the driver {name!r} cannot be loaded from {point.value}: {error}") from error
+    return factory(host)
 
 
-def check_driver(name: str) -> None:
-    """DriverError, listing the alternatives, unless there is a driver of that name."""
-    if name not in driver_names():
-        raise DriverError(f"there is no driver {name!r}; choose one of: {', '.join(driver_names())}")
+def check_driver(name: str) -> EntryPoint:
+    """Where the driver of that name is; DriverError, listing the alternatives, when there is none."""
+    installed = {point.name: point for point in entry_points(group=GROUP)}
+    if not installed:
+        raise DriverError("no driver is registered: install Farhand anew ('pip install -e .' in its folder)")
+    if name not in installed:
+        raise DriverError(f"there is no driver {name!r}; choose one of: {', '.join(sorted(installed))}")
+    return installed[name]
 
 
 def driver_names() -> tuple[str, ...]:
     """Every name that `create_driver` knows."""
-    return tuple(sorted({*BUILT_IN, *_installed()}))
-
-
-def _installed() -> dict[str, EntryPoint]:
-    return {point.name: point for point in entry_points(group=GROUP)}
-
-
-def _kinematic(host: DriverHost) -> Driver:
-    return KinematicDriver(host.clock)
-
-
-def _simulated(host: DriverHost) -> Driver:
-    if host.cell is None:
-        raise DriverError("the simulated driver needs the simulated cell; start it with the remote site")
-    return SimulatedDriver(host.cell, host.clock)
-
-
-BUILT_IN: dict[str, DriverFactory] = {"kinematic": _kinematic, "simulated": _simulated}
+    return tuple(sorted({point.name for point in entry_points(group=GROUP)}))

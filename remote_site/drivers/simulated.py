@@ -5,19 +5,24 @@ import numpy as np
 from common.clock import NS_PER_MS, Clock
 from common.errors import DriverError
 from common.geometry import Array
-from common.messages import GripperState
-from remote_site.drivers.driver import DriverSetup, JointCommand, RobotReading
+from remote_site.drivers.driver import Capabilities, DriverSetup, GripperReading, JointCommand, RobotReading
+from remote_site.drivers.faults import NOT_ACTIVATED, STOPPED, FaultCode, RobotFault
 from remote_site.shared_memory import CellMemory, Record
 from remote_site.simulation.controller import ControllerFault
 
 SILENT_NS = 100 * NS_PER_MS
 
+WATCHDOG_MS = 100.0
 FAULTS = {
-    ControllerFault.WATCHDOG: "watchdog: setpoints ceased, the arm has stopped; activate anew",
-    ControllerFault.NOT_FINITE: "a setpoint was not finite, the arm has stopped; activate anew",
-    ControllerFault.BLOCKED: "the arm is blocked and holds where it is; clear its way and activate anew",
-    ControllerFault.APART: "the arm is not where it was activated; read it and activate there",
+    ControllerFault.WATCHDOG: (FaultCode.WATCHDOG, "setpoints ceased, the arm has stopped; activate anew"),
+    ControllerFault.NOT_FINITE: (FaultCode.NOT_FINITE, "a setpoint was not finite, the arm has stopped; activate anew"),
+    ControllerFault.BLOCKED: (
+        FaultCode.BLOCKED,
+        "the arm is blocked and holds where it is; clear its way and activate anew",
+    ),
+    ControllerFault.APART: (FaultCode.APART, "the arm is not where it was activated; read it and activate there"),
 }
+NO_READINGS = RobotFault(FaultCode.SILENT, "the simulated cell gives no readings; is its process running?")
 
 
 class SimulatedDriver:
@@ -30,13 +35,21 @@ class SimulatedDriver:
         self._joints = len(self._command["q"])
         self._configured = False
 
+    @property
+    def capabilities(self) -> Capabilities:
+        """An arm of the cell's joints with a gripper, and a controller with a watchdog."""
+        return Capabilities(
+            rate_hz=1000.0, joints=self._joints, gripper=True, force=True, watchdog_ms=WATCHDOG_MS, queued_periods=0
+        )
+
     def configure(self, setup: DriverSetup) -> None:
-        """Hand the command time-out and the limits of the stop to the robot's controller."""
+        """Hand the command time-out, the limits of the stop and of the grip to the robot's controller."""
         if len(setup.joint_names) != self._joints:
             raise DriverError(f"the simulated arm has {self._joints} joints, the model {len(setup.joint_names)}")
         record = np.zeros((), dtype=self._memory.setup.dtype)
         record["timeout_ns"] = setup.command_timeout_ns
         record["acceleration"], record["jerk"] = setup.limits.acceleration, setup.limits.jerk
+        record["grip_force_n"] = setup.grip_force_n
         self._memory.setup.write(record)
         self._configured = True
 
@@ -46,7 +59,7 @@ class SimulatedDriver:
         if not self._configured:
             raise DriverError("configure the simulated driver before it is activated")
         if self._silent(reading):
-            raise DriverError("the simulated cell gives no readings; is its process running?")
+            raise DriverError(NO_READINGS.sentence)
         if not reading["resting"]:
             raise DriverError("the simulated arm still moves; activate it when it rests")
         command = self._command
@@ -56,17 +69,16 @@ class SimulatedDriver:
         self._memory.command.write(command)
 
     def read(self) -> RobotReading:
-        """The newest reading of the cell; a silent cell is not ready."""
+        """The newest reading of the cell; DriverError before its first."""
         reading = self._memory.reading.read()
-        fault = self._fault(reading)
-        gripper = GripperState(float(reading["opening_m"]), float(reading["force_n"]), bool(reading["gripper_open"]))
+        if not reading["t_ns"]:
+            raise DriverError(NO_READINGS.sentence)
         return RobotReading(
             t_ns=int(reading["t_ns"]),
             q=reading["q"],
             dq=reading["dq"],
-            gripper=gripper,
-            ready=not fault,
-            fault=fault,
+            gripper=GripperReading(float(reading["opening_m"]), float(reading["force_n"])),
+            fault=self._fault(reading),
             obeyed_seq=int(reading["obeyed_seq"]) if reading["obeyed_ns"] else None,
         )
 
@@ -76,7 +88,7 @@ class SimulatedDriver:
         if not record["run"]:
             raise DriverError("the simulated arm is stopped; activate it before it is commanded")
         if reading["activation"] == record["activation"] and not reading["active"]:
-            raise DriverError(self._fault(reading))
+            raise DriverError(str(self._fault(reading)))
         record["seq"], record["t_ns"], record["gripper_open"] = command.seq, command.t_ns, command.gripper_open
         record["q"], record["dq"], record["ddq"] = command.q, command.dq, command.ddq
         self._memory.command.write(record)
@@ -91,14 +103,15 @@ class SimulatedDriver:
         """Stop, and take no more setpoints."""
         self.stop()
 
-    def _fault(self, reading: Record) -> str:
+    def _fault(self, reading: Record) -> RobotFault | None:
         if self._silent(reading):
-            return "the simulated cell gives no readings; is its process running?"
+            return NO_READINGS
         if int(reading["activation"]) != int(self._command["activation"]):
-            return "not activated yet"
+            return NOT_ACTIVATED
         if reading["active"]:
-            return ""
-        return FAULTS.get(ControllerFault(int(reading["fault"])), "stopped; activate anew")
+            return None
+        fault = ControllerFault(int(reading["fault"]))
+        return RobotFault(*FAULTS[fault], native=fault.name) if fault in FAULTS else STOPPED
 
     def _silent(self, reading: Record) -> bool:
         return self._clock.now_ns() - int(reading["t_ns"]) > SILENT_NS

@@ -45,7 +45,7 @@ class ServoConfig(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fiel
     max_velocity_rad_s: Annotated[Positive, Meta(description="of every joint")] = 2.98
     max_acceleration_rad_s2: Annotated[PerJoint, Meta(description="what the motors can do")] = (12.5,) * 3 + (25.0,) * 3
     stop_acceleration_rad_s2: Annotated[Positive, Meta(description="of the watchdog's stop")] = 10.0
-    stop_jerk_rad_s3: Annotated[Positive, Meta(description="of the watchdog's stop")] = 100.0
+    stop_jerk_rad_s3: Annotated[Positive, Meta(description="of the watchdog's stop")] = 1000.0
     following_error_rad: Annotated[Positive, Meta(description="lagging this far, the arm is blocked: it holds")] = 0.1
     activation_tolerance_rad: Annotated[Positive, Meta(description="how near the arm an activation must be")] = 0.02
 

@@ -43,7 +43,9 @@ class SimulatedCell:
         if memory.command.count != self._command_count:
             self._command_count, self._command = memory.command.count, memory.command.read()
         if controller.asked(self._command):
-            controller.activate(memory.setup.read(), self._command)
+            setup = memory.setup.read()
+            controller.activate(setup, self._command)
+            self._servo.limit_grip(float(setup["grip_force_n"]))
         motion = controller.tick(self._command, self._servo.q, now_ns, self.dt)
         before_s = self.data.time
         self._servo.step(motion, controller.gripper_open)

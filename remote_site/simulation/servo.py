@@ -25,6 +25,7 @@ class Servo:
         self._acceleration = np.zeros(cell.model.nv)
         self._torque = np.zeros(cell.model.nv)
         self._widest = config.gripper.max_opening_m
+        self._strongest_n = config.gripper.force_limit_n
         self._opening_step = config.gripper.speed_m_s * cell.model.opt.timestep
         self._opening = self._widest
         self._before = JointMotion.at_rest(cell.start_q)
@@ -43,6 +44,11 @@ class Servo:
         data.ctrl[cell.grip] = self._opening
         mujoco.mj_step2(self._model, data)
         self._before = motion
+
+    def limit_grip(self, force_n: float) -> None:
+        """Close with no more than this force, nor than the gripper's own limit."""
+        force = min(force_n, self._strongest_n)
+        self._model.actuator_forcerange[self._cell.grip] = (-force, force)
 
     @property
     def opening_m(self) -> float:

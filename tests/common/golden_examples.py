@@ -12,6 +12,7 @@ from common.messages import (
     ClockSync,
     Engagement,
     GripperState,
+    GripperStatus,
     HandArm,
     Intent,
     LeaseState,
@@ -82,7 +83,7 @@ STATE = RobotState(
     q=(0.1, -0.2),
     q_commanded=(0.1001, -0.2002),
     base_T_tool=POSE,
-    gripper=GripperState(opening=0.05, force=12.5, commanded_open=False),
+    gripper=GripperState(opening=0.05, force=12.5, commanded_open=False, status=GripperStatus.HOLDING),
     gripper_toggles_applied=1,
     obeyed=Obeyed(
         session=81985529216486895, seq=42, capture_ns=1_234_567_890_123, command_ns=1_234_567_901_000, motion_ns=None

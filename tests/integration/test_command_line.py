@@ -54,6 +54,7 @@ def here(monkeypatch, capsys) -> Callable[..., subprocess.CompletedProcess[str]]
         ["track"],
         ["calibrate"],
         ["calibrate", "points"],
+        ["driver", "test"],
     ],
 )
 def test_every_command_has_help(command: list[str], here) -> None:
@@ -80,6 +81,7 @@ def test_every_command_has_help(command: list[str], here) -> None:
         (["lease", "show", "--remote", "tcp/127.0.0.1:9"], 1, "is the remote site of cell cell running?"),
         (["calibrate", "points", "absent.csv"], 1, "absent.csv"),
         (["track", "--rig", "absent.json", "--left", "a", "--right", "b"], 1, "absent.json"),
+        (["remote", "--emulate"], 2, "driver.emulate is for the driver c500c"),
         (["dance"], 2, "No such command"),
     ],
 )
@@ -92,9 +94,11 @@ def test_misuse_is_told_with_its_cure(arguments: list[str], code: int, words: st
 @pytest.mark.parametrize(
     ("arguments", "code", "words"),
     [
-        (["remote", "--set", "driver.name=elbow"], 1, "choose one of: kinematic, simulated"),
+        (["remote", "--set", "driver.name=elbow"], 1, "choose one of: c500c, kinematic, simulated"),
         (["remote", "--set", "links.control=tcp/10.0.0.1:7447"], 1, "refused"),
         (["loopback", "--driver", "none"], 1, "choose one of"),
+        (["remote", "--driver", "c500c"], 1, "driver.options.port"),
+        (["driver", "test", "elbow"], 1, "choose one of"),
         (["track"], 2, "Missing option"),
     ],
 )

@@ -54,7 +54,7 @@ class Rig:
 def turn_joint_1(memory: CellMemory) -> None:
     """Activate, speed joint 1 up smoothly, then keep turning it to and fro until killed."""
     setup, command = np.zeros((), memory.setup.dtype), np.zeros((), memory.command.dtype)
-    setup[()] = (1_000_000_000, 10.0, 100.0)
+    setup[()] = (1_000_000_000, 10.0, 100.0, 25.0)
     memory.setup.write(setup)
     command["activation"], command["run"], command["q"] = 1, True, ROBOT.start
     start_ns = time.monotonic_ns()

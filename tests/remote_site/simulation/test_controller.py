@@ -18,7 +18,7 @@ class Desk:
     def __init__(self, timeout_ms: float = 100.0) -> None:
         self.controller = Controller(ServoConfig(), LIMITS, Q0)
         self.setup, self.command = np.zeros((), setup_dtype(6)), np.zeros((), command_dtype(6))
-        self.setup[()] = (round(timeout_ms * 1e6), 10.0, 100.0)
+        self.setup[()] = (round(timeout_ms * 1e6), 10.0, 100.0, 25.0)
         self.now_ns = 0
         self.lag = np.zeros(6)
         self.motions = []

@@ -6,7 +6,9 @@ import numpy as np
 import pytest
 from cell_motion import PICK_AND_PLACE, arm_model, sample
 
+from common.messages import GripperStatus
 from remote_site.config import RobotConfig
+from remote_site.drivers.grip import GripSettings, GripWatch
 from remote_site.shared_memory import CellMemory
 from remote_site.simulation.config import BlockConfig, CellConfig
 from remote_site.simulation.controller import ControllerFault
@@ -16,24 +18,26 @@ ROBOT = RobotConfig()
 STEP_NS = 2_000_000
 
 
-def play(block: BlockConfig, stages=PICK_AND_PLACE, speed: float = 0.15) -> SimpleNamespace:
+def play(block: BlockConfig, stages=PICK_AND_PLACE, speed: float = 0.15, grip_n: float = 25.0) -> SimpleNamespace:
     """Run a motion in simulated time and keep what happens at each setpoint."""
     memory = CellMemory.create(6)
     cell = SimulatedCell(CellConfig(block=block), ROBOT, memory)
     setup, command = np.zeros((), memory.setup.dtype), np.zeros((), memory.command.dtype)
-    setup[()] = (100_000_000, 10.0, 100.0)
+    setup[()] = (100_000_000, 10.0, 100.0, grip_n)
     memory.setup.write(setup)
     command["activation"], command["run"], command["q"] = 1, True, ROBOT.start
     memory.command.write(command)
     cell.step(STEP_NS, STEP_NS)
-    now_ns, seen = STEP_NS, []
+    now_ns, seen, watch = STEP_NS, [], GripWatch(GripSettings())
     for seq, (q, dq, ddq, opened) in enumerate(zip(*sample(stages, ROBOT, speed), strict=True), start=1):
         command[()] = (seq, now_ns, 1, True, opened, q, dq, ddq)
         memory.command.write(command)
         for _ in range(2):
             now_ns += STEP_NS
             cell.step(now_ns, now_ns)
-        seen.append(look(cell, memory.reading.read()))
+        reading = memory.reading.read()
+        status = watch.judge(now_ns, float(reading["opening_m"]), wanted_open=bool(opened))
+        seen.append(look(cell, reading) | {"status": status})
     return SimpleNamespace(**{key: np.array([moment[key] for moment in seen]) for key in seen[0]})
 
 
@@ -72,6 +76,28 @@ def test_the_grip_stays_below_its_limit_and_holds_the_block_across(seen):
     assert seen.force.max() <= CellConfig().gripper.force_limit_n
     assert seen.force[held].min() > 10
     assert seen.opening[held] == pytest.approx(np.full(held.sum(), 0.05), abs=0.001)
+
+
+def test_the_grasp_of_the_block_is_told_and_so_is_its_end(seen):
+    held = seen.block[:, 2] - seen.block[0, 2] > 0.03
+    assert set(seen.status[held]) == {GripperStatus.HOLDING}
+    assert GripperStatus.CLOSED not in set(seen.status)
+    assert GripperStatus.TIMED_OUT not in set(seen.status)
+    assert seen.status[125] == GripperStatus.OPEN
+    assert seen.status[-1] == GripperStatus.OPEN
+
+
+def test_the_grip_keeps_the_force_limit_it_is_given():
+    gentle = play(BlockConfig(), grip_n=8.0)
+    held = gentle.block[:, 2] - gentle.block[0, 2] > 0.03
+    assert held.any()
+    assert gentle.force.max() <= 8.0
+    assert gentle.force[held].min() > 4.0
+
+
+def test_a_grip_beside_the_block_is_closed_on_nothing():
+    beside = ((0.0, 0.0, 0.0, True), (0.0, 0.0, 0.01, False), (0.0, 0.0, 0.0, False))
+    assert play(BlockConfig(), beside).status[-1] == GripperStatus.CLOSED
 
 
 def test_the_arm_follows_within_a_millimetre(seen):

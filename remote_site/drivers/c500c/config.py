@@ -1,0 +1,41 @@
+"""What the A465's driver can be told in the table `driver.options`."""
+
+from collections.abc import Mapping
+from typing import Annotated
+
+import msgspec
+from msgspec import Meta
+
+from common.config import Mistake, build
+from common.errors import ConfigError
+from remote_site.drivers.registry import Option
+
+
+class C500cConfig(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
+    """The serial line to the controller, its pace and the gripper's force."""
+
+    port: Annotated[str, Meta(description="serial device, as /dev/ttyUSB0")] = ""
+    baud: Annotated[int, Meta(ge=38400, le=115200, description="57600 as the C500C's console")] = 57600
+    rate_hz: Annotated[float, Meta(ge=10, le=20, description="setpoints per second; more than 20 overrun the line")] = (
+        15.0
+    )
+    answer_ms: Annotated[float, Meta(ge=20, le=200, description="an answer later than this is asked for again")] = 25.0
+    silent_ms: Annotated[float, Meta(ge=100, le=2000, description="no answer for so long is a fault of the link")] = (
+        200.0
+    )
+    grip_percent: Annotated[int, Meta(ge=1, le=100, description="force with which the gripper closes")] = 50
+    hold_percent: Annotated[
+        int, Meta(ge=1, le=75, description="force after strong_grip_s; the gripper stands no more for long")
+    ] = 50
+    strong_grip_s: Annotated[float, Meta(ge=0, le=15, description="how long a force above hold_percent lasts, s")] = (
+        10.0
+    )
+
+
+def options_of(options: Mapping[str, Option]) -> C500cConfig:
+    """The driver's options, checked; ConfigError names every mistake."""
+    mistakes: list[Mistake] = []
+    config = build(C500cConfig, options, ("driver", "options"), mistakes)
+    if config is None:
+        raise ConfigError("\n".join(f"{'.'.join(mistake.path)}: {mistake.text}" for mistake in mistakes))
+    return config

@@ -1,0 +1,64 @@
+"""A serial line that never waits: raw 8N1, read what has come, write what the line takes."""
+
+import os
+import termios
+from typing import Protocol
+
+from common.errors import DriverError
+
+
+class Port(Protocol):
+    """Bytes to and from the controller."""
+
+    def read(self) -> bytes: ...
+
+    def write(self, data: bytes) -> None: ...
+
+
+class SerialPort:
+    """A serial device, or a pseudo-terminal."""
+
+    def __init__(self, handle: int) -> None:
+        self._handle = handle
+
+    def read(self) -> bytes:
+        """What has arrived, b"" without anything; DriverError when the device is gone."""
+        try:
+            return os.read(self._handle, 4096)
+        except BlockingIOError:
+            return b""
+        except OSError as error:
+            raise DriverError(f"the serial line is gone: {error.strerror}") from error
+
+    def write(self, data: bytes) -> None:
+        """Hand bytes to the device; what it does not take is lost, as on the line, and will be sent again."""
+        try:
+            os.write(self._handle, data)
+        except BlockingIOError:
+            return
+        except OSError as error:
+            raise DriverError(f"the serial line is gone: {error.strerror}") from error
+
+
+def open_port(path: str, baud: int) -> SerialPort:
+    """Open a serial device; DriverError says what is missing."""
+    if not path:
+        raise DriverError("the c500c driver needs its serial line: set driver.options.port, or start with --emulate")
+    try:
+        handle = os.open(path, os.O_RDWR | os.O_NOCTTY | os.O_NONBLOCK | os.O_CLOEXEC)
+        make_raw(handle, baud)
+    except (OSError, termios.error) as error:
+        raise DriverError(f"cannot open the serial line {path}: {error}") from error
+    return SerialPort(handle)
+
+
+def make_raw(handle: int, baud: int) -> None:
+    """Eight bits, no parity, one stop bit, no translation, no echo, no flow control."""
+    speed = getattr(termios, f"B{baud}", None)
+    if speed is None:
+        raise DriverError(f"{baud} baud is no speed of a serial line; take 57600")
+    control = termios.tcgetattr(handle)[6]
+    termios.tcsetattr(
+        handle, termios.TCSANOW, [0, 0, termios.CS8 | termios.CREAD | termios.CLOCAL, 0, speed, speed, control]
+    )
+    termios.tcflush(handle, termios.TCIOFLUSH)

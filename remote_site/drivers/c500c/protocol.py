@@ -1,0 +1,194 @@
+"""The server protocol of the A465's controller: frames with checksum and sequence, built and taken apart; pure.
+
+A frame is `A5 length sequence kind payload crc`: one byte each, `length` of the payload, and CRC-16-CCITT of all
+between the start byte and the checksum, low byte first. Angles travel as signed 32-bit microradians, little-endian.
+"""
+
+import binascii
+import struct
+from dataclasses import dataclass
+from enum import IntEnum, IntFlag
+from typing import Self
+
+START = 0xA5
+HEAD_BYTES, CRC_BYTES = 4, 2
+JOINTS = 6
+RAD = 1e-6
+LARGEST_PAYLOAD = 64
+
+
+class Kind(IntEnum):
+    """What the host asks, and the controller's one answer."""
+
+    POLL = 1
+    ACTIVATE = 2
+    SETPOINT = 3
+    HALT = 4
+    STATE = 16
+
+
+KINDS = frozenset(Kind)
+
+
+class Flag(IntFlag):
+    """The controller's condition."""
+
+    ACTIVE = 1
+    MOVING = 2
+    ARM_POWER = 4
+    EMERGENCY_STOP = 8
+    GRIPPER_BUSY = 16
+
+
+class Fault(IntEnum):
+    """Why the controller takes no setpoints."""
+
+    NONE = 0
+    WATCHDOG = 1
+    UNDERRUN = 2
+    APART = 3
+    BLOCKED = 4
+    EMERGENCY_STOP = 5
+    ARM_POWER = 6
+
+
+@dataclass(frozen=True, slots=True)
+class Frame:
+    """One message; the answer to a frame carries its sequence."""
+
+    sequence: int
+    kind: Kind
+    payload: bytes = b""
+
+    @property
+    def encoded(self) -> bytes:
+        """The bytes on the line."""
+        body = bytes((len(self.payload), self.sequence, self.kind)) + self.payload
+        return bytes((START,)) + body + _crc(body)
+
+
+class Parser:
+    """Finds frames in what comes from a line that may lose or change bytes."""
+
+    def __init__(self) -> None:
+        self._buffer = bytearray()
+        self.damaged = 0
+
+    def feed(self, data: bytes) -> list[Frame]:
+        """The frames that are complete now; a start byte that begins none is skipped and counted."""
+        self._buffer += data
+        frames: list[Frame] = []
+        while (begin := self._buffer.find(START)) >= 0:
+            del self._buffer[:begin]
+            frame = self._first()
+            if frame is None:
+                return frames
+            frames += frame
+        self._buffer.clear()
+        return frames
+
+    def _first(self) -> list[Frame] | None:
+        """The frame at the buffer's begin, [] when there is none after all, None while it is not complete."""
+        buffer = self._buffer
+        if len(buffer) < HEAD_BYTES:
+            return None
+        length = buffer[1]
+        end = HEAD_BYTES + length + CRC_BYTES
+        if length <= LARGEST_PAYLOAD and len(buffer) < end:
+            return None
+        body, crc = bytes(buffer[1 : end - CRC_BYTES]), bytes(buffer[end - CRC_BYTES : end])
+        if length > LARGEST_PAYLOAD or _crc(body) != crc or body[2] not in KINDS:
+            self.damaged += 1
+            del buffer[:1]
+            return []
+        del buffer[:end]
+        return [Frame(body[1], Kind(body[2]), body[3:])]
+
+
+@dataclass(frozen=True, slots=True)
+class Setpoint:
+    """Joints in rad, to be reached a period after the setpoint before, and the gripper: open, at a share of its force.
+
+    `count` rises by one each new setpoint, so that one sent again is not queued twice.
+    """
+
+    count: int
+    joints: tuple[float, ...]
+    gripper_open: bool
+    grip_percent: int
+
+    FORMAT = struct.Struct(f"<H{JOINTS}iBB")
+
+    @property
+    def payload(self) -> bytes:
+        """As it travels."""
+        joints = (round(angle / RAD) for angle in self.joints)
+        return self.FORMAT.pack(self.count & 0xFFFF, *joints, self.gripper_open, self.grip_percent)
+
+    @classmethod
+    def parse(cls, payload: bytes) -> Self:
+        """From the line; struct.error when it has another length."""
+        count, *joints, gripper_open, percent = cls.FORMAT.unpack(payload)
+        return cls(count, tuple(angle * RAD for angle in joints), bool(gripper_open), percent)
+
+
+@dataclass(frozen=True, slots=True)
+class Activation:
+    """Where the arm is thought to stand, rad, and the period of the setpoints to come, ms; `count` as in `Setpoint`."""
+
+    count: int
+    joints: tuple[float, ...]
+    period_ms: int
+
+    FORMAT = struct.Struct(f"<H{JOINTS}iH")
+
+    @property
+    def payload(self) -> bytes:
+        """As it travels."""
+        joints = (round(angle / RAD) for angle in self.joints)
+        return self.FORMAT.pack(self.count & 0xFFFF, *joints, self.period_ms)
+
+    @classmethod
+    def parse(cls, payload: bytes) -> Self:
+        """From the line; struct.error when it has another length."""
+        count, *joints, period_ms = cls.FORMAT.unpack(payload)
+        return cls(count, tuple(angle * RAD for angle in joints), period_ms)
+
+
+@dataclass(frozen=True, slots=True)
+class State:
+    """The controller's answer to every frame.
+
+    `begun` is the count of the setpoint that the arm now moves to, `taken` of the last one that found room in the
+    queue, `queued` how many wait; joints in rad, the gripper's opening in m.
+    """
+
+    flags: Flag
+    fault: Fault
+    queued: int
+    activation: int
+    begun: int
+    taken: int
+    opening_m: float
+    joints: tuple[float, ...]
+
+    FORMAT = struct.Struct(f"<BBBHHHH{JOINTS}i")
+
+    @property
+    def payload(self) -> bytes:
+        """As it travels."""
+        joints = (round(angle / RAD) for angle in self.joints)
+        opening = round(self.opening_m * 1e5)
+        counts = (count & 0xFFFF for count in (self.activation, self.begun, self.taken))
+        return self.FORMAT.pack(self.flags, self.fault, self.queued, *counts, opening, *joints)
+
+    @classmethod
+    def parse(cls, payload: bytes) -> Self:
+        """From the line; struct.error or ValueError when it is none."""
+        flags, fault, queued, activation, begun, taken, opening, *joints = cls.FORMAT.unpack(payload)
+        angles = tuple(angle * RAD for angle in joints)
+        return cls(Flag(flags), Fault(fault), queued, activation, begun, taken, opening * 1e-5, angles)
+
+
+def _crc(body: bytes) -> bytes:
+    return binascii.crc_hqx(body, 0xFFFF).to_bytes(CRC_BYTES, "little")

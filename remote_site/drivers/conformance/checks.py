@@ -1,0 +1,288 @@
+"""What every driver must do, check by check; each gets a driver of its own."""
+
+from collections.abc import Callable, Sequence
+from dataclasses import replace
+
+import numpy as np
+
+from common.clock import NS_PER_MS
+from common.errors import DriverError
+from remote_site.drivers.conformance.trial import SPEED_RAD_S, STEP_MS, STROKE_RAD, WINDOW_MS, Failed, Stand, Trial
+from remote_site.drivers.driver import JointCommand, RobotReading
+from remote_site.drivers.faults import FaultCode
+from remote_site.drivers.keeper import DEADLINE_NS, Phase
+from remote_site.kinematics.joints import JointMotion
+from remote_site.safety.stopping import stop_time
+
+REACHED_RAD = 0.01
+HOLDS_RAD = 0.005
+AGAIN_MS = 20
+OVER = 1.1  # what measuring and smoothing may add
+
+
+def life_cycle(trial: Trial) -> None:
+    """Configure, activate, read and write, stop, deactivate: in this order only."""
+    posture = trial.q0
+    trial.refuses("activating it before it is configured", lambda: trial.driver.activate(posture))
+    trial.configured()
+    trial.refuses("a command before it is activated", lambda: trial.driver.write(_command(trial)))
+    trial.activate()
+    trial.move(trial.q0, 100)
+    trial.driver.stop()
+    trial.run(trial.lag_ms)
+    trial.refuses("a command after a stop", lambda: trial.driver.write(_command(trial)))
+    trial.activate()
+    trial.driver.deactivate()
+    trial.run(trial.lag_ms)
+    trial.refuses("a command after it was deactivated", lambda: trial.driver.write(_command(trial)))
+
+
+def other_robot(trial: Trial) -> None:
+    """A model with another number of joints is refused."""
+    joints = trial.driver.capabilities.joints
+    if joints is not None:
+        names = tuple(f"other_{k}" for k in range(joints + 1))
+        trial.refuses("a model with another number of joints", lambda: _configure(trial, names))
+
+
+def follows(trial: Trial) -> None:
+    """The robot goes where it is commanded, no further, and says which command it obeys."""
+    trial.activated()
+    goal = trial.goal(STROKE_RAD / 2)
+    begin = trial.q0[0]
+    trial.move(goal, 1500 + trial.lag_ms)
+    _healthy(trial)
+    last = trial.last()
+    if np.abs(last.q - goal).max() > REACHED_RAD:
+        raise Failed(f"the joints are {np.abs(last.q - goal).max():.4f} rad from where they were commanded")
+    furthest = max(trial.side * (reading.q[0] - begin) for reading in trial.log)
+    if furthest > STROKE_RAD / 2 + REACHED_RAD:
+        raise Failed(f"the joint went {furthest - STROKE_RAD / 2:.4f} rad beyond its target")
+    if trial.keeper.obeyed_seq is None or trial.keeper.obeyed_seq > trial.last_seq:
+        raise Failed(f"obeyed_seq is {last.obeyed_seq}, none that it was given")
+
+
+def limits(trial: Trial) -> None:
+    """The robot moves no faster than its limits, and a command beyond them stops it instead of reaching it."""
+    trial.activated().in_motion()
+    if trial.speed() > SPEED_RAD_S * OVER:
+        raise Failed(f"the joint moves at {trial.speed():.2f} rad/s where {SPEED_RAD_S:g} is its limit")
+    at, sent = trial.q0[0], trial.keeper.motion
+    jump = JointMotion(sent.q + trial.side * 0.5, sent.dq, sent.ddq)
+    trial.command(jump)
+    trial.run(1000 * stop_time(sent, trial.setup.limits) + trial.lag_ms + 200)
+    if trial.keeper.fault is None or trial.keeper.fault.code is not FaultCode.LIMITS:
+        raise Failed(f"a command beyond the limits ended in: {trial.keeper.fault}")
+    _rests(trial, "after a command beyond the limits")
+    _travelled(trial, at, sent)
+
+
+def stop(trial: Trial) -> None:
+    """A stop in motion brings the robot to rest in time and near by."""
+    trial.activated().in_motion()
+    at, sent = trial.q0[0], trial.keeper.motion
+    trial.driver.stop()
+    trial.run(1000 * stop_time(sent, trial.setup.limits) + trial.lag_ms + 100)
+    _rests(trial, "after a stop")
+    _travelled(trial, at, sent)
+    if trial.last().fault is None:
+        raise Failed("it says that it is ready after a stop")
+
+
+def idempotent_stop(trial: Trial) -> None:
+    """A second stop, on the way and at rest, changes nothing; only an activation moves the robot again."""
+    trial.activated().in_motion()
+    sent = trial.keeper.motion
+    slow_ms = 1000 * stop_time(sent, trial.setup.limits) + trial.lag_ms + WINDOW_MS
+    for _ in range(round(slow_ms / AGAIN_MS)):
+        trial.driver.stop()
+        trial.run(AGAIN_MS)
+    _rests(trial, "after a stop that was repeated")
+    rest = trial.q0.copy()
+    trial.driver.stop()
+    trial.run(200)
+    if np.abs(trial.q0 - rest).max() > HOLDS_RAD:
+        raise Failed("a stop at rest moved the robot")
+    trial.activate()
+    trial.run(200)
+    if np.abs(trial.q0 - rest).max() > HOLDS_RAD:
+        raise Failed("an activation moved the robot")
+
+
+def read_never_invents(trial: Trial) -> None:
+    """Readings are measured, newer each time, of the past; what is not measured is None, or raises."""
+    trial.driver.configure(trial.setup)
+    before = _readable(trial)
+    if before is not None and np.abs(before.q - trial.q0).max() > 0.5:
+        raise Failed(f"before its activation it reads {before.q}, far from where the robot stands")
+    trial.run(300)
+    trial.turn_to_the_middle()
+    trial.activate()
+    trial.run(200)
+    first = trial.last()
+    if first.obeyed_seq is not None and trial.keeper.obeyed_seq is None:
+        raise Failed(f"it obeys command {first.obeyed_seq}, which it was never given")
+    trial.in_motion()
+    _healthy(trial)
+    times = np.array([reading.t_ns for reading in trial.log])
+    if (np.diff(times) < 0).any() or times[-1] > trial.clock.now_ns():
+        raise Failed("the times of its readings go backwards, or lie in the future")
+    if trial.clock.now_ns() - times[-1] > 150 * NS_PER_MS:
+        raise Failed(f"its newest reading is {(trial.clock.now_ns() - times[-1]) / NS_PER_MS:.0f} ms old")
+    _measures(trial)
+
+
+def command_timeout(trial: Trial) -> None:
+    """When commands cease in motion the robot comes to rest, and goes on only when it is activated."""
+    trial.activated().in_motion()
+    at, sent = trial.q0[0], trial.keeper.motion
+    limit_ms = trial.setup.command_timeout_ns / NS_PER_MS
+    trial.run(limit_ms + 1000 * stop_time(sent, trial.setup.limits) + 2 * trial.lag_ms + 100)
+    if trial.keeper.fault is None or trial.keeper.fault.code is not FaultCode.COMMAND_TIMEOUT:
+        raise Failed(f"commands ceased, and it ended in: {trial.keeper.fault}")
+    _rests(trial, "after commands ceased")
+    _travelled(trial, at, sent)
+    rest = trial.q0.copy()
+    for _ in range(50):
+        trial.command(JointMotion.at_rest(rest + trial.side * 0.05))
+    if np.abs(trial.q0 - rest).max() > HOLDS_RAD:
+        raise Failed("commands moved it again without an activation")
+
+
+def watchdog(trial: Trial) -> None:
+    """A robot with a watchdog of its own comes to rest when its driver is not called any more."""
+    own_ms = trial.driver.capabilities.watchdog_ms
+    if own_ms is None:
+        return
+    trial.activated().in_motion()
+    sent = trial.keeper.motion
+    wait_ms = own_ms + 1000 * stop_time(sent, trial.setup.limits) + trial.lag_ms + 200
+    trial.clock.sleep_until_ns(trial.clock.now_ns() + round(wait_ms * NS_PER_MS))
+    rest = _read_alone(trial, trial.lag_ms)
+    last = _read_alone(trial, 200)
+    if np.abs(last.q - rest.q).max() > HOLDS_RAD:
+        raise Failed(f"the robot still moves {wait_ms:.0f} ms after the last call of its driver")
+    if rest.fault is None or last.fault is None:
+        raise Failed("its watchdog has stopped it, but it says that it is ready")
+
+
+def deadline(trial: Trial) -> None:
+    """No call takes longer than 50 ms."""
+    trial.activated().in_motion()
+    trial.driver.stop()
+    trial.run(300)
+    if trial.timer.longest_ns > DEADLINE_NS:
+        raise Failed(f"a call took {trial.timer.longest_ns / NS_PER_MS:.0f} ms")
+
+
+Check = Callable[[Trial], None]
+CHECKS: tuple[Check, ...] = (
+    life_cycle,
+    other_robot,
+    read_never_invents,
+    follows,
+    limits,
+    stop,
+    idempotent_stop,
+    command_timeout,
+    watchdog,
+    deadline,
+)
+
+
+def run_checks(stand: Stand, tell: Callable[[str], None], checks: Sequence[Check] = CHECKS) -> list[str]:
+    """Run every check, tell a line of each; the names of those that failed."""
+    failed: list[str] = []
+    for check in checks:
+        name = check.__name__.replace("_", " ")
+        wrong = _verdict(check, stand)
+        tell(f"{'FAILED' if wrong else 'passed'}  {name:<20} {wrong or _meaning(check)}")
+        if wrong:
+            failed.append(check.__name__)
+    return failed
+
+
+def _verdict(check: Check, stand: Stand) -> str:
+    try:
+        trial = Trial(stand)
+    except DriverError as error:
+        return f"it cannot be made: {error}"
+    try:
+        check(trial)
+    except (Failed, DriverError) as error:
+        return str(error)
+    except Exception as error:  # a stranger's code: whatever it raises is its failure, and told
+        return f"it raised {type(error).__name__}: {error}"
+    finally:
+        _end(trial)
+    return ""
+
+
+def _end(trial: Trial) -> None:
+    """Leave the robot at rest for the next check."""
+    try:
+        trial.driver.stop()
+        trial.run(700)
+        trial.driver.deactivate()
+        trial.run(100)
+    except Exception:  # noqa: S110  # the check has told already what is wrong with it
+        pass
+
+
+def _meaning(check: Check) -> str:
+    return (check.__doc__ or "").strip()
+
+
+def _command(trial: Trial) -> JointCommand:
+    zero = np.zeros(len(trial.q0))
+    return JointCommand(trial.last_seq + 1, trial.clock.now_ns(), trial.q0, zero, zero, gripper_open=True)
+
+
+def _configure(trial: Trial, names: tuple[str, ...]) -> None:
+    trial.driver.configure(replace(trial.setup, joint_names=names))
+
+
+def _readable(trial: Trial) -> RobotReading | None:
+    try:
+        return trial.driver.read()
+    except DriverError:
+        return None
+
+
+def _read_alone(trial: Trial, ms: float) -> RobotReading:
+    """The last of the readings that the driver gives by itself, without its keeper, for so long."""
+    for _ in range(round(ms / STEP_MS)):
+        trial.clock.sleep_until_ns(trial.clock.now_ns() + STEP_MS * NS_PER_MS)
+        reading = trial.driver.read()
+    return reading
+
+
+def _healthy(trial: Trial) -> None:
+    if trial.keeper.phase is not Phase.ACTIVE:
+        raise Failed(f"it stopped: {trial.keeper.fault}")
+
+
+def _rests(trial: Trial, when: str) -> None:
+    """Failed if the joint moves from now on."""
+    trial.run(WINDOW_MS)
+    if trial.speed() > REACHED_RAD:
+        raise Failed(f"the joint still moves at {trial.speed():.3f} rad/s {when}")
+
+
+def _travelled(trial: Trial, at: float, sent: JointMotion) -> None:
+    """The joint has come no further than a stop and the lag of the robot allow."""
+    speed = abs(float(sent.dq[0]))
+    allowed = speed * (stop_time(sent, trial.setup.limits) + 2 * trial.lag_ms / 1000) + REACHED_RAD
+    travel = abs(float(trial.q0[0]) - at)
+    if travel > allowed:
+        raise Failed(f"the joint went on for {travel:.3f} rad where {allowed:.3f} are enough")
+
+
+def _measures(trial: Trial) -> None:
+    capabilities, reading = trial.driver.capabilities, trial.last()
+    if (reading.gripper is not None) is not capabilities.gripper:
+        raise Failed("it reads a gripper that it has not, or none although it has one")
+    if reading.gripper is not None and (reading.gripper.force_n is not None) is not capabilities.force:
+        raise Failed("it reads a grip force that it cannot measure, or none although it can")
+    if not (np.isfinite(reading.q).all() and np.isfinite(reading.dq).all()):
+        raise Failed("it reads joints that are not finite")

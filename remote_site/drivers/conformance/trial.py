@@ -1,0 +1,178 @@
+"""A driver on trial: activated, moved along its first joint, watched; every call is timed."""
+
+from collections.abc import Callable
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from common.clock import NS_PER_MS, NS_PER_S, Clock
+from common.errors import DriverError
+from common.geometry import Array
+from remote_site.drivers.driver import Driver, DriverSetup, JointCommand, RobotReading
+from remote_site.drivers.grip import GripSettings, GripWatch
+from remote_site.drivers.keeper import Keeper, Order, Phase
+from remote_site.kinematics.joints import JointMotion
+from remote_site.motion import Follower
+
+READY_MS = 5000
+STEP_MS = 2
+WINDOW_MS = 150
+STILL_RAD_S = 0.01
+SPEED_RAD_S = 0.8
+STROKE_RAD = 0.7
+
+
+class Failed(Exception):  # noqa: N818  # a check's verdict, not a mistake of the program
+    """The driver does not do what it must, and how."""
+
+
+@dataclass(frozen=True, slots=True)
+class Stand:
+    """Where drivers are tried: makes them, tells the time, and knows where the robot stands at first."""
+
+    clock: Clock
+    setup: DriverSetup
+    make: Callable[[], Driver]
+    start: Array
+
+
+class Timer:
+    """Keeps the longest call."""
+
+    def __init__(self, clock: Clock) -> None:
+        self._clock = clock
+        self._since_ns = 0
+        self.longest_ns = 0
+
+    def set(self, since_ns: int) -> None:
+        """The begin of a call, or its end by 0."""
+        if not since_ns:
+            self.longest_ns = max(self.longest_ns, self._clock.now_ns() - self._since_ns)
+        self._since_ns = since_ns
+
+
+def gentle(setup: DriverSetup) -> DriverSetup:
+    """The same limits, slowed until the first joint moves at 0.8 rad/s at most."""
+    fastest = float(setup.limits.velocity[0])
+    return replace(setup, limits=setup.limits.scaled_speed(min(1.0, SPEED_RAD_S / fastest)))
+
+
+class Trial:
+    """One driver, from its making to its end, behind the keeper that its process would have."""
+
+    def __init__(self, stand: Stand) -> None:
+        self.clock = stand.clock
+        self.setup = gentle(stand.setup)
+        self.driver = stand.make()
+        self.timer = Timer(stand.clock)
+        self.keeper = Keeper(self.driver, self.setup, stand.clock, self.timer, GripWatch(GripSettings()))
+        self.log: list[RobotReading] = []
+        self._start = stand.start
+        self._activation = self._seq = 0
+        self._follower = Follower(self.setup.limits, self.setup.dt)
+        capabilities = self.driver.capabilities
+        periods = (capabilities.queued_periods + 2) if capabilities.queued_periods else 1
+        self.side = 1.0
+        self.lag_ms = 1000 * periods / capabilities.rate_hz + 50
+
+    @property
+    def q0(self) -> Array:
+        """Where the robot stands."""
+        return self.log[-1].q if self.log else self._start
+
+    def configured(self) -> "Trial":
+        """The same, configured, with a first reading where the driver has one before it is activated."""
+        self.driver.configure(self.setup)
+        self.run(300)
+        self.turn_to_the_middle()
+        return self
+
+    def turn_to_the_middle(self) -> None:
+        """Have the first joint move to where it has more room, from now on."""
+        upper, lower = self.setup.limits.upper[0], self.setup.limits.lower[0]
+        self.side = 1.0 if upper + lower >= 2 * self.q0[0] else -1.0
+
+    def activated(self) -> "Trial":
+        """The same, ready for commands where it stands."""
+        self.configured()
+        self.activate()
+        return self
+
+    def activate(self) -> None:
+        """Ask, and wait until the robot is ready."""
+        self._activation += 1
+        zero = np.zeros(len(self.q0))
+        command = JointCommand(self._seq, self.clock.now_ns(), self.q0, zero, zero, gripper_open=True)
+        self._follower.reset(JointMotion.at_rest(self.q0))
+        self.run(STEP_MS, [Order(self._activation, True, self.keeper.diversions, command)])
+        for _ in range(READY_MS // STEP_MS):
+            if self.keeper.phase is not Phase.ACTIVATING:
+                break
+            self.run(STEP_MS)
+        if self.keeper.phase is not Phase.ACTIVE:
+            raise Failed(f"not ready {READY_MS / 1000:g} s after its activation: {self.keeper.fault}")
+
+    def run(self, ms: float, orders: list[Order] | None = None) -> None:
+        """Let time pass, the driver being called as its process would."""
+        end_ns = self.clock.now_ns() + round(ms * NS_PER_MS)
+        while self.clock.now_ns() < end_ns:
+            self.clock.sleep_until_ns(self.clock.now_ns() + STEP_MS * NS_PER_MS)
+            self.keeper.take(orders or [], self.clock.now_ns())
+            orders = None
+            self.keeper.step(self.clock.now_ns())
+            if self.keeper.reading is not None:
+                self.log.append(self.keeper.reading)
+
+    def move(self, target: Array, ms: float) -> None:
+        """Command the way to `target` for so long, one command a tick."""
+        for _ in range(round(ms / 1000 / self.setup.dt)):
+            self._follower.reset(self.keeper.motion)
+            motion = self._follower.track(target, np.zeros(len(target)))
+            if not isinstance(motion, JointMotion):
+                raise Failed(f"no way to {target}: {motion.sentence}")
+            self.command(motion)
+
+    def command(self, motion: JointMotion) -> None:
+        """One command, and the tick after it."""
+        self._seq += 1
+        command = JointCommand(self._seq, self.clock.now_ns(), motion.q, motion.dq, motion.ddq, gripper_open=True)
+        self.run(self.setup.dt * 1000, [Order(self._activation, True, self.keeper.diversions, command)])
+
+    def in_motion(self) -> "Trial":
+        """The same, its first joint at speed."""
+        self.move(self.goal(STROKE_RAD), 500)
+        if self.keeper.phase is not Phase.ACTIVE:
+            raise Failed(f"fails in motion: {self.keeper.fault}")
+        return self
+
+    def goal(self, ahead_rad: float) -> Array:
+        """The posture with the first joint so far on."""
+        target = self.q0.copy()
+        target[0] += self.side * ahead_rad
+        return target
+
+    @property
+    def last_seq(self) -> int:
+        return self._seq
+
+    def last(self) -> RobotReading:
+        """The newest reading; Failed without one."""
+        if not self.log:
+            raise Failed(f"nothing can be read: {self.keeper.fault}")
+        return self.log[-1]
+
+    def speed(self, window_ms: float = WINDOW_MS) -> float:
+        """The first joint's mean speed over the last readings, rad/s."""
+        last = self.last()
+        since_ns = last.t_ns - round(window_ms * NS_PER_MS)
+        first = next(reading for reading in self.log if reading.t_ns >= since_ns)
+        seconds = (last.t_ns - first.t_ns) / NS_PER_S
+        return abs(float(last.q[0] - first.q[0])) / seconds if seconds > 0 else 0.0
+
+    def refuses(self, what: str, call: Callable[[], object]) -> None:
+        """Failed unless the call raises DriverError."""
+        try:
+            call()
+        except DriverError:
+            return
+        raise Failed(f"{what} is not refused with a DriverError")

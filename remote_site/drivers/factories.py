@@ -1,0 +1,31 @@
+"""Makes Farhand's own drivers, as the entry points in pyproject.toml name them."""
+
+from common.errors import DriverError
+from remote_site.drivers.driver import Driver
+from remote_site.drivers.registry import DriverHost
+
+
+def kinematic(host: DriverHost) -> Driver:
+    """A robot that follows perfectly."""
+    from remote_site.drivers.kinematic import KinematicDriver  # noqa: PLC0415  # each imports what it alone needs
+
+    return KinematicDriver(host.clock)
+
+
+def simulated(host: DriverHost) -> Driver:
+    """The robot of the simulated cell."""
+    from remote_site.drivers.simulated import SimulatedDriver  # noqa: PLC0415  # it needs MuJoCo's extra
+
+    if host.cell is None:
+        raise DriverError("the simulated driver needs the simulated cell; start it with the remote site")
+    return SimulatedDriver(host.cell, host.clock)
+
+
+def c500c(host: DriverHost) -> Driver:
+    """The A465's controller on a serial line."""
+    from remote_site.drivers.c500c.config import options_of  # noqa: PLC0415
+    from remote_site.drivers.c500c.driver import C500cDriver  # noqa: PLC0415
+    from remote_site.drivers.c500c.port import open_port  # noqa: PLC0415
+
+    config = options_of(host.options)
+    return C500cDriver(config, open_port(config.port, config.baud), host.clock)

@@ -1,0 +1,54 @@
+"""Why a robot takes no commands: every fault's code, and whether it only says that nobody has activated the robot."""
+
+from dataclasses import dataclass
+from enum import StrEnum
+
+
+class FaultCode(StrEnum):
+    """The short word of a fault; mirrored in the robot's state, stable over releases."""
+
+    NOT_ACTIVATED = "not_activated"
+    STOPPED = "stopped"
+    # the robot's own
+    EMERGENCY_STOP = "emergency_stop"
+    ARM_POWER = "arm_power"
+    WATCHDOG = "watchdog"
+    BLOCKED = "blocked"
+    APART = "apart"
+    NOT_FINITE = "not_finite"
+    ROBOT = "robot"
+    # on the way to it
+    SILENT = "silent"
+    LINK = "link"
+    REFUSED = "refused"
+    # found by the driver's process
+    COMMAND_TIMEOUT = "command_timeout"
+    LIMITS = "limits"
+    DEADLINE = "deadline"
+    DRIVER = "driver"
+    PROCESS = "process"
+
+
+CALM = (FaultCode.NOT_ACTIVATED, FaultCode.STOPPED)
+
+
+@dataclass(frozen=True, slots=True)
+class RobotFault:
+    """A fault as a code and a sentence with its cure; `native` is the robot's own number or word, "" without one."""
+
+    code: FaultCode
+    sentence: str
+    native: str = ""
+
+    @property
+    def calm(self) -> bool:
+        """Nothing has failed: the robot waits to be activated."""
+        return self.code in CALM
+
+    def __str__(self) -> str:
+        own = f" ({self.native})" if self.native else ""
+        return f"{self.code.value}{own}: {self.sentence}"
+
+
+NOT_ACTIVATED = RobotFault(FaultCode.NOT_ACTIVATED, "not activated yet")
+STOPPED = RobotFault(FaultCode.STOPPED, "stopped; activate anew")

@@ -1,0 +1,130 @@
+"""Control's end of the shared memory: orders to the driver's process, its reports, and whether it still answers."""
+
+import math
+from dataclasses import replace
+from typing import NamedTuple
+
+import numpy as np
+
+from common.clock import NS_PER_MS, Clock
+from common.geometry import Array
+from common.messages import GripperState, GripperStatus
+from remote_site.drivers.driver import JointCommand
+from remote_site.drivers.faults import NOT_ACTIVATED, FaultCode, RobotFault
+from remote_site.drivers.keeper import DEADLINE_NS, Order, late_call
+from remote_site.drivers.memory import DriverMemory, Report
+from remote_site.kinematics.joints import JointMotion
+
+SILENT_NS = 100 * NS_PER_MS
+STARTING = RobotFault(FaultCode.NOT_ACTIVATED, "the driver has measured nothing yet")
+
+
+class RobotReport(NamedTuple):
+    """The robot as its driver's process tells it; `fault` is None while it takes commands.
+
+    `t_ns` is when `q`, `dq` (rad, rad/s) were measured, 0 before anything was. `sent` is the motion that was sent last.
+    `obeyed_seq` is the newest command that has reached the robot's motion. `answered`: the last activation was decided.
+    """
+
+    t_ns: int
+    q: Array
+    dq: Array
+    gripper: GripperState | None
+    fault: RobotFault | None
+    obeyed_seq: int | None
+    sent: JointMotion
+    answered: bool
+
+    @property
+    def ready(self) -> bool:
+        """The robot takes commands."""
+        return self.fault is None
+
+
+class DriverLink:
+    """What control has of the driver; no call waits for it."""
+
+    def __init__(self, memory: DriverMemory, clock: Clock) -> None:
+        self._memory = memory
+        self._clock = clock
+        self._activation = self._diversions = 0
+        self._last: JointCommand | None = None
+        self._raw = memory.report.read()
+        self._report = self._decoded(self._raw)
+
+    def read(self) -> RobotReport:
+        """The newest report; not ready when the driver's process or one of its calls takes too long."""
+        raw = self._raw = self._memory.report.read()
+        report = self._decoded(raw)
+        now_ns = self._clock.now_ns()
+        busy_ns = self._memory.busy.since_ns
+        if busy_ns and now_ns - busy_ns > DEADLINE_NS:
+            report = report._replace(fault=late_call("call", now_ns - busy_ns))
+        elif raw.at_ns and now_ns - raw.at_ns > SILENT_NS:
+            late = f"the driver's process is silent for {(now_ns - raw.at_ns) / NS_PER_MS:.0f} ms"
+            report = report._replace(fault=RobotFault(FaultCode.PROCESS, late))
+        self._report = report
+        return report
+
+    def write(self, command: JointCommand) -> JointCommand:
+        """Order a command; what was really sent instead when by the last report the course had been left."""
+        raw = self._raw
+        if raw.diversions != self._diversions:
+            self._diversions = raw.diversions
+            _, _, q, dq, ddq = raw.motions
+            return replace(command, q=q, dq=dq, ddq=ddq)
+        self._order(command, run=True)
+        return command
+
+    def activate(self, q0: Array) -> None:
+        """Have the robot take commands from rest at `q0`; reports say what became of it."""
+        self._activation += 1
+        zero = np.zeros(len(q0))
+        is_open = self._report.gripper is None or self._report.gripper.commanded_open
+        seq = self._last.seq if self._last is not None else 0
+        self._order(JointCommand(seq, self._clock.now_ns(), np.asarray(q0), zero, zero, is_open), run=True)
+
+    def stop(self) -> None:
+        """Have the robot stopped; only an activation moves it again."""
+        if self._last is not None:
+            self._order(self._last, run=False)
+
+    def _order(self, command: JointCommand, *, run: bool) -> None:
+        self._last = command
+        self._memory.orders.write(Order(self._activation, run, self._diversions, command))
+        self._memory.bell.ring()
+
+    def _decoded(self, raw: Report) -> RobotReport:
+        answered = raw.answered == self._activation
+        q, dq, *sent = raw.motions
+        return RobotReport(
+            t_ns=raw.t_ns,
+            q=q,
+            dq=dq,
+            gripper=_gripper(raw),
+            fault=_fault(raw) if answered else NOT_ACTIVATED,
+            obeyed_seq=raw.obeyed_seq if raw.has_obeyed else None,
+            sent=JointMotion(*sent),
+            answered=answered,
+        )
+
+
+def _fault(raw: Report) -> RobotFault | None:
+    if not raw.at_ns:
+        return STARTING
+    if not raw.code[0]:
+        return None
+    code, native, sentence = (_text(word) for word in (raw.code, raw.native, raw.sentence))
+    return RobotFault(FaultCode(code), sentence, native)
+
+
+def _gripper(raw: Report) -> GripperState | None:
+    grip = _text(raw.grip)
+    if not grip:
+        return None
+    force = None if math.isnan(raw.force_n) else raw.force_n
+    return GripperState(raw.opening_m, force, raw.gripper_open, GripperStatus(grip))
+
+
+def _text(word: bytes) -> str:
+    return word.rstrip(b"\0").decode(errors="ignore")

@@ -1,0 +1,205 @@
+"""Every driver of the house passes every check of the conformance suite; a bad one fails the check made for it."""
+
+import numpy as np
+import pytest
+from driver_stands import c500c_stand, kinematic_stand, simulated_stand
+
+from common.clock import NS_PER_MS
+from common.errors import DriverError
+from remote_site.drivers.conformance.checks import CHECKS, run_checks
+from remote_site.drivers.driver import Capabilities, DriverSetup, GripperReading, JointCommand, RobotReading
+from remote_site.drivers.faults import FaultCode, RobotFault
+from remote_site.drivers.kinematic import KinematicDriver
+
+NAMES = [check.__name__ for check in CHECKS]
+
+
+@pytest.mark.parametrize("check", CHECKS, ids=NAMES)
+@pytest.mark.parametrize("stand", [kinematic_stand, simulated_stand, c500c_stand])
+def test_the_drivers_of_the_house_pass(stand, check):
+    lines = []
+    assert run_checks(stand(), lines.append, [check]) == [], lines
+
+
+@pytest.mark.parametrize("stand", [simulated_stand, c500c_stand])
+def test_one_robot_passes_all_checks_one_after_the_other(stand):
+    lines, same = [], stand()
+    assert run_checks(same, lines.append, [*CHECKS, *CHECKS]) == [], lines
+
+
+def test_the_a465_passes_with_lost_bytes():
+    lines = []
+    assert run_checks(c500c_stand(loss=0.0005), lines.append) == [], lines
+
+
+class Hasty(KinematicDriver):
+    """Takes commands although nobody has activated it."""
+
+    def write(self, command: JointCommand) -> JointCommand:
+        return command if self._sent is None else super().write(command)
+
+
+class AnyRobot(KinematicDriver):
+    """Says that it moves six joints, but takes any model."""
+
+    @property
+    def capabilities(self) -> Capabilities:
+        return Capabilities(1000.0, 6, gripper=False, force=False, watchdog_ms=None)
+
+
+class Prophet(KinematicDriver):
+    """Its readings are of the future."""
+
+    def read(self) -> RobotReading:
+        reading = super().read()
+        return RobotReading(
+            reading.t_ns + 5 * NS_PER_MS, reading.q, reading.dq, None, reading.fault, reading.obeyed_seq
+        )
+
+
+class Liar(KinematicDriver):
+    """Reads zeros where nothing has been measured."""
+
+    def read(self) -> RobotReading:
+        if self._sent is None:
+            return RobotReading(self._clock.now_ns(), np.zeros(6), np.zeros(6), None, None, None)
+        return super().read()
+
+
+class Feeler(KinematicDriver):
+    """Feels a grip without a gripper."""
+
+    def read(self) -> RobotReading:
+        reading = super().read()
+        grip = GripperReading(0.05, 12.0)
+        return RobotReading(reading.t_ns, reading.q, reading.dq, grip, reading.fault, reading.obeyed_seq)
+
+
+class Eager(KinematicDriver):
+    """Goes on ahead of what it was commanded, and so beyond its target."""
+
+    def write(self, command: JointCommand) -> JointCommand:
+        ahead = JointCommand(
+            command.seq, command.t_ns, command.q + 0.1 * command.dq, command.dq, command.ddq, command.gripper_open
+        )
+        super().write(ahead)
+        return command
+
+
+class Racer(KinematicDriver):
+    """Moves one and a half times as far, so as fast, as it was commanded."""
+
+    def activate(self, q0) -> None:
+        super().activate(q0)
+        self.home = np.array(q0)
+
+    def write(self, command: JointCommand) -> JointCommand:
+        q = self.home + 1.5 * (command.q - self.home)
+        super().write(JointCommand(command.seq, command.t_ns, q, 1.5 * command.dq, command.ddq, command.gripper_open))
+        return command
+
+
+class Drifter(KinematicDriver):
+    """Goes on at its last speed when it should stop."""
+
+    def _motion(self, sent: JointCommand):
+        motion = super()._motion(sent)
+        if self._stop_ns is None:
+            return motion
+        elapsed = (self._clock.now_ns() - self._stop_ns) / 1e9
+        return type(motion)(sent.q + elapsed * sent.dq, sent.dq, motion.ddq)
+
+
+class Restarter(KinematicDriver):
+    """Begins its stop anew each time it is told."""
+
+    def stop(self) -> None:
+        if self._sent is not None:
+            self._stop_ns = self._clock.now_ns()
+
+
+class Sleepwalker(KinematicDriver):
+    """Takes no command slower than half a radian per second once it is faster, and goes on at its last speed."""
+
+    def write(self, command: JointCommand) -> JointCommand:
+        if self._sent is not None and abs(self._sent.dq[0]) > 0.5 > abs(command.dq[0]):
+            return command
+        return super().write(command)
+
+    def stop(self) -> None:
+        return
+
+    def _motion(self, sent: JointCommand):
+        elapsed = (self._clock.now_ns() - sent.t_ns) / 1e9
+        return type(sent.motion)(sent.q + elapsed * sent.dq, sent.dq, sent.ddq)
+
+
+class Unwatched(KinematicDriver):
+    """Claims a watchdog that it has not."""
+
+    @property
+    def capabilities(self) -> Capabilities:
+        return Capabilities(1000.0, None, gripper=False, force=False, watchdog_ms=100.0)
+
+
+class Slow(KinematicDriver):
+    """Waits for its robot in every reading."""
+
+    def read(self) -> RobotReading:
+        self._clock.advance_ms(60 if self._obeyed else 0)
+        return super().read()
+
+
+class Broken(KinematicDriver):
+    """Raises what it likes."""
+
+    def configure(self, setup: DriverSetup) -> None:
+        raise KeyError(setup)
+
+
+class Deaf(KinematicDriver):
+    """Is never ready."""
+
+    def read(self) -> RobotReading:
+        reading = super().read()
+        fault = RobotFault(FaultCode.ROBOT, "no", native="E7")
+        return RobotReading(reading.t_ns, reading.q, reading.dq, None, fault, None)
+
+
+class Refuser(KinematicDriver):
+    """Takes no command at all."""
+
+    def write(self, command: JointCommand) -> JointCommand:
+        raise DriverError(f"not today: {command.seq}")
+
+
+@pytest.mark.parametrize(
+    ("bad", "check"),
+    [
+        (Hasty, "life_cycle"),
+        (Broken, "life_cycle"),
+        (Deaf, "life_cycle"),
+        (AnyRobot, "other_robot"),
+        (Prophet, "read_never_invents"),
+        (Liar, "read_never_invents"),
+        (Feeler, "read_never_invents"),
+        (Eager, "follows"),
+        (Refuser, "follows"),
+        (Racer, "limits"),
+        (Drifter, "stop"),
+        (Restarter, "idempotent_stop"),
+        (Sleepwalker, "command_timeout"),
+        (Unwatched, "watchdog"),
+        (Slow, "deadline"),
+    ],
+)
+def test_a_bad_driver_fails_the_check_made_for_it(bad, check):
+    lines = []
+    checks = [c for c in CHECKS if c.__name__ == check]
+    assert run_checks(kinematic_stand(bad), lines.append, checks) == [check]
+    assert lines[0].startswith("FAILED")
+
+
+def test_every_check_has_its_bad_driver():
+    marks = test_a_bad_driver_fails_the_check_made_for_it.pytestmark
+    assert {check for _, check in marks[0].args[1]} == set(NAMES)

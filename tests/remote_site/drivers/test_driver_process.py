@@ -1,0 +1,274 @@
+"""Control and driver in processes of their own: a killed control, a driver that blocks, a fault that stays."""
+
+import contextlib
+import multiprocessing
+import os
+import signal
+import time
+from functools import partial
+
+import numpy as np
+import pytest
+from remote_loop import arm
+
+from common.children import Children
+from common.clock import NS_PER_MS, MonotonicClock
+from common.errors import DriverError
+from common.service import StopFlag, ask_for_real_time
+from remote_site.config import DriverConfig, RemoteConfig
+from remote_site.drivers import process
+from remote_site.drivers.c500c.config import C500cConfig
+from remote_site.drivers.c500c.driver import C500cDriver
+from remote_site.drivers.c500c.emulation import EmulatedPort, Emulation, Terminal, run_emulation
+from remote_site.drivers.c500c.emulator import Controller
+from remote_site.drivers.c500c.port import open_port
+from remote_site.drivers.c500c.protocol import Fault
+from remote_site.drivers.driver import JointCommand
+from remote_site.drivers.faults import FaultCode
+from remote_site.drivers.kinematic import KinematicDriver
+from remote_site.drivers.link import DriverLink
+from remote_site.drivers.memory import DriverMemory
+from remote_site.drivers.registry import DriverHost
+from remote_site.drivers.simulated import SimulatedDriver
+from remote_site.kinematics.joints import JointMotion
+from remote_site.motion import Follower
+from remote_site.safety.stopping import stopping
+from remote_site.shared_memory import CellMemory
+from remote_site.simulation.process import run_cell
+
+FORK = multiprocessing.get_context("fork")
+CONFIG = RemoteConfig(driver=DriverConfig(command_timeout_ms=1000.0))  # a busy machine may keep control waiting
+MODEL, LIMITS = arm()
+CLOCK = MonotonicClock()
+DT = 0.004
+
+
+class Blocking(KinematicDriver):
+    """Waits for ever in its tenth reading after it was commanded."""
+
+    def read(self):
+        if self._obeyed is not None and self._obeyed >= 10:
+            time.sleep(0.5)
+        return super().read()
+
+
+def kinematic(host):
+    return KinematicDriver(host.clock)
+
+
+def blocking(host):
+    return Blocking(host.clock)
+
+
+def simulated(host):
+    return SimulatedDriver(host.cell, host.clock)
+
+
+def c500c(host):
+    emulation = Emulation(Controller(CONFIG.robot.start), host.clock.now_ns())
+    return C500cDriver(C500cConfig(), EmulatedPort(emulation, host.clock), host.clock)
+
+
+class Rig:
+    """The driver's process, the cell's where there is one, and what the reports said."""
+
+    def __init__(self, factory, monkeypatch):
+        monkeypatch.setattr(process, "create_driver", lambda name, host: factory(host))  # noqa: ARG005
+        self.memory, self.cell = DriverMemory.create(6), CellMemory.create(6)
+        self.children = Children("remote")
+        if factory is simulated:
+            self.children.start(
+                "cell", lambda stop, beat: run_cell(CONFIG.simulation, CONFIG.robot, self.cell, stop, beat.beat)
+            )
+        self.driver = self.children.start("driver", partial(process.run_driver, CONFIG, self.memory, self.cell))
+        self.children.wait_ready(10.0, StopFlag())
+        self.log = []
+
+    def watch(self, until, seconds=8.0):
+        """Keep every new report until one fulfils `until`."""
+        watcher = DriverLink(self.memory, CLOCK)
+        deadline = time.monotonic() + seconds
+        while time.monotonic() < deadline:
+            watcher._activation = self.memory.report.read().answered
+            report = watcher.read()
+            self.log.append((time.monotonic(), report))
+            if until(report):
+                return report
+            time.sleep(0.0005)
+        return pytest.fail(f"not reached in {seconds} s; last {self.log[-1]}")
+
+
+def control(memory):
+    """Activate, then run towards a far goal until killed."""
+    ask_for_real_time(50)
+    link, follower = DriverLink(memory, CLOCK), Follower(LIMITS, DT)
+    start = CONFIG.robot.start
+    link.activate(start)
+    while (fault := link.read().fault) is not None:
+        time.sleep(0.01)
+        if fault.code is FaultCode.REFUSED:
+            link.activate(start)
+    sent, goal = JointMotion.at_rest(start), start + np.array([2.4, 0, 0, 0, 0, 0])
+    for seq in range(1, 100_000):
+        follower.reset(sent)
+        motion = follower.track(goal, np.zeros(6))
+        command = JointCommand(seq, CLOCK.now_ns(), motion.q, motion.dq, motion.ddq, gripper_open=True)
+        sent = link.write(command).motion
+        time.sleep(DT)
+
+
+@pytest.fixture
+def make_rig(monkeypatch):
+    rigs = []
+
+    def make(factory):
+        rigs.append(Rig(factory, monkeypatch))
+        return rigs[-1]
+
+    yield make
+    for rig in rigs:
+        rig.children.end()
+
+
+@pytest.fixture
+def commander():
+    started = []
+
+    def start(rig):
+        started.append(FORK.Process(target=control, args=(rig.memory,)))
+        started[-1].start()
+        return started[-1]
+
+    yield start
+    for each in started:
+        each.kill()
+        each.join(5)
+
+
+def is_stopped(report):
+    timed_out = report.fault is not None and report.fault.code is FaultCode.COMMAND_TIMEOUT
+    return timed_out and not report.sent.dq.any() and np.abs(report.dq).max() < 0.01
+
+
+@pytest.mark.parametrize("factory", [kinematic, simulated, c500c])
+def test_control_killed_in_full_motion_ends_in_the_verified_stop(make_rig, commander, factory):
+    rig = make_rig(factory)
+    victim = commander(rig)
+    rig.watch(lambda report: report.ready and report.sent.dq[0] > 1.0 and report.dq[0] > 0.5)
+    os.kill(victim.pid, signal.SIGKILL)
+    victim.join(5)
+    rig.memory.orders._seen = rig.memory.orders._record.count - 1
+    (last,) = rig.memory.orders.take()
+    end = stopping(last.command.motion, LIMITS, 9.9).q[0]
+    report = rig.watch(is_stopped, 5)
+    assert report.sent.q[0] == pytest.approx(end, abs=1e-9)
+    rig.watch(lambda r: abs(r.q[0] - end) < 0.003 and np.abs(r.dq).max() < 0.01, 3)
+    assert max(r.q[0] for _, r in rig.log) < end + 0.003
+    time.sleep(0.1)
+    assert rig.memory.report.read().motions[2][0] == report.sent.q[0]
+
+
+def test_a_driver_killed_in_motion_leaves_the_controllers_own_watchdog(make_rig, commander):
+    terminal = Terminal.create()
+    robot = Children("remote")
+
+    def over_the_line(host):
+        return C500cDriver(C500cConfig(), open_port(terminal.path, 57600), host.clock)
+
+    def be_the_robot(should_stop, heartbeat):
+        emulation = Emulation(Controller(CONFIG.robot.start), CLOCK.now_ns())
+        run_emulation(emulation, terminal, should_stop, heartbeat.beat)
+
+    robot.start("robot", be_the_robot)
+    robot.wait_ready(10.0, StopFlag())
+    rig = make_rig(over_the_line)
+    commander(rig)
+    rig.watch(lambda report: report.ready and report.dq[0] > 0.5)
+    rig.driver.process.kill()
+    rig.driver.process.join(3)
+    time.sleep(1.0)
+    again = over_the_line(DriverHost(CLOCK))
+    places = []
+    for _ in range(100):
+        time.sleep(0.004)
+        with contextlib.suppress(DriverError):
+            places.append(again.read())
+    robot.end()
+    assert places[-1].fault is not None
+    assert places[-1].q[0] > 0.05
+    assert places[-1].q == pytest.approx(places[0].q, abs=1e-9)
+    assert again._exchange.state.fault in (Fault.WATCHDOG, Fault.UNDERRUN)
+
+
+def test_the_driver_process_told_to_end_leaves_the_arm_at_rest(make_rig, commander):
+    rig = make_rig(simulated)
+    commander(rig)
+    rig.watch(lambda report: report.ready and report.sent.dq[0] > 1.5)
+    os.kill(rig.driver.process.pid, signal.SIGTERM)
+    rig.driver.process.join(3)
+    assert rig.driver.process.exitcode == 0
+    cell = rig.cell.reading.read()
+    assert np.abs(cell["dq"]).max() < 0.02
+
+
+def test_a_driver_that_blocks_is_seen_from_outside_while_control_goes_on(make_rig):
+    rig = make_rig(blocking)
+    link = DriverLink(rig.memory, CLOCK)
+    link.activate(CONFIG.robot.start)
+    rest = JointMotion.at_rest(CONFIG.robot.start)
+    deadline = time.monotonic() + 5
+    while not link.read().ready:
+        assert time.monotonic() < deadline
+        time.sleep(0.005)
+    longest, seq = 0, 0
+    while (fault := link.read().fault) is None:
+        assert time.monotonic() < deadline
+        seq += 1
+        begin = time.perf_counter()
+        link.write(JointCommand(seq, CLOCK.now_ns(), rest.q, rest.dq, rest.ddq, gripper_open=True))
+        longest = max(longest, time.perf_counter() - begin)
+        time.sleep(DT)
+    assert fault.code is FaultCode.DEADLINE
+    assert longest < 0.3  # the driver waits for half a second
+    time.sleep(0.7)
+    assert link.read().fault.code is FaultCode.DEADLINE  # also when the call has returned
+
+
+def test_a_process_that_is_gone_is_told(make_rig):
+    rig = make_rig(kinematic)
+    link = DriverLink(rig.memory, CLOCK)
+    link.activate(CONFIG.robot.start)
+    rig.watch(lambda report: report.ready)
+    os.kill(rig.driver.process.pid, signal.SIGKILL)
+    rig.driver.process.join(3)
+    time.sleep(0.15)
+    assert link.read().fault.code is FaultCode.PROCESS
+
+
+def test_the_first_command_after_a_diversion_is_what_was_really_sent():
+    memory = DriverMemory.create(6)
+    link = DriverLink(memory, CLOCK)
+    memory.report.write(memory.report.read()._replace(at_ns=CLOCK.now_ns(), diversions=1, motions=np.full((5, 6), 0.3)))
+    link.read()
+    zero = np.zeros(6)
+    command = JointCommand(1, CLOCK.now_ns(), zero, zero, zero, gripper_open=True)
+    assert (link.write(command).q == 0.3).all()
+    assert memory.orders.take() == []
+    assert link.write(command) is command
+    (order,) = memory.orders.take()
+    assert order.diversions == 1
+
+
+def test_every_order_arrives_once_and_lost_ones_are_never_torn():
+    memory = DriverMemory.create(6)
+    link = DriverLink(memory, CLOCK)
+    zero = np.zeros(6)
+    for seq in range(1, 201):
+        link.write(JointCommand(seq, 7 * NS_PER_MS, zero + seq, zero, zero, gripper_open=False))
+        if seq == 10:
+            assert [order.command.seq for order in memory.orders.take()] == list(range(1, 11))
+    late = memory.orders.take()
+    assert [order.command.seq for order in late] == list(range(201 - len(late), 201))
+    assert len(late) == 63
+    assert all((order.command.q == order.command.seq).all() for order in late)
+    assert memory.orders.take() == []
