@@ -52,16 +52,17 @@ def run_control(
         leases = LeaseDesk(round(config.lease.seconds * NS_PER_S), 1 + secrets.randbits(LEASE_BITS))
         chain = Chain(config, model, limits, config.robot.start, leases)
         real_time = ask_for_real_time(FIFO_PRIORITY)
+        mirror = PostureMirror(config.simulation, memory.snapshot) if memory and not config.cell_is_simulated else None
+        description = describe(config, limits, config.control.rate_hz / TICKS_PER_STATE)
+        gc.collect()
+        gc.freeze()
+        # from here on the driver counts the time without a command
         _activate(driver, chain, should_stop)
         rate = Rate(config.control.rate_hz, clock)
         reporter = Reporter(link.publisher(STATE, config.cell), model, rate, real_time=real_time)
-        mirror = PostureMirror(config.simulation, memory.snapshot) if memory and not config.cell_is_simulated else None
         refusals = Refusals(reporter.log)
-        description = describe(config, limits, config.control.rate_hz / TICKS_PER_STATE)
         desk = FrontDesk(link, description, leases, clock, refusals.note)
         loop = ControlLoop(chain, driver, reporter, Inbox(link, config.cell, refusals), desk, mirror)
-        gc.collect()
-        gc.freeze()
         while not should_stop():
             rate.wait()
             loop.tick(clock.now_ns())
