@@ -207,8 +207,14 @@ class DriverConfig(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fie
             raise ValueError(f"driver.emulate is for the driver {EMULATED}; {self.name} has no emulator")
 
     command_timeout_ms: Annotated[
-        float, Meta(ge=8, le=1000, description="without a command for so long, the driver stops the arm, ms")
-    ] = 50.0
+        float,
+        Meta(
+            ge=8,
+            le=1000,
+            description="without a command for so long, the robot has to be activated anew, ms; its stop begins after "
+            "three missed ticks",
+        ),
+    ] = 100.0
 
 
 class GripConfig(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):

@@ -94,7 +94,7 @@ class _Stop:
 
 # Forward is -y, the operator's right -x. Down before forward, so that a tool a little off pushes the block aside
 # instead of pressing on it from above; let go 3 cm above the table, for this operator does not see what he sets down.
-# Between two stops of one place the hand opens.
+# Between two stops of one place the hand opens. What was carried over is carried back, lest it stand in the way.
 _PICK_AND_PLACE = (
     _Stop(0.0, 0.0, 0.0, 0.0, 0.0),
     _Stop(0.8, 0.0, 0.0, 0.0, 0.0),
@@ -107,8 +107,18 @@ _PICK_AND_PLACE = (
     _Stop(10.0, -0.20, -0.08, -0.13, 0.0),
     _Stop(11.1, -0.20, -0.02, -0.13, 0.0),
     _Stop(13.0, 0.0, 0.0, 0.0, 0.0),
+    _Stop(13.8, 0.0, 0.0, 0.0, 0.0),
+    _Stop(15.7, -0.20, 0.0, -0.16, 0.0),
+    _Stop(16.8, -0.20, -0.08, -0.16, 0.0),
+    _Stop(18.2, -0.20, -0.08, -0.16, 0.0),
+    _Stop(19.2, -0.20, -0.08, -0.12, 10.0),
+    _Stop(21.0, 0.0, -0.08, -0.12, -10.0),
+    _Stop(21.8, 0.0, -0.08, -0.13, 0.0),
+    _Stop(23.2, 0.0, -0.08, -0.13, 0.0),
+    _Stop(24.3, 0.0, -0.02, -0.13, 0.0),
+    _Stop(26.0, 0.0, 0.0, 0.0, 0.0),
 )
-_PICK_S, _PLACE_S = 3.9, 8.9
+_OPENINGS_S = (3.9, 8.9, 17.1, 22.1)
 
 
 def _pick_and_place(t_s: float) -> tuple[Array, Array]:
@@ -126,6 +136,6 @@ _PATHS: dict[MotionName, HandPath] = {
     "rotate_x": HandPath(_rotation(0)),
     "rotate_y": HandPath(_rotation(1)),
     "rotate_z": HandPath(_rotation(2)),
-    "pick_and_place": HandPath(_pick_and_place, _PICK_AND_PLACE[-1].t_s, (_PICK_S, _PLACE_S)),
+    "pick_and_place": HandPath(_pick_and_place, _PICK_AND_PLACE[-1].t_s, _OPENINGS_S),
     "toggles": HandPath(_still, 2.0, (0.5,)),
 }

@@ -71,7 +71,9 @@ def test_pick_and_place_goes_where_it_should_and_returns():
     assert path.pose(2.0 + 6.0).wrist - start == pytest.approx([0.0, -0.08, -0.12])
     assert path.pose(2.0 + 9.5).wrist - start == pytest.approx([-0.20, -0.08, -0.13])
     assert path.pose(2.0 + 13.0).wrist == pytest.approx(start)
-    assert path.pose(2.0 + 13.0 + 3.6).wrist - start == pytest.approx([0.0, -0.08, -0.16])
+    assert path.pose(2.0 + 13.0 + 4.0).wrist - start == pytest.approx([-0.20, -0.08, -0.16])
+    assert path.pose(2.0 + 13.0 + 9.5).wrist - start == pytest.approx([0.0, -0.08, -0.13])
+    assert path.pose(2.0 + 26.0 + 3.6).wrist - start == pytest.approx([0.0, -0.08, -0.16])
 
 
 @pytest.mark.parametrize("name", ["pick_and_place", "toggles"])
