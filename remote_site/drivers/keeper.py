@@ -57,8 +57,8 @@ class Keeper:
     """Keeps the last limits and the command time-out of any driver; time comes from its clock.
 
     Every command is judged against the one before it. When the next is late by three ticks, the verified stop of the
-    last one begins as of its time; a command that goes on from there is taken, but none older. A broken limit, silence
-    beyond the time-out, a failing driver and a robot's fault stay until the next activation.
+    last one begins as of its time; a command that goes on from there is taken, at rest at the latest, but none older. A
+    broken limit, silence beyond the time-out, a failing driver and a robot's fault stay until the next activation.
     """
 
     def __init__(self, driver: Driver, setup: DriverSetup, clock: Clock, mark: CallMark, grip: GripWatch) -> None:
@@ -76,6 +76,7 @@ class Keeper:
         self._onset: tuple[int, JointMotion] | None = None
         self._rested_ns: int | None = None
         self._heard_ns: int | None = None
+        self._ordered_ns = 0
         self._command = JointCommand(0, 0, *(np.zeros(len(setup.joint_names)),) * 3, gripper_open=True)
         self.motion = JointMotion.at_rest(self._command.q)
         self.phase = Phase.IDLE
@@ -93,8 +94,10 @@ class Keeper:
                 self._activate(order, now_ns)
             elif self.phase is Phase.ACTIVE and not order.run:
                 self.stop(STOPPED)
-            elif self.phase is Phase.ACTIVE and order.diversions == self.diversions:
-                self._obey(order.command, now_ns)
+            elif self.phase is Phase.ACTIVE:
+                self._ordered_ns = now_ns
+                if order.diversions == self.diversions:
+                    self._obey(order.command, now_ns)
 
     def step(self, now_ns: int) -> None:
         """Send what is due, and read the robot."""
@@ -124,11 +127,12 @@ class Keeper:
     def _watch(self, now_ns: int) -> None:
         if self.phase is not Phase.ACTIVE or self._heard_ns is None:
             return
-        silent_ns, limit_ns = now_ns - self._heard_ns, self._setup.command_timeout_ns
+        late_ns, silent_ns = now_ns - self._heard_ns, now_ns - max(self._heard_ns, self._ordered_ns)
+        limit_ns = self._setup.command_timeout_ns
         if silent_ns > limit_ns:
             late = reason(Code.COMMAND_TIMEOUT, age_ms=silent_ns / NS_PER_MS, limit_ms=limit_ns / NS_PER_MS)
             self.stop(RobotFault(FaultCode.COMMAND_TIMEOUT, f"{late.sentence}; activate anew"))
-        elif silent_ns > self._grace_ns and self._onset is None and not self.motion.resting:
+        elif late_ns > self._grace_ns and self._onset is None and not self.motion.resting:
             self._onset = (self._heard_ns, self.motion)
             self.diversions += 1
 

@@ -208,6 +208,23 @@ def test_a_command_that_meets_a_stop_gone_on_is_planned_anew(bench):
     assert bench.keeper.diversions == 2
 
 
+def test_control_that_is_always_a_turn_behind_the_stop_is_taken_again_at_rest(bench):
+    bench.moving()
+    bench.turn(ms=14)
+    slowest, began = np.inf, bench.keeper.motion.q[0]
+    for _ in range(400):
+        bench.sent = bench.keeper.motion
+        planned = bench.plan()
+        bench.turn()
+        bench.turn(bench.order(planned))
+        slowest = min(slowest, abs(bench.keeper.motion.dq[0]))
+    assert bench.keeper.fault is None
+    assert slowest < 0.01
+    assert began < START[0] + 0.7
+    assert bench.keeper.motion.q[0] == pytest.approx(START[0] + 0.8, abs=1e-6)
+    assert_smooth(bench.robot)
+
+
 def test_a_backlog_is_not_caught_up(bench):
     bench.moving()
     backlog = []
