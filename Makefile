@@ -8,8 +8,8 @@ READY := .venv/ready
 loopback: $(READY)  ## both sites on this machine, with a simulated operator and a simulated cell
 	@$(BIN)/farhand loopback $(ARGS)
 
-test: $(READY)  ## all tests
-	@$(BIN)/python -m pytest $(ARGS)
+test: $(READY)  ## all tests, two at once
+	@$(BIN)/python -m pytest --numprocesses 2 --dist loadgroup $(ARGS)
 
 check: $(READY)  ## the static checks
 	@$(BIN)/ruff check .

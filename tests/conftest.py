@@ -1,11 +1,23 @@
-"""What concerns every test: the signal handlers that a command installs end with the test that runs it."""
+"""What concerns every test: their order when two run at once; signal handlers end with the test that installs them."""
 
 import signal
 from collections.abc import Iterator
+from pathlib import Path
 
 import pytest
 
 from common.service import STOP_SIGNALS
+
+HERE = Path(__file__).parent
+ALONE = HERE / "integration"
+
+
+def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
+    """Tests of one file stay together, and those that run whole sites come last, one after the other."""
+    items.sort(key=lambda item: ALONE in item.path.parents)
+    for item in items:
+        group = ALONE if ALONE in item.path.parents else item.path
+        item.add_marker(pytest.mark.xdist_group(str(group.relative_to(HERE))))
 
 
 @pytest.fixture(autouse=True)
