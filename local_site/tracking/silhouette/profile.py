@@ -14,8 +14,7 @@ from local_site.tracking.silhouette.medial import typical_width
 NECK_WINDOW = 1.2
 NECK_SMOOTHING = 5
 PALM_GROWTH = 1.1
-PALM_BEGINS, PALM_SLOPE = 0.085, 0.115
-PALM_REACH, PALM_EDGE_ON, PALM_FLAT = 0.08, 1.05, 1.7
+PALM_BEGINS = 0.06
 WIDTH_CHANGE = 0.25
 TYPICAL_HALF_WIDTHS = 1.5
 SURE_PX = 3.0
@@ -68,8 +67,7 @@ def mean_between(t: Array, lower: Array, upper: Array, start: float, end: float)
 def palm_begin(t: Array, lower: Array, upper: Array, length: float, half_width: float) -> float:
     """Where along the axis the wrist is, told by where the palm begins to widen beyond the narrowest place.
 
-    Where the hand is seen edge-on, the joint lies a small share of the forearm's length before that. A hand seen flat
-    widens sooner, by the ball of the thumb: the steeper, the nearer is the joint. NaN where nothing widens.
+    The joint lies a small share of the forearm's length before that; NaN where nothing widens.
     """
     smooth = _smooth_width(lower, upper, 4 * half_width)
     first, last = -1, -1
@@ -85,9 +83,7 @@ def palm_begin(t: Array, lower: Array, upper: Array, length: float, half_width: 
     for k in range(neck + 1, len(t)):
         if smooth[k] > limit:
             step = (limit - smooth[k - 1]) / (smooth[k] - smooth[k - 1])
-            wider = smooth[min(neck + int(PALM_REACH * length), len(t) - 1)] / smooth[neck]
-            flatness = min(max(wider, PALM_EDGE_ON), PALM_FLAT) - PALM_EDGE_ON
-            return float(t[k - 1] + step - (PALM_BEGINS - PALM_SLOPE * flatness) * length)
+            return float(t[k - 1] + step - PALM_BEGINS * length)
     return math.nan
 
 
