@@ -39,6 +39,7 @@ SECONDS: dict[MotionName, float] = {
     "rotate_y": 6.0,
     "rotate_z": 6.0,
     "pick_and_place": 13.5,
+    "reach_and_adjust": 10.0,
     "toggles": 6.5,
 }
 THIN = BodyConfig(forearm_girth=0.20, upper_arm_girth=0.22, elbow_girth=0.20, wrist_girth=0.14, belly_offset=0.004)

@@ -354,3 +354,20 @@ def track(
     typer.echo(run_track(sources, out, annotate, should_stop))
     if should_stop():
         raise InterruptionError(f"interrupted; {out} ends where it was")
+
+
+@app.command()
+def experiment(
+    name: Annotated[str, typer.Argument(help="follow: hand against tool, by the thesis's mean and by Farhand.")],
+    out: Annotated[Path, typer.Option(help="Folder for report, plots and data; other files in it stay.")],
+    quick: Annotated[bool, typer.Option("--quick", help="A short motion, to see that it works.")] = False,
+) -> None:
+    """Run an experiment on the simulated operator and write report.html, report.json, plots (PNG) and data (CSV).
+
+    Example: farhand experiment follow --out build/follow
+    """
+    from farhand.experiments.run import run_experiment
+
+    should_stop = StopFlag()
+    should_stop.install()
+    typer.echo(run_experiment(name, out, quick, should_stop))

@@ -1,6 +1,7 @@
 """Where results go: to places that can be written, and never over what they are made from."""
 
 import glob
+import os
 from collections.abc import Iterable
 from pathlib import Path
 
@@ -34,3 +35,24 @@ def _refuse_inputs(option: str, out: Path, inputs: Iterable[str | Path]) -> None
     for given in map(Path, inputs):
         if out.exists() and given.exists() and out.samefile(given):
             raise ConfigError(f"{option} {out} would overwrite what is read; choose another name")
+
+
+def make_folder(option: str, folder: Path) -> None:
+    """Make a folder of results if need be; ConfigError, before any work, if it cannot be made or written."""
+    try:
+        folder.mkdir(parents=True, exist_ok=True)
+    except OSError as error:
+        raise ConfigError(f"{option} {folder} cannot be made: {error.strerror}; choose another folder") from error
+    if not os.access(folder, os.W_OK | os.X_OK):
+        raise ConfigError(f"{option} {folder} cannot be written; choose another folder")
+
+
+def write_whole(path: Path, content: bytes) -> None:
+    """Write a file that takes its place once it is whole; ConfigError, with the earlier one kept, if that fails."""
+    part = path.with_name(f"{path.name}.part")
+    try:
+        part.write_bytes(content)
+        part.replace(path)
+    except OSError as error:
+        part.unlink(missing_ok=True)
+        raise ConfigError(f"cannot write {path}: {error.strerror}; choose a folder that can be written") from error

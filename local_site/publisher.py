@@ -2,10 +2,10 @@
 
 import math
 from collections.abc import Mapping
+from typing import Protocol
 
 from common.geometry import Array
 from common.messages import Covariance, HandArm, Intent, PointCovariances, Vector3
-from common.transport import Publisher
 from local_site.authority import Standing
 from local_site.gesture import OpenHand
 from local_site.tracking.tracker import ArmEstimate
@@ -13,10 +13,16 @@ from local_site.tracking.tracker import ArmEstimate
 REASON_CHARACTERS = 400
 
 
+class Wire(Protocol):
+    """Where samples go: the link's publisher, or whoever works without a link."""
+
+    def put(self, message: HandArm) -> None: ...
+
+
 class HandPublisher:
     """Publishes hand samples of one session, each with the standing and the intent of its instant."""
 
-    def __init__(self, publisher: Publisher[HandArm], session: int) -> None:
+    def __init__(self, publisher: Wire, session: int) -> None:
         self._publisher = publisher
         self._session = session
         self._seq = 0

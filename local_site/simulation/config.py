@@ -5,7 +5,9 @@ from typing import Annotated, Literal
 from msgspec import Meta, Struct
 
 Vector3 = tuple[float, float, float]
-MotionName = Literal["hold", "figure_of_eight", "rotate_x", "rotate_y", "rotate_z", "pick_and_place", "toggles"]
+MotionName = Literal[
+    "hold", "figure_of_eight", "rotate_x", "rotate_y", "rotate_z", "pick_and_place", "reach_and_adjust", "toggles"
+]
 
 
 class BodyConfig(Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):

@@ -1,12 +1,12 @@
 """The motions by name: displacement, turn and opening of the hand since the end of the initial stillness."""
 
 import math
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 
 import numpy as np
 
-from common.geometry import Array
+from common.geometry import Array, rotation_from_vector, vector_from_rotation
 from local_site.simulation.config import MotionName
 
 RAMP_S = 2.0
@@ -83,13 +83,14 @@ def _rotation(axis: int) -> Callable[[float], tuple[Array, Array]]:
 
 @dataclass(frozen=True, slots=True)
 class _Stop:
-    """Where the wrist is at a time of the period: displacement in m, yaw about the vertical in degrees."""
+    """Where the wrist is at a time of the period, in m, and the hand's turn about vertical z, then about y."""
 
     t_s: float
     x: float
     y: float
     z: float
     yaw_deg: float
+    pitch_deg: float = 0.0
 
 
 # Forward is -y, the operator's right -x. Down before forward, so that a tool a little off pushes the block aside
@@ -121,13 +122,46 @@ _PICK_AND_PLACE = (
 _OPENINGS_S = (3.9, 8.9, 17.1, 22.1)
 
 
-def _pick_and_place(t_s: float) -> tuple[Array, Array]:
-    k = sum(stop.t_s <= t_s for stop in _PICK_AND_PLACE[1:-1])
-    a, b = _PICK_AND_PLACE[k], _PICK_AND_PLACE[k + 1]
-    share = minimum_jerk((t_s - a.t_s) / (b.t_s - a.t_s))
-    start, end = np.array([a.x, a.y, a.z]), np.array([b.x, b.y, b.z])
-    yaw = math.radians(a.yaw_deg + share * (b.yaw_deg - a.yaw_deg))
-    return start + share * (end - start), np.array([0.0, 0.0, yaw])
+# As in the thesis's figures 6.15 and 6.16, 5 frames to a second: until 16 s down and ahead to the object, too far ahead
+# at 5 s and too low until 10 s, then put right in place and direction; until 24 s up and over to the target; until 32 s
+# put right there. Then back, to begin anew.
+_REACH_AND_ADJUST = (
+    _Stop(0.0, 0.0, 0.0, 0.0, 0.0),
+    _Stop(4.5, 0.0, -0.10, -0.10, 6.0, -4.0),
+    _Stop(7.0, 0.005, -0.07, -0.15, 9.0, -2.0),
+    _Stop(10.0, 0.0, -0.085, -0.155, 14.0, 5.0),
+    _Stop(13.0, -0.01, -0.075, -0.14, 5.0, 10.0),
+    _Stop(16.0, 0.0, -0.08, -0.14, -4.0, 6.0),
+    _Stop(18.0, 0.0, -0.08, -0.14, -4.0, 6.0),
+    _Stop(20.0, -0.02, -0.07, -0.06, -7.0, 2.0),
+    _Stop(24.0, -0.20, -0.06, -0.08, -12.0, -4.0),
+    _Stop(27.0, -0.185, -0.075, -0.12, -4.0, 4.0),
+    _Stop(29.5, -0.205, -0.08, -0.125, 3.0, 8.0),
+    _Stop(32.0, -0.20, -0.08, -0.13, 0.0, 5.0),
+    _Stop(35.0, 0.0, 0.0, 0.0, 0.0),
+)
+
+
+def _along(stops: Sequence[_Stop]) -> Callable[[float], tuple[Array, Array]]:
+    def course(t_s: float) -> tuple[Array, Array]:
+        k = sum(stop.t_s <= t_s for stop in stops[1:-1])
+        a, b = stops[k], stops[k + 1]
+        share = minimum_jerk((t_s - a.t_s) / (b.t_s - a.t_s))
+        start, end = np.array([a.x, a.y, a.z]), np.array([b.x, b.y, b.z])
+        return start + share * (end - start), _turn(
+            a.yaw_deg + share * (b.yaw_deg - a.yaw_deg), a.pitch_deg + share * (b.pitch_deg - a.pitch_deg)
+        )
+
+    return course
+
+
+def _turn(yaw_deg: float, pitch_deg: float) -> Array:
+    """About y, then about z, as one rotation vector (3,) in rad."""
+    yaw = np.array([0.0, 0.0, math.radians(yaw_deg)])
+    if not pitch_deg:
+        return yaw
+    pitch = np.array([0.0, math.radians(pitch_deg), 0.0])
+    return vector_from_rotation(rotation_from_vector(yaw) @ rotation_from_vector(pitch))
 
 
 _PATHS: dict[MotionName, HandPath] = {
@@ -136,6 +170,7 @@ _PATHS: dict[MotionName, HandPath] = {
     "rotate_x": HandPath(_rotation(0)),
     "rotate_y": HandPath(_rotation(1)),
     "rotate_z": HandPath(_rotation(2)),
-    "pick_and_place": HandPath(_pick_and_place, _PICK_AND_PLACE[-1].t_s, _OPENINGS_S),
+    "pick_and_place": HandPath(_along(_PICK_AND_PLACE), _PICK_AND_PLACE[-1].t_s, _OPENINGS_S),
+    "reach_and_adjust": HandPath(_along(_REACH_AND_ADJUST), _REACH_AND_ADJUST[-1].t_s),
     "toggles": HandPath(_still, 2.0, (0.5,)),
 }

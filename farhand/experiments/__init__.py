@@ -1,0 +1,1 @@
+"""Experiments after the thesis: each runs by name and leaves a folder with report, plots and data."""

@@ -1,0 +1,174 @@
+"""The two ways from a film to the tool's motion: as in the thesis, and through Farhand's own chain; no clock runs."""
+
+from collections import Counter
+from dataclasses import dataclass, field
+from itertools import pairwise
+
+import numpy as np
+
+from common.clock import NS_PER_MS, NS_PER_S, FakeClock
+from common.errors import ProcessError
+from common.geometry import Array, hand_rotation
+from common.messages import ClockSync, HandArm, Intent, SessionState, TrackingStatus
+from farhand.experiments.filming import Film
+from local_site.authority import Standing
+from local_site.gesture import OpenHand
+from local_site.publisher import HandPublisher
+from local_site.smoothing import SmoothingConfig, make_smoother
+from local_site.tracking.tracker import ArmEstimate
+from remote_site.chain import Chain, Step
+from remote_site.config import RemoteConfig
+from remote_site.drivers.driver import DriverSetup, JointCommand
+from remote_site.drivers.kinematic import KinematicDriver
+from remote_site.kinematics.inverse import SphericalWristInverse
+from remote_site.kinematics.joints import JointMotion
+from remote_site.kinematics.limits import JointLimits
+from remote_site.kinematics.model import ArmModel
+from remote_site.kinematics.solution import Solution
+from remote_site.lease import Holder, LeaseDesk
+from remote_site.mapping import Mapping
+from remote_site.safety.status import Code
+
+SESSION, LEASE, FOR_EVER_NS = 1, 1, 3600 * NS_PER_S
+STOP_WITHIN_NS = 50 * NS_PER_MS
+NOT_USED = (TrackingStatus.LOST, TrackingStatus.INITIALISING)
+
+
+@dataclass
+class ToolPath:
+    """Where the tool was: `base_T_tool` (4 x 4) at times in ns, since both origins were taken at `engaged_ns`.
+
+    `hindered` counts, by code, what kept the tool from its target: samples as in the thesis, ticks in the chain.
+    """
+
+    engaged_ns: int = -1
+    times_ns: list[int] = field(default_factory=list)
+    poses: list[Array] = field(default_factory=list)
+    hindered: Counter[str] = field(default_factory=Counter)
+
+    def add(self, t_ns: int, base_T_tool: Array) -> None:
+        """Note the tool's pose at a time later than the last."""
+        self.times_ns.append(t_ns)
+        self.poses.append(base_T_tool.copy())
+
+
+def follow_by_mean(film: Film, smoothing: SmoothingConfig, remote: RemoteConfig) -> ToolPath:
+    """The thesis's way: smooth, map, and be at once where the arm's model reaches, frame by frame.
+
+    The robot's own lag and the time of tracking are left out. ProcessError when the hand is never tracked.
+    """
+    model, limits = _arm(remote)
+    mapping, smoother = Mapping(remote.mapping), make_smoother(smoothing)
+    inverse = SphericalWristInverse(model, limits, remote.robot.stance)
+    q, path = remote.robot.start, ToolPath()
+    for estimate in map(smoother.smooth, film.estimates):
+        if estimate.wrist is not None and estimate.status not in NOT_USED:
+            if path.engaged_ns < 0:
+                mapping.engage(estimate.wrist, _orientation(estimate), model.forward(q))
+                path.engaged_ns = estimate.t_ns
+            target = mapping.target(estimate.wrist, _orientation(estimate))
+            reached = inverse.nearest(target, q, 1.0 / film.fps)
+            if isinstance(reached, Solution):
+                q = reached.q
+            else:
+                path.hindered[reached.reason.code.value] += 1
+        if path.engaged_ns >= 0:
+            path.add(estimate.t_ns, model.forward(q))
+    return _engaged(path)
+
+
+def follow_by_chain(film: Film, smoothing: SmoothingConfig, remote: RemoteConfig, latency_ms: float) -> ToolPath:
+    """Farhand's way: smooth, send, and follow in the whole chain with a robot that does what it is told.
+
+    Samples come `latency_ms` after their exposure. ProcessError when the arm is never engaged.
+    """
+    smoother, arm = make_smoother(smoothing), FollowingArm(remote)
+    sent = [arm.sample(smoother.smooth(estimate)) for estimate in film.estimates]
+    latency_ns = round(latency_ms * NS_PER_MS)
+    for sample, following in pairwise(sent):
+        arm.run_until(sample.capture_ns + latency_ns)
+        arm.hear(sample)
+        arm.run_until(following.capture_ns + latency_ns)
+    return _engaged(arm.path)
+
+
+class FollowingArm:
+    """The remote site's chain around the kinematic driver, on a clock that is moved tick by tick."""
+
+    def __init__(self, remote: RemoteConfig) -> None:
+        self._model, limits = _arm(remote)
+        self._tick_ns = round(NS_PER_S / remote.control.rate_hz)
+        self._clock = FakeClock()
+        leases = LeaseDesk(FOR_EVER_NS, LEASE)
+        leases.acquire(Holder(SESSION, "operator"), 0)
+        start = remote.robot.start
+        self._chain = Chain(remote, self._model, limits, start, leases)
+        self._driver = KinematicDriver(self._clock)
+        dt_s = 1.0 / remote.control.rate_hz
+        self._driver.configure(DriverSetup(self._model.joint_names, limits, dt_s, STOP_WITHIN_NS))
+        self._driver.activate(start)
+        self._sender = HandPublisher(self, SESSION)
+        self._heard: list[HandArm] = []
+        self._seq = 0
+        self.path = ToolPath()
+
+    def put(self, message: HandArm) -> None:
+        """Samples come when they are heard, not when they are made."""
+
+    def sample(self, estimate: ArmEstimate) -> HandArm:
+        """What the local site sends of an estimate."""
+        clock = ClockSync(remote_minus_local_ns=0, uncertainty_ns=0, measured_ns=estimate.t_ns)
+        return self._sender.publish(estimate, OpenHand(), Standing(LEASE, clock), Intent())
+
+    def hear(self, sample: HandArm) -> None:
+        """Let a sample come with the next tick."""
+        self._heard.append(sample)
+
+    def run_until(self, end_ns: int) -> None:
+        """Tick until the next tick would be at `end_ns` or later."""
+        while self._clock.now_ns() + self._tick_ns < end_ns:
+            self._clock.sleep_until_ns(self._clock.now_ns() + self._tick_ns)
+            self._tick(self._clock.now_ns())
+
+    def _tick(self, now_ns: int) -> None:
+        chain = self._chain
+        chain.measured = self._driver.read().q
+        while self._heard:
+            chain.receive(self._heard.pop(0), now_ns)
+        step = chain.tick(now_ns, chain.robot(ready=True, fault=""))
+        self._note(step, now_ns)
+        motion: JointMotion = step.motion
+        self._seq += 1
+        command = JointCommand(self._seq, now_ns, motion.q, motion.dq, motion.ddq, chain.gripper.is_open)
+        chain.sent = self._driver.write(command).motion
+
+    def _note(self, step: Step, now_ns: int) -> None:
+        engagement = self._chain.engagement
+        if engagement is None:
+            return
+        if self.path.engaged_ns < 0:
+            self.path.engaged_ns = engagement.hand_capture_ns
+        if step.state is not SessionState.ENGAGED or step.reason.code is not Code.OK:
+            self.path.hindered[step.reason.code.value] += 1
+        self.path.add(now_ns, self._model.forward(step.motion.q))
+
+
+def _arm(remote: RemoteConfig) -> tuple[ArmModel, JointLimits]:
+    robot = remote.robot
+    model = ArmModel.from_urdf(robot.urdf, robot.tool_frame, robot.tool_T_tcp)
+    return model, JointLimits.from_model(model, robot)
+
+
+def _orientation(estimate: ArmEstimate) -> Array | None:
+    """The hand's orientation where it is shown, as the remote site would take it."""
+    if estimate.wrist is None or estimate.index is None or estimate.thumb is None:
+        return None
+    if estimate.hand_open or estimate.thumb_inferred:
+        return None
+    return hand_rotation(*(np.asarray(point) for point in (estimate.wrist, estimate.index, estimate.thumb)))
+
+
+def _engaged(path: ToolPath) -> ToolPath:
+    if path.engaged_ns < 0:
+        raise ProcessError("the arm was never engaged: the hand was not tracked long enough; check the tracking")
+    return path
