@@ -17,7 +17,7 @@ FONT = cv2.FONT_HERSHEY_SIMPLEX
 WIDTH, HEIGHT = 800, 330
 LEFT, RIGHT, TOP, BOTTOM = 78, 18, 40, 54
 HEAD = 48
-TICKS = 6
+TICKS = 8
 SUBPIXEL_BITS = 4
 
 
@@ -53,10 +53,11 @@ def common_range(values: Sequence[Array], least: float) -> tuple[float, float]:
 
 
 def figure(title: str, rows: Sequence[Sequence[Panel]]) -> Image:
-    """All panels in rows under a title, as a picture (H, W, 3)."""
+    """All panels in rows under a title and one legend, that of the first, as a picture (H, W, 3)."""
     body = np.vstack([np.hstack([_drawn(panel) for panel in row]) for row in rows])
     head = np.full((HEAD, body.shape[1], 3), 255, np.uint8)
-    _write(head, title, (LEFT // 2, 34), 0.8, BLACK, 2)
+    _write(head, title, (LEFT, 32), 0.7, BLACK, 2)
+    _draw_legend(head, rows[0][0].lines)
     return np.vstack([head, body])
 
 
@@ -76,7 +77,6 @@ def _drawn(panel: Panel) -> Image:
         _draw_line(picture, panel, line)
     _write(picture, panel.x_label, (LEFT + 230, HEIGHT - 12), 0.48, BLACK)
     picture[:, :22] = _upright(panel.y_label)
-    _draw_legend(picture, panel.lines)
     return picture
 
 
@@ -93,13 +93,17 @@ def _draw_line(picture: Image, panel: Panel, line: Line) -> None:
         cv2.polylines(picture, [points], False, line.colour, line.thickness, cv2.LINE_AA, SUBPIXEL_BITS)
 
 
-def _draw_legend(picture: Image, lines: Sequence[Line]) -> None:
-    """Names beside their colours, in a row inside the chart's upper edge."""
-    x = LEFT + 10
+def _draw_legend(head: Image, lines: Sequence[Line]) -> None:
+    """Names beside their colours, in a row at the right end."""
+    x = head.shape[1] - RIGHT - sum(_legend_width(line) for line in lines)
     for line in lines:
-        cv2.line(picture, (x, TOP + 14), (x + 26, TOP + 14), line.colour, max(line.thickness, 2), cv2.LINE_AA)
-        _write(picture, line.name, (x + 32, TOP + 19), 0.45, BLACK)
-        x += 56 + 8 * len(line.name)
+        cv2.line(head, (x, 27), (x + 30, 27), line.colour, line.thickness, cv2.LINE_AA)
+        _write(head, line.name, (x + 38, 32), 0.52, BLACK)
+        x += _legend_width(line)
+
+
+def _legend_width(line: Line) -> int:
+    return 66 + 8 * len(line.name)
 
 
 def _upright(text: str) -> Image:

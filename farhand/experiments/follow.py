@@ -42,11 +42,7 @@ def pointing(wrist: Array, index: Array, thumb: Array) -> Array:
 
 def hand_rows(wrists: Array, directions: Array, origin: Array, ahead: Array) -> Array:
     """Rows of COLUMNS from wrists (N, 3) in m and directions (N, 3), since an origin and the direction there."""
-    return (
-        np.column_stack([1e3 * (wrists - origin), _angles(directions) - _angles(ahead[None])])
-        if len(wrists)
-        else (np.zeros((0, 5)))
-    )
+    return np.column_stack([1e3 * (wrists - origin), _angles(directions) - _angles(ahead[None])])
 
 
 def tool_rows(poses: Array, base_R_operator: Array, scale: float, ahead: Array) -> Array:
@@ -84,15 +80,19 @@ def follow_figures(curves: Curves, from_ns: int) -> Figures:
 
 
 def _behind(frames_ns: Array, tool: Array, hand_ns: Array, hand: Array) -> Figures:
-    """The lags that fit best, for the place and for the angles, what is left there, and how far both are apart."""
+    """The lags at which the curves are most alike, for place and angles; how far they are apart there, and without.
+
+    A constant offset, as of the tracker's measuring, makes no lag: it is left out of the search, not of the residual.
+    """
 
     def off(lag_ms: float) -> Array:
         difference: Array = tool - rows_at(frames_ns - lag_ms * NS_PER_MS, hand_ns, hand)
         return difference
 
     every = [off(float(lag)) for lag in LAGS_MS]
-    place = int(np.argmin([_distance(rows).mean() for rows in every]))
-    turn = int(np.argmin([np.hypot(*rows[:, ANGLES].T).mean() for rows in every]))
+    shapes = [rows - rows.mean(axis=0) for rows in every]
+    place = int(np.argmin([_distance(rows).mean() for rows in shapes]))
+    turn = int(np.argmin([np.hypot(*rows[:, ANGLES].T).mean() for rows in shapes]))
     return {
         "lag_ms": float(LAGS_MS[place]),
         "residual_mm": _spread(_distance(every[place])),

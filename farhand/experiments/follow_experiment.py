@@ -6,6 +6,7 @@ import numpy as np
 
 from common.clock import NS_PER_S
 from common.geometry import Array
+from common.messages import TrackingStatus
 from farhand.experiments.filming import Film, Progress, film
 from farhand.experiments.follow import (
     COLUMNS,
@@ -28,8 +29,9 @@ from local_site.tracking.choice import TrackingConfig
 from local_site.tracking.tracker import ArmEstimate
 from remote_site.config import RemoteConfig
 
-STILL_S = 2.4  # the tracker learns the arm from ten pairs, which are two seconds at 5 fps
-MOVES_S, QUICK_MOVES_S = 32.0, 5.0
+STILL_S = 4.0  # at 5 fps the tracker learns the arm for two seconds, and the mean fills for as long
+STILL_NS = round(STILL_S * NS_PER_S)
+MOVES_S, QUICK_MOVES_S = 32.0, 4.5
 THESIS_FPS, FARHAND_FPS = 5.0, 30.0
 LATENCY_MS = 10.0
 THESIS_SMOOTHING = SmoothingConfig(method="mean", mean_frames=9, max_gap_s=1.0)
@@ -105,7 +107,8 @@ def _way(name: str, filmed: Film, path: ToolPath, setup: Setup) -> Way:
     curves = _curves(filmed, path, setup)
     figures = {
         "fps": filmed.fps,
-        **follow_figures(curves, round(STILL_S * NS_PER_S)),
+        "engaged_s": path.engaged_ns / NS_PER_S,
+        **follow_figures(curves, STILL_NS),
         "hindered": dict(path.hindered),
     }
     return Way(name, filmed.fps, curves, figures)
@@ -125,18 +128,18 @@ def _curves(filmed: Film, path: ToolPath, setup: Setup) -> Curves:
     return Curves(
         frames_ns=frames_ns,
         hand_true=rows_at(frames_ns, truth_ns, truth),
-        hand_measured=_measured(filmed.estimates, path.engaged_ns)[-len(frames) :],
+        hand_measured=_measured(filmed.estimates)[-len(frames) :],
         tool=rows_at(frames_ns, np.array(path.times_ns), tool),
         truth_ns=truth_ns,
         truth=truth,
     )
 
 
-def _measured(estimates: tuple[ArmEstimate, ...], engaged_ns: int) -> Array:
-    """The measured hand's rows, NaN where it was not measured, since its mean place while it was still."""
+def _measured(estimates: tuple[ArmEstimate, ...]) -> Array:
+    """The measured hand's rows, NaN where it was not measured, since its mean place while it was tracked and still."""
     points = np.array([[_known(e.wrist), _known(e.index), _known(e.thumb)] for e in estimates])
     wrists, directions = points[:, 0], pointing(points[:, 0], points[:, 1], points[:, 2])
-    still = np.array([e.t_ns <= engaged_ns for e in estimates])
+    still = np.array([e.t_ns <= STILL_NS and e.status is TrackingStatus.TRACKED for e in estimates])
     return hand_rows(wrists, directions, np.nanmean(wrists[still], axis=0), np.nanmean(directions[still], axis=0))
 
 
@@ -152,13 +155,17 @@ def _data(curves: Curves, fps: float) -> Data:
 
 
 def describe(report: Report) -> str:
-    """Lag and residual of both ways, a line each."""
-    lines = []
-    for name, figures in report.compared.items():
-        behind = figures["tool_behind_true_hand"]
-        xy, xz = (behind["residual_deg"][plane]["mean"] for plane in ("xy_deg", "xz_deg"))
-        lines.append(
-            f"{name}: lag {behind['lag_ms']:.0f} ms, residual {behind['residual_mm']['mean']:.1f} mm; "
-            f"angles: lag {behind['angle_lag_ms']:.0f} ms, residual {xy:.1f} deg (XY), {xz:.1f} deg (XZ)"
-        )
-    return "\n".join(lines)
+    """Lag and residual of both ways, behind the true and behind the measured hand, a line each."""
+    return "\n".join(
+        f"{name}, behind the {hand} hand: {_behind(figures[f'tool_behind_{hand}_hand'])}"
+        for name, figures in report.compared.items()
+        for hand in ("true", "measured")
+    )
+
+
+def _behind(behind: Figures) -> str:
+    xy, xz = (behind["residual_deg"][plane]["mean"] for plane in ("xy_deg", "xz_deg"))
+    return (
+        f"lag {behind['lag_ms']:.0f} ms, residual {behind['residual_mm']['mean']:.1f} mm; "
+        f"angles {behind['angle_lag_ms']:.0f} ms, {xy:.1f} deg (XY), {xz:.1f} deg (XZ)"
+    )

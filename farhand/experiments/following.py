@@ -55,14 +55,17 @@ class ToolPath:
 def follow_by_mean(film: Film, smoothing: SmoothingConfig, remote: RemoteConfig) -> ToolPath:
     """The thesis's way: smooth, map, and be at once where the arm's model reaches, frame by frame.
 
-    The robot's own lag and the time of tracking are left out. ProcessError when the hand is never tracked.
+    Origins are taken once the mean holds only frames since the arm was learnt. The robot's own lag and the time of
+    tracking are left out. ProcessError when the hand is never tracked for so long.
     """
     model, limits = _arm(remote)
     mapping, smoother = Mapping(remote.mapping), make_smoother(smoothing)
     inverse = SphericalWristInverse(model, limits, remote.robot.stance)
-    q, path = remote.robot.start, ToolPath()
+    q, path, tracked = remote.robot.start, ToolPath(), 0
     for estimate in map(smoother.smooth, film.estimates):
-        if estimate.wrist is not None and estimate.status not in NOT_USED:
+        is_tracked = estimate.wrist is not None and estimate.status not in NOT_USED
+        tracked = tracked + 1 if is_tracked else 0
+        if estimate.wrist is not None and is_tracked and (path.engaged_ns >= 0 or tracked == smoothing.mean_frames):
             if path.engaged_ns < 0:
                 mapping.engage(estimate.wrist, _orientation(estimate), model.forward(q))
                 path.engaged_ns = estimate.t_ns

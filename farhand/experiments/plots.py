@@ -26,11 +26,11 @@ def follow_plots(ways: Sequence[Way]) -> Mapping[str, Image]:
     """All plots by the name of their file."""
     return {
         "positions": figure(
-            "Position of hand and tool since the start, in the operator's axes",
+            "Position since the start, in the operator's axes; lag and residual of the tool behind the true hand",
             [[_panel(ways, way, column) for way in ways] for column in range(3)],
         ),
         "orientations": figure(
-            "Direction of hand and tool since the start, in the operator's axes",
+            "Direction since the start, in the operator's axes; lag and residual of the tool behind the true hand",
             [[_panel(ways, way, column) for way in ways] for column in range(3, 5)],
         ),
     }
@@ -46,7 +46,7 @@ def _panel(ways: Sequence[Way], way: Way, column: int) -> Panel:
         Line("tool", TOOL, 2, time_s, curves.tool[:, column]),
     )
     return Panel(
-        title=f"{NAMES[column]}, {way.name}: {_told(way.figures['tool_behind_true_hand'], column)}",
+        title=f"{NAMES[column]}, {way.name}: {_told(way.figures, column)}",
         x_label=f"time, s ({way.fps:g} frames each)",
         y_label=f"{NAMES[column]}, {'deg' if is_angle else 'mm'}",
         lines=lines,
@@ -55,9 +55,15 @@ def _panel(ways: Sequence[Way], way: Way, column: int) -> Panel:
     )
 
 
-def _told(behind: Figures, column: int) -> str:
-    """Lag and residual of one column in words."""
+def _told(figures: Figures, column: int) -> str:
+    """Lag and residual of one column behind the true and, in brackets, behind the measured hand."""
+    lag_ms, rest = _lag_and_rest(figures["tool_behind_true_hand"], column)
+    measured_lag_ms, measured_rest = _lag_and_rest(figures["tool_behind_measured_hand"], column)
+    unit = "mm" if column < 3 else "deg"
+    return f"lag {lag_ms:.0f} ms, residual {rest:.1f} {unit} (measured: {measured_lag_ms:.0f}, {measured_rest:.1f})"
+
+
+def _lag_and_rest(behind: Figures, column: int) -> tuple[float, float]:
     if column < 3:
-        return f"lag {behind['lag_ms']:.0f} ms, residual {behind['residual_by_axis_mm']['xyz'[column]]:.1f} mm"
-    name = "xy_deg" if column == 3 else "xz_deg"
-    return f"lag {behind['angle_lag_ms']:.0f} ms, residual {behind['residual_deg'][name]['mean']:.1f} deg"
+        return behind["lag_ms"], behind["residual_by_axis_mm"]["xyz"[column]]
+    return behind["angle_lag_ms"], behind["residual_deg"][("xy_deg", "xz_deg")[column - 3]]["mean"]
