@@ -17,6 +17,7 @@ FONT = cv2.FONT_HERSHEY_SIMPLEX
 WIDTH, HEIGHT = 800, 330
 LEFT, RIGHT, TOP, BOTTOM = 78, 18, 40, 54
 HEAD = 48
+SMALL, MIDDLE = 0.45, 0.52
 TICKS = 8
 SUBPIXEL_BITS = 4
 
@@ -63,19 +64,25 @@ def figure(title: str, rows: Sequence[Sequence[Panel]]) -> Image:
 
 def _drawn(panel: Panel) -> Image:
     picture = np.full((HEIGHT, WIDTH, 3), 255, np.uint8)
-    _write(picture, panel.title, (LEFT, 26), 0.52, BLACK)
+    _write(picture, panel.title, (LEFT, 26), MIDDLE, BLACK)
     for value in _ticks(panel.x_range):
         x = _across(panel, value)
         cv2.line(picture, (x, TOP), (x, HEIGHT - BOTTOM), PALE, 1)
-        _write(picture, f"{value:g}", (x - 4 * len(f"{value:g}"), HEIGHT - BOTTOM + 18), 0.45, GREY)
+        _write(picture, f"{value:g}", (x - _width(f"{value:g}") // 2, HEIGHT - BOTTOM + 18), SMALL, GREY)
     for value in _ticks(panel.y_range):
         y = _down(panel, value)
         cv2.line(picture, (LEFT, y), (WIDTH - RIGHT, y), PALE, 1)
-        _write(picture, f"{value:>6g}", (LEFT - 8 - 9 * len(f"{value:g}"), y + 5), 0.45, GREY)
+        _write(picture, f"{value:g}", (LEFT - 8 - _width(f"{value:g}"), y + 5), SMALL, GREY)
     cv2.rectangle(picture, (LEFT, TOP), (WIDTH - RIGHT, HEIGHT - BOTTOM), GREY, 1)
     for line in panel.lines:
         _draw_line(picture, panel, line)
-    _write(picture, panel.x_label, (LEFT + 230, HEIGHT - 12), 0.48, BLACK)
+    _write(
+        picture,
+        panel.x_label,
+        ((WIDTH + LEFT - RIGHT - _width(panel.x_label, MIDDLE)) // 2, HEIGHT - 12),
+        MIDDLE,
+        BLACK,
+    )
     picture[:, :22] = _upright(panel.y_label)
     return picture
 
@@ -98,23 +105,27 @@ def _draw_legend(head: Image, lines: Sequence[Line]) -> None:
     x = head.shape[1] - RIGHT - sum(_legend_width(line) for line in lines)
     for line in lines:
         cv2.line(head, (x, 27), (x + 30, 27), line.colour, line.thickness, cv2.LINE_AA)
-        _write(head, line.name, (x + 38, 32), 0.52, BLACK)
+        _write(head, line.name, (x + 38, 32), MIDDLE, BLACK)
         x += _legend_width(line)
 
 
 def _legend_width(line: Line) -> int:
-    return 66 + 8 * len(line.name)
+    return 66 + _width(line.name, MIDDLE)
 
 
 def _upright(text: str) -> Image:
     """A strip (HEIGHT, 22, 3) with text that reads upwards."""
     strip = np.full((22, HEIGHT, 3), 255, np.uint8)
-    _write(strip, text, (HEIGHT // 2 - 4 * len(text), 16), 0.48, BLACK)
+    _write(strip, text, ((HEIGHT + BOTTOM - TOP - _width(text, MIDDLE)) // 2, 16), MIDDLE, BLACK)
     return np.rot90(strip)
 
 
 def _write(picture: Image, text: str, place: tuple[int, int], size: float, colour: Colour, weight: int = 1) -> None:
     cv2.putText(picture, text, place, FONT, size, colour, weight, cv2.LINE_AA)
+
+
+def _width(text: str, size: float = SMALL) -> int:
+    return int(cv2.getTextSize(text, FONT, size, 1)[0][0])
 
 
 def _ticks(between: tuple[float, float]) -> Array:

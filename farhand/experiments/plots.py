@@ -7,7 +7,7 @@ from common.cameras.camera import Image
 from farhand.experiments.charts import Line, Panel, common_range, figure
 from farhand.experiments.follow import Curves, Figures, seconds
 
-TRUE, MEASURED, TOOL = (40, 40, 40), (220, 140, 40), (40, 40, 215)
+TRUE, MEASURED, TOOL = (40, 40, 40), (235, 180, 100), (40, 40, 215)
 NAMES = ("X", "Y", "Z", "XY plane", "XZ plane")
 LEAST_MM, LEAST_DEG = 10.0, 4.0
 
@@ -41,7 +41,7 @@ def _panel(ways: Sequence[Way], way: Way, column: int) -> Panel:
     is_angle = column >= 3
     time_s, curves = seconds(way.curves.frames_ns), way.curves
     lines = (
-        Line("hand, measured", MEASURED, 2, time_s, curves.hand_measured[:, column]),
+        Line("hand, measured", MEASURED, 4, time_s, curves.hand_measured[:, column]),
         Line("hand, true", TRUE, 1, time_s, curves.hand_true[:, column]),
         Line("tool", TOOL, 2, time_s, curves.tool[:, column]),
     )

@@ -55,6 +55,7 @@ def here(monkeypatch, capsys) -> Callable[..., subprocess.CompletedProcess[str]]
         ["calibrate"],
         ["calibrate", "points"],
         ["driver", "test"],
+        ["experiment"],
     ],
 )
 def test_every_command_has_help(command: list[str], here) -> None:
@@ -82,6 +83,7 @@ def test_every_command_has_help(command: list[str], here) -> None:
         (["calibrate", "points", "absent.csv"], 1, "absent.csv"),
         (["track", "--rig", "absent.json", "--left", "a", "--right", "b"], 1, "absent.json"),
         (["remote", "--emulate"], 2, "driver.emulate is for the driver c500c"),
+        (["experiment", "dance", "--out", "never"], 2, "choose one of: follow"),
         (["dance"], 2, "No such command"),
     ],
 )

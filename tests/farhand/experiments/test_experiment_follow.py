@@ -1,0 +1,96 @@
+"""The experiment as it is run from the command line: its folder, its figures, and how it fails."""
+
+import json
+
+import cv2
+import numpy as np
+import pytest
+
+from common.errors import ConfigError, InterruptionError
+from farhand.experiments.filming import film
+from farhand.experiments.plots import MEASURED, TOOL
+from farhand.experiments.run import run_experiment
+from farhand.outputs import write_whole
+from local_site.simulation.config import MotionConfig, SimulationConfig
+from local_site.tracking.choice import TrackingConfig
+
+WAYS = {"mean_5fps": 5, "farhand_30fps": 30}
+
+
+@pytest.fixture(scope="module")
+def folder(tmp_path_factory):
+    """A folder with somebody's notes and an earlier report, after a quick run."""
+    folder = tmp_path_factory.mktemp("follow")
+    (folder / "notes.txt").write_text("mine")
+    (folder / "report.json").write_text("earlier")
+    run_experiment("follow", folder, quick=True)
+    return folder
+
+
+@pytest.fixture
+def report(folder):
+    return json.loads((folder / "report.json").read_text())
+
+
+def test_the_folder_holds_report_plots_and_data_beside_what_was_there(folder):
+    plots, data = {"positions.png", "orientations.png"}, {f"follow_{way}.csv" for way in WAYS}
+    assert {p.name for p in folder.iterdir()} == {"notes.txt", "report.json", "report.html"} | plots | data
+    assert (folder / "notes.txt").read_text() == "mine"
+    page = (folder / "report.html").read_text()
+    assert all(name in page for name in plots | data)
+    for name in plots:
+        picture = cv2.imread(str(folder / name))
+        assert all((picture == colour).all(axis=2).sum() > 500 for colour in (TOOL, MEASURED))
+
+
+@pytest.mark.parametrize(("way", "fps"), WAYS.items())
+def test_the_data_has_a_row_for_every_frame(way, fps, folder, report):
+    table = np.genfromtxt(folder / f"follow_{way}.csv", delimiter=",", names=True)
+    assert len(table.dtype.names) == 2 + 3 * 5
+    assert (np.diff(table["frame"]) == 1).all()
+    np.testing.assert_allclose(table["t_s"], table["frame"] / fps, atol=1e-3)
+    assert table["t_s"][0] == pytest.approx(report[way]["engaged_s"], abs=1e-3)
+    assert table["tool_z_mm"].min() < -80.0
+
+
+def test_the_mean_lags_by_half_its_window_and_farhand_far_less(report):
+    mean, own = (report[way]["tool_behind_true_hand"] for way in WAYS)
+    assert mean["lag_ms"] == pytest.approx(800.0, abs=50.0)
+    assert own["lag_ms"] < 0.2 * mean["lag_ms"]
+    assert own["residual_mm"]["mean"] < 4.0
+    assert own["residual_deg"]["xy_deg"]["mean"] < 3.0
+    measured = report["farhand_30fps"]["tool_behind_measured_hand"]
+    assert measured["residual_mm"]["mean"] < 1.5
+    assert [report[way]["hindered"] for way in WAYS] == [{}, {}]
+
+
+def test_the_same_film_is_measured_twice():
+    config = SimulationConfig(motion=MotionConfig(name="reach_and_adjust", still_s=0.0))
+    first, second = (film(config, TrackingConfig(), 10.0, 1.5, lambda: True).estimates for _ in range(2))
+    assert [e.t_ns for e in first] == [k * 100_000_000 for k in range(16)]
+    np.testing.assert_array_equal(first[-1].wrist, second[-1].wrist)
+
+
+def test_an_interrupted_experiment_writes_nothing(tmp_path):
+    with pytest.raises(InterruptionError, match="nothing was written"):
+        run_experiment("follow", tmp_path, quick=True, should_stop=lambda: True)
+    assert list(tmp_path.iterdir()) == []
+
+
+def test_misuse_is_refused_before_any_work(tmp_path):
+    with pytest.raises(ConfigError, match="no experiment 'dance'; choose one of: follow"):
+        run_experiment("dance", tmp_path / "out", quick=True)
+    assert not (tmp_path / "out").exists()
+    taken = tmp_path / "taken"
+    taken.write_text("mine")
+    with pytest.raises(ConfigError, match="is a file; give a folder"):
+        run_experiment("follow", taken, quick=True)
+    with pytest.raises(ConfigError, match=r"cannot be made: .*; choose another folder"):
+        run_experiment("follow", taken / "below", quick=True)
+
+
+def test_a_file_that_cannot_take_its_place_leaves_what_is_there(tmp_path):
+    (tmp_path / "report.json").mkdir()
+    with pytest.raises(ConfigError, match="choose a folder that can be written"):
+        write_whole(tmp_path / "report.json", b"new")
+    assert [p.is_dir() for p in tmp_path.iterdir()] == [True]
