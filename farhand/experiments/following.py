@@ -2,7 +2,6 @@
 
 from collections import Counter
 from dataclasses import dataclass, field
-from itertools import pairwise
 
 import numpy as np
 
@@ -21,7 +20,6 @@ from remote_site.config import RemoteConfig
 from remote_site.drivers.driver import DriverSetup, JointCommand
 from remote_site.drivers.kinematic import KinematicDriver
 from remote_site.kinematics.inverse import SphericalWristInverse
-from remote_site.kinematics.joints import JointMotion
 from remote_site.kinematics.limits import JointLimits
 from remote_site.kinematics.model import ArmModel
 from remote_site.kinematics.solution import Solution
@@ -86,12 +84,9 @@ def follow_by_chain(film: Film, smoothing: SmoothingConfig, remote: RemoteConfig
     Samples come `latency_ms` after their exposure. ProcessError when the arm is never engaged.
     """
     smoother, arm = make_smoother(smoothing), FollowingArm(remote)
-    sent = [arm.sample(smoother.smooth(estimate)) for estimate in film.estimates]
-    latency_ns = round(latency_ms * NS_PER_MS)
-    for sample, following in pairwise(sent):
-        arm.run_until(sample.capture_ns + latency_ns)
-        arm.hear(sample)
-        arm.run_until(following.capture_ns + latency_ns)
+    for estimate in film.estimates:
+        arm.run_until(estimate.t_ns + round(latency_ms * NS_PER_MS))
+        arm.send(smoother.smooth(estimate))
     return _engaged(arm.path)
 
 
@@ -115,17 +110,14 @@ class FollowingArm:
         self._seq = 0
         self.path = ToolPath()
 
-    def put(self, message: HandArm) -> None:
-        """Samples come when they are heard, not when they are made."""
-
-    def sample(self, estimate: ArmEstimate) -> HandArm:
-        """What the local site sends of an estimate."""
+    def send(self, estimate: ArmEstimate) -> None:
+        """Let an estimate come with the next tick, as the local site sends it."""
         clock = ClockSync(remote_minus_local_ns=0, uncertainty_ns=0, measured_ns=estimate.t_ns)
-        return self._sender.publish(estimate, OpenHand(), Standing(LEASE, clock), Intent())
+        self._sender.publish(estimate, OpenHand(), Standing(LEASE, clock), Intent())
 
-    def hear(self, sample: HandArm) -> None:
-        """Let a sample come with the next tick."""
-        self._heard.append(sample)
+    def put(self, message: HandArm) -> None:
+        """Take a sample off the wire."""
+        self._heard.append(message)
 
     def run_until(self, end_ns: int) -> None:
         """Tick until the next tick would be at `end_ns` or later."""
@@ -140,7 +132,7 @@ class FollowingArm:
             chain.receive(self._heard.pop(0), now_ns)
         step = chain.tick(now_ns, chain.robot(ready=True, fault=""))
         self._note(step, now_ns)
-        motion: JointMotion = step.motion
+        motion = step.motion
         self._seq += 1
         command = JointCommand(self._seq, now_ns, motion.q, motion.dq, motion.ddq, chain.gripper.is_open)
         chain.sent = self._driver.write(command).motion
