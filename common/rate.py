@@ -9,28 +9,34 @@ LATENESS_SAMPLES = 4096
 
 
 class Rate:
-    """Paces a loop at `hz`; a deadline missed by a whole period is counted and skipped."""
+    """Paces a loop at `hz`; a deadline missed by a whole period is counted and skipped.
 
-    def __init__(self, hz: float, clock: Clock) -> None:
+    After a late wake-up the next comes no sooner than `least_share` of a period: its deadline, and so all that follow,
+    are put off. `next_ns` is the next deadline.
+    """
+
+    def __init__(self, hz: float, clock: Clock, *, least_share: float = 0.0) -> None:
         self.period_ns = round(NS_PER_S / hz)
+        self._least_ns = round(least_share * self.period_ns)
         self._clock = clock
         self._start_ns = clock.now_ns()
         self._deadline_ns = self._start_ns
+        self.next_ns = self._start_ns + self.period_ns
         self._lateness_ns: deque[int] = deque(maxlen=LATENESS_SAMPLES)
         self.ticks = 0
         self.missed = 0
 
     def wait(self) -> int:
         """Sleep until the next deadline and return its time in ns; the wake-up's lateness is recorded."""
-        self._deadline_ns += self.period_ns
-        self._clock.sleep_until_ns(self._deadline_ns)
-        late_ns = self._clock.now_ns() - self._deadline_ns
+        self._clock.sleep_until_ns(self.next_ns)
+        now_ns = self._clock.now_ns()
+        late_ns = now_ns - self.next_ns
         self._lateness_ns.append(late_ns)
         self.ticks += 1
-        if late_ns >= self.period_ns:
-            skipped = late_ns // self.period_ns
-            self.missed += skipped
-            self._deadline_ns += skipped * self.period_ns
+        skipped = max(late_ns // self.period_ns, 0)
+        self.missed += skipped
+        self._deadline_ns = self.next_ns + skipped * self.period_ns
+        self.next_ns = max(self._deadline_ns + self.period_ns, now_ns + self._least_ns)
         return self._deadline_ns
 
     @property

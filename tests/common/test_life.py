@@ -4,6 +4,7 @@ import os
 import signal
 import socket
 import time
+from itertools import pairwise
 from pathlib import Path
 
 import pytest
@@ -30,6 +31,21 @@ def test_a_rate_keeps_absolute_deadlines_and_counts_what_it_missed() -> None:
     assert rate.missed == 1
     assert rate.late_us(100) == pytest.approx(5000.0)
     assert rate.wait() == 24 * NS_PER_MS
+
+
+def test_a_rate_keeps_its_distance_after_a_late_tick() -> None:
+    clock = FakeClock()
+    rate = Rate(250.0, clock, least_share=0.9)
+    rate.wait()
+    woken = []
+    for late_ms in (0.0, 0.3, 3.9, 0.0, 9.0, 0.0, 0.0):
+        rate_due_ns = rate.next_ns
+        clock.sleep_until_ns(rate_due_ns + round(late_ms * NS_PER_MS))
+        rate.wait()
+        woken.append(clock.now_ns())
+    spaces = [(later - sooner) / NS_PER_MS for sooner, later in pairwise(woken)]
+    assert spaces == pytest.approx([4.3, 7.6, 3.6, 13.0, 3.6, 4.0])
+    assert rate.missed == 2
 
 
 def test_percentiles_are_nearest_rank() -> None:
