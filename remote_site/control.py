@@ -33,6 +33,7 @@ FIFO_PRIORITY = 50
 ACTIVATION_TIMEOUT_S = 10.0
 ACTIVATION_POLL_S = 0.02
 TICKS_PER_STATE = 5
+LEAST_SHARE = 0.9  # of a tick between two commands: sooner, the robot would see more than the limits
 LEASE_BITS = 48
 
 
@@ -47,7 +48,7 @@ def run_control(
     clock = MonotonicClock()
     model = ArmModel.from_urdf(config.robot.urdf, config.robot.tool_frame, config.robot.tool_T_tcp)
     limits = JointLimits.from_model(model, config.robot)
-    driver = DriverLink(driver_memory, clock)
+    driver = DriverLink(driver_memory, limits, clock)
     with open_link(listen=(config.links.control,)) as link:
         leases = LeaseDesk(round(config.lease.seconds * NS_PER_S), 1 + secrets.randbits(LEASE_BITS))
         chain = Chain(config, model, limits, config.robot.start, leases)
@@ -58,7 +59,7 @@ def run_control(
         gc.freeze()
         # from here on the driver counts the time without a command
         _activate(driver, chain, should_stop)
-        rate = Rate(config.control.rate_hz, clock)
+        rate = Rate(config.control.rate_hz, clock, least_share=LEAST_SHARE)
         reporter = Reporter(link.publisher(STATE, config.cell), model, rate, real_time=real_time)
         refusals = Refusals(reporter.log)
         desk = FrontDesk(link, description, leases, clock, refusals.note)

@@ -21,6 +21,7 @@ from remote_site.safety.stopping import stopping
 
 DEADLINE_NS = 50 * NS_PER_MS
 GRACE_TICKS = 3  # a later command finds the stop begun, and goes on from there
+SENT_AHEAD = 0.25  # of a tick: so much further the stop may have been sent than the command that ends it
 RESTING_RAD_S = 0.02
 APART_RAD = 0.05
 
@@ -57,8 +58,9 @@ class Keeper:
     """Keeps the last limits and the command time-out of any driver; time comes from its clock.
 
     Every command is judged against the one before it. When the next is late by three ticks, the verified stop of the
-    last one begins as of its time; a command that goes on from there is taken, at rest at the latest, but none older. A
-    broken limit, silence beyond the time-out, a failing driver and a robot's fault stay until the next activation.
+    last one begins as of its time, and `onset_ns` tells control so. The command that is where the stop is at the
+    command's own time is taken, and those that go on from there; none older. A broken limit, silence beyond the
+    time-out, a failing driver and a robot's fault stay until the next activation.
     """
 
     def __init__(self, driver: Driver, setup: DriverSetup, clock: Clock, mark: CallMark, grip: GripWatch) -> None:
@@ -74,6 +76,7 @@ class Keeper:
         self._written = 0
         self._under_way: dict[int, int] = {}
         self._onset: tuple[int, JointMotion] | None = None
+        self._sent_ns = 0
         self._rested_ns: int | None = None
         self._heard_ns: int | None = None
         self._ordered_ns = 0
@@ -102,8 +105,7 @@ class Keeper:
     def step(self, now_ns: int) -> None:
         """Send what is due, and read the robot."""
         if self._onset is not None:
-            onset_ns, motion = self._onset
-            self.motion = stopping(motion, self._setup.limits, (now_ns - onset_ns) / NS_PER_S)
+            self.motion = self._stop_at(self._onset, now_ns)
             self._fresh = True
         failed = self._send(now_ns)
         self._read(now_ns)
@@ -118,6 +120,11 @@ class Keeper:
             return
         self._onset = self._onset or (self._heard_ns or self._clock.now_ns(), self.motion)
         self.phase, self.fault, self._rested_ns = Phase.STOPPING, why, None
+
+    @property
+    def course(self) -> tuple[int, JointMotion]:
+        """The onset of the stop under way in ns, and the motion there; 0 and the last motion without one."""
+        return self._onset or (0, self.motion)
 
     @property
     def settled(self) -> bool:
@@ -137,14 +144,30 @@ class Keeper:
             self.diversions += 1
 
     def _obey(self, command: JointCommand, now_ns: int) -> None:
+        if self._onset is not None:
+            self._hand_over(self._onset, command, now_ns)
+            return
         verdict = self._guard.check(command.motion, self.motion)
-        if not isinstance(verdict, Refused):
-            self.motion, self._command = command.motion, command
-            self._heard_ns, self._onset, self._fresh = now_ns, None, True
-        elif self._onset is not None:
-            self.diversions += 1  # the stop went on while this was planned
-        else:
+        if isinstance(verdict, Refused):
             self.stop(RobotFault(FaultCode.LIMITS, f"{verdict.reason.sentence}; the arm stops; activate anew"))
+            return
+        self.motion, self._command = command.motion, command
+        self._heard_ns, self._fresh = now_ns, True
+
+    def _hand_over(self, onset: tuple[int, JointMotion], command: JointCommand, now_ns: int) -> None:
+        """Let control go on from within the stop, if its command is where the stop is at the command's own time."""
+        ahead_ns = self._sent_ns - command.t_ns
+        meets = self._guard.same(command.motion, self._stop_at(onset, command.t_ns))
+        if not meets or ahead_ns > SENT_AHEAD * self._setup.dt * NS_PER_S:
+            self.diversions += 1  # the stop went on while this was under way
+            return
+        self.motion, self._command = command.motion, command
+        self._heard_ns, self._onset = now_ns, None
+        self._fresh = ahead_ns < 0  # what was sent is never taken back
+
+    def _stop_at(self, onset: tuple[int, JointMotion], t_ns: int) -> JointMotion:
+        onset_ns, motion = onset
+        return stopping(motion, self._setup.limits, max(t_ns - onset_ns, 0) / NS_PER_S)
 
     def _activate(self, order: Order, now_ns: int) -> None:
         self.asked = order.activation
@@ -196,7 +219,7 @@ class Keeper:
         if not due or self.phase not in (Phase.ACTIVE, Phase.STOPPING):
             return None
         self._due_ns = max(self._due_ns + self._period_ns, now_ns) if self._period_ns else 0
-        self._fresh = False
+        self._fresh, self._sent_ns = False, now_ns
         last, motion = self._command, self.motion
         self._written += 1
         self._under_way[self._written] = last.seq

@@ -6,7 +6,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from common.clock import NS_PER_MS, Clock
+from common.clock import NS_PER_MS, NS_PER_S, Clock
 from common.geometry import Array
 from common.messages import GripperState, GripperStatus
 from remote_site.drivers.driver import JointCommand
@@ -14,6 +14,8 @@ from remote_site.drivers.faults import NOT_ACTIVATED, FaultCode, RobotFault
 from remote_site.drivers.keeper import DEADLINE_NS, Order, late_call
 from remote_site.drivers.memory import DriverMemory, Report
 from remote_site.kinematics.joints import JointMotion
+from remote_site.kinematics.limits import JointLimits
+from remote_site.safety.stopping import stopping
 
 SILENT_NS = 100 * NS_PER_MS
 STARTING = RobotFault(FaultCode.NOT_ACTIVATED, "the driver has measured nothing yet")
@@ -22,7 +24,8 @@ STARTING = RobotFault(FaultCode.NOT_ACTIVATED, "the driver has measured nothing 
 class RobotReport(NamedTuple):
     """The robot as its driver's process tells it; `fault` is None while it takes commands.
 
-    `t_ns` is when `q`, `dq` (rad, rad/s) were measured, 0 before anything was. `sent` is the motion that was sent last.
+    `t_ns` is when `q`, `dq` (rad, rad/s) were measured, 0 before anything was. `sent` is the motion that was sent last,
+    in a stop where it is now.
     `obeyed_seq` is the newest command that has reached the robot's motion. `answered`: the last activation was decided.
     """
 
@@ -44,8 +47,9 @@ class RobotReport(NamedTuple):
 class DriverLink:
     """What control has of the driver; no call waits for it."""
 
-    def __init__(self, memory: DriverMemory, clock: Clock) -> None:
+    def __init__(self, memory: DriverMemory, limits: JointLimits, clock: Clock) -> None:
         self._memory = memory
+        self._limits = limits
         self._clock = clock
         self._activation = self._diversions = 0
         self._last: JointCommand | None = None
@@ -67,12 +71,15 @@ class DriverLink:
         return report
 
     def write(self, command: JointCommand) -> JointCommand:
-        """Order a command; what was really sent instead when by the last report the course had been left."""
+        """Order a command; when by the last report a stop had begun, where that stop is at the command's time instead.
+
+        So control goes on from within the stop: what comes back is what it plans the next command from.
+        """
         raw = self._raw
         if raw.diversions != self._diversions:
             self._diversions = raw.diversions
-            _, _, q, dq, ddq = raw.motions
-            return replace(command, q=q, dq=dq, ddq=ddq)
+            sent = self._sent(raw, command.t_ns)
+            command = replace(command, q=sent.q, dq=sent.dq, ddq=sent.ddq)
         self._order(command, run=True)
         return command
 
@@ -96,7 +103,7 @@ class DriverLink:
 
     def _decoded(self, raw: Report) -> RobotReport:
         answered = raw.answered == self._activation
-        q, dq, *sent = raw.motions
+        q, dq = raw.motions[:2]
         return RobotReport(
             t_ns=raw.t_ns,
             q=q,
@@ -104,9 +111,14 @@ class DriverLink:
             gripper=_gripper(raw),
             fault=_fault(raw) if answered else NOT_ACTIVATED,
             obeyed_seq=raw.obeyed_seq if raw.has_obeyed else None,
-            sent=JointMotion(*sent),
+            sent=self._sent(raw, self._clock.now_ns()),
             answered=answered,
         )
+
+    def _sent(self, raw: Report, t_ns: int) -> JointMotion:
+        """The motion that was sent last, in a stop where that is at a time."""
+        motion = JointMotion(*raw.motions[2:])
+        return stopping(motion, self._limits, max(t_ns - raw.onset_ns, 0) / NS_PER_S) if raw.onset_ns else motion
 
 
 def _fault(raw: Report) -> RobotFault | None:

@@ -20,7 +20,7 @@ SENTENCE_BYTES = 400
 
 
 ORDER = struct.Struct("<I?I?Qq")  # activation, run, diversions, gripper_open, seq, t_ns; then q, dq, ddq
-REPORT = struct.Struct(f"<qIIq?Qdd?{WORD_BYTES}s{WORD_BYTES}s{WORD_BYTES}s{SENTENCE_BYTES}s")
+REPORT = struct.Struct(f"<qIIqq?Qdd?{WORD_BYTES}s{WORD_BYTES}s{WORD_BYTES}s{SENTENCE_BYTES}s")
 DOUBLES = np.dtype("<f8")
 
 
@@ -59,12 +59,14 @@ class Report(NamedTuple):
 
     `at_ns` is when it was written, `t_ns` when it was measured, 0 before anything was. `obeyed_seq` counts if
     `has_obeyed`. `code` is empty while the robot takes commands, `grip` without a gripper, `force_n` NaN where no force
-    is measured. `motions` (5, n): q and dq as measured, then q, dq, ddq as sent.
+    is measured. `motions` (5, n): q and dq as measured, then q, dq, ddq as sent last, or at `onset_ns` when by a stop
+    since then, 0 without one.
     """
 
     at_ns: int
     answered: int
     diversions: int
+    onset_ns: int
     t_ns: int
     has_obeyed: bool
     obeyed_seq: int

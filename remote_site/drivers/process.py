@@ -103,12 +103,14 @@ class Desk:
         fault, reading, gripper = keeper.fault, keeper.reading, keeper.gripper
         if reading is not None:
             motions[0], motions[1] = reading.q, reading.dq
-        motions[2], motions[3], motions[4] = keeper.motion.q, keeper.motion.dq, keeper.motion.ddq
+        onset_ns, motion = keeper.course
+        motions[2], motions[3], motions[4] = motion.q, motion.dq, motion.ddq
         self._memory.report.write(
             Report(
                 at_ns=self._clock.now_ns(),
                 answered=keeper.asked,
                 diversions=keeper.diversions,
+                onset_ns=onset_ns,
                 t_ns=reading.t_ns if reading is not None else 0,
                 has_obeyed=keeper.obeyed_seq is not None,
                 obeyed_seq=keeper.obeyed_seq or 0,

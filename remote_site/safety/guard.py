@@ -67,11 +67,14 @@ class JointGuard:
 
     def is_stop(self, proposed: JointMotion, sent: JointMotion) -> bool:
         """Whether a motion is the stop from the one before it."""
-        stop = self.stop(sent)
+        return self.same(proposed, self.stop(sent))
+
+    def same(self, one: JointMotion, other: JointMotion) -> bool:
+        """Whether two motions differ by rounding only."""
         return bool(
-            np.abs(proposed.q - stop.q).max() <= POSITION
-            and np.abs(proposed.dq - stop.dq).max() <= POSITION / self.dt
-            and np.abs(proposed.ddq - stop.ddq).max() <= POSITION / self.dt**2
+            np.abs(one.q - other.q).max() <= POSITION
+            and np.abs(one.dq - other.dq).max() <= POSITION / self.dt
+            and np.abs(one.ddq - other.ddq).max() <= POSITION / self.dt**2
         )
 
     def _dynamics(self, proposed: JointMotion, sent: JointMotion) -> Reason | None:

@@ -86,7 +86,7 @@ class Rig:
 
     def watch(self, until, seconds=8.0):
         """Keep every new report until one fulfils `until`."""
-        watcher = DriverLink(self.memory, CLOCK)
+        watcher = DriverLink(self.memory, LIMITS, CLOCK)
         deadline = time.monotonic() + seconds
         while time.monotonic() < deadline:
             watcher._activation = self.memory.report.read().answered
@@ -101,7 +101,7 @@ class Rig:
 def control(memory):
     """Activate, then run towards a far goal until killed."""
     ask_for_real_time(50)
-    link, follower = DriverLink(memory, CLOCK), Follower(LIMITS, DT)
+    link, follower = DriverLink(memory, LIMITS, CLOCK), Follower(LIMITS, DT)
     start = CONFIG.robot.start
     link.activate(start)
     while (fault := link.read().fault) is not None:
@@ -165,7 +165,7 @@ def test_control_killed_in_full_motion_ends_in_the_verified_stop(make_rig, comma
     rig.watch(lambda r: abs(r.q[0] - end) < 0.003 and np.abs(r.dq).max() < 0.01, 3)
     assert max(r.q[0] for _, r in rig.log) < end + 0.003
     time.sleep(0.1)
-    assert rig.memory.report.read().motions[2][0] == report.sent.q[0]
+    assert rig.watch(lambda _: True).sent.q[0] == pytest.approx(report.sent.q[0], abs=1e-9)
 
 
 def test_a_driver_killed_in_motion_leaves_the_controllers_own_watchdog(make_rig, commander):
@@ -213,7 +213,7 @@ def test_the_driver_process_told_to_end_leaves_the_arm_at_rest(make_rig, command
 
 def test_a_driver_that_blocks_is_seen_from_outside_while_control_goes_on(make_rig):
     rig = make_rig(blocking)
-    link = DriverLink(rig.memory, CLOCK)
+    link = DriverLink(rig.memory, LIMITS, CLOCK)
     link.activate(CONFIG.robot.start)
     rest = JointMotion.at_rest(CONFIG.robot.start)
     deadline = time.monotonic() + 5
@@ -236,7 +236,7 @@ def test_a_driver_that_blocks_is_seen_from_outside_while_control_goes_on(make_ri
 
 def test_a_process_that_is_gone_is_told(make_rig):
     rig = make_rig(kinematic)
-    link = DriverLink(rig.memory, CLOCK)
+    link = DriverLink(rig.memory, LIMITS, CLOCK)
     link.activate(CONFIG.robot.start)
     rig.watch(lambda report: report.ready)
     os.kill(rig.driver.process.pid, signal.SIGKILL)
@@ -245,23 +245,28 @@ def test_a_process_that_is_gone_is_told(make_rig):
     assert link.read().fault.code is FaultCode.PROCESS
 
 
-def test_the_first_command_after_a_diversion_is_what_was_really_sent():
+def test_the_first_command_after_a_diversion_is_where_the_stop_is_at_its_time():
     memory = DriverMemory.create(6)
-    link = DriverLink(memory, CLOCK)
-    memory.report.write(memory.report.read()._replace(at_ns=CLOCK.now_ns(), diversions=1, motions=np.full((5, 6), 0.3)))
+    link = DriverLink(memory, LIMITS, CLOCK)
+    now_ns, moving = CLOCK.now_ns(), np.full((5, 6), 0.3)
+    raw = memory.report.read()
+    memory.report.write(raw._replace(at_ns=now_ns, diversions=1, onset_ns=now_ns - 20 * NS_PER_MS, motions=moving))
     link.read()
     zero = np.zeros(6)
-    command = JointCommand(1, CLOCK.now_ns(), zero, zero, zero, gripper_open=True)
-    assert (link.write(command).q == 0.3).all()
-    assert memory.orders.take() == []
+    command = JointCommand(1, now_ns, zero, zero, zero, gripper_open=True)
+    stop = stopping(JointMotion(*moving[2:]), LIMITS, 0.02)
+    sent = link.write(command).motion
+    assert (sent.q == stop.q).all()
+    assert (sent.dq == stop.dq).all()
     assert link.write(command) is command
-    (order,) = memory.orders.take()
-    assert order.diversions == 1
+    first, second = memory.orders.take()
+    assert (first.diversions, second.diversions) == (1, 1)
+    assert (first.command.q == stop.q).all()
 
 
 def test_every_order_arrives_once_and_lost_ones_are_never_torn():
     memory = DriverMemory.create(6)
-    link = DriverLink(memory, CLOCK)
+    link = DriverLink(memory, LIMITS, CLOCK)
     zero = np.zeros(6)
     for seq in range(1, 201):
         link.write(JointCommand(seq, 7 * NS_PER_MS, zero + seq, zero, zero, gripper_open=False))

@@ -100,7 +100,19 @@ class Bench:
 
     def command(self, motion=None, **changes):
         self.sent = motion or self.plan()
-        self.turn(self.order(self.sent, **changes), ms=4)
+        self.clock.advance_ms(4)
+        self.turn(self.order(self.sent, **changes), ms=0)
+
+    def stop_at(self, ms=0.0):
+        """Where the stop under way is so many ms from now, as control computes it from the report."""
+        onset_ns, motion = self.keeper.course
+        return stopping(motion, LIMITS, (self.clock.now_ns() - onset_ns) / 1e9 + ms / 1e3)
+
+    def stumble(self, ms):
+        """Control is silent for so long, the driver's process goes on."""
+        while ms > 0:
+            self.turn(ms=min(ms, 2.0))
+            ms -= 2.0
 
     def moving(self, ticks=60):
         self.activate()
@@ -174,16 +186,50 @@ def test_every_command_to_the_robot_has_a_number_of_its_own_also_in_the_stop(ben
     assert bench.keeper.obeyed_seq == bench.seq
 
 
-def test_a_late_command_goes_on_from_the_stop_that_has_begun(bench):
+@pytest.mark.parametrize("silent_ms", [13.0, 20.3, 33.9, 47.0])
+def test_control_goes_on_from_within_the_stop_at_once(bench, silent_ms):
     bench.moving()
-    bench.turn(ms=14)
-    slower = bench.keeper.motion
-    bench.sent = slower
-    for _ in range(20):
+    bench.stumble(silent_ms)
+    slowed = bench.stop_at().dq[0]
+    bench.sent = bench.stop_at()
+    bench.turn(bench.order(bench.sent), ms=0)
+    for _ in range(200):
         bench.command()
     assert bench.keeper.phase is Phase.ACTIVE
-    assert bench.keeper.motion.dq[0] > slower.dq[0]
+    assert bench.keeper.diversions == 1
+    speeds = np.array([c.dq[0] for c in bench.robot.written])
+    since = next(k for k in range(len(speeds)) if speeds[k] == slowed)
+    assert slowed > 0.5
+    assert speeds[since:].max() > slowed  # it brakes no more
+    assert bench.keeper.motion.q[0] == pytest.approx(START[0] + 0.8, abs=1e-6)
+    assert np.diff([c.q[0] for c in bench.robot.written]).min() >= -1e-8  # rounding at the goal
     assert_smooth(bench.robot)
+
+
+def test_a_stop_sent_a_little_further_than_the_command_that_ends_it_is_not_taken_back(bench):
+    bench.moving()
+    bench.stumble(20)
+    bench.sent = bench.stop_at(-0.2)
+    written = len(bench.robot.written)
+    order = bench.order(bench.sent)
+    bench.turn(replace(order, command=replace(order.command, t_ns=order.command.t_ns - 200_000)), ms=0)
+    assert (bench.keeper.diversions, len(bench.robot.written)) == (1, written)
+    assert bench.keeper.motion.q is bench.sent.q
+    bench.command()
+    assert np.diff([c.q[0] for c in bench.robot.written]).min() >= 0
+    assert bench.keeper.phase is Phase.ACTIVE
+
+
+@pytest.mark.parametrize("behind_ms", [1.1, 4.0])
+def test_a_stop_sent_much_further_goes_on(bench, behind_ms):
+    bench.moving()
+    bench.stumble(20)
+    order = bench.order(bench.stop_at(-behind_ms))
+    late_ns = round(behind_ms * NS_PER_MS)
+    bench.turn(replace(order, command=replace(order.command, t_ns=order.command.t_ns - late_ns)), ms=0)
+    assert bench.keeper.diversions == 2
+    assert bench.keeper.course[0] > 0
+    assert bench.keeper.fault is None
 
 
 def test_a_command_planned_before_the_stop_began_does_not_count(bench):
@@ -208,15 +254,15 @@ def test_a_command_that_meets_a_stop_gone_on_is_planned_anew(bench):
     assert bench.keeper.diversions == 2
 
 
-def test_control_that_is_always_a_turn_behind_the_stop_is_taken_again_at_rest(bench):
+def test_control_that_is_always_behind_the_stop_is_taken_again_at_rest(bench):
     bench.moving()
-    bench.turn(ms=14)
+    bench.stumble(14)
     slowest, began = np.inf, bench.keeper.motion.q[0]
     for _ in range(400):
-        bench.sent = bench.keeper.motion
-        planned = bench.plan()
-        bench.turn()
-        bench.turn(bench.order(planned))
+        onset_ns, _ = bench.keeper.course
+        bench.sent = bench.stop_at(-2.0) if onset_ns else bench.plan()
+        bench.turn(ms=2)
+        bench.turn(bench.order(bench.sent))
         slowest = min(slowest, abs(bench.keeper.motion.dq[0]))
     assert bench.keeper.fault is None
     assert slowest < 0.01
