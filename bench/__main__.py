@@ -8,11 +8,12 @@ from pathlib import Path
 from rich.console import Console
 from rich.table import Table
 
-from bench import control, rendering, tracking, video
+from bench import control, rendering, soak, tracking, video
 
 BENCHMARKS: dict[str, Callable[[], dict[str, float]]] = {
     "control": control.measure,
     "rendering": rendering.measure,
+    "soak": soak.measure,
     "tracking": tracking.measure,
     "video": video.measure,
 }

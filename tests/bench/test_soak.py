@@ -1,0 +1,29 @@
+"""Seconds in which everything goes wrong: no driver receives anything beyond a limit, however control stumbles."""
+
+import pytest
+
+from bench.soak import ROBOTS, soak
+from remote_site.control import LEAST_SHARE
+
+ROUNDING = 1.00001
+
+
+@pytest.mark.parametrize(("name", "seconds"), [("kinematic", 20.0), ("simulated", 20.0), ("c500c, emulated", 10.0)])
+def test_whatever_goes_wrong_the_driver_receives_nothing_beyond_a_limit(name, seconds):
+    figures = soak(ROBOTS[name], seconds)
+    assert figures["commands"] > 10 * seconds
+    assert figures["engagements"] >= 2
+    assert figures["share of time followed"] > 0.2
+    assert figures["stumbles of control"] >= 2
+    assert figures["robot faults seen"] >= 1
+    assert figures["not finite"] == 0
+    assert figures["speed, share of limit"] <= ROUNDING
+    assert figures["acceleration, share of limit"] <= ROUNDING
+    assert figures["jerk by the times, share of limit"] <= ROUNDING / LEAST_SHARE
+    assert figures["way by the times, share of the speed limit"] <= ROUNDING / LEAST_SHARE
+    assert figures["least distance, mm"] >= figures["margin, mm"]
+    assert figures["joint beyond its limit, rad"] <= 1e-6
+    assert figures["tool further out than where it was activated, mm"] <= 1e-3
+    assert figures["moving commands after a latch"] == 0
+    assert figures["rest after the last good sample, ms beyond the bound"] <= 0
+    assert figures["oldest sample obeyed, ms"] <= 100
