@@ -1,0 +1,110 @@
+"""Control and the driver's process on stepped time: a control process that stumbles goes on from within the stop."""
+
+import numpy as np
+import pytest
+from remote_loop import arm
+
+from common.clock import NS_PER_MS, FakeClock
+from common.rate import Rate
+from remote_site.config import RemoteConfig
+from remote_site.control import LEAST_SHARE
+from remote_site.drivers.driver import JointCommand
+from remote_site.drivers.grip import GripSettings, GripWatch
+from remote_site.drivers.keeper import Keeper
+from remote_site.drivers.kinematic import KinematicDriver
+from remote_site.drivers.link import DriverLink
+from remote_site.drivers.memory import DriverMemory
+from remote_site.drivers.process import Desk, setup_of
+from remote_site.kinematics.joints import JointMotion
+from remote_site.motion import Follower
+
+_, LIMITS = arm()
+START = RemoteConfig().robot.start
+GOAL = START + np.array([2.0, -0.5, 0.4, 0.0, 0.0, 0.0])
+
+
+class Kept(KinematicDriver):
+    """Keeps what it was sent."""
+
+    def __init__(self, clock):
+        super().__init__(clock)
+        self.written = []
+
+    def write(self, command):
+        self.written.append(command)
+        return super().write(command)
+
+
+class Rig:
+    """A tick of control every 4 ms towards the goal, a turn of the driver's process every 2 ms and at every order."""
+
+    def __init__(self, phase_ms):
+        self.clock = FakeClock(1000 * NS_PER_MS)
+        self.robot, memory, setup = Kept(self.clock), DriverMemory.create(6), setup_of(RemoteConfig())
+        self.robot.configure(setup)
+        self.keeper = Keeper(self.robot, setup, self.clock, memory.busy, GripWatch(GripSettings()))
+        self.desk, self.link = Desk(self.keeper, memory, self.clock), DriverLink(memory, LIMITS, self.clock)
+        self.follower, self.phase_ms, self.seq = Follower(LIMITS, setup.dt), phase_ms, 0
+        self.link.activate(START)
+        self.desk.turn()
+        self.sent = JointMotion.at_rest(START)
+        self.rate = Rate(1 / setup.dt, self.clock, least_share=LEAST_SHARE)
+
+    def tick(self, late_ms=0.0):
+        wake_ns = self.rate.next_ns + round(late_ms * NS_PER_MS)
+        turn_ns = self.clock.now_ns() + round(self.phase_ms * NS_PER_MS)
+        while turn_ns < wake_ns:
+            self.clock.sleep_until_ns(turn_ns)
+            self.desk.turn()
+            turn_ns += 2 * NS_PER_MS
+        self.clock.sleep_until_ns(wake_ns)
+        self.rate.wait()
+        assert self.link.read().ready
+        self.follower.reset(self.sent)
+        motion = self.follower.track(GOAL, np.zeros(6))
+        self.seq += 1
+        command = JointCommand(self.seq, self.clock.now_ns(), motion.q, motion.dq, motion.ddq, gripper_open=True)
+        self.sent = self.link.write(command).motion
+        self.desk.turn()
+
+    def written(self):
+        t = np.array([c.t_ns for c in self.robot.written]) / 1e9
+        return (t, *(np.array([getattr(c, key) for c in self.robot.written]) for key in ("q", "dq", "ddq")))
+
+
+@pytest.mark.parametrize("phase_ms", [0.3, 1.0, 1.9])
+@pytest.mark.parametrize("late_ms", [3.9, 9.0, 15.5, 26.2, 55.0, 90.0])
+def test_a_stumble_slows_the_arm_and_costs_no_full_stop(late_ms, phase_ms):
+    rig = Rig(phase_ms)
+    for _ in range(60):
+        rig.tick()
+    rig.tick(late_ms)
+    at_waking, woke_ns = rig.sent, rig.clock.now_ns()
+    for _ in range(400):
+        rig.tick()
+    assert rig.keeper.diversions == (1 if late_ms > 8 else 0)  # 4 ms more since the last command
+    assert rig.keeper.fault is None
+    assert rig.keeper.motion.q == pytest.approx(GOAL, abs=1e-6)
+    t, q, dq, ddq = rig.written()
+    speeds = dq[t >= woke_ns / 1e9, 0]
+    fastest = int(speeds.argmax())
+    assert speeds[fastest] > at_waking.dq[0] > 1.0
+    assert speeds[: fastest + 1].min() > at_waking.dq[0] - 0.1  # what it takes to take a braking of 10 rad/s² back
+    steps = np.diff(t)[:, None]
+    assert (np.abs(dq) <= LIMITS.velocity * 1.0001).all()
+    assert (np.abs(ddq) <= LIMITS.acceleration * 1.0001).all()
+    assert (np.abs(np.diff(ddq, axis=0)) <= LIMITS.jerk * steps * 1.001 / LEAST_SHARE + 1e-9).all()
+    assert (np.abs(np.diff(q, axis=0)) <= LIMITS.velocity * steps * 1.0001 / LEAST_SHARE).all()
+    assert np.diff(q[:, 0]).min() >= -1e-8  # rounding at the goal
+
+
+def test_stumbles_one_after_the_other_never_end_in_a_fault():
+    rig, luck = Rig(1.2), np.random.default_rng(3)
+    for late_ms in luck.uniform(0, 60, 40):
+        rig.tick(late_ms)
+        rig.tick()
+    for _ in range(400):
+        rig.tick()
+    assert rig.keeper.fault is None
+    assert rig.keeper.diversions > 10
+    assert rig.keeper.motion.q == pytest.approx(GOAL, abs=1e-6)
