@@ -80,15 +80,19 @@ def soak(make: MakeRobot, seconds: float, seed: int = SEED) -> dict[str, float]:
 def dynamics(world: World, log: Log) -> dict[str, float]:
     """The worst speed, acceleration and jerk as shares of the limits; what lies between commands by their times."""
     limits = world.limits
-    dt = np.maximum(np.diff(log.t_ns), EARLIEST_NS)[log.follows, None] / NS_PER_S
-    jerk = np.diff(log.ddq, axis=0)[log.follows] / dt
-    speed = np.diff(log.q, axis=0)[log.follows] / dt
+    dt = np.maximum(np.diff(log.t_ns), EARLIEST_NS)[:, None] / NS_PER_S
+    jerk = np.diff(log.ddq, axis=0) / dt / limits.jerk
+    speed = np.diff(log.q, axis=0) / dt / limits.velocity
+    late = _late(log, world.driver.blocked)
+    prompt, delayed = log.follows & np.logical_not(late), log.follows & late
     return {
         "not finite": float(np.sum(~np.isfinite(np.hstack([log.q, log.dq, log.ddq])))),
         "speed, share of limit": _worst(log.dq / limits.velocity),
         "acceleration, share of limit": _worst(log.ddq / limits.acceleration),
-        "jerk by the times, share of limit": _worst(jerk / limits.jerk),
-        "way by the times, share of the speed limit": _worst(speed / limits.velocity),
+        "jerk by the times, share of limit": _worst(jerk[prompt]),
+        "way by the times, share of the speed limit": _worst(speed[prompt]),
+        "jerk right after a late call of the driver, share of limit": _worst(jerk[delayed]),
+        "way right after a late call of the driver, share of the speed limit": _worst(speed[delayed]),
     }
 
 
@@ -151,11 +155,15 @@ def oldest_obeyed_ms(world: World) -> float:
 
 
 def _rest_ns(world: World, log: Log, onset_ns: int, motion_ns: int) -> int:
-    """When an arm has to rest that moved as it did at `motion_ns`: a driver that blocks is given its time."""
+    """When an arm has to rest that moved as it did at `motion_ns`: a driver that blocks is given its time.
+
+    A slow robot's motion is known from the command before, and it is given the period since then.
+    """
     k = log.before(motion_ns)
     motion = JointMotion(log.q[k], log.dq[k], log.ddq[k])
     stop_ns = round(stop_time(motion, world.limits) * NS_PER_S) if k >= 0 else 0
-    bound_ns = onset_ns + 2 * TICK_NS + stop_ns
+    period_ns = round(NS_PER_S / world.driver.capabilities.rate_hz)
+    bound_ns = onset_ns + 2 * TICK_NS + stop_ns + (period_ns if period_ns > TICK_NS else 0)
     return bound_ns + sum(end - begin for begin, end in world.driver.blocked if motion_ns <= end and begin <= bound_ns)
 
 
@@ -165,8 +173,16 @@ def _runs(flags: list[bool]) -> list[tuple[int, int]]:
     return [(int(begin), int(end)) for begin, end in edges.reshape(-1, 2)]
 
 
+def _late(log: Log, blocked: list[tuple[int, int]]) -> Array:
+    """Which commands (k - 1,) from the second on follow in the tick after a late call: the driver itself was late."""
+    ends = np.array([end for _, end in blocked], dtype=np.int64)
+    before = np.searchsorted(ends, log.t_ns[1:], side="right") - 1
+    late: Array = (before >= 0) & (log.t_ns[1:] - ends[before] <= TICK_NS) if len(ends) else np.zeros(len(before), bool)
+    return late
+
+
 def _worst(shares: Array) -> float:
-    return float(np.abs(shares).max())
+    return float(np.abs(shares).max(initial=0.0))
 
 
 def measure() -> dict[str, float]:

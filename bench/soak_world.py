@@ -80,8 +80,10 @@ class World:
                 self._only_control(self._control_ns)
             else:
                 self.clock.sleep_until_ns(self._turn_ns)
-            self._desk.turn()  # every order wakes the driver's process
-            self._turn_ns = self.clock.now_ns() + TURN_NS + round(self._luck.uniform(0, 0.3) * NS_PER_MS)
+            ticks = len(self.ticks.t_ns)
+            self._desk.turn()  # every order wakes the driver's process, also one that came while a call was late
+            pause_ns = TURN_NS + round(self._luck.uniform(0, 0.3) * NS_PER_MS)
+            self._turn_ns = self.clock.now_ns() + (pause_ns if len(self.ticks.t_ns) == ticks else 0)
 
     def _only_control(self, until_ns: int) -> None:
         """Let time pass for everybody but the driver's process."""
@@ -102,6 +104,8 @@ class World:
     def _tick(self, now_ns: int) -> None:
         chain, report = self.chain, self._link.read()
         chain.measured = report.q
+        if not report.ready:
+            chain.sent = report.sent
         self._latch.note(report.fault)
         for sample in self.operator.arrived(now_ns):
             chain.receive(sample, now_ns)
@@ -113,8 +117,6 @@ class World:
             motion = step.motion
             command = JointCommand(self._seq, now_ns, motion.q, motion.dq, motion.ddq, chain.gripper.is_open)
             chain.sent = self._link.write(command).motion
-        else:
-            chain.sent = report.sent
         self._note(now_ns, step, report)
 
     def _ask(self, now_ns: int, report: RobotReport) -> None:

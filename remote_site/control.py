@@ -112,7 +112,7 @@ class ControlLoop:
         self._reporter = reporter
         self._inbox = inbox
         self._desk = desk
-        self._seq = self._ticks = 0
+        self._seq = self._ticks = self._now_ns = 0
         self._reading = driver.read()
         self._faults = FaultLatch(chain.session)
 
@@ -120,7 +120,9 @@ class ControlLoop:
         """Read, take a sample, decide, command, tell."""
         chain = self._chain
         self._reading = self._driver.read()
-        chain.measured = self._reading.q
+        self._now_ns, chain.measured = now_ns, self._reading.q
+        if not self._reading.ready:
+            chain.sent = self._reading.sent  # before an activation in this tick, which says better where it goes on
         self._faults.note(self._reading.fault)
         for sample in self._inbox.take():
             chain.receive(sample, now_ns)
@@ -128,8 +130,6 @@ class ControlLoop:
         step = chain.tick(now_ns, chain.robot(ready=self._reading.ready, fault=str(self._reading.fault or "")))
         if self._reading.ready:
             self._write(step, now_ns)
-        else:
-            chain.sent = self._reading.sent
         self._reporter.note(step, self._seq, now_ns, self._reading)
         self._ticks += 1
         if self._ticks % TICKS_PER_STATE == 0:
@@ -158,13 +158,13 @@ class ControlLoop:
                 id=request.id, done=False, code="activated", reason="the robot is awake again; engage once more"
             )
         answer = chain.session.request_engage(
-            time.monotonic_ns(), chain.robot(ready=reading.ready, fault=str(reading.fault or ""))
+            self._now_ns, chain.robot(ready=reading.ready, fault=str(reading.fault or ""))
         )
         return Reply(id=request.id, done=answer.done, code=answer.reason.code.value, reason=answer.reason.sentence)
 
     def _foreign(self, operator: str) -> Reason | None:
         """Why this operator may not engage the arm; None for the lease's holder."""
-        lease = self._chain.leases.current(time.monotonic_ns())
+        lease = self._chain.leases.current(self._now_ns)
         if lease is None:
             return reason(Code.NO_LEASE)
         return None if lease.holder.name == operator else reason(Code.NOT_HOLDER, holder=lease.holder.name)

@@ -25,7 +25,7 @@ class RobotReport(NamedTuple):
     """The robot as its driver's process tells it; `fault` is None while it takes commands.
 
     `t_ns` is when `q`, `dq` (rad, rad/s) were measured, 0 before anything was. `sent` is the motion that was sent last,
-    in a stop where it is now.
+    in a stop where it is now, and rest where an activation was asked for until it is answered.
     `obeyed_seq` is the newest command that has reached the robot's motion. `answered`: the last activation was decided.
     """
 
@@ -111,7 +111,7 @@ class DriverLink:
             gripper=_gripper(raw),
             fault=_fault(raw) if answered else NOT_ACTIVATED,
             obeyed_seq=raw.obeyed_seq if raw.has_obeyed else None,
-            sent=self._sent(raw, self._clock.now_ns()),
+            sent=self._sent(raw, self._clock.now_ns()) if answered or self._last is None else self._last.motion,
             answered=answered,
         )
 

@@ -264,6 +264,19 @@ def test_the_first_command_after_a_diversion_is_where_the_stop_is_at_its_time():
     assert (first.command.q == stop.q).all()
 
 
+def test_until_an_activation_is_answered_control_goes_on_from_where_it_was_asked():
+    """A robot that answers within a tick is never seen in between: what it was sent before is not where it stands."""
+    memory = DriverMemory.create(6)
+    link = DriverLink(memory, LIMITS, CLOCK)
+    memory.report.write(memory.report.read()._replace(at_ns=CLOCK.now_ns(), motions=np.full((5, 6), 0.3)))
+    assert (link.read().sent.q == 0.3).all()
+    link.activate(np.full(6, 0.2))
+    report = link.read()
+    assert not report.ready
+    assert (report.sent.q == 0.2).all()
+    assert report.sent.resting
+
+
 def test_every_order_arrives_once_and_lost_ones_are_never_torn():
     memory = DriverMemory.create(6)
     link = DriverLink(memory, LIMITS, CLOCK)

@@ -1,0 +1,51 @@
+"""Control around an activation: a robot that answers within a tick is commanded from where it was activated."""
+
+from types import SimpleNamespace
+
+import numpy as np
+from remote_loop import TICK_NS, RemoteLoop
+
+from common.requests import EngageRequest
+from remote_site.control import ControlLoop
+from remote_site.drivers.faults import STOPPED
+from remote_site.drivers.link import RobotReport
+from remote_site.kinematics.joints import JointMotion
+
+
+class QuickRobot:
+    """Stopped, and not quite where it was led to; ready at once when it is activated."""
+
+    def __init__(self, led_to, measured):
+        self.sent, self.q, self.fault, self.written = led_to, measured, STOPPED, []
+
+    def read(self):
+        zero = np.zeros(len(self.q))
+        return RobotReport(1, self.q, zero, None, self.fault, None, JointMotion.at_rest(self.sent), True)
+
+    def activate(self, q0):
+        self.sent, self.fault = q0, None
+
+    def write(self, command):
+        self.written.append(command)
+        return command
+
+
+def test_a_robot_that_is_awake_within_a_tick_is_commanded_from_where_it_was_activated():
+    loop = RemoteLoop()
+    start = loop.config.robot.start
+    robot = QuickRobot(start, start + 2e-5)
+    requests = [EngageRequest(id=1, deadline_ns=0, operator="operator-7")]
+    answers = []
+
+    def poll(_now_ns, answer):
+        while requests:
+            answers.append(answer(requests.pop()))
+
+    nothing = SimpleNamespace(note=lambda *_: None, publish=lambda *_: None, poll=lambda: None, counts={})
+    inbox = SimpleNamespace(take=list, engage=SimpleNamespace(poll=poll), refusals=nothing)
+    control = ControlLoop(loop.chain, robot, nothing, inbox, nothing, None)
+    for k in range(1, 4):
+        control.tick(loop.clock.now_ns() + k * TICK_NS)
+    assert [answer.code for answer in answers] == ["activated"]
+    assert len(robot.written) == 2
+    assert all((command.q == robot.q).all() for command in robot.written)
