@@ -5,6 +5,7 @@ from collections.abc import Callable
 from dataclasses import dataclass
 
 import numpy as np
+import numpy.typing as npt
 import structlog
 
 from bench.soak_robot import c500c, kinematic, simulated
@@ -17,6 +18,8 @@ from remote_site.safety.collision import CollisionModel
 from remote_site.safety.state import FOLLOWING
 from remote_site.safety.stopping import stop_time
 from remote_site.safety.surroundings import Workspace
+
+Mask = npt.NDArray[np.bool_]
 
 SECONDS = 600.0
 SEED = 20
@@ -34,7 +37,7 @@ class Log:
     q: Array
     dq: Array
     ddq: Array
-    follows: Array
+    follows: Mask
 
     @classmethod
     def of(cls, world: World) -> "Log":
@@ -115,7 +118,7 @@ def places(world: World, log: Log) -> dict[str, float]:
     }
 
 
-def further_than_at_first(outside: list[float], begins: Array) -> float:
+def further_than_at_first(outside: list[float], begins: Mask) -> float:
     """The greatest excess beyond that of an activation's first command: a robot's own stop may leave the box."""
     first = further = 0.0
     for excess, begin in zip(outside, begins, strict=True):
@@ -173,11 +176,13 @@ def _runs(flags: list[bool]) -> list[tuple[int, int]]:
     return [(int(begin), int(end)) for begin, end in edges.reshape(-1, 2)]
 
 
-def _late(log: Log, blocked: list[tuple[int, int]]) -> Array:
+def _late(log: Log, blocked: list[tuple[int, int]]) -> Mask:
     """Which commands (k - 1,) from the second on follow in the tick after a late call: the driver itself was late."""
     ends = np.array([end for _, end in blocked], dtype=np.int64)
     before = np.searchsorted(ends, log.t_ns[1:], side="right") - 1
-    late: Array = (before >= 0) & (log.t_ns[1:] - ends[before] <= TICK_NS) if len(ends) else np.zeros(len(before), bool)
+    late: Mask = before >= 0
+    if len(ends):
+        late &= log.t_ns[1:] - ends[before] <= TICK_NS
     return late
 
 
