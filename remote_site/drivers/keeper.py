@@ -182,7 +182,9 @@ class Keeper:
         self._under_way.clear()
         refused = self._call("activate", lambda: self._driver.activate(order.command.q))
         if refused is not None:
-            self.phase, self.fault = Phase.IDLE, refused
+            # an earlier activation may have gone half way: the robot must not wait for commands that will not come
+            self._call("stop", self._driver.stop)
+            self.phase, self.fault, self._led = Phase.IDLE, refused, False
 
     def _read(self, now_ns: int) -> None:
         readings: list[RobotReading] = []

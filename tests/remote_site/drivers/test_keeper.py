@@ -302,6 +302,20 @@ def test_a_resting_arm_is_not_diverted_by_a_late_command(bench):
     assert bench.keeper.phase is Phase.ACTIVE
 
 
+def test_a_robot_that_refuses_to_be_activated_is_stopped_and_can_be_asked_again(bench, monkeypatch):
+    def refuse(_q0):
+        raise DriverError("not now")
+
+    with monkeypatch.context() as patched:
+        patched.setattr(bench.robot, "activate", refuse)
+        bench.activate()
+    assert bench.keeper.fault.code is FaultCode.REFUSED
+    assert bench.robot.stops == 1
+    bench.activate()
+    bench.turn()
+    assert bench.keeper.phase is Phase.ACTIVE
+
+
 def test_activation_waits_for_rest(bench):
     bench.moving()
     bench.activate(bench.keeper.motion.q)
