@@ -35,7 +35,8 @@ def run_remote(config: RemoteConfig, should_stop: StopFlag) -> None:
     check_driver(config.driver.name)
     check_robot(config)
     mark = RunningMark(config.cell, config.links.control)
-    if mark.set() and config.engagement.mode is EngagementMode.AUTOMATIC:
+    stood = mark.set()
+    if stood and config.engagement.mode is EngagementMode.AUTOMATIC:
         log.warning("the last run did not end in order: nothing engages by itself", cure="farhand engage")
         config = without_automatic_engagement(config)
     memory = (
@@ -44,7 +45,7 @@ def run_remote(config: RemoteConfig, should_stop: StopFlag) -> None:
         else None
     )
     driver_memory = DriverMemory.create(len(config.robot.start_deg))
-    children = Children("remote")
+    children, ready = Children("remote"), False
     try:
         config = start_robot(config, children)
         if memory is not None and config.cell_is_simulated:
@@ -53,6 +54,7 @@ def run_remote(config: RemoteConfig, should_stop: StopFlag) -> None:
         children.start("video", partial(_video, config, memory))
         children.start("control", partial(run_control, config, driver_memory, memory))
         children.wait_ready(READY_TIMEOUT_S, should_stop)
+        ready = True
         notify("READY=1")
         log.info("ready", cell=config.cell, driver=config.driver.name, control=config.links.control)
         while not should_stop.wait(CHECK_S):
@@ -60,6 +62,8 @@ def run_remote(config: RemoteConfig, should_stop: StopFlag) -> None:
             notify("WATCHDOG=1")
         mark.clear()
     except FarhandError as error:
+        if not (ready or stood):
+            mark.clear()  # nothing has moved, and no other run is marked
         log.error("ending", reason=str(error))
         raise
     finally:

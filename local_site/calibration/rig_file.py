@@ -11,7 +11,7 @@ from local_site.calibration.rig_checks import rig_mistakes
 
 def load_rig(path: Path) -> Rig:
     """Read a rig file; CalibrationError names what is wrong and the cure."""
-    cure = "make a rig with: farhand calibrate points CSV --out rig.json"
+    cure = "make a rig with: farhand calibrate points CSV --out rig.json, or live, and name it in operator.rig"
     try:
         rig = msgspec.json.decode(path.read_bytes(), type=Rig)
     except OSError as error:

@@ -137,7 +137,8 @@ class FaultLog:
 
     def note(self, fault: RobotFault | None) -> None:
         """Note the fault of a turn."""
-        if fault is not None and fault is not self._last and not fault.calm:
+        # whoever asked for what was refused is told, and asks again
+        if fault is not None and fault is not self._last and not fault.calm and fault.code is not FaultCode.REFUSED:
             self._queue.put(fault)
         self._last = fault
 
@@ -145,5 +146,4 @@ class FaultLog:
         log = structlog.get_logger()
         while True:
             fault = self._queue.get()
-            tell = log.info if fault.code is FaultCode.REFUSED else log.warning  # whoever asked is told, and asks again
-            tell("robot fault", code=fault.code.value, native=fault.native, reason=fault.sentence)
+            log.warning("robot fault", code=fault.code.value, native=fault.native, reason=fault.sentence)

@@ -14,6 +14,7 @@ from local_site.config import LocalConfig
 from local_site.simulation.cameras import control_point_rows, exact_rig
 from local_site.simulation.config import SimulationConfig
 from remote_site.config import RemoteConfig
+from remote_site.running_mark import RunningMark
 
 DEPLOY = Path(__file__).parents[2] / "deploy" / "sites"
 
@@ -109,6 +110,19 @@ def test_a_process_that_cannot_run_says_why_without_a_traceback(arguments: list[
     assert done.returncode == code, done.stderr
     assert words in " ".join(done.stderr.split())
     assert "Traceback" not in done.stderr
+
+
+@pytest.mark.parametrize("stood", [False, True])
+def test_a_start_that_fails_leaves_the_mark_of_an_unfinished_run_as_it_was(
+    stood: bool, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setenv("RUNTIME_DIRECTORY", str(tmp_path))
+    mark = RunningMark("cell", "tcp/127.0.0.1:7999")
+    if stood:
+        mark.set()
+    failed = farhand("remote", "--driver", "c500c", "--set", "links.control=tcp/127.0.0.1:7999")
+    assert failed.returncode == 1
+    assert mark.set() is stood
 
 
 def local_with_cameras(rig: Path) -> subprocess.CompletedProcess[str]:
