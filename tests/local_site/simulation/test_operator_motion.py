@@ -76,6 +76,13 @@ def test_pick_and_place_goes_where_it_should_and_returns():
     assert path.pose(2.0 + 26.0 + 3.6).wrist - start == pytest.approx([0.0, -0.08, -0.16])
 
 
+@pytest.mark.parametrize("name", NAMES)
+def test_every_motion_stays_within_the_arms_reach(name):
+    path, body = motion(name), ArmBody(BodyConfig())
+    for t in np.arange(0.0, 40.0, 0.5):
+        assert np.isfinite(body.truth(path.pose(t)).elbow).all()
+
+
 @pytest.mark.parametrize("name", ["pick_and_place", "toggles"])
 def test_openings_are_counted_and_the_wrist_is_still_meanwhile(name):
     path, body = motion(name), ArmBody(BodyConfig())
