@@ -81,7 +81,7 @@ def start_robot(config: RemoteConfig, children: Children) -> RemoteConfig:
     """Start the emulated controller where one is asked for; the configuration then names its line."""
     if not config.driver.emulate:
         return config
-    from remote_site.drivers.c500c.emulation import Emulation, Terminal, run_emulation  # noqa: PLC0415
+    from remote_site.drivers.c500c.emulation import Emulation, Terminal, run_emulation  # noqa: PLC0415  # as below
     from remote_site.drivers.c500c.emulator import Controller  # noqa: PLC0415  # a real controller needs neither
 
     terminal = Terminal.create()

@@ -12,7 +12,7 @@ from common.geometry import Array
 
 Colour = tuple[int, int, int]
 
-BLACK, GREY, PALE, WHITE = (30, 30, 30), (110, 110, 110), (225, 225, 225), (255, 255, 255)
+BLACK, GREY, PALE = (30, 30, 30), (110, 110, 110), (225, 225, 225)
 FONT = cv2.FONT_HERSHEY_SIMPLEX
 WIDTH, HEIGHT = 800, 330
 LEFT, RIGHT, TOP, BOTTOM = 78, 18, 40, 54

@@ -1,5 +1,6 @@
 """The loopback's figures from made-up records whose figures are known."""
 
+import msgspec
 import numpy as np
 import pytest
 
@@ -14,7 +15,14 @@ from common.messages import (
     SessionState,
     TrackingStatus,
 )
-from farhand.figures import Expectation, control_figures, follow_figures, latency_figures, tracking_figures
+from farhand.figures import (
+    Expectation,
+    control_figures,
+    follow_figures,
+    latency_figures,
+    session_events,
+    tracking_figures,
+)
 
 MS = 1_000_000
 ROTATION = np.array([[0.0, -1.0, 0.0], [1.0, 0.0, 0.0], [0.0, 0.0, 1.0]])
@@ -113,3 +121,13 @@ def test_tracking_counts_the_lost_and_measures_the_rest() -> None:
 def test_the_control_figures_are_the_last_ones() -> None:
     assert control_figures([state(MS, np.zeros(3))])["missed_share"] == 0.005
     assert control_figures([])["hz"] is None
+
+
+def test_the_events_are_the_changes_of_the_session_since_it_first_followed():
+    course = ["disengaged", "engaged", "engaged", "holding", "engaged"]
+    states = [
+        msgspec.structs.replace(state(500 * k * MS, np.zeros(3)), state=SessionState(name), reason=f"reason {k}")
+        for k, name in enumerate(course)
+    ]
+    assert session_events(states) == ["1.0 s: holding, reason 3", "1.5 s: engaged, reason 4"]
+    assert session_events(states[:1]) == []

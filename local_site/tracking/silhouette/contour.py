@@ -29,25 +29,22 @@ class Silhouette:
 
     def touches_border(self, points: Array) -> NDArray[np.bool_]:
         """Which pixels (N, 2) lie on the image border, (N,)."""
-        height, width = self.grey.shape
-        x, y = points[:, 0], points[:, 1]
-        touching: NDArray[np.bool_] = (x <= 1) | (y <= 1) | (x >= width - 2) | (y >= height - 2)
-        return touching
+        return _on_border(points, *self.grey.shape)
 
     @property
     def at_border(self) -> bool:
         """Whether the image border cuts the arm."""
-        return any_at_border(self.contour, *self.grey.shape)
+        return bool(self.touches_border(self.contour).any())
 
 
 @compiled
-def any_at_border(points: Array, height: int, width: int) -> bool:
-    """Whether any of pixels (N, 2) lies on the border of a picture of this size."""
+def _on_border(points: Array, height: int, width: int) -> NDArray[np.bool_]:
+    """Which pixels (N, 2) lie on the border of a picture of this size, (N,)."""
+    touching = np.empty(len(points), np.bool_)
     for k in range(len(points)):
         x, y = points[k]
-        if x <= 1 or y <= 1 or x >= width - 2 or y >= height - 2:
-            return True
-    return False
+        touching[k] = x <= 1 or y <= 1 or x >= width - 2 or y >= height - 2
+    return touching
 
 
 def to_grey(image: Image) -> NDArray[np.uint8]:

@@ -7,7 +7,7 @@ import numpy as np
 
 from common.geometry import Array
 from local_site.compiled import compiled
-from local_site.tracking.silhouette.contour import Silhouette, any_at_border
+from local_site.tracking.silhouette.contour import Silhouette
 from local_site.tracking.silhouette.medial import (
     Edges,
     Line,
@@ -98,7 +98,7 @@ def _measure_near(silhouette: Silhouette, guess: Posture) -> Features | None:
         half_width=width,
         silhouette=silhouette,
         guess=guess,
-        hand_cropped=hand is not None and any_at_border(hand, *silhouette.grey.shape),
+        hand_cropped=hand is not None and bool(silhouette.touches_border(hand).any()),
         shoulder_cropped=silhouette.at_border,
     )
 

@@ -16,7 +16,7 @@ from local_site.compiled import compiled
 from local_site.tracking.silhouette.elbow_depth import elbow_shifts, image_motion, unit
 from local_site.tracking.silhouette.features import Features
 from local_site.tracking.silhouette.joint_equations import descend
-from local_site.tracking.silhouette.limbs import Limbs, limbs_of
+from local_site.tracking.silhouette.limbs import Limbs
 
 LENGTH_SIGMA = 0.015
 SLEEVE_SIGMA = 0.1
@@ -54,9 +54,9 @@ class Joints:
         return math.sqrt(float(np.linalg.eigvalsh(self.covariance[3:, 3:])[-1]))
 
 
-def solve_joints(projections: Sequence[Array], features: Sequence[Features], body: Body) -> Joints | None:
-    """Elbow and wrist from the features of two or more views; None where the least squares do not converge."""
-    views = limbs_of(projections, features)
+def solve_joints(views: Limbs, features: Sequence[Features], body: Body) -> Joints | None:
+    """Elbow and wrist from what two or more views show; None where the least squares do not converge."""
+    projections = list(views["projection"])
     start = [triangulate(projections, list(views[joint])) for joint in ("elbow", "wrist", "shoulder_end")]
     state, information, misfit = _solve(views, _links(body, sleeve_end(projections, features)), *start)
     if math.isnan(misfit):

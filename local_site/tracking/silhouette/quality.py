@@ -11,7 +11,7 @@ from local_site.tracking.reasons import Reason
 from local_site.tracking.silhouette.elbow_depth import unit
 from local_site.tracking.silhouette.features import Features
 from local_site.tracking.silhouette.joints import Joints, plane_normal
-from local_site.tracking.silhouette.limbs import Limbs, limbs_of
+from local_site.tracking.silhouette.limbs import Limbs
 
 MAX_MISFIT = 2.5
 MAX_ELBOW_SIGMA = 0.10
@@ -34,7 +34,7 @@ def objection(joints: Joints | None) -> Reason | None:
     return None
 
 
-def doubts(rig: Rig, projections: Sequence[Array], features: Sequence[Features], joints: Joints) -> list[Reason]:
+def doubts(rig: Rig, views: Limbs, features: Sequence[Features], joints: Joints) -> list[Reason]:
     """Why elbow and wrist are less sure than usual."""
     reasons = []
     if all(f.upper_arm is None for f in features):
@@ -43,7 +43,7 @@ def doubts(rig: Rig, projections: Sequence[Array], features: Sequence[Features],
         reasons.append(Reason.NEARLY_STRAIGHT)
     elif any(_folded(f) for f in features):
         reasons.append(Reason.FOLDED)
-    plane_sine, share_seen = _sights(limbs_of(projections, features), joints.elbow, joints.wrist)
+    plane_sine, share_seen = _sights(views, joints.elbow, joints.wrist)
     if plane_sine < MIN_PLANE_SINE:
         reasons.append(Reason.PARALLEL_TO_BASELINE)
     if share_seen < MIN_FORESHORTENING:

@@ -19,6 +19,7 @@ from local_site.tracking.silhouette.hand_tracker import Arm, HandEstimate, HandT
 from local_site.tracking.silhouette.hand_view import make_hand_view
 from local_site.tracking.silhouette.handedness import looks_like_the_other_arm
 from local_site.tracking.silhouette.joints import Body, Joints, sleeve_end, solve_joints
+from local_site.tracking.silhouette.limbs import Limbs, limbs_of
 from local_site.tracking.silhouette.overlay import overlay_of
 from local_site.tracking.silhouette.posture import Posture
 from local_site.tracking.silhouette.quality import doubts, objection
@@ -42,6 +43,7 @@ class _Moment:
     hand: HandEstimate | None
     seen: tuple[int, ...]
     features: tuple[Features, ...]
+    limbs: Limbs
     residual_px: float | None
 
     @property
@@ -89,12 +91,13 @@ class SilhouetteTracker:
         residual_px = self._tangency.residual_px(seen, [f.silhouette for f in features]) if exposed else None
         if (residual_px or 0.0) > MAX_TANGENT_RESIDUAL * min(f.half_width for f in features):
             return self._lost(views.t_ns, Reason.OUT_OF_STEP, residual_px)
-        joints = solve_joints(self._matrices(seen), features, self._body)
+        limbs = limbs_of(self._matrices(seen), features)
+        joints = solve_joints(limbs, features, self._body)
         problem = objection(joints)
         if joints is None or problem:
             return self._lost(views.t_ns, problem or Reason.NO_ARM, residual_px)
         hand = self._track_hand(seen, features, joints)
-        return self._found(_Moment(views.t_ns, joints, hand, seen, features, residual_px))
+        return self._found(_Moment(views.t_ns, joints, hand, seen, features, limbs, residual_px))
 
     def _matrices(self, seen: Sequence[int]) -> list[Array]:
         return [self._projections[k] for k in seen]
@@ -136,7 +139,7 @@ class SilhouetteTracker:
 
     def _judge(self, moment: _Moment) -> tuple[TrackingStatus, str]:
         """Learn while initialising; afterwards say how far the result can be trusted."""
-        reasons = doubts(self._rig, self._matrices(moment.seen), moment.features, moment.joints)
+        reasons = doubts(self._rig, moment.limbs, moment.features, moment.joints)
         if moment.hand is None:
             reasons.append(Reason.HAND_UNCLEAR)
         if (moment.residual_px or 0.0) > DOUBTED_TANGENT_RESIDUAL * min(f.half_width for f in moment.features):

@@ -17,7 +17,6 @@ from remote_site.motion import Follower
 READY_MS = 5000
 STEP_MS = 2
 WINDOW_MS = 150
-STILL_RAD_S = 0.01
 SPEED_RAD_S = 0.8
 STROKE_RAD = 0.7
 

@@ -131,7 +131,7 @@ def test_limbs_before_the_elbow_give_its_axis_back(wrist_off):
         width_px = THICK_M * FOCAL_PX / float(matrix[2, :3] @ elbow + matrix[2, 3])
         ends = (elbow - on_upper_arm, shoulder - on_upper_arm)
         features.append(view_of(matrix, on_forearm, wrist, *ends, width_px))
-    joints = solve_joints(matrices, features, Body())
+    joints = solve_joints(limbs_of(matrices, features), features, Body())
     assert joints is not None
     assert np.linalg.norm(joints.elbow - elbow) < 0.0015
     assert np.linalg.norm(joints.wrist - wrist) < 0.0015

@@ -56,7 +56,7 @@ def seen(elbow, wrist, shoulder, neck=True, upper=True, rough=0.0, cropped=True,
 
 
 def solved(features, body=None):
-    joints = solve_joints(PROJECTIONS, features, body or Body())
+    joints = solve_joints(limbs_of(PROJECTIONS, features), features, body or Body())
     assert joints is not None
     return joints
 

@@ -12,7 +12,7 @@ LEARNING = 10
 LATE_S = 0.3 * PERIOD_S
 OUT_OF_PHASE_M = {"elbow": 0.0004, "wrist": 0.0005}
 BRISK = 20
-# A third more than the mean errors measured with three or four cameras, with two of them, and with one dark.
+# At most a third more than the mean errors measured with three or four cameras, with two of them, and with one dark.
 MEAN_MM = {"elbow": 12.0, "wrist": 7.5, "index": 4.5, "thumb": 7.0}
 PAIR_MM = {"elbow": 12.0, "wrist": 10.0, "index": 3.5, "thumb": 7.0}
 DARK_MM = {"elbow": 12.0, "wrist": 13.0, "index": 16.0, "thumb": 7.0}
