@@ -16,7 +16,7 @@ from common.clock import NS_PER_MS, NS_PER_S
 from common.config import load_config
 from common.errors import InterruptionError, ProcessError
 from common.geometry import Array
-from common.messages import SessionState
+from common.messages import Engagement, SessionState
 from common.service import StopFlag
 from common.transport import open_link
 from farhand.figures import Expectation, Figures, all_figures, session_events
@@ -27,6 +27,7 @@ from farhand.recorder import Record, Recorder
 from farhand.site_process import SiteProcess
 from farhand.views import save_camera_views, save_overview
 from local_site.config import LocalConfig
+from local_site.simulation.beginning import Beginning
 from local_site.simulation.operator import SimulatedOperator
 from remote_site.config import EMULATED, RemoteConfig
 from remote_site.drivers.registry import check_driver
@@ -38,7 +39,6 @@ ENGAGE_TIMEOUT_S = 20.0
 SILENT_NS = NS_PER_S
 SETTLE_NS = 400 * NS_PER_MS  # from the opening of the hand to the toggled gripper, with room
 SETTLE_TIMEOUT_S = 3.0
-STARTS_IN_NS = 3 * NS_PER_S
 POLL_S = 0.05
 MAX_FOLLOW_MM = 50.0
 FOLLOWING = (SessionState.ENGAGED, SessionState.HOLDING)
@@ -63,16 +63,16 @@ class Operator:
     """The operator that the local site simulates, known here too for the truth."""
 
     simulated: SimulatedOperator
-    start_ns: int
+    beginning: Beginning
 
     def truth(self, t_ns: int) -> dict[str, Array]:
         """The true points at a time."""
-        truth = self.simulated.truth(max(0.0, (t_ns - self.start_ns) / NS_PER_S))
+        truth = self.simulated.truth(self.beginning.elapsed_s(t_ns))
         return {"elbow": truth.elbow, "wrist": truth.wrist, "index": truth.index, "thumb": truth.thumb}
 
     def openings(self, t_ns: int) -> int:
         """How often the hand has begun to open by a time."""
-        return self.simulated.motion.toggles_until((t_ns - self.start_ns) / NS_PER_S)
+        return self.simulated.motion.toggles_until(self.beginning.elapsed_s(t_ns))
 
 
 @dataclass(frozen=True, slots=True)
@@ -98,6 +98,7 @@ def plan_of(options: LoopbackOptions) -> Plan:
         f"links.remote={control}",
         f"links.listen={local}",
         f"simulation.motion.name={options.motion}",
+        "simulation.motion.begins=when_engaged",
         f"simulation.markers={str(options.tracker == 'markers').lower()}",
         f"tracking.method={options.tracker}",
     )
@@ -139,7 +140,9 @@ class Loopback:
             if self._should_stop():
                 raise InterruptionError("interrupted before both sites were up; nothing was measured")
             operator = self._start_local()
-            self._wait("the arm to be engaged", ENGAGE_TIMEOUT_S, self._is_engaged)
+            self._wait("the arm to be engaged", ENGAGE_TIMEOUT_S, lambda: self._engagement is not None)
+            if self._engagement is not None:
+                operator.beginning.set(self._engagement.hand_capture_ns)
             self._watch(live)
             self._settle(operator)
         return self._figures(operator, remote)
@@ -149,15 +152,15 @@ class Loopback:
         self._sites.append(SiteProcess(name, [*arguments, *extra], self._runtime))
 
     def _start_local(self) -> Operator:
-        start_ns = time.monotonic_ns() + STARTS_IN_NS
-        settings = [*self._plan.local, f"simulation.start_ns={start_ns}"]
-        local = load_config(LocalConfig, None, settings)
         views = self._options.save_views
-        self._start("local", settings, ["--save-views", str(views.resolve())] if views else [])
-        return Operator(SimulatedOperator(local.simulation), start_ns)
+        self._start("local", self._plan.local, ["--save-views", str(views.resolve())] if views else [])
+        local = load_config(LocalConfig, None, self._plan.local)
+        return Operator(SimulatedOperator(local.simulation), Beginning())
 
-    def _is_engaged(self) -> bool:
-        return bool(self.record.states) and self.record.states[-1].state is SessionState.ENGAGED
+    @property
+    def _engagement(self) -> Engagement | None:
+        """The first, at which the operator begins to move."""
+        return next((s.engagement for s in list(self.record.states) if s.engagement is not None), None)
 
     def _wait(self, what: str, timeout_s: float, is_so: Callable[[], bool]) -> None:
         deadline = time.monotonic() + timeout_s
@@ -213,10 +216,10 @@ class Loopback:
         expectation = Expectation(remote.mapping.scale, np.array(remote.mapping.base_R_operator))
         figures = all_figures(self.record, operator.truth, expectation)
         states = self.record.states
-        engaged = [s for s in states if s.engagement is not None]
-        begin_ns = engaged[0].engagement.hand_capture_ns if engaged and engaged[0].engagement else 0
-        sent = operator.openings(states[-1].t_ns) - operator.openings(begin_ns) if engaged else 0
-        figures["toggles"] = {"sent": sent, "applied": states[-1].gripper_toggles_applied if states else 0}
+        figures["toggles"] = {
+            "sent": operator.openings(states[-1].t_ns) if states else 0,
+            "applied": states[-1].gripper_toggles_applied if states else 0,
+        }
         last = states[-1] if states else None
         figures["stopped"] = last.reason if last is not None and last.state not in FOLLOWING else None
         figures["rejected"] = states[-1].rejected if states else {}

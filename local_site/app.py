@@ -1,7 +1,7 @@
 """The local site: cameras, tracking, smoothing and publishing in one loop; wiring only."""
 
 import secrets
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -53,8 +53,8 @@ def run_local(config: LocalConfig, should_stop: StopFlag, save_views: Path | Non
     cv2.setNumThreads(1)
     warm_up(config.tracking)
     try:
-        rig, cameras = _open_operator(config)
-        capture = Capture(cameras, config.capture, clock)
+        operator = _open_operator(config)
+        capture = Capture(operator.cameras, config.capture, clock)
         try:
             session = secrets.randbits(SESSION_BITS)
             wanted = config.authority
@@ -62,7 +62,7 @@ def run_local(config: LocalConfig, should_stop: StopFlag, save_views: Path | Non
                 open_link(listen=(config.links.listen,), connect=(config.links.remote,)) as link,
                 Authority(link, config.cell, wanted.name, session, automatic=wanted.automatic) as authority,
             ):
-                site = LocalSite(config, rig, capture, link, authority, clock)
+                site = LocalSite(config, operator, capture, link, authority, clock)
                 ask_for_real_time(FIFO_PRIORITY)
                 notify("READY=1")
                 structlog.get_logger().info("ready", cell=config.cell, remote=config.links.remote)
@@ -79,13 +79,22 @@ def run_local(config: LocalConfig, should_stop: StopFlag, save_views: Path | Non
         raise
 
 
-def _open_operator(config: LocalConfig) -> tuple[Rig, Sequence[Camera]]:
+@dataclass(frozen=True, slots=True)
+class Operator:
+    """The cameras that see the operator, their calibration, and who is told that the arm is engaged (ns)."""
+
+    rig: Rig
+    cameras: Sequence[Camera]
+    engaged: Callable[[int], None]
+
+
+def _open_operator(config: LocalConfig) -> Operator:
     operator = config.operator
     if operator.is_simulated:
         simulated = SimulatedCameras(config.simulation)
-        return calibrate_simulated(config.simulation), (simulated.left, simulated.right)
+        return Operator(calibrate_simulated(config.simulation), (simulated.left, simulated.right), simulated.begin)
     rig = load_rig(Path(operator.rig))
-    return rig, open_rig_cameras(rig, operator.sources, operator.fps, operator.latency_ms)
+    return Operator(rig, open_rig_cameras(rig, operator.sources, operator.fps, operator.latency_ms), lambda _t_ns: None)
 
 
 def _warn_of_drift(sentence: str) -> None:
@@ -104,21 +113,21 @@ class LocalSite:
     """The loop's body: one instant from cameras to wire."""
 
     def __init__(
-        self, config: LocalConfig, rig: Rig, capture: Capture, link: Link, authority: Authority, clock: Clock
+        self, config: LocalConfig, operator: Operator, capture: Capture, link: Link, authority: Authority, clock: Clock
     ) -> None:
         self._capture = capture
         self._authority = authority
         self._clock = clock
-        self._tracker = make_tracker(rig, config.tracking)
-        self._drift = DriftWatch(rig, config.drift, _warn_of_drift)
+        self._tracker = make_tracker(operator.rig, config.tracking)
+        self._drift = DriftWatch(operator.rig, config.drift, _warn_of_drift)
         self._smoother = make_smoother(config.smoothing)
         self._hold_ms = config.gesture.hold_ms
         self._hand = OpenHand()
-        self._matrices = rig.matrices
+        self._matrices = operator.rig.matrices
         self._publisher = HandPublisher(link.publisher(HAND, config.cell), authority.session)
         self._intents = link.latest(INTENT, config.cell, config.authority.name)
         self._intent = IntentMerge()
-        self._watch = RemoteWatch(link.latest(STATE, config.cell), authority.session)
+        self._watch = RemoteWatch(link.latest(STATE, config.cell), authority.session, operator.engaged)
         self._status: TrackingStatus | None = None
         self._seen: Seen | None = None
 

@@ -1,5 +1,7 @@
 """What the local site hears of the remote one: whether it is there, and why the arm does what it does."""
 
+from collections.abc import Callable
+
 import structlog
 
 from common.channels import STATE
@@ -10,11 +12,15 @@ from common.transport import Latest
 
 
 class RemoteWatch:
-    """Logs when the remote site comes, falls silent or changes its state, and who asks this site for the lease."""
+    """Logs when the remote site comes, falls silent or changes its state, and who asks this site for the lease.
 
-    def __init__(self, states: Latest[RobotState], session: int) -> None:
+    `engaged` is told the time of the hand's origin (ns) while the arm obeys this session or waits for it.
+    """
+
+    def __init__(self, states: Latest[RobotState], session: int, engaged: Callable[[int], None]) -> None:
         self._states = states
         self._session = session
+        self._engaged = engaged
         self._asker: str | None = None
         self._health = ChannelHealth(STATE.stale_after_ns)
         self._told: tuple[str, str] | None = None
@@ -42,7 +48,10 @@ class RemoteWatch:
             self._told = news
             structlog.get_logger().info("remote", state=state.state.value, code=state.code, reason=state.reason)
         lease = state.lease
-        asker = lease.asked_by if lease is not None and lease.session == self._session else None
+        ours = lease is not None and lease.session == self._session
+        if ours and state.engagement is not None:
+            self._engaged(state.engagement.hand_capture_ns)
+        asker = lease.asked_by if lease is not None and ours else None
         if asker not in (None, self._asker):
             structlog.get_logger().warning(
                 "another operator asks for the arm", name=asker, consent="farhand lease give"

@@ -123,7 +123,8 @@ class ControlLoop:
         self._now_ns, chain.measured = now_ns, self._reading.q
         if not self._reading.ready:
             chain.sent = self._reading.sent  # before an activation in this tick, which says better where it goes on
-        self._faults.note(self._reading.fault)
+        if self._faults.note(self._reading.fault, resting=chain.sent.resting):
+            self._wake()
         for sample in self._inbox.take():
             chain.receive(sample, now_ns)
         self._inbox.engage.poll(now_ns, self._engage)
@@ -152,8 +153,7 @@ class ControlLoop:
             return Reply(id=request.id, done=False, code=foreign.code.value, reason=foreign.sentence)
         chain.session.reset()
         if not reading.ready:
-            self._driver.activate(reading.q)
-            chain.restart_from(reading.q)
+            self._wake()
             return Reply(
                 id=request.id, done=False, code="activated", reason="the robot is awake again; engage once more"
             )
@@ -161,6 +161,11 @@ class ControlLoop:
             self._now_ns, chain.robot(ready=reading.ready, fault=str(reading.fault or ""))
         )
         return Reply(id=request.id, done=answer.done, code=answer.reason.code.value, reason=answer.reason.sentence)
+
+    def _wake(self) -> None:
+        """Have the robot take commands again where it stands."""
+        self._driver.activate(self._reading.q)
+        self._chain.restart_from(self._reading.q)
 
     def _foreign(self, operator: str) -> Reason | None:
         """Why this operator may not engage the arm; None for the lease's holder."""

@@ -55,7 +55,11 @@ class MotionConfig(Struct, frozen=True, kw_only=True, forbid_unknown_fields=True
     """What the operator does, and where he stands."""
 
     name: MotionName = "pick_and_place"
-    still_s: Annotated[float, Meta(ge=0, le=60, description="stillness before the motion begins")] = 2.0
+    begins: Annotated[
+        Literal["at_once", "when_engaged"],
+        Meta(description="with the cameras, or once the arm is engaged, as an operator waits for it"),
+    ] = "at_once"
+    still_s: Annotated[float, Meta(ge=0, le=60, description="stillness from the beginning to the first motion")] = 2.0
     tremor_mm: Annotated[float, Meta(ge=0, le=10, description="amplitude of the tremor of the wrist")] = 0.0
     shoulder: Annotated[Vector3, Meta(description="shoulder joint in the operator frame, m")] = (0.88, 0.29, 0.46)
     wrist: Annotated[Vector3, Meta(description="wrist at the start in the operator frame, m")] = (0.50, 0.45, 0.69)
@@ -80,4 +84,3 @@ class SimulationConfig(Struct, frozen=True, kw_only=True, forbid_unknown_fields=
         float,
         Meta(ge=0, lt=100, description="how much later than the left camera the right one exposes, 0 is synchronous"),
     ] = 0.0
-    start_ns: Annotated[int, Meta(ge=0)] | None = None

@@ -4,7 +4,8 @@ from collections.abc import Callable
 from dataclasses import dataclass
 
 from common.cameras.camera import Image
-from common.clock import NS_PER_S, Clock
+from common.clock import Clock
+from local_site.simulation.beginning import Beginning
 from local_site.simulation.operator import SimulatedOperator
 
 LEFT, RIGHT = 0, 1
@@ -42,8 +43,11 @@ class Pace:
 class ExposureLoop:
     """Renders the operator at the pace of the cameras; late exposures are caught up within a period, then skipped."""
 
-    def __init__(self, operator: SimulatedOperator, pace: Pace, clock: Clock, publish: Publish) -> None:
+    def __init__(
+        self, operator: SimulatedOperator, beginning: Beginning, pace: Pace, clock: Clock, publish: Publish
+    ) -> None:
         self._operator = operator
+        self._beginning = beginning
         self._pace = pace
         self._clock = clock
         self._publish = publish
@@ -56,6 +60,6 @@ class ExposureLoop:
         self._last_ns = exposure.t_ns
         self._clock.sleep_until_ns(exposure.t_ns)
         capture_ns = self._clock.now_ns()
-        t_s = (capture_ns - self._pace.start_ns) / NS_PER_S
+        t_s = self._beginning.elapsed_s(capture_ns)
         for camera, image in zip(exposure.cameras, self._operator.render(t_s, exposure.cameras), strict=True):
             self._publish(camera, image, capture_ns)

@@ -15,6 +15,7 @@ from common.clock import NS_PER_MS, NS_PER_S, MonotonicClock
 from common.errors import CameraError
 from common.service import ask_for_real_time
 from local_site.calibration.rig import Rig
+from local_site.simulation.beginning import Beginning
 from local_site.simulation.cameras import NAMES, exact_rig
 from local_site.simulation.config import SimulationConfig
 from local_site.simulation.exposures import ExposureLoop, Pace
@@ -28,6 +29,8 @@ FIFO_PRIORITY = 21
 class SimulatedCameras:
     """Two cameras before the simulated operator, exposing from `start_ns` on.
 
+    He moves from then on or waits for `begin`, as configured.
+
     Create it in the main thread: the process that renders ends with the thread that began it.
     ConfigError when the motion is out of the arm's reach.
     """
@@ -35,11 +38,16 @@ class SimulatedCameras:
     def __init__(self, config: SimulationConfig) -> None:
         operator = SimulatedOperator(config)
         clock = MonotonicClock()
-        self.start_ns = clock.now_ns() if config.start_ns is None else config.start_ns
+        self.start_ns = clock.now_ns()
+        self._beginning = Beginning()
+        if config.motion.begins == "at_once":
+            self._beginning.set(self.start_ns)
         self.rig: Rig = exact_rig(config.stereo)
         pace = Pace(self.start_ns, round(NS_PER_S / config.fps), round(config.phase_offset_ms * NS_PER_MS))
         channels = [_Channel(config.stereo.width_px, config.stereo.height_px) for _ in NAMES]
-        loop = ExposureLoop(operator, pace, clock, lambda k, image, t_ns: channels[k].publish(image, t_ns))
+        loop = ExposureLoop(
+            operator, self._beginning, pace, clock, lambda k, image, t_ns: channels[k].publish(image, t_ns)
+        )
         fork = multiprocessing.get_context("fork")
         process = fork.Process(target=_render_for_ever, args=(loop, os.getpid()), name="operator", daemon=True)
         process.start()
@@ -47,6 +55,10 @@ class SimulatedCameras:
         self.left, self.right = (
             SimulatedCamera(name, channel, self._child) for name, channel in zip(NAMES, channels, strict=True)
         )
+
+    def begin(self, t_ns: int) -> None:
+        """The operator who waited begins to move; one who moves already goes on."""
+        self._beginning.set(t_ns)
 
     @property
     def pid(self) -> int | None:

@@ -61,6 +61,7 @@ class Sites:
         deadline = time.monotonic() + seconds
         while not is_so():
             words = [f"{p.name}: {p.last_error()}" for p in self.processes]
+            words += [state.reason for state in self.record.states[-1:]]
             assert time.monotonic() < deadline, f"waited in vain for {what}: {words}"
             time.sleep(0.02)
 

@@ -100,6 +100,18 @@ def test_a_killed_control_process_is_named_and_its_robot_stops_by_itself(sites: 
     assert any("did not end in order" in line for line in again.lines)
 
 
+def test_control_that_stumbles_before_an_engagement_goes_on_by_itself(sites: Sites) -> None:
+    remote = sites.remote()
+    control = next(p for p in descendants(remote.pid) if name_of(p) == "farhand-control")
+    os.kill(control, signal.SIGSTOP)
+    time.sleep(0.3)
+    os.kill(control, signal.SIGCONT)
+    sites.wait("the driver's process to say so", lambda: any("code=command_timeout" in x for x in remote.lines), 5)
+    assert not sites.is_in(SessionState.FAULT)
+    sites.local()
+    sites.wait("the arm to be engaged", lambda: sites.is_in(SessionState.ENGAGED))
+
+
 def test_a_random_payload_is_counted_and_moves_nothing(sites: Sites) -> None:
     sites.remote()
     publisher = sites.link.publisher(HAND, CELL)

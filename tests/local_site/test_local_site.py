@@ -8,7 +8,7 @@ import local_site.app
 from common.cameras.camera import Frame
 from common.clock import NS_PER_S, FakeClock
 from common.messages import TrackingStatus
-from local_site.app import LocalSite
+from local_site.app import LocalSite, Operator
 from local_site.authority import Standing
 from local_site.calibration.rig import Rig
 from local_site.config import LocalConfig
@@ -80,7 +80,8 @@ def site(monkeypatch):
         monkeypatch.setattr(local_site.app, "make_tracker", lambda *_: BumpedLater())
         wire = Wire()
         rig = Rig(PAIR.cameras * (cameras // 2), PAIR.volume_min, PAIR.volume_max, PAIR.error_rms, "made up")
-        return LocalSite(LocalConfig(), rig, Cameras(cameras), wire, Alone(), FakeClock(0)), wire
+        operator = Operator(rig, (), lambda _t_ns: None)
+        return LocalSite(LocalConfig(), operator, Cameras(cameras), wire, Alone(), FakeClock(0)), wire
 
     return make
 

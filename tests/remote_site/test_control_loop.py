@@ -7,7 +7,7 @@ from remote_loop import TICK_NS, RemoteLoop
 
 from common.requests import EngageRequest
 from remote_site.control import ControlLoop
-from remote_site.drivers.faults import STOPPED
+from remote_site.drivers.faults import STOPPED, FaultCode, RobotFault
 from remote_site.drivers.link import RobotReport
 from remote_site.kinematics.joints import JointMotion
 
@@ -28,6 +28,18 @@ class QuickRobot:
     def write(self, command):
         self.written.append(command)
         return command
+
+
+def test_control_that_stumbled_at_rest_wakes_the_robot_again():
+    loop = RemoteLoop()
+    robot = QuickRobot(loop.config.robot.start, loop.config.robot.start)
+    robot.fault = RobotFault(FaultCode.COMMAND_TIMEOUT, "no command for 102 ms")
+    nothing = SimpleNamespace(note=lambda *_: None, publish=lambda *_: None, poll=lambda *_: None, counts={})
+    inbox = SimpleNamespace(take=list, engage=nothing, refusals=nothing)
+    control = ControlLoop(loop.chain, robot, nothing, inbox, nothing, None)
+    for k in range(1, 4):
+        control.tick(loop.clock.now_ns() + k * TICK_NS)
+    assert len(robot.written) == 2
 
 
 def test_a_robot_that_is_awake_within_a_tick_is_commanded_from_where_it_was_activated():

@@ -21,9 +21,9 @@ def engaged():
 
 def test_an_emergency_stop_latches_and_its_release_moves_nothing(engaged):
     latch = FaultLatch(engaged.session)
-    latch.note(PRESSED)
+    latch.note(PRESSED, resting=True)
     assert engaged.session.state is SessionState.FAULT
-    latch.note(None)
+    latch.note(None, resting=True)
     engaged.run(300, lambda t_ns: (0.1, 0.0, 0.3))  # noqa: ARG005
     assert engaged.session.state is SessionState.FAULT
     answer = engaged.session.request_engage(engaged.clock.now_ns(), engaged.robot)
@@ -39,15 +39,47 @@ def test_an_emergency_stop_latches_and_its_release_moves_nothing(engaged):
 
 def test_a_fault_that_lasts_is_told_once_and_can_be_reset(engaged):
     latch = FaultLatch(engaged.session)
-    latch.note(PRESSED)
+    latch.note(PRESSED, resting=True)
     engaged.session.reset()
-    latch.note(PRESSED)
+    latch.note(PRESSED, resting=True)
     assert engaged.session.state is SessionState.DISENGAGED
-    latch.note(RobotFault(FaultCode.ARM_POWER, "no power"))
+    latch.note(RobotFault(FaultCode.ARM_POWER, "no power"), resting=True)
     assert engaged.session.state is SessionState.FAULT
 
 
 @pytest.mark.parametrize("fault", [NOT_ACTIVATED, STOPPED, None])
 def test_waiting_for_activation_is_no_fault(engaged, fault):
-    FaultLatch(engaged.session).note(fault)
+    FaultLatch(engaged.session).note(fault, resting=True)
     assert engaged.session.state is SessionState.ENGAGED
+
+
+LATE = RobotFault(FaultCode.COMMAND_TIMEOUT, "no command for 102 ms")
+STILL_MOVING = RobotFault(FaultCode.REFUSED, "the arm still moves; activate it when it rests")
+
+
+@pytest.fixture
+def waiting():
+    return RemoteLoop().session
+
+
+def test_a_stumble_of_control_at_rest_before_anybody_is_engaged_is_mended(waiting):
+    latch = FaultLatch(waiting)
+    faults = [None, LATE, STILL_MOVING, STILL_MOVING, NOT_ACTIVATED, None]
+    assert [latch.note(fault, resting=True) for fault in faults] == [False, True, True, True, False, False]
+    assert waiting.state is SessionState.DISENGAGED
+    latch.note(STILL_MOVING, resting=True)
+    assert waiting.state is SessionState.FAULT
+
+
+@pytest.mark.parametrize("worse", [PRESSED, RobotFault(FaultCode.APART, "the arm is not where it was activated")])
+def test_what_is_wrong_with_the_robot_itself_is_never_mended(waiting, worse):
+    latch = FaultLatch(waiting)
+    assert latch.note(LATE, resting=True)
+    assert not latch.note(worse, resting=True)
+    assert waiting.state is SessionState.FAULT
+
+
+def test_a_stumble_that_ended_a_motion_stays_a_fault(engaged, waiting):
+    for session, resting in ((engaged.session, True), (waiting, False)):
+        assert not FaultLatch(session).note(LATE, resting=resting)
+        assert session.state is SessionState.FAULT

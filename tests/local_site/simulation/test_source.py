@@ -9,8 +9,9 @@ import time
 import numpy as np
 import pytest
 
-from common.clock import NS_PER_MS, FakeClock
+from common.clock import NS_PER_MS, NS_PER_S, FakeClock
 from common.errors import CameraError, ConfigError
+from local_site.simulation.beginning import Beginning
 from local_site.simulation.config import BodyConfig, MotionConfig, PictureConfig, SimulationConfig, StereoConfig
 from local_site.simulation.exposures import Exposure, ExposureLoop, Pace
 from local_site.simulation.frame_ring import SLOTS, FrameRing
@@ -44,7 +45,7 @@ def loop(clock, published, offset_ms=0.0):
     def keep(camera, image, t_ns):
         published.append((camera, t_ns, image))
 
-    return ExposureLoop(SimulatedOperator(SimulationConfig(stereo=SMALL)), pace, clock, keep)
+    return ExposureLoop(SimulatedOperator(SimulationConfig(stereo=SMALL)), Beginning(), pace, clock, keep)
 
 
 def test_both_views_of_a_pair_carry_the_instant_of_the_rendered_pose():
@@ -96,6 +97,23 @@ def test_the_ring_gives_the_newest_frame_once():
     assert ring.newest(frame.seq).seq == SLOTS + 3
 
 
+@pytest.mark.parametrize("begins", ["at_once", "when_engaged"])
+def test_an_operator_moves_once_he_begins(begins):
+    picture, motion = PictureConfig(noise_sigma=0.0), MotionConfig(name="figure_of_eight", begins=begins, still_s=0.0)
+    config = SimulationConfig(stereo=SMALL, fps=100.0, picture=picture, motion=motion)
+    source = SimulatedCameras(config)
+    still = SimulatedOperator(config).render(0.0)[0]
+    try:
+        time.sleep(0.5)
+        assert np.array_equal(source.left.read().image, still) == (begins == "when_engaged")
+        source.begin(time.monotonic_ns() - NS_PER_S)
+        source.begin(time.monotonic_ns() + NS_PER_S)
+        time.sleep(0.2)
+        assert not np.array_equal(source.left.read().image, still)
+    finally:
+        source.close()
+
+
 @pytest.fixture
 def cameras():
     source = SimulatedCameras(CONFIG)
@@ -139,6 +157,7 @@ def test_ctrl_c_is_left_to_the_parent(cameras):
 
 PARENT = """
 import time
+from local_site.simulation.beginning import Beginning
 from local_site.simulation.config import SimulationConfig, StereoConfig
 from local_site.simulation.source import SimulatedCameras
 cameras = SimulatedCameras(SimulationConfig(stereo=StereoConfig(width_px=160, height_px=120, focal_px=200.0)))
