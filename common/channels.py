@@ -7,7 +7,7 @@ from typing import Generic, TypeVar
 
 from common.clock import NS_PER_MS
 from common.errors import ConfigError
-from common.messages import HandArm, Message, OperatorIntent, RobotState, VideoFrame
+from common.messages import HandArm, Message, OperatorIntent, RobotState, VideoFrame, ViewsShown
 from common.requests import (
     ClockAnswer,
     ClockQuestion,
@@ -89,6 +89,24 @@ CAMERA = Channel(
     rate_hz=30.0,
     stale_after_ns=500 * NS_PER_MS,
     max_bytes=4_000_000,
+)
+PREVIEW = Channel(
+    key="farhand/{cell}/preview/{name}",
+    message=VideoFrame,
+    session=Session.CONTROL,
+    priority=Priority.DATA,
+    rate_hz=12.0,
+    stale_after_ns=500 * NS_PER_MS,
+    max_bytes=1_000_000,
+)
+SHOWN = Channel(
+    key="farhand/{cell}/shown/{name}",
+    message=ViewsShown,
+    session=Session.VIDEO,
+    priority=Priority.INTERACTIVE,
+    rate_hz=10.0,
+    stale_after_ns=1000 * NS_PER_MS,
+    max_bytes=4096,
 )
 
 

@@ -5,7 +5,7 @@ from typing import Annotated
 
 import msgspec
 
-PROTOCOL_VERSION = 3
+PROTOCOL_VERSION = 4
 
 Vector3 = tuple[float, float, float]
 Quaternion = tuple[float, float, float, float]
@@ -50,6 +50,8 @@ class CameraStatus(StrEnum):
     """Whether a camera's picture shows the cell as it is now."""
 
     LIVE = "live"
+    DARK = "dark"
+    SLOW = "slow"
     FROZEN = "frozen"
     MISSING = "missing"
 
@@ -249,3 +251,23 @@ class VideoFrame(Message, frozen=True):
     width: Annotated[int, msgspec.Meta(ge=0, le=8192)]
     height: Annotated[int, msgspec.Meta(ge=0, le=8192)]
     jpeg: bytes
+
+
+class ViewShown(msgspec.Struct, frozen=True, forbid_unknown_fields=True, kw_only=True):
+    """The newest picture of one camera that a console has painted, how old it was then, and how many it paints."""
+
+    seq: Count
+    capture_ns: Count
+    age_ms: Annotated[float, msgspec.Meta(ge=0)]
+    fps: Annotated[float, msgspec.Meta(ge=0)]
+
+
+class ViewsShown(Message, frozen=True):
+    """What the operator's console shows, at 10 Hz, so that the remote site sends as much as arrives in time.
+
+    `session` is a random number chosen at each start of the console.
+    """
+
+    session: Count
+    sent_ns: Count
+    views: Annotated[dict[Name, ViewShown], msgspec.Meta(max_length=16)]

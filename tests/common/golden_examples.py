@@ -28,6 +28,8 @@ from common.messages import (
     SessionState,
     TrackingStatus,
     VideoFrame,
+    ViewShown,
+    ViewsShown,
 )
 from common.requests import (
     CameraDescription,
@@ -130,6 +132,9 @@ VALID: dict[str, Message] = {
     "video": VIDEO,
     "engage": ENGAGE,
     "reply": REPLY,
+    "shown": ViewsShown(
+        session=99, sent_ns=10**9, views={"front_high": ViewShown(seq=7, capture_ns=9 * 10**8, age_ms=41.5, fps=29.7)}
+    ),
     "intent": OperatorIntent(sent_ns=10**9, intent=INTENT),
     "lease": LEASE,
     "lease_reply": LEASE_REPLY,
