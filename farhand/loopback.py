@@ -36,7 +36,7 @@ CELL = "loopback"
 OPERATOR_VIEWS = ("operator_left", "operator_right")
 START_TIMEOUT_S = 40.0
 ENGAGE_TIMEOUT_S = 20.0
-SILENT_NS = NS_PER_S
+SILENT_NS = 2 * NS_PER_S
 SETTLE_NS = 400 * NS_PER_MS  # from the opening of the hand to the toggled gripper, with room
 SETTLE_TIMEOUT_S = 3.0
 POLL_S = 0.05
@@ -199,7 +199,7 @@ class Loopback:
         now_ns = time.monotonic_ns()
         for name, heard_ns in (("local", self.record.last_hand_ns), ("remote", self.record.last_state_ns)):
             if now_ns - heard_ns > SILENT_NS:
-                raise ProcessError(f"the {name} site has been silent for 1 s: {self._last_word()}")
+                raise ProcessError(f"the {name} site has been silent for 2 s: {self._last_word()}")
 
     def _last_word(self) -> str:
         words = [site.last_error() for site in self._sites]

@@ -214,7 +214,7 @@ class DriverConfig(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fie
             description="without a command for so long, the robot has to be activated anew, ms; its stop begins after "
             "three missed ticks",
         ),
-    ] = 100.0
+    ] = 500.0
 
 
 class GripConfig(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):

@@ -4,14 +4,15 @@ from common.messages import SessionState
 from remote_site.drivers.faults import FaultCode, RobotFault
 from remote_site.safety.state import Session
 
-LAPSES = (FaultCode.COMMAND_TIMEOUT, FaultCode.REFUSED)  # the second while the stop of the first ends
+SILENCES = (FaultCode.COMMAND_TIMEOUT, FaultCode.WATCHDOG, FaultCode.PROCESS)  # of the remote site's own processes
+ASLEEP = (FaultCode.COMMAND_TIMEOUT, FaultCode.WATCHDOG, FaultCode.REFUSED)  # the last while the stop is ending
 
 
 class FaultLatch:
     """Hands every new fault of the robot to the session, once; waiting to be activated is none.
 
-    Nor is a time-out of the commands that found the arm at rest and nobody engaged: control stumbled, as on a machine
-    that starts everything at once, and nothing was taken from anybody.
+    Nor is a silence between the site's own processes that found the arm at rest and nobody engaged: one of them
+    stumbled, as on a machine that starts everything at once, and nothing was taken from anybody.
     """
 
     def __init__(self, session: Session) -> None:
@@ -28,10 +29,10 @@ class FaultLatch:
         if fault is not None and not fault.calm and code is not self._last and not self._lapses(fault, resting):
             self._session.fault(str(fault))
         self._last = code
-        self._lapsed = self._lapsed and fault is not None and (fault.calm or fault.code in LAPSES)
-        return self._lapsed and code in LAPSES
+        self._lapsed = self._lapsed and fault is not None and (fault.calm or fault.code in SILENCES + ASLEEP)
+        return self._lapsed and code in ASLEEP
 
     def _lapses(self, fault: RobotFault, resting: bool) -> bool:
-        if fault.code is FaultCode.COMMAND_TIMEOUT:
+        if fault.code in SILENCES:
             self._lapsed = resting and self._session.state is SessionState.DISENGAGED
-        return self._lapsed and fault.code in LAPSES
+        return self._lapsed and fault.code in SILENCES + ASLEEP

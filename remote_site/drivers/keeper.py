@@ -10,6 +10,7 @@ import numpy as np
 from common.clock import NS_PER_MS, NS_PER_S, Clock
 from common.errors import DriverError
 from common.geometry import Array
+from common.health import Silence
 from common.messages import GripperState
 from remote_site.drivers.driver import Driver, DriverSetup, JointCommand, RobotReading
 from remote_site.drivers.faults import NOT_ACTIVATED, STOPPED, FaultCode, RobotFault
@@ -66,6 +67,7 @@ class Keeper:
     def __init__(self, driver: Driver, setup: DriverSetup, clock: Clock, mark: CallMark, grip: GripWatch) -> None:
         self._driver, self._setup, self._clock, self._mark, self._grip = driver, setup, clock, mark, grip
         self._guard = JointGuard(setup.limits, setup.dt)
+        self._silence = Silence(setup.command_timeout_ns // 2)
         self._grace_ns = round(GRACE_TICKS * setup.dt * NS_PER_S)
         rate = driver.capabilities.rate_hz
         self._period_ns = 0 if rate * setup.dt > 0.99 else round(NS_PER_S / rate)
@@ -132,14 +134,17 @@ class Keeper:
         return self.phase is Phase.IDLE and (self.reading is None or not _moves(self.reading))
 
     def _watch(self, now_ns: int) -> None:
+        silent_ns = self._silence.of(max(self._heard_ns or 0, self._ordered_ns), now_ns)
         if self.phase is not Phase.ACTIVE or self._heard_ns is None:
             return
-        late_ns, silent_ns = now_ns - self._heard_ns, now_ns - max(self._heard_ns, self._ordered_ns)
+        late_ns = now_ns - self._heard_ns
         limit_ns = self._setup.command_timeout_ns
         if silent_ns > limit_ns:
             late = reason(Code.COMMAND_TIMEOUT, age_ms=silent_ns / NS_PER_MS, limit_ms=limit_ns / NS_PER_MS)
             self.stop(RobotFault(FaultCode.COMMAND_TIMEOUT, f"{late.sentence}; activate anew"))
-        elif late_ns > self._grace_ns and self._onset is None and not self.motion.resting:
+        elif late_ns > self._grace_ns and self.motion.resting:
+            self._fresh = True  # a robot at rest is told so again: only the end of this process starts its watchdog
+        elif late_ns > self._grace_ns and self._onset is None:
             self._onset = (self._heard_ns, self.motion)
             self.diversions += 1
 

@@ -8,6 +8,7 @@ import numpy as np
 
 from common.clock import NS_PER_MS, NS_PER_S, Clock
 from common.geometry import Array
+from common.health import Silence
 from common.messages import GripperState, GripperStatus
 from remote_site.drivers.driver import JointCommand
 from remote_site.drivers.faults import NOT_ACTIVATED, FaultCode, RobotFault
@@ -18,6 +19,7 @@ from remote_site.kinematics.limits import JointLimits
 from remote_site.safety.stopping import stopping
 
 SILENT_NS = 100 * NS_PER_MS
+PAUSE_NS = 50 * NS_PER_MS
 STARTING = RobotFault(FaultCode.NOT_ACTIVATED, "the driver has measured nothing yet")
 
 
@@ -51,6 +53,7 @@ class DriverLink:
         self._memory = memory
         self._limits = limits
         self._clock = clock
+        self._silence = Silence(PAUSE_NS)
         self._activation = self._diversions = 0
         self._last: JointCommand | None = None
         self._raw = memory.report.read()
@@ -61,11 +64,11 @@ class DriverLink:
         raw = self._raw = self._memory.report.read()
         report = self._decoded(raw)
         now_ns = self._clock.now_ns()
-        busy_ns = self._memory.busy.since_ns
+        busy_ns, silent_ns = self._memory.busy.since_ns, self._silence.of(raw.at_ns, now_ns)
         if busy_ns and now_ns - busy_ns > DEADLINE_NS:
             report = report._replace(fault=late_call("call", now_ns - busy_ns))
-        elif raw.at_ns and now_ns - raw.at_ns > SILENT_NS:
-            late = f"the driver's process is silent for {(now_ns - raw.at_ns) / NS_PER_MS:.0f} ms"
+        elif raw.at_ns and silent_ns > SILENT_NS:
+            late = f"the driver's process is silent for {silent_ns / NS_PER_MS:.0f} ms"
             report = report._replace(fault=RobotFault(FaultCode.PROCESS, late))
         self._report = report
         return report

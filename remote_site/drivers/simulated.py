@@ -5,12 +5,14 @@ import numpy as np
 from common.clock import NS_PER_MS, Clock
 from common.errors import DriverError
 from common.geometry import Array
+from common.health import Silence
 from remote_site.drivers.driver import Capabilities, DriverSetup, GripperReading, JointCommand, RobotReading
 from remote_site.drivers.faults import NOT_ACTIVATED, STOPPED, FaultCode, RobotFault
 from remote_site.shared_memory import CellMemory, Record
 from remote_site.simulation.controller import ControllerFault
 
 SILENT_NS = 100 * NS_PER_MS
+PAUSE_NS = 50 * NS_PER_MS
 
 WATCHDOG_MS = 100.0
 FAULTS = {
@@ -31,6 +33,7 @@ class SimulatedDriver:
     def __init__(self, memory: CellMemory, clock: Clock) -> None:
         self._memory = memory
         self._clock = clock
+        self._silence = Silence(PAUSE_NS)
         self._command = np.zeros((), dtype=memory.command.dtype)
         self._joints = len(self._command["q"])
         self._configured = False
@@ -114,4 +117,4 @@ class SimulatedDriver:
         return RobotFault(*FAULTS[fault], native=fault.name) if fault in FAULTS else STOPPED
 
     def _silent(self, reading: Record) -> bool:
-        return self._clock.now_ns() - int(reading["t_ns"]) > SILENT_NS
+        return self._silence.of(int(reading["t_ns"]), self._clock.now_ns()) > SILENT_NS

@@ -76,6 +76,7 @@ class Session:
         self._requested = False
         self._good = 0
         self._born_ns: int | None = None
+        self._ticked_ns: int | None = None
         self._trouble: Reason | None = None
 
     @property
@@ -146,6 +147,8 @@ class Session:
     def tick(self, now_ns: int, robot: Robot) -> Decision:
         """Decide what this tick does."""
         requested, self._requested = self._requested, False
+        paused_ns = now_ns - (self._ticked_ns or now_ns)
+        self._ticked_ns = now_ns
         if self.state is SessionState.FAULT:
             return self._decide(Action.STOP)
         if self.state is SessionState.DISENGAGED:
@@ -156,6 +159,9 @@ class Session:
         if self._age_ns(now_ns) > self._latch_ns:
             self._leave(_latched(self._trouble or self._stale(now_ns, self._latch_ns)))
             return self._decide(Action.STOP)
+        if paused_ns > self._soft_ns:
+            self.state, self._good = SessionState.HOLDING, 0
+            return self._decide(Action.STOP, self._paused(paused_ns))
         return self._engaged(now_ns, robot)
 
     def _accept(self, accepted: Accepted) -> None:
@@ -235,6 +241,9 @@ class Session:
 
     def _stale(self, now_ns: int, limit_ns: int) -> Reason:
         return reason(Code.STALE, age_ms=self._age_ns(now_ns) / NS_PER_MS, limit_ms=limit_ns / NS_PER_MS)
+
+    def _paused(self, paused_ns: int) -> Reason:
+        return reason(Code.PAUSED, paused_ms=paused_ns / NS_PER_MS, limit_ms=self._soft_ns / NS_PER_MS)
 
     def _collecting(self, needed: int) -> Reason:
         return reason(Code.COLLECTING, count=min(self._good, needed), needed=needed)

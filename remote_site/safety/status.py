@@ -44,6 +44,7 @@ class Code(StrEnum):
     LET_GO = "let_go"
     ROBOT_NOT_READY = "robot_not_ready"
     MOVING = "moving"
+    PAUSED = "paused"
     FAULT = "fault"
     # the target
     OUT_OF_REACH = "out_of_reach"
@@ -101,6 +102,7 @@ SENTENCES: dict[Code, str] = {
     Code.LET_GO: "disengaged: the {input} was let go",
     Code.ROBOT_NOT_READY: "the robot is not ready: {reason}",
     Code.MOVING: "the arm is still coming to rest",
+    Code.PAUSED: "control stood still for {paused_ms:.0f} ms (limit {limit_ms:.0f} ms)",
     Code.FAULT: "fault: {cause}; reset it, then engage",
     Code.OUT_OF_REACH: "the target is out of reach: its wrist is {distance_mm:.0f} mm from the shoulder, "
     "where {least_mm:.0f} to {most_mm:.0f} mm can be reached",

@@ -9,6 +9,7 @@ import numpy as np
 from common.clock import NS_PER_MS, NS_PER_S
 from common.errors import ModelError
 from common.geometry import Array
+from common.health import Silence
 from remote_site.kinematics.joints import JointMotion
 from remote_site.safety.stopping import JointStop, joint_stop
 from remote_site.shared_memory import Record
@@ -65,6 +66,7 @@ class Controller:
         self._stop_jerk = np.full(len(q0), config.stop_jerk_rad_s3)
         self._stop: _Stop | None = None
         self._arrival_ns = 0
+        self._silence = Silence(self._timeout_ns // 2)
         self._seq = -1
         self.motion = JointMotion.at_rest(q0)
         self.activation = 0
@@ -115,6 +117,7 @@ class Controller:
             self.fault = ControllerFault.APART
             return
         self._timeout_ns = min(round(self._config.watchdog_ms * NS_PER_MS), int(setup["timeout_ns"]))
+        self._silence = Silence(self._timeout_ns // 2)
         self._stop_acceleration = np.minimum(setup["acceleration"], self._config.stop_acceleration_rad_s2)
         self._stop_jerk = np.minimum(setup["jerk"], self._config.stop_jerk_rad_s3)
         self.active, self.fault = True, ControllerFault.NONE
@@ -122,11 +125,12 @@ class Controller:
         self.obeyed_seq, self.obeyed_ns = 0, 0
 
     def _take(self, command: Record, now_ns: int) -> None:
+        silent_ns = self._silence.of(self._arrival_ns, now_ns)
         if int(command["activation"]) != self.activation or not command["run"]:
             self.stop()
         elif int(command["seq"]) != self._seq:
             self._obey(command, now_ns)
-        elif self.obeyed_ns and now_ns - self._arrival_ns > self._timeout_ns:
+        elif self.obeyed_ns and silent_ns > self._timeout_ns:
             self._fail(ControllerFault.WATCHDOG)
 
     def _obey(self, command: Record, now_ns: int) -> None:

@@ -104,7 +104,7 @@ def test_control_that_stumbles_before_an_engagement_goes_on_by_itself(sites: Sit
     remote = sites.remote()
     control = next(p for p in descendants(remote.pid) if name_of(p) == "farhand-control")
     os.kill(control, signal.SIGSTOP)
-    time.sleep(0.3)
+    time.sleep(0.8)
     os.kill(control, signal.SIGCONT)
     sites.wait("the driver's process to say so", lambda: any("code=command_timeout" in x for x in remote.lines), 5)
     assert not sites.is_in(SessionState.FAULT)

@@ -83,3 +83,10 @@ def test_a_stumble_that_ended_a_motion_stays_a_fault(engaged, waiting):
     for session, resting in ((engaged.session, True), (waiting, False)):
         assert not FaultLatch(session).note(LATE, resting=resting)
         assert session.state is SessionState.FAULT
+
+
+def test_a_drivers_process_that_paused_at_rest_goes_on_without_an_activation(waiting):
+    latch = FaultLatch(waiting)
+    silent = RobotFault(FaultCode.PROCESS, "the driver's process is silent for 101 ms")
+    assert [latch.note(fault, resting=True) for fault in (silent, None)] == [False, False]
+    assert waiting.state is SessionState.DISENGAGED

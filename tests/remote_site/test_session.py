@@ -132,6 +132,16 @@ def test_age_holds_beyond_soft_and_latches_beyond_latch():
     assert rig.frames(1).action is Action.CAPTURE
 
 
+def test_control_that_stood_still_holds_and_catches_nothing_up():
+    rig = engaged()
+    rig.now_ns += 101 * NS_PER_MS
+    rig.session.sample(good(rig.now_ns))
+    decision = rig.wait(0)
+    assert (decision.state, decision.action, decision.reason.code) == (SessionState.HOLDING, Action.STOP, Code.PAUSED)
+    assert rig.frames(2).state is SessionState.HOLDING
+    assert rig.frames(1).action is Action.CAPTURE
+
+
 def test_holding_resumes_with_new_origins_after_fresh_frames_at_rest():
     rig = engaged()
     rig.wait(150)

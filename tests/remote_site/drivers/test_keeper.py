@@ -279,8 +279,34 @@ def test_a_backlog_is_not_caught_up(bench):
         backlog.append(bench.order(bench.sent))
     written = len(bench.robot.written)
     bench.turn(*backlog, ms=60)
-    assert bench.keeper.fault.code is FaultCode.COMMAND_TIMEOUT
     assert bench.robot.written[written].dq[0] < backlog[0].command.dq[0]
+    for _ in range(200):
+        bench.turn()
+    assert bench.keeper.settled
+    assert_smooth(bench.robot)
+
+
+def test_a_pause_of_the_drivers_process_itself_is_no_silence_of_control(bench):
+    bench.moving()
+    bench.stumble(13.0)
+    bench.turn(ms=60)
+    assert bench.keeper.fault is None
+    bench.sent = bench.stop_at()
+    bench.turn(bench.order(bench.sent), ms=0)
+    for _ in range(50):
+        bench.command()
+    assert bench.keeper.phase is Phase.ACTIVE
+    assert bench.keeper.diversions == 1
+
+
+def test_a_robot_at_rest_is_told_so_while_control_is_silent(bench):
+    bench.activate()
+    bench.command(JointMotion.at_rest(START))
+    written = len(bench.robot.written)
+    bench.stumble(48.0)
+    assert bench.keeper.fault is None
+    assert len(bench.robot.written) > written + 10
+    assert all((command.q == START).all() for command in bench.robot.written)
 
 
 def test_an_order_to_stop_stops_and_a_command_after_it_does_not_count(bench):

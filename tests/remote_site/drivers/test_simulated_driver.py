@@ -68,8 +68,17 @@ def test_a_cell_that_gives_no_readings_is_not_ready(bench):
 def test_a_cell_that_falls_silent_is_not_ready(bench):
     bench.ready()
     assert bench.driver.read().ready
+    for _ in range(9):
+        bench.clock.advance_ms(12)
+        reading = bench.driver.read()
+    assert reading.fault.code is FaultCode.SILENT
+
+
+def test_a_pause_of_the_reader_is_no_silence_of_the_cell(bench):
+    bench.ready()
+    assert bench.driver.read().ready
     bench.clock.advance_ms(150)
-    assert bench.driver.read().fault.code is FaultCode.SILENT
+    assert bench.driver.read().ready
 
 
 def test_it_must_be_configured_then_activated(bench):
