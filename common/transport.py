@@ -230,8 +230,9 @@ def _understood(payload: bytes, procedure: Procedure[Q, R]) -> R:
         raise RefusedError(f"the other site's answer is refused: {error}") from error
 
 
-def _check_free(endpoint: str) -> None:
-    """TransportError at once when the port is taken; zenoh would try for seconds."""
+def check_free(endpoint: str) -> None:
+    """TransportError at once when this host cannot listen there; zenoh would try for seconds."""
+    check_endpoint(endpoint)
     host, _, port = endpoint.removeprefix("tcp/").rpartition(":")
     family = socket.AF_INET6 if host.startswith("[") else socket.AF_INET
     with socket.socket(family, socket.SOCK_STREAM) as probe:
@@ -248,7 +249,7 @@ def open_link(*, listen: tuple[str, ...] = (), connect: tuple[str, ...] = ()) ->
     Listening fails at once when the port is taken; connecting goes on in the background until the other side is there.
     """
     for endpoint in listen:
-        _check_free(check_endpoint(endpoint))
+        check_free(endpoint)
     config = zenoh.Config()
     for key, value in {
         "mode": "peer",

@@ -1,5 +1,20 @@
-"""`python -m farhand`: the command line."""
+"""`farhand` and `python -m farhand`: the command line, quiet about Ctrl-C from its first import on."""
 
-from farhand.cli import main
+import sys
 
-main()
+INTERRUPTED = 130
+
+
+def main() -> None:
+    """Run the command line; an interruption before it listens to signals ends without a traceback."""
+    try:
+        from farhand.cli import main as run  # noqa: PLC0415  # importing it takes long enough to be interrupted
+
+        run()
+    except KeyboardInterrupt:
+        print("farhand: interrupted", file=sys.stderr)  # noqa: T201  # the command line's own voice
+        sys.exit(INTERRUPTED)
+
+
+if __name__ == "__main__":
+    main()

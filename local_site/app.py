@@ -14,7 +14,7 @@ from common.clock import Clock, MonotonicClock
 from common.errors import CameraError, FarhandError, MessageError
 from common.messages import TrackingStatus
 from common.service import StopFlag, ask_for_real_time, notify, start_log
-from common.transport import Link, check_endpoint, open_link
+from common.transport import Link, check_endpoint, check_free, open_link
 from local_site.authority import Authority
 from local_site.calibration.control_points import CAMERAS
 from local_site.calibration.rig import Rig
@@ -47,8 +47,8 @@ def run_local(config: LocalConfig, should_stop: StopFlag, save_views: Path | Non
     `save_views` is a folder for the last annotated operator views, written as PNG at the end.
     """
     start_log("local")
-    for endpoint in (config.links.remote, config.links.listen):
-        check_endpoint(endpoint)
+    check_endpoint(config.links.remote)
+    check_free(config.links.listen)
     clock = MonotonicClock()
     cv2.setNumThreads(1)
     warm_up(config.tracking)

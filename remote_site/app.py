@@ -11,7 +11,7 @@ from common.children import Children, Heartbeat
 from common.errors import FarhandError
 from common.messages import VideoFrame
 from common.service import StopFlag, notify, start_log
-from common.transport import Publisher, check_endpoint, open_link
+from common.transport import Publisher, check_free, open_link
 from remote_site.checks import check_robot
 from remote_site.config import EngagementMode, RemoteConfig
 from remote_site.control import run_control
@@ -31,7 +31,7 @@ def run_remote(config: RemoteConfig, should_stop: StopFlag) -> None:
     start_log("remote")
     log = structlog.get_logger()
     for endpoint in (config.links.control, config.links.video):
-        check_endpoint(endpoint)
+        check_free(endpoint)
     check_driver(config.driver.name)
     check_robot(config)
     mark = RunningMark(config.cell, config.links.control)

@@ -1,5 +1,6 @@
 """The command line as a user meets it: exit codes, and errors that name the cure without a traceback."""
 
+import socket
 import subprocess
 import sys
 from collections.abc import Callable
@@ -8,6 +9,7 @@ from pathlib import Path
 import pytest
 
 from common.config import load_config
+from farhand.__main__ import main as start
 from farhand.cli import main
 from local_site.calibration.rig_file import save_rig
 from local_site.config import LocalConfig
@@ -110,6 +112,27 @@ def test_a_process_that_cannot_run_says_why_without_a_traceback(arguments: list[
     assert done.returncode == code, done.stderr
     assert words in " ".join(done.stderr.split())
     assert "Traceback" not in done.stderr
+
+
+@pytest.mark.parametrize(("site", "key"), [("local", "links.listen"), ("remote", "links.video")])
+def test_a_site_whose_port_is_taken_says_so(site: str, key: str) -> None:
+    with socket.socket() as taken:
+        taken.bind(("127.0.0.1", 0))
+        done = farhand(site, "--set", f"{key}=tcp/127.0.0.1:{taken.getsockname()[1]}")
+    assert done.returncode == 1
+    assert "is the port taken by another site?" in done.stderr
+    assert "Traceback" not in done.stderr
+
+
+def test_ctrl_c_before_anything_listens_to_it_ends_without_a_traceback(monkeypatch, capsys) -> None:
+    def interrupted() -> None:
+        raise KeyboardInterrupt
+
+    monkeypatch.setattr("farhand.cli.main", interrupted)
+    with pytest.raises(SystemExit) as ended:
+        start()
+    assert ended.value.code == 130
+    assert capsys.readouterr().err == "farhand: interrupted\n"
 
 
 @pytest.mark.parametrize("stood", [False, True])
