@@ -31,7 +31,8 @@ CONFIG = msgspec.structs.replace(RemoteConfig(), engagement=EngagementConfig(mod
 TURN_NS = 2 * NS_PER_MS
 ASK_NS = 300 * NS_PER_MS
 TICKS_PER_STUMBLE = 400  # on the average
-STUMBLE_MS = (1, 150)
+STUMBLE_MS, LONG_STUMBLE_MS = (1, 150), (300, 900)
+LONG_SHARE = 0.25
 FOR_EVER_NS = 10**15
 
 MakeRobot = Callable[[RemoteConfig], tuple[FakeClock, Driver]]
@@ -99,14 +100,16 @@ class World:
         if self._luck.random() * TICKS_PER_STUMBLE > 1.0:
             return 0
         self.ticks.stumbles += 1
-        return round(self._luck.uniform(*STUMBLE_MS) * NS_PER_MS)
+        long = self._luck.random() < LONG_SHARE
+        return round(self._luck.uniform(*(LONG_STUMBLE_MS if long else STUMBLE_MS)) * NS_PER_MS)
 
     def _tick(self, now_ns: int) -> None:
         chain, report = self.chain, self._link.read()
         chain.measured = report.q
         if not report.ready:
             chain.sent = report.sent
-        self._latch.note(report.fault)
+        if self._latch.note(report.fault, resting=chain.sent.resting):
+            self._wake(report)
         for sample in self.operator.arrived(now_ns):
             chain.receive(sample, now_ns)
         fault = str(report.fault or "")
@@ -127,10 +130,15 @@ class World:
         self._ask_ns = now_ns + ASK_NS + round(self._luck.uniform(0, 500) * NS_PER_MS)
         session.reset()
         if not report.ready:
-            self._link.activate(report.q if report.t_ns else self.chain.sent.q)
-            self.chain.restart_from(report.q if report.t_ns else self.chain.sent.q)
+            self._wake(report)
             return
         session.request_engage(now_ns, self.chain.robot(ready=True, fault=""))
+
+    def _wake(self, report: RobotReport) -> None:
+        """Have the robot take commands again where it stands."""
+        q = report.q if report.t_ns else self.chain.sent.q
+        self._link.activate(q)
+        self.chain.restart_from(q)
 
     def _note(self, now_ns: int, step: Step, report: RobotReport) -> None:
         ticks, fault = self.ticks, report.fault
