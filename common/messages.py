@@ -240,7 +240,10 @@ class RobotState(Message, frozen=True):
 
 
 class VideoFrame(Message, frozen=True):
-    """One camera picture, or the word that there is none: `jpeg` is empty unless `status` is live."""
+    """One camera picture, or the word that there is none: `jpeg` is empty where `status` is frozen or missing.
+
+    A dark or slow camera's pictures are sent too; `reason` says what is the matter with it.
+    """
 
     camera: Name
     seq: Count

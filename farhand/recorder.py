@@ -31,6 +31,7 @@ class CameraRecord:
         """Take a frame; every fifth is decoded, since a display decodes too, and timed."""
         if frame.status is not CameraStatus.LIVE:
             self.not_live += 1
+        if not frame.jpeg:
             return
         if len(self.arrivals_ns) % DECODE_EVERY == 0:
             simplejpeg.decode_jpeg(frame.jpeg, colorspace="BGR")

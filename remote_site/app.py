@@ -6,7 +6,7 @@ from functools import partial
 import msgspec
 import structlog
 
-from common.channels import CAMERA
+from common.channels import CAMERA, SHOWN
 from common.children import Children, Heartbeat
 from common.errors import FarhandError
 from common.messages import VideoFrame
@@ -20,7 +20,8 @@ from remote_site.drivers.process import run_driver
 from remote_site.drivers.registry import check_driver
 from remote_site.running_mark import RunningMark
 from remote_site.shared_memory import CellMemory
-from remote_site.video.process import SimulatedViews, run_video
+from remote_site.video.process import Wire, run_video
+from remote_site.video.sources import SimulatedViews
 
 READY_TIMEOUT_S = 30.0
 CHECK_S = 0.1
@@ -109,4 +110,6 @@ def _video(config: RemoteConfig, memory: CellMemory | None, should_stop: StopFla
         publishers: dict[str, Publisher[VideoFrame]] = {
             camera.name: link.publisher(CAMERA, config.cell, camera.name) for camera in config.video.cameras
         }
-        run_video(config.video, views, lambda frame: publishers[frame.camera].put(frame), should_stop, heartbeat.beat)
+        shown = link.latest(SHOWN, config.cell)
+        wire = Wire(lambda frame: publishers[frame.camera].put(frame), shown.take)
+        run_video(config.video, views, wire, should_stop, heartbeat.beat)

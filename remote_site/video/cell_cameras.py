@@ -11,6 +11,8 @@ from common.errors import CameraError
 from remote_site.shared_memory import Record, SharedRecord
 from remote_site.simulation.cell import Cell
 from remote_site.simulation.scenery import ROOM_GROUP
+from remote_site.video.clock_strip import draw_clock
+from remote_site.video.config import VideoConfig
 from remote_site.video.offscreen import OffScreen
 
 MAX_GEOMS = 500
@@ -83,14 +85,18 @@ class CellRenderer:
 
 
 class CellCamera:
-    """One simulated view; a frame is stamped with the instant of the posture that it shows."""
+    """One simulated view; a frame is stamped with the instant of the posture that it shows.
+
+    With `clock` it also shows this instant, on this host's monotonic clock, to who can read it (clock_strip).
+    """
 
     noise_free = True
 
-    def __init__(self, name: str, renderer: CellRenderer, snapshot: SharedRecord) -> None:
+    def __init__(self, name: str, renderer: CellRenderer, snapshot: SharedRecord, *, clock: bool) -> None:
         self.name = name
         self._renderer = renderer
         self._snapshot = snapshot
+        self._clock = clock
         self._view = renderer.view_id(name)
         self._frame: Frame | None = None
         self._seq = 0
@@ -100,7 +106,10 @@ class CellCamera:
         snapshot = self._snapshot.read()
         capture_ns = int(snapshot["t_ns"])
         if capture_ns > (self._frame.capture_ns if self._frame else 0):
-            self._frame = Frame(self._renderer.render(self._view, snapshot["qpos"]), capture_ns, self._seq)
+            image = self._renderer.render(self._view, snapshot["qpos"])
+            if self._clock:
+                draw_clock(image, capture_ns)
+            self._frame = Frame(image, capture_ns, self._seq)
             self._seq += 1
         return self._frame
 
@@ -110,11 +119,11 @@ class CellCamera:
 
 
 def open_cell_cameras(
-    names: Sequence[str], cell: Cell, snapshot: SharedRecord, width: int, height: int
+    names: Sequence[str], cell: Cell, snapshot: SharedRecord, config: VideoConfig
 ) -> list[CellCamera]:
     """Simulated cameras by the names of their views, on one context; CameraError says what is missing."""
-    renderer = CellRenderer(cell, width, height)
-    return [CellCamera(name, renderer, snapshot) for name in names]
+    renderer = CellRenderer(cell, config.width, config.height)
+    return [CellCamera(name, renderer, snapshot, clock=config.clock) for name in names]
 
 
 def _bgr(rgba: Image) -> Image:

@@ -1,4 +1,4 @@
-"""The parameters of the video: cameras, their rate, when a picture counts as frozen."""
+"""The parameters of the video: cameras, their rate, when one is frozen or dark."""
 
 from typing import Annotated
 
@@ -32,8 +32,16 @@ class VideoConfig(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fiel
     )
     width: Annotated[int, Meta(ge=16, le=1920, description="of simulated views, pixels")] = 640
     height: Annotated[int, Meta(ge=16, le=1080, description="of simulated views, pixels")] = 480
-    fps: Annotated[float, Meta(gt=0, le=120, description="frames per second of each camera")] = 30.0
-    quality: Annotated[int, Meta(ge=10, le=100, description="JPEG quality")] = 80
+    clock: Annotated[
+        bool, Meta(description="a machine-readable clock in simulated views, to measure how old they are when seen")
+    ] = False
+    fps: Annotated[
+        float, Meta(gt=0, le=120, description="frames per second of each camera; under half of it is slow")
+    ] = 30.0
+    quality: Annotated[int, Meta(ge=10, le=100, description="JPEG quality, while the operator's link carries it")] = 80
+    dark_level: Annotated[
+        float, Meta(ge=0, le=255, description="a picture is dark whose brightness is nearly all below this, 0 to 255")
+    ] = 32.0
     frozen_ms: Annotated[float, Meta(ge=50, le=5000, description="without a new picture a camera is frozen")] = 500.0
     status_hz: Annotated[float, Meta(gt=0, le=30, description="how often a frozen or missing camera is told of")] = 5.0
     nice: Annotated[int, Meta(ge=0, le=19, description="how far the video gives way to control")] = 5

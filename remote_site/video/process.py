@@ -3,45 +3,29 @@
 import time
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
-from functools import partial
-from typing import Protocol
 
 import cv2
+import structlog
 
-from common.cameras.camera import Frame
-from common.cameras.sources import open_camera
 from common.clock import NS_PER_MS, NS_PER_S
-from common.errors import CameraError, ConfigError
-from common.messages import VideoFrame
+from common.errors import CameraError, MessageError
+from common.messages import VideoFrame, ViewsShown
 from common.service import be_nice
-from remote_site.config import RobotConfig
-from remote_site.shared_memory import CellMemory
-from remote_site.simulation.config import CellConfig
-from remote_site.video.config import SIMULATED, CameraConfig, VideoConfig
-from remote_site.video.live_camera import ThreadedCamera
+from remote_site.video.adaptation import Adaptation
+from remote_site.video.config import VideoConfig
+from remote_site.video.setting import Setting
+from remote_site.video.sources import SimulatedViews, Source, open_sources
 from remote_site.video.stream import CameraStream
 
 LIVE_POLL_NS = 5 * NS_PER_MS
 
 
-class Source(Protocol):
-    """Where pictures come from: the newest frame at once, or CameraError when there is none to be had."""
-
-    name: str
-    noise_free: bool
-
-    def newest(self) -> Frame | None: ...
-
-    def close(self) -> None: ...
-
-
 @dataclass(frozen=True, slots=True)
-class SimulatedViews:
-    """What simulated cameras show: the cell that runs, and its memory."""
+class Wire:
+    """Where pictures go, and what the operator's console says of them: its newest word once, None without news."""
 
-    cell: CellConfig
-    robot: RobotConfig
-    memory: CellMemory
+    publish: Callable[[VideoFrame], None]
+    shown: Callable[[], ViewsShown | None] = lambda: None
 
 
 @dataclass(slots=True)
@@ -51,19 +35,39 @@ class _Slot:
     period_ns: int
     due_ns: int
 
-    def serve(self, now_ns: int) -> VideoFrame | None:
+    def serve(self, setting: Setting, now_ns: int) -> VideoFrame | None:
         """The message due now, if any; deadlines already gone are skipped, not caught up."""
         self.due_ns += self.period_ns * max(1, (now_ns - self.due_ns) // self.period_ns + 1)
         try:
-            return self.stream.take(self.source.newest(), now_ns)
+            return self.stream.take(self.source.newest(), setting, now_ns)
         except CameraError as error:
             return self.stream.missing(str(error), now_ns)
+
+
+@dataclass(slots=True)
+class _Console:
+    """The operator's console as it is heard, and what follows from that; words that are none are told once."""
+
+    shown: Callable[[], ViewsShown | None]
+    adaptation: Adaptation
+    refused: bool = False
+
+    def listen(self, now_ns: int) -> None:
+        try:
+            shown = self.shown()
+        except MessageError as error:
+            if not self.refused:
+                structlog.get_logger().warning("what a console shows is refused", reason=str(error))
+            self.refused = True
+            return
+        if shown is not None:
+            self.adaptation.hear(shown, now_ns)
 
 
 def run_video(
     config: VideoConfig,
     views: SimulatedViews | None,
-    publish: Callable[[VideoFrame], None],
+    wire: Wire,
     should_stop: Callable[[], bool],
     beat: Callable[[], None],
 ) -> None:
@@ -73,46 +77,28 @@ def run_video(
     """
     be_nice(config.nice)
     cv2.setNumThreads(1)
-    slots = _open_slots(config, _open_sources(config, views))
+    slots = _open_slots(config, open_sources(config, views))
+    console = _Console(wire.shown, Adaptation(config))
     try:
         while not should_stop():
-            _serve_next(slots, publish)
+            _serve_next(slots, console, wire)
             beat()
     finally:
         for slot in slots:
             slot.source.close()
 
 
-def _serve_next(slots: Sequence[_Slot], publish: Callable[[VideoFrame], None]) -> None:
+def _serve_next(slots: Sequence[_Slot], console: _Console, wire: Wire) -> None:
     slot = min(slots, key=lambda s: s.due_ns)
     delay_ns = slot.due_ns - time.monotonic_ns()
     if delay_ns > 0:
         time.sleep(delay_ns / NS_PER_S)
-    message = slot.serve(time.monotonic_ns())
+    now_ns = time.monotonic_ns()
+    console.listen(now_ns)
+    message = slot.serve(console.adaptation.setting(slot.source.name, now_ns), now_ns)
     if message is not None:
-        publish(message)
-
-
-def _open_sources(config: VideoConfig, views: SimulatedViews | None) -> list[Source]:
-    simulated = _open_simulated(config, views)
-    return [simulated.get(camera.name) or _open_live(camera, config.fps) for camera in config.cameras]
-
-
-def _open_simulated(config: VideoConfig, views: SimulatedViews | None) -> dict[str, Source]:
-    names = [camera.name for camera in config.cameras if camera.source == SIMULATED]
-    if not names:
-        return {}
-    if views is None:
-        raise ConfigError("video: a camera is 'simulated', but no cell is simulated here; give it a device or URL")
-    from remote_site.simulation.cell import build_cell  # noqa: PLC0415  # a real cell needs no MuJoCo
-    from remote_site.video.cell_cameras import open_cell_cameras  # noqa: PLC0415
-
-    cell, snapshot = build_cell(views.cell, views.robot), views.memory.snapshot
-    return {camera.name: camera for camera in open_cell_cameras(names, cell, snapshot, config.width, config.height)}
-
-
-def _open_live(camera: CameraConfig, fps: float) -> Source:
-    return ThreadedCamera(camera.name, partial(open_camera, camera.source, camera.name, fps, camera.latency_ms))
+        wire.publish(message)
+        console.adaptation.sent(message, now_ns)
 
 
 def _open_slots(config: VideoConfig, sources: Sequence[Source]) -> list[_Slot]:

@@ -11,10 +11,12 @@ from common.codec import encode
 from common.messages import CameraStatus
 from remote_site.video.config import VideoConfig
 from remote_site.video.encode import encode_jpeg
+from remote_site.video.setting import Setting
 from remote_site.video.stream import CameraStream
 
 MS = 1_000_000
 CONFIG = VideoConfig(frozen_ms=500.0, status_hz=5.0)
+FULL = Setting(80, 1.0, 30.0)
 
 
 def picture(seed: int):
@@ -35,7 +37,7 @@ def simulated() -> CameraStream:
 
 def test_new_pictures_are_live_numbered_and_stamped_with_their_exposure():
     stream = real()
-    messages = [stream.take(frame(k, estimated=True), k * 33 * MS) for k in range(5)]
+    messages = [stream.take(frame(k, estimated=True), FULL, k * 33 * MS) for k in range(5)]
     assert [m.seq for m in messages] == [0, 1, 2, 3, 4]
     assert [m.capture_ns for m in messages] == [frame(k).capture_ns for k in range(5)]
     assert all(m.status is CameraStatus.LIVE and m.capture_estimated for m in messages)
@@ -45,21 +47,21 @@ def test_new_pictures_are_live_numbered_and_stamped_with_their_exposure():
 
 def test_the_same_frame_is_published_once():
     stream = real()
-    assert stream.take(frame(1), 0) is not None
-    assert stream.take(frame(1), 10 * MS) is None
+    assert stream.take(frame(1), FULL, 0) is not None
+    assert stream.take(frame(1), FULL, 10 * MS) is None
 
 
 def test_an_older_frame_is_never_published_after_a_newer_one():
     stream = real()
-    stream.take(frame(5), 0)
-    assert stream.take(frame(4), 10 * MS) is None
+    stream.take(frame(5), FULL, 0)
+    assert stream.take(frame(4), FULL, 10 * MS) is None
 
 
 def test_no_new_exposure_for_half_a_second_is_frozen():
     stream = real()
-    stream.take(frame(1), 0)
-    assert stream.take(frame(1), 500 * MS) is None
-    told = stream.take(frame(1), 501 * MS)
+    stream.take(frame(1), FULL, 0)
+    assert stream.take(frame(1), FULL, 500 * MS) is None
+    told = stream.take(frame(1), FULL, 501 * MS)
     assert told.status is CameraStatus.FROZEN
     assert told.jpeg == b""
     assert "side" in told.reason
@@ -68,7 +70,7 @@ def test_no_new_exposure_for_half_a_second_is_frozen():
 
 def test_identical_pictures_of_a_real_camera_are_frozen_though_freshly_stamped():
     stream = real()
-    statuses = {k: stream.take(frame(k, picture(0)), k * 33 * MS) for k in range(30)}
+    statuses = {k: stream.take(frame(k, picture(0)), FULL, k * 33 * MS) for k in range(30)}
     assert statuses[15].status is CameraStatus.LIVE
     frozen = [m for m in statuses.values() if m is not None and m.status is CameraStatus.FROZEN]
     assert frozen
@@ -78,21 +80,21 @@ def test_identical_pictures_of_a_real_camera_are_frozen_though_freshly_stamped()
 
 def test_a_simulated_view_at_rest_is_live():
     stream = simulated()
-    messages = [stream.take(frame(k, picture(0)), k * 33 * MS) for k in range(60)]
+    messages = [stream.take(frame(k, picture(0)), FULL, k * 33 * MS) for k in range(60)]
     assert all(m.status is CameraStatus.LIVE for m in messages)
 
 
 def test_a_camera_that_comes_back_is_live_at_once():
     stream = real()
-    stream.take(frame(0), 0)
-    assert stream.take(frame(0), 800 * MS).status is CameraStatus.FROZEN
-    assert stream.take(frame(40), 850 * MS).status is CameraStatus.LIVE
+    stream.take(frame(0), FULL, 0)
+    assert stream.take(frame(0), FULL, 800 * MS).status is CameraStatus.FROZEN
+    assert stream.take(frame(40), FULL, 850 * MS).status is CameraStatus.LIVE
 
 
 def test_a_camera_that_never_gave_a_picture_is_missing():
     stream = real()
-    assert stream.take(None, 0) is None
-    told = stream.take(None, 600 * MS)
+    assert stream.take(None, FULL, 0) is None
+    told = stream.take(None, FULL, 600 * MS)
     assert told.status is CameraStatus.MISSING
     assert "no picture yet" in told.reason
     assert told.capture_ns == 0
@@ -112,7 +114,7 @@ def test_only_what_is_new_is_ever_live(steps):
     stream, now_ns, k, last = real(), 0, 0, -1
     for ahead, pause_ms in steps:
         now_ns, k = now_ns + pause_ms * MS, k + ahead
-        message = stream.take(frame(k), now_ns)
+        message = stream.take(frame(k), FULL, now_ns)
         if message is not None and message.status is CameraStatus.LIVE:
             assert message.capture_ns > last
             last = message.capture_ns

@@ -4,20 +4,22 @@ import json
 import os
 import subprocess
 import sys
+import threading
 import time
 from collections import Counter
 
 import cv2
 import numpy as np
 import pytest
+from structlog.testing import capture_logs
 
 from common.cameras.camera import Frame
-from common.errors import CameraError, ConfigError
-from common.messages import CameraStatus
-from remote_site.video import process
+from common.errors import CameraError, ConfigError, MessageError
+from common.messages import CameraStatus, VideoFrame, ViewShown, ViewsShown
+from remote_site.video import process, sources
 from remote_site.video.config import CameraConfig, VideoConfig
 from remote_site.video.live_camera import ThreadedCamera
-from remote_site.video.process import run_video
+from remote_site.video.process import Wire, run_video
 
 SIMULATED_RUN = """
 import json, time
@@ -27,7 +29,8 @@ from remote_site.shared_memory import CellMemory
 from remote_site.simulation.cell import build_cell
 from remote_site.simulation.config import CellConfig
 from remote_site.video.config import VideoConfig
-from remote_site.video.process import SimulatedViews, run_video
+from remote_site.video.process import Wire, run_video
+from remote_site.video.sources import SimulatedViews
 
 memory, seen = CellMemory.create(6), []
 snapshot = np.zeros((), memory.snapshot.dtype)
@@ -42,7 +45,7 @@ def ended():
     return sum(m.status == "frozen" for m in seen) >= 4
 
 views = SimulatedViews(CellConfig(), RobotConfig(), memory)
-run_video(VideoConfig(width=160, height=120), views, seen.append, ended, beat)
+run_video(VideoConfig(width=160, height=120), views, Wire(seen.append), ended, beat)
 print(json.dumps([[m.camera, m.status, m.seq, len(m.jpeg), m.reason] for m in seen]))
 """
 
@@ -61,7 +64,7 @@ def test_four_simulated_views_are_live_until_the_cell_dies():
         pytest.skip(run.stderr.strip().splitlines()[-1])
     assert run.returncode == 0, run.stderr
     seen = json.loads(run.stdout)
-    live = Counter(camera for camera, status, *_ in seen if status == "live")
+    live = Counter(camera for camera, _, _, jpeg, _ in seen if jpeg)
     assert set(live) == {"front_high", "front_low", "side", "gripper"}
     assert max(live.values()) - min(live.values()) <= 2
     frozen = [row for row in seen if row[1] == "frozen"]
@@ -71,7 +74,7 @@ def test_four_simulated_views_are_live_until_the_cell_dies():
 
 def run_until(config: VideoConfig, enough) -> list:
     seen, deadline = [], time.monotonic() + 10
-    run_video(config, None, seen.append, lambda: enough(seen) or time.monotonic() > deadline, lambda: None)
+    run_video(config, None, Wire(seen.append), lambda: enough(seen) or time.monotonic() > deadline, lambda: None)
     return seen
 
 
@@ -95,7 +98,7 @@ def test_a_folder_of_images_stands_in_for_a_camera_and_a_missing_one_is_told(tmp
 
 def test_a_simulated_camera_needs_a_cell():
     with pytest.raises(ConfigError, match="no cell is simulated"):
-        run_video(VideoConfig(), None, lambda _: None, lambda: True, lambda: None)
+        run_video(VideoConfig(), None, Wire(lambda _: None), lambda: True, lambda: None)
 
 
 class Flaky:
@@ -134,3 +137,89 @@ def test_a_camera_that_fails_says_so_and_is_opened_again(monkeypatch):
     camera.close()
     assert len(openings) >= 3
     assert failures
+
+
+class Endless:
+    """A camera that never gives its second picture until it is let go, or one as quick as it is asked for."""
+
+    def __init__(self, name: str, hangs: threading.Event | None) -> None:
+        self.name = name
+        self._hangs = hangs
+        self._seq = 0
+
+    def read(self) -> Frame | None:
+        if self._hangs is not None and self._seq:
+            self._hangs.wait()
+            return None
+        time.sleep(0.01)
+        self._seq += 1
+        image = np.random.default_rng(self._seq).integers(0, 255, (24, 32, 3), dtype=np.uint8)
+        return Frame(image, time.monotonic_ns(), self._seq)
+
+    def close(self) -> None: ...
+
+
+def test_a_camera_that_hangs_delays_no_other_and_is_told_as_frozen(monkeypatch):
+    released = threading.Event()
+    cameras = {"side": Endless("side", None), "front": Endless("front", released)}
+    monkeypatch.setattr(sources, "open_camera", lambda _source, name, *_: cameras[name])
+    monkeypatch.setattr("remote_site.video.live_camera.LiveCamera", Endless)
+    config = VideoConfig(cameras=(CameraConfig(name="front", source="0"), CameraConfig(name="side", source="1")))
+
+    def enough(seen) -> bool:
+        return any(m.camera == "front" and m.status is CameraStatus.FROZEN for m in seen)
+
+    try:
+        seen = run_until(config, enough)
+    finally:
+        released.set()
+    assert [m.status for m in seen if m.camera == "front"] == [CameraStatus.LIVE, CameraStatus.FROZEN]
+    assert sum(m.camera == "side" and m.status is CameraStatus.LIVE for m in seen) > 10
+
+
+class Narrow:
+    """A console that shows every picture later than the one before."""
+
+    def __init__(self) -> None:
+        self.seen: list[VideoFrame] = []
+        self._told = 0
+
+    def shown(self) -> ViewsShown | None:
+        if len(self.seen) < self._told + 4:
+            return None
+        self._told = len(self.seen)
+        last = self.seen[-1]
+        view = ViewShown(seq=last.seq, capture_ns=last.capture_ns, age_ms=20.0 * last.seq, fps=30.0)
+        return ViewsShown(session=1, sent_ns=0, views={last.camera: view})
+
+
+def test_what_the_console_shows_late_is_sent_smaller(monkeypatch):
+    monkeypatch.setattr(sources, "open_camera", lambda _source, name, *_: Endless(name, None))
+    monkeypatch.setattr("remote_site.video.live_camera.LiveCamera", Endless)
+    console, deadline = Narrow(), time.monotonic() + 10
+    wire = Wire(console.seen.append, console.shown)
+    config = VideoConfig(cameras=(CameraConfig(name="side", source="0"),))
+    run_video(
+        config,
+        None,
+        wire,
+        lambda: (console.seen[-1:] and console.seen[-1].width < 32) or time.monotonic() > deadline,
+        int,
+    )
+    assert console.seen[0].width == 32
+    assert console.seen[-1].width < 32
+
+
+def test_a_console_of_another_release_is_told_once_and_delays_nothing(monkeypatch):
+    monkeypatch.setattr(sources, "open_camera", lambda _source, name, *_: Endless(name, None))
+    monkeypatch.setattr("remote_site.video.live_camera.LiveCamera", Endless)
+
+    def refuse() -> None:
+        raise MessageError("version", "version 1, this side speaks 4")
+
+    seen: list[VideoFrame] = []
+    config = VideoConfig(cameras=(CameraConfig(name="side", source="0"),))
+    with capture_logs() as logs:
+        run_video(config, None, Wire(seen.append, refuse), lambda: len(seen) > 5, int)
+    assert [entry["event"] for entry in logs] == ["what a console shows is refused"]
+    assert {m.status for m in seen} == {CameraStatus.LIVE}

@@ -1,0 +1,71 @@
+"""What was sent of one camera, what of it the console has shown, and how old that was. Pure."""
+
+from collections import deque
+from dataclasses import dataclass
+
+from common.clock import NS_PER_S
+from common.messages import ViewShown
+from remote_site.video.carrying import News
+
+MAX_UNSHOWN = 256
+AGE_BUCKET_NS = 2 * NS_PER_S
+AGE_BUCKETS = 10
+SMOOTHING = 0.3
+TOO_OLD_MS = 250.0  # late, however old the quickest are: a link that was full at first shows no quick ones
+
+
+@dataclass(frozen=True, slots=True)
+class _Sent:
+    seq: int
+    size: int
+
+
+class Ledger:
+    """One camera's account; bytes count as carried once a picture sent with or after them is shown.
+
+    `reference_bytes` is what a picture of quality 80 at full size takes, None before the first; `sent_ns` is when the
+    last one was sent.
+    """
+
+    def __init__(self) -> None:
+        self.reference_bytes: float | None = None
+        self.sent_ns = 0
+        self._unshown: deque[_Sent] = deque(maxlen=MAX_UNSHOWN)
+        self._least_ages: deque[tuple[int, float]] = deque(maxlen=AGE_BUCKETS)
+        self._shown_seq = -1
+
+    def send(self, seq: int, size: int, relative_bytes: float, now_ns: int) -> None:
+        """A picture of `size` bytes went out, made by a setting whose pictures are so large beside the reference."""
+        self._unshown.append(_Sent(seq, size))
+        self.sent_ns = now_ns
+        reference = size / relative_bytes
+        known = reference if self.reference_bytes is None else self.reference_bytes
+        self.reference_bytes = known + SMOOTHING * (reference - known)
+
+    def show(self, shown: ViewShown, now_ns: int) -> News | None:
+        """The news of this camera; None when nothing new was shown."""
+        if shown.seq <= self._shown_seq:
+            return None
+        self._shown_seq = shown.seq
+        carried = 0
+        while self._unshown and self._unshown[0].seq <= shown.seq:
+            carried += self._unshown.popleft().size
+        least_ms, waiting = self._least_age(shown.age_ms, now_ns), sum(sent.size for sent in self._unshown)
+        return News(carried, waiting, max(shown.age_ms - least_ms, shown.age_ms - TOO_OLD_MS), least_ms)
+
+    def forget(self) -> None:
+        """Another console reports, or none: nothing that it has shown counts any more."""
+        self._unshown.clear()
+        self._least_ages.clear()
+        self._shown_seq = -1
+
+    def _least_age(self, age_ms: float, now_ns: int) -> float:
+        """The least age of the last twenty seconds: what the way takes when nothing waits."""
+        bucket = now_ns // AGE_BUCKET_NS
+        while self._least_ages and self._least_ages[0][0] <= bucket - AGE_BUCKETS:
+            self._least_ages.popleft()
+        if self._least_ages and self._least_ages[-1][0] == bucket:
+            self._least_ages[-1] = (bucket, min(age_ms, self._least_ages[-1][1]))
+        else:
+            self._least_ages.append((bucket, age_ms))
+        return min(age for _, age in self._least_ages)

@@ -1,0 +1,214 @@
+"""Through links of 20 and 5 Mbit/s the pictures stay young and the cameras equal, and a free link gets full quality."""
+
+from collections import Counter
+
+import numpy as np
+import pytest
+
+from bench.video_link import REPORT_NS, Run
+from common.messages import CameraStatus, VideoFrame, ViewShown, ViewsShown
+from remote_site.video.adaptation import Adaptation, fair_share
+from remote_site.video.config import VideoConfig
+from remote_site.video.ledger import Ledger
+from remote_site.video.setting import Setting, fit
+
+MS = 1_000_000
+FULL = Setting(80, 1.0, 30.0)
+CONFIG = VideoConfig()
+# Cameras unlike each other, and unlike the table that the adaptation goes by: 29 Mbit/s at full quality together.
+FULL_BYTES = {"front_high": 22_000, "front_low": 24_000, "side": 45_000, "gripper": 30_000}
+QUALITIES, SIZES = (10, 30, 50, 70, 80, 100), (0.3, 0.4, 0.48, 0.68, 1.0, 5.0)
+
+
+def pictures(seed=1):
+    rng = np.random.default_rng(seed)
+
+    def make(camera, _seq, setting):
+        size = FULL_BYTES[camera] * np.interp(setting.quality, QUALITIES, SIZES) * setting.scale**1.9
+        return bytes(int(size * rng.uniform(0.9, 1.1)))
+
+    return make
+
+
+def ages_ms(arrivals):
+    return np.array([arrival.age_ms for arrival in arrivals])
+
+
+def mbit_s(arrivals, seconds):
+    return 8e-6 * sum(arrival.size for arrival in arrivals) / seconds
+
+
+def shares(arrivals):
+    total = Counter()
+    for arrival in arrivals:
+        total[arrival.camera] += arrival.size
+    return total
+
+
+def settings(run):
+    return [run.adaptation.setting(camera, run.now_ns) for camera in FULL_BYTES]
+
+
+@pytest.mark.parametrize("mbit", [20.0, 5.0])
+def test_pictures_stay_young_and_cameras_equal(mbit):
+    run = Run(CONFIG, pictures(), mbit)
+    run.run(5.0)
+    arrivals = run.run(30.0)
+    ages, total = ages_ms(arrivals), shares(arrivals)
+    assert np.median(ages) < 100.0
+    assert np.percentile(ages, 95) < 300.0
+    assert ages.max() < (300.0 if mbit == 20.0 else 450.0)
+    assert set(total) == set(FULL_BYTES)
+    assert max(total.values()) < 1.3 * min(total.values())
+    assert 0.6 < mbit_s(arrivals, 30.0) / mbit < 0.9
+
+
+def test_without_adaptation_the_same_link_makes_pictures_old():
+    run = Run(CONFIG, pictures(), 20.0, reports=False)
+    assert ages_ms(run.run(5.0)).max() > 1000.0
+
+
+def test_a_free_link_carries_full_quality():
+    run = Run(CONFIG, pictures(), 100.0)
+    for _ in range(100):
+        run.run(0.1)
+        assert settings(run) == [FULL] * 4
+
+
+def test_a_link_that_becomes_narrow_is_followed_within_seconds():
+    run = Run(CONFIG, pictures(), 20.0)
+    run.run(10.0)
+    run.link.mbit_s = 5.0
+    worst = ages_ms(run.run(2.0)).max()
+    assert worst < 1000.0
+    arrivals = run.run(8.0)
+    assert np.percentile(ages_ms(arrivals), 95) < 300.0
+
+
+@pytest.mark.parametrize("mbit", [5.0, 20.0])
+def test_a_link_that_becomes_free_again_carries_full_quality_within_seconds(mbit):
+    run = Run(CONFIG, pictures(), mbit)
+    run.run(10.0)
+    assert settings(run) != [FULL] * 4
+    run.link.mbit_s = 1000.0
+    run.run(6.0)
+    assert settings(run) == [FULL] * 4
+
+
+def test_a_link_that_was_full_before_the_console_reported_is_emptied():
+    run = Run(CONFIG, pictures(), 20.0)
+    run._reports = False
+    run.run(2.0)
+    run._reports = True
+    run.run(6.0)
+    assert np.percentile(ages_ms(run.run(10.0)), 95) < 300.0
+
+
+def shown(session, now_ns, seq=0, age_ms=50.0, cameras=FULL_BYTES):
+    views = {name: ViewShown(seq=seq, capture_ns=0, age_ms=age_ms, fps=30.0) for name in cameras}
+    return ViewsShown(session=session, sent_ns=now_ns, views=views)
+
+
+def frame(camera, seq, size=20_000):
+    return VideoFrame(
+        camera=camera,
+        seq=seq,
+        capture_ns=0,
+        capture_estimated=False,
+        status=CameraStatus.LIVE,
+        reason="",
+        width=1,
+        height=1,
+        jpeg=bytes(size),
+    )
+
+
+def late(adaptation, session, start_ns, reports=5):
+    """A console to which all comes later and later; the time of its last word."""
+    for k in range(reports):
+        now_ns = start_ns + k * REPORT_NS
+        for camera in FULL_BYTES:
+            adaptation.sent(frame(camera, session * 100 + k), now_ns)
+        adaptation.hear(shown(session, now_ns, session * 100 + k, 50.0 + 100.0 * k), now_ns)
+    return start_ns + (reports - 1) * REPORT_NS
+
+
+def test_without_a_console_all_is_sent_at_full_quality():
+    adaptation = Adaptation(CONFIG)
+    for k in range(300):
+        adaptation.sent(frame("side", k), k * 33 * MS)
+        assert adaptation.setting("side", k * 33 * MS) == FULL
+
+
+def test_a_console_that_falls_silent_counts_for_a_second():
+    adaptation = Adaptation(CONFIG)
+    last_ns = late(adaptation, 1, 0)
+    assert adaptation.setting("side", last_ns + 900 * MS) != FULL
+    assert adaptation.setting("side", last_ns + 1100 * MS) == FULL
+
+
+def test_the_newest_console_counts_and_an_older_one_does_not_until_it_is_silent():
+    adaptation = Adaptation(CONFIG)
+    now_ns = late(adaptation, 1, 0)
+    assert adaptation.setting("side", now_ns) != FULL
+    adaptation.hear(shown(2, now_ns, 1), now_ns)
+    assert adaptation.setting("side", now_ns) == FULL
+    now_ns = late(adaptation, 1, now_ns + 10 * MS)
+    assert adaptation.setting("side", now_ns) == FULL
+    now_ns = late(adaptation, 1, now_ns + 2000 * MS)
+    assert adaptation.setting("side", now_ns) != FULL
+
+
+def test_cameras_that_this_cell_has_not_and_old_news_change_nothing():
+    adaptation = Adaptation(CONFIG)
+    for k in range(20):
+        adaptation.hear(shown(1, k * REPORT_NS, seq=7, age_ms=5000.0 * k, cameras=("roof",)), k * REPORT_NS)
+        adaptation.hear(shown(1, k * REPORT_NS, seq=0, age_ms=0.0), k * REPORT_NS)
+    assert adaptation.setting("side", 20 * REPORT_NS) == FULL
+
+
+def test_one_late_camera_is_no_late_link():
+    adaptation = Adaptation(CONFIG)
+    for k in range(30):
+        now_ns = k * REPORT_NS
+        for camera in FULL_BYTES:
+            adaptation.sent(frame(camera, k, 2000), now_ns - 50 * MS)
+        word = shown(1, now_ns, k)
+        word.views["side"] = ViewShown(seq=k, capture_ns=0, age_ms=50.0 + 60.0 * k, fps=30.0)
+        adaptation.hear(word, now_ns)
+    assert adaptation.setting("side", now_ns) == FULL
+
+
+@pytest.mark.parametrize(
+    ("wanted", "budget", "share"),
+    [([10, 10], 10, 5), ([1, 10, 10], 9, 4), ([1, 2, 30], 12, 9), ([1, 1], 10, 8), ([], 5, 5)],
+)
+def test_what_one_camera_does_not_need_goes_to_the_others(wanted, budget, share):
+    assert fair_share(wanted, budget) >= share
+    assert sum(min(wants, fair_share(wanted, budget)) for wants in wanted) == pytest.approx(min(sum(wanted), budget))
+
+
+@pytest.mark.parametrize("full", [FULL, Setting(95, 1.0, 60.0), Setting(30, 1.0, 10.0)])
+def test_fewer_bytes_never_give_a_better_picture_and_are_kept_to(full):
+    before = (0.0, 0)
+    for rate in np.geomspace(1e3, 1e7, 200):
+        setting = fit(rate, 20_000.0, full, full)
+        taken = 20_000.0 * setting.relative_bytes * setting.fps
+        assert taken <= max(1.02 * rate, 20_000.0 * Setting(20, 0.5, 2.0).relative_bytes * 2.0 * 1.02)
+        assert 1 <= setting.quality <= full.quality
+        assert setting.fps <= full.fps
+        now = (setting.scale * setting.fps, setting.quality)
+        assert now[0] >= before[0]
+        assert now > before or now[0] == before[0]
+        before = now
+    assert setting == full
+
+
+def test_a_ledger_counts_what_came_and_what_waits():
+    ledger = Ledger()
+    for seq in range(5):
+        ledger.send(seq, 1000 + seq, 1.0, 0)
+    news = ledger.show(ViewShown(seq=2, capture_ns=0, age_ms=40.0, fps=30.0), 0)
+    assert (news.carried_bytes, news.waiting_bytes, news.delay_ms) == (3003, 2007, 0.0)
+    assert ledger.show(ViewShown(seq=2, capture_ns=0, age_ms=90.0, fps=30.0), 0) is None
+    assert ledger.show(ViewShown(seq=4, capture_ns=0, age_ms=90.0, fps=30.0), 0).delay_ms == 50.0
