@@ -60,6 +60,11 @@ class Publisher(Generic[M]):
         """Send a message; MessageError when it holds a number that is not finite."""
         self._publisher.put(encode(message))
 
+    @property
+    def has_listener(self) -> bool:
+        """Whether anybody subscribes to this key now, as far as this session has heard."""
+        return bool(self._publisher.matching_status.matching)  # type: ignore[attr-defined]  # its stub says bool
+
 
 class Latest(Generic[M]):
     """The newest messages of one key, as many as the channel's depth: older ones that nobody took are dropped."""

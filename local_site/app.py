@@ -9,7 +9,7 @@ import cv2
 import structlog
 
 from common.cameras.camera import Camera
-from common.channels import HAND, INTENT, STATE
+from common.channels import HAND, INTENT, PREVIEW, STATE
 from common.clock import Clock, MonotonicClock
 from common.errors import CameraError, FarhandError, MessageError
 from common.messages import TrackingStatus
@@ -26,6 +26,8 @@ from local_site.drift_watch import DriftWatch
 from local_site.gesture import OpenHand, observe
 from local_site.intent import IntentMerge
 from local_site.pictures import write_picture
+from local_site.preview.preview import Preview
+from local_site.preview.process import PreviewProcess
 from local_site.publisher import HandPublisher
 from local_site.remote_watch import RemoteWatch
 from local_site.rig_cameras import open_rig_cameras
@@ -54,6 +56,7 @@ def run_local(config: LocalConfig, should_stop: StopFlag, save_views: Path | Non
     warm_up(config.tracking)
     try:
         operator = _open_operator(config)
+        drawing = PreviewProcess(config.preview, operator.rig.matrices)
         capture = Capture(operator.cameras, config.capture, clock)
         try:
             session = secrets.randbits(SESSION_BITS)
@@ -62,7 +65,9 @@ def run_local(config: LocalConfig, should_stop: StopFlag, save_views: Path | Non
                 open_link(listen=(config.links.listen,), connect=(config.links.remote,)) as link,
                 Authority(link, config.cell, wanted.name, session, automatic=wanted.automatic) as authority,
             ):
-                site = LocalSite(config, operator, capture, link, authority, clock)
+                wires = {name: link.publisher(PREVIEW, config.cell, name) for name in CAMERAS[: len(operator.cameras)]}
+                preview = Preview(wires, drawing, config.preview.fps)
+                site = LocalSite(config, operator, capture, link, authority, preview, clock)
                 ask_for_real_time(FIFO_PRIORITY)
                 notify("READY=1")
                 structlog.get_logger().info("ready", cell=config.cell, remote=config.links.remote)
@@ -73,6 +78,7 @@ def run_local(config: LocalConfig, should_stop: StopFlag, save_views: Path | Non
                     site.save_views(save_views)
         finally:
             notify("STOPPING=1")
+            drawing.close()
             capture.close()
     except FarhandError as error:
         structlog.get_logger().error("ending", reason=str(error))
@@ -113,10 +119,18 @@ class LocalSite:
     """The loop's body: one instant from cameras to wire."""
 
     def __init__(
-        self, config: LocalConfig, operator: Operator, capture: Capture, link: Link, authority: Authority, clock: Clock
+        self,
+        config: LocalConfig,
+        operator: Operator,
+        capture: Capture,
+        link: Link,
+        authority: Authority,
+        preview: Preview,
+        clock: Clock,
     ) -> None:
         self._capture = capture
         self._authority = authority
+        self._preview = preview
         self._clock = clock
         self._tracker = make_tracker(operator.rig, config.tracking)
         self._drift = DriftWatch(operator.rig, config.drift, _warn_of_drift)
@@ -132,21 +146,29 @@ class LocalSite:
         self._seen: Seen | None = None
 
     def step(self) -> None:
-        """Wait for the next views, track, smooth, publish; without views, say why. CameraError once a camera ended."""
+        """Wait for the next views, track, smooth, publish; without views, say why. CameraError once a camera ended.
+
+        The preview comes last, in the time until the next views.
+        """
         views = self._capture.next(VIEWS_TIMEOUT_S)
         if views is not None:
-            self._publish(views)
+            estimate = self._publish(views)
+            self._watch.look(self._clock.now_ns())
+            self._preview.show(views, estimate)
         else:
-            self._publish_nothing_seen(self._capture.problem() or "no new views of the operator")
-        self._watch.look(self._clock.now_ns())
+            reason = self._capture.problem() or "no new views of the operator"
+            self._publish_nothing_seen(reason)
+            self._watch.look(self._clock.now_ns())
+            self._preview.say(reason, self._clock.now_ns())
 
-    def _publish(self, views: Views) -> None:
+    def _publish(self, views: Views) -> ArmEstimate:
         estimate = self._drift.judge(self._tracker.track(views))
         open_now = estimate.hand_open if estimate.wrist is not None else None
         self._hand = observe(self._hand, open_now, views.t_ns, self._hold_ms)
         self._send(self._smoother.smooth(estimate))
         self._seen = Seen(views, estimate)
         self._tell(estimate.status, estimate.reason)
+        return estimate
 
     def _publish_nothing_seen(self, reason: str) -> None:
         self._send(ArmEstimate(self._clock.now_ns(), TrackingStatus.LOST, reason))

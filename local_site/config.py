@@ -10,6 +10,7 @@ from common.channels import check_cell_name
 from local_site.calibration.drift import DriftConfig
 from local_site.operator_name import host_operator
 from local_site.pairing import PairingConfig
+from local_site.preview.config import PreviewConfig
 from local_site.simulation.config import SimulationConfig
 from local_site.smoothing import SmoothingConfig
 from local_site.tracking.choice import TrackingConfig
@@ -90,6 +91,7 @@ class LocalConfig(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fiel
     gesture: GestureConfig = field(default_factory=GestureConfig)
     authority: AuthorityConfig = field(default_factory=AuthorityConfig)
     drift: DriftConfig = field(default_factory=DriftConfig)
+    preview: PreviewConfig = field(default_factory=PreviewConfig)
     simulation: SimulationConfig = field(default_factory=SimulationConfig)
 
     def __post_init__(self) -> None:

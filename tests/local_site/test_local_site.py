@@ -12,6 +12,7 @@ from local_site.app import LocalSite, Operator
 from local_site.authority import Standing
 from local_site.calibration.rig import Rig
 from local_site.config import LocalConfig
+from local_site.preview.preview import Preview
 from local_site.simulation.cameras import exact_rig
 from local_site.simulation.config import StereoConfig
 from local_site.tracking.tracker import ArmEstimate, View, Views
@@ -64,6 +65,13 @@ class Alone:
         return Standing()
 
 
+class NoDrawing:
+    """Draws nothing."""
+
+    def take(self):
+        return []
+
+
 class BumpedLater:
     """A tracker whose views stop to fit together when a camera is bumped."""
 
@@ -81,7 +89,9 @@ def site(monkeypatch):
         wire = Wire()
         rig = Rig(PAIR.cameras * (cameras // 2), PAIR.volume_min, PAIR.volume_max, PAIR.error_rms, "made up")
         operator = Operator(rig, (), lambda _t_ns: None)
-        return LocalSite(LocalConfig(), operator, Cameras(cameras), wire, Alone(), FakeClock(0)), wire
+        return LocalSite(
+            LocalConfig(), operator, Cameras(cameras), wire, Alone(), Preview({}, NoDrawing(), 12.0), FakeClock(0)
+        ), wire
 
     return make
 
