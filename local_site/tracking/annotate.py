@@ -4,6 +4,7 @@ from collections.abc import Iterator
 
 import cv2
 import numpy as np
+from numpy.typing import NDArray
 
 from common.cameras.camera import Image
 from common.geometry import Array
@@ -41,8 +42,8 @@ def annotate(image: Image, estimate: ArmEstimate, view: int, projection: Array |
 
     With the camera's `projection` (3, 4), an ellipse of two sigma surrounds every point that has a covariance.
     """
-    coloured = np.repeat(image[..., None], 3, axis=2) if image.ndim == 2 else image[..., :3]
-    canvas: Image = np.array(coloured, dtype=np.uint8, order="C")
+    coloured = cv2.cvtColor(image, cv2.COLOR_GRAY2BGR) if image.ndim == 2 else image[..., :3].copy()
+    canvas: Image = np.ascontiguousarray(coloured, dtype=np.uint8)
     if view < len(estimate.overlays):
         _draw_shape(canvas, estimate.overlays[view])
         for name in POINTS:
@@ -77,8 +78,7 @@ def _draw_point(canvas: Image, name: str, estimate: ArmEstimate, overlay: Overla
         return
     if projection[2, :3] @ place + projection[2, 3] > 0:
         outline = sigma_outline(projection, place, covariance) + pixel
-        fixed = [np.array([_fixed(corner) for corner in outline], dtype=np.int32)]
-        cv2.polylines(canvas, fixed, isClosed=True, color=POINTS[name], lineType=cv2.LINE_AA, shift=SHIFT)
+        cv2.polylines(canvas, [_all_fixed(outline)], isClosed=True, color=POINTS[name], lineType=cv2.LINE_AA, shift=SHIFT)
 
 
 def sigma_outline(projection: Array, place: Array, covariance: Array) -> Array:
@@ -150,5 +150,10 @@ def _write(canvas: Image, text: str, at: tuple[int, int], colour: Colour) -> Non
 
 def _fixed(point: Array) -> tuple[int, int]:
     """A pixel in OpenCV's fixed-point drawing coordinates, kept within what they can hold."""
-    x, y = np.clip(np.nan_to_num(point), -1e4, 1e4) * (1 << SHIFT)
-    return round(float(x)), round(float(y))
+    ((x, y),) = _all_fixed(point[None]).tolist()
+    return x, y
+
+
+def _all_fixed(points: Array) -> NDArray[np.int32]:
+    """Pixels (n, 2) in the same coordinates."""
+    return np.rint(np.clip(np.nan_to_num(points), -1e4, 1e4) * (1 << SHIFT)).astype(np.int32)
