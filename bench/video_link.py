@@ -1,6 +1,7 @@
 """A link of so many bits a second, first in, first out, and behind it a viewer that reports what it shows."""
 
 import itertools
+import math
 from collections import deque
 from collections.abc import Callable
 from dataclasses import dataclass, field
@@ -31,11 +32,17 @@ class Arrival:
 
 @dataclass
 class Link:
-    """A queue without end; `mbit_s` may change while it runs."""
+    """A queue of so many bytes, beyond which a picture is lost; `mbit_s` may change while it runs."""
 
     mbit_s: float
+    holds_bytes: float = math.inf
     queue: deque[tuple[int, VideoFrame]] = field(default_factory=deque)
     credit_bits: float = 0.0
+
+    def put(self, frame: VideoFrame, ready_ns: int) -> None:
+        """A picture comes to the queue, to be sent not before it is ready."""
+        if sum(len(waiting.jpeg) for _, waiting in self.queue) + len(frame.jpeg) <= self.holds_bytes:
+            self.queue.append((ready_ns, frame))
 
     def tick(self, now_ns: int) -> list[VideoFrame]:
         """What has come through by now, a tick after the last call."""
@@ -107,7 +114,7 @@ class Run:
             jpeg=self._picture(camera, seq, setting),
         )
         self.adaptation.sent(frame, self.now_ns)
-        self.link.queue.append((self.now_ns + DELAY_NS, frame))
+        self.link.put(frame, self.now_ns + DELAY_NS)
 
     def _show(self, frame: VideoFrame) -> None:
         age_ms = (self.now_ns - frame.capture_ns) / NS_PER_MS + MAKE_AND_PAINT_MS

@@ -248,9 +248,12 @@ def check_free(endpoint: str) -> None:
             raise TransportError(f"cannot listen at {endpoint}: {error}; is the port taken by another site?") from error
 
 
-def open_link(*, listen: tuple[str, ...] = (), connect: tuple[str, ...] = ()) -> Link:
+def open_link(
+    *, listen: tuple[str, ...] = (), connect: tuple[str, ...] = (), send_buffer_bytes: int | None = None
+) -> Link:
     """Open a session at explicit endpoints; TransportError when one is refused or cannot be opened.
 
+    `send_buffer_bytes` is how much may wait in each connection, None for the system's choice, which is megabytes.
     Listening fails at once when the port is taken; connecting goes on in the background until the other side is there.
     """
     for endpoint in listen:
@@ -265,6 +268,7 @@ def open_link(*, listen: tuple[str, ...] = (), connect: tuple[str, ...] = ()) ->
         "scouting/multicast/enabled": False,
         "scouting/gossip/enabled": False,
         "transport/link/protocols": ["tcp"],
+        "transport/link/tcp/so_sndbuf": send_buffer_bytes,
         "transport/link/tx/lease": LEASE_MS,
         "transport/link/tx/keep_alive": KEEP_ALIVES_PER_LEASE,
         "transport/unicast/open_timeout": OPEN_TIMEOUT_MS,

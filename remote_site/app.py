@@ -25,6 +25,7 @@ from remote_site.video.sources import SimulatedViews
 
 READY_TIMEOUT_S = 30.0
 CHECK_S = 0.1
+VIDEO_SEND_BUFFER_BYTES = 1 << 18  # more would only make pictures old on a narrow link
 
 
 def run_remote(config: RemoteConfig, should_stop: StopFlag) -> None:
@@ -106,7 +107,7 @@ def run_cell_child(config: RemoteConfig, memory: CellMemory, should_stop: StopFl
 
 def _video(config: RemoteConfig, memory: CellMemory | None, should_stop: StopFlag, heartbeat: Heartbeat) -> None:
     views = SimulatedViews(config.simulation, config.robot, memory) if memory is not None else None
-    with open_link(listen=(config.links.video,)) as link:
+    with open_link(listen=(config.links.video,), send_buffer_bytes=VIDEO_SEND_BUFFER_BYTES) as link:
         publishers: dict[str, Publisher[VideoFrame]] = {
             camera.name: link.publisher(CAMERA, config.cell, camera.name) for camera in config.video.cameras
         }

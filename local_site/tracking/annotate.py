@@ -78,7 +78,9 @@ def _draw_point(canvas: Image, name: str, estimate: ArmEstimate, overlay: Overla
         return
     if projection[2, :3] @ place + projection[2, 3] > 0:
         outline = sigma_outline(projection, place, covariance) + pixel
-        cv2.polylines(canvas, [_all_fixed(outline)], isClosed=True, color=POINTS[name], lineType=cv2.LINE_AA, shift=SHIFT)
+        cv2.polylines(
+            canvas, [_all_fixed(outline)], isClosed=True, color=POINTS[name], lineType=cv2.LINE_AA, shift=SHIFT
+        )
 
 
 def sigma_outline(projection: Array, place: Array, covariance: Array) -> Array:

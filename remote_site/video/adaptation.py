@@ -91,7 +91,7 @@ class Adaptation:
         }
 
     def _chosen(self, wanted: Mapping[str, float]) -> dict[str, Setting]:
-        budget = self._carrying.budget
+        budget = self._carrying.budget(sum(wanted.values()))
         if budget is None:
             return dict.fromkeys(self._ledgers, self._full)
         share = fair_share(wanted.values(), budget)
@@ -116,6 +116,7 @@ def fair_share(wanted: Iterable[float], budget: float) -> float:
 def together(news: Sequence[News]) -> News:
     """The news of all cameras as one: sums of bytes, medians of times, so that one late camera is not a late link."""
     return News(
+        sum(told.sent_bytes for told in news),
         sum(told.carried_bytes for told in news),
         sum(told.waiting_bytes for told in news),
         statistics.median(told.delay_ms for told in news),

@@ -33,11 +33,13 @@ class Ledger:
         self._unshown: deque[_Sent] = deque(maxlen=MAX_UNSHOWN)
         self._least_ages: deque[tuple[int, float]] = deque(maxlen=AGE_BUCKETS)
         self._shown_seq = -1
+        self._sent_bytes = 0
 
     def send(self, seq: int, size: int, relative_bytes: float, now_ns: int) -> None:
         """A picture of `size` bytes went out, made by a setting whose pictures are so large beside the reference."""
         self._unshown.append(_Sent(seq, size))
         self.sent_ns = now_ns
+        self._sent_bytes += size
         reference = size / relative_bytes
         known = reference if self.reference_bytes is None else self.reference_bytes
         self.reference_bytes = known + SMOOTHING * (reference - known)
@@ -47,17 +49,18 @@ class Ledger:
         if shown.seq <= self._shown_seq:
             return None
         self._shown_seq = shown.seq
-        carried = 0
+        carried, sent, self._sent_bytes = 0, self._sent_bytes, 0
         while self._unshown and self._unshown[0].seq <= shown.seq:
             carried += self._unshown.popleft().size
-        least_ms, waiting = self._least_age(shown.age_ms, now_ns), sum(sent.size for sent in self._unshown)
-        return News(carried, waiting, max(shown.age_ms - least_ms, shown.age_ms - TOO_OLD_MS), least_ms)
+        least_ms, waiting = self._least_age(shown.age_ms, now_ns), sum(one.size for one in self._unshown)
+        return News(sent, carried, waiting, max(shown.age_ms - least_ms, shown.age_ms - TOO_OLD_MS), least_ms)
 
     def forget(self) -> None:
         """Another console reports, or none: nothing that it has shown counts any more."""
         self._unshown.clear()
         self._least_ages.clear()
         self._shown_seq = -1
+        self._sent_bytes = 0
 
     def _least_age(self, age_ms: float, now_ns: int) -> float:
         """The least age of the last twenty seconds: what the way takes when nothing waits."""

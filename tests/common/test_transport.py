@@ -4,13 +4,13 @@ import socket
 import sys
 import threading
 import time
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from pathlib import Path
 
 import msgspec
 import pytest
 
-from common.channels import ENGAGE, HAND
+from common.channels import ENGAGE, HAND, PREVIEW
 from common.codec import encode
 from common.errors import MessageError, TransportError
 from common.messages import HandArm
@@ -34,6 +34,14 @@ def links() -> Iterator[tuple[Link, Link]]:
     endpoint = free_endpoint()
     with open_link(listen=(endpoint,)) as server, open_link(connect=(endpoint,)) as client:
         yield server, client
+
+
+def wait_until(is_so: Callable[[], bool]) -> None:
+    deadline = time.monotonic() + WAIT_S
+    while not is_so():
+        if time.monotonic() > deadline:
+            raise AssertionError("waited in vain")
+        time.sleep(0.01)
 
 
 def until_received(publisher: Publisher[HandArm], latest: Latest[HandArm], message: HandArm) -> HandArm:
@@ -133,6 +141,19 @@ def test_an_expired_request_and_one_that_would_never_expire_are_refused(
     assert handled == [1]
     assert payloads
     assert code in payloads[0]
+
+
+def test_a_publisher_knows_whether_anybody_listens() -> None:
+    endpoint = free_endpoint()
+    with open_link(listen=(endpoint,), send_buffer_bytes=1 << 18) as server:
+        publisher = server.publisher(PREVIEW, "lab", "left")
+        assert not publisher.has_listener
+        with open_link(connect=(endpoint,)) as client:
+            latest = client.latest(PREVIEW, "lab")
+            wait_until(lambda: publisher.has_listener)
+            publisher.put(golden.VIDEO)
+            wait_until(lambda: latest.take() == golden.VIDEO)
+        wait_until(lambda: not publisher.has_listener)
 
 
 def test_nobody_answering_is_an_error() -> None:
