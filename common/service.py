@@ -81,3 +81,8 @@ def ask_for_real_time(priority: int) -> bool:
 def be_nice(increment: int) -> None:
     """Give way to the processes that control the robot."""
     os.nice(increment)
+
+
+def be_idle() -> None:
+    """Run only while nobody else wants the processor: for work that may come late or not at all."""
+    os.sched_setscheduler(0, os.SCHED_IDLE, os.sched_param(0))

@@ -12,4 +12,3 @@ class PreviewConfig(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fi
     fps: Annotated[float, Meta(gt=0, le=60, description="pictures per second of each view, at most")] = 12.0
     width: Annotated[int, Meta(ge=160, le=3840, description="pixels; a narrower view stays as it is")] = 640
     quality: Annotated[int, Meta(ge=10, le=100, description="JPEG quality")] = 70
-    nice: Annotated[int, Meta(ge=0, le=19, description="how far the drawing gives way to all else")] = 10

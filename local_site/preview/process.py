@@ -1,5 +1,6 @@
-"""The process that draws the previews: forked before the loop asks for real time, nice, and never waited for."""
+"""The process that draws the previews: forked before the loop asks for real time, idle, and never waited for."""
 
+import os
 from collections.abc import Sequence
 
 import cv2
@@ -9,7 +10,7 @@ import structlog
 from common.children import Children, Heartbeat
 from common.clock import NS_PER_MS
 from common.geometry import Array
-from common.service import StopFlag, be_nice
+from common.service import StopFlag, be_idle
 from local_site.preview.config import PreviewConfig
 from local_site.preview.drawing import Drawn, Order, draw, order_of
 from local_site.preview.mailbox import Mailbox
@@ -53,7 +54,10 @@ class PreviewProcess:
             structlog.get_logger().error(event, cure=cure)
 
     def close(self) -> None:
-        """End the process."""
+        """End the process, which has its turn like others for that."""
+        process = self._child.process
+        if process.pid is not None and process.is_alive():
+            os.sched_setscheduler(process.pid, os.SCHED_OTHER, os.sched_param(0))
         self._children.end()
 
 
@@ -68,7 +72,7 @@ class _Drawing:
 
     def run(self, should_stop: StopFlag, heartbeat: Heartbeat) -> None:
         """Draw what comes until asked to stop."""
-        be_nice(self._config.nice)
+        be_idle()
         # Zero and not one: one would wait for OpenCV's worker threads, which a forked process has not.
         cv2.setNumThreads(0)
         while not should_stop():

@@ -19,7 +19,7 @@ from local_site.tracking.tracker import ArmEstimate, Overlay, View, Views
 MS = 1_000_000
 CAMERA = np.array([[500.0, 0.0, 160.0, 0.0], [0.0, 500.0, 120.0, 0.0], [0.0, 0.0, 1.0, 1.0]])
 RNG = np.random.default_rng(2)
-CONFIG = PreviewConfig(nice=0)
+CONFIG = PreviewConfig()
 
 
 def views(t_ns=33 * MS, count=2, colour=False):
