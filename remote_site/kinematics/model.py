@@ -17,7 +17,7 @@ BOUNDED_JOINTS = ("JointModelR", "JointModelP")
 
 @dataclass(frozen=True, slots=True)
 class LinkGeometry:
-    """A joint's frame in the one before it (4 x 4), and the axis in its own frame that it turns about or slides along."""
+    """A joint's frame in the one before it (4 x 4), and the axis in its own that it turns about or slides along."""
 
     parent_T_joint: Array
     axis: tuple[float, float, float]
