@@ -3,9 +3,10 @@
 from collections import deque
 from dataclasses import dataclass, field
 
+import numpy as np
+
 from common.clock import NS_PER_MS, NS_PER_S, ClockEstimate
 from common.messages import RobotState
-from common.rate import percentile_of
 
 MINUTE_NS = 60 * NS_PER_S
 MOST = 4096
@@ -26,13 +27,14 @@ class Window:
         """Newest value of the last second, p50 and p95 of the last minute, and how many there were."""
         while self._values and now_ns - self._values[0][0] > MINUTE_NS:
             self._values.popleft()
-        ordered = sorted(value for _, value in self._values)
+        values = [value for _, value in self._values]
+        p50, p95 = np.percentile(values, (50, 95)).tolist() if values else (None, None)
         fresh = self._values and now_ns - self._values[-1][0] < NS_PER_S
         return {
             "newest": self._values[-1][1] if fresh else None,
-            "p50": percentile_of(ordered, 50) if ordered else None,
-            "p95": percentile_of(ordered, 95) if ordered else None,
-            "count": len(ordered),
+            "p50": p50,
+            "p95": p95,
+            "count": len(values),
         }
 
 

@@ -2,6 +2,7 @@
 import { distance, frames, fromPose, origin } from "./kinematics.js";
 import { Orbit } from "./orbit.js";
 import { sized, tones } from "./surface.js";
+import { put } from "./words.js";
 
 const AXIS_M = 0.08;
 const EDGES = [[0, 1], [0, 2], [0, 4], [1, 3], [1, 5], [2, 3], [2, 6], [3, 7], [4, 5], [4, 6], [5, 7], [6, 7]];
@@ -14,7 +15,7 @@ export class ArmRoom {
   #orbit = new Orbit(this.#canvas, () => this.#ask());
   #cell = null;
   #robot = null;
-  #asked = false;
+  #asked = null;
 
   constructor() {
     new ResizeObserver(() => this.#ask()).observe(this.#canvas);
@@ -31,10 +32,8 @@ export class ArmRoom {
   }
 
   #ask() {
-    if (this.#asked) return;
-    this.#asked = true;
-    requestAnimationFrame(() => {
-      this.#asked = false;
+    this.#asked ??= requestAnimationFrame(() => {
+      this.#asked = null;
       this.#draw();
     });
   }
@@ -46,7 +45,7 @@ export class ArmRoom {
     if (robot.target !== null) words.push(`hand's target ${(1000 * distance(robot.target.position, tool)).toFixed(0)} mm away`);
     if (robot.min_distance !== null) words.push(`nearest ${(robot.min_distance * 1000).toFixed(0)} mm`);
     if (robot.silent) words.push("as last heard: the remote site is silent");
-    this.#words.textContent = words.join(" · ");
+    put(this.#words, words.join(" · "));
   }
 
   #draw() {
@@ -59,9 +58,10 @@ export class ArmRoom {
     drawGround(pen, tone.edge);
     drawBox(pen, cell.workspace_min, cell.workspace_max, tone.box);
     if (this.#robot === null) return;
+    this.#brush.globalAlpha = 0.4;
+    drawArm(pen, frames(cell, this.#robot.q_commanded), tone.commanded, 14);
     this.#brush.globalAlpha = this.#robot.silent ? 0.4 : 1;
-    drawArm(pen, frames(cell, this.#robot.q_commanded), tone.commanded, 4);
-    drawArm(pen, frames(cell, this.#robot.q), tone.measured, 8);
+    drawArm(pen, frames(cell, this.#robot.q), tone.measured, 7);
     if (this.#robot.target !== null) drawTarget(pen, fromPose(this.#robot.target), tone.target);
     this.#brush.globalAlpha = 1;
   }
@@ -110,7 +110,7 @@ function drawBox(pen, low, high, tone) {
 function drawArm(pen, found, tone, width) {
   const points = found.map(origin);
   pen.line(points, tone, width);
-  for (const point of points.slice(0, -1)) pen.disc(point, tone, 0.75 * width);
+  for (const point of points.slice(0, -1)) pen.disc(point, tone, 0.7 * width);
   drawAxes(pen, found.at(-1), tone, 2);
 }
 

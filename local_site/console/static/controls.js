@@ -1,4 +1,6 @@
 // The operator's controls: who operates, engaging, scales, clutch and locks, and the facts beside them.
+import { mark, put } from "./words.js";
+
 const KEYS = { e: "engage", d: "disengage", r: "reset", c: "clutch" };
 const element = (id) => document.getElementById(id);
 
@@ -50,31 +52,31 @@ export class Controls {
 
   #showSeat(seat) {
     const who = seat.who === null ? "nobody operates" : `${seat.who} operates`;
-    element("seat").textContent = this.#operates ? `you operate, as page ${seat.page}` : `you watch; ${who}`;
-    element("seat-button").textContent = this.#operates ? "Leave the controls" : "Take the controls";
+    put(element("seat"), this.#operates ? `you operate (page ${seat.page})` : `you watch; ${who}`);
+    put(element("seat-button"), this.#operates ? "Leave controls" : "Take controls");
     element("seat-button").disabled = !this.#mayOperate;
   }
 
   #showIntent(intent) {
     this.#put("scale", intent.scale);
     this.#put("rotation", intent.rotation_scale);
-    for (const lock of this.#locks) lock.setAttribute("aria-pressed", String(intent.locks[lock.dataset.lock]));
+    for (const lock of this.#locks) mark(lock, "aria-pressed", intent.locks[lock.dataset.lock]);
   }
 
   #put(id, value) {
     if (document.activeElement !== element(id)) element(id).value = value;
-    element(`${id}-value`).textContent = value.toFixed(2);
+    put(element(`${id}-value`), value.toFixed(2));
   }
 
   #showFacts(robot, hand) {
-    element("hand").textContent = hand === null || hand.silent ? "the local site is silent" : handWords(hand);
-    element("gripper").textContent = gripperWords(robot?.gripper ?? null);
-    element("lease").textContent = leaseWords(robot);
+    put(element("hand"), hand === null || hand.silent ? "the local site is silent" : handWords(hand));
+    put(element("gripper"), gripperWords(robot?.gripper ?? null));
+    put(element("lease"), leaseWords(robot));
     const asked = robot?.lease?.asked_by ?? null;
     const button = element("lease-button");
     button.hidden = !this.#operates || (robot?.lease != null && asked === null);
     button.dataset.action = asked === null ? "take" : "give";
-    button.textContent = asked === null ? "Take the lease" : `Hand over to ${asked}`;
+    put(button, asked === null ? "Take the lease" : `Hand over to ${asked}`);
   }
 
   #key(event) {

@@ -33,7 +33,7 @@ export class HoldKey {
   #set(down) {
     if (this.down === down) return;
     this.down = down;
-    this.#button.setAttribute("aria-pressed", String(down));
+    this.#button.setAttribute("aria-pressed", down);
     this.#changed();
   }
 }

@@ -1,5 +1,6 @@
 // How long things take: a graph of the last minute, the figures beside it, and one sample's way.
 import { sized, tones } from "./surface.js";
+import { put } from "./words.js";
 
 const MINUTE_MS = 60_000;
 const STRETCHES = {
@@ -19,6 +20,7 @@ export class LatencyRoom {
   #cells = new Map();
   #points = new Map(Object.keys(STRETCHES).map((name) => [name, []]));
   #drawnMs = 0;
+  #highest = [];
 
   constructor() {
     const body = document.getElementById("latency-figures");
@@ -42,14 +44,15 @@ export class LatencyRoom {
     if (nowMs - this.#drawnMs < DRAWN_MS) return;
     this.#drawnMs = nowMs;
     for (const [name, figures] of Object.entries(latency)) this.#note(name, figures, nowMs);
+    this.#highest = Object.values(latency).map((figures) => figures.p95 ?? 0); // what is rarer is cut off
     this.#draw(nowMs);
-    if (trace !== null) this.#trace.textContent = traceWords(trace);
+    if (trace !== null) put(this.#trace, traceWords(trace));
   }
 
   #note(name, figures, nowMs) {
     this.#cells.get(name).forEach((cell, k) => {
       const value = [figures.newest, figures.p50, figures.p95][k];
-      cell.textContent = value === null ? "–" : value.toFixed(value < 10 ? 1 : 0);
+      put(cell, value === null ? "–" : value.toFixed(value < 10 ? 1 : 0));
     });
     const points = this.#points.get(name);
     points.push([nowMs, figures.newest]);
@@ -59,12 +62,12 @@ export class LatencyRoom {
   #draw(nowMs) {
     const { width, height } = sized(this.#canvas, this.#brush);
     const tone = tones("edge", "faint", ...Object.values(STRETCHES).map(([, name]) => name));
-    const most = niceCeiling(Math.max(10, ...[...this.#points.values()].flat().map(([, value]) => value ?? 0)));
+    const most = niceCeiling(Math.max(10, ...this.#highest));
     this.#brush.clearRect(0, 0, width, height);
     this.#scale(width, height, most, tone);
     for (const [name, [, colour]] of Object.entries(STRETCHES)) {
       this.#line(this.#points.get(name), ([t, value]) => [
-        width * (1 - (nowMs - t) / MINUTE_MS), height - 2 - (value / most) * (height - 14),
+        width * (1 - (nowMs - t) / MINUTE_MS), height - 2 - Math.min(1, value / most) * (height - 14),
       ], tone[colour]);
     }
   }

@@ -36,6 +36,7 @@ const hearers = {
   },
   situation: (told) => {
     panel.show(told);
+    stop.show(told);
     controls.show(told);
     arm.show(told.robot);
     latency.show(told);

@@ -5,7 +5,7 @@ const ZOOM = 1.1;
 export class Orbit {
   #yaw = -0.9;
   #pitch = 0.35;
-  #distance = 2.6;
+  #distance = 2.3;
   #center = [0.25, 0, 0.45];
 
   constructor(canvas, changed) {
@@ -48,7 +48,7 @@ export class Orbit {
   /** A function from a point in the base's frame (m) to [x, y] on a canvas of this size, null behind the eye. */
   projection(width, height) {
     const [sy, cy, sp, cp] = [Math.sin(this.#yaw), Math.cos(this.#yaw), Math.sin(this.#pitch), Math.cos(this.#pitch)];
-    const scale = 1.25 * Math.min(height, width);
+    const scale = 1.7 * Math.min(height, width);
     return ([x, y, z]) => {
       const [dx, dy, dz] = [x - this.#center[0], y - this.#center[1], z - this.#center[2]];
       const across = -sy * dx + cy * dy;

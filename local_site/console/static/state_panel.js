@@ -1,5 +1,6 @@
 // The state in words, with the reason of the moment, and what has happened before.
 import { ageWords } from "./freshness.js";
+import { mark, put } from "./words.js";
 
 const SILENT_MS = 500;
 
@@ -43,9 +44,9 @@ export class StatePanel {
   }
 
   #say(state, word, reason) {
-    this.#state.dataset.state = state;
-    if (this.#word.textContent !== word) this.#word.textContent = word;
-    if (this.#reason.textContent !== reason) this.#reason.textContent = reason;
+    mark(this.#state, "data-state", state);
+    put(this.#word, word);
+    put(this.#reason, reason);
   }
 
   #list(events) {
@@ -62,8 +63,7 @@ function emptyEvent() {
 }
 
 function fill(item, event) {
-  const ago = event.ago_ms < 1000 ? "now" : `${Math.floor(event.ago_ms / 1000)} s`;
-  if (item.firstChild.textContent !== ago) item.firstChild.textContent = ago;
+  put(item.firstChild, event.ago_ms < 1000 ? "now" : `${Math.floor(event.ago_ms / 1000)} s`);
   if (item.dataset.number === String(event.number)) return;
   item.dataset.number = event.number;
   item.dataset.kind = event.kind;

@@ -4,6 +4,7 @@ export class StopButton {
   #letGo;
   #alert = document.getElementById("alert");
   #asked = new Map();
+  #stopped = false;
 
   constructor(connection, letGo) {
     this.#connection = connection;
@@ -38,6 +39,13 @@ export class StopButton {
     }
     this.#asked.set(id, performance.now());
     this.#say("bad", "Stop sent, not acknowledged yet");
+  }
+
+  /** Once the stop is reset, its acknowledgement has been read. */
+  show({ robot }) {
+    const stopped = robot?.readiness.code === "stopped";
+    if (this.#stopped && !stopped) this.#alert.hidden = true;
+    this.#stopped = stopped;
   }
 
   #say(kind, words) {

@@ -1,6 +1,7 @@
 // One view: its canvas, painted with the newest picture, and the mark that tells what the picture is worth.
 import { ageWords, judge } from "./freshness.js";
 import { parsePicture } from "./picture.js";
+import { mark as setMark, put } from "./words.js";
 
 const SECOND_MS = 1000;
 
@@ -25,7 +26,7 @@ export class View {
     this.element.dataset.name = name;
     const label = document.createElement("span");
     label.className = "name";
-    label.textContent = key === null ? words(name) : `${key} ${words(name)}`;
+    label.textContent = `${key ?? ""} ${name.replaceAll("_", " ")}`.trim();
     this.#fresh.className = "fresh";
     this.#mark.className = "mark";
     this.#mark.append(this.#title, this.#words);
@@ -60,10 +61,10 @@ export class View {
   /** Mark the picture by what it is worth now. */
   look() {
     const { mark, title, words: why, ageMs } = judge(this.#newest, this.#told, this.#clock.now());
-    this.element.dataset.mark = mark;
-    this.#title.textContent = title;
-    this.#words.textContent = why || this.why;
-    this.#fresh.textContent = ageMs === undefined || ageMs === null ? title : `${mark} ${ageWords(ageMs)} ${this.#fps()} fps`;
+    setMark(this.element, "data-mark", mark);
+    put(this.#title, title);
+    put(this.#words, why || this.why);
+    put(this.#fresh, ageMs == null ? title : `${mark} ${ageWords(ageMs)} ${this.#fps()} fps`);
   }
 
   /** What was painted last, for the console; null before the first, or while its age is not known. */
@@ -78,8 +79,4 @@ export class View {
     while (this.#times.length > 0 && this.#times[0] < since) this.#times.shift();
     return this.#times.length;
   }
-}
-
-function words(name) {
-  return name.replaceAll("_", " ");
 }
