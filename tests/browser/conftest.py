@@ -1,14 +1,15 @@
-"""Both sites with small pictures, a console and a browser, once for all tests of a page."""
+"""Both sites with small pictures, a console, a browser and an operating page, once for all tests of the page."""
 
 import shutil
 import sys
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 from pathlib import Path
 
 import pytest
 
 sys.path.insert(0, str(Path(__file__).parents[1] / "integration"))
+from opened_page import OpenedPage
 from sites import Sites, running_sites
 
 from farhand.loopback import free_ports
@@ -52,7 +53,7 @@ def browser() -> Iterator[object]:
         chromium.close()
 
 
-@pytest.fixture(scope="module")
+@pytest.fixture(scope="session")
 def stand(browser: object) -> Iterator[Stand]:
     """Both sites and a console, running."""
     with running_sites() as sites:
@@ -61,4 +62,37 @@ def stand(browser: object) -> Iterator[Stand]:
         port = free_ports(1)[0]
         links = (f"links.control={sites.control}", f"links.video={sites.video}", f"links.local={sites.listen}")
         console = sites.start("console", *links, f"serve.port={port}")
+        sites.wait("the lease", lambda: sites.state.lease is not None)
         yield Stand(sites, remote, console, f"http://127.0.0.1:{port}/", browser)
+
+
+@pytest.fixture(scope="session")
+def operating_page(stand: Stand) -> Iterator[OpenedPage]:
+    """The page that operates, opened once, since opening one is what takes longest."""
+    opened = OpenedPage(stand.browser, stand.address)
+    opened.wait_for("the controls", lambda: "you operate" in opened.words("#seat"))
+    yield opened
+    opened.close()
+
+
+@pytest.fixture
+def page(operating_page: OpenedPage) -> Iterator[OpenedPage]:
+    """The operating page, with nothing held or stopped; it may not have had an error."""
+    operating_page.settle()
+    yield operating_page
+    operating_page.page.keyboard.up("Space")
+    assert not operating_page.errors
+
+
+@pytest.fixture
+def open_page(stand: Stand) -> Iterator[Callable[[], OpenedPage]]:
+    """Opens further pages, and closes them at the end."""
+    opened: list[OpenedPage] = []
+
+    def open_one() -> OpenedPage:
+        opened.append(OpenedPage(stand.browser, stand.address))
+        return opened[-1]
+
+    yield open_one
+    for page in opened:
+        page.close()

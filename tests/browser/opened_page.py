@@ -11,8 +11,8 @@ STAMPS = "() => [...document.querySelectorAll('#cameras canvas')].map((canvas) =
 class OpenedPage:
     """One tab of its own; `words`, `wait_for` and `hold` are what tests need most."""
 
-    def __init__(self, browser: Any, address: str, **context: Any) -> None:
-        self.context = browser.new_context(**({"viewport": {"width": 1280, "height": 720}} | context))
+    def __init__(self, browser: Any, address: str) -> None:
+        self.context = browser.new_context(viewport={"width": 1280, "height": 720}, has_touch=True)
         self.page = self.context.new_page()
         self.errors: list[str] = []
         self.page.on("pageerror", lambda error: self.errors.append(str(error)))
@@ -57,6 +57,14 @@ class OpenedPage:
             assert time.monotonic() - began < seconds, f"waited in vain for {what}: {told}"
             self.page.wait_for_timeout(20)
         return time.monotonic() - began
+
+    def settle(self) -> None:
+        """Let go of the key, and take back a stop."""
+        self.page.keyboard.up("Space")
+        self.wait_for("a state", lambda: self.state() in ("disengaged", "stopped", "silent"))
+        if self.state() == "stopped":
+            self.page.keyboard.press("r")
+            self.wait_for("the reset", lambda: self.state() == "disengaged")
 
     def wait_until_ready(self) -> None:
         """Wait until only the key is missing."""

@@ -3,7 +3,6 @@
 import os
 import signal
 import time
-from collections.abc import Callable, Iterator
 from pathlib import Path
 
 import numpy as np
@@ -17,23 +16,6 @@ SHOWN_WITHIN_S = 1.0
 SLACK_S = 0.5  # a loaded machine may be this much late with anything
 
 
-@pytest.fixture
-def open_page(stand) -> Iterator[Callable[..., OpenedPage]]:
-    """Opens pages, and closes them at the end; none of them may have had an error."""
-    opened: list[OpenedPage] = []
-
-    def open_one(**context) -> OpenedPage:
-        opened.append(OpenedPage(stand.browser, stand.address, **context))
-        return opened[-1]
-
-    yield open_one
-    errors = [error for page in opened for error in page.errors]
-    for page in opened:
-        page.close()
-    assert not errors
-    stand.sites.wait("the arm to be let go", lambda: not stand.sites.is_in(SessionState.ENGAGED), 2)
-
-
 def at_rest(stand) -> bool:
     commanded = [state.q_commanded for state in stand.sites.record.states[-10:]]
     return all(q == commanded[0] for q in commanded)
@@ -45,8 +27,7 @@ def stops(stand) -> None:
     stand.sites.wait("rest", lambda: at_rest(stand), 2)
 
 
-def test_the_space_bar_moves_the_arm_and_the_pictures_and_letting_go_stops_both(stand, open_page) -> None:
-    page = open_page()
+def test_the_space_bar_moves_the_arm_and_the_pictures_and_letting_go_stops_both(stand, page) -> None:
     page.wait_for("four live views", lambda: page.marks() == ["live"] * 4)
     before, posture = page.pictures(), stand.sites.state.q
     page.hold(until=lambda: np.abs(np.subtract(stand.sites.state.q, posture)).max() > 0.05)
@@ -59,15 +40,7 @@ def test_the_space_bar_moves_the_arm_and_the_pictures_and_letting_go_stops_both(
     assert any("let go" in line for line in page.page.locator("#events li").all_text_contents())
 
 
-def test_closing_the_tab_stops_the_arm(stand, open_page) -> None:
-    page = open_page()
-    page.hold()
-    page.page.close()
-    stops(stand)
-
-
-def test_freezing_the_tab_stops_the_arm_and_it_needs_a_new_press(stand, open_page) -> None:
-    page = open_page()
+def test_freezing_the_tab_stops_the_arm_and_it_needs_a_new_press(stand, page) -> None:
     page.hold()
     page.page.evaluate("() => { const until = performance.now() + 900; while (performance.now() < until); }")
     stops(stand)
@@ -77,15 +50,13 @@ def test_freezing_the_tab_stops_the_arm_and_it_needs_a_new_press(stand, open_pag
     page.hold()
 
 
-def test_hiding_the_tab_lets_go(stand, open_page) -> None:
-    page = open_page()
+def test_hiding_the_tab_lets_go(stand, page) -> None:
     page.hold()
     page.page.evaluate("() => document.dispatchEvent(new Event('visibilitychange'))")
     stops(stand)
 
 
-def test_escape_stops_the_arm_is_acknowledged_and_latches(stand, open_page) -> None:
-    page = open_page()
+def test_escape_stops_the_arm_is_acknowledged_and_latches(stand, page) -> None:
     page.hold()
     page.page.keyboard.press("Escape")
     stops(stand)
@@ -103,11 +74,9 @@ def test_escape_stops_the_arm_is_acknowledged_and_latches(stand, open_page) -> N
     page.hold()
 
 
-def test_a_second_page_is_told_who_operates_and_can_only_stop(stand, open_page) -> None:
-    operating = open_page()
-    operating.wait_until_ready()
+def test_a_second_page_only_stops_until_it_has_the_controls_and_its_end_stops_the_arm(stand, page, open_page) -> None:
     watching = open_page()
-    number = operating.words("#seat").partition("page ")[2].rstrip(")")
+    number = page.words("#seat").partition("page ")[2].rstrip(")")
     watching.wait_for("the word", lambda: f"you watch; page {number} (127.0.0.1) operates" in watching.words("#seat"))
     assert watching.page.is_disabled("#engage")
     assert watching.page.is_disabled("#hold")
@@ -118,18 +87,23 @@ def test_a_second_page_is_told_who_operates_and_can_only_stop(stand, open_page) 
     watching.wait_for("the refusal", lambda: "has to leave the controls" in watching.words("#alert"))
 
     watching.page.click("#stop")
-    operating.wait_for("the stop", lambda: operating.state() == "stopped", 3)
-    operating.page.click("#reset")
-    operating.wait_for("the reset", lambda: operating.state() == "disengaged", 3)
+    page.wait_for("the stop", lambda: page.state() == "stopped", 3)
+    page.page.click("#reset")
+    page.wait_for("the reset", lambda: page.state() == "disengaged", 3)
 
-    operating.page.click("#seat-button")
+    page.page.click("#seat-button")
     watching.wait_for("an empty seat", lambda: "nobody operates" in watching.words("#seat"))
     watching.page.click("#seat-button")
     watching.wait_for("the controls", lambda: "you operate" in watching.words("#seat"))
+    watching.hold()
+    watching.page.close()
+    stops(stand)
+    page.wait_for("an empty seat again", lambda: "nobody operates" in page.words("#seat"))
+    page.page.click("#seat-button")
+    page.wait_for("the controls", lambda: "you operate" in page.words("#seat"))
 
 
-def test_scales_locks_and_the_clutch_reach_the_arm(stand, open_page) -> None:
-    page = open_page()
+def test_scales_locks_and_the_clutch_reach_the_arm(stand, page) -> None:
     page.wait_until_ready()
     intent = lambda: stand.sites.record.hands[-1].intent  # noqa: E731  # short, and used as such
     page.page.fill("#scale", "0.5")
@@ -144,15 +118,13 @@ def test_scales_locks_and_the_clutch_reach_the_arm(stand, open_page) -> None:
     page.wait_for("both to be taken back", lambda: intent().scale == 1.0 and not intent().locks.roll)
 
 
-def test_the_tool_is_drawn_where_it_is(stand, open_page) -> None:
-    page = open_page()
+def test_the_tool_is_drawn_where_it_is(stand, page) -> None:
     page.wait_for("the arm", lambda: "tool at" in page.words("#arm-words"))
     shown = [float(part) for part in page.words("#arm-words").split("tool at ")[1].split(" mm")[0].split(", ")]
     assert shown == pytest.approx([1000 * v for v in stand.sites.state.base_T_tool.position], abs=1.0)
 
 
-def test_a_view_is_enlarged_by_its_number_and_made_small_again(open_page) -> None:
-    page = open_page()
+def test_a_view_is_enlarged_by_its_number_and_made_small_again(page) -> None:
     page.wait_for("the views", lambda: len(page.marks()) == 4)
     widths = "(views) => views.map((view) => view.clientWidth)"
     page.page.keyboard.press("3")
@@ -163,8 +135,7 @@ def test_a_view_is_enlarged_by_its_number_and_made_small_again(open_page) -> Non
     assert max(again) - min(again) <= 1
 
 
-def test_the_page_tells_latency_and_the_clock(open_page) -> None:
-    page = open_page()
+def test_the_page_tells_latency_and_the_clock(page) -> None:
     page.wait_for("glass to glass", lambda: median_of(page, "picture") > 0)
     assert median_of(page, "round_trip") > 0
     assert median_of(page, "uncertainty") < 1000
@@ -175,8 +146,7 @@ def median_of(page: OpenedPage, stretch: str) -> float:
     return float(told) if told not in ("", "–") else -1.0
 
 
-def test_pictures_that_stop_coming_are_marked_with_their_age(stand, open_page) -> None:
-    page = open_page()
+def test_pictures_that_stop_coming_are_marked_with_their_age(stand, page) -> None:
     page.wait_for("four live views", lambda: page.marks() == ["live"] * 4)
     video = next(p for p in descendants(stand.remote.pid) if Path(f"/proc/{p}/comm").read_text() == "farhand-video\n")
     os.kill(video, signal.SIGSTOP)
@@ -188,8 +158,7 @@ def test_pictures_that_stop_coming_are_marked_with_their_age(stand, open_page) -
     page.wait_for("live views", lambda: page.marks() == ["live"] * 4)
 
 
-def test_a_killed_remote_site_is_told_and_its_pictures_marked_and_the_console_ends_when_asked(stand, open_page) -> None:
-    page = open_page()
+def test_a_killed_remote_site_is_told_and_its_pictures_marked_and_the_console_ends_when_asked(stand, page) -> None:
     page.wait_for("four live views", lambda: page.marks() == ["live"] * 4)
     for process in (*descendants(stand.remote.pid), stand.remote.pid):
         os.kill(process, signal.SIGKILL)
