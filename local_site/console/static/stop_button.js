@@ -20,7 +20,7 @@ export class StopButton {
     if (what !== "stop" || !this.#asked.has(id)) return;
     const took = Math.round(performance.now() - this.#asked.get(id));
     this.#asked.delete(id);
-    if (done) this.#say("good", `Stop acknowledged by the remote site after ${took} ms: ${reason}`);
+    if (done) this.#say("good", `Stop acknowledged by the remote site after ${took} ms`);
     else this.#say("bad", `STOP NOT ACKNOWLEDGED: ${reason}. Use the emergency stop.`);
   }
 

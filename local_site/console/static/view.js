@@ -4,6 +4,7 @@ import { parsePicture } from "./picture.js";
 import { mark as setMark, put } from "./words.js";
 
 const SECOND_MS = 1000;
+const USELESS_MS = 1000; // an older picture is darkened, a younger one only marked with its age
 
 export class View {
   why = "";
@@ -62,6 +63,7 @@ export class View {
   look() {
     const { mark, title, words: why, ageMs } = judge(this.#newest, this.#told, this.#clock.now());
     setMark(this.element, "data-mark", mark);
+    setMark(this.element, "data-useless", ageMs == null || ageMs > USELESS_MS);
     put(this.#title, title);
     put(this.#words, why || this.why);
     put(this.#fresh, ageMs == null ? title : `${mark} ${ageWords(ageMs)} ${this.#fps()} fps`);
