@@ -83,7 +83,7 @@ class Plan:
     remote: tuple[str, ...]
     local: tuple[str, ...]
     console: tuple[str, ...]
-    page: str
+    page_port: int
     control: tuple[str, ...]
     video: tuple[str, ...]
 
@@ -116,7 +116,7 @@ def plan_of(options: LoopbackOptions) -> Plan:
             f"links.local={local}",
             f"serve.port={page}",
         ),
-        page=f"http://127.0.0.1:{page}/",
+        page_port=page,
         control=(control, local),
         video=(video,),
     )
@@ -154,7 +154,8 @@ class Loopback:
             operator = self._start_local()
             if not self._options.headless:
                 self._start("console", self._plan.console)
-                live.say(f"the operator's page: {self._plan.page}")
+                self._wait("the operator's page", START_TIMEOUT_S, lambda: listens(self._plan.page_port))
+                live.say(f"the operator's page: http://127.0.0.1:{self._plan.page_port}/")
             self._wait("the arm to be engaged", ENGAGE_TIMEOUT_S, lambda: self._engagement is not None)
             if self._engagement is not None:
                 operator.beginning.set(self._engagement.hand_capture_ns)
@@ -249,6 +250,13 @@ def free_ports(count: int) -> list[int]:
         for probe in probes:
             probe.bind(("127.0.0.1", 0))
         return [int(probe.getsockname()[1]) for probe in probes]
+
+
+def listens(port: int) -> bool:
+    """Whether somebody listens on a port of the loopback interface."""
+    with socket.socket() as probe:
+        probe.settimeout(POLL_S)
+        return probe.connect_ex(("127.0.0.1", port)) == 0
 
 
 def run_loopback(options: LoopbackOptions, should_stop: StopFlag) -> None:

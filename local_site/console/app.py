@@ -23,7 +23,7 @@ from local_site.console.config import ConsoleConfig
 from local_site.console.history import History
 from local_site.console.hub import Hub
 from local_site.console.latency import Latencies
-from local_site.console.listening import listen
+from local_site.console.listening import Listeners
 from local_site.console.page_desk import Outlets, PageDesk
 from local_site.console.seat import Seat
 from local_site.console.server import bind, make_server
@@ -31,7 +31,7 @@ from local_site.console.server import bind, make_server
 TELL_S = 0.06
 INTENT_S = 0.02
 CHECK_S = 0.1
-END_S = 1.5
+END_S = 1.9
 SESSION_BITS = 62
 
 
@@ -102,28 +102,35 @@ class ConsoleThread:
     async def _serve(self) -> None:
         loop = asyncio.get_running_loop()
         with ExitStack() as stack:
-            links = self._config.links
+            links, listeners = self._config.links, Listeners(loop)
+            stack.callback(listeners.join)
             control = stack.enter_context(open_link(connect=(links.control, links.local)))
             video = stack.enter_context(open_link(connect=(links.video,)))
-            hub, desk = _wire(self._config, control, video, loop, stack)
+            hub, desk = _wire(self._config, control, video, listeners, stack)
             self._server = make_server(hub, self._config.serve, self._port)
-            beats = [loop.create_task(_every(TELL_S, hub.tell)), loop.create_task(_every(INTENT_S, desk.tell_intent))]
-            await self._server.serve(sockets=[self._listening])
-            for beat in beats:
-                beat.cancel()
+            async with asyncio.TaskGroup() as group:
+                beats = [
+                    group.create_task(_every(TELL_S, hub.tell)),
+                    group.create_task(_every(INTENT_S, desk.tell_intent)),
+                ]
+                await self._server.serve(sockets=[self._listening])
+                for beat in beats:
+                    beat.cancel()
+        desk.close()
 
 
 def _wire(
-    config: ConsoleConfig, control: Link, video: Link, loop: asyncio.AbstractEventLoop, stack: ExitStack
+    config: ConsoleConfig, control: Link, video: Link, listeners: Listeners, stack: ExitStack
 ) -> tuple[Hub, PageDesk]:
     """Put the hub between the links and the pages; the watch ends with the stack."""
+    loop = asyncio.get_running_loop()
     latencies, history = Latencies(), History()
     cameras: set[str] = set()
 
     def described(cell: Description) -> None:
         for name in {camera.name for camera in cell.cameras} - cameras:
             cameras.add(name)
-            listen(video.latest(CAMERA, config.cell, name), loop, hub.camera)
+            listeners.listen(video.latest(CAMERA, config.cell, name), hub.camera)
         loop.call_soon_threadsafe(hub.described, cell)
 
     def refused(why: str) -> None:
@@ -136,10 +143,10 @@ def _wire(
     acts = Acts(control, watch, config.cell, config.name)
     desk = PageDesk(Seat(open_=config.operate), outlets, acts, latencies, history, secrets.randbits(SESSION_BITS))
     hub = Hub(desk, watch, latencies, history, operate=config.operate)
-    listen(control.latest(STATE, config.cell), loop, hub.state)
-    listen(control.latest(HAND, config.cell), loop, hub.hand)
+    listeners.listen(control.latest(STATE, config.cell), hub.state)
+    listeners.listen(control.latest(HAND, config.cell), hub.hand)
     for name in CAMERAS:
-        listen(control.latest(PREVIEW, config.cell, name), loop, hub.preview)
+        listeners.listen(control.latest(PREVIEW, config.cell, name), hub.preview)
     stack.enter_context(watch)
     return hub, desk
 

@@ -13,6 +13,8 @@ from common.transport import Latest
 
 M = TypeVar("M", bound=Message)
 
+JOIN_S = 0.5
+
 
 class Handover(Generic[M]):
     """Hands the newest message to `take` in the loop; one that the loop had no time for is replaced."""
@@ -36,10 +38,23 @@ class Handover(Generic[M]):
             self._take(message)
 
 
-def listen(latest: Latest[M], loop: asyncio.AbstractEventLoop, take: Callable[[M], None]) -> None:
-    """Hand over what comes, from a thread of its own, until the link or the loop is closed."""
-    handover = Handover(loop, take)
-    threading.Thread(target=_listen, args=(latest, handover), name="listen", daemon=True).start()
+class Listeners:
+    """A thread for each subscription; they end when their links are closed."""
+
+    def __init__(self, loop: asyncio.AbstractEventLoop) -> None:
+        self._loop = loop
+        self._threads: list[threading.Thread] = []
+
+    def listen(self, latest: Latest[M], take: Callable[[M], None]) -> None:
+        """Hand over what comes, until the link or the loop is closed."""
+        thread = threading.Thread(target=_listen, args=(latest, Handover(self._loop, take)), name="listen", daemon=True)
+        thread.start()
+        self._threads.append(thread)
+
+    def join(self) -> None:
+        """Wait for the threads once the links are closed: none may be left inside a link when the process ends."""
+        for thread in self._threads:
+            thread.join(JOIN_S)
 
 
 def _listen(latest: Latest[M], handover: Handover[M]) -> None:

@@ -62,6 +62,11 @@ class PageDesk:
         self._stopping = ThreadPoolExecutor(2, "stop")  # a stop never waits behind another request
         self._asking = ThreadPoolExecutor(2, "ask")
 
+    def close(self) -> None:
+        """Begin nothing more, and wait for what was asked: its link is closed, so that is soon."""
+        for pool in (self._stopping, self._asking):
+            pool.shutdown(cancel_futures=True)
+
     def tell_intent(self) -> None:
         """Tell the local site what the operating page wants; without one nothing is told, and so nothing is held."""
         now_ns = time.monotonic_ns()
