@@ -1,12 +1,13 @@
 """What a page says to the console: JSON, checked, or MessageError."""
 
-from typing import Annotated
+from typing import Annotated, Literal
 
 import msgspec
 from msgspec import Meta
+from msgspec.structs import replace
 
 from common.errors import MessageError
-from common.messages import Count, Intent, Locks, Name
+from common.messages import Count, Intent, Name
 from common.requests import EngagementAction, OperatorAction
 
 Milliseconds = Annotated[float, Meta(ge=0, le=1e15)]
@@ -74,15 +75,17 @@ class Clutch(PageMessage, frozen=True, tag="clutch"):
 
 
 class Steer(PageMessage, frozen=True, tag="steer"):
-    """The operator's scales and locks, within the bounds of the intent."""
+    """What the operator changes of scales and locks, within the bounds of the intent; what is not named stays."""
 
-    scale: Annotated[float, Meta(ge=0.01, le=5)]
-    rotation_scale: Annotated[float, Meta(ge=0, le=2)]
-    locks: Locks
+    scale: Annotated[float, Meta(ge=0.01, le=5)] | None = None
+    rotation_scale: Annotated[float, Meta(ge=0, le=2)] | None = None
+    locks: dict[Literal["x", "y", "z", "roll", "pitch", "yaw"], bool] = {}
 
     def apply(self, intent: Intent) -> Intent:
-        """The intent with these scales and locks."""
-        return msgspec.structs.replace(intent, scale=self.scale, rotation_scale=self.rotation_scale, locks=self.locks)
+        """The intent with these changes."""
+        scales = {"scale": self.scale, "rotation_scale": self.rotation_scale}
+        changed = {name: value for name, value in scales.items() if value is not None}
+        return replace(intent, locks=replace(intent.locks, **self.locks), **changed)
 
 
 AnyPageMessage = Beat | Taken | Shown | Ask | AskLease | TakeSeat | LeaveSeat | Clutch | Steer

@@ -9,15 +9,13 @@ export class Controls {
   #page = null;
   #mayOperate = false;
   #operates = false;
-  #intent = { scale: 1, rotation_scale: 1, locks: {} };
-  #said = { id: null, words: "" };
   #buttons = Object.fromEntries(Object.values(KEYS).map((name) => [name, element(name)]));
   #locks = [...document.querySelectorAll("[data-lock]")];
 
   constructor(connection) {
     this.#connection = connection;
     for (const [name, button] of Object.entries(this.#buttons)) button.addEventListener("click", () => this.#act(name));
-    for (const lock of this.#locks) lock.addEventListener("click", () => this.#toggle(lock.dataset.lock));
+    for (const lock of this.#locks) lock.addEventListener("click", () => this.#steer({ locks: { [lock.dataset.lock]: lock.ariaPressed !== "true" } }));
     element("scale").addEventListener("input", () => this.#steer({ scale: Number(element("scale").value) }));
     element("rotation").addEventListener("input", () => this.#steer({ rotation_scale: Number(element("rotation").value) }));
     element("seat-button").addEventListener("click", () => this.#changeSeat());
@@ -41,7 +39,6 @@ export class Controls {
 
   show({ robot, hand, seat, intent }) {
     this.#operates = seat.page === this.#page;
-    this.#intent = intent;
     this.#showSeat(seat);
     this.#showIntent(intent);
     this.#showFacts(robot, hand);
@@ -90,14 +87,8 @@ export class Controls {
     else this.#connection.ask({ type: "ask", action: name });
   }
 
-  #toggle(lock) {
-    this.#steer({ locks: { ...this.#intent.locks, [lock]: !this.#intent.locks[lock] } });
-  }
-
   #steer(changes) {
-    const { scale, rotation_scale, locks } = this.#intent;
-    this.#intent = { ...this.#intent, ...changes };
-    this.#connection.send({ type: "steer", scale, rotation_scale, locks, ...changes });
+    this.#connection.send({ type: "steer", ...changes });
   }
 
   #changeSeat() {
