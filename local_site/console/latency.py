@@ -56,6 +56,7 @@ class Latencies:
     def __init__(self) -> None:
         self.windows = {name: Window() for name in self.NAMES}
         self.trace: Trace | None = None
+        self._painted: dict[str, int] = {}
         self._summary: dict[str, dict[str, float | int | None]] = {}
         self._summed_ns = 0
         self._commanded = self._moved = (0, -1)
@@ -93,8 +94,11 @@ class Latencies:
             self._summary = {name: window.summary(now_ns) for name, window in self.windows.items()}
         return self._summary
 
-    def painted(self, capture_ns: int, age_ms: float, now_ns: int) -> None:
-        """A picture of the cell taken at `capture_ns` (by the remote clock) was painted at this age."""
+    def painted(self, camera: str, capture_ns: int, age_ms: float, now_ns: int) -> None:
+        """A picture of the cell taken at `capture_ns` (by the remote clock) was painted at this age; each counts once."""
+        if self._painted.get(camera) == capture_ns:
+            return
+        self._painted[camera] = capture_ns
         self.windows["picture"].add(now_ns, age_ms)
         if self._open is None or capture_ns < self._open[1]:
             return

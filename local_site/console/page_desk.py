@@ -117,8 +117,8 @@ class PageDesk:
         message = self._shown.message(said.views, now_ns)
         if message is None:
             return
-        for view in message.views.values():
-            self._latencies.painted(view.capture_ns, view.age_ms, now_ns)
+        for camera, view in message.views.items():
+            self._latencies.painted(camera, view.capture_ns, view.age_ms, now_ns)
         self._outlets.shown.put(message)
 
     def _ask(self, page: Page, said: Ask, now_ns: int) -> None:

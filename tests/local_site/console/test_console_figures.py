@@ -82,13 +82,15 @@ def test_the_hand_is_seen_in_the_first_picture_taken_after_the_motion() -> None:
     latencies = Latencies()
     latencies.learn(obeying(7, NOW_NS, 20.0, 10.0), NOW_NS)
     moved_ns = NOW_NS + APART_NS + 30 * NS_PER_MS
-    latencies.painted(moved_ns - 1, 50.0, NOW_NS)
+    latencies.painted("side", moved_ns - 1, 50.0, NOW_NS)
     assert latencies.trace is None
-    latencies.painted(moved_ns + 15 * NS_PER_MS, 40.0, NOW_NS)
+    for _ in range(3):  # told again at 10 Hz
+        latencies.painted("side", moved_ns + 15 * NS_PER_MS, 40.0, NOW_NS)
     trace = latencies.trace
     assert trace is not None
     assert (trace.seq, trace.command_ms, trace.motion_ms) == (7, 20.0, 30.0)
     assert trace.shown_ms == pytest.approx(30 + 15 + 40)
+    assert latencies.summary(NOW_NS)["picture"]["count"] == 2
 
 
 def test_a_change_of_state_is_an_event_and_its_repetition_is_none() -> None:
