@@ -54,4 +54,5 @@ class History:
             return
         self._last |= {"state": state.state.value, "code": state.code}
         self._told_ns = now_ns
-        self.note(state.state.value, f"{state.state.value}: {state.reason}", now_ns)
+        word = state.state.value
+        self.note(word, state.reason if state.reason.startswith(word) else f"{word}: {state.reason}", now_ns)

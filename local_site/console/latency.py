@@ -95,7 +95,7 @@ class Latencies:
         return self._summary
 
     def painted(self, camera: str, capture_ns: int, age_ms: float, now_ns: int) -> None:
-        """A picture of the cell taken at `capture_ns` (by the remote clock) was painted at this age; each counts once."""
+        """A picture taken at `capture_ns` (by the remote clock) was painted at this age; told again, it counts once."""
         if self._painted.get(camera) == capture_ns:
             return
         self._painted[camera] = capture_ns
