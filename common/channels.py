@@ -13,7 +13,7 @@ from common.requests import (
     ClockQuestion,
     DescribeQuestion,
     Description,
-    EngageRequest,
+    EngagementRequest,
     LeaseReply,
     LeaseRequest,
     OperatorRequest,
@@ -135,7 +135,7 @@ class Procedure(Generic[Q, R]):
         return self.key.format(cell=cell, name=name)
 
 
-ENGAGE = Procedure("farhand/{cell}/rpc/engage", EngageRequest, Reply, 1024)
+ENGAGEMENT = Procedure("farhand/{cell}/rpc/engagement", EngagementRequest, Reply, 1024)
 LEASE = Procedure("farhand/{cell}/rpc/lease", LeaseRequest, LeaseReply, 2048)
 DESCRIBE = Procedure("farhand/{cell}/rpc/describe", DescribeQuestion, Description, 16384)
 CLOCK = Procedure("farhand/{cell}/clock", ClockQuestion, ClockAnswer, 256)

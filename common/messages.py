@@ -213,7 +213,8 @@ class RobotState(Message, frozen=True):
 
     `q` and `q_commanded` are in the order of `joints` (rad); `code` and `reason` say why the robot does what it does.
     `rejected` counts refused hand samples by reason since the remote site started. `clock` is what the newest sample of
-    the lease's holder said of the clocks. `min_distance` is the least between parts of the arm, and between them and
+    the lease's holder said of the clocks. `target` is where the hand wants the tool, inside box and leash, None unless
+    the arm follows. `min_distance` is the least between parts of the arm, and between them and
     the cell's fixtures, in m; None where nothing is known that could be touched.
     """
 
@@ -237,6 +238,7 @@ class RobotState(Message, frozen=True):
     clock: ClockSync | None
     readiness: Readiness
     min_distance: float | None = None
+    target: Pose | None = None
 
 
 class VideoFrame(Message, frozen=True):

@@ -5,7 +5,7 @@ from typing import Annotated
 
 import msgspec
 
-from common.messages import Count, Message, Name, Text
+from common.messages import Count, Message, Name, Pose, Text, Vector3
 
 
 class Request(Message, frozen=True):
@@ -24,10 +24,20 @@ class Reply(Message, frozen=True):
     reason: Text
 
 
-class EngageRequest(Request, frozen=True):
-    """Let the arm follow the hand of this operator, who has to hold the lease."""
+class EngagementAction(StrEnum):
+    """What is asked of the engagement; a stop bars the next one until it is reset."""
+
+    ENGAGE = "engage"
+    DISENGAGE = "disengage"
+    STOP = "stop"
+    RESET = "reset"
+
+
+class EngagementRequest(Request, frozen=True):
+    """Engage, disengage, stop or reset the arm in an operator's name: anybody may stop it, the rest is the holder's."""
 
     operator: Name
+    action: EngagementAction
 
 
 class LeaseAction(StrEnum):
@@ -86,12 +96,19 @@ class DescribeQuestion(Message, frozen=True):
 
 
 class JointDescription(msgspec.Struct, frozen=True, forbid_unknown_fields=True):
-    """One joint with the limits in force: position in rad, speed in rad/s."""
+    """One joint with the limits in force, rad and rad/s (m and m/s where it slides).
+
+    `parent_T_joint` is its frame in the one before it, in the base's for the first; it turns about, or slides along,
+    `axis` of its own frame.
+    """
 
     name: Name
     lower: float
     upper: float
     speed: float
+    parent_T_joint: Pose
+    axis: Vector3
+    slides: bool
 
 
 class CameraDescription(msgspec.Struct, frozen=True, forbid_unknown_fields=True):
@@ -104,7 +121,11 @@ class CameraDescription(msgspec.Struct, frozen=True, forbid_unknown_fields=True)
 
 
 class Description(Message, frozen=True):
-    """The cell: its software, its robot with joints and limits, its cameras, and its rates in Hz."""
+    """The cell: its software, its robot with joints and limits, its cameras, and its rates in Hz.
+
+    `last_T_tool` is the tool centre point in the last joint's frame; the workspace is the box, in the base's frame and
+    in m, that it stays in.
+    """
 
     cell: Name
     software: Name
@@ -114,3 +135,6 @@ class Description(Message, frozen=True):
     cameras: Annotated[tuple[CameraDescription, ...], msgspec.Meta(max_length=16)]
     control_hz: float
     state_hz: float
+    last_T_tool: Pose
+    workspace_min: Vector3
+    workspace_max: Vector3

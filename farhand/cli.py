@@ -151,6 +151,19 @@ def engage(
     typer.echo(request_engage(cell, at, operator))
 
 
+@app.command()
+def console(config: ConfigFile = None, settings: Settings = None) -> None:
+    """Serve the operator's page: the cell's views, what the arm does and why, and its brakes.
+
+    Example: farhand console --config deploy/sites/console.toml
+    """
+    from local_site.console.app import run_console
+    from local_site.console.config import ConsoleConfig
+
+    loaded = load_config(ConsoleConfig, config, settings or ())
+    _until_signal(lambda should_stop: run_console(loaded, should_stop, typer.echo))
+
+
 @lease_app.command("show")
 def lease_show(cell: CellName = "cell", at: RemoteEndpoint = REMOTE) -> None:
     """Show who holds the lease of a cell, who asks for it, and what engaging still lacks.
@@ -199,9 +212,7 @@ def _act_on_lease(cell: str, at: str, action: str) -> None:
 @app.command()
 def loopback(
     seconds: Annotated[float, typer.Option(help="How long to run; 0 until Ctrl-C.", min=0)] = 30.0,
-    headless: Annotated[  # noqa: ARG001  # scripts may say it already; there is no page yet that could be left out
-        bool, typer.Option("--headless", help="Leave the operator's page out (this version has none).")
-    ] = False,
+    headless: Annotated[bool, typer.Option("--headless", help="Leave the operator's page out.")] = False,
     report: Annotated[Path | None, typer.Option(help="Write all figures to this JSON file.")] = None,
     driver: Annotated[
         str, typer.Option(help="simulated (physics), kinematic (perfect) or c500c (emulated).")
@@ -216,7 +227,7 @@ def loopback(
     """
     from farhand.loopback import LoopbackOptions, run_loopback
 
-    options = LoopbackOptions(seconds, report, driver, motion, tracker, save_views)
+    options = LoopbackOptions(seconds, report, driver, motion, tracker, save_views, headless)
     _until_signal(lambda should_stop: run_loopback(options, should_stop))
 
 

@@ -2,9 +2,9 @@
 
 import time
 
-from common.channels import ENGAGE, check_cell_name
+from common.channels import ENGAGEMENT, check_cell_name
 from common.errors import TransportError
-from common.requests import EngageRequest, Reply
+from common.requests import EngagementAction, EngagementRequest, Reply
 from common.transport import Link, open_link
 from farhand.asking import ask_remote
 from local_site.operator_name import host_operator
@@ -28,7 +28,8 @@ def request_engage(cell: str, endpoint: str, operator: str = "") -> str:
 
 
 def _ask(link: Link, cell: str, operator: str) -> Reply:
-    def request(number: int, deadline_ns: int) -> EngageRequest:
-        return EngageRequest(id=number, deadline_ns=deadline_ns, operator=operator)
+    def request(number: int, deadline_ns: int) -> EngagementRequest:
+        action = EngagementAction.ENGAGE
+        return EngagementRequest(id=number, deadline_ns=deadline_ns, operator=operator, action=action)
 
-    return ask_remote(link, cell, ENGAGE, request)
+    return ask_remote(link, cell, ENGAGEMENT, request)

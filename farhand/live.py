@@ -33,6 +33,10 @@ class LiveSummary:
     ) -> None:
         self._progress.stop()
 
+    def say(self, sentence: str) -> None:
+        """Say something that stays above the bar."""
+        self._progress.console.print(sentence, markup=False, highlight=False)
+
     def show(self, elapsed_s: float, record: Record) -> None:
         """Show the state of the moment."""
         self._progress.update(self._task, completed=elapsed_s, description=_words(record))

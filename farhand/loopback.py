@@ -54,6 +54,7 @@ class LoopbackOptions:
     motion: str = "pick_and_place"
     tracker: str = "silhouette"
     save_views: Path | None = None
+    headless: bool = False
     remote_settings: tuple[str, ...] = ()
     local_settings: tuple[str, ...] = ()
 
@@ -77,17 +78,20 @@ class Operator:
 
 @dataclass(frozen=True, slots=True)
 class Plan:
-    """The settings of both sites, and the endpoints to listen to them at."""
+    """The settings of both sites and the console, where to listen to the sites, and where the page is."""
 
     remote: tuple[str, ...]
     local: tuple[str, ...]
+    console: tuple[str, ...]
+    page_port: int
     control: tuple[str, ...]
     video: tuple[str, ...]
 
 
 def plan_of(options: LoopbackOptions) -> Plan:
     """Settings with free endpoints of this host; ConfigError when the options ask for what there is not."""
-    control, video, local = (f"tcp/127.0.0.1:{port}" for port in free_ports(3))
+    *ports, page = free_ports(4)
+    control, video, local = (f"tcp/127.0.0.1:{port}" for port in ports)
     remote_settings = (
         f"links.control={control}",
         f"links.video={video}",
@@ -105,6 +109,14 @@ def plan_of(options: LoopbackOptions) -> Plan:
     plan = Plan(
         remote=(f"cell={CELL}", *remote_settings, *options.remote_settings),
         local=(f"cell={CELL}", *local_settings, *options.local_settings),
+        console=(
+            f"cell={CELL}",
+            f"links.control={control}",
+            f"links.video={video}",
+            f"links.local={local}",
+            f"serve.port={page}",
+        ),
+        page_port=page,
         control=(control, local),
         video=(video,),
     )
@@ -140,6 +152,10 @@ class Loopback:
             if self._should_stop():
                 raise InterruptionError("interrupted before both sites were up; nothing was measured")
             operator = self._start_local()
+            if not self._options.headless:
+                self._start("console", self._plan.console)
+                self._wait("the operator's page", START_TIMEOUT_S, lambda: listens(self._plan.page_port))
+                live.say(f"the operator's page: http://127.0.0.1:{self._plan.page_port}/")
             self._wait("the arm to be engaged", ENGAGE_TIMEOUT_S, lambda: self._engagement is not None)
             if self._engagement is not None:
                 operator.beginning.set(self._engagement.hand_capture_ns)
@@ -234,6 +250,13 @@ def free_ports(count: int) -> list[int]:
         for probe in probes:
             probe.bind(("127.0.0.1", 0))
         return [int(probe.getsockname()[1]) for probe in probes]
+
+
+def listens(port: int) -> bool:
+    """Whether somebody listens on a port of the loopback interface."""
+    with socket.socket() as probe:
+        probe.settimeout(POLL_S)
+        return probe.connect_ex(("127.0.0.1", port)) == 0
 
 
 def run_loopback(options: LoopbackOptions, should_stop: StopFlag) -> None:

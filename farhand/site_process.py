@@ -28,6 +28,7 @@ class SiteProcess:
         self._process = subprocess.Popen(  # noqa: S603  # our own program with our own arguments
             [sys.executable, "-m", "farhand", name, *arguments],
             stdin=subprocess.DEVNULL,
+            stdout=subprocess.DEVNULL,
             stderr=subprocess.PIPE,
             text=True,
             env=os.environ | {"RUNTIME_DIRECTORY": str(runtime)},

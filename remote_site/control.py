@@ -4,13 +4,13 @@ import gc
 import secrets
 import time
 
-from common.channels import ENGAGE, HAND, STATE
+from common.channels import ENGAGEMENT, HAND, STATE
 from common.children import Heartbeat
 from common.clock import NS_PER_S, MonotonicClock
 from common.errors import DriverError, MessageError
 from common.messages import HandArm
 from common.rate import Rate
-from common.requests import EngageRequest, Reply
+from common.requests import EngagementAction, EngagementRequest, Reply
 from common.service import StopFlag, ask_for_real_time
 from common.transport import Link, open_link
 from remote_site.chain import Chain, Step
@@ -25,6 +25,7 @@ from remote_site.kinematics.limits import JointLimits
 from remote_site.kinematics.model import ArmModel
 from remote_site.lease import LeaseDesk
 from remote_site.reporting import Refusals, Reporter
+from remote_site.safety.state import Answer
 from remote_site.safety.status import Code, Reason, reason
 from remote_site.shared_memory import CellMemory
 from remote_site.simulation.mirror import PostureMirror
@@ -54,7 +55,7 @@ def run_control(
         chain = Chain(config, model, limits, config.robot.start, leases)
         real_time = ask_for_real_time(FIFO_PRIORITY)
         mirror = PostureMirror(config.simulation, memory.snapshot) if memory and not config.cell_is_simulated else None
-        description = describe(config, limits, config.control.rate_hz / TICKS_PER_STATE)
+        description = describe(config, model, limits, config.control.rate_hz / TICKS_PER_STATE)
         gc.collect()
         gc.freeze()
         # from here on the driver counts the time without a command
@@ -72,11 +73,11 @@ def run_control(
 
 
 class Inbox:
-    """The hand channel and the engage requests; payloads that are no message are counted and told."""
+    """The hand channel and what is asked of the engagement; payloads that are no message are counted and told."""
 
     def __init__(self, link: Link, cell: str, refusals: Refusals) -> None:
         self.hand = link.latest(HAND, cell)
-        self.engage = link.serve(ENGAGE, cell, refusals.note)
+        self.engagement = link.serve(ENGAGEMENT, cell, refusals.note)
         self.refusals = refusals
 
     def take(self) -> list[HandArm]:
@@ -127,7 +128,7 @@ class ControlLoop:
             self._wake()
         for sample in self._inbox.take():
             chain.receive(sample, now_ns)
-        self._inbox.engage.poll(now_ns, self._engage)
+        self._inbox.engagement.poll(now_ns, self._answer)
         step = chain.tick(now_ns, chain.robot(ready=self._reading.ready, fault=str(self._reading.fault or "")))
         if self._reading.ready:
             self._write(step, now_ns)
@@ -145,22 +146,38 @@ class ControlLoop:
         command = JointCommand(self._seq, now_ns, motion.q, motion.dq, motion.ddq, self._chain.gripper.is_open)
         self._chain.sent = self._driver.write(command).motion
 
-    def _engage(self, request: EngageRequest) -> Reply:
-        """Engage on the holder's request: clear a fault, wake a robot that has stopped, then ask the session."""
-        chain, reading = self._chain, self._reading
-        foreign = self._foreign(request.operator)
+    def _answer(self, request: EngagementRequest) -> Reply:
+        answer = self._act(request.action, request.operator)
+        return Reply(id=request.id, done=answer.done, code=answer.reason.code.value, reason=answer.reason.sentence)
+
+    def _act(self, action: EngagementAction, operator: str) -> Answer:
+        """Do what is asked of the engagement: anybody may stop the arm, the rest is the lease holder's."""
+        session = self._chain.session
+        if action is EngagementAction.STOP:
+            return session.stop(operator)
+        foreign = self._foreign(operator)
         if foreign is not None:
-            return Reply(id=request.id, done=False, code=foreign.code.value, reason=foreign.sentence)
-        chain.session.reset()
+            return Answer(False, foreign)
+        if action is EngagementAction.DISENGAGE:
+            return session.request_disengage()
+        return self._engage() if action is EngagementAction.ENGAGE else self._reset()
+
+    def _engage(self) -> Answer:
+        """Clear a fault, wake a robot that has stopped, then ask the session."""
+        chain, reading = self._chain, self._reading
+        chain.session.clear_fault()
         if not reading.ready:
             self._wake()
-            return Reply(
-                id=request.id, done=False, code="activated", reason="the robot is awake again; engage once more"
-            )
-        answer = chain.session.request_engage(
+            return Answer(False, reason(Code.ACTIVATED))
+        return chain.session.request_engage(
             self._now_ns, chain.robot(ready=reading.ready, fault=str(reading.fault or ""))
         )
-        return Reply(id=request.id, done=answer.done, code=answer.reason.code.value, reason=answer.reason.sentence)
+
+    def _reset(self) -> Answer:
+        """Clear a fault and a stop, and wake a robot that has stopped."""
+        if not self._reading.ready:
+            self._wake()
+        return self._chain.session.reset()
 
     def _wake(self) -> None:
         """Have the robot take commands again where it stands."""
@@ -168,7 +185,7 @@ class ControlLoop:
         self._chain.restart_from(self._reading.q)
 
     def _foreign(self, operator: str) -> Reason | None:
-        """Why this operator may not engage the arm; None for the lease's holder."""
+        """Why this operator may not have the arm; None for the lease's holder."""
         lease = self._chain.leases.current(self._now_ns)
         if lease is None:
             return reason(Code.NO_LEASE)

@@ -17,8 +17,10 @@ from common.requests import (
     LeaseRequest,
 )
 from common.transport import Link
+from remote_site.chain import pose_of
 from remote_site.config import RemoteConfig
 from remote_site.kinematics.limits import JointLimits
+from remote_site.kinematics.model import ArmModel
 from remote_site.lease import Holder, Lease, LeaseDesk
 from remote_site.safety.status import Code, Reason, reason
 
@@ -96,17 +98,24 @@ def _done(action: LeaseAction, current: Lease | None) -> Reason:
     return reason(Code.LEASE_RELEASED if current is None else Code.LEASE_HELD)
 
 
-def describe(config: RemoteConfig, limits: JointLimits, state_hz: float) -> Description:
+def describe(config: RemoteConfig, model: ArmModel, limits: JointLimits, state_hz: float) -> Description:
     """What a local site has to know of this cell; limits are those in force."""
-    rows = zip(limits.names, limits.lower.tolist(), limits.upper.tolist(), limits.velocity.tolist(), strict=True)
+    bounds = zip(limits.names, limits.lower.tolist(), limits.upper.tolist(), limits.velocity.tolist(), strict=True)
     video = config.video
+    links, last_T_tool = model.geometry()
     return Description(
         cell=config.cell,
         software=version("farhand"),
         robot=config.robot.model,
         driver=config.driver.name,
-        joints=tuple(JointDescription(*row) for row in rows),
+        joints=tuple(
+            JointDescription(*row, pose_of(link.parent_T_joint), link.axis, link.slides)
+            for row, link in zip(bounds, links, strict=True)
+        ),
         cameras=tuple(CameraDescription(c.name, video.width, video.height, video.fps) for c in video.cameras),
         control_hz=config.control.rate_hz,
         state_hz=state_hz,
+        last_T_tool=pose_of(last_T_tool),
+        workspace_min=config.safety.workspace_min_m,
+        workspace_max=config.safety.workspace_max_m,
     )

@@ -123,6 +123,7 @@ class Reporter:
                 clock=chain.intake.clock,
                 readiness=_readiness(chain, reading, now_ns),
                 min_distance=_finite(chain.collision.distance(reading.q)),
+                target=pose_of(chain.target) if step.state is SessionState.ENGAGED else None,
             )
         )
 

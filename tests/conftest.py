@@ -9,15 +9,19 @@ import pytest
 from common.service import STOP_SIGNALS
 
 HERE = Path(__file__).parent
-ALONE = HERE / "integration"
+ALONE = (HERE / "integration", HERE / "browser")  # in this order: the browser and its sites last to the end
 
 
 def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
     """Tests of one file stay together, and those that run whole sites come last, one after the other."""
-    items.sort(key=lambda item: ALONE in item.path.parents)
+    items.sort(key=_turn)
     for item in items:
-        group = ALONE if ALONE in item.path.parents else item.path
-        item.add_marker(pytest.mark.xdist_group(str(group.relative_to(HERE))))
+        group = "sites" if _turn(item) else str(item.path.relative_to(HERE))
+        item.add_marker(pytest.mark.xdist_group(group))
+
+
+def _turn(item: pytest.Item) -> int:
+    return next((turn for turn, folder in enumerate(ALONE, start=1) if folder in item.path.parents), 0)
 
 
 @pytest.fixture(autouse=True)

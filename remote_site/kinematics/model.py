@@ -1,6 +1,7 @@
 """The arm as its URDF describes it: joints, limits, the tool centre point's pose and Jacobian."""
 
 import math
+from dataclasses import dataclass
 from pathlib import Path
 from typing import Self
 from xml.etree import ElementTree
@@ -12,6 +13,15 @@ from common.errors import ModelError
 from common.geometry import Array
 
 BOUNDED_JOINTS = ("JointModelR", "JointModelP")
+
+
+@dataclass(frozen=True, slots=True)
+class LinkGeometry:
+    """A joint's frame in the one before it (4 x 4), and the axis in its own that it turns about or slides along."""
+
+    parent_T_joint: Array
+    axis: tuple[float, float, float]
+    slides: bool
 
 
 class ArmModel:
@@ -51,6 +61,19 @@ class ArmModel:
         pin.forwardKinematics(self.pin_model, self._data, q)
         pose: Array = pin.updateFramePlacement(self.pin_model, self._data, self.tcp_frame).homogeneous
         return pose
+
+    def geometry(self) -> tuple[list[LinkGeometry], Array]:
+        """Every joint's place and axis, and the tool centre point in the last joint's frame (4 x 4): enough to draw."""
+        model, links = self.pin_model, []
+        for k in range(1, model.njoints):
+            joint, data = model.joints[k], model.joints[k].createData()
+            joint.calc(data, np.zeros(1))
+            motion: list[float] = np.array(data.S).ravel().tolist()
+            slides = joint.shortname().startswith("JointModelP")
+            x, y, z = motion[:3] if slides else motion[3:]
+            links.append(LinkGeometry(model.jointPlacements[k].homogeneous, (x, y, z), slides))
+        last_T_tool: Array = model.frames[self.tcp_frame].placement.homogeneous
+        return links, last_T_tool
 
     def jacobian(self, q: Array) -> Array:
         """The Jacobian (6 x n) of the tool centre point: linear (m/s), then angular (rad/s), in the base's axes."""

@@ -78,6 +78,7 @@ class Session:
         self._born_ns: int | None = None
         self._ticked_ns: int | None = None
         self._trouble: Reason | None = None
+        self._stopped: Reason | None = None
 
     @property
     def held(self) -> bool:
@@ -114,7 +115,7 @@ class Session:
         """Engage at the next tick, or say what is missing."""
         if self.state in FOLLOWING:
             return Answer(True, self._reason)
-        missing = self._fault() or self._missing(now_ns, robot)
+        missing = self._barred() or self._missing(now_ns, robot)
         if missing is not None:
             return Answer(False, missing)
         self._requested = True
@@ -124,7 +125,7 @@ class Session:
         """Whether the arm follows or could be engaged now, apart from whether the operator wants it; if not, why."""
         if self.state in FOLLOWING:
             return Answer(True, self._reason)
-        missing = self._fault() or self._unready(now_ns, robot)
+        missing = self._barred() or self._unready(now_ns, robot)
         return Answer(missing is None, missing or reason(Code.READY))
 
     def request_disengage(self) -> Answer:
@@ -132,16 +133,29 @@ class Session:
         self._leave(reason(Code.RELEASED))
         return Answer(True, self._reason)
 
+    def stop(self, operator: str) -> Answer:
+        """End the engagement, and bar the next one until `reset`; who stopped the arm first is told."""
+        self._stopped = self._stopped or reason(Code.STOPPED, operator=operator)
+        self._leave(self._stopped)
+        return Answer(True, self._stopped)
+
     def fault(self, cause: str) -> None:
         """The robot or a part of the remote site has failed: no motion until `reset` and a new engagement."""
         self.state, self._reason = SessionState.FAULT, reason(Code.FAULT, cause=cause)
         self._armed = self._requested = False
         self._hold.end()
 
-    def reset(self) -> Answer:
-        """Clear a fault; engaging is a request of its own."""
+    def clear_fault(self) -> None:
+        """Leave a fault behind; a stop stays in force."""
         if self.state is SessionState.FAULT:
-            self.state, self._reason = SessionState.DISENGAGED, reason(Code.NOT_ENGAGED)
+            self.state, self._reason = SessionState.DISENGAGED, self._stopped or reason(Code.NOT_ENGAGED)
+
+    def reset(self) -> Answer:
+        """Clear a fault and a stop; engaging is a request of its own."""
+        if self._stopped is not None and self.state is SessionState.DISENGAGED:
+            self._reason = reason(Code.RESET)
+        self._stopped = None
+        self.clear_fault()
         return Answer(True, self._reason)
 
     def tick(self, now_ns: int, robot: Robot) -> Decision:
@@ -179,7 +193,7 @@ class Session:
     def _wait(self, now_ns: int, robot: Robot, requested: bool) -> Decision:
         if self._age_ns(now_ns) > self._latch_ns:
             self._hold.end()
-        missing = self._missing(now_ns, robot)
+        missing = self._barred() or self._missing(now_ns, robot)
         if missing is None and (requested or self._armed or self._input is not None):
             self._armed = False
             self.engagements += 1
@@ -233,8 +247,9 @@ class Session:
             return reason(Code.NO_HAND)
         return self._stale(now_ns, self._soft_ns) if self._age_ns(now_ns) > self._soft_ns else None
 
-    def _fault(self) -> Reason | None:
-        return self._reason if self.state is SessionState.FAULT else None
+    def _barred(self) -> Reason | None:
+        """The fault or the stop that has to be reset first."""
+        return self._reason if self.state is SessionState.FAULT else self._stopped
 
     def _age_ns(self, now_ns: int) -> int:
         return now_ns - self._born_ns if self._born_ns is not None else self._latch_ns + 1
@@ -254,7 +269,7 @@ class Session:
         self.state = SessionState.DISENGAGED
         self._armed = self._requested = False
         self._hold.end()
-        self._reason = why
+        self._reason = self._stopped or why
 
     def _decide(self, action: Action, why: Reason | None = None) -> Decision:
         if why is not None:

@@ -39,6 +39,9 @@ class Code(StrEnum):
     LATCHED = "latched"
     NEW_SESSION = "new_session"
     RELEASED = "released"
+    STOPPED = "stopped"
+    RESET = "reset"
+    ACTIVATED = "activated"
     NOT_HELD = "not_held"
     LET_GO_FIRST = "let_go_first"
     LET_GO = "let_go"
@@ -97,6 +100,9 @@ SENTENCES: dict[Code, str] = {
     Code.LATCHED: "disengaged, {cause}; engage again to go on",
     Code.NEW_SESSION: "the local site started anew; engage to go on",
     Code.RELEASED: "disengaged on request",
+    Code.STOPPED: "stopped by {operator}; reset it, then engage",
+    Code.RESET: "reset; engage to go on",
+    Code.ACTIVATED: "the robot is awake again; engage once more",
     Code.NOT_HELD: "the {input} is not held down",
     Code.LET_GO_FIRST: "let go of the {input} first, then press it: what has ended does not start again by itself",
     Code.LET_GO: "disengaged: the {input} was let go",

@@ -37,7 +37,8 @@ from common.requests import (
     ClockQuestion,
     DescribeQuestion,
     Description,
-    EngageRequest,
+    EngagementAction,
+    EngagementRequest,
     JointDescription,
     LeaseAction,
     LeaseReply,
@@ -96,6 +97,7 @@ STATE = RobotState(
     lease=LeaseState(1311768467463790321, "anna", 81985529216486895, 1_234_572_000_000, "ben"),
     clock=CLOCKS,
     readiness=Readiness(ready=True, code="ok", reason="the arm follows the hand", held=True),
+    target=POSE,
 )
 VIDEO = VideoFrame(
     camera="front_high",
@@ -108,7 +110,7 @@ VIDEO = VideoFrame(
     height=480,
     jpeg=b"\xff\xd8\xff\xd9",
 )
-ENGAGE = EngageRequest(id=5, deadline_ns=10**12, operator="anna")
+STOP = EngagementRequest(id=5, deadline_ns=10**12, operator="anna", action=EngagementAction.STOP)
 LEASE = LeaseRequest(id=6, deadline_ns=10**12, action=LeaseAction.RENEW, session=7, operator="anna", lease=8)
 LEASE_REPLY = LeaseReply(
     id=6, done=True, code="lease_held", reason="it is yours", lease=8, lasts_ns=5 * 10**9, holder="anna"
@@ -119,10 +121,13 @@ DESCRIPTION = Description(
     software="0.1.0",
     robot="a465",
     driver="kinematic",
-    joints=(JointDescription("joint_1", -3.05, 3.05, 3.14),),
+    joints=(JointDescription("joint_1", -3.05, 3.05, 3.14, POSE, (0.0, 0.0, 1.0), False),),
     cameras=(CameraDescription("side", 640, 480, 30.0),),
     control_hz=250.0,
     state_hz=50.0,
+    last_T_tool=POSE,
+    workspace_min=(0.1, -0.5, 0.0),
+    workspace_max=(0.8, 0.5, 0.9),
 )
 REPLY = Reply(id=5, done=False, code="not_ready", reason="the robot is not ready")
 
@@ -130,7 +135,7 @@ VALID: dict[str, Message] = {
     "hand": HAND,
     "state": STATE,
     "video": VIDEO,
-    "engage": ENGAGE,
+    "engagement": STOP,
     "reply": REPLY,
     "shown": ViewsShown(
         session=99, sent_ns=10**9, views={"front_high": ViewShown(seq=7, capture_ns=9 * 10**8, age_ms=41.5, fps=29.7)}

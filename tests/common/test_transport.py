@@ -10,11 +10,11 @@ from pathlib import Path
 import msgspec
 import pytest
 
-from common.channels import ENGAGE, HAND, PREVIEW
+from common.channels import ENGAGEMENT, HAND, PREVIEW
 from common.codec import encode
 from common.errors import MessageError, TransportError
 from common.messages import HandArm
-from common.requests import EngageRequest, Reply
+from common.requests import EngagementAction, EngagementRequest, Reply
 from common.transport import Latest, Link, Publisher, check_endpoint, open_link
 
 sys.path.insert(0, str(Path(__file__).parent))
@@ -83,9 +83,9 @@ def test_a_random_payload_is_a_rejection(links: tuple[Link, Link]) -> None:
 
 
 def serve(link: Link, handled: list[int], stop: threading.Event, delay_s: float = 0.0) -> threading.Thread:
-    server = link.serve(ENGAGE, "lab", print)
+    server = link.serve(ENGAGEMENT, "lab", print)
 
-    def handle(request: EngageRequest) -> Reply:
+    def handle(request: EngagementRequest) -> Reply:
         handled.append(request.id)
         time.sleep(delay_s)
         return Reply(id=request.id, done=True, code="ok", reason="")
@@ -103,7 +103,10 @@ def serve(link: Link, handled: list[int], stop: threading.Event, delay_s: float 
 def ask(link: Link, identity: int, seconds: float = WAIT_S) -> Reply:
     deadline_ns = time.monotonic_ns() + round(seconds * 1e9)
     return link.request(
-        ENGAGE, "lab", EngageRequest(id=identity, deadline_ns=deadline_ns, operator="anna"), deadline_ns
+        ENGAGEMENT,
+        "lab",
+        EngagementRequest(id=identity, deadline_ns=deadline_ns, operator="anna", action=EngagementAction.ENGAGE),
+        deadline_ns,
     )
 
 
@@ -132,8 +135,8 @@ def test_an_expired_request_and_one_that_would_never_expire_are_refused(
     thread = serve(server, handled, stop)
     try:
         ask(client, 1)
-        late = EngageRequest(id=9, deadline_ns=deadline_ns, operator="anna")
-        replies = client._session.get(ENGAGE.key_for("lab"), payload=encode(late), timeout=WAIT_S)
+        late = EngagementRequest(id=9, deadline_ns=deadline_ns, operator="anna", action=EngagementAction.ENGAGE)
+        replies = client._session.get(ENGAGEMENT.key_for("lab"), payload=encode(late), timeout=WAIT_S)
         payloads = [reply.ok.payload.to_bytes() for reply in replies if reply.ok]
     finally:
         stop.set()

@@ -33,16 +33,17 @@ class Sites:
         """Start a remote site and wait for its first state."""
         before = len(self.record.states)
         links = (f"links.control={self.control}", f"links.video={self.video}", QUIET_VIDEO)
-        process = self._start("remote", *links, *settings)
+        process = self.start("remote", *links, *settings)
         self.wait("the remote site", lambda: len(self.record.states) > before)
         return process
 
     def local(self, *settings: str) -> SiteProcess:
         """Start a local site with a simulated operator."""
         links = (f"links.remote={self.control}", f"links.listen={self.listen}")
-        return self._start("local", *links, "simulation.motion.name=figure_of_eight", *settings)
+        return self.start("local", *links, "simulation.motion.name=figure_of_eight", *settings)
 
-    def _start(self, name: str, *settings: str) -> SiteProcess:
+    def start(self, name: str, *settings: str) -> SiteProcess:
+        """Start a process of this cell."""
         arguments = [part for setting in (f"cell={CELL}", *settings) for part in ("--set", setting)]
         self.processes.append(SiteProcess(name, arguments, self.runtime))
         return self.processes[-1]

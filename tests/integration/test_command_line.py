@@ -13,6 +13,7 @@ from farhand.__main__ import main as start
 from farhand.cli import main
 from local_site.calibration.rig_file import save_rig
 from local_site.config import LocalConfig
+from local_site.console.config import ConsoleConfig
 from local_site.simulation.cameras import control_point_rows, exact_rig
 from local_site.simulation.config import SimulationConfig
 from remote_site.config import RemoteConfig
@@ -59,6 +60,7 @@ def here(monkeypatch, capsys) -> Callable[..., subprocess.CompletedProcess[str]]
         ["calibrate", "points"],
         ["driver", "test"],
         ["experiment"],
+        ["console"],
     ],
 )
 def test_every_command_has_help(command: list[str], here) -> None:
@@ -87,6 +89,7 @@ def test_every_command_has_help(command: list[str], here) -> None:
         (["track", "--rig", "absent.json", "--left", "a", "--right", "b"], 1, "absent.json"),
         (["remote", "--emulate"], 2, "driver.emulate is for the driver c500c"),
         (["experiment", "dance", "--out", "never"], 2, "choose one of: follow"),
+        (["console", "--set", "serve.host=0.0.0.0"], 2, "needs token, certificate and key"),
         (["dance"], 2, "No such command"),
     ],
 )
@@ -104,6 +107,7 @@ def test_misuse_is_told_with_its_cure(arguments: list[str], code: int, words: st
         (["loopback", "--driver", "none"], 1, "choose one of"),
         (["remote", "--driver", "c500c"], 1, "driver.options.port"),
         (["driver", "test", "elbow"], 1, "choose one of"),
+        (["console", "--set", "links.control=tcp/10.0.0.1:7447"], 1, "refused"),
         (["track"], 2, "Missing option"),
     ],
 )
@@ -196,6 +200,9 @@ def test_a_calibration_file_with_a_nonsense_point_is_refused_by_its_line(tmp_pat
     assert not out.exists()
 
 
-@pytest.mark.parametrize("name", ["remote", "local", "local-cameras"])
-def test_the_example_configurations_are_valid(name: str) -> None:
-    load_config(RemoteConfig if name == "remote" else LocalConfig, DEPLOY / f"{name}.toml")
+@pytest.mark.parametrize(
+    ("name", "kind"),
+    [("remote", RemoteConfig), ("local", LocalConfig), ("local-cameras", LocalConfig), ("console", ConsoleConfig)],
+)
+def test_the_example_configurations_are_valid(name: str, kind: type) -> None:
+    load_config(kind, DEPLOY / f"{name}.toml")

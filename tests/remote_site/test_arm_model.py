@@ -8,6 +8,7 @@ import pytest
 from remote_loop import arm
 
 from common.errors import ConfigError, ModelError
+from common.geometry import rotation_from_vector, transform
 from remote_site.config import RobotConfig
 from remote_site.kinematics.inverse import SphericalWristInverse
 from remote_site.kinematics.limits import JointLimits
@@ -29,6 +30,18 @@ def variant(tmp_path):
         return path
 
     return make
+
+
+def test_the_geometry_is_enough_to_find_the_tool():
+    model, _ = arm()
+    links, last_T_tool = model.geometry()
+    q = START + 0.2
+    base_T_tool = np.eye(4)
+    for link, angle in zip(links, q, strict=True):
+        assert not link.slides
+        turn = transform(rotation_from_vector(np.array(link.axis) * angle), np.zeros(3))
+        base_T_tool = base_T_tool @ link.parent_T_joint @ turn
+    assert base_T_tool @ last_T_tool == pytest.approx(model.forward(q), abs=1e-9)
 
 
 def load(path, tool_frame="tool0"):

@@ -5,7 +5,7 @@ from types import SimpleNamespace
 import numpy as np
 from remote_loop import TICK_NS, RemoteLoop
 
-from common.requests import EngageRequest
+from common.requests import EngagementAction, EngagementRequest
 from remote_site.control import ControlLoop
 from remote_site.drivers.faults import STOPPED, FaultCode, RobotFault
 from remote_site.drivers.link import RobotReport
@@ -35,7 +35,7 @@ def test_control_that_stumbled_at_rest_wakes_the_robot_again():
     robot = QuickRobot(loop.config.robot.start, loop.config.robot.start)
     robot.fault = RobotFault(FaultCode.COMMAND_TIMEOUT, "no command for 102 ms")
     nothing = SimpleNamespace(note=lambda *_: None, publish=lambda *_: None, poll=lambda *_: None, counts={})
-    inbox = SimpleNamespace(take=list, engage=nothing, refusals=nothing)
+    inbox = SimpleNamespace(take=list, engagement=nothing, refusals=nothing)
     control = ControlLoop(loop.chain, robot, nothing, inbox, nothing, None)
     for k in range(1, 4):
         control.tick(loop.clock.now_ns() + k * TICK_NS)
@@ -46,7 +46,7 @@ def test_a_robot_that_is_awake_within_a_tick_is_commanded_from_where_it_was_acti
     loop = RemoteLoop()
     start = loop.config.robot.start
     robot = QuickRobot(start, start + 2e-5)
-    requests = [EngageRequest(id=1, deadline_ns=0, operator="operator-7")]
+    requests = [EngagementRequest(id=1, deadline_ns=0, operator="operator-7", action=EngagementAction.ENGAGE)]
     answers = []
 
     def poll(_now_ns, answer):
@@ -54,7 +54,7 @@ def test_a_robot_that_is_awake_within_a_tick_is_commanded_from_where_it_was_acti
             answers.append(answer(requests.pop()))
 
     nothing = SimpleNamespace(note=lambda *_: None, publish=lambda *_: None, poll=lambda: None, counts={})
-    inbox = SimpleNamespace(take=list, engage=SimpleNamespace(poll=poll), refusals=nothing)
+    inbox = SimpleNamespace(take=list, engagement=SimpleNamespace(poll=poll), refusals=nothing)
     control = ControlLoop(loop.chain, robot, nothing, inbox, nothing, None)
     for k in range(1, 4):
         control.tick(loop.clock.now_ns() + k * TICK_NS)

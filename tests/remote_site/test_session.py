@@ -219,6 +219,42 @@ def test_a_fault_stays_until_reset():
     assert rig.frames(1).state is SessionState.DISENGAGED
 
 
+def test_a_stop_bars_every_engagement_until_it_is_reset():
+    rig = engaged()
+    assert rig.session.stop("ben").done
+    decision = rig.frames(100)
+    assert (decision.state, decision.action) == (SessionState.DISENGAGED, Action.STOP)
+    assert decision.reason.sentence == "stopped by ben; reset it, then engage"
+    for barred in (rig.session.request_engage(rig.now_ns, READY), rig.session.readiness(rig.now_ns, READY)):
+        assert (barred.done, barred.reason.code) == (False, Code.STOPPED)
+    rig.session.reset()
+    assert rig.frames(100).state is SessionState.DISENGAGED
+    assert rig.session.request_engage(rig.now_ns, READY).done
+    assert rig.frames(1).action is Action.CAPTURE
+
+
+def test_a_stop_outlives_another_stop_a_new_session_and_a_fault():
+    rig = engaged()
+    rig.session.stop("ben")
+    rig.session.stop("anna")
+    rig.session.sample(good(rig.now_ns, new_session=True))
+    rig.session.fault("the driver process died")
+    assert rig.frames(50).state is SessionState.FAULT
+    rig.session.clear_fault()
+    assert rig.frames(50).reason.sentence == "stopped by ben; reset it, then engage"
+    assert not rig.session.request_engage(rig.now_ns, READY).done
+    assert rig.session.reset().reason.code is Code.RESET
+
+
+def test_a_key_pressed_anew_does_not_engage_while_stopped():
+    rig = held()
+    rig.session.stop("ben")
+    rig.frames(40)
+    assert rig.frames(40, held=True).state is SessionState.DISENGAGED
+    rig.session.reset()
+    assert rig.frames(1, held=True).action is Action.CAPTURE
+
+
 @pytest.mark.parametrize(("soft", "scale"), [(50.0, 1.0), (100.0, 1.0), (200.0, 0.5), (400.0, 0.25)])
 def test_a_longer_soft_limit_slows_the_arm_in_proportion(soft, scale):
     assert Session(SafetyConfig(t_soft_ms=soft), EngagementConfig()).speed_scale == scale

@@ -1,0 +1,56 @@
+"""What the operator asks of the sites through the page: every request once, until it is answered or given up."""
+
+import secrets
+import time
+
+from common.channels import ENGAGEMENT, OPERATE
+from common.clock import NS_PER_S
+from common.errors import TransportError
+from common.requests import EngagementAction, EngagementRequest, OperatorAction, OperatorRequest, Reply
+from common.transport import Link
+from local_site.console.cell_watch import CellWatch
+
+PATIENCE_NS = 3 * NS_PER_S
+SETTLE_S = 0.3
+AWAKE_AGAIN = "activated"
+REQUEST_BITS = 62
+
+
+class Acts:
+    """Asks and waits, so call it from a thread that may wait; a site that is silent gives a refusal with a sentence."""
+
+    def __init__(self, link: Link, watch: CellWatch, cell: str, operator: str) -> None:
+        self._link, self._watch, self._cell, self._operator = link, watch, cell, operator
+
+    def engagement(self, action: EngagementAction) -> Reply:
+        """What the remote site answers; a robot that had to be woken is asked a second time."""
+        reply = self._ask(action)
+        if reply.code == AWAKE_AGAIN:
+            time.sleep(SETTLE_S)
+            reply = self._ask(action)
+        return reply
+
+    def lease(self, action: OperatorAction) -> Reply:
+        """What the local site answers."""
+        number, give_up_ns = secrets.randbits(REQUEST_BITS), time.monotonic_ns() + PATIENCE_NS
+        request = OperatorRequest(id=number, deadline_ns=give_up_ns, action=action)
+        try:
+            return self._link.request(OPERATE, self._cell, request, give_up_ns, self._operator)
+        except TransportError as error:
+            return Reply(id=number, done=False, code="silent", reason=str(error))
+
+    def _ask(self, action: EngagementAction) -> Reply:
+        number, give_up_ns = secrets.randbits(REQUEST_BITS), time.monotonic_ns() + PATIENCE_NS
+        try:
+            request = EngagementRequest(
+                id=number, deadline_ns=give_up_ns + self._offset_ns(), operator=self._operator, action=action
+            )
+            return self._link.request(ENGAGEMENT, self._cell, request, give_up_ns)
+        except TransportError as error:
+            return Reply(id=number, done=False, code="silent", reason=str(error)[:400])
+
+    def _offset_ns(self) -> int:
+        known = self._watch.estimate(time.monotonic_ns()) or self._watch.ask_now()
+        if known is None:
+            raise TransportError("the remote site does not answer")
+        return known.offset.offset_ns

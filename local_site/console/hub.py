@@ -1,0 +1,109 @@
+"""The console's middle: what both sites say goes to every page, as it is now."""
+
+import time
+from dataclasses import replace
+
+import msgspec
+
+from common.clock import ClockOffset
+from common.messages import HandArm, RobotState, VideoFrame
+from common.requests import Description
+from local_site.console.cell_watch import CellWatch
+from local_site.console.history import History
+from local_site.console.latency import Latencies
+from local_site.console.page import Page
+from local_site.console.page_desk import PageDesk
+from local_site.console.page_messages import parse
+from local_site.console.picture import view_frame
+from local_site.console.shown import CAMERA_VIEW
+from local_site.console.situation import Clocks, Heard, tell
+
+OWN_CLOCK = ClockOffset(0, 0)
+
+
+class Hub:
+    """Lives in the event loop; every method is called there."""
+
+    def __init__(
+        self, desk: PageDesk, watch: CellWatch, latencies: Latencies, history: History, *, operate: bool
+    ) -> None:
+        self._desk, self._watch = desk, watch
+        self._latencies, self._history = latencies, history
+        self._operate = operate
+        self._heard = Heard()
+        self._cell: Description | None = None
+        self._pages: list[Page] = []
+
+    def arrive(self, page: Page) -> None:
+        """A page has connected."""
+        now_ns = time.monotonic_ns()
+        self._pages.append(page)
+        self._desk.seat.arrive(page.visitor, now_ns)
+        page.letter(type="hello", page=page.visitor.number, operate=self._operate)
+        if self._cell is not None:
+            self._introduce(page, self._cell)
+
+    def leave(self, page: Page) -> None:
+        """A page has gone."""
+        self._pages.remove(page)
+        if page.visitor == self._desk.seat.occupant:
+            self._desk.seat.leave(page.visitor)
+            self._history.note("seat", f"{page.visitor} is gone, nobody operates", time.monotonic_ns())
+
+    def hear(self, page: Page, text: str) -> None:
+        """A page says something; MessageError when it is nothing known."""
+        self._desk.hear(page, parse(text), time.monotonic_ns())
+
+    def state(self, state: RobotState) -> None:
+        """The robot's state has come."""
+        now_ns = time.monotonic_ns()
+        self._heard = replace(self._heard, state=state, state_ns=now_ns)
+        self._history.learn(state, now_ns)
+        self._latencies.learn(state, now_ns)
+
+    def hand(self, hand: HandArm) -> None:
+        """A hand sample has come."""
+        self._heard = replace(self._heard, hand=hand, hand_ns=time.monotonic_ns())
+
+    def camera(self, frame: VideoFrame) -> None:
+        """A picture of the cell has come."""
+        known = self._watch.estimate(time.monotonic_ns())
+        view = CAMERA_VIEW + frame.camera
+        self._desk.remember(view, frame)
+        self._show(view, frame, known.offset if known is not None else None)
+
+    def preview(self, frame: VideoFrame) -> None:
+        """A picture of the operator has come, by this host's clock."""
+        self._show(f"preview/{frame.camera}", frame, OWN_CLOCK)
+
+    def described(self, cell: Description) -> None:
+        """The cell has said what it is."""
+        self._cell = cell
+        for page in self._pages:
+            self._introduce(page, cell)
+
+    def refused(self, sentence: str) -> None:
+        """The cell cannot be understood."""
+        self._history.note_change("refused", "fault", sentence, time.monotonic_ns())
+
+    def tell(self) -> None:
+        """Tell every page the situation."""
+        now_ns = time.monotonic_ns()
+        clocks = Clocks(self._watch.estimate(now_ns), self._watch.round_trip_ms)
+        self._latencies.learn_clock(clocks.estimate, clocks.round_trip_ms, now_ns)
+        if not self._pages:
+            return
+        desk = self._desk
+        told = tell(now_ns, self._heard, clocks, desk.seat, desk.intent, self._latencies, self._history).decode()
+        for page in self._pages:
+            page.situation(told)
+
+    def _introduce(self, page: Page, cell: Description) -> None:
+        page.letter(type="cell", cell=msgspec.to_builtins(cell))
+
+    def _show(self, view: str, frame: VideoFrame, clock: ClockOffset | None) -> None:
+        if not self._pages:
+            return
+        outgoing = view_frame(view, frame, clock)
+        for page in self._pages:
+            page.frame(outgoing)

@@ -1,0 +1,108 @@
+"""How long each stretch of the way took in the last minute: newest value, median and 95th percentile; pure."""
+
+from collections import deque
+from dataclasses import dataclass, field
+
+import numpy as np
+
+from common.clock import NS_PER_MS, NS_PER_S, ClockEstimate
+from common.messages import RobotState
+
+MINUTE_NS = 60 * NS_PER_S
+MOST = 4096
+SUMMARY_NS = 250 * NS_PER_MS
+
+
+@dataclass
+class Window:
+    """The values of one stretch in ms, with the times (ns) at which they were learned."""
+
+    _values: deque[tuple[int, float]] = field(default_factory=lambda: deque(maxlen=MOST))
+
+    def add(self, now_ns: int, value_ms: float) -> None:
+        """Take a value."""
+        self._values.append((now_ns, value_ms))
+
+    def summary(self, now_ns: int) -> dict[str, float | int | None]:
+        """Newest value of the last second, p50 and p95 of the last minute, and how many there were."""
+        while self._values and now_ns - self._values[0][0] > MINUTE_NS:
+            self._values.popleft()
+        values = [value for _, value in self._values]
+        p50, p95 = np.percentile(values, (50, 95)).tolist() if values else (None, None)
+        fresh = self._values and now_ns - self._values[-1][0] < NS_PER_S
+        return {
+            "newest": self._values[-1][1] if fresh else None,
+            "p50": p50,
+            "p95": p95,
+            "count": len(values),
+        }
+
+
+@dataclass(frozen=True, slots=True)
+class Trace:
+    """One sample's way in ms: exposure to command, to motion, and to the first picture shown that was taken after."""
+
+    seq: int
+    command_ms: float
+    motion_ms: float
+    shown_ms: float
+
+
+class Latencies:
+    """Learns from states what the command and the motion took, and from the page what the pictures took."""
+
+    NAMES = ("command", "motion", "picture", "round_trip", "uncertainty", "hand_to_eye")
+
+    def __init__(self) -> None:
+        self.windows = {name: Window() for name in self.NAMES}
+        self.trace: Trace | None = None
+        self._painted: dict[str, int] = {}
+        self._summary: dict[str, dict[str, float | int | None]] = {}
+        self._summed_ns = 0
+        self._commanded = self._moved = (0, -1)
+        self._open: tuple[int, int, float, float] | None = None  # of a sample not seen yet: seq, motion (ns), ms, ms
+
+    def learn(self, state: RobotState, now_ns: int) -> None:
+        """Take a state; each obeyed sample counts once, and only where the clocks' offset is known."""
+        obeyed, clock = state.obeyed, state.clock
+        if obeyed is None or clock is None:
+            return
+        sample = (obeyed.session, obeyed.seq)
+        exposed_ns = obeyed.capture_ns + clock.remote_minus_local_ns
+        command_ms = (obeyed.command_ns - exposed_ns) / NS_PER_MS
+        if sample != self._commanded:
+            self._commanded = sample
+            self.windows["command"].add(now_ns, command_ms)
+        if obeyed.motion_ns is not None and sample != self._moved:
+            self._moved = sample
+            motion_ms = (obeyed.motion_ns - obeyed.command_ns) / NS_PER_MS
+            self.windows["motion"].add(now_ns, motion_ms)
+            if self._open is None:
+                self._open = (obeyed.seq, obeyed.motion_ns, command_ms, command_ms + motion_ms)
+
+    def learn_clock(self, known: ClockEstimate | None, round_trip_ms: float | None, now_ns: int) -> None:
+        """Take how well the remote clock is known, and how long its last question took."""
+        if known is not None:
+            self.windows["uncertainty"].add(now_ns, known.offset.uncertainty_ns / NS_PER_MS)
+        if round_trip_ms is not None:
+            self.windows["round_trip"].add(now_ns, round_trip_ms)
+
+    def summary(self, now_ns: int) -> dict[str, dict[str, float | int | None]]:
+        """Every stretch's summary, ordered anew four times a second at most."""
+        if now_ns - self._summed_ns > SUMMARY_NS:
+            self._summed_ns = now_ns
+            self._summary = {name: window.summary(now_ns) for name, window in self.windows.items()}
+        return self._summary
+
+    def painted(self, camera: str, capture_ns: int, age_ms: float, now_ns: int) -> None:
+        """A picture taken at `capture_ns` (by the remote clock) was painted at this age; told again, it counts once."""
+        if self._painted.get(camera) == capture_ns:
+            return
+        self._painted[camera] = capture_ns
+        self.windows["picture"].add(now_ns, age_ms)
+        if self._open is None or capture_ns < self._open[1]:
+            return
+        seq, motion_ns, command_ms, motion_ms = self._open
+        shown_ms = motion_ms + (capture_ns - motion_ns) / NS_PER_MS + age_ms
+        self.trace, self._open = Trace(seq, command_ms, motion_ms, shown_ms), None
+        self.windows["hand_to_eye"].add(now_ns, shown_ms)

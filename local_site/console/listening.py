@@ -1,0 +1,70 @@
+"""Brings messages from the links' threads into the event loop: the newest only, whatever the loop is doing."""
+
+import asyncio
+import threading
+from collections.abc import Callable
+from typing import Generic, TypeVar
+
+import structlog
+
+from common.errors import MessageError, TransportError
+from common.messages import Message
+from common.transport import Latest
+
+M = TypeVar("M", bound=Message)
+
+JOIN_S = 0.5
+
+
+class Handover(Generic[M]):
+    """Hands the newest message to `take` in the loop; one that the loop had no time for is replaced."""
+
+    def __init__(self, loop: asyncio.AbstractEventLoop, take: Callable[[M], None]) -> None:
+        self._loop, self._take = loop, take
+        self._lock = threading.Lock()
+        self._newest: M | None = None
+
+    def put(self, message: M) -> None:
+        """Leave a message for the loop; call from any thread."""
+        with self._lock:
+            scheduled, self._newest = self._newest is not None, message
+        if not scheduled:
+            self._loop.call_soon_threadsafe(self._deliver)
+
+    def _deliver(self) -> None:
+        with self._lock:
+            message, self._newest = self._newest, None
+        if message is not None:
+            self._take(message)
+
+
+class Listeners:
+    """A thread for each subscription; they end when their links are closed."""
+
+    def __init__(self, loop: asyncio.AbstractEventLoop) -> None:
+        self._loop = loop
+        self._threads: list[threading.Thread] = []
+
+    def listen(self, latest: Latest[M], take: Callable[[M], None]) -> None:
+        """Hand over what comes, until the link or the loop is closed."""
+        thread = threading.Thread(target=_listen, args=(latest, Handover(self._loop, take)), name="listen", daemon=True)
+        thread.start()
+        self._threads.append(thread)
+
+    def join(self) -> None:
+        """Wait for the threads once the links are closed: none may be left inside a link when the process ends."""
+        for thread in self._threads:
+            thread.join(JOIN_S)
+
+
+def _listen(latest: Latest[M], handover: Handover[M]) -> None:
+    told: set[str] = set()
+    while True:
+        try:
+            handover.put(latest.wait())
+        except MessageError as error:
+            if error.reason not in told:
+                told.add(error.reason)
+                structlog.get_logger().warning("a message is refused", reason=str(error))
+        except (TransportError, RuntimeError):  # the link, or the loop, is closed: the console ends
+            return

@@ -1,0 +1,100 @@
+"""What a page says to the console: JSON, checked, or MessageError."""
+
+from typing import Annotated, Literal
+
+import msgspec
+from msgspec import Meta
+from msgspec.structs import replace
+
+from common.errors import MessageError
+from common.messages import Count, Intent, Name
+from common.requests import EngagementAction, OperatorAction
+
+Milliseconds = Annotated[float, Meta(ge=0, le=1e15)]
+
+
+class PageMessage(msgspec.Struct, frozen=True, forbid_unknown_fields=True, kw_only=True, tag_field="type"):
+    """Base of what a page says; `type` tells which."""
+
+
+class Beat(PageMessage, frozen=True, tag="beat"):
+    """The page lives: its own time in ms, to be echoed, and whether the hold-to-run key is down."""
+
+    page_ms: Milliseconds
+    down: bool
+
+
+class Taken(PageMessage, frozen=True, tag="taken"):
+    """The page has painted, or passed over, a frame of this view."""
+
+    view: Name
+
+
+class Painted(msgspec.Struct, frozen=True, forbid_unknown_fields=True, kw_only=True):
+    """The newest frame of a view that the page has painted, its age then, and how many it paints a second."""
+
+    seq: Count
+    age_ms: Milliseconds
+    fps: Annotated[float, Meta(ge=0, le=1000)]
+
+
+class Shown(PageMessage, frozen=True, tag="shown"):
+    """What the page shows, at 10 Hz."""
+
+    views: Annotated[dict[Name, Painted], Meta(max_length=24)]
+
+
+class Ask(PageMessage, frozen=True, tag="ask"):
+    """Something for the remote site's session; `id` comes back with the answer."""
+
+    id: Count
+    action: EngagementAction
+
+
+class AskLease(PageMessage, frozen=True, tag="ask_lease"):
+    """Something about the lease, for the local site; `id` comes back with the answer."""
+
+    id: Count
+    action: OperatorAction
+
+
+class TakeSeat(PageMessage, frozen=True, tag="take_seat"):
+    """This page wants to operate."""
+
+    id: Count
+
+
+class LeaveSeat(PageMessage, frozen=True, tag="leave_seat"):
+    """This page wants only to watch."""
+
+    id: Count
+
+
+class Clutch(PageMessage, frozen=True, tag="clutch"):
+    """The operator takes new origins."""
+
+
+class Steer(PageMessage, frozen=True, tag="steer"):
+    """What the operator changes of scales and locks, within the bounds of the intent; what is not named stays."""
+
+    scale: Annotated[float, Meta(ge=0.01, le=5)] | None = None
+    rotation_scale: Annotated[float, Meta(ge=0, le=2)] | None = None
+    locks: dict[Literal["x", "y", "z", "roll", "pitch", "yaw"], bool] = {}
+
+    def apply(self, intent: Intent) -> Intent:
+        """The intent with these changes."""
+        scales = {"scale": self.scale, "rotation_scale": self.rotation_scale}
+        changed = {name: value for name, value in scales.items() if value is not None}
+        return replace(intent, locks=replace(intent.locks, **self.locks), **changed)
+
+
+AnyPageMessage = Beat | Taken | Shown | Ask | AskLease | TakeSeat | LeaveSeat | Clutch | Steer
+DECODER: msgspec.json.Decoder[AnyPageMessage] = msgspec.json.Decoder(AnyPageMessage)
+
+
+def parse(text: str) -> AnyPageMessage:
+    """What the page says; MessageError when it says nothing that is known."""
+    try:
+        return DECODER.decode(text)
+    except msgspec.DecodeError as error:
+        raise MessageError("invalid", f"from a page: {error}") from error

@@ -1,0 +1,94 @@
+"""The one operating page among those that watch, and whether its key is held; pure."""
+
+from dataclasses import dataclass
+
+from common.clock import NS_PER_MS, NS_PER_S
+
+BEAT_TIMEOUT_NS = 200 * NS_PER_MS
+ABANDONED_NS = 5 * NS_PER_S  # of silence, after which another page may take the seat
+
+
+@dataclass(frozen=True, slots=True)
+class Visitor:
+    """A page that is connected: its number since the console started, and the address that it came from."""
+
+    number: int
+    address: str
+
+    def __str__(self) -> str:
+        return f"page {self.number} ({self.address})"
+
+
+@dataclass(frozen=True, slots=True)
+class Verdict:
+    """What came of asking for the seat, with a sentence for the one who asked."""
+
+    done: bool
+    sentence: str
+
+
+class Seat:
+    """Gives the seat to the first page, and to another only when it is given up, closed or silent for 5 s.
+
+    Holding counts while the operating page beats at least every 200 ms. After any silence, a stop or a change of the
+    page it counts only once the key was seen let go. Where `open_` is false nobody ever operates.
+    """
+
+    def __init__(self, *, open_: bool) -> None:
+        self._open = open_
+        self._beat_ns: int | None = None
+        self._down = False
+        self._let_go = False
+        self.occupant: Visitor | None = None
+
+    def arrive(self, visitor: Visitor, now_ns: int) -> None:
+        """A page has connected; it operates if nobody does."""
+        if self.occupant is None:
+            self.take(visitor, now_ns)
+
+    def take(self, visitor: Visitor, now_ns: int) -> Verdict:
+        """Sit down, or hear who operates."""
+        if not self._open:
+            return Verdict(False, "this console only watches: it was started with operate = false")
+        if self.occupant is not None and self.occupant != visitor and not self._abandoned(now_ns):
+            return Verdict(False, f"{self.occupant} operates; it has to leave the controls or be closed first")
+        if self.occupant != visitor:
+            self._sit(visitor, now_ns)
+        return Verdict(True, "this page operates")
+
+    def leave(self, visitor: Visitor) -> Verdict:
+        """Give up the seat; the end of a page that does not have it changes nothing."""
+        if self.occupant == visitor:
+            self._sit(None, None)
+        return Verdict(True, "this page only watches")
+
+    def beat(self, visitor: Visitor, now_ns: int, *, down: bool) -> None:
+        """A page's sign of life, with whether its key is down."""
+        if visitor != self.occupant:
+            return
+        self._lapse(now_ns)
+        self._beat_ns, self._down = now_ns, down
+        self._let_go = self._let_go or not down
+
+    def interrupt(self) -> None:
+        """After a stop the key has to be pressed anew."""
+        self._let_go = False
+
+    def held(self, now_ns: int) -> bool:
+        """Whether the operating page holds its key at this instant."""
+        self._lapse(now_ns)
+        return self._down and self._let_go
+
+    def _sit(self, visitor: Visitor | None, now_ns: int | None) -> None:
+        self.occupant, self._beat_ns = visitor, now_ns
+        self._down = self._let_go = False
+
+    def _lapse(self, now_ns: int) -> None:
+        if self._silent_ns(now_ns) > BEAT_TIMEOUT_NS:
+            self._let_go = self._down = False
+
+    def _abandoned(self, now_ns: int) -> bool:
+        return self._silent_ns(now_ns) > ABANDONED_NS
+
+    def _silent_ns(self, now_ns: int) -> int:
+        return now_ns - self._beat_ns if self._beat_ns is not None else 0

@@ -1,0 +1,98 @@
+"""The page's server: static files and one WebSocket per page."""
+
+import asyncio
+import socket
+from itertools import count
+from pathlib import Path
+
+import uvicorn
+from starlette.applications import Starlette
+from starlette.requests import Request
+from starlette.responses import FileResponse
+from starlette.routing import Mount, Route, WebSocketRoute
+from starlette.staticfiles import StaticFiles
+from starlette.websockets import WebSocket, WebSocketDisconnect
+
+from common.errors import ConfigError, MessageError, TransportError
+from local_site.console.config import ServeConfig
+from local_site.console.gate import Gate
+from local_site.console.hub import Hub
+from local_site.console.page import Page
+from local_site.console.seat import Visitor
+
+STATIC = Path(__file__).parent / "static"
+MAX_MESSAGE_BYTES = 16384
+END_S = 1
+NOT_UNDERSTOOD = 1008
+
+
+def bind(serve: ServeConfig) -> socket.socket:
+    """A listening socket; TransportError when the address cannot be had."""
+    try:
+        return socket.create_server((serve.host, serve.port), family=_family(serve.host), backlog=64)
+    except OSError as error:
+        raise TransportError(
+            f"cannot serve at {serve.host}:{serve.port}: {error.strerror}; choose another with --set serve.port=PORT"
+        ) from error
+
+
+def make_server(hub: Hub, serve: ServeConfig, port: int) -> uvicorn.Server:
+    """The server, to be run in the hub's event loop; ConfigError when certificate or key cannot be used."""
+    config = uvicorn.Config(
+        Gate(_application(hub), serve, port),
+        http="h11",
+        ws="websockets-sansio",
+        ws_max_size=MAX_MESSAGE_BYTES,
+        ws_per_message_deflate=False,
+        lifespan="off",
+        log_config=None,
+        access_log=False,
+        server_header=False,
+        proxy_headers=False,
+        timeout_graceful_shutdown=END_S,
+        ssl_certfile=serve.certificate or None,
+        ssl_keyfile=serve.key or None,
+    )
+    try:
+        config.load()
+    except OSError as error:  # ssl's errors are among these
+        raise ConfigError(f"serve.certificate, serve.key: cannot be used: {error}") from error
+    return uvicorn.Server(config)
+
+
+def _family(host: str) -> socket.AddressFamily:
+    return socket.AF_INET6 if ":" in host else socket.AF_INET
+
+
+def _application(hub: Hub) -> Starlette:
+    numbers = count(1)
+
+    async def index(_request: Request) -> FileResponse:
+        return FileResponse(STATIC / "index.html")
+
+    async def talk(connection: WebSocket) -> None:
+        await connection.accept()
+        address = connection.client.host if connection.client is not None else "unknown"
+        await _serve_page(hub, Page(Visitor(next(numbers), address), connection), connection)
+
+    routes = [
+        Route("/", index),
+        WebSocketRoute("/page", talk),
+        Mount("/static", StaticFiles(directory=STATIC)),
+    ]
+    return Starlette(routes=routes)
+
+
+async def _serve_page(hub: Hub, page: Page, connection: WebSocket) -> None:
+    hub.arrive(page)
+    writing = asyncio.create_task(page.write())
+    try:
+        async for text in connection.iter_text():
+            hub.hear(page, text)
+    except MessageError as error:
+        await connection.close(NOT_UNDERSTOOD, str(error)[:100])
+    except WebSocketDisconnect:
+        return
+    finally:
+        hub.leave(page)
+        writing.cancel()

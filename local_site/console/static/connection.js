@@ -1,0 +1,38 @@
+// The one WebSocket to the console: opened again when it is lost, and never a queue of what could not be sent.
+const AGAIN_MS = 500;
+const MOST_WAITING = 65536;
+
+export class Connection {
+  onText = () => {};
+  onPicture = () => {};
+  onChange = () => {};
+  #socket = null;
+  #numbers = 0;
+
+  open() {
+    const scheme = location.protocol === "https:" ? "wss" : "ws";
+    const socket = new WebSocket(`${scheme}://${location.host}/page`);
+    socket.binaryType = "arraybuffer";
+    socket.onopen = () => this.onChange(true);
+    socket.onmessage = ({ data }) => (typeof data === "string" ? this.onText(JSON.parse(data)) : this.onPicture(data));
+    socket.onclose = () => {
+      this.onChange(false);
+      setTimeout(() => this.open(), AGAIN_MS);
+    };
+    this.#socket = socket;
+  }
+
+  /** Send a message now; false when there is no connection that would take it at once. */
+  send(message) {
+    const socket = this.#socket;
+    if (socket?.readyState !== WebSocket.OPEN || socket.bufferedAmount > MOST_WAITING) return false;
+    socket.send(JSON.stringify(message));
+    return true;
+  }
+
+  /** Ask something that is answered; its number, or null without a connection. */
+  ask(message) {
+    const id = ++this.#numbers;
+    return this.send({ ...message, id }) ? id : null;
+  }
+}

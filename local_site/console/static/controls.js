@@ -1,0 +1,113 @@
+// The operator's controls: who operates, engaging, scales, clutch and locks, and the facts beside them.
+import { mark, put } from "./words.js";
+
+const KEYS = { e: "engage", d: "disengage", r: "reset", c: "clutch" };
+const element = (id) => document.getElementById(id);
+
+export class Controls {
+  #connection;
+  #page = null;
+  #mayOperate = false;
+  #operates = false;
+  #buttons = Object.fromEntries(Object.values(KEYS).map((name) => [name, element(name)]));
+  #locks = [...document.querySelectorAll("[data-lock]")];
+
+  constructor(connection) {
+    this.#connection = connection;
+    for (const [name, button] of Object.entries(this.#buttons)) button.addEventListener("click", () => this.#act(name));
+    for (const lock of this.#locks) lock.addEventListener("click", () => this.#steer({ locks: { [lock.dataset.lock]: lock.ariaPressed !== "true" } }));
+    element("scale").addEventListener("input", () => this.#steer({ scale: Number(element("scale").value) }));
+    element("rotation").addEventListener("input", () => this.#steer({ rotation_scale: Number(element("rotation").value) }));
+    element("seat-button").addEventListener("click", () => this.#changeSeat());
+    element("lease-button").addEventListener("click", () => connection.ask({ type: "ask_lease", action: element("lease-button").dataset.action }));
+    addEventListener("keydown", (event) => this.#key(event));
+  }
+
+  hello({ page, operate }) {
+    this.#page = page;
+    this.#mayOperate = operate;
+  }
+
+  /** Show an answer where nothing else tells it. */
+  hear({ what, done, reason }) {
+    if (what === "stop" || done) return;
+    const alert = element("alert");
+    alert.hidden = false;
+    alert.dataset.kind = "bad";
+    alert.textContent = `${what}: ${reason}`;
+  }
+
+  show({ robot, hand, seat, intent }) {
+    this.#operates = seat.page === this.#page;
+    this.#showSeat(seat);
+    this.#showIntent(intent);
+    this.#showFacts(robot, hand);
+    for (const button of [...Object.values(this.#buttons), ...this.#locks, element("hold")]) button.disabled = !this.#operates;
+    for (const id of ["scale", "rotation"]) element(id).disabled = !this.#operates;
+    this.#buttons.reset.classList.toggle("wanted", robot?.readiness.code === "stopped" || robot?.state === "fault");
+  }
+
+  #showSeat(seat) {
+    const who = seat.who === null ? "nobody operates" : `${seat.who} operates`;
+    put(element("seat"), this.#operates ? `you operate (page ${seat.page})` : `you watch; ${who}`);
+    put(element("seat-button"), this.#operates ? "Leave controls" : "Take controls");
+    element("seat-button").disabled = !this.#mayOperate;
+  }
+
+  #showIntent(intent) {
+    this.#put("scale", intent.scale);
+    this.#put("rotation", intent.rotation_scale);
+    for (const lock of this.#locks) mark(lock, "aria-pressed", intent.locks[lock.dataset.lock]);
+  }
+
+  #put(id, value) {
+    if (document.activeElement !== element(id)) element(id).value = value;
+    put(element(`${id}-value`), value.toFixed(2));
+  }
+
+  #showFacts(robot, hand) {
+    put(element("hand"), hand === null || hand.silent ? "the local site is silent" : handWords(hand));
+    put(element("gripper"), gripperWords(robot?.gripper ?? null));
+    put(element("lease"), leaseWords(robot));
+    const asked = robot?.lease?.asked_by ?? null;
+    const button = element("lease-button");
+    button.hidden = !this.#operates || (robot?.lease != null && asked === null);
+    button.dataset.action = asked === null ? "take" : "give";
+    put(button, asked === null ? "Take the lease" : `Hand over to ${asked}`);
+  }
+
+  #key(event) {
+    if (event.ctrlKey || event.altKey || event.metaKey || event.repeat) return;
+    const name = KEYS[event.key.toLowerCase()];
+    if (name !== undefined && this.#operates) this.#act(name);
+  }
+
+  #act(name) {
+    if (name === "clutch") this.#connection.send({ type: "clutch" });
+    else this.#connection.ask({ type: "ask", action: name });
+  }
+
+  #steer(changes) {
+    this.#connection.send({ type: "steer", ...changes });
+  }
+
+  #changeSeat() {
+    this.#connection.ask({ type: this.#operates ? "leave_seat" : "take_seat" });
+  }
+}
+
+function handWords({ status, reason, open }) {
+  const words = [status, open ? "open" : "closed"];
+  return reason ? `${words.join(", ")}: ${reason}` : words.join(", ");
+}
+
+function gripperWords(gripper) {
+  if (gripper === null) return "none";
+  const force = gripper.force === null ? "" : `, ${gripper.force.toFixed(0)} N`;
+  return `${gripper.status.replace("_", " ")}, ${(gripper.opening * 1000).toFixed(0)} mm${force}`;
+}
+
+function leaseWords(robot) {
+  if (robot === null) return "unknown";
+  return robot.lease === null ? "nobody holds it" : `${robot.lease.holder}${robot.lease.asked_by ? `, asked by ${robot.lease.asked_by}` : ""}`;
+}

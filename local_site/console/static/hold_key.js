@@ -1,0 +1,39 @@
+// Hold to run: the space bar, a pedal that types it, or the button; whatever hides the page lets go.
+export class HoldKey {
+  down = false;
+  #button = document.getElementById("hold");
+  #changed;
+
+  constructor(changed) {
+    this.#changed = changed;
+    addEventListener("keydown", (event) => this.#key(event, true), { capture: true });
+    addEventListener("keyup", (event) => this.#key(event, false), { capture: true });
+    this.#button.addEventListener("pointerdown", (event) => {
+      this.#button.setPointerCapture(event.pointerId);
+      this.#set(true);
+    });
+    for (const end of ["pointerup", "pointercancel", "lostpointercapture", "contextmenu"]) {
+      this.#button.addEventListener(end, () => this.release());
+    }
+    for (const end of ["blur", "pagehide", "freeze"]) addEventListener(end, () => this.release());
+    document.addEventListener("visibilitychange", () => this.release());
+  }
+
+  release() {
+    this.#set(false);
+  }
+
+  #key(event, down) {
+    if (event.code !== "Space") return;
+    event.preventDefault();
+    event.stopPropagation();
+    if (!event.repeat) this.#set(down);
+  }
+
+  #set(down) {
+    if (this.down === down) return;
+    this.down = down;
+    this.#button.setAttribute("aria-pressed", down);
+    this.#changed();
+  }
+}

@@ -1,0 +1,44 @@
+// Where the arm's joints and tool are: 4 x 4 transforms, row by row, from what the cell has described; pure.
+export const IDENTITY = [1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1];
+
+export function multiply(a, b) {
+  const product = new Array(16);
+  for (let row = 0; row < 4; row++) {
+    for (let column = 0; column < 4; column++) {
+      let sum = 0;
+      for (let k = 0; k < 4; k++) sum += a[4 * row + k] * b[4 * k + column];
+      product[4 * row + column] = sum;
+    }
+  }
+  return product;
+}
+
+/** The transform of a pose: position in m, quaternion x, y, z, w. */
+export function fromPose({ position: [px, py, pz], orientation: [x, y, z, w] }) {
+  return [
+    1 - 2 * (y * y + z * z), 2 * (x * y - z * w), 2 * (x * z + y * w), px,
+    2 * (x * y + z * w), 1 - 2 * (x * x + z * z), 2 * (y * z - x * w), py,
+    2 * (x * z - y * w), 2 * (y * z + x * w), 1 - 2 * (x * x + y * y), pz,
+    0, 0, 0, 1,
+  ];
+}
+
+function motion({ axis: [x, y, z], slides }, value) {
+  if (slides) return fromPose({ position: [x * value, y * value, z * value], orientation: [0, 0, 0, 1] });
+  const s = Math.sin(value / 2);
+  return fromPose({ position: [0, 0, 0], orientation: [x * s, y * s, z * s, Math.cos(value / 2)] });
+}
+
+/** The frames of the base, every joint and the tool, at joint positions in rad (m where a joint slides). */
+export function frames(cell, q) {
+  const found = [IDENTITY];
+  let frame = IDENTITY;
+  cell.joints.forEach((joint, k) => {
+    frame = multiply(multiply(frame, fromPose(joint.parent_T_joint)), motion(joint, q[k]));
+    found.push(frame);
+  });
+  return [...found, multiply(frame, fromPose(cell.last_T_tool))];
+}
+
+export const origin = (frame) => [frame[3], frame[7], frame[11]];
+export const distance = (a, b) => Math.hypot(a[0] - b[0], a[1] - b[1], a[2] - b[2]);

@@ -1,0 +1,104 @@
+// How long things take: a graph of the last minute, the figures beside it, and one sample's way.
+import { sized, tones } from "./surface.js";
+import { put } from "./words.js";
+
+const MINUTE_MS = 60_000;
+const STRETCHES = {
+  command: ["exposure → command", "accent"],
+  motion: ["command → motion", "commanded"],
+  picture: ["glass to glass", "engaged"],
+  hand_to_eye: ["hand to eye", "holding"],
+  round_trip: ["round trip", "idle"],
+  uncertainty: ["clock unsure by", "fault"],
+};
+const DRAWN_MS = 250;
+
+export class LatencyRoom {
+  #canvas = document.getElementById("latency");
+  #brush = this.#canvas.getContext("2d");
+  #trace = document.getElementById("trace");
+  #cells = new Map();
+  #points = new Map(Object.keys(STRETCHES).map((name) => [name, []]));
+  #drawnMs = 0;
+  #highest = [];
+
+  constructor() {
+    const body = document.getElementById("latency-figures");
+    for (const [name, [label, tone]] of Object.entries(STRETCHES)) body.append(this.#row(name, label, tone));
+  }
+
+  #row(name, label, tone) {
+    const row = document.createElement("tr");
+    const head = document.createElement("th");
+    head.scope = "row";
+    head.textContent = label;
+    head.style.setProperty("--tone", `var(--${tone})`);
+    const cells = ["newest", "p50", "p95"].map(() => document.createElement("td"));
+    row.dataset.stretch = name;
+    row.append(head, ...cells);
+    this.#cells.set(name, cells);
+    return row;
+  }
+
+  show({ now_ms: nowMs, latency, trace }) {
+    if (nowMs - this.#drawnMs < DRAWN_MS) return;
+    this.#drawnMs = nowMs;
+    for (const [name, figures] of Object.entries(latency)) this.#note(name, figures, nowMs);
+    this.#highest = Object.values(latency).map((figures) => figures.p95 ?? 0); // what is rarer is cut off
+    this.#draw(nowMs);
+    if (trace !== null) put(this.#trace, traceWords(trace));
+  }
+
+  #note(name, figures, nowMs) {
+    this.#cells.get(name).forEach((cell, k) => {
+      const value = [figures.newest, figures.p50, figures.p95][k];
+      put(cell, value === null ? "–" : value.toFixed(value < 10 ? 1 : 0));
+    });
+    const points = this.#points.get(name);
+    points.push([nowMs, figures.newest]);
+    while (points[0][0] < nowMs - MINUTE_MS) points.shift();
+  }
+
+  #draw(nowMs) {
+    const { width, height } = sized(this.#canvas, this.#brush);
+    const tone = tones("edge", "faint", ...Object.values(STRETCHES).map(([, name]) => name));
+    const most = niceCeiling(Math.max(10, ...this.#highest));
+    this.#brush.clearRect(0, 0, width, height);
+    this.#scale(width, height, most, tone);
+    for (const [name, [, colour]] of Object.entries(STRETCHES)) {
+      this.#line(this.#points.get(name), ([t, value]) => [
+        width * (1 - (nowMs - t) / MINUTE_MS), height - 2 - Math.min(1, value / most) * (height - 14),
+      ], tone[colour]);
+    }
+  }
+
+  #scale(width, height, most, tone) {
+    this.#brush.fillStyle = tone.faint;
+    this.#brush.strokeStyle = tone.edge;
+    this.#brush.lineWidth = 1;
+    this.#brush.font = "10px sans-serif";
+    this.#brush.fillText(`${most} ms`, 2, 9);
+    this.#brush.strokeRect(0.5, 11.5, width - 1, height - 12);
+  }
+
+  #line(points, place, tone) {
+    this.#brush.strokeStyle = tone;
+    this.#brush.lineWidth = 1.5;
+    this.#brush.beginPath();
+    let broken = true;
+    for (const point of points) {
+      if (point[1] !== null) this.#brush[broken ? "moveTo" : "lineTo"](...place(point));
+      broken = point[1] === null;
+    }
+    this.#brush.stroke();
+  }
+}
+
+function niceCeiling(value) {
+  const power = 10 ** Math.floor(Math.log10(value));
+  return [1, 2, 5, 10].map((step) => step * power).find((step) => step >= value);
+}
+
+function traceWords({ seq, command_ms: command, motion_ms: motion, shown_ms: shown }) {
+  return `sample ${seq}: command at ${command.toFixed(0)}, motion at ${motion.toFixed(0)}, seen at ${shown.toFixed(0)} ms after exposure`;
+}

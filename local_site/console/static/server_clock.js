@@ -1,0 +1,23 @@
+// The console's clock as the page knows it: of the last seconds the quickest echo counts.
+const SLOTS = 4;
+const SLOT_MS = 1000;
+
+export class ServerClock {
+  #best = [];
+
+  /** An echo: sent and heard by the page's clock, answered by the console's, all in ms. */
+  add(sentMs, answeredMs, heardMs) {
+    const trip = { tookMs: heardMs - sentMs, offsetMs: answeredMs - (sentMs + heardMs) / 2, slot: Math.floor(heardMs / SLOT_MS) };
+    const last = this.#best.at(-1);
+    if (last?.slot !== trip.slot) this.#best.push(trip);
+    else if (trip.tookMs < last.tookMs) this.#best[this.#best.length - 1] = trip;
+    this.#best = this.#best.slice(-SLOTS);
+  }
+
+  /** The console's time in ms; null before the first echo. */
+  now() {
+    if (this.#best.length === 0) return null;
+    const quickest = this.#best.reduce((a, b) => (b.tookMs < a.tookMs ? b : a));
+    return performance.now() + quickest.offsetMs;
+  }
+}

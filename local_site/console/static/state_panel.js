@@ -1,0 +1,71 @@
+// The state in words, with the reason of the moment, and what has happened before.
+import { ageWords } from "./freshness.js";
+import { mark, put } from "./words.js";
+
+const SILENT_MS = 500;
+
+export class StatePanel {
+  #state = document.getElementById("state");
+  #word = document.getElementById("state-word");
+  #reason = document.getElementById("reason");
+  #cell = document.getElementById("cell");
+  #events = document.getElementById("events");
+  #heardMs = null;
+  #connected = false;
+
+  describe(cell) {
+    this.#cell.textContent = `${cell.cell} · ${cell.robot} · ${cell.driver}`;
+  }
+
+  disconnected() {
+    this.#connected = false;
+    this.#say("silent", "no connection", "the console does not answer; the arm is not held by this page");
+  }
+
+  /** The console itself may fall silent with its connection open. */
+  look() {
+    if (this.#connected && performance.now() - this.#heardMs > SILENT_MS) this.disconnected();
+  }
+
+  show({ robot, events }) {
+    this.#connected = true;
+    this.#heardMs = performance.now();
+    this.#sayOf(robot);
+    this.#list(events);
+  }
+
+  #sayOf(robot) {
+    if (robot === null) this.#say("silent", "no robot", "the remote site has not been heard yet");
+    else if (robot.silent) this.#say("silent", "silent", `the remote site has been silent for ${ageWords(robot.heard_ms)}`);
+    else if (robot.readiness.code === "stopped") this.#say("stopped", "stopped", robot.reason);
+    else if (robot.state === "disengaged" && robot.readiness.reason !== robot.reason) {
+      this.#say(robot.state, robot.state, `${robot.reason} · ${robot.readiness.reason}`);
+    } else this.#say(robot.state, robot.state, robot.reason);
+  }
+
+  #say(state, word, reason) {
+    mark(this.#state, "data-state", state);
+    put(this.#word, word);
+    put(this.#reason, reason);
+  }
+
+  #list(events) {
+    while (this.#events.children.length > events.length) this.#events.lastChild.remove();
+    while (this.#events.children.length < events.length) this.#events.append(emptyEvent());
+    events.forEach((event, k) => fill(this.#events.children[k], event));
+  }
+}
+
+function emptyEvent() {
+  const item = document.createElement("li");
+  item.append(document.createElement("time"), document.createElement("span"));
+  return item;
+}
+
+function fill(item, event) {
+  put(item.firstChild, event.ago_ms < 1000 ? "now" : `${Math.floor(event.ago_ms / 1000)} s`);
+  if (item.dataset.number === String(event.number)) return;
+  item.dataset.number = event.number;
+  item.dataset.kind = event.kind;
+  item.lastChild.textContent = event.text;
+}

@@ -1,0 +1,84 @@
+// One view: its canvas, painted with the newest picture, and the mark that tells what the picture is worth.
+import { ageWords, judge } from "./freshness.js";
+import { parsePicture } from "./picture.js";
+import { mark as setMark, put } from "./words.js";
+
+const SECOND_MS = 1000;
+const USELESS_MS = 1000; // an older picture is darkened, a younger one only marked with its age
+
+export class View {
+  why = "";
+  #clock;
+  #canvas = document.createElement("canvas");
+  #brush = this.#canvas.getContext("2d", { alpha: false, desynchronized: true });
+  #fresh = document.createElement("span");
+  #mark = document.createElement("div");
+  #title = document.createElement("b");
+  #words = document.createElement("span");
+  #told = null;
+  #newest = null;
+  #times = [];
+
+  constructor(clock, name, key) {
+    this.#clock = clock;
+    this.element = document.createElement("button");
+    this.element.type = "button";
+    this.element.className = "view";
+    this.element.dataset.name = name;
+    const label = document.createElement("span");
+    label.className = "name";
+    label.textContent = `${key ?? ""} ${name.replaceAll("_", " ")}`.trim();
+    this.#fresh.className = "fresh";
+    this.#mark.className = "mark";
+    this.#mark.append(this.#title, this.#words);
+    this.element.append(this.#canvas, this.#mark, label, this.#fresh);
+    this.look();
+  }
+
+  /** Take a message of this view; resolves when it is painted or passed over. */
+  async hear(bytes) {
+    const { header, jpeg } = parsePicture(bytes);
+    this.#told = header;
+    if (jpeg.length === 0) return;
+    const bitmap = await createImageBitmap(new Blob([jpeg], { type: "image/jpeg" }));
+    if (this.#newest === null || header.seq > this.#newest.seq || header.capture_ms > this.#newest.captureMs) {
+      this.#paint(bitmap, header);
+    }
+    bitmap.close();
+  }
+
+  #paint(bitmap, header) {
+    if (this.#canvas.width !== bitmap.width || this.#canvas.height !== bitmap.height) {
+      this.#canvas.width = bitmap.width;
+      this.#canvas.height = bitmap.height;
+    }
+    this.#brush.drawImage(bitmap, 0, 0);
+    const nowMs = this.#clock.now();
+    const ageMs = nowMs === null || header.capture_ms === null ? null : nowMs - header.capture_ms;
+    this.#newest = { seq: header.seq, captureMs: header.capture_ms, unsureMs: header.unsure_ms ?? 0, ageMs };
+    this.#times.push(performance.now());
+  }
+
+  /** Mark the picture by what it is worth now. */
+  look() {
+    const { mark, title, words: why, ageMs } = judge(this.#newest, this.#told, this.#clock.now());
+    setMark(this.element, "data-mark", mark);
+    setMark(this.element, "data-useless", ageMs == null || ageMs > USELESS_MS);
+    put(this.#title, title);
+    put(this.#words, why || this.why);
+    put(this.#fresh, ageMs == null ? title : `${mark} ${ageWords(ageMs)} ${this.#fps()} fps`);
+  }
+
+  /** What was painted last, for the console; null before the first, or while its age is not known. */
+  painted() {
+    const newest = this.#newest;
+    if (newest === null || newest.ageMs === null) return null;
+    return { seq: newest.seq, age_ms: Math.max(0, newest.ageMs), fps: this.#fps() };
+  }
+
+  #fps() {
+    const since = performance.now() - SECOND_MS;
+    while (this.#times.length > 0 && this.#times[0] < since) this.#times.shift();
+    return this.#times.length;
+  }
+}

@@ -1,0 +1,73 @@
+// All views: four of the cell, each enlarged by a click or its number, and those of the operator below.
+import { parsePicture } from "./picture.js";
+import { View } from "./view.js";
+
+const PREVIEWS = ["left", "right"];
+
+export class Views {
+  #clock;
+  #send;
+  #cameras = document.getElementById("cameras");
+  #previews = document.getElementById("previews");
+  #views = new Map();
+
+  constructor(clock, send) {
+    this.#clock = clock;
+    this.#send = send;
+    for (const name of PREVIEWS) this.#add(this.#previews, `preview/${name}`, `operator ${name}`, null);
+    addEventListener("keydown", (event) => this.#key(event));
+  }
+
+  /** Make a view for each camera of the cell that has none yet. */
+  showCameras(names) {
+    for (const name of names) {
+      const view = `camera/${name}`;
+      if (!this.#views.has(view)) this.#add(this.#cameras, view, name, this.#cameras.children.length + 1);
+    }
+  }
+
+  /** Take a picture, and tell the console when the next may come. */
+  async hear(bytes) {
+    const name = parsePicture(bytes).header.view;
+    try {
+      await this.#views.get(name)?.hear(bytes);
+    } finally {
+      this.#send({ type: "taken", view: name });
+    }
+  }
+
+  look() {
+    for (const view of this.#views.values()) view.look();
+  }
+
+  /** What is shown of the cell, for the console. */
+  painted() {
+    const shown = [...this.#views].map(([name, view]) => [name, view.painted()]);
+    return Object.fromEntries(shown.filter(([name, painted]) => painted !== null && name.startsWith("camera/")));
+  }
+
+  sayWhyNoPreview(hand) {
+    const silent = hand === null || hand.silent;
+    const why = silent ? "no preview: the local site is silent" : "no preview: the local site sends none";
+    for (const name of PREVIEWS) this.#views.get(`preview/${name}`).why = why;
+  }
+
+  #add(room, key, label, number) {
+    const view = new View(this.#clock, label, number);
+    this.#views.set(key, view);
+    room.append(view.element);
+    if (number !== null) view.element.addEventListener("click", () => this.#enlarge(view.element));
+  }
+
+  #key(event) {
+    if (event.ctrlKey || event.altKey || event.metaKey || event.repeat) return;
+    const chosen = this.#cameras.children[Number.parseInt(event.key, 10) - 1];
+    if (chosen !== undefined) this.#enlarge(chosen);
+  }
+
+  #enlarge(chosen) {
+    const enlarging = !chosen.classList.contains("enlarged");
+    for (const view of this.#cameras.children) view.classList.toggle("enlarged", enlarging && view === chosen);
+    this.#cameras.classList.toggle("enlarging", enlarging);
+  }
+}

@@ -1,0 +1,98 @@
+"""Both sites with small pictures, a console, a browser and an operating page, once for all tests of the page."""
+
+import shutil
+import sys
+from collections.abc import Callable, Iterator
+from dataclasses import dataclass
+from pathlib import Path
+
+import pytest
+
+sys.path.insert(0, str(Path(__file__).parents[1] / "integration"))
+from opened_page import OpenedPage
+from sites import Sites, running_sites
+
+from farhand.loopback import free_ports
+from farhand.site_process import SiteProcess
+
+CHROMIUM = "/usr/bin/chromium"
+QUIET = (
+    "--no-sandbox",
+    "--disable-gpu",
+    "--no-first-run",
+    "--disable-background-networking",
+    "--disable-component-update",
+    "--disable-sync",
+)
+SMALL_VIDEO = ("video.width=160", "video.height=120", "video.nice=0")
+HELD = ("engagement.mode=hold_to_run", "engagement.frames=5")
+PATIENT = ("safety.t_soft_ms=400", "safety.t_latch_ms=2000")  # only the page ends an engagement, not a busy machine
+MARKERS = ("simulation.markers=true", "tracking.method=markers")
+
+
+@dataclass
+class Stand:
+    """The sites, the console's process and the address of its page, and the browser."""
+
+    sites: Sites
+    remote: SiteProcess
+    console: SiteProcess
+    address: str
+    browser: object
+
+
+@pytest.fixture(scope="session")
+def browser() -> Iterator[object]:
+    """Debian's chromium, without a window; skips where there is none."""
+    if shutil.which(CHROMIUM) is None:
+        pytest.skip("no chromium to look at the page with; on Debian: apt-get install chromium")
+    playwright = pytest.importorskip("playwright.sync_api", reason="no playwright; pip install -e '.[dev]'")
+    with playwright.sync_playwright() as running:
+        chromium = running.chromium.launch(executable_path=CHROMIUM, args=list(QUIET))
+        yield chromium
+        chromium.close()
+
+
+@pytest.fixture(scope="session")
+def stand(browser: object) -> Iterator[Stand]:
+    """Both sites and a console, running."""
+    with running_sites() as sites:
+        remote = sites.remote("driver.name=kinematic", *SMALL_VIDEO, *HELD, *PATIENT)
+        sites.local(*MARKERS)
+        port = free_ports(1)[0]
+        links = (f"links.control={sites.control}", f"links.video={sites.video}", f"links.local={sites.listen}")
+        console = sites.start("console", *links, f"serve.port={port}")
+        sites.wait("the lease", lambda: sites.state.lease is not None)
+        yield Stand(sites, remote, console, f"http://127.0.0.1:{port}/", browser)
+
+
+@pytest.fixture(scope="session")
+def operating_page(stand: Stand) -> Iterator[OpenedPage]:
+    """The page that operates, opened once, since opening one is what takes longest."""
+    opened = OpenedPage(stand.browser, stand.address)
+    opened.wait_for("the controls", lambda: "you operate" in opened.words("#seat"))
+    yield opened
+    opened.close()
+
+
+@pytest.fixture
+def page(operating_page: OpenedPage) -> Iterator[OpenedPage]:
+    """The operating page, with nothing held or stopped; it may not have had an error."""
+    operating_page.settle()
+    yield operating_page
+    operating_page.page.keyboard.up("Space")
+    assert not operating_page.errors
+
+
+@pytest.fixture
+def open_page(stand: Stand) -> Iterator[Callable[[], OpenedPage]]:
+    """Opens further pages, and closes them at the end."""
+    opened: list[OpenedPage] = []
+
+    def open_one() -> OpenedPage:
+        opened.append(OpenedPage(stand.browser, stand.address))
+        return opened[-1]
+
+    yield open_one
+    for page in opened:
+        page.close()

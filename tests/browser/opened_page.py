@@ -1,0 +1,92 @@
+"""A page opened in the browser, and what a person would see of it."""
+
+import time
+from collections.abc import Callable
+from typing import Any
+
+PATIENCE_S = 15.0
+STAMPS = "() => [...document.querySelectorAll('#cameras canvas')].map((canvas) => canvas.toDataURL())"
+
+
+class OpenedPage:
+    """One tab of its own; `words`, `wait_for` and `hold` are what tests need most."""
+
+    def __init__(self, browser: Any, address: str) -> None:
+        self.context = browser.new_context(viewport={"width": 1280, "height": 720}, has_touch=True)
+        self.page = self.context.new_page()
+        self.errors: list[str] = []
+        self.page.on("pageerror", lambda error: self.errors.append(str(error)))
+        self.page.on("console", lambda said: self.errors.append(said.text) if said.type == "error" else None)
+        self._open(address)
+
+    def _open(self, address: str) -> None:
+        deadline = time.monotonic() + PATIENCE_S
+        while True:  # the console may still be starting
+            try:
+                self.page.goto(address)
+                return
+            except Exception:
+                if time.monotonic() > deadline:
+                    raise
+                time.sleep(0.2)
+
+    def close(self) -> None:
+        self.context.close()
+
+    def words(self, selector: str) -> str:
+        """What stands in an element."""
+        return str(self.page.text_content(selector) or "")
+
+    def state(self) -> str:
+        """The state's word, in small letters."""
+        return self.words("#state-word").lower()
+
+    def marks(self) -> list[str]:
+        """What the views of the cell are marked as."""
+        return list(self.page.eval_on_selector_all("#cameras .view", "(views) => views.map((v) => v.dataset.mark)"))
+
+    def pictures(self) -> list[str]:
+        """The painted pictures of the cell."""
+        return list(self.page.evaluate(STAMPS))
+
+    def wait_for(self, what: str, is_so: Callable[[], bool], seconds: float = PATIENCE_S) -> float:
+        """Wait until something is so; how long it took, s."""
+        began = time.monotonic()
+        while not is_so():
+            told = f"{self.state()}: {self.words('#reason')}; {self.words('#alert')}; {self.errors}"
+            assert time.monotonic() - began < seconds, f"waited in vain for {what}: {told}"
+            self.page.wait_for_timeout(20)
+        return time.monotonic() - began
+
+    def settle(self) -> None:
+        """Let go of the key, and take back a stop."""
+        self.page.keyboard.up("Space")
+        self.wait_for("a state", lambda: self.state() in ("disengaged", "stopped", "silent"))
+        if self.state() == "stopped":
+            self.page.keyboard.press("r")
+            self.wait_for("the reset", lambda: self.state() == "disengaged")
+
+    def wait_until_ready(self) -> None:
+        """Wait until only the key is missing."""
+        operating = "you operate"
+        self.wait_for("the controls", lambda: operating in self.words("#seat"))
+        self.wait_for(
+            "readiness", lambda: self.state() == "engaged" or "waiting to be engaged" in self.words("#reason")
+        )
+
+    def hold(self, until: Callable[[], bool] | None = None) -> None:
+        """Hold the space bar until the arm follows, or longer.
+
+        On a machine so busy that the page itself lost a beat, which rightly stops the arm, the key is pressed anew.
+        """
+        self.wait_until_ready()
+        self.wait_for("the arm to follow", lambda: self._pressed_anew() and (until is None or until()), 2 * PATIENCE_S)
+
+    def _pressed_anew(self) -> bool:
+        if self.state() in ("engaged", "holding"):
+            return self.state() == "engaged"
+        self.page.keyboard.up("Space")
+        self.page.wait_for_timeout(150)
+        self.page.keyboard.down("Space")
+        self.page.wait_for_timeout(250)
+        return False

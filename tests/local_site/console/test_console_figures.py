@@ -1,0 +1,151 @@
+"""What the page tells of time: latencies of the last minute, one sample's way, what has happened, what was painted."""
+
+import msgspec
+import pytest
+
+from common.clock import NS_PER_MS, NS_PER_S, ClockEstimate, ClockOffset
+from common.messages import (
+    CameraStatus,
+    ClockSync,
+    LoopTiming,
+    Obeyed,
+    Pose,
+    Readiness,
+    RobotState,
+    SessionState,
+    VideoFrame,
+)
+from local_site.console.history import History
+from local_site.console.latency import Latencies
+from local_site.console.page_messages import Painted
+from local_site.console.picture import LENGTH, view_frame
+from local_site.console.shown import ShownViews
+
+APART_NS = 3600 * NS_PER_S
+NOW_NS = 50 * NS_PER_S
+STATE = RobotState(
+    session=1,
+    seq=1,
+    t_ns=NOW_NS + APART_NS,
+    state=SessionState.ENGAGED,
+    code="ok",
+    reason="the arm follows the hand",
+    joints=("joint_1",),
+    q=(0.0,),
+    q_commanded=(0.0,),
+    base_T_tool=Pose((0.0, 0.0, 0.0), (0.0, 0.0, 0.0, 1.0)),
+    gripper=None,
+    gripper_toggles_applied=0,
+    obeyed=None,
+    engagement=None,
+    rejected={},
+    timing=LoopTiming(250.0, 100.0, 0, 1, False),
+    lease=None,
+    clock=ClockSync(remote_minus_local_ns=APART_NS, uncertainty_ns=NS_PER_MS, measured_ns=0),
+    readiness=Readiness(True, "ok", "", True),
+)
+
+
+def obeying(seq: int, exposed_ns: int, command_ms: float, motion_ms: float | None) -> RobotState:
+    """A state that obeys a sample exposed at a time of the local clock, so many ms later."""
+    command_ns = exposed_ns + APART_NS + round(command_ms * NS_PER_MS)
+    motion_ns = None if motion_ms is None else command_ns + round(motion_ms * NS_PER_MS)
+    return msgspec.structs.replace(STATE, obeyed=Obeyed(1, seq, exposed_ns, command_ns, motion_ns))
+
+
+def test_a_sample_counts_once_by_the_clocks_offset() -> None:
+    latencies = Latencies()
+    for seq, command_ms in enumerate((20.0, 30.0, 40.0)):
+        for motion_ms in (None, 5.0, 5.0):
+            latencies.learn(obeying(seq, NOW_NS, command_ms, motion_ms), NOW_NS)
+    told = latencies.summary(NOW_NS)
+    assert (told["command"]["count"], told["command"]["p50"], told["command"]["newest"]) == (3, 30.0, 40.0)
+    assert (told["motion"]["count"], told["motion"]["p50"]) == (3, 5.0)
+
+
+def test_without_a_clock_nothing_is_told() -> None:
+    latencies = Latencies()
+    latencies.learn(msgspec.structs.replace(obeying(1, NOW_NS, 20.0, 5.0), clock=None), NOW_NS)
+    assert latencies.summary(NOW_NS)["command"]["p50"] is None
+
+
+def test_only_the_last_minute_counts_and_only_the_last_second_is_now() -> None:
+    latencies = Latencies()
+    latencies.learn_clock(ClockEstimate(ClockOffset(0, 2 * NS_PER_MS), 0), 7.0, NOW_NS)
+    assert latencies.summary(NOW_NS)["uncertainty"]["newest"] == 2.0
+    later = latencies.summary(NOW_NS + 2 * NS_PER_S)["round_trip"]
+    assert (later["newest"], later["p95"]) == (None, 7.0)
+    assert latencies.summary(NOW_NS + 61 * NS_PER_S)["round_trip"]["count"] == 0
+
+
+def test_the_hand_is_seen_in_the_first_picture_taken_after_the_motion() -> None:
+    latencies = Latencies()
+    latencies.learn(obeying(7, NOW_NS, 20.0, 10.0), NOW_NS)
+    moved_ns = NOW_NS + APART_NS + 30 * NS_PER_MS
+    latencies.painted("side", moved_ns - 1, 50.0, NOW_NS)
+    assert latencies.trace is None
+    for _ in range(3):  # told again at 10 Hz
+        latencies.painted("side", moved_ns + 15 * NS_PER_MS, 40.0, NOW_NS)
+    trace = latencies.trace
+    assert trace is not None
+    assert (trace.seq, trace.command_ms, trace.motion_ms) == (7, 20.0, 30.0)
+    assert trace.shown_ms == pytest.approx(30 + 15 + 40)
+    assert latencies.summary(NOW_NS)["picture"]["count"] == 2
+
+
+def test_a_change_of_state_is_an_event_and_its_repetition_is_none() -> None:
+    history = History()
+    holding = msgspec.structs.replace(STATE, state=SessionState.HOLDING, code="stale", reason="too old")
+    for k, state in enumerate((STATE, STATE, holding, holding, STATE)):
+        history.learn(state, NOW_NS + k)
+    told = [event.text for event in history.events if event.kind != "lease"]
+    assert told == ["engaged: the arm follows the hand", "holding: too old", "engaged: the arm follows the hand"]
+
+
+def test_what_hinders_an_engaged_arm_is_told_once_a_second_at_most() -> None:
+    history = History()
+    for k in range(200):
+        code = ("saturated", "ok")[k % 2]
+        history.learn(msgspec.structs.replace(STATE, code=code, reason=code), NOW_NS + k * 20 * NS_PER_MS)
+    assert 2 <= sum(event.kind == "engaged" for event in history.events) <= 5
+
+
+def frame(seq: int, capture_ns: int) -> VideoFrame:
+    return VideoFrame(
+        camera="side",
+        seq=seq,
+        capture_ns=capture_ns,
+        capture_estimated=False,
+        status=CameraStatus.LIVE,
+        reason="",
+        width=1,
+        height=1,
+        jpeg=b"picture",
+    )
+
+
+def test_what_was_painted_is_told_in_the_remote_sites_own_numbers() -> None:
+    shown = ShownViews(session=9)
+    for seq in range(5):
+        shown.remember("camera/side", frame(seq, 1000 + seq))
+    told = shown.message({"camera/side": Painted(seq=3, age_ms=41.0, fps=30.0)}, NOW_NS)
+    assert told is not None
+    assert (told.session, told.views["side"].capture_ns, told.views["side"].age_ms) == (9, 1003, 41.0)
+    assert shown.message({"camera/side": Painted(seq=4, age_ms=41.0, fps=30.0)}, NOW_NS + 1) is None
+    late = NOW_NS + NS_PER_S
+    assert shown.message({"camera/side": Painted(seq=77, age_ms=1.0, fps=1.0)}, late) is None
+    assert shown.message({"preview/left": Painted(seq=4, age_ms=1.0, fps=1.0)}, late) is None
+
+
+def test_a_picture_goes_on_as_it_came_with_its_exposure_by_our_clock() -> None:
+    sent = view_frame("camera/side", frame(3, NOW_NS + APART_NS), ClockOffset(APART_NS, NS_PER_MS)).payload
+    (length,) = LENGTH.unpack_from(sent)
+    header = msgspec.json.decode(sent[2 : 2 + length])
+    assert (header["capture_ms"], header["unsure_ms"], header["status"]) == (NOW_NS / NS_PER_MS, 1.0, "live")
+    assert sent[2 + length :] == b"picture"
+
+
+def test_a_picture_whose_clock_is_not_known_has_no_exposure() -> None:
+    sent = view_frame("camera/side", frame(3, NOW_NS), None).payload
+    (length,) = LENGTH.unpack_from(sent)
+    assert msgspec.json.decode(sent[2 : 2 + length])["capture_ms"] is None

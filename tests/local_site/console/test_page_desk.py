@@ -1,0 +1,148 @@
+"""What pages ask: only the operating one is heard, but for the stop, which anybody may ask; the rest is refused."""
+
+import asyncio
+import threading
+
+import msgspec
+import pytest
+
+from common.clock import NS_PER_S
+from common.errors import MessageError
+from common.requests import EngagementAction, OperatorAction, Reply
+from local_site.console.history import History
+from local_site.console.latency import Latencies
+from local_site.console.page_desk import Outlets, PageDesk
+from local_site.console.page_messages import parse
+from local_site.console.seat import Seat, Visitor
+
+
+class Told:
+    """Stands for a page, and for a publisher: keeps what it is told."""
+
+    def __init__(self, number: int = 0) -> None:
+        self.visitor = Visitor(number, "127.0.0.1")
+        self.letters: list[dict] = []
+        self.messages: list = []
+
+    def letter(self, **fields: object) -> None:
+        self.letters.append(fields)
+
+    def put(self, message: object) -> None:
+        self.messages.append(message)
+
+
+class Sites:
+    """Answer everything; engaging only once they are let."""
+
+    def __init__(self) -> None:
+        self.asked: list[str] = []
+        self.slow = threading.Event()
+
+    def engagement(self, action: EngagementAction) -> Reply:
+        if action is not EngagementAction.STOP:
+            self.slow.wait(5)
+        self.asked.append(action.value)
+        return Reply(id=1, done=True, code="ok", reason="as asked")
+
+    def lease(self, action: OperatorAction) -> Reply:
+        self.asked.append(action.value)
+        return Reply(id=1, done=False, code="nobody_asks", reason="nobody asks")
+
+
+class Room:
+    """A desk with two pages, of which the first operates."""
+
+    def __init__(self) -> None:
+        self.sites, self.intent, self.shown = Sites(), Told(), Told()
+        self.first, self.second = Told(1), Told(2)
+        seat = Seat(open_=True)
+        seat.arrive(self.first.visitor, NS_PER_S)
+        self.desk = PageDesk(seat, Outlets(self.intent, self.shown), self.sites, Latencies(), History(), 9)
+
+    def say(self, page: Told, **said: object) -> None:
+        self.desk.hear(page, parse(msgspec.json.encode(said).decode()), NS_PER_S)
+
+    async def wait_for_answers(self, page: Told, count: int) -> list[dict]:
+        for _ in range(500):
+            if len(page.letters) >= count:
+                break
+            await asyncio.sleep(0.01)
+        return page.letters
+
+
+@pytest.fixture
+def room():
+    room = Room()
+    yield room
+    room.sites.slow.set()
+    room.desk.close()
+
+
+def test_a_watching_page_may_stop_and_nothing_else(room: Room) -> None:
+    async def talk() -> None:
+        room.say(room.second, type="ask", id=1, action="engage")
+        room.say(room.second, type="ask_lease", id=2, action="give")
+        room.say(room.second, type="clutch")
+        room.say(room.second, type="steer", scale=2.0)
+        assert [letter["code"] for letter in room.second.letters] == ["watching"] * 2
+        assert "page 1 (127.0.0.1) operates" in room.second.letters[0]["reason"]
+        room.say(room.second, type="ask", id=3, action="stop")
+        answer = (await room.wait_for_answers(room.second, 3))[-1]
+        assert (answer["id"], answer["what"], answer["done"]) == (3, "stop", True)
+
+    asyncio.run(talk())
+    assert room.sites.asked == ["stop"]
+    assert (room.desk.intent.clutch_count, room.desk.intent.scale) == (0, 1.0)
+
+
+def test_a_stop_never_waits_behind_other_requests(room: Room) -> None:
+    async def talk() -> None:
+        for number in range(20):
+            room.say(room.first, type="ask", id=number, action="engage")
+        room.say(room.first, type="ask", id=99, action="stop")
+        assert (await room.wait_for_answers(room.first, 1))[0]["id"] == 99
+        room.sites.slow.set()
+        assert len(await room.wait_for_answers(room.first, 21)) == 21
+
+    asyncio.run(talk())
+
+
+def test_the_operating_page_steers_by_what_it_names(room: Room) -> None:
+    room.say(room.first, type="steer", scale=0.5)
+    room.say(room.first, type="steer", locks={"roll": True})
+    room.say(room.first, type="steer", rotation_scale=0.25, locks={"z": True})
+    room.say(room.first, type="clutch")
+    room.desk.tell_intent()
+    intent = room.intent.messages[-1].intent
+    assert (intent.scale, intent.rotation_scale, intent.clutch_count) == (0.5, 0.25, 1)
+    assert (intent.locks.roll, intent.locks.z, intent.locks.x) == (True, True, False)
+    assert not intent.hold
+
+
+def test_where_nobody_operates_no_intent_is_told(room: Room) -> None:
+    room.say(room.first, type="leave_seat", id=1)
+    room.desk.tell_intent()
+    assert room.intent.messages == []
+
+
+@pytest.mark.parametrize(
+    "said",
+    [
+        "",
+        "null",
+        "[]",
+        '{"type": "dance"}',
+        '{"type": "beat", "page_ms": "now", "down": true}',
+        '{"type": "beat", "page_ms": 1, "down": 1}',
+        '{"type": "beat", "page_ms": 1, "down": true, "more": 1}',
+        '{"type": "ask", "id": 1, "action": "move"}',
+        '{"type": "ask", "id": -1, "action": "stop"}',
+        '{"type": "steer", "scale": 50}',
+        '{"type": "steer", "scale": NaN}',
+        '{"type": "steer", "locks": {"w": true}}',
+        '{"type": "shown", "views": {"camera/side": {"seq": 1, "age_ms": -5, "fps": 1}}}',
+    ],
+)
+def test_what_no_page_says_is_refused(said: str) -> None:
+    with pytest.raises(MessageError):
+        parse(said)
