@@ -97,7 +97,9 @@ def test_an_edited_configuration_is_kept_and_a_newer_one_laid_beside_it(scratch:
     untouched.write_text("# an older release\n")
     assert f"kept: {edited} is edited" in scratch.run()
     assert edited.read_text() == 'cell = "mine"\n'
-    assert (scratch.configuration / "remote.toml.new").read_bytes() == (PROJECT / "deploy/sites/remote.toml").read_bytes()
+    assert (scratch.configuration / "remote.toml.new").read_bytes() == (
+        PROJECT / "deploy/sites/remote.toml"
+    ).read_bytes()
     assert untouched.read_bytes() == (PROJECT / "deploy/sites/local.toml").read_bytes()
 
 
@@ -110,7 +112,11 @@ def test_nothing_is_left_but_what_is_edited_or_not_ours(scratch: Scratch) -> Non
     (scratch.configuration / "remote.toml").write_text('cell = "mine"\n')
     (scratch.configuration / "rig.json").write_text("{}\n")
     told = scratch.run("--uninstall")
-    assert sorted(scratch.files()) == ["etc/farhand/remote.toml", "etc/farhand/rig.json", "var/lib/farhand/recording.mcap"]
+    assert sorted(scratch.files()) == [
+        "etc/farhand/remote.toml",
+        "etc/farhand/rig.json",
+        "var/lib/farhand/recording.mcap",
+    ]
     assert f"left: {scratch.configuration} holds remote.toml rig.json" in told
     assert f"left: {state} holds recording.mcap" in told
 

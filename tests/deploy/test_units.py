@@ -86,9 +86,7 @@ def test_systemd_takes_the_unit(unit: Path, tmp_path: Path) -> None:
 def test_an_unknown_word_in_a_unit_is_noticed(tmp_path: Path) -> None:
     there = tmp_path / "farhand-wrong.service"
     there.write_text("[Service]\nExecStart=/bin/true\nWatchdogSecs=2\n")
-    done = subprocess.run(
-        ["systemd-analyze", "verify", "--man=no", there], check=False, capture_output=True, text=True
-    )
+    done = subprocess.run(["systemd-analyze", "verify", "--man=no", there], check=False, capture_output=True, text=True)
     assert "WatchdogSecs" in done.stderr
 
 

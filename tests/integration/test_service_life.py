@@ -1,4 +1,4 @@
-"""What systemd hears of a daemon: ready once, the watchdog fed for as long as the loop comes round, the end announced."""
+"""What systemd hears of a daemon: ready once, the watchdog fed while the loop comes round, the end announced."""
 
 import os
 import signal
