@@ -67,6 +67,7 @@ def start_log(site: str, log_format: LogFormat = LogFormat.TEXT) -> None:
     structlog.configure(
         processors=[
             structlog.contextvars.merge_contextvars,
+            _named(site),
             structlog.processors.add_log_level,
             structlog.processors.TimeStamper(fmt="iso", utc=True, key="time"),
             _for_journal(render) if _is_journal() else render,
@@ -75,7 +76,15 @@ def start_log(site: str, log_format: LogFormat = LogFormat.TEXT) -> None:
         logger_factory=structlog.PrintLoggerFactory(sys.stderr),
         cache_logger_on_first_use=False,
     )
-    structlog.contextvars.bind_contextvars(site=site)
+
+
+def _named(site: str) -> Processor:
+    """The site in every line, also in those of threads, which have no part in the context of who started them."""
+
+    def named(logger: WrappedLogger, method: str, event: EventDict) -> EventDict:  # noqa: ARG001  # a processor's signature
+        return {**event, "site": site}
+
+    return named
 
 
 def _renderer(log_format: LogFormat) -> Processor:

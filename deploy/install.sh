@@ -1,5 +1,5 @@
 #!/usr/bin/env bash
-# Installs Farhand's services into /opt/farhand, /etc/farhand and systemd, or takes them away; asks nothing, may be run again.
+# Installs Farhand's services into /opt/farhand, /etc/farhand and systemd, or takes them away; asks nothing, may run again.
 set -euo pipefail
 
 usage="usage: deploy/install.sh [--uninstall] [--dry-run] [--root DIR]
@@ -70,12 +70,14 @@ systemd_runs() { [ -z "$root" ] && [ -d /run/systemd/system ]; }
 put_in() {
   "$python" -c 'import sys; sys.exit(sys.version_info < (3, 11))' ||
     fail "Farhand needs Python 3.11 or newer: PYTHON=/path/to/python3.11 deploy/install.sh"
-  "$python" -c 'import ensurepip' 2>/dev/null || fail "Python lacks its venv module; on Debian: apt-get install python3-venv"
+  "$python" -c 'import ensurepip' 2>/dev/null ||
+    fail "Python lacks its venv module; on Debian: apt-get install python3-venv"
   make_user
   copy_source
   make_environment
   place_configuration
   place_units
+  compile
   echo "Farhand is installed. Next:
   edit $configuration/remote.toml or local.toml, then: farhand doctor --config FILE
   systemctl enable --now farhand-remote    (on the robot's machine)
@@ -91,7 +93,7 @@ make_user() {
   for group in "${groups[@]}"; do
     if getent group "$group" >/dev/null; then run usermod --append --groups "$group" farhand; fi
   done
-  run install --directory --owner farhand --group farhand --mode 0755 "$state"
+  run install --directory --owner farhand --group farhand --mode 0755 "$state" "$cache"
 }
 
 # What pip builds from is a copy, so that the folder of whoever installs stays as it is.
@@ -141,6 +143,14 @@ place_units() {
   run mkdir -p "$units"
   run cp "$source"/deploy/systemd/*.service "$units/"
   if systemd_runs; then run systemctl daemon-reload; fi
+}
+
+# Otherwise the first start would take so long. An image is compiled for where it runs, at its first start.
+compile() {
+  if [ -n "$root" ]; then return; fi
+  echo "Compiling the tracker (once, up to a minute) ..."
+  run runuser --user farhand -- env --chdir "$state" NUMBA_CACHE_DIR="$cache/numba" \
+    "$home/.venv/bin/python" -m local_site.warm_up
 }
 
 take_away() {

@@ -154,6 +154,27 @@ def engage(
     typer.echo(request_engage(cell, at, operator))
 
 
+@app.command()
+def doctor(
+    config: Annotated[
+        Path | None, typer.Option("--config", help="TOML file of either site; without one, both sites' defaults.")
+    ] = None,
+    settings: Settings = None,
+    as_json: Annotated[bool, typer.Option("--json", help="Print the findings as JSON.")] = False,
+) -> None:
+    """Check this machine and a configuration, and say what to do; the exit code is 1 when something is an error.
+
+    Example: farhand doctor --config /etc/farhand/local.toml
+    """
+    from farhand.doctor import findings
+    from farhand.doctor.run import examine
+
+    found = examine(config, settings or ())
+    typer.echo(findings.as_json(found) if as_json else findings.as_text(found))
+    if findings.worst(found) is findings.Level.ERROR:
+        raise typer.Exit(FAILED)
+
+
 @lease_app.command("show")
 def lease_show(cell: CellName = "cell", at: RemoteEndpoint = REMOTE) -> None:
     """Show who holds the lease of a cell, who asks for it, and what engaging still lacks.

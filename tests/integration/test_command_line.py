@@ -54,6 +54,7 @@ def here(monkeypatch, capsys) -> Callable[..., subprocess.CompletedProcess[str]]
         ["lease", "give"],
         ["lease", "release"],
         ["loopback"],
+        ["doctor"],
         ["track"],
         ["calibrate"],
         ["calibrate", "points"],
