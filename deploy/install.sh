@@ -80,8 +80,8 @@ put_in() {
   compile
   echo "Farhand is installed. Next:
   edit $configuration/remote.toml or local.toml, then: farhand doctor --config FILE
-  systemctl enable --now farhand-remote    (on the robot's machine)
-  systemctl enable --now farhand-local     (on the operator's machine)"
+  systemctl enable --now farhand-remote    (the robot's side)
+  systemctl enable --now farhand-local     (the operator's side)"
 }
 
 make_user() {

@@ -10,7 +10,8 @@ from common.errors import ConfigError
 from farhand.doctor import machine, probing, site, site_probing
 from farhand.doctor.findings import Finding, error, ok
 from local_site.config import LocalConfig
-from remote_site.config import SIMULATED, RemoteConfig
+from remote_site.config import RemoteConfig
+from remote_site.video.config import SIMULATED
 
 Site = LocalConfig | RemoteConfig
 SITES: tuple[type[Site], ...] = (RemoteConfig, LocalConfig)
