@@ -46,11 +46,12 @@ ChildMain = Callable[[StopFlag, Heartbeat], None]
 
 @dataclass
 class Child:
-    """A child process by its name."""
+    """A child process by its name; `vital` if its site cannot be without it."""
 
     name: str
     process: BaseProcess
     heartbeat: Heartbeat
+    vital: bool = True
 
 
 @dataclass
@@ -60,40 +61,46 @@ class Children:
     site: str
     children: list[Child] = field(default_factory=list)
 
-    def start(self, name: str, main: ChildMain) -> Child:
+    def start(self, name: str, main: ChildMain, *, vital: bool = True) -> Child:
         """Fork a child that runs `main`, shown by `ps` and `top` as farhand-NAME; SIGTERM comes when its parent dies.
 
-        Fork before opening any session.
+        Fork before opening any session. What is not vital may die: that is said once, and the others go on.
         """
         heartbeat = Heartbeat()
         context = multiprocessing.get_context("fork")
         process = context.Process(target=_run, args=(name, main, heartbeat, os.getpid()), name=f"{self.site}-{name}")
         process.start()
-        child = Child(name, process, heartbeat)
+        child = Child(name, process, heartbeat, vital)
         self.children.append(child)
         return child
 
     def wait_ready(self, timeout_s: float, should_stop: StopFlag) -> None:
-        """Wait for the first beat of every child; ProcessError when one dies or the time is up."""
+        """Wait for the first beat of every vital child; ProcessError when one dies or the time is up."""
         deadline = time.monotonic() + timeout_s
-        while not should_stop() and any(child.heartbeat.last_ns == 0 for child in self.children):
+        while not should_stop() and self._not_ready():
             self._check_alive()
             if time.monotonic() > deadline:
-                late = ", ".join(child.name for child in self.children if child.heartbeat.last_ns == 0)
+                late = ", ".join(self._not_ready())
                 raise ProcessError(f"{self.site}: {late} not ready after {timeout_s:g} s")
             time.sleep(READY_POLL_S)
 
     def check(self) -> None:
-        """ProcessError with the name of a child that died or gave no beat for two seconds."""
+        """ProcessError with the name of a vital child that died or gave no beat for five seconds."""
         self._check_alive()
         for child in self.children:
-            if time.monotonic_ns() - child.heartbeat.last_ns > HEARTBEAT_TIMEOUT_S * NS_PER_S:
+            if child.vital and time.monotonic_ns() - child.heartbeat.last_ns > HEARTBEAT_TIMEOUT_S * NS_PER_S:
                 raise ProcessError(f"{self.site}: process {child.name} hangs: no heartbeat for {HEARTBEAT_TIMEOUT_S} s")
 
+    def _not_ready(self) -> list[str]:
+        return [child.name for child in self.children if child.vital and child.heartbeat.last_ns == 0]
+
     def _check_alive(self) -> None:
-        for child in self.children:
-            if not child.process.is_alive():
+        dead = [child for child in self.children if not child.process.is_alive()]
+        for child in dead:
+            if child.vital:
                 raise ProcessError(f"{self.site}: process {child.name} died (exit code {child.process.exitcode})")
+            self.children.remove(child)
+            structlog.get_logger().error("died; the site goes on without it", process=child.name)
 
     def end(self) -> None:
         """End the children in order of their start, so that each still finds what it needs while it ends."""

@@ -10,7 +10,7 @@ import typer
 
 from common.config import load_config
 from common.errors import ConfigError, FarhandError, InterruptionError
-from common.service import StopFlag
+from common.service import LogFormat, StopFlag
 from local_site.tracking.method import Method
 
 S = TypeVar("S", bound=msgspec.Struct)
@@ -22,6 +22,7 @@ TrackingFile = Annotated[
     Path | None,
     typer.Option("--config", help="TOML file of the local site; its tables tracking, drift and gesture count."),
 ]
+LogLines = Annotated[LogFormat, typer.Option("--log-format", help="text (level=... event=...) or json, on stderr.")]
 Settings = Annotated[list[str] | None, typer.Option("--set", help="Override one key, as table.key=value.")]
 
 CellName = Annotated[str, typer.Option("--cell", help="Name of the cell.")]
@@ -85,6 +86,7 @@ def local(
     config: ConfigFile = None,
     settings: Settings = None,
     save_views: Annotated[Path | None, typer.Option(help="Folder for the last annotated views, as PNG.")] = None,
+    log_format: LogLines = LogFormat.TEXT,
 ) -> None:
     """Start the operator's side: track the arm and publish it.
 
@@ -96,7 +98,7 @@ def local(
 
     check_folder("--save-views", save_views)
     loaded = load_config(LocalConfig, config, settings or ())
-    _until_signal(lambda should_stop: run_local(loaded, should_stop, save_views))
+    _until_signal(lambda should_stop: run_local(loaded, should_stop, save_views, log_format))
 
 
 @app.command()
@@ -105,6 +107,7 @@ def remote(
     settings: Settings = None,
     driver: Annotated[str | None, typer.Option(help="The robot's driver: the same as --set driver.name=NAME.")] = None,
     emulate: Annotated[bool, typer.Option("--emulate", help="c500c: against an emulated controller.")] = False,
+    log_format: LogLines = LogFormat.TEXT,
 ) -> None:
     """Start the robot's side: follow the hand inside the limits, and stream the cell.
 
@@ -115,7 +118,7 @@ def remote(
 
     chosen = ([f"driver.name={driver}"] if driver else []) + (["driver.emulate=true"] if emulate else [])
     loaded = load_config(RemoteConfig, config, [*(settings or ()), *chosen])
-    _until_signal(lambda should_stop: run_remote(loaded, should_stop))
+    _until_signal(lambda should_stop: run_remote(loaded, should_stop, log_format))
 
 
 @driver_app.command("test")
@@ -162,6 +165,27 @@ def console(config: ConfigFile = None, settings: Settings = None) -> None:
 
     loaded = load_config(ConsoleConfig, config, settings or ())
     _until_signal(lambda should_stop: run_console(loaded, should_stop, typer.echo))
+
+
+@app.command()
+def doctor(
+    config: Annotated[
+        Path | None, typer.Option("--config", help="TOML file of either site; without one, both sites' defaults.")
+    ] = None,
+    settings: Settings = None,
+    as_json: Annotated[bool, typer.Option("--json", help="Print the findings as JSON.")] = False,
+) -> None:
+    """Check this machine and a configuration, and say what to do; the exit code is 1 when something is an error.
+
+    Example: farhand doctor --config /etc/farhand/local.toml
+    """
+    from farhand.doctor import findings
+    from farhand.doctor.run import examine
+
+    found = examine(config, settings or ())
+    typer.echo(findings.as_json(found) if as_json else findings.as_text(found))
+    if findings.worst(found) is findings.Level.ERROR:
+        raise typer.Exit(FAILED)
 
 
 @lease_app.command("show")

@@ -31,7 +31,7 @@ class SiteProcess:
             stdout=subprocess.DEVNULL,
             stderr=subprocess.PIPE,
             text=True,
-            env=os.environ | {"RUNTIME_DIRECTORY": str(runtime)},
+            env=os.environ | {"STATE_DIRECTORY": str(runtime)},
             start_new_session=True,
             preexec_fn=lambda: die_with_parent(parent),  # noqa: PLW1509  # two system calls that take no lock
         )

@@ -3,6 +3,7 @@
 import secrets
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
+from functools import partial
 from pathlib import Path
 
 import cv2
@@ -10,10 +11,11 @@ import structlog
 
 from common.cameras.camera import Camera
 from common.channels import HAND, INTENT, PREVIEW, STATE
+from common.children import Children, Heartbeat
 from common.clock import Clock, MonotonicClock
 from common.errors import CameraError, FarhandError, MessageError
 from common.messages import TrackingStatus
-from common.service import StopFlag, ask_for_real_time, notify, start_log
+from common.service import LogFormat, StopFlag, ask_for_real_time, notify, start_log
 from common.transport import Link, check_endpoint, check_free, open_link
 from local_site.authority import Authority
 from local_site.calibration.control_points import CAMERAS
@@ -43,14 +45,30 @@ SESSION_BITS = 62
 FIFO_PRIORITY = 20  # of tracking: below the robot's control, above everything that may come late
 
 
-def run_local(config: LocalConfig, should_stop: StopFlag, save_views: Path | None = None) -> None:
+def run_local(
+    config: LocalConfig,
+    should_stop: StopFlag,
+    save_views: Path | None = None,
+    log_format: LogFormat = LogFormat.TEXT,
+) -> None:
     """Run the local site until asked to stop; FarhandError when it cannot start or its cameras fail for good.
 
     `save_views` is a folder for the last annotated operator views, written as PNG at the end.
     """
-    start_log("local")
+    start_log("local", log_format)
     check_endpoint(config.links.remote)
     check_free(config.links.listen)
+    children = Children("local")
+    if config.metrics.port:
+        check_free(config.metrics.endpoint)
+        children.start("metrics", partial(_metrics, config), vital=False)
+    try:
+        _run(config, should_stop, save_views)
+    finally:
+        children.end()
+
+
+def _run(config: LocalConfig, should_stop: StopFlag, save_views: Path | None) -> None:
     clock = MonotonicClock()
     cv2.setNumThreads(1)
     warm_up(config.tracking)
@@ -83,6 +101,14 @@ def run_local(config: LocalConfig, should_stop: StopFlag, save_views: Path | Non
     except FarhandError as error:
         structlog.get_logger().error("ending", reason=str(error))
         raise
+
+
+def _metrics(config: LocalConfig, should_stop: StopFlag, heartbeat: Heartbeat) -> None:
+    from common.metrics.serving import run_metrics  # noqa: PLC0415  # only who asks for figures waits for the library
+    from local_site.figures import LocalFigures  # noqa: PLC0415  # the same
+
+    port, listen = config.metrics.port, config.links.listen
+    run_metrics(port, listen, HAND, config.cell, LocalFigures(), should_stop, heartbeat.beat)
 
 
 @dataclass(frozen=True, slots=True)

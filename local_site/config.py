@@ -7,6 +7,7 @@ from msgspec import Meta, field
 
 from common.cameras.sources import Source
 from common.channels import check_cell_name
+from common.metrics.config import MetricsConfig
 from local_site.calibration.drift import DriftConfig
 from local_site.operator_name import host_operator
 from local_site.pairing import PairingConfig
@@ -93,6 +94,7 @@ class LocalConfig(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fiel
     drift: DriftConfig = field(default_factory=DriftConfig)
     preview: PreviewConfig = field(default_factory=PreviewConfig)
     simulation: SimulationConfig = field(default_factory=SimulationConfig)
+    metrics: MetricsConfig = field(default_factory=MetricsConfig)
 
     def __post_init__(self) -> None:
         check_cell_name(self.cell)

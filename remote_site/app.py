@@ -6,11 +6,11 @@ from functools import partial
 import msgspec
 import structlog
 
-from common.channels import CAMERA, SHOWN
+from common.channels import CAMERA, SHOWN, STATE
 from common.children import Children, Heartbeat
 from common.errors import FarhandError
 from common.messages import VideoFrame
-from common.service import StopFlag, notify, start_log
+from common.service import LogFormat, StopFlag, notify, start_log
 from common.transport import Publisher, check_free, open_link
 from remote_site.checks import check_robot
 from remote_site.config import EngagementMode, RemoteConfig
@@ -22,17 +22,19 @@ from remote_site.running_mark import RunningMark
 from remote_site.shared_memory import CellMemory
 from remote_site.video.process import Wire, run_video
 from remote_site.video.sources import SimulatedViews
+from remote_site.video_tally import VideoTally
 
 READY_TIMEOUT_S = 30.0
 CHECK_S = 0.1
 VIDEO_SEND_BUFFER_BYTES = 1 << 18  # more would only make pictures old on a narrow link
 
 
-def run_remote(config: RemoteConfig, should_stop: StopFlag) -> None:
+def run_remote(config: RemoteConfig, should_stop: StopFlag, log_format: LogFormat = LogFormat.TEXT) -> None:
     """Run the remote site until asked to stop; ProcessError when one of its processes dies or hangs."""
-    start_log("remote")
+    start_log("remote", log_format)
     log = structlog.get_logger()
-    for endpoint in (config.links.control, config.links.video):
+    served = (config.metrics.endpoint,) if config.metrics.port else ()
+    for endpoint in (config.links.control, config.links.video, *served):
         check_free(endpoint)
     check_driver(config.driver.name)
     check_robot(config)
@@ -53,8 +55,11 @@ def run_remote(config: RemoteConfig, should_stop: StopFlag) -> None:
         if memory is not None and config.cell_is_simulated:
             children.start("cell", partial(run_cell_child, config, memory))
         children.start("driver", partial(run_driver, config, driver_memory, memory))
-        children.start("video", partial(_video, config, memory))
+        tally = VideoTally([camera.name for camera in config.video.cameras])
+        children.start("video", partial(_video, config, memory, tally))
         children.start("control", partial(run_control, config, driver_memory, memory))
+        if config.metrics.port:
+            children.start("metrics", partial(_metrics, config, tally), vital=False)
         children.wait_ready(READY_TIMEOUT_S, should_stop)
         ready = True
         notify("READY=1")
@@ -105,12 +110,26 @@ def run_cell_child(config: RemoteConfig, memory: CellMemory, should_stop: StopFl
     run_cell(config.simulation, config.robot, memory, should_stop, heartbeat.beat)
 
 
-def _video(config: RemoteConfig, memory: CellMemory | None, should_stop: StopFlag, heartbeat: Heartbeat) -> None:
+def _video(
+    config: RemoteConfig, memory: CellMemory | None, tally: VideoTally, should_stop: StopFlag, heartbeat: Heartbeat
+) -> None:
     views = SimulatedViews(config.simulation, config.robot, memory) if memory is not None else None
     with open_link(listen=(config.links.video,), send_buffer_bytes=VIDEO_SEND_BUFFER_BYTES) as link:
         publishers: dict[str, Publisher[VideoFrame]] = {
             camera.name: link.publisher(CAMERA, config.cell, camera.name) for camera in config.video.cameras
         }
-        shown = link.latest(SHOWN, config.cell)
-        wire = Wire(lambda frame: publishers[frame.camera].put(frame), shown.take)
+
+        def publish(frame: VideoFrame) -> None:
+            publishers[frame.camera].put(frame)
+            tally.note(frame)
+
+        wire = Wire(publish, link.latest(SHOWN, config.cell).take)
         run_video(config.video, views, wire, should_stop, heartbeat.beat)
+
+
+def _metrics(config: RemoteConfig, tally: VideoTally, should_stop: StopFlag, heartbeat: Heartbeat) -> None:
+    from common.metrics.serving import run_metrics  # noqa: PLC0415  # only who asks for figures waits for the library
+    from remote_site.figures import RemoteFigures  # noqa: PLC0415  # the same
+
+    port, figures = config.metrics.port, RemoteFigures(tally)
+    run_metrics(port, config.links.control, STATE, config.cell, figures, should_stop, heartbeat.beat)

@@ -11,6 +11,7 @@ from msgspec import Meta, field
 
 from common.channels import check_cell_name
 from common.geometry import Array, transform
+from common.metrics.config import MetricsConfig
 from remote_site.kinematics.config import SingularityConfig, SolverConfig, StanceConfig
 from remote_site.safety.config import CapsuleConfig, CertaintyConfig, CollisionConfig
 from remote_site.simulation.config import CellConfig
@@ -254,6 +255,7 @@ class RemoteConfig(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fie
     grip: GripConfig = field(default_factory=GripConfig)
     video: VideoConfig = field(default_factory=VideoConfig)
     simulation: CellConfig = field(default_factory=CellConfig)
+    metrics: MetricsConfig = field(default_factory=MetricsConfig)
 
     def __post_init__(self) -> None:
         check_cell_name(self.cell)

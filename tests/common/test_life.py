@@ -84,6 +84,11 @@ def beating(should_stop: StopFlag, heartbeat: Heartbeat) -> None:
         heartbeat.beat()
 
 
+def waiting(should_stop: StopFlag, heartbeat: Heartbeat) -> None:  # noqa: ARG001  # the signature of a child's main
+    while not should_stop.wait(0.02):
+        pass
+
+
 def dying(should_stop: StopFlag, heartbeat: Heartbeat) -> None:  # noqa: ARG001  # the signature of a child's main
     heartbeat.beat()
     os._exit(3)
@@ -120,6 +125,19 @@ def test_a_killed_child_is_noticed() -> None:
     child.process.join(10.0)
     with pytest.raises(ProcessError, match="worker died"):
         children.check()
+
+
+def test_a_child_that_is_not_vital_may_die_or_never_be_ready() -> None:
+    children = Children("test")
+    children.start("worker", beating)
+    children.start("extra", dying, vital=False).process.join(10.0)
+    children.start("late", waiting, vital=False)
+    children.wait_ready(10.0, StopFlag())
+    try:
+        children.check()
+        assert [child.name for child in children.children] == ["worker", "late"]
+    finally:
+        children.end()
 
 
 def test_a_child_that_will_not_end_is_killed() -> None:

@@ -1,31 +1,104 @@
-"""The systemd units: notified readiness, a watchdog that the daemons feed, and the configurations beside them."""
+"""The systemd units: what they promise, that systemd takes them, and how far they are shut in."""
 
 import configparser
+import re
+import shutil
+import subprocess
 from pathlib import Path
 
 import pytest
 
+from farhand.cli import MISUSE
+
 DEPLOY = Path(__file__).parents[2] / "deploy"
+UNITS = sorted((DEPLOY / "systemd").glob("farhand-*.service"))
+SITES = ("remote", "local")
+MOST_EXPOSED = 2.0
+
+analyse = pytest.mark.skipif(
+    shutil.which("systemd-analyze") is None, reason="systemd-analyze is missing; on Debian: apt-get install systemd"
+)
 
 
-def service_of(site: str) -> configparser.SectionProxy:
+def unit_of(site: str) -> configparser.ConfigParser:
     unit = configparser.ConfigParser(strict=False, interpolation=None)
     unit.optionxform = str
     unit.read(DEPLOY / "systemd" / f"farhand-{site}.service")
-    return unit["Service"]
+    return unit
 
 
-@pytest.mark.parametrize("site", ["remote", "local"])
-def test_a_unit_waits_for_ready_and_watches(site: str) -> None:
-    service = service_of(site)
+def named(unit: Path) -> str:
+    return unit.stem
+
+
+@pytest.mark.parametrize("unit", UNITS, ids=named)
+def test_a_unit_waits_for_ready_watches_and_gives_up(unit: Path) -> None:
+    name = unit.stem.removeprefix("farhand-")
+    sections = unit_of(name)
+    service = sections["Service"]
     assert service["Type"] == "notify"
     assert float(service["WatchdogSec"]) >= 1
-    assert service["ExecStart"].endswith(f"farhand {site} --config /etc/farhand/{site}.toml")
-    assert service["User"] == "farhand"
+    assert service["ExecStart"].endswith(f"farhand {name} --config /etc/farhand/{name}.toml")
+    assert service["User"].startswith("farhand")
+    assert service["Restart"] == "on-failure"
+    assert int(service["RestartPreventExitStatus"]) == MISUSE
+    assert int(sections["Unit"]["StartLimitBurst"]) * float(service["RestartSec"]) < float(
+        sections["Unit"]["StartLimitIntervalSec"]
+    ), "the limit would never be reached"
+
+
+@pytest.mark.parametrize("site", SITES)
+def test_a_site_may_ask_for_real_time_and_make_machine_code(site: str) -> None:
+    service = unit_of(site)["Service"]
+    assert int(service["LimitRTPRIO"]) >= 50
+    assert not {"RestrictRealtime", "MemoryDenyWriteExecute", "CPUSchedulingPolicy"} & set(service)
     assert (DEPLOY / "sites" / f"{site}.toml").exists()
 
 
 def test_what_the_local_site_compiles_is_kept_where_it_may_write_and_has_time_for() -> None:
-    service = service_of("local")
+    service = unit_of("local")["Service"]
     assert service["Environment"] == f"NUMBA_CACHE_DIR=%C/{service['CacheDirectory']}/numba"
     assert float(service["TimeoutStartSec"]) >= 300
+
+
+def test_the_remote_sites_mark_lies_where_it_outlasts_a_power_cut() -> None:
+    service = unit_of("remote")["Service"]
+    assert service["StateDirectory"] == "farhand"
+    assert "RuntimeDirectory" not in service
+
+
+@analyse
+@pytest.mark.parametrize("unit", UNITS, ids=named)
+def test_systemd_takes_the_unit(unit: Path, tmp_path: Path) -> None:
+    there = tmp_path / unit.name
+    there.write_text(unit.read_text().replace("/opt/farhand/.venv/bin/farhand", shutil.which("true") or ""))
+    done = subprocess.run(
+        ["systemd-analyze", "verify", "--man=no", "--recursive-errors=no", there],
+        check=False,
+        capture_output=True,
+        text=True,
+    )
+    assert done.returncode == 0, done.stderr
+    assert unit.name not in done.stderr
+
+
+@analyse
+def test_an_unknown_word_in_a_unit_is_noticed(tmp_path: Path) -> None:
+    there = tmp_path / "farhand-wrong.service"
+    there.write_text("[Service]\nExecStart=/bin/true\nWatchdogSecs=2\n")
+    done = subprocess.run(["systemd-analyze", "verify", "--man=no", there], check=False, capture_output=True, text=True)
+    assert "WatchdogSecs" in done.stderr
+
+
+@analyse
+@pytest.mark.parametrize("unit", UNITS, ids=named)
+def test_a_unit_is_shut_in(unit: Path) -> None:
+    done = subprocess.run(
+        ["systemd-analyze", "security", "--offline=true", "--no-pager", unit],
+        check=True,
+        capture_output=True,
+        text=True,
+    )
+    exposure = re.search(r"exposure level for \S+: ([0-9.]+)", done.stdout)
+    assert exposure is not None, done.stdout
+    assert float(exposure[1]) <= MOST_EXPOSED

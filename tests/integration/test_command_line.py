@@ -55,6 +55,7 @@ def here(monkeypatch, capsys) -> Callable[..., subprocess.CompletedProcess[str]]
         ["lease", "give"],
         ["lease", "release"],
         ["loopback"],
+        ["doctor"],
         ["track"],
         ["calibrate"],
         ["calibrate", "points"],
@@ -143,7 +144,7 @@ def test_ctrl_c_before_anything_listens_to_it_ends_without_a_traceback(monkeypat
 def test_a_start_that_fails_leaves_the_mark_of_an_unfinished_run_as_it_was(
     stood: bool, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setenv("RUNTIME_DIRECTORY", str(tmp_path))
+    monkeypatch.setenv("STATE_DIRECTORY", str(tmp_path))
     mark = RunningMark("cell", "tcp/127.0.0.1:7999")
     if stood:
         mark.set()

@@ -35,7 +35,7 @@ def test_a_mirrored_mapping_is_refused():
 
 
 def test_a_mark_that_still_stands_tells_of_an_unordered_end(tmp_path, monkeypatch):
-    monkeypatch.setenv("RUNTIME_DIRECTORY", str(tmp_path))
+    monkeypatch.setenv("STATE_DIRECTORY", str(tmp_path))
     first = RunningMark("cell", "tcp/127.0.0.1:7447")
     assert not first.set()
     assert RunningMark("cell", "tcp/127.0.0.1:7447").set()

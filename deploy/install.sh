@@ -1,0 +1,195 @@
+#!/usr/bin/env bash
+# Installs Farhand's services into /opt/farhand, /etc/farhand and systemd, or takes them away; asks nothing, may run again.
+set -euo pipefail
+
+usage="usage: deploy/install.sh [--uninstall] [--dry-run] [--root DIR]
+  --uninstall  take everything away but edited configuration and what others have put into our folders
+  --dry-run    only say what would be done
+  --root DIR   install below DIR, for an image or a trial: no user is made, nothing is told to systemd
+The environment variable PYTHON chooses the interpreter, python3 by default; Farhand needs Python 3.11 or newer."
+
+source=$(cd "$(dirname "${BASH_SOURCE[0]}")/.." && pwd)
+python=${PYTHON:-python3}
+packages=(common local_site remote_site farhand)
+groups=(video render dialout)
+action=put_in dry= root=
+
+main() {
+  read_arguments "$@"
+  home=$root/opt/farhand
+  configuration=$root/etc/farhand
+  state=$root/var/lib/farhand
+  cache=$root/var/cache/farhand
+  units=$root/usr/local/lib/systemd/system
+  command=$root/usr/local/bin/farhand
+  check
+  "$action"
+}
+
+read_arguments() {
+  while [ $# -gt 0 ]; do
+    case $1 in
+      --uninstall) action=take_away ;;
+      --dry-run) dry=yes ;;
+      --root) [ $# -gt 1 ] || fail "--root needs a folder" 2; root=$(realpath -m -- "$2"); shift ;;
+      --root=*) root=$(realpath -m -- "${1#--root=}") ;;
+      --help | -h) echo "$usage"; exit 0 ;;
+      *) echo "$usage" >&2; exit 2 ;;
+    esac
+    shift
+  done
+  if [ "$root" = / ]; then root=; fi
+}
+
+fail() {
+  echo "install.sh: $1" >&2
+  exit "${2:-1}"
+}
+
+# Do it, or under --dry-run say it.
+run() {
+  if [ -n "$dry" ]; then echo "would run: $*"; else "$@"; fi
+}
+
+check() {
+  if [ -z "$root$dry" ] && [ "$(id -u)" -ne 0 ]; then
+    fail "only root may write to /opt and /etc: sudo deploy/install.sh, or try it with --root DIR"
+  fi
+  # An arm may be following somebody's hand.
+  local unit
+  for unit in "$source"/deploy/systemd/*.service; do
+    unit=$(basename "$unit")
+    if systemd_runs && systemctl --quiet is-active "$unit"; then
+      fail "$unit is running: systemctl stop $unit"
+    fi
+  done
+}
+
+systemd_runs() { [ -z "$root" ] && [ -d /run/systemd/system ]; }
+
+put_in() {
+  "$python" -c 'import sys; sys.exit(sys.version_info < (3, 11))' ||
+    fail "Farhand needs Python 3.11 or newer: PYTHON=/path/to/python3.11 deploy/install.sh"
+  "$python" -c 'import ensurepip' 2>/dev/null ||
+    fail "Python lacks its venv module; on Debian: apt-get install python3-venv"
+  make_user
+  copy_source
+  make_environment
+  place_configuration
+  place_units
+  compile
+  echo "Farhand is installed. Next:
+  edit $configuration/remote.toml or local.toml, then: farhand doctor --config FILE
+  systemctl enable --now farhand-remote    (the robot's side)
+  systemctl enable --now farhand-local     (the operator's side)"
+}
+
+make_user() {
+  if [ -n "$root" ]; then return; fi
+  if ! getent passwd farhand >/dev/null; then
+    run useradd --system --user-group --home-dir "$state" --no-create-home --shell /usr/sbin/nologin farhand
+  fi
+  local group
+  for group in "${groups[@]}"; do
+    if getent group "$group" >/dev/null; then run usermod --append --groups "$group" farhand; fi
+  done
+  run install --directory --owner farhand --group farhand --mode 0755 "$state" "$cache"
+}
+
+# What pip builds from is a copy, so that the folder of whoever installs stays as it is.
+copy_source() {
+  run rm -rf "$home/source" "$home/docs"
+  run mkdir -p "$home/source"
+  local package
+  for package in "${packages[@]}" pyproject.toml constraints.txt README.md LICENSE; do
+    run cp -R "$source/$package" "$home/source/"
+  done
+  run cp -R "$source/docs" "$home/docs"
+}
+
+make_environment() {
+  local venv=$home/.venv
+  if ! "$venv/bin/python" -c '' 2>/dev/null; then run "$python" -m venv --clear "$venv"; fi
+  run "$venv/bin/python" -m pip install --quiet --disable-pip-version-check \
+    --constraint "$home/source/constraints.txt" "$home/source[sim]"
+  run rm -rf "$home/source/build"
+  if [ -n "$root" ]; then
+    # Scripts name their interpreter as it will be called once DIR is the root.
+    run find "$venv/bin" -type f -exec sed -i "1s|^#!$root/|#!/|" {} +
+  fi
+  run mkdir -p "$(dirname "$command")"
+  run ln -sfn /opt/farhand/.venv/bin/farhand "$command"
+}
+
+# A file that nobody has changed since it was installed gives way to a newer one; an edited one never does.
+place_configuration() {
+  run mkdir -p "$configuration" "$home/configuration"
+  local given name mine
+  for given in "$source"/deploy/sites/*.toml; do
+    name=$(basename "$given") mine=$configuration/$(basename "$given")
+    if [ ! -e "$mine" ] || is_untouched "$name"; then
+      run cp "$given" "$mine"
+    elif ! cmp -s "$given" "$mine" && ! cmp -s "$given" "$home/configuration/$name"; then
+      run cp "$given" "$mine.new"
+      echo "kept: $mine is edited; what comes with this release stands beside it as $name.new"
+    fi
+    run cp "$given" "$home/configuration/$name"
+  done
+}
+
+is_untouched() { cmp -s "$configuration/$1" "$home/configuration/$1"; }
+
+place_units() {
+  run mkdir -p "$units"
+  run cp "$source"/deploy/systemd/*.service "$units/"
+  if systemd_runs; then run systemctl daemon-reload; fi
+}
+
+# Otherwise the first start would take so long. An image is compiled for where it runs, at its first start.
+compile() {
+  if [ -n "$root" ]; then return; fi
+  echo "Compiling the tracker (once, up to a minute) ..."
+  run runuser --user farhand -- env --chdir "$state" NUMBA_CACHE_DIR="$cache/numba" \
+    "$home/.venv/bin/python" -m local_site.warm_up
+}
+
+take_away() {
+  remove_units
+  remove_configuration
+  run rm -rf "$home" "$cache"
+  if [ -L "$command" ]; then run rm -f "$command"; fi
+  run rm -f "$state"/*.running
+  run rm -rf "$state/.cache"
+  remove_if_empty "$configuration"
+  remove_if_empty "$state"
+  if [ -z "$root" ] && getent passwd farhand >/dev/null; then run userdel farhand; fi
+}
+
+remove_units() {
+  local unit
+  for unit in "$source"/deploy/systemd/*.service; do
+    unit=$(basename "$unit")
+    if systemd_runs; then run systemctl --quiet disable "$unit"; fi
+    run rm -f "$units/$unit"
+  done
+  if systemd_runs; then run systemctl daemon-reload; fi
+}
+
+remove_configuration() {
+  local given name
+  for given in "$home"/configuration/*.toml; do
+    name=$(basename "$given")
+    if is_untouched "$name"; then run rm -f "$configuration/$name"; fi
+    run rm -f "$configuration/$name.new"
+  done
+}
+
+remove_if_empty() {
+  if [ -z "$(ls -A "$1" 2>/dev/null)" ]; then
+    if [ -d "$1" ]; then run rmdir "$1"; fi
+  else
+    echo "left: $1 holds $(ls -A "$1" | tr '\n' ' ')"
+  fi
+}
+
+main "$@"

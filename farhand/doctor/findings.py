@@ -1,0 +1,62 @@
+"""What a check has found: how bad it is, a sentence, the cure; told to a person or as JSON."""
+
+from collections.abc import Sequence
+from enum import StrEnum
+
+import msgspec
+
+
+class Level(StrEnum):
+    """How bad a finding is: with an error Farhand cannot run, with a warning it runs worse than it could."""
+
+    OK = "ok"
+    WARNING = "warning"
+    ERROR = "error"
+
+
+class Finding(msgspec.Struct, frozen=True):
+    """What one check says; `cure` is empty where there is nothing to do."""
+
+    check: str
+    level: Level
+    sentence: str
+    cure: str = ""
+
+
+def ok(check: str, sentence: str) -> Finding:
+    """All is well."""
+    return Finding(check, Level.OK, sentence)
+
+
+def warning(check: str, sentence: str, cure: str) -> Finding:
+    """It runs, but worse than it could."""
+    return Finding(check, Level.WARNING, sentence, cure)
+
+
+def error(check: str, sentence: str, cure: str) -> Finding:
+    """It cannot run."""
+    return Finding(check, Level.ERROR, sentence, cure)
+
+
+def worst(findings: Sequence[Finding]) -> Level:
+    """The worst level among them."""
+    order = list(Level)
+    return max((finding.level for finding in findings), key=order.index, default=Level.OK)
+
+
+def as_text(findings: Sequence[Finding]) -> str:
+    """A line per finding, its cure below, and a closing line that counts."""
+    lines = []
+    for finding in findings:
+        lines.append(f"{finding.level.value:<8} {finding.check}: {finding.sentence}")
+        if finding.cure:
+            lines.append(f"{'':<8}   cure: {finding.cure}")
+    counts = {level: sum(finding.level is level for finding in findings) for level in Level}
+    lines.append(", ".join(f"{count} {level.value}" for level, count in counts.items()))
+    return "\n".join(lines)
+
+
+def as_json(findings: Sequence[Finding]) -> str:
+    """An object with the worst level and every finding."""
+    told = {"worst": worst(findings), "findings": list(findings)}
+    return msgspec.json.format(msgspec.json.encode(told), indent=2).decode()

@@ -1,0 +1,51 @@
+"""Who listens on a port and who holds a device, as /proc tells it; processes of other users may stay unknown."""
+
+from collections.abc import Iterator
+from contextlib import suppress
+from pathlib import Path
+
+PROC = Path("/proc")
+LISTENING = "0A"
+
+
+def listener_on(port: int) -> str:
+    """Name and number of the process that listens on a TCP port of this host; empty when it is not to be seen."""
+    inodes = {f"socket:[{inode}]" for inode in _listening_inodes(port)}
+    return _holder_of(inodes)
+
+
+def holder_of_device(path: Path) -> str:
+    """Name and number of a process that has a device open; empty without one."""
+    return _holder_of({str(path.resolve())})
+
+
+def _listening_inodes(port: int) -> Iterator[str]:
+    for table in (PROC / "net/tcp", PROC / "net/tcp6"):
+        lines = table.read_text().splitlines()[1:] if table.exists() else []
+        for fields in map(str.split, lines):
+            if fields[3] == LISTENING and int(fields[1].rpartition(":")[2], 16) == port:
+                yield fields[9]
+
+
+def _holder_of(targets: set[str]) -> str:
+    for process in PROC.iterdir():
+        if process.name.isdecimal() and not targets.isdisjoint(_open_files(process)):
+            return f"{_name_of(process)} (process {process.name})"
+    return ""
+
+
+def _open_files(process: Path) -> Iterator[str]:
+    try:
+        handles = sorted((process / "fd").iterdir())
+    except OSError:  # it has ended, or is another user's
+        return
+    for handle in handles:
+        with suppress(OSError):  # closed meanwhile
+            yield str(handle.readlink())
+
+
+def _name_of(process: Path) -> str:
+    """The name that `ps` shows; started as a module, Farhand would be called python there."""
+    words = (process / "cmdline").read_bytes().split(b"\0")
+    name = (process / "comm").read_text().strip()
+    return "farhand" if name.startswith("python") and words[1:3] == [b"-m", b"farhand"] else name

@@ -1,0 +1,109 @@
+"""Looks at what a configuration names: cameras, rig, ports, the remote site's clock."""
+
+import threading
+import time
+from collections.abc import Sequence
+from datetime import UTC, datetime
+from pathlib import Path
+
+from common.cameras.sources import Source, open_camera
+from common.clock import NS_PER_S, OffsetEstimator
+from common.errors import CalibrationError, CameraError, RefusedError, TransportError
+from common.transport import check_endpoint, check_free, open_link
+from farhand.doctor.processes import holder_of_device, listener_on
+from farhand.doctor.site import CameraFacts, ClockFacts, PortFacts, RigFacts
+from local_site.calibration.rig_file import load_rig
+
+PICTURE_TIMEOUT_S = 10.0
+CLOCK_PATIENCE_NS = 2 * NS_PER_S
+TRIPS = 20
+TRIP_EVERY_S = 0.05
+SECONDS_PER_DAY = 86400.0
+
+
+def probe_camera(name: str, source: Source, fps: float) -> CameraFacts:
+    """Open a camera for one picture, unless another process has it."""
+    device = Path(f"/dev/video{source}" if str(source).isdecimal() else str(source))
+    holder = holder_of_device(device) if device.is_char_device() else ""
+    if holder:
+        return CameraFacts(name, str(source), holder=holder)
+    found: list[CameraFacts] = []
+    # A stream may hang for as long as it likes: whoever waits for it is not waited for.
+    thread = threading.Thread(target=lambda: found.append(_first_picture(name, source, fps)), daemon=True)
+    thread.start()
+    thread.join(PICTURE_TIMEOUT_S)
+    late = CameraFacts(name, str(source), problem=f"{source} gave no picture in {PICTURE_TIMEOUT_S:g} s")
+    return found[0] if found else late
+
+
+def _first_picture(name: str, source: Source, fps: float) -> CameraFacts:
+    try:
+        camera = open_camera(source, name, fps)
+        try:
+            frame = camera.read()
+        finally:
+            camera.close()
+    except CameraError as error:
+        return CameraFacts(name, str(source), problem=str(error))
+    if frame is None:
+        return CameraFacts(name, str(source), problem=f"{source} holds no picture")
+    height, width = frame.image.shape[:2]
+    return CameraFacts(name, str(source), (width, height))
+
+
+def probe_rig(path: str, now: datetime) -> RigFacts:
+    """Read a rig file and tell its age."""
+    try:
+        rig = load_rig(Path(path))
+    except CalibrationError as error:
+        return RigFacts(path, problem=str(error))
+    try:
+        created = datetime.fromisoformat(rig.created)
+    except ValueError:
+        created = None
+    sizes = tuple(camera.size_px for camera in rig.cameras)
+    if created is None:
+        return RigFacts(path, sizes_px=sizes)
+    aware = created if created.tzinfo else created.replace(tzinfo=UTC)
+    return RigFacts(path, (now - aware).total_seconds() / SECONDS_PER_DAY, sizes)
+
+
+def probe_ports(endpoints: Sequence[tuple[str, str]]) -> list[PortFacts]:
+    """Whether each place (purpose, endpoint) is free to listen at."""
+    return [_probe_port(purpose, endpoint) for purpose, endpoint in endpoints]
+
+
+def _probe_port(purpose: str, endpoint: str) -> PortFacts:
+    try:
+        check_endpoint(endpoint)
+    except TransportError as error:
+        return PortFacts(purpose, endpoint, problem=str(error))
+    try:
+        check_free(endpoint)
+    except TransportError:
+        return PortFacts(purpose, endpoint, holder=listener_on(int(endpoint.rpartition(":")[2])))
+    return PortFacts(purpose, endpoint, free=True)
+
+
+def probe_clock(cell: str, endpoint: str) -> ClockFacts:
+    """Ask the remote site's clock some twenty times within a second or two."""
+    estimator = OffsetEstimator()
+    try:
+        with open_link(connect=(endpoint,)) as link:
+            give_up_ns, trips = time.monotonic_ns() + CLOCK_PATIENCE_NS, 0
+            while trips < TRIPS and time.monotonic_ns() < give_up_ns:
+                trip = link.round_trip(cell)
+                if trip is not None:
+                    estimator.add(trip)
+                    trips += 1
+                time.sleep(TRIP_EVERY_S)
+    except RefusedError as error:
+        return ClockFacts(endpoint, problem=str(error))
+    except TransportError:
+        return ClockFacts(endpoint)  # what is wrong with the endpoint, the ports tell
+    known = estimator.estimate(time.monotonic_ns())
+    return (
+        ClockFacts(endpoint)
+        if known is None
+        else ClockFacts(endpoint, known.offset.offset_ns, known.offset.uncertainty_ns)
+    )

@@ -1,0 +1,104 @@
+"""What the sites do works with the system calls that their units leave them: the same steps behind the same filter."""
+
+import ctypes.util
+import shutil
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+
+UNITS = Path(__file__).parents[2] / "deploy/systemd"
+LIBRARY = ctypes.util.find_library("seccomp")
+MODULE = """
+import ctypes, errno, mmap, multiprocessing, os, sys
+ALLOW, REFUSE = 0x7FFF0000, 0x00050000 | errno.EPERM
+seccomp = ctypes.CDLL(sys.argv[1])
+seccomp.seccomp_init.restype = ctypes.c_void_p
+context = ctypes.c_void_p(seccomp.seccomp_init(REFUSE))
+for name in sys.argv[2].split():
+    number = seccomp.seccomp_syscall_resolve_name(name.encode())
+    if number >= 0:
+        seccomp.seccomp_rule_add(context, ALLOW, number, 0)
+if seccomp.seccomp_load(context) != 0:
+    sys.exit("the filter could not be loaded")
+try:
+    os.chroot("/")
+except PermissionError:
+    print("filtered")
+
+import numba
+print("compiled", numba.njit(lambda x: x + 1)(1))
+
+shared = mmap.mmap(-1, 8)
+child = multiprocessing.get_context("fork").Process(target=lambda: shared.write(b"forked"))
+child.start()
+child.join()
+print(bytes(shared[:6]).decode())
+
+os.close(os.openpty()[1])
+os.nice(5)
+try:
+    os.sched_setscheduler(0, os.SCHED_FIFO, os.sched_param(20))
+except PermissionError:
+    print("real time refused")
+print("done")
+"""
+
+pytestmark = pytest.mark.skipif(
+    shutil.which("systemd-analyze") is None or LIBRARY is None,
+    reason="systemd-analyze or libseccomp is missing; on Debian: apt-get install systemd libseccomp2",
+)
+
+
+def filters_of(site: str) -> list[str]:
+    """The values of SystemCallFilter, in order."""
+    lines = (UNITS / f"farhand-{site}.service").read_text().splitlines()
+    return [line.partition("=")[2] for line in lines if line.startswith("SystemCallFilter=")]
+
+
+def expand(name: str) -> set[str]:
+    """The system calls of a set, as systemd has them."""
+    if not name.startswith("@"):
+        return {name}
+    told = subprocess.run(
+        ["systemd-analyze", "syscall-filter", name], check=True, capture_output=True, text=True
+    ).stdout
+    words = [line.strip() for line in told.splitlines()[1:] if line.startswith("    ") and "#" not in line]
+    return set().union(*map(expand, words))
+
+
+def allowed(site: str) -> set[str]:
+    calls: set[str] = set()
+    for value in filters_of(site):
+        names = value.removeprefix("~").split()
+        sets = set().union(*map(expand, names))
+        calls = calls - sets if value.startswith("~") else calls | sets
+    return calls
+
+
+def behind_the_filter(calls: set[str]) -> list[str]:
+    done = subprocess.run(
+        [sys.executable, "-c", MODULE, str(LIBRARY), " ".join(sorted(calls))],
+        check=True,
+        capture_output=True,
+        text=True,
+    )
+    return done.stdout.splitlines()
+
+
+def may_have_real_time() -> bool:
+    program = "import os; os.sched_setscheduler(0, os.SCHED_FIFO, os.sched_param(20))"
+    return subprocess.run([sys.executable, "-c", program], check=False, capture_output=True).returncode == 0
+
+
+@pytest.mark.parametrize("site", ["remote", "local"])
+def test_a_site_can_compile_fork_share_and_run_in_real_time(site: str) -> None:
+    told = behind_the_filter(allowed(site))
+    assert told[:3] == ["filtered", "compiled 2", "forked"]
+    assert told[-1] == "done"
+    assert ("real time refused" in told) is not may_have_real_time()
+
+
+def test_real_time_would_be_missed_behind_the_consoles_filter() -> None:
+    assert "real time refused" in behind_the_filter(allowed("console") | {"setpriority"})

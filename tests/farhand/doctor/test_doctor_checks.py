@@ -1,0 +1,97 @@
+"""The doctor's judgements over made-up facts: each level, and a cure wherever something is to be done."""
+
+import json
+
+import pytest
+
+from farhand.doctor import machine, site
+from farhand.doctor.findings import Finding, Level, as_json, as_text, error, ok, warning, worst
+
+SHARED = "/run/shared"
+GB, MB = 1_000_000_000, 1_000_000
+CASES = [
+    (machine.check_python(machine.PythonFacts((3, 12, 1))), "ok", "3.12.1"),
+    (machine.check_python(machine.PythonFacts((3, 10, 9))), "error", "3.10.9"),
+    (machine.check_python(machine.PythonFacts((3, 11, 0), ("numba", "daqp"))), "error", "numba, daqp"),
+    (machine.check_rendering(None), "ok", "EGL"),
+    (machine.check_rendering("no EGL here"), "error", "no EGL here"),
+    (machine.check_real_time(machine.RealTimeFacts(0, granted=True)), "ok", "priority 50"),
+    (machine.check_real_time(machine.RealTimeFacts(20, granted=False)), "warning", "RLIMIT_RTPRIO is 20"),
+    (machine.check_congestion(machine.CongestionFacts("bbr", ("bbr",))), "ok", "BBR"),
+    (machine.check_congestion(machine.CongestionFacts("cubic", ("cubic", "bbr"))), "warning", "cubic"),
+    (machine.check_congestion(machine.CongestionFacts("", ())), "warning", "unknown"),
+    (machine.check_disk(machine.RoomFacts("/var", 50 * GB)), "ok", "50000 MB"),
+    (machine.check_disk(machine.RoomFacts("/var", GB)), "warning", "1000 MB"),
+    (machine.check_disk(machine.RoomFacts("/var", MB)), "error", "1 MB"),
+    (machine.check_disk(machine.RoomFacts("/var", None)), "warning", "/var"),
+    (machine.check_shared_memory(machine.RoomFacts(SHARED, GB)), "ok", "1000 MB"),
+    (machine.check_shared_memory(machine.RoomFacts(SHARED, 32 * MB)), "warning", "32 MB"),
+    (machine.check_shared_memory(machine.RoomFacts(SHARED, None)), "error", "not there"),
+    (machine.check_cache(machine.CacheFacts("/c", writable=True, compiled=43)), "ok", "43 pieces"),
+    (machine.check_cache(machine.CacheFacts("/c", writable=False, compiled=43)), "ok", "43 pieces"),
+    (machine.check_cache(machine.CacheFacts("/c", writable=True, compiled=0)), "warning", "first start"),
+    (machine.check_cache(machine.CacheFacts("/c", writable=False, compiled=0)), "warning", "every start"),
+    (site.check_camera(site.CameraFacts("left", "0", (640, 480))), "ok", "640 x 480"),
+    (site.check_camera(site.CameraFacts("left", "0", holder="farhand (process 7)")), "ok", "process 7"),
+    (site.check_camera(site.CameraFacts("left", "0", holder="cheese (process 7)")), "error", "cheese"),
+    (site.check_camera(site.CameraFacts("left", "0", problem="cannot open 0")), "error", "cannot open 0"),
+    (site.check_rig(site.RigFacts("rig.json", 3.2)), "ok", "3 days"),
+    (site.check_rig(site.RigFacts("rig.json", 200.0)), "warning", "200 days"),
+    (site.check_rig(site.RigFacts("rig.json")), "warning", "does not tell"),
+    (site.check_rig(site.RigFacts("rig.json", problem="is no rig")), "error", "is no rig"),
+    (site.check_port(site.PortFacts("control", "tcp/127.0.0.1:7447", free=True)), "ok", "free"),
+    (site.check_port(site.PortFacts("control", "e", holder="farhand-control (process 9)")), "ok", "farhand-control"),
+    (site.check_port(site.PortFacts("control", "e", holder="nginx (process 9)")), "error", "nginx"),
+    (site.check_port(site.PortFacts("control", "e")), "error", "another user"),
+    (site.check_port(site.PortFacts("control", "e", problem="refused")), "error", "refused"),
+    (site.check_clock(site.ClockFacts("e", 2_000_000, 300_000)), "ok", "2.000 ms, sure to 0.300 ms"),
+    (site.check_clock(site.ClockFacts("e", 2_000_000, 30_000_000)), "warning", "30.000 ms"),
+    (site.check_clock(site.ClockFacts("e")), "warning", "does not answer"),
+    (site.check_clock(site.ClockFacts("e", problem="another protocol")), "error", "another protocol"),
+]
+
+
+@pytest.mark.parametrize(("finding", "level", "words"), CASES)
+def test_a_fact_is_judged_and_what_is_wrong_has_a_cure(finding: Finding, level: str, words: str) -> None:
+    assert finding.level == level
+    assert words in finding.sentence
+    assert bool(finding.cure) is (level != "ok")
+
+
+def test_bbr_that_is_not_loaded_is_loaded_first() -> None:
+    loaded = machine.check_congestion(machine.CongestionFacts("cubic", ("cubic", "bbr")))
+    absent = machine.check_congestion(machine.CongestionFacts("cubic", ("cubic",)))
+    assert "modprobe" not in loaded.cure
+    assert absent.cure.startswith("modprobe tcp_bbr")
+
+
+def test_pictures_of_another_size_than_calibrated_are_an_error() -> None:
+    rig = site.RigFacts("rig.json", 1.0, ((640, 480), (640, 480), None))
+    cameras = (
+        site.CameraFacts("left", "0", (640, 480)),
+        site.CameraFacts("right", "2", (1280, 720)),
+        site.CameraFacts("third", "4", (1280, 720)),
+    )
+    (wrong,) = site.check_sizes(rig, cameras)
+    assert (wrong.check, wrong.level) == ("camera right", Level.ERROR)
+    assert "1280 x 720, but it was calibrated with 640 x 480" in wrong.sentence
+
+
+def test_the_worst_finding_counts() -> None:
+    fine, poor, bad = ok("a", "fine"), warning("b", "poor", "mend"), error("c", "bad", "buy")
+    assert worst([]) is worst([fine]) is Level.OK
+    assert worst([poor, fine]) is Level.WARNING
+    assert worst([bad, poor, fine]) is Level.ERROR
+
+
+def test_findings_are_told_to_people_and_to_programs() -> None:
+    found = [ok("a", "fine"), warning("b", "poor", "mend")]
+    assert as_text(found).splitlines() == [
+        "ok       a: fine",
+        "warning  b: poor",
+        "           cure: mend",
+        "1 ok, 1 warning, 0 error",
+    ]
+    told = json.loads(as_json(found))
+    assert told["worst"] == "warning"
+    assert told["findings"][1] == {"check": "b", "level": "warning", "sentence": "poor", "cure": "mend"}

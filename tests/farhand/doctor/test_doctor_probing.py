@@ -1,0 +1,150 @@
+"""The doctor on this machine: ports that are taken, cameras and rigs that are none, and a whole run."""
+
+import json
+import os
+import socket
+import subprocess
+import sys
+import threading
+from datetime import UTC, datetime, timedelta
+from pathlib import Path
+
+import cv2
+import msgspec
+import numpy as np
+import pytest
+
+from common.channels import CLOCK
+from common.clock import FakeClock
+from common.requests import ClockAnswer
+from common.transport import open_link
+from farhand.doctor.processes import holder_of_device, listener_on
+from farhand.doctor.run import which_site
+from farhand.doctor.site_probing import probe_camera, probe_clock, probe_ports, probe_rig
+from farhand.loopback import free_ports
+from local_site.calibration.rig_file import save_rig
+from local_site.config import LocalConfig
+from local_site.simulation.cameras import exact_rig
+from local_site.simulation.config import SimulationConfig
+from remote_site.config import RemoteConfig
+
+NOW = datetime(2026, 3, 1, tzinfo=UTC)
+
+
+def test_a_port_tells_who_listens() -> None:
+    with socket.create_server(("127.0.0.1", 0)) as server:
+        port = server.getsockname()[1]
+        (taken,) = probe_ports([("control", f"tcp/127.0.0.1:{port}")])
+        assert not taken.free
+        assert f"(process {os.getpid()})" in taken.holder == listener_on(port)
+    (free,) = probe_ports([("control", f"tcp/127.0.0.1:{port}")])
+    assert free.free
+    assert listener_on(port) == ""
+
+
+def test_an_endpoint_beyond_this_host_is_told() -> None:
+    (port,) = probe_ports([("control", "tcp/192.168.1.2:7447")])
+    assert "without certificates" in port.problem
+
+
+def test_a_device_tells_who_has_it_open() -> None:
+    device = Path("/dev/full")
+    with device.open("rb"):
+        assert f"(process {os.getpid()})" in holder_of_device(device)
+
+
+def test_a_camera_is_opened_for_a_picture(tmp_path: Path) -> None:
+    cv2.imwrite(str(tmp_path / "0.png"), np.zeros((48, 64), np.uint8))
+    assert probe_camera("left", str(tmp_path), 30.0).size_px == (64, 48)
+    assert "does not exist" in probe_camera("left", str(tmp_path / "absent"), 30.0).problem
+    assert "cannot open /dev/video97" in probe_camera("left", "/dev/video97", 30.0).problem
+
+
+def test_a_rig_tells_its_age(tmp_path: Path) -> None:
+    path = tmp_path / "rig.json"
+    rig = exact_rig(SimulationConfig().stereo)
+    for created, days in [((NOW - timedelta(days=40)).isoformat(), 40.0), ("long ago", None)]:
+        save_rig(msgspec.structs.replace(rig, created=created), path)
+        assert probe_rig(str(path), NOW).age_days == (None if days is None else pytest.approx(days))
+    path.write_text("{}")
+    assert "not a rig file" in probe_rig(str(path), NOW).problem
+    assert "cannot read the rig" in probe_rig(str(tmp_path / "absent.json"), NOW).problem
+
+
+def test_the_other_clock_is_asked_where_it_answers() -> None:
+    (port,) = free_ports(1)
+    endpoint, stop = f"tcp/127.0.0.1:{port}", threading.Event()
+    with open_link(listen=(endpoint,)) as link:
+        answers = link.answer(CLOCK, "cell", lambda _error: None)
+        clock = FakeClock(7_000_000_000_000)
+
+        def serve() -> None:
+            while not stop.wait(0.001):
+                answers.poll(lambda _question: ClockAnswer(received_ns=clock.now_ns(), answered_ns=clock.now_ns()))
+
+        thread = threading.Thread(target=serve)
+        thread.start()
+        try:
+            known = probe_clock("cell", endpoint)
+        finally:
+            stop.set()
+            thread.join()
+    assert known.offset_ns is not None
+    assert known.uncertainty_ns > 0
+    assert probe_clock("cell", endpoint).offset_ns is None
+
+
+@pytest.mark.parametrize(
+    ("text", "sites"),
+    [
+        ("[operator]\nleft = 0\n", [LocalConfig]),
+        ("[driver]\nname = 'kinematic'\n", [RemoteConfig]),
+        ("cell = 'lab'\n[safety]\n", [RemoteConfig]),
+        ("cell = 'lab'\n", [RemoteConfig, LocalConfig]),
+        ("this is not TOML", [RemoteConfig]),
+    ],
+)
+def test_a_file_tells_whose_it_is(text: str, sites: list[type], tmp_path: Path) -> None:
+    path = tmp_path / "site.toml"
+    path.write_text(text)
+    assert which_site(path) == sites
+
+
+def doctor(*arguments: str) -> subprocess.CompletedProcess[str]:
+    return subprocess.run(
+        [sys.executable, "-m", "farhand", "doctor", *arguments], check=False, capture_output=True, text=True, timeout=60
+    )
+
+
+def test_a_real_run_ends_by_its_worst_finding(tmp_path: Path) -> None:
+    config = tmp_path / "local.toml"
+    listen, remote = free_ports(2)
+    links = f'[links]\nlisten = "tcp/127.0.0.1:{listen}"\nremote = "tcp/127.0.0.1:{remote}"\n'
+    config.write_text(links + '[operator]\nleft = "/dev/video97"\nright = "/dev/video98"\nrig = "absent.json"\n')
+    done = doctor("--config", str(config), "--json")
+    told = json.loads(done.stdout)
+    levels = {finding["check"]: finding["level"] for finding in told["findings"]}
+    assert levels["calibration"] == levels["camera left"] == levels["camera right"] == "error"
+    assert levels["port local"] == levels["configuration"] == "ok"
+    assert levels["clocks"] == "warning"
+    assert {"python", "real time", "congestion", "disk", "shared memory", "compiled code"} <= levels.keys()
+    assert (done.returncode, told["worst"]) == (1, "error")
+
+
+def test_warnings_alone_are_no_failure() -> None:
+    listen, remote = free_ports(2)
+    ports = (f"links.listen=tcp/127.0.0.1:{listen}", f"links.remote=tcp/127.0.0.1:{remote}")
+    config = Path(__file__).parents[3] / "deploy/sites/local.toml"
+    done = doctor("--config", str(config), *(part for setting in ports for part in ("--set", setting)))
+    assert done.returncode == 0, done.stdout
+    assert "warning  clocks: the remote site does not answer" in done.stdout
+
+
+def test_every_mistake_of_the_configuration_is_a_finding(tmp_path: Path) -> None:
+    config = tmp_path / "remote.toml"
+    config.write_text("[driver]\nnme = 1\n[safety]\nt_soft_ms = 1.0\n")
+    done = doctor("--config", str(config))
+    assert done.returncode == 1
+    assert "error    configuration: " in done.stdout
+    assert "did you mean name?" in done.stdout
+    assert "t_soft_ms" in done.stdout
