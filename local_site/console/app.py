@@ -59,7 +59,8 @@ def run_console(config: ConsoleConfig, should_stop: StopFlag, tell: Callable[[st
 
 def _welcome(config: ConsoleConfig, port: int) -> str:
     serve = config.serve
-    host = f"[{serve.host}]" if ":" in serve.host else serve.host
+    name = serve.names[0] if serve.names and not serve.is_loopback else serve.host
+    host = f"[{name}]" if ":" in name else name
     reach = "for this host only" if serve.is_loopback else "for every host that can reach it and knows the token"
     return f"console of cell {config.cell}: {serve.scheme}://{host}:{port}/ ({reach})"
 

@@ -45,6 +45,16 @@ class OpenedPage:
         """What the views of the cell are marked as."""
         return list(self.page.eval_on_selector_all("#cameras .view", "(views) => views.map((v) => v.dataset.mark)"))
 
+    def wait_for_live_views(self) -> None:
+        """Wait until each of the four views has been live, on a busy machine not all at the same instant."""
+        seen: set[int] = set()
+
+        def all_seen() -> bool:
+            seen.update(k for k, mark in enumerate(self.marks()) if mark == "live")
+            return seen == {0, 1, 2, 3}
+
+        self.wait_for("four live views", all_seen)
+
     def pictures(self) -> list[str]:
         """The painted pictures of the cell."""
         return list(self.page.evaluate(STAMPS))

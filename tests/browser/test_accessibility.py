@@ -15,7 +15,7 @@ def test_words_stand_out_and_everything_has_a_name_and_room_for_a_finger(page: O
     scheme, width, height = SCREENS[screen]
     page.page.emulate_media(color_scheme=scheme)
     page.page.set_viewport_size({"width": width, "height": height})
-    page.wait_for("the pictures", lambda: page.marks() == ["live"] * 4)
+    page.wait_for_live_views()
     page.page.keyboard.press("Escape")
     page.wait_for("the stop", lambda: page.state() == "stopped")
     found = page.page.evaluate(CHECK)

@@ -13,7 +13,7 @@ from sites import descendants
 from common.messages import SessionState
 
 SHOWN_WITHIN_S = 1.0
-SLACK_S = 0.5  # a loaded machine may be this much late with anything
+SLACK_S = 1.0  # a loaded machine may be this much late with anything
 
 
 def at_rest(stand) -> bool:
@@ -28,7 +28,7 @@ def stops(stand) -> None:
 
 
 def test_the_space_bar_moves_the_arm_and_the_pictures_and_letting_go_stops_both(stand, page) -> None:
-    page.wait_for("four live views", lambda: page.marks() == ["live"] * 4)
+    page.wait_for_live_views()
     before, posture = page.pictures(), stand.sites.state.q
     page.hold(until=lambda: np.abs(np.subtract(stand.sites.state.q, posture)).max() > 0.05)
     page.hold(until=lambda: all(a != b for a, b in zip(before, page.pictures(), strict=True)))
@@ -147,7 +147,7 @@ def median_of(page: OpenedPage, stretch: str) -> float:
 
 
 def test_pictures_that_stop_coming_are_marked_with_their_age(stand, page) -> None:
-    page.wait_for("four live views", lambda: page.marks() == ["live"] * 4)
+    page.wait_for_live_views()
     video = next(p for p in descendants(stand.remote.pid) if Path(f"/proc/{p}/comm").read_text() == "farhand-video\n")
     os.kill(video, signal.SIGSTOP)
     try:
@@ -155,11 +155,11 @@ def test_pictures_that_stop_coming_are_marked_with_their_age(stand, page) -> Non
         assert " old" in page.words("#cameras .mark b")
     finally:
         os.kill(video, signal.SIGCONT)
-    page.wait_for("live views", lambda: page.marks() == ["live"] * 4)
+    page.wait_for_live_views()
 
 
 def test_a_killed_remote_site_is_told_and_its_pictures_marked_and_the_console_ends_when_asked(stand, page) -> None:
-    page.wait_for("four live views", lambda: page.marks() == ["live"] * 4)
+    page.wait_for_live_views()
     for process in (*descendants(stand.remote.pid), stand.remote.pid):
         os.kill(process, signal.SIGKILL)
     page.wait_for("the word", lambda: page.state() == "silent", SHOWN_WITHIN_S + SLACK_S)
