@@ -23,6 +23,7 @@ from farhand.doctor.machine import (
 REQUIREMENT_NAME = re.compile(r"[A-Za-z0-9._-]+")
 TCP = Path("/proc/sys/net/ipv4")
 STATE = Path("/var/lib/farhand")
+SERVICE_CACHE = Path("/var/cache/farhand/numba")
 SHARED_MEMORY = Path("/dev/shm")  # noqa: S108  # looked at, not written to
 VIEW_PX = (64, 48)
 
@@ -105,10 +106,10 @@ def _room(place: Path) -> RoomFacts:
 
 
 def probe_cache() -> CacheFacts:
-    """Where numba will look for compiled code: its own folder, beside the package, or in the user's cache."""
+    """Where numba will look for compiled code: in the service's folder, beside the package, or in the user's cache."""
     beside = Path(local_site.__file__).parent / "tracking/silhouette/__pycache__"
     users = beside if _is_writable(beside) else Path.home() / ".cache/numba"
-    place = Path(os.environ.get("NUMBA_CACHE_DIR") or users)
+    place = Path(os.environ.get("NUMBA_CACHE_DIR") or (SERVICE_CACHE if SERVICE_CACHE.is_dir() else users))
     return CacheFacts(str(place), _is_writable(place), sum(1 for _ in place.rglob("*.nbi")))
 
 

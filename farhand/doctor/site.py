@@ -71,7 +71,7 @@ def check_camera(facts: CameraFacts) -> Finding:
 
 def check_rig(facts: RigFacts) -> Finding:
     """The calibration can be read and is not old."""
-    again = "calibrate again: farhand calibrate live"
+    again = "calibrate: farhand calibrate live"
     if facts.problem:
         return error("calibration", facts.problem, again)
     if facts.age_days is None:

@@ -44,7 +44,7 @@ def _first_picture(name: str, source: Source, fps: float) -> CameraFacts:
         finally:
             camera.close()
     except CameraError as error:
-        return CameraFacts(name, str(source), problem=str(error))
+        return CameraFacts(name, str(source), problem=str(error).removeprefix(f"camera {name}: "))
     if frame is None:
         return CameraFacts(name, str(source), problem=f"{source} holds no picture")
     height, width = frame.image.shape[:2]

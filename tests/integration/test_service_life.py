@@ -3,13 +3,17 @@
 import os
 import signal
 import socket
+import urllib.request
 from collections.abc import Iterator
 from pathlib import Path
 
 import pytest
 from sites import Sites, running_sites
 
+from farhand.loopback import free_ports
+
 PATIENCE_S = 60.0
+FIGURES = {"farhand_control_missed_ticks_total", "farhand_session_state", "farhand_video_frames_total"}
 
 
 class Systemd:
@@ -69,6 +73,28 @@ def test_a_child_that_stands_still_ends_the_remote_site_so_that_systemd_starts_i
             os.kill(video, signal.SIGCONT)
     assert process.exit_code == 1
     assert "process video hangs" in process.last_error()
+
+
+def test_figures_are_served_and_the_site_goes_on_when_they_die(sites: Sites) -> None:
+    (port,) = free_ports(1)
+    process = sites.remote("driver.name=kinematic", f"metrics.port={port}")
+    sites.wait("figures of control and video", lambda: figures_at(port) >= FIGURES, 20)
+    metrics = next(child for child in children_of(process.pid) if name_of(child) == "farhand-metrics")
+    os.kill(metrics, signal.SIGKILL)
+    sites.wait("the site to say so", lambda: any("goes on without it" in line for line in process.lines), 5)
+    told = len(sites.record.states)
+    sites.wait("control to go on", lambda: len(sites.record.states) > told + 50, 10)
+    assert process.exit_code is None
+
+
+def figures_at(port: int) -> set[str]:
+    """The names of the figures that are served now; none while nobody serves."""
+    try:
+        with urllib.request.urlopen(f"http://127.0.0.1:{port}/metrics", timeout=5) as answer:
+            page = answer.read().decode()
+    except OSError:
+        return set()
+    return {line.partition("{")[0].partition(" ")[0] for line in page.splitlines() if not line.startswith("#")}
 
 
 def children_of(pid: int) -> list[int]:
