@@ -24,6 +24,7 @@ from local_site.tracking.silhouette.overlay import overlay_of
 from local_site.tracking.silhouette.posture import Posture
 from local_site.tracking.silhouette.quality import doubts, objection
 from local_site.tracking.silhouette.tangency import Tangency
+from local_site.tracking.silhouette.uncertainty import elbow_covariance, wrist_covariance
 from local_site.tracking.silhouette.view import ViewMeter
 from local_site.tracking.tracker import ArmEstimate, Overlay, Views
 
@@ -31,7 +32,6 @@ MAX_PREDICTION_NS = 200_000_000
 MAX_PREDICTED_SIGMA = 0.015
 MAX_TANGENT_RESIDUAL, DOUBTED_TANGENT_RESIDUAL = 0.4, 0.12
 ALONG_SIGMA, ACROSS_SIGMA = 0.006, 0.002
-ELBOW_MODEL_SIGMA, WRIST_MODEL_SIGMA = 0.004, 0.004
 
 
 @dataclass(frozen=True, slots=True)
@@ -110,7 +110,7 @@ class SilhouetteTracker:
             self._hand.forget()
             return None
         ends = [_farthest(f) for f in features]
-        arm = Arm(joints.wrist, _wrist_covariance(joints), joints.elbow, triangulate(matrices, ends))
+        arm = Arm(joints.wrist, _wrist_prior(joints), joints.elbow, triangulate(matrices, ends))
         self._shown = views, arm
         return self._hand.track(views, arm)
 
@@ -118,9 +118,11 @@ class SilhouetteTracker:
         status, reason = self._judge(moment)
         self._before, self._last = self._last, moment
         hand = moment.hand
-        covariances = {"elbow": _elbow_covariance(moment.joints), "wrist": moment.joints.covariance[3:, 3:]}
+        covariances = {
+            "elbow": elbow_covariance(moment.joints, moment.limbs),
+            "wrist": wrist_covariance(moment.joints),
+        }
         if hand is not None:
-            covariances["wrist"] = hand.wrist_covariance + WRIST_MODEL_SIGMA**2 * np.eye(3)
             covariances |= {"index": hand.index.covariance, "thumb": hand.thumb.covariance}
         return ArmEstimate(
             t_ns=moment.t_ns,
@@ -211,16 +213,11 @@ class SilhouetteTracker:
         )
 
 
-def _wrist_covariance(joints: Joints) -> Array:
+def _wrist_prior(joints: Joints) -> Array:
     """What the limbs say of the wrist before the hand is fitted: it lies on the forearm's axis, less sure along it."""
     arm = joints.wrist - joints.elbow
     axis = arm / max(float(np.linalg.norm(arm)), 1e-6)
     result: Array = ACROSS_SIGMA**2 * np.eye(3) + ALONG_SIGMA**2 * np.outer(axis, axis)
-    return result
-
-
-def _elbow_covariance(joints: Joints) -> Array:
-    result: Array = joints.covariance[:3, :3] + ELBOW_MODEL_SIGMA**2 * np.eye(3)
     return result
 
 
