@@ -69,11 +69,14 @@ class Arm:
 class HandTracker:
     """Follows a hand with the hand model; its habits are those of one operator and last through losses."""
 
-    def __init__(self, initial_pairs: int, right_arm: bool) -> None:
+    def __init__(
+        self, initial_pairs: int, right_arm: bool, own: Belief | None = None, scale: float | None = None
+    ) -> None:
+        """`own` and `scale` are the habits and the size against the average hand that an earlier run has learned."""
         self._initial_pairs = initial_pairs
         self._right_arm = right_arm
-        self._habits = Habits()
-        self._scale: float | None = None
+        self._habits = Habits(own)
+        self._scale = scale
         self._last: tuple[Fit, Array] | None = None
         self._open = False
         self._turn = np.zeros(3)
@@ -84,6 +87,11 @@ class HandTracker:
     def known(self) -> bool:
         """Whether the operator's hand has been learned."""
         return self._habits.learned >= self._initial_pairs
+
+    @property
+    def learned(self) -> tuple[float, Belief] | None:
+        """The hand's size against the average and its habits, None until they are known."""
+        return (self._scale, self._habits.own) if self.known and self._scale is not None else None
 
     def forget(self) -> None:
         """Start from an unknown pose with the next instant."""
