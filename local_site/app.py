@@ -30,13 +30,15 @@ from local_site.intent import IntentMerge
 from local_site.pictures import write_picture
 from local_site.preview.preview import Preview
 from local_site.preview.process import PreviewProcess
+from local_site.profile_file import ProfileKeeper
 from local_site.publisher import HandPublisher
 from local_site.remote_watch import RemoteWatch
 from local_site.rig_cameras import open_rig_cameras
 from local_site.simulation.source import SimulatedCameras
 from local_site.smoothing import make_smoother
 from local_site.tracking.annotate import annotate
-from local_site.tracking.choice import make_tracker
+from local_site.tracking.choice import make_tracker, profile_of
+from local_site.tracking.silhouette.operator_profile import OperatorProfile
 from local_site.tracking.tracker import ArmEstimate, Views
 from local_site.warm_up import warm_up
 
@@ -89,9 +91,12 @@ def _run(config: LocalConfig, should_stop: StopFlag, save_views: Path | None) ->
                 ask_for_real_time(FIFO_PRIORITY)
                 notify("READY=1")
                 structlog.get_logger().info("ready", cell=config.cell, remote=config.links.remote)
-                while not should_stop():
-                    site.step()
-                    notify("WATCHDOG=1")
+                try:
+                    while not should_stop():
+                        site.step()
+                        notify("WATCHDOG=1")
+                finally:
+                    site.keep_profile()
                 if save_views is not None:
                     site.save_views(save_views)
         finally:
@@ -133,6 +138,10 @@ def _warn_of_drift(sentence: str) -> None:
     structlog.get_logger().warning("drift", reason=sentence)
 
 
+def _warn_of_profile(sentence: str) -> None:
+    structlog.get_logger().warning("operator's profile", reason=sentence)
+
+
 @dataclass(frozen=True, slots=True)
 class Seen:
     """The last views with what was found in them."""
@@ -158,7 +167,8 @@ class LocalSite:
         self._authority = authority
         self._preview = preview
         self._clock = clock
-        self._tracker = make_tracker(operator.rig, config.tracking)
+        self._profiles = ProfileKeeper(config.tracking.profile_dir, config.authority.name, _warn_of_profile)
+        self._tracker = make_tracker(operator.rig, config.tracking, self._profiles.known)
         self._drift = DriftWatch(operator.rig, config.drift, _warn_of_drift)
         self._smoother = make_smoother(config.smoothing)
         self._hold_ms = config.gesture.hold_ms
@@ -186,6 +196,14 @@ class LocalSite:
             self._publish_nothing_seen(reason)
             self._watch.look(self._clock.now_ns())
             self._preview.say(reason, self._clock.now_ns())
+        self._profiles.keep(self._learned, self._clock.now_ns())
+
+    def keep_profile(self) -> None:
+        """Save what has been learned of the operator, where it is to be kept."""
+        self._profiles.save(self._learned)
+
+    def _learned(self) -> OperatorProfile | None:
+        return profile_of(self._tracker)
 
     def _publish(self, views: Views) -> ArmEstimate:
         estimate = self._drift.judge(self._tracker.track(views))

@@ -10,6 +10,7 @@ from local_site.tracking.markers.config import MarkersConfig
 from local_site.tracking.markers.marker_tracker import MarkerTracker
 from local_site.tracking.method import Method
 from local_site.tracking.silhouette.config import SilhouetteConfig
+from local_site.tracking.silhouette.operator_profile import OperatorProfile
 from local_site.tracking.silhouette.silhouette_tracker import SilhouetteTracker
 from local_site.tracking.tracker import Tracker
 
@@ -22,10 +23,18 @@ class TrackingConfig(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_f
     ] = "silhouette"
     silhouette: SilhouetteConfig = field(default_factory=SilhouetteConfig)
     markers: MarkersConfig = field(default_factory=MarkersConfig)
+    profile_dir: Annotated[
+        str, Meta(description="folder with what is learned of each operator's body, by name; empty: nothing is kept")
+    ] = ""
 
 
-def make_tracker(rig: Rig, config: TrackingConfig) -> Tracker:
-    """The tracker that the configuration asks for."""
+def make_tracker(rig: Rig, config: TrackingConfig, profile: OperatorProfile | None = None) -> Tracker:
+    """The tracker that the configuration asks for, with what is known of the operator."""
     if config.method == "markers":
         return MarkerTracker(rig, config.markers)
-    return SilhouetteTracker(rig, config.silhouette)
+    return SilhouetteTracker(rig, config.silhouette, profile)
+
+
+def profile_of(tracker: Tracker) -> OperatorProfile | None:
+    """What a tracker has learned of the operator; markers tell nothing of a body."""
+    return tracker.profile if isinstance(tracker, SilhouetteTracker) else None

@@ -20,6 +20,7 @@ class Reason(StrEnum):
     OTHER_ARM = (
         "the hand looks like one of the other arm: the pictures are mirrored and exchanged, or right_arm is set wrongly"
     )
+    OTHER_BODY = "the arm does not fit the operator's profile and is learned anew: hold it bent, thumb and index apart"
     THUMB_INFERRED = "the thumb is not seen in outline by two cameras; its place follows from the hand's shape"
     LEARNING = "learning the arm: hold it bent, thumb and index apart"
 

@@ -58,11 +58,12 @@ def _shift(view: Limb, elbow: Array, line: Array, sides: Array, depth_m: float, 
     shown = _shown(view, elbow, line, towards_back)
     skin = sides[1] if shown > 0 else sides[0]
     half = abs(line[1, 0] * (skin[1] - line[0, 1]) - line[1, 1] * (skin[0] - line[0, 0]))
-    return 0.0 if math.isnan(half) else shown * (half - depth_m * _px_per_m(view, elbow))
+    return 0.0 if math.isnan(half) else shown * (half - depth_m * px_per_m(view, elbow))
 
 
 @compiled
-def _px_per_m(view: Limb, point: Array) -> float:
+def px_per_m(view: Limb, point: Array) -> float:
+    """How large, in px, the view shows a metre at a point (3,)."""
     m = view.projection
     return float(view.focal_px / (m[2, 0] * point[0] + m[2, 1] * point[1] + m[2, 2] * point[2] + m[2, 3]))
 
@@ -71,7 +72,7 @@ def _px_per_m(view: Limb, point: Array) -> float:
 def _shown(view: Limb, elbow: Array, line: Array, offset: Array) -> float:
     """How far along a line's normal an offset (3,) shows in the view, in lengths of the elbow's distance."""
     motion = image_motion(view.projection, elbow, offset)
-    return float((line[1, 0] * motion[1] - line[1, 1] * motion[0]) / _px_per_m(view, elbow))
+    return float((line[1, 0] * motion[1] - line[1, 1] * motion[0]) / px_per_m(view, elbow))
 
 
 @compiled

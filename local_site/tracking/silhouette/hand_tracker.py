@@ -9,7 +9,7 @@ from statistics import median
 import numpy as np
 
 from common.geometry import Array
-from local_site.tracking.silhouette.hand_model.fit import MIN_VIEWS, Fit, HandView, Prior, contact, fit_hand
+from local_site.tracking.silhouette.hand_model.fit import Fit, HandView, Prior, contact, fit_hand
 from local_site.tracking.silhouette.hand_model.habits import (
     Belief,
     Habits,
@@ -19,8 +19,8 @@ from local_site.tracking.silhouette.hand_model.habits import (
 )
 from local_site.tracking.silhouette.hand_model.placement import POSE, HandPose, Person, rotation_vector, turned
 from local_site.tracking.silhouette.hand_model.search import Effort, search_hand
-from local_site.tracking.silhouette.hand_model.skeleton import INDEX_TIP, THUMB_TIP, TYPICAL_FOREARM
-from local_site.tracking.silhouette.tips import Tip, find_tip
+from local_site.tracking.silhouette.hand_model.skeleton import TYPICAL_FOREARM
+from local_site.tracking.silhouette.tips import INDEX, THUMB, Tip, find_tip
 
 ITERATIONS = 4
 REFIT_ITERATIONS, OPINION_ITERATIONS = 8, 6
@@ -44,15 +44,13 @@ OPINIONS = (
     ((0.8, 0.0, 0.0), (0.0, 0.0, 0.1, 0.0)),
 )
 MAX_TURN_AHEAD = 0.5
-OPEN_THUMB_SIGMA_M = 0.02
 
 
 @dataclass(frozen=True, slots=True)
 class HandEstimate:
-    """The hand at one instant: wrist (3,) in m with its covariance (3, 3), tips, and whether the fingers are open."""
+    """The hand at one instant: wrist (3,) in m, tips, and whether the fingers are open."""
 
     wrist: Array
-    wrist_covariance: Array
     index: Tip
     thumb: Tip
     hand_open: bool
@@ -71,11 +69,14 @@ class Arm:
 class HandTracker:
     """Follows a hand with the hand model; its habits are those of one operator and last through losses."""
 
-    def __init__(self, initial_pairs: int, right_arm: bool) -> None:
+    def __init__(
+        self, initial_pairs: int, right_arm: bool, own: Belief | None = None, scale: float | None = None
+    ) -> None:
+        """`own` and `scale` are the habits and the size against the average hand that an earlier run has learned."""
         self._initial_pairs = initial_pairs
         self._right_arm = right_arm
-        self._habits = Habits()
-        self._scale: float | None = None
+        self._habits = Habits(own)
+        self._scale = scale
         self._last: tuple[Fit, Array] | None = None
         self._open = False
         self._turn = np.zeros(3)
@@ -86,6 +87,11 @@ class HandTracker:
     def known(self) -> bool:
         """Whether the operator's hand has been learned."""
         return self._habits.learned >= self._initial_pairs
+
+    @property
+    def learned(self) -> tuple[float, Belief] | None:
+        """The hand's size against the average and its habits, None until they are known."""
+        return (self._scale, self._habits.own) if self.known and self._scale is not None else None
 
     def forget(self) -> None:
         """Start from an unknown pose with the next instant."""
@@ -105,7 +111,7 @@ class HandTracker:
         if self._habits.is_closed(fit.pose.posture) or not self.known:
             self._learn(fit)
         self._open = self._habits.is_open(fit.pose.posture, self._open)
-        return _estimate(views, fit, self._open, median(self._costs))
+        return _estimate(views, fit, self._open)
 
     def _learn(self, fit: Fit) -> None:
         prior = fit.prior
@@ -196,20 +202,10 @@ class HandTracker:
         return Prior(arm.wrist, belief.posture, information, near)
 
 
-def _estimate(views: Sequence[HandView], fit: Fit, hand_open: bool, usual_cost: float) -> HandEstimate:
-    covariance = np.linalg.inv(fit.information).astype(np.float64)
-    strain = max(1.0, fit.cost / max(usual_cost, 1e-6))
+def _estimate(views: Sequence[HandView], fit: Fit, hand_open: bool) -> HandEstimate:
     contacts = [contact(view, fit.placed, view.outline) for view in views]
-    tips = (find_tip(views, contacts, fit, covariance, sphere) for sphere in (INDEX_TIP, THUMB_TIP))
-    index, thumb = (_strained(tip, strain) for tip in tips)
-    if hand_open and thumb.views < MIN_VIEWS:
-        thumb = replace(thumb, covariance=thumb.covariance + OPEN_THUMB_SIGMA_M**2 * np.eye(3))
-    return HandEstimate(fit.pose.wrist, strain * covariance[:3, :3], index, thumb, hand_open)
-
-
-def _strained(tip: Tip, strain: float) -> Tip:
-    """A tip of a fit that explains the outlines less well than usual: its variance grows likewise."""
-    return replace(tip, covariance=strain * tip.covariance)
+    index, thumb = (find_tip(views, contacts, fit.placed, finger) for finger in (INDEX, THUMB))
+    return HandEstimate(fit.pose.wrist, index, thumb, hand_open)
 
 
 def _cost(fit: Fit) -> float:

@@ -36,12 +36,16 @@ class Body:
 
 @dataclass(frozen=True, slots=True)
 class Joints:
-    """Elbow and wrist (3,) in m with covariance (6, 6) in m², and the rms of their weighted residuals."""
+    """Elbow and wrist (3,) in m with covariance (6, 6) in m², and the rms of their weighted residuals.
+
+    `upper_arm` is a unit vector (3,) from the elbow to the shoulder, zero where it is not known.
+    """
 
     elbow: Array
     wrist: Array
     covariance: Array
     misfit: float
+    upper_arm: Array
 
     @property
     def elbow_sigma(self) -> float:
@@ -58,26 +62,32 @@ def solve_joints(views: Limbs, features: Sequence[Features], body: Body) -> Join
     """Elbow and wrist from what two or more views show; None where the least squares do not converge."""
     projections = list(views["projection"])
     start = [triangulate(projections, list(views[joint])) for joint in ("elbow", "wrist", "shoulder_end")]
-    state, information, misfit = _solve(views, _links(body, sleeve_end(projections, features)), *start)
+    links = _links(body, sleeve_end(projections, features))
+    state, information, misfit, upper_arm = _solve(views, links, *start)
     if math.isnan(misfit):
         return None
-    return Joints(state[:3], state[3:], np.linalg.inv(information).astype(np.float64), misfit)
+    covariance = np.linalg.inv(information).astype(np.float64)
+    return Joints(state[:3], state[3:], covariance, misfit, upper_arm)
 
 
 @compiled
-def _solve(views: Limbs, links: Array, elbow: Array, wrist: Array, far_end: Array) -> tuple[Array, Array, float]:
-    """The state (6,) with its information and misfit, in rounds: the elbow's place in the limbs depends on the bend."""
-    shifts = np.zeros((len(views), 2))
+def _solve(views: Limbs, links: Array, elbow: Array, wrist: Array, far_end: Array) -> tuple[Array, Array, float, Array]:
+    """The state (6,) with its information and misfit, and the upper arm's direction (3,), zero where it is not known.
+
+    In rounds, as the elbow's place in the limbs depends on the bend.
+    """
+    shifts, upper_arm = np.zeros((len(views), 2)), np.zeros(3)
     state, information, misfit = descend(views, links, shifts, np.concatenate((elbow, wrist)))
     for _ in range(1, SHIFT_ROUNDS):
-        found, upper_arm = upper_arm_direction(views, state[:3], far_end)
+        found, direction = upper_arm_direction(views, state[:3], far_end)
         if not found or math.isnan(misfit):
             break
+        upper_arm = direction
         forearm = unit(state[3:] - state[:3])
         for k in range(len(views)):
             shifts[k] = elbow_shifts(views[k], state[:3], forearm, upper_arm)
         state, information, misfit = descend(views, links, shifts, state)
-    return state, information, misfit
+    return state, information, misfit, upper_arm
 
 
 def sleeve_end(projections: Sequence[Array], features: Sequence[Features]) -> Array | None:

@@ -20,18 +20,20 @@ from local_site.tracking.silhouette.hand_view import make_hand_view
 from local_site.tracking.silhouette.handedness import looks_like_the_other_arm
 from local_site.tracking.silhouette.joints import Body, Joints, sleeve_end, solve_joints
 from local_site.tracking.silhouette.limbs import Limbs, limbs_of
+from local_site.tracking.silhouette.operator_profile import OperatorProfile, make_profile
 from local_site.tracking.silhouette.overlay import overlay_of
 from local_site.tracking.silhouette.posture import Posture
 from local_site.tracking.silhouette.quality import doubts, objection
 from local_site.tracking.silhouette.tangency import Tangency
+from local_site.tracking.silhouette.uncertainty import elbow_covariance, wrist_covariance
 from local_site.tracking.silhouette.view import ViewMeter
 from local_site.tracking.tracker import ArmEstimate, Overlay, Views
 
 MAX_PREDICTION_NS = 200_000_000
 MAX_PREDICTED_SIGMA = 0.015
 MAX_TANGENT_RESIDUAL, DOUBTED_TANGENT_RESIDUAL = 0.4, 0.12
+TRIALS = 2  # times the pairs to learn from, in which a profile's hand must be found, or it is another body's
 ALONG_SIGMA, ACROSS_SIGMA = 0.006, 0.002
-ELBOW_MODEL_SIGMA, WRIST_MODEL_SIGMA = 0.004, 0.004
 
 
 @dataclass(frozen=True, slots=True)
@@ -60,7 +62,10 @@ class SilhouetteTracker:
     Raises CalibrationError for a rig of more than four cameras.
     """
 
-    def __init__(self, rig: Rig, config: SilhouetteConfig | None = None) -> None:
+    def __init__(
+        self, rig: Rig, config: SilhouetteConfig | None = None, profile: OperatorProfile | None = None
+    ) -> None:
+        """`profile` is what an earlier run has learned of the operator."""
         if len(rig.cameras) > MAX_VIEWS:
             raise CalibrationError(f"the tracker takes {MAX_VIEWS} cameras at most, the rig has {len(rig.cameras)}")
         self._rig = rig
@@ -69,12 +74,32 @@ class SilhouetteTracker:
         self._meters = tuple(ViewMeter(camera) for camera in rig.cameras)
         self._tangency = Tangency(self._projections)
         self._body = Body()
-        self._hand = HandTracker(self._config.initial_pairs, self._config.right_arm)
+        self._profile = profile
+        self._hand = self._new_hand()
         self._lesson = Reason.LEARNING
         self._shown: tuple[Sequence[HandView], Arm] | None = None
         self._lengths: list[tuple[float, float]] = []
+        self._trials = 0
         self._last: _Moment | None = None
         self._before: _Moment | None = None
+
+    @property
+    def profile(self) -> OperatorProfile | None:
+        """What has been learned of the operator in all runs, None until this one has learned the arm and the hand."""
+        length, hand = self._body.forearm_length, self._hand.learned
+        if length is None or hand is None:
+            return None
+        return make_profile(*hand, length, self._pairs)
+
+    @property
+    def _pairs(self) -> int:
+        return self._config.initial_pairs + (0 if self._profile is None else self._profile.pairs)
+
+    def _new_hand(self) -> HandTracker:
+        known, config = self._profile, self._config
+        if known is None:
+            return HandTracker(config.initial_pairs, config.right_arm)
+        return HandTracker(config.initial_pairs, config.right_arm, known.habits, known.scale)
 
     def track(self, views: Views) -> ArmEstimate:
         """The arm at the views' instant; a frame that cannot be tracked says why."""
@@ -110,7 +135,7 @@ class SilhouetteTracker:
             self._hand.forget()
             return None
         ends = [_farthest(f) for f in features]
-        arm = Arm(joints.wrist, _wrist_covariance(joints), joints.elbow, triangulate(matrices, ends))
+        arm = Arm(joints.wrist, _wrist_prior(joints), joints.elbow, triangulate(matrices, ends))
         self._shown = views, arm
         return self._hand.track(views, arm)
 
@@ -118,9 +143,11 @@ class SilhouetteTracker:
         status, reason = self._judge(moment)
         self._before, self._last = self._last, moment
         hand = moment.hand
-        covariances = {"elbow": _elbow_covariance(moment.joints), "wrist": moment.joints.covariance[3:, 3:]}
+        covariances = {
+            "elbow": elbow_covariance(moment.joints, moment.limbs),
+            "wrist": wrist_covariance(moment.joints),
+        }
         if hand is not None:
-            covariances["wrist"] = hand.wrist_covariance + WRIST_MODEL_SIGMA**2 * np.eye(3)
             covariances |= {"index": hand.index.covariance, "thumb": hand.thumb.covariance}
         return ArmEstimate(
             t_ns=moment.t_ns,
@@ -153,23 +180,38 @@ class SilhouetteTracker:
 
     def _learn(self, moment: _Moment, reasons: Sequence[Reason]) -> tuple[TrackingStatus, str]:
         """Take the median lengths of the first good pairs, thesis equation 3.26."""
+        if self._profile is not None and not set(reasons) - {Reason.HAND_UNCLEAR}:
+            self._trials += 1
+            if self._trials > TRIALS * self._config.initial_pairs:
+                return self._learn_without_profile()
         if reasons:
             return TrackingStatus.INITIALISING, sentence(reasons)
         sleeve = sleeve_end(self._matrices(moment.seen), moment.features)
         elbow = moment.joints.elbow
         to_sleeve = math.nan if sleeve is None else float(np.linalg.norm(sleeve - elbow))
         self._lengths.append((float(np.linalg.norm(moment.wrist - elbow)), to_sleeve))
-        if len(self._lengths) >= self._config.initial_pairs:
-            if self._shown is not None and looks_like_the_other_arm(*self._shown, self._config.right_arm):
-                self._lengths.clear()
-                self._lesson = Reason.OTHER_ARM
-                self._hand = HandTracker(self._config.initial_pairs, self._config.right_arm)
-                return TrackingStatus.INITIALISING, Reason.OTHER_ARM
-            forearm, upper = (_median(values) for values in zip(*self._lengths, strict=True))
-            sleeve_distance = upper if math.isfinite(upper) else None
-            self._body = replace(self._body, forearm_length=forearm, sleeve_distance=sleeve_distance)
         count = f"{len(self._lengths)} of {self._config.initial_pairs} pairs"
+        if len(self._lengths) < self._config.initial_pairs:
+            return TrackingStatus.INITIALISING, f"{self._lesson} ({count})"
+        forearm, upper = (_median(values) for values in zip(*self._lengths, strict=True))
+        if self._shown is not None and looks_like_the_other_arm(*self._shown, self._config.right_arm):
+            return self._learn_anew(Reason.OTHER_ARM)
+        if self._profile is not None and not self._profile.is_of(forearm):
+            return self._learn_without_profile()
+        if self._profile is not None:
+            forearm = self._profile.length_with(forearm, self._config.initial_pairs)
+        self._body = Body(forearm, upper if math.isfinite(upper) else None)
         return TrackingStatus.INITIALISING, f"{self._lesson} ({count})"
+
+    def _learn_without_profile(self) -> tuple[TrackingStatus, str]:
+        self._profile = None
+        return self._learn_anew(Reason.OTHER_BODY)
+
+    def _learn_anew(self, why: Reason) -> tuple[TrackingStatus, str]:
+        self._lengths.clear()
+        self._lesson = why
+        self._hand = self._new_hand()
+        return TrackingStatus.INITIALISING, why
 
     def _lost(self, t_ns: int, reason: str, residual_px: float | None = None) -> ArmEstimate:
         self._last = self._before = None
@@ -211,16 +253,11 @@ class SilhouetteTracker:
         )
 
 
-def _wrist_covariance(joints: Joints) -> Array:
+def _wrist_prior(joints: Joints) -> Array:
     """What the limbs say of the wrist before the hand is fitted: it lies on the forearm's axis, less sure along it."""
     arm = joints.wrist - joints.elbow
     axis = arm / max(float(np.linalg.norm(arm)), 1e-6)
     result: Array = ACROSS_SIGMA**2 * np.eye(3) + ALONG_SIGMA**2 * np.outer(axis, axis)
-    return result
-
-
-def _elbow_covariance(joints: Joints) -> Array:
-    result: Array = joints.covariance[:3, :3] + ELBOW_MODEL_SIGMA**2 * np.eye(3)
     return result
 
 

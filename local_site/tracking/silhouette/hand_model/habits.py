@@ -32,10 +32,17 @@ class Habits:
     """How the operator holds the hand as a gripper, and its sizes: at first an average hand's, then more and more the
     operator's own, as motion shows it from all sides."""
 
-    def __init__(self) -> None:
-        self._mean = GRIPPER.copy()
-        self._information = np.diag(1 / GRIPPER_SIGMA**2)
+    def __init__(self, own: Belief | None = None) -> None:
+        """`own` is what an earlier run has learned."""
+        own = own or Belief(GRIPPER, np.diag(1 / GRIPPER_SIGMA**2))
+        self._mean = own.posture.copy()
+        self._information = own.information.copy()
         self.learned = 0
+
+    @property
+    def own(self) -> Belief:
+        """How this operator usually holds the hand, as far as it is known."""
+        return Belief(self._mean, self._information)
 
     @property
     def closed(self) -> Belief:

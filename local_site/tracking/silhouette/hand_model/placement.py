@@ -58,25 +58,21 @@ class Placed:
         """Centres, radii and their changes."""
         return self.centres, self.radii, self.centre_jacobian, self.radius_jacobian
 
-    def tip(self, sphere: int) -> tuple[Array, Array]:
-        """The skin at the end of a finger (3,), by the number of its last sphere, and its change (3, 16)."""
+    def tip(self, sphere: int) -> Array:
+        """The skin at the end of a finger (3,) in m, by the number of its last sphere."""
         spine = self.centres[sphere] - self.centres[sphere - 1]
-        length = math.sqrt(float(spine @ spine))
-        ahead = spine / length
-        turn = (np.eye(3) - np.outer(ahead, ahead)) * (self.radii[sphere] / length)
-        change = turn @ (self.centre_jacobian[sphere] - self.centre_jacobian[sphere - 1])
-        change += self.centre_jacobian[sphere] + np.outer(ahead, self.radius_jacobian[sphere])
-        return self.centres[sphere] + self.radii[sphere] * ahead, change
+        tip: Array = self.centres[sphere] + self.radii[sphere] / math.sqrt(float(spine @ spine)) * spine
+        return tip
 
     @property
     def index(self) -> Array:
         """The index tip on the skin (3,) in m."""
-        return self.tip(INDEX_TIP)[0]
+        return self.tip(INDEX_TIP)
 
     @property
     def thumb(self) -> Array:
         """The thumb tip on the skin (3,) in m."""
-        return self.tip(THUMB_TIP)[0]
+        return self.tip(THUMB_TIP)
 
 
 def place(pose: HandPose, person: Person) -> Placed:

@@ -14,7 +14,7 @@ from local_site.tracking.silhouette.hand_model.placement import (
     rotation_vector,
     turned,
 )
-from local_site.tracking.silhouette.hand_model.skeleton import CAPSULES, INDEX_TIP, THUMB_TIP
+from local_site.tracking.silhouette.hand_model.skeleton import CAPSULES
 
 STEP = 1e-5
 HAND = 20
@@ -39,15 +39,12 @@ def differences(function, pose):
 
 
 @pytest.mark.parametrize("turn", POSES)
-def test_spheres_and_tips_move_as_said(turn):
+def test_spheres_move_as_said(turn):
     pose = pose_of(turn)
     placed = place(pose, PERSON)
     near = {"rtol": 2e-3, "atol": 2e-5}
     np.testing.assert_allclose(placed.centre_jacobian, differences(lambda p: place(p, PERSON).centres, pose), **near)
     np.testing.assert_allclose(placed.radius_jacobian, differences(lambda p: place(p, PERSON).radii, pose), **near)
-    for sphere in (INDEX_TIP, THUMB_TIP):
-        change = differences(lambda p, k=sphere: place(p, PERSON).tip(k)[0], pose)
-        np.testing.assert_allclose(placed.tip(sphere)[1], change, **near)
 
 
 @pytest.mark.parametrize("turn", POSES)

@@ -60,7 +60,7 @@ def test_a_moving_hand_is_learned_and_followed():
         assert np.linalg.norm(hand.index.point - truth.index) < INDEX_M
         assert np.linalg.norm(hand.thumb.point - truth.thumb) < THUMB_M
         assert not hand.hand_open
-        for covariance in (hand.wrist_covariance, hand.index.covariance, hand.thumb.covariance):
+        for covariance in (hand.index.covariance, hand.thumb.covariance):
             assert np.linalg.eigvalsh(covariance)[0] > 0
 
 
