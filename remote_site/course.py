@@ -31,6 +31,7 @@ class FreeCourse:
         zero = np.zeros(len(q))
         self._t_ns, self._q, self._dq = t_ns, q.copy(), zero
         self._since_ns, self._off, self._off_rate = t_ns, zero, zero
+        self._prepare()
 
     def aim(self, t_ns: int, q: Array, now_ns: int, *, moving: bool = True) -> None:
         """A new sample of the target (n,) for the time `t_ns`, later than the last, known at `now_ns`.
@@ -52,29 +53,37 @@ class FreeCourse:
         if now_ns - self._t_ns > self._predict_ns and self._dq.any():
             end_ns = self._t_ns + self._predict_ns
             self._turn_to(end_ns, self._line(end_ns), np.zeros(len(self._q)), end_ns)
-        q, dq = self._glided(now_ns)
-        inside = self._inside(q)
-        return inside, self._bounded(inside, dq)
+        return self._kept(*self._glided(now_ns))
 
     def _turn_to(self, t_ns: int, q: Array, dq: Array, now_ns: int) -> None:
         """Take a new course from `now_ns`; what the target is off it decays."""
-        here, rate = self._glided(now_ns)
+        here, rate = (np.array(values) for values in self._glided(now_ns))
         self._t_ns, self._q, self._dq = t_ns, q, dq
         self._since_ns, self._off, self._off_rate = now_ns, here - self._line(now_ns), rate - dq
+        self._prepare()
+
+    def _prepare(self) -> None:
+        """For every number its place and speed, what it is off, and how that begins to decay."""
+        push = self._off_rate + self._glide * self._off
+        self._numbers = list(zip(self._q.tolist(), self._dq.tolist(), self._off.tolist(), push.tolist(), strict=True))
 
     def _line(self, now_ns: int) -> Array:
         line: Array = self._q + self._dq * ((now_ns - self._t_ns) / NS_PER_S)
         return line
 
-    def _glided(self, now_ns: int) -> tuple[Array, Array]:
-        t = max(now_ns - self._since_ns, 0) / NS_PER_S
-        decay = math.exp(-self._glide * t)
-        push = self._off_rate + self._glide * self._off
-        off = decay * (self._off + t * push)
-        return self._line(now_ns) + off, self._dq + decay * push - self._glide * off
+    def _glided(self, now_ns: int) -> tuple[list[float], list[float]]:
+        t, since, glide = (now_ns - self._t_ns) / NS_PER_S, max(now_ns - self._since_ns, 0) / NS_PER_S, self._glide
+        decay = math.exp(-glide * since)
+        places, speeds = [], []
+        for q, dq, off, push in self._numbers:
+            left = decay * (off + since * push)
+            places.append(q + dq * t + left)
+            speeds.append(dq + decay * push - glide * left)
+        return places, speeds
 
-    def _inside(self, q: Array) -> Array:
-        return q
+    def _kept(self, q: list[float], dq: list[float]) -> tuple[Array, Array]:
+        """Place and speed inside the limits, if there are any."""
+        return np.array(q), np.array(dq)
 
     def _bounded(self, _q: Array, dq: Array) -> Array:
         return dq
@@ -88,18 +97,26 @@ class Course(FreeCourse):
         self._fastest = TARGET_SPEED * limits.velocity
         # Further than this from its limits, a joint can stop from any speed.
         far = (self._fastest**2 / limits.acceleration + self._fastest * limits.acceleration / limits.jerk) / 2
-        self._far_up, self._far_down = limits.upper - far, limits.lower + far
+        self._far = list(zip((limits.lower + far).tolist(), (limits.upper - far).tolist(), strict=True))
         super().__init__(len(limits.names), config)
 
-    def _inside(self, q: Array) -> Array:
-        inside: Array = np.minimum(np.maximum(q, self._limits.lower), self._limits.upper)
-        return inside
+    def _kept(self, q: list[float], dq: list[float]) -> tuple[Array, Array]:
+        """Inside the limits, with a velocity (n,) from which the joints can stop there."""
+        places, speeds = np.array(q), np.array(dq)
+        if self._is_far(q):
+            return places, np.minimum(np.maximum(speeds, -self._fastest), self._fastest)
+        inside = np.minimum(np.maximum(places, self._limits.lower), self._limits.upper)
+        return inside, self._bounded(inside, speeds)
 
     def _bounded(self, q: Array, dq: Array) -> Array:
         """A velocity (n,) from which the joints can stop inside their limits."""
         up = down = self._fastest
-        if ((q > self._far_up) | (q < self._far_down)).any():
+        if not self._is_far(q.tolist()):
             up = np.minimum(up, self._limits.stoppable(self._limits.upper - q))
             down = np.minimum(down, self._limits.stoppable(q - self._limits.lower))
         bounded: Array = np.minimum(np.maximum(dq, -down), up)
         return bounded
+
+    def _is_far(self, q: list[float]) -> bool:
+        """Whether all joints are where they can stop inside their limits from any speed."""
+        return all(low <= here <= high for here, (low, high) in zip(q, self._far, strict=True))
