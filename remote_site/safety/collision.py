@@ -19,6 +19,7 @@ MIN_NORMAL = 1e-9
 NOWHERE = 1e9  # rad: no posture that was ever measured
 NEIGHBOURS = 1  # joints apart: links that touch by construction
 Pairs = NDArray[np.intp]
+NOTHING: tuple[list[float], float] = [], -math.inf
 NO_PAIRS: Pairs = np.zeros(0, dtype=np.intp)
 
 
@@ -48,8 +49,12 @@ class CollisionModel:
         self._distances = shapes.createData()
         pairs = [(pair.first, pair.second) for pair in shapes.collisionPairs]
         self.levers: Array = np.array([_levers(model, shapes, *pair) for pair in pairs]).reshape(len(pairs), -1)
-        # at `_at`, no pair is nearer than `_left`
-        self._at, self._left = np.full(len(model.joint_names), NOWHERE), np.full(len(pairs), -math.inf)
+        # of each pair: the joints where it was measured last, and what it was there
+        self._at = np.full((len(pairs), len(model.joint_names)), NOWHERE)
+        self._known = np.full(len(pairs), -math.inf)
+        self._none = np.zeros(len(model.joint_names))
+        self._longest: list[float] = self.levers.max(axis=0, initial=0.0).tolist()
+        self._spare: dict[float, tuple[list[float], float]] = {}
 
     @classmethod
     def from_urdf(
@@ -91,32 +96,45 @@ class CollisionModel:
         What was measured before is enough as long as it leaves no doubt: a pair's distance changes by no more than its
         joints' levers allow. Only the pairs in doubt are measured, all of them where `q` is not finite.
         """
-        if not math.isfinite(sum(q.tolist())):
-            return np.arange(max(len(self._left), 1))
-        enough = self._left - self.levers @ (np.abs(q - self._at) + travel) >= distance
+        joints = q.tolist()
+        if not math.isfinite(sum(joints)):
+            return np.arange(max(len(self._known), 1))
+        if self._spared(joints, travel.tolist(), distance):
+            return NO_PAIRS
+        bounds = self._bounds(q)
+        enough = bounds - self.levers.dot(travel) >= distance
         if enough.all():
+            self._spare[distance] = joints, float(bounds.min(initial=math.inf)) - distance
             return NO_PAIRS
         pairs = np.flatnonzero(~enough)  # NaN and -inf are never enough
         found = self._look(q, pairs)
-        return pairs[~(found - self.levers[pairs] @ travel >= distance)]
+        return pairs[~(found - self.levers[pairs].dot(travel) >= distance)]
+
+    def _spared(self, q: list[float], travel: list[float], distance: float) -> bool:
+        """Whether the longest levers cannot use up what was left of all pairs when they were last looked at together."""
+        where, left = self._spare.get(distance, NOTHING)
+        way = sum(
+            lever * (abs(here - there) + more)
+            for lever, here, there, more in zip(self._longest, q, where, travel, strict=False)
+        )
+        return way <= left
 
     def distances(self, q: Array, pairs: Pairs | None = None) -> Array:
         """The distances (m,) in m of some pairs, or of all; -inf where it cannot be told."""
-        every = np.arange(len(self._left)) if pairs is None else pairs
+        every = np.arange(len(self._known)) if pairs is None else pairs
         if not math.isfinite(sum(q.tolist())):
             return np.full(max(len(every), 1), -math.inf)
         return self._measure(q, every)
 
     def _bounds(self, q: Array) -> Array:
         """What every pair's distance (m,) in m is at least at `q`, by what was measured and the levers."""
-        bounds: Array = self._left - self.levers @ np.abs(q - self._at)
+        bounds: Array = self._known - np.vecdot(self.levers, np.abs(q - self._at))
         return bounds
 
     def _look(self, q: Array, pairs: Pairs) -> Array:
-        """Measure pairs at finite `q`, and remember: what is left of the others counts from here too."""
-        bounds = self._bounds(q)
-        found = bounds[pairs] = self._measure(q, pairs)
-        self._at, self._left = q.copy(), bounds
+        """Measure pairs at finite `q`, and remember."""
+        found = self._known[pairs] = self._measure(q, pairs)
+        self._at[pairs] = q
         return found
 
     def _measure(self, q: Array, pairs: Pairs) -> Array:
@@ -135,15 +153,11 @@ class CollisionModel:
 
     def nearer_than(self, q: Array, distance: float) -> list[Near]:
         """The pairs nearer than a distance in m at finite `q`, with the gradients of their distances."""
-        pairs = np.flatnonzero(~(self._bounds(q) >= distance))
-        if not len(pairs):
-            return []
-        measured = zip(pairs.tolist(), self._look(q, pairs).tolist(), strict=True)
-        close = [(k, found) for k, found in measured if found < distance]
+        close = self.doubtful(q, self._none, distance).tolist()
         if not close:
             return []
         jacobian: Array = pin.computeJointJacobians(self._pin_model, self._data, q)
-        return [Near(self._names(k), found, self._gradient(k, jacobian)) for k, found in close]
+        return [Near(self._names(k), float(self._known[k]), self._gradient(k, jacobian)) for k in close]
 
     def _gradient(self, k: int, jacobian: Array) -> Array:
         """How a pair's distance grows with each joint: along the line between its nearest points."""

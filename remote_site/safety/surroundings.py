@@ -66,7 +66,7 @@ class Surroundings:
     def in_doubt(self, q: Array, reach: Array) -> Kinds:
         """Which kinds of room may end in postures that no joint is further than `reach` (n,) from `q` (n,)."""
         pairs = self.collision.doubtful(q, reach, self._kept)
-        if self._depth(q) >= self._tool @ reach:
+        if self._depth(q) >= self._tool.dot(reach):
             return pairs + 1 if len(pairs) else pairs
         return np.concatenate([BOX, pairs + 1])
 
@@ -130,7 +130,7 @@ class Surroundings:
         return rooms if len(rooms) == len(kinds) else np.concatenate([[self._depth(q)], rooms])
 
     def _depth(self, q: Array) -> float:
-        return self._workspace.depth(self._model.forward(q)[:3, 3])
+        return self._workspace.depth(self._model.position(q))
 
     def _worst(self, ends: list[JointStop]) -> Array:
         """The least room of each kind on the way to rest."""

@@ -167,7 +167,7 @@ MUTATIONS = [
         no_tool_leaves_its_box,
     ),
     (
-        Mutation(Surroundings, "in_doubt", "if self._depth(q) >= self._tool @ reach:", "if True:"),
+        Mutation(Surroundings, "in_doubt", "if self._depth(q) >= self._tool.dot(reach):", "if True:"),
         no_tool_leaves_its_box,
     ),
     (
