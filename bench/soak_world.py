@@ -61,8 +61,8 @@ class World:
         self.driver = TroubledDriver(driver, self._luck, self.clock, self._only_control)
         setup, memory = setup_of(CONFIG), DriverMemory.create(len(robot.start_deg))
         self.driver.configure(setup)
-        keeper = Keeper(self.driver, setup, self.clock, memory.busy, GripWatch(grip_settings(CONFIG)))
-        self._desk, self._link = Desk(keeper, memory, self.clock), DriverLink(memory, self.limits, self.clock)
+        self._keeper = Keeper(self.driver, setup, self.clock, memory.busy, GripWatch(grip_settings(CONFIG)))
+        self._desk, self._link = Desk(self._keeper, memory, self.clock), DriverLink(memory, self.limits, self.clock)
         leases = LeaseDesk(FOR_EVER_NS, 1)
         self.operator = RandomOperator(self._luck, leases, begin_ns)
         self.chain = Chain(CONFIG, self.model, self.limits, robot.start, leases)
@@ -85,6 +85,8 @@ class World:
             self._desk.turn()  # every order wakes the driver's process, also one that came while a call was late
             pause_ns = TURN_NS + round(self._luck.uniform(0, 0.3) * NS_PER_MS)
             self._turn_ns = self.clock.now_ns() + (pause_ns if len(self.ticks.t_ns) == ticks else 0)
+            if self._keeper.due_ns is not None:
+                self._turn_ns = min(self._turn_ns, max(self._keeper.due_ns, self.clock.now_ns()))
 
     def _only_control(self, until_ns: int) -> None:
         """Let time pass for everybody but the driver's process."""

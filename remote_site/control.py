@@ -19,6 +19,7 @@ from remote_site.drivers.driver import JointCommand
 from remote_site.drivers.faults import FaultCode
 from remote_site.drivers.link import DriverLink, RobotReport
 from remote_site.drivers.memory import DriverMemory
+from remote_site.drivers.pacing import LEAST_SHARE
 from remote_site.fault_latch import FaultLatch
 from remote_site.front_desk import FrontDesk, describe
 from remote_site.kinematics.limits import JointLimits
@@ -33,7 +34,6 @@ FIFO_PRIORITY = 50
 ACTIVATION_TIMEOUT_S = 10.0
 ACTIVATION_POLL_S = 0.02
 TICKS_PER_STATE = 5
-LEAST_SHARE = 0.9  # of a tick between two commands: sooner, the robot would see more than the limits
 LEASE_BITS = 48
 
 
