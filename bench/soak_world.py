@@ -14,12 +14,12 @@ from common.messages import SessionState
 from common.rate import Rate
 from remote_site.chain import Chain, Step
 from remote_site.config import EngagementConfig, EngagementMode, RemoteConfig
-from remote_site.control import LEAST_SHARE
 from remote_site.drivers.driver import Driver, JointCommand
 from remote_site.drivers.grip import GripWatch
 from remote_site.drivers.keeper import Keeper
 from remote_site.drivers.link import DriverLink, RobotReport
 from remote_site.drivers.memory import DriverMemory
+from remote_site.drivers.pacing import LEAST_SHARE
 from remote_site.drivers.process import Desk, grip_settings, setup_of
 from remote_site.fault_latch import FaultLatch
 from remote_site.kinematics.limits import JointLimits
@@ -114,9 +114,8 @@ class World:
             self._wake(report)
         for sample in self.operator.arrived(now_ns):
             chain.receive(sample, now_ns)
-        fault = str(report.fault or "")
         self._ask(now_ns, report)
-        step = chain.tick(now_ns, chain.robot(ready=report.ready, fault=fault))
+        step = chain.tick(now_ns, chain.robot(report.fault))
         if report.ready:
             self._seq += 1
             motion = step.motion
@@ -134,7 +133,7 @@ class World:
         if not report.ready:
             self._wake(report)
             return
-        session.request_engage(now_ns, self.chain.robot(ready=True, fault=""))
+        session.request_engage(now_ns, self.chain.robot(None))
 
     def _wake(self, report: RobotReport) -> None:
         """Have the robot take commands again where it stands."""

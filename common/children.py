@@ -24,6 +24,7 @@ END_TIMEOUT_S = 1.5
 KILL_TIMEOUT_S = 0.5
 READY_POLL_S = 0.01
 HEARTBEAT_TIMEOUT_S = 5
+CURE = "see the lines above for why, and start the site again"
 
 
 class Heartbeat:
@@ -80,7 +81,7 @@ class Children:
             self._check_alive()
             if time.monotonic() > deadline:
                 late = ", ".join(child.name for child in self.children if child.heartbeat.last_ns == 0)
-                raise ProcessError(f"{self.site}: {late} not ready after {timeout_s:g} s")
+                raise ProcessError(f"{self.site}: {late} not ready after {timeout_s:g} s; {CURE}")
             time.sleep(READY_POLL_S)
 
     def check(self) -> None:
@@ -88,12 +89,16 @@ class Children:
         self._check_alive()
         for child in self.children:
             if time.monotonic_ns() - child.heartbeat.last_ns > HEARTBEAT_TIMEOUT_S * NS_PER_S:
-                raise ProcessError(f"{self.site}: process {child.name} hangs: no heartbeat for {HEARTBEAT_TIMEOUT_S} s")
+                raise ProcessError(
+                    f"{self.site}: process {child.name} hangs: no heartbeat for {HEARTBEAT_TIMEOUT_S} s; {CURE}"
+                )
 
     def _check_alive(self) -> None:
         for child in self.children:
             if not child.process.is_alive():
-                raise ProcessError(f"{self.site}: process {child.name} died (exit code {child.process.exitcode})")
+                raise ProcessError(
+                    f"{self.site}: process {child.name} died (exit code {child.process.exitcode}); {CURE}"
+                )
 
     def end(self) -> None:
         """End the children in order of their start, so that each still finds what it needs while it ends."""

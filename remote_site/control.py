@@ -128,7 +128,7 @@ class ControlLoop:
         for sample in self._inbox.take():
             chain.receive(sample, now_ns)
         self._inbox.engage.poll(now_ns, self._engage)
-        step = chain.tick(now_ns, chain.robot(ready=self._reading.ready, fault=str(self._reading.fault or "")))
+        step = chain.tick(now_ns, chain.robot(self._reading.fault))
         if self._reading.ready:
             self._write(step, now_ns)
         self._reporter.note(step, self._seq, now_ns, self._reading)
@@ -157,9 +157,7 @@ class ControlLoop:
             return Reply(
                 id=request.id, done=False, code="activated", reason="the robot is awake again; engage once more"
             )
-        answer = chain.session.request_engage(
-            self._now_ns, chain.robot(ready=reading.ready, fault=str(reading.fault or ""))
-        )
+        answer = chain.session.request_engage(self._now_ns, chain.robot(reading.fault))
         return Reply(id=request.id, done=answer.done, code=answer.reason.code.value, reason=answer.reason.sentence)
 
     def _wake(self) -> None:

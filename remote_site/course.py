@@ -10,6 +10,9 @@ from remote_site.config import ControlConfig
 from remote_site.kinematics.limits import TARGET_SPEED, JointLimits
 
 SHORTEST_S = 0.01  # of the interval between two samples, when it tells a velocity
+MEMORY = 0.3  # share of the newest deviation in their mean: about three count
+BY_CHANCE, FOR_SURE = 0.2, 0.5  # how much of their mean square deviations have in common from noise alone; in motion
+NOTHING = 1e-18  # m² or rad²
 
 
 class FreeCourse:
@@ -17,13 +20,15 @@ class FreeCourse:
 
     An alpha-beta estimate makes each sample a straight course in time, carried on for at most `predict_ms` beyond the
     sample. The target glides onto every new course, critically damped and without a jump of position or velocity, and
-    follows a steady one without lag.
+    follows a steady one without lag. Samples that deviate now to this side and now to that are noise, and hardly count;
+    the more they deviate to one side, the more the estimate goes along with them.
     """
 
     def __init__(self, size: int, config: ControlConfig) -> None:
-        self._config = config
         self._predict_ns = round(config.predict_ms * NS_PER_MS)
-        self._glide = config.glide_rad_s
+        rest = np.array([config.position_gain, config.velocity_gain, config.glide_rad_s])
+        moving = [config.moving_position_gain, config.moving_velocity_gain, config.moving_glide_rad_s]
+        self._at_rest, self._in_motion = rest, np.maximum(moving, rest)
         self.reset(0, np.zeros(size))
 
     def reset(self, t_ns: int, q: Array) -> None:
@@ -31,6 +36,7 @@ class FreeCourse:
         zero = np.zeros(len(q))
         self._t_ns, self._q, self._dq = t_ns, q.copy(), zero
         self._since_ns, self._off, self._off_rate = t_ns, zero, zero
+        self._deviation, self._square, self._glide = zero, 0.0, float(self._at_rest[2])
         self._prepare()
 
     def aim(self, t_ns: int, q: Array, now_ns: int, *, moving: bool = True) -> None:
@@ -43,21 +49,32 @@ class FreeCourse:
             return
         expected = self._q + self._dq * min(elapsed, self._predict_ns / NS_PER_S)
         error = q - expected
-        estimate = expected + self._config.position_gain * error
-        rate = self._config.velocity_gain / max(elapsed, SHORTEST_S)
+        position_gain, velocity_gain, glide = self._gains(error)
+        estimate = expected + position_gain * error
+        rate = velocity_gain / max(elapsed, SHORTEST_S)
         velocity = self._dq + rate * error if moving else np.zeros(len(q))
-        self._turn_to(t_ns, estimate, self._bounded(estimate, velocity), now_ns)
+        self._turn_to(t_ns, estimate, self._bounded(estimate, velocity), now_ns, glide)
 
     def at(self, now_ns: int) -> tuple[Array, Array]:
         """The target's position (n,), inside the limits if it has any, and velocity (n,) per s at `now_ns`."""
         if now_ns - self._t_ns > self._predict_ns and self._dq.any():
             end_ns = self._t_ns + self._predict_ns
-            self._turn_to(end_ns, self._line(end_ns), np.zeros(len(self._q)), end_ns)
+            self._turn_to(end_ns, self._line(end_ns), np.zeros(len(self._q)), end_ns, self._glide)
         return self._kept(*self._glided(now_ns))
 
-    def _turn_to(self, t_ns: int, q: Array, dq: Array, now_ns: int) -> None:
+    def _gains(self, error: Array) -> list[float]:
+        """The gains of position and velocity, and the glide, for the newest deviation (n,)."""
+        self._deviation = self._deviation + MEMORY * (error - self._deviation)
+        self._square += MEMORY * (float(error @ error) - self._square)
+        common = float(self._deviation @ self._deviation) / (self._square + NOTHING)
+        share = min(max((common - BY_CHANCE) / (FOR_SURE - BY_CHANCE), 0.0), 1.0)
+        gains: list[float] = (self._at_rest + share * (self._in_motion - self._at_rest)).tolist()
+        return gains
+
+    def _turn_to(self, t_ns: int, q: Array, dq: Array, now_ns: int, glide: float) -> None:
         """Take a new course from `now_ns`; what the target is off it decays."""
         here, rate = (np.array(values) for values in self._glided(now_ns))
+        self._glide = glide
         self._t_ns, self._q, self._dq = t_ns, q, dq
         self._since_ns, self._off, self._off_rate = now_ns, here - self._line(now_ns), rate - dq
         self._prepare()

@@ -87,7 +87,7 @@ class CollisionModel:
         return least
 
     def keeps(self, q: Array, travel: Array, distance: float) -> bool:
-        """Whether nothing comes nearer than a distance in m while no joint moves further than `travel` (n,) from `q`."""
+        """Whether nothing comes nearer than a distance in m on any way of `travel` (n,) from `q`."""
         return not len(self.doubtful(q, travel, distance))
 
     def doubtful(self, q: Array, travel: Array, distance: float) -> Pairs:
@@ -108,10 +108,11 @@ class CollisionModel:
             return NO_PAIRS
         pairs = np.flatnonzero(~enough)  # NaN and -inf are never enough
         found = self._look(q, pairs)
-        return pairs[~(found - self.levers[pairs].dot(travel) >= distance)]
+        left: Pairs = pairs[~(found - self.levers[pairs].dot(travel) >= distance)]
+        return left
 
     def _spared(self, q: list[float], travel: list[float], distance: float) -> bool:
-        """Whether the longest levers cannot use up what was left of all pairs when they were last looked at together."""
+        """Whether the longest levers cannot use up what was left when all pairs were looked at last."""
         where, left = self._spare.get(distance, NOTHING)
         way = sum(
             lever * (abs(here - there) + more)

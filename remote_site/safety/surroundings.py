@@ -75,12 +75,12 @@ class Surroundings:
 
         Ever shorter parts of the way are looked at, each only for what was in doubt before, until nothing is.
         """
-        doubtful: Kinds | None = self._every if kinds is None else kinds
+        kinds = self._every if kinds is None else kinds
         duration = max(stop.duration for stop in ends)
         first, last = _at(ends, 0.0), _at(ends, duration)
-        if not (self._rooms(last, doubtful) >= -POSITION).all():
+        if not (self._rooms(last, kinds) >= -POSITION).all():
             return False
-        parts = [(0.0, first, duration, last, doubtful)]
+        parts = [(0.0, first, duration, last, kinds)]
         for _ in range(MOST_LOOKS):
             if not parts:
                 return True

@@ -175,7 +175,7 @@ MUTATIONS = [
         nothing_is_hit_at_rest,
     ),
     (
-        Mutation(Surroundings, "clear", "if not (self._rooms(last, doubtful) >= -POSITION).all():", "if False:"),
+        Mutation(Surroundings, "clear", "if not (self._rooms(last, kinds) >= -POSITION).all():", "if False:"),
         nothing_is_hit_at_rest,
     ),
     (

@@ -7,13 +7,13 @@ from remote_loop import arm
 from common.clock import NS_PER_MS, FakeClock
 from common.rate import Rate
 from remote_site.config import RemoteConfig
-from remote_site.control import LEAST_SHARE
 from remote_site.drivers.driver import JointCommand
 from remote_site.drivers.grip import GripSettings, GripWatch
 from remote_site.drivers.keeper import Keeper
 from remote_site.drivers.kinematic import KinematicDriver
 from remote_site.drivers.link import DriverLink
 from remote_site.drivers.memory import DriverMemory
+from remote_site.drivers.pacing import LEAST_SHARE
 from remote_site.drivers.process import Desk, setup_of
 from remote_site.kinematics.joints import JointMotion
 from remote_site.motion import Follower
