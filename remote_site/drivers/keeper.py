@@ -78,6 +78,7 @@ class Keeper:
         self._tick_ns = round(setup.dt * NS_PER_S)
         self._pace: Pace[JointCommand] = Pace()
         self._plan_ns = 0
+        self._again = False
         self._led = False
         self._written = 0
         self._under_way: dict[int, int] = {}
@@ -151,7 +152,7 @@ class Keeper:
             late = reason(Code.COMMAND_TIMEOUT, age_ms=silent_ns / NS_PER_MS, limit_ms=limit_ns / NS_PER_MS)
             self.stop(RobotFault(FaultCode.COMMAND_TIMEOUT, f"{late.sentence}; activate anew"))
         elif late_ns > self._grace_ns and self.motion.resting:
-            self._fresh = True  # a robot at rest is told so again: only the end of this process starts its watchdog
+            self._again = True  # a robot at rest is told so again: only the end of this process starts its watchdog
         elif late_ns > self._grace_ns and self._onset is None:
             self._onset = (self._heard_ns, self.motion)
             self.diversions += 1
@@ -238,7 +239,8 @@ class Keeper:
         if self.phase not in (Phase.ACTIVE, Phase.STOPPING) or now_ns < self._due_ns:
             return None
         self._due_ns = max(self._due_ns + self._period_ns, now_ns) if self._period_ns else 0
-        if not self._advance(now_ns) and not self._period_ns:
+        again, self._again = self._again or self._period_ns > 0, False
+        if not self._advance(now_ns) and not again:
             return None
         motion = self._sent
         self._written += 1
