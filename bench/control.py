@@ -54,7 +54,7 @@ class Bench:
         chain.measured = self._driver.read().q
         if payload:
             chain.receive(decode(payload, HandArm, HAND.max_bytes), now_ns)
-        motion = chain.tick(now_ns, chain.robot(ready=True, fault="")).motion
+        motion = chain.tick(now_ns, chain.robot(None)).motion
         command = JointCommand(k, now_ns, motion.q, motion.dq, motion.ddq, chain.gripper.is_open)
         chain.sent = self._driver.write(command).motion
         spent_ns = time.perf_counter_ns() - begin_ns

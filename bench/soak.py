@@ -86,16 +86,12 @@ def dynamics(world: World, log: Log) -> dict[str, float]:
     dt = np.maximum(np.diff(log.t_ns), EARLIEST_NS)[:, None] / NS_PER_S
     jerk = np.diff(log.ddq, axis=0) / dt / limits.jerk
     speed = np.diff(log.q, axis=0) / dt / limits.velocity
-    late = _late(log, world.driver.blocked)
-    prompt, delayed = log.follows & np.logical_not(late), log.follows & late
     return {
         "not finite": float(np.sum(~np.isfinite(np.hstack([log.q, log.dq, log.ddq])))),
         "speed, share of limit": _worst(log.dq / limits.velocity),
         "acceleration, share of limit": _worst(log.ddq / limits.acceleration),
-        "jerk by the times, share of limit": _worst(jerk[prompt]),
-        "way by the times, share of the speed limit": _worst(speed[prompt]),
-        "jerk right after a late call of the driver, share of limit": _worst(jerk[delayed]),
-        "way right after a late call of the driver, share of the speed limit": _worst(speed[delayed]),
+        "jerk by the times, share of limit": _worst(jerk[log.follows]),
+        "way by the times, share of the speed limit": _worst(speed[log.follows]),
     }
 
 
@@ -174,16 +170,6 @@ def _runs(flags: list[bool]) -> list[tuple[int, int]]:
     """Begin and end of every unbroken run of True."""
     edges = np.flatnonzero(np.diff(np.concatenate([[False], flags, [False]]).astype(int)))
     return [(int(begin), int(end)) for begin, end in edges.reshape(-1, 2)]
-
-
-def _late(log: Log, blocked: list[tuple[int, int]]) -> Mask:
-    """Which commands (k - 1,) from the second on follow in the tick after a late call: the driver itself was late."""
-    ends = np.array([end for _, end in blocked], dtype=np.int64)
-    before = np.searchsorted(ends, log.t_ns[1:], side="right") - 1
-    late: Mask = before >= 0
-    if len(ends):
-        late &= log.t_ns[1:] - ends[before] <= TICK_NS
-    return late
 
 
 def _worst(shares: Array) -> float:

@@ -14,12 +14,12 @@ from common.messages import SessionState
 from common.rate import Rate
 from remote_site.chain import Chain, Step
 from remote_site.config import EngagementConfig, EngagementMode, RemoteConfig
-from remote_site.control import LEAST_SHARE
 from remote_site.drivers.driver import Driver, JointCommand
 from remote_site.drivers.grip import GripWatch
 from remote_site.drivers.keeper import Keeper
 from remote_site.drivers.link import DriverLink, RobotReport
 from remote_site.drivers.memory import DriverMemory
+from remote_site.drivers.pacing import LEAST_SHARE
 from remote_site.drivers.process import Desk, grip_settings, setup_of
 from remote_site.fault_latch import FaultLatch
 from remote_site.kinematics.limits import JointLimits
@@ -61,8 +61,8 @@ class World:
         self.driver = TroubledDriver(driver, self._luck, self.clock, self._only_control)
         setup, memory = setup_of(CONFIG), DriverMemory.create(len(robot.start_deg))
         self.driver.configure(setup)
-        keeper = Keeper(self.driver, setup, self.clock, memory.busy, GripWatch(grip_settings(CONFIG)))
-        self._desk, self._link = Desk(keeper, memory, self.clock), DriverLink(memory, self.limits, self.clock)
+        self._keeper = Keeper(self.driver, setup, self.clock, memory.busy, GripWatch(grip_settings(CONFIG)))
+        self._desk, self._link = Desk(self._keeper, memory, self.clock), DriverLink(memory, self.limits, self.clock)
         leases = LeaseDesk(FOR_EVER_NS, 1)
         self.operator = RandomOperator(self._luck, leases, begin_ns)
         self.chain = Chain(CONFIG, self.model, self.limits, robot.start, leases)
@@ -85,6 +85,8 @@ class World:
             self._desk.turn()  # every order wakes the driver's process, also one that came while a call was late
             pause_ns = TURN_NS + round(self._luck.uniform(0, 0.3) * NS_PER_MS)
             self._turn_ns = self.clock.now_ns() + (pause_ns if len(self.ticks.t_ns) == ticks else 0)
+            if self._keeper.due_ns is not None:
+                self._turn_ns = min(self._turn_ns, max(self._keeper.due_ns, self.clock.now_ns()))
 
     def _only_control(self, until_ns: int) -> None:
         """Let time pass for everybody but the driver's process."""
@@ -112,9 +114,8 @@ class World:
             self._wake(report)
         for sample in self.operator.arrived(now_ns):
             chain.receive(sample, now_ns)
-        fault = str(report.fault or "")
         self._ask(now_ns, report)
-        step = chain.tick(now_ns, chain.robot(ready=report.ready, fault=fault))
+        step = chain.tick(now_ns, chain.robot(report.fault))
         if report.ready:
             self._seq += 1
             motion = step.motion
@@ -132,7 +133,7 @@ class World:
         if not report.ready:
             self._wake(report)
             return
-        session.request_engage(now_ns, self.chain.robot(ready=True, fault=""))
+        session.request_engage(now_ns, self.chain.robot(None))
 
     def _wake(self, report: RobotReport) -> None:
         """Have the robot take commands again where it stands."""

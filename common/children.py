@@ -24,6 +24,7 @@ END_TIMEOUT_S = 1.5
 KILL_TIMEOUT_S = 0.5
 READY_POLL_S = 0.01
 HEARTBEAT_TIMEOUT_S = 5
+CURE = "see the lines above for why, and start the site again"
 
 
 class Heartbeat:
@@ -81,7 +82,7 @@ class Children:
             self._check_alive()
             if time.monotonic() > deadline:
                 late = ", ".join(self._not_ready())
-                raise ProcessError(f"{self.site}: {late} not ready after {timeout_s:g} s")
+                raise ProcessError(f"{self.site}: {late} not ready after {timeout_s:g} s; {CURE}")
             time.sleep(READY_POLL_S)
 
     def check(self) -> None:
@@ -89,7 +90,9 @@ class Children:
         self._check_alive()
         for child in self.children:
             if child.vital and time.monotonic_ns() - child.heartbeat.last_ns > HEARTBEAT_TIMEOUT_S * NS_PER_S:
-                raise ProcessError(f"{self.site}: process {child.name} hangs: no heartbeat for {HEARTBEAT_TIMEOUT_S} s")
+                raise ProcessError(
+                    f"{self.site}: process {child.name} hangs: no heartbeat for {HEARTBEAT_TIMEOUT_S} s; {CURE}"
+                )
 
     def _not_ready(self) -> list[str]:
         return [child.name for child in self.children if child.vital and child.heartbeat.last_ns == 0]
@@ -98,7 +101,9 @@ class Children:
         dead = [child for child in self.children if not child.process.is_alive()]
         for child in dead:
             if child.vital:
-                raise ProcessError(f"{self.site}: process {child.name} died (exit code {child.process.exitcode})")
+                raise ProcessError(
+                    f"{self.site}: process {child.name} died (exit code {child.process.exitcode}); {CURE}"
+                )
             self.children.remove(child)
             structlog.get_logger().error("died; the site goes on without it", process=child.name)
 

@@ -29,21 +29,24 @@ def inverse(a_T_b: Array) -> Array:
 
 def quaternion_from_rotation(rotation: Array) -> Array:
     """The unit quaternion (x, y, z, w), w >= 0, of a 3 x 3 rotation (Shepperd's method)."""
-    m = rotation
-    trace = m[0, 0] + m[1, 1] + m[2, 2]
-    squares = np.array([m[0, 0], m[1, 1], m[2, 2], trace])
-    k = int(np.argmax(squares))
-    q = np.empty(4)
-    if k == 3:
-        q[:] = m[2, 1] - m[1, 2], m[0, 2] - m[2, 0], m[1, 0] - m[0, 1], 1.0 + trace
+    return np.array(_quaternion(rotation))
+
+
+def _quaternion(rotation: Array) -> tuple[float, float, float, float]:
+    (a, b, c), (d, e, f), (g, h, i) = rotation.tolist()
+    trace = a + e + i
+    largest = max(a, e, i, trace)
+    if largest == trace:
+        x, y, z, w = h - f, c - g, d - b, 1.0 + trace
+    elif largest == a:
+        x, y, z, w = 1.0 + a - e - i, d + b, g + c, h - f
+    elif largest == e:
+        x, y, z, w = b + d, 1.0 + e - a - i, h + f, c - g
     else:
-        i, j, n = k, (k + 1) % 3, (k + 2) % 3
-        q[i] = 1.0 + m[i, i] - m[j, j] - m[n, n]
-        q[j] = m[j, i] + m[i, j]
-        q[n] = m[n, i] + m[i, n]
-        q[3] = m[n, j] - m[j, n]
-    q /= math.sqrt(float(q @ q))
-    return -q if q[3] < 0 else q
+        x, y, z, w = c + g, f + h, 1.0 + i - a - e, d - b
+    length = math.sqrt(x * x + y * y + z * z + w * w)
+    share = -1.0 / length if w < 0 else 1.0 / length
+    return x * share, y * share, z * share, w * share
 
 
 def rotation_from_quaternion(quaternion: Array) -> Array:
@@ -60,21 +63,28 @@ def rotation_from_quaternion(quaternion: Array) -> Array:
 
 def rotation_from_vector(rotation_vector: Array) -> Array:
     """The 3 x 3 rotation about a vector (3,) by its length in rad (Rodrigues)."""
-    angle = math.sqrt(float(rotation_vector @ rotation_vector))
+    x, y, z = rotation_vector.tolist()
+    angle = math.sqrt(x * x + y * y + z * z)
     if angle < MIN_LENGTH:
-        return np.eye(3) + skew(rotation_vector)
-    k = skew(rotation_vector / angle)
-    return np.eye(3) + math.sin(angle) * k + (1 - math.cos(angle)) * (k @ k)
+        return np.array([[1.0, -z, y], [z, 1.0, -x], [-y, x, 1.0]])
+    x, y, z = x / angle, y / angle, z / angle
+    c, s = math.cos(angle), math.sin(angle)
+    u, v, w = (1 - c) * x, (1 - c) * y, (1 - c) * z
+    return np.array(
+        [
+            [u * x + c, u * y - s * z, u * z + s * y],
+            [u * y + s * z, v * y + c, v * z - s * x],
+            [u * z - s * y, v * z + s * x, w * z + c],
+        ]
+    )
 
 
 def vector_from_rotation(rotation: Array) -> Array:
     """The rotation vector (3,) in rad, of length at most pi, of a 3 x 3 rotation."""
-    x, y, z, w = quaternion_from_rotation(rotation)
-    axis = np.array([x, y, z])
-    sine = math.sqrt(float(axis @ axis))
-    if sine < MIN_LENGTH:
-        return 2.0 * axis
-    return axis * (2.0 * math.atan2(sine, w) / sine)
+    x, y, z, w = _quaternion(rotation)
+    sine = math.sqrt(x * x + y * y + z * z)
+    share = 2.0 if sine < MIN_LENGTH else 2.0 * math.atan2(sine, w) / sine
+    return np.array([x * share, y * share, z * share])
 
 
 def unwound(vector: Array, last: Array) -> Array:
@@ -99,11 +109,18 @@ def hand_rotation(wrist: Array, index: Array, thumb: Array) -> Array | None:
     of the plane wrist-index-thumb, (index - wrist) x (thumb - wrist), and y completes the frame. None when the points
     are collinear within `MIN_LENGTH`, so that no orientation exists.
     """
-    to_index, to_thumb = index - wrist, thumb - wrist
-    x = 0.5 * (to_index + to_thumb)
-    z = skew(to_index) @ to_thumb
-    x_length, z_length = math.sqrt(float(x @ x)), math.sqrt(float(z @ z))
-    if x_length < MIN_LENGTH or z_length < MIN_LENGTH:
-        return None
-    x, z = x / x_length, z / z_length
-    return np.column_stack([x, skew(z) @ x, z])
+    to_index, to_thumb = (index - wrist).tolist(), (thumb - wrist).tolist()
+    ahead = [a + b for a, b in zip(to_index, to_thumb, strict=True)]
+    x, z = _unit(ahead, 2 * MIN_LENGTH), _unit(_cross(to_index, to_thumb), MIN_LENGTH)
+    return None if x is None or z is None else np.array([x, _cross(z, x), z]).T
+
+
+def _cross(u: list[float], v: list[float]) -> list[float]:
+    (a, b, c), (d, e, f) = u, v
+    return [b * f - c * e, c * d - a * f, a * e - b * d]
+
+
+def _unit(v: list[float], least: float) -> list[float] | None:
+    x, y, z = v
+    length = math.sqrt(x * x + y * y + z * z)
+    return None if length < least else [x / length, y / length, z / length]

@@ -1,5 +1,6 @@
 """The local site's standing with the remote one, kept in a thread of its own: lease, clock offset, protocol."""
 
+import contextvars
 import secrets
 import threading
 import time
@@ -57,7 +58,9 @@ class Authority:
         self._clock: ClockSync | None = None
         self._refused: RefusedError | None = None
         self._stop = threading.Event()
-        self._thread = threading.Thread(target=self._run, name="authority", daemon=True)
+        self._thread = threading.Thread(
+            target=contextvars.copy_context().run, args=(self._run,), name="authority", daemon=True
+        )
 
     def __enter__(self) -> Self:
         self._thread.start()

@@ -8,6 +8,7 @@ import numpy as np
 from common.geometry import Array, quaternion_from_rotation
 from common.messages import Engagement, HandArm, Pose, SessionState
 from remote_site.config import RemoteConfig
+from remote_site.drivers.faults import RobotFault
 from remote_site.gripper import GripperToggles
 from remote_site.intake import Accepted, Intake
 from remote_site.kinematics.dexterity import Dexterity, Slowing
@@ -88,9 +89,9 @@ class Chain:
             self.steering = Steering(intent.clutch_count, intent.scale, intent.rotation_scale, intent.locks)
             self._latest = result
 
-    def robot(self, *, ready: bool, fault: str) -> Robot:
-        """What the session needs to know of the robot."""
-        return Robot(ready=ready, reason=fault, resting=self.sent.resting)
+    def robot(self, fault: RobotFault | None) -> Robot:
+        """What the session needs to know of the robot, whose fault is None while it takes commands."""
+        return Robot(ready=fault is None, reason=str(fault or ""), resting=self.sent.resting)
 
     def tick(self, now_ns: int, robot: Robot) -> Step:
         """Decide, and propose the next motion; whatever it is, the guard has passed it."""

@@ -146,14 +146,23 @@ class ControlConfig(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fi
     leash_m: Annotated[float, Meta(gt=0, le=1, description="how far the target may run ahead of the tool, m")] = 0.2
     leash_deg: Annotated[float, Meta(gt=0, le=180, description="how far it may turn ahead of the tool, deg")] = 60.0
     position_gain: Annotated[
-        float, Meta(gt=0, le=1, description="share of a sample's deviation that moves the target estimate")
+        float, Meta(gt=0, le=1, description="share of a sample's deviation that moves the target estimate, at rest")
     ] = 0.6
     velocity_gain: Annotated[
-        float, Meta(ge=0, le=1, description="share of a sample's deviation that changes its speed estimate")
+        float, Meta(ge=0, le=1, description="share of a sample's deviation that changes its speed estimate, at rest")
     ] = 0.2
     glide_rad_s: Annotated[
-        float, Meta(ge=1, le=200, description="how fast the target glides onto a new course: bandwidth, rad/s")
+        float, Meta(ge=1, le=200, description="how fast the target glides onto a new course, at rest: bandwidth, rad/s")
     ] = 20.0
+    moving_position_gain: Annotated[
+        float, Meta(gt=0, le=1, description="position_gain once samples deviate to one side: the hand moves")
+    ] = 0.9
+    moving_velocity_gain: Annotated[
+        float, Meta(ge=0, le=1, description="velocity_gain once samples deviate to one side")
+    ] = 0.6
+    moving_glide_rad_s: Annotated[
+        float, Meta(ge=1, le=200, description="glide_rad_s once samples deviate to one side, rad/s")
+    ] = 50.0
     predict_ms: Annotated[
         float, Meta(ge=0, le=200, description="how long a target is carried on beyond its sample, ms")
     ] = 60.0

@@ -19,6 +19,7 @@ from remote_site.drivers.driver import JointCommand
 from remote_site.drivers.faults import FaultCode
 from remote_site.drivers.link import DriverLink, RobotReport
 from remote_site.drivers.memory import DriverMemory
+from remote_site.drivers.pacing import LEAST_SHARE
 from remote_site.fault_latch import FaultLatch
 from remote_site.front_desk import FrontDesk, describe
 from remote_site.kinematics.limits import JointLimits
@@ -34,7 +35,6 @@ FIFO_PRIORITY = 50
 ACTIVATION_TIMEOUT_S = 10.0
 ACTIVATION_POLL_S = 0.02
 TICKS_PER_STATE = 5
-LEAST_SHARE = 0.9  # of a tick between two commands: sooner, the robot would see more than the limits
 LEASE_BITS = 48
 
 
@@ -129,7 +129,7 @@ class ControlLoop:
         for sample in self._inbox.take():
             chain.receive(sample, now_ns)
         self._inbox.engagement.poll(now_ns, self._answer)
-        step = chain.tick(now_ns, chain.robot(ready=self._reading.ready, fault=str(self._reading.fault or "")))
+        step = chain.tick(now_ns, chain.robot(self._reading.fault))
         if self._reading.ready:
             self._write(step, now_ns)
         self._reporter.note(step, self._seq, now_ns, self._reading)
@@ -169,9 +169,7 @@ class ControlLoop:
         if not reading.ready:
             self._wake()
             return Answer(False, reason(Code.ACTIVATED))
-        return chain.session.request_engage(
-            self._now_ns, chain.robot(ready=reading.ready, fault=str(reading.fault or ""))
-        )
+        return chain.session.request_engage(self._now_ns, chain.robot(reading.fault))
 
     def _reset(self) -> Answer:
         """Clear a fault and a stop, and wake a robot that has stopped."""

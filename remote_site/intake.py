@@ -1,5 +1,6 @@
 """The intake of hand samples: in order, young, finite and plausible, or refused with the reason; pure."""
 
+import math
 from collections import Counter
 from dataclasses import dataclass, replace
 
@@ -96,7 +97,7 @@ class Intake:
             poor = reason(Code.UNCERTAIN, sigma_mm=certainty.wrist_mm, limit_mm=limit_mm)
             return self.refuse(poor, hand_lost=True)
         wrist = np.array(sample.wrist)
-        if not np.isfinite(wrist).all():
+        if not math.isfinite(sum(sample.wrist)):
             return self.refuse(reason(Code.NOT_FINITE, what="wrist"))
         if (jump := self._jump(wrist, born_ns)) is not None:
             return self._jumped(jump)
@@ -133,7 +134,7 @@ class Intake:
         if self._last is None or born_ns - self._last.born_ns > self._latch_ns:
             return None
         interval_ns = born_ns - self._last.born_ns
-        distance = float(np.linalg.norm(wrist - self._last.wrist))
+        distance = math.dist(wrist.tolist(), self._last.wrist.tolist())
         if distance <= self._config.hand_speed_m_s * interval_ns / NS_PER_S + self._config.hand_noise_m:
             return None
         return reason(Code.JUMP, distance_mm=distance * 1e3, interval_ms=interval_ns / NS_PER_MS)
@@ -173,5 +174,7 @@ def _orientation(sample: HandArm) -> Array | None:
         or sample.thumb_inferred
     ):
         return None
-    points = np.array([sample.wrist, sample.index, sample.thumb])
-    return hand_rotation(*points) if np.isfinite(points).all() else None
+    points = sample.wrist, sample.index, sample.thumb
+    if not math.isfinite(sum(map(sum, points))):
+        return None
+    return hand_rotation(*(np.array(point) for point in points))

@@ -84,7 +84,9 @@ class Mapping:
         moved = self._base_R_operator @ (wrist_in_operator - self._wrist_origin)
         self._turn(operator_R_hand)
         origin = self._tool_origin[:3, :3]
-        turned = origin @ _locked(origin.T @ self._rotation @ origin, self._turns)
+        turned = self._rotation @ origin
+        if self._turn_locked:
+            turned = origin @ _locked(origin.T @ turned, self._turns)
         return transform(turned, self._tool_origin[:3, 3] + self._ways * moved)
 
     def elbow(self, wrist_in_operator: Array, elbow_in_operator: Vector3 | None) -> Array | None:
@@ -101,6 +103,7 @@ class Mapping:
         self._turns = np.array(
             [not (own.yaw or theirs.yaw), not (own.pitch or theirs.pitch), not (own.roll or theirs.roll)], dtype=float
         )
+        self._turn_locked = not self._turns.all()
         self._rotation_scale = steering.rotation_scale
         self._steering = steering
 
@@ -135,8 +138,6 @@ def thesis_angles(wrist: Array, index: Array, thumb: Array) -> tuple[float, floa
 
 def _locked(tool_R_turned: Array, free: Array) -> Array:
     """A rotation in the tool's axes with its free parts (3,), 1 or 0: z is the twist about z, the swing has x and y."""
-    if free.all():
-        return tool_R_turned
     swing = _swing_to(tool_R_turned[:, 2])
     twist = swing.T @ tool_R_turned
     kept = rotation_from_vector(vector_from_rotation(swing) * np.array([free[0], free[1], 1.0]))

@@ -11,6 +11,8 @@ from remote_site.kinematics.limits import TARGET_SPEED, JointLimits
 from remote_site.safety.status import Code, Reason, reason
 from remote_site.safety.stopping import stopping
 
+PLANNED = (Result.Working, Result.Finished)
+
 
 class Follower:
     """Follows a moving joint target as quickly as velocity, acceleration and jerk allow, one tick of `dt` s at a time.
@@ -22,6 +24,7 @@ class Follower:
     def __init__(self, limits: JointLimits, dt: float) -> None:
         n = len(limits.names)
         self._limits = limits
+        self._velocity = limits.velocity.tolist()
         self._dt = dt
         self._ruckig = Ruckig(n, dt)
         self._input = InputParameter(n)
@@ -38,25 +41,28 @@ class Follower:
 
     def track(self, q_target: Array, dq_target: Array, speed_scale: float = 1.0) -> JointMotion | Reason:
         """The motion one tick on, towards a target (n,) rad moving with (n,) rad/s; a Reason if none can be planned."""
-        velocity = self._limits.velocity * speed_scale
-        frame_dq = np.minimum(np.maximum(dq_target, -TARGET_SPEED * velocity), TARGET_SPEED * velocity)
-        given = self._input
-        given.current_position = (self.motion.q - q_target).tolist()
-        given.current_velocity = (self.motion.dq - frame_dq).tolist()
+        fastest = [velocity * speed_scale for velocity in self._velocity]
+        frame = [
+            min(max(dq, -TARGET_SPEED * most), TARGET_SPEED * most)
+            for dq, most in zip(dq_target.tolist(), fastest, strict=True)
+        ]
+        target, given, planned = q_target.tolist(), self._input, self._output
+        given.current_position = [q - goal for q, goal in zip(self.motion.q.tolist(), target, strict=True)]
+        given.current_velocity = [dq - moving for dq, moving in zip(self.motion.dq.tolist(), frame, strict=True)]
         given.current_acceleration = self.motion.ddq.tolist()
-        given.max_velocity = (velocity - frame_dq).tolist()
-        given.min_velocity = (-velocity - frame_dq).tolist()
+        given.max_velocity = [most - moving for most, moving in zip(fastest, frame, strict=True)]
+        given.min_velocity = [-most - moving for most, moving in zip(fastest, frame, strict=True)]
         try:
             self._ruckig.reset()
-            result = self._ruckig.update(given, self._output)
+            result = self._ruckig.update(given, planned)
         except RuckigError as error:
             return reason(Code.NO_TRAJECTORY, reason=str(error))
-        if result not in (Result.Working, Result.Finished):
+        if result not in PLANNED:
             return reason(Code.NO_TRAJECTORY, reason=result.name)
-        planned = self._output
+        moved = zip(planned.new_position, target, frame, strict=True)
         self.motion = JointMotion(
-            np.array(planned.new_position) + q_target + frame_dq * self._dt,
-            np.array(planned.new_velocity) + frame_dq,
+            np.array([q + goal + moving * self._dt for q, goal, moving in moved]),
+            np.array([dq + moving for dq, moving in zip(planned.new_velocity, frame, strict=True)]),
             np.array(planned.new_acceleration),
         )
         return self.motion
@@ -70,10 +76,9 @@ class Follower:
 def leash(base_T_target: Array, base_T_tool: Array, distance_m: float, angle_rad: float) -> tuple[Array, Reason | None]:
     """The target drawn towards the tool until it is no further than both limits, and why if it was drawn."""
     ahead = base_T_target[:3, 3] - base_T_tool[:3, 3]
-    distance = math.sqrt(float(ahead @ ahead))
-    tool_R_target = base_T_tool[:3, :3].T @ base_T_target[:3, :3]
-    turn = vector_from_rotation(tool_R_target)
-    angle = math.sqrt(float(turn @ turn))
+    distance = math.hypot(*ahead.tolist())
+    turn = vector_from_rotation(base_T_tool[:3, :3].T @ base_T_target[:3, :3])
+    angle = math.hypot(*turn.tolist())
     share = min(1.0, distance_m / max(distance, distance_m), angle_rad / max(angle, angle_rad))
     if share >= 1.0:
         return base_T_target, None

@@ -53,4 +53,4 @@ class OrientationGate:
     def _speed_rad_s(operator_R_hand: Array, last: tuple[Array, int], born_ns: int) -> float:
         before, before_ns = last
         turn = vector_from_rotation(operator_R_hand @ before.T)
-        return math.sqrt(float(turn @ turn)) * NS_PER_S / max(born_ns - before_ns, 1)
+        return math.hypot(*turn.tolist()) * NS_PER_S / max(born_ns - before_ns, 1)

@@ -142,7 +142,7 @@ def _lease(chain: Chain, now_ns: int) -> LeaseState | None:
 
 
 def _readiness(chain: Chain, reading: RobotReport, now_ns: int) -> Readiness:
-    answer = chain.session.readiness(now_ns, chain.robot(ready=reading.ready, fault=str(reading.fault or "")))
+    answer = chain.session.readiness(now_ns, chain.robot(reading.fault))
     return Readiness(answer.done, answer.reason.code.value, answer.reason.sentence, chain.session.held)
 
 

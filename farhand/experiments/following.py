@@ -130,7 +130,7 @@ class FollowingArm:
         chain.measured = self._driver.read().q
         while self._heard:
             chain.receive(self._heard.pop(0), now_ns)
-        step = chain.tick(now_ns, chain.robot(ready=True, fault=""))
+        step = chain.tick(now_ns, chain.robot(None))
         self._note(step, now_ns)
         motion = step.motion
         self._seq += 1

@@ -46,6 +46,8 @@ class RobotFault:
         return self.code in CALM
 
     def __str__(self) -> str:
+        if self.calm:
+            return self.sentence
         own = f" ({self.native})" if self.native else ""
         return f"{self.code.value}{own}: {self.sentence}"
 

@@ -15,6 +15,7 @@ from common.messages import GripperState
 from remote_site.drivers.driver import Driver, DriverSetup, JointCommand, RobotReading
 from remote_site.drivers.faults import NOT_ACTIVATED, STOPPED, FaultCode, RobotFault
 from remote_site.drivers.grip import GripWatch
+from remote_site.drivers.pacing import Pace
 from remote_site.kinematics.joints import JointMotion
 from remote_site.safety.guard import JointGuard, Refused
 from remote_site.safety.status import Code, reason
@@ -61,7 +62,8 @@ class Keeper:
     Every command is judged against the one before it. When the next is late by three ticks, the verified stop of the
     last one begins as of its time, and `onset_ns` tells control so. The command that is where the stop is at the
     command's own time is taken, and those that go on from there; none older. A broken limit, silence beyond the
-    time-out, a failing driver and a robot's fault stay until the next activation.
+    time-out, a failing driver and a robot's fault stay until the next activation. After a driver's call that was late,
+    what has come meanwhile is written no faster than the robot's limits allow.
     """
 
     def __init__(self, driver: Driver, setup: DriverSetup, clock: Clock, mark: CallMark, grip: GripWatch) -> None:
@@ -73,17 +75,20 @@ class Keeper:
         self._period_ns = 0 if rate * setup.dt > 0.99 else round(NS_PER_S / rate)
         self._settle_ns = self._period_ns * (driver.capabilities.queued_periods + 2)
         self._due_ns = 0
-        self._fresh = False
+        self._tick_ns = round(setup.dt * NS_PER_S)
+        self._pace: Pace[JointCommand] = Pace()
+        self._plan_ns = 0
+        self._again = False
         self._led = False
         self._written = 0
         self._under_way: dict[int, int] = {}
         self._onset: tuple[int, JointMotion] | None = None
-        self._sent_ns = 0
         self._rested_ns: int | None = None
         self._heard_ns: int | None = None
         self._ordered_ns = 0
         self._command = JointCommand(0, 0, *(np.zeros(len(setup.joint_names)),) * 3, gripper_open=True)
-        self.motion = JointMotion.at_rest(self._command.q)
+        self.motion = self._sent = JointMotion.at_rest(self._command.q)
+        self._sent_seq = 0
         self.phase = Phase.IDLE
         self.asked = self.diversions = 0
         self.fault: RobotFault | None = NOT_ACTIVATED
@@ -108,12 +113,11 @@ class Keeper:
         """Send what is due, and read the robot."""
         if self._onset is not None:
             self.motion = self._stop_at(self._onset, now_ns)
-            self._fresh = True
         failed = self._send(now_ns)
         self._read(now_ns)
         if failed is not None:
             self._fail(failed)  # unless the reading has already told the robot's own reason
-        if self.phase is Phase.STOPPING and self.motion.resting:
+        if self.phase is Phase.STOPPING and self.motion.resting and (self._period_ns or self._sent.resting):
             self._rest(now_ns)
 
     def stop(self, why: RobotFault) -> None:
@@ -127,6 +131,11 @@ class Keeper:
     def course(self) -> tuple[int, JointMotion]:
         """The onset of the stop under way in ns, and the motion there; 0 and the last motion without one."""
         return self._onset or (0, self.motion)
+
+    @property
+    def due_ns(self) -> int | None:
+        """When a motion that waits may be written, None if none waits."""
+        return self._pace.due_ns if self.phase in (Phase.ACTIVE, Phase.STOPPING) and not self._period_ns else None
 
     @property
     def settled(self) -> bool:
@@ -143,7 +152,7 @@ class Keeper:
             late = reason(Code.COMMAND_TIMEOUT, age_ms=silent_ns / NS_PER_MS, limit_ms=limit_ns / NS_PER_MS)
             self.stop(RobotFault(FaultCode.COMMAND_TIMEOUT, f"{late.sentence}; activate anew"))
         elif late_ns > self._grace_ns and self.motion.resting:
-            self._fresh = True  # a robot at rest is told so again: only the end of this process starts its watchdog
+            self._again = True  # a robot at rest is told so again: only the end of this process starts its watchdog
         elif late_ns > self._grace_ns and self._onset is None:
             self._onset = (self._heard_ns, self.motion)
             self.diversions += 1
@@ -156,19 +165,22 @@ class Keeper:
         if isinstance(verdict, Refused):
             self.stop(RobotFault(FaultCode.LIMITS, f"{verdict.reason.sentence}; the arm stops; activate anew"))
             return
-        self.motion, self._command = command.motion, command
-        self._heard_ns, self._fresh = now_ns, True
+        self._follow(command, self._plan_ns + self._tick_ns, now_ns)
 
     def _hand_over(self, onset: tuple[int, JointMotion], command: JointCommand, now_ns: int) -> None:
         """Let control go on from within the stop, if its command is where the stop is at the command's own time."""
-        ahead_ns = self._sent_ns - command.t_ns
+        plan_ns = self._plan_ns + command.t_ns - onset[0]
         meets = self._guard.same(command.motion, self._stop_at(onset, command.t_ns))
-        if not meets or ahead_ns > SENT_AHEAD * self._setup.dt * NS_PER_S:
+        if not meets or self._pace.planned_ns - plan_ns > SENT_AHEAD * self._tick_ns:
             self.diversions += 1  # the stop went on while this was under way
             return
+        self._onset = None
+        self._follow(command, plan_ns, now_ns)  # what was sent is never taken back
+
+    def _follow(self, command: JointCommand, plan_ns: int, now_ns: int) -> None:
         self.motion, self._command = command.motion, command
-        self._heard_ns, self._onset = now_ns, None
-        self._fresh = ahead_ns < 0  # what was sent is never taken back
+        self._heard_ns, self._plan_ns = now_ns, plan_ns
+        self._pace.add(plan_ns, command)
 
     def _stop_at(self, onset: tuple[int, JointMotion], t_ns: int) -> JointMotion:
         onset_ns, motion = onset
@@ -182,7 +194,9 @@ class Keeper:
             return
         self.phase, self.fault = Phase.ACTIVATING, NOT_ACTIVATED
         self._command, self.motion = order.command, JointMotion.at_rest(order.command.q)
-        self._heard_ns, self._onset, self._fresh, self._due_ns = None, None, False, now_ns
+        self._heard_ns, self._onset, self._due_ns, self._sent = None, None, now_ns, self.motion
+        self._plan_ns = now_ns
+        self._pace.restart(now_ns, now_ns)
         self._led, self.obeyed_seq = True, None
         self._under_way.clear()
         refused = self._call("activate", lambda: self._driver.activate(order.command.q))
@@ -222,16 +236,30 @@ class Keeper:
             self.phase, self.fault = Phase.IDLE, reading.fault
 
     def _send(self, now_ns: int) -> RobotFault | None:
-        due = now_ns >= self._due_ns if self._period_ns else self._fresh
-        if not due or self.phase not in (Phase.ACTIVE, Phase.STOPPING):
+        if self.phase not in (Phase.ACTIVE, Phase.STOPPING) or now_ns < self._due_ns:
             return None
         self._due_ns = max(self._due_ns + self._period_ns, now_ns) if self._period_ns else 0
-        self._fresh, self._sent_ns = False, now_ns
-        last, motion = self._command, self.motion
+        again, self._again = self._again or self._period_ns > 0, False
+        if not self._advance(now_ns) and not again:
+            return None
+        motion = self._sent
         self._written += 1
-        self._under_way[self._written] = last.seq
-        command = JointCommand(self._written, now_ns, motion.q, motion.dq, motion.ddq, last.gripper_open)
+        self._under_way[self._written] = self._sent_seq
+        command = JointCommand(self._written, now_ns, motion.q, motion.dq, motion.ddq, self._command.gripper_open)
         return self._call("write", lambda: self._driver.write(command))
+
+    def _advance(self, now_ns: int) -> bool:
+        """Go on to the motion that may be written now: what waits, then the stop under way; False if there is none."""
+        if self._onset is not None and not self._pace.waits:
+            onset_ns, motion = self._onset
+            reached_ns = self._pace.reach(self._plan_ns + now_ns - onset_ns, now_ns)
+            self._sent = stopping(motion, self._setup.limits, max(reached_ns - self._plan_ns, 0) / NS_PER_S)
+            self._sent_seq = self._command.seq
+            return True
+        command = self._pace.take(now_ns)
+        if command is not None:
+            self._sent, self._sent_seq = command.motion, command.seq
+        return command is not None
 
     def _rest(self, now_ns: int) -> None:
         """Hold once the robot has had the time to come to rest too."""

@@ -102,16 +102,14 @@ class Bell:
 
     def __init__(self) -> None:
         self._handle = os.eventfd(0, os.EFD_NONBLOCK | os.EFD_CLOEXEC)
-        self._poll = select.poll()
-        self._poll.register(self._handle, select.POLLIN)
 
     def ring(self) -> None:
         """Wake the listener."""
         os.eventfd_write(self._handle, 1)
 
-    def wait(self, timeout_ms: float) -> None:
-        """Wait for a ring, at most so long."""
-        if self._poll.poll(timeout_ms):
+    def wait(self, timeout_s: float) -> None:
+        """Wait for a ring, at most so long; to the microsecond, which poll cannot."""
+        if select.select([self._handle], [], [], timeout_s)[0]:
             os.eventfd_read(self._handle)
 
 

@@ -51,15 +51,15 @@ def run_driver(
     ask_for_real_time(FIFO_PRIORITY)
     gc.collect()
     gc.freeze()
-    wait_ms = setup.dt * 1000 / WAKES_PER_TICK
+    longest_ns = round(setup.dt * NS_PER_S / WAKES_PER_TICK)
     while not should_stop():
-        memory.bell.wait(wait_ms)
+        desk.wait(longest_ns)
         desk.turn()
         heartbeat.beat()
     end_ns = clock.now_ns() + END_NS
     keeper.stop(STOPPED)
     while not keeper.settled and clock.now_ns() < end_ns:
-        memory.bell.wait(wait_ms)
+        desk.wait(longest_ns)
         desk.turn()
     driver.deactivate()
 
@@ -89,6 +89,12 @@ class Desk:
         self._keeper, self._memory, self._clock = keeper, memory, clock
         self._motions = np.zeros((5, len(keeper.motion.q)))
         self._log = FaultLog()
+
+    def wait(self, longest_ns: int) -> None:
+        """Wait for an order, until the keeper has something to write, or for so long."""
+        due_ns = self._keeper.due_ns
+        wait_ns = longest_ns if due_ns is None else min(max(due_ns - self._clock.now_ns(), 0), longest_ns)
+        self._memory.bell.wait(wait_ns / NS_PER_S)
 
     def turn(self) -> None:
         """Take what has been ordered, drive, and report."""

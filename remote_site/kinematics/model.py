@@ -75,6 +75,12 @@ class ArmModel:
         last_T_tool: Array = model.frames[self.tcp_frame].placement.homogeneous
         return links, last_T_tool
 
+    def position(self, q: Array) -> Array:
+        """The tool centre point (3,) in m in the base's axes at joint positions (n,) in rad."""
+        pin.forwardKinematics(self.pin_model, self._data, q)
+        position: Array = pin.updateFramePlacement(self.pin_model, self._data, self.tcp_frame).translation
+        return position
+
     def jacobian(self, q: Array) -> Array:
         """The Jacobian (6 x n) of the tool centre point: linear (m/s), then angular (rad/s), in the base's axes."""
         jacobian: Array = pin.computeFrameJacobian(

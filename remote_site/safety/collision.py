@@ -8,6 +8,7 @@ from typing import Self
 import coal
 import numpy as np
 import pinocchio as pin
+from numpy.typing import NDArray
 
 from common.errors import ConfigError, ModelError
 from common.geometry import Array
@@ -17,6 +18,9 @@ from remote_site.safety.config import CapsuleConfig, CollisionConfig, FixtureCon
 MIN_NORMAL = 1e-9
 NOWHERE = 1e9  # rad: no posture that was ever measured
 NEIGHBOURS = 1  # joints apart: links that touch by construction
+Pairs = NDArray[np.intp]
+NOTHING: tuple[list[float], float] = [], -math.inf
+NO_PAIRS: Pairs = np.zeros(0, dtype=np.intp)
 
 
 @dataclass(frozen=True, slots=True)
@@ -45,7 +49,12 @@ class CollisionModel:
         self._distances = shapes.createData()
         pairs = [(pair.first, pair.second) for pair in shapes.collisionPairs]
         self.levers: Array = np.array([_levers(model, shapes, *pair) for pair in pairs]).reshape(len(pairs), -1)
-        self._known_q, self._known = np.full(len(model.joint_names), NOWHERE), np.full(len(pairs), -math.inf)
+        # of each pair: the joints where it was measured last, and what it was there
+        self._at = np.full((len(pairs), len(model.joint_names)), NOWHERE)
+        self._known = np.full(len(pairs), -math.inf)
+        self._none = np.zeros(len(model.joint_names))
+        self._longest: list[float] = self.levers.max(axis=0, initial=0.0).tolist()
+        self._spare: dict[float, tuple[list[float], float]] = {}
 
     @classmethod
     def from_urdf(
@@ -69,43 +78,75 @@ class CollisionModel:
         """The least distance in m at joint positions (n,) in rad; negative where bodies overlap, inf without any."""
         if not math.isfinite(sum(q.tolist())):
             return -math.inf
-        if not len(self._known):
-            return math.inf
-        nearest = pin.computeDistances(self._pin_model, self._data, self._shapes, self._distances, q)
-        least: float = self._distances.distanceResults[nearest].min_distance
-        return least if math.isfinite(least) else -math.inf
+        bounds, least = self._bounds(q), math.inf
+        pin.updateGeometryPlacements(self._pin_model, self._data, self._shapes, self._distances, q)
+        for k in np.argsort(bounds).tolist():
+            if bounds[k] >= least:
+                break
+            least = min(least, self._exact(k))
+        return least
 
     def keeps(self, q: Array, travel: Array, distance: float) -> bool:
-        """Whether nothing comes nearer than a distance in m while no joint moves further than `travel` (n,) from `q`.
+        """Whether nothing comes nearer than a distance in m on any way of `travel` (n,) from `q`."""
+        return not len(self.doubtful(q, travel, distance))
+
+    def doubtful(self, q: Array, travel: Array, distance: float) -> Pairs:
+        """The numbers of the pairs that may come nearer than a distance in m on a way of `travel` (n,) from `q`.
 
         What was measured before is enough as long as it leaves no doubt: a pair's distance changes by no more than its
-        joints' levers allow.
+        joints' levers allow. Only the pairs in doubt are measured, all of them where `q` is not finite.
         """
-        if not math.isfinite(sum(q.tolist())):
-            return False
-        if self._least(np.abs(q - self._known_q) + travel) >= distance:
-            return True
-        self.distances(q)
-        return self._least(travel) >= distance
-
-    def distances(self, q: Array) -> Array:
-        """Every pair's distance (m,) in m; -inf where it cannot be told."""
-        if not math.isfinite(sum(q.tolist())):
-            return np.full(max(len(self._known), 1), -math.inf)
-        return self._known if np.array_equal(q, self._known_q) else self._measure(q)
-
-    def _measure(self, q: Array) -> Array:
-        """Every pair's distance (m,) at finite `q`, with its nearest points."""
-        if len(self._known):
-            pin.computeDistances(self._pin_model, self._data, self._shapes, self._distances, q)
-        found = np.array([result.min_distance for result in self._distances.distanceResults])
-        self._known_q, self._known = q.copy(), np.where(np.isfinite(found), found, -math.inf)
-        return self._known
-
-    def _least(self, moved: Array) -> float:
-        """What is left of the known distances after so much motion, m; NaN and -inf compare as too near."""
-        left: float = (self._known - self.levers @ moved).min(initial=math.inf)
+        joints = q.tolist()
+        if not math.isfinite(sum(joints)):
+            return np.arange(max(len(self._known), 1))
+        if self._spared(joints, travel.tolist(), distance):
+            return NO_PAIRS
+        bounds = self._bounds(q)
+        enough = bounds - self.levers.dot(travel) >= distance
+        if enough.all():
+            self._spare[distance] = joints, float(bounds.min(initial=math.inf)) - distance
+            return NO_PAIRS
+        pairs = np.flatnonzero(~enough)  # NaN and -inf are never enough
+        found = self._look(q, pairs)
+        left: Pairs = pairs[~(found - self.levers[pairs].dot(travel) >= distance)]
         return left
+
+    def _spared(self, q: list[float], travel: list[float], distance: float) -> bool:
+        """Whether the longest levers cannot use up what was left when all pairs were looked at last."""
+        where, left = self._spare.get(distance, NOTHING)
+        way = sum(
+            lever * (abs(here - there) + more)
+            for lever, here, there, more in zip(self._longest, q, where, travel, strict=False)
+        )
+        return way <= left
+
+    def distances(self, q: Array, pairs: Pairs | None = None) -> Array:
+        """The distances (m,) in m of some pairs, or of all; -inf where it cannot be told."""
+        every = np.arange(len(self._known)) if pairs is None else pairs
+        if not math.isfinite(sum(q.tolist())):
+            return np.full(max(len(every), 1), -math.inf)
+        return self._measure(q, every)
+
+    def _bounds(self, q: Array) -> Array:
+        """What every pair's distance (m,) in m is at least at `q`, by what was measured and the levers."""
+        bounds: Array = self._known - np.vecdot(self.levers, np.abs(q - self._at))
+        return bounds
+
+    def _look(self, q: Array, pairs: Pairs) -> Array:
+        """Measure pairs at finite `q`, and remember."""
+        found = self._known[pairs] = self._measure(q, pairs)
+        self._at[pairs] = q
+        return found
+
+    def _measure(self, q: Array, pairs: Pairs) -> Array:
+        """The distances of pairs at finite `q`, with their nearest points."""
+        pin.updateGeometryPlacements(self._pin_model, self._data, self._shapes, self._distances, q)
+        return np.array([self._exact(k) for k in pairs.tolist()])
+
+    def _exact(self, k: int) -> float:
+        """A pair's distance where its shapes were placed; -inf if it cannot be told."""
+        found: float = pin.computeDistance(self._shapes, self._distances, k).min_distance
+        return found if math.isfinite(found) else -math.inf
 
     def nearest(self, q: Array) -> tuple[str, str]:
         """The names of the two bodies that are nearest to each other."""
@@ -113,12 +154,11 @@ class CollisionModel:
 
     def nearer_than(self, q: Array, distance: float) -> list[Near]:
         """The pairs nearer than a distance in m at finite `q`, with the gradients of their distances."""
-        found = self._measure(q)
-        close = np.flatnonzero(found < distance)
-        if not len(close):
+        close = self.doubtful(q, self._none, distance).tolist()
+        if not close:
             return []
         jacobian: Array = pin.computeJointJacobians(self._pin_model, self._data, q)
-        return [Near(self._names(int(k)), float(found[k]), self._gradient(int(k), jacobian)) for k in close]
+        return [Near(self._names(k), float(self._known[k]), self._gradient(k, jacobian)) for k in close]
 
     def _gradient(self, k: int, jacobian: Array) -> Array:
         """How a pair's distance grows with each joint: along the line between its nearest points."""

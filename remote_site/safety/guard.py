@@ -9,7 +9,7 @@ from common.geometry import Array
 from remote_site.kinematics.joints import JointMotion
 from remote_site.kinematics.limits import JointLimits
 from remote_site.safety.status import Code, Reason, reason
-from remote_site.safety.stopping import JointStop, State, stopping, stops
+from remote_site.safety.stopping import Span, State, span, stopping, stops
 from remote_site.safety.surroundings import Surroundings
 
 RELATIVE = 1e-6  # of a limit: what rounding may add to velocity, acceleration and jerk
@@ -46,20 +46,25 @@ class JointGuard:
         tick = (limits.jerk * dt, limits.jerk * dt**2 / 4, limits.jerk * dt**3 / 12)
         columns = (limits.velocity, limits.acceleration, limits.jerk, *tick)
         self._bounds = list(zip(*((column * (1 + RELATIVE)).tolist() for column in columns), strict=True))
+        self._most = list(zip(limits.acceleration.tolist(), limits.jerk.tolist(), strict=True))
         self._range = list(zip(limits.lower.tolist(), limits.upper.tolist(), strict=True))
 
     def check(self, proposed: JointMotion, sent: JointMotion) -> Passed | Refused:
         """Passed, or Refused with the first rule that was broken."""
         if not (proposed.finite and sent.finite):
             return Refused(reason(Code.NOT_FINITE, what="command"))
-        return self.check_motion(proposed, stops(proposed, self.limits), sent)
+        return self.check_finite(proposed, sent, self.spans(proposed))
 
-    def check_motion(self, proposed: JointMotion, ends: list[JointStop], sent: JointMotion) -> Passed | Refused:
-        """The same for finite motions, when the proposed one's stops are known."""
+    def check_finite(self, proposed: JointMotion, sent: JointMotion, spans: list[Span]) -> Passed | Refused:
+        """The same for finite motions, when it is known what the proposed one's way to rest lies within."""
         broken = self._dynamics(proposed, sent)
         if broken is None:
-            broken = self._place(ends, sent)
+            broken = self._place(proposed, sent, spans)
         return Passed(proposed) if broken is None else Refused(broken)
+
+    def spans(self, motion: JointMotion) -> list[Span]:
+        """What the way to rest of every joint lies within: a middle and a reach in rad."""
+        return [span(state, *most) for state, most in zip(_states(motion), self._most, strict=True)]
 
     def stop(self, sent: JointMotion) -> JointMotion:
         """The motion one tick into the stop from what was really sent; it always passes."""
@@ -96,12 +101,11 @@ class JointGuard:
                 return reason(Code.INCONSISTENT, joint=self.limits.names[i])
         return None
 
-    def _place(self, ends: list[JointStop], sent: JointMotion) -> Reason | None:
-        for i, (stop, (lower, upper)) in enumerate(zip(ends, self._range, strict=True)):
-            room = min(stop.q - lower, upper - stop.q)
-            if (abs(stop.v) + stop.a * stop.a / abs(2 * stop.jerk or 1.0)) * stop.duration <= room:
-                continue  # it moves on at no more than this speed, so it rests inside
-            low, high = stop.extent()
+    def _place(self, proposed: JointMotion, sent: JointMotion, spans: list[Span]) -> Reason | None:
+        for i, ((middle, reach), (lower, upper)) in enumerate(zip(spans, self._range, strict=True)):
+            if lower + reach <= middle <= upper - reach:
+                continue  # so it rests inside
+            low, high = self._extent(proposed, i)
             excess = max(lower - low, high - upper)
             if excess > POSITION and excess > self._excess(sent, i) + POSITION:
                 value = low if low < lower else high
@@ -110,10 +114,13 @@ class JointGuard:
 
     def _excess(self, motion: JointMotion, joint: int) -> float:
         """How far outside its limits a joint is on the way to rest, rad; negative inside."""
-        low, high = stops(motion, self.limits)[joint].extent()
+        low, high = self._extent(motion, joint)
         lower, upper = self._range[joint]
         excess: float = max(lower - low, high - upper)
         return excess
+
+    def _extent(self, motion: JointMotion, joint: int) -> tuple[float, float]:
+        return stops(motion, self.limits)[joint].extent()
 
     def _over(self, code: Code, joint: int, value: float, limits: Array) -> Reason:
         return reason(code, joint=self.limits.names[joint], value=value, limit=limits[joint])
@@ -132,11 +139,15 @@ class Guard:
         """Passed, or Refused with the first rule that was broken."""
         if not (proposed.finite and sent.finite):
             return Refused(reason(Code.NOT_FINITE, what="command"))
-        ends = stops(proposed, self._joints.limits)
-        verdict = self._joints.check_motion(proposed, ends, sent)
-        if isinstance(verdict, Refused) or self._surroundings.clear(ends, proposed.q):
+        spans = self._joints.spans(proposed)
+        verdict = self._joints.check_finite(proposed, sent, spans)
+        if isinstance(verdict, Refused):
             return verdict
-        if self._joints.is_stop(proposed, sent):
+        doubtful = self._surroundings.in_doubt(*np.array(spans).T)
+        if not len(doubtful):
+            return verdict
+        ends = stops(proposed, self._joints.limits)
+        if self._surroundings.clear(ends, doubtful) or self._joints.is_stop(proposed, sent):
             return verdict
         if self._surroundings.retreats(ends, sent.q):
             return verdict

@@ -43,14 +43,13 @@ class Shield:
         self._limits = limits
         self._dt = dt
         self._stops_at = config.margin_m + SPARE
-        self._none = np.zeros(len(limits.names))
         self._identity, self._every = np.eye(len(limits.names)), np.zeros(len(limits.names), dtype=np.int32)
 
     def turn_aside(self, q: Array, q_target: Array, dq_target: Array) -> Shielded:
         """The target for an arm at `q` (n,) rad whose target (n,) rad moves with (n,) rad/s."""
-        if self._collision.keeps(q, self._none, self._config.slow_m):
-            return Shielded(q_target, dq_target, 1.0, (), None)
         near = [pair for pair in self._collision.nearer_than(q, self._config.slow_m) if pair.gradient.any()]
+        if not near:
+            return Shielded(q_target, dq_target, 1.0, (), None)
         ahead = q_target - q
         speed = min((self._share(pair) for pair in near if pair.gradient @ ahead < 0.0), default=1.0)
         room = [self._room(pair) for pair in near]

@@ -17,6 +17,7 @@ FOLLOWING = (SessionState.ENGAGED, SessionState.HOLDING)
 REPEATS = (Code.DUPLICATE, Code.OLD)  # they say nothing about the hand
 CLOCK_TROUBLE = (Code.NO_OFFSET, Code.OLD_OFFSET, Code.FUTURE)  # how old the hand is cannot be told
 INPUTS = {EngagementMode.HOLD_TO_RUN: "key", EngagementMode.PEDAL: "pedal"}
+FOLLOWS = reason(Code.OK)
 
 
 class Action(Enum):
@@ -209,7 +210,7 @@ class Session:
             self.state = SessionState.HOLDING
             return self._decide(Action.STOP, unwell)
         if self.state is SessionState.ENGAGED:
-            return self._decide(Action.FOLLOW, reason(Code.OK))
+            return self._decide(Action.FOLLOW, FOLLOWS)
         if self._good < self._engagement.resume_frames:
             return self._decide(Action.STOP, self._collecting(self._engagement.resume_frames))
         if not robot.resting:

@@ -85,7 +85,8 @@ SENTENCES: dict[Code, str] = {
     Code.JUMPS: "the wrist jumped in {count} samples in a row",
     Code.NO_OFFSET: "the clock offset of the local site is not known yet",
     Code.OLD_OFFSET: "the clock offset of the local site was measured {age_ms:.0f} ms ago (limit {limit_ms:.0f} ms)",
-    Code.NO_LEASE: "nobody holds the lease of this cell; ask for it with: farhand lease take",
+    Code.NO_LEASE: "nobody holds the lease of this cell: start a local site, which asks for it, "
+    "or if one runs: farhand lease take",
     Code.NOT_HOLDER: "{holder} holds the lease of this cell, and has to give or release it, or to let it expire",
     Code.OLD_LEASE: "lease {number} is not in force any more",
     Code.LEASE_LOST: "the lease of {holder} has ended",
@@ -109,7 +110,7 @@ SENTENCES: dict[Code, str] = {
     Code.ROBOT_NOT_READY: "the robot is not ready: {reason}",
     Code.MOVING: "the arm is still coming to rest",
     Code.PAUSED: "control stood still for {paused_ms:.0f} ms (limit {limit_ms:.0f} ms)",
-    Code.FAULT: "fault: {cause}; reset it, then engage",
+    Code.FAULT: "{cause}; reset it, then engage",
     Code.OUT_OF_REACH: "the target is out of reach: its wrist is {distance_mm:.0f} mm from the shoulder, "
     "where {least_mm:.0f} to {most_mm:.0f} mm can be reached",
     Code.IK_LIMIT: "the target needs {joint} at {value_deg:.1f} deg, outside {lower_deg:.1f} to {upper_deg:.1f} deg",

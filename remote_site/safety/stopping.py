@@ -9,6 +9,7 @@ from remote_site.kinematics.joints import JointMotion
 from remote_site.kinematics.limits import JointLimits
 
 State = tuple[float, float, float]  # position, velocity, acceleration
+Span = tuple[float, float]  # middle and reach
 REST = 1e-12  # rad/s and rad/s²: what rounding leaves of a stop that has ended
 
 
@@ -27,6 +28,11 @@ class JointStop(NamedTuple):
     def duration(self) -> float:
         """Time to rest in s."""
         return self.first + self.cruise + self.last
+
+    @property
+    def turns_round(self) -> bool:
+        """Whether it moves to both sides before it rests."""
+        return self.v * self.jerk > 0.0
 
     @property
     def fastest(self) -> float:
@@ -93,13 +99,26 @@ def joint_stop(state: State, acceleration: float, jerk: float) -> JointStop:
     return JointStop(q, v, a, -side * jerk, max((along + peak) / jerk, 0.0), cruise, peak / jerk)
 
 
+def span(state: State, acceleration: float, jerk: float) -> Span:
+    """A middle and a reach that all positions of a joint's stop lie within; quicker to know than the stop itself.
+
+    The way is `JointStop.travel` with the longest its phases can be; unless the stop first turns round, it goes all to
+    one side.
+    """
+    q, v, a = state
+    fastest = abs(v) + a * a / (2 * jerk)
+    way = fastest * ((abs(a) + acceleration) / jerk + fastest / (2 * acceleration))
+    coasting = v + a * abs(a) / (2 * jerk)
+    if v * coasting < 0.0:
+        return q, way
+    return q + math.copysign(way / 2, v + coasting), way / 2
+
+
 def stops(motion: JointMotion, limits: JointLimits) -> list[JointStop]:
     """The stop of every joint from a motion."""
     states = zip(motion.q.tolist(), motion.dq.tolist(), motion.ddq.tolist(), strict=True)
-    return [
-        joint_stop(state, acceleration, jerk)
-        for state, acceleration, jerk in zip(states, limits.acceleration.tolist(), limits.jerk.tolist(), strict=True)
-    ]
+    bounds = zip(limits.acceleration.tolist(), limits.jerk.tolist(), strict=True)
+    return [joint_stop(state, *most) for state, most in zip(states, bounds, strict=True)]
 
 
 def stopping(motion: JointMotion, limits: JointLimits, t: float) -> JointMotion:

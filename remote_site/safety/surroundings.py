@@ -7,15 +7,18 @@ import numpy as np
 from common.geometry import Array
 from remote_site.kinematics.joints import JointMotion
 from remote_site.kinematics.model import ArmModel
-from remote_site.safety.collision import CollisionModel
+from remote_site.safety.collision import CollisionModel, Pairs
 from remote_site.safety.status import Code, Reason, reason
 from remote_site.safety.stopping import JointStop
 
 POSITION = 1e-9  # m: what rounding may add to a position
-TOLERANCE = 5e-4  # m: between two instants that are looked at, nothing moves further from both
+TOLERANCE = 5e-4  # m: what moves no further from a posture that is looked at counts as there
 NOISE = 1e-6  # m: how exactly a distance is found
 RETREAT_LOOKS = 12  # instants of a retreat
-MOST_LOOKS = 100  # instants of one way to rest; a way that needs more is not clear
+HALF_WAY = 0.3  # of the time of a stop: after it about half the way is left
+MOST_LOOKS = 100  # parts of one way to rest; a way that needs more is not clear
+Kinds = Pairs  # of room: 0 is the tool's in its box, 1 that between the first pair
+BOX: Kinds = np.zeros(1, dtype=np.intp)
 
 
 class Workspace:
@@ -27,10 +30,11 @@ class Workspace:
 
     def depth(self, point_in_base: Array) -> float:
         """How far a point lies inside, m; negative outside, and -inf if it is not finite."""
-        point = point_in_base.tolist()
-        if not math.isfinite(sum(point)):
+        x, y, z = point_in_base.tolist()
+        if not math.isfinite(x + y + z):
             return -math.inf
-        depth: float = min(min(x - low, high - x) for low, x, high in zip(self._lower, point, self._upper, strict=True))
+        (left, near, bottom), (right, far, top) = self._lower, self._upper
+        depth: float = min(x - left, right - x, y - near, far - y, z - bottom, top - z)
         return depth
 
     def excess(self, point_in_base: Array) -> float:
@@ -46,8 +50,8 @@ class Workspace:
 class Surroundings:
     """Judges the way to rest of the whole arm, not only its ends.
 
-    Nothing moves further than its joints' levers let it; between two instants at which there is room for half of that,
-    nothing has to be looked at. Distances count beyond the margin.
+    Nothing moves further than its joints' levers let it; where there is room for that around the middle of a part of
+    the way, nothing else of it has to be looked at. Distances count beyond the margin.
     """
 
     def __init__(self, model: ArmModel, workspace: Workspace, collision: CollisionModel) -> None:
@@ -56,19 +60,43 @@ class Surroundings:
         self.collision = collision
         self._tool = np.array(model.tcp_levers)
         self._levers = np.vstack([self._tool, collision.levers])
+        self._every: Kinds = np.arange(len(self._levers))
         self._kept = collision.margin + TOLERANCE
 
-    def clear(self, ends: list[JointStop], q: Array) -> bool:
-        """Whether the arm stays where it may be from `q` (n,) rad until all stops have ended."""
-        travel = np.array([stop.travel for stop in ends])
-        depth = self._workspace.depth(self._model.forward(q)[:3, 3])
-        if depth >= self._tool @ travel and self.collision.keeps(q, travel, self._kept):
-            return True
-        return self._clear_between(ends, q)
+    def in_doubt(self, q: Array, reach: Array) -> Kinds:
+        """Which kinds of room may end in postures that no joint is further than `reach` (n,) from `q` (n,)."""
+        pairs = self.collision.doubtful(q, reach, self._kept)
+        if self._depth(q) >= self._tool.dot(reach):
+            return pairs + 1 if len(pairs) else pairs
+        return np.concatenate([BOX, pairs + 1])
+
+    def clear(self, ends: list[JointStop], kinds: Kinds | None = None) -> bool:
+        """Whether the arm stays where it may be until all stops have ended, if only some kinds of room may end.
+
+        Ever shorter parts of the way are looked at, each only for what was in doubt before, until nothing is.
+        """
+        kinds = self._every if kinds is None else kinds
+        duration = max(stop.duration for stop in ends)
+        first, last = _at(ends, 0.0), _at(ends, duration)
+        if not (self._rooms(last, kinds) >= -POSITION).all():
+            return False
+        parts = [(0.0, first, duration, last, kinds)]
+        for _ in range(MOST_LOOKS):
+            if not parts:
+                return True
+            begin, first, end, last, kinds = parts.pop()
+            doubtful = self._doubtful(*_within(ends, first, last, end - begin), kinds)
+            if doubtful is None:
+                return False
+            if len(doubtful):
+                half = begin + (HALF_WAY if end == duration else 0.5) * (end - begin)
+                between = _at(ends, half)
+                parts += [(begin, first, half, between, doubtful), (half, between, end, last, doubtful)]
+        return False
 
     def retreats(self, ends: list[JointStop], q: Array) -> bool:
         """Whether an arm that is where it may not be, at `q` (n,) rad, gets into nothing worse until all stops end."""
-        here = self._rooms(q)
+        here = self._rooms(q, self._every)
         if here.min() >= -NOISE:
             return False
         allowed = np.minimum(here, 0.0)
@@ -87,39 +115,38 @@ class Surroundings:
             Code.COLLISION, first=first, second=second, distance_mm=distance * 1e3, limit_mm=self.collision.margin * 1e3
         )
 
-    def _clear_between(self, ends: list[JointStop], q: Array) -> bool:
-        """Look at ever shorter parts of the way, until each is known to be clear."""
-        duration = max(stop.duration for stop in ends)
-        speeds = self._levers @ np.array([stop.fastest for stop in ends])
-        here, rest = self._rooms(q), self._rooms(_at(ends, duration))
-        if not min(here.min(), rest.min()) >= -POSITION:
-            return False
-        parts = [(0.0, here, duration, rest)]
-        for _ in range(MOST_LOOKS):
-            if not parts:
-                return True
-            begin, room, end, last = parts.pop()
-            travel = speeds * (end - begin)
-            if travel.max() <= 2 * TOLERANCE or (room + last >= travel).all():
-                continue
-            middle = (begin + end) / 2
-            between = self._rooms(_at(ends, middle))
-            if not between.min() >= -POSITION:
-                return False
-            parts += [(begin, room, middle, between), (middle, between, end, last)]
-        return False
+    def _doubtful(self, q: Array, reach: Array, kinds: Kinds) -> Kinds | None:
+        """Which kinds of room may end in postures within `reach` (n,) of `q`; None if one surely does."""
+        ways = self._levers[kinds] @ reach
+        rooms = self._rooms(q, kinds)
+        enough = rooms >= ways - np.minimum(ways, TOLERANCE) - POSITION
+        if (~enough & ((ways <= TOLERANCE) | (rooms < -ways))).any():
+            return None
+        return kinds[~enough]
 
-    def _rooms(self, q: Array) -> Array:
-        """The room in the box, then of every pair beyond what it keeps, m."""
-        depth = self._workspace.depth(self._model.forward(q)[:3, 3])
-        return np.concatenate([[depth], self.collision.distances(q) - self._kept])
+    def _rooms(self, q: Array, kinds: Kinds) -> Array:
+        """The room of some kinds: 0 is the box, 1 the first pair beyond what it keeps, m."""
+        rooms: Array = self.collision.distances(q, kinds[kinds > 0] - 1) - self._kept
+        return rooms if len(rooms) == len(kinds) else np.concatenate([[self._depth(q)], rooms])
+
+    def _depth(self, q: Array) -> float:
+        return self._workspace.depth(self._model.position(q))
 
     def _worst(self, ends: list[JointStop]) -> Array:
         """The least room of each kind on the way to rest."""
         duration = max(stop.duration for stop in ends)
         instants = np.linspace(0.0, duration, RETREAT_LOOKS) if duration else (0.0,)
-        rooms: Array = np.min([self._rooms(_at(ends, t)) for t in instants], axis=0)
+        rooms: Array = np.min([self._rooms(_at(ends, t), self._every) for t in instants], axis=0)
         return rooms
+
+
+def _within(ends: list[JointStop], first: Array, last: Array, seconds: float) -> tuple[Array, Array]:
+    """A middle (n,) and a reach (n,) of all postures on a part of the way, from those at its ends."""
+    ways = [
+        stop.fastest * seconds if stop.turns_round else abs(b - a)
+        for stop, a, b in zip(ends, first.tolist(), last.tolist(), strict=True)
+    ]
+    return (first + last) / 2, np.array(ways) / 2
 
 
 def _at(ends: list[JointStop], t: float) -> Array:

@@ -3,7 +3,7 @@
 import pytest
 
 from bench.soak import ROBOTS, soak
-from remote_site.control import LEAST_SHARE
+from remote_site.drivers.pacing import LEAST_SHARE
 from remote_site.safety.surroundings import TOLERANCE
 
 ROUNDING = 1.00001

@@ -122,7 +122,7 @@ class RemoteLoop:
     @property
     def robot(self) -> Robot:
         """What the session sees of the robot."""
-        return self.chain.robot(ready=True, fault="")
+        return self.chain.robot(None)
 
     def tick(self, *samples: HandArm) -> None:
         """One control tick: the samples that have come, then a decision, then a command."""

@@ -99,8 +99,8 @@ def test_a_way_to_rest_through_an_obstacle_is_not_clear_though_both_ends_are():
     rest = np.array([stop.end for stop in ends])
     assert around.collision.distance(motion.q) > 0.03
     assert around.collision.distance(rest) > 0.01
-    assert not around.clear(ends, motion.q)
-    assert around.clear(stops(JointMotion.at_rest(ROBOT.start), LIMITS), ROBOT.start)
+    assert not around.clear(ends)
+    assert around.clear(stops(JointMotion.at_rest(ROBOT.start), LIMITS))
 
 
 def wandering(loop, legs, seed, reach):

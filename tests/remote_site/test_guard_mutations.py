@@ -80,6 +80,10 @@ def no_velocity_is_due_beyond_its_limit():
     assert test_guard.code(guard_of().check(test_guard.after(rising), rising)) is Code.VELOCITY
 
 
+def no_joint_runs_into_its_limit():
+    test_guard.test_a_joint_that_could_not_stop_before_its_limit_is_refused(0, 1)
+
+
 def no_tool_leaves_its_box():
     guard, left = guard_of(box=a_wall()), coasting(0.6)
     assert not isinstance(guard.check(test_guard.after(left), left), Passed)
@@ -146,42 +150,66 @@ MUTATIONS = [
         lambda: test_guard.test_position_and_velocity_must_follow_from_the_last_command(guard_of(), 0, 0.0, 1e-5),
     ),
     (
-        Mutation(JointGuard, "check_motion", "broken = self._place(ends, sent)", "broken = None"),
-        lambda: test_guard.test_a_joint_that_could_not_stop_before_its_limit_is_refused(0, 1),
+        Mutation(CollisionModel, "doubtful", "if enough.all():", "if True:"),
+        nothing_is_hit_at_rest,
+    ),
+    (
+        Mutation(JointGuard, "check_finite", "broken = self._place(proposed, sent, spans)", "broken = None"),
+        no_joint_runs_into_its_limit,
     ),
     (
         Mutation(JointGuard, "_place", " and excess > self._excess(sent, i) + POSITION", ""),
         lambda: test_guard.test_an_arm_outside_its_limits_may_only_retreat(guard_of()),
     ),
-    (Mutation(Guard, "check", " or self._surroundings.clear(ends, proposed.q)", " or True"), no_tool_leaves_its_box),
-    (Mutation(Surroundings, "clear", "depth >= self._tool @ travel and ", ""), no_tool_leaves_its_box),
+    (Mutation(Guard, "check", "self._surroundings.clear(ends, doubtful)", "True"), no_tool_leaves_its_box),
     (
-        Mutation(Surroundings, "clear", " and self.collision.keeps(q, travel, self._kept)", ""),
+        Mutation(Guard, "check", "if not len(doubtful):", "if True:"),
+        no_tool_leaves_its_box,
+    ),
+    (
+        Mutation(Surroundings, "in_doubt", "if self._depth(q) >= self._tool.dot(reach):", "if True:"),
+        no_tool_leaves_its_box,
+    ),
+    (
+        Mutation(Surroundings, "in_doubt", "self.collision.doubtful(q, reach, self._kept)", "BOX[:0]"),
         nothing_is_hit_at_rest,
     ),
     (
-        Mutation(Surroundings, "_rooms", "self.collision.distances(q) - self._kept", "self.collision.distances(q) + 1"),
+        Mutation(Surroundings, "clear", "if not (self._rooms(last, kinds) >= -POSITION).all():", "if False:"),
         nothing_is_hit_at_rest,
     ),
     (
-        Mutation(Surroundings, "_rooms", "[[depth]", "[[1.0]"),
+        Mutation(JointGuard, "_place", "if lower + reach <= middle <= upper - reach:", "if True:"),
+        no_joint_runs_into_its_limit,
+    ),
+    (
+        Mutation(
+            Surroundings,
+            "_rooms",
+            "self.collision.distances(q, kinds[kinds > 0] - 1) - self._kept",
+            "self.collision.distances(q, kinds[kinds > 0] - 1) + 1.0",
+        ),
+        nothing_is_hit_at_rest,
+    ),
+    (
+        Mutation(Surroundings, "_depth", "return ", "return 1.0 + "),
         no_tool_leaves_its_box,
     ),
     (
         Mutation(
             Surroundings,
-            "clear",
-            "return self._clear_between(ends, q)",
-            "return True",
+            "_doubtful",
+            "kinds[~enough]",
+            "kinds[:0]",
         ),
         nothing_is_hit_on_the_way_to_rest,
     ),
     (
         Mutation(
             Surroundings,
-            "_clear_between",
-            "if travel.max() <= 2 * TOLERANCE or (room + last >= travel).all():",
-            "if True:",
+            "_doubtful",
+            "rooms >= ways - np.minimum(ways, TOLERANCE) - POSITION",
+            "rooms >= -1.0",
         ),
         nothing_is_hit_on_the_way_to_rest,
     ),
@@ -196,7 +224,7 @@ MUTATIONS = [
         an_arm_too_near_does_not_come_nearer,
     ),
     (
-        Mutation(CollisionModel, "distance", "if not math.isfinite(sum(q.tolist())):", "if False:"),
+        Mutation(CollisionModel, "distances", "if not math.isfinite(sum(q.tolist())):", "if False:"),
         broken_joints_are_near_everything,
     ),
     (

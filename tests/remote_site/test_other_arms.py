@@ -1,5 +1,6 @@
 """Arms of other kinds through the whole chain: followed within 2 mm, elbow steered, at rest before what is too far."""
 
+import msgspec
 import numpy as np
 import pytest
 from arms_followed import A465, OFFSET_WRIST, SEVEN_AXES, Followed, figure_of_eight, pick_and_place, smooth
@@ -27,6 +28,17 @@ def test_the_tool_follows_the_hand_within_2_mm(config, motion, seconds):
     assert followed.loop.refusals == 0
     tool_R_now = followed.tools[-1, :3, :3] @ followed.start[:3, :3].T
     assert vector_from_rotation(tool_R_now) == pytest.approx(followed.turns[-1], abs=0.02)
+    assert_within_limits(followed.loop)
+
+
+@pytest.mark.parametrize("config", [A465, OFFSET_WRIST, SEVEN_AXES], ids=["a465", "offset wrist", "seven axes"])
+@pytest.mark.parametrize(("motion", "seconds"), [(pick_and_place, 6.0), (figure_of_eight, 6.0)])
+def test_with_the_default_gains_the_tool_follows_within_1_mm_on_the_average(config, motion, seconds):
+    default = msgspec.structs.replace(config, control=ControlConfig(solver=config.control.solver))
+    followed = Followed(default, motion, seconds)
+    off_mm = 1e3 * np.linalg.norm(followed.tools[:, :3, 3] - followed.start[:3, 3] - followed.hands, axis=1)
+    assert off_mm.mean() < 1.0
+    assert off_mm.max() < 2.6
     assert_within_limits(followed.loop)
 
 

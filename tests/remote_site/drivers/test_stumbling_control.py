@@ -1,4 +1,4 @@
-"""Control and the driver's process on stepped time: a control process that stumbles goes on from within the stop."""
+"""Control and the driver's process on stepped time: whichever stumbles, the arm goes on inside its limits."""
 
 import numpy as np
 import pytest
@@ -7,13 +7,13 @@ from remote_loop import arm
 from common.clock import NS_PER_MS, FakeClock
 from common.rate import Rate
 from remote_site.config import RemoteConfig
-from remote_site.control import LEAST_SHARE
 from remote_site.drivers.driver import JointCommand
 from remote_site.drivers.grip import GripSettings, GripWatch
 from remote_site.drivers.keeper import Keeper
 from remote_site.drivers.kinematic import KinematicDriver
 from remote_site.drivers.link import DriverLink
 from remote_site.drivers.memory import DriverMemory
+from remote_site.drivers.pacing import LEAST_SHARE
 from remote_site.drivers.process import Desk, setup_of
 from remote_site.kinematics.joints import JointMotion
 from remote_site.motion import Follower
@@ -108,3 +108,99 @@ def test_stumbles_one_after_the_other_never_end_in_a_fault():
     assert rig.keeper.fault is None
     assert rig.keeper.diversions > 10
     assert rig.keeper.motion.q == pytest.approx(GOAL, abs=1e-6)
+
+
+class LateRobot(Kept):
+    """Keeps one call waiting, while time passes for everybody else; notes when each write came."""
+
+    def __init__(self, clock):
+        super().__init__(clock)
+        self.came_ns, self.late_ms, self.pass_time = [], {}, None
+
+    def read(self):
+        self._be_late("read")
+        return super().read()
+
+    def write(self, command):
+        self.came_ns.append(self._clock.now_ns())
+        self._be_late("write")
+        return super().write(command)
+
+    def _be_late(self, call):
+        late_ms = self.late_ms.pop(call, 0.0)
+        if late_ms:
+            self.pass_time(self._clock.now_ns() + round(late_ms * NS_PER_MS))
+
+
+class LateRig:
+    """Control on its own time, whatever the driver's process does; that turns when it wakes."""
+
+    def __init__(self):
+        self.clock = FakeClock(1000 * NS_PER_MS)
+        self.robot, memory, setup = LateRobot(self.clock), DriverMemory.create(6), setup_of(RemoteConfig())
+        self.robot.pass_time = self.control_until
+        self.robot.configure(setup)
+        self.keeper = Keeper(self.robot, setup, self.clock, memory.busy, GripWatch(GripSettings()))
+        self.desk, self.link = Desk(self.keeper, memory, self.clock), DriverLink(memory, LIMITS, self.clock)
+        self.follower, self.seq, self.waits = Follower(LIMITS, setup.dt), 0, []
+        self.link.activate(START)
+        self.desk.turn()
+        self.sent, self.rang = JointMotion.at_rest(START), False
+        self.rate = Rate(1 / setup.dt, self.clock, least_share=LEAST_SHARE)
+
+    def control_until(self, until_ns):
+        while self.rate.next_ns <= until_ns:
+            self.rate.wait()
+            self.follower.reset(self.sent)
+            motion = self.follower.track(GOAL, np.zeros(6))
+            self.seq += 1
+            command = JointCommand(self.seq, self.clock.now_ns(), motion.q, motion.dq, motion.ddq, gripper_open=True)
+            report = self.link.read()
+            assert report.ready
+            self.sent, self.rang = self.link.write(command).motion, True
+        self.clock.sleep_until_ns(until_ns)
+
+    def run(self, ms):
+        end_ns = self.clock.now_ns() + round(ms * NS_PER_MS)
+        while self.clock.now_ns() < end_ns:
+            wake_ns = min(self.clock.now_ns() + 2 * NS_PER_MS, self.keeper.due_ns or end_ns, self.rate.next_ns)
+            if not self.rang:
+                self.control_until(max(wake_ns, self.clock.now_ns()))
+            self.rang = False
+            self.desk.turn()
+
+    def by_the_clock(self):
+        """Speed, acceleration and jerk of what was written, by when it came, as shares of the limits."""
+        q, dq, ddq = (np.array([getattr(c, key) for c in self.robot.written]) for key in ("q", "dq", "ddq"))
+        steps = np.diff(self.robot.came_ns)[:, None] / 1e9
+        speed, acceleration, jerk = (np.abs(np.diff(x, axis=0) / steps).max(axis=0) for x in (q, dq, ddq))
+        return max(speed / LIMITS.velocity), max(acceleration / LIMITS.acceleration), max(jerk / LIMITS.jerk)
+
+
+@pytest.mark.parametrize("call", ["read", "write"])
+@pytest.mark.parametrize("late_ms", [3.7, 5.0, 7.9, 11.9, 16.1, 27.5, 48.0])
+@pytest.mark.parametrize("begin_ms", [60.0, 151.3, 240.6])
+def test_after_a_late_driver_the_robot_sees_no_more_than_the_limits_by_the_clock(late_ms, call, begin_ms):
+    rig = LateRig()
+    rig.run(begin_ms)
+    rig.robot.late_ms[call] = late_ms
+    rig.run(1500.0)
+    assert not rig.robot.late_ms
+    assert rig.keeper.fault is None
+    assert rig.keeper.motion.q == pytest.approx(GOAL, abs=1e-6)
+    assert max(rig.by_the_clock()) <= 1.12
+
+
+def test_without_late_calls_nothing_waits_and_a_delay_is_made_up():
+    rig = LateRig()
+    rig.run(100.0)
+    orders, came = rig.seq, len(rig.robot.came_ns)
+    rig.run(100.0)
+    assert len(rig.robot.came_ns) - came == rig.seq - orders
+    assert rig.robot.came_ns[-1] == rig.rate.next_ns - 4 * NS_PER_MS  # at once
+    rig.robot.late_ms["read"] = 7.9
+    rig.run(20.0)
+    assert rig.keeper.due_ns is not None or np.diff(rig.robot.came_ns).min() >= LEAST_SHARE * 4 * NS_PER_MS
+    rig.run(100.0)
+    assert rig.keeper.due_ns is None
+    assert rig.robot.came_ns[-1] == rig.rate.next_ns - 4 * NS_PER_MS

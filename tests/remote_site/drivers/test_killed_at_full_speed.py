@@ -1,0 +1,106 @@
+"""The control process is killed at full speed and at full acceleration: what the arm travels is what was promised."""
+
+import math
+import os
+import signal
+import sys
+import time
+
+import msgspec
+import numpy as np
+import pytest
+import test_driver_process
+from remote_loop import arm
+from test_driver_process import CLOCK, CONFIG, DT, FORK, Rig, c500c, is_stopped, kinematic, simulated
+
+from common.service import ask_for_real_time
+from remote_site.drivers.driver import JointCommand
+from remote_site.drivers.faults import FaultCode
+from remote_site.drivers.link import DriverLink
+from remote_site.kinematics.joints import JointMotion
+from remote_site.motion import Follower
+from remote_site.safety.stopping import stop_time, stopping
+
+START_DEG = (math.degrees(-1.5), 0.0, -45.0, 0.0, -45.0, 0.0)
+GENTLE = {"acceleration_rad_s2": (10.0,), "jerk_rad_s3": 100.0, "start_deg": START_DEG}
+SLOW = msgspec.structs.replace(CONFIG, robot=msgspec.structs.replace(CONFIG.robot, **GENTLE))
+_, LIMITS = arm(SLOW)
+REACH_M = 0.7
+SPEED = 2.5
+PERIOD_S = 1 / 15
+BUSY_S = 0.15  # for processes that a busy machine keeps waiting
+ATTEMPTS = 4
+TOO_LATE = 3
+# Whether still accelerating, and the promised time and travel of the stop from 2.5 rad/s.
+PROMISED = ((False, 0.352, 0.306), (True, 0.502, 0.620))
+
+
+def run_up(*, accelerating):
+    """Ticks of joint 1 from rest to full speed, until it is reached in full acceleration, or without any."""
+    follower = Follower(LIMITS, DT)
+    follower.reset(JointMotion.at_rest(SLOW.robot.start))
+    far = SLOW.robot.start + 10.0 * np.eye(6)[0]
+    while follower.motion.dq[0] < SPEED - (0.02 if accelerating else 1e-9):
+        yield follower.track(far, np.zeros(6), 1.0 if accelerating else SPEED / LIMITS.velocity[0])
+
+
+def control_until_killed(memory, accelerating):
+    """Run up, and be killed right after the last command; end with TOO_LATE when the machine kept a command waiting."""
+    ask_for_real_time(50)
+    link = DriverLink(memory, LIMITS, CLOCK)
+    link.activate(SLOW.robot.start)
+    while (fault := link.read().fault) is not None:
+        time.sleep(0.01)
+        if fault.code is FaultCode.REFUSED:
+            link.activate(SLOW.robot.start)
+    due_ns = CLOCK.now_ns()
+    for seq, motion in enumerate(run_up(accelerating=accelerating), start=1):
+        CLOCK.sleep_until_ns(due_ns)
+        link.read()
+        command = JointCommand(seq, CLOCK.now_ns(), motion.q, motion.dq, motion.ddq, gripper_open=True)
+        if link.write(command).motion.q[0] != motion.q[0]:
+            sys.exit(TOO_LATE)
+        due_ns = max(due_ns, CLOCK.now_ns() - 400_000) + 4_000_000
+    os.kill(os.getpid(), signal.SIGKILL)
+
+
+def killed(factory, monkeypatch, accelerating):
+    """The rig right after control was killed; a machine that keeps it waiting gets another try."""
+    monkeypatch.setattr(test_driver_process, "CONFIG", SLOW)
+    monkeypatch.setattr(test_driver_process, "LIMITS", LIMITS)
+    for _ in range(ATTEMPTS):
+        rig = Rig(factory, monkeypatch)
+        victim = FORK.Process(target=control_until_killed, args=(rig.memory, accelerating))
+        victim.start()
+        victim.join(20)
+        if victim.exitcode == -signal.SIGKILL:
+            return rig
+        rig.children.end()
+    return pytest.skip("this machine kept control waiting every time")
+
+
+@pytest.mark.parametrize(("accelerating", "seconds", "travel_m"), PROMISED, ids=["coasting", "accelerating"])
+@pytest.mark.parametrize(
+    ("factory", "lag_s"),
+    [(kinematic, 0.0), (simulated, 0.02), (c500c, 2 * PERIOD_S)],
+    ids=["kinematic", "simulated", "c500c"],
+)
+def test_control_killed_at_full_speed_stops_as_promised(monkeypatch, factory, lag_s, accelerating, seconds, travel_m):
+    rig = killed(factory, monkeypatch, accelerating)
+    try:
+        rig.memory.orders._seen = rig.memory.orders._record.count - 1
+        (last,) = rig.memory.orders.take()
+        motion = last.command.motion
+        assert motion.dq[0] == pytest.approx(SPEED, rel=0.03)
+        assert motion.ddq[0] == pytest.approx(10.0 if accelerating else 0.0, abs=0.5)
+        end = stopping(motion, LIMITS, 9.9).q[0]
+        rig.watch(is_stopped, 5)
+        rig.watch(lambda r: abs(r.q[0] - end) < 0.003 and np.abs(r.dq).max() < 0.01, 3)
+        moving = [r.t_ns for _, r in rig.log if np.abs(r.dq).max() > 0.01]
+        took_s = (max(moving, default=0) - last.command.t_ns) / 1e9
+        assert max(r.q[0] for _, r in rig.log) < end + 0.003
+        assert REACH_M * (end - motion.q[0]) == pytest.approx(travel_m, rel=0.05)
+        assert took_s <= seconds + lag_s + BUSY_S
+        assert stop_time(motion, LIMITS) == pytest.approx(seconds, rel=0.05)
+    finally:
+        rig.children.end()
