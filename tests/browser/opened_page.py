@@ -4,7 +4,7 @@ import time
 from collections.abc import Callable
 from typing import Any
 
-PATIENCE_S = 15.0
+PATIENCE_S = 30.0
 STAMPS = "() => [...document.querySelectorAll('#cameras canvas')].map((canvas) => canvas.toDataURL())"
 
 

@@ -13,6 +13,7 @@ from sites import descendants
 from common.messages import SessionState
 
 SHOWN_WITHIN_S = 1.0
+STOP_WITHIN_S = 5.0  # that it comes, not how soon, which a busy machine decides
 SLACK_S = 1.0  # a loaded machine may be this much late with anything
 
 
@@ -23,8 +24,8 @@ def at_rest(stand) -> bool:
 
 def stops(stand) -> None:
     """The arm is disengaged and comes to rest."""
-    stand.sites.wait("the stop", lambda: stand.sites.is_in(SessionState.DISENGAGED), 2)
-    stand.sites.wait("rest", lambda: at_rest(stand), 2)
+    stand.sites.wait("the stop", lambda: stand.sites.is_in(SessionState.DISENGAGED), STOP_WITHIN_S)
+    stand.sites.wait("rest", lambda: at_rest(stand), STOP_WITHIN_S)
 
 
 def test_the_space_bar_moves_the_arm_and_the_pictures_and_letting_go_stops_both(stand, page) -> None:
@@ -60,12 +61,12 @@ def test_escape_stops_the_arm_is_acknowledged_and_latches(stand, page) -> None:
     page.hold()
     page.page.keyboard.press("Escape")
     stops(stand)
-    page.wait_for("the acknowledgement", lambda: "acknowledged by the remote site" in page.words("#alert"), 3)
+    page.wait_for("the acknowledgement", lambda: "acknowledged by the remote site" in page.words("#alert"))
     assert stand.sites.state.code == "stopped"
     page.wait_for("the page to say so", lambda: page.state() == "stopped", SHOWN_WITHIN_S + SLACK_S)
     page.page.keyboard.up("Space")
     page.page.keyboard.press("e")
-    page.wait_for("the refusal", lambda: "engage: stopped by" in page.words("#alert"), 3)
+    page.wait_for("the refusal", lambda: "engage: stopped by" in page.words("#alert"))
     page.page.keyboard.down("Space")
     page.page.wait_for_timeout(500)
     assert stand.sites.is_in(SessionState.DISENGAGED)
@@ -87,9 +88,9 @@ def test_a_second_page_only_stops_until_it_has_the_controls_and_its_end_stops_th
     watching.wait_for("the refusal", lambda: "has to leave the controls" in watching.words("#alert"))
 
     watching.page.click("#stop")
-    page.wait_for("the stop", lambda: page.state() == "stopped", 3)
+    page.wait_for("the stop", lambda: page.state() == "stopped")
     page.page.click("#reset")
-    page.wait_for("the reset", lambda: page.state() == "disengaged", 3)
+    page.wait_for("the reset", lambda: page.state() == "disengaged")
 
     page.page.click("#seat-button")
     watching.wait_for("an empty seat", lambda: "nobody operates" in watching.words("#seat"))
@@ -166,7 +167,7 @@ def test_a_killed_remote_site_is_told_and_its_pictures_marked_and_the_console_en
     page.wait_for("the marks", lambda: page.marks() == ["old"] * 4, SHOWN_WITHIN_S + SLACK_S)
     assert "the remote site has been silent" in page.words("#reason")
     page.page.keyboard.press("Escape")
-    page.wait_for("the truth about the stop", lambda: "NOT ACKNOWLEDGED" in page.words("#alert"), 6)
+    page.wait_for("the truth about the stop", lambda: "NOT ACKNOWLEDGED" in page.words("#alert"))
 
     began = time.monotonic()
     os.kill(stand.console.pid, signal.SIGTERM)
