@@ -11,12 +11,11 @@ from contextlib import ExitStack
 import structlog
 import uvicorn
 
-from common.channels import CAMERA, HAND, INTENT, PREVIEW, SHOWN, STATE
+from common.channels import HAND, INTENT, SHOWN, STATE
 from common.errors import FarhandError, ProcessError
 from common.requests import Description
 from common.service import StopFlag, notify, start_log
 from common.transport import Link, check_endpoint, open_link
-from local_site.calibration.control_points import CAMERAS
 from local_site.console.acts import Acts
 from local_site.console.cell_watch import CellWatch
 from local_site.console.config import ConsoleConfig
@@ -25,6 +24,7 @@ from local_site.console.hub import Hub
 from local_site.console.latency import Latencies
 from local_site.console.listening import Listeners
 from local_site.console.page_desk import Outlets, PageDesk
+from local_site.console.pictures import Pictures
 from local_site.console.seat import Seat
 from local_site.console.server import bind, make_server
 
@@ -126,12 +126,9 @@ def _wire(
     """Put the hub between the links and the pages; the watch ends with the stack."""
     loop = asyncio.get_running_loop()
     latencies, history = Latencies(), History()
-    cameras: set[str] = set()
 
     def described(cell: Description) -> None:
-        for name in {camera.name for camera in cell.cameras} - cameras:
-            cameras.add(name)
-            listeners.listen(video.latest(CAMERA, config.cell, name), hub.camera)
+        pictures.know(frozenset(camera.name for camera in cell.cameras))
         loop.call_soon_threadsafe(hub.described, cell)
 
     def refused(why: str) -> None:
@@ -143,11 +140,11 @@ def _wire(
     )
     acts = Acts(control, watch, config.cell, config.name)
     desk = PageDesk(Seat(open_=config.operate), outlets, acts, latencies, history, secrets.randbits(SESSION_BITS))
-    hub = Hub(desk, watch, latencies, history, operate=config.operate)
+    hub = Hub(desk, watch, latencies, history, lambda watched: pictures.watch(watched=watched), operate=config.operate)
+    pictures = Pictures(config.links, config.cell, listeners, hub.camera, hub.preview)
+    stack.callback(pictures.close)
     listeners.listen(control.latest(STATE, config.cell), hub.state)
     listeners.listen(control.latest(HAND, config.cell), hub.hand)
-    for name in CAMERAS:
-        listeners.listen(control.latest(PREVIEW, config.cell, name), hub.preview)
     stack.enter_context(watch)
     return hub, desk
 

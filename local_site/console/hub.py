@@ -1,6 +1,7 @@
 """The console's middle: what both sites say goes to every page, as it is now."""
 
 import time
+from collections.abc import Callable
 from dataclasses import replace
 
 import msgspec
@@ -22,14 +23,21 @@ OWN_CLOCK = ClockOffset(0, 0)
 
 
 class Hub:
-    """Lives in the event loop; every method is called there."""
+    """Lives in the event loop; every method is called there. `watched` is told whether any page is there."""
 
     def __init__(
-        self, desk: PageDesk, watch: CellWatch, latencies: Latencies, history: History, *, operate: bool
+        self,
+        desk: PageDesk,
+        watch: CellWatch,
+        latencies: Latencies,
+        history: History,
+        watched: Callable[[bool], None],
+        *,
+        operate: bool,
     ) -> None:
         self._desk, self._watch = desk, watch
         self._latencies, self._history = latencies, history
-        self._operate = operate
+        self._operate, self._watched = operate, watched
         self._heard = Heard()
         self._cell: Description | None = None
         self._pages: list[Page] = []
@@ -38,6 +46,7 @@ class Hub:
         """A page has connected."""
         now_ns = time.monotonic_ns()
         self._pages.append(page)
+        self._watched(True)
         self._desk.seat.arrive(page.visitor, now_ns)
         page.letter(type="hello", page=page.visitor.number, operate=self._operate)
         if self._cell is not None:
@@ -46,6 +55,7 @@ class Hub:
     def leave(self, page: Page) -> None:
         """A page has gone."""
         self._pages.remove(page)
+        self._watched(bool(self._pages))
         if page.visitor == self._desk.seat.occupant:
             self._desk.seat.leave(page.visitor)
             self._history.note("seat", f"{page.visitor} is gone, nobody operates", time.monotonic_ns())

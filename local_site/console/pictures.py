@@ -1,0 +1,67 @@
+"""The pictures' own link, open only while a page is there: without one no picture is drawn, sent or carried."""
+
+import threading
+from collections.abc import Callable
+
+from common.channels import CAMERA, PREVIEW
+from common.messages import VideoFrame
+from common.transport import open_link
+from local_site.calibration.control_points import CAMERAS
+from local_site.console.config import LinksConfig
+from local_site.console.listening import Listeners
+
+Take = Callable[[VideoFrame], None]
+
+JOIN_S = 0.5
+
+
+class Pictures:
+    """Brings the cell's views to `camera` and the operator's to `preview`, in a thread of its own.
+
+    `know` and `watch` may be called from anywhere and never wait.
+    """
+
+    def __init__(self, links: LinksConfig, cell: str, listeners: Listeners, camera: Take, preview: Take) -> None:
+        self._links, self._cell, self._listeners = links, cell, listeners
+        self._camera, self._preview = camera, preview
+        self._changed = threading.Condition()
+        self._names: frozenset[str] = frozenset()
+        self._watched = self._ended = False
+        self._thread = threading.Thread(target=self._run, name="pictures", daemon=True)
+        self._thread.start()
+
+    def know(self, names: frozenset[str]) -> None:
+        """These are the cell's cameras."""
+        self._change(names=names)
+
+    def watch(self, *, watched: bool) -> None:
+        """Whether a page is there."""
+        self._change(watched=watched)
+
+    def close(self) -> None:
+        """Close the link for good."""
+        self._change(ended=True)
+        self._thread.join(JOIN_S)
+
+    def _change(self, *, names: frozenset[str] | None = None, watched: bool | None = None, ended: bool = False) -> None:
+        with self._changed:
+            self._names = self._names if names is None else names
+            self._watched = self._watched if watched is None else watched
+            self._ended = self._ended or ended
+            self._changed.notify_all()
+
+    def _run(self) -> None:
+        while self._wait_until(lambda: self._watched):
+            names = self._names
+            with open_link(connect=(self._links.video, self._links.local)) as link:
+                for name in names:
+                    self._listeners.listen(link.latest(CAMERA, self._cell, name), self._camera)
+                for name in CAMERAS:
+                    self._listeners.listen(link.latest(PREVIEW, self._cell, name), self._preview)
+                self._wait_until(lambda: not self._watched or self._names != names)  # noqa: B023  # called here alone
+
+    def _wait_until(self, is_so: Callable[[], bool]) -> bool:
+        """Wait until something is so; False once all is over."""
+        with self._changed:
+            self._changed.wait_for(lambda: self._ended or is_so())
+            return not self._ended
