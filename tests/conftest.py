@@ -1,12 +1,16 @@
-"""What concerns every test: their order when two run at once; signal handlers end with the test that installs them."""
+"""What concerns every test: their order when two run at once, no deadlines, signal handlers that end with the test."""
 
 import signal
 from collections.abc import Iterator
 from pathlib import Path
 
 import pytest
+from hypothesis import settings
 
 from common.service import STOP_SIGNALS
+
+settings.register_profile("any machine", deadline=None)  # a busy one takes its time
+settings.load_profile("any machine")
 
 HERE = Path(__file__).parent
 ALONE = (HERE / "integration", HERE / "browser")  # in this order: the browser and its sites last to the end
