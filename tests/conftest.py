@@ -16,6 +16,7 @@ HERE = Path(__file__).parent
 ALONE = (HERE / "integration", HERE / "browser")  # in this order: the browser and its sites last to the end
 
 
+@pytest.hookimpl(tryfirst=True)  # before pytest-xdist reads the groups
 def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
     """Tests of one file stay together, and those that run whole sites come last, one after the other."""
     items.sort(key=_turn)

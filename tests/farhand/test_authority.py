@@ -41,7 +41,7 @@ def until(is_so, what):
 def description():
     config = RemoteConfig(cell=CELL)
     model = ArmModel.from_urdf(config.robot.urdf, config.robot.tool_frame, config.robot.tool_T_tcp)
-    return describe(config, JointLimits.from_model(model, config.robot), 50.0)
+    return describe(config, model, JointLimits.from_model(model, config.robot), 50.0)
 
 
 class AheadClock(MonotonicClock):
