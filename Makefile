@@ -9,7 +9,7 @@ loopback: $(READY)  ## both sites on this machine, with a simulated operator and
 	@$(BIN)/farhand loopback $(ARGS)
 
 test: $(READY)  ## all tests, two at once
-	@$(BIN)/python -m pytest --numprocesses 2 --dist loadgroup --no-loadscope-reorder $(ARGS)
+	@$(BIN)/python -m pytest --numprocesses 2 --no-loadscope-reorder $(ARGS)
 
 check: $(READY)  ## the static checks
 	@$(BIN)/ruff check .

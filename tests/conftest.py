@@ -6,6 +6,7 @@ from pathlib import Path
 
 import pytest
 from hypothesis import settings
+from xdist.scheduler import LoadScopeScheduling
 
 from common.service import STOP_SIGNALS
 
@@ -16,13 +17,23 @@ HERE = Path(__file__).parent
 ALONE = (HERE / "integration", HERE / "browser")  # in this order: the browser and its sites last to the end
 
 
-@pytest.hookimpl(tryfirst=True)  # before pytest-xdist reads the groups
+class WholeSitesAlone(LoadScopeScheduling):
+    """Gives each worker whole files, in order; those that run whole sites are one, and so run one after the other."""
+
+    def _split_scope(self, nodeid: str) -> str:
+        path = nodeid.partition("::")[0]
+        return "whole sites" if any(folder.name in Path(path).parts for folder in ALONE) else path
+
+
+@pytest.hookimpl(optionalhook=True)
+def pytest_xdist_make_scheduler(config: pytest.Config, log: object) -> WholeSitesAlone:
+    """How tests are shared out when two run at once."""
+    return WholeSitesAlone(config, log)
+
+
 def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
-    """Tests of one file stay together, and those that run whole sites come last, one after the other."""
+    """Those that run whole sites come last, when nothing else is under way."""
     items.sort(key=_turn)
-    for item in items:
-        group = "sites" if _turn(item) else str(item.path.relative_to(HERE))
-        item.add_marker(pytest.mark.xdist_group(group))
 
 
 def _turn(item: pytest.Item) -> int:
