@@ -393,7 +393,7 @@ def track(
 
 @app.command()
 def experiment(
-    name: Annotated[str, typer.Argument(help="follow: hand against tool, by the thesis's mean and by Farhand.")],
+    name: Annotated[str, typer.Argument(help="follow: hand against tool; hazel: one camera's arm, as in the report.")],
     out: Annotated[Path, typer.Option(help="Folder for report, plots and data; other files in it stay.")],
     quick: Annotated[bool, typer.Option("--quick", help="A short motion, to see that it works.")] = False,
 ) -> None:

@@ -7,18 +7,17 @@ of the forearm and change of the light on it (4).
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
 from common.geometry import Array, skew
 from local_site.tracking.monocular.kernels import LIGHT, MOTION, Sums
 
 TRANSLATION, UPPER_TURN, UPPER_LIGHT = slice(0, 3), slice(3, 6), slice(6, 10)
 FOREARM_TURN, FOREARM_LIGHT = slice(10, 13), slice(13, 17)
-Unknowns = NDArray[np.intp]
-
-ROOT, LOWER, ALL = np.arange(0, 10), np.arange(10, 17), np.arange(17)
+ROOT, LOWER, ALL = slice(0, 10), slice(10, 17), slice(0, 17)
 MOTIONS = np.r_[0:6, 10:13]
 LIGHTS = np.r_[6:10, 13:17]
+MOTIONS_BY_MOTIONS, LIGHTS_BY_LIGHTS = np.ix_(MOTIONS, MOTIONS), np.ix_(LIGHTS, LIGHTS)
+MOTIONS_BY_LIGHTS = np.ix_(MOTIONS, LIGHTS)
 LIGHT_SIGMA = 0.05
 UNKNOWNS = 17
 
@@ -65,10 +64,10 @@ def combined(upper: Sums | None, forearm: Sums | None, elbow_arm: Array) -> Equa
     return Equations(matrix, right, *statistics.T)
 
 
-def step(equations: Equations, free: Unknowns) -> Array:
+def step(equations: Equations, free: slice) -> Array:
     """The maximum likelihood step (17,), zero where it is not free (eq. 17); not finite where it has no solution."""
     result = np.zeros(UNKNOWNS)
-    matrix = equations.matrix[np.ix_(free, free)]
+    matrix = equations.matrix[free, free]
     try:
         result[free] = np.linalg.solve(matrix, equations.right[free])
     except np.linalg.LinAlgError:
@@ -78,9 +77,9 @@ def step(equations: Equations, free: Unknowns) -> Array:
 
 def information(matrix: Array) -> Array:
     """What the equations say of the nine motions (9, 9) when the light is unknown."""
-    across = matrix[np.ix_(MOTIONS, LIGHTS)]
-    taken = across @ np.linalg.solve(matrix[np.ix_(LIGHTS, LIGHTS)], across.T)
-    result: Array = matrix[np.ix_(MOTIONS, MOTIONS)] - taken
+    across = matrix[MOTIONS_BY_LIGHTS]
+    taken = across @ np.linalg.solve(matrix[LIGHTS_BY_LIGHTS], across.T)
+    result: Array = matrix[MOTIONS_BY_MOTIONS] - taken
     return result
 
 

@@ -15,7 +15,6 @@ from local_site.tracking.monocular.equations import (
     UPPER_LIGHT,
     UPPER_TURN,
     Equations,
-    Unknowns,
     combined,
     step,
 )
@@ -25,6 +24,7 @@ from local_site.tracking.monocular.pose import Pose
 
 HUBER = 1.5
 HALVINGS = 3
+FIRST_CHANGE = 0.3  # grey², while one link is moved alone
 RISE = 1e-3  # of the mean square: the gradients, and with them the weights, change a little with every step
 
 
@@ -84,10 +84,10 @@ class Scene:
     forearm: Surface
     variances: Array
 
-    def equations(self, state: State, free: Unknowns) -> Equations:
+    def equations(self, state: State, free: slice) -> Equations:
         """The equations of the links that the free unknowns belong to."""
         pose, view = state.pose, self.level.arrays
-        uses_upper, uses_forearm = free[0] == 0, free[-1] == ALL[-1]
+        uses_upper, uses_forearm = free.start == ALL.start, free.stop == ALL.stop
         upper = (pose.shoulder, pose.upper_arm, state.upper_light)
         forearm = (pose.elbow, pose.forearm, state.forearm_light)
         return combined(
@@ -99,13 +99,14 @@ class Scene:
 
 def fit_arm(scene: Scene, start: State, setting: Setting) -> Fit:
     """Root link, lower arm, then what remains of both at once."""
-    root = settled(scene, start, ROOT, setting)
-    lower = settled(scene, root.state, LOWER, setting)
+    first = replace(setting, least_change=max(setting.least_change, FIRST_CHANGE))
+    root = settled(scene, start, ROOT, first)
+    lower = settled(scene, root.state, LOWER, first)
     both = settled(scene, lower.state, ALL, setting)
     return replace(both, iterations=root.iterations + lower.iterations + both.iterations)
 
 
-def settled(scene: Scene, start: State, free: Unknowns, setting: Setting) -> Fit:
+def settled(scene: Scene, start: State, free: slice, setting: Setting) -> Fit:
     """Steps until the mean square changes by less than the setting asks for, or nothing moves any more.
 
     A step that makes the mean square rise is halved; one that still does so is not taken, and the fit not converged.

@@ -15,7 +15,7 @@ from local_site.tracking.monocular.config import MonocularConfig
 from local_site.tracking.monocular.estimator import Fit, State
 from local_site.tracking.monocular.follower import Follower
 from local_site.tracking.monocular.pose import Pose
-from local_site.tracking.monocular.quality import Refusal, covariances, judged
+from local_site.tracking.monocular.quality import Judgement, Refusal, covariances, judged
 from local_site.tracking.monocular.start import starting_pose
 from local_site.tracking.tracker import ArmEstimate, Overlay, Views
 
@@ -25,6 +25,7 @@ NO_TIPS = "index and thumb are not measured by this tracker"
 class MonocularTracker:
     """Follows a textured arm from a known place in the first picture, frame by frame.
 
+    `pose` is the arm in the camera's frame as it was told last, None while it is lost.
     After a loss it looks for the arm where it was seen last and where it started, in turn; nothing is extrapolated.
     Raises CalibrationError when the rig has no such camera.
     """
@@ -42,6 +43,7 @@ class MonocularTracker:
         self._follower = Follower(camera.lens, self._config)
         self._start: State | None = None
         self._lost_for = 0
+        self.pose: Pose | None = None
 
     def track(self, views: Views) -> ArmEstimate:
         """The arm at the views' instant; a frame that cannot be tracked says why."""
@@ -53,16 +55,16 @@ class MonocularTracker:
             if problem:
                 return self._lost(views.t_ns, problem)
         fit = self._fit(image)
-        status, reason = judged(fit)
-        if fit is None or status is TrackingStatus.LOST:
+        judgement = judged(fit)
+        if fit is None or judgement.spread is None:
             self._lost_for += 1
-            return self._lost(views.t_ns, reason)
-        if status is TrackingStatus.TRACKED:
+            return self._lost(views.t_ns, judgement.reason)
+        if judgement.status is TrackingStatus.TRACKED:
             self._follower.keep(image, fit)
         else:
             self._follower.move_to(fit.state)
         self._lost_for = 0
-        return self._found(views.t_ns, fit, status, reason)
+        return self._found(views.t_ns, fit.state.pose, judgement, judgement.spread)
 
     def _begin(self, image: Image) -> str:
         """Start in this picture; why not, or nothing."""
@@ -84,24 +86,24 @@ class MonocularTracker:
         return None if expected is None else self._follower.fit(image, expected)
 
     def _lost(self, t_ns: int, reason: str) -> ArmEstimate:
+        self.pose = None
         return ArmEstimate(t_ns, TrackingStatus.LOST, reason, overlays=(Overlay(),) * self._cameras)
 
-    def _found(self, t_ns: int, fit: Fit, status: TrackingStatus, reason: str) -> ArmEstimate:
+    def _found(self, t_ns: int, pose: Pose, judgement: Judgement, spread: Array) -> ArmEstimate:
         forearm = self._config.forearm
         wrist = np.array([0.0, 0.0, MM * forearm.length_mm])
         palm = wrist + np.array([0.0, 0.0, MM * forearm.palm_point_mm])
-        pose, turn = fit.state.pose, self._camera.camera_R_operator
-        in_operator = {
-            name: turn.T @ matrix @ turn for name, matrix in covariances(fit, {"wrist": wrist, "palm": palm}).items()
-        }
+        turn = self._camera.camera_R_operator
+        self.pose = pose
+        in_camera = covariances(pose, spread, {"wrist": wrist, "palm": palm})
         return ArmEstimate(
             t_ns,
-            status,
-            "; ".join(filter(None, (reason, NO_TIPS))),
+            judgement.status,
+            "; ".join(filter(None, (judgement.reason, NO_TIPS))),
             elbow=self._in_operator(pose.elbow),
             wrist=self._in_operator(pose.on_forearm(wrist)),
             palm=self._in_operator(pose.on_forearm(palm)),
-            covariances=in_operator,
+            covariances={name: turn.T @ matrix @ turn for name, matrix in in_camera.items()},
             overlays=tuple(self._overlay(pose, k) for k in range(self._cameras)),
         )
 

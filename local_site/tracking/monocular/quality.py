@@ -1,5 +1,8 @@
 """Whether a fit is to be believed, and how sure its points are: report, never guess."""
 
+import math
+from collections.abc import Mapping
+from dataclasses import dataclass
 from enum import StrEnum
 
 import numpy as np
@@ -8,6 +11,7 @@ from common.geometry import Array, skew
 from common.messages import TrackingStatus
 from local_site.tracking.monocular.equations import condition, information
 from local_site.tracking.monocular.estimator import Fit
+from local_site.tracking.monocular.pose import Pose
 from local_site.tracking.reasons import sentence
 
 LEAST_POINTS = 100
@@ -15,9 +19,9 @@ WORST_CONDITION = 1e4
 LEAST_NEAR, DOUBTED_NEAR = 0.75, 0.9
 MOST_SCALED = 3.0
 MAX_SIGMA_M, DOUBTED_SIGMA_M = 0.015, 0.006
-# Neighbouring points share their errors, so that some tell as much as one; what was learned at a later pose is off with it.
+# Neighbouring points share their errors, so that several tell as much as one.
 ALIKE = 4.0
-LEARNED_SIGMA_M = 3e-4
+LEARNED_SIGMA_M = 3e-4  # along each axis, of what was learned at a pose that was itself an estimate
 
 
 class Refusal(StrEnum):
@@ -33,24 +37,41 @@ class Refusal(StrEnum):
     UNSURE = "the arm's place is not sure enough"
 
 
-def judged(fit: Fit | None) -> tuple[TrackingStatus, str]:
-    """Status and reason of a fit; None stands for an arm out of the picture."""
-    refusal = _refusal(fit)
-    if fit is None or refusal is not None:
-        return TrackingStatus.LOST, refusal or Refusal.OUT_OF_VIEW
-    doubts = []
-    if not fit.converged:
-        doubts.append(Refusal.UNCONVERGED)
-    if fit.equations.near.min() < DOUBTED_NEAR:
-        doubts.append(Refusal.HIDDEN)
-    if _sigma(fit) > DOUBTED_SIGMA_M:
-        doubts.append(Refusal.UNSURE)
-    return (TrackingStatus.DEGRADED if doubts else TrackingStatus.TRACKED), sentence(doubts)
+@dataclass(frozen=True, slots=True)
+class Judgement:
+    """What a fit is worth: status, reason, and the covariance (9, 9) of its motions, None where it is lost."""
+
+    status: TrackingStatus
+    reason: str
+    spread: Array | None = None
 
 
-def _refusal(fit: Fit | None) -> Refusal | None:
+def judged(fit: Fit | None) -> Judgement:
+    """Whether a fit is to be believed; None stands for an arm out of the picture."""
     if fit is None:
-        return Refusal.OUT_OF_VIEW
+        return Judgement(TrackingStatus.LOST, Refusal.OUT_OF_VIEW)
+    refusal = _refusal(fit)
+    if refusal is not None:
+        return Judgement(TrackingStatus.LOST, refusal)
+    inverse = np.asarray(np.linalg.inv(information(fit.equations.matrix)), dtype=np.float64)
+    spread: Array = ALIKE * max(float(fit.equations.scaled.max()), 1.0) * inverse
+    reach = np.array([0.0, 0.0, fit.state.pose.upper_arm_length])
+    sigma_m = math.sqrt(float(np.trace(covariances(fit.state.pose, spread, {"end": reach})["end"])))
+    if sigma_m > MAX_SIGMA_M:
+        return Judgement(TrackingStatus.LOST, Refusal.UNSURE)
+    doubts = [
+        doubt
+        for doubt, is_so in (
+            (Refusal.UNCONVERGED, not fit.converged),
+            (Refusal.HIDDEN, fit.equations.near.min() < DOUBTED_NEAR),
+            (Refusal.UNSURE, sigma_m > DOUBTED_SIGMA_M),
+        )
+        if is_so
+    ]
+    return Judgement(TrackingStatus.DEGRADED if doubts else TrackingStatus.TRACKED, sentence(doubts), spread)
+
+
+def _refusal(fit: Fit) -> Refusal | None:
     equations = fit.equations
     if not fit.finite or not np.all(np.isfinite(equations.matrix)):
         return Refusal.NOT_FINITE
@@ -60,19 +81,18 @@ def _refusal(fit: Fit | None) -> Refusal | None:
         return Refusal.ILL_CONDITIONED
     if equations.near.min() < LEAST_NEAR or (not fit.converged and equations.scaled.max() > MOST_SCALED):
         return Refusal.UNLIKE
-    return Refusal.UNSURE if _sigma(fit) > MAX_SIGMA_M else None
+    return None
 
 
-def covariances(fit: Fit, on_forearm: dict[str, Array]) -> dict[str, Array]:
+def covariances(pose: Pose, spread: Array, on_forearm: Mapping[str, Array]) -> dict[str, Array]:
     """Covariances (3, 3) in m² of the elbow and of named points of the forearm's frame (3,), in the camera's frame.
 
-    From the normal matrix, with what the points miss the picture by, and for errors that points share.
+    `spread` (9, 9) is from the normal matrix, with what the points miss the picture by, and for errors they share.
     """
-    pose, share = fit.state.pose, ALIKE * max(float(fit.equations.scaled.max()), 1.0)
-    spread: Array = share * np.asarray(np.linalg.inv(information(fit.equations.matrix)), dtype=np.float64)
-    result = {"elbow": _carried(spread, pose.elbow - pose.shoulder, np.zeros(3))}
+    upper = pose.elbow - pose.shoulder
+    result = {"elbow": _carried(spread, upper, np.zeros(3))}
     for name, point in on_forearm.items():
-        result[name] = _carried(spread, pose.elbow - pose.shoulder, pose.forearm @ point)
+        result[name] = _carried(spread, upper, pose.forearm @ point)
     return result
 
 
@@ -81,9 +101,3 @@ def _carried(spread: Array, upper: Array, lower: Array) -> Array:
     by = np.hstack([np.eye(3), -skew(upper), -skew(lower)])
     result: Array = by @ spread @ by.T + LEARNED_SIGMA_M**2 * np.eye(3)
     return result
-
-
-def _sigma(fit: Fit) -> float:
-    """The rms length of the wrist's error, m."""
-    far = np.array([0.0, 0.0, fit.state.pose.upper_arm_length])
-    return float(np.sqrt(np.trace(covariances(fit, {"end": far})["end"])))
