@@ -73,10 +73,10 @@ def judged(fit: Fit | None) -> Judgement:
 
 def _refusal(fit: Fit) -> Refusal | None:
     equations = fit.equations
-    if not fit.finite or not np.all(np.isfinite(equations.matrix)):
-        return Refusal.NOT_FINITE
     if equations.points.min() < LEAST_POINTS:
         return Refusal.FEW_POINTS
+    if not fit.finite or not np.all(np.isfinite(equations.matrix)):
+        return Refusal.NOT_FINITE
     if condition(information(equations.matrix)) > WORST_CONDITION:
         return Refusal.ILL_CONDITIONED
     if equations.near.min() < LEAST_NEAR or (not fit.converged and equations.scaled.max() > MOST_SCALED):
