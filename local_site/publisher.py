@@ -53,7 +53,8 @@ class HandPublisher:
 
 
 def _covariance(matrices: Mapping[str, Array]) -> PointCovariances | None:
-    return PointCovariances(**{name: _upper(matrix) for name, matrix in matrices.items()}) if matrices else None
+    told = {name: _upper(matrices[name]) for name in PointCovariances.__struct_fields__ if name in matrices}
+    return PointCovariances(**told) if told else None
 
 
 def _upper(matrix: Array) -> Covariance | None:

@@ -11,8 +11,7 @@ from common.clock import NS_PER_S
 from common.errors import InterruptionError
 from common.geometry import Array
 from common.messages import TrackingStatus
-from local_site.calibration.rig import CameraCalibration, Rig
-from local_site.simulation.hazel import FOCAL_PX, SIZE_PX, TrueArm
+from local_site.simulation.hazel import TrueArm, film_camera, film_pixel
 from local_site.simulation.textured_arm import ArmFilm, Place
 from local_site.tracking.monocular.config import MonocularConfig, StartConfig
 from local_site.tracking.monocular.monocular_tracker import MonocularTracker
@@ -20,7 +19,6 @@ from local_site.tracking.monocular.pose import Pose
 from local_site.tracking.tracker import View, Views
 
 FPS = 30.0
-PRINCIPAL_PX = ((SIZE_PX[0] - 1) / 2, (SIZE_PX[1] - 1) / 2)
 
 Progress = Callable[[], bool]
 
@@ -71,21 +69,13 @@ def watch(footage: Footage, config: MonocularConfig, click_px: float) -> Tracked
     first = footage.arms[0]
     shoulder, elbow, wrist = (_clicked(p, click_px) for p in (first.shoulder, first.elbow, first.wrist))
     start = StartConfig(shoulder_px=shoulder, elbow_px=elbow, wrist_px=wrist)
-    tracker = MonocularTracker(camera_rig(), _started(config, start))
+    tracker = MonocularTracker(film_camera(), _started(config, start))
     poses, statuses = [], []
     for k, picture in enumerate(footage.pictures):
         t_ns = round(k * NS_PER_S / FPS)
         statuses.append(tracker.track(Views(t_ns, (View(Frame(picture, t_ns, k)),))).status)
         poses.append(tracker.pose)
     return Tracked(footage.arms, tuple(poses), tuple(statuses))
-
-
-def camera_rig() -> Rig:
-    """The film's camera, which is the operator's frame too."""
-    u, v = PRINCIPAL_PX
-    rows = (FOCAL_PX, 0.0, u, 0.0), (0.0, FOCAL_PX, v, 0.0), (0.0, 0.0, 1.0, 0.0)
-    camera = CameraCalibration("left", rows, 0.0, size_px=SIZE_PX)
-    return Rig((camera,), (-1.0, -1.0, 0.5), (1.0, 1.0, 2.0), (0.0, 0.0, 0.0), "exact, simulated")
 
 
 def joints(arms: Sequence[TrueArm] | Sequence[Pose | None], name: str, along_forearm_m: float) -> Array:
@@ -103,10 +93,8 @@ def _joint(arm: TrueArm | Pose | None, name: str, along_forearm_m: float) -> Arr
 
 
 def _clicked(point: Array, click_px: float) -> tuple[float, float]:
-    x, y = (FOCAL_PX * point[i] / point[2] + PRINCIPAL_PX[i] for i in range(2))
-    if not click_px:
-        return float(x), float(y)
-    return click_px * round(float(x) / click_px), click_px * round(float(y) / click_px)
+    x, y = film_pixel(point)
+    return (click_px * round(x / click_px), click_px * round(y / click_px)) if click_px else (x, y)
 
 
 def _started(config: MonocularConfig, start: StartConfig) -> MonocularConfig:

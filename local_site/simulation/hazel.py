@@ -6,9 +6,11 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from common.geometry import Array, rotation_from_vector
+from local_site.calibration.rig import CameraCalibration, Rig
 from local_site.simulation.textured_arm import ArmFilm, Limb, Place, Scenery
 
 FOCAL_PX, SIZE_PX = 655.0, (640, 480)  # a 9 mm lens before a 2/3" chip
+PRINCIPAL_PX = ((SIZE_PX[0] - 1) / 2, (SIZE_PX[1] - 1) / 2)
 UPPER_ARM_M, FOREARM_M, PALM_M, FINGER_M = 0.300, 0.255, 0.095, 0.080
 UPPER_ARM = Limb((0.0, 0.150, 0.300), (0.0493, 0.0454, 0.0390), (0.0493, 0.0454, 0.0390))
 FOREARM = Limb(
@@ -122,6 +124,20 @@ def pointing_film(scenery: Scenery | None = None) -> ArmFilm:
     """The film of an arm with a stretched finger, which belongs to the forearm."""
     beyond = replace(FINGER, along=tuple(FOREARM_M + PALM_M + z for z in FINGER.along))
     return ArmFilm((UPPER_ARM, FOREARM, beyond), FOCAL_PX, SIZE_PX, scenery)
+
+
+def film_camera() -> Rig:
+    """The film's camera, whose frame is the operator's too."""
+    u, v = PRINCIPAL_PX
+    rows = (FOCAL_PX, 0.0, u, 0.0), (0.0, FOCAL_PX, v, 0.0), (0.0, 0.0, 1.0, 0.0)
+    camera = CameraCalibration("left", rows, 0.0, size_px=SIZE_PX)
+    return Rig((camera,), (-1.0, -1.0, 0.5), (1.0, 1.0, 2.0), (0.0, 0.0, 0.0), "exact, simulated")
+
+
+def film_pixel(point: Array) -> tuple[float, float]:
+    """Where the film's camera sees a point (3,) in m, px."""
+    x, y, z = (float(value) for value in point)
+    return FOCAL_PX * x / z + PRINCIPAL_PX[0], FOCAL_PX * y / z + PRINCIPAL_PX[1]
 
 
 def _wave(frame: float, period: float) -> float:

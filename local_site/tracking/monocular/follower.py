@@ -11,7 +11,7 @@ from local_site.calibration.lens import Lens
 from local_site.tracking.monocular.arm_mesh import MM, forearm_mesh, upper_arm_mesh
 from local_site.tracking.monocular.arm_view import ArmView, Depths, Patch
 from local_site.tracking.monocular.config import MonocularConfig
-from local_site.tracking.monocular.estimator import ACCURATE, COARSE, LIVE, Fit, Scene, State, fit_arm
+from local_site.tracking.monocular.estimator import ACCURATE, COARSE, LIVE, Fit, Scene, Setting, State, fit_arm
 from local_site.tracking.monocular.kernels import Surface, samples
 from local_site.tracking.monocular.picture import Box, Level, coarse_level, fine_level, in_coarse_px
 from local_site.tracking.monocular.pose import Pose, predicted
@@ -28,12 +28,13 @@ EVEN_LIGHT = np.array([1.0, 0.0, 0.0, 0.0])
 class Follower:
     """Both links' meshes and skins, and where the arm was in the last two frames."""
 
-    def __init__(self, lens: Lens, config: MonocularConfig) -> None:
+    def __init__(self, lens: Lens, config: MonocularConfig, setting: Setting | None = None) -> None:
+        """The setting is the configuration's where none is given."""
         upper_arm, forearm = upper_arm_mesh(config.upper_arm), forearm_mesh(config.forearm)
         self._lens = lens
         self._view = ArmView(lens, upper_arm, forearm)
         self._skins = Skin(upper_arm, SEED), Skin(forearm, SEED + 1)
-        self._setting = ACCURATE if config.setting == "accurate" else LIVE
+        self._setting = setting or (ACCURATE if config.setting == "accurate" else LIVE)
         self._variances = np.array([config.noise.grey**2, *[(MM * config.noise.position_mm) ** 2] * 3])
         self._learned_from = [np.zeros(3), np.zeros(3)]
         self._before: State | None = None
