@@ -50,15 +50,13 @@ class ArmView:
 
     def box(self, pose: Pose, width: int, height: int) -> Box | None:
         """The part of a picture of this size that holds the arm with a margin; None where it is out of the picture."""
-        in_camera = self._in_camera(pose)
-        if not np.all(np.isfinite(in_camera)) or in_camera[:, 2].min() <= 0:
+        x, y, z = self._in_camera(pose).T.copy()
+        if not (np.isfinite(z).all() and z.min() > 0):
             return None
-        pixels = self._pixels(in_camera)
-        low = np.clip(np.floor(pixels.min(axis=0)) - MARGIN_PX, 0, (width, height)).astype(int)
-        high = np.clip(np.ceil(pixels.max(axis=0)) + MARGIN_PX, 0, (width, height)).astype(int)
-        if np.any(high - low < 2 * MARGIN_PX):
-            return None
-        return int(low[0]), int(low[1]), int(high[0]), int(high[1])
+        u, v = self._focal[0] * x / z + self._principal[0], self._focal[1] * y / z + self._principal[1]
+        left, right = max(int(u.min()) - MARGIN_PX, 0), min(int(u.max()) + 1 + MARGIN_PX, width)
+        top, bottom = max(int(v.min()) - MARGIN_PX, 0), min(int(v.max()) + 1 + MARGIN_PX, height)
+        return (left, top, right, bottom) if min(right - left, bottom - top) >= 2 * MARGIN_PX else None
 
     def depths(self, pose: Pose, box: Box) -> Depths:
         """How deep the picture is, for telling what is hidden."""

@@ -20,6 +20,10 @@ MOTIONS_BY_MOTIONS, LIGHTS_BY_LIGHTS = np.ix_(MOTIONS, MOTIONS), np.ix_(LIGHTS, 
 MOTIONS_BY_LIGHTS = np.ix_(MOTIONS, LIGHTS)
 LIGHT_SIGMA = 0.05
 UNKNOWNS = 17
+# What the forearm's own unknowns are of the arm's, but for what the upper arm's turn does to its joint.
+FOREARM_TAKES = np.zeros((MOTION + LIGHT, UNKNOWNS))
+FOREARM_TAKES[0:3, TRANSLATION] = np.eye(3)
+FOREARM_TAKES[3:10, 10:17] = np.eye(7)
 
 
 @dataclass(frozen=True, slots=True)
@@ -54,10 +58,8 @@ def combined(upper: Sums | None, forearm: Sums | None, elbow_arm: Array) -> Equa
         right[:10] += upper[1]
         statistics[0] = upper[2]
     if forearm is not None:
-        takes = np.zeros((MOTION + LIGHT, UNKNOWNS))
-        takes[0:3, TRANSLATION] = np.eye(3)
+        takes = FOREARM_TAKES.copy()
         takes[0:3, UPPER_TURN] = -skew(elbow_arm)
-        takes[3:10, 10:17] = np.eye(7)
         matrix += takes.T @ forearm[0] @ takes
         right += takes.T @ forearm[1]
         statistics[1] = forearm[2]

@@ -43,10 +43,8 @@ class Follower:
     def begin(self, image: Image, pose: Pose) -> bool:
         """Learn the skin in a picture (H, W) in which the pose is known; False where the arm is out of the picture."""
         state = State(pose, EVEN_LIGHT, EVEN_LIGHT)
-        box = self._box(image, pose)
-        if box is None:
+        if not self._learn(image, state, FACING):
             return False
-        self._learn(image, box, state, FACING)
         self.rest_at(state)
         return True
 
@@ -88,44 +86,45 @@ class Follower:
     def keep(self, image: Image, fit: Fit) -> None:
         """Take a fit for where the arm is, and learn what of it came into view."""
         self.move_to(fit.state)
-        box = self._box(image, fit.state.pose)
-        if box is not None:
-            self._learn(image, box, fit.state, NEW_FACING)
+        self._learn(image, fit.state, NEW_FACING)
 
     def _box(self, image: Image, pose: Pose) -> Box | None:
         return self._view.box(pose, image.shape[1], image.shape[0])
 
     def _scene(self, level: Level, state: State, depths: Depths) -> Scene:
         upper, forearm = (
-            _spread(skin.in_view(link, depths, FACING), self._setting.points, skin, skin.fine)
+            _surface(skin, skin.in_view(link, depths, FACING, self._setting.points), skin.fine)
             for skin, link in zip(self._skins, state.pose.links, strict=True)
         )
         return Scene(level, upper, forearm, self._variances)
 
     def _coarse_scene(self, level: Level, state: State, depths: Depths) -> Scene:
         upper, forearm = (
-            _spread(skin.in_view(link, depths, NEW_FACING), COARSE.points, skin, skin.coarse)
+            _surface(skin, skin.in_view(link, depths, NEW_FACING, COARSE.points), skin.coarse)
             for skin, link in zip(self._skins, state.pose.links, strict=True)
         )
         return Scene(level, upper, forearm, self._variances)
 
-    def _learn(self, image: Image, box: Box, state: State, facing: float) -> None:
-        """Take in what faces the camera of every link that has turned since it last learned."""
+    def _learn(self, image: Image, state: State, facing: float) -> bool:
+        """Take in what faces the camera of every link that has turned since; False where the arm is out of view."""
         ways = [rotation.T @ (joint / np.linalg.norm(joint)) for joint, rotation in state.pose.links]
         due = [k for k in range(2) if ways[k] @ self._learned_from[k] < LEARN_AFTER]
         if not due:
-            return
+            return True
+        box = self._box(image, state.pose)
+        if box is None:
+            return False
         fine, coarse = fine_level(image, self._lens, box), coarse_level(image, self._lens, box)
         patches = self._view.patches(state.pose, box)
         for k in due:
             _learn_patch(self._skins[k], patches[k], fine, coarse, facing, state.pose.links[k][1], state.lights[k])
             self._learned_from[k] = ways[k]
+        return True
 
 
-def _spread(numbers: NDArray[np.intp], most: int, skin: Skin, reflectances: Array) -> Surface:
-    """So many points of those numbered, from all parts of the skin."""
-    some = numbers[:: max(len(numbers) // most, 1)][:most]
-    return skin.points[some], skin.normals[some], reflectances[some]
+def _surface(skin: Skin, numbers: NDArray[np.intp], reflectances: Array) -> Surface:
+    """The points of these numbers."""
+    return skin.points[numbers], skin.normals[numbers], reflectances[numbers]
 
 
 def _learn_patch(

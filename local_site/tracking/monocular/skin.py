@@ -20,6 +20,7 @@ Mask = NDArray[np.bool_]
 
 CELL_M = 0.0018
 HIDDEN_BY_M = 0.006
+LOOKED_AT = 6
 
 
 class Skin:
@@ -34,10 +35,15 @@ class Skin:
         self.points, self.normals = np.empty((0, 3)), np.empty((0, 3))
         self.fine, self.coarse = np.empty(0), np.empty(0)
 
-    def in_view(self, link: Link, depths: Depths, facing: float) -> NDArray[np.intp]:
-        """The numbers of the points that face the camera by more than `facing`, -n.v, and are not hidden."""
-        camera = depths.focal, depths.principal
-        return np.flatnonzero(_in_view(self.points, self.normals, link, camera, depths.inverse, facing, HIDDEN_BY_M))
+    def in_view(self, link: Link, depths: Depths, facing: float, most: int) -> NDArray[np.intp]:
+        """The numbers of points that face the camera by more than `facing`, -n.v, and are not hidden, `most` of them.
+
+        They lie spread over all that is in view; where there are many more, not every one is looked at.
+        """
+        view = depths.focal, depths.principal, depths.inverse
+        every = max(len(self.points) // (LOOKED_AT * most), 1)
+        seen = np.flatnonzero(_in_view(self.points, self.normals, link, view, facing, every))
+        return seen[:: max(len(seen) // most, 1)][:most]
 
     def unknown(self, points: Array) -> Mask:
         """Which places (N, 3) of the link, m, are not learned yet."""
@@ -65,18 +71,17 @@ def _in_view(
     points: Array,
     normals: Array,
     link: tuple[Array, Array],
-    view: tuple[Array, Array],
-    inverse_depth: Array,
+    view: tuple[Array, Array, Array],
     least: float,
-    hidden_by_m: float,
+    every: int,
 ) -> Mask:
-    """Which points are in view; what lies outside of the raster `inverse_depth` (H, W) in 1/m is not."""
+    """Which of each so manyth point are in view; what lies outside of the raster of 1 / depth (H, W) in 1/m is not."""
     joint, rotation = link
-    focal, principal = view
+    focal, principal, inverse_depth = view
     height, width = inverse_depth.shape
     seen = np.zeros(len(points), np.bool_)
     place, normal = np.empty(3), np.empty(3)
-    for n in range(len(points)):
+    for n in range(0, len(points), every):
         for k in range(3):
             place[k], normal[k] = joint[k], 0.0
             for i in range(3):
@@ -88,5 +93,5 @@ def _in_view(
             continue
         column, row = int(focal[0] * x / z + principal[0] + 0.5), int(focal[1] * y / z + principal[1] + 0.5)
         if 0 <= column < width and 0 <= row < height:
-            seen[n] = inverse_depth[row, column] * (z - hidden_by_m) <= 1.0
+            seen[n] = inverse_depth[row, column] * (z - HIDDEN_BY_M) <= 1.0
     return seen
