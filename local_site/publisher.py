@@ -37,6 +37,7 @@ class HandPublisher:
             wrist=_vector(estimate.wrist),
             index=_vector(estimate.index),
             thumb=_vector(estimate.thumb),
+            palm=_vector(estimate.palm),
             status=estimate.status,
             reason=estimate.reason[:REASON_CHARACTERS],
             thumb_inferred=estimate.thumb_inferred,
@@ -53,8 +54,7 @@ class HandPublisher:
 
 
 def _covariance(matrices: Mapping[str, Array]) -> PointCovariances | None:
-    told = {name: _upper(matrices[name]) for name in PointCovariances.__struct_fields__ if name in matrices}
-    return PointCovariances(**told) if told else None
+    return PointCovariances(**{name: _upper(matrix) for name, matrix in matrices.items()}) if matrices else None
 
 
 def _upper(matrix: Array) -> Covariance | None:
