@@ -5,7 +5,7 @@ from typing import Annotated
 
 import msgspec
 
-PROTOCOL_VERSION = 4
+PROTOCOL_VERSION = 5
 
 Vector3 = tuple[float, float, float]
 Quaternion = tuple[float, float, float, float]
@@ -69,6 +69,7 @@ class PointCovariances(msgspec.Struct, frozen=True, forbid_unknown_fields=True, 
     wrist: Covariance | None = None
     index: Covariance | None = None
     thumb: Covariance | None = None
+    palm: Covariance | None = None
 
 
 class Locks(msgspec.Struct, frozen=True, forbid_unknown_fields=True, kw_only=True):
@@ -117,7 +118,8 @@ class ClockSync(msgspec.Struct, frozen=True, forbid_unknown_fields=True, kw_only
 class HandArm(Message, frozen=True):
     """One tracked instant of the operator's arm.
 
-    Points are absolute in the operator frame (the calibration plate's), m, None where they could not be measured.
+    Points are absolute in the operator frame (the calibration plate's), m, None where they could not be measured; the
+    palm is a point of the hand as a rigid extension of the forearm, from the tracker of one camera alone.
     `covariance` is of the single measurement, before any smoothing; None from a sender that does not know it.
     `session` is a random number chosen at each start of the local site, `seq` rises by one each sample,
     `gripper_toggles` counts the openings of the hand since the session began. `lease` is the number under which the
@@ -136,6 +138,7 @@ class HandArm(Message, frozen=True):
     thumb_inferred: bool
     hand_open: bool
     gripper_toggles: Count
+    palm: Vector3 | None = None
     covariance: PointCovariances | None = None
     lease: Count = 0
     clock: ClockSync | None = None

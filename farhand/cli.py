@@ -32,7 +32,7 @@ REMOTE, LOCAL = "tcp/127.0.0.1:7447", "tcp/127.0.0.1:7457"
 
 RigFile = Annotated[Path, typer.Option(help="Rig file to write.")]
 Serials = Annotated[list[str] | None, typer.Option(help="A camera's serial number, as left=NUMBER.")]
-TRACKER_HELP = "A bare arm's silhouette, or three bright markers on a dark glove."
+TRACKER_HELP = "A bare arm's silhouette, three bright markers on a dark glove, or a textured arm before one camera."
 TrackerName = Annotated[Method, typer.Option(help=TRACKER_HELP)]
 
 LeftPictures = Annotated[str, typer.Option(help="Folder, quoted pattern such as 'left_*.png', or video; by name.")]
@@ -360,8 +360,15 @@ def calibrate_live_command(
 @app.command()
 def track(
     rig: Annotated[Path, typer.Option(help="Rig file from 'farhand calibrate'.")],
-    left: Annotated[str, typer.Option(help="Video file, folder of images, device or URL.")],
-    right: Annotated[str, typer.Option(help="The same for the right camera.")],
+    left: Annotated[str | None, typer.Option(help="Video file, folder of images, device or URL.")] = None,
+    right: Annotated[str | None, typer.Option(help="The same for the right camera.")] = None,
+    monocular: Annotated[
+        str | None, typer.Option(help="The same for a single camera, instead of left and right: the monocular tracker.")
+    ] = None,
+    shown_joints: Annotated[
+        str | None,
+        typer.Option("--joints", help="Monocular: shoulder, elbow, wrist in the first picture: 'x,y x,y x,y' (px)."),
+    ] = None,
     also: Annotated[
         list[str] | None, typer.Option(help="A third, and given again a fourth camera, in the rig's order.")
     ] = None,
@@ -374,16 +381,19 @@ def track(
     ] = None,
     annotate: Annotated[Path | None, typer.Option(help="Folder for annotated pairs, as PNG.")] = None,
 ) -> None:
-    """Track a recording or two to four cameras, one JSON line per pair; causal, unsmoothed.
+    """Track a recording or one to four cameras, one JSON line per instant; causal, unsmoothed.
 
     Example: farhand track --rig rig.json --left left.avi --right right.avi --set tracking.silhouette.right_arm=false
     """
-    from farhand.track_command import TrackSources, run_track
+    from farhand.track_command import TrackSources, joint_settings, run_track
     from local_site.config import LocalConfig
 
+    if (monocular is None) == (left is None or right is None) or (monocular and (left or right or also)):
+        raise ConfigError("give --left and --right, or --monocular alone")
     chosen = [] if tracker is None else [f"tracking.method={tracker}"]
+    chosen += joint_settings(shown_joints) if shown_joints else []
     site = load_config(LocalConfig, config, [*(settings or ()), *chosen])
-    sources = TrackSources(rig, left, right, fps, site, tuple(also or ()))
+    sources = TrackSources(rig, monocular or left or "", right, fps, site, tuple(also or ()))
     should_stop = StopFlag()
     should_stop.install()
     typer.echo(run_track(sources, out, annotate, should_stop))
@@ -393,7 +403,7 @@ def track(
 
 @app.command()
 def experiment(
-    name: Annotated[str, typer.Argument(help="follow: hand against tool, by the thesis's mean and by Farhand.")],
+    name: Annotated[str, typer.Argument(help="follow: hand against tool; hazel: one camera's arm, as in the report.")],
     out: Annotated[Path, typer.Option(help="Folder for report, plots and data; other files in it stay.")],
     quick: Annotated[bool, typer.Option("--quick", help="A short motion, to see that it works.")] = False,
 ) -> None:

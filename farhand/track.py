@@ -53,6 +53,7 @@ class TrackLine(msgspec.Struct, frozen=True, kw_only=True):
     hand_open: bool
     gripper_toggles: int
     ms: float
+    palm: Vector3 | None = None
 
 
 @dataclass
@@ -90,23 +91,22 @@ class Summary:
 def track_recording(
     rig: Rig,
     left_camera: Camera,
-    right_camera: Camera,
+    others: Sequence[Camera],
     out: Path,
     annotate_dir: Path | None,
     progress: Callable[[int], None],
     site: LocalConfig | None = None,
-    also: Sequence[Camera] = (),
     should_stop: Callable[[], bool] = lambda: False,
 ) -> Summary:
     """Track all pairs of two cameras, write a line each to `out` and, if asked, annotated pairs as PNG.
 
-    `also` are a third and a fourth camera; the cameras stand in the rig's order. Of the local site's configuration,
+    `others` are the cameras beside the left one, none to three, in the rig's order. Of the local site's configuration,
     tracking, drift alarm and gesture count. `progress` is called with the number of pairs done. Raises CameraError when
     no pair comes, a picture has the wrong size, or a file cannot be written.
     """
     recording = _Recording(rig, site or LocalConfig(), annotate_dir)
     try:
-        pairs = RecordedPairs(left_camera, right_camera, *also)
+        pairs = RecordedPairs(left_camera, *others)
         with _written_at_end(out) as lines:
             for views in takewhile(lambda _: not should_stop(), pairs):
                 recording.track(views, lines)
@@ -203,6 +203,7 @@ def _write(lines: TextIO, frame: int, estimate: ArmEstimate, hand: OpenHand, ms:
         hand_open=hand.is_open,
         gripper_toggles=hand.toggles,
         ms=round(ms, 3),
+        palm=_vector(estimate.palm),
     )
     lines.write(msgspec.json.encode(line).decode() + "\n")
     return line

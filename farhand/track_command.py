@@ -5,33 +5,44 @@ from contextlib import ExitStack, closing
 from dataclasses import dataclass, field
 from pathlib import Path
 
+import msgspec
 import numpy as np
 from rich.console import Console
 from rich.progress import MofNCompleteColumn, Progress, SpinnerColumn, TextColumn
 
+from common.errors import ConfigError
 from common.messages import TrackingStatus
 from farhand.outputs import check_file, check_folder
 from farhand.preparing import prepare_tracker
 from farhand.recorded_pairs import refuse_other_rates
 from farhand.track import POINTS, Summary, track_recording
+from local_site.calibration.rig import Rig
 from local_site.calibration.rig_file import load_rig
 from local_site.config import LocalConfig
 from local_site.rig_cameras import open_rig_cameras
+
+JOINTS = ("shoulder", "elbow", "wrist")
 
 
 @dataclass(frozen=True, slots=True)
 class TrackSources:
     """What to track: the rig's file, a device, URL, video file or folder of images for each camera, and how.
 
-    `also` is a third and a fourth camera, in the rig's order; `site` the configuration of the local site.
+    `also` is a third and a fourth camera, in the rig's order; `site` the configuration of the local site. Without
+    `right`, `left` is the one camera that the configuration of the monocular tracker names.
     """
 
     rig: Path
     left: str
-    right: str
+    right: str | None
     fps: float | None
     site: LocalConfig = field(default_factory=LocalConfig)
     also: tuple[str, ...] = ()
+
+    @property
+    def given(self) -> tuple[str, ...]:
+        """The sources that there are."""
+        return tuple(source for source in (self.left, self.right, *self.also) if source is not None)
 
 
 def run_track(
@@ -41,25 +52,50 @@ def run_track(
 
     FarhandError names what cannot be opened; ConfigError what cannot be written, or what was not recorded together.
     """
-    given = (sources.left, sources.right, *sources.also)
+    given = sources.given
     check_file("--out", out, [sources.rig, *given])
     check_folder("--annotate", annotate_dir, given)
-    rig = load_rig(sources.rig)
+    rig, site = load_rig(sources.rig), sources.site
+    if sources.right is None:
+        rig, site = _one_camera(rig, site)
     columns = (SpinnerColumn(), TextColumn("tracking"), MofNCompleteColumn())
     with ExitStack() as opened:
         cameras = open_rig_cameras(rig, given, sources.fps)
-        left, right, *also = (opened.enter_context(closing(camera)) for camera in cameras)
+        left, *others = (opened.enter_context(closing(camera)) for camera in cameras)
         if sources.fps is None:
             refuse_other_rates(cameras)
-        prepare_tracker(sources.site.tracking)
+        prepare_tracker(site.tracking)
         progress = opened.enter_context(Progress(*columns, console=Console(stderr=True)))
         task = progress.add_task("tracking", total=None)
 
         def show(pairs: int) -> None:
             progress.update(task, completed=pairs)
 
-        done = track_recording(rig, left, right, out, annotate_dir, show, sources.site, also, should_stop)
+        done = track_recording(rig, left, others, out, annotate_dir, show, site, should_stop)
     return describe(done, out)
+
+
+def joint_settings(text: str) -> list[str]:
+    """The settings of the monocular tracker's start for joints written as 'x,y x,y x,y'; ConfigError else."""
+    pairs = [pair.split(",") for pair in text.split()]
+    try:
+        places = [(float(x), float(y)) for x, y in pairs]
+    except ValueError:
+        places = []
+    if len(places) != len(JOINTS):
+        raise ConfigError(f"--joints must be the pixels of shoulder, elbow and wrist as 'x,y x,y x,y', not {text!r}")
+    return [f"tracking.monocular.start.{joint}_px=[{x}, {y}]" for joint, (x, y) in zip(JOINTS, places, strict=True)]
+
+
+def _one_camera(rig: Rig, site: LocalConfig) -> tuple[Rig, LocalConfig]:
+    """The rig of the monocular tracker's camera alone, and the site's configuration for it."""
+    number = site.tracking.monocular.camera
+    if number >= len(rig.cameras):
+        raise ConfigError(f"tracking.monocular.camera is {number}, but the rig has {len(rig.cameras)} cameras, from 0")
+    replaced = msgspec.structs.replace
+    monocular = replaced(site.tracking.monocular, camera=0)
+    tracking = replaced(site.tracking, method="monocular", monocular=monocular)
+    return replaced(rig, cameras=(rig.cameras[number],)), replaced(site, tracking=tracking)
 
 
 def describe(summary: Summary, out: Path) -> str:

@@ -37,6 +37,7 @@ class HandPublisher:
             wrist=_vector(estimate.wrist),
             index=_vector(estimate.index),
             thumb=_vector(estimate.thumb),
+            palm=_vector(estimate.palm),
             status=estimate.status,
             reason=estimate.reason[:REASON_CHARACTERS],
             thumb_inferred=estimate.thumb_inferred,

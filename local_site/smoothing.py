@@ -108,7 +108,7 @@ class RotationFilter:
 
 
 class ArmOneEuro:
-    """One Euro on elbow, wrist, the hand's rotation, and the tips in the hand's frame.
+    """One Euro on elbow, wrist, palm, the hand's rotation, and the tips in the hand's frame.
 
     So a turning hand keeps its size: its tips move on arcs about the wrist, not on chords.
     """
@@ -124,8 +124,9 @@ class ArmOneEuro:
             return estimate
         elbow = self._elbow.smooth(estimate.t_ns, estimate.elbow)
         wrist = self._wrist.smooth(estimate.t_ns, estimate.wrist)
+        palm = self._palm.smooth(estimate.t_ns, estimate.palm)
         index, thumb = self._tips(estimate, wrist)
-        return replace(estimate, elbow=elbow, wrist=wrist, index=index, thumb=thumb)
+        return replace(estimate, elbow=elbow, wrist=wrist, index=index, thumb=thumb, palm=palm)
 
     def _tips(self, estimate: ArmEstimate, wrist: Array | None) -> tuple[Array | None, Array | None]:
         """Index and thumb about the smoothed wrist; as they are while the three points give no rotation."""
@@ -141,7 +142,7 @@ class ArmOneEuro:
         return index, thumb
 
     def _reset(self) -> None:
-        self._elbow, self._wrist = PointFilter(self._config), PointFilter(self._config)
+        self._elbow, self._wrist, self._palm = (PointFilter(self._config) for _ in range(3))
         self._rotation = RotationFilter(self._config)
         self._offsets = (PointFilter(self._config), PointFilter(self._config))
 
@@ -162,7 +163,7 @@ class ArmMean:
     def __init__(self, config: SmoothingConfig) -> None:
         self._config = config
         self._last_ns = 0
-        self._windows = {name: deque[Array](maxlen=config.mean_frames) for name in POINTS}
+        self._windows = {name: deque[Array](maxlen=config.mean_frames) for name in (*POINTS, "palm")}
 
     def smooth(self, estimate: ArmEstimate) -> ArmEstimate:
         """The estimate with each point averaged over the frames in which it was present without a gap."""
@@ -174,7 +175,8 @@ class ArmMean:
         if lost:
             return estimate
         elbow, wrist, index, thumb = (self._mean(name, getattr(estimate, name)) for name in POINTS)
-        return replace(estimate, elbow=elbow, wrist=wrist, index=index, thumb=thumb)
+        palm = self._mean("palm", estimate.palm)
+        return replace(estimate, elbow=elbow, wrist=wrist, index=index, thumb=thumb, palm=palm)
 
     def _mean(self, name: str, point: Array | None) -> Array | None:
         window = self._windows[name]

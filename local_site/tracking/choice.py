@@ -9,6 +9,8 @@ from local_site.calibration.rig import Rig
 from local_site.tracking.markers.config import MarkersConfig
 from local_site.tracking.markers.marker_tracker import MarkerTracker
 from local_site.tracking.method import Method
+from local_site.tracking.monocular.config import MonocularConfig
+from local_site.tracking.monocular.monocular_tracker import MonocularTracker
 from local_site.tracking.silhouette.config import SilhouetteConfig
 from local_site.tracking.silhouette.operator_profile import OperatorProfile
 from local_site.tracking.silhouette.silhouette_tracker import SilhouetteTracker
@@ -19,10 +21,14 @@ class TrackingConfig(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_f
     """How the operator's arm is tracked."""
 
     method: Annotated[
-        Method, Meta(description="silhouette: a bare arm; markers: three bright markers on a dark glove")
+        Method,
+        Meta(
+            description="silhouette: a bare arm; markers: three bright markers on a dark glove; monocular: one camera"
+        ),
     ] = "silhouette"
     silhouette: SilhouetteConfig = field(default_factory=SilhouetteConfig)
     markers: MarkersConfig = field(default_factory=MarkersConfig)
+    monocular: MonocularConfig = field(default_factory=MonocularConfig)
     profile_dir: Annotated[
         str, Meta(description="folder with what is learned of each operator's body, by name; empty: nothing is kept")
     ] = ""
@@ -32,6 +38,8 @@ def make_tracker(rig: Rig, config: TrackingConfig, profile: OperatorProfile | No
     """The tracker that the configuration asks for, with what is known of the operator."""
     if config.method == "markers":
         return MarkerTracker(rig, config.markers)
+    if config.method == "monocular":
+        return MonocularTracker(rig, config.monocular)
     return SilhouetteTracker(rig, config.silhouette, profile)
 
 

@@ -2,4 +2,4 @@
 
 from typing import Literal
 
-Method = Literal["silhouette", "markers"]
+Method = Literal["silhouette", "markers", "monocular"]

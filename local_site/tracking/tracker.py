@@ -66,6 +66,7 @@ class ArmEstimate:
     wrist: Array | None = None
     index: Array | None = None
     thumb: Array | None = None
+    palm: Array | None = None
     thumb_inferred: bool = False
     hand_open: bool = False
     overlays: tuple[Overlay, ...] = ()

@@ -77,7 +77,7 @@ def test_an_earlier_track_is_replaced_only_by_a_new_one(tmp_path, pictures, kept
     rig = calibrate_simulated(SimulationConfig())
     cameras = Blank("left", pictures, fails=False), Blank("right", max(pictures - 1, 0), fails=True)
     with pytest.raises(FarhandError):
-        track_recording(rig, *cameras, out, None, lambda _: None)
+        track_recording(rig, cameras[0], cameras[1:], out, None, lambda _: None)
     assert (out.read_text() == "earlier\n") is kept
     assert list(tmp_path.iterdir()) == [out]
 

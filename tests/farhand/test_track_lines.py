@@ -49,7 +49,7 @@ def track(monkeypatch, tmp_path):
         monkeypatch.setattr(farhand.track, "make_tracker", lambda *_: Scripted(answer))
         path = tmp_path / "track.jsonl"
         rig = exact_rig(StereoConfig())
-        summary = track_recording(rig, Recording(count), Recording(count), path, None, lambda _: None)
+        summary = track_recording(rig, Recording(count), [Recording(count)], path, None, lambda _: None)
         return summary, [json.loads(line) for line in path.read_text().splitlines()]
 
     return run

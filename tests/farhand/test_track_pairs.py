@@ -90,7 +90,7 @@ def test_a_recording_that_goes_on_is_told(counts, said):
 
 def test_what_was_left_out_stands_in_the_summary(tmp_path):
     left, right = Recording(0, 10, name="left"), Recording(0, 10, 20, name="right")
-    summary = track_recording(exact_rig(StereoConfig()), left, right, tmp_path / "a.jsonl", None, lambda _: None)
+    summary = track_recording(exact_rig(StereoConfig()), left, [right], tmp_path / "a.jsonl", None, lambda _: None)
     assert "warning: left ended after 2 pairs while right went on" in describe(summary, tmp_path)
 
 
@@ -154,7 +154,7 @@ def test_an_interruption_keeps_the_pairs_tracked_so_far(tmp_path):
     summary = track_recording(
         exact_rig(StereoConfig()),
         Recording(0, 10, 20),
-        Recording(0, 10, 20),
+        [Recording(0, 10, 20)],
         tmp_path / "track.jsonl",
         None,
         done.append,
@@ -166,7 +166,7 @@ def test_an_interruption_keeps_the_pairs_tracked_so_far(tmp_path):
 
 def test_an_interruption_before_the_first_pair_is_no_failure(tmp_path):
     rig, out = exact_rig(StereoConfig()), tmp_path / "track.jsonl"
-    summary = track_recording(rig, Recording(0), Recording(0), out, None, lambda _: None, should_stop=lambda: True)
+    summary = track_recording(rig, Recording(0), [Recording(0)], out, None, lambda _: None, should_stop=lambda: True)
     assert describe(summary, out) == "no pair was tracked"
     assert not out.exists()
 
@@ -176,7 +176,7 @@ def test_what_is_no_file_is_written_through(tmp_path):
     aim.write_text("earlier")
     (tmp_path / "link.jsonl").symlink_to(aim)
     for out in (tmp_path / "link.jsonl", Path("/dev/null")):
-        assert track_recording(rig, Recording(0), Recording(0), out, None, lambda _: None).pairs == 1
+        assert track_recording(rig, Recording(0), [Recording(0)], out, None, lambda _: None).pairs == 1
     assert Path("/dev/null").is_char_device()
     assert (tmp_path / "link.jsonl").is_symlink()
     assert '"status":"lost"' in aim.read_text()
@@ -186,7 +186,12 @@ def test_dark_recordings_give_lost_lines_and_their_summary(tmp_path):
     annotated = tmp_path / "pictures"
     done = []
     summary = track_recording(
-        exact_rig(StereoConfig()), Recording(0, 10), Recording(0, 10), tmp_path / "track.jsonl", annotated, done.append
+        exact_rig(StereoConfig()),
+        Recording(0, 10),
+        [Recording(0, 10)],
+        tmp_path / "track.jsonl",
+        annotated,
+        done.append,
     )
     assert (summary.pairs, summary.statuses["lost"], summary.found["wrist"]) == (2, 2, 0)
     assert done == [1, 2]
@@ -197,9 +202,9 @@ def test_dark_recordings_give_lost_lines_and_their_summary(tmp_path):
 def test_nothing_to_track_and_nowhere_to_write_are_told(tmp_path):
     rig = exact_rig(StereoConfig())
     with pytest.raises(CameraError, match="no pair"):
-        track_recording(rig, Recording(), Recording(0), tmp_path / "track.jsonl", None, lambda _: None)
+        track_recording(rig, Recording(), [Recording(0)], tmp_path / "track.jsonl", None, lambda _: None)
     with pytest.raises(CameraError, match="cannot write"):
-        track_recording(rig, Recording(0), Recording(0), tmp_path / "absent" / "track.jsonl", None, lambda _: None)
+        track_recording(rig, Recording(0), [Recording(0)], tmp_path / "absent" / "track.jsonl", None, lambda _: None)
 
 
 def test_the_command_tracks_four_cameras(tmp_path):

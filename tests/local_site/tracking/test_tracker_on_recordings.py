@@ -51,7 +51,7 @@ def track(request, tmp_path_factory):
     rig = calibrate_points(folder / "control_points.csv", out / "rig.json").rig
     cameras = [open_camera(str(folder / f"{side}.avi"), side) for side in ("left", "right")]
     counted = []
-    summary = track_recording(rig, cameras[0], cameras[1], out / "track.jsonl", None, counted.append)
+    summary = track_recording(rig, cameras[0], [cameras[1]], out / "track.jsonl", None, counted.append)
     for camera in cameras:
         camera.close()
     lines = [json.loads(line) for line in (out / "track.jsonl").read_text().splitlines()]

@@ -1,0 +1,69 @@
+"""Parameters of the monocular tracker: the arm's sizes, where it starts, and how much is spent on a frame."""
+
+from typing import Annotated, Literal
+
+import msgspec
+from msgspec import Meta, field
+
+LengthMm = Annotated[float, Meta(gt=0, le=1000)]
+GirthMm = Annotated[float, Meta(ge=60, le=800)]
+Pixel = tuple[float, float]
+
+
+class UpperArmConfig(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
+    """The upper arm, measured on the operator with a tape."""
+
+    length_mm: Annotated[LengthMm, Meta(description="shoulder joint to elbow joint, mm")] = 300.0
+    shoulder_girth_mm: Annotated[GirthMm, Meta(description="girth at the armpit, mm")] = 310.0
+    biceps_girth_mm: Annotated[GirthMm, Meta(description="girth at the middle, mm")] = 285.0
+    elbow_girth_mm: Annotated[GirthMm, Meta(description="girth just above the elbow, mm")] = 245.0
+
+
+class ForearmConfig(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
+    """The forearm with the hand as its rigid extension."""
+
+    length_mm: Annotated[LengthMm, Meta(description="elbow joint to wrist, mm")] = 255.0
+    elbow_girth_mm: Annotated[GirthMm, Meta(description="girth just below the elbow, mm")] = 245.0
+    belly_girth_mm: Annotated[GirthMm, Meta(description="girth a quarter of the way, mm")] = 260.0
+    wrist_girth_mm: Annotated[GirthMm, Meta(description="girth at the wrist, mm")] = 170.0
+    palm_length_mm: Annotated[LengthMm, Meta(description="wrist to knuckles, mm")] = 95.0
+    palm_width_mm: Annotated[LengthMm, Meta(description="across the knuckles, mm")] = 82.0
+    palm_thickness_mm: Annotated[LengthMm, Meta(description="palm to back of the hand, mm")] = 30.0
+    palm_point_mm: Annotated[LengthMm, Meta(description="wrist to the palm's point that is told, mm")] = 60.0
+
+
+class StartConfig(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
+    """The joints in the first picture, px; both links are taken to be parallel to the picture there (section 2.6)."""
+
+    shoulder_px: Annotated[Pixel, Meta(description="shoulder joint, px")] = (0.0, 0.0)
+    elbow_px: Annotated[Pixel, Meta(description="elbow joint, px")] = (0.0, 0.0)
+    wrist_px: Annotated[Pixel, Meta(description="wrist, px")] = (0.0, 0.0)
+    palm_turn_deg: Annotated[
+        float, Meta(ge=-180, le=180, description="turn of the palm about the forearm, 0: flat before the camera")
+    ] = 0.0
+
+    @property
+    def is_given(self) -> bool:
+        """Whether the joints are places of their own."""
+        return self.elbow_px not in (self.shoulder_px, self.wrist_px)
+
+
+class NoiseConfig(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
+    """What the maximum likelihood takes for granted of the errors (section 2.3)."""
+
+    grey: Annotated[float, Meta(gt=0, le=50, description="camera noise, grey levels")] = 2.0
+    position_mm: Annotated[float, Meta(ge=0, le=20, description="error of a surface point along each axis, mm")] = 0.5
+
+
+class MonocularConfig(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
+    """How one camera's arm is tracked."""
+
+    setting: Annotated[
+        Literal["live", "accurate"],
+        Meta(description="live: 800 points per link, changes below 1e-2; accurate: all points, 1e-5"),
+    ] = "live"
+    camera: Annotated[int, Meta(ge=0, le=3, description="which of the rig's cameras watches, from 0")] = 0
+    upper_arm: UpperArmConfig = field(default_factory=UpperArmConfig)
+    forearm: ForearmConfig = field(default_factory=ForearmConfig)
+    start: StartConfig = field(default_factory=StartConfig)
+    noise: NoiseConfig = field(default_factory=NoiseConfig)

@@ -1,0 +1,132 @@
+"""The iterated maximum likelihood estimate of the arm's motion (sections 2.5 and 2.6): root, lower arm, then both."""
+
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from common.geometry import Array
+from local_site.tracking.monocular.equations import (
+    ALL,
+    FOREARM_LIGHT,
+    FOREARM_TURN,
+    LOWER,
+    ROOT,
+    TRANSLATION,
+    UPPER_LIGHT,
+    UPPER_TURN,
+    Equations,
+    combined,
+    step,
+)
+from local_site.tracking.monocular.kernels import Surface, summed
+from local_site.tracking.monocular.picture import Level
+from local_site.tracking.monocular.pose import Pose
+
+HUBER = 1.5
+HALVINGS = 3
+FIRST_CHANGE = 0.3  # grey², while one link is moved alone
+RISE = 1e-3  # of the mean square: the gradients, and with them the weights, change a little with every step
+
+
+@dataclass(frozen=True, slots=True)
+class Setting:
+    """How much is spent on a frame: points per link, the least change of the mean square in grey², iterations."""
+
+    points: int
+    least_change: float
+    iterations: int
+
+
+LIVE = Setting(points=800, least_change=1e-2, iterations=10)
+ACCURATE = Setting(points=5000, least_change=1e-5, iterations=30)
+COARSE = Setting(points=200, least_change=1e-1, iterations=8)
+
+
+@dataclass(frozen=True, slots=True)
+class State:
+    """What is estimated: the pose, and the light (4,) on upper arm and forearm, level and slope along the normal."""
+
+    pose: Pose
+    upper_light: Array
+    forearm_light: Array
+
+    @property
+    def lights(self) -> tuple[Array, Array]:
+        """The light on both links."""
+        return self.upper_light, self.forearm_light
+
+    def stepped(self, by: Array) -> "State":
+        """The state after a step (17,)."""
+        pose = self.pose.moved(by[TRANSLATION], by[UPPER_TURN], by[FOREARM_TURN])
+        return State(pose, self.upper_light + by[UPPER_LIGHT], self.forearm_light + by[FOREARM_LIGHT])
+
+
+@dataclass(frozen=True, slots=True)
+class Fit:
+    """A state with the equations there, whether its mean square has come to rest, and in how many iterations.
+
+    `finite` is False where the next step had no solution.
+    """
+
+    state: State
+    equations: Equations
+    converged: bool
+    iterations: int
+    finite: bool = True
+
+
+@dataclass(frozen=True, slots=True)
+class Scene:
+    """What a fit looks at: a level of the frame, both links' points in view, and the variances of section 2.3."""
+
+    level: Level
+    upper: Surface
+    forearm: Surface
+    variances: Array
+
+    def equations(self, state: State, free: slice) -> Equations:
+        """The equations of the links that the free unknowns belong to."""
+        pose, view = state.pose, self.level.arrays
+        uses_upper, uses_forearm = free.start == ALL.start, free.stop == ALL.stop
+        upper = (pose.shoulder, pose.upper_arm, state.upper_light)
+        forearm = (pose.elbow, pose.forearm, state.forearm_light)
+        return combined(
+            summed(self.upper, upper, view, self.variances, HUBER) if uses_upper else None,
+            summed(self.forearm, forearm, view, self.variances, HUBER) if uses_forearm else None,
+            pose.elbow - pose.shoulder,
+        )
+
+
+def fit_arm(scene: Scene, start: State, setting: Setting) -> Fit:
+    """Root link, lower arm, then what remains of both at once."""
+    first = replace(setting, least_change=max(setting.least_change, FIRST_CHANGE))
+    root = settled(scene, start, ROOT, first)
+    lower = settled(scene, root.state, LOWER, first)
+    both = settled(scene, lower.state, ALL, setting)
+    return replace(both, iterations=root.iterations + lower.iterations + both.iterations)
+
+
+def settled(scene: Scene, start: State, free: slice, setting: Setting) -> Fit:
+    """Steps until the mean square changes by less than the setting asks for, or nothing moves any more.
+
+    A step that makes the mean square rise is halved; one that still does so is not taken, and the fit not converged.
+    """
+    best = Fit(start, scene.equations(start, free), False, 0)
+    by, halvings = step(best.equations, free), 0
+    for iteration in range(1, setting.iterations + 1):
+        if not np.all(np.isfinite(by)):
+            return replace(best, finite=False)
+        state = best.state.stepped(by)
+        equations = scene.equations(state, free)
+        change = best.equations.total - equations.total
+        at_rest = -RISE * best.equations.total < change < setting.least_change
+        if change < 0 and not at_rest:
+            if halvings == HALVINGS:
+                break
+            by, halvings = 0.5 * by, halvings + 1
+            continue
+        best = Fit(state, equations, at_rest, iteration) if change > 0 else replace(best, converged=True)
+        if at_rest:
+            break
+        by, halvings = step(equations, free), 0
+    return best

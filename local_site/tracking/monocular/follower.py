@@ -1,0 +1,140 @@
+"""Follows the arm from frame to frame in one camera's pictures: predict, see what is in view, fit, learn."""
+
+import math
+
+import numpy as np
+from numpy.typing import NDArray
+
+from common.cameras.camera import Image
+from common.geometry import Array
+from local_site.calibration.lens import Lens
+from local_site.tracking.monocular.arm_mesh import MM, forearm_mesh, upper_arm_mesh
+from local_site.tracking.monocular.arm_view import ArmView, Depths, Patch
+from local_site.tracking.monocular.config import MonocularConfig
+from local_site.tracking.monocular.estimator import ACCURATE, COARSE, LIVE, Fit, Scene, Setting, State, fit_arm
+from local_site.tracking.monocular.kernels import Surface, samples
+from local_site.tracking.monocular.picture import Box, Level, coarse_level, fine_level, in_coarse_px
+from local_site.tracking.monocular.pose import Pose, predicted
+from local_site.tracking.monocular.skin import Skin
+
+SEED = 1
+LEAST_GRADIENT = 20.0 / 8.0
+FACING, NEW_FACING = 0.45, 0.6
+LEARN_AFTER = math.cos(math.radians(6.0))
+ENOUGH_NEAR = 0.9
+EVEN_LIGHT = np.array([1.0, 0.0, 0.0, 0.0])
+
+
+class Follower:
+    """Both links' meshes and skins, and where the arm was in the last two frames."""
+
+    def __init__(self, lens: Lens, config: MonocularConfig, setting: Setting | None = None) -> None:
+        """The setting is the configuration's where none is given."""
+        upper_arm, forearm = upper_arm_mesh(config.upper_arm), forearm_mesh(config.forearm)
+        self._lens = lens
+        self._view = ArmView(lens, upper_arm, forearm)
+        self._skins = Skin(upper_arm, SEED), Skin(forearm, SEED + 1)
+        self._setting = setting or (ACCURATE if config.setting == "accurate" else LIVE)
+        self._variances = np.array([config.noise.grey**2, *[(MM * config.noise.position_mm) ** 2] * 3])
+        self._learned_from = [np.zeros(3), np.zeros(3)]
+        self._before: State | None = None
+        self._last: State | None = None
+
+    def begin(self, image: Image, pose: Pose) -> bool:
+        """Learn the skin in a picture (H, W) in which the pose is known; False where the arm is out of the picture."""
+        state = State(pose, EVEN_LIGHT, EVEN_LIGHT)
+        if not self._learn(image, state, FACING):
+            return False
+        self.rest_at(state)
+        return True
+
+    @property
+    def last(self) -> State | None:
+        """Where the arm was last seen."""
+        return self._last
+
+    def rest_at(self, state: State) -> None:
+        """Take this for the last state, without motion."""
+        self._before = self._last = state
+
+    def expected(self) -> State | None:
+        """Where the arm should be in the next frame; None before the beginning."""
+        if self._last is None or self._before is None:
+            return None
+        return State(predicted(self._before.pose, self._last.pose), *self._last.lights)
+
+    def fit(self, image: Image, start: State) -> Fit | None:
+        """The maximum likelihood pose in a picture (H, W), by way of the coarse level where the fine one leads astray.
+
+        None where the arm is out of the picture.
+        """
+        box = self._box(image, start.pose)
+        if box is None:
+            return None
+        fine, depths = fine_level(image, self._lens, box), self._view.depths(start.pose, box)
+        direct = fit_arm(self._scene(fine, start, depths), start, self._setting)
+        if direct.equations.near.min() >= ENOUGH_NEAR:
+            return direct
+        rough = fit_arm(self._coarse_scene(coarse_level(image, self._lens, box), start, depths), start, COARSE)
+        again = fit_arm(self._scene(fine, rough.state, depths), rough.state, self._setting)
+        return max(direct, again, key=lambda fit: float(fit.equations.near.min()))
+
+    def move_to(self, state: State) -> None:
+        """Take a state for where the arm is, without learning from it."""
+        self._before, self._last = self._last, state
+
+    def keep(self, image: Image, fit: Fit) -> None:
+        """Take a fit for where the arm is, and learn what of it came into view."""
+        self.move_to(fit.state)
+        self._learn(image, fit.state, NEW_FACING)
+
+    def _box(self, image: Image, pose: Pose) -> Box | None:
+        return self._view.box(pose, image.shape[1], image.shape[0])
+
+    def _scene(self, level: Level, state: State, depths: Depths) -> Scene:
+        upper, forearm = (
+            _surface(skin, skin.in_view(link, depths, FACING, self._setting.points), skin.fine)
+            for skin, link in zip(self._skins, state.pose.links, strict=True)
+        )
+        return Scene(level, upper, forearm, self._variances)
+
+    def _coarse_scene(self, level: Level, state: State, depths: Depths) -> Scene:
+        upper, forearm = (
+            _surface(skin, skin.in_view(link, depths, NEW_FACING, COARSE.points), skin.coarse)
+            for skin, link in zip(self._skins, state.pose.links, strict=True)
+        )
+        return Scene(level, upper, forearm, self._variances)
+
+    def _learn(self, image: Image, state: State, facing: float) -> bool:
+        """Take in what faces the camera of every link that has turned since; False where the arm is out of view."""
+        ways = [rotation.T @ (joint / np.linalg.norm(joint)) for joint, rotation in state.pose.links]
+        due = [k for k in range(2) if ways[k] @ self._learned_from[k] < LEARN_AFTER]
+        if not due:
+            return True
+        box = self._box(image, state.pose)
+        if box is None:
+            return False
+        fine, coarse = fine_level(image, self._lens, box), coarse_level(image, self._lens, box)
+        patches = self._view.patches(state.pose, box)
+        for k in due:
+            _learn_patch(self._skins[k], patches[k], fine, coarse, facing, state.pose.links[k][1], state.lights[k])
+            self._learned_from[k] = ways[k]
+        return True
+
+
+def _surface(skin: Skin, numbers: NDArray[np.intp], reflectances: Array) -> Surface:
+    """The points of these numbers."""
+    return skin.points[numbers], skin.normals[numbers], reflectances[numbers]
+
+
+def _learn_patch(
+    skin: Skin, patch: Patch, fine: Level, coarse: Level, facing: float, rotation: Array, light: Array
+) -> None:
+    """Points with a clear gradient that face the camera, where nothing is known yet; the light is taken off."""
+    slope = np.hypot(fine.along_x[patch.rows, patch.columns], fine.along_y[patch.rows, patch.columns])
+    new = (slope > LEAST_GRADIENT) & (patch.facing > facing) & skin.unknown(patch.points)
+    rows, columns, normals = patch.rows[new], patch.columns[new], patch.normals[new]
+    lit = light[0] + normals @ rotation.T @ light[1:]
+    grey = fine.grey[rows, columns].astype(np.float64)
+    rough = samples(coarse.grey, in_coarse_px(columns), in_coarse_px(rows))
+    skin.learn(patch.points[new], normals, grey / lit, rough / lit)

@@ -1,0 +1,147 @@
+"""The monocular tracker: one camera's pictures to elbow, wrist and palm (the ROBONAUT report of 2002)."""
+
+import cv2
+import numpy as np
+
+from common.cameras.camera import Frame, Image
+from common.errors import CalibrationError
+from common.geometry import Array
+from common.messages import TrackingStatus
+from local_site.calibration.lens import Maps
+from local_site.calibration.physical_camera import decomposed
+from local_site.calibration.rig import CameraCalibration, Rig
+from local_site.tracking.monocular.arm_mesh import MM
+from local_site.tracking.monocular.config import MonocularConfig
+from local_site.tracking.monocular.estimator import Fit, State
+from local_site.tracking.monocular.follower import Follower
+from local_site.tracking.monocular.pose import Pose
+from local_site.tracking.monocular.quality import Judgement, Refusal, covariances, judged
+from local_site.tracking.monocular.start import starting_pose
+from local_site.tracking.tracker import ArmEstimate, Overlay, Views
+
+NO_TIPS = "index and thumb are not measured by this tracker"
+
+
+class MonocularTracker:
+    """Follows a textured arm from a known place in the first picture, frame by frame.
+
+    `pose` is the arm in the camera's frame as it was told last, None while it is lost.
+    After a loss it looks for the arm where it was seen last and where it started, in turn; nothing is extrapolated.
+    Raises CalibrationError when the rig has no such camera.
+    """
+
+    def __init__(self, rig: Rig, config: MonocularConfig | None = None) -> None:
+        self._config = config or MonocularConfig()
+        if self._config.camera >= len(rig.cameras):
+            raise CalibrationError(f"there is no camera {self._config.camera}: the rig has {len(rig.cameras)}, from 0")
+        self._number, self._cameras = self._config.camera, len(rig.cameras)
+        self._undistorted = _Undistorted(rig.cameras[self._number])
+        camera = decomposed(self._undistorted.projection)
+        if camera is None:
+            raise CalibrationError("the camera's projection is mirrored; calibrate again")
+        self._camera = camera
+        self._follower = Follower(camera.lens, self._config)
+        self._start: State | None = None
+        self._lost_for = 0
+        self.pose: Pose | None = None
+
+    def track(self, views: Views) -> ArmEstimate:
+        """The arm at the views' instant; a frame that cannot be tracked says why."""
+        if len(views.views) != self._cameras:
+            return self._lost(views.t_ns, f"{len(views.views)} views for {self._cameras} calibrated cameras")
+        image = self._undistorted.picture(views.views[self._number].current)
+        if self._start is None:
+            problem = self._begin(image)
+            if problem:
+                return self._lost(views.t_ns, problem)
+        fit = self._fit(image)
+        judgement = judged(fit)
+        if fit is None or judgement.spread is None:
+            self._lost_for += 1
+            return self._lost(views.t_ns, judgement.reason)
+        if judgement.status is TrackingStatus.TRACKED:
+            self._follower.keep(image, fit)
+        else:
+            self._follower.move_to(fit.state)
+        self._lost_for = 0
+        return self._found(views.t_ns, fit.state.pose, judgement, judgement.spread)
+
+    def _begin(self, image: Image) -> str:
+        """Start in this picture; why not, or nothing."""
+        pose = starting_pose(self._camera.lens, self._config)
+        if isinstance(pose, str):
+            return pose
+        if not self._follower.begin(image, pose):
+            return Refusal.OUT_OF_VIEW
+        self._start = self._follower.last
+        return ""
+
+    def _fit(self, image: Image) -> Fit | None:
+        """From the expected place; after a loss from the last one and from the start by turns."""
+        if self._lost_for and self._start is not None and self._follower.last is not None:
+            self._follower.rest_at(self._follower.last)
+            tried = self._start if self._lost_for % 2 else self._follower.last
+            return self._follower.fit(image, tried)
+        expected = self._follower.expected()
+        return None if expected is None else self._follower.fit(image, expected)
+
+    def _lost(self, t_ns: int, reason: str) -> ArmEstimate:
+        self.pose = None
+        return ArmEstimate(t_ns, TrackingStatus.LOST, reason, overlays=(Overlay(),) * self._cameras)
+
+    def _found(self, t_ns: int, pose: Pose, judgement: Judgement, spread: Array) -> ArmEstimate:
+        forearm = self._config.forearm
+        wrist = np.array([0.0, 0.0, MM * forearm.length_mm])
+        palm = wrist + np.array([0.0, 0.0, MM * forearm.palm_point_mm])
+        turn = self._camera.camera_R_operator
+        self.pose = pose
+        in_camera = covariances(pose, spread, {"wrist": wrist, "palm": palm})
+        return ArmEstimate(
+            t_ns,
+            judgement.status,
+            "; ".join(filter(None, (judgement.reason, NO_TIPS))),
+            elbow=self._in_operator(pose.elbow),
+            wrist=self._in_operator(pose.on_forearm(wrist)),
+            palm=self._in_operator(pose.on_forearm(palm)),
+            covariances={name: turn.T @ matrix @ turn for name, matrix in in_camera.items()},
+            overlays=tuple(self._overlay(pose, k) for k in range(self._cameras)),
+        )
+
+    def _overlay(self, pose: Pose, camera: int) -> Overlay:
+        """The links as lines in the camera's own picture; nothing in the others."""
+        if camera != self._number:
+            return Overlay()
+        wrist = pose.on_forearm(np.array([0.0, 0.0, MM * self._config.forearm.length_mm]))
+        shoulder, elbow, hand = self._undistorted.pixels(
+            np.array([self._camera.lens.matrix @ p / p[2] for p in (pose.shoulder, pose.elbow, wrist)])[:, :2]
+        )
+        return Overlay(
+            forearm_line=np.array([elbow, hand]), upper_arm_line=np.array([shoulder, elbow]), elbow=elbow, wrist=hand
+        )
+
+    def _in_operator(self, in_camera: Array) -> Array:
+        point: Array = self._camera.camera_R_operator.T @ (in_camera - self._camera.translation)
+        return point
+
+
+class _Undistorted:
+    """A camera's frames as a pinhole would have taken them, grey."""
+
+    def __init__(self, camera: CameraCalibration) -> None:
+        self.projection = camera.matrix
+        self._lens = camera.lens
+        self._maps: Maps | None = None
+
+    def picture(self, frame: Frame) -> Image:
+        """The frame's grey levels (H, W)."""
+        image = frame.image
+        grey = np.asarray(cv2.cvtColor(image, cv2.COLOR_BGR2GRAY) if image.ndim == 3 else image, dtype=np.uint8)
+        if self._lens is None:
+            return grey
+        if self._maps is None or self._maps[0].shape[:2] != grey.shape:
+            self._maps = self._lens.undistortion_maps(grey.shape[1], grey.shape[0])
+        return np.asarray(cv2.remap(grey, *self._maps, cv2.INTER_LINEAR), dtype=np.uint8)
+
+    def pixels(self, pinhole: Array) -> Array:
+        """Pixels (N, 2) in the frame, of pixels (N, 2) in the pinhole's picture."""
+        return pinhole if self._lens is None else self._lens.distort_pixels(pinhole)

@@ -1,0 +1,68 @@
+"""A frame as the estimator reads it: the part around the arm, smoothed, with its gradients, fine and coarse."""
+
+from dataclasses import dataclass
+
+import cv2
+import numpy as np
+from numpy.typing import NDArray
+
+from common.cameras.camera import Image
+from common.geometry import Array
+from local_site.calibration.lens import Lens
+from local_site.tracking.monocular.kernels import Picture
+
+FINE_BLUR_PX, COARSE_BLUR_PX = 0.8, 1.0
+COARSE = 4
+
+Box = tuple[int, int, int, int]
+
+
+@dataclass(frozen=True, slots=True)
+class Level:
+    """A part of the frame at some resolution: grey levels and their gradients per its px (H, W), focal lengths (2,) and
+    principal point (2,) in its px."""
+
+    grey: Picture
+    along_x: Picture
+    along_y: Picture
+    focal: Array
+    principal: Array
+
+    @property
+    def arrays(self) -> tuple[Picture, Picture, Picture, Array, Array]:
+        """All of it, as the kernels take it."""
+        return self.grey, self.along_x, self.along_y, self.focal, self.principal
+
+
+def fine_level(image: Image, lens: Lens, box: Box) -> Level:
+    """The part (left, top, right, bottom) of a grey frame (H, W) at full resolution."""
+    left, top, right, bottom = box
+    grey = cv2.GaussianBlur(image[top:bottom, left:right].astype(np.float32), (0, 0), FINE_BLUR_PX)
+    return _level(grey, np.array([lens.fx, lens.fy]), np.array([lens.cx - left, lens.cy - top]))
+
+
+def coarse_level(image: Image, lens: Lens, box: Box) -> Level:
+    """The same part with COARSE times fewer pixels along each side."""
+    left, top, right, bottom = box
+    right, bottom = left + (right - left) // COARSE * COARSE, top + (bottom - top) // COARSE * COARSE
+    size = ((right - left) // COARSE, (bottom - top) // COARSE)
+    grey = cv2.resize(image[top:bottom, left:right].astype(np.float32), size, interpolation=cv2.INTER_AREA)
+    grey = cv2.GaussianBlur(grey, (0, 0), COARSE_BLUR_PX)
+    # Corner (0, 0) of a picture is the centre of its first pixel, at every resolution.
+    principal = in_coarse_px(np.array([lens.cx - left, lens.cy - top]))
+    return _level(grey, np.array([lens.fx, lens.fy]) / COARSE, principal)
+
+
+def _level(grey: cv2.typing.MatLike, focal: Array, principal: Array) -> Level:
+    """Gradients by Sobel's operator, whose sums are eight times the slope."""
+    picture = np.asarray(grey, dtype=np.float32)
+    along_x, along_y = (
+        np.asarray(cv2.Sobel(picture, cv2.CV_32F, dx, dy, scale=0.125), dtype=np.float32) for dx, dy in ((1, 0), (0, 1))
+    )
+    return Level(picture, along_x, along_y, focal, principal)
+
+
+def in_coarse_px(places: Array | NDArray[np.intp]) -> Array:
+    """Places (N,) of a part of the frame along rows or columns, in px of its coarse level."""
+    coarse: Array = (places + 0.5) / COARSE - 0.5
+    return coarse

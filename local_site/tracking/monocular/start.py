@@ -1,0 +1,44 @@
+"""The pose in the first picture from the joints' places there, both links parallel to the picture (section 2.6)."""
+
+import math
+
+import numpy as np
+
+from common.geometry import Array, rotation_from_vector
+from local_site.calibration.lens import Lens
+from local_site.tracking.monocular.arm_mesh import MM
+from local_site.tracking.monocular.config import MonocularConfig
+from local_site.tracking.monocular.pose import Pose
+
+MOST_UNEQUAL = 1.15
+
+
+def starting_pose(lens: Lens, config: MonocularConfig) -> Pose | str:
+    """The pose for the joints that the configuration gives, in pixels of a pinhole's picture; a sentence why not.
+
+    The links' lengths give a depth each; they have to agree, and their mean by length is taken.
+    """
+    start = config.start
+    if not start.is_given:
+        return "the joints in the first picture are not given: set tracking.monocular.start, or --joints"
+    pixels = np.array([start.shoulder_px, start.elbow_px, start.wrist_px])
+    slopes = (pixels - (lens.cx, lens.cy)) / (lens.fx, lens.fy)
+    lengths = MM * np.array([config.upper_arm.length_mm, config.forearm.length_mm])
+    seen = np.linalg.norm(np.diff(slopes, axis=0), axis=1)
+    depths = lengths / seen
+    if max(depths) > MOST_UNEQUAL * min(depths):
+        told = ", ".join(f"{depth:.2f} m" for depth in depths)
+        return f"the links do not look equally far in the first picture ({told}): hold both parallel to the picture"
+    places = np.column_stack([slopes, np.ones(3)]) * float(lengths.sum() / seen.sum())
+    upper_arm = _flat(places[1] - places[0], 0.0)
+    return Pose(
+        places[0], upper_arm, _flat(places[2] - places[1], math.radians(start.palm_turn_deg)), float(lengths[0])
+    )
+
+
+def _flat(along: Array, turn: float) -> Array:
+    """`camera_R_link` of a link along a direction (3,) parallel to the picture, turned about itself by rad."""
+    z = along / np.linalg.norm(along)
+    deep = np.array([0.0, 0.0, 1.0])
+    rotation: Array = np.column_stack([np.cross(deep, z), deep, z]) @ rotation_from_vector(np.array([0.0, 0.0, turn]))
+    return rotation
