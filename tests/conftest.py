@@ -1,4 +1,4 @@
-"""What concerns every test: their order when two run at once, no deadlines, signal handlers that end with the test."""
+"""What concerns every test: their order when several run at once, no deadlines, signal handlers that end with the test."""
 
 import signal
 from collections.abc import Iterator
@@ -14,30 +14,26 @@ settings.register_profile("any machine", deadline=None)  # a busy one takes its 
 settings.load_profile("any machine")
 
 HERE = Path(__file__).parent
-ALONE = (HERE / "integration", HERE / "browser")  # in this order: the browser and its sites last to the end
+WHOLE_SITES = (HERE / "integration", HERE / "browser")
 
 
-class WholeSitesAlone(LoadScopeScheduling):
+class WholeSitesInARow(LoadScopeScheduling):
     """Gives each worker whole files, in order; those that run whole sites are one, and so run one after the other."""
 
     def _split_scope(self, nodeid: str) -> str:
         path = nodeid.partition("::")[0]
-        return "whole sites" if any(folder.name in Path(path).parts for folder in ALONE) else path
+        return "whole sites" if any(folder.name in Path(path).parts for folder in WHOLE_SITES) else path
 
 
 @pytest.hookimpl(optionalhook=True)
-def pytest_xdist_make_scheduler(config: pytest.Config, log: object) -> WholeSitesAlone:
-    """How tests are shared out when two run at once."""
-    return WholeSitesAlone(config, log)
+def pytest_xdist_make_scheduler(config: pytest.Config, log: object) -> WholeSitesInARow:
+    """How tests are shared out when several run at once."""
+    return WholeSitesInARow(config, log)
 
 
 def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
-    """Those that run whole sites come last, when nothing else is under way."""
-    items.sort(key=_turn)
-
-
-def _turn(item: pytest.Item) -> int:
-    return next((turn for turn, folder in enumerate(ALONE, start=1) if folder in item.path.parents), 0)
+    """Those that run whole sites come first, as they take longest and mostly wait."""
+    items.sort(key=lambda item: not any(folder in item.path.parents for folder in WHOLE_SITES))
 
 
 @pytest.fixture(autouse=True)

@@ -110,6 +110,7 @@ def control(memory):
             link.activate(start)
     sent, goal = JointMotion.at_rest(start), start + np.array([2.4, 0, 0, 0, 0, 0])
     for seq in range(1, 100_000):
+        link.read()
         follower.reset(sent)
         motion = follower.track(goal, np.zeros(6))
         command = JointCommand(seq, CLOCK.now_ns(), motion.q, motion.dq, motion.ddq, gripper_open=True)

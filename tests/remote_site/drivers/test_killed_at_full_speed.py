@@ -65,7 +65,7 @@ def control_until_killed(memory, accelerating):
 
 
 def killed(factory, monkeypatch, accelerating):
-    """The rig right after control was killed; a machine that keeps it waiting gets another try."""
+    """The rig at rest after control was killed, and its last order; a machine that kept one waiting tries again."""
     monkeypatch.setattr(test_driver_process, "CONFIG", SLOW)
     monkeypatch.setattr(test_driver_process, "LIMITS", LIMITS)
     for _ in range(ATTEMPTS):
@@ -73,8 +73,10 @@ def killed(factory, monkeypatch, accelerating):
         victim = FORK.Process(target=control_until_killed, args=(rig.memory, accelerating))
         victim.start()
         victim.join(20)
-        if victim.exitcode == -signal.SIGKILL:
-            return rig
+        rig.memory.orders._seen = rig.memory.orders._record.count - 1
+        (last,) = rig.memory.orders.take()
+        if victim.exitcode == -signal.SIGKILL and rig.watch(is_stopped, 5).obeyed_seq == last.command.seq:
+            return rig, last
         rig.children.end()
     return pytest.skip("this machine kept control waiting every time")
 
@@ -86,15 +88,12 @@ def killed(factory, monkeypatch, accelerating):
     ids=["kinematic", "simulated", "c500c"],
 )
 def test_control_killed_at_full_speed_stops_as_promised(monkeypatch, factory, lag_s, accelerating, seconds, travel_m):
-    rig = killed(factory, monkeypatch, accelerating)
+    rig, last = killed(factory, monkeypatch, accelerating)
     try:
-        rig.memory.orders._seen = rig.memory.orders._record.count - 1
-        (last,) = rig.memory.orders.take()
         motion = last.command.motion
         assert motion.dq[0] == pytest.approx(SPEED, rel=0.03)
         assert motion.ddq[0] == pytest.approx(10.0 if accelerating else 0.0, abs=0.5)
         end = stopping(motion, LIMITS, 9.9).q[0]
-        rig.watch(is_stopped, 5)
         rig.watch(lambda r: abs(r.q[0] - end) < 0.003 and np.abs(r.dq).max() < 0.01, 3)
         moving = [r.t_ns for _, r in rig.log if np.abs(r.dq).max() > 0.01]
         took_s = (max(moving, default=0) - last.command.t_ns) / 1e9
