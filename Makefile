@@ -8,8 +8,8 @@ READY := .venv/ready
 loopback: $(READY)  ## both sites on this machine, with a simulated operator and a simulated cell
 	@$(BIN)/farhand loopback $(ARGS)
 
-test: $(READY)  ## all tests, three at once: those of whole sites mostly wait
-	@$(BIN)/python -m pytest --numprocesses 3 --no-loadscope-reorder $(ARGS)
+test: $(READY)  ## all tests, two at once
+	@$(BIN)/python -m pytest --numprocesses 2 --no-loadscope-reorder $(ARGS)
 
 check: $(READY)  ## the static checks
 	@$(BIN)/ruff check .

@@ -1,4 +1,4 @@
-"""What concerns every test: their order when several run at once, no deadlines, signal handlers that end with the test."""
+"""What concerns every test: their order when two run at once, no deadlines, signal handlers that end with the test."""
 
 import signal
 from collections.abc import Iterator
@@ -27,13 +27,13 @@ class WholeSitesInARow(LoadScopeScheduling):
 
 @pytest.hookimpl(optionalhook=True)
 def pytest_xdist_make_scheduler(config: pytest.Config, log: object) -> WholeSitesInARow:
-    """How tests are shared out when several run at once."""
+    """How tests are shared out when two run at once."""
     return WholeSitesInARow(config, log)
 
 
 def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
-    """Those that run whole sites come first, as they take longest and mostly wait."""
-    items.sort(key=lambda item: not any(folder in item.path.parents for folder in WHOLE_SITES))
+    """Those that run whole sites come last, when nothing else is under way."""
+    items.sort(key=lambda item: any(folder in item.path.parents for folder in WHOLE_SITES))
 
 
 @pytest.fixture(autouse=True)
