@@ -88,6 +88,17 @@ class Latest(Generic[M]):
             raise TransportError("the link was closed") from error
         return self._decode(sample)
 
+    def feed(self, take: Callable[[M, int], None]) -> None:
+        """Hand on each message with its arrival time (ns) until the link is closed; what is no message passes by."""
+        while True:
+            try:
+                message = self.wait()
+            except MessageError:
+                continue
+            except TransportError:
+                return
+            take(message, time.monotonic_ns())
+
     def _decode(self, sample: zenoh.Sample) -> M:
         return decode(sample.payload.to_bytes(), self._channel.message, self._channel.max_bytes)
 

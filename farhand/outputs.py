@@ -7,6 +7,7 @@ from pathlib import Path
 
 from common.cameras.images import IMAGE_SUFFIXES
 from common.errors import ConfigError
+from local_site.whole_file import write_whole
 
 
 def check_file(option: str, out: Path, inputs: Iterable[str | Path] = ()) -> None:
@@ -47,12 +48,9 @@ def make_folder(option: str, folder: Path) -> None:
         raise ConfigError(f"{option} {folder} cannot be written; choose another folder")
 
 
-def write_whole(path: Path, content: bytes) -> None:
-    """Write a file that takes its place once it is whole; ConfigError, with the earlier one kept, if that fails."""
-    part = path.with_name(f"{path.name}.part")
+def write_result(path: Path, content: bytes) -> None:
+    """Write a file of results whole; ConfigError, with the earlier one kept, if that fails."""
     try:
-        part.write_bytes(content)
-        part.replace(path)
+        write_whole(path, content)
     except OSError as error:
-        part.unlink(missing_ok=True)
         raise ConfigError(f"cannot write {path}: {error.strerror}; choose a folder that can be written") from error

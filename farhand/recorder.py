@@ -9,7 +9,6 @@ from typing import TypeVar
 import simplejpeg
 
 from common.channels import CAMERA, HAND, STATE
-from common.errors import MessageError, TransportError
 from common.messages import CameraStatus, HandArm, Message, RobotState, VideoFrame
 from common.transport import Latest, Link
 
@@ -70,15 +69,4 @@ class Recorder:
         self.record.last_state_ns = now_ns
 
     def _listen(self, latest: Latest[M], take: Callable[[M, int], None]) -> None:
-        threading.Thread(target=_listen_for_ever, args=(latest, take), daemon=True).start()
-
-
-def _listen_for_ever(latest: Latest[M], take: Callable[[M, int], None]) -> None:
-    while True:
-        try:
-            message = latest.wait()
-        except MessageError:
-            continue
-        except TransportError:
-            return
-        take(message, time.monotonic_ns())
+        threading.Thread(target=latest.feed, args=(take,), daemon=True).start()

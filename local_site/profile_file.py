@@ -8,6 +8,7 @@ import msgspec
 from common.clock import NS_PER_S
 from common.errors import ConfigError
 from local_site.tracking.silhouette.operator_profile import OperatorProfile, profile_mistakes
+from local_site.whole_file import write_whole
 
 SAVE_EVERY_NS = 60 * NS_PER_S
 CURE = "delete it, and it is learned anew"
@@ -35,11 +36,9 @@ def load_profile(path: Path) -> OperatorProfile | None:
 def save_profile(profile: OperatorProfile, path: Path) -> None:
     """Write a profile, readable by a person; an earlier one gives way only to a whole one. ConfigError if it cannot."""
     text = msgspec.json.format(msgspec.json.encode(profile), indent=2) + b"\n"
-    part = path.with_name(f"{path.name}.part")
     try:
         path.parent.mkdir(parents=True, exist_ok=True)
-        part.write_bytes(text)
-        part.replace(path)
+        write_whole(path, text)
     except OSError as error:
         raise ConfigError(f"cannot write the profile {path}: {error.strerror}; choose another profile_dir") from error
 

@@ -10,10 +10,10 @@ from prometheus_client.core import Metric
 from prometheus_client.registry import Collector
 
 from common.channels import Channel
-from common.errors import MessageError, TransportError
+from common.errors import TransportError
 from common.messages import Message
 from common.service import StopFlag, be_nice
-from common.transport import Latest, open_link
+from common.transport import open_link
 
 M = TypeVar("M", bound=Message)
 Heard_contra = TypeVar("Heard_contra", bound=Message, contravariant=True)
@@ -58,7 +58,7 @@ def run_metrics(
     registry.register(AtScrape(figures))
     with open_link(connect=(endpoint,)) as link:
         latest = link.latest(channel, cell)
-        threading.Thread(target=listen, args=(latest, figures), name="listen", daemon=True).start()
+        threading.Thread(target=latest.feed, args=(figures.hear,), name="listen", daemon=True).start()
         try:
             server, _ = start_http_server(port, addr="127.0.0.1", registry=registry)
         except OSError as error:
@@ -68,15 +68,3 @@ def run_metrics(
             beat()
         server.shutdown()
         server.server_close()
-
-
-def listen(latest: Latest[M], figures: Figures[M]) -> None:
-    """Hand every message on until the link is closed; what is no message is another version's."""
-    while True:
-        try:
-            message = latest.wait()
-        except MessageError:
-            continue
-        except TransportError:
-            return
-        figures.hear(message, time.monotonic_ns())

@@ -12,7 +12,7 @@ import numpy as np
 
 from common.cameras.camera import Image
 from common.geometry import Array
-from farhand.outputs import write_whole
+from farhand.outputs import write_result
 
 STYLE = (
     "body{font:15px/1.5 sans-serif;max-width:1620px;margin:2em auto;padding:0 1em;color:#222}"
@@ -44,11 +44,11 @@ class Report:
 def write_report(report: Report, folder: Path) -> None:
     """Write all files, each whole or not at all; ConfigError when the folder cannot be written."""
     for name, data in report.data.items():
-        write_whole(folder / f"{name}.csv", _csv(data).encode())
+        write_result(folder / f"{name}.csv", _csv(data).encode())
     for name, plot in report.plots.items():
-        write_whole(folder / f"{name}.png", cv2.imencode(".png", plot)[1].tobytes())
-    write_whole(folder / "report.json", (json.dumps(report.figures, indent=2) + "\n").encode())
-    write_whole(folder / "report.html", _page(report).encode())
+        write_result(folder / f"{name}.png", cv2.imencode(".png", plot)[1].tobytes())
+    write_result(folder / "report.json", (json.dumps(report.figures, indent=2) + "\n").encode())
+    write_result(folder / "report.html", _page(report).encode())
 
 
 def _csv(data: Data) -> str:

@@ -7,6 +7,7 @@ import msgspec
 from common.errors import CalibrationError
 from local_site.calibration.rig import Rig
 from local_site.calibration.rig_checks import rig_mistakes
+from local_site.whole_file import write_whole
 
 
 def load_rig(path: Path) -> Rig:
@@ -27,11 +28,7 @@ def load_rig(path: Path) -> Rig:
 def save_rig(rig: Rig, path: Path) -> None:
     """Write a rig file, readable by a person; an earlier one gives way only to a whole one."""
     text = msgspec.json.format(msgspec.json.encode(rig), indent=2) + b"\n"
-    path = path.resolve()
-    part = path.with_name(f"{path.name}.part")
     try:
-        part.write_bytes(text)
-        part.replace(path)
+        write_whole(path.resolve(), text)
     except OSError as error:
-        part.unlink(missing_ok=True)
         raise CalibrationError(f"cannot write the rig {path}: {error.strerror}; choose another place") from error

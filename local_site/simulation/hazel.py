@@ -47,11 +47,6 @@ class TrueArm:
         """The wrist (3,), m."""
         return self.along_forearm(FOREARM_M)
 
-    @property
-    def finger_tip(self) -> Array:
-        """The tip of the stretched index finger (3,), m."""
-        return self.along_forearm(FOREARM_M + PALM_M + FINGER_M)
-
     def along_forearm(self, distance: float) -> Array:
         """The point (3,) on the forearm's axis at a distance from the elbow, m."""
         result: Array = self.elbow + distance * self.forearm[:, 2]

@@ -6,10 +6,8 @@ from typing import Generic, TypeVar
 
 T = TypeVar("T")
 
-LEAST_SHARE = (
-    0.9  # of its time as planned that a motion takes at least: sooner, the robot would see more than the limits
-)
-
+# Of its time as planned that a motion takes at least: sooner, the robot would see more than the limits.
+LEAST_SHARE = 0.9
 ROUNDING_NS = 1.0
 
 

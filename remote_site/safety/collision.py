@@ -86,10 +86,6 @@ class CollisionModel:
             least = min(least, self._exact(k))
         return least
 
-    def keeps(self, q: Array, travel: Array, distance: float) -> bool:
-        """Whether nothing comes nearer than a distance in m on any way of `travel` (n,) from `q`."""
-        return not len(self.doubtful(q, travel, distance))
-
     def doubtful(self, q: Array, travel: Array, distance: float) -> Pairs:
         """The numbers of the pairs that may come nearer than a distance in m on a way of `travel` (n,) from `q`.
 

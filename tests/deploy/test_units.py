@@ -8,7 +8,7 @@ from pathlib import Path
 
 import pytest
 
-from farhand.cli import MISUSE
+from farhand.exit_codes import MISUSE
 
 DEPLOY = Path(__file__).parents[2] / "deploy"
 UNITS = sorted((DEPLOY / "systemd").glob("farhand-*.service"))

@@ -59,8 +59,7 @@ def test_joints_that_are_not_finite_are_never_far_from_anything(value, joint):
     for model in (collision(), collision(CollisionConfig(fixtures=()))):
         model.distance(ROBOT.start)
         assert model.distance(q) == -math.inf
-        assert not model.keeps(q, np.zeros(6), 0.0)
-
+        assert len(model.doubtful(q, np.zeros(6), 0.0))
         assert (model.distances(q) == -math.inf).all()
 
 
@@ -72,8 +71,8 @@ def test_what_an_earlier_measurement_leaves_is_never_more_than_the_distance():
         near = q + rng.normal(0, 0.05, 6)
         left = before - model.levers @ np.abs(near - q)
         assert (left <= model.distances(near) + 1e-5).all()
-        assert model.keeps(q, np.abs(near - q), left.min() - 1e-9)
-        assert not model.keeps(q, np.abs(near - q), left.min() + 1e-6)
+        assert not len(model.doubtful(q, np.abs(near - q), left.min() - 1e-9))
+        assert len(model.doubtful(q, np.abs(near - q), left.min() + 1e-6))
 
 
 def test_unknown_links_are_refused_by_name():

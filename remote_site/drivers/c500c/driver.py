@@ -50,7 +50,7 @@ class C500cDriver:
 
     @property
     def capabilities(self) -> Capabilities:
-        """Six joints and a gripper whose force is not measured; a watchdog of its own, two periods of lag."""
+        """Six joints and a gripper whose force is not measured; a watchdog of its own, up to two periods queued."""
         return Capabilities(
             rate_hz=1000 / self._period_ms,
             joints=JOINTS,

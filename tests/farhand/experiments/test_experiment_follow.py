@@ -10,7 +10,7 @@ from common.errors import ConfigError, InterruptionError
 from farhand.experiments.filming import film
 from farhand.experiments.plots import MEASURED, TOOL
 from farhand.experiments.run import run_experiment
-from farhand.outputs import write_whole
+from farhand.outputs import write_result
 from local_site.simulation.config import MotionConfig, SimulationConfig
 from local_site.tracking.choice import TrackingConfig
 
@@ -92,5 +92,5 @@ def test_misuse_is_refused_before_any_work(tmp_path):
 def test_a_file_that_cannot_take_its_place_leaves_what_is_there(tmp_path):
     (tmp_path / "report.json").mkdir()
     with pytest.raises(ConfigError, match="choose a folder that can be written"):
-        write_whole(tmp_path / "report.json", b"new")
+        write_result(tmp_path / "report.json", b"new")
     assert [p.is_dir() for p in tmp_path.iterdir()] == [True]
