@@ -4,15 +4,16 @@ from common.messages import SessionState
 from remote_site.drivers.faults import FaultCode, RobotFault
 from remote_site.safety.state import Session
 
-SILENCES = (FaultCode.COMMAND_TIMEOUT, FaultCode.WATCHDOG, FaultCode.PROCESS)  # of the remote site's own processes
+SILENCES = (FaultCode.COMMAND_TIMEOUT, FaultCode.WATCHDOG, FaultCode.PROCESS, FaultCode.SILENT)  # on the way to and fro
 ASLEEP = (FaultCode.COMMAND_TIMEOUT, FaultCode.WATCHDOG, FaultCode.REFUSED)  # the last while the stop is ending
 
 
 class FaultLatch:
     """Hands every new fault of the robot to the session, once; waiting to be activated is none.
 
-    Nor is a silence between the site's own processes that found the arm at rest and nobody engaged: one of them
-    stumbled, as on a machine that starts everything at once, and nothing was taken from anybody.
+    Nor is a silence between control, the driver's process and the robot that found the arm at rest and nobody engaged:
+    one of them stumbled, as on a machine that starts everything at once, and nothing was taken from anybody. While it
+    lasts the robot is not ready, so that nobody can engage.
     """
 
     def __init__(self, session: Session) -> None:

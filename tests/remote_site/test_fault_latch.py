@@ -71,6 +71,15 @@ def test_a_stumble_of_control_at_rest_before_anybody_is_engaged_is_mended(waitin
     assert waiting.state is SessionState.FAULT
 
 
+def test_a_robot_silent_for_a_moment_before_anybody_is_engaged_is_waited_for(waiting):
+    latch = FaultLatch(waiting)
+    silent = RobotFault(FaultCode.SILENT, "no readings")
+    assert [latch.note(fault, resting=True) for fault in (silent, silent, None)] == [False, False, False]
+    assert waiting.state is SessionState.DISENGAGED
+    latch.note(silent, resting=False)
+    assert waiting.state is SessionState.FAULT
+
+
 @pytest.mark.parametrize("worse", [PRESSED, RobotFault(FaultCode.APART, "the arm is not where it was activated")])
 def test_what_is_wrong_with_the_robot_itself_is_never_mended(waiting, worse):
     latch = FaultLatch(waiting)
