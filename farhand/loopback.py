@@ -35,7 +35,7 @@ from remote_site.drivers.registry import check_driver
 CELL = "loopback"
 OPERATOR_VIEWS = ("operator_left", "operator_right")
 START_TIMEOUT_S = 40.0
-ENGAGE_TIMEOUT_S = 20.0
+ENGAGE_TIMEOUT_S = 60.0  # on a machine that does much else the tracker alone takes a quarter of a minute to start
 SILENT_NS = 2 * NS_PER_S
 SETTLE_NS = 400 * NS_PER_MS  # from the opening of the hand to the toggled gripper, with room
 SETTLE_TIMEOUT_S = 3.0
