@@ -1,9 +1,9 @@
-"""The one table of channels: key, message, rate, staleness, priority, what happens under congestion, session."""
+"""The one table of channels: key, message, who sends and who hears, rate, staleness, priority, size, session."""
 
 import re
 from dataclasses import dataclass
 from enum import StrEnum
-from typing import Generic, TypeVar
+from typing import Any, Generic, TypeVar
 
 from common.clock import NS_PER_MS
 from common.errors import ConfigError
@@ -19,10 +19,13 @@ from common.requests import (
     OperatorRequest,
     Reply,
 )
+from common.roles import EVERYBODY, MAINTAINERS, OPERATORS, REMOTES, Role
 
 M = TypeVar("M", bound=Message)
 Q = TypeVar("Q", bound=Message)
 R = TypeVar("R", bound=Message)
+OPERATORS_HZ = 1000.0  # a stop may follow another request at once
+EVERYBODYS_HZ = 200.0
 CELL_NAME = re.compile(r"[a-z0-9][a-z0-9_-]{0,31}")
 
 
@@ -45,11 +48,14 @@ class Priority(StrEnum):
 class Channel(Generic[M]):
     """One channel; `key` may hold {cell} and {name}. Periodic channels drop under congestion, never block.
 
+    `sent_by` and `heard_by` are what access control is made of, where there are certificates.
     `depth` is how many of the newest messages wait for a receiver: 1 where several senders cannot push one another out.
     """
 
     key: str
     message: type[M]
+    sent_by: frozenset[Role]
+    heard_by: frozenset[Role]
     session: Session
     priority: Priority
     rate_hz: float
@@ -65,6 +71,8 @@ class Channel(Generic[M]):
 HAND = Channel(
     key="farhand/{cell}/hand",
     message=HandArm,
+    sent_by=OPERATORS,
+    heard_by=OPERATORS | REMOTES,
     session=Session.CONTROL,
     priority=Priority.REAL_TIME,
     rate_hz=30.0,
@@ -75,6 +83,8 @@ HAND = Channel(
 STATE = Channel(
     key="farhand/{cell}/state",
     message=RobotState,
+    sent_by=REMOTES,
+    heard_by=EVERYBODY,
     session=Session.CONTROL,
     priority=Priority.INTERACTIVE,
     rate_hz=100.0,
@@ -84,6 +94,8 @@ STATE = Channel(
 CAMERA = Channel(
     key="farhand/{cell}/camera/{name}",
     message=VideoFrame,
+    sent_by=REMOTES,
+    heard_by=EVERYBODY,
     session=Session.VIDEO,
     priority=Priority.DATA,
     rate_hz=30.0,
@@ -93,6 +105,8 @@ CAMERA = Channel(
 PREVIEW = Channel(
     key="farhand/{cell}/preview/{name}",
     message=VideoFrame,
+    sent_by=OPERATORS,
+    heard_by=OPERATORS,
     session=Session.CONTROL,
     priority=Priority.DATA,
     rate_hz=12.0,
@@ -102,17 +116,19 @@ PREVIEW = Channel(
 SHOWN = Channel(
     key="farhand/{cell}/shown/{name}",
     message=ViewsShown,
+    sent_by=OPERATORS,
+    heard_by=REMOTES,
     session=Session.VIDEO,
     priority=Priority.INTERACTIVE,
     rate_hz=10.0,
     stale_after_ns=1000 * NS_PER_MS,
     max_bytes=4096,
 )
-
-
 INTENT = Channel(
     key="farhand/{cell}/operator/{name}/intent",
     message=OperatorIntent,
+    sent_by=OPERATORS,
+    heard_by=OPERATORS,
     session=Session.CONTROL,
     priority=Priority.INTERACTIVE,
     rate_hz=20.0,
@@ -123,23 +139,80 @@ INTENT = Channel(
 
 @dataclass(frozen=True, slots=True)
 class Procedure(Generic[Q, R]):
-    """Something asked by a query and answered by one site; `key` may hold {cell} and {name}."""
+    """Something asked by a query and answered by one site; `key` may hold {cell} and {name}.
+
+    `most_hz` is how often one neighbour may ask: what comes faster is dropped, where there is access control.
+    """
 
     key: str
     request: type[Q]
     reply: type[R]
     max_bytes: int
+    asked_by: frozenset[Role]
+    answered_by: frozenset[Role]
+    most_hz: float
 
     def key_for(self, cell: str, name: str = "*") -> str:
         """The Zenoh key of this procedure in a cell."""
         return self.key.format(cell=cell, name=name)
 
 
-ENGAGEMENT = Procedure("farhand/{cell}/rpc/engagement", EngagementRequest, Reply, 1024)
-LEASE = Procedure("farhand/{cell}/rpc/lease", LeaseRequest, LeaseReply, 2048)
-DESCRIBE = Procedure("farhand/{cell}/rpc/describe", DescribeQuestion, Description, 16384)
-CLOCK = Procedure("farhand/{cell}/clock", ClockQuestion, ClockAnswer, 256)
-OPERATE = Procedure("farhand/{cell}/operator/{name}/lease", OperatorRequest, Reply, 1024)
+ENGAGEMENT = Procedure(
+    "farhand/{cell}/rpc/engagement",
+    EngagementRequest,
+    Reply,
+    max_bytes=1024,
+    asked_by=OPERATORS,
+    answered_by=REMOTES,
+    most_hz=OPERATORS_HZ,
+)
+MAINTENANCE = Procedure(
+    "farhand/{cell}/rpc/maintenance",
+    EngagementRequest,
+    Reply,
+    max_bytes=1024,
+    asked_by=MAINTAINERS,
+    answered_by=REMOTES,
+    most_hz=OPERATORS_HZ,
+)
+LEASE = Procedure(
+    "farhand/{cell}/rpc/lease",
+    LeaseRequest,
+    LeaseReply,
+    max_bytes=2048,
+    asked_by=OPERATORS,
+    answered_by=REMOTES,
+    most_hz=OPERATORS_HZ,
+)
+DESCRIBE = Procedure(
+    "farhand/{cell}/rpc/describe",
+    DescribeQuestion,
+    Description,
+    max_bytes=16384,
+    asked_by=EVERYBODY,
+    answered_by=REMOTES,
+    most_hz=EVERYBODYS_HZ,
+)
+CLOCK = Procedure(
+    "farhand/{cell}/clock",
+    ClockQuestion,
+    ClockAnswer,
+    max_bytes=256,
+    asked_by=EVERYBODY,
+    answered_by=REMOTES,
+    most_hz=EVERYBODYS_HZ,
+)
+OPERATE = Procedure(
+    "farhand/{cell}/operator/{name}/lease",
+    OperatorRequest,
+    Reply,
+    max_bytes=1024,
+    asked_by=OPERATORS,
+    answered_by=OPERATORS,
+    most_hz=OPERATORS_HZ,
+)
+CHANNELS: tuple[Channel[Any], ...] = (HAND, STATE, CAMERA, PREVIEW, SHOWN, INTENT)
+PROCEDURES: tuple[Procedure[Any, Any], ...] = (ENGAGEMENT, MAINTENANCE, LEASE, DESCRIBE, CLOCK, OPERATE)
 
 
 def check_cell_name(cell: str, what: str = "cell") -> str:

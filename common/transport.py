@@ -1,21 +1,25 @@
 """The only importer of zenoh: sessions with explicit endpoints; publish, latest and request."""
 
 import json
-import re
-import socket
 import time
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from types import TracebackType
-from typing import Generic, Self, TypeVar
+from typing import Any, Generic, Self, TypeVar
 
 import zenoh
 
-from common.channels import CLOCK, Channel, Priority, Procedure
+from common.access import access_control, payload_caps, rate_caps
+from common.channels import CHANNELS, CLOCK, Channel, Priority, Procedure
 from common.clock import NS_PER_S, RoundTrip
 from common.codec import decode, encode
+from common.credentials import Credentials, load_credentials
+from common.endpoints import Endpoint, check_endpoint, check_free
 from common.errors import MessageError, RefusedError, TransportError
+from common.link_config import ON_THIS_HOST, LinkSecurity, TlsConfig
+from common.link_probe import identity_refusal, refusal
 from common.messages import Message
 from common.requests import ClockQuestion, Reply, Request
+from common.roles import Role
 
 M = TypeVar("M", bound=Message)
 Q = TypeVar("Q", bound=Message)
@@ -24,7 +28,6 @@ Requested = TypeVar("Requested", bound=Request)
 Replied = TypeVar("Replied", bound=Reply)
 Refused = Callable[[MessageError], None]
 
-LOOPBACK_ENDPOINT = re.compile(r"tcp/(127\.0\.0\.1|\[::1\]|localhost):\d{1,5}")
 LEASE_MS = 1000
 KEEP_ALIVES_PER_LEASE = 4
 OPEN_TIMEOUT_MS = 1000
@@ -33,21 +36,13 @@ REQUEST_TIMEOUT_S = 0.3
 PENDING_REQUESTS = 16
 REFUSAL = b"refused: "  # begins our own error replies; zenoh has others, such as for a time-out
 MAX_DEADLINE_NS = 10 * NS_PER_S  # a request is remembered so long that no repetition can outlive it
+MAX_MESSAGE_BYTES = 2 * max(channel.max_bytes for channel in CHANNELS)  # what is gathered of one before it is judged
+MAX_NEIGHBOURS = 64
 PRIORITIES = {
     Priority.REAL_TIME: zenoh.Priority.REAL_TIME,
     Priority.INTERACTIVE: zenoh.Priority.INTERACTIVE_HIGH,
     Priority.DATA: zenoh.Priority.DATA,
 }
-
-
-def check_endpoint(endpoint: str) -> str:
-    """The endpoint if it stays on this host, else TransportError: links beyond it wait for certificates."""
-    if LOOPBACK_ENDPOINT.fullmatch(endpoint) is None:
-        raise TransportError(
-            f"endpoint {endpoint!r} is refused: without certificates Farhand speaks only on the loopback interface; "
-            "write it as tcp/127.0.0.1:PORT"
-        )
-    return endpoint
 
 
 class Publisher(Generic[M]):
@@ -164,10 +159,17 @@ class Server(Generic[Requested, Replied]):
 
 
 class Link:
-    """One Zenoh session; a context manager, so that nothing is left open."""
+    """One Zenoh session; a context manager, so that nothing is left open.
 
-    def __init__(self, session: zenoh.Session) -> None:
+    With credentials, what their role may not do is a RefusedError here; the other side refuses it besides.
+    """
+
+    def __init__(
+        self, session: zenoh.Session, outgoing: Sequence[Endpoint] = (), credentials: Credentials | None = None
+    ) -> None:
         self._session = session
+        self._outgoing = outgoing
+        self._credentials = credentials
 
     def __enter__(self) -> Self:
         return self
@@ -184,6 +186,7 @@ class Link:
 
     def publisher(self, channel: Channel[M], cell: str, name: str = "*") -> Publisher[M]:
         """A publisher of a channel in a cell (`name` for channels of several, as cameras)."""
+        self._check(channel.sent_by, cell, f"send {channel.key_for(cell, name)}")
         return Publisher(
             self._session.declare_publisher(
                 channel.key_for(cell, name),
@@ -194,13 +197,16 @@ class Link:
 
     def latest(self, channel: Channel[M], cell: str, name: str = "*") -> Latest[M]:
         """A subscription that keeps only the newest messages of one key, as many as the channel's depth."""
+        self._check(channel.heard_by, cell, f"hear {channel.key_for(cell, name)}")
         handler: zenoh.handlers.RingChannel[zenoh.Sample] = zenoh.handlers.RingChannel(channel.depth)
         return Latest(self._session.declare_subscriber(channel.key_for(cell, name), handler), channel)
 
     def answer(self, procedure: Procedure[Q, R], cell: str, refused: Refused, name: str = "*") -> Answers[Q, R]:
         """Answer questions in a cell, by polling; `refused` hears of queries that are none."""
-        handler: zenoh.handlers.FifoChannel[zenoh.Query] = zenoh.handlers.FifoChannel(PENDING_REQUESTS)
+        # Where questions pile up the oldest is dropped: a full queue would hold up everything else of its link.
+        handler: zenoh.handlers.RingChannel[zenoh.Query] = zenoh.handlers.RingChannel(PENDING_REQUESTS)
         key = procedure.key_for(cell, name)
+        self._check(procedure.answered_by, cell, f"answer {key}")
         return Answers(self._session.declare_queryable(key, handler), key, procedure, refused)
 
     def serve(
@@ -211,7 +217,9 @@ class Link:
 
     def ask(self, procedure: Procedure[Q, R], cell: str, question: Q, name: str = "*") -> R | None:
         """Ask once; None when nobody answers in time, RefusedError when the sites do not understand each other."""
-        replies = self._session.get(procedure.key_for(cell, name), payload=encode(question), timeout=REQUEST_TIMEOUT_S)
+        key = procedure.key_for(cell, name)
+        self._check(procedure.asked_by, cell, f"ask {key}")
+        replies = self._session.get(key, payload=encode(question), timeout=REQUEST_TIMEOUT_S)
         for reply in replies:
             if reply.ok is not None:
                 return _understood(reply.ok.payload.to_bytes(), procedure)
@@ -229,6 +237,7 @@ class Link:
             if reply is not None:
                 return reply
             time.sleep(max(0.0, min(attempt_ends, give_up_ns / NS_PER_S) - time.monotonic()))
+        self.check_connected()
         raise TransportError(f"nobody answered {procedure.key_for(cell, name)}: is that site of cell {cell} running?")
 
     def round_trip(self, cell: str) -> RoundTrip | None:
@@ -238,6 +247,41 @@ class Link:
         heard_ns = time.monotonic_ns()
         return None if answer is None else RoundTrip(asked_ns, answer.received_ns, answer.answered_ns, heard_ns)
 
+    def may_hear(self, channel: Channel[M]) -> bool:
+        """Whether our certificate lets us; everybody may where there are none."""
+        return self._credentials is None or self._credentials.identity.role in channel.heard_by
+
+    def check_connected(self) -> None:
+        """RefusedError with a sentence when one of our endpoints and this side refuse each other; nothing otherwise.
+
+        Where nobody listens yet, that is no refusal. Takes up to two seconds.
+        """
+        links = self._session.info.links()
+        for endpoint in self._outgoing:
+            shown = next((link.auth_identifier for link in links if _leads_to(link, endpoint)), None)
+            connected = any(_leads_to(link, endpoint) for link in links)
+            why = None if connected else refusal(endpoint, self._credentials)
+            if connected and endpoint.is_tls and self._credentials is not None:
+                why = identity_refusal(shown or "", str(endpoint), self._credentials.identity)
+            if why is not None:
+                raise RefusedError(why)
+
+    def _check(self, allowed: frozenset[Role], cell: str, what: str) -> None:
+        if self._credentials is None:
+            return
+        own, roles = self._credentials.identity, " or ".join(sorted(allowed))
+        if own.role is not Role.ROUTER and own.cell != cell:
+            raise RefusedError(f"the certificate of {own.common_name} is for cell {own.cell}; it may not {what}")
+        if own.role not in allowed:
+            raise RefusedError(
+                f"the certificate of {own.common_name} may not {what}: that takes one of {roles}, in [links.tls]"
+            )
+
+
+def _leads_to(link: zenoh.Link, endpoint: Endpoint) -> bool:
+    """Names become addresses on the way, so the port tells."""
+    return link.dst.startswith(f"{endpoint.protocol}/") and link.dst.endswith(f":{endpoint.port}")
+
 
 def _understood(payload: bytes, procedure: Procedure[Q, R]) -> R:
     try:
@@ -246,48 +290,89 @@ def _understood(payload: bytes, procedure: Procedure[Q, R]) -> R:
         raise RefusedError(f"the other site's answer is refused: {error}") from error
 
 
-def check_free(endpoint: str) -> None:
-    """TransportError at once when this host cannot listen there; zenoh would try for seconds."""
-    check_endpoint(endpoint)
-    host, _, port = endpoint.removeprefix("tcp/").rpartition(":")
-    family = socket.AF_INET6 if host.startswith("[") else socket.AF_INET
-    with socket.socket(family, socket.SOCK_STREAM) as probe:
-        probe.setsockopt(socket.SOL_SOCKET, socket.SO_REUSEADDR, 1)
-        try:
-            probe.bind((host.strip("[]"), int(port)))
-        except (OSError, OverflowError) as error:
-            raise TransportError(f"cannot listen at {endpoint}: {error}; is the port taken by another site?") from error
-
-
 def open_link(
-    *, listen: tuple[str, ...] = (), connect: tuple[str, ...] = (), send_buffer_bytes: int | None = None
+    *,
+    listen: tuple[str, ...] = (),
+    connect: tuple[str, ...] = (),
+    security: LinkSecurity = ON_THIS_HOST,
+    send_buffer_bytes: int | None = None,
 ) -> Link:
-    """Open a session at explicit endpoints; TransportError when one is refused or cannot be opened.
+    """Open a session at explicit endpoints; TransportError when one is not allowed or cannot be opened.
 
     `send_buffer_bytes` is how much may wait in each connection, None for the system's choice, which is megabytes.
-    Listening fails at once when the port is taken; connecting goes on in the background until the other side is there.
+    Listening fails at once when the port is taken; connecting goes on in the background until the other side is there,
+    but a side that is there and refuses us, or that we refuse, is a RefusedError.
     """
     for endpoint in listen:
-        check_free(endpoint)
+        check_free(endpoint, security)
+    outgoing = [check_endpoint(endpoint, security) for endpoint in connect]
+    places = [*outgoing, *(check_endpoint(endpoint, security) for endpoint in listen)]
+    credentials = load_credentials(security.tls) if any(place.is_tls for place in places) else None
+    settings = _session_settings(listen, connect, send_buffer_bytes) | _protection(places, credentials)
+    link = Link(_open(settings, (*listen, *connect)), outgoing, credentials)
+    try:
+        link.check_connected()
+    except RefusedError:
+        link.close()
+        raise
+    return link
+
+
+def _open(settings: dict[str, Any], places: tuple[str, ...]) -> zenoh.Session:
     config = zenoh.Config()
-    for key, value in {
+    for key, value in settings.items():
+        config.insert_json5(key, json.dumps(value))
+    try:
+        return zenoh.open(config)
+    except zenoh.ZError as error:
+        why = str(error).partition(" at /")[0].strip(" .[")
+        raise TransportError(f"cannot open {', '.join(places)}: {why}") from error
+
+
+def _session_settings(
+    listen: tuple[str, ...], connect: tuple[str, ...], send_buffer_bytes: int | None
+) -> dict[str, Any]:
+    return {
         "mode": "peer",
         "listen/endpoints": list(listen),
-        "connect/endpoints": [check_endpoint(e) for e in connect],
+        "connect/endpoints": list(connect),
         "connect/retry": RETRY,
         "connect/exit_on_failure": False,
         "scouting/multicast/enabled": False,
         "scouting/gossip/enabled": False,
-        "transport/link/protocols": ["tcp"],
         "transport/link/tcp/so_sndbuf": send_buffer_bytes,
+        "transport/link/tls/so_sndbuf": send_buffer_bytes,
         "transport/link/tx/lease": LEASE_MS,
         "transport/link/tx/keep_alive": KEEP_ALIVES_PER_LEASE,
+        "transport/link/rx/max_message_size": MAX_MESSAGE_BYTES,
         "transport/unicast/open_timeout": OPEN_TIMEOUT_MS,
         "transport/unicast/accept_timeout": OPEN_TIMEOUT_MS,
-    }.items():
-        config.insert_json5(key, json.dumps(value))
-    try:
-        return Link(zenoh.open(config))
-    except zenoh.ZError as error:
-        places = ", ".join((*listen, *connect))
-        raise TransportError(f"cannot open {places}: {str(error).partition(' at /')[0].strip(' .[')}") from error
+        "transport/unicast/max_sessions": MAX_NEIGHBOURS,
+        "low_pass_filter": payload_caps("*"),
+        "downsampling": rate_caps("*"),
+    }
+
+
+def _protection(places: Sequence[Endpoint], credentials: Credentials | None) -> dict[str, Any]:
+    """Only the protocols in use; with certificates, who may do what by the names in them."""
+    protection: dict[str, Any] = {"transport/link/protocols": sorted({place.protocol for place in places})}
+    if credentials is not None:
+        plain = not all(place.is_tls for place in places)
+        cells = [credentials.identity.cell] if credentials.identity.cell else []
+        protection["access_control"] = access_control(credentials.identity, cells, plain=plain)
+        protection |= {f"transport/link/tls/{key}": value for key, value in _tls_settings(credentials.tls).items()}
+    return protection
+
+
+def _tls_settings(tls: TlsConfig) -> dict[str, Any]:
+    """One certificate, to listen with and to connect with; both sides show theirs."""
+    return {
+        "root_ca_certificate": tls.ca,
+        "listen_certificate": tls.certificate,
+        "listen_private_key": tls.key,
+        "connect_certificate": tls.certificate,
+        "connect_private_key": tls.key,
+        "enable_mtls": True,
+        "verify_name_on_connect": True,
+        "close_link_on_expiration": True,
+    }

@@ -40,4 +40,5 @@ def _round_trip(link: Link, cell: str, give_up_ns: int) -> RoundTrip:
         if trip is not None:
             return trip
         time.sleep(POLL_S)
+    link.check_connected()
     raise TransportError(f"nobody answered: is the remote site of cell {cell} running?")

@@ -4,6 +4,7 @@ import time
 
 from common.channels import ENGAGEMENT, check_cell_name
 from common.errors import TransportError
+from common.link_config import ON_THIS_HOST, LinkSecurity
 from common.requests import EngagementAction, EngagementRequest, Reply
 from common.transport import Link, open_link
 from farhand.asking import ask_remote
@@ -13,11 +14,11 @@ SETTLE_S = 0.3
 AWAKE_AGAIN = "activated"
 
 
-def request_engage(cell: str, endpoint: str, operator: str = "") -> str:
+def request_engage(cell: str, endpoint: str, operator: str = "", security: LinkSecurity = ON_THIS_HOST) -> str:
     """What the remote site answers to an operator (this host's by default); TransportError when it refuses."""
     check_cell_name(cell)
     name = check_cell_name(operator or host_operator(), "operator")
-    with open_link(connect=(endpoint,)) as link:
+    with open_link(connect=(endpoint,), security=security) as link:
         reply = _ask(link, cell, name)
         if reply.code == AWAKE_AGAIN:
             time.sleep(SETTLE_S)

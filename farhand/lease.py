@@ -5,16 +5,17 @@ import time
 from common.channels import OPERATE, STATE, check_cell_name
 from common.clock import NS_PER_S
 from common.errors import MessageError, TransportError
+from common.link_config import ON_THIS_HOST, LinkSecurity
 from common.messages import RobotState
 from common.requests import OperatorAction, OperatorRequest
 from common.transport import Link, open_link
 from farhand.asking import PATIENCE_NS, POLL_S, ask_local
 
 
-def show_lease(cell: str, endpoint: str) -> str:
+def show_lease(cell: str, endpoint: str, security: LinkSecurity = ON_THIS_HOST) -> str:
     """Who holds the lease, for how long still, who asks for it, and how well the clocks are known."""
     check_cell_name(cell)
-    with open_link(connect=(endpoint,)) as link:
+    with open_link(connect=(endpoint,), security=security) as link:
         return describe_lease(_state(link, cell))
 
 
@@ -35,14 +36,14 @@ def describe_lease(state: RobotState) -> str:
     return "\n".join([*words, ready])
 
 
-def act_on_lease(cell: str, endpoint: str, action: OperatorAction) -> str:
+def act_on_lease(cell: str, endpoint: str, action: OperatorAction, security: LinkSecurity = ON_THIS_HOST) -> str:
     """What came of the operator's act, as the local site at `endpoint` tells; TransportError with code when refused."""
     check_cell_name(cell)
 
     def request(number: int, deadline_ns: int) -> OperatorRequest:
         return OperatorRequest(id=number, deadline_ns=deadline_ns, action=action)
 
-    with open_link(connect=(endpoint,)) as link:
+    with open_link(connect=(endpoint,), security=security) as link:
         reply = ask_local(link, cell, OPERATE, request)
     if not reply.done:
         raise TransportError(f"refused ({reply.code}): {reply.reason}")
@@ -60,4 +61,5 @@ def _state(link: Link, cell: str) -> RobotState:
         if state is not None:
             return state
         time.sleep(POLL_S)
+    link.check_connected()
     raise TransportError(f"nobody tells a state: is the remote site of cell {cell} running?")

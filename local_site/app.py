@@ -13,10 +13,11 @@ from common.cameras.camera import Camera
 from common.channels import HAND, INTENT, PREVIEW, STATE
 from common.children import Children, Heartbeat
 from common.clock import Clock, MonotonicClock
+from common.endpoints import check_endpoint, check_free
 from common.errors import CameraError, FarhandError, MessageError
 from common.messages import TrackingStatus
 from common.service import LogFormat, StopFlag, ask_for_real_time, notify, start_log
-from common.transport import Link, check_endpoint, check_free, open_link
+from common.transport import Link, open_link
 from local_site.authority import Authority
 from local_site.calibration.control_points import CAMERAS
 from local_site.calibration.rig import Rig
@@ -58,11 +59,11 @@ def run_local(
     `save_views` is a folder for the last annotated operator views, written as PNG at the end.
     """
     start_log("local", log_format)
-    check_endpoint(config.links.remote)
-    check_free(config.links.listen)
+    check_endpoint(config.links.remote, config.links)
+    check_free(config.links.listen, config.links)
     children = Children("local")
     if config.metrics.port:
-        check_free(config.metrics.endpoint)
+        check_free(config.metrics.endpoint, config.links)
         children.start("metrics", partial(_metrics, config), vital=False)
     try:
         _run(config, should_stop, save_views)
@@ -80,9 +81,9 @@ def _run(config: LocalConfig, should_stop: StopFlag, save_views: Path | None) ->
         capture = Capture(operator.cameras, config.capture, clock)
         try:
             session = secrets.randbits(SESSION_BITS)
-            wanted = config.authority
+            wanted, links = config.authority, config.links
             with (
-                open_link(listen=(config.links.listen,), connect=(config.links.remote,)) as link,
+                open_link(listen=(links.listen,), connect=(links.remote,), security=links) as link,
                 Authority(link, config.cell, wanted.name, session, automatic=wanted.automatic) as authority,
             ):
                 wires = {name: link.publisher(PREVIEW, config.cell, name) for name in CAMERAS[: len(operator.cameras)]}
@@ -112,8 +113,8 @@ def _metrics(config: LocalConfig, should_stop: StopFlag, heartbeat: Heartbeat) -
     from common.metrics.serving import run_metrics  # noqa: PLC0415  # only who asks for figures waits for the library
     from local_site.figures import LocalFigures  # noqa: PLC0415  # the same
 
-    port, listen = config.metrics.port, config.links.listen
-    run_metrics(port, listen, HAND, config.cell, LocalFigures(), should_stop, heartbeat.beat)
+    port, links, beat = config.metrics.port, config.links, heartbeat.beat
+    run_metrics(port, links.listen, HAND, config.cell, LocalFigures(), should_stop, beat, links)
 
 
 @dataclass(frozen=True, slots=True)

@@ -7,6 +7,7 @@ from msgspec import Meta, field
 
 from common.cameras.sources import Source
 from common.channels import check_cell_name
+from common.link_config import LinkSecurity
 from common.metrics.config import MetricsConfig
 from local_site.calibration.drift import DriftConfig
 from local_site.operator_name import host_operator
@@ -19,7 +20,7 @@ from local_site.tracking.choice import TrackingConfig
 SIMULATED = "simulated"
 
 
-class LinksConfig(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
+class LinksConfig(LinkSecurity, frozen=True, kw_only=True, forbid_unknown_fields=True):
     """Where the remote site is, and where this site is heard on its own host."""
 
     remote: Annotated[str, Meta(min_length=1, description="the remote site's control endpoint")] = "tcp/127.0.0.1:7447"

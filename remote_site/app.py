@@ -8,10 +8,11 @@ import structlog
 
 from common.channels import CAMERA, SHOWN, STATE
 from common.children import Children, Heartbeat
+from common.endpoints import check_free
 from common.errors import FarhandError
 from common.messages import VideoFrame
 from common.service import LogFormat, StopFlag, notify, start_log
-from common.transport import Publisher, check_free, open_link
+from common.transport import Publisher, open_link
 from remote_site.checks import check_robot
 from remote_site.config import EngagementMode, RemoteConfig
 from remote_site.control import run_control
@@ -35,7 +36,7 @@ def run_remote(config: RemoteConfig, should_stop: StopFlag, log_format: LogForma
     log = structlog.get_logger()
     served = (config.metrics.endpoint,) if config.metrics.port else ()
     for endpoint in (config.links.control, config.links.video, *served):
-        check_free(endpoint)
+        check_free(endpoint, config.links)
     check_driver(config.driver.name)
     check_robot(config)
     mark = RunningMark(config.cell, config.links.control)
@@ -114,7 +115,9 @@ def _video(
     config: RemoteConfig, memory: CellMemory | None, tally: VideoTally, should_stop: StopFlag, heartbeat: Heartbeat
 ) -> None:
     views = SimulatedViews(config.simulation, config.robot, memory) if memory is not None else None
-    with open_link(listen=(config.links.video,), send_buffer_bytes=VIDEO_SEND_BUFFER_BYTES) as link:
+    with open_link(
+        listen=(config.links.video,), security=config.links, send_buffer_bytes=VIDEO_SEND_BUFFER_BYTES
+    ) as link:
         publishers: dict[str, Publisher[VideoFrame]] = {
             camera.name: link.publisher(CAMERA, config.cell, camera.name) for camera in config.video.cameras
         }
@@ -132,4 +135,5 @@ def _metrics(config: RemoteConfig, tally: VideoTally, should_stop: StopFlag, hea
     from remote_site.figures import RemoteFigures  # noqa: PLC0415  # the same
 
     port, figures = config.metrics.port, RemoteFigures(tally)
-    run_metrics(port, config.links.control, STATE, config.cell, figures, should_stop, heartbeat.beat)
+    links, beat = config.links, heartbeat.beat
+    run_metrics(port, links.control, STATE, config.cell, figures, should_stop, beat, links)

@@ -11,6 +11,7 @@ from msgspec import Meta, field
 
 from common.channels import check_cell_name
 from common.geometry import Array, transform
+from common.link_config import LinkSecurity
 from common.metrics.config import MetricsConfig
 from remote_site.kinematics.config import SingularityConfig, SolverConfig, StanceConfig
 from remote_site.safety.config import CapsuleConfig, CertaintyConfig, CollisionConfig
@@ -240,7 +241,7 @@ class GripConfig(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_field
     timeout_ms: Annotated[float, Meta(ge=200, le=10000, description="longest time to open or close, ms")] = 2000.0
 
 
-class LinksConfig(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
+class LinksConfig(LinkSecurity, frozen=True, kw_only=True, forbid_unknown_fields=True):
     """Where the remote site listens."""
 
     control: Annotated[str, Meta(min_length=1, description="endpoint of hand, state and requests")] = (

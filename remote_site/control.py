@@ -4,7 +4,7 @@ import gc
 import secrets
 import time
 
-from common.channels import ENGAGEMENT, HAND, STATE
+from common.channels import ENGAGEMENT, HAND, MAINTENANCE, STATE
 from common.children import Heartbeat
 from common.clock import NS_PER_S, MonotonicClock
 from common.errors import DriverError, MessageError
@@ -50,7 +50,7 @@ def run_control(
     model = ArmModel.from_urdf(config.robot.urdf, config.robot.tool_frame, config.robot.tool_T_tcp)
     limits = JointLimits.from_model(model, config.robot)
     driver = DriverLink(driver_memory, limits, clock)
-    with open_link(listen=(config.links.control,)) as link:
+    with open_link(listen=(config.links.control,), security=config.links) as link:
         leases = LeaseDesk(round(config.lease.seconds * NS_PER_S), 1 + secrets.randbits(LEASE_BITS))
         chain = Chain(config, model, limits, config.robot.start, leases)
         real_time = ask_for_real_time(FIFO_PRIORITY)
@@ -78,6 +78,7 @@ class Inbox:
     def __init__(self, link: Link, cell: str, refusals: Refusals) -> None:
         self.hand = link.latest(HAND, cell)
         self.engagement = link.serve(ENGAGEMENT, cell, refusals.note)
+        self.maintenance = link.serve(MAINTENANCE, cell, refusals.note)
         self.refusals = refusals
 
     def take(self) -> list[HandArm]:
@@ -128,7 +129,8 @@ class ControlLoop:
             self._wake()
         for sample in self._inbox.take():
             chain.receive(sample, now_ns)
-        self._inbox.engagement.poll(now_ns, self._answer)
+        self._inbox.engagement.poll(now_ns, lambda request: _reply(request, self._act(request)))
+        self._inbox.maintenance.poll(now_ns, lambda request: _reply(request, self._maintain(request)))
         step = chain.tick(now_ns, chain.robot(self._reading.fault))
         if self._reading.ready:
             self._write(step, now_ns)
@@ -146,13 +148,9 @@ class ControlLoop:
         command = JointCommand(self._seq, now_ns, motion.q, motion.dq, motion.ddq, self._chain.gripper.is_open)
         self._chain.sent = self._driver.write(command).motion
 
-    def _answer(self, request: EngagementRequest) -> Reply:
-        answer = self._act(request.action, request.operator)
-        return Reply(id=request.id, done=answer.done, code=answer.reason.code.value, reason=answer.reason.sentence)
-
-    def _act(self, action: EngagementAction, operator: str) -> Answer:
+    def _act(self, request: EngagementRequest) -> Answer:
         """Do what is asked of the engagement: anybody may stop the arm, the rest is the lease holder's."""
-        session = self._chain.session
+        session, action, operator = self._chain.session, request.action, request.operator
         if action is EngagementAction.STOP:
             return session.stop(operator)
         foreign = self._foreign(operator)
@@ -161,6 +159,14 @@ class ControlLoop:
         if action is EngagementAction.DISENGAGE:
             return session.request_disengage()
         return self._engage() if action is EngagementAction.ENGAGE else self._reset()
+
+    def _maintain(self, request: EngagementRequest) -> Answer:
+        """Do what maintenance may without the lease: stop the arm, and reset it; to let it follow is an operator's."""
+        if request.action is EngagementAction.STOP:
+            return self._chain.session.stop(request.operator)
+        if request.action is EngagementAction.RESET:
+            return self._reset()
+        return Answer(False, reason(Code.OPERATORS_ONLY))
 
     def _engage(self) -> Answer:
         """Clear a fault, wake a robot that has stopped, then ask the session."""
@@ -188,6 +194,10 @@ class ControlLoop:
         if lease is None:
             return reason(Code.NO_LEASE)
         return None if lease.holder.name == operator else reason(Code.NOT_HOLDER, holder=lease.holder.name)
+
+
+def _reply(request: EngagementRequest, answer: Answer) -> Reply:
+    return Reply(id=request.id, done=answer.done, code=answer.reason.code.value, reason=answer.reason.sentence)
 
 
 def _activate(driver: DriverLink, chain: Chain, should_stop: StopFlag) -> None:

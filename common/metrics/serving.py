@@ -10,7 +10,9 @@ from prometheus_client.core import Metric
 from prometheus_client.registry import Collector
 
 from common.channels import Channel
+from common.endpoints import from_this_host
 from common.errors import TransportError
+from common.link_config import ON_THIS_HOST, LinkSecurity
 from common.messages import Message
 from common.service import StopFlag, be_nice
 from common.transport import open_link
@@ -51,12 +53,13 @@ def run_metrics(
     figures: Figures[M],
     should_stop: StopFlag,
     beat: Callable[[], None],
+    security: LinkSecurity = ON_THIS_HOST,
 ) -> None:
     """Listen to a channel at an endpoint and serve its figures on 127.0.0.1 until asked to stop."""
     be_nice(NICE)
     registry = CollectorRegistry()
     registry.register(AtScrape(figures))
-    with open_link(connect=(endpoint,)) as link:
+    with open_link(connect=(from_this_host(endpoint),), security=security) as link:
         latest = link.latest(channel, cell)
         threading.Thread(target=latest.feed, args=(figures.hear,), name="listen", daemon=True).start()
         try:

@@ -62,7 +62,11 @@ def examine_remote(config: RemoteConfig) -> list[Finding]:
     real = [camera for camera in video.cameras if camera.source != SIMULATED]
     cameras = [site_probing.probe_camera(camera.name, camera.source, video.fps) for camera in real]
     listening = [("control", config.links.control), ("video", config.links.video), *_metrics(config)]
-    return [*findings, *map(site.check_camera, cameras), *map(site.check_port, site_probing.probe_ports(listening))]
+    return [
+        *findings,
+        *map(site.check_camera, cameras),
+        *map(site.check_port, site_probing.probe_ports(listening, config.links)),
+    ]
 
 
 def examine_local(config: LocalConfig) -> list[Finding]:
@@ -71,8 +75,8 @@ def examine_local(config: LocalConfig) -> list[Finding]:
     if not config.operator.is_simulated:
         findings += _examine_cameras(config)
     listening = [("local", config.links.listen), *_metrics(config)]
-    findings += map(site.check_port, site_probing.probe_ports(listening))
-    findings.append(site.check_clock(site_probing.probe_clock(config.cell, config.links.remote)))
+    findings += map(site.check_port, site_probing.probe_ports(listening, config.links))
+    findings.append(site.check_clock(site_probing.probe_clock(config.cell, config.links.remote, config.links)))
     return findings
 
 

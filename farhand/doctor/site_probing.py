@@ -8,8 +8,10 @@ from pathlib import Path
 
 from common.cameras.sources import Source, open_camera
 from common.clock import NS_PER_S, OffsetEstimator
+from common.endpoints import check_endpoint, check_free
 from common.errors import CalibrationError, CameraError, RefusedError, TransportError
-from common.transport import check_endpoint, check_free, open_link
+from common.link_config import ON_THIS_HOST, LinkSecurity
+from common.transport import open_link
 from farhand.doctor.processes import holder_of_device, listener_on
 from farhand.doctor.site import CameraFacts, ClockFacts, PortFacts, RigFacts
 from local_site.calibration.rig_file import load_rig
@@ -68,28 +70,28 @@ def probe_rig(path: str, now: datetime) -> RigFacts:
     return RigFacts(path, (now - aware).total_seconds() / SECONDS_PER_DAY, sizes)
 
 
-def probe_ports(endpoints: Sequence[tuple[str, str]]) -> list[PortFacts]:
+def probe_ports(endpoints: Sequence[tuple[str, str]], security: LinkSecurity) -> list[PortFacts]:
     """Whether each place (purpose, endpoint) is free to listen at."""
-    return [_probe_port(purpose, endpoint) for purpose, endpoint in endpoints]
+    return [_probe_port(purpose, endpoint, security) for purpose, endpoint in endpoints]
 
 
-def _probe_port(purpose: str, endpoint: str) -> PortFacts:
+def _probe_port(purpose: str, endpoint: str, security: LinkSecurity) -> PortFacts:
     try:
-        check_endpoint(endpoint)
+        check_endpoint(endpoint, security)
     except TransportError as error:
         return PortFacts(purpose, endpoint, problem=str(error))
     try:
-        check_free(endpoint)
+        check_free(endpoint, security)
     except TransportError:
         return PortFacts(purpose, endpoint, holder=listener_on(int(endpoint.rpartition(":")[2])))
     return PortFacts(purpose, endpoint, free=True)
 
 
-def probe_clock(cell: str, endpoint: str) -> ClockFacts:
+def probe_clock(cell: str, endpoint: str, security: LinkSecurity = ON_THIS_HOST) -> ClockFacts:
     """Ask the remote site's clock some twenty times within a second or two."""
     estimator = OffsetEstimator()
     try:
-        with open_link(connect=(endpoint,)) as link:
+        with open_link(connect=(endpoint,), security=security) as link:
             give_up_ns, trips = time.monotonic_ns() + CLOCK_PATIENCE_NS, 0
             while trips < TRIPS and time.monotonic_ns() < give_up_ns:
                 trip = link.round_trip(cell)

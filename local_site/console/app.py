@@ -12,10 +12,11 @@ import structlog
 import uvicorn
 
 from common.channels import HAND, INTENT, SHOWN, STATE
+from common.endpoints import check_endpoint
 from common.errors import FarhandError, ProcessError
 from common.requests import Description
 from common.service import StopFlag, notify, start_log
-from common.transport import Link, check_endpoint, open_link
+from common.transport import Link, open_link
 from local_site.console.acts import Acts
 from local_site.console.cell_watch import CellWatch
 from local_site.console.config import ConsoleConfig
@@ -39,7 +40,7 @@ def run_console(config: ConsoleConfig, should_stop: StopFlag, tell: Callable[[st
     """Serve the page until asked to stop; `tell` hears the address. FarhandError when it cannot start."""
     start_log("console")
     for endpoint in (config.links.control, config.links.video, config.links.local):
-        check_endpoint(endpoint)
+        check_endpoint(endpoint, config.links)
     try:
         with bind(config.serve) as listening:
             port = listening.getsockname()[1]
@@ -105,8 +106,8 @@ class ConsoleThread:
         with ExitStack() as stack:
             links, listeners = self._config.links, Listeners(loop)
             stack.callback(listeners.join)
-            control = stack.enter_context(open_link(connect=(links.control, links.local)))
-            video = stack.enter_context(open_link(connect=(links.video,)))
+            control = stack.enter_context(open_link(connect=(links.control, links.local), security=links))
+            video = stack.enter_context(open_link(connect=(links.video,), security=links))
             hub, desk = _wire(self._config, control, video, listeners, stack)
             self._server = make_server(hub, self._config.serve, self._port)
             async with asyncio.TaskGroup() as group:
@@ -135,18 +136,22 @@ def _wire(
         loop.call_soon_threadsafe(hub.refused, why)
 
     watch = CellWatch(control, config.cell, described, refused)
-    outlets = Outlets(
-        control.publisher(INTENT, config.cell, config.name), video.publisher(SHOWN, config.cell, config.name)
-    )
+    outlets = _outlets(config, control, video) if config.operate else None
     acts = Acts(control, watch, config.cell, config.name)
     desk = PageDesk(Seat(open_=config.operate), outlets, acts, latencies, history, secrets.randbits(SESSION_BITS))
     hub = Hub(desk, watch, latencies, history, lambda watched: pictures.watch(watched=watched), operate=config.operate)
     pictures = Pictures(config.links, config.cell, listeners, hub.camera, hub.preview)
     stack.callback(pictures.close)
     listeners.listen(control.latest(STATE, config.cell), hub.state)
-    listeners.listen(control.latest(HAND, config.cell), hub.hand)
+    if control.may_hear(HAND):
+        listeners.listen(control.latest(HAND, config.cell), hub.hand)
     stack.enter_context(watch)
     return hub, desk
+
+
+def _outlets(config: ConsoleConfig, control: Link, video: Link) -> Outlets:
+    name = config.name
+    return Outlets(control.publisher(INTENT, config.cell, name), video.publisher(SHOWN, config.cell, name))
 
 
 async def _every(period_s: float, do: Callable[[], object]) -> None:

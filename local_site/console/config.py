@@ -7,12 +7,13 @@ import msgspec
 from msgspec import Meta, field
 
 from common.channels import check_cell_name
+from common.link_config import LinkSecurity
 from local_site.operator_name import host_operator
 
 LEAST_TOKEN = 16
 
 
-class LinksConfig(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
+class LinksConfig(LinkSecurity, frozen=True, kw_only=True, forbid_unknown_fields=True):
     """Where both sites are heard."""
 
     control: Annotated[str, Meta(min_length=1, description="the remote site's control endpoint")] = "tcp/127.0.0.1:7447"

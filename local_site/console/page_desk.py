@@ -49,10 +49,13 @@ class Outlets:
 
 
 class PageDesk:
-    """Lives in the event loop; every method is called there. Anybody may stop the arm, the rest is the operator's."""
+    """Lives in the event loop; every method is called there. Anybody may stop the arm, the rest is the operator's.
+
+    Without outlets, as where all only watch, nothing is told to the sites.
+    """
 
     def __init__(
-        self, seat: Seat, outlets: Outlets, acts: Acting, latencies: Latencies, history: History, session: int
+        self, seat: Seat, outlets: Outlets | None, acts: Acting, latencies: Latencies, history: History, session: int
     ) -> None:
         self.seat, self.intent = seat, Intent()
         self._outlets, self._acts = outlets, acts
@@ -70,7 +73,7 @@ class PageDesk:
     def tell_intent(self) -> None:
         """Tell the local site what the operating page wants; without one nothing is told, and so nothing is held."""
         now_ns = time.monotonic_ns()
-        if self.seat.occupant is None:
+        if self.seat.occupant is None or self._outlets is None:
             return
         intent = msgspec.structs.replace(self.intent, hold=self.seat.held(now_ns))
         self._outlets.intent.put(OperatorIntent(sent_ns=now_ns, intent=intent))
@@ -119,7 +122,8 @@ class PageDesk:
             return
         for camera, view in message.views.items():
             self._latencies.painted(camera, view.capture_ns, view.age_ms, now_ns)
-        self._outlets.shown.put(message)
+        if self._outlets is not None:
+            self._outlets.shown.put(message)
 
     def _ask(self, page: Page, said: Ask, now_ns: int) -> None:
         if said.action is not EngagementAction.STOP:

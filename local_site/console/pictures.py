@@ -53,10 +53,10 @@ class Pictures:
     def _run(self) -> None:
         while self._wait_until(lambda: self._watched):
             names = self._names
-            with open_link(connect=(self._links.video, self._links.local)) as link:
+            with open_link(connect=(self._links.video, self._links.local), security=self._links) as link:
                 for name in names:
                     self._listeners.listen(link.latest(CAMERA, self._cell, name), self._camera)
-                for name in CAMERAS:
+                for name in CAMERAS if link.may_hear(PREVIEW) else ():
                     self._listeners.listen(link.latest(PREVIEW, self._cell, name), self._preview)
                 self._wait_until(lambda: not self._watched or self._names != names)  # noqa: B023  # called here alone
 

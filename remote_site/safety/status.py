@@ -31,6 +31,7 @@ class Code(StrEnum):
     LEASE_RELEASED = "lease_released"
     NOBODY_ASKS = "nobody_asks"
     HANDED_OVER = "handed_over"
+    OPERATORS_ONLY = "operators_only"
     # the session
     NOT_ENGAGED = "not_engaged"
     NO_HAND = "no_hand"
@@ -94,6 +95,7 @@ SENTENCES: dict[Code, str] = {
     Code.LEASE_RELEASED: "the lease is given back",
     Code.NOBODY_ASKS: "nobody asks for the lease, so it cannot be handed over",
     Code.HANDED_OVER: "the lease went to {holder}",
+    Code.OPERATORS_ONLY: "maintenance may stop and reset the arm; the rest is the operator's",
     Code.NOT_ENGAGED: "not engaged yet",
     Code.NO_HAND: "no hand sample has come yet",
     Code.COLLECTING: "{count} of {needed} good hand samples in a row",

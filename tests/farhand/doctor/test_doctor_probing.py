@@ -16,6 +16,7 @@ import pytest
 
 from common.channels import CLOCK
 from common.clock import FakeClock
+from common.link_config import ON_THIS_HOST
 from common.requests import ClockAnswer
 from common.transport import open_link
 from farhand.doctor.processes import holder_of_device, listener_on
@@ -34,17 +35,17 @@ NOW = datetime(2026, 3, 1, tzinfo=UTC)
 def test_a_port_tells_who_listens() -> None:
     with socket.create_server(("127.0.0.1", 0)) as server:
         port = server.getsockname()[1]
-        (taken,) = probe_ports([("control", f"tcp/127.0.0.1:{port}")])
+        (taken,) = probe_ports([("control", f"tcp/127.0.0.1:{port}")], ON_THIS_HOST)
         assert not taken.free
         assert f"(process {os.getpid()})" in taken.holder == listener_on(port)
-    (free,) = probe_ports([("control", f"tcp/127.0.0.1:{port}")])
+    (free,) = probe_ports([("control", f"tcp/127.0.0.1:{port}")], ON_THIS_HOST)
     assert free.free
     assert listener_on(port) == ""
 
 
 def test_an_endpoint_beyond_this_host_is_told() -> None:
-    (port,) = probe_ports([("control", "tcp/192.168.1.2:7447")])
-    assert "without certificates" in port.problem
+    (port,) = probe_ports([("control", "tcp/192.168.1.2:7447")], ON_THIS_HOST)
+    assert "would let anybody move the arm" in port.problem
 
 
 def test_a_device_tells_who_has_it_open() -> None:

@@ -1,0 +1,41 @@
+"""What protects a site's links: certificates, or words that cannot be missed."""
+
+from typing import Annotated
+
+import msgspec
+from msgspec import Meta, field
+
+PLAIN_TEXT_WORDS = "i accept that anybody on this network can move the arm"
+
+
+class TlsConfig(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
+    """Certificates for endpoints that begin with tls/, as 'farhand certificates create' writes them."""
+
+    ca: Annotated[str, Meta(description="the authority's certificate, PEM file")] = ""
+    certificate: Annotated[str, Meta(description="this site's own certificate, PEM file")] = ""
+    key: Annotated[str, Meta(description="its private key, PEM file that only its owner can read")] = ""
+
+    def __post_init__(self) -> None:
+        if len({bool(self.ca), bool(self.certificate), bool(self.key)}) != 1:
+            raise ValueError("ca, certificate and key belong together: give all three, or none")
+
+    @property
+    def is_given(self) -> bool:
+        """Whether there are certificates."""
+        return bool(self.ca)
+
+
+class LinkSecurity(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
+    """How links that leave this host are protected."""
+
+    tls: TlsConfig = field(default_factory=TlsConfig)
+    plain_text_beyond_loopback: Annotated[
+        str, Meta(description=f'tcp/ endpoints on other hosts without any protection: "{PLAIN_TEXT_WORDS}"')
+    ] = ""
+
+    def __post_init__(self) -> None:
+        if self.plain_text_beyond_loopback not in ("", PLAIN_TEXT_WORDS):
+            raise ValueError(f'plain_text_beyond_loopback: leave it out, or write "{PLAIN_TEXT_WORDS}"')
+
+
+ON_THIS_HOST = LinkSecurity()

@@ -1,0 +1,44 @@
+"""Who a certificate says its bearer is: a role at a cell, written as the certificate's common name; pure."""
+
+import re
+from dataclasses import dataclass
+from enum import StrEnum
+
+
+class Role(StrEnum):
+    """What somebody is to a cell; the table of channels says what each may do."""
+
+    REMOTE = "remote"
+    OPERATOR = "operator"
+    VIEWER = "viewer"
+    MAINTENANCE = "maintenance"
+    ROUTER = "router"
+
+
+EVERYBODY = frozenset(Role) - {Role.ROUTER}
+OPERATORS = frozenset({Role.OPERATOR})
+REMOTES = frozenset({Role.REMOTE})
+MAINTAINERS = frozenset({Role.MAINTENANCE})
+COMMON_NAME = re.compile(r"([a-z]+)(?:\.([a-z0-9][a-z0-9_-]{0,31}))?")
+
+
+@dataclass(frozen=True, slots=True)
+class Identity:
+    """A role at a cell; a router serves every cell of its certificate authority, and has none."""
+
+    role: Role
+    cell: str | None
+
+    @property
+    def common_name(self) -> str:
+        """As it stands in the certificate: access control compares it letter by letter."""
+        return self.role.value if self.cell is None else f"{self.role.value}.{self.cell}"
+
+
+def read_common_name(name: str) -> Identity | None:
+    """Whom a common name names; None when it is none of Farhand's."""
+    match = COMMON_NAME.fullmatch(name)
+    if match is None or match[1] not in set(Role):
+        return None
+    role, cell = Role(match[1]), match[2]
+    return Identity(role, cell) if (cell is None) == (role is Role.ROUTER) else None
