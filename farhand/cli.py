@@ -12,6 +12,7 @@ from common.config import load_config
 from common.errors import ConfigError, FarhandError, InterruptionError
 from common.service import LogFormat, StopFlag
 from farhand.cli_calibrate import calibrate_app
+from farhand.cli_certificates import certificates_app
 from farhand.exit_codes import FAILED, INTERRUPTED, MISUSE
 from local_site.tracking.method import Method
 
@@ -40,6 +41,7 @@ app = typer.Typer(
     pretty_exceptions_enable=False,
 )
 app.add_typer(calibrate_app, name="calibrate")
+app.add_typer(certificates_app, name="certificates")
 lease_app = typer.Typer(help="Show who may operate a cell, take the lease, give it away.", no_args_is_help=True)
 app.add_typer(lease_app, name="lease")
 driver_app = typer.Typer(help="Look after robot drivers.", no_args_is_help=True)

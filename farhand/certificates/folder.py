@@ -1,0 +1,156 @@
+"""The folder of an authority: its own certificate and key, and a folder per cell with a pair of files per role."""
+
+import os
+import re
+from collections.abc import Sequence
+from dataclasses import dataclass
+from datetime import datetime, timedelta
+from pathlib import Path
+
+from cryptography import x509
+from cryptography.hazmat.primitives import serialization
+from cryptography.hazmat.primitives.asymmetric import ec
+
+from common.channels import check_cell_name
+from common.errors import ConfigError
+from common.roles import Identity, Role
+from farhand.certificates.issuing import CA_DAYS, Issued, issue, make_authority
+
+LOOPBACK_HOSTS = ("127.0.0.1", "::1", "localhost")
+AUTHORITY = "ca"
+PRIVATE, PUBLIC = 0o600, 0o644
+HOST = re.compile(r"[0-9a-zA-Z.:-]{1,253}")
+
+
+@dataclass(frozen=True, slots=True)
+class Order:
+    """What is asked for: hosts beside the loopback interface under which the sites are reached, and for how long."""
+
+    cell: str
+    hosts: tuple[str, ...]
+    days: int
+
+
+def create(folder: Path, order: Order, now: datetime) -> list[Path]:
+    """Make what a cell needs, with the folder's authority, or a new one; ConfigError when the cell has certificates."""
+    check_cell_name(order.cell)
+    theirs = folder / order.cell
+    if theirs.exists():
+        raise ConfigError(
+            f"{theirs} is there already and stays as it is; to make new certificates for the same sites: farhand "
+            f"certificates renew {order.cell} --dir {folder}; to begin anew, take {theirs} away first"
+        )
+    authority = load_authority(folder) if (folder / f"{AUTHORITY}.key").exists() else _new_authority(folder, now)
+    return _issue_all(folder, authority, order, now)
+
+
+def renew(folder: Path, order: Order, now: datetime) -> list[Path]:
+    """New keys and certificates of the same authority for the same hosts, and for those in the order."""
+    check_cell_name(order.cell)
+    known = folder / order.cell / f"{Role.REMOTE.value}.pem"
+    if not known.exists():
+        raise ConfigError(
+            f"{known} is not there: make it first: farhand certificates create {order.cell} --dir {folder}"
+        )
+    hosts = tuple(dict.fromkeys((*hosts_of(read_certificate(known)), *order.hosts)))
+    return _issue_all(folder, load_authority(folder), Order(order.cell, hosts, order.days), now)
+
+
+def load_authority(folder: Path) -> Issued:
+    """The authority kept in a folder; ConfigError when its files are missing or do not belong together."""
+    certificate, path = read_certificate(folder / f"{AUTHORITY}.pem"), folder / f"{AUTHORITY}.key"
+    try:
+        key = serialization.load_pem_private_key(path.read_bytes(), password=None)
+    except OSError as error:
+        raise ConfigError(f"cannot read {path}: {error.strerror}; it stays where the certificates were made") from error
+    except (ValueError, TypeError) as error:
+        raise ConfigError(f"{path} is no private key: take {folder} away and create all certificates anew") from error
+    if not isinstance(key, ec.EllipticCurvePrivateKey) or key.public_key() != certificate.public_key():
+        raise ConfigError(f"{path} is not the key of {folder / AUTHORITY}.pem: bring back the one that is")
+    return Issued(certificate, key)
+
+
+def read_certificate(path: Path) -> x509.Certificate:
+    """The certificate in a PEM file, else ConfigError."""
+    try:
+        return x509.load_pem_x509_certificate(path.read_bytes())
+    except OSError as error:
+        raise ConfigError(f"cannot read {path}: {error.strerror}") from error
+    except ValueError as error:
+        raise ConfigError(f"{path} is no certificate (PEM)") from error
+
+
+def hosts_of(certificate: x509.Certificate) -> list[str]:
+    """The names and addresses that a certificate is for."""
+    names = certificate.extensions.get_extension_for_class(x509.SubjectAlternativeName).value
+    return [str(name.value) for name in names]
+
+
+def _new_authority(folder: Path, now: datetime) -> Issued:
+    if (folder / f"{AUTHORITY}.pem").exists():
+        raise ConfigError(f"{folder} holds an authority's certificate but not its key: create where the key is kept")
+    folder.mkdir(mode=0o700, parents=True, exist_ok=True)
+    authority = make_authority("Farhand certificate authority", now, CA_DAYS)
+    _write(folder / AUTHORITY, authority)
+    return authority
+
+
+def _issue_all(folder: Path, authority: Issued, order: Order, now: datetime) -> list[Path]:
+    hosts = tuple(dict.fromkeys((*LOOPBACK_HOSTS, *(_check_host(host) for host in order.hosts))))
+    theirs = folder / order.cell
+    theirs.mkdir(mode=0o700, parents=True, exist_ok=True)
+    valid = _valid(authority, now, order.days)
+    for role in Role:
+        identity = Identity(role, None if role is Role.ROUTER else order.cell)
+        _write(theirs / role.value, issue(authority, identity, hosts, now, valid))
+    return sorted(theirs.glob("*.pem"))
+
+
+def _valid(authority: Issued, now: datetime, days: int) -> timedelta:
+    """As long as asked, but not beyond the authority's own end."""
+    left = authority.certificate.not_valid_after_utc - now
+    if left <= timedelta(0):
+        raise ConfigError("the authority has expired: take its folder away and create all certificates anew")
+    return min(timedelta(days=days), left)
+
+
+def _check_host(host: str) -> str:
+    if HOST.fullmatch(host) is None:
+        raise ConfigError(f"--host {host!r}: give a host name or an address, without port")
+    return host
+
+
+def _write(stem: Path, issued: Issued) -> None:
+    """The key first: a certificate is of no use without it."""
+    _write_whole(stem.with_name(f"{stem.name}.key"), issued.key_pem, PRIVATE)
+    _write_whole(stem.with_name(f"{stem.name}.pem"), issued.certificate_pem, PUBLIC)
+
+
+def _write_whole(path: Path, content: bytes, mode: int) -> None:
+    """Nobody reads a key before it has its mode, and nobody a file that is half written."""
+    partial = path.with_name(f".{path.name}.partial")
+    partial.unlink(missing_ok=True)
+    descriptor = os.open(partial, os.O_WRONLY | os.O_CREAT | os.O_EXCL, mode)
+    with os.fdopen(descriptor, "wb") as file:
+        os.fchmod(file.fileno(), mode)
+        file.write(content)
+    partial.replace(path)
+
+
+def guidance(folder: Path, cell: str, hosts: Sequence[str]) -> str:
+    """What to do with what was made."""
+    theirs = folder / cell
+    where = hosts[0] if hosts else "127.0.0.1"
+    return (
+        f"made in {theirs}: a certificate and key each for {', '.join(role.value for role in Role)}\n"
+        f"keep {folder / AUTHORITY}.key to yourself: who has it can make itself an operator\n"
+        "give each host ca.pem and its own pair, keys for the service's user only, for the robot's side:\n"
+        "  [links]\n"
+        '  control = "tls/0.0.0.0:7447"\n'
+        '  video = "tls/0.0.0.0:7448"\n'
+        "  [links.tls]\n"
+        f'  ca = "/etc/farhand/{AUTHORITY}.pem"\n'
+        '  certificate = "/etc/farhand/remote.pem"\n'
+        '  key = "/etc/farhand/remote.key"\n'
+        f'and for the operator\'s, with operator.pem and operator.key: remote = "tls/{where}:7447"'
+    )
