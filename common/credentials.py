@@ -56,6 +56,16 @@ def load_credentials(tls: TlsConfig) -> Credentials:
     return Credentials(tls, identity)
 
 
+def check_bearer(tls: TlsConfig, *allowed: Identity) -> None:
+    """TransportError when a site is given a certificate of another, or one that is no good; having none is allowed."""
+    if not tls.is_given:
+        return
+    bearer = load_credentials(tls).identity
+    if bearer not in allowed:
+        names = " or ".join(identity.common_name for identity in allowed)
+        raise TransportError(f"links.tls.certificate: {tls.certificate} is for {bearer.common_name}, not for {names}")
+
+
 def client_context(tls: TlsConfig) -> ssl.SSLContext:
     """For who connects: the other side has to show a certificate of the same authority."""
     context = ssl.SSLContext(ssl.PROTOCOL_TLS_CLIENT)

@@ -3,7 +3,7 @@
 import sys
 from collections.abc import Callable
 from pathlib import Path
-from typing import Annotated, TypeVar
+from typing import TYPE_CHECKING, Annotated, TypeVar
 
 import msgspec
 import typer
@@ -16,6 +16,9 @@ from farhand.cli_certificates import certificates_app
 from farhand.exit_codes import FAILED, INTERRUPTED, MISUSE
 from local_site.tracking.method import Method
 
+if TYPE_CHECKING:
+    from local_site.console.config import ConsoleConfig
+
 S = TypeVar("S", bound=msgspec.Struct)
 
 ConfigFile = Annotated[Path | None, typer.Option("--config", help="TOML file; the defaults are the simulated pair.")]
@@ -26,10 +29,12 @@ TrackingFile = Annotated[
 LogLines = Annotated[LogFormat, typer.Option("--log-format", help="text (level=... event=...) or json, on stderr.")]
 Settings = Annotated[list[str] | None, typer.Option("--set", help="Override one key, as table.key=value.")]
 
+LinksFile = Annotated[
+    Path | None, typer.Option("--config", help="The console's TOML file: cell, operator, endpoints and certificates.")
+]
 CellName = Annotated[str, typer.Option("--cell", help="Name of the cell.")]
 RemoteEndpoint = Annotated[str, typer.Option("--remote", help="Control endpoint of the remote site.")]
 LocalEndpoint = Annotated[str, typer.Option("--local", help="Where the local site of this host listens.")]
-REMOTE, LOCAL = "tcp/127.0.0.1:7447", "tcp/127.0.0.1:7457"
 
 TRACKER_HELP = "A bare arm's silhouette, three bright markers on a dark glove, or a textured arm before one camera."
 TrackerName = Annotated[Method, typer.Option(help=TRACKER_HELP)]
@@ -44,6 +49,8 @@ app.add_typer(calibrate_app, name="calibrate")
 app.add_typer(certificates_app, name="certificates")
 lease_app = typer.Typer(help="Show who may operate a cell, take the lease, give it away.", no_args_is_help=True)
 app.add_typer(lease_app, name="lease")
+maintenance_app = typer.Typer(help="Stop and reset the arm, without the right to operate it.", no_args_is_help=True)
+app.add_typer(maintenance_app, name="maintenance")
 driver_app = typer.Typer(help="Look after robot drivers.", no_args_is_help=True)
 app.add_typer(driver_app, name="driver")
 
@@ -131,9 +138,10 @@ def driver_test_command(
 
 @app.command()
 def engage(
-    cell: CellName = "cell",
-    at: RemoteEndpoint = REMOTE,
+    cell: CellName = "",
+    at: RemoteEndpoint = "",
     operator: Annotated[str, typer.Option(help="The operator's name, where it is not this host's.")] = "",
+    config: LinksFile = None,
 ) -> None:
     """Let the arm follow the hand again, after a stop or a restart of the local site.
 
@@ -141,7 +149,16 @@ def engage(
     """
     from farhand.engage import request_engage
 
-    typer.echo(request_engage(cell, at, operator))
+    links = _links(config, cell=cell, control=at)
+    typer.echo(request_engage(links.cell, links.links.control, operator or links.name, links.links))
+
+
+def _links(config: Path | None, **told: str) -> "ConsoleConfig":
+    """Whom to ask, how protected: the console's configuration, and over it what the command line tells."""
+    from local_site.console.config import ConsoleConfig
+
+    settings = [f"{key if key == 'cell' else f'links.{key}'}={value}" for key, value in told.items() if value]
+    return load_config(ConsoleConfig, config, settings)
 
 
 @app.command()
@@ -179,48 +196,74 @@ def doctor(
 
 
 @lease_app.command("show")
-def lease_show(cell: CellName = "cell", at: RemoteEndpoint = REMOTE) -> None:
+def lease_show(cell: CellName = "", at: RemoteEndpoint = "", config: LinksFile = None) -> None:
     """Show who holds the lease of a cell, who asks for it, and what engaging still lacks.
 
     Example: farhand lease show --cell cell
     """
     from farhand.lease import show_lease
 
-    typer.echo(show_lease(cell, at))
+    links = _links(config, cell=cell, control=at)
+    typer.echo(show_lease(links.cell, links.links.control, links.links))
 
 
 @lease_app.command("take")
-def lease_take(cell: CellName = "cell", at: LocalEndpoint = LOCAL) -> None:
+def lease_take(cell: CellName = "", at: LocalEndpoint = "", config: LinksFile = None) -> None:
     """Ask for the lease; while another operator holds it, ask for a minute for consent.
 
     Example: farhand lease take
     """
-    _act_on_lease(cell, at, "take")
+    _act_on_lease("take", _links(config, cell=cell, local=at))
 
 
 @lease_app.command("give")
-def lease_give(cell: CellName = "cell", at: LocalEndpoint = LOCAL) -> None:
+def lease_give(cell: CellName = "", at: LocalEndpoint = "", config: LinksFile = None) -> None:
     """Consent: hand the lease to the operator who asks for it. The arm stops.
 
     Example: farhand lease give
     """
-    _act_on_lease(cell, at, "give")
+    _act_on_lease("give", _links(config, cell=cell, local=at))
 
 
 @lease_app.command("release")
-def lease_release(cell: CellName = "cell", at: LocalEndpoint = LOCAL) -> None:
+def lease_release(cell: CellName = "", at: LocalEndpoint = "", config: LinksFile = None) -> None:
     """Give the lease back, for whoever asks first. The arm stops.
 
     Example: farhand lease release
     """
-    _act_on_lease(cell, at, "release")
+    _act_on_lease("release", _links(config, cell=cell, local=at))
 
 
-def _act_on_lease(cell: str, at: str, action: str) -> None:
+def _act_on_lease(action: str, links: "ConsoleConfig") -> None:
     from common.requests import OperatorAction
     from farhand.lease import act_on_lease
 
-    typer.echo(act_on_lease(cell, at, OperatorAction(action)))
+    typer.echo(act_on_lease(links.cell, links.links.local, OperatorAction(action), links.links))
+
+
+@maintenance_app.command("stop")
+def maintenance_stop(cell: CellName = "", at: RemoteEndpoint = "", config: LinksFile = None) -> None:
+    """Stop the arm and bar every engagement until it is reset; needs no lease.
+
+    Example: farhand maintenance stop --config /etc/farhand/maintenance.toml
+    """
+    _maintain("stop", _links(config, cell=cell, control=at))
+
+
+@maintenance_app.command("reset")
+def maintenance_reset(cell: CellName = "", at: RemoteEndpoint = "", config: LinksFile = None) -> None:
+    """Clear a stop or a fault, and wake a robot that has stopped; nothing moves until the operator engages.
+
+    Example: farhand maintenance reset --config /etc/farhand/maintenance.toml
+    """
+    _maintain("reset", _links(config, cell=cell, control=at))
+
+
+def _maintain(action: str, links: "ConsoleConfig") -> None:
+    from common.requests import EngagementAction
+    from farhand.engage import request_maintenance
+
+    typer.echo(request_maintenance(links.cell, links.links.control, EngagementAction(action), links.name, links.links))
 
 
 @app.command()

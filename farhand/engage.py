@@ -1,8 +1,8 @@
-"""Asks the remote site to let the arm follow the hand."""
+"""Asks the remote site to let the arm follow the hand, and, for maintenance, to stop or reset it."""
 
 import time
 
-from common.channels import ENGAGEMENT, check_cell_name
+from common.channels import ENGAGEMENT, MAINTENANCE, check_cell_name
 from common.errors import TransportError
 from common.link_config import ON_THIS_HOST, LinkSecurity
 from common.requests import EngagementAction, EngagementRequest, Reply
@@ -26,6 +26,21 @@ def request_engage(cell: str, endpoint: str, operator: str = "", security: LinkS
     if not reply.done:
         raise TransportError(f"not engaged ({reply.code}): {reply.reason}")
     return f"engaged: {reply.reason}"
+
+
+def request_maintenance(
+    cell: str, endpoint: str, action: EngagementAction, name: str, security: LinkSecurity = ON_THIS_HOST
+) -> str:
+    """What the remote site answers to somebody of the maintenance; TransportError when it refuses."""
+
+    def request(number: int, deadline_ns: int) -> EngagementRequest:
+        return EngagementRequest(id=number, deadline_ns=deadline_ns, operator=name, action=action)
+
+    with open_link(connect=(endpoint,), security=security) as link:
+        reply = ask_remote(link, check_cell_name(cell), MAINTENANCE, request)
+    if not reply.done:
+        raise TransportError(f"refused ({reply.code}): {reply.reason}")
+    return reply.reason
 
 
 def _ask(link: Link, cell: str, operator: str) -> Reply:

@@ -13,9 +13,11 @@ from common.cameras.camera import Camera
 from common.channels import HAND, INTENT, PREVIEW, STATE
 from common.children import Children, Heartbeat
 from common.clock import Clock, MonotonicClock
+from common.credentials import check_bearer
 from common.endpoints import check_endpoint, check_free
 from common.errors import CameraError, FarhandError, MessageError
 from common.messages import TrackingStatus
+from common.roles import Identity, Role
 from common.service import LogFormat, StopFlag, ask_for_real_time, notify, start_log
 from common.transport import Link, open_link
 from local_site.authority import Authority
@@ -61,6 +63,7 @@ def run_local(
     start_log("local", log_format)
     check_endpoint(config.links.remote, config.links)
     check_free(config.links.listen, config.links)
+    check_bearer(config.links.tls, Identity(Role.OPERATOR, config.cell))
     children = Children("local")
     if config.metrics.port:
         check_free(config.metrics.endpoint, config.links)

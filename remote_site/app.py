@@ -8,9 +8,11 @@ import structlog
 
 from common.channels import CAMERA, SHOWN, STATE
 from common.children import Children, Heartbeat
+from common.credentials import check_bearer
 from common.endpoints import check_free
 from common.errors import FarhandError
 from common.messages import VideoFrame
+from common.roles import Identity, Role
 from common.service import LogFormat, StopFlag, notify, start_log
 from common.transport import Publisher, open_link
 from remote_site.checks import check_robot
@@ -37,6 +39,7 @@ def run_remote(config: RemoteConfig, should_stop: StopFlag, log_format: LogForma
     served = (config.metrics.endpoint,) if config.metrics.port else ()
     for endpoint in (config.links.control, config.links.video, *served):
         check_free(endpoint, config.links)
+    check_bearer(config.links.tls, Identity(Role.REMOTE, config.cell))
     check_driver(config.driver.name)
     check_robot(config)
     mark = RunningMark(config.cell, config.links.control)

@@ -7,7 +7,8 @@ from pathlib import Path
 
 from common.config import load_config
 from common.errors import ConfigError
-from farhand.doctor import machine, probing, site, site_probing
+from common.roles import Identity, Role
+from farhand.doctor import certificate_probing, certificates, machine, probing, site, site_probing
 from farhand.doctor.findings import Finding, error, ok
 from local_site.config import LocalConfig
 from remote_site.config import RemoteConfig
@@ -54,8 +55,8 @@ def examine_machine() -> list[Finding]:
 
 
 def examine_remote(config: RemoteConfig) -> list[Finding]:
-    """Views and ports of the robot's side."""
-    findings = []
+    """Certificate, views and ports of the robot's side."""
+    findings = _examine_certificate(config, Role.REMOTE)
     if config.views_are_simulated:
         findings.append(machine.check_rendering(probing.probe_rendering()))
     video = config.video
@@ -70,14 +71,22 @@ def examine_remote(config: RemoteConfig) -> list[Finding]:
 
 
 def examine_local(config: LocalConfig) -> list[Finding]:
-    """Cameras, calibration, ports and clock of the operator's side."""
-    findings = [machine.check_cache(probing.probe_cache())]
+    """Certificate, cameras, calibration, ports and clock of the operator's side."""
+    findings = [machine.check_cache(probing.probe_cache()), *_examine_certificate(config, Role.OPERATOR)]
     if not config.operator.is_simulated:
         findings += _examine_cameras(config)
     listening = [("local", config.links.listen), *_metrics(config)]
     findings += map(site.check_port, site_probing.probe_ports(listening, config.links))
     findings.append(site.check_clock(site_probing.probe_clock(config.cell, config.links.remote, config.links)))
     return findings
+
+
+def _examine_certificate(config: Site, role: Role) -> list[Finding]:
+    tls = config.links.tls
+    if not tls.is_given:
+        return []
+    facts = certificate_probing.probe_certificate(tls, datetime.now(UTC))
+    return certificates.check_certificate(facts, Identity(role, config.cell).common_name)
 
 
 def _examine_cameras(config: LocalConfig) -> list[Finding]:

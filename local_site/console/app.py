@@ -12,9 +12,11 @@ import structlog
 import uvicorn
 
 from common.channels import HAND, INTENT, SHOWN, STATE
+from common.credentials import check_bearer
 from common.endpoints import check_endpoint
 from common.errors import FarhandError, ProcessError
 from common.requests import Description
+from common.roles import Identity, Role
 from common.service import StopFlag, notify, start_log
 from common.transport import Link, open_link
 from local_site.console.acts import Acts
@@ -41,6 +43,8 @@ def run_console(config: ConsoleConfig, should_stop: StopFlag, tell: Callable[[st
     start_log("console")
     for endpoint in (config.links.control, config.links.video, config.links.local):
         check_endpoint(endpoint, config.links)
+    roles = [Role.OPERATOR] if config.operate else [Role.OPERATOR, Role.VIEWER, Role.MAINTENANCE]
+    check_bearer(config.links.tls, *(Identity(role, config.cell) for role in roles))
     try:
         with bind(config.serve) as listening:
             port = listening.getsockname()[1]

@@ -5,6 +5,7 @@ from types import SimpleNamespace
 import numpy as np
 from remote_loop import TICK_NS, RemoteLoop
 
+from common.messages import SessionState
 from common.requests import EngagementAction, EngagementRequest
 from remote_site.control import ControlLoop
 from remote_site.drivers.faults import STOPPED, FaultCode, RobotFault
@@ -35,11 +36,33 @@ def test_control_that_stumbled_at_rest_wakes_the_robot_again():
     robot = QuickRobot(loop.config.robot.start, loop.config.robot.start)
     robot.fault = RobotFault(FaultCode.COMMAND_TIMEOUT, "no command for 102 ms")
     nothing = SimpleNamespace(note=lambda *_: None, publish=lambda *_: None, poll=lambda *_: None, counts={})
-    inbox = SimpleNamespace(take=list, engagement=nothing, refusals=nothing)
+    inbox = SimpleNamespace(take=list, engagement=nothing, maintenance=nothing, refusals=nothing)
     control = ControlLoop(loop.chain, robot, nothing, inbox, nothing, None)
     for k in range(1, 4):
         control.tick(loop.clock.now_ns() + k * TICK_NS)
     assert len(robot.written) == 2
+
+
+def test_maintenance_stops_and_resets_without_the_lease_but_never_engages():
+    loop = RemoteLoop()
+    start, stopped = loop.config.robot.start, SessionState.DISENGAGED
+    robot = QuickRobot(start, start)
+    actions = [EngagementAction.ENGAGE, EngagementAction.DISENGAGE, EngagementAction.STOP, EngagementAction.RESET]
+    answers = []
+
+    def poll(_now_ns, answer):
+        if actions:
+            answers.append(answer(EngagementRequest(id=1, deadline_ns=0, operator="mechanic", action=actions.pop(0))))
+
+    nothing = SimpleNamespace(note=lambda *_: None, publish=lambda *_: None, poll=lambda *_: None, counts={})
+    maintenance = SimpleNamespace(poll=poll)
+    inbox = SimpleNamespace(take=list, engagement=nothing, maintenance=maintenance, refusals=nothing)
+    control = ControlLoop(loop.chain, robot, nothing, inbox, nothing, None)
+    for k in range(1, 6):
+        control.tick(loop.clock.now_ns() + k * TICK_NS)
+    assert [answer.code for answer in answers] == ["operators_only", "operators_only", "stopped", "reset"]
+    assert "stopped by mechanic" in answers[2].reason
+    assert loop.session.state is stopped
 
 
 def test_a_robot_that_is_awake_within_a_tick_is_commanded_from_where_it_was_activated():
@@ -53,8 +76,8 @@ def test_a_robot_that_is_awake_within_a_tick_is_commanded_from_where_it_was_acti
         while requests:
             answers.append(answer(requests.pop()))
 
-    nothing = SimpleNamespace(note=lambda *_: None, publish=lambda *_: None, poll=lambda: None, counts={})
-    inbox = SimpleNamespace(take=list, engagement=SimpleNamespace(poll=poll), refusals=nothing)
+    nothing = SimpleNamespace(note=lambda *_: None, publish=lambda *_: None, poll=lambda *_: None, counts={})
+    inbox = SimpleNamespace(take=list, engagement=SimpleNamespace(poll=poll), maintenance=nothing, refusals=nothing)
     control = ControlLoop(loop.chain, robot, nothing, inbox, nothing, None)
     for k in range(1, 4):
         control.tick(loop.clock.now_ns() + k * TICK_NS)
