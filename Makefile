@@ -3,7 +3,7 @@ PYTHON ?= python3
 BIN := .venv/bin
 READY := .venv/ready
 
-.PHONY: loopback test check bench
+.PHONY: loopback test check bench fuzz
 
 loopback: $(READY)  ## both sites on this machine, with a simulated operator and a simulated cell
 	@$(BIN)/farhand loopback $(ARGS)
@@ -19,6 +19,9 @@ check: $(READY)  ## the static checks
 
 bench: $(READY)  ## side-by-side measurements, written to build/bench.json
 	@$(BIN)/python -m bench $(ARGS)
+
+fuzz: $(READY)  ## a million hostile payloads for the codec
+	@$(BIN)/python -m bench fuzz
 
 $(READY): constraints.txt pyproject.toml
 	@$(PYTHON) -c 'import sys; sys.exit("Farhand needs Python 3.11 or newer, this is %d.%d: make PYTHON=/path/to/python3.11" % sys.version_info[:2] if sys.version_info < (3, 11) else 0)'

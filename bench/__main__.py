@@ -8,10 +8,11 @@ from pathlib import Path
 from rich.console import Console
 from rich.table import Table
 
-from bench import control, monocular, rendering, soak, tracking, video
+from bench import control, fuzz, monocular, rendering, soak, tracking, video
 
 BENCHMARKS: dict[str, Callable[[], dict[str, float]]] = {
     "control": control.measure,
+    "fuzz": fuzz.measure,
     "monocular": monocular.measure,
     "rendering": rendering.measure,
     "soak": soak.measure,

@@ -1,0 +1,125 @@
+"""Feeds the codec a million hostile payloads: what is no message is refused, nothing else is raised, nothing grows."""
+
+import random
+import resource
+import sys
+import time
+from collections import Counter
+from collections.abc import Callable
+from pathlib import Path
+
+from common.channels import CHANNELS, PROCEDURES
+from common.codec import decode
+from common.errors import MessageError
+from common.messages import Message
+
+GOLDEN = Path(__file__).parents[1] / "tests" / "golden" / "valid"
+PAYLOADS = 1_000_000
+WARM_UP = 20_000  # what is allocated once is no growth
+MOST_GROWTH_MB = 64.0
+KB_PER_MB = 1024
+
+Target = tuple[type[Message], int]
+Mutation = Callable[[random.Random, bytes], bytes]
+
+
+def targets() -> list[Target]:
+    """Every message that can come from the wire, with its cap in bytes."""
+    pushed = [(channel.message, channel.max_bytes) for channel in CHANNELS]
+    asked = [(kind, p.max_bytes) for p in PROCEDURES for kind in (p.request, p.reply)]
+    return list(dict.fromkeys([*pushed, *asked]))
+
+
+def seeds() -> list[tuple[bytes, Target]]:
+    """Valid payloads, each with a message that it is."""
+    payloads = [path.read_bytes() for path in sorted(GOLDEN.glob("*.msgpack"))]
+    return [(payload, target) for payload in payloads for target in targets() if verdict(payload, target) == "valid"]
+
+
+def verdict(payload: bytes, target: Target) -> str:
+    """ "valid", or the reason of the refusal; any other exception is what is looked for."""
+    try:
+        decode(payload, *target)
+    except MessageError as error:
+        return error.reason
+    return "valid"
+
+
+def noise(luck: random.Random, payload: bytes) -> bytes:
+    """Bytes of no meaning, as long as a payload or shorter."""
+    return luck.randbytes(luck.randint(0, len(payload)))
+
+
+def changed(luck: random.Random, payload: bytes) -> bytes:
+    """A few bytes changed."""
+    spoilt = bytearray(payload)
+    for _ in range(luck.randint(1, 8)):
+        spoilt[luck.randrange(len(spoilt))] = luck.randrange(256)
+    return bytes(spoilt)
+
+
+def cut(luck: random.Random, payload: bytes) -> bytes:
+    """Ended too early."""
+    return payload[: luck.randrange(len(payload))]
+
+
+def repeated(luck: random.Random, payload: bytes) -> bytes:
+    """A piece of it put in a second time."""
+    begin = luck.randrange(len(payload))
+    return payload[:begin] + payload[begin : begin + luck.randint(1, 64)] + payload[begin:]
+
+
+def typed(luck: random.Random, payload: bytes) -> bytes:
+    """One byte replaced by the head of another type: extensions, infinities, and sizes that nobody sends."""
+    heads = [
+        b"\xc7\xff\x05",
+        b"\xd4\x2a\x00",
+        b"\xdf\xff\xff\xff\xff",
+        b"\xdd\xff\xff\xff\xff",
+        b"\xdb\x7f\xff\xff\xff",
+    ]
+    heads += [b"\xc6\xff\xff\xff\xff", b"\xcb\x7f\xf0" + bytes(6), b"\xca\x7f\xc0\x00\x00", b"\xcf" + b"\xff" * 8]
+    place = luck.randrange(len(payload))
+    return payload[:place] + luck.choice(heads) + payload[place + 1 :]
+
+
+def nested(luck: random.Random, payload: bytes) -> bytes:
+    """Lists or maps within one another, deeper than anybody sends."""
+    return luck.choice([b"\x91", b"\x81\xa1a", b"\xdc\x00\x01"]) * luck.randint(1, 600) + payload[:1]
+
+
+def padded(luck: random.Random, payload: bytes) -> bytes:
+    """Far longer than it is."""
+    return payload + bytes(luck.choice([1, 1000, 100_000]))
+
+
+MUTATIONS: tuple[Mutation, ...] = (noise, changed, changed, changed, cut, repeated, typed, typed, nested, padded)
+
+
+def fuzz(payloads: int, seed: int) -> Counter[str]:
+    """The verdicts of so many payloads; whatever but MessageError ends it."""
+    luck = random.Random(seed)  # noqa: S311  # which payloads come is no secret
+    known, verdicts = seeds(), Counter[str]()
+    for _ in range(payloads):
+        payload, target = luck.choice(known)
+        verdicts[verdict(luck.choice(MUTATIONS)(luck, payload), target)] += 1
+    return verdicts
+
+
+def measure(payloads: int = PAYLOADS) -> dict[str, float]:
+    """Payloads, verdicts, payloads a second, and by how much the process has grown (MB)."""
+    fuzz(WARM_UP, seed=0)
+    before_mb = most_memory_mb()
+    began = time.perf_counter()
+    verdicts = fuzz(payloads, seed=1)
+    seconds = time.perf_counter() - began
+    growth_mb = most_memory_mb() - before_mb
+    if growth_mb > MOST_GROWTH_MB:
+        sys.exit(f"the process grew by {growth_mb:.0f} MB")
+    told = {f"{reason}": float(count) for reason, count in sorted(verdicts.items())}
+    return {"payloads": float(payloads), **told, "per_second": payloads / seconds, "growth_mb": growth_mb}
+
+
+def most_memory_mb() -> float:
+    """The most that this process has ever occupied, MB."""
+    return resource.getrusage(resource.RUSAGE_SELF).ru_maxrss / KB_PER_MB
