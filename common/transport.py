@@ -4,22 +4,22 @@ import json
 import time
 from collections.abc import Callable, Sequence
 from types import TracebackType
-from typing import Any, Generic, Self, TypeVar
+from typing import Generic, Self, TypeVar
 
 import zenoh
 
-from common.access import access_control, payload_caps, rate_caps
-from common.channels import CHANNELS, CLOCK, Channel, Priority, Procedure
+from common.channels import CLOCK, Channel, Priority, Procedure
 from common.clock import NS_PER_S, RoundTrip
 from common.codec import decode, encode
 from common.credentials import Credentials, load_credentials
 from common.endpoints import Endpoint, check_endpoint, check_free
 from common.errors import MessageError, RefusedError, TransportError
-from common.link_config import ON_THIS_HOST, LinkSecurity, TlsConfig
+from common.link_config import ON_THIS_HOST, LinkSecurity
 from common.link_probe import identity_refusal, refusal
 from common.messages import Message
 from common.requests import ClockQuestion, Reply, Request
 from common.roles import Role
+from common.session_settings import Mode, Places, session_settings
 
 M = TypeVar("M", bound=Message)
 Q = TypeVar("Q", bound=Message)
@@ -28,16 +28,10 @@ Requested = TypeVar("Requested", bound=Request)
 Replied = TypeVar("Replied", bound=Reply)
 Refused = Callable[[MessageError], None]
 
-LEASE_MS = 1000
-KEEP_ALIVES_PER_LEASE = 4
-OPEN_TIMEOUT_MS = 1000
-RETRY = {"period_init_ms": 100, "period_max_ms": 500, "period_increase_factor": 2}
 REQUEST_TIMEOUT_S = 0.3
 PENDING_REQUESTS = 16
 REFUSAL = b"refused: "  # begins our own error replies; zenoh has others, such as for a time-out
 MAX_DEADLINE_NS = 10 * NS_PER_S  # a request is remembered so long that no repetition can outlive it
-MAX_MESSAGE_BYTES = 2 * max(channel.max_bytes for channel in CHANNELS)  # what is gathered of one before it is judged
-MAX_NEIGHBOURS = 64
 PRIORITIES = {
     Priority.REAL_TIME: zenoh.Priority.REAL_TIME,
     Priority.INTERACTIVE: zenoh.Priority.INTERACTIVE_HIGH,
@@ -296,20 +290,21 @@ def open_link(
     connect: tuple[str, ...] = (),
     security: LinkSecurity = ON_THIS_HOST,
     send_buffer_bytes: int | None = None,
+    through_router: bool = False,
 ) -> Link:
     """Open a session at explicit endpoints; TransportError when one is not allowed or cannot be opened.
 
     `send_buffer_bytes` is how much may wait in each connection, None for the system's choice, which is megabytes.
     Listening fails at once when the port is taken; connecting goes on in the background until the other side is there,
-    but a side that is there and refuses us, or that we refuse, is a RefusedError.
+    but a side that is there and refuses us, or that we refuse, is a RefusedError. `through_router` is for who answers
+    where nobody can reach it: everything comes and goes by the router at `connect`.
     """
-    for endpoint in listen:
-        check_free(endpoint, security)
-    outgoing = [check_endpoint(endpoint, security) for endpoint in connect]
-    places = [*outgoing, *(check_endpoint(endpoint, security) for endpoint in listen)]
-    credentials = load_credentials(security.tls) if any(place.is_tls for place in places) else None
-    settings = _session_settings(listen, connect, send_buffer_bytes) | _protection(places, credentials)
-    link = Link(_open(settings, (*listen, *connect)), outgoing, credentials)
+    listening = _listening(listen, security)
+    outgoing = tuple(check_endpoint(endpoint, security) for endpoint in connect)
+    credentials = _credentials((*listening, *outgoing), security)
+    cells = [credentials.identity.cell] if credentials and credentials.identity.cell else []
+    mode = Mode.CLIENT if through_router else Mode.PEER
+    link = Link(_open(Places(mode, listening, outgoing, send_buffer_bytes), credentials, cells), outgoing, credentials)
     try:
         link.check_connected()
     except RefusedError:
@@ -318,61 +313,28 @@ def open_link(
     return link
 
 
-def _open(settings: dict[str, Any], places: tuple[str, ...]) -> zenoh.Session:
+def open_router(*, listen: tuple[str, ...], cells: Sequence[str], security: LinkSecurity) -> Link:
+    """Open the meeting point of sites that cannot reach each other; it passes on what the cells' roles may send."""
+    listening = _listening(listen, security)
+    credentials = _credentials(listening, security)
+    return Link(_open(Places(Mode.ROUTER, listening), credentials, cells), (), credentials)
+
+
+def _listening(endpoints: tuple[str, ...], security: LinkSecurity) -> tuple[Endpoint, ...]:
+    for endpoint in endpoints:
+        check_free(endpoint, security)
+    return tuple(check_endpoint(endpoint, security) for endpoint in endpoints)
+
+
+def _credentials(places: Sequence[Endpoint], security: LinkSecurity) -> Credentials | None:
+    return load_credentials(security.tls) if any(place.is_tls for place in places) else None
+
+
+def _open(places: Places, credentials: Credentials | None, cells: Sequence[str]) -> zenoh.Session:
     config = zenoh.Config()
-    for key, value in settings.items():
+    for key, value in session_settings(places, credentials, cells).items():
         config.insert_json5(key, json.dumps(value))
     try:
         return zenoh.open(config)
     except zenoh.ZError as error:
-        why = str(error).partition(" at /")[0].strip(" .[")
-        raise TransportError(f"cannot open {', '.join(places)}: {why}") from error
-
-
-def _session_settings(
-    listen: tuple[str, ...], connect: tuple[str, ...], send_buffer_bytes: int | None
-) -> dict[str, Any]:
-    return {
-        "mode": "peer",
-        "listen/endpoints": list(listen),
-        "connect/endpoints": list(connect),
-        "connect/retry": RETRY,
-        "connect/exit_on_failure": False,
-        "scouting/multicast/enabled": False,
-        "scouting/gossip/enabled": False,
-        "transport/link/tcp/so_sndbuf": send_buffer_bytes,
-        "transport/link/tls/so_sndbuf": send_buffer_bytes,
-        "transport/link/tx/lease": LEASE_MS,
-        "transport/link/tx/keep_alive": KEEP_ALIVES_PER_LEASE,
-        "transport/link/rx/max_message_size": MAX_MESSAGE_BYTES,
-        "transport/unicast/open_timeout": OPEN_TIMEOUT_MS,
-        "transport/unicast/accept_timeout": OPEN_TIMEOUT_MS,
-        "transport/unicast/max_sessions": MAX_NEIGHBOURS,
-        "low_pass_filter": payload_caps("*"),
-        "downsampling": rate_caps("*"),
-    }
-
-
-def _protection(places: Sequence[Endpoint], credentials: Credentials | None) -> dict[str, Any]:
-    """Only the protocols in use; with certificates, who may do what by the names in them."""
-    protection: dict[str, Any] = {"transport/link/protocols": sorted({place.protocol for place in places})}
-    if credentials is not None:
-        plain = not all(place.is_tls for place in places)
-        cells = [credentials.identity.cell] if credentials.identity.cell else []
-        protection["access_control"] = access_control(credentials.identity, cells, plain=plain)
-        protection |= {f"transport/link/tls/{key}": value for key, value in _tls_settings(credentials.tls).items()}
-    return protection
-
-
-def _tls_settings(tls: TlsConfig) -> dict[str, Any]:
-    """One certificate, to listen with and to connect with; both sides show theirs."""
-    return {
-        "root_ca_certificate": tls.ca,
-        "listen_certificate": tls.certificate,
-        "listen_private_key": tls.key,
-        "connect_certificate": tls.certificate,
-        "connect_private_key": tls.key,
-        "enable_mtls": True,
-        "verify_name_on_connect": True,
-        "close_link_on_expiration": True,
-    }
+        raise TransportError(f"cannot open {places}: {str(error).partition(' at /')[0].strip(' .[')}") from error

@@ -104,6 +104,7 @@ def remote(
     settings: Settings = None,
     driver: Annotated[str | None, typer.Option(help="The robot's driver: the same as --set driver.name=NAME.")] = None,
     emulate: Annotated[bool, typer.Option("--emulate", help="c500c: against an emulated controller.")] = False,
+    cell: Annotated[str, typer.Option(help="Name of this cell: the same as --set cell=NAME.")] = "",
     log_format: LogLines = LogFormat.TEXT,
 ) -> None:
     """Start the robot's side: follow the hand inside the limits, and stream the cell.
@@ -114,8 +115,29 @@ def remote(
     from remote_site.config import RemoteConfig
 
     chosen = ([f"driver.name={driver}"] if driver else []) + (["driver.emulate=true"] if emulate else [])
+    chosen += [f"cell={cell}"] if cell else []
     loaded = load_config(RemoteConfig, config, [*(settings or ()), *chosen])
     _until_signal(lambda should_stop: run_remote(loaded, should_stop, log_format))
+
+
+@app.command()
+def router(
+    config: ConfigFile = None,
+    settings: Settings = None,
+    zenohd: Annotated[bool, typer.Option("--zenohd", help="Only print the same as zenohd's configuration.")] = False,
+    log_format: LogLines = LogFormat.TEXT,
+) -> None:
+    """Start the meeting point for sites that cannot reach each other, as behind NAT.
+
+    Example: farhand router --config deploy/sites/router.toml
+    """
+    from farhand.router import RouterConfig, run_router, zenohd_configuration
+
+    loaded = load_config(RouterConfig, config, settings or ())
+    if zenohd:
+        typer.echo(zenohd_configuration(loaded))
+    else:
+        _until_signal(lambda should_stop: run_router(loaded, should_stop, log_format))
 
 
 @driver_app.command("test")

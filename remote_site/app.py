@@ -14,13 +14,14 @@ from common.errors import FarhandError
 from common.messages import VideoFrame
 from common.roles import Identity, Role
 from common.service import LogFormat, StopFlag, notify, start_log
-from common.transport import Publisher, open_link
+from common.transport import Publisher
 from remote_site.checks import check_robot
 from remote_site.config import EngagementMode, RemoteConfig
 from remote_site.control import run_control
 from remote_site.drivers.memory import DriverMemory
 from remote_site.drivers.process import run_driver
 from remote_site.drivers.registry import check_driver
+from remote_site.links import open_site_link
 from remote_site.running_mark import RunningMark
 from remote_site.shared_memory import CellMemory
 from remote_site.video.process import Wire, run_video
@@ -37,7 +38,7 @@ def run_remote(config: RemoteConfig, should_stop: StopFlag, log_format: LogForma
     start_log("remote", log_format)
     log = structlog.get_logger()
     served = (config.metrics.endpoint,) if config.metrics.port else ()
-    for endpoint in (config.links.control, config.links.video, *served):
+    for endpoint in (*config.links.listened, *served):
         check_free(endpoint, config.links)
     check_bearer(config.links.tls, Identity(Role.REMOTE, config.cell))
     check_driver(config.driver.name)
@@ -67,7 +68,7 @@ def run_remote(config: RemoteConfig, should_stop: StopFlag, log_format: LogForma
         children.wait_ready(READY_TIMEOUT_S, should_stop)
         ready = True
         notify("READY=1")
-        log.info("ready", cell=config.cell, driver=config.driver.name, control=config.links.control)
+        log.info("ready", cell=config.cell, driver=config.driver.name, control=config.links.heard_at)
         while not should_stop.wait(CHECK_S):
             children.check()
             notify("WATCHDOG=1")
@@ -118,9 +119,7 @@ def _video(
     config: RemoteConfig, memory: CellMemory | None, tally: VideoTally, should_stop: StopFlag, heartbeat: Heartbeat
 ) -> None:
     views = SimulatedViews(config.simulation, config.robot, memory) if memory is not None else None
-    with open_link(
-        listen=(config.links.video,), security=config.links, send_buffer_bytes=VIDEO_SEND_BUFFER_BYTES
-    ) as link:
+    with open_site_link(config.links, config.links.video, VIDEO_SEND_BUFFER_BYTES) as link:
         publishers: dict[str, Publisher[VideoFrame]] = {
             camera.name: link.publisher(CAMERA, config.cell, camera.name) for camera in config.video.cameras
         }
@@ -139,4 +138,4 @@ def _metrics(config: RemoteConfig, tally: VideoTally, should_stop: StopFlag, hea
 
     port, figures = config.metrics.port, RemoteFigures(tally)
     links, beat = config.links, heartbeat.beat
-    run_metrics(port, links.control, STATE, config.cell, figures, should_stop, beat, links)
+    run_metrics(port, links.heard_at, STATE, config.cell, figures, should_stop, beat, links)

@@ -12,7 +12,7 @@ from common.messages import HandArm
 from common.rate import Rate
 from common.requests import EngagementAction, EngagementRequest, Reply
 from common.service import StopFlag, ask_for_real_time
-from common.transport import Link, open_link
+from common.transport import Link
 from remote_site.chain import Chain, Step
 from remote_site.config import RemoteConfig
 from remote_site.drivers.driver import JointCommand
@@ -25,6 +25,7 @@ from remote_site.front_desk import FrontDesk, describe
 from remote_site.kinematics.limits import JointLimits
 from remote_site.kinematics.model import ArmModel
 from remote_site.lease import LeaseDesk
+from remote_site.links import open_site_link
 from remote_site.reporting import Refusals, Reporter
 from remote_site.safety.state import Answer
 from remote_site.safety.status import Code, Reason, reason
@@ -50,7 +51,7 @@ def run_control(
     model = ArmModel.from_urdf(config.robot.urdf, config.robot.tool_frame, config.robot.tool_T_tcp)
     limits = JointLimits.from_model(model, config.robot)
     driver = DriverLink(driver_memory, limits, clock)
-    with open_link(listen=(config.links.control,), security=config.links) as link:
+    with open_site_link(config.links, config.links.control) as link:
         leases = LeaseDesk(round(config.lease.seconds * NS_PER_S), 1 + secrets.randbits(LEASE_BITS))
         chain = Chain(config, model, limits, config.robot.start, leases)
         real_time = ask_for_real_time(FIFO_PRIORITY)

@@ -62,7 +62,7 @@ def examine_remote(config: RemoteConfig) -> list[Finding]:
     video = config.video
     real = [camera for camera in video.cameras if camera.source != SIMULATED]
     cameras = [site_probing.probe_camera(camera.name, camera.source, video.fps) for camera in real]
-    listening = [("control", config.links.control), ("video", config.links.video), *_metrics(config)]
+    listening = [*zip(("control", "video"), config.links.listened, strict=False), *_metrics(config)]
     return [
         *findings,
         *map(site.check_camera, cameras),

@@ -1,11 +1,8 @@
 """Links with real certificates: who is refused hears why, and what is refused never arrives."""
 
-import json
-import socket
 import sys
-import threading
 import time
-from collections.abc import Callable, Iterator
+from collections.abc import Iterator
 from contextlib import ExitStack, contextmanager
 from datetime import UTC, datetime, timedelta
 from pathlib import Path
@@ -19,20 +16,29 @@ from common.credentials import load_credentials
 from common.endpoints import check_endpoint, from_this_host
 from common.errors import RefusedError, TransportError
 from common.link_config import ON_THIS_HOST, PLAIN_TEXT_WORDS, LinkSecurity, TlsConfig
-from common.requests import ClockAnswer, ClockQuestion, EngagementAction, EngagementRequest, Reply
+from common.requests import ClockQuestion, EngagementAction
 from common.roles import Identity, Role
 from common.transport import Link, open_link
 from farhand.certificates.folder import Order, create, load_authority
-from farhand.certificates.issuing import Issued, issue
+from farhand.certificates.issuing import issue
 
 sys.path.insert(0, str(Path(__file__).parent))
-import golden_examples as golden
+from secured_cell import (
+    CELL,
+    HAND_SAMPLE,
+    QUIET_S,
+    ROBOT_STATE,
+    Cell,
+    commands_arrive,
+    dishonest,
+    free_port,
+    keep,
+    request,
+    secured,
+    until,
+)
 
-HAND_SAMPLE, ROBOT_STATE = golden.HAND, golden.STATE
-CELL = "lab"
 PROMISED_S = 3.0  # until who is refused knows why
-PATIENCE_S = 9.0
-QUIET_S = 0.25  # enough for what passes at once to arrive
 
 
 @pytest.fixture(scope="module")
@@ -49,113 +55,21 @@ def pki(tmp_path_factory: pytest.TempPathFactory) -> Path:
     return folder
 
 
-def keep(stem: Path, issued: Issued) -> None:
-    stem.with_suffix(".pem").write_bytes(issued.certificate_pem)
-    stem.with_suffix(".key").write_bytes(issued.key_pem)
-
-
-def secured(folder: Path, who: str, cell: str = CELL) -> LinkSecurity:
-    pair = folder / cell / who
-    tls = TlsConfig(ca=str(folder / "ca.pem"), certificate=f"{pair}.pem", key=f"{pair}.key")
-    return LinkSecurity(tls=tls)
-
-
-def free_port() -> int:
-    with socket.socket() as probe:
-        probe.bind(("127.0.0.1", 0))
-        return int(probe.getsockname()[1])
-
-
-def until(is_so: Callable[[], object]) -> None:
-    deadline = time.monotonic() + PATIENCE_S
-    while not is_so():
-        assert time.monotonic() < deadline, "waited in vain"
-        time.sleep(0.01)
-
-
-class Cell:
-    """A remote site's link: tells its state, counts what reaches it, answers all that it is asked."""
-
-    def __init__(self, security: LinkSecurity, protocol: str = "tls") -> None:
-        self.endpoint = f"{protocol}/127.0.0.1:{free_port()}"
-        self.link = open_link(listen=(self.endpoint,), security=security)
-        self.hands, self.asked = 0, 0
-        self._stop = threading.Event()
-        self._thread = threading.Thread(target=self._run)
-        self._thread.start()
-
-    def _run(self) -> None:
-        hand, state = self.link.latest(HAND, CELL), self.link.publisher(STATE, CELL)
-        servers = [self.link.serve(procedure, CELL, print) for procedure in (ENGAGEMENT, MAINTENANCE)]
-        clock = self.link.answer(CLOCK, CELL, print)
-        while not self._stop.wait(0.005):
-            state.put(ROBOT_STATE)
-            self.hands += hand.take() is not None
-            clock.poll(lambda _: ClockAnswer(received_ns=1, answered_ns=2))
-            for server in servers:
-                server.poll(time.monotonic_ns(), self._answer)
-
-    def _answer(self, request: EngagementRequest) -> Reply:
-        self.asked += 1
-        return Reply(id=request.id, done=True, code="ok", reason="")
-
-    def close(self) -> None:
-        self._stop.set()
-        self._thread.join()
-        self.link.close()
-
-
 @contextmanager
 def running(security: LinkSecurity, protocol: str = "tls") -> Iterator[Cell]:
-    cell = Cell(security, protocol)
-    try:
-        yield cell
-    finally:
-        cell.close()
+    endpoint = f"{protocol}/127.0.0.1:{free_port()}"
+    with open_link(listen=(endpoint,), security=security) as link:
+        cell = Cell(endpoint, link)
+        try:
+            yield cell
+        finally:
+            cell.close()
 
 
 @pytest.fixture(scope="module")
 def cell(pki: Path) -> Iterator[Cell]:
     with running(secured(pki, "remote")) as cell:
         yield cell
-
-
-@contextmanager
-def dishonest(endpoint: str, folder: Path, who: str | None, *, listen: bool = False) -> Iterator[zenoh.Session]:
-    """A session that checks nothing itself and has no access control of its own."""
-    tls = {"root_ca_certificate": str(folder / "ca.pem"), "verify_name_on_connect": False}
-    for end in ("listen", "connect") if who else ():
-        tls |= {f"{end}_certificate": f"{folder / CELL / who}.pem", f"{end}_private_key": f"{folder / CELL / who}.key"}
-    config = zenoh.Config()
-    settings = {
-        "listen/endpoints": [endpoint] if listen else [],
-        "connect/endpoints": [] if listen else [endpoint],
-        "connect/exit_on_failure": False,
-        "scouting/multicast/enabled": False,
-        "transport/link/tls": tls | {"enable_mtls": who is not None},
-    }
-    for key, value in settings.items():
-        config.insert_json5(key, json.dumps(value))
-    with zenoh.open(config) as session:
-        yield session
-
-
-def request(action: EngagementAction = EngagementAction.ENGAGE) -> EngagementRequest:
-    deadline_ns = time.monotonic_ns() + 5_000_000_000
-    return EngagementRequest(id=1, deadline_ns=deadline_ns, operator="eve", action=action)
-
-
-def commands_arrive(session: zenoh.Session, cell: Cell) -> bool:
-    """Whether anything that moves or stops the arm reaches the cell from there."""
-    before = cell.hands, cell.asked
-    for key in (HAND.key_for(CELL), f"farhand/{CELL}/*", f"farhand/{CELL}/**"):
-        session.put(key, encode(HAND_SAMPLE))
-        session.delete(key)
-    for procedure in (ENGAGEMENT, MAINTENANCE):
-        list(session.get(procedure.key_for(CELL), payload=encode(request()), timeout=QUIET_S / 2))
-    list(session.get(f"farhand/{CELL}/rpc/**", payload=encode(request()), timeout=QUIET_S / 2))
-    time.sleep(QUIET_S)
-    return (cell.hands, cell.asked) != before
 
 
 def why_refused(endpoint: str, security: LinkSecurity) -> str:

@@ -1,0 +1,62 @@
+"""The meeting point for sites that cannot reach each other: a session in router mode, and zenohd's configuration."""
+
+import json
+from typing import Annotated, Any
+
+import structlog
+from msgspec import Meta
+
+from common.channels import check_cell_name
+from common.credentials import Credentials, check_bearer
+from common.endpoints import check_endpoint
+from common.link_config import LinkSecurity
+from common.roles import Identity, Role
+from common.service import LogFormat, StopFlag, notify, start_log
+from common.session_settings import Mode, Places, session_settings
+from common.transport import open_router
+
+BEAT_S = 0.2
+ROUTER = Identity(Role.ROUTER, None)
+EndpointName = Annotated[str, Meta(min_length=1)]
+
+
+class RouterConfig(LinkSecurity, frozen=True, kw_only=True, forbid_unknown_fields=True):
+    """Everything the router can be told."""
+
+    listen: Annotated[
+        tuple[EndpointName, ...], Meta(min_length=1, max_length=8, description="endpoints for the sites of all cells")
+    ] = ("tcp/127.0.0.1:7450",)
+    cells: Annotated[
+        tuple[str, ...], Meta(min_length=1, max_length=64, description="the cells whose sites meet here")
+    ] = ("cell",)
+
+    def __post_init__(self) -> None:
+        super().__post_init__()
+        for cell in self.cells:
+            check_cell_name(cell)
+
+
+def run_router(config: RouterConfig, should_stop: StopFlag, log_format: LogFormat = LogFormat.TEXT) -> None:
+    """Pass on what the sites say to each other until asked to stop; TransportError when it cannot listen."""
+    start_log("router", log_format)
+    check_bearer(config.tls, ROUTER)
+    with open_router(listen=config.listen, cells=config.cells, security=config):
+        notify("READY=1")
+        structlog.get_logger().info("ready", listen=", ".join(config.listen), cells=", ".join(config.cells))
+        while not should_stop.wait(BEAT_S):
+            notify("WATCHDOG=1")
+        notify("STOPPING=1")
+
+
+def zenohd_configuration(config: RouterConfig) -> str:
+    """The same router for zenohd, as JSON5: the same caps, and the same roles by the names in certificates."""
+    listening = tuple(check_endpoint(endpoint, config) for endpoint in config.listen)
+    credentials = Credentials(config.tls, ROUTER) if config.tls.is_given else None
+    nested: dict[str, Any] = {"adminspace": {"enabled": False}}
+    for path, value in session_settings(Places(Mode.ROUTER, listening), credentials, config.cells).items():
+        *parents, leaf = path.split("/")
+        table = nested
+        for parent in parents:
+            table = table.setdefault(parent, {})
+        table[leaf] = value
+    return json.dumps(nested, indent=2)

@@ -1,0 +1,103 @@
+"""The meeting point: sites that only connect hear each other, by their roles, and again after it was restarted."""
+
+import json
+import sys
+import time
+from collections.abc import Iterator
+from contextlib import ExitStack
+from datetime import UTC, datetime
+from pathlib import Path
+
+import pytest
+import zenoh
+
+from common.channels import ENGAGEMENT, HAND, STATE
+from common.config import load_config
+from common.transport import Link, open_link, open_router
+from farhand.certificates.folder import Order, create
+from farhand.router import RouterConfig, zenohd_configuration
+
+sys.path.insert(0, str(Path(__file__).parents[1] / "common"))
+from secured_cell import CELL, HAND_SAMPLE, Cell, commands_arrive, dishonest, free_port, request, secured, until
+
+DEPLOYED = Path(__file__).parents[2] / "deploy" / "router"
+
+
+@pytest.fixture(scope="module")
+def pki(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    folder = tmp_path_factory.mktemp("pki")
+    for name in (CELL, "other"):
+        create(folder, Order(name, (), 30), datetime.now(UTC))
+    return folder
+
+
+class Meeting:
+    """A router, and a cell that only connects to it."""
+
+    def __init__(self, pki: Path, stack: ExitStack) -> None:
+        self.pki, self.endpoint = pki, f"tls/127.0.0.1:{free_port()}"
+        self.router = self.open()
+        site = open_link(connect=(self.endpoint,), security=secured(pki, "remote"), through_router=True)
+        self.cell = Cell(self.endpoint, stack.enter_context(site))
+        stack.callback(self.close)
+
+    def close(self) -> None:
+        self.cell.close()
+        self.router.close()
+
+    def open(self) -> Link:
+        return open_router(listen=(self.endpoint,), cells=(CELL, "other"), security=secured(self.pki, "router"))
+
+    def connect(self, who: str, cell: str = CELL) -> Link:
+        return open_link(connect=(self.endpoint,), security=secured(self.pki, who, cell))
+
+
+@pytest.fixture
+def meeting(pki: Path) -> Iterator[Meeting]:
+    with ExitStack() as stack:
+        yield Meeting(pki, stack)
+
+
+def test_sites_meet_and_meet_again_after_the_router_was_restarted(meeting: Meeting) -> None:
+    with meeting.connect("operator") as operator:
+        hand, state = operator.publisher(HAND, CELL), operator.latest(STATE, CELL)
+        for _ in range(2):
+            before = meeting.cell.hands
+            until(state.take)
+            until(lambda: hand.put(HAND_SAMPLE) or meeting.cell.hands > before)  # noqa: B023  # called here alone
+            give_up_ns = time.monotonic_ns() + 9_000_000_000
+            assert operator.request(ENGAGEMENT, CELL, request(), give_up_ns).done
+            meeting.router.close()
+            while state.take() is not None:
+                pass
+            meeting.router = meeting.open()
+
+
+def test_a_router_passes_on_nothing_that_a_role_may_not_send(meeting: Meeting) -> None:
+    with meeting.connect("viewer") as viewer:
+        until(viewer.latest(STATE, CELL).take)
+    with dishonest(meeting.endpoint, meeting.pki, "viewer") as session:
+        assert not commands_arrive(session, meeting.cell)
+    with dishonest(meeting.endpoint, meeting.pki, "operator", cell="other") as session:
+        assert not commands_arrive(session, meeting.cell)
+    with dishonest(meeting.endpoint, meeting.pki, "operator") as session:
+        assert commands_arrive(session, meeting.cell)
+
+
+def test_zenohds_configuration_is_the_routers_and_can_be_read() -> None:
+    deployed = DEPLOYED / "zenohd.json5"
+    config = load_config(RouterConfig, DEPLOYED / "router.toml")
+    written = "".join(line for line in deployed.read_text().splitlines(True) if not line.startswith("//"))
+    assert json.loads(written) == json.loads(zenohd_configuration(config))
+    read = zenoh.Config.from_file(str(deployed))
+    assert json.loads(read.get_json("mode")) == "router"
+    assert json.loads(read.get_json("transport/link/tls"))["enable_mtls"] is True
+    control = json.loads(read.get_json("access_control"))
+    assert control["default_permission"] == "deny"
+    assert {subject["cert_common_names"][0] for subject in control["subjects"]} == {
+        "remote.cell",
+        "operator.cell",
+        "viewer.cell",
+        "maintenance.cell",
+        "router",
+    }
