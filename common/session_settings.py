@@ -15,7 +15,8 @@ LEASE_MS = 1000
 KEEP_ALIVES_PER_LEASE = 4
 OPEN_TIMEOUT_MS = 1000
 RETRY = {"period_init_ms": 100, "period_max_ms": 500, "period_increase_factor": 2}
-FOR_EVER = -1
+FOR_EVER = -1  # in the background; a client would wait for it
+CLIENT_TIMEOUT_MS = 500
 MAX_MESSAGE_BYTES = 2 * max(channel.max_bytes for channel in CHANNELS)  # what is gathered of one before it is judged
 MAX_NEIGHBOURS = 64
 
@@ -51,7 +52,7 @@ def session_settings(places: Places, credentials: Credentials | None, cells: Seq
         "listen/endpoints": [str(endpoint) for endpoint in places.listen],
         "connect/endpoints": [str(endpoint) for endpoint in places.connect],
         "connect/retry": RETRY,
-        "connect/timeout_ms": FOR_EVER,
+        "connect/timeout_ms": CLIENT_TIMEOUT_MS if places.mode is Mode.CLIENT else FOR_EVER,
         "connect/exit_on_failure": False,
         "scouting/multicast/enabled": False,
         "scouting/gossip/enabled": False,

@@ -30,6 +30,8 @@ Refused = Callable[[MessageError], None]
 
 REQUEST_TIMEOUT_S = 0.3
 PENDING_REQUESTS = 16
+ROUTER_PATIENCE_S = 20.0
+ROUTER_POLL_S = 0.2
 REFUSAL = b"refused: "  # begins our own error replies; zenoh has others, such as for a time-out
 MAX_DEADLINE_NS = 10 * NS_PER_S  # a request is remembered so long that no repetition can outlive it
 PRIORITIES = {
@@ -297,14 +299,16 @@ def open_link(
     `send_buffer_bytes` is how much may wait in each connection, None for the system's choice, which is megabytes.
     Listening fails at once when the port is taken; connecting goes on in the background until the other side is there,
     but a side that is there and refuses us, or that we refuse, is a RefusedError. `through_router` is for who answers
-    where nobody can reach it: everything comes and goes by the router at `connect`.
+    where nobody can reach it: everything comes and goes by the router at `connect`, which is waited for.
     """
     listening = _listening(listen, security)
     outgoing = tuple(check_endpoint(endpoint, security) for endpoint in connect)
     credentials = _credentials((*listening, *outgoing), security)
     cells = [credentials.identity.cell] if credentials and credentials.identity.cell else []
     mode = Mode.CLIENT if through_router else Mode.PEER
-    link = Link(_open(Places(mode, listening, outgoing, send_buffer_bytes), credentials, cells), outgoing, credentials)
+    places = Places(mode, listening, outgoing, send_buffer_bytes)
+    opening = _open_when_met if through_router else _open
+    link = Link(opening(places, credentials, cells), outgoing, credentials)
     try:
         link.check_connected()
     except RefusedError:
@@ -328,6 +332,21 @@ def _listening(endpoints: tuple[str, ...], security: LinkSecurity) -> tuple[Endp
 
 def _credentials(places: Sequence[Endpoint], security: LinkSecurity) -> Credentials | None:
     return load_credentials(security.tls) if any(place.is_tls for place in places) else None
+
+
+def _open_when_met(places: Places, credentials: Credentials | None, cells: Sequence[str]) -> zenoh.Session:
+    """Open a client's session as soon as its router is there; TransportError when it does not come."""
+    give_up = time.monotonic() + ROUTER_PATIENCE_S
+    while True:
+        try:
+            return _open(places, credentials, cells)
+        except TransportError as error:
+            why = next((why for endpoint in places.connect if (why := refusal(endpoint, credentials))), None)
+            if why is not None:
+                raise RefusedError(why) from error
+            if time.monotonic() > give_up:
+                raise TransportError(f"no router answers at {places}: start it there with 'farhand router'") from error
+            time.sleep(ROUTER_POLL_S)
 
 
 def _open(places: Places, credentials: Credentials | None, cells: Sequence[str]) -> zenoh.Session:

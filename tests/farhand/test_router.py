@@ -2,6 +2,7 @@
 
 import json
 import sys
+import threading
 import time
 from collections.abc import Iterator
 from contextlib import ExitStack
@@ -13,6 +14,7 @@ import zenoh
 
 from common.channels import ENGAGEMENT, HAND, STATE
 from common.config import load_config
+from common.errors import RefusedError
 from common.transport import Link, open_link, open_router
 from farhand.certificates.folder import Order, create
 from farhand.router import RouterConfig, zenohd_configuration
@@ -71,6 +73,23 @@ def test_sites_meet_and_meet_again_after_the_router_was_restarted(meeting: Meeti
             while state.take() is not None:
                 pass
             meeting.router = meeting.open()
+
+
+def test_a_site_waits_for_its_router_and_hears_when_that_refuses_it(pki: Path) -> None:
+    endpoint = f"tls/127.0.0.1:{free_port()}"
+    later: list[Link] = []
+
+    def begin() -> None:
+        time.sleep(0.7)
+        later.append(open_router(listen=(endpoint,), cells=(CELL,), security=secured(pki, "router")))
+
+    thread = threading.Thread(target=begin)
+    thread.start()
+    with open_link(connect=(endpoint,), security=secured(pki, "remote"), through_router=True) as site:
+        assert len(site._session.info.links()) == 1
+    thread.join()
+    with later[0], pytest.raises(RefusedError, match="speaks TLS only"):
+        open_link(connect=(endpoint.replace("tls/", "tcp/"),), through_router=True)
 
 
 def test_a_router_passes_on_nothing_that_a_role_may_not_send(meeting: Meeting) -> None:
