@@ -8,7 +8,8 @@ from common.endpoints import Endpoint
 from common.roles import Identity, Role, read_common_name
 
 TIMEOUT_S = 0.9
-NO_MESSAGE = b"\0\0"  # zenoh hangs up on an empty message, once it has accepted our certificate
+NO_MESSAGE = bytes(8)  # zenoh hangs up on an empty message; within TLS, once it has accepted our certificate
+TLS_ALERT = b"\x15"
 LISTENERS = (Role.REMOTE, Role.OPERATOR, Role.ROUTER)
 ALERTS = {
     "CERTIFICATE_REQUIRED": "asks for a certificate",
@@ -25,15 +26,22 @@ ALERTS = {
 def refusal(endpoint: Endpoint, credentials: Credentials | None) -> str | None:
     """A sentence on why whoever listens there and this side refuse each other; None when they do not, or nobody does.
 
-    Takes a few milliseconds, at most some two seconds where the other side says nothing.
+    Takes a few round trips, at most some two seconds where the other side says nothing.
     """
     try:
-        with socket.create_connection((endpoint.host, endpoint.port), TIMEOUT_S) as wire:
-            if endpoint.is_tls and credentials is not None:
-                return _tls_refusal(wire, endpoint, credentials)
-            return _plain_refusal(wire, endpoint)
+        speaks_tls = _speaks_tls(endpoint)
+        if endpoint.is_tls and credentials is not None and speaks_tls:
+            return _tls_refusal(endpoint, credentials)
     except OSError:
-        return None  # nobody is there: that is no refusal
+        return None  # nobody is there, or is silent: that is no refusal
+    if endpoint.is_tls and speaks_tls is False:
+        return f"{endpoint} does not speak TLS: who listens there is without protection; nothing is sent to it"
+    if not endpoint.is_tls and speaks_tls:
+        return (
+            f"{endpoint} refuses plain tcp: who listens there speaks TLS only; write the endpoint as "
+            f"tls/{str(endpoint).partition('/')[2]} and name certificates in the table [links.tls]"
+        )
+    return None
 
 
 def identity_refusal(shown: str, endpoint: str, own: Identity) -> str | None:
@@ -48,10 +56,21 @@ def identity_refusal(shown: str, endpoint: str, own: Identity) -> str | None:
     )
 
 
-def _tls_refusal(wire: socket.socket, endpoint: Endpoint, credentials: Credentials) -> str | None:
+def _speaks_tls(endpoint: Endpoint) -> bool | None:
+    """Whether a site takes bytes of no meaning for broken TLS or for a broken plain message; None when it is silent."""
+    with socket.create_connection((endpoint.host, endpoint.port), TIMEOUT_S) as wire:
+        wire.sendall(NO_MESSAGE)
+        first = wire.recv(1)
+    return first == TLS_ALERT if first else None
+
+
+def _tls_refusal(endpoint: Endpoint, credentials: Credentials) -> str | None:
     context = client_context(credentials.tls)
     try:
-        with context.wrap_socket(wire, server_hostname=endpoint.host) as secured:
+        with (
+            socket.create_connection((endpoint.host, endpoint.port), TIMEOUT_S) as wire,
+            context.wrap_socket(wire, server_hostname=endpoint.host) as secured,
+        ):
             shown = common_name(secured.getpeercert())
             impostor = identity_refusal(shown, str(endpoint), credentials.identity)
             if impostor is not None:
@@ -61,42 +80,13 @@ def _tls_refusal(wire: socket.socket, endpoint: Endpoint, credentials: Credentia
     except ssl.SSLCertVerificationError as error:
         return f"{endpoint} is refused: the certificate shown there {verdict(error)}"
     except ssl.SSLError as error:
-        if "ALERT" in (error.reason or ""):
-            return _alert(error.reason, endpoint, credentials)
-        return _if_plain(endpoint)
-    except TimeoutError:
-        return _if_plain(endpoint)
+        return _alert(error.reason or "", endpoint, credentials)
     return None
 
 
-def _alert(reason: str, endpoint: Endpoint, credentials: Credentials) -> str:
+def _alert(reason: str, endpoint: Endpoint, credentials: Credentials) -> str | None:
+    """What the other side says of our certificate; a link that only breaks off is no refusal."""
+    if "ALERT" not in reason:
+        return None
     told = next((sentence for name, sentence in ALERTS.items() if reason.endswith(name)), f"says {reason}")
     return f"{endpoint} refuses the certificate {credentials.tls.certificate}: it {told}"
-
-
-def _if_plain(endpoint: Endpoint) -> str | None:
-    """A plain site hangs up on an empty message with a word; whoever is only slow or silent refuses nobody."""
-    try:
-        with socket.create_connection((endpoint.host, endpoint.port), TIMEOUT_S) as wire:
-            wire.sendall(NO_MESSAGE)
-            if not wire.recv(1):
-                return None
-    except OSError:
-        return None
-    return f"{endpoint} does not speak TLS: who listens there is without protection; nothing is sent to it"
-
-
-def _plain_refusal(wire: socket.socket, endpoint: Endpoint) -> str | None:
-    """A site with certificates answers to TLS alone."""
-    context = ssl.SSLContext(ssl.PROTOCOL_TLS_CLIENT)
-    context.check_hostname, context.verify_mode = False, ssl.CERT_NONE
-    try:
-        with context.wrap_socket(wire, server_hostname=endpoint.host):
-            pass
-    except (OSError, ssl.SSLError) as error:
-        if "ALERT" not in (getattr(error, "reason", None) or ""):
-            return None
-    return (
-        f"{endpoint} refuses plain tcp: who listens there speaks TLS only; write the endpoint as "
-        f"tls/{str(endpoint).partition('/')[2]} and name certificates in the table [links.tls]"
-    )

@@ -5,18 +5,19 @@ import sys
 import threading
 import time
 from collections.abc import Callable, Iterator
+from contextlib import ExitStack
 from pathlib import Path
 
 import msgspec
 import pytest
 
-from common.channels import ENGAGEMENT, HAND, PREVIEW
+from common.channels import CLOCK, ENGAGEMENT, HAND, PREVIEW
 from common.codec import encode
 from common.endpoints import check_endpoint
 from common.errors import MessageError, TransportError
 from common.link_config import ON_THIS_HOST
 from common.messages import HandArm
-from common.requests import EngagementAction, EngagementRequest, Reply
+from common.requests import ClockAnswer, ClockQuestion, EngagementAction, EngagementRequest, Reply
 from common.transport import Latest, Link, Publisher, open_link
 
 sys.path.insert(0, str(Path(__file__).parent))
@@ -147,6 +148,50 @@ def test_an_expired_request_and_one_that_would_never_expire_are_refused(
     assert handled == [1]
     assert payloads
     assert code in payloads[0]
+
+
+def test_what_is_larger_than_its_channel_allows_never_arrives(links: tuple[Link, Link]) -> None:
+    server, client = links
+    latest, publisher = server.latest(HAND, "lab"), client.publisher(HAND, "lab")
+    until_received(publisher, latest, golden.HAND)
+    publisher._publisher.put(bytes(HAND.max_bytes + 1))
+    publisher.put(msgspec.structs.replace(golden.HAND, seq=1000))
+    taken: list[HandArm | None] = []
+    wait_until(lambda: taken.append(latest.take()) or (taken[-1] is not None and taken[-1].seq == 1000))
+    publisher._publisher.put(bytes(HAND.max_bytes))
+    with pytest.raises(MessageError, match="malformed"):
+        latest.wait()
+
+
+def test_one_neighbours_flood_of_questions_leaves_room_for_anothers() -> None:
+    endpoint, stop, answered = free_endpoint(), threading.Event(), [0]
+
+    def answer(_question: ClockQuestion) -> ClockAnswer:
+        answered[0] += 1
+        return ClockAnswer(received_ns=1, answered_ns=1)
+
+    def serve_clock(server: Link) -> None:
+        clock = server.answer(CLOCK, "lab", print)
+        while not stop.wait(0.004):
+            clock.poll(answer)
+
+    def flood(link: Link) -> None:
+        while not stop.is_set():
+            link._session.get(CLOCK.key_for("lab"), payload=encode(ClockQuestion()), timeout=0.3)
+            time.sleep(0.0002)
+
+    with ExitStack() as stack:
+        server = stack.enter_context(open_link(listen=(endpoint,)))
+        rude, polite = (stack.enter_context(open_link(connect=(endpoint,))) for _ in range(2))
+        threads = [threading.Thread(target=serve_clock, args=(server,)), threading.Thread(target=flood, args=(rude,))]
+        for thread in threads:
+            thread.start()
+        wait_until(lambda: answered[0] > 20)
+        heard = [polite.round_trip("lab") for _ in range(4) if not stop.wait(0.1)]
+        stop.set()
+        for thread in threads:
+            thread.join()
+    assert any(heard)
 
 
 def test_a_publisher_knows_whether_anybody_listens() -> None:
