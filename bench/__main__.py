@@ -8,9 +8,10 @@ from pathlib import Path
 from rich.console import Console
 from rich.table import Table
 
-from bench import control, fuzz, monocular, rendering, soak, tracking, video
+from bench import cells, control, fuzz, monocular, rendering, soak, tracking, video
 
 BENCHMARKS: dict[str, Callable[[], dict[str, float]]] = {
+    "cells": cells.measure,
     "control": control.measure,
     "fuzz": fuzz.measure,
     "monocular": monocular.measure,

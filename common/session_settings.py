@@ -18,7 +18,7 @@ RETRY = {"period_init_ms": 100, "period_max_ms": 500, "period_increase_factor": 
 FOR_EVER = -1  # in the background; a client would wait for it
 CLIENT_TIMEOUT_MS = 500
 MAX_MESSAGE_BYTES = 2 * max(channel.max_bytes for channel in CHANNELS)  # what is gathered of one before it is judged
-MAX_NEIGHBOURS = 64
+MAX_NEIGHBOURS, MAX_AT_ROUTER = 64, 1024
 
 
 class Mode(StrEnum):
@@ -64,7 +64,7 @@ def session_settings(places: Places, credentials: Credentials | None, cells: Seq
         "transport/link/rx/max_message_size": MAX_MESSAGE_BYTES,
         "transport/unicast/open_timeout": OPEN_TIMEOUT_MS,
         "transport/unicast/accept_timeout": OPEN_TIMEOUT_MS,
-        "transport/unicast/max_sessions": MAX_NEIGHBOURS,
+        "transport/unicast/max_sessions": MAX_AT_ROUTER if places.mode is Mode.ROUTER else MAX_NEIGHBOURS,
         "low_pass_filter": payload_caps("*"),
         "downsampling": rate_caps("*"),
     }

@@ -233,7 +233,6 @@ class Link:
             if reply is not None:
                 return reply
             time.sleep(max(0.0, min(attempt_ends, give_up_ns / NS_PER_S) - time.monotonic()))
-        self.check_connected()
         raise TransportError(f"nobody answered {procedure.key_for(cell, name)}: is that site of cell {cell} running?")
 
     def round_trip(self, cell: str) -> RoundTrip | None:

@@ -24,13 +24,22 @@ def ask_remote(link: Link, cell: str, procedure: Procedure[Q, R], make: Callable
     give_up_ns = time.monotonic_ns() + PATIENCE_NS
     trip = _round_trip(link, cell, give_up_ns)
     request = make(secrets.randbits(REQUEST_BITS), give_up_ns + trip.offset_ns)
-    return link.request(procedure, cell, request, give_up_ns)
+    return _request(link, cell, procedure, request, give_up_ns)
 
 
 def ask_local(link: Link, cell: str, procedure: Procedure[Q, R], make: Callable[[int, int], Q]) -> R:
     """The reply of the local site of this host, whose clock is ours; TransportError as above."""
     give_up_ns = time.monotonic_ns() + PATIENCE_NS
-    return link.request(procedure, cell, make(secrets.randbits(REQUEST_BITS), give_up_ns), give_up_ns)
+    return _request(link, cell, procedure, make(secrets.randbits(REQUEST_BITS), give_up_ns), give_up_ns)
+
+
+def _request(link: Link, cell: str, procedure: Procedure[Q, R], request: Q, give_up_ns: int) -> R:
+    """The reply; where nobody answers, the reason if one is to be found."""
+    try:
+        return link.request(procedure, cell, request, give_up_ns)
+    except TransportError:
+        link.check_connected()
+        raise
 
 
 def _round_trip(link: Link, cell: str, give_up_ns: int) -> RoundTrip:

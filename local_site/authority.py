@@ -30,6 +30,7 @@ POLL_S = 0.02
 CLOCK_EVERY_NS = 200 * NS_PER_MS
 PATIENCE_NS = NS_PER_S
 REQUEST_BITS = 62
+ROUNDS_TO_DOUBT = 25  # of silence, until the reason is looked for: some six seconds
 ACTIONS = {OperatorAction.GIVE: LeaseAction.HAND_OVER, OperatorAction.RELEASE: LeaseAction.RELEASE}
 
 
@@ -53,7 +54,7 @@ class Authority:
         self._keeper = LeaseKeeper(operator, automatic=automatic)
         self._estimator = OffsetEstimator()
         self._server = link.serve(OPERATE, cell, _tell_refused, operator)
-        self._clock_due_ns = 0
+        self._clock_due_ns = self._silent = 0
         self._described = False
         self._clock: ClockSync | None = None
         self._refused: RefusedError | None = None
@@ -100,8 +101,11 @@ class Authority:
     def _measure(self, now_ns: int) -> None:
         self._clock_due_ns = now_ns + CLOCK_EVERY_NS
         trip = self._link.round_trip(self._cell)
+        self._silent = 0 if trip is not None else self._silent + 1
         if trip is not None:
             self._estimator.add(trip)
+        elif self._silent % ROUNDS_TO_DOUBT == 0:
+            self._link.check_connected()
         known = self._estimator.estimate(time.monotonic_ns())
         self._clock = _sync(known) if known is not None else None
 

@@ -15,6 +15,7 @@ from common.requests import DescribeQuestion, Description
 from common.transport import Link
 
 EVERY_S = 0.2
+ROUNDS_TO_DOUBT = 10  # of silence, until the reason is looked for
 
 
 class CellWatch:
@@ -31,6 +32,7 @@ class CellWatch:
         self._estimator = OffsetEstimator()
         self._lock = threading.Lock()
         self._known: Description | None = None
+        self._silent = 0
         self._stop = threading.Event()
         self._thread = threading.Thread(target=self._run, name="cell", daemon=True)
         self.round_trip_ms: float | None = None
@@ -69,8 +71,11 @@ class CellWatch:
     def _look(self) -> None:
         trip = self._link.round_trip(self._cell)
         self._add(trip)
+        self._silent = 0 if trip is not None else self._silent + 1
         if trip is None:
             self._known = None
+            if self._silent % ROUNDS_TO_DOUBT == 0:
+                self._link.check_connected()
         elif self._known is None:
             self._known = self._link.ask(DESCRIBE, self._cell, DescribeQuestion())
             if self._known is not None:

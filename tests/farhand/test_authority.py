@@ -218,3 +218,22 @@ def test_nobody_there_is_no_lease_and_no_clock():
             act_on_lease(CELL, listen, OperatorAction.TAKE)
         assert authority.standing(time.monotonic_ns()).lease == 0
         assert authority.standing(time.monotonic_ns()).clock is None
+
+
+def test_a_site_that_is_refused_while_it_runs_ends_with_the_reason(stack, monkeypatch):
+    where = endpoint()
+    link = stack.enter_context(open_link(connect=(where,)))
+    monkeypatch.setattr("local_site.authority.ROUNDS_TO_DOUBT", 2)
+    monkeypatch.setattr("common.transport.refusal", lambda place, _: f"{place} refuses us")
+    authority = stack.enter_context(Authority(link, CELL, "anna", 7, automatic=True))
+    told = []
+
+    def ended() -> bool:
+        try:
+            authority.standing(time.monotonic_ns())
+        except RefusedError as error:
+            told.append(str(error))
+        return bool(told)
+
+    until(ended, "the end")
+    assert told[0] == f"{where} refuses us"
