@@ -11,11 +11,12 @@ from numpy.typing import NDArray
 Array = NDArray[np.float64]
 
 MIN_LENGTH = 1e-9
+IDENTITY = np.eye(4)
 
 
 def transform(rotation: Array, translation: Array) -> Array:
     """A 4 x 4 rigid transform from a 3 x 3 rotation and a translation (3,) in m."""
-    result = np.eye(4)
+    result = IDENTITY.copy()
     result[:3, :3] = rotation
     result[:3, 3] = translation
     return result
