@@ -5,7 +5,7 @@ import math
 import numpy as np
 from ruckig import InputParameter, OutputParameter, Result, Ruckig, RuckigError, Synchronization
 
-from common.geometry import Array, rotation_from_vector, transform, vector_from_rotation
+from common.geometry import Array, angle_between, rotation_from_vector, transform, vector_from_rotation
 from remote_site.kinematics.joints import JointMotion
 from remote_site.kinematics.limits import TARGET_SPEED, JointLimits
 from remote_site.safety.status import Code, Reason, reason
@@ -77,11 +77,11 @@ def leash(base_T_target: Array, base_T_tool: Array, distance_m: float, angle_rad
     """The target drawn towards the tool until it is no further than both limits, and why if it was drawn."""
     ahead = base_T_target[:3, 3] - base_T_tool[:3, 3]
     distance = math.hypot(*ahead.tolist())
-    turn = vector_from_rotation(base_T_tool[:3, :3].T @ base_T_target[:3, :3])
-    angle = math.hypot(*turn.tolist())
+    angle = angle_between(base_T_target[:3, :3], base_T_tool[:3, :3])
     share = min(1.0, distance_m / max(distance, distance_m), angle_rad / max(angle, angle_rad))
     if share >= 1.0:
         return base_T_target, None
+    turn = vector_from_rotation(base_T_tool[:3, :3].T @ base_T_target[:3, :3])
     rotation = base_T_tool[:3, :3] @ rotation_from_vector(share * turn)
     why = reason(Code.SATURATED, distance_mm=distance * 1e3, limit_mm=share * distance * 1e3)
     return transform(rotation, base_T_tool[:3, 3] + share * ahead), why
