@@ -10,7 +10,7 @@ WAITING = 64  # samples on their way at most: two seconds of them
 
 
 class ObeyedSamples:
-    """Keeps the samples that were commanded until the robot's motion shows them: a slow robot lags behind by several."""
+    """Keeps the samples that were commanded until the motion shows them: a slow robot lags behind by several."""
 
     def __init__(self) -> None:
         self._newest: Obeyed | None = None
