@@ -7,7 +7,7 @@ import numpy as np
 from common.clock import NS_PER_MS, NS_PER_S
 from common.geometry import Array
 from remote_site.config import ControlConfig
-from remote_site.kinematics.limits import TARGET_SPEED, JointLimits
+from remote_site.kinematics.limits import TARGET_SPEED, JointLimits, stoppable
 
 SHORTEST_S = 0.01  # of the interval between two samples, when it tells a velocity
 MEMORY = 0.3  # share of the newest deviation in their mean: about three count
@@ -103,12 +103,12 @@ class Course(FreeCourse):
     """The course of joints (n,) in rad, which always stays where they can stop inside their limits."""
 
     def __init__(self, limits: JointLimits, config: ControlConfig) -> None:
-        self._limits = limits
         fastest = TARGET_SPEED * limits.velocity
         # Further than this from its limits, a joint can stop from any speed.
         far = (fastest**2 / limits.acceleration + fastest * limits.acceleration / limits.jerk) / 2
         self._far = list(zip((limits.lower + far).tolist(), (limits.upper - far).tolist(), strict=True))
         self._range = list(zip(limits.lower.tolist(), limits.upper.tolist(), strict=True))
+        self._most = list(zip(limits.acceleration.tolist(), limits.jerk.tolist(), strict=True))
         self._fastest: list[float] = fastest.tolist()
         super().__init__(len(limits.names), config)
 
@@ -119,12 +119,14 @@ class Course(FreeCourse):
 
     def _bounded(self, q: list[float], dq: list[float]) -> list[float]:
         """A velocity (n,) from which the joints can stop inside their limits."""
-        up = down = self._fastest
-        if not self._is_far(q):
-            rest = self._limits
-            up = np.minimum(up, rest.stoppable(rest.upper - q)).tolist()
-            down = np.minimum(down, rest.stoppable(q - rest.lower)).tolist()
-        return [min(max(speed, -low), high) for speed, low, high in zip(dq, down, up, strict=True)]
+        bounded = [min(max(speed, -most), most) for speed, most in zip(dq, self._fastest, strict=True)]
+        if self._is_far(q):
+            return bounded
+        near = zip(bounded, q, self._range, self._most, strict=True)
+        return [
+            min(max(speed, -stoppable(here - low, *most)), stoppable(high - here, *most))
+            for speed, here, (low, high), most in near
+        ]
 
     def _is_far(self, q: list[float]) -> bool:
         """Whether all joints are where they can stop inside their limits from any speed."""
