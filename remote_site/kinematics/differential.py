@@ -49,7 +49,6 @@ class DifferentialInverse:
     ) -> None:
         self._model = model
         self._data = model.pin_model.createData()
-        self._limits = limits
         self._gain, self._posture_gain = solver.gain_s, solver.posture_gain_s
         self._weights = task_weights(singularity.radius_m)
         self._damp = singularity.damp_condition
