@@ -54,7 +54,7 @@ class FreeCourse:
         estimate = [old + position_gain * off for old, off in zip(expected, error, strict=True)]
         rate = velocity_gain / max(elapsed, SHORTEST_S)
         speeds = [number[1] + rate * off if moving else 0.0 for number, off in zip(self._numbers, error, strict=True)]
-        self._turn_to(t_ns, estimate, self._bounded(estimate, speeds), now_ns, glide)
+        self._turn_to(t_ns, estimate, self._kept(estimate, speeds)[1], now_ns, glide)
 
     def at(self, now_ns: int) -> tuple[Array, Array]:
         """The target's position (n,), inside the limits if it has any, and velocity (n,) per s at `now_ns`."""
@@ -95,9 +95,6 @@ class FreeCourse:
         """Place and speed inside the limits, if there are any."""
         return q, dq
 
-    def _bounded(self, _q: list[float], dq: list[float]) -> list[float]:
-        return dq
-
 
 class Course(FreeCourse):
     """The course of joints (n,) in rad, which always stays where they can stop inside their limits."""
@@ -106,31 +103,24 @@ class Course(FreeCourse):
         fastest = TARGET_SPEED * limits.velocity
         # Further than this from its limits, a joint can stop from any speed.
         far = (fastest**2 / limits.acceleration + fastest * limits.acceleration / limits.jerk) / 2
-        self._far = list(zip((limits.lower + far).tolist(), (limits.upper - far).tolist(), strict=True))
-        self._range = list(zip(limits.lower.tolist(), limits.upper.tolist(), strict=True))
-        self._most = list(zip(limits.acceleration.tolist(), limits.jerk.tolist(), strict=True))
-        self._fastest: list[float] = fastest.tolist()
+        columns = limits.lower, limits.lower + far, limits.upper - far, limits.upper, fastest
+        dynamics = limits.acceleration, limits.jerk
+        self._joints = list(zip(*(column.tolist() for column in (*columns, *dynamics)), strict=True))
         super().__init__(len(limits.names), config)
 
     def _kept(self, q: list[float], dq: list[float]) -> tuple[list[float], list[float]]:
         """Inside the limits, with a velocity (n,) from which the joints can stop there."""
-        inside = [min(max(here, low), high) for here, (low, high) in zip(q, self._range, strict=True)]
-        return inside, self._bounded(inside, dq)
-
-    def _bounded(self, q: list[float], dq: list[float]) -> list[float]:
-        """A velocity (n,) from which the joints can stop inside their limits."""
-        bounded = [min(max(speed, -most), most) for speed, most in zip(dq, self._fastest, strict=True)]
-        if self._is_far(q):
-            return bounded
-        near = zip(bounded, q, self._range, self._most, strict=True)
-        return [
-            min(max(speed, -stoppable(here - low, *most)), stoppable(high - here, *most))
-            for speed, here, (low, high), most in near
-        ]
-
-    def _is_far(self, q: list[float]) -> bool:
-        """Whether all joints are where they can stop inside their limits from any speed."""
-        return all(low <= here <= high for here, (low, high) in zip(q, self._far, strict=True))
+        places, speeds = [], []
+        for place, speed, joint in zip(q, dq, self._joints, strict=True):
+            lower, least, most, upper, up, acceleration, jerk = joint
+            here, down = place, up
+            if not least <= place <= most:
+                here = min(max(place, lower), upper)
+                up = min(up, stoppable(upper - here, acceleration, jerk))
+                down = min(down, stoppable(here - lower, acceleration, jerk))
+            places.append(here)
+            speeds.append(up if speed > up else -down if speed < -down else speed)
+        return places, speeds
 
 
 def _square(numbers: list[float]) -> float:
