@@ -1,5 +1,6 @@
 """Distances of the arm to itself and to what stands around it, from capsules and boxes; pure."""
 
+import itertools
 import math
 from dataclasses import dataclass
 from pathlib import Path
@@ -17,6 +18,7 @@ from remote_site.safety.config import CapsuleConfig, CollisionConfig, FixtureCon
 from remote_site.safety.slack import Slack
 
 MIN_NORMAL = 1e-9
+SOON = 0.03  # m: the pairs that much nearer approach would put in doubt are measured along with those that are
 NOWHERE = 1e9  # rad: no posture that was ever measured
 NEIGHBOURS = 1  # joints apart: links that touch by construction
 Pairs = NDArray[np.intp]
@@ -88,14 +90,14 @@ class CollisionModel:
         """How much more than a distance in m every pair (m,) keeps at `q` at least, m; -inf where `q` is not finite.
 
         What was measured before is enough as long as it leaves no doubt about a way of `travel` (n,) from `q`: a pair's
-        distance changes by no more than its joints' levers allow. Only the pairs in doubt are measured.
+        distance changes by no more than its joints' levers allow. Only the pairs in doubt are measured, and those that
+        soon will be.
         """
         if not math.isfinite(sum(q.tolist())):
             return np.full(len(self._known), -math.inf)
         rooms = self._bounds(q) - distance
-        enough = rooms >= self.levers.dot(travel)
-        if not enough.all():
-            pairs = np.flatnonzero(~enough)  # NaN and -inf are never enough
+        pairs = np.flatnonzero(~(rooms >= self.levers.dot(travel) + SOON))  # NaN and -inf are never enough
+        if len(pairs):
             rooms[pairs] = self._look(q, pairs) - distance
         return rooms
 
@@ -228,7 +230,7 @@ def _levers(model: ArmModel, shapes: pin.GeometryModel, first: int, second: int)
     one, other = shapes.geometryObjects[first], shapes.geometryObjects[second]
     inner, outer = sorted((one, other), key=lambda shape: int(shape.parentJoint))
     outer.geometry.computeLocalAABB()
-    centre = outer.placement.act(outer.geometry.aabb_center)
-    return model.levers(
-        inner.parentJoint, outer.parentJoint, float(np.linalg.norm(centre)) + outer.geometry.aabb_radius
-    )
+    box = outer.geometry.aabb_local
+    corners = np.array(list(itertools.product(*zip(box.min_.tolist(), box.max_.tolist(), strict=True))))
+    placed: Array = corners @ outer.placement.rotation.T + outer.placement.translation
+    return model.levers(inner.parentJoint, outer.parentJoint, placed)
