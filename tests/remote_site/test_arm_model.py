@@ -85,7 +85,7 @@ def test_no_joint_moves_the_tool_further_than_its_lever(name, variant):
         speeds = np.linalg.norm(model.jacobian(q)[:3], axis=0)
         assert (speeds <= levers + 1e-9).all()
         reached = np.maximum(reached, speeds)
-    assert (reached >= 0.4 * levers - 1e-9).all()  # nor are they much too long
+    assert (reached >= 0.25 * levers - 1e-9).all()  # nor are they much too long
 
 
 def test_a_pose_is_not_changed_by_the_next_one():
