@@ -1,8 +1,6 @@
 """Every check between the wire and the driver is needed: with any one taken away, the test named beside it fails."""
 
-import inspect
-import textwrap
-from dataclasses import dataclass, replace
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -10,6 +8,7 @@ import test_collision
 import test_guard
 from hypothesis import given, settings
 from hypothesis import strategies as st
+from mutation import Mutation
 from remote_loop import RemoteLoop, arm, guard_of, hand, surroundings, workspace
 
 from common.clock import NS_PER_MS
@@ -31,25 +30,6 @@ MODEL, LIMITS = arm()
 START = RemoteConfig().robot.start
 DT = 0.004
 NAN = float("nan")
-
-
-@dataclass(frozen=True)
-class Mutation:
-    """A function of a class, the text of a check in it, and what stands there instead."""
-
-    owner: object
-    function: str
-    check: str
-    instead: str
-
-    def apply(self, monkeypatch):
-        """Put the changed function in the place of the true one; the text must be there exactly once."""
-        function = getattr(self.owner, self.function)
-        source = textwrap.dedent(inspect.getsource(function))
-        assert source.count(self.check) == 1, f"{self.check!r} is not a check of {self.function} any more"
-        names = {}
-        exec(compile(source.replace(self.check, self.instead), "mutation", "exec"), function.__globals__, names)  # noqa: S102
-        monkeypatch.setattr(self.owner, self.function, names[self.function])
 
 
 def a_wall():
