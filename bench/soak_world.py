@@ -110,7 +110,7 @@ class World:
         chain.measured = report.q
         if not report.ready:
             chain.sent = report.sent
-        if self._latch.note(report.fault, resting=chain.sent.resting):
+        if self._latch.note(report.fault, now_ns, resting=chain.sent.resting):
             self._wake(report)
         for sample in self.operator.arrived(now_ns):
             chain.receive(sample, now_ns)

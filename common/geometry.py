@@ -4,6 +4,7 @@
 """
 
 import math
+from collections.abc import Iterable
 
 import numpy as np
 from numpy.typing import NDArray
@@ -11,11 +12,13 @@ from numpy.typing import NDArray
 Array = NDArray[np.float64]
 
 MIN_LENGTH = 1e-9
+IDENTITY = np.eye(4)
+LONGEST_CHORD = math.sqrt(8.0)  # between two orientations half a turn apart
 
 
 def transform(rotation: Array, translation: Array) -> Array:
     """A 4 x 4 rigid transform from a 3 x 3 rotation and a translation (3,) in m."""
-    result = np.eye(4)
+    result = IDENTITY.copy()
     result[:3, :3] = rotation
     result[:3, 3] = translation
     return result
@@ -87,6 +90,12 @@ def vector_from_rotation(rotation: Array) -> Array:
     return np.array([x * share, y * share, z * share])
 
 
+def angle_between(a_R_b: Array, a_R_c: Array) -> float:
+    """The angle in rad, at most pi, between two orientations (3 x 3): twice that of the chord between them."""
+    chord = math.dist(a_R_b.ravel().tolist(), a_R_c.ravel().tolist())
+    return 2.0 * math.asin(min(chord / LONGEST_CHORD, 1.0))
+
+
 def unwound(vector: Array, last: Array) -> Array:
     """The rotation vector (3,) in rad of the same rotation, a whole turn more or less, that is nearest to the last."""
     angle = math.sqrt(float(vector @ vector))
@@ -102,14 +111,16 @@ def skew(v: Array) -> Array:
     return np.array([[0.0, -v[2], v[1]], [v[2], 0.0, -v[0]], [-v[1], v[0], 0.0]])
 
 
-def hand_rotation(wrist: Array, index: Array, thumb: Array) -> Array | None:
+def hand_rotation(wrist: Iterable[float], index: Iterable[float], thumb: Iterable[float]) -> Array | None:
     """The orientation `operator_R_hand` (3 x 3) of the hand from its three points in m.
 
     x runs from the wrist to the middle between the two tips (c' of thesis section 4.2), z along the normal
     of the plane wrist-index-thumb, (index - wrist) x (thumb - wrist), and y completes the frame. None when the points
     are collinear within `MIN_LENGTH`, so that no orientation exists.
     """
-    to_index, to_thumb = (index - wrist).tolist(), (thumb - wrist).tolist()
+    origin = tuple(wrist)
+    to_index = [tip - start for tip, start in zip(index, origin, strict=True)]
+    to_thumb = [tip - start for tip, start in zip(thumb, origin, strict=True)]
     ahead = [a + b for a, b in zip(to_index, to_thumb, strict=True)]
     x, z = _unit(ahead, 2 * MIN_LENGTH), _unit(_cross(to_index, to_thumb), MIN_LENGTH)
     return None if x is None or z is None else np.array([x, _cross(z, x), z]).T

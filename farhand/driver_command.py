@@ -7,12 +7,12 @@ import msgspec
 
 from common.children import Children
 from common.clock import MonotonicClock
-from common.service import StopFlag, start_log
+from common.service import StopFlag, ask_for_real_time, start_log
 from remote_site.app import run_cell_child, start_robot
 from remote_site.config import EMULATED, RemoteConfig
 from remote_site.drivers.conformance.checks import run_checks
 from remote_site.drivers.conformance.trial import Stand
-from remote_site.drivers.process import setup_of
+from remote_site.drivers.process import FIFO_PRIORITY, setup_of
 from remote_site.drivers.registry import DriverHost, check_driver, create_driver
 from remote_site.shared_memory import CellMemory
 
@@ -29,7 +29,9 @@ def test_driver(config: RemoteConfig, tell: Callable[[str], None]) -> bool:
         config = msgspec.structs.replace(config, driver=msgspec.structs.replace(config.driver, emulate=True))
     children = Children("driver test")
     try:
-        failed = run_checks(_stand(config, children), tell)
+        stand = _stand(config, children)
+        ask_for_real_time(FIFO_PRIORITY)  # as the driver's process does
+        failed = run_checks(stand, tell)
     finally:
         children.end()
     tell(f"{name}: {len(failed)} failed" if failed else f"{name}: all passed")

@@ -11,7 +11,7 @@ from remote_site.config import RemoteConfig
 from remote_site.drivers.faults import RobotFault
 from remote_site.gripper import GripperToggles
 from remote_site.intake import Accepted, Intake
-from remote_site.kinematics.dexterity import Dexterity, Slowing
+from remote_site.kinematics.dexterity import FULL, Dexterity
 from remote_site.kinematics.joints import JointMotion
 from remote_site.kinematics.limits import JointLimits
 from remote_site.kinematics.model import ArmModel
@@ -65,7 +65,8 @@ class Chain:
         self._aimed: Accepted | None = None
         self._hindrance: Reason | None = None
         self._obstacle: Reason | None = None
-        self._slowing: Slowing | None = None
+        self._slowing = FULL
+        self._unjudged = 0
         self.target = model.forward(start)
         self.steering = Steering()
         self.measured: Array | None = None
@@ -103,6 +104,7 @@ class Chain:
             self._capture(self._latest)
         elif self._latest is not self._aimed:
             self._aim(self._latest, now_ns)
+            return self._step(decision, self._follow(now_ns, aimed=True))
         return self._step(decision, self._follow(now_ns))
 
     def _capture(self, latest: Accepted) -> None:
@@ -112,7 +114,7 @@ class Chain:
         self._mapping.engage(latest.wrist, latest.operator_R_hand, base_T_tool)
         self._pursuit.reset(latest.born_ns, self.sent.q)
         self.gripper.rebase(latest.sample.gripper_toggles)
-        self._aimed, self._hindrance, self._slowing = latest, None, None
+        self._aimed, self._hindrance, self._slowing, self._unjudged = latest, None, FULL, 0
         self.engagement = Engagement(self.session.engagements, latest.sample.capture_ns, pose_of(base_T_tool))
 
     def _aim(self, latest: Accepted, now_ns: int) -> None:
@@ -128,16 +130,18 @@ class Chain:
         elbow = self._mapping.elbow(latest.wrist, latest.sample.elbow)
         leashed = saturated is not None
         unreached = self._pursuit.aim(latest.born_ns, self.target, elbow, self.sent.q, now_ns, leashed=leashed)
-        self._hindrance, self._slowing = saturated or unreached, None
+        self._hindrance = saturated or unreached
+        self._unjudged += 1
 
-    def _follow(self, now_ns: int) -> JointMotion:
-        """One tick towards the target, or into the stop if the guard refuses that."""
+    def _follow(self, now_ns: int, *, aimed: bool = False) -> JointMotion:
+        """One tick towards the target, which has just been aimed at or was before; or into the stop if it must not."""
         self._follower.reset(self.sent)
         q_target, dq_target = self._pursuit.at(now_ns, self.sent.q)
         aside = self._shield.turn_aside(self.sent.q, q_target, dq_target)
-        slowing = self._slowing = self._slowing or self._dexterity.slowing(self.sent.q, q_target)
-        self._obstacle = aside.reason or slowing.reason
-        proposed = self._follower.track(aside.q, aside.dq, aside.speed * slowing.share * self._speed())
+        if self._unjudged > aimed:  # once per sample, in the tick after its own, which has enough to do
+            self._slowing, self._unjudged = self._dexterity.slowing(self.sent.q, q_target), 0
+        self._obstacle = aside.reason or self._slowing.reason
+        proposed = self._follower.track(aside.q, aside.dq, aside.speed * self._slowing.share * self._speed())
         if isinstance(proposed, Reason):
             self._hindrance = proposed
             return self._guard.stop(self.sent)

@@ -126,7 +126,7 @@ class ControlLoop:
         self._now_ns, chain.measured = now_ns, self._reading.q
         if not self._reading.ready:
             chain.sent = self._reading.sent  # before an activation in this tick, which says better where it goes on
-        if self._faults.note(self._reading.fault, resting=chain.sent.resting):
+        if self._faults.note(self._reading.fault, now_ns, resting=chain.sent.resting):
             self._wake()
         for sample in self._inbox.take():
             chain.receive(sample, now_ns)

@@ -7,7 +7,7 @@ import numpy as np
 from common.clock import NS_PER_MS, NS_PER_S
 from common.geometry import Array
 from remote_site.config import ControlConfig
-from remote_site.kinematics.limits import TARGET_SPEED, JointLimits
+from remote_site.kinematics.limits import TARGET_SPEED, JointLimits, stoppable
 
 SHORTEST_S = 0.01  # of the interval between two samples, when it tells a velocity
 MEMORY = 0.3  # share of the newest deviation in their mean: about three count
@@ -25,19 +25,19 @@ class FreeCourse:
     """
 
     def __init__(self, size: int, config: ControlConfig) -> None:
-        self._predict_ns = round(config.predict_ms * NS_PER_MS)
-        rest = np.array([config.position_gain, config.velocity_gain, config.glide_rad_s])
-        moving = [config.moving_position_gain, config.moving_velocity_gain, config.moving_glide_rad_s]
-        self._at_rest, self._in_motion = rest, np.maximum(moving, rest)
+        self._predict_s = config.predict_ms * NS_PER_MS / NS_PER_S
+        rest = config.position_gain, config.velocity_gain, config.glide_rad_s
+        moving = config.moving_position_gain, config.moving_velocity_gain, config.moving_glide_rad_s
+        self._gain_ranges = [(low, max(high, low) - low) for low, high in zip(rest, moving, strict=True)]
+        self._resting_glide = config.glide_rad_s
         self.reset(0, np.zeros(size))
 
     def reset(self, t_ns: int, q: Array) -> None:
         """A target that rests at `q` (n,) since `t_ns`."""
-        zero = np.zeros(len(q))
-        self._t_ns, self._q, self._dq = t_ns, q.copy(), zero
-        self._since_ns, self._off, self._off_rate = t_ns, zero, zero
-        self._deviation, self._square, self._glide = zero, 0.0, float(self._at_rest[2])
-        self._prepare()
+        self._t_ns = self._since_ns = t_ns
+        self._deviation, self._square, self._glide = [0.0] * len(q), 0.0, self._resting_glide
+        # of every number: its place and speed on the course, what it is off that, and how this begins to decay
+        self._numbers = [(place, 0.0, 0.0, 0.0) for place in q.tolist()]
 
     def aim(self, t_ns: int, q: Array, now_ns: int, *, moving: bool = True) -> None:
         """A new sample of the target (n,) for the time `t_ns`, later than the last, known at `now_ns`.
@@ -47,46 +47,39 @@ class FreeCourse:
         elapsed = (t_ns - self._t_ns) / NS_PER_S
         if elapsed <= 0:
             return
-        expected = self._q + self._dq * min(elapsed, self._predict_ns / NS_PER_S)
-        error = q - expected
+        ahead = min(elapsed, self._predict_s)
+        expected = [place + speed * ahead for place, speed, _, _ in self._numbers]
+        error = [new - old for new, old in zip(q.tolist(), expected, strict=True)]
         position_gain, velocity_gain, glide = self._gains(error)
-        estimate = expected + position_gain * error
+        estimate = [old + position_gain * off for old, off in zip(expected, error, strict=True)]
         rate = velocity_gain / max(elapsed, SHORTEST_S)
-        velocity = self._dq + rate * error if moving else np.zeros(len(q))
-        self._turn_to(t_ns, estimate, self._bounded(estimate, velocity), now_ns, glide)
+        speeds = [number[1] + rate * off if moving else 0.0 for number, off in zip(self._numbers, error, strict=True)]
+        self._turn_to(t_ns, estimate, self._kept(estimate, speeds)[1], now_ns, glide)
 
     def at(self, now_ns: int) -> tuple[Array, Array]:
         """The target's position (n,), inside the limits if it has any, and velocity (n,) per s at `now_ns`."""
-        if now_ns - self._t_ns > self._predict_ns and self._dq.any():
-            end_ns = self._t_ns + self._predict_ns
-            self._turn_to(end_ns, self._line(end_ns), np.zeros(len(self._q)), end_ns, self._glide)
-        return self._kept(*self._glided(now_ns))
+        if now_ns - self._t_ns > self._predict_s * NS_PER_S and any(number[1] for number in self._numbers):
+            end_ns = self._t_ns + round(self._predict_s * NS_PER_S)
+            places = [place + speed * self._predict_s for place, speed, _, _ in self._numbers]
+            self._turn_to(end_ns, places, [0.0] * len(places), end_ns, self._glide)
+        places, speeds = self._kept(*self._glided(now_ns))
+        return np.array(places), np.array(speeds)
 
-    def _gains(self, error: Array) -> list[float]:
+    def _gains(self, error: list[float]) -> list[float]:
         """The gains of position and velocity, and the glide, for the newest deviation (n,)."""
-        self._deviation = self._deviation + MEMORY * (error - self._deviation)
-        self._square += MEMORY * (float(error @ error) - self._square)
-        common = float(self._deviation @ self._deviation) / (self._square + NOTHING)
+        self._deviation = [old + MEMORY * (new - old) for new, old in zip(error, self._deviation, strict=True)]
+        self._square += MEMORY * (_square(error) - self._square)
+        common = _square(self._deviation) / (self._square + NOTHING)
         share = min(max((common - BY_CHANCE) / (FOR_SURE - BY_CHANCE), 0.0), 1.0)
-        gains: list[float] = (self._at_rest + share * (self._in_motion - self._at_rest)).tolist()
-        return gains
+        return [low + share * more for low, more in self._gain_ranges]
 
-    def _turn_to(self, t_ns: int, q: Array, dq: Array, now_ns: int, glide: float) -> None:
+    def _turn_to(self, t_ns: int, q: list[float], dq: list[float], now_ns: int, glide: float) -> None:
         """Take a new course from `now_ns`; what the target is off it decays."""
-        here, rate = (np.array(values) for values in self._glided(now_ns))
-        self._glide = glide
-        self._t_ns, self._q, self._dq = t_ns, q, dq
-        self._since_ns, self._off, self._off_rate = now_ns, here - self._line(now_ns), rate - dq
-        self._prepare()
-
-    def _prepare(self) -> None:
-        """For every number its place and speed, what it is off, and how that begins to decay."""
-        push = self._off_rate + self._glide * self._off
-        self._numbers = list(zip(self._q.tolist(), self._dq.tolist(), self._off.tolist(), push.tolist(), strict=True))
-
-    def _line(self, now_ns: int) -> Array:
-        line: Array = self._q + self._dq * ((now_ns - self._t_ns) / NS_PER_S)
-        return line
+        since, numbers = (now_ns - t_ns) / NS_PER_S, []
+        for here, moving, place, speed in zip(*self._glided(now_ns), q, dq, strict=True):
+            off = here - (place + speed * since)
+            numbers.append((place, speed, off, moving - speed + glide * off))
+        self._t_ns, self._since_ns, self._glide, self._numbers = t_ns, now_ns, glide, numbers
 
     def _glided(self, now_ns: int) -> tuple[list[float], list[float]]:
         t, since, glide = (now_ns - self._t_ns) / NS_PER_S, max(now_ns - self._since_ns, 0) / NS_PER_S, self._glide
@@ -98,42 +91,37 @@ class FreeCourse:
             speeds.append(dq + decay * push - glide * left)
         return places, speeds
 
-    def _kept(self, q: list[float], dq: list[float]) -> tuple[Array, Array]:
+    def _kept(self, q: list[float], dq: list[float]) -> tuple[list[float], list[float]]:
         """Place and speed inside the limits, if there are any."""
-        return np.array(q), np.array(dq)
-
-    def _bounded(self, _q: Array, dq: Array) -> Array:
-        return dq
+        return q, dq
 
 
 class Course(FreeCourse):
     """The course of joints (n,) in rad, which always stays where they can stop inside their limits."""
 
     def __init__(self, limits: JointLimits, config: ControlConfig) -> None:
-        self._limits = limits
-        self._fastest = TARGET_SPEED * limits.velocity
+        fastest = TARGET_SPEED * limits.velocity
         # Further than this from its limits, a joint can stop from any speed.
-        far = (self._fastest**2 / limits.acceleration + self._fastest * limits.acceleration / limits.jerk) / 2
-        self._far = list(zip((limits.lower + far).tolist(), (limits.upper - far).tolist(), strict=True))
+        far = (fastest**2 / limits.acceleration + fastest * limits.acceleration / limits.jerk) / 2
+        columns = limits.lower, limits.lower + far, limits.upper - far, limits.upper, fastest
+        dynamics = limits.acceleration, limits.jerk
+        self._joints = list(zip(*(column.tolist() for column in (*columns, *dynamics)), strict=True))
         super().__init__(len(limits.names), config)
 
-    def _kept(self, q: list[float], dq: list[float]) -> tuple[Array, Array]:
+    def _kept(self, q: list[float], dq: list[float]) -> tuple[list[float], list[float]]:
         """Inside the limits, with a velocity (n,) from which the joints can stop there."""
-        places, speeds = np.array(q), np.array(dq)
-        if self._is_far(q):
-            return places, np.minimum(np.maximum(speeds, -self._fastest), self._fastest)
-        inside = np.minimum(np.maximum(places, self._limits.lower), self._limits.upper)
-        return inside, self._bounded(inside, speeds)
+        places, speeds = [], []
+        for place, speed, joint in zip(q, dq, self._joints, strict=True):
+            lower, least, most, upper, up, acceleration, jerk = joint
+            here, down = place, up
+            if not least <= place <= most:
+                here = min(max(place, lower), upper)
+                up = min(up, stoppable(upper - here, acceleration, jerk))
+                down = min(down, stoppable(here - lower, acceleration, jerk))
+            places.append(here)
+            speeds.append(up if speed > up else -down if speed < -down else speed)
+        return places, speeds
 
-    def _bounded(self, q: Array, dq: Array) -> Array:
-        """A velocity (n,) from which the joints can stop inside their limits."""
-        up = down = self._fastest
-        if not self._is_far(q.tolist()):
-            up = np.minimum(up, self._limits.stoppable(self._limits.upper - q))
-            down = np.minimum(down, self._limits.stoppable(q - self._limits.lower))
-        bounded: Array = np.minimum(np.maximum(dq, -down), up)
-        return bounded
 
-    def _is_far(self, q: list[float]) -> bool:
-        """Whether all joints are where they can stop inside their limits from any speed."""
-        return all(low <= here <= high for here, (low, high) in zip(q, self._far, strict=True))
+def _square(numbers: list[float]) -> float:
+    return sum(number * number for number in numbers)

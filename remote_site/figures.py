@@ -35,7 +35,7 @@ class RemoteFigures:
         if before is None or before.state is not state.state:
             self._entered[state.state] += 1
         obeyed, clock = state.obeyed, state.clock
-        if obeyed is not None and clock is not None and not _same(obeyed, self._obeyed):
+        if obeyed is not None and clock is not None and _is_newer(obeyed, self._obeyed):
             self._obeyed = obeyed
             latency_ns = obeyed.command_ns - obeyed.capture_ns - clock.remote_minus_local_ns
             self._latency.observe(latency_ns / NS_PER_S)
@@ -101,5 +101,5 @@ def _of_lease(state: RobotState) -> Iterator[Metric]:
         )
 
 
-def _same(sample: Obeyed, other: Obeyed | None) -> bool:
-    return other is not None and (sample.session, sample.seq) == (other.session, other.seq)
+def _is_newer(sample: Obeyed, last: Obeyed | None) -> bool:
+    return last is None or sample.session != last.session or sample.seq > last.seq

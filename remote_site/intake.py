@@ -177,4 +177,4 @@ def _orientation(sample: HandArm) -> Array | None:
     points = sample.wrist, sample.index, sample.thumb
     if not math.isfinite(sum(map(sum, points))):
         return None
-    return hand_rotation(*(np.array(point) for point in points))
+    return hand_rotation(*points)

@@ -57,19 +57,13 @@ class Mapping:
         self._base_R_operator = _proper_rotation(config)
         self._config = config
         self._apply(Steering())
-        self._wrist_origin = np.zeros(3)
-        self._tool_origin = np.eye(4)
-        self._hand_reference: Array | None = None
-        self._rotation_reference = np.eye(3)
-        self._rotation = np.eye(3)
-        self._turned = np.zeros(3)
+        self.engage(np.zeros(3), None, np.eye(4))
 
     def engage(self, wrist_in_operator: Array, operator_R_hand: Array | None, base_T_tool: Array) -> None:
         """Capture both origins: from here the target is `base_T_tool` plus the hand's motion."""
-        self._wrist_origin = wrist_in_operator.copy()
-        self._tool_origin = base_T_tool.copy()
-        self._hand_reference, self._turned = operator_R_hand, np.zeros(3)
-        self._rotation_reference = self._rotation = np.eye(3)
+        self._offset = base_T_tool[:3, 3] - self._ways @ wrist_in_operator
+        self._origin = self._turned = base_T_tool[:3, :3].copy()
+        self._refer(operator_R_hand)
 
     def steer(
         self, steering: Steering, wrist_in_operator: Array, operator_R_hand: Array | None, base_T_target: Array
@@ -81,13 +75,11 @@ class Mapping:
 
     def target(self, wrist_in_operator: Array, operator_R_hand: Array | None) -> Array:
         """The tool's target `base_T_tool` (4 x 4) for a wrist (3,) in m and the hand's orientation, if it shows one."""
-        moved = self._base_R_operator @ (wrist_in_operator - self._wrist_origin)
         self._turn(operator_R_hand)
-        origin = self._tool_origin[:3, :3]
-        turned = self._rotation @ origin
+        turned = self._turned
         if self._turn_locked:
-            turned = origin @ _locked(origin.T @ turned, self._turns)
-        return transform(turned, self._tool_origin[:3, 3] + self._ways * moved)
+            turned = self._origin @ _locked(self._origin.T @ turned, self._turns)
+        return transform(turned, self._offset + self._ways @ wrist_in_operator)
 
     def elbow(self, wrist_in_operator: Array, elbow_in_operator: Vector3 | None) -> Array | None:
         """The operator's elbow from the wrist (3,) in m in the base's axes, None while it is not seen."""
@@ -99,7 +91,7 @@ class Mapping:
     def _apply(self, steering: Steering) -> None:
         own, theirs = self._config.locks, steering.locks
         moving = np.array([not (own.x or theirs.x), not (own.y or theirs.y), not (own.z or theirs.z)], dtype=float)
-        self._ways = self._config.scale * steering.scale * moving
+        self._ways = (self._config.scale * steering.scale * moving)[:, None] * self._base_R_operator
         self._turns = np.array(
             [not (own.yaw or theirs.yaw), not (own.pitch or theirs.pitch), not (own.roll or theirs.roll)], dtype=float
         )
@@ -107,19 +99,22 @@ class Mapping:
         self._rotation_scale = steering.rotation_scale
         self._steering = steering
 
+    def _refer(self, operator_R_hand: Array | None) -> None:
+        """Let the hand's rotation, if it shows one, count from here."""
+        self._hand_reference, self._turn_reference, self._twist = operator_R_hand, self._turned, np.zeros(3)
+        if operator_R_hand is not None:
+            self._hand_R_tool = operator_R_hand.T @ self._base_R_operator.T @ self._turned
+
     def _turn(self, operator_R_hand: Array | None) -> None:
-        """Bring `_rotation`, the tool's unlocked rotation in the base's axes since its reference, up to date."""
-        if operator_R_hand is None:
-            self._hand_reference = None
-            return
-        if self._hand_reference is None:
-            self._hand_reference, self._turned = operator_R_hand, np.zeros(3)
-            self._rotation_reference = self._rotation
-        turned = self._base_R_operator @ operator_R_hand @ self._hand_reference.T @ self._base_R_operator.T
-        if self._rotation_scale != 1.0:
-            self._turned = unwound(vector_from_rotation(turned), self._turned)
-            turned = rotation_from_vector(self._rotation_scale * self._turned)
-        self._rotation = turned @ self._rotation_reference
+        """Bring `_turned`, the tool's rotation in the base's axes without locks, up to date."""
+        if operator_R_hand is None or self._hand_reference is None:
+            self._refer(operator_R_hand)
+        elif self._rotation_scale == 1.0:
+            self._turned = self._base_R_operator @ operator_R_hand @ self._hand_R_tool
+        else:
+            turned = self._base_R_operator @ operator_R_hand @ self._hand_reference.T @ self._base_R_operator.T
+            self._twist = unwound(vector_from_rotation(turned), self._twist)
+            self._turned = rotation_from_vector(self._rotation_scale * self._twist) @ self._turn_reference
 
 
 def thesis_angles(wrist: Array, index: Array, thumb: Array) -> tuple[float, float, float]:

@@ -5,7 +5,7 @@ import math
 import numpy as np
 from ruckig import InputParameter, OutputParameter, Result, Ruckig, RuckigError, Synchronization
 
-from common.geometry import Array, rotation_from_vector, transform, vector_from_rotation
+from common.geometry import Array, angle_between, rotation_from_vector, transform, vector_from_rotation
 from remote_site.kinematics.joints import JointMotion
 from remote_site.kinematics.limits import TARGET_SPEED, JointLimits
 from remote_site.safety.status import Code, Reason, reason
@@ -41,31 +41,42 @@ class Follower:
 
     def track(self, q_target: Array, dq_target: Array, speed_scale: float = 1.0) -> JointMotion | Reason:
         """The motion one tick on, towards a target (n,) rad moving with (n,) rad/s; a Reason if none can be planned."""
-        fastest = [velocity * speed_scale for velocity in self._velocity]
-        frame = [
-            min(max(dq, -TARGET_SPEED * most), TARGET_SPEED * most)
-            for dq, most in zip(dq_target.tolist(), fastest, strict=True)
-        ]
-        target, given, planned = q_target.tolist(), self._input, self._output
-        given.current_position = [q - goal for q, goal in zip(self.motion.q.tolist(), target, strict=True)]
-        given.current_velocity = [dq - moving for dq, moving in zip(self.motion.dq.tolist(), frame, strict=True)]
-        given.current_acceleration = self.motion.ddq.tolist()
-        given.max_velocity = [most - moving for most, moving in zip(fastest, frame, strict=True)]
-        given.min_velocity = [-most - moving for most, moving in zip(fastest, frame, strict=True)]
+        target, planned = q_target.tolist(), self._output
+        frame = self._plan_from(self.motion, target, dq_target.tolist(), speed_scale)
         try:
             self._ruckig.reset()
-            result = self._ruckig.update(given, planned)
+            result = self._ruckig.update(self._input, planned)
         except RuckigError as error:
             return reason(Code.NO_TRAJECTORY, reason=str(error))
         if result not in PLANNED:
             return reason(Code.NO_TRAJECTORY, reason=result.name)
-        moved = zip(planned.new_position, target, frame, strict=True)
-        self.motion = JointMotion(
-            np.array([q + goal + moving * self._dt for q, goal, moving in moved]),
-            np.array([dq + moving for dq, moving in zip(planned.new_velocity, frame, strict=True)]),
-            np.array(planned.new_acceleration),
-        )
+        dt, q, dq = self._dt, [], []
+        for off, goal, speed, moving in zip(planned.new_position, target, planned.new_velocity, frame, strict=True):
+            q.append(off + goal + moving * dt)
+            dq.append(speed + moving)
+        self.motion = JointMotion(np.array(q), np.array(dq), np.array(planned.new_acceleration))
         return self.motion
+
+    def _plan_from(
+        self, motion: JointMotion, q_target: list[float], dq_target: list[float], speed_scale: float
+    ) -> list[float]:
+        """Give Ruckig a motion as seen from the target; the speed (n,) of that frame in rad/s."""
+        frame, q_off, dq_off, highest, lowest = [], [], [], [], []
+        joints = zip(motion.q.tolist(), q_target, motion.dq.tolist(), dq_target, self._velocity, strict=True)
+        for q, goal, dq, wanted, velocity in joints:
+            most = velocity * speed_scale
+            bound = TARGET_SPEED * most
+            moving = bound if wanted > bound else -bound if wanted < -bound else wanted
+            frame.append(moving)
+            q_off.append(q - goal)
+            dq_off.append(dq - moving)
+            highest.append(most - moving)
+            lowest.append(-most - moving)
+        given = self._input
+        given.current_position, given.current_velocity = q_off, dq_off
+        given.current_acceleration = motion.ddq.tolist()
+        given.max_velocity, given.min_velocity = highest, lowest
+        return frame
 
     def stop(self) -> JointMotion:
         """The motion one tick into the jerk-limited stop; at rest, the same posture."""
@@ -75,13 +86,13 @@ class Follower:
 
 def leash(base_T_target: Array, base_T_tool: Array, distance_m: float, angle_rad: float) -> tuple[Array, Reason | None]:
     """The target drawn towards the tool until it is no further than both limits, and why if it was drawn."""
-    ahead = base_T_target[:3, 3] - base_T_tool[:3, 3]
-    distance = math.hypot(*ahead.tolist())
-    turn = vector_from_rotation(base_T_tool[:3, :3].T @ base_T_target[:3, :3])
-    angle = math.hypot(*turn.tolist())
+    distance = math.dist(base_T_target[:3, 3].tolist(), base_T_tool[:3, 3].tolist())
+    angle = angle_between(base_T_target[:3, :3], base_T_tool[:3, :3])
     share = min(1.0, distance_m / max(distance, distance_m), angle_rad / max(angle, angle_rad))
     if share >= 1.0:
         return base_T_target, None
+    ahead = base_T_target[:3, 3] - base_T_tool[:3, 3]
+    turn = vector_from_rotation(base_T_tool[:3, :3].T @ base_T_target[:3, :3])
     rotation = base_T_tool[:3, :3] @ rotation_from_vector(share * turn)
     why = reason(Code.SATURATED, distance_mm=distance * 1e3, limit_mm=share * distance * 1e3)
     return transform(rotation, base_T_tool[:3, 3] + share * ahead), why

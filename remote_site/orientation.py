@@ -4,7 +4,7 @@ import math
 from collections import deque
 
 from common.clock import NS_PER_MS, NS_PER_S
-from common.geometry import Array, vector_from_rotation
+from common.geometry import Array, angle_between
 from remote_site.config import SafetyConfig
 
 TAKEN_BACK_NS = 150 * NS_PER_MS
@@ -52,5 +52,4 @@ class OrientationGate:
     @staticmethod
     def _speed_rad_s(operator_R_hand: Array, last: tuple[Array, int], born_ns: int) -> float:
         before, before_ns = last
-        turn = vector_from_rotation(operator_R_hand @ before.T)
-        return math.hypot(*turn.tolist()) * NS_PER_S / max(born_ns - before_ns, 1)
+        return angle_between(operator_R_hand, before) * NS_PER_S / max(born_ns - before_ns, 1)

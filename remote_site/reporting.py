@@ -8,7 +8,6 @@ from collections import Counter
 from collections.abc import Callable, Mapping
 from queue import SimpleQueue
 
-import msgspec
 import structlog
 
 from common.errors import MessageError
@@ -19,6 +18,7 @@ from remote_site.chain import Chain, Step, pose_of
 from remote_site.drivers.link import RobotReport
 from remote_site.intake import Accepted
 from remote_site.kinematics.model import ArmModel
+from remote_site.obeyed import ObeyedSamples
 from remote_site.safety.status import Reason
 
 SESSION_BITS = 62
@@ -77,8 +77,7 @@ class Reporter:
         self._session = secrets.randbits(SESSION_BITS)
         self._seq = 0
         self._sample: Accepted | None = None
-        self._obeyed: Obeyed | None = None
-        self._command_seq = 0
+        self._obeyed = ObeyedSamples()
         self._timing = self._measured_timing()
         self.log = TransitionLog()
 
@@ -86,12 +85,10 @@ class Reporter:
         """Note the command that first obeys a sample, and the reading that first shows it in the robot's motion."""
         self.log.note(step.state, step.reason)
         if step.obeys is not None and step.obeys is not self._sample:
-            self._sample, self._command_seq = step.obeys, command_seq
-            sample = step.obeys.sample
-            self._obeyed = Obeyed(sample.session, sample.seq, sample.capture_ns, command_ns, None)
-        obeyed, reached = self._obeyed, reading.obeyed_seq
-        if obeyed is not None and obeyed.motion_ns is None and reached is not None and reached >= self._command_seq:
-            self._obeyed = msgspec.structs.replace(obeyed, motion_ns=reading.t_ns)
+            self._sample, sample = step.obeys, step.obeys.sample
+            obeyed = Obeyed(sample.session, sample.seq, sample.capture_ns, command_ns, None)
+            self._obeyed.commanded(obeyed, command_seq)
+        self._obeyed.reached(reading.obeyed_seq, reading.t_ns)
 
     def publish(
         self, step: Step, chain: Chain, reading: RobotReport, malformed: Mapping[str, int], now_ns: int
@@ -115,7 +112,7 @@ class Reporter:
                 base_T_tool=pose_of(self._model.forward(reading.q)),
                 gripper=reading.gripper,
                 gripper_toggles_applied=chain.gripper.applied,
-                obeyed=self._obeyed,
+                obeyed=self._obeyed.told(),
                 engagement=chain.engagement,
                 rejected=rejected,
                 timing=self._timing,

@@ -70,10 +70,10 @@ class Latencies:
         sample = (obeyed.session, obeyed.seq)
         exposed_ns = obeyed.capture_ns + clock.remote_minus_local_ns
         command_ms = (obeyed.command_ns - exposed_ns) / NS_PER_MS
-        if sample != self._commanded:
+        if _is_newer(sample, self._commanded):
             self._commanded = sample
             self.windows["command"].add(now_ns, command_ms)
-        if obeyed.motion_ns is not None and sample != self._moved:
+        if obeyed.motion_ns is not None and _is_newer(sample, self._moved):
             self._moved = sample
             motion_ms = (obeyed.motion_ns - obeyed.command_ns) / NS_PER_MS
             self.windows["motion"].add(now_ns, motion_ms)
@@ -106,3 +106,8 @@ class Latencies:
         shown_ms = motion_ms + (capture_ns - motion_ns) / NS_PER_MS + age_ms
         self.trace, self._open = Trace(seq, command_ms, motion_ms, shown_ms), None
         self.windows["hand_to_eye"].add(now_ns, shown_ms)
+
+
+def _is_newer(sample: tuple[int, int], last: tuple[int, int]) -> bool:
+    """Whether a sample, by session and number, has not been counted: a slow robot's states go back and forth."""
+    return sample[0] != last[0] or sample[1] > last[1]

@@ -11,7 +11,7 @@ from scipy.linalg import lapack
 from common.geometry import Array
 from remote_site.kinematics.config import SingularityConfig, SolverConfig
 from remote_site.kinematics.dexterity import task_weights
-from remote_site.kinematics.limits import TARGET_SPEED, JointLimits
+from remote_site.kinematics.limits import TARGET_SPEED, JointLimits, stoppable
 from remote_site.kinematics.model import ArmModel
 from remote_site.kinematics.swivel import Swivel
 
@@ -49,14 +49,15 @@ class DifferentialInverse:
     ) -> None:
         self._model = model
         self._data = model.pin_model.createData()
-        self._limits = limits
         self._gain, self._posture_gain = solver.gain_s, solver.posture_gain_s
         self._weights = task_weights(singularity.radius_m)
         self._damp = singularity.damp_condition
         self._posture = posture
         self._fastest = TARGET_SPEED * limits.velocity
         self.swivel = Swivel.of(model, solver)
-        self._far = np.maximum(limits.velocity / RETURN_S, limits.velocity**2 / limits.acceleration) / NEAR_LIMITS**2
+        far = np.maximum(limits.velocity / RETURN_S, limits.velocity**2 / limits.acceleration) / NEAR_LIMITS**2
+        columns = limits.lower, limits.upper, far, self._fastest, limits.acceleration, limits.jerk
+        self._joints = list(zip(*(column.tolist() for column in columns), strict=True))
         n = len(limits.names)
         self._no_rows, self._sense = np.zeros((0, n)), np.zeros(n, dtype=np.int32)
 
@@ -117,22 +118,27 @@ class DifferentialInverse:
 
         Outside its limit a joint only comes back.
         """
-        q, fastest, change = last.q, self._fastest, ACCELERATE * dt * self._limits.acceleration
-        up, down = self._limits.upper - q, q - self._limits.lower
-        highest = lowest = fastest
-        if not ((up > self._far) & (down > self._far)).all():
-            highest = np.maximum(np.where(up > 0.0, self._gently(up), RETURN_S * up), -fastest)
-            lowest = np.maximum(np.where(down > 0.0, self._gently(down), RETURN_S * down), -fastest)
-        return _between(-lowest, last.dq - change, highest), _between(-lowest, last.dq + change, highest)
-
-    def _gently(self, room: Array) -> Array:
-        """The speed (n,) at which a joint with `room` (n,) rad is never late in stopping."""
-        return np.minimum(np.minimum(NEAR_LIMITS * self._limits.stoppable(room), RETURN_S * room), self._fastest)
+        lowest, highest = [], []
+        for q, dq, joint in zip(last.q.tolist(), last.dq.tolist(), self._joints, strict=True):
+            lower, upper, far, fastest, acceleration, jerk = joint
+            change = ACCELERATE * dt * acceleration
+            down = fastest if q - lower > far else _gently(q - lower, fastest, acceleration, jerk)
+            up = fastest if upper - q > far else _gently(upper - q, fastest, acceleration, jerk)
+            lowest.append(min(max(dq - change, -down), up))
+            highest.append(min(max(dq + change, -down), up))
+        return np.array(lowest), np.array(highest)
 
     def _nearest_inside(self, dq: Array, weight: Array, lowest: Array, highest: Array) -> Array:
         """The speeds inside the box nearest to `dq` as `weight` (n x n) measures it."""
         found, _, status, _ = daqp.solve(weight, -weight @ dq, self._no_rows, highest, lowest, self._sense)
         return _between(lowest, found if status == SOLVED else dq, highest)
+
+
+def _gently(room: float, fastest: float, acceleration: float, jerk: float) -> float:
+    """The speed towards its limit at which a joint with `room` rad is never late in stopping; negative beyond it."""
+    if room <= 0.0:
+        return max(RETURN_S * room, -fastest)
+    return min(NEAR_LIMITS * stoppable(room, acceleration, jerk), RETURN_S * room, fastest)
 
 
 def _rate(off: float, braking: float) -> float:

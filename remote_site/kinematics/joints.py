@@ -30,4 +30,4 @@ class JointMotion:
     @property
     def resting(self) -> bool:
         """Neither velocity nor acceleration."""
-        return not (self.dq.any() or self.ddq.any())
+        return not (any(self.dq.tolist()) or any(self.ddq.tolist()))

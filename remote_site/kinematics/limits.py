@@ -39,20 +39,19 @@ class JointLimits:
             jerk=ones * config.jerk_rad_s3,
         )
 
-    def stoppable(self, room: Array) -> Array:
-        """The speed (n,) in rad/s from which a joint without acceleration stops within `room` (n,) rad."""
-        room = np.maximum(room, 0.0)
-        gentle = np.cbrt(room**2 * self.jerk)
-        ramp = self.acceleration**2 / (2 * self.jerk)
-        hard = np.sqrt(ramp**2 + 2 * self.acceleration * room) - ramp
-        speed: Array = np.where(gentle <= 2 * ramp, gentle, hard)
-        return speed
-
     def scaled_speed(self, scale: float) -> Self:
         """The same limits with the velocities times `scale` (0 to 1]."""
         if not 0 < scale <= 1:
             raise ValueError(f"a speed scale of {scale} would widen the limits")
         return replace(self, velocity=self.velocity * scale)
+
+
+def stoppable(room: float, acceleration: float, jerk: float) -> float:
+    """The speed in rad/s from which a joint without acceleration stops within `room` rad; 0 where there is none."""
+    room = max(room, 0.0)
+    ramp = acceleration * acceleration / (2 * jerk)
+    gentle = math.cbrt(room * room * jerk)
+    return gentle if gentle <= 2 * ramp else math.sqrt(ramp * ramp + 2 * acceleration * room) - ramp
 
 
 def _positions(model: ArmModel, config: RobotConfig) -> tuple[Array, Array]:

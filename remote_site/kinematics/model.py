@@ -88,24 +88,28 @@ class ArmModel:
         )
         return jacobian
 
-    def levers(self, inner: int, outer: int, reach_m: float) -> list[float]:
-        """How far a point can move at most per rad (or m) of each joint, m: the sum of all lengths beyond the joint.
+    def levers(self, inner: int, outer: int, corners: Array) -> list[float]:
+        """How far a body can move at most per rad (or m) of each joint, m, as seen from the link of joint `inner`.
 
-        The point lies up to `reach_m` from the joint of number `outer` (from 1), and is seen from the link of `inner`.
+        `corners` (m x 3) span it in the frame of joint `outer` (from 1; 0 is the base). A turn moves nothing further
+        than its distance from the axis: exact for the outermost joint, all lengths beyond the next one for the others.
         """
-        levers, beyond, model = [0.0] * len(self.joint_names), reach_m, self.pin_model
+        links, _ = self.geometry()
+        levers, about, beyond = [0.0] * len(links), corners, 0.0
         for joint in range(outer, inner, -1):
-            slides = model.joints[joint].shortname().startswith("JointModelP")
-            levers[joint - 1] = 1.0 if slides else beyond
-            beyond += float(np.linalg.norm(model.jointPlacements[joint].translation))
-            beyond += max(abs(self.lower[joint - 1]), abs(self.upper[joint - 1])) if slides else 0.0
+            link = links[joint - 1]
+            away = float(np.linalg.norm(np.cross(about, link.axis), axis=1).max())
+            levers[joint - 1] = 1.0 if link.slides else away + beyond
+            beyond += float(np.linalg.norm(about, axis=1).max())
+            beyond += max(abs(self.lower[joint - 1]), abs(self.upper[joint - 1])) if link.slides else 0.0
+            about = link.parent_T_joint[None, :3, 3]
         return levers
 
     @property
     def tcp_levers(self) -> list[float]:
         """How far the tool centre point can move at most per rad (or m) of each joint, m."""
-        reach_m = float(np.linalg.norm(self.pin_model.frames[self.tcp_frame].placement.translation))
-        return self.levers(0, len(self.joint_names), reach_m)
+        tcp = self.pin_model.frames[self.tcp_frame].placement.translation
+        return self.levers(0, len(self.joint_names), tcp[None])
 
 
 def _accelerations(path: Path, names: tuple[str, ...]) -> Array:

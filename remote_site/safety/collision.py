@@ -1,5 +1,6 @@
 """Distances of the arm to itself and to what stands around it, from capsules and boxes; pure."""
 
+import itertools
 import math
 from dataclasses import dataclass
 from pathlib import Path
@@ -14,13 +15,13 @@ from common.errors import ConfigError, ModelError
 from common.geometry import Array
 from remote_site.kinematics.model import ArmModel
 from remote_site.safety.config import CapsuleConfig, CollisionConfig, FixtureConfig
+from remote_site.safety.slack import Slack
 
 MIN_NORMAL = 1e-9
+SOON = 0.03  # m: the pairs that much nearer approach would put in doubt are measured along with those that are
 NOWHERE = 1e9  # rad: no posture that was ever measured
 NEIGHBOURS = 1  # joints apart: links that touch by construction
 Pairs = NDArray[np.intp]
-NOTHING: tuple[list[float], float] = [], -math.inf
-NO_PAIRS: Pairs = np.zeros(0, dtype=np.intp)
 
 
 @dataclass(frozen=True, slots=True)
@@ -52,9 +53,8 @@ class CollisionModel:
         # of each pair: the joints where it was measured last, and what it was there
         self._at = np.full((len(pairs), len(model.joint_names)), NOWHERE)
         self._known = np.full(len(pairs), -math.inf)
-        self._none = np.zeros(len(model.joint_names))
-        self._longest: list[float] = self.levers.max(axis=0, initial=0.0).tolist()
-        self._spare: dict[float, tuple[list[float], float]] = {}
+        self._still = np.zeros(len(model.joint_names))
+        self._slack: dict[float, Slack] = {}
 
     @classmethod
     def from_urdf(
@@ -86,35 +86,20 @@ class CollisionModel:
             least = min(least, self._exact(k))
         return least
 
-    def doubtful(self, q: Array, travel: Array, distance: float) -> Pairs:
-        """The numbers of the pairs that may come nearer than a distance in m on a way of `travel` (n,) from `q`.
+    def rooms(self, q: Array, travel: Array, distance: float) -> Array:
+        """How much more than a distance in m every pair (m,) keeps at `q` at least, m; -inf where `q` is not finite.
 
-        What was measured before is enough as long as it leaves no doubt: a pair's distance changes by no more than its
-        joints' levers allow. Only the pairs in doubt are measured, all of them where `q` is not finite.
+        What was measured before is enough as long as it leaves no doubt about a way of `travel` (n,) from `q`: a pair's
+        distance changes by no more than its joints' levers allow. Only the pairs in doubt are measured, and those that
+        soon will be.
         """
-        joints = q.tolist()
-        if not math.isfinite(sum(joints)):
-            return np.arange(max(len(self._known), 1))
-        if self._spared(joints, travel.tolist(), distance):
-            return NO_PAIRS
-        bounds = self._bounds(q)
-        enough = bounds - self.levers.dot(travel) >= distance
-        if enough.all():
-            self._spare[distance] = joints, float(bounds.min(initial=math.inf)) - distance
-            return NO_PAIRS
-        pairs = np.flatnonzero(~enough)  # NaN and -inf are never enough
-        found = self._look(q, pairs)
-        left: Pairs = pairs[~(found - self.levers[pairs].dot(travel) >= distance)]
-        return left
-
-    def _spared(self, q: list[float], travel: list[float], distance: float) -> bool:
-        """Whether the longest levers cannot use up what was left when all pairs were looked at last."""
-        where, left = self._spare.get(distance, NOTHING)
-        way = sum(
-            lever * (abs(here - there) + more)
-            for lever, here, there, more in zip(self._longest, q, where, travel, strict=False)
-        )
-        return way <= left
+        if not math.isfinite(sum(q.tolist())):
+            return np.full(len(self._known), -math.inf)
+        rooms = self._bounds(q) - distance
+        pairs = np.flatnonzero(~(rooms >= self.levers.dot(travel) + SOON))  # NaN and -inf are never enough
+        if len(pairs):
+            rooms[pairs] = self._look(q, pairs) - distance
+        return rooms
 
     def distances(self, q: Array, pairs: Pairs | None = None) -> Array:
         """The distances (m,) in m of some pairs, or of all; -inf where it cannot be told."""
@@ -150,7 +135,12 @@ class CollisionModel:
 
     def nearer_than(self, q: Array, distance: float) -> list[Near]:
         """The pairs nearer than a distance in m at finite `q`, with the gradients of their distances."""
-        close = self.doubtful(q, self._none, distance).tolist()
+        slack = self._slack.setdefault(distance, Slack(self.levers))
+        if slack.covers(q.tolist(), self._still.tolist()):
+            return []
+        rooms = self.rooms(q, self._still, distance)
+        slack.note(q.tolist(), rooms)
+        close = np.flatnonzero(~(rooms >= 0.0)).tolist()
         if not close:
             return []
         jacobian: Array = pin.computeJointJacobians(self._pin_model, self._data, q)
@@ -240,7 +230,7 @@ def _levers(model: ArmModel, shapes: pin.GeometryModel, first: int, second: int)
     one, other = shapes.geometryObjects[first], shapes.geometryObjects[second]
     inner, outer = sorted((one, other), key=lambda shape: int(shape.parentJoint))
     outer.geometry.computeLocalAABB()
-    centre = outer.placement.act(outer.geometry.aabb_center)
-    return model.levers(
-        inner.parentJoint, outer.parentJoint, float(np.linalg.norm(centre)) + outer.geometry.aabb_radius
-    )
+    box = outer.geometry.aabb_local
+    corners = np.array(list(itertools.product(*zip(box.min_.tolist(), box.max_.tolist(), strict=True))))
+    placed: Array = corners @ outer.placement.rotation.T + outer.placement.translation
+    return model.levers(inner.parentJoint, outer.parentJoint, placed)

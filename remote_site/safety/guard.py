@@ -143,7 +143,7 @@ class Guard:
         verdict = self._joints.check_finite(proposed, sent, spans)
         if isinstance(verdict, Refused):
             return verdict
-        doubtful = self._surroundings.in_doubt(*np.array(spans).T)
+        doubtful = self._surroundings.in_doubt([middle for middle, _ in spans], [reach for _, reach in spans])
         if not len(doubtful):
             return verdict
         ends = stops(proposed, self._joints.limits)

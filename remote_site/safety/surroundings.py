@@ -8,6 +8,7 @@ from common.geometry import Array
 from remote_site.kinematics.joints import JointMotion
 from remote_site.kinematics.model import ArmModel
 from remote_site.safety.collision import CollisionModel, Pairs
+from remote_site.safety.slack import Slack
 from remote_site.safety.status import Code, Reason, reason
 from remote_site.safety.stopping import JointStop
 
@@ -18,7 +19,7 @@ RETREAT_LOOKS = 12  # instants of a retreat
 HALF_WAY = 0.3  # of the time of a stop: after it about half the way is left
 MOST_LOOKS = 100  # parts of one way to rest; a way that needs more is not clear
 Kinds = Pairs  # of room: 0 is the tool's in its box, 1 that between the first pair
-BOX: Kinds = np.zeros(1, dtype=np.intp)
+NO_KINDS: Kinds = np.zeros(0, dtype=np.intp)
 
 
 class Workspace:
@@ -61,14 +62,20 @@ class Surroundings:
         self._tool = np.array(model.tcp_levers)
         self._levers = np.vstack([self._tool, collision.levers])
         self._every: Kinds = np.arange(len(self._levers))
+        self._slack = Slack(self._levers)
         self._kept = collision.margin + TOLERANCE
 
-    def in_doubt(self, q: Array, reach: Array) -> Kinds:
+    def in_doubt(self, q: list[float], reach: list[float]) -> Kinds:
         """Which kinds of room may end in postures that no joint is further than `reach` (n,) from `q` (n,)."""
-        pairs = self.collision.doubtful(q, reach, self._kept)
-        if self._depth(q) >= self._tool.dot(reach):
-            return pairs + 1 if len(pairs) else pairs
-        return np.concatenate([BOX, pairs + 1])
+        if self._slack.covers(q, reach):
+            return NO_KINDS
+        return self._look(np.array(q), np.array(reach))
+
+    def _look(self, q: Array, reach: Array) -> Kinds:
+        """The same, when nothing that was noted covers it: depth and distances are looked at, and noted."""
+        rooms = np.concatenate([[self._depth(q)], self.collision.rooms(q, reach, self._kept)])
+        self._slack.note(q.tolist(), rooms)
+        return np.flatnonzero(~(rooms >= self._levers.dot(reach)))
 
     def clear(self, ends: list[JointStop], kinds: Kinds | None = None) -> bool:
         """Whether the arm stays where it may be until all stops have ended, if only some kinds of room may end.

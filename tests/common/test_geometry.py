@@ -31,6 +31,16 @@ def test_rotations_agree_with_scipy_and_return(seed: int) -> None:
     assert np.allclose(geometry.rotation_from_vector(vector), matrix, atol=1e-9)
 
 
+@given(seeds, seeds)
+def test_the_angle_between_two_orientations_is_that_of_the_turn_from_one_to_the_other(seed: int, other: int) -> None:
+    a, b = random_rotation(seed), random_rotation(other)
+    turn = np.linalg.norm(geometry.vector_from_rotation(a.T @ b))
+    assert geometry.angle_between(a, b) == pytest.approx(turn, abs=1e-7)
+    assert geometry.angle_between(a, a @ geometry.rotation_from_vector(np.array([0.0, 1e-7, 0.0]))) == pytest.approx(
+        1e-7, rel=1e-6
+    )
+
+
 @given(seeds)
 def test_a_transform_times_its_inverse_is_the_identity(seed: int) -> None:
     a_T_b = geometry.transform(random_rotation(seed), np.random.default_rng(seed).normal(size=3))

@@ -15,6 +15,7 @@ from remote_site.kinematics.limits import JointLimits
 from remote_site.kinematics.model import ArmModel
 
 URDF = RobotConfig().urdf
+ARMS = Path(__file__).parent / "arms"
 START = np.radians([0.0, 0.0, -45.0, 0.0, -45.0, 0.0])
 
 
@@ -71,6 +72,20 @@ def test_the_jacobian_is_the_derivative_of_the_tool_centre_point():
         assert jacobian[:3, k] == pytest.approx((ahead - behind)[:3, 3] / 2e-6, abs=1e-6)
         spin = (ahead - behind)[:3, :3] / 2e-6 @ model.forward(q)[:3, :3].T
         assert jacobian[3:, k] == pytest.approx([spin[2, 1], spin[0, 2], spin[1, 0]], abs=1e-6)
+
+
+@pytest.mark.parametrize("name", ["a465", "offset_wrist", "seven_axes", "sliding"])
+def test_no_joint_moves_the_tool_further_than_its_lever(name, variant):
+    slide = variant(r'(<joint name="joint_3" type=)"revolute"', r'\1"prismatic"') if name == "sliding" else None
+    path = slide or (URDF if name == "a465" else ARMS / f"{name}.urdf")
+    model, rng = load(path), np.random.default_rng(8)
+    levers, reached = np.array(model.tcp_levers), np.zeros(len(model.joint_names))
+    for _ in range(300):
+        q = rng.uniform(model.lower, model.upper)
+        speeds = np.linalg.norm(model.jacobian(q)[:3], axis=0)
+        assert (speeds <= levers + 1e-9).all()
+        reached = np.maximum(reached, speeds)
+    assert (reached >= 0.25 * levers - 1e-9).all()  # nor are they much too long
 
 
 def test_a_pose_is_not_changed_by_the_next_one():

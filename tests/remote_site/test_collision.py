@@ -5,6 +5,8 @@ import math
 import numpy as np
 import pytest
 from arms_followed import INDEX, THUMB
+from hypothesis import given, settings
+from hypothesis import strategies as st
 from remote_loop import RemoteLoop, arm, assert_within_limits, hand, surroundings
 
 from common.errors import ConfigError
@@ -14,6 +16,7 @@ from remote_site.config import RemoteConfig, RobotConfig, SafetyConfig
 from remote_site.kinematics.joints import JointMotion
 from remote_site.safety.collision import CollisionModel
 from remote_site.safety.config import CapsuleConfig, CollisionConfig, FixtureConfig
+from remote_site.safety.slack import Slack
 from remote_site.safety.status import Code
 from remote_site.safety.stopping import stops
 
@@ -59,7 +62,7 @@ def test_joints_that_are_not_finite_are_never_far_from_anything(value, joint):
     for model in (collision(), collision(CollisionConfig(fixtures=()))):
         model.distance(ROBOT.start)
         assert model.distance(q) == -math.inf
-        assert len(model.doubtful(q, np.zeros(6), 0.0))
+        assert not (model.rooms(q, np.zeros(6), 0.0) >= 0.0).any()
         assert (model.distances(q) == -math.inf).all()
 
 
@@ -71,8 +74,43 @@ def test_what_an_earlier_measurement_leaves_is_never_more_than_the_distance():
         near = q + rng.normal(0, 0.05, 6)
         left = before - model.levers @ np.abs(near - q)
         assert (left <= model.distances(near) + 1e-5).all()
-        assert not len(model.doubtful(q, np.abs(near - q), left.min() - 1e-9))
-        assert len(model.doubtful(q, np.abs(near - q), left.min() + 1e-6))
+        travel = np.abs(near - q)
+        used = model.levers @ travel
+        assert (model.rooms(q, travel, left.min() - 1e-9) >= used).all()
+        assert not (model.rooms(q, travel, left.min() + 1e-6) >= used).all()
+
+
+def test_slack_is_used_up_by_the_way_from_where_it_was_noted():
+    slack = Slack(np.array([[1.0, 0.5], [0.2, 1.0]]))
+    slack.note([0.1, 0.2], np.array([0.3, 0.4]))
+    assert slack.covers([0.1, 0.2], [0.0, 0.0])
+    assert slack.covers([0.2, 0.2], [0.15, 0.0])
+    assert not slack.covers([0.2, 0.2], [0.25, 0.0])
+    assert not slack.covers([0.45, 0.2], [0.0, 0.0])
+
+
+@pytest.mark.parametrize("room", [0.0, -0.01, np.nan, -np.inf])
+def test_what_has_no_room_or_is_not_finite_is_never_covered(room):
+    slack = Slack(np.array([[1.0, 0.5], [0.2, 1.0]]))
+    assert not slack.covers([0.0, 0.0], [0.0, 0.0])
+    slack.note([0.0, 0.0], np.array([0.3, room]))
+    assert not slack.covers([0.0, 0.0], [0.0, 0.0])
+    slack.note([0.0, 0.0], np.array([0.3, 0.4]))
+    assert not slack.covers([np.nan, 0.0], [0.0, 0.0])
+    assert not slack.covers([0.0, 0.0], [np.inf, 0.0])
+
+
+@settings(max_examples=50, deadline=None, derandomize=True)
+@given(st.integers(0, 2**32 - 1))
+def test_slack_never_covers_what_a_lever_does_not(seed):
+    rng = np.random.default_rng(seed)
+    levers, rooms = rng.uniform(0, 1, (5, 3)) * rng.integers(0, 2, (5, 3)), rng.uniform(1e-4, 0.5, 5)
+    slack = Slack(levers)
+    slack.note([0.0, 0.0, 0.0], rooms)
+    for _ in range(20):
+        q, travel = rng.uniform(-0.5, 0.5, 3), rng.uniform(0, 0.2, 3)
+        if slack.covers(q.tolist(), travel.tolist()):
+            assert (levers @ (np.abs(q) + travel) <= rooms + 1e-12).all()
 
 
 def test_unknown_links_are_refused_by_name():

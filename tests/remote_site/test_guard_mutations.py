@@ -1,8 +1,6 @@
 """Every check between the wire and the driver is needed: with any one taken away, the test named beside it fails."""
 
-import inspect
-import textwrap
-from dataclasses import dataclass, replace
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -10,6 +8,7 @@ import test_collision
 import test_guard
 from hypothesis import given, settings
 from hypothesis import strategies as st
+from mutation import Mutation
 from remote_loop import RemoteLoop, arm, guard_of, hand, surroundings, workspace
 
 from common.clock import NS_PER_MS
@@ -21,6 +20,7 @@ from remote_site.kinematics.joints import JointMotion
 from remote_site.safety.collision import CollisionModel
 from remote_site.safety.config import CollisionConfig, FixtureConfig
 from remote_site.safety.guard import Guard, JointGuard, Passed
+from remote_site.safety.slack import Slack
 from remote_site.safety.state import Session
 from remote_site.safety.status import Code
 from remote_site.safety.stopping import stops
@@ -30,25 +30,6 @@ MODEL, LIMITS = arm()
 START = RemoteConfig().robot.start
 DT = 0.004
 NAN = float("nan")
-
-
-@dataclass(frozen=True)
-class Mutation:
-    """A function of a class, the text of a check in it, and what stands there instead."""
-
-    owner: object
-    function: str
-    check: str
-    instead: str
-
-    def apply(self, monkeypatch):
-        """Put the changed function in the place of the true one; the text must be there exactly once."""
-        function = getattr(self.owner, self.function)
-        source = textwrap.dedent(inspect.getsource(function))
-        assert source.count(self.check) == 1, f"{self.check!r} is not a check of {self.function} any more"
-        names = {}
-        exec(compile(source.replace(self.check, self.instead), "mutation", "exec"), function.__globals__, names)  # noqa: S102
-        monkeypatch.setattr(self.owner, self.function, names[self.function])
 
 
 def a_wall():
@@ -117,6 +98,18 @@ def broken_joints_are_near_everything():
     test_collision.test_joints_that_are_not_finite_are_never_far_from_anything(NAN, 0)
 
 
+def nothing_comes_near_unseen():
+    test_collision.test_what_an_earlier_measurement_leaves_is_never_more_than_the_distance()
+
+
+def what_was_noted_elsewhere_does_not_count():
+    test_collision.test_slack_is_used_up_by_the_way_from_where_it_was_noted()
+
+
+def no_room_covers_nothing():
+    test_collision.test_what_has_no_room_or_is_not_finite_is_never_covered(-0.01)
+
+
 def configuration_never_widens():
     from test_arm_model import test_an_attempt_to_widen_names_every_joint_and_value as body
 
@@ -150,9 +143,16 @@ MUTATIONS = [
         lambda: test_guard.test_position_and_velocity_must_follow_from_the_last_command(guard_of(), 0, 0.0, 1e-5),
     ),
     (
-        Mutation(CollisionModel, "doubtful", "if enough.all():", "if True:"),
-        nothing_is_hit_at_rest,
+        Mutation(CollisionModel, "rooms", "if not math.isfinite(sum(q.tolist())):", "if False:"),
+        broken_joints_are_near_everything,
     ),
+    (
+        Mutation(CollisionModel, "_bounds", "np.vecdot(self.levers, np.abs(q - self._at))", "0.0"),
+        nothing_comes_near_unseen,
+    ),
+    (Mutation(Slack, "covers", "return used <= 1.0", "return True"), no_tool_leaves_its_box),
+    (Mutation(Slack, "covers", "(abs(here - there) + more)", "more"), what_was_noted_elsewhere_does_not_count),
+    (Mutation(Slack, "note", "if rooms.min(initial=math.inf) > 0.0:", "if True:"), no_room_covers_nothing),
     (
         Mutation(JointGuard, "check_finite", "broken = self._place(proposed, sent, spans)", "broken = None"),
         no_joint_runs_into_its_limit,
@@ -167,11 +167,11 @@ MUTATIONS = [
         no_tool_leaves_its_box,
     ),
     (
-        Mutation(Surroundings, "in_doubt", "if self._depth(q) >= self._tool.dot(reach):", "if True:"),
+        Mutation(Surroundings, "_look", "[self._depth(q)]", "[1.0]"),
         no_tool_leaves_its_box,
     ),
     (
-        Mutation(Surroundings, "in_doubt", "self.collision.doubtful(q, reach, self._kept)", "BOX[:0]"),
+        Mutation(Surroundings, "_look", "self.collision.rooms(q, reach, self._kept)", "self._levers[1:, 0] + 1.0"),
         nothing_is_hit_at_rest,
     ),
     (

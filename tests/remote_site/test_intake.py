@@ -11,7 +11,7 @@ from remote_loop import hand
 
 from common.clock import NS_PER_MS, NS_PER_S
 from common.geometry import hand_rotation
-from common.messages import ClockSync, Intent, TrackingStatus
+from common.messages import ClockSync, Intent, PointCovariances, TrackingStatus
 from remote_site.config import SafetyConfig
 from remote_site.intake import Accepted, Intake, Rejected
 from remote_site.safety.status import Code
@@ -144,6 +144,14 @@ def test_no_orientation_while_a_tip_is_missing_or_inferred_or_the_hand_is_open(i
     changed = [result(seq, **changes) for seq in range(21, 24)]
     assert all(isinstance(r, Accepted) for r in changed)
     assert [r.operator_R_hand for r in changed[1:]] == [None, None]
+
+
+def test_the_orientation_of_tips_that_are_poorly_known_never_acts_however_calm(intake):
+    poor = (0.0036, 0.0, 0.0, 0.0, 0.0, 0.0)  # 60 mm
+    covariance = PointCovariances(index=poor, thumb=poor)
+    results = [accept(intake, hand(k, NOW + k * PERIOD, covariance=covariance)) for k in range(1, 31)]
+    assert all(isinstance(result, Accepted) for result in results)
+    assert {result.operator_R_hand is None for result in results} == {True}
 
 
 def test_a_jump_is_refused_and_three_in_a_row_latch(intake):

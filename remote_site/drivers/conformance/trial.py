@@ -13,6 +13,7 @@ from remote_site.drivers.grip import GripSettings, GripWatch
 from remote_site.drivers.keeper import Keeper, Order, Phase
 from remote_site.kinematics.joints import JointMotion
 from remote_site.motion import Follower
+from remote_site.safety.stopping import stopping
 
 READY_MS = 5000
 STEP_MS = 2
@@ -132,9 +133,12 @@ class Trial:
             self.command(motion)
 
     def command(self, motion: JointMotion) -> None:
-        """One command, and the tick after it."""
+        """One command, and the tick after it; one that comes too late goes on from within the stop, as control does."""
         self._seq += 1
-        command = JointCommand(self._seq, self.clock.now_ns(), motion.q, motion.dq, motion.ddq, gripper_open=True)
+        now_ns, (onset_ns, last) = self.clock.now_ns(), self.keeper.course
+        if onset_ns:
+            motion = stopping(last, self.setup.limits, (now_ns - onset_ns) / NS_PER_S)
+        command = JointCommand(self._seq, now_ns, motion.q, motion.dq, motion.ddq, gripper_open=True)
         self.run(self.setup.dt * 1000, [Order(self._activation, True, self.keeper.diversions, command)])
 
     def in_motion(self) -> "Trial":

@@ -346,6 +346,7 @@ def test_activation_waits_for_rest(bench):
     bench.moving()
     bench.activate(bench.keeper.motion.q)
     assert bench.keeper.fault.code is FaultCode.REFUSED
+    assert bench.robot.stops == 0  # it is led to rest
     for _ in range(200):
         bench.turn()
     assert bench.keeper.settled
