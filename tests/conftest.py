@@ -32,8 +32,14 @@ def pytest_xdist_make_scheduler(config: pytest.Config, log: object) -> WholeSite
 
 
 def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
-    """Those that run whole sites come last, when nothing else is under way."""
-    items.sort(key=lambda item: any(folder in item.path.parents for folder in WHOLE_SITES))
+    """Those that run whole sites come last, when nothing else is under way; those that share a pair come in a row."""
+    items.sort(key=_place)
+
+
+def _place(item: pytest.Item) -> int:
+    if not any(folder in item.path.parents for folder in WHOLE_SITES):
+        return 0
+    return 1 if "pair" in getattr(item, "fixturenames", ()) else 2
 
 
 @pytest.fixture(autouse=True)
