@@ -14,9 +14,9 @@ settings.register_profile("any machine", deadline=None)  # a busy one takes its 
 settings.load_profile("any machine")
 
 HERE = Path(__file__).parent
-# Tests of whole sites run in rows, one for each folder. Those that only wait for what has to come may run beside
-# others, and come first, since they take longest; the loop, whose pace is measured, comes last and alone.
-FIRST, LAST = (HERE / "integration", HERE / "browser"), (HERE / "loopback",)
+# Tests of whole sites run in rows, one for each folder. Those of light sites, which only wait for what has to come, run
+# beside others, and first, since they take longest; the page and the loop, whose pace is measured, come last and alone.
+FIRST, LAST = (HERE / "integration",), (HERE / "browser", HERE / "loopback")
 
 
 def row_of(path: Path) -> Path | None:
@@ -25,11 +25,12 @@ def row_of(path: Path) -> Path | None:
 
 
 class WholeSitesInRows(LoadScopeScheduling):
-    """Gives each worker whole files, in order, and of whole sites whole rows."""
+    """Gives each worker whole files, in order, and of whole sites a whole row: all that come last are one."""
 
     def _split_scope(self, nodeid: str) -> str:
         path = nodeid.partition("::")[0]
-        return str(row_of(HERE.parent / path) or path)
+        row = row_of(HERE.parent / path)
+        return "last" if row in LAST else str(row or path)
 
 
 @pytest.hookimpl(optionalhook=True)
@@ -46,8 +47,8 @@ def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
 def _place(item: pytest.Item) -> int:
     row = row_of(item.path)
     if row not in FIRST:
-        return len(FIRST) if row is None else len(FIRST) + 1
-    return -1 if "pair" in getattr(item, "fixturenames", ()) else FIRST.index(row)
+        return 0 if row is None else 1 + LAST.index(row)
+    return -2 if "pair" in getattr(item, "fixturenames", ()) else -1
 
 
 @pytest.fixture(autouse=True)

@@ -10,7 +10,7 @@ import pytest
 
 sys.path.insert(0, str(Path(__file__).parents[1] / "integration"))
 from opened_page import OpenedPage
-from sites import Sites, pytest_runtest_makereport, running_sites
+from sites import PATIENT, Sites, pytest_runtest_makereport, running_sites
 
 from farhand.loopback import free_ports
 from farhand.site_process import SiteProcess
@@ -27,7 +27,6 @@ QUIET = (
     "--disable-sync",
 )
 HELD = ("engagement.mode=hold_to_run", "engagement.frames=5")
-PATIENT = ("safety.t_soft_ms=400", "safety.t_latch_ms=2000")  # only the page ends an engagement, not a busy machine
 
 
 @dataclass

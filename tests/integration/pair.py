@@ -1,6 +1,6 @@
 """One remote and one local site for many tests, since starting them is what takes longest."""
 
-from sites import CELL, Sites
+from sites import CELL, PATIENT, Sites
 
 from common.errors import TransportError
 from common.messages import SessionState
@@ -72,5 +72,5 @@ class Pair:
     def _started_remote(self) -> SiteProcess:
         if self._remote is None or self._remote.exit_code is not None:
             lease, metrics = f"lease.seconds={LEASE_S}", f"metrics.port={self.metrics_port}"
-            self._remote = self.sites.remote("driver.name=kinematic", lease, metrics)
+            self._remote = self.sites.remote("driver.name=kinematic", lease, metrics, *PATIENT)
         return self._remote

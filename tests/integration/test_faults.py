@@ -6,12 +6,12 @@ import time
 
 import numpy as np
 from pair import Pair
-from sites import CELL, Sites, alive, child_of, descendants
+from sites import CELL, Sites, alive, child_of, descendants, killed
 
 from common.channels import HAND
 from common.messages import SessionState
 
-LATCH_AND_STOP_S = 1.5
+STOP_S = 5.0  # that it comes, not how soon, which a busy machine decides
 STATES = 25  # half a second of them
 
 
@@ -58,7 +58,7 @@ def test_control_that_stumbles_before_an_engagement_goes_on_by_itself(pair: Pair
     os.kill(control, signal.SIGSTOP)
     time.sleep(0.8)
     os.kill(control, signal.SIGCONT)
-    sites.wait("the driver's process to say so", lambda: any("code=command_timeout" in x for x in remote.lines), 5)
+    sites.wait("the driver's process to say so", lambda: any("code=command_timeout" in x for x in remote.lines))
     assert not sites.is_in(SessionState.FAULT)
     pair.local()
     sites.wait("the arm to be engaged", lambda: sites.is_in(SessionState.ENGAGED))
@@ -69,14 +69,12 @@ def test_a_killed_local_site_stops_the_arm_until_it_is_engaged_anew(pair: Pair) 
     sites = pair.sites
     sites.wait("the arm to move", lambda: speed(sites) > 0.05)
 
-    os.kill(local.pid, signal.SIGKILL)
-    sites.wait("the latch", lambda: sites.is_in(SessionState.DISENGAGED), LATCH_AND_STOP_S)
-    assert "old" in sites.state.reason
-    sites.wait("the remote site to say so", lambda: any("state=disengaged code=latched" in x for x in remote.lines), 2)
-    sites.wait("rest", lambda: at_rest(sites), LATCH_AND_STOP_S)
+    assert "old" in killed(local, sites).reason
+    told = "state=disengaged code=latched"
+    sites.wait("the remote site to say so", lambda: any(told in line for line in remote.lines), STOP_S)
+    sites.wait("rest", lambda: at_rest(sites), STOP_S)
     stopped_at = sites.state.q_commanded
 
-    sites.wait("the local site's end", lambda: local.exit_code is not None, 5)
     known = {hand.session for hand in sites.record.hands}
     pair.local()
     sites.wait("a new hand", lambda: sites.record.hands[-1].session not in known)
@@ -85,7 +83,7 @@ def test_a_killed_local_site_stops_the_arm_until_it_is_engaged_anew(pair: Pair) 
 
     seen = len(sites.record.states)
     sites.wait("the answer to a request", lambda: pair.engage().startswith("engaged"), 20)
-    sites.wait("the arm to be engaged", lambda: sites.is_in(SessionState.ENGAGED), 5)
+    sites.wait("the arm to be engaged", lambda: sites.is_in(SessionState.ENGAGED))
     first = next(state for state in sites.record.states[seen:] if state.state is SessionState.ENGAGED)
     assert np.abs(np.subtract(first.q_commanded, stopped_at)).max() < 0.02
 
@@ -96,11 +94,11 @@ def test_a_killed_control_process_is_named_and_nothing_moves_until_it_is_engaged
     sites.wait("the arm to move", lambda: speed(sites) > 0.05)
     children = descendants(remote.pid)
     os.kill(child_of(remote, "farhand-control"), signal.SIGKILL)
-    sites.wait("the remote site to end", lambda: remote.exit_code is not None, 5)
+    sites.wait("the remote site to end", lambda: remote.exit_code is not None, STOP_S)
     assert remote.exit_code == 1
     assert "control died" in remote.last_error()
-    sites.wait("the local site to say so", lambda: any("silent" in line for line in local.lines), 2)
-    sites.wait("no process to be left", lambda: not any(alive(p) for p in children), 3)
+    sites.wait("the local site to say so", lambda: any("silent" in line for line in local.lines), STOP_S)
+    sites.wait("no process to be left", lambda: not any(alive(p) for p in children), STOP_S)
 
     again = pair.remote()
     assert stays_disengaged(sites)

@@ -8,13 +8,12 @@ from collections.abc import Iterator
 from contextlib import contextmanager
 
 import pytest
-from sites import CELL, MARKERS, Sites, running_sites
+from sites import CELL, LIGHT_LOCAL, PATIENCE_S, PATIENT, Sites, running_sites
 
 from common.channels import INTENT
 from common.clock import NS_PER_S
 from common.messages import Intent, OperatorIntent, SessionState
 
-PATIENT = ("safety.t_soft_ms=400", "safety.t_latch_ms=2000")  # only the key ends an engagement, not a busy machine
 APART_S = 3600
 IN_ANOTHER_TIME = ["unshare", "-T", "--monotonic", str(APART_S)]
 
@@ -36,8 +35,7 @@ def local_an_hour_ahead(sites: Sites) -> Iterator[None]:
         *(f"links.{name}={where}" for name, where in (("remote", sites.control), ("listen", sites.listen))),
         f"cell={CELL}",
         "authority.operator=anna",
-        "simulation.motion.name=figure_of_eight",
-        *MARKERS,
+        *LIGHT_LOCAL,
     )
     arguments = [part for setting in settings for part in ("--set", setting)]
     process = subprocess.Popen([*IN_ANOTHER_TIME, sys.executable, "-m", "farhand", "local", *arguments])
@@ -45,7 +43,7 @@ def local_an_hour_ahead(sites: Sites) -> Iterator[None]:
         yield
     finally:
         process.terminate()
-        process.wait(5)
+        process.wait(PATIENCE_S)
 
 
 class Console:
@@ -85,16 +83,16 @@ def test_hold_to_run_between_hosts_whose_clocks_differ_by_an_hour(sites: Sites) 
         assert not sites.state.readiness.held
 
         console.held = True
-        sites.wait("the arm to follow", lambda: sites.is_in(SessionState.ENGAGED), 5)
+        sites.wait("the arm to follow", lambda: sites.is_in(SessionState.ENGAGED), 20)
         assert "future" not in sites.state.rejected
         console.held = False
-        sites.wait("the stop", lambda: sites.is_in(SessionState.DISENGAGED), 1)
+        sites.wait("the stop", lambda: sites.is_in(SessionState.DISENGAGED), 5)
         assert sites.state.code == "let_go"
         console.held = True
-        sites.wait("the arm to follow again", lambda: sites.is_in(SessionState.ENGAGED), 5)
+        sites.wait("the arm to follow again", lambda: sites.is_in(SessionState.ENGAGED), 20)
 
         console.held = None
-        sites.wait("the stop after the console's last word", lambda: sites.is_in(SessionState.DISENGAGED), 1)
+        sites.wait("the stop after the console's last word", lambda: sites.is_in(SessionState.DISENGAGED), 5)
         console.held = True
         sites.wait("the key to be seen", lambda: sites.state.readiness.ready)
         time.sleep(0.5)
@@ -102,4 +100,4 @@ def test_hold_to_run_between_hosts_whose_clocks_differ_by_an_hour(sites: Sites) 
         console.held = False
         time.sleep(0.2)
         console.held = True
-        sites.wait("a new press to count", lambda: sites.is_in(SessionState.ENGAGED), 5)
+        sites.wait("a new press to count", lambda: sites.is_in(SessionState.ENGAGED), 20)
