@@ -14,26 +14,41 @@ settings.register_profile("any machine", deadline=None)  # a busy one takes its 
 settings.load_profile("any machine")
 
 HERE = Path(__file__).parent
-WHOLE_SITES = (HERE / "integration", HERE / "browser")
+# Tests of whole sites run in rows, one for each folder. Those of light sites, which only wait for what has to come, run
+# beside others, and first, since they take longest; the page and the loop, whose pace is measured, come last and alone.
+FIRST, LAST = (HERE / "integration",), (HERE / "browser", HERE / "loopback")
 
 
-class WholeSitesInARow(LoadScopeScheduling):
-    """Gives each worker whole files, in order; those that run whole sites are one, and so run one after the other."""
+def row_of(path: Path) -> Path | None:
+    """The folder in whose row the tests of a file run, if they are of whole sites."""
+    return next((folder for folder in FIRST + LAST if folder in path.parents), None)
+
+
+class WholeSitesInRows(LoadScopeScheduling):
+    """Gives each worker whole files, in order, and of whole sites a whole row: all that come last are one."""
 
     def _split_scope(self, nodeid: str) -> str:
         path = nodeid.partition("::")[0]
-        return "whole sites" if any(folder.name in Path(path).parts for folder in WHOLE_SITES) else path
+        row = row_of(HERE.parent / path)
+        return "last" if row in LAST else str(row or path)
 
 
 @pytest.hookimpl(optionalhook=True)
-def pytest_xdist_make_scheduler(config: pytest.Config, log: object) -> WholeSitesInARow:
+def pytest_xdist_make_scheduler(config: pytest.Config, log: object) -> WholeSitesInRows:
     """How tests are shared out when two run at once."""
-    return WholeSitesInARow(config, log)
+    return WholeSitesInRows(config, log)
 
 
 def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
-    """Those that run whole sites come last, when nothing else is under way."""
-    items.sort(key=lambda item: any(folder in item.path.parents for folder in WHOLE_SITES))
+    """Rows come first or last, and first of all the tests that leave one pair of sites to each other."""
+    items.sort(key=_place)
+
+
+def _place(item: pytest.Item) -> int:
+    row = row_of(item.path)
+    if row not in FIRST:
+        return 0 if row is None else 1 + LAST.index(row)
+    return -2 if "pair" in getattr(item, "fixturenames", ()) else -1
 
 
 @pytest.fixture(autouse=True)

@@ -10,10 +10,12 @@ import pytest
 
 sys.path.insert(0, str(Path(__file__).parents[1] / "integration"))
 from opened_page import OpenedPage
-from sites import Sites, running_sites
+from sites import PATIENT, Sites, pytest_runtest_makereport, running_sites
 
 from farhand.loopback import free_ports
 from farhand.site_process import SiteProcess
+
+__all__ = ["pytest_runtest_makereport"]
 
 CHROMIUM = "/usr/bin/chromium"
 QUIET = (
@@ -24,10 +26,7 @@ QUIET = (
     "--disable-component-update",
     "--disable-sync",
 )
-SMALL_VIDEO = ("video.width=160", "video.height=120", "video.nice=0")
 HELD = ("engagement.mode=hold_to_run", "engagement.frames=5")
-PATIENT = ("safety.t_soft_ms=400", "safety.t_latch_ms=2000")  # only the page ends an engagement, not a busy machine
-MARKERS = ("simulation.markers=true", "tracking.method=markers")
 
 
 @dataclass
@@ -57,11 +56,12 @@ def browser() -> Iterator[object]:
 def stand(browser: object) -> Iterator[Stand]:
     """Both sites and a console, running."""
     with running_sites() as sites:
-        remote = sites.remote("driver.name=kinematic", *SMALL_VIDEO, *HELD, *PATIENT)
-        sites.local(*MARKERS)
+        remote = sites.remote("driver.name=kinematic", "video.nice=0", *HELD, *PATIENT)
+        sites.local()
         port = free_ports(1)[0]
         links = (f"links.control={sites.control}", f"links.video={sites.video}", f"links.local={sites.listen}")
         console = sites.start("console", *links, f"serve.port={port}")
+        sites.wait_for_states()
         sites.wait("the lease", lambda: sites.state.lease is not None)
         yield Stand(sites, remote, console, f"http://127.0.0.1:{port}/", browser)
 

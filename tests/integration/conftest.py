@@ -1,11 +1,16 @@
-"""Compiles the tracker before any test waits for a site to start."""
+"""What all tests of whole sites share: one pair of them, ended at the end."""
+
+from collections.abc import Iterator
 
 import pytest
+from pair import Pair
+from sites import pytest_runtest_makereport, running_sites
 
-from local_site.tracking.choice import TrackingConfig
-from local_site.warm_up import warm_up
+__all__ = ["pytest_runtest_makereport"]
 
 
-@pytest.fixture(scope="session", autouse=True)
-def tracker_is_compiled() -> None:
-    warm_up(TrackingConfig())
+@pytest.fixture(scope="session")
+def pair() -> Iterator[Pair]:
+    """Both sites, as the last test left them."""
+    with running_sites() as sites:
+        yield Pair(sites)

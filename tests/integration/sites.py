@@ -1,10 +1,17 @@
 """Both daemons as real processes on free endpoints, and everything heard of them."""
 
+import os
+import signal
 import tempfile
 import time
 from collections.abc import Callable, Iterator
 from contextlib import ExitStack, contextmanager
+from itertools import islice
 from pathlib import Path
+from unittest.mock import patch
+
+import pytest
+from systemd import Systemd
 
 from common.messages import RobotState, SessionState
 from common.transport import open_link
@@ -13,16 +20,32 @@ from farhand.recorder import Recorder
 from farhand.site_process import SiteProcess
 
 CELL = "test"
-PATIENCE_S = 40.0
-QUIET_VIDEO = "video.fps=5"
+PATIENCE_S = 120.0
+TOLD_LINES = 40
+# Sites that leave a slow machine time for what is tested: none of this matters where nobody measures pace or accuracy.
+LIGHT_REMOTE = ("control.rate_hz=125", "video.fps=5", "video.width=160", "video.height=120")
+PATIENT = (
+    "safety.t_soft_ms=400",
+    "safety.t_latch_ms=1500",
+)  # only who is tested ends an engagement, not a busy machine
+SMALL_PICTURES = {"width_px": 320, "height_px": 240, "focal_px": 400}
+LIGHT_LOCAL = (
+    "simulation.markers=true",
+    "tracking.method=markers",
+    "simulation.motion.name=figure_of_eight",
+    *(f"simulation.stereo.{key}={value}" for key, value in SMALL_PICTURES.items()),
+)
+
+running: list["Sites"] = []
 
 
 class Sites:
-    """The endpoints of one pair of sites, and the processes started on them."""
+    """The endpoints of one pair of sites, and the processes started on them, each under a systemd of its own."""
 
     def __init__(self) -> None:
         self.control, self.video, self.listen = (f"tcp/127.0.0.1:{port}" for port in free_ports(3))
         self.processes: list[SiteProcess] = []
+        self.systemd: dict[int, Systemd] = {}
         self.stack = ExitStack()
         self.runtime = Path(self.stack.enter_context(tempfile.TemporaryDirectory()))
         link = self.stack.enter_context(open_link(connect=(self.control, self.listen)))
@@ -30,23 +53,29 @@ class Sites:
         self.record = Recorder(link, link, CELL, ()).record
 
     def remote(self, *settings: str) -> SiteProcess:
-        """Start a remote site and wait for its first state."""
-        before = len(self.record.states)
-        links = (f"links.control={self.control}", f"links.video={self.video}", QUIET_VIDEO)
-        process = self.start("remote", *links, *settings)
-        self.wait("the remote site", lambda: len(self.record.states) > before)
-        return process
+        """Start a remote site; its states come a few seconds later."""
+        links = (f"links.control={self.control}", f"links.video={self.video}")
+        return self.start("remote", *links, *LIGHT_REMOTE, *settings)
 
     def local(self, *settings: str) -> SiteProcess:
-        """Start a local site with a simulated operator."""
+        """Start a local site with a simulated operator, who wears markers."""
         links = (f"links.remote={self.control}", f"links.listen={self.listen}")
-        return self.start("local", *links, "simulation.motion.name=figure_of_eight", *settings)
+        return self.start("local", *links, *LIGHT_LOCAL, *settings)
 
     def start(self, name: str, *settings: str) -> SiteProcess:
         """Start a process of this cell."""
         arguments = [part for setting in (f"cell={CELL}", *settings) for part in ("--set", setting)]
-        self.processes.append(SiteProcess(name, arguments, self.runtime))
-        return self.processes[-1]
+        systemd = Systemd(self.runtime / f"notify-{len(self.processes)}")
+        self.stack.callback(systemd.close)
+        with patch.dict(os.environ, NOTIFY_SOCKET=str(systemd.path)):
+            process = SiteProcess(name, arguments, self.runtime)
+        self.processes.append(process)
+        self.systemd[process.pid] = systemd
+        return process
+
+    def wait_for_states(self) -> None:
+        """Wait for the first state of a remote site."""
+        self.wait("the remote site", lambda: bool(self.record.states))
 
     @property
     def state(self) -> RobotState:
@@ -58,13 +87,17 @@ class Sites:
         return bool(self.record.states) and self.state.state is state
 
     def wait(self, what: str, is_so: Callable[[], bool], seconds: float = PATIENCE_S) -> None:
-        """Wait until something is so; an AssertionError with the last words of the sites otherwise."""
+        """Wait until something is so; an AssertionError with the state's reason otherwise."""
         deadline = time.monotonic() + seconds
         while not is_so():
-            words = [f"{p.name}: {p.last_error()}" for p in self.processes]
-            words += [state.reason for state in self.record.states[-1:]]
-            assert time.monotonic() < deadline, f"waited in vain for {what}: {words}"
+            reasons = [state.reason for state in self.record.states[-1:]]
+            assert time.monotonic() < deadline, f"waited in vain for {what}: {reasons}"
             time.sleep(0.02)
+
+    def said(self) -> str:
+        """The last lines of every process's log."""
+        tails = {p: list(islice(p.lines.copy(), max(0, len(p.lines) - TOLD_LINES), None)) for p in self.processes}
+        return "\n".join(f"{p.name} {p.pid} ({p.exit_code}): {line}" for p, tail in tails.items() for line in tail)
 
     def close(self) -> None:
         for process in reversed(self.processes):
@@ -76,10 +109,47 @@ class Sites:
 def running_sites() -> Iterator[Sites]:
     """Sites that end with the block."""
     sites = Sites()
+    running.append(sites)
     try:
         yield sites
     finally:
+        running.remove(sites)
         sites.close()
+
+
+@pytest.hookimpl(wrapper=True)
+def pytest_runtest_makereport() -> Iterator[None]:
+    """What all sites said stands in the report of a test that failed while they ran."""
+    report = yield
+    if report.failed:
+        report.sections.append(("the sites", "\n".join(sites.said() for sites in running)))
+    return report
+
+
+def name_of(pid: int) -> str:
+    """A process's name, as `ps` shows it; empty once there is none."""
+    try:
+        return Path(f"/proc/{pid}/comm").read_text().strip()
+    except OSError:
+        return ""
+
+
+def child_of(process: SiteProcess, name: str) -> int:
+    """The process of this name below a site."""
+    return next(pid for pid in descendants(process.pid) if name_of(pid) == name)
+
+
+def killed(local: SiteProcess, sites: Sites) -> RobotState:
+    """The first state in which the arm is disengaged, once this local site has been killed."""
+    seen = len(sites.record.states)
+    os.kill(local.pid, signal.SIGKILL)
+    sites.wait("its end", lambda: local.exit_code is not None)
+
+    def disengaged() -> list[RobotState]:
+        return [state for state in sites.record.states[seen:] if state.state is SessionState.DISENGAGED]
+
+    sites.wait("the latch", lambda: bool(disengaged()))
+    return disengaged()[0]
 
 
 def descendants(pid: int) -> set[int]:

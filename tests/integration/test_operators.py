@@ -1,163 +1,66 @@
-"""Two operators, and two hosts whose clocks differ by an hour, as real processes."""
+"""Two operators at one cell, as real processes: one operates, the other waits until the lease has expired."""
 
-import os
-import signal
-import subprocess
-import sys
-import threading
 import time
-from collections.abc import Iterator
-from contextlib import contextmanager
 
 import msgspec
 import pytest
-from sites import CELL, Sites, running_sites
+from pair import LEASE_S, Pair
+from sites import CELL, Sites, killed
 
-from common.channels import HAND, INTENT
-from common.clock import NS_PER_S
+from common.channels import HAND
 from common.errors import TransportError
-from common.messages import Intent, OperatorIntent, SessionState
+from common.messages import SessionState
 from common.requests import OperatorAction
 from farhand.engage import request_engage
 from farhand.lease import act_on_lease, show_lease
 from farhand.loopback import free_ports
-
-MARKERS = ("simulation.markers=true", "tracking.method=markers")
-PATIENT = ("safety.t_soft_ms=400", "safety.t_latch_ms=2000")  # only the key ends an engagement, not a busy machine
-LEASE_S = 5.0
-APART_S = 3600
-IN_ANOTHER_TIME = ["unshare", "-T", "--monotonic", str(APART_S)]
-
-
-@pytest.fixture
-def sites() -> Iterator[Sites]:
-    with running_sites() as sites:
-        yield sites
 
 
 def holder(sites: Sites) -> str | None:
     return sites.state.lease.holder if sites.state.lease is not None else None
 
 
-def test_a_second_operator_takes_over_only_when_the_firsts_lease_has_expired(sites: Sites) -> None:
-    sites.remote("driver.name=kinematic")
-    anna = sites.local(*MARKERS, "authority.operator=anna")
-    sites.wait("anna to be engaged", lambda: sites.is_in(SessionState.ENGAGED))
+def test_a_second_operator_takes_over_only_when_the_firsts_lease_has_expired(pair: Pair) -> None:
+    _, anna = pair.following()
+    sites = pair.sites
+    bens_listen = f"tcp/127.0.0.1:{free_ports(1)[0]}"
+    ben = sites.local("authority.operator=ben", f"links.listen={bens_listen}")
     assert holder(sites) == "anna"
     clock = sites.state.clock
     assert clock is not None
     assert abs(clock.remote_minus_local_ns) <= clock.uncertainty_ns
 
-    bens_listen = f"tcp/127.0.0.1:{free_ports(1)[0]}"
-    ben = sites.local(*MARKERS, "authority.operator=ben", f"links.listen={bens_listen}")
     sites.wait("ben to be refused", lambda: any("not_holder" in line and "anna holds" in line for line in ben.lines))
     sites.wait("ben's samples to be fenced", lambda: sites.state.rejected.get("not_holder", 0) > 10)
     with pytest.raises(TransportError, match=r"not_holder\): anna holds"):
         request_engage(CELL, sites.control, "ben")
     assert holder(sites) == "anna"
 
-    lease, last = sites.state.lease, sites.record.hands[-1]
+    lease = sites.state.lease
     assert lease is not None
-    assert last.lease == lease.number
-    os.kill(anna.pid, signal.SIGKILL)
-    sites.wait("the latch", lambda: sites.is_in(SessionState.DISENGAGED), 1.5)
-    assert holder(sites) == "anna"
-    sites.wait("the lease to expire", lambda: holder(sites) is None, LEASE_S + 1)
+    last = next(hand for hand in reversed(sites.record.hands) if hand.lease == lease.number)
+    still = killed(anna, sites).lease
+    assert still is not None
+    assert still.holder == "anna"
+    sites.wait("the lease to expire", lambda: holder(sites) is None, LEASE_S + 5)
     assert "nobody holds the lease" in show_lease(CELL, sites.control)
 
     assert act_on_lease(CELL, bens_listen, OperatorAction.TAKE) == "the lease of this cell is yours"
-    sites.wait("ben's lease", lambda: holder(sites) == "ben", 2)
+    sites.wait("ben's lease", lambda: holder(sites) == "ben")
     sites.wait("ben to be ready", lambda: sites.state.readiness.ready)
     assert sites.is_in(SessionState.DISENGAGED)
     request_engage(CELL, sites.control, "ben")
-    sites.wait("ben to be engaged", lambda: sites.is_in(SessionState.ENGAGED), 2)
+    sites.wait("ben to be engaged", lambda: sites.is_in(SessionState.ENGAGED))
 
+    seen = len(sites.record.states)
     late = sites.link.publisher(HAND, CELL)
     for k in range(40):
         late.put(msgspec.structs.replace(last, seq=last.seq + 1 + k, capture_ns=time.monotonic_ns()))
         time.sleep(0.01)
-    sites.wait("late samples to be fenced", lambda: sites.state.rejected.get("old_lease", 0) > 10, 2)
+    sites.wait("late samples to be fenced", lambda: sites.state.rejected.get("old_lease", 0) > 10)
     ours = sites.state.lease
     assert ours is not None
     assert ours.number > lease.number
-    obeyed = {state.obeyed.session for state in sites.record.states[-15:] if state.obeyed is not None}
+    obeyed = {state.obeyed.session for state in sites.record.states[seen:] if state.obeyed is not None}
     assert obeyed == {ours.session}
-
-
-def in_another_time() -> bool:
-    """Whether this machine lets a process have a monotonic clock of its own."""
-    return subprocess.run([*IN_ANOTHER_TIME, "true"], check=False, capture_output=True).returncode == 0
-
-
-@contextmanager
-def local_an_hour_ahead(sites: Sites) -> Iterator[None]:
-    settings = (
-        *(f"links.{name}={where}" for name, where in (("remote", sites.control), ("listen", sites.listen))),
-        f"cell={CELL}",
-        "authority.operator=anna",
-        "simulation.motion.name=figure_of_eight",
-        *MARKERS,
-    )
-    arguments = [part for setting in settings for part in ("--set", setting)]
-    process = subprocess.Popen([*IN_ANOTHER_TIME, sys.executable, "-m", "farhand", "local", *arguments])
-    try:
-        yield
-    finally:
-        process.terminate()
-        process.wait(5)
-
-
-class Console:
-    """Tells the operator's intent at 50 Hz, by the clock of the local site."""
-
-    def __init__(self, sites: Sites) -> None:
-        self.held: bool | None = False
-        self._publisher = sites.link.publisher(INTENT, CELL, "anna")
-        self._stop = threading.Event()
-        self._thread = threading.Thread(target=self._run)
-
-    def __enter__(self) -> "Console":
-        self._thread.start()
-        return self
-
-    def __exit__(self, *_: object) -> None:
-        self._stop.set()
-        self._thread.join()
-
-    def _run(self) -> None:
-        while not self._stop.wait(0.02):
-            if self.held is not None:
-                sent_ns = time.monotonic_ns() + APART_S * NS_PER_S
-                self._publisher.put(OperatorIntent(sent_ns=sent_ns, intent=Intent(hold=self.held)))
-
-
-@pytest.mark.skipif(not in_another_time(), reason="no right to a time namespace")
-def test_hold_to_run_between_hosts_whose_clocks_differ_by_an_hour(sites: Sites) -> None:
-    sites.remote("driver.name=kinematic", "engagement.mode=hold_to_run", *PATIENT)
-    with local_an_hour_ahead(sites), Console(sites) as console:
-        sites.wait("readiness", lambda: sites.state.readiness.ready)
-        clock = sites.state.clock
-        assert clock is not None
-        assert abs(clock.remote_minus_local_ns + APART_S * NS_PER_S) <= clock.uncertainty_ns
-        assert sites.is_in(SessionState.DISENGAGED)
-        assert not sites.state.readiness.held
-
-        console.held = True
-        sites.wait("the arm to follow", lambda: sites.is_in(SessionState.ENGAGED), 5)
-        assert "future" not in sites.state.rejected
-        console.held = False
-        sites.wait("the stop", lambda: sites.is_in(SessionState.DISENGAGED), 1)
-        assert sites.state.code == "let_go"
-        console.held = True
-        sites.wait("the arm to follow again", lambda: sites.is_in(SessionState.ENGAGED), 5)
-
-        console.held = None
-        sites.wait("the stop after the console's last word", lambda: sites.is_in(SessionState.DISENGAGED), 1)
-        console.held = True
-        sites.wait("the key to be seen", lambda: sites.state.readiness.ready)
-        time.sleep(0.5)
-        assert sites.is_in(SessionState.DISENGAGED)
-        console.held = False
-        time.sleep(0.2)
-        console.held = True
-        sites.wait("a new press to count", lambda: sites.is_in(SessionState.ENGAGED), 5)
+    ben.end()

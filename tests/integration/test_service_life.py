@@ -1,90 +1,58 @@
-"""What systemd hears of a daemon: ready once, the watchdog fed while the loop comes round, the end announced."""
+"""A daemon's life as systemd sees it: ready once, its watchdog fed, an end that is announced, or a child that hangs."""
 
 import os
 import signal
-import socket
 import urllib.request
-from collections.abc import Iterator
 from pathlib import Path
 
-import pytest
-from sites import Sites, running_sites
+from pair import Pair
+from sites import alive, child_of, descendants
 
-from farhand.loopback import free_ports
-
-PATIENCE_S = 60.0
 FIGURES = {"farhand_control_missed_ticks_total", "farhand_session_state", "farhand_video_frames_total"}
+END_S = 5.0  # two where a machine has nothing else to do
 
 
-class Systemd:
-    """The socket that a daemon notifies; every message as it comes."""
-
-    def __init__(self, path: Path) -> None:
-        self._socket = socket.socket(socket.AF_UNIX, socket.SOCK_DGRAM)
-        self._socket.bind(str(path))
-        self._socket.settimeout(PATIENCE_S)
-
-    def hear(self) -> str:
-        """The next message; TimeoutError when none comes."""
-        return self._socket.recv(256).decode()
-
-    def close(self) -> None:
-        self._socket.close()
+def test_figures_are_served_and_the_site_goes_on_when_they_die(pair: Pair) -> None:
+    process, sites = pair.remote(), pair.sites
+    sites.wait("figures of control and video", lambda: figures_at(pair.metrics_port) >= FIGURES, 20)
+    os.kill(child_of(process, "farhand-metrics"), signal.SIGKILL)
+    sites.wait("the site to say so", lambda: any("goes on without it" in line for line in process.lines))
+    told = len(sites.record.states)
+    sites.wait("control to go on", lambda: len(sites.record.states) > told + 25)
+    assert process.exit_code is None
 
 
-@pytest.fixture
-def systemd(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Iterator[Systemd]:
-    systemd = Systemd(tmp_path / "notify")
-    monkeypatch.setenv("NOTIFY_SOCKET", str(tmp_path / "notify"))
-    yield systemd
-    systemd.close()
+def test_both_sites_tell_systemd_of_their_life_end_soon_after_sigterm_and_leave_nothing(pair: Pair) -> None:
+    processes = pair.following()
+    sites = pair.sites
+    started = [p for site in processes for p in (site.pid, *descendants(site.pid))]
+    for site in processes:
+        os.kill(site.pid, signal.SIGTERM)
+    sites.wait("both to end", lambda: all(site.exit_code is not None for site in processes), END_S)
+    assert [site.exit_code for site in processes] == [0, 0]
+    sites.wait("no process to be left", lambda: not any(alive(p) for p in started), END_S)
+    for site in processes:
+        told = sites.systemd[site.pid].words
+        sites.wait("the last word", lambda told=told: told[-1] == "STOPPING=1", END_S)
+        assert told[0] == "READY=1"
+        assert len(told) > 5
+        assert set(told[1:-1]) == {"WATCHDOG=1"}
 
 
-@pytest.fixture
-def sites(systemd: Systemd) -> Iterator[Sites]:  # noqa: ARG001  # the socket must be there before any site
-    with running_sites() as sites:
-        yield sites
-
-
-@pytest.mark.parametrize("site", ["remote", "local"])
-def test_a_daemon_tells_systemd_of_its_life(site: str, sites: Sites, systemd: Systemd) -> None:
-    process = sites.remote("driver.name=kinematic") if site == "remote" else sites.local()
-    assert systemd.hear() == "READY=1"
-    assert [systemd.hear() for _ in range(5)] == ["WATCHDOG=1"] * 5
-    os.kill(process.pid, signal.SIGTERM)
-    words = [systemd.hear()]
-    while words[-1] == "WATCHDOG=1":
-        words.append(systemd.hear())
-    assert words[-1] == "STOPPING=1"
-    sites.wait("the daemon to end", lambda: process.exit_code == 0, 5)
-
-
-def test_a_child_that_stands_still_ends_the_remote_site_so_that_systemd_starts_it_again(
-    sites: Sites, systemd: Systemd
-) -> None:
-    process = sites.remote("driver.name=kinematic")
-    assert systemd.hear() == "READY=1"
-    video = next(child for child in children_of(process.pid) if name_of(child) == "farhand-video")
+def test_a_child_that_stands_still_ends_the_remote_site_so_that_systemd_starts_it_again(pair: Pair) -> None:
+    process, sites = pair.remote(), pair.sites
+    systemd = sites.systemd[process.pid]
+    sites.wait("readiness", lambda: "READY=1" in systemd.words)
+    video = child_of(process, "farhand-video")
     os.kill(video, signal.SIGSTOP)
     try:
-        sites.wait("the remote site to end", lambda: process.exit_code is not None, 12)
+        sites.wait("the remote site to end", lambda: process.exit_code is not None)
     finally:
         if Path(f"/proc/{video}").exists():
             os.kill(video, signal.SIGCONT)
     assert process.exit_code == 1
     assert "process video hangs" in process.last_error()
-
-
-def test_figures_are_served_and_the_site_goes_on_when_they_die(sites: Sites) -> None:
-    (port,) = free_ports(1)
-    process = sites.remote("driver.name=kinematic", f"metrics.port={port}")
-    sites.wait("figures of control and video", lambda: figures_at(port) >= FIGURES, 20)
-    metrics = next(child for child in children_of(process.pid) if name_of(child) == "farhand-metrics")
-    os.kill(metrics, signal.SIGKILL)
-    sites.wait("the site to say so", lambda: any("goes on without it" in line for line in process.lines), 5)
-    told = len(sites.record.states)
-    sites.wait("control to go on", lambda: len(sites.record.states) > told + 50, 10)
-    assert process.exit_code is None
+    sites.wait("the last word", lambda: systemd.words[-1] == "STOPPING=1", END_S)
 
 
 def figures_at(port: int) -> set[str]:
@@ -95,11 +63,3 @@ def figures_at(port: int) -> set[str]:
     except OSError:
         return set()
     return {line.partition("{")[0].partition(" ")[0] for line in page.splitlines() if not line.startswith("#")}
-
-
-def children_of(pid: int) -> list[int]:
-    return [int(child) for child in Path(f"/proc/{pid}/task/{pid}/children").read_text().split()]
-
-
-def name_of(pid: int) -> str:
-    return Path(f"/proc/{pid}/comm").read_text().strip()

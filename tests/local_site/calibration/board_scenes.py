@@ -51,7 +51,7 @@ class Renderer:
             [[1 / self._board.square, 0.0, 1.0], [0.0, 1 / self._board.square, 1.0], [0.0, 0.0, 1.0]]
         )
         print_H_ray = print_H_board @ np.linalg.inv(np.column_stack([R[:, :2], t]))
-        homogeneous = self._rays @ print_H_ray.T.astype(np.float32)
+        homogeneous = (self._rays.reshape(-1, 3) @ print_H_ray.T.astype(np.float32)).reshape(self._rays.shape)
         where = homogeneous[..., :2] / homogeneous[..., 2:] * PX_PER_SQUARE - 0.5
         where[homogeneous[..., 2] <= 0] = -1e4
         fine = cv2.remap(

@@ -29,7 +29,7 @@ REACH_M = 0.7
 SPEED = 2.5
 PERIOD_S = 1 / 15
 BUSY_S = 0.15  # for processes that a busy machine keeps waiting
-ATTEMPTS = 4
+ATTEMPTS = 20
 TOO_LATE = 3
 # Whether still accelerating, and the promised time and travel of the stop from 2.5 rad/s.
 PROMISED = ((False, 0.352, 0.306), (True, 0.502, 0.620))
@@ -78,7 +78,7 @@ def killed(factory, monkeypatch, accelerating):
         if victim.exitcode == -signal.SIGKILL and rig.watch(is_stopped, 5).obeyed_seq == last.command.seq:
             return rig, last
         rig.children.end()
-    return pytest.skip("this machine kept control waiting every time")
+    return pytest.fail("this machine kept control waiting every time")
 
 
 @pytest.mark.parametrize(("accelerating", "seconds", "travel_m"), PROMISED, ids=["coasting", "accelerating"])

@@ -177,9 +177,8 @@ class LateRig:
         return max(speed / LIMITS.velocity), max(acceleration / LIMITS.acceleration), max(jerk / LIMITS.jerk)
 
 
-@pytest.mark.parametrize("call", ["read", "write"])
 @pytest.mark.parametrize("late_ms", [3.7, 5.0, 7.9, 11.9, 16.1, 27.5, 48.0])
-@pytest.mark.parametrize("begin_ms", [60.0, 151.3, 240.6])
+@pytest.mark.parametrize(("call", "begin_ms"), [("read", 60.0), ("read", 240.6), ("write", 60.0), ("write", 151.3)])
 def test_after_a_late_driver_the_robot_sees_no_more_than_the_limits_by_the_clock(late_ms, call, begin_ms):
     rig = LateRig()
     rig.run(begin_ms)

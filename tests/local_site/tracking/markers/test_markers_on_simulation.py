@@ -39,7 +39,7 @@ def followed(motion, seconds, picture=None, step_s=1 / 30):
 
 @pytest.mark.parametrize("motion", ["pick_and_place", "rotate_x", "rotate_y", "rotate_z", "figure_of_eight"])
 def test_motions_are_followed_within_half_a_millimetre(motion):
-    errors, statuses, _ = followed(motion, 8.0, step_s=0.1)
+    errors, statuses, _ = followed(motion, 8.0, step_s=0.16)
     assert errors.max() < 0.5
     assert np.mean([status is TrackingStatus.TRACKED for status in statuses]) > 0.97
 
