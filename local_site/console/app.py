@@ -14,7 +14,7 @@ import uvicorn
 from common.channels import HAND, INTENT, SHOWN, STATE
 from common.errors import FarhandError, ProcessError
 from common.requests import Description
-from common.service import StopFlag, notify, start_log
+from common.service import LogFormat, StopFlag, notify, start_log
 from common.transport import Link, check_endpoint, open_link
 from local_site.console.acts import Acts
 from local_site.console.cell_watch import CellWatch
@@ -35,9 +35,14 @@ END_S = 1.9
 SESSION_BITS = 62
 
 
-def run_console(config: ConsoleConfig, should_stop: StopFlag, tell: Callable[[str], object]) -> None:
+def run_console(
+    config: ConsoleConfig,
+    should_stop: StopFlag,
+    tell: Callable[[str], object],
+    log_format: LogFormat = LogFormat.TEXT,
+) -> None:
     """Serve the page until asked to stop; `tell` hears the address. FarhandError when it cannot start."""
-    start_log("console")
+    start_log("console", log_format)
     for endpoint in (config.links.control, config.links.video, config.links.local):
         check_endpoint(endpoint)
     try:
@@ -140,7 +145,15 @@ def _wire(
     )
     acts = Acts(control, watch, config.cell, config.name)
     desk = PageDesk(Seat(open_=config.operate), outlets, acts, latencies, history, secrets.randbits(SESSION_BITS))
-    hub = Hub(desk, watch, latencies, history, lambda watched: pictures.watch(watched=watched), operate=config.operate)
+    hub = Hub(
+        desk,
+        watch,
+        latencies,
+        history,
+        lambda watched: pictures.watch(watched=watched),
+        config.name,
+        operate=config.operate,
+    )
     pictures = Pictures(config.links, config.cell, listeners, hub.camera, hub.preview)
     stack.callback(pictures.close)
     listeners.listen(control.latest(STATE, config.cell), hub.state)

@@ -13,7 +13,7 @@ from local_site.console.cell_watch import CellWatch
 from local_site.console.history import History
 from local_site.console.latency import Latencies
 from local_site.console.page import Page
-from local_site.console.page_desk import PageDesk
+from local_site.console.page_desk import NO_LEASE, PageDesk
 from local_site.console.page_messages import parse
 from local_site.console.picture import view_frame
 from local_site.console.shown import CAMERA_VIEW
@@ -23,7 +23,10 @@ OWN_CLOCK = ClockOffset(0, 0)
 
 
 class Hub:
-    """Lives in the event loop; every method is called there. `watched` is told whether any page is there."""
+    """Lives in the event loop; every method is called there. `watched` is told whether any page is there.
+
+    `operator` is whose console this is; `operate` is whether a page may operate.
+    """
 
     def __init__(
         self,
@@ -32,12 +35,13 @@ class Hub:
         latencies: Latencies,
         history: History,
         watched: Callable[[bool], None],
+        operator: str,
         *,
         operate: bool,
     ) -> None:
         self._desk, self._watch = desk, watch
         self._latencies, self._history = latencies, history
-        self._operate, self._watched = operate, watched
+        self._operate, self._operator, self._watched = operate, operator, watched
         self._heard = Heard()
         self._cell: Description | None = None
         self._pages: list[Page] = []
@@ -68,6 +72,8 @@ class Hub:
         """The robot's state has come."""
         now_ns = time.monotonic_ns()
         self._heard = replace(self._heard, state=state, state_ns=now_ns)
+        lease = state.lease
+        self._desk.lease = lease.number if lease is not None and lease.holder == self._operator else NO_LEASE
         self._history.learn(state, now_ns)
         self._latencies.learn(state, now_ns)
 

@@ -31,6 +31,8 @@ from local_site.console.page_messages import (
 from local_site.console.seat import Seat, Verdict
 from local_site.console.shown import ShownViews
 
+NO_LEASE = 0
+
 
 class Acting(Protocol):
     """Asks the sites and waits for the answer."""
@@ -49,12 +51,16 @@ class Outlets:
 
 
 class PageDesk:
-    """Lives in the event loop; every method is called there. Anybody may stop the arm, the rest is the operator's."""
+    """Lives in the event loop; every method is called there. Anybody may stop the arm, the rest is the operator's.
+
+    `lease` is the number of the lease that this console's operator holds, as last heard.
+    """
 
     def __init__(
         self, seat: Seat, outlets: Outlets, acts: Acting, latencies: Latencies, history: History, session: int
     ) -> None:
         self.seat, self.intent = seat, Intent()
+        self.lease = NO_LEASE
         self._outlets, self._acts = outlets, acts
         self._latencies, self._history = latencies, history
         self._shown = ShownViews(session)
@@ -114,7 +120,7 @@ class PageDesk:
                 assert_never(said)
 
     def _report(self, said: Shown, now_ns: int) -> None:
-        message = self._shown.message(said.views, now_ns)
+        message = self._shown.message(said.views, self.lease, now_ns)
         if message is None:
             return
         for camera, view in message.views.items():
