@@ -141,7 +141,7 @@ def _wire(
 
     watch = CellWatch(control, config.cell, described, refused)
     outlets = Outlets(
-        control.publisher(INTENT, config.cell, config.name), video.publisher(SHOWN, config.cell, config.name)
+        control.publisher(INTENT, config.cell, config.name).put, video.publisher(SHOWN, config.cell, config.name).put
     )
     acts = Acts(control, watch, config.cell, config.name)
     desk = PageDesk(Seat(open_=config.operate), outlets, acts, latencies, history, secrets.randbits(SESSION_BITS))

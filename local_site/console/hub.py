@@ -3,13 +3,13 @@
 import time
 from collections.abc import Callable
 from dataclasses import replace
+from typing import Protocol
 
 import msgspec
 
-from common.clock import ClockOffset
+from common.clock import ClockEstimate, ClockOffset
 from common.messages import HandArm, RobotState, VideoFrame
 from common.requests import Description
-from local_site.console.cell_watch import CellWatch
 from local_site.console.history import History
 from local_site.console.latency import Latencies
 from local_site.console.page import Page
@@ -22,6 +22,14 @@ from local_site.console.situation import Clocks, Heard, tell
 OWN_CLOCK = ClockOffset(0, 0)
 
 
+class CellClock(Protocol):
+    """The remote clock as known now, and how long its last question took."""
+
+    round_trip_ms: float | None
+
+    def estimate(self, now_ns: int) -> ClockEstimate | None: ...
+
+
 class Hub:
     """Lives in the event loop; every method is called there. `watched` is told whether any page is there.
 
@@ -31,7 +39,7 @@ class Hub:
     def __init__(
         self,
         desk: PageDesk,
-        watch: CellWatch,
+        watch: CellClock,
         latencies: Latencies,
         history: History,
         watched: Callable[[bool], None],
@@ -52,7 +60,7 @@ class Hub:
         self._pages.append(page)
         self._watched(True)
         self._desk.seat.arrive(page.visitor, now_ns)
-        page.letter(type="hello", page=page.visitor.number, operate=self._operate)
+        page.letter(type="hello", page=page.visitor.number, operate=self._operate, operator=self._operator)
         if self._cell is not None:
             self._introduce(page, self._cell)
 

@@ -42,7 +42,7 @@ class Window:
 class Trace:
     """One sample's way in ms after its exposure.
 
-    Its command was written, reached the robot, was shown by the robot's encoders; then a picture was taken, and painted.
+    Its command was written, reached the robot, was shown by the encoders; then a picture was taken, and painted.
     """
 
     seq: int

@@ -12,7 +12,6 @@ import msgspec
 from common.clock import NS_PER_MS
 from common.messages import Intent, OperatorIntent, VideoFrame, ViewsShown
 from common.requests import EngagementAction, OperatorAction, Reply
-from common.transport import Publisher
 from local_site.console.history import History
 from local_site.console.latency import Latencies
 from local_site.console.page import Page
@@ -46,8 +45,8 @@ class Acting(Protocol):
 class Outlets:
     """Where the operator's intent and what is shown go."""
 
-    intent: Publisher[OperatorIntent]
-    shown: Publisher[ViewsShown]
+    intent: Callable[[OperatorIntent], object]
+    shown: Callable[[ViewsShown], object]
 
 
 class PageDesk:
@@ -79,7 +78,7 @@ class PageDesk:
         if self.seat.occupant is None:
             return
         intent = msgspec.structs.replace(self.intent, hold=self.seat.held(now_ns))
-        self._outlets.intent.put(OperatorIntent(sent_ns=now_ns, intent=intent))
+        self._outlets.intent(OperatorIntent(sent_ns=now_ns, intent=intent))
 
     def remember(self, view: str, frame: VideoFrame) -> None:
         """A frame of the cell goes to the pages under this name of its view."""
@@ -125,7 +124,7 @@ class PageDesk:
             return
         for camera, view in message.views.items():
             self._latencies.painted(camera, view.capture_ns, view.age_ms, now_ns)
-        self._outlets.shown.put(message)
+        self._outlets.shown(message)
 
     def _ask(self, page: Page, said: Ask, now_ns: int) -> None:
         if said.action is not EngagementAction.STOP:
