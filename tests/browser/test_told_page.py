@@ -1,0 +1,235 @@
+"""What the page makes of what it is told, without sites: states, cameras in trouble, ghost, trace, lease, clocks."""
+
+import time
+from collections.abc import Callable, Iterator
+from functools import partial
+from pathlib import Path
+
+import msgspec
+import numpy as np
+import pytest
+import scene
+from opened_page import OpenedPage
+
+from bench.bare_console import OPERATOR, BareConsole
+from bench.painted_clock import ages_ms, compare, watch
+from common.clock import NS_PER_MS
+from common.messages import CameraStatus, LeaseState, Readiness, SessionState, Traced, VideoFrame
+from local_site.console.hub import Hub
+from remote_site.video.clock_strip import draw_clock
+from remote_site.video.encode import encode_jpeg
+
+CHECK = (Path(__file__).parent / "accessibility.js").read_text().split("\n", 1)[1]
+SHOTS = Path(__file__).parents[2] / "build" / "screenshots"
+BEAT_S = 0.05
+BOX = "the workspace box holds the tool back: move the hand down"
+LOST = "the hand is not tracked: keep forearm and hand in both views"
+BROKEN = "the robot reports a fault: following error of joint_3; reset it once the cause is gone"
+STATES = {
+    "engaged": (SessionState.ENGAGED, "box", BOX, "engaged", "dark"),
+    "holding": (SessionState.HOLDING, "lost", LOST, "holding", "light"),
+    "disengaged": (SessionState.DISENGAGED, "let_go", "the key was let go", "disengaged", "light"),
+    "fault": (SessionState.FAULT, "robot", BROKEN, "fault", "dark"),
+}
+TROUBLES = {
+    CameraStatus.DARK: "camera {} shows nothing: is there light, is its lens free?",
+    CameraStatus.FROZEN: "camera {} has given no new picture for 0.6 s; check its cable, its power and its address",
+    CameraStatus.MISSING: "camera {} cannot be opened: check its cable",
+    CameraStatus.SLOW: "camera {} gives 5.0 of 30 pictures a second; check its exposure time and its link",
+}
+WITHOUT_PICTURE = (CameraStatus.FROZEN, CameraStatus.MISSING)
+TOLD_WITHIN_S = 1.0
+SLACK_S = 1.0  # a loaded machine may be this much late with anything
+
+
+class Told:
+    """A page, and what it is told over and over: the robot's state, a hand, and every camera's picture."""
+
+    def __init__(self, console: BareConsole, page: OpenedPage) -> None:
+        self.page, self._console = page, console
+        self._seq = 0
+        self.reset()
+
+    def reset(self) -> None:
+        """All is well."""
+        self.state = partial(scene.state, SessionState.ENGAGED, "ok", "the arm follows the hand")
+        self.troubles: dict[str, tuple[CameraStatus, str]] = {}
+        self.jpeg = scene.plain(150)
+        self.age_ms = 20.0
+        self.picture = self._plain
+
+    def tell(self) -> None:
+        """Everything once."""
+        self._seq += 1
+        self._give(Hub.state, self.state())
+        self._give(Hub.hand, scene.hand())
+        for camera in scene.CAMERAS:
+            self._give(Hub.camera, self.picture(camera, self._seq))
+
+    def until(self, what: str, is_so: Callable[[], bool], seconds: float = 15.0) -> float:
+        """Tell until something is so; how long it took, s."""
+
+        def told() -> bool:
+            self.tell()
+            self.page.page.wait_for_timeout(1000 * BEAT_S)
+            return is_so()
+
+        return self.page.wait_for(what, told, seconds)
+
+    def describe(self) -> None:
+        self._give(Hub.described, scene.cell())
+
+    def mark(self, camera: str) -> str:
+        return str(self.page.page.get_attribute(f"[data-name={camera}]", "data-mark"))
+
+    def shot(self, name: str) -> None:
+        SHOTS.mkdir(parents=True, exist_ok=True)
+        self.page.page.screenshot(path=str(SHOTS / f"{name}.png"))
+
+    def _plain(self, camera: str, seq: int) -> VideoFrame:
+        status, reason = self.troubles.get(camera, (CameraStatus.LIVE, ""))
+        jpeg = b"" if status in WITHOUT_PICTURE else self.jpeg
+        return scene.picture(camera, seq, jpeg, status, reason.format(camera), self.age_ms)
+
+    def _give(self, take: Callable[[Hub, object], None], what: object) -> None:
+        self._console.feed(lambda hub: take(hub, what))
+
+
+@pytest.fixture(scope="module")
+def told_page(browser: object) -> Iterator[Told]:
+    with BareConsole() as console:
+        page = OpenedPage(browser, console.address)
+        told = Told(console, page)
+        told.describe()
+        told.until("the views", lambda: len(page.marks()) == len(scene.CAMERAS))
+        yield told
+        page.close()
+    assert not [error for error in page.errors if "WebSocket" not in error]
+
+
+@pytest.fixture
+def told(told_page: Told) -> Told:
+    """The page, told that all is well."""
+    told_page.reset()
+    return told_page
+
+
+@pytest.mark.parametrize("name", STATES)
+def test_every_state_is_told_in_words_with_its_reason_and_can_be_read(told: Told, name: str) -> None:
+    state, code, reason, word, scheme = STATES[name]
+    told.state = partial(scene.state, state, code, reason, readiness=Readiness(True, code, reason, True))
+    told.page.page.emulate_media(color_scheme=scheme)
+    told.until("the word", lambda: told.page.state() == word and reason in told.page.words("#reason"))
+    told.until(
+        "the event", lambda: any(reason in event for event in told.page.page.locator("#events li").all_text_contents())
+    )
+    found = told.page.page.evaluate(CHECK)
+    told.shot(f"{name}-{scheme}")
+    assert found["poor"] == []
+    assert (told.page.page.get_attribute("#reset", "class") == "wanted") == (name == "fault")
+
+
+def test_each_camera_in_trouble_is_called_what_it_is_and_why(told: Told) -> None:
+    told.until("live views", lambda: set(told.page.marks()) == {"live"})
+    told.troubles = dict(zip(scene.CAMERAS, TROUBLES.items(), strict=True))
+    found = {camera: status.value for camera, (status, _) in told.troubles.items()}
+    took_s = told.until("the marks", lambda: {c: told.mark(c) for c in scene.CAMERAS} == found)
+    assert took_s < TOLD_WITHIN_S + SLACK_S
+    for camera, (status, reason) in told.troubles.items():
+        words = f"[data-name={camera}] .mark"
+        assert reason.format(camera) in told.page.words(words), status
+        assert told.page.page.is_visible(words)
+    told.until("an old picture", lambda: "s old" in told.page.words("[data-name=front_low] .mark"))
+    told.shot("cameras in trouble")
+    assert told.page.page.evaluate(CHECK)["poor"] == []
+
+
+def test_a_picture_that_was_taken_long_ago_never_looks_live(told: Told) -> None:
+    told.until("live views", lambda: set(told.page.marks()) == {"live"})
+    assert not told.page.page.is_visible("[data-name=side] .mark")
+    told.age_ms = 400.0
+    told.until("the marks", lambda: set(told.page.marks()) == {"old"})
+    assert "ms old" in told.page.words("[data-name=side] .mark")
+    told.shot("old pictures")
+
+
+GHOST = """(name) => {
+  const canvas = document.querySelectorAll(`[data-name=${name}] canvas`)[1];
+  const { width, height } = canvas;
+  const drawn = canvas.getContext("2d").getImageData(0, 0, width, height).data;
+  const points = [];
+  for (let k = 0; k < width * height; k++) {
+    if (drawn[4 * k + 3] > 200 && drawn[4 * k] > 150) points.push([k % width, Math.floor(k / width)]);
+  }
+  return { points, width, height };
+}"""
+
+
+def ghost(told: Told, camera: str) -> np.ndarray:
+    """Where the ghost is drawn, in pixels of the full picture."""
+    found = told.page.page.evaluate(GHOST, camera)
+    height, width = scene.SIZE
+    scale = min(found["width"] / width, found["height"] / height)
+    margin = (np.array([found["width"], found["height"]]) - scale * np.array([width, height])) / 2
+    return (np.array(found["points"]).reshape(-1, 2) + 0.5 - margin) / scale
+
+
+def test_the_ghost_is_the_commanded_arm_where_the_camera_sees_it(told: Told) -> None:
+    told.until("the ghost", lambda: len(ghost(told, "side")) > 50)
+    calibrations = {camera.name: camera.calibration for camera in scene.cell().cameras}
+    q = told.state().q_commanded
+    for camera in ("front_high", "front_low", "side"):
+        u, v, w = np.reshape(calibrations[camera].projection, (3, 4)) @ [*scene.MODEL.position(np.array(q)), 1.0]
+        told.until("the ghost", lambda camera=camera: len(ghost(told, camera)) > 50)
+        assert np.linalg.norm(ghost(told, camera) - (u / w, v / w), axis=1).min() < 3.0, camera
+    told.shot("ghost")
+    told.page.page.keyboard.press("g")
+    told.until("no ghost", lambda: len(ghost(told, "side")) == 0)
+    told.page.page.click("#ghost")
+    told.until("the ghost again", lambda: len(ghost(told, "side")) > 50)
+    told.age_ms = 400.0
+    told.until("no ghost over an old picture", lambda: len(ghost(told, "side")) == 0)
+
+
+def test_one_sample_is_told_from_its_exposure_to_its_painted_picture(told: Told) -> None:
+    exposed_ns = time.monotonic_ns()
+    after = [exposed_ns + ms * NS_PER_MS for ms in (21, 26, 48)]
+    told.state = partial(told.state, traced=Traced(7, 4711, exposed_ns, *after))
+    told.until("the trace", lambda: "sample 4711" in told.page.words("#trace"))
+    words = told.page.words("#trace")
+    assert "command 21, robot 26, encoder 48, picture taken" in words
+    assert float(words.rpartition("painted ")[2]) > 48
+    grown = "(stages) => stages.map((stage) => Number(stage.style.flexGrow))"
+    assert told.page.page.eval_on_selector_all("#trace-bar span", grown)[:3] == pytest.approx([21, 5, 22], abs=0.1)
+    assert told.page.words("[data-stretch=encoder] td:nth-of-type(2)") == "27"
+
+
+@pytest.mark.parametrize(
+    ("holder", "asked_by", "words"),
+    [("ben", None, "Ask ben for it"), ("ben", OPERATOR, "Ask again"), (OPERATOR, "ben", "Hand over to ben")],
+)
+def test_the_lease_says_whose_it_is_and_what_can_be_done(told: Told, holder: str, asked_by: str, words: str) -> None:
+    told.state = partial(told.state, lease=LeaseState(6, holder, 9, time.monotonic_ns(), asked_by))
+    told.until("the words", lambda: told.page.words("#lease-button") == words)
+    assert told.page.page.is_visible("#lease-button")
+    assert holder in told.page.words("#lease")
+
+
+def test_the_age_that_the_page_tells_is_that_of_the_clock_in_its_picture(told: Told) -> None:
+    page, image = told.page.page, np.full((*scene.SIZE, 3), 120, np.uint8)
+    clock = compare(page)
+    watch(page)
+
+    def picture_of_now(camera: str, seq: int) -> VideoFrame:
+        exposed_ns = time.monotonic_ns() - round(told.age_ms * NS_PER_MS)
+        draw_clock(image, exposed_ns)
+        return msgspec.structs.replace(scene.picture(camera, seq, encode_jpeg(image, 80)), capture_ns=exposed_ns)
+
+    told.picture = picture_of_now
+    told.until("the figures", lambda: bool(page.evaluate("window.paintedClocks.length > 40")))
+    painted = ages_ms(page, clock)
+    assert set(painted) == set(scene.CAMERAS)
+    assert min(min(ages) for ages in painted.values()) >= told.age_ms - clock.unsure_ms - 2
+    told_ms = float(told.page.words("[data-stretch=picture] td:nth-of-type(2)"))
+    read_ms = float(np.median(np.concatenate(list(painted.values()))))
+    assert told_ms == pytest.approx(read_ms, abs=50.0 + 0.5 * read_ms)
