@@ -51,7 +51,9 @@ def run_console(
             console = ConsoleThread(config, listening, port)
             console.start()
             notify("READY=1")
-            tell(_welcome(config, port))
+            welcome = _welcome(config, port)
+            structlog.get_logger().info("ready", cell=config.cell, page=welcome.rpartition(": ")[2])
+            tell(welcome)
             while not should_stop.wait(CHECK_S):
                 console.check()
                 notify("WATCHDOG=1")
