@@ -1,7 +1,6 @@
 """What the page makes of what it is told, without sites: states, cameras in trouble, ghost, trace, lease, clocks."""
 
 import time
-from collections.abc import Callable, Iterator
 from functools import partial
 from pathlib import Path
 
@@ -9,19 +8,16 @@ import msgspec
 import numpy as np
 import pytest
 import scene
-from opened_page import OpenedPage
+from told import Told
 
-from bench.bare_console import OPERATOR, BareConsole
+from bench.bare_console import OPERATOR
 from bench.painted_clock import ages_ms, compare, watch
 from common.clock import NS_PER_MS
-from common.messages import CameraStatus, LeaseState, Readiness, SessionState, Traced, VideoFrame
-from local_site.console.hub import Hub
+from common.messages import CameraStatus, LeaseState, Readiness, SessionState, VideoFrame
 from remote_site.video.clock_strip import draw_clock
 from remote_site.video.encode import encode_jpeg
 
 CHECK = (Path(__file__).parent / "accessibility.js").read_text().split("\n", 1)[1]
-SHOTS = Path(__file__).parents[2] / "build" / "screenshots"
-BEAT_S = 0.05
 BOX = "the workspace box holds the tool back: move the hand down"
 LOST = "the hand is not tracked: keep forearm and hand in both views"
 BROKEN = "the robot reports a fault: following error of joint_3; reset it once the cause is gone"
@@ -37,81 +33,8 @@ TROUBLES = {
     CameraStatus.MISSING: "camera {} cannot be opened: check its cable",
     CameraStatus.SLOW: "camera {} gives 5.0 of 30 pictures a second; check its exposure time and its link",
 }
-WITHOUT_PICTURE = (CameraStatus.FROZEN, CameraStatus.MISSING)
 TOLD_WITHIN_S = 1.0
 SLACK_S = 1.0  # a loaded machine may be this much late with anything
-
-
-class Told:
-    """A page, and what it is told over and over: the robot's state, a hand, and every camera's picture."""
-
-    def __init__(self, console: BareConsole, page: OpenedPage) -> None:
-        self.page, self._console = page, console
-        self._seq = 0
-        self.reset()
-
-    def reset(self) -> None:
-        """All is well."""
-        self.state = partial(scene.state, SessionState.ENGAGED, "ok", "the arm follows the hand")
-        self.troubles: dict[str, tuple[CameraStatus, str]] = {}
-        self.jpeg = scene.plain(150)
-        self.age_ms = 20.0
-        self.picture = self._plain
-
-    def tell(self) -> None:
-        """Everything once."""
-        self._seq += 1
-        self._give(Hub.state, self.state())
-        self._give(Hub.hand, scene.hand())
-        for camera in scene.CAMERAS:
-            self._give(Hub.camera, self.picture(camera, self._seq))
-
-    def until(self, what: str, is_so: Callable[[], bool], seconds: float = 15.0) -> float:
-        """Tell until something is so; how long it took, s."""
-
-        def told() -> bool:
-            self.tell()
-            self.page.page.wait_for_timeout(1000 * BEAT_S)
-            return is_so()
-
-        return self.page.wait_for(what, told, seconds)
-
-    def describe(self) -> None:
-        self._give(Hub.described, scene.cell())
-
-    def mark(self, camera: str) -> str:
-        return str(self.page.page.get_attribute(f"[data-name={camera}]", "data-mark"))
-
-    def shot(self, name: str) -> None:
-        SHOTS.mkdir(parents=True, exist_ok=True)
-        self.page.page.screenshot(path=str(SHOTS / f"{name}.png"))
-
-    def _plain(self, camera: str, seq: int) -> VideoFrame:
-        status, reason = self.troubles.get(camera, (CameraStatus.LIVE, ""))
-        jpeg = b"" if status in WITHOUT_PICTURE else self.jpeg
-        return scene.picture(camera, seq, jpeg, status, reason.format(camera), self.age_ms)
-
-    def _give(self, take: Callable[[Hub, object], None], what: object) -> None:
-        self._console.feed(lambda hub: take(hub, what))
-
-
-@pytest.fixture(scope="module")
-def told_page(browser: object) -> Iterator[Told]:
-    with BareConsole() as console:
-        page = OpenedPage(browser, console.address)
-        told = Told(console, page)
-        told.describe()
-        told.until("the views", lambda: len(page.marks()) == len(scene.CAMERAS))
-        yield told
-        page.close()
-    assert not [error for error in page.errors if "WebSocket" not in error]
-
-
-@pytest.fixture
-def told(told_page: Told) -> Told:
-    """The page, told that all is well."""
-    told_page.reset()
-    return told_page
 
 
 @pytest.mark.parametrize("name", STATES)
@@ -192,9 +115,7 @@ def test_the_ghost_is_the_commanded_arm_where_the_camera_sees_it(told: Told) -> 
 
 
 def test_one_sample_is_told_from_its_exposure_to_its_painted_picture(told: Told) -> None:
-    exposed_ns = time.monotonic_ns()
-    after = [exposed_ns + ms * NS_PER_MS for ms in (21, 26, 48)]
-    told.state = partial(told.state, traced=Traced(7, 4711, exposed_ns, *after))
+    told.state = partial(told.state, traced=told.traced())
     told.until("the trace", lambda: "sample 4711" in told.page.words("#trace"))
     words = told.page.words("#trace")
     assert "command 21, robot 26, encoder 48, picture taken" in words

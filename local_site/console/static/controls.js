@@ -71,11 +71,12 @@ export class Controls {
     put(element("hand"), hand === null || hand.silent ? "the local site is silent" : handWords(hand));
     put(element("gripper"), gripperWords(robot?.gripper ?? null));
     put(element("lease"), leaseWords(robot));
-    const [action, words] = leaseAct(robot?.lease ?? null, this.#operator);
+    const act = leaseAct(robot?.lease ?? null, this.#operator);
     const button = element("lease-button");
-    button.hidden = !this.#operates || action === null;
-    button.dataset.action = action;
-    put(button, words);
+    button.hidden = !this.#operates || act === null;
+    if (act === null) return;
+    button.dataset.action = act.action;
+    put(button, act.words);
   }
 
   #key(event) {
@@ -111,9 +112,11 @@ function gripperWords(gripper) {
 
 /** What this operator can do about the lease: take it, ask its holder for it, or hand it to who asks; or nothing. */
 function leaseAct(lease, operator) {
-  if (lease === null) return ["take", "Take the lease"];
-  if (lease.holder !== operator) return ["take", lease.asked_by === operator ? "Ask again" : `Ask ${lease.holder} for it`];
-  return lease.asked_by === null ? [null, ""] : ["give", `Hand over to ${lease.asked_by}`];
+  if (lease === null) return { action: "take", words: "Take the lease" };
+  if (lease.holder === operator) {
+    return lease.asked_by === null ? null : { action: "give", words: `Hand over to ${lease.asked_by}` };
+  }
+  return { action: "take", words: lease.asked_by === operator ? "Ask again" : `Ask ${lease.holder} for it` };
 }
 
 function leaseWords(robot) {
