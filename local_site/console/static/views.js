@@ -11,6 +11,8 @@ export class Views {
   #previews = document.getElementById("previews");
   #views = new Map();
   #cell = null;
+  #robot = null;
+  #asked = null;
   #haunted = true;
   #ghostButton = document.getElementById("ghost");
 
@@ -35,8 +37,11 @@ export class Views {
 
   /** Draw the commanded arm over the calibrated cameras' pictures. */
   haunt(robot) {
-    const shown = this.#haunted && this.#cell !== null && robot !== null && !robot.silent ? robot : null;
-    for (const view of this.#views.values()) view.haunt(this.#cell, shown);
+    this.#robot = this.#haunted && this.#cell !== null && robot !== null && !robot.silent ? robot : null;
+    this.#asked ??= requestAnimationFrame(() => {
+      this.#asked = null;
+      for (const view of this.#views.values()) view.haunt(this.#cell, this.#robot);
+    });
   }
 
   /** Take a picture, and tell the console when the next may come. */
