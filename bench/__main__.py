@@ -8,11 +8,12 @@ from pathlib import Path
 from rich.console import Console
 from rich.table import Table
 
-from bench import control, monocular, rendering, soak, tracking, video
+from bench import control, monocular, page, rendering, soak, tracking, video
 
 BENCHMARKS: dict[str, Callable[[], dict[str, float]]] = {
     "control": control.measure,
     "monocular": monocular.measure,
+    "page": page.measure,
     "rendering": rendering.measure,
     "soak": soak.measure,
     "tracking": tracking.measure,

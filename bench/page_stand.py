@@ -23,7 +23,9 @@ PATIENCE_S = 120.0
 
 @contextmanager
 def browsing() -> Iterator[Any]:
-    """Debian's chromium, without a window."""
+    """Debian's chromium, without a window; ProcessError where there is none."""
+    if not Path(CHROMIUM).exists():
+        raise ProcessError("no chromium to look at the page with; on Debian: apt-get install chromium")
     from playwright.sync_api import sync_playwright  # noqa: PLC0415  # only who measures the page needs a browser
 
     with sync_playwright() as running:

@@ -132,6 +132,45 @@ def test_one_sample_is_told_from_its_exposure_to_its_painted_picture(told: Told)
     assert told.page.words("[data-stretch=encoder] td:nth-of-type(2)") == "27"
 
 
+def test_the_arm_is_looked_at_from_elsewhere_by_mouse_and_by_keys(told: Told) -> None:
+    page = told.page.page
+    told.until("the arm", lambda: "tool at" in told.page.words("#arm-words"))
+    drawn = "() => document.getElementById('arm').toDataURL()"
+    page.wait_for_timeout(100)
+    seen = [page.evaluate(drawn)]
+    page.focus("#arm")
+    for key in ("ArrowLeft", "ArrowUp", "+"):
+        page.keyboard.press(key)
+        page.wait_for_timeout(100)
+        seen.append(page.evaluate(drawn))
+    box = page.locator("#arm").bounding_box()
+    page.mouse.move(box["x"] + 50, box["y"] + 50)
+    page.mouse.down()
+    page.mouse.move(box["x"] + 120, box["y"] + 60)
+    page.mouse.up()
+    page.wait_for_timeout(100)
+    assert len({*seen, page.evaluate(drawn)}) == 5
+
+
+def test_the_button_holds_as_long_as_it_is_pressed(told: Told) -> None:
+    told.until("the controls", lambda: "you operate" in told.page.words("#seat"))
+    told.until("a key that is up", lambda: bool(told.intents) and not told.intents[-1].intent.hold)
+    told.page.page.hover("#hold")
+    told.page.page.mouse.down()
+    told.until("holding", lambda: told.intents[-1].intent.hold)
+    told.page.page.mouse.up()
+    told.until("letting go", lambda: not told.intents[-1].intent.hold)
+
+
+def test_a_click_enlarges_a_view_and_makes_it_small_again(told: Told) -> None:
+    width = "() => document.querySelector('[data-name=side]').clientWidth"
+    small = told.page.page.evaluate(width)
+    told.page.page.click("[data-name=side]")
+    assert told.page.page.evaluate(width) > 1.3 * small
+    told.page.page.click("[data-name=side]")
+    assert told.page.page.evaluate(width) == small
+
+
 @pytest.mark.parametrize(
     ("holder", "asked_by", "words"),
     [("ben", None, "Ask ben for it"), ("ben", OPERATOR, "Ask again"), (OPERATOR, "ben", "Hand over to ben")],

@@ -23,6 +23,7 @@ class Told:
 
     def __init__(self, console: BareConsole, page: OpenedPage) -> None:
         self.page, self._console = page, console
+        self.intents = console.intents
         self._seq = 0
         self.reset()
 
