@@ -8,13 +8,14 @@ from pathlib import Path
 from rich.console import Console
 from rich.table import Table
 
-from bench import cells, control, fuzz, monocular, rendering, soak, tracking, video
+from bench import cells, control, fuzz, monocular, page, rendering, soak, tracking, video
 
 BENCHMARKS: dict[str, Callable[[], dict[str, float]]] = {
     "cells": cells.measure,
     "control": control.measure,
     "fuzz": fuzz.measure,
     "monocular": monocular.measure,
+    "page": page.measure,
     "rendering": rendering.measure,
     "soak": soak.measure,
     "tracking": tracking.measure,

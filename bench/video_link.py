@@ -86,7 +86,7 @@ class Run:
             for frame in self.link.tick(self.now_ns):
                 self._show(frame)
             if self._reports and self.now_ns % REPORT_NS == 0 and self._shown:
-                told = ViewsShown(session=1, sent_ns=self.now_ns, views=dict(self._shown))
+                told = ViewsShown(session=1, lease=0, sent_ns=self.now_ns, views=dict(self._shown))
                 self.adaptation.hear(told, self.now_ns)
         return self.arrivals[before:]
 

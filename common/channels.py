@@ -123,6 +123,7 @@ SHOWN = Channel(
     rate_hz=10.0,
     stale_after_ns=1000 * NS_PER_MS,
     max_bytes=4096,
+    depth=4,  # a console without the lease must not push out what the operator's says
 )
 INTENT = Channel(
     key="farhand/{cell}/operator/{name}/intent",

@@ -5,7 +5,7 @@ from typing import Annotated
 
 import msgspec
 
-PROTOCOL_VERSION = 5
+PROTOCOL_VERSION = 6
 
 Vector3 = tuple[float, float, float]
 Quaternion = tuple[float, float, float, float]
@@ -174,6 +174,21 @@ class Obeyed(msgspec.Struct, frozen=True, forbid_unknown_fields=True):
     motion_ns: Count | None
 
 
+class Traced(msgspec.Struct, frozen=True, forbid_unknown_fields=True):
+    """A hand sample followed to the robot's encoders: its exposure, its first command, when that reached the robot.
+
+    `encoder_ns` is when the measured joints were first as far as that command, along its motion. All but the exposure
+    are by the remote site's clock.
+    """
+
+    session: Count
+    seq: Count
+    capture_ns: Count
+    command_ns: Count
+    motion_ns: Count
+    encoder_ns: Count
+
+
 class Engagement(msgspec.Struct, frozen=True, forbid_unknown_fields=True):
     """One engagement: its number since the remote site started, and the origins captured at its last reference."""
 
@@ -218,7 +233,8 @@ class RobotState(Message, frozen=True):
     `rejected` counts refused hand samples by reason since the remote site started. `clock` is what the newest sample of
     the lease's holder said of the clocks. `target` is where the hand wants the tool, inside box and leash, None unless
     the arm follows. `min_distance` is the least between parts of the arm, and between them and
-    the cell's fixtures, in m; None where nothing is known that could be touched.
+    the cell's fixtures, in m; None where nothing is known that could be touched. `traced` is the newest sample that the
+    encoders have shown.
     """
 
     session: Count
@@ -242,6 +258,7 @@ class RobotState(Message, frozen=True):
     readiness: Readiness
     min_distance: float | None = None
     target: Pose | None = None
+    traced: Traced | None = None
 
 
 class VideoFrame(Message, frozen=True):
@@ -273,9 +290,11 @@ class ViewShown(msgspec.Struct, frozen=True, forbid_unknown_fields=True, kw_only
 class ViewsShown(Message, frozen=True):
     """What the operator's console shows, at 10 Hz, so that the remote site sends as much as arrives in time.
 
-    `session` is a random number chosen at each start of the console.
+    `session` is a random number chosen at each start of the console, `lease` the number of its operator's lease, 0
+    without one.
     """
 
     session: Count
     sent_ns: Count
+    lease: Count
     views: Annotated[dict[Name, ViewShown], msgspec.Meta(max_length=16)]

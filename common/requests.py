@@ -111,13 +111,25 @@ class JointDescription(msgspec.Struct, frozen=True, forbid_unknown_fields=True):
     slides: bool
 
 
+class ViewCalibration(msgspec.Struct, frozen=True, forbid_unknown_fields=True):
+    """Where a camera's picture shows a point: the 3 x 4 projection, row by row, from m to pixels of the full picture.
+
+    The point is in the base's frame, or where the camera rides on the tool (`on_tool`) in the tool's; pixels count from
+    the picture's upper left corner.
+    """
+
+    projection: Annotated[tuple[float, ...], msgspec.Meta(min_length=12, max_length=12)]
+    on_tool: bool
+
+
 class CameraDescription(msgspec.Struct, frozen=True, forbid_unknown_fields=True):
-    """One camera of the cell, as configured."""
+    """One camera of the cell, as configured; most are not calibrated."""
 
     name: Name
     width: Count
     height: Count
     fps: float
+    calibration: ViewCalibration | None = None
 
 
 class Description(Message, frozen=True):

@@ -184,7 +184,7 @@ def _links(config: Path | None, **told: str) -> "ConsoleConfig":
 
 
 @app.command()
-def console(config: ConfigFile = None, settings: Settings = None) -> None:
+def console(config: ConfigFile = None, settings: Settings = None, log_format: LogLines = LogFormat.TEXT) -> None:
     """Serve the operator's page: the cell's views, what the arm does and why, and its brakes.
 
     Example: farhand console --config deploy/sites/console.toml
@@ -193,7 +193,7 @@ def console(config: ConfigFile = None, settings: Settings = None) -> None:
     from local_site.console.config import ConsoleConfig
 
     loaded = load_config(ConsoleConfig, config, settings or ())
-    _until_signal(lambda should_stop: run_console(loaded, should_stop, typer.echo))
+    _until_signal(lambda should_stop: run_console(loaded, should_stop, typer.echo, log_format))
 
 
 @app.command()

@@ -1,5 +1,6 @@
 """From what a loopback run recorded to its figures; pure."""
 
+from bisect import bisect_left
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from itertools import pairwise
@@ -14,6 +15,7 @@ from farhand.recorder import CameraRecord, Record
 
 POINTS = ("elbow", "wrist", "index", "thumb")
 LAGS_MS = np.arange(0.0, 401.0, 2.0)
+STAGES = ("command", "motion", "encoder", "picture", "viewer")
 TRUTH_STEP_NS = 2 * NS_PER_MS
 
 Truth = Callable[[int], Mapping[str, Array]]
@@ -42,6 +44,30 @@ def latency_figures(states: Sequence[RobotState]) -> Figures:
         "capture_to_command_ms": percentiles(command, 50, 95, 99),
         "capture_to_motion_ms": percentiles(motion, 50, 95, 99),
     }
+
+
+def trace_figures(states: Sequence[RobotState], cameras: Mapping[str, CameraRecord]) -> Figures:
+    """Each traced sample's way in ms after its exposure, and the percentiles of every stage.
+
+    The last stages are the exposure of the first picture, of any camera, that was taken once the encoders had shown the
+    sample, and its arrival at the viewer. The clocks of both sites are one here.
+    """
+    pictures = sorted(
+        pair
+        for camera in cameras.values()
+        for pair in zip(camera.exposures_ns, camera.arrivals_ns, strict=False)  # more may come meanwhile
+    )
+    exposures = [exposed_ns for exposed_ns, _ in pictures]
+    samples = []
+    for traced in {(s.traced.session, s.traced.seq): s.traced for s in states if s.traced is not None}.values():
+        next_picture = bisect_left(exposures, traced.encoder_ns)
+        if next_picture == len(pictures):
+            break
+        stages = (traced.command_ns, traced.motion_ns, traced.encoder_ns, *pictures[next_picture])
+        after = [_rounded((t_ns - traced.capture_ns) / NS_PER_MS) for t_ns in stages]
+        samples.append({"seq": traced.seq, **dict(zip(STAGES, after, strict=True))})
+    levels = {stage: percentiles([sample[stage] for sample in samples], 50, 95) for stage in STAGES}
+    return {"trace_ms": levels, "traces": samples}
 
 
 def tracking_figures(hands: Sequence[HandArm], truth: Truth) -> Figures:
@@ -122,6 +148,7 @@ def all_figures(record: Record, truth: Truth, expectation: Expectation) -> Figur
     states = list(record.states)
     return {
         **latency_figures(states),
+        **trace_figures(states, record.cameras),
         "tracking": tracking_figures(list(record.hands), truth),
         **follow_figures(states, truth, expectation),
         "video": video_figures(record.cameras),

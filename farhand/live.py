@@ -77,6 +77,7 @@ def _rows(figures: Figures) -> list[tuple[str, str]]:
     return [
         ("exposure to joint command, ms", _levels(command)),
         ("exposure to motion, ms", _levels(motion)),
+        ("one sample's way, p50 ms", _way(figures["trace_ms"])),
         (
             "hand tracked",
             f"{tracking['frames'] - tracking['lost']} of {tracking['frames']} at {tracking['fps']:.1f} fps",
@@ -95,6 +96,10 @@ def _rows(figures: Figures) -> list[tuple[str, str]]:
         ("gripper toggles", f"{figures['toggles']['sent']} sent, {figures['toggles']['applied']} applied"),
         ("samples refused", ", ".join(f"{n} {code}" for code, n in figures["rejected"].items()) or "none"),
     ]
+
+
+def _way(stages: Figures) -> str:
+    return " → ".join(f"{name} {_show(levels['p50'])}" for name, levels in stages.items())
 
 
 def _camera(camera: Figures) -> str:

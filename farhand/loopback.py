@@ -95,6 +95,7 @@ def plan_of(options: LoopbackOptions) -> Plan:
     remote_settings = (
         f"links.control={control}",
         f"links.video={video}",
+        "video.calibrated=true",
         f"driver.name={options.driver}",
         f"driver.emulate={str(options.driver == EMULATED).lower()}",
     )

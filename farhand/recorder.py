@@ -19,8 +19,9 @@ DECODE_EVERY = 5
 
 @dataclass
 class CameraRecord:
-    """One camera's stream: exposure to arrival at the viewer and to the decoded picture (ms), and the last frame."""
+    """One camera's stream: exposures, arrivals at the viewer, exposure to the decoded picture (ms), the last frame."""
 
+    exposures_ns: list[int] = field(default_factory=list)
     arrivals_ns: list[int] = field(default_factory=list)
     glass_to_glass_ms: list[float] = field(default_factory=list)
     not_live: int = 0
@@ -35,6 +36,7 @@ class CameraRecord:
         if len(self.arrivals_ns) % DECODE_EVERY == 0:
             simplejpeg.decode_jpeg(frame.jpeg, colorspace="BGR")
             self.glass_to_glass_ms.append((time.monotonic_ns() - frame.capture_ns) / 1e6)
+        self.exposures_ns.append(frame.capture_ns)
         self.arrivals_ns.append(arrival_ns)
         self.last = frame
 

@@ -21,6 +21,7 @@ from remote_site.control import run_control
 from remote_site.drivers.memory import DriverMemory
 from remote_site.drivers.process import run_driver
 from remote_site.drivers.registry import check_driver
+from remote_site.lease_board import LeaseBoard
 from remote_site.links import open_site_link
 from remote_site.running_mark import RunningMark
 from remote_site.shared_memory import CellMemory
@@ -61,8 +62,9 @@ def run_remote(config: RemoteConfig, should_stop: StopFlag, log_format: LogForma
             children.start("cell", partial(run_cell_child, config, memory))
         children.start("driver", partial(run_driver, config, driver_memory, memory))
         tally = VideoTally([camera.name for camera in config.video.cameras])
-        children.start("video", partial(_video, config, memory, tally))
-        children.start("control", partial(run_control, config, driver_memory, memory))
+        board = LeaseBoard()
+        children.start("video", partial(_video, config, memory, tally, board))
+        children.start("control", partial(run_control, config, driver_memory, memory, board))
         if config.metrics.port:
             children.start("metrics", partial(_metrics, config, tally), vital=False)
         children.wait_ready(READY_TIMEOUT_S, should_stop)
@@ -116,7 +118,12 @@ def run_cell_child(config: RemoteConfig, memory: CellMemory, should_stop: StopFl
 
 
 def _video(
-    config: RemoteConfig, memory: CellMemory | None, tally: VideoTally, should_stop: StopFlag, heartbeat: Heartbeat
+    config: RemoteConfig,
+    memory: CellMemory | None,
+    tally: VideoTally,
+    board: LeaseBoard,
+    should_stop: StopFlag,
+    heartbeat: Heartbeat,
 ) -> None:
     views = SimulatedViews(config.simulation, config.robot, memory) if memory is not None else None
     with open_site_link(config.links, config.links.video, VIDEO_SEND_BUFFER_BYTES) as link:
@@ -128,7 +135,7 @@ def _video(
             publishers[frame.camera].put(frame)
             tally.note(frame)
 
-        wire = Wire(publish, link.latest(SHOWN, config.cell).take)
+        wire = Wire(publish, link.latest(SHOWN, config.cell).take, lambda: board.number)
         run_video(config.video, views, wire, should_stop, heartbeat.beat)
 
 

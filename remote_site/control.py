@@ -25,6 +25,7 @@ from remote_site.front_desk import FrontDesk, describe
 from remote_site.kinematics.limits import JointLimits
 from remote_site.kinematics.model import ArmModel
 from remote_site.lease import LeaseDesk
+from remote_site.lease_board import LeaseBoard
 from remote_site.links import open_site_link
 from remote_site.reporting import Refusals, Reporter
 from remote_site.safety.state import Answer
@@ -43,6 +44,7 @@ def run_control(
     config: RemoteConfig,
     driver_memory: DriverMemory,
     memory: CellMemory | None,
+    board: LeaseBoard,
     should_stop: StopFlag,
     heartbeat: Heartbeat,
 ) -> None:
@@ -62,7 +64,7 @@ def run_control(
         # from here on the driver counts the time without a command
         _activate(driver, chain, should_stop)
         rate = Rate(config.control.rate_hz, clock, least_share=LEAST_SHARE)
-        reporter = Reporter(link.publisher(STATE, config.cell), model, rate, real_time=real_time)
+        reporter = Reporter(link.publisher(STATE, config.cell), board, model, rate, real_time=real_time)
         refusals = Refusals(reporter.log)
         desk = FrontDesk(link, description, leases, clock, refusals.note)
         loop = ControlLoop(chain, driver, reporter, Inbox(link, config.cell, refusals), desk, mirror)

@@ -23,6 +23,7 @@ from remote_site.kinematics.limits import JointLimits
 from remote_site.kinematics.model import ArmModel
 from remote_site.lease import Holder, Lease, LeaseDesk
 from remote_site.safety.status import Code, Reason, reason
+from remote_site.video.calibration import calibration_of
 
 
 class FrontDesk:
@@ -112,7 +113,10 @@ def describe(config: RemoteConfig, model: ArmModel, limits: JointLimits, state_h
             JointDescription(*row, pose_of(link.parent_T_joint), link.axis, link.slides)
             for row, link in zip(bounds, links, strict=True)
         ),
-        cameras=tuple(CameraDescription(c.name, video.width, video.height, video.fps) for c in video.cameras),
+        cameras=tuple(
+            CameraDescription(c.name, video.width, video.height, video.fps, calibration_of(c, config))
+            for c in video.cameras
+        ),
         control_hz=config.control.rate_hz,
         state_hz=state_hz,
         last_T_tool=pose_of(last_T_tool),

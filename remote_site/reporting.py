@@ -11,15 +11,15 @@ from queue import SimpleQueue
 import structlog
 
 from common.errors import MessageError
-from common.messages import LeaseState, LoopTiming, Obeyed, Readiness, RobotState, SessionState
+from common.messages import LeaseState, LoopTiming, Readiness, RobotState, SessionState
 from common.rate import Rate
 from common.transport import Publisher
 from remote_site.chain import Chain, Step, pose_of
 from remote_site.drivers.link import RobotReport
-from remote_site.intake import Accepted
 from remote_site.kinematics.model import ArmModel
-from remote_site.obeyed import ObeyedSamples
+from remote_site.lease_board import NOBODY, LeaseBoard
 from remote_site.safety.status import Reason
+from remote_site.tracing import Tracing
 
 SESSION_BITS = 62
 LATE_PERCENTILE = 99.0
@@ -67,28 +67,28 @@ class Refusals:
 
 
 class Reporter:
-    """Keeps the times of the obeyed sample, and publishes RobotState."""
+    """Keeps the times of the obeyed samples, publishes RobotState, and shows on a board whose lease is in force."""
 
-    def __init__(self, publisher: Publisher[RobotState], model: ArmModel, rate: Rate, *, real_time: bool) -> None:
+    def __init__(
+        self, publisher: Publisher[RobotState], board: LeaseBoard, model: ArmModel, rate: Rate, *, real_time: bool
+    ) -> None:
         self._publisher = publisher
+        self._board = board
         self._model = model
         self._rate = rate
         self._real_time = real_time
         self._session = secrets.randbits(SESSION_BITS)
         self._seq = 0
-        self._sample: Accepted | None = None
-        self._obeyed = ObeyedSamples()
+        self._tracing = Tracing()
         self._timing = self._measured_timing()
         self.log = TransitionLog()
 
     def note(self, step: Step, command_seq: int, command_ns: int, reading: RobotReport) -> None:
         """Note the command that first obeys a sample, and the reading that first shows it in the robot's motion."""
         self.log.note(step.state, step.reason)
-        if step.obeys is not None and step.obeys is not self._sample:
-            self._sample, sample = step.obeys, step.obeys.sample
-            obeyed = Obeyed(sample.session, sample.seq, sample.capture_ns, command_ns, None)
-            self._obeyed.commanded(obeyed, command_seq)
-        self._obeyed.reached(reading.obeyed_seq, reading.t_ns)
+        if step.obeys is not None:
+            self._tracing.obey(step.obeys, command_seq, command_ns, step.motion)
+        self._tracing.see(reading)
 
     def publish(
         self, step: Step, chain: Chain, reading: RobotReport, malformed: Mapping[str, int], now_ns: int
@@ -97,6 +97,8 @@ class Reporter:
         self._seq += 1
         if self._seq % STATES_PER_TIMING == 0:
             self._timing = self._measured_timing()
+        lease = _lease(chain, now_ns)
+        self._board.show(lease.number if lease is not None else NOBODY)
         rejected = {code.value: count for code, count in chain.intake.rejected.items()} | dict(malformed)
         self._publisher.put(
             RobotState(
@@ -112,15 +114,16 @@ class Reporter:
                 base_T_tool=pose_of(self._model.forward(reading.q)),
                 gripper=reading.gripper,
                 gripper_toggles_applied=chain.gripper.applied,
-                obeyed=self._obeyed.told(),
+                obeyed=self._tracing.told(),
                 engagement=chain.engagement,
                 rejected=rejected,
                 timing=self._timing,
-                lease=_lease(chain, now_ns),
+                lease=lease,
                 clock=chain.intake.clock,
                 readiness=_readiness(chain, reading, now_ns),
                 min_distance=_finite(chain.collision.distance(reading.q)),
                 target=pose_of(chain.target) if step.state is SessionState.ENGAGED else None,
+                traced=self._tracing.traced,
             )
         )
 

@@ -17,7 +17,7 @@ from common.endpoints import check_endpoint
 from common.errors import FarhandError, ProcessError
 from common.requests import Description
 from common.roles import Identity, Role
-from common.service import StopFlag, notify, start_log
+from common.service import LogFormat, StopFlag, notify, start_log
 from common.transport import Link, open_link
 from local_site.console.acts import Acts
 from local_site.console.cell_watch import CellWatch
@@ -38,9 +38,14 @@ END_S = 1.9
 SESSION_BITS = 62
 
 
-def run_console(config: ConsoleConfig, should_stop: StopFlag, tell: Callable[[str], object]) -> None:
+def run_console(
+    config: ConsoleConfig,
+    should_stop: StopFlag,
+    tell: Callable[[str], object],
+    log_format: LogFormat = LogFormat.TEXT,
+) -> None:
     """Serve the page until asked to stop; `tell` hears the address. FarhandError when it cannot start."""
-    start_log("console")
+    start_log("console", log_format)
     for endpoint in (config.links.control, config.links.video, config.links.local):
         check_endpoint(endpoint, config.links)
     roles = [Role.OPERATOR] if config.operate else [Role.OPERATOR, Role.VIEWER, Role.MAINTENANCE]
@@ -51,7 +56,9 @@ def run_console(config: ConsoleConfig, should_stop: StopFlag, tell: Callable[[st
             console = ConsoleThread(config, listening, port)
             console.start()
             notify("READY=1")
-            tell(_welcome(config, port))
+            welcome = _welcome(config, port)
+            structlog.get_logger().info("ready", cell=config.cell, page=welcome.rpartition(": ")[2])
+            tell(welcome)
             while not should_stop.wait(CHECK_S):
                 console.check()
                 notify("WATCHDOG=1")
@@ -143,7 +150,15 @@ def _wire(
     outlets = _outlets(config, control, video) if config.operate else None
     acts = Acts(control, watch, config.cell, config.name)
     desk = PageDesk(Seat(open_=config.operate), outlets, acts, latencies, history, secrets.randbits(SESSION_BITS))
-    hub = Hub(desk, watch, latencies, history, lambda watched: pictures.watch(watched=watched), operate=config.operate)
+    hub = Hub(
+        desk,
+        watch,
+        latencies,
+        history,
+        lambda watched: pictures.watch(watched=watched),
+        config.name,
+        operate=config.operate,
+    )
     pictures = Pictures(config.links, config.cell, listeners, hub.camera, hub.preview)
     stack.callback(pictures.close)
     listeners.listen(control.latest(STATE, config.cell), hub.state)
@@ -155,7 +170,7 @@ def _wire(
 
 def _outlets(config: ConsoleConfig, control: Link, video: Link) -> Outlets:
     name = config.name
-    return Outlets(control.publisher(INTENT, config.cell, name), video.publisher(SHOWN, config.cell, name))
+    return Outlets(control.publisher(INTENT, config.cell, name).put, video.publisher(SHOWN, config.cell, name).put)
 
 
 async def _every(period_s: float, do: Callable[[], object]) -> None:

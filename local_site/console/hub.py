@@ -3,17 +3,17 @@
 import time
 from collections.abc import Callable
 from dataclasses import replace
+from typing import Protocol
 
 import msgspec
 
-from common.clock import ClockOffset
+from common.clock import ClockEstimate, ClockOffset
 from common.messages import HandArm, RobotState, VideoFrame
 from common.requests import Description
-from local_site.console.cell_watch import CellWatch
 from local_site.console.history import History
 from local_site.console.latency import Latencies
 from local_site.console.page import Page
-from local_site.console.page_desk import PageDesk
+from local_site.console.page_desk import NO_LEASE, PageDesk
 from local_site.console.page_messages import parse
 from local_site.console.picture import view_frame
 from local_site.console.shown import CAMERA_VIEW
@@ -22,22 +22,34 @@ from local_site.console.situation import Clocks, Heard, tell
 OWN_CLOCK = ClockOffset(0, 0)
 
 
+class CellClock(Protocol):
+    """The remote clock as known now, and how long its last question took."""
+
+    round_trip_ms: float | None
+
+    def estimate(self, now_ns: int) -> ClockEstimate | None: ...
+
+
 class Hub:
-    """Lives in the event loop; every method is called there. `watched` is told whether any page is there."""
+    """Lives in the event loop; every method is called there. `watched` is told whether any page is there.
+
+    `operator` is whose console this is; `operate` is whether a page may operate.
+    """
 
     def __init__(
         self,
         desk: PageDesk,
-        watch: CellWatch,
+        watch: CellClock,
         latencies: Latencies,
         history: History,
         watched: Callable[[bool], None],
+        operator: str,
         *,
         operate: bool,
     ) -> None:
         self._desk, self._watch = desk, watch
         self._latencies, self._history = latencies, history
-        self._operate, self._watched = operate, watched
+        self._operate, self._operator, self._watched = operate, operator, watched
         self._heard = Heard()
         self._cell: Description | None = None
         self._pages: list[Page] = []
@@ -48,7 +60,7 @@ class Hub:
         self._pages.append(page)
         self._watched(True)
         self._desk.seat.arrive(page.visitor, now_ns)
-        page.letter(type="hello", page=page.visitor.number, operate=self._operate)
+        page.letter(type="hello", page=page.visitor.number, operate=self._operate, operator=self._operator)
         if self._cell is not None:
             self._introduce(page, self._cell)
 
@@ -68,6 +80,8 @@ class Hub:
         """The robot's state has come."""
         now_ns = time.monotonic_ns()
         self._heard = replace(self._heard, state=state, state_ns=now_ns)
+        lease = state.lease
+        self._desk.lease = lease.number if lease is not None and lease.holder == self._operator else NO_LEASE
         self._history.learn(state, now_ns)
         self._latencies.learn(state, now_ns)
 

@@ -6,7 +6,7 @@ from dataclasses import dataclass, field
 import numpy as np
 
 from common.clock import NS_PER_MS, NS_PER_S, ClockEstimate
-from common.messages import RobotState
+from common.messages import RobotState, Traced
 
 MINUTE_NS = 60 * NS_PER_S
 MOST = 4096
@@ -40,18 +40,23 @@ class Window:
 
 @dataclass(frozen=True, slots=True)
 class Trace:
-    """One sample's way in ms: exposure to command, to motion, and to the first picture shown that was taken after."""
+    """One sample's way in ms after its exposure.
+
+    Its command was written, reached the robot, was shown by the encoders; then a picture was taken, and painted.
+    """
 
     seq: int
     command_ms: float
     motion_ms: float
+    encoder_ms: float
+    exposed_ms: float
     shown_ms: float
 
 
 class Latencies:
     """Learns from states what the command and the motion took, and from the page what the pictures took."""
 
-    NAMES = ("command", "motion", "picture", "round_trip", "uncertainty", "hand_to_eye")
+    NAMES = ("command", "motion", "encoder", "picture", "round_trip", "uncertainty", "hand_to_eye")
 
     def __init__(self) -> None:
         self.windows = {name: Window() for name in self.NAMES}
@@ -59,8 +64,8 @@ class Latencies:
         self._painted: dict[str, int] = {}
         self._summary: dict[str, dict[str, float | int | None]] = {}
         self._summed_ns = 0
-        self._commanded = self._moved = (0, -1)
-        self._open: tuple[int, int, float, float] | None = None  # of a sample not seen yet: seq, motion (ns), ms, ms
+        self._commanded = self._moved = self._measured = (0, -1)
+        self._unseen: tuple[Traced, int] | None = None  # the sample not seen yet, and its exposure by the remote clock
 
     def learn(self, state: RobotState, now_ns: int) -> None:
         """Take a state; each obeyed sample counts once, and only where the clocks' offset is known."""
@@ -77,8 +82,17 @@ class Latencies:
             self._moved = sample
             motion_ms = (obeyed.motion_ns - obeyed.command_ns) / NS_PER_MS
             self.windows["motion"].add(now_ns, motion_ms)
-            if self._open is None:
-                self._open = (obeyed.seq, obeyed.motion_ns, command_ms, command_ms + motion_ms)
+        if state.traced is not None:
+            self._trace(state.traced, clock.remote_minus_local_ns, now_ns)
+
+    def _trace(self, traced: Traced, remote_minus_local_ns: int, now_ns: int) -> None:
+        sample = (traced.session, traced.seq)
+        if sample == self._measured:
+            return
+        self._measured = sample
+        self.windows["encoder"].add(now_ns, (traced.encoder_ns - traced.command_ns) / NS_PER_MS)
+        if self._unseen is None:
+            self._unseen = (traced, traced.capture_ns + remote_minus_local_ns)
 
     def learn_clock(self, known: ClockEstimate | None, round_trip_ms: float | None, now_ns: int) -> None:
         """Take how well the remote clock is known, and how long its last question took."""
@@ -100,12 +114,12 @@ class Latencies:
             return
         self._painted[camera] = capture_ns
         self.windows["picture"].add(now_ns, age_ms)
-        if self._open is None or capture_ns < self._open[1]:
+        if self._unseen is None or capture_ns < self._unseen[0].encoder_ns:
             return
-        seq, motion_ns, command_ms, motion_ms = self._open
-        shown_ms = motion_ms + (capture_ns - motion_ns) / NS_PER_MS + age_ms
-        self.trace, self._open = Trace(seq, command_ms, motion_ms, shown_ms), None
-        self.windows["hand_to_eye"].add(now_ns, shown_ms)
+        (traced, hand_ns), self._unseen = self._unseen, None
+        stages = (traced.command_ns, traced.motion_ns, traced.encoder_ns, capture_ns, capture_ns + age_ms * NS_PER_MS)
+        self.trace = Trace(traced.seq, *((t_ns - hand_ns) / NS_PER_MS for t_ns in stages))
+        self.windows["hand_to_eye"].add(now_ns, self.trace.shown_ms)
 
 
 def _is_newer(sample: tuple[int, int], last: tuple[int, int]) -> bool:

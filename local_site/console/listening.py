@@ -2,6 +2,7 @@
 
 import asyncio
 import threading
+import time
 from collections.abc import Callable
 from typing import Generic, TypeVar
 
@@ -53,8 +54,9 @@ class Listeners:
 
     def join(self) -> None:
         """Wait for the threads once the links are closed: none may be left inside a link when the process ends."""
+        deadline = time.monotonic() + JOIN_S
         for thread in self._threads:
-            thread.join(JOIN_S)
+            thread.join(max(0.0, deadline - time.monotonic()))
 
 
 def _listen(latest: Latest[M], handover: Handover[M]) -> None:

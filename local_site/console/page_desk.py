@@ -12,7 +12,6 @@ import msgspec
 from common.clock import NS_PER_MS
 from common.messages import Intent, OperatorIntent, VideoFrame, ViewsShown
 from common.requests import EngagementAction, OperatorAction, Reply
-from common.transport import Publisher
 from local_site.console.history import History
 from local_site.console.latency import Latencies
 from local_site.console.page import Page
@@ -31,6 +30,8 @@ from local_site.console.page_messages import (
 from local_site.console.seat import Seat, Verdict
 from local_site.console.shown import ShownViews
 
+NO_LEASE = 0
+
 
 class Acting(Protocol):
     """Asks the sites and waits for the answer."""
@@ -44,20 +45,22 @@ class Acting(Protocol):
 class Outlets:
     """Where the operator's intent and what is shown go."""
 
-    intent: Publisher[OperatorIntent]
-    shown: Publisher[ViewsShown]
+    intent: Callable[[OperatorIntent], object]
+    shown: Callable[[ViewsShown], object]
 
 
 class PageDesk:
     """Lives in the event loop; every method is called there. Anybody may stop the arm, the rest is the operator's.
 
-    Without outlets, as where all only watch, nothing is told to the sites.
+    `lease` is the number of the lease that this console's operator holds, as last heard. Without outlets, as where all
+    only watch, nothing is told to the sites.
     """
 
     def __init__(
         self, seat: Seat, outlets: Outlets | None, acts: Acting, latencies: Latencies, history: History, session: int
     ) -> None:
         self.seat, self.intent = seat, Intent()
+        self.lease = NO_LEASE
         self._outlets, self._acts = outlets, acts
         self._latencies, self._history = latencies, history
         self._shown = ShownViews(session)
@@ -76,7 +79,7 @@ class PageDesk:
         if self.seat.occupant is None or self._outlets is None:
             return
         intent = msgspec.structs.replace(self.intent, hold=self.seat.held(now_ns))
-        self._outlets.intent.put(OperatorIntent(sent_ns=now_ns, intent=intent))
+        self._outlets.intent(OperatorIntent(sent_ns=now_ns, intent=intent))
 
     def remember(self, view: str, frame: VideoFrame) -> None:
         """A frame of the cell goes to the pages under this name of its view."""
@@ -117,13 +120,13 @@ class PageDesk:
                 assert_never(said)
 
     def _report(self, said: Shown, now_ns: int) -> None:
-        message = self._shown.message(said.views, now_ns)
+        message = self._shown.message(said.views, self.lease, now_ns)
         if message is None:
             return
         for camera, view in message.views.items():
             self._latencies.painted(camera, view.capture_ns, view.age_ms, now_ns)
         if self._outlets is not None:
-            self._outlets.shown.put(message)
+            self._outlets.shown(message)
 
     def _ask(self, page: Page, said: Ask, now_ns: int) -> None:
         if said.action is not EngagementAction.STOP:

@@ -1,10 +1,12 @@
 """The page's server: static files and one WebSocket per page."""
 
 import asyncio
+import logging
 import socket
 from itertools import count
 from pathlib import Path
 
+import structlog
 import uvicorn
 from starlette.applications import Starlette
 from starlette.requests import Request
@@ -22,7 +24,7 @@ from local_site.console.seat import Visitor
 
 STATIC = Path(__file__).parent / "static"
 MAX_MESSAGE_BYTES = 16384
-END_S = 1
+END_S = 0  # pages are told that it ends; none is waited for
 NOT_UNDERSTOOD = 1008
 
 
@@ -57,7 +59,22 @@ def make_server(hub: Hub, serve: ServeConfig, port: int) -> uvicorn.Server:
         config.load()
     except OSError as error:  # ssl's errors are among these
         raise ConfigError(f"serve.certificate, serve.key: cannot be used: {error}") from error
-    return uvicorn.Server(config)
+    server = uvicorn.Server(config)
+    logging.getLogger("uvicorn.error").handlers = [Retelling(server)]
+    return server
+
+
+class Retelling(logging.Handler):
+    """Has what the server library logs in our own log; when it ends, that it waits for nobody is no news."""
+
+    def __init__(self, server: uvicorn.Server) -> None:
+        super().__init__(logging.WARNING)
+        self._server = server
+
+    def emit(self, record: logging.LogRecord) -> None:
+        """Write a line."""
+        if not self._server.should_exit:
+            structlog.get_logger().log(record.levelno, "server", reason=self.format(record))
 
 
 def _family(host: str) -> socket.AddressFamily:

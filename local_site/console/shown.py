@@ -23,14 +23,17 @@ class ShownViews:
         """A frame was offered to the pages under this name of its view."""
         self._exposed.setdefault(view, deque(maxlen=REMEMBERED)).append((frame.seq, frame.capture_ns))
 
-    def message(self, painted: dict[str, Painted], now_ns: int) -> ViewsShown | None:
-        """What to publish of the cameras that a page has painted; None too soon after the last, or without any."""
+    def message(self, painted: dict[str, Painted], lease: int, now_ns: int) -> ViewsShown | None:
+        """What to publish of the cameras that a page has painted; None too soon after the last, or without any.
+
+        `lease` is the number of the operator's lease, 0 without one.
+        """
         found = ((view, self._shown(view, newest)) for view, newest in painted.items())
         views = {view.removeprefix(CAMERA_VIEW): shown for view, shown in found if shown is not None}
         if not views or now_ns - self._sent_ns < LEAST_APART_NS:
             return None
         self._sent_ns = now_ns
-        return ViewsShown(session=self._session, sent_ns=now_ns, views=views)
+        return ViewsShown(session=self._session, lease=lease, sent_ns=now_ns, views=views)
 
     def _shown(self, view: str, painted: Painted) -> ViewShown | None:
         for seq, capture_ns in reversed(self._exposed.get(view, ())):

@@ -37,7 +37,7 @@ def robot_fields(heard: Heard, now_ns: int) -> dict[str, Any] | None:
     if state is None:
         return None
     fields: dict[str, Any] = msgspec.to_builtins(state)
-    for large in ("version", "session", "clock", "obeyed"):
+    for large in ("version", "session", "clock", "obeyed", "traced"):
         del fields[large]
     silent_ms = (now_ns - heard.state_ns) / NS_PER_MS
     return fields | {

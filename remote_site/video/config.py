@@ -9,6 +9,7 @@ from common.cameras.sources import Source
 from common.messages import Name
 
 SIMULATED = "simulated"
+PROJECTION_NUMBERS = 12
 
 
 class CameraConfig(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
@@ -19,6 +20,17 @@ class CameraConfig(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fie
         Source, Meta(description="'simulated' (the cell's view of this name), device, URL, file or folder")
     ] = SIMULATED
     latency_ms: Annotated[float, Meta(ge=0, le=1000, description="exposure to arrival of a live camera")] = 30.0
+    projection: Annotated[
+        tuple[float, ...] | None,
+        Meta(description="of a calibrated camera: 3 x 4, row by row, from the base's frame (m) to pixels"),
+    ] = None
+    on_tool: Annotated[bool, Meta(description="the camera rides on the tool: projection is from the tool's frame")] = (
+        False
+    )
+
+    def __post_init__(self) -> None:
+        if self.projection is not None and len(self.projection) != PROJECTION_NUMBERS:
+            raise ValueError(f"projection: 12 numbers, three rows of four, not {len(self.projection)}")
 
 
 class VideoConfig(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
@@ -34,6 +46,9 @@ class VideoConfig(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fiel
     height: Annotated[int, Meta(ge=16, le=1080, description="of simulated views, pixels")] = 480
     clock: Annotated[
         bool, Meta(description="a machine-readable clock in simulated views, to measure how old they are when seen")
+    ] = False
+    calibrated: Annotated[
+        bool, Meta(description="simulated views tell how they see the cell, so that the page can draw over them")
     ] = False
     fps: Annotated[
         float, Meta(gt=0, le=120, description="frames per second of each camera; under half of it is slow")

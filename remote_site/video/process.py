@@ -11,6 +11,7 @@ from common.clock import NS_PER_MS, NS_PER_S
 from common.errors import CameraError, MessageError
 from common.messages import VideoFrame, ViewsShown
 from common.service import be_nice
+from remote_site.lease_board import NOBODY
 from remote_site.video.adaptation import Adaptation
 from remote_site.video.config import VideoConfig
 from remote_site.video.setting import Setting
@@ -22,10 +23,11 @@ LIVE_POLL_NS = 5 * NS_PER_MS
 
 @dataclass(frozen=True, slots=True)
 class Wire:
-    """Where pictures go, and what the operator's console says of them: its newest word once, None without news."""
+    """Where pictures go, what consoles say of them (each word once, None without news), and the lease in force."""
 
     publish: Callable[[VideoFrame], None]
     shown: Callable[[], ViewsShown | None] = lambda: None
+    lease: Callable[[], int] = lambda: NOBODY
 
 
 @dataclass(slots=True)
@@ -46,21 +48,25 @@ class _Slot:
 
 @dataclass(slots=True)
 class _Console:
-    """The operator's console as it is heard, and what follows from that; words that are none are told once."""
+    """The operator's console as it is heard, and what follows from that; words that are none are told once.
 
-    shown: Callable[[], ViewsShown | None]
+    While somebody holds the lease only the holder's console counts: who merely watches over a narrow link must not
+    make the operator's pictures poor. While nobody does, any may.
+    """
+
+    wire: Wire
     adaptation: Adaptation
     refused: bool = False
 
     def listen(self, now_ns: int) -> None:
         try:
-            shown = self.shown()
+            shown = self.wire.shown()
         except MessageError as error:
             if not self.refused:
                 structlog.get_logger().warning("what a console shows is refused", reason=str(error))
             self.refused = True
             return
-        if shown is not None:
+        if shown is not None and self.wire.lease() in (NOBODY, shown.lease):
             self.adaptation.hear(shown, now_ns)
 
 
@@ -78,7 +84,7 @@ def run_video(
     be_nice(config.nice)
     cv2.setNumThreads(1)
     slots = _open_slots(config, open_sources(config, views))
-    console = _Console(wire.shown, Adaptation(config))
+    console = _Console(wire, Adaptation(config))
     try:
         while not should_stop():
             _serve_next(slots, console, wire)

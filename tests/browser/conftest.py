@@ -9,9 +9,12 @@ from pathlib import Path
 import pytest
 
 sys.path.insert(0, str(Path(__file__).parents[1] / "integration"))
+import scene
 from opened_page import OpenedPage
 from sites import PATIENT, Sites, pytest_runtest_makereport, running_sites
+from told import Told
 
+from bench.bare_console import BareConsole
 from farhand.loopback import free_ports
 from farhand.site_process import SiteProcess
 
@@ -56,7 +59,7 @@ def browser() -> Iterator[object]:
 def stand(browser: object) -> Iterator[Stand]:
     """Both sites and a console, running."""
     with running_sites() as sites:
-        remote = sites.remote("driver.name=kinematic", "video.nice=0", *HELD, *PATIENT)
+        remote = sites.remote("driver.name=kinematic", "video.nice=0", "video.clock=true", *HELD, *PATIENT)
         sites.local()
         port = free_ports(1)[0]
         links = (f"links.control={sites.control}", f"links.video={sites.video}", f"links.local={sites.listen}")
@@ -82,6 +85,26 @@ def page(operating_page: OpenedPage) -> Iterator[OpenedPage]:
     yield operating_page
     operating_page.page.keyboard.up("Space")
     assert not operating_page.errors
+
+
+@pytest.fixture(scope="session")
+def told_page(browser: object) -> Iterator[Told]:
+    """A page of a console without sites."""
+    with BareConsole() as console:
+        page = OpenedPage(browser, console.address)
+        told = Told(console, page)
+        told.describe()
+        told.until("the views", lambda: len(page.marks()) == len(scene.CAMERAS))
+        yield told
+        page.close()
+    assert not [error for error in page.errors if "WebSocket" not in error]
+
+
+@pytest.fixture
+def told(told_page: Told) -> Told:
+    """The page, told that all is well."""
+    told_page.reset()
+    return told_page
 
 
 @pytest.fixture

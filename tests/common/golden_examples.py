@@ -26,6 +26,7 @@ from common.messages import (
     Readiness,
     RobotState,
     SessionState,
+    Traced,
     TrackingStatus,
     VideoFrame,
     ViewShown,
@@ -46,6 +47,7 @@ from common.requests import (
     OperatorAction,
     OperatorRequest,
     Reply,
+    ViewCalibration,
 )
 
 GOLDEN = Path(__file__).parents[1] / "golden"
@@ -100,6 +102,7 @@ STATE = RobotState(
     clock=CLOCKS,
     readiness=Readiness(ready=True, code="ok", reason="the arm follows the hand", held=True),
     target=POSE,
+    traced=Traced(81985529216486895, 41, 1_234_534_000_000, 1_234_567_001_000, 1_234_567_005_000, 1_234_567_030_000),
 )
 VIDEO = VideoFrame(
     camera="front_high",
@@ -118,13 +121,17 @@ LEASE_REPLY = LeaseReply(
     id=6, done=True, code="lease_held", reason="it is yours", lease=8, lasts_ns=5 * 10**9, holder="anna"
 )
 OPERATE = OperatorRequest(id=9, deadline_ns=10**12, action=OperatorAction.GIVE)
+PROJECTION = (-500.0, -320.0, 0.0, 900.0, 0.0, -240.0, 500.0, -100.0, 0.0, -1.0, 0.0, 2.0)
 DESCRIPTION = Description(
     cell="cell",
     software="0.1.0",
     robot="a465",
     driver="kinematic",
     joints=(JointDescription("joint_1", -3.05, 3.05, 3.14, POSE, (0.0, 0.0, 1.0), False),),
-    cameras=(CameraDescription("side", 640, 480, 30.0),),
+    cameras=(
+        CameraDescription("side", 640, 480, 30.0),
+        CameraDescription("front", 640, 480, 30.0, ViewCalibration(PROJECTION, on_tool=False)),
+    ),
     control_hz=250.0,
     state_hz=50.0,
     last_T_tool=POSE,
@@ -140,7 +147,10 @@ VALID: dict[str, Message] = {
     "engagement": STOP,
     "reply": REPLY,
     "shown": ViewsShown(
-        session=99, sent_ns=10**9, views={"front_high": ViewShown(seq=7, capture_ns=9 * 10**8, age_ms=41.5, fps=29.7)}
+        session=99,
+        sent_ns=10**9,
+        lease=1311768467463790321,
+        views={"front_high": ViewShown(seq=7, capture_ns=9 * 10**8, age_ms=41.5, fps=29.7)},
     ),
     "intent": OperatorIntent(sent_ns=10**9, intent=INTENT),
     "lease": LEASE,

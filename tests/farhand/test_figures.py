@@ -13,6 +13,7 @@ from common.messages import (
     Readiness,
     RobotState,
     SessionState,
+    Traced,
     TrackingStatus,
 )
 from farhand.figures import (
@@ -21,8 +22,10 @@ from farhand.figures import (
     follow_figures,
     latency_figures,
     session_events,
+    trace_figures,
     tracking_figures,
 )
+from farhand.recorder import CameraRecord
 
 MS = 1_000_000
 ROTATION = np.array([[0.0, -1.0, 0.0], [1.0, 0.0, 0.0], [0.0, 0.0, 1.0]])
@@ -107,6 +110,20 @@ def test_each_sample_counts_once_in_the_latency_with_its_last_word() -> None:
     figures = latency_figures(states)
     assert figures["capture_to_command_ms"] == {"p50": 20.0, "p95": 20.0, "p99": 20.0}
     assert figures["capture_to_motion_ms"]["p50"] == 24.0
+
+
+def test_a_sample_is_followed_to_the_first_picture_taken_after_the_encoders_showed_it() -> None:
+    shown = Traced(1, 5, 100 * MS, 120 * MS, 124 * MS, 150 * MS)
+    later = Traced(1, 6, 133 * MS, 153 * MS, 157 * MS, 190 * MS)
+    states = [msgspec.structs.replace(state(t * MS, np.zeros(3)), traced=shown) for t in (160, 180)]
+    states.append(msgspec.structs.replace(state(200 * MS, np.zeros(3)), traced=later))
+    front = CameraRecord(exposures_ns=[149 * MS, 182 * MS], arrivals_ns=[170 * MS, 203 * MS])
+    side = CameraRecord(exposures_ns=[133 * MS, 166 * MS], arrivals_ns=[155 * MS, 190 * MS])
+    figures = trace_figures(states, {"front": front, "side": side})
+    way = {"seq": 5, "command": 20.0, "motion": 24.0, "encoder": 50.0, "picture": 66.0, "viewer": 90.0}
+    assert figures["traces"] == [way]
+    assert figures["trace_ms"]["viewer"] == {"p50": 90.0, "p95": 90.0}
+    assert trace_figures(states[:2], {})["trace_ms"]["encoder"] == {"p50": None, "p95": None}
 
 
 def test_tracking_counts_the_lost_and_measures_the_rest() -> None:

@@ -19,10 +19,13 @@ export class ArmRoom {
 
   constructor() {
     new ResizeObserver(() => this.#ask()).observe(this.#canvas);
+    matchMedia("(prefers-color-scheme: dark)").addEventListener("change", () => this.#ask());
   }
 
   describe(cell) {
     this.#cell = cell;
+    this.#orbit.show(cell.workspace_min, cell.workspace_max);
+    this.#ask();
   }
 
   show(robot) {
@@ -59,7 +62,7 @@ export class ArmRoom {
     drawBox(pen, cell.workspace_min, cell.workspace_max, tone.box);
     if (this.#robot === null) return;
     this.#brush.globalAlpha = 0.4;
-    drawArm(pen, frames(cell, this.#robot.q_commanded), tone.commanded, 14);
+    pen.line(frames(cell, this.#robot.q_commanded).map(origin), tone.commanded, 14);
     this.#brush.globalAlpha = this.#robot.silent ? 0.4 : 1;
     drawArm(pen, frames(cell, this.#robot.q), tone.measured, 7);
     if (this.#robot.target !== null) drawTarget(pen, fromPose(this.#robot.target), tone.target);

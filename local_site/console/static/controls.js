@@ -7,6 +7,7 @@ const element = (id) => document.getElementById(id);
 export class Controls {
   #connection;
   #page = null;
+  #operator = "";
   #mayOperate = false;
   #operates = false;
   #buttons = Object.fromEntries(Object.values(KEYS).map((name) => [name, element(name)]));
@@ -23,8 +24,9 @@ export class Controls {
     addEventListener("keydown", (event) => this.#key(event));
   }
 
-  hello({ page, operate }) {
+  hello({ page, operate, operator }) {
     this.#page = page;
+    this.#operator = operator;
     this.#mayOperate = operate;
   }
 
@@ -69,11 +71,12 @@ export class Controls {
     put(element("hand"), hand === null || hand.silent ? "the local site is silent" : handWords(hand));
     put(element("gripper"), gripperWords(robot?.gripper ?? null));
     put(element("lease"), leaseWords(robot));
-    const asked = robot?.lease?.asked_by ?? null;
+    const act = leaseAct(robot?.lease ?? null, this.#operator);
     const button = element("lease-button");
-    button.hidden = !this.#operates || (robot?.lease != null && asked === null);
-    button.dataset.action = asked === null ? "take" : "give";
-    put(button, asked === null ? "Take the lease" : `Hand over to ${asked}`);
+    button.hidden = !this.#operates || act === null;
+    if (act === null) return;
+    button.dataset.action = act.action;
+    put(button, act.words);
   }
 
   #key(event) {
@@ -105,6 +108,15 @@ function gripperWords(gripper) {
   if (gripper === null) return "none";
   const force = gripper.force === null ? "" : `, ${gripper.force.toFixed(0)} N`;
   return `${gripper.status.replace("_", " ")}, ${(gripper.opening * 1000).toFixed(0)} mm${force}`;
+}
+
+/** What this operator can do about the lease: take it, ask its holder for it, or hand it to who asks; or nothing. */
+function leaseAct(lease, operator) {
+  if (lease === null) return { action: "take", words: "Take the lease" };
+  if (lease.holder === operator) {
+    return lease.asked_by === null ? null : { action: "give", words: `Hand over to ${lease.asked_by}` };
+  }
+  return { action: "take", words: lease.asked_by === operator ? "Ask again" : `Ask ${lease.holder} for it` };
 }
 
 function leaseWords(robot) {

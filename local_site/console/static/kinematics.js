@@ -40,5 +40,10 @@ export function frames(cell, q) {
   return [...found, multiply(frame, fromPose(cell.last_T_tool))];
 }
 
+/** The inverse of a rigid transform. */
+export function inverse([a, b, c, x, d, e, f, y, g, h, i, z]) {
+  return [a, d, g, -(a * x + d * y + g * z), b, e, h, -(b * x + e * y + h * z), c, f, i, -(c * x + f * y + i * z), 0, 0, 0, 1];
+}
+
 export const origin = (frame) => [frame[3], frame[7], frame[11]];
 export const distance = (a, b) => Math.hypot(a[0] - b[0], a[1] - b[1], a[2] - b[2]);

@@ -6,17 +6,21 @@ const MINUTE_MS = 60_000;
 const STRETCHES = {
   command: ["exposure → command", "accent"],
   motion: ["command → motion", "commanded"],
+  encoder: ["command → encoder", "encoder"],
   picture: ["glass to glass", "engaged"],
   hand_to_eye: ["hand to eye", "holding"],
   round_trip: ["round trip", "idle"],
   uncertainty: ["clock unsure by", "fault"],
 };
+const STAGES = { command: "command", motion: "robot", encoder: "encoder", exposed: "picture taken", shown: "painted" };
+const STAGE_TONES = ["accent", "commanded", "encoder", "idle", "engaged"];
 const DRAWN_MS = 250;
 
 export class LatencyRoom {
   #canvas = document.getElementById("latency");
   #brush = this.#canvas.getContext("2d");
   #trace = document.getElementById("trace");
+  #bar = document.getElementById("trace-bar");
   #cells = new Map();
   #points = new Map(Object.keys(STRETCHES).map((name) => [name, []]));
   #drawnMs = 0;
@@ -46,7 +50,7 @@ export class LatencyRoom {
     for (const [name, figures] of Object.entries(latency)) this.#note(name, figures, nowMs);
     this.#highest = Object.values(latency).map((figures) => figures.p95 ?? 0); // what is rarer is cut off
     this.#draw(nowMs);
-    if (trace !== null) put(this.#trace, traceWords(trace));
+    if (trace !== null) this.#follow(trace);
   }
 
   #note(name, figures, nowMs) {
@@ -57,6 +61,13 @@ export class LatencyRoom {
     const points = this.#points.get(name);
     points.push([nowMs, figures.newest]);
     while (points[0][0] < nowMs - MINUTE_MS) points.shift();
+  }
+
+  #follow(trace) {
+    put(this.#trace, traceWords(trace));
+    const ends = Object.keys(STAGES).map((name) => trace[`${name}_ms`]);
+    if (this.#bar.children.length === 0) this.#bar.append(...STAGE_TONES.map(stretchOfBar));
+    ends.forEach((end, k) => this.#bar.children[k].style.setProperty("flex-grow", Math.max(0, end - (ends[k - 1] ?? 0))));
   }
 
   #draw(nowMs) {
@@ -99,6 +110,14 @@ function niceCeiling(value) {
   return [1, 2, 5, 10].map((step) => step * power).find((step) => step >= value);
 }
 
-function traceWords({ seq, command_ms: command, motion_ms: motion, shown_ms: shown }) {
-  return `sample ${seq}: command at ${command.toFixed(0)}, motion at ${motion.toFixed(0)}, seen at ${shown.toFixed(0)} ms after exposure`;
+function stretchOfBar(tone) {
+  const stretch = document.createElement("span");
+  stretch.style.setProperty("--tone", `var(--${tone})`);
+  return stretch;
+}
+
+/** One sample's way in words, each stage in ms after the hand's exposure. */
+function traceWords({ seq, ...stages }) {
+  const words = Object.entries(STAGES).map(([name, word]) => `${word} ${stages[`${name}_ms`].toFixed(0)}`);
+  return `sample ${seq}, ms after exposure: ${words.join(", ")}`;
 }

@@ -30,7 +30,7 @@ const hearers = {
   hello: (told) => controls.hello(told),
   echo: (told) => clock.add(told.page_ms, told.server_ms, performance.now()),
   cell: (told) => {
-    views.showCameras(told.cell.cameras.map((camera) => camera.name));
+    views.describe(told.cell);
     arm.describe(told.cell);
     panel.describe(told.cell);
   },
@@ -39,6 +39,7 @@ const hearers = {
     stop.show(told);
     controls.show(told);
     arm.show(told.robot);
+    views.haunt(told.robot);
     latency.show(told);
     views.sayWhyNoPreview(told.hand);
   },

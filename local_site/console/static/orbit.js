@@ -1,12 +1,14 @@
 // The eye on the 3D view: turned by mouse, touch or arrow keys, and what it projects points to.
 const STEP = 0.12;
 const ZOOM = 1.1;
+const ROOM = 1.55; // distance of the eye beside the size of what it looks at
 
 export class Orbit {
   #yaw = -0.9;
   #pitch = 0.35;
   #distance = 2.3;
   #center = [0.25, 0, 0.45];
+  #known = false;
 
   constructor(canvas, changed) {
     canvas.addEventListener("pointerdown", (event) => canvas.setPointerCapture(event.pointerId));
@@ -21,6 +23,15 @@ export class Orbit {
       changed();
     }, { passive: false });
     canvas.addEventListener("keydown", (event) => this.#key(event) && (event.preventDefault(), changed()));
+  }
+
+  /** Look at a box (m) and the base beside it, the first time that it is known. */
+  show(low, high) {
+    if (this.#known) return;
+    this.#known = true;
+    const [from, to] = [low.map((v) => Math.min(v, 0)), high.map((v) => Math.max(v, 0))];
+    this.#center = from.map((v, axis) => (v + to[axis]) / 2);
+    this.#distance = ROOM * Math.hypot(...from.map((v, axis) => to[axis] - v));
   }
 
   #key({ key }) {

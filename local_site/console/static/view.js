@@ -1,5 +1,6 @@
 // One view: its canvas, painted with the newest picture, and the mark that tells what the picture is worth.
 import { ageWords, judge } from "./freshness.js";
+import { Ghost } from "./ghost.js";
 import { parsePicture } from "./picture.js";
 import { mark as setMark, put } from "./words.js";
 
@@ -15,6 +16,9 @@ export class View {
   #mark = document.createElement("div");
   #title = document.createElement("b");
   #words = document.createElement("span");
+  #overlay = document.createElement("canvas");
+  #ghost = null;
+  #isFresh = false;
   #told = null;
   #newest = null;
   #times = [];
@@ -31,8 +35,20 @@ export class View {
     this.#fresh.className = "fresh";
     this.#mark.className = "mark";
     this.#mark.append(this.#title, this.#words);
-    this.element.append(this.#canvas, this.#mark, label, this.#fresh);
+    this.element.append(this.#canvas, this.#overlay, this.#mark, label, this.#fresh);
     this.look();
+  }
+
+  /** A calibrated camera's picture bears the ghost; its full picture has this size. */
+  describe(camera) {
+    this.#ghost = camera.calibration === null ? null : new Ghost(this.#overlay, camera);
+  }
+
+  /** Draw the commanded arm over a picture that is young enough to be compared with it, or nothing. */
+  haunt(cell, robot) {
+    if (this.#ghost === null) return;
+    if (robot !== null && this.#isFresh) this.#ghost.draw(cell, robot);
+    else this.#ghost.clear();
   }
 
   /** Take a message of this view; resolves when it is painted or passed over. */
@@ -61,12 +77,13 @@ export class View {
 
   /** Mark the picture by what it is worth now. */
   look() {
-    const { mark, title, words: why, ageMs } = judge(this.#newest, this.#told, this.#clock.now());
+    const { mark, title, words: why, ageMs, isOld } = judge(this.#newest, this.#told, this.#clock.now());
     setMark(this.element, "data-mark", mark);
-    setMark(this.element, "data-useless", ageMs == null || ageMs > USELESS_MS);
+    setMark(this.element, "data-useless", ageMs === null || ageMs > USELESS_MS);
+    this.#isFresh = !isOld && (mark === "live" || mark === "slow");
     put(this.#title, title);
     put(this.#words, why || this.why);
-    put(this.#fresh, ageMs == null ? title : `${mark} ${ageWords(ageMs)} ${this.#fps()} fps`);
+    put(this.#fresh, ageMs === null ? title : `${mark} ${ageWords(ageMs)} ${this.#fps()} fps`);
   }
 
   /** What was painted last, for the console; null before the first, or while its age is not known. */

@@ -10,20 +10,38 @@ export class Views {
   #cameras = document.getElementById("cameras");
   #previews = document.getElementById("previews");
   #views = new Map();
+  #cell = null;
+  #robot = null;
+  #asked = null;
+  #haunted = true;
+  #ghostButton = document.getElementById("ghost");
 
   constructor(clock, send) {
     this.#clock = clock;
     this.#send = send;
     for (const name of PREVIEWS) this.#add(this.#previews, `preview/${name}`, `operator ${name}`, null);
+    this.#ghostButton.addEventListener("click", () => this.#toggleGhost());
     addEventListener("keydown", (event) => this.#key(event));
   }
 
   /** Make a view for each camera of the cell that has none yet. */
-  showCameras(names) {
-    for (const name of names) {
-      const view = `camera/${name}`;
-      if (!this.#views.has(view)) this.#add(this.#cameras, view, name, this.#cameras.children.length + 1);
+  describe(cell) {
+    this.#cell = cell;
+    for (const camera of cell.cameras) {
+      const view = `camera/${camera.name}`;
+      if (!this.#views.has(view)) this.#add(this.#cameras, view, camera.name, this.#cameras.children.length + 1);
+      this.#views.get(view).describe(camera);
     }
+    this.#ghostButton.hidden = cell.cameras.every((camera) => camera.calibration === null);
+  }
+
+  /** Draw the commanded arm over the calibrated cameras' pictures. */
+  haunt(robot) {
+    this.#robot = this.#haunted && this.#cell !== null && robot !== null && !robot.silent ? robot : null;
+    this.#asked ??= requestAnimationFrame(() => {
+      this.#asked = null;
+      for (const view of this.#views.values()) view.haunt(this.#cell, this.#robot);
+    });
   }
 
   /** Take a picture, and tell the console when the next may come. */
@@ -61,8 +79,14 @@ export class Views {
 
   #key(event) {
     if (event.ctrlKey || event.altKey || event.metaKey || event.repeat) return;
+    if (event.key.toLowerCase() === "g" && !this.#ghostButton.hidden) this.#toggleGhost();
     const chosen = this.#cameras.children[Number.parseInt(event.key, 10) - 1];
     if (chosen !== undefined) this.#enlarge(chosen);
+  }
+
+  #toggleGhost() {
+    this.#haunted = !this.#haunted;
+    this.#ghostButton.setAttribute("aria-pressed", this.#haunted);
   }
 
   #enlarge(chosen) {

@@ -13,6 +13,7 @@ from common.messages import (
     Readiness,
     RobotState,
     SessionState,
+    Traced,
     VideoFrame,
 )
 from local_site.console.history import History
@@ -23,6 +24,7 @@ from local_site.console.shown import ShownViews
 
 APART_NS = 3600 * NS_PER_S
 NOW_NS = 50 * NS_PER_S
+LEASE = 77
 STATE = RobotState(
     session=1,
     seq=1,
@@ -78,19 +80,23 @@ def test_only_the_last_minute_counts_and_only_the_last_second_is_now() -> None:
     assert latencies.summary(NOW_NS + 61 * NS_PER_S)["round_trip"]["count"] == 0
 
 
-def test_the_hand_is_seen_in_the_first_picture_taken_after_the_motion() -> None:
+def test_the_hand_is_seen_in_the_first_picture_taken_after_the_encoders_showed_it() -> None:
     latencies = Latencies()
-    latencies.learn(obeying(7, NOW_NS, 20.0, 10.0), NOW_NS)
-    moved_ns = NOW_NS + APART_NS + 30 * NS_PER_MS
+    moved_ns = NOW_NS + APART_NS + 50 * NS_PER_MS
+    traced = Traced(1, 7, NOW_NS, moved_ns - 30 * NS_PER_MS, moved_ns - 20 * NS_PER_MS, moved_ns)
+    for _ in range(3):
+        latencies.learn(msgspec.structs.replace(obeying(8, NOW_NS, 25.0, None), traced=traced), NOW_NS)
+    told = latencies.summary(NOW_NS)["encoder"]
+    assert (told["count"], told["newest"]) == (1, 30.0)
     latencies.painted("side", moved_ns - 1, 50.0, NOW_NS)
     assert latencies.trace is None
     for _ in range(3):  # told again at 10 Hz
         latencies.painted("side", moved_ns + 15 * NS_PER_MS, 40.0, NOW_NS)
     trace = latencies.trace
     assert trace is not None
-    assert (trace.seq, trace.command_ms, trace.motion_ms) == (7, 20.0, 30.0)
-    assert trace.shown_ms == pytest.approx(30 + 15 + 40)
-    assert latencies.summary(NOW_NS)["picture"]["count"] == 2
+    assert (trace.seq, trace.command_ms, trace.motion_ms, trace.encoder_ms) == (7, 20.0, 30.0, 50.0)
+    assert (trace.exposed_ms, trace.shown_ms) == (pytest.approx(50 + 15), pytest.approx(50 + 15 + 40))
+    assert latencies.windows["picture"].summary(NOW_NS)["count"] == 2
 
 
 def test_a_change_of_state_is_an_event_and_its_repetition_is_none() -> None:
@@ -128,13 +134,14 @@ def test_what_was_painted_is_told_in_the_remote_sites_own_numbers() -> None:
     shown = ShownViews(session=9)
     for seq in range(5):
         shown.remember("camera/side", frame(seq, 1000 + seq))
-    told = shown.message({"camera/side": Painted(seq=3, age_ms=41.0, fps=30.0)}, NOW_NS)
+    told = shown.message({"camera/side": Painted(seq=3, age_ms=41.0, fps=30.0)}, LEASE, NOW_NS)
     assert told is not None
+    assert (told.session, told.lease) == (9, LEASE)
     assert (told.session, told.views["side"].capture_ns, told.views["side"].age_ms) == (9, 1003, 41.0)
-    assert shown.message({"camera/side": Painted(seq=4, age_ms=41.0, fps=30.0)}, NOW_NS + 1) is None
+    assert shown.message({"camera/side": Painted(seq=4, age_ms=41.0, fps=30.0)}, LEASE, NOW_NS + 1) is None
     late = NOW_NS + NS_PER_S
-    assert shown.message({"camera/side": Painted(seq=77, age_ms=1.0, fps=1.0)}, late) is None
-    assert shown.message({"preview/left": Painted(seq=4, age_ms=1.0, fps=1.0)}, late) is None
+    assert shown.message({"camera/side": Painted(seq=77, age_ms=1.0, fps=1.0)}, LEASE, late) is None
+    assert shown.message({"preview/left": Painted(seq=4, age_ms=1.0, fps=1.0)}, LEASE, late) is None
 
 
 def test_a_picture_goes_on_as_it_came_with_its_exposure_by_our_clock() -> None:

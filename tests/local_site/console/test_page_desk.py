@@ -57,7 +57,7 @@ class Room:
         self.first, self.second = Told(1), Told(2)
         seat = Seat(open_=True)
         seat.arrive(self.first.visitor, NS_PER_S)
-        self.desk = PageDesk(seat, Outlets(self.intent, self.shown), self.sites, Latencies(), History(), 9)
+        self.desk = PageDesk(seat, Outlets(self.intent.put, self.shown.put), self.sites, Latencies(), History(), 9)
 
     def say(self, page: Told, **said: object) -> None:
         self.desk.hear(page, parse(msgspec.json.encode(said).decode()), NS_PER_S)

@@ -9,7 +9,7 @@ from common.errors import ModelError
 from remote_site.config import RobotConfig
 from remote_site.simulation.cell import build_cell
 from remote_site.simulation.config import ArmConfig, CellConfig
-from remote_site.simulation.views import look_at
+from remote_site.simulation.projection import look_at
 
 ROBOT = RobotConfig()
 

@@ -107,7 +107,7 @@ def test_a_link_that_was_full_before_the_console_reported_is_emptied():
 
 def shown(session, now_ns, seq=0, age_ms=50.0, cameras=FULL_BYTES):
     views = {name: ViewShown(seq=seq, capture_ns=0, age_ms=age_ms, fps=30.0) for name in cameras}
-    return ViewsShown(session=session, sent_ns=now_ns, views=views)
+    return ViewsShown(session=session, lease=0, sent_ns=now_ns, views=views)
 
 
 def frame(camera, seq, size=20_000):

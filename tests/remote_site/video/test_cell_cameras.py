@@ -2,6 +2,7 @@
 
 import sys
 
+import mujoco
 import numpy as np
 import pytest
 
@@ -10,6 +11,7 @@ from remote_site.config import RobotConfig
 from remote_site.shared_memory import SharedRecord, snapshot_dtype
 from remote_site.simulation.cell import build_cell
 from remote_site.simulation.config import CellConfig
+from remote_site.simulation.projection import calibration_of
 from remote_site.video.cell_cameras import CellRenderer, open_cell_cameras
 from remote_site.video.clock_strip import read_clock
 from remote_site.video.config import VideoConfig
@@ -68,6 +70,26 @@ def test_the_block_in_front_is_below_the_gripper_in_the_picture(cell, renderer):
     foam = np.argwhere((image[:, :, 0] > 70) & (image[:, :, 0] - image[:, :, 2] > 40))
     fingers = np.argwhere((image[:, :, 2] > 100) & (image[:, :, 2] - image[:, :, 0] > 80) & (image[:, :, 1] > 80))
     assert fingers[:, 0].mean() < foam[:, 0].min()
+
+
+@pytest.mark.parametrize("view", CellConfig().views, ids=lambda view: view.name)
+def test_a_calibrated_view_shows_the_block_where_it_projects_it(cell, renderer, view):
+    qpos = posture(cell, -0.1)
+    image = renderer.render(renderer.view_id(view.name), qpos).astype(int)
+    foam = (image[:, :, 0] > 70) & (image[:, :, 0] - image[:, :, 2] > 40)
+    told = calibration_of(view, 320, 240)
+    data = cell.start()
+    data.qpos[:] = qpos
+    mujoco.mj_kinematics(cell.model, data)
+    point = data.body("block").xpos
+    if told.on_tool:
+        tool = data.body("tool0")
+        point = tool.xmat.reshape(3, 3).T @ (point - tool.xpos)
+    u, v, w = np.reshape(told.projection, (3, 4)) @ [*point, 1.0]
+    assert w > 0
+    rows, columns = np.nonzero(foam)
+    inside = (abs(columns - u / w) < 4) & (abs(rows - v / w) < 4)
+    assert inside.sum() > 20, "the block's middle"
 
 
 @pytest.mark.parametrize("name", VIEWS)

@@ -180,7 +180,8 @@ def test_a_camera_that_hangs_delays_no_other_and_is_told_as_frozen(monkeypatch):
 class Narrow:
     """A console that shows every picture later than the one before."""
 
-    def __init__(self) -> None:
+    def __init__(self, lease: int = 0) -> None:
+        self.lease = lease
         self.seen: list[VideoFrame] = []
         self._told = 0
 
@@ -190,14 +191,14 @@ class Narrow:
         self._told = len(self.seen)
         last = self.seen[-1]
         view = ViewShown(seq=last.seq, capture_ns=last.capture_ns, age_ms=20.0 * last.seq, fps=30.0)
-        return ViewsShown(session=1, sent_ns=0, views={last.camera: view})
+        return ViewsShown(session=1, lease=self.lease, sent_ns=0, views={last.camera: view})
 
 
 def test_what_the_console_shows_late_is_sent_smaller(monkeypatch):
     monkeypatch.setattr(sources, "open_camera", lambda _source, name, *_: Endless(name, None))
     monkeypatch.setattr("remote_site.video.live_camera.LiveCamera", Endless)
-    console, deadline = Narrow(), time.monotonic() + 10
-    wire = Wire(console.seen.append, console.shown)
+    console, deadline = Narrow(lease=41), time.monotonic() + 10
+    wire = Wire(console.seen.append, console.shown, lambda: 41)
     config = VideoConfig(cameras=(CameraConfig(name="side", source="0"),))
     run_video(
         config,
@@ -208,6 +209,21 @@ def test_what_the_console_shows_late_is_sent_smaller(monkeypatch):
     )
     assert console.seen[0].width == 32
     assert console.seen[-1].width < 32
+
+
+def test_who_merely_watches_over_a_narrow_link_takes_nothing_from_the_operator(monkeypatch):
+    monkeypatch.setattr(sources, "open_camera", lambda _source, name, *_: Endless(name, None))
+    monkeypatch.setattr("remote_site.video.live_camera.LiveCamera", Endless)
+    console = Narrow(lease=40)
+    wire = Wire(console.seen.append, console.shown, lambda: 41)
+    run_video(
+        VideoConfig(cameras=(CameraConfig(name="side", source="0"),)),
+        None,
+        wire,
+        lambda: len(console.seen) > 60,
+        int,
+    )
+    assert {frame.width for frame in console.seen} == {32}
 
 
 def test_a_console_of_another_release_is_told_once_and_delays_nothing(monkeypatch):

@@ -1,0 +1,79 @@
+"""A link of so many bits a second between two programs of this host: a TCP proxy that lets through no more."""
+
+import asyncio
+import contextlib
+import socket
+import threading
+from types import TracebackType
+from typing import Self
+
+from common.clock import NS_PER_S, MonotonicClock
+
+CHUNK_BYTES = 4096
+BUFFER_BYTES = 32768  # as little as possible waits here: what a link carries late is the sender's to find out
+START_S = 5.0
+
+
+class NarrowLink:
+    """Listens at `port` and hands on to another as long as the block lasts; only what comes back is limited.
+
+    `mbit_s` may be changed while it runs; `carried_bytes` counts what came back.
+    """
+
+    def __init__(self, port: int, to_port: int, mbit_s: float) -> None:
+        self.mbit_s = mbit_s
+        self.carried_bytes = 0
+        self._port, self._to_port = port, to_port
+        self._clock = MonotonicClock()
+        self._free_ns = 0
+        self._ready = threading.Event()
+        self._loop = asyncio.new_event_loop()
+        self._thread = threading.Thread(target=self._run, name="link", daemon=True)
+
+    def __enter__(self) -> Self:
+        self._thread.start()
+        self._ready.wait(START_S)
+        return self
+
+    def __exit__(
+        self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
+    ) -> None:
+        self._loop.call_soon_threadsafe(self._loop.stop)
+        self._thread.join(START_S)
+
+    def _run(self) -> None:
+        asyncio.set_event_loop(self._loop)
+        self._loop.run_until_complete(asyncio.start_server(self._carry, "127.0.0.1", self._port, limit=BUFFER_BYTES))
+        self._ready.set()
+        self._loop.run_forever()
+
+    async def _carry(self, near_in: asyncio.StreamReader, near_out: asyncio.StreamWriter) -> None:
+        far = socket.socket()
+        far.setsockopt(socket.SOL_SOCKET, socket.SO_RCVBUF, BUFFER_BYTES)
+        far.setblocking(False)
+        with contextlib.suppress(OSError):  # one side is gone, and so is the connection
+            await self._loop.sock_connect(far, ("127.0.0.1", self._to_port))
+            far_in, far_out = await asyncio.open_connection(sock=far, limit=BUFFER_BYTES)
+            await asyncio.gather(self._hand_on(near_in, far_out), self._hand_back(far_in, near_out))
+        near_out.close()
+
+    async def _hand_on(self, source: asyncio.StreamReader, sink: asyncio.StreamWriter) -> None:
+        while data := await source.read(CHUNK_BYTES):
+            sink.write(data)
+            await sink.drain()
+        sink.close()
+
+    async def _hand_back(self, source: asyncio.StreamReader, sink: asyncio.StreamWriter) -> None:
+        sink.transport.set_write_buffer_limits(high=BUFFER_BYTES)
+        while data := await source.read(CHUNK_BYTES):
+            await self._wait_for_room(len(data))
+            self.carried_bytes += len(data)
+            sink.write(data)
+            await sink.drain()
+        sink.close()
+
+    async def _wait_for_room(self, size: int) -> None:
+        """Until the link has sent what came before, and this."""
+        now_ns = self._clock.now_ns()
+        self._free_ns = max(self._free_ns, now_ns) + round(8e-6 * size / self.mbit_s * NS_PER_S)
+        await asyncio.sleep((self._free_ns - now_ns) / NS_PER_S)

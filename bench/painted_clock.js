@@ -1,0 +1,22 @@
+// Reads the clock's cells in every view of the cell as it is painted, at each frame of the browser.
+() => {
+  const CELLS = 44;
+  const brush = new OffscreenCanvas(640, 1).getContext("2d", { willReadFrequently: true });
+  const last = new Map();
+  window.paintedClocks = [];
+  const look = () => {
+    for (const view of document.querySelectorAll("#cameras .view")) {
+      const canvas = view.querySelector("canvas");
+      if (canvas.width < CELLS) continue;
+      brush.drawImage(canvas, 0, Math.floor(canvas.height / 40), canvas.width, 1, 0, 0, 640, 1);
+      const row = brush.getImageData(0, 0, 640, 1).data;
+      const cells = Array.from({ length: CELLS }, (_, k) => row[4 * Math.floor(((k + 0.5) * 640) / CELLS) + 1]);
+      const told = cells.map((level) => (level > 165 ? "1" : level < 90 ? "0" : "?")).join("");
+      if (last.get(view) === told) continue;
+      last.set(view, told);
+      window.paintedClocks.push([view.dataset.name, performance.now(), told]);
+    }
+    requestAnimationFrame(look);
+  };
+  look();
+}

@@ -1,0 +1,202 @@
+"""What the page makes of what it is told, without sites: states, cameras in trouble, ghost, trace, lease, clocks."""
+
+import time
+from functools import partial
+from pathlib import Path
+
+import msgspec
+import numpy as np
+import pytest
+import scene
+from told import Told
+
+from bench.bare_console import OPERATOR
+from bench.painted_clock import ages_ms, compare, watch
+from common.clock import NS_PER_MS
+from common.messages import CameraStatus, LeaseState, Readiness, SessionState, VideoFrame
+from remote_site.video.clock_strip import draw_clock
+from remote_site.video.encode import encode_jpeg
+
+CHECK = (Path(__file__).parent / "accessibility.js").read_text().split("\n", 1)[1]
+BOX = "the workspace box holds the tool back: move the hand down"
+LOST = "the hand is not tracked: keep forearm and hand in both views"
+BROKEN = "the robot reports a fault: following error of joint_3; reset it once the cause is gone"
+STATES = {
+    "engaged": (SessionState.ENGAGED, "box", BOX, "engaged", "dark"),
+    "holding": (SessionState.HOLDING, "lost", LOST, "holding", "light"),
+    "disengaged": (SessionState.DISENGAGED, "let_go", "the key was let go", "disengaged", "light"),
+    "fault": (SessionState.FAULT, "robot", BROKEN, "fault", "dark"),
+}
+TROUBLES = {
+    CameraStatus.DARK: "camera {} shows nothing: is there light, is its lens free?",
+    CameraStatus.FROZEN: "camera {} has given no new picture for 0.6 s; check its cable, its power and its address",
+    CameraStatus.MISSING: "camera {} cannot be opened: check its cable",
+    CameraStatus.SLOW: "camera {} gives 5.0 of 30 pictures a second; check its exposure time and its link",
+}
+TOLD_WITHIN_S = 1.0
+SLACK_S = 1.0  # a loaded machine may be this much late with anything
+
+
+@pytest.mark.parametrize("name", STATES)
+def test_every_state_is_told_in_words_with_its_reason_and_can_be_read(told: Told, name: str) -> None:
+    state, code, reason, word, scheme = STATES[name]
+    told.state = partial(scene.state, state, code, reason, readiness=Readiness(True, code, reason, True))
+    told.page.page.emulate_media(color_scheme=scheme)
+    told.until("the word", lambda: told.page.state() == word and reason in told.page.words("#reason"))
+    told.until(
+        "the event", lambda: any(reason in event for event in told.page.page.locator("#events li").all_text_contents())
+    )
+    found = told.page.page.evaluate(CHECK)
+    told.shot(f"{name}-{scheme}")
+    assert found["poor"] == []
+    assert (told.page.page.get_attribute("#reset", "class") == "wanted") == (name == "fault")
+
+
+def test_each_camera_in_trouble_is_called_what_it_is_and_why(told: Told) -> None:
+    told.until("live views", lambda: set(told.page.marks()) == {"live"})
+    told.troubles = dict(zip(scene.CAMERAS, TROUBLES.items(), strict=True))
+    found = {camera: status.value for camera, (status, _) in told.troubles.items()}
+    took_s = told.until("the marks", lambda: {c: told.mark(c) for c in scene.CAMERAS} == found)
+    assert took_s < TOLD_WITHIN_S + SLACK_S
+    for camera, (status, reason) in told.troubles.items():
+        words = f"[data-name={camera}] .mark"
+        assert reason.format(camera) in told.page.words(words), status
+        assert told.page.page.is_visible(words)
+    told.until("an old picture", lambda: "s old" in told.page.words("[data-name=front_low] .mark"))
+    told.shot("cameras in trouble")
+    assert told.page.page.evaluate(CHECK)["poor"] == []
+
+
+def test_a_picture_that_was_taken_long_ago_never_looks_live(told: Told) -> None:
+    told.until("live views", lambda: set(told.page.marks()) == {"live"})
+    assert not told.page.page.is_visible("[data-name=side] .mark")
+    told.age_ms = 400.0
+    told.until("the marks", lambda: set(told.page.marks()) == {"old"})
+    assert "ms old" in told.page.words("[data-name=side] .mark")
+    told.shot("old pictures")
+
+
+GHOST = """(name) => {
+  const canvas = document.querySelectorAll(`[data-name=${name}] canvas`)[1];
+  const { width, height } = canvas;
+  const drawn = canvas.getContext("2d").getImageData(0, 0, width, height).data;
+  const points = [];
+  for (let k = 0; k < width * height; k++) {
+    if (drawn[4 * k + 3] > 200 && drawn[4 * k] > 150) points.push([k % width, Math.floor(k / width)]);
+  }
+  return { points, width, height };
+}"""
+
+
+def ghost(told: Told, camera: str) -> np.ndarray:
+    """Where the ghost is drawn, in pixels of the full picture."""
+    found = told.page.page.evaluate(GHOST, camera)
+    height, width = scene.SIZE
+    scale = min(found["width"] / width, found["height"] / height)
+    margin = (np.array([found["width"], found["height"]]) - scale * np.array([width, height])) / 2
+    return (np.array(found["points"]).reshape(-1, 2) + 0.5 - margin) / scale
+
+
+def haunted(told: Told, camera: str) -> np.ndarray:
+    """Where the ghost is drawn, once it is; a busy machine's pictures may be too old for it for a while."""
+    drawn: list[np.ndarray] = []
+    told.until(f"the ghost in {camera}", lambda: drawn.append(ghost(told, camera)) or len(drawn[-1]) > 50)
+    return drawn[-1]
+
+
+def test_the_ghost_is_the_commanded_arm_where_the_camera_sees_it(told: Told) -> None:
+    told.until("the ghost", lambda: len(ghost(told, "side")) > 50)
+    calibrations = {camera.name: camera.calibration for camera in scene.cell().cameras}
+    q = told.state().q_commanded
+    for camera in ("front_high", "front_low", "side"):
+        u, v, w = np.reshape(calibrations[camera].projection, (3, 4)) @ [*scene.MODEL.position(np.array(q)), 1.0]
+        drawn = haunted(told, camera)
+        assert np.linalg.norm(drawn - (u / w, v / w), axis=1).min() < 3.0, camera
+    told.shot("ghost")
+    told.page.page.keyboard.press("g")
+    told.until("no ghost", lambda: len(ghost(told, "side")) == 0)
+    told.page.page.click("#ghost")
+    told.until("the ghost again", lambda: len(ghost(told, "side")) > 50)
+    told.age_ms = 400.0
+    told.until("no ghost over an old picture", lambda: len(ghost(told, "side")) == 0)
+
+
+def test_one_sample_is_told_from_its_exposure_to_its_painted_picture(told: Told) -> None:
+    told.state = partial(told.state, traced=told.traced())
+    told.until("the trace", lambda: "sample 4711" in told.page.words("#trace"))
+    words = told.page.words("#trace")
+    assert "command 21, robot 26, encoder 48, picture taken" in words
+    assert float(words.rpartition("painted ")[2]) > 48
+    grown = "(stages) => stages.map((stage) => Number(stage.style.flexGrow))"
+    assert told.page.page.eval_on_selector_all("#trace-bar span", grown)[:3] == pytest.approx([21, 5, 22], abs=0.1)
+    assert told.page.words("[data-stretch=encoder] td:nth-of-type(2)") == "27"
+
+
+def test_the_arm_is_looked_at_from_elsewhere_by_mouse_and_by_keys(told: Told) -> None:
+    page = told.page.page
+    told.until("the arm", lambda: "tool at" in told.page.words("#arm-words"))
+    drawn = "() => document.getElementById('arm').toDataURL()"
+    page.wait_for_timeout(100)
+    seen = [page.evaluate(drawn)]
+    page.focus("#arm")
+    for key in ("ArrowLeft", "ArrowUp", "+"):
+        page.keyboard.press(key)
+        page.wait_for_timeout(100)
+        seen.append(page.evaluate(drawn))
+    box = page.locator("#arm").bounding_box()
+    page.mouse.move(box["x"] + 50, box["y"] + 50)
+    page.mouse.down()
+    page.mouse.move(box["x"] + 120, box["y"] + 60)
+    page.mouse.up()
+    page.wait_for_timeout(100)
+    assert len({*seen, page.evaluate(drawn)}) == 5
+
+
+def test_the_button_holds_as_long_as_it_is_pressed(told: Told) -> None:
+    told.until("the controls", lambda: "you operate" in told.page.words("#seat"))
+    told.until("a key that is up", lambda: bool(told.intents) and not told.intents[-1].intent.hold)
+    told.page.page.hover("#hold")
+    told.page.page.mouse.down()
+    told.until("holding", lambda: told.intents[-1].intent.hold)
+    told.page.page.mouse.up()
+    told.until("letting go", lambda: not told.intents[-1].intent.hold)
+
+
+def test_a_click_enlarges_a_view_and_makes_it_small_again(told: Told) -> None:
+    width = "() => document.querySelector('[data-name=side]').clientWidth"
+    small = told.page.page.evaluate(width)
+    told.page.page.click("[data-name=side]")
+    assert told.page.page.evaluate(width) > 1.3 * small
+    told.page.page.click("[data-name=side]")
+    assert told.page.page.evaluate(width) == small
+
+
+@pytest.mark.parametrize(
+    ("holder", "asked_by", "words"),
+    [("ben", None, "Ask ben for it"), ("ben", OPERATOR, "Ask again"), (OPERATOR, "ben", "Hand over to ben")],
+)
+def test_the_lease_says_whose_it_is_and_what_can_be_done(told: Told, holder: str, asked_by: str, words: str) -> None:
+    told.state = partial(told.state, lease=LeaseState(6, holder, 9, time.monotonic_ns(), asked_by))
+    told.until("the words", lambda: told.page.words("#lease-button") == words)
+    assert told.page.page.is_visible("#lease-button")
+    assert holder in told.page.words("#lease")
+
+
+def test_the_age_that_the_page_tells_is_that_of_the_clock_in_its_picture(told: Told) -> None:
+    page, image = told.page.page, np.full((*scene.SIZE, 3), 120, np.uint8)
+    clock = compare(page)
+    watch(page)
+
+    def picture_of_now(camera: str, seq: int) -> VideoFrame:
+        exposed_ns = time.monotonic_ns() - round(told.age_ms * NS_PER_MS)
+        draw_clock(image, exposed_ns)
+        return msgspec.structs.replace(scene.picture(camera, seq, encode_jpeg(image, 80)), capture_ns=exposed_ns)
+
+    told.picture = picture_of_now
+    told.until("the figures", lambda: bool(page.evaluate("window.paintedClocks.length > 40")))
+    painted = ages_ms(page, clock)
+    assert set(painted) == set(scene.CAMERAS)
+    assert min(min(ages) for ages in painted.values()) >= told.age_ms - clock.unsure_ms - 2
+    told_ms = float(told.page.words("[data-stretch=picture] td:nth-of-type(2)"))
+    read_ms = float(np.median(np.concatenate(list(painted.values()))))
+    assert told_ms == pytest.approx(read_ms, abs=50.0 + 0.5 * read_ms)

@@ -1,0 +1,78 @@
+"""A page that is told of a cell by a console without sites: what a test wants, over and over."""
+
+import time
+from collections.abc import Callable
+from functools import partial
+from pathlib import Path
+
+import scene
+from opened_page import OpenedPage
+
+from bench.bare_console import BareConsole
+from common.clock import NS_PER_MS
+from common.messages import CameraStatus, SessionState, Traced, VideoFrame
+from local_site.console.hub import Hub
+
+SHOTS = Path(__file__).parents[2] / "build" / "screenshots"
+BEAT_S = 0.05
+WITHOUT_PICTURE = (CameraStatus.FROZEN, CameraStatus.MISSING)
+
+
+class Told:
+    """A page, and what it is told over and over: the robot's state, a hand, and every camera's picture."""
+
+    def __init__(self, console: BareConsole, page: OpenedPage) -> None:
+        self.page, self._console = page, console
+        self.intents = console.intents
+        self._seq = 0
+        self.reset()
+
+    def reset(self) -> None:
+        """All is well."""
+        self.state = partial(scene.state, SessionState.ENGAGED, "ok", "the arm follows the hand")
+        self.troubles: dict[str, tuple[CameraStatus, str]] = {}
+        self.jpeg = scene.plain(150)
+        self.age_ms = 20.0
+        self.picture = self._plain
+
+    def tell(self) -> None:
+        """Everything once."""
+        self._seq += 1
+        self._give(Hub.state, self.state())
+        self._give(Hub.hand, scene.hand())
+        for camera in scene.CAMERAS:
+            self._give(Hub.camera, self.picture(camera, self._seq))
+
+    def until(self, what: str, is_so: Callable[[], bool], seconds: float = 15.0) -> float:
+        """Tell until something is so; how long it took, s."""
+
+        def told() -> bool:
+            self.tell()
+            self.page.page.wait_for_timeout(1000 * BEAT_S)
+            return is_so()
+
+        return self.page.wait_for(what, told, seconds)
+
+    def traced(self) -> Traced:
+        """A sample exposed now, and followed to the encoders."""
+        exposed_ns = time.monotonic_ns()
+        return Traced(7, 4711, exposed_ns, *(exposed_ns + ms * NS_PER_MS for ms in (21, 26, 48)))
+
+    def describe(self) -> None:
+        """Say what the cell is."""
+        self._give(Hub.described, scene.cell())
+
+    def mark(self, camera: str) -> str:
+        return str(self.page.page.get_attribute(f"[data-name={camera}]", "data-mark"))
+
+    def shot(self, name: str) -> None:
+        SHOTS.mkdir(parents=True, exist_ok=True)
+        self.page.page.screenshot(path=str(SHOTS / f"{name}.png"))
+
+    def _plain(self, camera: str, seq: int) -> VideoFrame:
+        status, reason = self.troubles.get(camera, (CameraStatus.LIVE, ""))
+        jpeg = b"" if status in WITHOUT_PICTURE else self.jpeg
+        return scene.picture(camera, seq, jpeg, status, reason.format(camera), self.age_ms)
+
+    def _give(self, take: Callable[[Hub, object], None], what: object) -> None:
+        self._console.feed(lambda hub: take(hub, what))
