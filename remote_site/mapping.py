@@ -1,4 +1,4 @@
-"""Relative motion: from the hand's motion since its origin to the tool's target since its own."""
+"""From the hand's motion to the tool's target: since both origins, or from where the tool is, sample by sample."""
 
 import math
 from dataclasses import dataclass
@@ -57,31 +57,31 @@ class Mapping:
         self._base_R_operator = _proper_rotation(config)
         self._config = config
         self._apply(Steering())
-        self._wrist_origin = np.zeros(3)
+        self._hand_origin = np.zeros(3)
         self._tool_origin = np.eye(4)
         self._hand_reference: Array | None = None
         self._rotation_reference = np.eye(3)
         self._rotation = np.eye(3)
         self._turned = np.zeros(3)
 
-    def engage(self, wrist_in_operator: Array, operator_R_hand: Array | None, base_T_tool: Array) -> None:
+    def engage(self, hand_in_operator: Array, operator_R_hand: Array | None, base_T_tool: Array) -> None:
         """Capture both origins: from here the target is `base_T_tool` plus the hand's motion."""
-        self._wrist_origin = wrist_in_operator.copy()
+        self._hand_origin = hand_in_operator.copy()
         self._tool_origin = base_T_tool.copy()
         self._hand_reference, self._turned = operator_R_hand, np.zeros(3)
         self._rotation_reference = self._rotation = np.eye(3)
 
     def steer(
-        self, steering: Steering, wrist_in_operator: Array, operator_R_hand: Array | None, base_T_target: Array
+        self, steering: Steering, hand_in_operator: Array, operator_R_hand: Array | None, base_T_target: Array
     ) -> None:
         """Take what the operator wants; a change takes both origins anew, the tool's from the target as it is held."""
         if steering != self._steering:
             self._apply(steering)
-            self.engage(wrist_in_operator, operator_R_hand, base_T_target)
+            self.engage(hand_in_operator, operator_R_hand, base_T_target)
 
-    def target(self, wrist_in_operator: Array, operator_R_hand: Array | None) -> Array:
-        """The tool's target `base_T_tool` (4 x 4) for a wrist (3,) in m and the hand's orientation, if it shows one."""
-        moved = self._base_R_operator @ (wrist_in_operator - self._wrist_origin)
+    def target(self, hand_in_operator: Array, operator_R_hand: Array | None) -> Array:
+        """The tool's target `base_T_tool` (4 x 4) for the hand's place (3,) in m and its orientation, if it shows one."""
+        moved = self._base_R_operator @ (hand_in_operator - self._hand_origin)
         self._turn(operator_R_hand)
         origin = self._tool_origin[:3, :3]
         turned = self._rotation @ origin
@@ -89,11 +89,14 @@ class Mapping:
             turned = origin @ _locked(origin.T @ turned, self._turns)
         return transform(turned, self._tool_origin[:3, 3] + self._ways * moved)
 
-    def elbow(self, wrist_in_operator: Array, elbow_in_operator: Vector3 | None) -> Array | None:
-        """The operator's elbow from the wrist (3,) in m in the base's axes, None while it is not seen."""
-        if elbow_in_operator is None:
+    def read(self, base_T_tool: Array) -> None:
+        """Where the tool is measured to be as a sample comes; what is relative to origins does not depend on it."""
+
+    def elbow(self, wrist_in_operator: Vector3 | Array | None, elbow_in_operator: Vector3 | None) -> Array | None:
+        """The operator's elbow from the wrist (3,) in m in the base's axes, None while one of them is not seen."""
+        if elbow_in_operator is None or wrist_in_operator is None:
             return None
-        elbow: Array = self._base_R_operator @ (np.array(elbow_in_operator) - wrist_in_operator)
+        elbow: Array = self._base_R_operator @ (np.array(elbow_in_operator) - np.array(wrist_in_operator))
         return elbow
 
     def _apply(self, steering: Steering) -> None:
@@ -120,6 +123,29 @@ class Mapping:
             self._turned = unwound(vector_from_rotation(turned), self._turned)
             turned = rotation_from_vector(self._rotation_scale * self._turned)
         self._rotation = turned @ self._rotation_reference
+
+
+class IncrementalMapping(Mapping):
+    """The tool's present place and the hand's way since the last sample (the ROBONAUT report, section 3, steps 2-5).
+
+    What is sent is the hand's place, the sum of all displacements, so that a lost sample loses nothing of it. What the
+    arm had left to go when the next sample came is lost, however: the tool drifts. Its turn counts from the reference.
+    """
+
+    def read(self, base_T_tool: Array) -> None:
+        """Where the next displacement begins."""
+        self._tool_origin[:3, 3] = base_T_tool[:3, 3]
+
+    def target(self, hand_in_operator: Array, operator_R_hand: Array | None) -> Array:
+        """The tool's target `base_T_tool` (4 x 4): where it was read to be, moved as the hand has since the last."""
+        result = super().target(hand_in_operator, operator_R_hand)
+        self._hand_origin = hand_in_operator.copy()
+        return result
+
+
+def make_mapping(config: MappingConfig) -> Mapping:
+    """The mapping that the configuration asks for."""
+    return IncrementalMapping(config) if config.command == "incremental" else Mapping(config)
 
 
 def thesis_angles(wrist: Array, index: Array, thumb: Array) -> tuple[float, float, float]:
