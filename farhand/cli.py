@@ -231,6 +231,7 @@ def loopback(
     ] = "simulated",
     motion: Annotated[str, typer.Option(help="What the simulated operator does.")] = "pick_and_place",
     tracker: TrackerName = "silhouette",
+    arm: Annotated[str, typer.Option(help="a465, or humanoid: an upright torso with a right arm of seven axes.")] = "a465",
     save_views: Annotated[Path | None, typer.Option(help="Folder for the last views, as PNG.")] = None,
 ) -> None:
     """Run both sites on this machine against a simulated operator and a simulated cell, and measure.
@@ -239,7 +240,7 @@ def loopback(
     """
     from farhand.loopback import LoopbackOptions, run_loopback
 
-    options = LoopbackOptions(seconds, report, driver, motion, tracker, save_views, headless)
+    options = LoopbackOptions(seconds, report, driver, motion, tracker, arm, save_views, headless)
     _until_signal(lambda should_stop: run_loopback(options, should_stop))
 
 

@@ -33,11 +33,11 @@ from local_site.preview.process import PreviewProcess
 from local_site.profile_file import ProfileKeeper
 from local_site.publisher import HandPublisher
 from local_site.remote_watch import RemoteWatch
-from local_site.rig_cameras import open_rig_cameras
+from local_site.rig_cameras import of_one_camera, open_rig_cameras
 from local_site.simulation.source import SimulatedCameras
 from local_site.smoothing import make_smoother
 from local_site.tracking.annotate import annotate
-from local_site.tracking.choice import make_tracker, profile_of
+from local_site.tracking.choice import TrackingConfig, make_tracker, profile_of
 from local_site.tracking.silhouette.operator_profile import OperatorProfile
 from local_site.tracking.tracker import ArmEstimate, Views
 from local_site.warm_up import warm_up
@@ -118,9 +118,10 @@ def _metrics(config: LocalConfig, should_stop: StopFlag, heartbeat: Heartbeat) -
 
 @dataclass(frozen=True, slots=True)
 class Operator:
-    """The cameras that see the operator, their calibration, and who is told that the arm is engaged (ns)."""
+    """The cameras that see the operator, their calibration and tracker, and who is told that the arm is engaged (ns)."""
 
     rig: Rig
+    tracking: TrackingConfig
     cameras: Sequence[Camera]
     engaged: Callable[[int], None]
 
@@ -129,9 +130,13 @@ def _open_operator(config: LocalConfig) -> Operator:
     operator = config.operator
     if operator.is_simulated:
         simulated = SimulatedCameras(config.simulation)
-        return Operator(calibrate_simulated(config.simulation), (simulated.left, simulated.right), simulated.begin)
-    rig = load_rig(Path(operator.rig))
-    return Operator(rig, open_rig_cameras(rig, operator.sources, operator.fps, operator.latency_ms), lambda _t_ns: None)
+        rig = simulated.rig if config.simulation.textured else calibrate_simulated(config.simulation)
+        return Operator(rig, config.tracking, simulated.cameras, simulated.begin)
+    rig, tracking = load_rig(Path(operator.rig)), config.tracking
+    if operator.alone:
+        rig, tracking = of_one_camera(rig, tracking)
+    cameras = open_rig_cameras(rig, operator.sources, operator.fps, operator.latency_ms)
+    return Operator(rig, tracking, cameras, lambda _t_ns: None)
 
 
 def _warn_of_drift(sentence: str) -> None:
@@ -168,7 +173,7 @@ class LocalSite:
         self._preview = preview
         self._clock = clock
         self._profiles = ProfileKeeper(config.tracking.profile_dir, config.authority.name, _warn_of_profile)
-        self._tracker = make_tracker(operator.rig, config.tracking, self._profiles.known)
+        self._tracker = make_tracker(operator.rig, operator.tracking, self._profiles.known)
         self._drift = DriftWatch(operator.rig, config.drift, _warn_of_drift)
         self._smoother = make_smoother(config.smoothing)
         self._hold_ms = config.gesture.hold_ms
