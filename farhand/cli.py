@@ -290,7 +290,7 @@ def track(
 
 @app.command()
 def experiment(
-    name: Annotated[str, typer.Argument(help="follow: hand against tool; hazel: one camera's arm, as in the report.")],
+    name: Annotated[str, typer.Argument(help="follow: hand against tool; hazel: one camera's arm; drift: its command.")],
     out: Annotated[Path, typer.Option(help="Folder for report, plots and data; other files in it stay.")],
     quick: Annotated[bool, typer.Option("--quick", help="A short motion, to see that it works.")] = False,
 ) -> None:
