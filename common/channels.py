@@ -14,6 +14,7 @@ from common.requests import (
     DescribeQuestion,
     Description,
     EngagementRequest,
+    JointsRequest,
     LeaseReply,
     LeaseRequest,
     OperatorRequest,
@@ -139,6 +140,7 @@ ENGAGEMENT = Procedure("farhand/{cell}/rpc/engagement", EngagementRequest, Reply
 LEASE = Procedure("farhand/{cell}/rpc/lease", LeaseRequest, LeaseReply, 2048)
 DESCRIBE = Procedure("farhand/{cell}/rpc/describe", DescribeQuestion, Description, 16384)
 CLOCK = Procedure("farhand/{cell}/clock", ClockQuestion, ClockAnswer, 256)
+JOINTS = Procedure("farhand/{cell}/operator/{name}/joints", JointsRequest, Reply, 1024)
 OPERATE = Procedure("farhand/{cell}/operator/{name}/lease", OperatorRequest, Reply, 1024)
 
 

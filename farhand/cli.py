@@ -231,7 +231,9 @@ def loopback(
     ] = "simulated",
     motion: Annotated[str, typer.Option(help="What the simulated operator does.")] = "pick_and_place",
     tracker: TrackerName = "silhouette",
-    arm: Annotated[str, typer.Option(help="a465, or humanoid: an upright torso with a right arm of seven axes.")] = "a465",
+    arm: Annotated[
+        str, typer.Option(help="a465, or humanoid: an upright torso with a right arm of seven axes.")
+    ] = "a465",
     save_views: Annotated[Path | None, typer.Option(help="Folder for the last views, as PNG.")] = None,
 ) -> None:
     """Run both sites on this machine against a simulated operator and a simulated cell, and measure.
@@ -290,7 +292,9 @@ def track(
 
 @app.command()
 def experiment(
-    name: Annotated[str, typer.Argument(help="follow: hand against tool; hazel: one camera's arm; drift: its command.")],
+    name: Annotated[
+        str, typer.Argument(help="follow: hand against tool; hazel: one camera's arm; drift: its command.")
+    ],
     out: Annotated[Path, typer.Option(help="Folder for report, plots and data; other files in it stay.")],
     quick: Annotated[bool, typer.Option("--quick", help="A short motion, to see that it works.")] = False,
 ) -> None:

@@ -10,7 +10,7 @@ import cv2
 import structlog
 
 from common.cameras.camera import Camera
-from common.channels import HAND, INTENT, PREVIEW, STATE
+from common.channels import HAND, INTENT, JOINTS, PREVIEW, STATE
 from common.children import Children, Heartbeat
 from common.clock import Clock, MonotonicClock
 from common.errors import CameraError, FarhandError, MessageError
@@ -27,6 +27,7 @@ from local_site.config import LocalConfig
 from local_site.drift_watch import DriftWatch
 from local_site.gesture import OpenHand, observe
 from local_site.intent import IntentMerge
+from local_site.joint_clicks import JointClicks
 from local_site.pictures import write_picture
 from local_site.preview.preview import Preview
 from local_site.preview.process import PreviewProcess
@@ -143,6 +144,10 @@ def _warn_of_drift(sentence: str) -> None:
     structlog.get_logger().warning("drift", reason=sentence)
 
 
+def _tell_refused(error: MessageError) -> None:
+    structlog.get_logger().warning("a message is refused", reason=str(error))
+
+
 def _warn_of_profile(sentence: str) -> None:
     structlog.get_logger().warning("operator's profile", reason=sentence)
 
@@ -174,6 +179,8 @@ class LocalSite:
         self._clock = clock
         self._profiles = ProfileKeeper(config.tracking.profile_dir, config.authority.name, _warn_of_profile)
         self._tracker = make_tracker(operator.rig, operator.tracking, self._profiles.known)
+        name = config.authority.name
+        self._clicks = JointClicks(link.serve(JOINTS, config.cell, _tell_refused, name), self._tracker)
         self._drift = DriftWatch(operator.rig, config.drift, _warn_of_drift)
         self._smoother = make_smoother(config.smoothing)
         self._hold_ms = config.gesture.hold_ms
@@ -201,6 +208,7 @@ class LocalSite:
             self._publish_nothing_seen(reason)
             self._watch.look(self._clock.now_ns())
             self._preview.say(reason, self._clock.now_ns())
+        self._clicks.poll(self._clock.now_ns())
         self._profiles.keep(self._learned, self._clock.now_ns())
 
     def keep_profile(self) -> None:

@@ -92,9 +92,10 @@ def _through_the_chain(command: str, frames: int, progress: Progress) -> Followe
         t_ns = round((k + 1) * NS_PER_S / FRAMES_PER_S)
         points = true_points(swing.arm(max(k - STILL_FRAMES, 0)))
         arm.run_until(t_ns + LATENCY_NS)
-        arm.send(ArmEstimate(t_ns, TrackingStatus.TRACKED, "", **points))
+        elbow, wrist, palm = (points[name] for name in ("elbow", "wrist", "palm"))
+        arm.send(ArmEstimate(t_ns, TrackingStatus.TRACKED, "", elbow=elbow, wrist=wrist, palm=palm))
         times_ns.append(t_ns)
-        palms.append(points["palm"])
+        palms.append(palm)
         if not progress():
             raise InterruptionError("interrupted before the experiment was done; nothing was written")
     tool = np.array([pose[:3, 3] for pose in arm.path.poses])

@@ -46,9 +46,7 @@ class Pace:
 class ExposureLoop:
     """Renders the operator at the pace of the cameras; late exposures are caught up within a period, then skipped."""
 
-    def __init__(
-        self, operator: Operator, beginning: Beginning, pace: Pace, clock: Clock, publish: Publish
-    ) -> None:
+    def __init__(self, operator: Operator, beginning: Beginning, pace: Pace, clock: Clock, publish: Publish) -> None:
         self._operator = operator
         self._beginning = beginning
         self._pace = pace

@@ -102,7 +102,9 @@ class ArmFilm:
             return self._exposed(self._background)
         # Corner (0, 0) of a picture is the centre of its first pixel, at every resolution.
         fine, size = self._fine, (self._fine * (right - left), self._fine * (bottom - top))
-        raster = rasterise(fine * (pixels - (left, top)) + (fine - 1) / 2, vertices[:, 2].copy(), self._triangles, *size)
+        raster = rasterise(
+            fine * (pixels - (left, top)) + (fine - 1) / 2, vertices[:, 2].copy(), self._triangles, *size
+        )
         seen = raster.triangle != NOTHING
         corners, shares = self._triangles[raster.triangle[seen]], raster.shares[seen]
         part = self._background[top:bottom, left:right].repeat(fine, axis=0).repeat(fine, axis=1)

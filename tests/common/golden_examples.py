@@ -40,6 +40,7 @@ from common.requests import (
     EngagementAction,
     EngagementRequest,
     JointDescription,
+    JointsRequest,
     LeaseAction,
     LeaseReply,
     LeaseRequest,
@@ -117,6 +118,9 @@ LEASE = LeaseRequest(id=6, deadline_ns=10**12, action=LeaseAction.RENEW, session
 LEASE_REPLY = LeaseReply(
     id=6, done=True, code="lease_held", reason="it is yours", lease=8, lasts_ns=5 * 10**9, holder="anna"
 )
+JOINTS = JointsRequest(
+    id=10, deadline_ns=10**12, shoulder_px=(192.5, 147.5), elbow_px=(298.0, 246.0), wrist_px=(420.25, 234.0)
+)
 OPERATE = OperatorRequest(id=9, deadline_ns=10**12, action=OperatorAction.GIVE)
 DESCRIPTION = Description(
     cell="cell",
@@ -146,6 +150,7 @@ VALID: dict[str, Message] = {
     "lease": LEASE,
     "lease_reply": LEASE_REPLY,
     "operate": OPERATE,
+    "joints": JOINTS,
     "clock_question": ClockQuestion(),
     "clock": ClockAnswer(received_ns=10**9, answered_ns=10**9 + 50),
     "describe": DescribeQuestion(),
