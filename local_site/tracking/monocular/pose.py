@@ -23,7 +23,8 @@ class Pose:
     @property
     def elbow(self) -> Array:
         """The joint between the links (3,), m."""
-        return self.on_upper_arm(np.array([0.0, 0.0, self.upper_arm_length]))
+        result: Array = self.shoulder + self.upper_arm_length * self.upper_arm[:, 2]
+        return result
 
     @property
     def links(self) -> tuple[Link, Link]:
