@@ -7,7 +7,6 @@ import msgspec
 
 from common.messages import Count, Message, Name, Pose, Text, Vector3
 
-
 Coordinate = Annotated[float, msgspec.Meta(ge=0, le=16384)]
 Pixel = tuple[Coordinate, Coordinate]
 

@@ -22,7 +22,7 @@ Figures = dict[str, Any]
 
 @dataclass(frozen=True, slots=True)
 class Expectation:
-    """How the tool should move with a point of the hand: its motion per the hand's, and the operator's frame in the base."""
+    """How the tool should move with a point of the hand: tool motion per hand motion, operator's frame in the base."""
 
     scale: float
     base_R_operator: Array

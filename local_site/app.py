@@ -119,7 +119,7 @@ def _metrics(config: LocalConfig, should_stop: StopFlag, heartbeat: Heartbeat) -
 
 @dataclass(frozen=True, slots=True)
 class Operator:
-    """The cameras that see the operator, their calibration and tracker, and who is told that the arm is engaged (ns)."""
+    """The cameras that see the operator, their calibration and tracker; who is told that the arm is engaged (ns)."""
 
     rig: Rig
     tracking: TrackingConfig

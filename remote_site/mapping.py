@@ -80,7 +80,7 @@ class Mapping:
             self.engage(hand_in_operator, operator_R_hand, base_T_target)
 
     def target(self, hand_in_operator: Array, operator_R_hand: Array | None) -> Array:
-        """The tool's target `base_T_tool` (4 x 4) for the hand's place (3,) in m and its orientation, if it shows one."""
+        """The tool's target `base_T_tool` (4 x 4) for the hand's place (3,) in m and orientation, if it shows one."""
         moved = self._base_R_operator @ (hand_in_operator - self._hand_origin)
         self._turn(operator_R_hand)
         origin = self._tool_origin[:3, :3]

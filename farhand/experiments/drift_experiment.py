@@ -29,10 +29,10 @@ COLOURS = ((40, 140, 40), (40, 40, 215), (200, 120, 40))
 MM = 1e3
 TEXT = (
     "The palm of the arm of HAZEL-S, exactly as it is, commands the humanoid's. relative: the palm's way since "
-    "engagement on top of the tool's place then. incremental: the way since the last sample on top of where the tool is "
-    "measured to be, as in section 3 of the ROBONAUT report; at 30 frames a second the arm is still on its way when the "
-    "next sample comes, and what it had left to go is lost. An arm that arrives before the next sample, as the report's "
-    "could at a second per frame, loses nothing. What is sent is the palm's place in every case, never a displacement."
+    "engagement on top of the tool's place then. incremental: the way since the last sample on top of where the tool "
+    "is measured to be, as in section 3 of the ROBONAUT report; at 30 frames a second the arm is still on its way when "
+    "the next sample comes, and what it had left to go is lost. An arm that arrives before the next sample, as the "
+    "report's could at a second per frame, loses nothing. What is sent is always the palm's place, not its motion."
 )
 
 

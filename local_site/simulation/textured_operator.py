@@ -1,4 +1,4 @@
-"""An operator with a textured arm before one camera: swings as in HAZEL-S, on and on, at the report's 30 frames a second."""
+"""An operator with a textured arm before one camera, which swings as in HAZEL-S, on and on."""
 
 from collections.abc import Mapping
 from itertools import cycle

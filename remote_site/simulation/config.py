@@ -25,9 +25,7 @@ class ArmConfig(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields
 class GripperConfig(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
     """The two-finger gripper; its fingers close along the y axis of the frame that carries it."""
 
-    frame: Annotated[str, Meta(description="URDF link that carries it, its z along the fingers; empty: the tool's")] = (
-        ""
-    )
+    frame: Annotated[str, Meta(description="URDF link that carries it, z along the fingers; empty: the tool's")] = ""
     max_opening_m: Annotated[Positive, Meta(description="widest opening between the fingers, m")] = 0.065
     force_limit_n: Annotated[Positive, Meta(description="largest grip force, N")] = 25.0
     speed_m_s: Annotated[Positive, Meta(description="speed of the opening, m/s")] = 0.15

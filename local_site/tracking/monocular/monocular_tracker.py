@@ -47,7 +47,7 @@ class MonocularTracker:
         self._forget()
 
     def start_at(self, shoulder_px: Pixel, elbow_px: Pixel, wrist_px: Pixel) -> None:
-        """Begin anew with the next picture, where the joints are in the camera's own picture, px; all else is forgotten."""
+        """Begin anew where the joints are in the camera's next picture, px of its own; all else is forgotten."""
         self._joints_px = np.array([shoulder_px, elbow_px, wrist_px])
         self._forget()
 

@@ -2,8 +2,6 @@
 
 from dataclasses import dataclass
 
-import numpy as np
-
 from common.geometry import Array, rotation_from_vector, vector_from_rotation
 
 DAMPING = 0.7
