@@ -1,4 +1,4 @@
-"""The experiments on one camera's arm, cut short: every run and plot is there, and the figures are those of the runs."""
+"""The experiments on one camera's arm, cut short: every run and plot is there, figures are those of the runs."""
 
 import numpy as np
 import pytest
