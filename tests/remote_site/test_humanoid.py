@@ -109,3 +109,26 @@ def test_a_sample_without_a_palm_is_refused(followed):
     arm.run_until(t_ns + 20_000_000)
     assert arm.path.engaged_ns == before
     assert arm.path.hindered["no_wrist"] > 0
+
+
+def test_the_elbow_turns_about_the_arms_own_line_as_the_operators_does(model):
+    start = placed(model, ROBOT.start)
+    shoulder, elbow, wrist = (np.array(start(name).translation) for name in ("shoulder", "forearm", "wrist"))
+    line = (wrist - shoulder) / np.linalg.norm(wrist - shoulder)
+    operator_R_base = np.array(CONFIG.mapping.base_R_operator).T
+    hand = np.array([0.2, 0.0, 1.3])
+    arm, angles = FollowingArm(CONFIG), []
+    for k in range(110):
+        angles.append(0.4 * np.sin(np.pi * max(k - 35, 0) / 75) ** 2)
+        turned = pin.exp3(angles[-1] * line) @ (elbow - wrist)
+        t_ns = round((k + 1) * 1e9 / FPS)
+        arm.run_until(t_ns + 10_000_000)
+        operators = {"elbow": hand + operator_R_base @ turned, "wrist": hand, "palm": hand}
+        arm.send(ArmEstimate(t_ns, TrackingStatus.TRACKED, "", **operators))
+        if k == 75:
+            now = placed(model, arm._chain.sent.q)
+    across = [v - line * (line @ v) for v in (elbow - shoulder, now("forearm").translation - shoulder)]
+    followed = np.arctan2(np.cross(*across) @ line, across[0] @ across[1])
+    assert followed == pytest.approx(angles[70], abs=0.06)
+    assert angles[70] > 0.3
+    np.testing.assert_allclose(arm.path.poses[-1], arm.path.poses[0], atol=2e-3)
