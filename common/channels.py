@@ -14,6 +14,7 @@ from common.requests import (
     DescribeQuestion,
     Description,
     EngagementRequest,
+    JointsRequest,
     LeaseReply,
     LeaseRequest,
     OperatorRequest,
@@ -203,6 +204,15 @@ CLOCK = Procedure(
     answered_by=REMOTES,
     most_hz=EVERYBODYS_HZ,
 )
+JOINTS = Procedure(
+    "farhand/{cell}/operator/{name}/joints",
+    JointsRequest,
+    Reply,
+    max_bytes=1024,
+    asked_by=OPERATORS,
+    answered_by=OPERATORS,
+    most_hz=OPERATORS_HZ,
+)
 OPERATE = Procedure(
     "farhand/{cell}/operator/{name}/lease",
     OperatorRequest,
@@ -213,7 +223,7 @@ OPERATE = Procedure(
     most_hz=OPERATORS_HZ,
 )
 CHANNELS: tuple[Channel[Any], ...] = (HAND, STATE, CAMERA, PREVIEW, SHOWN, INTENT)
-PROCEDURES: tuple[Procedure[Any, Any], ...] = (ENGAGEMENT, MAINTENANCE, LEASE, DESCRIBE, CLOCK, OPERATE)
+PROCEDURES: tuple[Procedure[Any, Any], ...] = (ENGAGEMENT, MAINTENANCE, LEASE, DESCRIBE, CLOCK, JOINTS, OPERATE)
 
 
 def check_cell_name(cell: str, what: str = "cell") -> str:

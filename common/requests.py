@@ -7,6 +7,9 @@ import msgspec
 
 from common.messages import Count, Message, Name, Pose, Text, Vector3
 
+Coordinate = Annotated[float, msgspec.Meta(ge=0, le=16384)]
+Pixel = tuple[Coordinate, Coordinate]
+
 
 class Request(Message, frozen=True):
     """What must happen once: retried with the same `id`, refused after `deadline_ns` by the server's clock."""
@@ -78,6 +81,14 @@ class OperatorRequest(Request, frozen=True):
     """An explicit act of the operator, asked of the local site."""
 
     action: OperatorAction
+
+
+class JointsRequest(Request, frozen=True):
+    """Where an operator sees the joints in the picture of the one camera that is tracked, px of the camera's own."""
+
+    shoulder_px: Pixel
+    elbow_px: Pixel
+    wrist_px: Pixel
 
 
 class ClockQuestion(Message, frozen=True):

@@ -298,6 +298,9 @@ def loopback(
     ] = "simulated",
     motion: Annotated[str, typer.Option(help="What the simulated operator does.")] = "pick_and_place",
     tracker: TrackerName = "silhouette",
+    arm: Annotated[
+        str, typer.Option(help="a465, or humanoid: an upright torso with a right arm of seven axes.")
+    ] = "a465",
     save_views: Annotated[Path | None, typer.Option(help="Folder for the last views, as PNG.")] = None,
 ) -> None:
     """Run both sites on this machine against a simulated operator and a simulated cell, and measure.
@@ -306,7 +309,7 @@ def loopback(
     """
     from farhand.loopback import LoopbackOptions, run_loopback
 
-    options = LoopbackOptions(seconds, report, driver, motion, tracker, save_views, headless)
+    options = LoopbackOptions(seconds, report, driver, motion, tracker, arm, save_views, headless)
     _until_signal(lambda should_stop: run_loopback(options, should_stop))
 
 
@@ -356,7 +359,9 @@ def track(
 
 @app.command()
 def experiment(
-    name: Annotated[str, typer.Argument(help="follow: hand against tool; hazel: one camera's arm, as in the report.")],
+    name: Annotated[
+        str, typer.Argument(help="follow: hand against tool; hazel: one camera's arm; drift: its command.")
+    ],
     out: Annotated[Path, typer.Option(help="Folder for report, plots and data; other files in it stay.")],
     quick: Annotated[bool, typer.Option("--quick", help="A short motion, to see that it works.")] = False,
 ) -> None:

@@ -13,7 +13,7 @@ from common.geometry import Array
 from common.messages import HandArm, RobotState, SessionState, TrackingStatus
 from farhand.recorder import CameraRecord, Record
 
-POINTS = ("elbow", "wrist", "index", "thumb")
+POINTS = ("elbow", "wrist", "index", "thumb", "palm")
 LAGS_MS = np.arange(0.0, 401.0, 2.0)
 STAGES = ("command", "motion", "encoder", "picture", "viewer")
 TRUTH_STEP_NS = 2 * NS_PER_MS
@@ -24,10 +24,11 @@ Figures = dict[str, Any]
 
 @dataclass(frozen=True, slots=True)
 class Expectation:
-    """How the tool should move with the hand: tool motion per hand motion and the operator's frame in the base."""
+    """How the tool should move with a point of the hand: tool motion per hand motion, operator's frame in the base."""
 
     scale: float
     base_R_operator: Array
+    point: str = "wrist"
 
 
 def percentiles(values: Sequence[float], *levels: int) -> Figures:
@@ -97,15 +98,15 @@ def follow_figures(states: Sequence[RobotState], truth: Truth, expectation: Expe
         return {"follow_mm": {"mean": None, "p95": None}, "follow_lag_ms": None}
     times = np.array([s.t_ns for s in followed], dtype=float)
     tool = np.array([s.base_T_tool.position for s in followed])
-    grid, wrist = _sampled_truth(int(times[0]) - NS_PER_S, int(times[-1]), truth)
+    grid, places = _sampled_truth(int(times[0]) - NS_PER_S, int(times[-1]), truth, expectation.point)
     origin_times = np.array([s.engagement.hand_capture_ns for s in followed if s.engagement], dtype=float)
     origins = np.array([s.engagement.base_T_tool.position for s in followed if s.engagement])
-    wrist_origin = np.array([truth(int(t))["wrist"] for t in origin_times])
+    hand_origin = np.array([truth(int(t))[expectation.point] for t in origin_times])
 
     def errors_at(lag_ms: float) -> Array:
         then = times - lag_ms * NS_PER_MS
-        hand = np.column_stack([np.interp(then, grid, wrist[:, k]) for k in range(3)])
-        expected = origins + expectation.scale * (hand - wrist_origin) @ expectation.base_R_operator.T
+        hand = np.column_stack([np.interp(then, grid, places[:, k]) for k in range(3)])
+        expected = origins + expectation.scale * (hand - hand_origin) @ expectation.base_R_operator.T
         distance: Array = 1e3 * np.linalg.norm(tool - expected, axis=1)
         return distance
 
@@ -183,9 +184,9 @@ def _followed_share(states: Sequence[RobotState]) -> float:
     return _rounded(np.mean(since)) if since else 0.0
 
 
-def _sampled_truth(start_ns: int, end_ns: int, truth: Truth) -> tuple[Array, Array]:
+def _sampled_truth(start_ns: int, end_ns: int, truth: Truth, point: str) -> tuple[Array, Array]:
     grid = np.arange(start_ns, end_ns + TRUTH_STEP_NS, TRUTH_STEP_NS, dtype=np.int64)
-    return grid.astype(float), np.array([truth(int(t))["wrist"] for t in grid])
+    return grid.astype(float), np.array([truth(int(t))[point] for t in grid])
 
 
 def _per_second(times_ns: Sequence[int]) -> float:

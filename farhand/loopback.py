@@ -4,7 +4,7 @@ import json
 import socket
 import tempfile
 import time
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from contextlib import ExitStack
 from dataclasses import dataclass
 from pathlib import Path
@@ -19,6 +19,15 @@ from common.geometry import Array
 from common.messages import Engagement, SessionState
 from common.service import StopFlag
 from common.transport import open_link
+from farhand.casting import (
+    A465,
+    ARM_FILES,
+    USUAL_MOTION,
+    arm_settings,
+    check_cast,
+    operator_settings,
+    operator_views,
+)
 from farhand.figures import Expectation, Figures, all_figures, session_events
 from farhand.live import LiveSummary, print_table
 from farhand.outputs import check_file, check_folder
@@ -28,12 +37,12 @@ from farhand.site_process import SiteProcess
 from farhand.views import save_camera_views, save_overview
 from local_site.config import LocalConfig
 from local_site.simulation.beginning import Beginning
-from local_site.simulation.operator import SimulatedOperator
+from local_site.simulation.operators import Operator as SimulatedOperator
+from local_site.simulation.operators import make_operator
 from remote_site.config import EMULATED, RemoteConfig
 from remote_site.drivers.registry import check_driver
 
 CELL = "loopback"
-OPERATOR_VIEWS = ("operator_left", "operator_right")
 START_TIMEOUT_S = 40.0
 ENGAGE_TIMEOUT_S = 60.0  # on a machine that does much else the tracker alone takes a quarter of a minute to start
 SILENT_NS = 2 * NS_PER_S
@@ -51,8 +60,9 @@ class LoopbackOptions:
     seconds: float = 30.0
     report: Path | None = None
     driver: str = "simulated"
-    motion: str = "pick_and_place"
+    motion: str = USUAL_MOTION
     tracker: str = "silhouette"
+    arm: str = A465
     save_views: Path | None = None
     headless: bool = False
     remote_settings: tuple[str, ...] = ()
@@ -66,20 +76,23 @@ class Operator:
     simulated: SimulatedOperator
     beginning: Beginning
 
-    def truth(self, t_ns: int) -> dict[str, Array]:
+    def truth(self, t_ns: int) -> Mapping[str, Array]:
         """The true points at a time."""
-        truth = self.simulated.truth(self.beginning.elapsed_s(t_ns))
-        return {"elbow": truth.elbow, "wrist": truth.wrist, "index": truth.index, "thumb": truth.thumb}
+        return self.simulated.points(self.beginning.elapsed_s(t_ns))
 
     def openings(self, t_ns: int) -> int:
         """How often the hand has begun to open by a time."""
-        return self.simulated.motion.toggles_until(self.beginning.elapsed_s(t_ns))
+        return self.simulated.openings_until(self.beginning.elapsed_s(t_ns))
 
 
 @dataclass(frozen=True, slots=True)
 class Plan:
-    """The settings of both sites and the console, where to listen to the sites, and where the page is."""
+    """The settings of both sites and the console, where to listen to the sites, and where the page is.
 
+    `arm` is the remote site's file, None for its defaults.
+    """
+
+    arm: Path | None
     remote: tuple[str, ...]
     local: tuple[str, ...]
     console: tuple[str, ...]
@@ -90,6 +103,7 @@ class Plan:
 
 def plan_of(options: LoopbackOptions) -> Plan:
     """Settings with free endpoints of this host; ConfigError when the options ask for what there is not."""
+    check_cast(options.tracker, options.arm, options.motion, options.driver)
     *ports, page = free_ports(4)
     control, video, local = (f"tcp/127.0.0.1:{port}" for port in ports)
     remote_settings = (
@@ -98,16 +112,15 @@ def plan_of(options: LoopbackOptions) -> Plan:
         "video.calibrated=true",
         f"driver.name={options.driver}",
         f"driver.emulate={str(options.driver == EMULATED).lower()}",
+        *arm_settings(options.tracker),
     )
     local_settings = (
         f"links.remote={control}",
         f"links.listen={local}",
-        f"simulation.motion.name={options.motion}",
-        "simulation.motion.begins=when_engaged",
-        f"simulation.markers={str(options.tracker == 'markers').lower()}",
-        f"tracking.method={options.tracker}",
+        *operator_settings(options.tracker, options.motion),
     )
     plan = Plan(
+        arm=ARM_FILES[options.arm],
         remote=(f"cell={CELL}", *remote_settings, *options.remote_settings),
         local=(f"cell={CELL}", *local_settings, *options.local_settings),
         console=(
@@ -122,7 +135,7 @@ def plan_of(options: LoopbackOptions) -> Plan:
         video=(video,),
     )
     load_config(LocalConfig, None, plan.local)
-    check_driver(load_config(RemoteConfig, None, plan.remote).driver.name)
+    check_driver(load_config(RemoteConfig, plan.arm, plan.remote).driver.name)
     return plan
 
 
@@ -140,12 +153,12 @@ class Loopback:
 
     def run(self) -> Figures:
         """Start, wait for the arm to follow, measure, end; ProcessError says what went wrong."""
-        remote = load_config(RemoteConfig, None, self._plan.remote)
+        remote = load_config(RemoteConfig, self._plan.arm, self._plan.remote)
         prepare_tracker(load_config(LocalConfig, None, self._plan.local).tracking)
         with ExitStack() as stack, LiveSummary(self._options.seconds) as live:
             self._runtime = Path(stack.enter_context(tempfile.TemporaryDirectory(prefix="farhand-")))
             stack.callback(self._end)
-            self._start("remote", self._plan.remote)
+            self._start("remote", self._plan.remote, ["--config", str(self._plan.arm)] if self._plan.arm else [])
             control = stack.enter_context(open_link(connect=self._plan.control))
             video = stack.enter_context(open_link(connect=self._plan.video))
             self.record = Recorder(control, video, CELL, tuple(c.name for c in remote.video.cameras)).record
@@ -172,7 +185,7 @@ class Loopback:
         views = self._options.save_views
         self._start("local", self._plan.local, ["--save-views", str(views.resolve())] if views else [])
         local = load_config(LocalConfig, None, self._plan.local)
-        return Operator(SimulatedOperator(local.simulation), Beginning())
+        return Operator(make_operator(local.simulation), Beginning())
 
     @property
     def _engagement(self) -> Engagement | None:
@@ -230,7 +243,7 @@ class Loopback:
             self._events += site.events
 
     def _figures(self, operator: Operator, remote: RemoteConfig) -> Figures:
-        expectation = Expectation(remote.mapping.scale, np.array(remote.mapping.base_R_operator))
+        expectation = Expectation(remote.mapping.scale, np.array(remote.mapping.base_R_operator), remote.mapping.point)
         figures = all_figures(self.record, operator.truth, expectation)
         states = self.record.states
         figures["toggles"] = {
@@ -275,7 +288,7 @@ def run_loopback(options: LoopbackOptions, should_stop: StopFlag) -> None:
         options.report.write_text(json.dumps(figures, indent=2) + "\n", encoding="utf-8")
     if options.save_views is not None:
         save_camera_views(loop.record.cameras, options.save_views)
-        save_overview((*loop.record.cameras, *OPERATOR_VIEWS), options.save_views)
+        save_overview((*loop.record.cameras, *operator_views(options.tracker)), options.save_views)
     if should_stop() and (options.seconds or not figures["engagements"]):
         raise InterruptionError("interrupted")
     check_followed(figures)

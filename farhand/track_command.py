@@ -16,10 +16,9 @@ from farhand.outputs import check_file, check_folder
 from farhand.preparing import prepare_tracker
 from farhand.recorded_pairs import refuse_other_rates
 from farhand.track import POINTS, Summary, track_recording
-from local_site.calibration.rig import Rig
 from local_site.calibration.rig_file import load_rig
 from local_site.config import LocalConfig
-from local_site.rig_cameras import open_rig_cameras
+from local_site.rig_cameras import of_one_camera, open_rig_cameras
 
 JOINTS = ("shoulder", "elbow", "wrist")
 
@@ -57,7 +56,8 @@ def run_track(
     check_folder("--annotate", annotate_dir, given)
     rig, site = load_rig(sources.rig), sources.site
     if sources.right is None:
-        rig, site = _one_camera(rig, site)
+        rig, tracking = of_one_camera(rig, site.tracking)
+        site = msgspec.structs.replace(site, tracking=tracking)
     columns = (SpinnerColumn(), TextColumn("tracking"), MofNCompleteColumn())
     with ExitStack() as opened:
         cameras = open_rig_cameras(rig, given, sources.fps)
@@ -85,17 +85,6 @@ def joint_settings(text: str) -> list[str]:
     if len(places) != len(JOINTS):
         raise ConfigError(f"--joints must be the pixels of shoulder, elbow and wrist as 'x,y x,y x,y', not {text!r}")
     return [f"tracking.monocular.start.{joint}_px=[{x}, {y}]" for joint, (x, y) in zip(JOINTS, places, strict=True)]
-
-
-def _one_camera(rig: Rig, site: LocalConfig) -> tuple[Rig, LocalConfig]:
-    """The rig of the monocular tracker's camera alone, and the site's configuration for it."""
-    number = site.tracking.monocular.camera
-    if number >= len(rig.cameras):
-        raise ConfigError(f"tracking.monocular.camera is {number}, but the rig has {len(rig.cameras)} cameras, from 0")
-    replaced = msgspec.structs.replace
-    monocular = replaced(site.tracking.monocular, camera=0)
-    tracking = replaced(site.tracking, method="monocular", monocular=monocular)
-    return replaced(rig, cameras=(rig.cameras[number],)), replaced(site, tracking=tracking)
 
 
 def describe(summary: Summary, out: Path) -> str:

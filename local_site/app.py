@@ -10,7 +10,7 @@ import cv2
 import structlog
 
 from common.cameras.camera import Camera
-from common.channels import HAND, INTENT, PREVIEW, STATE
+from common.channels import HAND, INTENT, JOINTS, PREVIEW, STATE
 from common.children import Children, Heartbeat
 from common.clock import Clock, MonotonicClock
 from common.credentials import check_bearer
@@ -30,17 +30,18 @@ from local_site.config import LocalConfig
 from local_site.drift_watch import DriftWatch
 from local_site.gesture import OpenHand, observe
 from local_site.intent import IntentMerge
+from local_site.joint_clicks import JointClicks
 from local_site.pictures import write_picture
 from local_site.preview.preview import Preview
 from local_site.preview.process import PreviewProcess
 from local_site.profile_file import ProfileKeeper
 from local_site.publisher import HandPublisher
 from local_site.remote_watch import RemoteWatch
-from local_site.rig_cameras import open_rig_cameras
+from local_site.rig_cameras import of_one_camera, open_rig_cameras
 from local_site.simulation.source import SimulatedCameras
 from local_site.smoothing import make_smoother
 from local_site.tracking.annotate import annotate
-from local_site.tracking.choice import make_tracker, profile_of
+from local_site.tracking.choice import TrackingConfig, make_tracker, profile_of
 from local_site.tracking.silhouette.operator_profile import OperatorProfile
 from local_site.tracking.tracker import ArmEstimate, Views
 from local_site.warm_up import warm_up
@@ -122,9 +123,10 @@ def _metrics(config: LocalConfig, should_stop: StopFlag, heartbeat: Heartbeat) -
 
 @dataclass(frozen=True, slots=True)
 class Operator:
-    """The cameras that see the operator, their calibration, and who is told that the arm is engaged (ns)."""
+    """The cameras that see the operator, their calibration and tracker; who is told that the arm is engaged (ns)."""
 
     rig: Rig
+    tracking: TrackingConfig
     cameras: Sequence[Camera]
     engaged: Callable[[int], None]
 
@@ -133,13 +135,21 @@ def _open_operator(config: LocalConfig) -> Operator:
     operator = config.operator
     if operator.is_simulated:
         simulated = SimulatedCameras(config.simulation)
-        return Operator(calibrate_simulated(config.simulation), (simulated.left, simulated.right), simulated.begin)
-    rig = load_rig(Path(operator.rig))
-    return Operator(rig, open_rig_cameras(rig, operator.sources, operator.fps, operator.latency_ms), lambda _t_ns: None)
+        rig = simulated.rig if config.simulation.textured else calibrate_simulated(config.simulation)
+        return Operator(rig, config.tracking, simulated.cameras, simulated.begin)
+    rig, tracking = load_rig(Path(operator.rig)), config.tracking
+    if operator.alone:
+        rig, tracking = of_one_camera(rig, tracking)
+    cameras = open_rig_cameras(rig, operator.sources, operator.fps, operator.latency_ms)
+    return Operator(rig, tracking, cameras, lambda _t_ns: None)
 
 
 def _warn_of_drift(sentence: str) -> None:
     structlog.get_logger().warning("drift", reason=sentence)
+
+
+def _tell_refused(error: MessageError) -> None:
+    structlog.get_logger().warning("a message is refused", reason=str(error))
 
 
 def _warn_of_profile(sentence: str) -> None:
@@ -172,7 +182,9 @@ class LocalSite:
         self._preview = preview
         self._clock = clock
         self._profiles = ProfileKeeper(config.tracking.profile_dir, config.authority.name, _warn_of_profile)
-        self._tracker = make_tracker(operator.rig, config.tracking, self._profiles.known)
+        self._tracker = make_tracker(operator.rig, operator.tracking, self._profiles.known)
+        name = config.authority.name
+        self._clicks = JointClicks(link.serve(JOINTS, config.cell, _tell_refused, name), self._tracker)
         self._drift = DriftWatch(operator.rig, config.drift, _warn_of_drift)
         self._smoother = make_smoother(config.smoothing)
         self._hold_ms = config.gesture.hold_ms
@@ -200,6 +212,7 @@ class LocalSite:
             self._publish_nothing_seen(reason)
             self._watch.look(self._clock.now_ns())
             self._preview.say(reason, self._clock.now_ns())
+        self._clicks.poll(self._clock.now_ns())
         self._profiles.keep(self._learned, self._clock.now_ns())
 
     def keep_profile(self) -> None:

@@ -35,15 +35,20 @@ class OperatorConfig(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_f
     also: Annotated[
         tuple[Source, ...], Meta(max_length=2, description="a third and a fourth camera, in the rig's order")
     ] = ()
+    alone: Annotated[
+        bool, Meta(description='left is the only camera, for tracking.method = "monocular"; right does not count')
+    ] = False
     rig: Annotated[str, Meta(description="rig file from 'farhand calibrate'; simulated cameras bring their own")] = ""
     fps: Annotated[float, Meta(gt=0, le=240, description="frames per second asked of the cameras")] = 30.0
     latency_ms: Annotated[float, Meta(ge=0, le=1000, description="exposure to arrival of a live camera")] = 30.0
 
     def __post_init__(self) -> None:
-        if (self.left == SIMULATED) != (self.right == SIMULATED):
+        if not self.alone and (self.left == SIMULATED) != (self.right == SIMULATED):
             raise ValueError("left and right must both be simulated, or neither")
-        if self.is_simulated and self.also:
-            raise ValueError("also is for real cameras; the simulated operator has two")
+        if self.is_simulated and (self.also or self.alone):
+            raise ValueError("also and alone are for real cameras; the simulated operator brings its own")
+        if self.alone and self.also:
+            raise ValueError("alone leaves no room for also")
         if not self.is_simulated and not self.rig:
             raise ValueError("rig is missing; make one with: farhand calibrate points CSV --out rig.json")
 
@@ -55,7 +60,7 @@ class OperatorConfig(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_f
     @property
     def sources(self) -> tuple[Source, ...]:
         """All cameras, in the rig's order."""
-        return (self.left, self.right, *self.also)
+        return (self.left,) if self.alone else (self.left, self.right, *self.also)
 
 
 class AuthorityConfig(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
@@ -99,3 +104,6 @@ class LocalConfig(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fiel
 
     def __post_init__(self) -> None:
         check_cell_name(self.cell)
+        one = self.operator.alone or (self.operator.is_simulated and self.simulation.textured)
+        if one and self.tracking.method != "monocular":
+            raise ValueError('one camera alone needs tracking.method = "monocular"')

@@ -1,13 +1,26 @@
-"""Opens the cameras that a rig was calibrated with: a source for each, in the rig's order."""
+"""Opens the cameras that a rig was calibrated with: a source for each, in the rig's order, or one of them alone."""
 
 from collections.abc import Sequence
 from contextlib import ExitStack
 
+import msgspec
+
 from common.cameras.camera import Camera
 from common.cameras.opencv import DEFAULT_LATENCY_MS
 from common.cameras.sources import Source, open_camera
-from common.errors import CameraError
+from common.errors import CameraError, ConfigError
 from local_site.calibration.rig import Rig
+from local_site.tracking.choice import TrackingConfig
+
+
+def of_one_camera(rig: Rig, tracking: TrackingConfig) -> tuple[Rig, TrackingConfig]:
+    """The rig of the monocular tracker's camera alone, and that tracker's configuration for it; ConfigError without."""
+    number, replaced = tracking.monocular.camera, msgspec.structs.replace
+    if number >= len(rig.cameras):
+        raise ConfigError(f"tracking.monocular.camera is {number}, but the rig has {len(rig.cameras)} cameras, from 0")
+    monocular = replaced(tracking.monocular, camera=0)
+    alone = replaced(tracking, method="monocular", monocular=monocular)
+    return replaced(rig, cameras=(rig.cameras[number],)), alone
 
 
 def open_rig_cameras(

@@ -16,7 +16,7 @@ from remote_site.kinematics.joints import JointMotion
 from remote_site.kinematics.limits import JointLimits
 from remote_site.kinematics.model import ArmModel
 from remote_site.lease import Lease, LeaseDesk
-from remote_site.mapping import Mapping, Steering
+from remote_site.mapping import Steering, make_mapping
 from remote_site.motion import Follower, leash
 from remote_site.pursuit import choose_pursuit
 from remote_site.safety.collision import CollisionModel
@@ -47,9 +47,9 @@ class Chain:
         self._control = config.control
         self._model = model
         self.leases = leases
-        self.intake = Intake(config.safety)
+        self.intake = Intake(config.safety, config.mapping.point)
         self.session = Session(config.safety, config.engagement)
-        self._mapping = Mapping(config.mapping)
+        self._mapping = make_mapping(config.mapping)
         self._pursuit = choose_pursuit(config, model, limits)
         self._dexterity = Dexterity(model, config.control.singularity)
         self._follower = Follower(limits, dt)
@@ -110,8 +110,8 @@ class Chain:
     def _capture(self, latest: Accepted) -> None:
         """Take both origins: nothing that happened before is caught up."""
         base_T_tool = self.target = self._model.forward(self.sent.q)
-        self._mapping.steer(self.steering, latest.wrist, latest.operator_R_hand, base_T_tool)
-        self._mapping.engage(latest.wrist, latest.operator_R_hand, base_T_tool)
+        self._mapping.steer(self.steering, latest.place, latest.operator_R_hand, base_T_tool)
+        self._mapping.engage(latest.place, latest.operator_R_hand, base_T_tool)
         self._pursuit.reset(latest.born_ns, self.sent.q)
         self.gripper.rebase(latest.sample.gripper_toggles)
         self._aimed, self._hindrance, self._slowing, self._unjudged = latest, None, FULL, 0
@@ -121,13 +121,14 @@ class Chain:
         """Turn the newest sample into a joint target inside box, leash and reach."""
         self._aimed = latest
         self.gripper.follow(latest.sample.gripper_toggles)
-        self._mapping.steer(self.steering, latest.wrist, latest.operator_R_hand, self.target)
-        target = self._mapping.target(latest.wrist, latest.operator_R_hand)
+        self._mapping.steer(self.steering, latest.place, latest.operator_R_hand, self.target)
+        measured = self._model.forward(self.measured if self.measured is not None else self.sent.q)
+        self._mapping.read(measured)
+        target = self._mapping.target(latest.place, latest.operator_R_hand)
         target[:3, 3] = self._workspace.clamp(target[:3, 3])
         leash_rad = math.radians(self._control.leash_deg)
-        measured = self._model.forward(self.measured if self.measured is not None else self.sent.q)
         self.target, saturated = leash(target, measured, self._control.leash_m, leash_rad)
-        elbow = self._mapping.elbow(latest.wrist, latest.sample.elbow)
+        elbow = self._mapping.elbow(latest.sample.wrist, latest.sample.elbow)
         leashed = saturated is not None
         unreached = self._pursuit.aim(latest.born_ns, self.target, elbow, self.sent.q, now_ns, leashed=leashed)
         self._hindrance = saturated or unreached

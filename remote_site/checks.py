@@ -4,10 +4,10 @@ import math
 
 from common.errors import ConfigError, ModelError
 from remote_site.config import MODELS, RemoteConfig
-from remote_site.kinematics.inverse import SphericalWristInverse
 from remote_site.kinematics.limits import JointLimits
 from remote_site.kinematics.model import ArmModel
 from remote_site.mapping import Mapping
+from remote_site.pursuit import choose_pursuit
 
 
 def check_robot(config: RemoteConfig) -> None:
@@ -18,7 +18,6 @@ def check_robot(config: RemoteConfig) -> None:
         raise ModelError(f"robot.model {robot.model!r} is neither a built-in model ({built_in}) nor the file of a URDF")
     model = ArmModel.from_urdf(robot.urdf, robot.tool_frame, robot.tool_T_tcp)
     limits = JointLimits.from_model(model, robot)
-    SphericalWristInverse(model, limits)
     Mapping(config.mapping)
     if len(robot.start_deg) != len(limits.names):
         raise ConfigError(f"robot.start_deg has {len(robot.start_deg)} angles for {len(limits.names)} joints")
@@ -29,3 +28,4 @@ def check_robot(config: RemoteConfig) -> None:
     ]
     if outside:
         raise ConfigError("\n".join(outside))
+    choose_pursuit(config, model, limits)

@@ -22,6 +22,7 @@ EMULATED = "c500c"
 MODELS = Path(__file__).parent / "models"
 
 Row3 = tuple[float, float, float]
+HandPoint = Literal["wrist", "palm"]
 
 
 GRIPPER = (
@@ -95,6 +96,16 @@ class LocksConfig(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fiel
 class MappingConfig(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
     """How the hand's motion becomes the tool's."""
 
+    command: Annotated[
+        Literal["relative", "incremental"],
+        Meta(
+            description="relative: the tool's origin and the hand's way since its own; incremental: where the tool is "
+            "and the hand's way since the last sample, as in the ROBONAUT report, which drifts"
+        ),
+    ] = "relative"
+    point: Annotated[
+        HandPoint, Meta(description="what the tool copies; the palm is told by the tracker of one camera alone")
+    ] = "wrist"
     scale: Annotated[float, Meta(gt=0, le=5, description="tool motion per hand motion")] = 1.0
     base_R_operator: Annotated[
         tuple[Row3, Row3, Row3],

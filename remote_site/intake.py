@@ -10,7 +10,7 @@ from common.clock import NS_PER_MS, NS_PER_S, ClockOffset
 from common.geometry import Array, hand_rotation
 from common.messages import ClockSync, HandArm, TrackingStatus
 from remote_site.certainty import certainty_of
-from remote_site.config import SafetyConfig
+from remote_site.config import HandPoint, SafetyConfig
 from remote_site.orientation import OrientationGate
 from remote_site.safety.status import Code, Reason, reason
 
@@ -19,15 +19,16 @@ OFFSET_VALID_NS = 5 * NS_PER_S  # an older measurement of the clocks says nothin
 
 @dataclass(frozen=True, slots=True)
 class Accepted:
-    """A sample to act on: wrist (3,) in the operator frame in m, the hand's orientation (3 x 3) if it shows one.
+    """A sample to act on: the hand's place (3,) in the operator frame in m, its orientation (3 x 3) if it shows one.
 
+    The place is the wrist's or the palm's, as the mapping asks for.
     `born_ns` is its capture on our clock, the earliest it can be; the age counts from there. The orientation is None
     while a fingertip is missing, inferred or poorly known, the hand is open or turns too fast to be meant.
     `speed` is the share of full speed that the wrist's covariance allows.
     """
 
     sample: HandArm
-    wrist: Array
+    place: Array
     operator_R_hand: Array | None
     born_ns: int
     new_session: bool
@@ -54,8 +55,8 @@ class Intake:
     What comes here was sent under the lease in force, so that no former session or site can be among it.
     """
 
-    def __init__(self, config: SafetyConfig) -> None:
-        self._config = config
+    def __init__(self, config: SafetyConfig, point: HandPoint = "wrist") -> None:
+        self._config, self._point = config, point
         self._soft_ns = round(config.t_soft_ms * NS_PER_MS)
         self._latch_ns = round(config.t_latch_ms * NS_PER_MS)
         self.rejected: Counter[Code] = Counter()
@@ -89,21 +90,22 @@ class Intake:
         return Rejected(why, hand_lost, latch)
 
     def _judge(self, sample: HandArm, born_ns: int, new_session: bool) -> Accepted | Rejected:
-        if sample.wrist is None or sample.status in (TrackingStatus.LOST, TrackingStatus.INITIALISING):
+        shown_at = sample.palm if self._point == "palm" else sample.wrist
+        if shown_at is None or sample.status in (TrackingStatus.LOST, TrackingStatus.INITIALISING):
             return self.refuse(_not_tracked(sample), hand_lost=True)
         certainty = certainty_of(sample.covariance, self._config.certainty)
         if certainty.position == 0.0:
             limit_mm = self._config.certainty.wrist_poor_mm
             poor = reason(Code.UNCERTAIN, sigma_mm=certainty.wrist_mm, limit_mm=limit_mm)
             return self.refuse(poor, hand_lost=True)
-        wrist = np.array(sample.wrist)
-        if not math.isfinite(sum(sample.wrist)):
-            return self.refuse(reason(Code.NOT_FINITE, what="wrist"))
-        if (jump := self._jump(wrist, born_ns)) is not None:
+        place = np.array(shown_at)
+        if not math.isfinite(sum(shown_at)):
+            return self.refuse(reason(Code.NOT_FINITE, what=self._point))
+        if (jump := self._jump(place, born_ns)) is not None:
             return self._jumped(jump)
         shown = _orientation(sample) if certainty.orientation else None
         orientation = self._gate.judge(shown, born_ns, certainty.orientation)
-        return Accepted(sample, wrist, orientation, born_ns, new_session, certainty.position)
+        return Accepted(sample, place, orientation, born_ns, new_session, certainty.position)
 
     def _order(self, sample: HandArm) -> Reason | None:
         if sample.session != self._session or sample.seq > self._seq:
@@ -130,11 +132,11 @@ class Intake:
         self._session, self._seq, self._capture_ns = sample.session, sample.seq, sample.capture_ns
         return new_session
 
-    def _jump(self, wrist: Array, born_ns: int) -> Reason | None:
+    def _jump(self, place: Array, born_ns: int) -> Reason | None:
         if self._last is None or born_ns - self._last.born_ns > self._latch_ns:
             return None
         interval_ns = born_ns - self._last.born_ns
-        distance = math.dist(wrist.tolist(), self._last.wrist.tolist())
+        distance = math.dist(place.tolist(), self._last.place.tolist())
         if distance <= self._config.hand_speed_m_s * interval_ns / NS_PER_S + self._config.hand_noise_m:
             return None
         return reason(Code.JUMP, distance_mm=distance * 1e3, interval_ms=interval_ns / NS_PER_MS)

@@ -1,4 +1,4 @@
-"""Relative motion: from the hand's motion since its origin to the tool's target since its own."""
+"""From the hand's motion to the tool's target: since both origins, or from where the tool is, sample by sample."""
 
 import math
 from dataclasses import dataclass
@@ -59,33 +59,36 @@ class Mapping:
         self._apply(Steering())
         self.engage(np.zeros(3), None, np.eye(4))
 
-    def engage(self, wrist_in_operator: Array, operator_R_hand: Array | None, base_T_tool: Array) -> None:
+    def engage(self, hand_in_operator: Array, operator_R_hand: Array | None, base_T_tool: Array) -> None:
         """Capture both origins: from here the target is `base_T_tool` plus the hand's motion."""
-        self._offset = base_T_tool[:3, 3] - self._ways @ wrist_in_operator
+        self._offset = base_T_tool[:3, 3] - self._ways @ hand_in_operator
         self._origin = self._turned = base_T_tool[:3, :3].copy()
         self._refer(operator_R_hand)
 
     def steer(
-        self, steering: Steering, wrist_in_operator: Array, operator_R_hand: Array | None, base_T_target: Array
+        self, steering: Steering, hand_in_operator: Array, operator_R_hand: Array | None, base_T_target: Array
     ) -> None:
         """Take what the operator wants; a change takes both origins anew, the tool's from the target as it is held."""
         if steering != self._steering:
             self._apply(steering)
-            self.engage(wrist_in_operator, operator_R_hand, base_T_target)
+            self.engage(hand_in_operator, operator_R_hand, base_T_target)
 
-    def target(self, wrist_in_operator: Array, operator_R_hand: Array | None) -> Array:
-        """The tool's target `base_T_tool` (4 x 4) for a wrist (3,) in m and the hand's orientation, if it shows one."""
+    def target(self, hand_in_operator: Array, operator_R_hand: Array | None) -> Array:
+        """The tool's target `base_T_tool` (4 x 4) for the hand's place (3,) in m and orientation, if it shows one."""
         self._turn(operator_R_hand)
         turned = self._turned
         if self._turn_locked:
             turned = self._origin @ _locked(self._origin.T @ turned, self._turns)
-        return transform(turned, self._offset + self._ways @ wrist_in_operator)
+        return transform(turned, self._offset + self._ways @ hand_in_operator)
 
-    def elbow(self, wrist_in_operator: Array, elbow_in_operator: Vector3 | None) -> Array | None:
-        """The operator's elbow from the wrist (3,) in m in the base's axes, None while it is not seen."""
-        if elbow_in_operator is None:
+    def read(self, base_T_tool: Array) -> None:
+        """Where the tool is measured to be as a sample comes; what is relative to origins does not depend on it."""
+
+    def elbow(self, wrist_in_operator: Vector3 | Array | None, elbow_in_operator: Vector3 | None) -> Array | None:
+        """The operator's elbow from the wrist (3,) in m in the base's axes, None while one of them is not seen."""
+        if elbow_in_operator is None or wrist_in_operator is None:
             return None
-        elbow: Array = self._base_R_operator @ (np.array(elbow_in_operator) - wrist_in_operator)
+        elbow: Array = self._base_R_operator @ (np.array(elbow_in_operator) - np.array(wrist_in_operator))
         return elbow
 
     def _apply(self, steering: Steering) -> None:
@@ -115,6 +118,33 @@ class Mapping:
             turned = self._base_R_operator @ operator_R_hand @ self._hand_reference.T @ self._base_R_operator.T
             self._twist = unwound(vector_from_rotation(turned), self._twist)
             self._turned = rotation_from_vector(self._rotation_scale * self._twist) @ self._turn_reference
+
+
+class IncrementalMapping(Mapping):
+    """The tool's present place and the hand's way since the last sample (the ROBONAUT report, section 3, steps 2-5).
+
+    What is sent is the hand's place, the sum of all displacements, so that a lost sample loses nothing of it. What the
+    arm had left to go when the next sample came is lost, however: the tool drifts. Its turn counts from the reference.
+    """
+
+    def engage(self, hand_in_operator: Array, operator_R_hand: Array | None, base_T_tool: Array) -> None:
+        """Capture both origins; the next displacement counts from this hand."""
+        super().engage(hand_in_operator, operator_R_hand, base_T_tool)
+        self._hand = hand_in_operator.copy()
+
+    def read(self, base_T_tool: Array) -> None:
+        """Where the next displacement begins."""
+        self._offset = base_T_tool[:3, 3] - self._ways @ self._hand
+
+    def target(self, hand_in_operator: Array, operator_R_hand: Array | None) -> Array:
+        """The tool's target `base_T_tool` (4 x 4): where it was read to be, moved as the hand has since the last."""
+        self._hand = hand_in_operator.copy()
+        return super().target(hand_in_operator, operator_R_hand)
+
+
+def make_mapping(config: MappingConfig) -> Mapping:
+    """The mapping that the configuration asks for."""
+    return IncrementalMapping(config) if config.command == "incremental" else Mapping(config)
 
 
 def thesis_angles(wrist: Array, index: Array, thumb: Array) -> tuple[float, float, float]:

@@ -5,6 +5,7 @@ from typing import Protocol
 
 import numpy as np
 import pinocchio as pin
+from msgspec.structs import replace as replace_struct
 
 from common.errors import ModelError
 from common.geometry import Array, transform, unwound
@@ -120,7 +121,12 @@ class GeneralPursuit:
 
 
 def choose_pursuit(config: RemoteConfig, model: ArmModel, limits: JointLimits) -> Pursuit:
-    """The configured kinematics; ModelError when the closed form is asked of an arm that it does not fit."""
+    """The configured kinematics; ModelError when the closed form is asked of an arm that it does not fit.
+
+    A target that is told from where the arm is moves with the arm: carried on beyond its sample it would run away.
+    """
+    if config.mapping.command == "incremental":
+        config = replace_struct(config, control=replace_struct(config.control, predict_ms=0.0))
     wanted = config.robot.kinematics
     if wanted == "general":
         return GeneralPursuit(config, model, limits)

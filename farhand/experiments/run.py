@@ -8,7 +8,7 @@ from rich.console import Console
 from rich.progress import Progress
 
 from common.errors import ConfigError
-from farhand.experiments import follow_experiment, hazel_experiment
+from farhand.experiments import drift_experiment, follow_experiment, hazel_experiment
 from farhand.experiments.report import Report, write_report
 from farhand.outputs import check_folder, make_folder
 from farhand.preparing import prepare_tracker
@@ -25,6 +25,7 @@ class Experiment:
 
 
 EXPERIMENTS = {
+    "drift": Experiment(drift_experiment.frames_of, drift_experiment.drift_report, drift_experiment.describe),
     "follow": Experiment(follow_experiment.frames_of, follow_experiment.follow_report, follow_experiment.describe),
     "hazel": Experiment(hazel_experiment.frames_of, hazel_experiment.hazel_report, hazel_experiment.describe),
 }

@@ -78,6 +78,13 @@ class SimulationConfig(Struct, frozen=True, kw_only=True, forbid_unknown_fields=
     markers: Annotated[
         bool, Meta(description="a dark glove with bright markers on wrist, index and thumb instead of a bare arm")
     ] = False
+    textured: Annotated[
+        bool,
+        Meta(
+            description="a textured arm before one camera, which swings as in HAZEL-S of the ROBONAUT report; body, "
+            "stereo, picture and the motion's name do not count then"
+        ),
+    ] = False
     seed: Annotated[int, Meta(ge=0, lt=2**32)] = 1
     fps: Annotated[float, Meta(gt=0, le=240)] = 30.0
     phase_offset_ms: Annotated[

@@ -6,7 +6,7 @@ from dataclasses import dataclass
 from common.cameras.camera import Image
 from common.clock import Clock
 from local_site.simulation.beginning import Beginning
-from local_site.simulation.operator import SimulatedOperator
+from local_site.simulation.operators import Operator
 
 LEFT, RIGHT = 0, 1
 Publish = Callable[[int, Image, int], None]
@@ -22,15 +22,18 @@ class Exposure:
 
 @dataclass(frozen=True, slots=True)
 class Pace:
-    """Absolute deadlines: the left camera every period from the start on, the right one `offset_ns` later."""
+    """Absolute deadlines: the left camera every period from the start on, the right one of two `offset_ns` later."""
 
     start_ns: int
     period_ns: int
     offset_ns: int
+    cameras: int = 2
 
     def after(self, t_ns: int) -> Exposure:
         """The first exposure later than this time."""
         left = self._next(self.start_ns, t_ns)
+        if self.cameras == 1:
+            return Exposure(left, (LEFT,))
         right = self._next(self.start_ns + self.offset_ns, t_ns)
         if left == right:
             return Exposure(left, (LEFT, RIGHT))
@@ -43,9 +46,7 @@ class Pace:
 class ExposureLoop:
     """Renders the operator at the pace of the cameras; late exposures are caught up within a period, then skipped."""
 
-    def __init__(
-        self, operator: SimulatedOperator, beginning: Beginning, pace: Pace, clock: Clock, publish: Publish
-    ) -> None:
+    def __init__(self, operator: Operator, beginning: Beginning, pace: Pace, clock: Clock, publish: Publish) -> None:
         self._operator = operator
         self._beginning = beginning
         self._pace = pace

@@ -7,11 +7,12 @@ import numpy as np
 
 from common.geometry import Array, rotation_from_vector
 from local_site.calibration.rig import CameraCalibration, Rig
-from local_site.simulation.textured_arm import ArmFilm, Limb, Place, Scenery
+from local_site.simulation.textured_arm import FINE, ArmFilm, Limb, Place, Scenery
 
 FOCAL_PX, SIZE_PX = 655.0, (640, 480)  # a 9 mm lens before a 2/3" chip
 PRINCIPAL_PX = ((SIZE_PX[0] - 1) / 2, (SIZE_PX[1] - 1) / 2)
 UPPER_ARM_M, FOREARM_M, PALM_M, FINGER_M = 0.300, 0.255, 0.095, 0.080
+PALM_POINT_M = 0.060  # beyond the wrist: the point of the palm that is told
 UPPER_ARM = Limb((0.0, 0.150, 0.300), (0.0493, 0.0454, 0.0390), (0.0493, 0.0454, 0.0390))
 FOREARM = Limb(
     along=(0.0, 0.064, 0.255, 0.312, 0.350),
@@ -110,9 +111,9 @@ def pointing_arm(frame: float) -> TrueArm:
     return TrueArm(shoulder, _along(elbow - shoulder), _along(tip - elbow))
 
 
-def hazel_film(scenery: Scenery | None = None) -> ArmFilm:
-    """The film of both limbs."""
-    return ArmFilm((UPPER_ARM, FOREARM), FOCAL_PX, SIZE_PX, scenery)
+def hazel_film(scenery: Scenery | None = None, fine: int = FINE) -> ArmFilm:
+    """The film of both limbs, rendered `fine` times finer than its pixels."""
+    return ArmFilm((UPPER_ARM, FOREARM), FOCAL_PX, SIZE_PX, scenery, fine)
 
 
 def pointing_film(scenery: Scenery | None = None) -> ArmFilm:

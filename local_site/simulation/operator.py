@@ -1,6 +1,9 @@
 """The simulated operator: one time in, both pictures and the truth out."""
 
+from collections.abc import Mapping
+
 from common.cameras.camera import Image
+from common.geometry import Array
 from local_site.simulation.body import ArmBody, ArmTruth, Solid
 from local_site.simulation.cameras import stereo_pair
 from local_site.simulation.config import SimulationConfig
@@ -32,6 +35,15 @@ class SimulatedOperator:
     def truth(self, t_s: float) -> ArmTruth:
         """The points to be found at this time."""
         return self._body.truth(self.motion.pose(t_s))
+
+    def points(self, t_s: float) -> Mapping[str, Array]:
+        """The same by name."""
+        truth = self.truth(t_s)
+        return {"elbow": truth.elbow, "wrist": truth.wrist, "index": truth.index, "thumb": truth.thumb}
+
+    def openings_until(self, t_s: float) -> int:
+        """How often the hand has begun to open by this time."""
+        return self.motion.toggles_until(t_s)
 
     def _exposure(self, t_s: float) -> list[Solid]:
         if not self._shutter_s:

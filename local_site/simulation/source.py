@@ -1,4 +1,4 @@
-"""The simulated operator as a pair of cameras: rendered in a process of its own, read like any camera."""
+"""The simulated operator as cameras: rendered in a process of its own, read like any camera."""
 
 import multiprocessing
 import os
@@ -16,18 +16,18 @@ from common.errors import CameraError
 from common.service import ask_for_real_time
 from local_site.calibration.rig import Rig
 from local_site.simulation.beginning import Beginning
-from local_site.simulation.cameras import NAMES, exact_rig
 from local_site.simulation.config import SimulationConfig
 from local_site.simulation.exposures import ExposureLoop, Pace
 from local_site.simulation.frame_ring import FrameRing
-from local_site.simulation.operator import SimulatedOperator
+from local_site.simulation.hazel import SIZE_PX
+from local_site.simulation.operators import filming_rig, make_operator
 
 END_WITHIN_S = 1.0
 FIFO_PRIORITY = 21
 
 
 class SimulatedCameras:
-    """Two cameras before the simulated operator, exposing from `start_ns` on.
+    """The cameras before the simulated operator, exposing from `start_ns` on.
 
     He moves from then on or waits for `begin`, as configured.
 
@@ -36,15 +36,17 @@ class SimulatedCameras:
     """
 
     def __init__(self, config: SimulationConfig) -> None:
-        operator = SimulatedOperator(config)
+        operator = make_operator(config)
         clock = MonotonicClock()
         self.start_ns = clock.now_ns()
         self._beginning = Beginning()
         if config.motion.begins == "at_once":
             self._beginning.set(self.start_ns)
-        self.rig: Rig = exact_rig(config.stereo)
-        pace = Pace(self.start_ns, round(NS_PER_S / config.fps), round(config.phase_offset_ms * NS_PER_MS))
-        channels = [_Channel(config.stereo.width_px, config.stereo.height_px) for _ in NAMES]
+        self.rig: Rig = filming_rig(config)
+        period_ns, offset_ns = round(NS_PER_S / config.fps), round(config.phase_offset_ms * NS_PER_MS)
+        pace = Pace(self.start_ns, period_ns, offset_ns, len(self.rig.cameras))
+        size = SIZE_PX if config.textured else (config.stereo.width_px, config.stereo.height_px)
+        channels = [_Channel(*size) for _ in self.rig.cameras]
         loop = ExposureLoop(
             operator, self._beginning, pace, clock, lambda k, image, t_ns: channels[k].publish(image, t_ns)
         )
@@ -52,8 +54,9 @@ class SimulatedCameras:
         process = fork.Process(target=_render_for_ever, args=(loop, os.getpid()), name="operator", daemon=True)
         process.start()
         self._child = _Child(process)
-        self.left, self.right = (
-            SimulatedCamera(name, channel, self._child) for name, channel in zip(NAMES, channels, strict=True)
+        self.cameras = tuple(
+            SimulatedCamera(calibrated.name, channel, self._child)
+            for calibrated, channel in zip(self.rig.cameras, channels, strict=True)
         )
 
     def begin(self, t_ns: int) -> None:
@@ -97,7 +100,7 @@ class _Channel:
 
 
 class SimulatedCamera:
-    """One of the two; always gives the newest frame, so a slow reader misses frames instead of falling behind."""
+    """One of them; always gives the newest frame, so a slow reader misses frames instead of falling behind."""
 
     def __init__(self, name: str, channel: _Channel, child: _Child) -> None:
         self._name = name
@@ -127,7 +130,7 @@ class SimulatedCamera:
         return None
 
     def close(self) -> None:
-        """End the process that renders for both cameras."""
+        """End the process that renders for all cameras."""
         self._child.close()
 
 

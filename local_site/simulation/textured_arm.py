@@ -61,8 +61,14 @@ class ArmFilm:
     """Renders grey pictures (H, W) of limbs before a camera of one focal length in px; deterministic by its seed."""
 
     def __init__(
-        self, limbs: Sequence[Limb], focal_px: float, size: tuple[int, int], scenery: Scenery | None = None
+        self,
+        limbs: Sequence[Limb],
+        focal_px: float,
+        size: tuple[int, int],
+        scenery: Scenery | None = None,
+        fine: int = FINE,
     ) -> None:
+        self._fine = fine
         self._scenery = scenery or Scenery()
         self._random = np.random.default_rng(self._scenery.seed)
         self._focal_px, (self._width, self._height) = focal_px, size
@@ -95,11 +101,13 @@ class ArmFilm:
         if right <= left or bottom <= top:
             return self._exposed(self._background)
         # Corner (0, 0) of a picture is the centre of its first pixel, at every resolution.
-        fine = FINE * (pixels - (left, top)) + (FINE - 1) / 2
-        raster = rasterise(fine, vertices[:, 2].copy(), self._triangles, FINE * (right - left), FINE * (bottom - top))
+        fine, size = self._fine, (self._fine * (right - left), self._fine * (bottom - top))
+        raster = rasterise(
+            fine * (pixels - (left, top)) + (fine - 1) / 2, vertices[:, 2].copy(), self._triangles, *size
+        )
         seen = raster.triangle != NOTHING
         corners, shares = self._triangles[raster.triangle[seen]], raster.shares[seen]
-        part = self._background[top:bottom, left:right].repeat(FINE, axis=0).repeat(FINE, axis=1)
+        part = self._background[top:bottom, left:right].repeat(fine, axis=0).repeat(fine, axis=1)
         part[seen] = self._shaded(_mixed(shares, normals[corners]), _mixed(shares, self._skin_places[corners]))
         picture = self._background.copy()
         picture[top:bottom, left:right] = cv2.resize(part, (right - left, bottom - top), interpolation=cv2.INTER_AREA)
@@ -119,6 +127,8 @@ class ArmFilm:
         return result
 
     def _exposed(self, picture: Picture) -> Image:
+        if not self._scenery.noise:
+            return np.asarray(cv2.convertScaleAbs(picture), dtype=np.uint8)
         noise = self._random.normal(0.0, self._scenery.noise, picture.shape)
         exposed: Image = np.clip(np.rint(picture + noise), 0, 255).astype(np.uint8)
         return exposed

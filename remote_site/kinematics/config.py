@@ -40,4 +40,11 @@ class SolverConfig(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fie
         tuple[str, str, str] | None,
         Meta(description="joints in shoulder, elbow and wrist of seven axes; without, the second, fourth and sixth"),
     ] = None
+    swivel_about: Annotated[
+        Literal["forward", "arm"],
+        Meta(
+            description="the line about which the operator's elbow is seen to turn: the base's x, along which the arm "
+            "reaches, or, for a robot of the operator's shape, the line from its own shoulder to its wrist"
+        ),
+    ] = "forward"
     lead_rad: Annotated[float, Meta(gt=0, le=2, description="how far the target runs ahead of a joint, rad")] = 0.3

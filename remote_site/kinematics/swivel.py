@@ -22,14 +22,16 @@ class Swivel:
     """Turns the robot's elbow about its line from shoulder to wrist by as much as the operator's has turned.
 
     The operator's shoulder is not seen. Since the wrist lies on the operator's line too, the elbow's offset from the
-    wrist, across the direction in which the arm reaches, is its direction about that line. Both angles count from
-    where they were when following began; the robot's zero is carried along as its line moves.
+    wrist, across the direction in which the arm reaches, is its direction about that line: across the base's x, or,
+    where the robot is of the operator's shape and stands as he does, across its own line. Both angles count from where
+    they were when following began; the zeros are carried along as the lines move.
     """
 
     def __init__(self, model: pin.Model, joints: tuple[int, int, int], config: SolverConfig) -> None:
         self._model = model
         self._shoulder, self._elbow, self._wrist = joints
         self._gain, self._fastest = config.swivel_gain_s, config.swivel_speed_rad_s
+        self._alike = config.swivel_about == "arm"
         self.forget()
 
     @classmethod
@@ -64,15 +66,16 @@ class Swivel:
         shoulder, elbow = data.oMi[self._shoulder].translation, data.oMi[self._elbow].translation
         axis = data.oMi[self._wrist].translation - shoulder
         axis = axis / math.sqrt(float(axis @ axis))
-        mine, theirs = _across(axis, elbow - shoulder), _across(FORWARD, wrist_to_elbow)
+        line = axis if self._alike else FORWARD
+        mine, theirs = _across(axis, elbow - shoulder), _across(line, wrist_to_elbow)
         if mine is None or theirs is None:
             self._speed = 0.0
             return 0.0
         self._zero = _across(axis, self._zero if self._zero is not None else mine)
-        self._theirs = theirs if self._theirs is None else self._theirs
-        if self._zero is None:
+        self._theirs = _across(line, self._theirs if self._theirs is not None else theirs)
+        if self._zero is None or self._theirs is None:
             return 0.0
-        behind = math.remainder(_angle(FORWARD, self._theirs, theirs) - _angle(axis, self._zero, mine), math.tau)
+        behind = math.remainder(_angle(line, self._theirs, theirs) - _angle(axis, self._zero, mine), math.tau)
         wanted = min(max(self._gain * behind, -self._fastest), self._fastest)
         self._speed += min(max(wanted - self._speed, -ACCELERATION * dt), ACCELERATION * dt)
         twist = jacobian[:, : self._elbow - 1] @ free[: self._elbow - 1]

@@ -80,7 +80,7 @@ SENTENCES: dict[Code, str] = {
     Code.NOT_FINITE: "the {what} is not finite",
     Code.LOST: "the hand is lost: {reason}",
     Code.INITIALISING: "tracking is initialising: {reason}",
-    Code.NO_WRIST: "the sample has no wrist: {reason}",
+    Code.NO_WRIST: "the sample lacks the point of the hand that the tool copies: {reason}",
     Code.UNCERTAIN: "the wrist is known to {sigma_mm:.0f} mm only (limit {limit_mm:.0f} mm)",
     Code.JUMP: "the wrist jumped {distance_mm:.0f} mm in {interval_ms:.0f} ms",
     Code.JUMPS: "the wrist jumped in {count} samples in a row",

@@ -40,10 +40,10 @@ def build_cell(config: CellConfig, robot: RobotConfig) -> Cell:
     joints = tuple(joint.name for joint in spec.joints)
     _set_physics(spec, config)
     _dress_arm(spec, config.arm, joints)
-    tool = spec.body(robot.tool_frame)
-    if tool is None:
-        raise ModelError(f"{robot.urdf}: no link {robot.tool_frame!r} to carry the gripper; set robot.tool_frame")
-    add_gripper(spec, tool, config.gripper)
+    tool = _link(spec, robot, robot.tool_frame, "set robot.tool_frame")
+    carries = config.gripper.frame
+    grip = _link(spec, robot, carries, "set simulation.gripper.frame") if carries else tool
+    add_gripper(spec, grip, config.gripper)
     add_light(spec)
     add_room(spec, config.scene)
     add_table(spec, config.scene)
@@ -52,6 +52,13 @@ def build_cell(config: CellConfig, robot: RobotConfig) -> Cell:
     for view in config.views:
         add_view(tool if view.frame == "tool" else spec.worldbody, view)
     return _compile(spec, joints, robot.start)
+
+
+def _link(spec: mujoco.MjSpec, robot: RobotConfig, name: str, cure: str) -> mujoco.MjsBody:
+    body = spec.body(name)
+    if body is None:
+        raise ModelError(f"{robot.urdf}: no link {name!r} to carry the gripper; {cure}")
+    return body
 
 
 def _read_arm(urdf: Path) -> mujoco.MjSpec:

@@ -23,8 +23,9 @@ class ArmConfig(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields
 
 
 class GripperConfig(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
-    """The two-finger gripper; its fingers close along the tool's y axis."""
+    """The two-finger gripper; its fingers close along the y axis of the frame that carries it."""
 
+    frame: Annotated[str, Meta(description="URDF link that carries it, z along the fingers; empty: the tool's")] = ""
     max_opening_m: Annotated[Positive, Meta(description="widest opening between the fingers, m")] = 0.065
     force_limit_n: Annotated[Positive, Meta(description="largest grip force, N")] = 25.0
     speed_m_s: Annotated[Positive, Meta(description="speed of the opening, m/s")] = 0.15
@@ -63,6 +64,7 @@ class SceneConfig(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fiel
     """Floor, table and target paper, in the base frame."""
 
     floor_z_m: Annotated[float, Meta(lt=0, description="the base stands on a pedestal this high")] = -0.45
+    pedestal_side_m: Annotated[Positive, Meta(description="side of the square pedestal")] = 0.30
     table_z_m: Annotated[float, Meta(description="top of the table")] = 0.558
     table_centre_xy_m: tuple[float, float] = (0.72, -0.05)
     table_size_xy_m: tuple[Positive, Positive] = (0.60, 1.00)

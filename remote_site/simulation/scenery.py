@@ -59,7 +59,8 @@ def add_room(spec: mujoco.MjSpec, scene: SceneConfig) -> None:
         room.append(_visual_box(world, (2.5, 0.05, 1.5), (0.8, y, z + 1.5), WALL))
     for geom in room:
         geom.group = ROOM_GROUP
-    _visual_box(world, (0.15, 0.15, -z / 2), (0, 0, z / 2), PEDESTAL)
+    half = scene.pedestal_side_m / 2
+    _visual_box(world, (half, half, -z / 2), (0, 0, z / 2), PEDESTAL)
 
 
 def add_table(spec: mujoco.MjSpec, scene: SceneConfig) -> None:

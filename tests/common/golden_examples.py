@@ -41,6 +41,7 @@ from common.requests import (
     EngagementAction,
     EngagementRequest,
     JointDescription,
+    JointsRequest,
     LeaseAction,
     LeaseReply,
     LeaseRequest,
@@ -120,6 +121,9 @@ LEASE = LeaseRequest(id=6, deadline_ns=10**12, action=LeaseAction.RENEW, session
 LEASE_REPLY = LeaseReply(
     id=6, done=True, code="lease_held", reason="it is yours", lease=8, lasts_ns=5 * 10**9, holder="anna"
 )
+JOINTS = JointsRequest(
+    id=10, deadline_ns=10**12, shoulder_px=(192.5, 147.5), elbow_px=(298.0, 246.0), wrist_px=(420.25, 234.0)
+)
 OPERATE = OperatorRequest(id=9, deadline_ns=10**12, action=OperatorAction.GIVE)
 PROJECTION = (-500.0, -320.0, 0.0, 900.0, 0.0, -240.0, 500.0, -100.0, 0.0, -1.0, 0.0, 2.0)
 DESCRIPTION = Description(
@@ -156,6 +160,7 @@ VALID: dict[str, Message] = {
     "lease": LEASE,
     "lease_reply": LEASE_REPLY,
     "operate": OPERATE,
+    "joints": JOINTS,
     "clock_question": ClockQuestion(),
     "clock": ClockAnswer(received_ns=10**9, answered_ns=10**9 + 50),
     "describe": DescribeQuestion(),

@@ -12,9 +12,13 @@ from farhand.loopback import LoopbackOptions, plan_of
 from local_site.calibration.simulated import calibrate_simulated
 from local_site.config import LocalConfig
 from local_site.simulation.config import SimulationConfig
+from local_site.simulation.operators import filming_rig, make_operator
 from local_site.tracking.choice import TrackingConfig, make_tracker
 from local_site.tracking.markers.marker_tracker import MarkerTracker
+from local_site.tracking.monocular.monocular_tracker import MonocularTracker
 from local_site.tracking.silhouette.silhouette_tracker import SilhouetteTracker
+from remote_site.checks import check_robot
+from remote_site.config import MappingConfig, RemoteConfig
 
 
 @pytest.mark.parametrize(("name", "kind"), [("silhouette", SilhouetteTracker), ("markers", MarkerTracker)])
@@ -74,3 +78,52 @@ def test_an_unknown_tracker_is_refused_with_those_there_are(command):
     result = CliRunner().invoke(app, [*command, "--tracker", "foo"])
     assert result.exit_code == 2
     assert all(word in result.output for word in ("--tracker", "silhouette", "markers"))
+
+
+@pytest.mark.parametrize("arm", ["a465", "humanoid"])
+def test_one_camera_sees_a_textured_arm_whose_palm_either_arm_copies(arm):
+    plan = plan_of(LoopbackOptions(tracker="monocular", arm=arm))
+    local, remote = load_config(LocalConfig, None, plan.local), load_config(RemoteConfig, plan.arm, plan.remote)
+    assert isinstance(make_tracker(filming_rig(local.simulation), local.tracking), MonocularTracker)
+    assert local.tracking.monocular.start.is_given
+    assert (remote.robot.model, remote.mapping.point) == (arm, "palm")
+    check_robot(remote)
+    points = make_operator(local.simulation).points(0.0)
+    assert set(points) == {"elbow", "wrist", "palm"}
+
+
+def test_the_humanoid_copies_the_wrist_of_an_operator_before_two_cameras():
+    plan = plan_of(LoopbackOptions(arm="humanoid"))
+    remote = load_config(RemoteConfig, plan.arm, plan.remote)
+    assert (remote.mapping.point, remote.mapping.base_R_operator) == ("wrist", MappingConfig().base_R_operator)
+
+
+@pytest.mark.parametrize(
+    ("options", "cure"),
+    [
+        (LoopbackOptions(arm="tentacle"), "choose one of: a465, humanoid"),
+        (LoopbackOptions(tracker="monocular", motion="toggles"), "leave --motion out"),
+        (LoopbackOptions(arm="humanoid", driver="c500c"), "use simulated or kinematic"),
+    ],
+)
+def test_who_cannot_take_part_is_refused_before_anything_starts(options, cure):
+    with pytest.raises(ConfigError, match=re.escape(cure)):
+        plan_of(options)
+
+
+@pytest.mark.parametrize(
+    ("settings", "cure"),
+    [
+        (("simulation.textured=true",), 'needs tracking.method = "monocular"'),
+        (("operator.alone=true", "tracking.method=monocular"), "alone are for real cameras"),
+        (("operator.alone=true", "operator.left=0", "operator.rig=r"), 'needs tracking.method = "monocular"'),
+    ],
+)
+def test_one_camera_needs_the_tracker_for_it(settings, cure):
+    with pytest.raises(ConfigError, match=re.escape(cure)):
+        load_config(LocalConfig, None, settings)
+
+
+def test_one_real_camera_is_enough():
+    settings = ("operator.alone=true", "operator.left=0", "operator.rig=r", "tracking.method=monocular")
+    assert load_config(LocalConfig, None, settings).operator.sources == (0,)

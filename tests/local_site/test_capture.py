@@ -101,7 +101,7 @@ def test_the_end_of_a_recording_is_said():
 def views_of_simulation(phase_offset_ms):
     small = StereoConfig(width_px=160, height_px=120, focal_px=200.0)
     source = SimulatedCameras(SimulationConfig(stereo=small, fps=50.0, phase_offset_ms=phase_offset_ms))
-    capture = Capture([source.left, source.right], PairingConfig(), MonotonicClock())
+    capture = Capture(source.cameras, PairingConfig(), MonotonicClock())
     found = [capture.next(WAIT_S) for _ in range(8)]
     capture.close()
     return found

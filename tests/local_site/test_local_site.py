@@ -49,6 +49,12 @@ class Wire:
     def latest(self, *_):
         return self
 
+    def serve(self, *_):
+        return self
+
+    def poll(self, *_):
+        pass
+
     def put(self, sample):
         self.sent.append(sample)
 
@@ -88,7 +94,7 @@ def site(monkeypatch):
         monkeypatch.setattr(local_site.app, "make_tracker", lambda *_: BumpedLater())
         wire = Wire()
         rig = Rig(PAIR.cameras * (cameras // 2), PAIR.volume_min, PAIR.volume_max, PAIR.error_rms, "made up")
-        operator = Operator(rig, (), lambda _t_ns: None)
+        operator = Operator(rig, LocalConfig().tracking, (), lambda _t_ns: None)
         return LocalSite(
             LocalConfig(), operator, Cameras(cameras), wire, Alone(), Preview({}, NoDrawing(), 12.0), FakeClock(0)
         ), wire

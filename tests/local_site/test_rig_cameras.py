@@ -77,7 +77,7 @@ def test_the_configuration_takes_up_to_four_in_the_rigs_order():
     [
         ((*REAL, "operator.also=[2, 3, 4]"), "length <= 2"),
         ((*REAL, 'operator.also=[""]'), "length >= 1"),
-        (("operator.also=[2]",), "simulated operator has two"),
+        (("operator.also=[2]",), "simulated operator brings its own"),
     ],
 )
 def test_more_cameras_than_there_can_be_are_refused(settings, words):

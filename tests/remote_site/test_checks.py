@@ -19,7 +19,7 @@ def test_the_defaults_are_right():
     [
         (RobotConfig(start_deg=(0, 0, 500, 0, 0, 0)), ConfigError, "joint_3 at 500 deg is outside -109.0 to 109.0"),
         (RobotConfig(start_deg=(0, 0, 0)), ConfigError, "3 angles for 6 joints"),
-        (RobotConfig(model="ur5"), ModelError, "neither a built-in model \\(a465\\) nor the file"),
+        (RobotConfig(model="ur5"), ModelError, "neither a built-in model \\(a465, humanoid\\) nor the file"),
         (RobotConfig(position_deg={"joint_1": (-400, 400)}), ConfigError, "limits only tighten"),
     ],
 )

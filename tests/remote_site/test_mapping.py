@@ -8,7 +8,7 @@ from hypothesis import strategies as st
 from common.errors import ConfigError
 from common.geometry import rotation_from_vector, transform, vector_from_rotation
 from remote_site.config import LocksConfig, MappingConfig
-from remote_site.mapping import Mapping, Steering, thesis_angles
+from remote_site.mapping import Mapping, Steering, make_mapping, thesis_angles
 
 TOOL = transform(rotation_from_vector(np.array([0.3, 1.2, -0.4])), np.array([0.45, 0.02, 0.85]))
 WRIST = np.array([0.1, -0.2, 0.3])
@@ -192,3 +192,46 @@ def test_the_elbow_comes_from_the_wrist_in_the_bases_axes():
     mapping = engaged()
     assert mapping.elbow(WRIST, (0.1, 0.05, 0.3)) == pytest.approx([-0.25, 0.0, 0.0])
     assert mapping.elbow(WRIST, None) is None
+
+
+def incremental(tool=TOOL, **config):
+    mapping = make_mapping(MappingConfig(command="incremental", **config))
+    mapping.engage(WRIST, np.eye(3), tool)
+    return mapping
+
+
+def driven(mapping, places, share, tool=TOOL):
+    """Where a tool ends that has gone only a share of its way when the next sample comes."""
+    here = tool.copy()
+    for place in places:
+        mapping.read(here)
+        target = mapping.target(place, np.eye(3))
+        here = transform(target[:3, :3], here[:3, 3] + share * (target[:3, 3] - here[:3, 3]))
+    return here
+
+
+PLACES = WRIST + np.cumsum(np.random.default_rng(3).normal(0.0, 0.01, (40, 3)), axis=0)
+
+
+def test_a_tool_that_arrives_before_the_next_sample_makes_both_commands_one():
+    relative = engaged(np.eye(3), scale=0.8).target(PLACES[-1], np.eye(3))
+    assert driven(incremental(scale=0.8), PLACES, 1.0) == pytest.approx(relative)
+    assert driven(incremental(scale=0.8), [*PLACES[::7], PLACES[-1]], 1.0) == pytest.approx(relative)
+
+
+def test_what_the_tool_had_left_to_go_is_lost_to_the_incremental_command():
+    wanted = engaged(np.eye(3)).target(PLACES[-1], np.eye(3))[:3, 3] - TOOL[:3, 3]
+    reached = driven(incremental(), PLACES, 0.6)[:3, 3] - TOOL[:3, 3]
+    assert reached == pytest.approx(0.6 * wanted)
+
+
+def test_an_incremental_target_never_jumps_and_its_turn_counts_from_the_reference():
+    mapping = incremental(locks=LocksConfig(z=True))
+    pushed = transform(TOOL[:3, :3], TOOL[:3, 3] + 0.2)
+    mapping.read(pushed)
+    assert mapping.target(WRIST, np.eye(3)) == pytest.approx(pushed)
+    turn = rotation_from_vector(np.array([0.0, 0.0, 0.4]))
+    for step in (0.01, 0.02):
+        target = mapping.target(WRIST + np.array([0.0, 0.0, step]), turn)
+        assert target[:3, 3] == pytest.approx(pushed[:3, 3])
+        assert target[:3, :3] == pytest.approx(FACING @ turn @ FACING.T @ TOOL[:3, :3])

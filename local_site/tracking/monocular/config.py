@@ -33,7 +33,7 @@ class ForearmConfig(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fi
 
 
 class StartConfig(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
-    """The joints in the first picture, px; both links are taken to be parallel to the picture there (section 2.6)."""
+    """The joints in the first picture, px of the camera's own; both links are parallel to it there (section 2.6)."""
 
     shoulder_px: Annotated[Pixel, Meta(description="shoulder joint, px")] = (0.0, 0.0)
     elbow_px: Annotated[Pixel, Meta(description="elbow joint, px")] = (0.0, 0.0)

@@ -7,6 +7,7 @@ of the forearm and change of the light on it (4).
 from dataclasses import dataclass
 
 import numpy as np
+from scipy.linalg import lapack
 
 from common.geometry import Array, skew
 from local_site.tracking.monocular.kernels import LIGHT, MOTION, Sums
@@ -30,7 +31,8 @@ FOREARM_TAKES[3:10, 10:17] = np.eye(7)
 class Equations:
     """Normal matrix (17, 17) and right side (17,), and what the points say of themselves.
 
-    `points`, `mean_square` in grey², `scaled` by its variance, and the share `near` within three sigma, each by link.
+    `points`, `mean_square` in grey², `scaled` by its variance, and the share `near` within three sigma, each by link;
+    `total` is the mean square over all points, grey².
     """
 
     matrix: Array
@@ -39,11 +41,7 @@ class Equations:
     mean_square: Array
     scaled: Array
     near: Array
-
-    @property
-    def total(self) -> float:
-        """The mean square over all points, grey²."""
-        return float(self.points @ self.mean_square / max(self.points.sum(), 1.0))
+    total: float
 
 
 def combined(upper: Sums | None, forearm: Sums | None, elbow_arm: Array) -> Equations:
@@ -63,17 +61,16 @@ def combined(upper: Sums | None, forearm: Sums | None, elbow_arm: Array) -> Equa
         matrix += takes.T @ forearm[0] @ takes
         right += takes.T @ forearm[1]
         statistics[1] = forearm[2]
-    return Equations(matrix, right, *statistics.T)
+    points, mean_square, scaled, near = statistics.T
+    total = float(points @ mean_square) / max(float(points.sum()), 1.0)
+    return Equations(matrix, right, points, mean_square, scaled, near, total)
 
 
 def step(equations: Equations, free: slice) -> Array:
     """The maximum likelihood step (17,), zero where it is not free (eq. 17); not finite where it has no solution."""
     result = np.zeros(UNKNOWNS)
-    matrix = equations.matrix[free, free]
-    try:
-        result[free] = np.linalg.solve(matrix, equations.right[free])
-    except np.linalg.LinAlgError:
-        result[free] = np.nan
+    _, solution, failed = lapack.dposv(equations.matrix[free, free], equations.right[free])
+    result[free] = np.nan if failed else solution
     return result
 
 

@@ -1,4 +1,4 @@
-"""The iterated maximum likelihood estimate of the arm's motion (sections 2.5 and 2.6): root, lower arm, then both."""
+"""The iterated maximum likelihood estimate of the arm's motion (sections 2.5 and 2.6): root, lower arm, and both."""
 
 from dataclasses import dataclass, replace
 
@@ -30,14 +30,18 @@ RISE = 1e-3  # of the mean square: the gradients, and with them the weights, cha
 
 @dataclass(frozen=True, slots=True)
 class Setting:
-    """How much is spent on a frame: points per link, the least change of the mean square in grey², iterations."""
+    """How much is spent on a frame: points per link, the least change of the mean square in grey², iterations.
+
+    With `both_first` the links are estimated one by one only where both at once do not come to rest.
+    """
 
     points: int
     least_change: float
     iterations: int
+    both_first: bool = False
 
 
-LIVE = Setting(points=800, least_change=1e-2, iterations=10)
+LIVE = Setting(points=800, least_change=1e-2, iterations=10, both_first=True)
 ACCURATE = Setting(points=5000, least_change=1e-5, iterations=30)
 COARSE = Setting(points=200, least_change=1e-1, iterations=8)
 
@@ -98,7 +102,11 @@ class Scene:
 
 
 def fit_arm(scene: Scene, start: State, setting: Setting) -> Fit:
-    """Root link, lower arm, then what remains of both at once."""
+    """Root link, lower arm, then what remains of both at once; or at once, where that is enough."""
+    if setting.both_first:
+        direct = settled(scene, start, ALL, setting)
+        if direct.converged:
+            return direct
     first = replace(setting, least_change=max(setting.least_change, FIRST_CHANGE))
     root = settled(scene, start, ROOT, first)
     lower = settled(scene, root.state, LOWER, first)

@@ -37,6 +37,7 @@ class Follower:
         self._setting = setting or (ACCURATE if config.setting == "accurate" else LIVE)
         self._variances = np.array([config.noise.grey**2, *[(MM * config.noise.position_mm) ** 2] * 3])
         self._learned_from = [np.zeros(3), np.zeros(3)]
+        self._looked_at: tuple[Box, Level] | None = None
         self._before: State | None = None
         self._last: State | None = None
 
@@ -72,6 +73,7 @@ class Follower:
         if box is None:
             return None
         fine, depths = fine_level(image, self._lens, box), self._view.depths(start.pose, box)
+        self._looked_at = box, fine
         direct = fit_arm(self._scene(fine, start, depths), start, self._setting)
         if direct.equations.near.min() >= ENOUGH_NEAR:
             return direct
@@ -114,7 +116,10 @@ class Follower:
         box = self._box(image, state.pose)
         if box is None:
             return False
-        fine, coarse = fine_level(image, self._lens, box), coarse_level(image, self._lens, box)
+        if self._looked_at is None:
+            self._looked_at = box, fine_level(image, self._lens, box)
+        box, fine = self._looked_at  # where the arm was expected: the margin holds what it has moved since
+        coarse = coarse_level(image, self._lens, box)
         patches = self._view.patches(state.pose, box)
         for k in due:
             _learn_patch(self._skins[k], patches[k], fine, coarse, facing, state.pose.links[k][1], state.lights[k])

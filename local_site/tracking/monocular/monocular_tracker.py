@@ -11,7 +11,7 @@ from local_site.calibration.lens import Maps
 from local_site.calibration.physical_camera import decomposed
 from local_site.calibration.rig import CameraCalibration, Rig
 from local_site.tracking.monocular.arm_mesh import MM
-from local_site.tracking.monocular.config import MonocularConfig
+from local_site.tracking.monocular.config import MonocularConfig, Pixel
 from local_site.tracking.monocular.estimator import Fit, State
 from local_site.tracking.monocular.follower import Follower
 from local_site.tracking.monocular.pose import Pose
@@ -19,6 +19,7 @@ from local_site.tracking.monocular.quality import Judgement, Refusal, covariance
 from local_site.tracking.monocular.start import starting_pose
 from local_site.tracking.tracker import ArmEstimate, Overlay, Views
 
+NOT_GIVEN = "the joints in the first picture are not given: click them, set tracking.monocular.start, or --joints"
 NO_TIPS = "index and thumb are not measured by this tracker"
 
 
@@ -40,7 +41,18 @@ class MonocularTracker:
         if camera is None:
             raise CalibrationError("the camera's projection is mirrored; calibrate again")
         self._camera = camera
-        self._follower = Follower(camera.lens, self._config)
+        start = self._config.start
+        given = np.array([start.shoulder_px, start.elbow_px, start.wrist_px])
+        self._joints_px: Array | None = given if start.is_given else None
+        self._forget()
+
+    def start_at(self, shoulder_px: Pixel, elbow_px: Pixel, wrist_px: Pixel) -> None:
+        """Begin anew where the joints are in the camera's next picture, px of its own; all else is forgotten."""
+        self._joints_px = np.array([shoulder_px, elbow_px, wrist_px])
+        self._forget()
+
+    def _forget(self) -> None:
+        self._follower = Follower(self._camera.lens, self._config)
         self._start: State | None = None
         self._lost_for = 0
         self.pose: Pose | None = None
@@ -68,7 +80,9 @@ class MonocularTracker:
 
     def _begin(self, image: Image) -> str:
         """Start in this picture; why not, or nothing."""
-        pose = starting_pose(self._camera.lens, self._config)
+        if self._joints_px is None:
+            return NOT_GIVEN
+        pose = starting_pose(self._camera.lens, self._config, self._undistorted.straight(self._joints_px))
         if isinstance(pose, str):
             return pose
         if not self._follower.begin(image, pose):
@@ -141,6 +155,10 @@ class _Undistorted:
         if self._maps is None or self._maps[0].shape[:2] != grey.shape:
             self._maps = self._lens.undistortion_maps(grey.shape[1], grey.shape[0])
         return np.asarray(cv2.remap(grey, *self._maps, cv2.INTER_LINEAR), dtype=np.uint8)
+
+    def straight(self, pixels: Array) -> Array:
+        """Pixels (N, 2) in the pinhole's picture, of pixels (N, 2) in the frame."""
+        return pixels if self._lens is None else self._lens.undistort_pixels(pixels)
 
     def pixels(self, pinhole: Array) -> Array:
         """Pixels (N, 2) in the frame, of pixels (N, 2) in the pinhole's picture."""

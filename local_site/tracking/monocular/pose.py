@@ -2,8 +2,6 @@
 
 from dataclasses import dataclass
 
-import numpy as np
-
 from common.geometry import Array, rotation_from_vector, vector_from_rotation
 
 DAMPING = 0.7
@@ -23,7 +21,8 @@ class Pose:
     @property
     def elbow(self) -> Array:
         """The joint between the links (3,), m."""
-        return self.on_upper_arm(np.array([0.0, 0.0, self.upper_arm_length]))
+        result: Array = self.shoulder + self.upper_arm_length * self.upper_arm[:, 2]
+        return result
 
     @property
     def links(self) -> tuple[Link, Link]:

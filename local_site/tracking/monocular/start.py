@@ -13,15 +13,11 @@ from local_site.tracking.monocular.pose import Pose
 MOST_UNEQUAL = 1.15
 
 
-def starting_pose(lens: Lens, config: MonocularConfig) -> Pose | str:
-    """The pose for the joints that the configuration gives, in pixels of a pinhole's picture; a sentence why not.
+def starting_pose(lens: Lens, config: MonocularConfig, pixels: Array) -> Pose | str:
+    """The pose for the joints at pixels (3, 2) of a pinhole's picture; a sentence why not.
 
     The links' lengths give a depth each; they have to agree, and their mean by length is taken.
     """
-    start = config.start
-    if not start.is_given:
-        return "the joints in the first picture are not given: set tracking.monocular.start, or --joints"
-    pixels = np.array([start.shoulder_px, start.elbow_px, start.wrist_px])
     slopes = (pixels - (lens.cx, lens.cy)) / (lens.fx, lens.fy)
     lengths = MM * np.array([config.upper_arm.length_mm, config.forearm.length_mm])
     seen = np.linalg.norm(np.diff(slopes, axis=0), axis=1)
@@ -32,7 +28,7 @@ def starting_pose(lens: Lens, config: MonocularConfig) -> Pose | str:
     places = np.column_stack([slopes, np.ones(3)]) * float(lengths.sum() / seen.sum())
     upper_arm = _flat(places[1] - places[0], 0.0)
     return Pose(
-        places[0], upper_arm, _flat(places[2] - places[1], math.radians(start.palm_turn_deg)), float(lengths[0])
+        places[0], upper_arm, _flat(places[2] - places[1], math.radians(config.start.palm_turn_deg)), float(lengths[0])
     )
 
 

@@ -78,7 +78,7 @@ def test_an_interrupted_experiment_writes_nothing(tmp_path):
 
 
 def test_misuse_is_refused_before_any_work(tmp_path):
-    with pytest.raises(ConfigError, match="no experiment 'dance'; choose one of: follow, hazel"):
+    with pytest.raises(ConfigError, match="no experiment 'dance'; choose one of: drift, follow, hazel"):
         run_experiment("dance", tmp_path / "out", quick=True)
     assert not (tmp_path / "out").exists()
     taken = tmp_path / "taken"

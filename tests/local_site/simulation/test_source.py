@@ -105,11 +105,11 @@ def test_an_operator_moves_once_he_begins(begins):
     still = SimulatedOperator(config).render(0.0)[0]
     try:
         time.sleep(0.5)
-        assert np.array_equal(source.left.read().image, still) == (begins == "when_engaged")
+        assert np.array_equal(source.cameras[0].read().image, still) == (begins == "when_engaged")
         source.begin(time.monotonic_ns() - NS_PER_S)
         source.begin(time.monotonic_ns() + NS_PER_S)
         time.sleep(0.2)
-        assert not np.array_equal(source.left.read().image, still)
+        assert not np.array_equal(source.cameras[0].read().image, still)
     finally:
         source.close()
 
@@ -122,9 +122,9 @@ def cameras():
 
 
 def test_frames_arrive_in_order_with_one_exposure_for_both_views(cameras):
-    left = [cameras.left.read() for _ in range(5)]
-    right = [cameras.right.read() for _ in range(5)]
-    assert [cameras.left.name, cameras.right.name] == ["left", "right"]
+    left = [cameras.cameras[0].read() for _ in range(5)]
+    right = [cameras.cameras[1].read() for _ in range(5)]
+    assert [cameras.cameras[0].name, cameras.cameras[1].name] == ["left", "right"]
     for frames in (left, right):
         assert all(frame.image.shape == (120, 160) for frame in frames)
         assert all(np.diff([frame.seq for frame in frames]) >= 1)
@@ -136,23 +136,23 @@ def test_frames_arrive_in_order_with_one_exposure_for_both_views(cameras):
 
 
 def test_a_closed_source_gives_none(cameras):
-    assert cameras.right.read() is not None
+    assert cameras.cameras[1].read() is not None
     cameras.close()
-    assert cameras.left.read() is None
-    assert cameras.right.read() is None
+    assert cameras.cameras[0].read() is None
+    assert cameras.cameras[1].read() is None
 
 
 def test_a_dead_renderer_is_a_camera_error(cameras):
-    cameras.left.read()
+    cameras.cameras[0].read()
     os.kill(cameras.pid, signal.SIGKILL)
     with pytest.raises(CameraError, match="simulated operator ended, camera left"):
-        list(iter(cameras.left.read, None))
+        list(iter(cameras.cameras[0].read, None))
 
 
 def test_ctrl_c_is_left_to_the_parent(cameras):
-    cameras.left.read()
+    cameras.cameras[0].read()
     os.kill(cameras.pid, signal.SIGINT)
-    assert all(cameras.left.read() is not None for _ in range(5))
+    assert all(cameras.cameras[0].read() is not None for _ in range(5))
 
 
 PARENT = """
@@ -161,7 +161,7 @@ from local_site.simulation.beginning import Beginning
 from local_site.simulation.config import SimulationConfig, StereoConfig
 from local_site.simulation.source import SimulatedCameras
 cameras = SimulatedCameras(SimulationConfig(stereo=StereoConfig(width_px=160, height_px=120, focal_px=200.0)))
-cameras.left.read()
+cameras.cameras[0].read()
 print(cameras.pid, flush=True)
 time.sleep(60)
 """
