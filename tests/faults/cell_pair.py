@@ -1,0 +1,197 @@
+"""A pair of sites as real processes: a scripted operator, a recording driver, and everything that is heard of them."""
+
+import secrets
+import shutil
+import struct
+import subprocess
+import sys
+import tempfile
+import time
+from collections.abc import Callable
+from contextlib import ExitStack
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from daemons import NOBODY, Daemon
+from driver_log import DriverLog
+from hand_path import HandPath
+from namespaces import Network
+from puppets import tell
+
+from common.channels import ENGAGEMENT
+from common.clock import NS_PER_S
+from common.config import load_config
+from common.geometry import vector_from_rotation
+from common.messages import RobotState, SessionState
+from common.requests import EngagementAction, EngagementRequest, Reply
+from common.transport import open_link
+from farhand.loopback import free_ports
+from farhand.recorder import Recorder
+from remote_site.config import RemoteConfig
+from remote_site.kinematics.limits import JointLimits
+from remote_site.kinematics.model import ArmModel
+
+CELL, OPERATOR = "faults", "anna"
+TESTS = Path(__file__).parent
+PATIENCE_S = 40.0
+ENTRY_POINTS = "[farhand.drivers]\nrecording = recording_driver:RecordingDriver\n"
+VIDEO = 'video.cameras=[{name="side",source="/dev/null-camera"}]'
+MOVING_RAD_S = 0.15
+CIRCLE = {"circle_m": (0.05, 0.04, 0.04), "hz": 0.5}
+NEAR = 0.02  # m and rad
+
+
+class CellPair:
+    """The sites of one cell; through the link of `network` if there is one, else on one host."""
+
+    def __init__(self, network: Network | None, settings: tuple[str, ...] = ()) -> None:
+        self.network = network
+        self.stack = ExitStack()
+        self.folder = Path(tempfile.mkdtemp(prefix="farhand-faults-"))
+        self.stack.callback(shutil.rmtree, self.folder, ignore_errors=True)
+        host = "localhost" if network else "127.0.0.1"
+        control, video, listen = free_ports(3)
+        self.control, self.video = f"tcp/{host}:{control}", f"tcp/{host}:{video}"
+        self.listen = f"tcp/127.0.0.1:{listen}"
+        self.settings = (*self._own_settings(), *settings)
+        self.config = load_config(RemoteConfig, None, self.settings)
+        robot = self.config.robot
+        self.model = ArmModel.from_urdf(robot.urdf, robot.tool_frame, robot.tool_T_tcp)
+        self.limits = JointLimits.from_model(self.model, robot)
+        self._environment = self._plug_in()
+        self.link = self.stack.enter_context(open_link(connect=(self.control,)))
+        self.states = Recorder(self.link, self.link, CELL, ()).record.states
+        self.remote = self.local = NOBODY
+        self.start_remote()
+        self.start_local()
+
+    def start_remote(self) -> Daemon:
+        """Start the remote site, and wait for its first state."""
+        self.remote.end()
+        before = len(self.states)
+        self.remote = self._start("remote", [sys.executable, "-m", "farhand", "remote"], self.settings)
+        self.wait("the remote site", lambda: len(self.states) > before)
+        return self.remote
+
+    def start_local(self) -> Daemon:
+        """Start the local site, on the other host if there is one."""
+        ear = self.folder / "hand"
+        self.local.end()
+        self.path = HandPath.still()
+        beyond = list(self.network.beyond) if self.network else []
+        command = [*beyond, sys.executable, str(TESTS / "scripted_local.py"), str(ear)]
+        ear.unlink(missing_ok=True)
+        settings = f"links.remote={self.control}", f"links.listen={self.listen}", f"authority.operator={OPERATOR}"
+        self.local = self._start("local", command, (f"cell={CELL}", "tracking.method=markers", *settings))
+        self.wait("the scripted operator", ear.exists)
+        return self.local
+
+    @property
+    def state(self) -> RobotState:
+        """The newest state."""
+        return self.states[-1]
+
+    def is_in(self, state: SessionState) -> bool:
+        """Whether the newest state is this one."""
+        return self.state.state is state
+
+    def wait(self, what: str, is_so: Callable[[], Any], seconds: float = PATIENCE_S) -> None:
+        """Wait until something is so; AssertionError with the sites' last words otherwise."""
+        deadline = time.monotonic() + seconds
+        while not is_so():
+            if time.monotonic() > deadline:
+                words = [f"{p.name}: {(list(p.lines) or ['silent'])[-1]}" for p in (self.remote, self.local)]
+                raise AssertionError(f"waited {seconds:g} s in vain for {what}: {words} {self.states[-1:]}")
+            time.sleep(0.01)
+
+    def ask(self, action: EngagementAction) -> Reply:
+        """Ask the remote site in the operator's name."""
+        give_up_ns = time.monotonic_ns() + 3 * NS_PER_S
+        number = secrets.randbits(60)
+        request = EngagementRequest(id=number, deadline_ns=give_up_ns, operator=OPERATOR, action=action)
+        return self.link.request(ENGAGEMENT, CELL, request, give_up_ns)
+
+    def engage(self) -> None:
+        """Have the arm follow the hand, whatever had ended it, and lead it back to where it started."""
+        self.hand(lost=False, camera="", to=self.place_of_arm(), seconds=0.1)
+        self.wait("a good hand", lambda: self.state.readiness.ready or not self.is_in(SessionState.DISENGAGED))
+        self.wait("the engagement", self._engages, 10)
+        self.wait("the arm to follow", lambda: self.is_in(SessionState.ENGAGED), 10)
+        self.hand(to=(0,) * 6, seconds=1.0)
+        self.wait("the arm to be back", lambda: np.abs(self.place_of_arm()).max() < NEAR, 10)
+
+    def move(self) -> None:
+        """Have the hand circle and wait until the arm is quick."""
+        self.hand(to=(0, 0.05, 0, 0, 0, 0), seconds=0.5, **CIRCLE)
+        time.sleep(0.6)
+        self.wait("the arm to move", lambda: self.log(time.monotonic_ns() - NS_PER_S).speed_at_end > MOVING_RAD_S, 10)
+
+    def _engages(self) -> bool:
+        answer = self.ask(EngagementAction.ENGAGE)
+        time.sleep(0.0 if answer.done else 0.2)
+        return answer.done
+
+    def place_of_arm(self) -> tuple[float, ...]:
+        """Where the hand has to be engaged so that the arm is at its start when the hand is at home."""
+        start, now = (self.model.forward(q) for q in (self.config.robot.start, np.array(self.state.q_commanded)))
+        base_R_operator = np.array(self.config.mapping.base_R_operator)
+        turn = vector_from_rotation(now[:3, :3] @ start[:3, :3].T)
+        way = now[:3, 3] - start[:3, 3]
+        return (*(way @ base_R_operator / self.config.mapping.scale).tolist(), *(turn @ base_R_operator).tolist())
+
+    def hand(self, **words: Any) -> None:
+        """Tell the scripted operator and his cameras."""
+        if "to" in words:
+            words["begun_ns"] = time.monotonic_ns()
+            self.path = self.path.then(words)
+        tell(self.folder / "hand", **words)
+
+    def robot(self, **words: Any) -> None:
+        """Tell the recording driver."""
+        tell(self.folder / "robot", **words)
+
+    def step_wall_clock(self, seconds: int) -> None:
+        """Put the wall clock of all processes so far from the machine's, s."""
+        with (self.folder / "wall_offset").open("r+b") as offset:
+            offset.write(struct.pack("<q", seconds))
+
+    def log(self, since_ns: int) -> DriverLog:
+        """What the driver has recorded since a time."""
+        return DriverLog.read(self.folder / "record", self.model, self.limits, since_ns)
+
+    def close(self) -> None:
+        """End everything."""
+        for process in (self.local, self.remote):
+            process.end()
+        self.stack.close()
+
+    def _start(self, name: str, command: list[str], settings: tuple[str, ...]) -> Daemon:
+        arguments = [part for setting in settings for part in ("--set", setting)]
+        return Daemon(name, [*command, *arguments], self._environment)
+
+    def _own_settings(self) -> tuple[str, ...]:
+        return (
+            f"cell={CELL}",
+            f"links.control={self.control}",
+            f"links.video={self.video}",
+            "engagement.mode=on_request",
+            "driver.name=recording",
+            f"driver.options.record={self.folder / 'record'}",
+            f"driver.options.orders={self.folder / 'robot'}",
+            VIDEO,
+        )
+
+    def _plug_in(self) -> dict[str, str]:
+        """The environment in which the recording driver is an installed one."""
+        package = self.folder / "faults-1.dist-info"
+        package.mkdir()
+        (package / "METADATA").write_text("Metadata-Version: 2.1\nName: faults\nVersion: 1\n")
+        (package / "entry_points.txt").write_text(ENTRY_POINTS)
+        paths = [str(self.folder), str(TESTS), *sys.path]
+        offset, library = self.folder / "wall_offset", self.folder / "wall_clock.so"
+        offset.write_bytes(bytes(8))
+        compiler = ["cc", "-O2", "-shared", "-fPIC", "-o", str(library), str(TESTS / "wall_clock.c"), "-ldl"]
+        subprocess.run(compiler, check=True)
+        wall = {"LD_PRELOAD": str(library), "FARHAND_WALL_OFFSET": str(offset)}
+        return wall | {"PYTHONPATH": ":".join(filter(None, paths)), "STATE_DIRECTORY": str(self.folder)}

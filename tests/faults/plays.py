@@ -1,0 +1,232 @@
+"""How faults are played: what is done to a pair of sites, and what is checked of it."""
+
+import os
+import signal
+import time
+from collections.abc import Callable
+from typing import Any
+
+import numpy as np
+from cell_pair import CellPair
+from driver_log import ms
+from forgery import ask_for_lease
+from trial import FOLLOWING, Trial
+
+from common.clock import NS_PER_S
+from common.messages import SessionState
+from common.requests import EngagementAction
+
+Act = Callable[[CellPair], object]
+Play = Callable[[Trial], None]
+
+STILL_MM = 1.0
+BACK_S = 2.0
+
+
+def hand(**words: Any) -> Act:
+    """Something happens to the hand or its cameras."""
+    return lambda pair: pair.hand(**words)
+
+
+def robot(**words: Any) -> Act:
+    """Something happens to the robot."""
+    return lambda pair: pair.robot(**words)
+
+
+def weather(**words: Any) -> Act:
+    """Something happens to the link."""
+    return lambda pair: pair.network.weather(**words)
+
+
+def kill_local(pair: CellPair) -> None:
+    """The local site is killed at once."""
+    os.kill(pair.local.pid, signal.SIGKILL)
+
+
+def latch(fault: Act, heal: Act, *, seen_by_sender: bool = False, says: str = "", for_s: float = 0.0) -> Play:
+    """A moving arm stops and latches, and stays where it is when the fault is over, however long it was."""
+
+    def play(trial: Trial) -> None:
+        trial.pair.move()
+        trial.begin(fault)
+        trial.latches()
+        trial.rests(seen_by_sender=seen_by_sender)
+        trial.check(says in trial.pair.state.reason, f"the reason does not say {says!r}: {trial.pair.state.reason}")
+        time.sleep(max(for_s - trial.elapsed_s, 0.0))
+        heal(trial.pair)
+        trial.stays()
+
+    return play
+
+
+def partition(seconds: float) -> Play:
+    """As above, and the command path is back soon after the partition heals."""
+    play_latch = latch(weather(cut=True), lambda pair: None, says="old", for_s=seconds)
+
+    def play(trial: Trial) -> None:
+        play_latch(trial)
+        healed_ns = time.monotonic_ns()
+        trial.pair.network.weather()
+        trial.pair.wait("the command path", lambda: _hears(trial.pair), 20)
+        took_ns = time.monotonic_ns() - healed_ns
+        trial.note(f"a fresh sample {ms(took_ns):.0f} ms after it healed")
+        trial.check(took_ns < BACK_S * NS_PER_S, f"the command path came back after {ms(took_ns):.0f} ms")
+        trial.stays()
+
+    return play
+
+
+def hold(fault: Act, heal: Act, for_s: float) -> Play:
+    """A moving arm stops for as long as the fault lasts."""
+
+    def play(trial: Trial) -> None:
+        trial.pair.move()
+        trial.begin(fault)
+        trial.rests()
+        time.sleep(for_s)
+        trial.check(not trial.log.moves_after(trial.rested_ns), "it moved during the fault")
+        trial.note(f"{trial.pair.state.state.value}: {trial.pair.state.reason}")
+        heal(trial.pair)
+
+    return play
+
+
+def blink(fault: Act, heal: Act, for_s: float) -> Play:
+    """A fault too short to latch: the arm goes on, or stops and goes on, and never obeys what is too old."""
+
+    def play(trial: Trial) -> None:
+        trial.pair.move()
+        trial.begin(fault)
+        time.sleep(for_s)
+        heal(trial.pair)
+        time.sleep(1.5)
+        trial.check(trial.pair.is_in(SessionState.ENGAGED), f"it does not follow: {trial.pair.state.reason}")
+        trial.obeys_nothing_old()
+
+    return play
+
+
+def unmoved(fault: Act, *counted: str) -> Play:
+    """An arm that follows a hand at rest does not move, and each of these refusals was counted."""
+
+    def play(trial: Trial) -> None:
+        time.sleep(0.7)
+        before = dict(trial.pair.state.rejected)
+        ticks = trial.pair.state.timing.ticks
+        trial.begin(fault)
+        time.sleep(0.3)
+        state = trial.pair.state
+        risen = {code: count - before.get(code, 0) for code, count in state.rejected.items()}
+        trial.note(", ".join(f"{code} {count}" for code, count in risen.items() if count))
+        for code in counted:
+            trial.check(risen.get(code), f"{code} was not counted")
+        places = trial.log.places
+        way_mm = 1e3 * float(np.linalg.norm(places - places[0], axis=1).max(initial=0.0)) if len(places) else 0.0
+        trial.note(f"commanded motion {way_mm:.2f} mm")
+        trial.check(way_mm < STILL_MM, f"the tool was sent {way_mm:.1f} mm away")
+        trial.check(state.timing.ticks > ticks, "the loop does not tick")
+
+    return play
+
+
+def jumps(count: int) -> Act:
+    """The wrist is seen a metre off in so many frames."""
+    return hand(jump_m=(0.0, 0.7, 0.7), jumps=count)
+
+
+def jump_then_three(trial: Trial) -> None:
+    """One jump is refused; three in a row latch; the arm is not moved by any."""
+    unmoved(jumps(1), "jump")(trial)
+    trial.check(trial.pair.state.state in FOLLOWING, "one jump ended the engagement")
+    unmoved(jumps(3), "jumps")(trial)
+    trial.latches()
+
+
+def second_operator(act: Act) -> Play:
+    """Another is refused with the holder's name, and what it sends is fenced."""
+
+    def play(trial: Trial) -> None:
+        answer = ask_for_lease(trial.pair, "ben")
+        trial.note(f"{answer.code}: {answer.reason}")
+        trial.check(not answer.done and "anna" in answer.reason, "the other was not refused with the holder's name")
+        unmoved(act, "not_holder", "old_lease")(trial)
+        trial.check(trial.pair.is_in(SessionState.ENGAGED), "the holder lost the arm")
+
+    return play
+
+
+def faulty(fault: Act, mend: Act, *, says: str, more_s: float = 0.0, silent: bool = False) -> Play:
+    """The robot or its driver fails: the arm stops, the fault is told, and nothing but a request clears it."""
+
+    def play(trial: Trial) -> None:
+        pair = trial.pair
+        pair.move()
+        ticks = pair.state.timing.ticks
+        trial.begin(fault)
+        trial.latches()
+        trial.rests(more_s=more_s)
+        trial.check(pair.is_in(SessionState.FAULT), f"no fault but {pair.state.state.value}")
+        trial.check(says in pair.state.reason, f"the reason does not say {says!r}: {pair.state.reason}")
+        if silent:
+            trial.obeys_no_order()
+            trial.check(not pair.ask(EngagementAction.ENGAGE).done, "it engaged with the fault still there")
+        mend(pair)
+        trial.stays()
+        trial.check(pair.is_in(SessionState.FAULT) or silent, "the fault cleared itself")
+        trial.check(pair.state.timing.ticks > ticks + 250, "the loop did not go on")
+
+    return play
+
+
+def reach_out(there: tuple[float, ...], seconds: float, *codes: str) -> Play:
+    """The hand goes where the arm cannot: it says so, comes to rest without thrash, and comes back."""
+
+    def play(trial: Trial) -> None:
+        pair = trial.pair
+        trial.begin(hand(to=there, seconds=seconds))
+        time.sleep(seconds + 1.5)
+        seen = {state.code for state in pair.states if state.t_ns > trial.fault_ns}
+        trial.note(f"said {', '.join(sorted(seen))}; {pair.state.reason}")
+        trial.check(seen & set(codes), f"none of {codes} was said")
+        calm = pair.log(time.monotonic_ns() - NS_PER_S)
+        trial.note(f"fastest joint in the last second {calm.fastest:.3f} rad/s")
+        trial.check(calm.fastest < 0.05, f"it thrashes: {calm.fastest:.2f} rad/s")
+        trial.comes_back(seconds)
+
+    return play
+
+
+def sweep_wrist(trial: Trial) -> None:
+    """Joint 5 goes through zero, and back."""
+    for turn in (1.2, -0.3):
+        trial.pair.hand(to=(0, 0, 0, turn, 0, 0), seconds=3.0)
+        time.sleep(4.0)
+    log = trial.pair.log(trial.begun_ns)
+    q5 = np.degrees(log.q[:, 4])
+    codes = {state.code for state in trial.pair.states if state.t_ns > trial.begun_ns}
+    trial.note(f"joint 5 from {q5.min():.1f} to {q5.max():.1f} deg, said {', '.join(sorted(codes))}")
+    trial.check(q5.max() > -5, "joint 5 did not come near zero")
+    trial.comes_back(2.0)
+
+
+def wander(seconds: float) -> Play:
+    """The hand goes to random places, far into everything that could be touched."""
+
+    def play(trial: Trial) -> None:
+        luck, pair = np.random.default_rng(6), trial.pair
+        until = time.monotonic() + seconds
+        while time.monotonic() < until:
+            place = (*luck.uniform(-0.5, 0.5, 2), luck.uniform(-0.6, 0.3), *luck.uniform(-0.8, 0.8, 3))
+            takes = luck.uniform(0.6, 1.5)
+            pair.hand(to=[float(x) for x in place], seconds=takes)
+            time.sleep(takes)
+        trial.keeps_distance()
+        trial.comes_back(2.0)
+
+    return play
+
+
+def _hears(pair: CellPair) -> bool:
+    """Whether good samples come in: the newest state counts them, or has enough."""
+    ready = pair.state.readiness
+    return ready.ready or (ready.code == "collecting" and not ready.reason.startswith("0 "))
