@@ -40,6 +40,8 @@ VIDEO = 'video.cameras=[{name="side",source="/dev/null-camera"}]'
 MOVING_RAD_S = 0.15
 CIRCLE = {"circle_m": (0.05, 0.04, 0.04), "hz": 0.5}
 NEAR = 0.02  # m and rad
+SETTLES_S = 0.7  # of a glide, of what smooths it, and of the calm before a turned hand counts again
+MEMORY = "/dev/shm"  # noqa: S108  # a robot's driver never waits for a disk
 
 
 class CellPair:
@@ -48,7 +50,7 @@ class CellPair:
     def __init__(self, network: Network | None, settings: tuple[str, ...] = ()) -> None:
         self.network = network
         self.stack = ExitStack()
-        self.folder = Path(tempfile.mkdtemp(prefix="farhand-faults-"))
+        self.folder = Path(tempfile.mkdtemp(prefix="farhand-faults-", dir=MEMORY))
         self.stack.callback(shutil.rmtree, self.folder, ignore_errors=True)
         host = "localhost" if network else "127.0.0.1"
         control, video, listen = free_ports(3)
@@ -63,6 +65,10 @@ class CellPair:
         self.link = self.stack.enter_context(open_link(connect=(self.control,)))
         self.states = Recorder(self.link, self.link, CELL, ()).record.states
         self.remote = self.local = NOBODY
+        self.path = HandPath.still()
+
+    def start(self) -> None:
+        """Start both sites."""
         self.start_remote()
         self.start_local()
 
@@ -114,12 +120,16 @@ class CellPair:
 
     def engage(self) -> None:
         """Have the arm follow the hand, whatever had ended it, and lead it back to where it started."""
-        self.hand(lost=False, camera="", to=self.place_of_arm(), seconds=0.1)
-        self.wait("a good hand", lambda: self.state.readiness.ready or not self.is_in(SessionState.DISENGAGED))
-        self.wait("the engagement", self._engages, 10)
+        self.ask(EngagementAction.DISENGAGE)
+        self.wait("rest", lambda: self.states[-1].q_commanded == self.states[-10].q_commanded, 5)
+        place = self.place_of_arm()
+        self.hand(lost=False, camera="", to=place, seconds=0.3)
+        time.sleep(SETTLES_S)
+        self.wait("the engagement", self._engages, 20)
         self.wait("the arm to follow", lambda: self.is_in(SessionState.ENGAGED), 10)
-        self.hand(to=(0,) * 6, seconds=1.0)
-        self.wait("the arm to be back", lambda: np.abs(self.place_of_arm()).max() < NEAR, 10)
+        way_s = 0.5 + 3.0 * float(np.abs(place).max())
+        self.hand(to=(0,) * 6, seconds=way_s)
+        self.wait("the arm to be back", lambda: np.abs(self.place_of_arm()).max() < NEAR, way_s + 5.0)
 
     def move(self) -> None:
         """Have the hand circle and wait until the arm is quick."""

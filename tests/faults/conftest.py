@@ -3,11 +3,13 @@
 import os
 from collections.abc import Iterator
 
+import numpy as np
 import pytest
 from cell_pair import CellPair
-from fault_report import Report
+from fault_report import FOLDER, Report
 from fault_rows import Row
 from namespaces import Network, why_not
+from trial import Trial
 
 ABOUT = "Each fault on both sites as processes of their own; every command that reached the driver is judged."
 
@@ -26,7 +28,16 @@ class Stage:
         if self._pair is None or self._settings != row.settings:
             self.clear()
             self._pair, self._settings = CellPair(self._hosts(), row.settings), row.settings
+            self._pair.start()
         return self._pair
+
+    def settle(self, trial: Trial) -> None:
+        """Good weather again; a pair on which a row has failed is not used any more, its record is kept."""
+        if self._network is not None:
+            self._network.weather()
+        if trial.outcome.failures:
+            np.save(FOLDER / "failed.npy", trial.pair.log(trial.begun_ns).records)
+            self.clear()
 
     def clear(self) -> None:
         """End the pair that is up."""

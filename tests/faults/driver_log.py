@@ -1,5 +1,6 @@
 """What the driver received and the robot did, read from the recording driver's file: limits, stops, travel."""
 
+from bisect import bisect_left
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -38,15 +39,16 @@ class DriverLog:
 
     def __init__(self, records: Array, model: ArmModel, limits: JointLimits) -> None:
         self._model, self._limits = model, limits
+        self.records = records
         self.writes = records[records["kind"] == WRITE]
         self.reads = records[records["kind"] == READ]
 
     @classmethod
     def read(cls, path: Path, model: ArmModel, limits: JointLimits, since_ns: int) -> "DriverLog":
-        """All whole records since a time."""
-        data = path.read_bytes()
-        records = np.frombuffer(data[: len(data) // RECORD.itemsize * RECORD.itemsize], RECORD)
-        return cls(records[records["t_ns"] >= since_ns], model, limits)
+        """All whole records since a time; the file itself is not read before that."""
+        records = np.memmap(path, RECORD, "r", shape=(path.stat().st_size // RECORD.itemsize,))
+        first = bisect_left(range(len(records)), since_ns, key=lambda k: records[k]["t_ns"])
+        return cls(np.array(records[first:]), model, limits)
 
     def worst(self) -> Worst:
         """The worst command."""
@@ -70,15 +72,15 @@ class DriverLog:
             self.last_moving_ns(records[records["t_ns"] > t_ns]) is not None for records in (self.writes, self.reads)
         )
 
-    def stop_s(self, t_ns: int) -> float:
-        """How long the quickest stop takes from the last command at this time."""
-        before = self.writes[self.writes["t_ns"] <= t_ns]
-        return stop_time(JointMotion(*before["motion"][-1]), self._limits) if len(before) else 0.0
-
-    def speed_at(self, t_ns: int) -> float:
-        """The fastest joint's speed in the last command at this time, rad/s."""
-        before = self.writes[self.writes["t_ns"] <= t_ns]
-        return float(np.abs(before["motion"][-1, 1]).max()) if len(before) else 0.0
+    def rest_ns(self, onset_ns: int, grace_ns: int) -> int:
+        """When an arm rests that begins its quickest stop at the onset, or at any command in the grace after it."""
+        times = self.writes["t_ns"]
+        first, last = np.searchsorted(times, [onset_ns, onset_ns + grace_ns], side="right")
+        stops = [
+            max(int(write["t_ns"]), onset_ns) + round(stop_time(JointMotion(*write["motion"]), self._limits) * NS_PER_S)
+            for write in self.writes[max(first - 1, 0) : last]
+        ]
+        return max(stops, default=onset_ns)
 
     @property
     def speed_at_end(self) -> float:

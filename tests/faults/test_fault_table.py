@@ -22,7 +22,5 @@ def test_full(row: Row, stage: Stage) -> None:
     except (AssertionError, OSError, FarhandError) as error:
         trial.outcome.failures.append(str(error))
     stage.report.add(row, trial.outcome, time.monotonic() - begun)
-    trial.pair.network.weather()
-    if trial.outcome.failures:
-        stage.clear()
+    stage.settle(trial)
     assert not trial.outcome.failures, trial.outcome

@@ -5,7 +5,7 @@ from collections.abc import Callable
 from dataclasses import dataclass, field
 
 import numpy as np
-from cell_pair import NEAR, CellPair
+from cell_pair import CellPair
 from driver_log import DriverLog, Worst, ms
 
 from common.clock import NS_PER_MS, NS_PER_S
@@ -16,6 +16,7 @@ FOLLOWING = (SessionState.ENGAGED, SessionState.HOLDING)
 QUIET_S = 0.4
 TURN_NS = 2 * NS_PER_MS  # the driver's process comes round so often
 NEXT_SAMPLE_NS = 60 * NS_PER_MS  # a frame's period, its exposure, and the way to the driver
+LEAST_STATES_HZ = 40.0  # of 50
 EVERY = 5  # of the commands: 20 ms
 
 
@@ -79,9 +80,8 @@ class Trial:
         pair, log = self.pair, self.pair.log(self.begun_ns)
         good_ns = pair.state.obeyed.capture_ns
         soft_ns = NEXT_SAMPLE_NS if seen_by_sender else round(pair.config.safety.t_soft_ms * NS_PER_MS)
-        onset_ns = good_ns + soft_ns
-        allowed_ns = round((2 / pair.config.control.rate_hz + log.stop_s(onset_ns) + more_s) * NS_PER_S) + TURN_NS
-        self._rested(log, onset_ns + allowed_ns)
+        grace_ns = round(2 * NS_PER_S / pair.config.control.rate_hz)
+        self._rested(log, log.rest_ns(good_ns + soft_ns, grace_ns) + round(more_s * NS_PER_S) + TURN_NS)
 
     def _rested(self, log: DriverLog, bound_ns: int) -> None:
         moved = (log.last_moving_ns(log.writes), log.last_moving_ns(log.reads), self.fault_ns)
@@ -120,13 +120,10 @@ class Trial:
         self.note(f"least distance {1e3 * least:.2f} mm of {1e3 * collision.margin:.0f} mm in {len(q)} postures")
         self.check(least >= collision.margin - 1e-6, f"only {1e3 * least:.2f} mm of distance")
 
-    def comes_back(self, seconds: float) -> None:
-        """The hand goes home, and so does the arm."""
-        self.pair.hand(to=(0,) * 6, seconds=seconds)
-        time.sleep(seconds + 1.0)
-        off = float(np.abs(self.pair.place_of_arm()).max())
-        self.check(off < NEAR, f"the arm came back only to {off:.3f} m or rad: {self.pair.state.reason}")
-        self.check(self.pair.is_in(SessionState.ENGAGED), f"it follows no more: {self.pair.state.reason}")
+    def ticks(self) -> None:
+        """The control loop has gone on since the fault: it has told its state all the while."""
+        told = sum(state.t_ns > self.fault_ns for state in self.pair.states)
+        self.check(told > LEAST_STATES_HZ * self.elapsed_s, f"only {told} states in {self.elapsed_s:.1f} s")
 
     def end(self) -> None:
         """The invariant on every command of the row."""
