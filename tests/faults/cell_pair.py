@@ -22,7 +22,7 @@ from puppets import tell
 from common.channels import ENGAGEMENT
 from common.clock import NS_PER_S
 from common.config import load_config
-from common.geometry import vector_from_rotation
+from common.geometry import Array, vector_from_rotation
 from common.messages import RobotState, SessionState
 from common.requests import EngagementAction, EngagementRequest, Reply
 from common.transport import open_link
@@ -32,15 +32,18 @@ from remote_site.config import RemoteConfig
 from remote_site.kinematics.limits import JointLimits
 from remote_site.kinematics.model import ArmModel
 
+A465 = "driver.name=c500c"
+FARHAND = (sys.executable, "-m", "farhand")
 CELL, OPERATOR = "faults", "anna"
 TESTS = Path(__file__).parent
-PATIENCE_S = 40.0
+PATIENCE_S = 90.0
 ENTRY_POINTS = "[farhand.drivers]\nrecording = recording_driver:RecordingDriver\n"
 VIDEO = 'video.cameras=[{name="side",source="/dev/null-camera"}]'
 MOVING_RAD_S = 0.15
 CIRCLE = {"circle_m": (0.05, 0.04, 0.04), "hz": 0.5}
 NEAR = 0.02  # m and rad
 SETTLES_S = 0.7  # of a glide, of what smooths it, and of the calm before a turned hand counts again
+ATTEMPTS = 3
 MEMORY = "/dev/shm"  # noqa: S108  # a robot's driver never waits for a disk
 
 
@@ -56,7 +59,7 @@ class CellPair:
         control, video, listen = free_ports(3)
         self.control, self.video = f"tcp/{host}:{control}", f"tcp/{host}:{video}"
         self.listen = f"tcp/127.0.0.1:{listen}"
-        self.settings = (*self._own_settings(), *settings)
+        self.settings = (*self._own_settings(), *self._driver(settings))
         self.config = load_config(RemoteConfig, None, self.settings)
         robot = self.config.robot
         self.model = ArmModel.from_urdf(robot.urdf, robot.tool_frame, robot.tool_T_tcp)
@@ -65,10 +68,15 @@ class CellPair:
         self.link = self.stack.enter_context(open_link(connect=(self.control,)))
         self.states = Recorder(self.link, self.link, CELL, ()).record.states
         self.remote = self.local = NOBODY
+        self.others: list[Daemon] = []
         self.path = HandPath.still()
 
     def start(self) -> None:
-        """Start both sites."""
+        """Start both sites, and the robot where it is a process of its own."""
+        if A465 in self.settings:
+            command = [sys.executable, str(TESTS / "emulated_robot.py"), str(self.folder)]
+            self.others.append(Daemon("robot", command, self._environment))
+            self.wait("the robot", (self.folder / "line").exists)
         self.start_remote()
         self.start_local()
 
@@ -76,7 +84,7 @@ class CellPair:
         """Start the remote site, and wait for its first state."""
         self.remote.end()
         before = len(self.states)
-        self.remote = self._start("remote", [sys.executable, "-m", "farhand", "remote"], self.settings)
+        self.remote = self._start("remote", [*FARHAND, "remote"], self.settings)
         self.wait("the remote site", lambda: len(self.states) > before)
         return self.remote
 
@@ -85,13 +93,33 @@ class CellPair:
         ear = self.folder / "hand"
         self.local.end()
         self.path = HandPath.still()
-        beyond = list(self.network.beyond) if self.network else []
-        command = [*beyond, sys.executable, str(TESTS / "scripted_local.py"), str(ear)]
+        command = [*self._beyond, sys.executable, str(TESTS / "scripted_local.py"), str(ear)]
         ear.unlink(missing_ok=True)
         settings = f"links.remote={self.control}", f"links.listen={self.listen}", f"authority.operator={OPERATOR}"
         self.local = self._start("local", command, (f"cell={CELL}", "tracking.method=markers", *settings))
         self.wait("the scripted operator", ear.exists)
         return self.local
+
+    def start_console(self) -> int:
+        """Start the operator's console beside the local site; the port of its page."""
+        (port,) = free_ports(1)
+        links = f"links.control={self.control}", f"links.video={self.video}", f"links.local={self.listen}"
+        settings = f"cell={CELL}", f"operator={OPERATOR}", f"serve.port={port}", *links
+        self.others.append(self._start("console", [*self._beyond, *FARHAND, "console"], settings))
+        return port
+
+    def start_page(self, port: int) -> Daemon:
+        """Open a page of the console; it listens to `page`."""
+        ear = self.folder / "page"
+        ear.unlink(missing_ok=True)
+        command = [*self._beyond, sys.executable, str(TESTS / "page_client.py"), str(port), str(ear)]
+        self.others.append(Daemon("page", command, self._environment))
+        self.wait("the page", ear.exists)
+        return self.others[-1]
+
+    @property
+    def _beyond(self) -> tuple[str, ...]:
+        return self.network.beyond if self.network else ()
 
     @property
     def state(self) -> RobotState:
@@ -120,6 +148,19 @@ class CellPair:
 
     def engage(self) -> None:
         """Have the arm follow the hand, whatever had ended it, and lead it back to where it started."""
+        for attempt in range(ATTEMPTS):
+            place = self.take_up()
+            way_s = 0.5 + 3.0 * float(np.abs(place).max())
+            self.hand(to=(0,) * 6, seconds=way_s)
+            try:
+                self.wait("the arm to be back", lambda: np.abs(self.place_of_arm()).max() < NEAR, way_s + 3.0)
+                return
+            except AssertionError:  # a busy machine makes the arm hold, which shifts the hand against it
+                if attempt == ATTEMPTS - 1:
+                    raise
+
+    def take_up(self) -> tuple[float, ...]:
+        """Have the arm follow from where it stands, and say where the hand is then."""
         self.ask(EngagementAction.DISENGAGE)
         self.wait("rest", lambda: self.states[-1].q_commanded == self.states[-10].q_commanded, 5)
         place = self.place_of_arm()
@@ -127,9 +168,7 @@ class CellPair:
         time.sleep(SETTLES_S)
         self.wait("the engagement", self._engages, 20)
         self.wait("the arm to follow", lambda: self.is_in(SessionState.ENGAGED), 10)
-        way_s = 0.5 + 3.0 * float(np.abs(place).max())
-        self.hand(to=(0,) * 6, seconds=way_s)
-        self.wait("the arm to be back", lambda: np.abs(self.place_of_arm()).max() < NEAR, way_s + 5.0)
+        return place
 
     def move(self) -> None:
         """Have the hand circle and wait until the arm is quick."""
@@ -144,7 +183,11 @@ class CellPair:
 
     def place_of_arm(self) -> tuple[float, ...]:
         """Where the hand has to be engaged so that the arm is at its start when the hand is at home."""
-        start, now = (self.model.forward(q) for q in (self.config.robot.start, np.array(self.state.q_commanded)))
+        return self.place_of(np.array(self.state.q_commanded))
+
+    def place_of(self, q: Array) -> tuple[float, ...]:
+        """Where the hand has to be so that the tool is where it is in this posture."""
+        start, now = (self.model.forward(posture) for posture in (self.config.robot.start, q))
         base_R_operator = np.array(self.config.mapping.base_R_operator)
         turn = vector_from_rotation(now[:3, :3] @ start[:3, :3].T)
         way = now[:3, 3] - start[:3, 3]
@@ -172,7 +215,7 @@ class CellPair:
 
     def close(self) -> None:
         """End everything."""
-        for process in (self.local, self.remote):
+        for process in (*self.others, self.local, self.remote):
             process.end()
         self.stack.close()
 
@@ -186,11 +229,15 @@ class CellPair:
             f"links.control={self.control}",
             f"links.video={self.video}",
             "engagement.mode=on_request",
-            "driver.name=recording",
-            f"driver.options.record={self.folder / 'record'}",
-            f"driver.options.orders={self.folder / 'robot'}",
             VIDEO,
         )
+
+    def _driver(self, settings: tuple[str, ...]) -> tuple[str, ...]:
+        """The recording driver, or the A465's at the line of an emulated controller of its own."""
+        if A465 in settings:
+            return *settings, f"driver.options.port={self.folder / 'line'}"
+        paths = f"driver.options.record={self.folder / 'record'}", f"driver.options.orders={self.folder / 'robot'}"
+        return "driver.name=recording", *paths, *settings
 
     def _plug_in(self) -> dict[str, str]:
         """The environment in which the recording driver is an installed one."""

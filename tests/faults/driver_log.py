@@ -17,7 +17,7 @@ from remote_site.safety.stopping import stop_time
 
 ROUNDING = 1.00001
 FASTER = ROUNDING / LEAST_SHARE  # of a limit: a motion may be written so much sooner than planned
-MOVES_RAD_S = 1e-9
+MOVES_RAD_S = {WRITE: 1e-9, READ: 2e-3}  # what a robot measures is not quite zero
 
 
 @dataclass(frozen=True)
@@ -63,7 +63,8 @@ class DriverLog:
 
     def last_moving_ns(self, records: Array) -> int | None:
         """When the last record was made that moves; None when all rest."""
-        moving = np.flatnonzero((np.abs(records["motion"][:, 1]) > MOVES_RAD_S).any(axis=1))
+        least = MOVES_RAD_S[int(records["kind"][0])] if len(records) else 0.0
+        moving = np.flatnonzero((np.abs(records["motion"][:, 1]) > least).any(axis=1))
         return int(records["t_ns"][moving[-1]]) if len(moving) else None
 
     def moves_after(self, t_ns: int) -> bool:
@@ -73,19 +74,23 @@ class DriverLog:
         )
 
     def rest_ns(self, onset_ns: int, grace_ns: int) -> int:
-        """When an arm rests that begins its quickest stop at the onset, or at any command in the grace after it."""
-        times = self.writes["t_ns"]
+        """When an arm rests that begins its quickest stop at the onset, or at any command in the grace after it.
+
+        Of a robot that keeps its own record, the readings count.
+        """
+        records = self.writes if len(self.writes) else self.reads
+        times = records["t_ns"]
         first, last = np.searchsorted(times, [onset_ns, onset_ns + grace_ns], side="right")
         stops = [
             max(int(write["t_ns"]), onset_ns) + round(stop_time(JointMotion(*write["motion"]), self._limits) * NS_PER_S)
-            for write in self.writes[max(first - 1, 0) : last]
+            for write in records[max(first - 1, 0) : last]
         ]
         return max(stops, default=onset_ns)
 
     @property
     def speed_at_end(self) -> float:
-        """The fastest joint's speed in the last command, rad/s; none without commands."""
-        return float(np.abs(self.writes["motion"][-1, 1]).max()) if len(self.writes) else 0.0
+        """The fastest joint's speed in the last reading, rad/s."""
+        return float(np.abs(self.reads["motion"][-1, 1]).max()) if len(self.reads) else 0.0
 
     def travel_mm(self, since_ns: int, until_ns: int) -> float:
         """The way of the tool as read, mm."""

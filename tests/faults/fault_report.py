@@ -20,8 +20,8 @@ STYLE = (
 class Report:
     """Rows as they come; written anew after each, so that a run that ends early leaves what it has."""
 
-    def __init__(self, about: str) -> None:
-        self._about = about
+    def __init__(self, about: str, name: str) -> None:
+        self._about, self._name = about, name
         self._rows: list[dict[str, Any]] = []
 
     def add(self, row: Row, outcome: Outcome, seconds: float) -> None:
@@ -32,8 +32,8 @@ class Report:
             | {"passed": not outcome.failures}
         )
         FOLDER.mkdir(parents=True, exist_ok=True)
-        (FOLDER / "report.json").write_text(json.dumps({"about": self._about, "rows": self._rows}, indent=2) + "\n")
-        (FOLDER / "report.html").write_text(self._page())
+        (FOLDER / f"{self._name}.json").write_text(json.dumps({"about": self._about, "rows": self._rows}, indent=2) + "\n")
+        (FOLDER / f"{self._name}.html").write_text(self._page())
 
     def _page(self) -> str:
         head = "".join(f"<th>{name}</th>" for name in HEAD)

@@ -10,9 +10,10 @@ import numpy as np
 from cell_pair import CellPair
 from driver_log import ms
 from forgery import ask_for_lease
+from puppets import tell
 from trial import FOLLOWING, Trial
 
-from common.clock import NS_PER_S
+from common.clock import NS_PER_MS, NS_PER_S
 from common.messages import SessionState
 from common.requests import EngagementAction
 
@@ -21,6 +22,9 @@ Play = Callable[[Trial], None]
 
 STILL_MM = 1.0
 BACK_S = 2.0
+WATCHDOG_MS = 200.0  # of the A465's controller
+CALIBRATION_S = 22.0
+OUTWARD = np.array([0.15, 0, 0, 0, 0, 0])
 
 
 def hand(**words: Any) -> Act:
@@ -195,16 +199,111 @@ def reach_out(there: tuple[float, ...], seconds: float, *codes: str) -> Play:
 
 
 def sweep_wrist(trial: Trial) -> None:
-    """Joint 5 goes through zero, and back."""
-    for turn in (1.2, -0.3):
-        trial.pair.hand(to=(0, 0, 0, turn, 0, 0), seconds=3.0)
-        time.sleep(4.0)
-    log = trial.pair.log(trial.begun_ns)
+    """Joint 5 is led from -45 deg through zero, and back."""
+    pair = trial.pair
+    beyond = np.array(pair.config.robot.start) + np.radians([0, 0, 0, 0, 75, 0])
+    pair.hand(to=pair.place_of(beyond), seconds=4.0)
+    time.sleep(5.5)
+    log = pair.log(trial.begun_ns)
     q5 = np.degrees(log.q[:, 4])
-    codes = {state.code for state in trial.pair.states if state.t_ns > trial.begun_ns}
+    codes = {state.code for state in pair.states if state.t_ns > trial.begun_ns}
     trial.note(f"joint 5 from {q5.min():.1f} to {q5.max():.1f} deg, said {', '.join(sorted(codes))}")
-    trial.check(q5.max() > -5, "joint 5 did not come near zero")
-    trial.pair.engage()
+    trial.check(np.abs(q5).min() < 5.0, "joint 5 did not come near zero")
+    pair.engage()
+
+
+def kill_control(trial: Trial) -> None:
+    """Control is killed: the driver's process stops the arm, and what starts again is not engaged."""
+    pair = trial.pair
+    pair.move()
+    trial.begin(lambda pair: os.kill(pair.remote.child("farhand-control"), signal.SIGKILL))
+    trial.rests()
+    pair.wait("the remote site to end", lambda: pair.remote.exit_code is not None, 10)
+    trial.check("control" in "".join(pair.remote.lines), "the site does not name the dead process")
+    _start_again(trial)
+
+
+def kill_remote(trial: Trial) -> None:
+    """All processes of the remote site are killed: the robot's own watchdog stops it."""
+    pair = trial.pair
+    pair.move()
+    trial.begin(lambda pair: os.killpg(pair.remote.pid, signal.SIGKILL))
+    trial.rests(told_within_s=WATCHDOG_MS / 1e3)
+    _start_again(trial)
+
+
+def _start_again(trial: Trial) -> None:
+    trial.pair.start_remote()
+    trial.pair.wait("a good hand", lambda: trial.pair.state.readiness.ready)
+    trial.stays()
+
+
+def close_page(trial: Trial) -> None:
+    """The page whose key is held goes away: the arm stops, and a page that comes back with the key down moves nothing."""
+    pair, port = trial.pair, trial.pair.start_console()
+    page = pair.start_page(port)
+    pair.wait("readiness", lambda: pair.state.readiness.ready)
+    pair.wait("the key to be seen let go", lambda: _presses(pair))
+    pair.move()
+    trial.begin(lambda pair: os.kill(page.pid, signal.SIGKILL))
+    trial.latches(0.5)
+    trial.rests(told_within_s=0.5)
+    pair.start_page(port)
+    tell(pair.folder / "page", down=True)
+    trial.stays(2.0)
+
+
+def _presses(pair: CellPair) -> bool:
+    """Let go of the page's key for a while, press it, and see whether the arm follows."""
+    for down in (False, True):
+        tell(pair.folder / "page", down=down)
+        time.sleep(0.7)
+    return pair.is_in(SessionState.ENGAGED)
+
+
+def start_outside(trial: Trial) -> None:
+    """An arm found beyond a joint's limit may only come back."""
+    pair = trial.pair
+    place = np.array(pair.take_up())
+    pair.hand(to=(place + OUTWARD).tolist(), seconds=1.0)
+    time.sleep(1.5)
+    q1 = np.degrees(pair.log(trial.begun_ns).q[:, 0])
+    trial.note(f"found at {q1[0]:.2f} deg, sent to at most {q1.max():.2f} deg by a hand that pushes on")
+    trial.check(q1.max() <= q1[0] + 0.01, f"joint 1 was sent further out, to {q1.max():.2f} deg")
+    pair.engage()
+    trial.note(f"came back to {np.degrees(pair.state.q_commanded[0]):.2f} deg")
+
+
+def bear(seconds: float, least_share: float, **words: Any) -> Play:
+    """In such weather the arm follows, and obeys nothing that is too old."""
+
+    def play(trial: Trial) -> None:
+        trial.pair.move()
+        trial.begin(weather(**words))
+        time.sleep(seconds)
+        trial.follows(least_share)
+        trial.obeys_nothing_old()
+
+    return play
+
+
+def lose(share: float, delay_ms: float, seconds: float) -> Play:
+    """Lost packets never latch, and cost little of the tracking error at the same delay."""
+    weather_play = bear(seconds, 0.9, loss=share, delay_ms=delay_ms)
+
+    def play(trial: Trial) -> None:
+        trial.pair.network.weather(delay_ms=delay_ms)
+        trial.pair.move()
+        time.sleep(CALIBRATION_S)
+        since_ns = time.monotonic_ns() - round((CALIBRATION_S - 2) * NS_PER_S)
+        errors = {lag_ms: trial.error_mm(since_ns, lag_ms * NS_PER_MS) for lag_ms in range(20, 400, 10)}
+        lag_ms = min(errors, key=errors.__getitem__)
+        weather_play(trial)
+        error_mm = trial.error_mm(trial.fault_ns + 2 * NS_PER_S, lag_ms * NS_PER_MS)
+        trial.note(f"error at {lag_ms} ms {errors[lag_ms]:.2f} mm, with loss {error_mm:.2f} mm")
+        trial.check(error_mm <= 1.1 * errors[lag_ms], f"the error rose by {error_mm / errors[lag_ms] - 1:.0%}")
+
+    return play
 
 
 def wander(seconds: float) -> Play:

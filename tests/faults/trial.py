@@ -36,10 +36,9 @@ class Outcome:
 class Trial:
     """The pair with the clock of one row; checks are collected, so that the report shows all of them."""
 
-    def __init__(self, pair: CellPair) -> None:
-        self.pair = pair
+    def __init__(self, pair: CellPair, outcome: Outcome) -> None:
+        self.pair, self.outcome = pair, outcome
         self.begun_ns = self.fault_ns = self.rested_ns = time.monotonic_ns()
-        self.outcome = Outcome()
 
     def check(self, so: object, what: str) -> None:
         """Note a failure unless something is so."""
@@ -71,15 +70,19 @@ class Trial:
         pair.wait("the latch", lambda: pair.state.state not in FOLLOWING, within_s)
         self.note(f"latched after {ms(pair.state.t_ns - self.fault_ns):.0f} ms: {pair.state.reason}")
 
-    def rests(self, *, seen_by_sender: bool = False, more_s: float = 0.0) -> None:
+    def rests(
+        self, *, seen_by_sender: bool = False, more_s: float = 0.0, told_within_s: float | None = None
+    ) -> None:
         """The arm comes to rest by T_soft, two ticks and the stop's time after the last good sample.
 
-        What the sender sees itself stops the arm with the sample after that. `more_s` is how long a driver blocks.
+        What the sender sees itself stops the arm with the sample after that; where the samples go on, `told_within_s`
+        of the fault counts. `more_s` is how long a driver blocks.
         """
         time.sleep(QUIET_S)
         pair, log = self.pair, self.pair.log(self.begun_ns)
-        good_ns = pair.state.obeyed.capture_ns
+        good_ns = pair.state.obeyed.capture_ns if told_within_s is None else self.fault_ns
         soft_ns = NEXT_SAMPLE_NS if seen_by_sender else round(pair.config.safety.t_soft_ms * NS_PER_MS)
+        soft_ns = soft_ns if told_within_s is None else round(told_within_s * NS_PER_S)
         grace_ns = round(2 * NS_PER_S / pair.config.control.rate_hz)
         self._rested(log, log.rest_ns(good_ns + soft_ns, grace_ns) + round(more_s * NS_PER_S) + TURN_NS)
 
@@ -110,6 +113,23 @@ class Trial:
         writes = self.log.writes
         self.check(not (writes["t_ns"] > self.rested_ns).any(), "commands came in spite of the fault")
 
+    def follows(self, least_share: float) -> None:
+        """The arm never latches, and follows for most of the time."""
+        told = [state.state for state in self.pair.states if state.t_ns > self.fault_ns]
+        share = told.count(SessionState.ENGAGED) / len(told)
+        self.note(f"followed {share:.1%} of {self.elapsed_s:.0f} s")
+        self.check(all(state in FOLLOWING for state in told), f"it latched: {self.pair.state.reason}")
+        self.check(share >= least_share, f"it followed only {share:.0%} of the time")
+
+    def error_mm(self, since_ns: int, delay_ns: int) -> float:
+        """How far the tool is from where the hand had it so long before, rms in mm."""
+        pair, writes = self.pair, self.pair.log(since_ns).writes[::EVERY]
+        start, scale = pair.model.forward(pair.config.robot.start)[:3, 3], pair.config.mapping.scale
+        hand = np.array([pair.path.at(int(t_ns) - delay_ns)[:3] for t_ns in writes["t_ns"]])
+        wanted = start + scale * hand @ np.array(pair.config.mapping.base_R_operator).T
+        tool = np.array([pair.model.forward(q)[:3, 3] for q in writes["motion"][:, 0]])
+        return 1e3 * float(np.sqrt(np.mean(np.sum((tool - wanted) ** 2, axis=1))))
+
     def keeps_distance(self) -> None:
         """No command since the row began would have the arm nearer than the margin to anything."""
         config, q = self.pair.config, self.pair.log(self.begun_ns).q[::EVERY]
@@ -122,8 +142,9 @@ class Trial:
 
     def ticks(self) -> None:
         """The control loop has gone on since the fault: it has told its state all the while."""
-        told = sum(state.t_ns > self.fault_ns for state in self.pair.states)
-        self.check(told > LEAST_STATES_HZ * self.elapsed_s, f"only {told} states in {self.elapsed_s:.1f} s")
+        first = next(state for state in self.pair.states if state.t_ns > self.fault_ns)
+        told, took_s = self.pair.state.seq - first.seq, self.elapsed_s
+        self.check(told > LEAST_STATES_HZ * took_s, f"only {told} states in {took_s:.1f} s")
 
     def end(self) -> None:
         """The invariant on every command of the row."""
