@@ -14,7 +14,7 @@ settings.register_profile("any machine", deadline=None)  # a busy one takes its 
 settings.load_profile("any machine")
 
 HERE = Path(__file__).parent
-WHOLE_SITES = (HERE / "integration", HERE / "browser")
+WHOLE_SITES = (HERE / "integration", HERE / "faults", HERE / "browser")
 
 
 class WholeSitesInARow(LoadScopeScheduling):

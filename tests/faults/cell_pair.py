@@ -246,9 +246,13 @@ class CellPair:
         (package / "METADATA").write_text("Metadata-Version: 2.1\nName: faults\nVersion: 1\n")
         (package / "entry_points.txt").write_text(ENTRY_POINTS)
         paths = [str(self.folder), str(TESTS), *sys.path]
+        wall = self._wall_clock() if self.network is not None else {}
+        return wall | {"PYTHONPATH": ":".join(filter(None, paths)), "STATE_DIRECTORY": str(self.folder)}
+
+    def _wall_clock(self) -> dict[str, str]:
+        """The environment in which the wall clock can be put to another time."""
         offset, library = self.folder / "wall_offset", self.folder / "wall_clock.so"
         offset.write_bytes(bytes(8))
         compiler = ["cc", "-O2", "-shared", "-fPIC", "-o", str(library), str(TESTS / "wall_clock.c"), "-ldl"]
         subprocess.run(compiler, check=True)
-        wall = {"LD_PRELOAD": str(library), "FARHAND_WALL_OFFSET": str(offset)}
-        return wall | {"PYTHONPATH": ":".join(filter(None, paths)), "STATE_DIRECTORY": str(self.folder)}
+        return {"LD_PRELOAD": str(library), "FARHAND_WALL_OFFSET": str(offset)}

@@ -26,7 +26,7 @@ class Daemon:
             text=True,
             env=os.environ | environment,
             start_new_session=True,
-            preexec_fn=lambda: die_with_parent(parent),
+            preexec_fn=lambda: die_with_parent(parent),  # noqa: PLW1509  # two system calls that take no lock
         )
         threading.Thread(target=self._listen, daemon=True).start()
 

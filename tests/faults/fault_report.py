@@ -32,7 +32,9 @@ class Report:
             | {"passed": not outcome.failures}
         )
         FOLDER.mkdir(parents=True, exist_ok=True)
-        (FOLDER / f"{self._name}.json").write_text(json.dumps({"about": self._about, "rows": self._rows}, indent=2) + "\n")
+        (FOLDER / f"{self._name}.json").write_text(
+            json.dumps({"about": self._about, "rows": self._rows}, indent=2) + "\n"
+        )
         (FOLDER / f"{self._name}.html").write_text(self._page())
 
     def _page(self) -> str:

@@ -55,7 +55,7 @@ LONG_S = float(os.environ.get("FARHAND_FAULTS_LONG_S", "600"))
 WELL = hand(camera="")
 # fmt: off
 ROWS = (
-    Row("hand lost", "STOP at once, LATCH after 500 ms", latch(hand(lost=True), hand(lost=False), seen_by_sender=True, says="as told"), quick=True),
+    Row("hand lost", "STOP at once, LATCH after 500 ms", latch(hand(lost=True), hand(lost=False), says="as told"), quick=True),
     Row("camera unplugged", LATCHES, latch(hand(camera="unplugged"), RESTART)),
     Row("camera gives nothing", LATCHES, latch(hand(camera="off"), WELL, says="left")),
     Row("camera frozen", LATCHES, latch(hand(camera="stuck"), WELL, says="left")),
@@ -68,7 +68,7 @@ ROWS = (
     Row("partition 10 s", "LATCH, no backlog, path back under 2 s", partition(10.0)),
     Row("reordered, duplicated, late packets", "the arm follows", blink(weather(jitter_ms=30, reorders=True, doubled=0.3), weather(), 10.0)),
     Row("duplicated, overtaken, late samples", "dropped", unmoved(lambda pair: old_ones(pair, 1.0), "stale")),
-    Row("wall clock + 1 h", "nothing changes", blink(lambda pair: pair.step_wall_clock(3600), lambda pair: None, 1.0)),
+    Row("wall clock + 1 h", "nothing changes", blink(lambda pair: pair.step_wall_clock(3600), lambda _: None, 1.0)),
     Row("wall clock - 1 h", "nothing changes", blink(lambda pair: pair.step_wall_clock(-3600), lambda pair: pair.step_wall_clock(0), 1.0)),
     Row("malformed, oversized, hostile payloads", "rejected, counted, no crash", unmoved(lambda pair: hostile_ones(pair, 1.0), "malformed", "oversized", "invalid")),
     Row("NaN or infinity", "rejected at decode", unmoved(lambda pair: infinite_ones(pair, 0.5), "not_finite"), quick=True),

@@ -71,7 +71,7 @@ def old_ones(pair: CellPair, seconds: float) -> None:
 
 def hostile_ones(pair: CellPair, seconds: float) -> None:
     """Random bytes, huge ones, nested ones, true samples cut short, with a byte changed, or of another version."""
-    forger, luck = Forger(pair), Random(6)
+    forger, luck = Forger(pair), Random(6)  # noqa: S311  # which bytes are sent is no secret
     for _ in range(round(seconds / EVERY_S)):
         good = msgpack.packb(msgspec.to_builtins(forger.sample(ahead=2, age_ms=5)))
         changed = bytearray(good)

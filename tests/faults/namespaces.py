@@ -75,7 +75,11 @@ class Network:
 
     def _start(self, *command: str) -> None:
         parent = os.getpid()
-        process = subprocess.Popen(command, close_fds=False, preexec_fn=lambda: die_with_parent(parent))
+        process = subprocess.Popen(
+            command,
+            close_fds=False,
+            preexec_fn=lambda: die_with_parent(parent),  # noqa: PLW1509  # two system calls that take no lock
+        )
         self._processes.append(process)
 
 

@@ -1,4 +1,4 @@
-"""An operator's page without a browser: beats like one, its key up or down as told. `python page_client.py PORT EAR`."""
+"""An operator's page without a browser, its key up or down as told: `python page_client.py PORT EAR`."""
 
 import sys
 import threading

@@ -47,14 +47,14 @@ def kill_local(pair: CellPair) -> None:
     os.kill(pair.local.pid, signal.SIGKILL)
 
 
-def latch(fault: Act, heal: Act, *, seen_by_sender: bool = False, says: str = "", for_s: float = 0.0) -> Play:
+def latch(fault: Act, heal: Act, *, says: str = "", for_s: float = 0.0) -> Play:
     """A moving arm stops and latches, and stays where it is when the fault is over, however long it was."""
 
     def play(trial: Trial) -> None:
         trial.pair.move()
         trial.begin(fault)
         trial.latches()
-        trial.rests(seen_by_sender=seen_by_sender)
+        trial.rests()
         trial.check(says in trial.pair.state.reason, f"the reason does not say {says!r}: {trial.pair.state.reason}")
         time.sleep(max(for_s - trial.elapsed_s, 0.0))
         heal(trial.pair)
@@ -65,7 +65,7 @@ def latch(fault: Act, heal: Act, *, seen_by_sender: bool = False, says: str = ""
 
 def partition(seconds: float) -> Play:
     """As above, and the command path is back soon after the partition heals."""
-    play_latch = latch(weather(cut=True), lambda pair: None, says="old", for_s=seconds)
+    play_latch = latch(weather(cut=True), lambda _: None, says="old", for_s=seconds)
 
     def play(trial: Trial) -> None:
         play_latch(trial)
@@ -239,13 +239,13 @@ def _start_again(trial: Trial) -> None:
 
 
 def close_page(trial: Trial) -> None:
-    """The page whose key is held goes away: the arm stops, and a page that comes back with the key down moves nothing."""
+    """The page whose key is held goes away: the arm stops, and one that comes back with the key down moves nothing."""
     pair, port = trial.pair, trial.pair.start_console()
     page = pair.start_page(port)
     pair.wait("readiness", lambda: pair.state.readiness.ready)
     pair.wait("the key to be seen let go", lambda: _presses(pair))
     pair.move()
-    trial.begin(lambda pair: os.kill(page.pid, signal.SIGKILL))
+    trial.begin(lambda _: os.kill(page.pid, signal.SIGKILL))
     trial.latches(0.5)
     trial.rests(told_within_s=0.5)
     pair.start_page(port)

@@ -7,7 +7,6 @@ from dataclasses import replace
 import numpy as np
 from puppets import Ear
 
-from common.clock import NS_PER_MS
 from common.errors import DriverError
 from common.geometry import Array
 from remote_site.drivers.driver import Capabilities, Driver, DriverSetup, JointCommand, RobotReading

@@ -15,7 +15,6 @@ from remote_site.safety.collision import CollisionModel
 FOLLOWING = (SessionState.ENGAGED, SessionState.HOLDING)
 QUIET_S = 0.4
 TURN_NS = 2 * NS_PER_MS  # the driver's process comes round so often
-NEXT_SAMPLE_NS = 60 * NS_PER_MS  # a frame's period, its exposure, and the way to the driver
 LEAST_STATES_HZ = 40.0  # of 50
 EVERY = 5  # of the commands: 20 ms
 
@@ -70,21 +69,18 @@ class Trial:
         pair.wait("the latch", lambda: pair.state.state not in FOLLOWING, within_s)
         self.note(f"latched after {ms(pair.state.t_ns - self.fault_ns):.0f} ms: {pair.state.reason}")
 
-    def rests(
-        self, *, seen_by_sender: bool = False, more_s: float = 0.0, told_within_s: float | None = None
-    ) -> None:
+    def rests(self, *, more_s: float = 0.0, told_within_s: float | None = None) -> None:
         """The arm comes to rest by T_soft, two ticks and the stop's time after the last good sample.
 
-        What the sender sees itself stops the arm with the sample after that; where the samples go on, `told_within_s`
-        of the fault counts. `more_s` is how long a driver blocks.
+        Where good samples go on, `told_within_s` of the fault counts. `more_s` is how long a driver blocks.
         """
         time.sleep(QUIET_S)
         pair, log = self.pair, self.pair.log(self.begun_ns)
         good_ns = pair.state.obeyed.capture_ns if told_within_s is None else self.fault_ns
-        soft_ns = NEXT_SAMPLE_NS if seen_by_sender else round(pair.config.safety.t_soft_ms * NS_PER_MS)
-        soft_ns = soft_ns if told_within_s is None else round(told_within_s * NS_PER_S)
+        soft_s = pair.config.safety.t_soft_ms / 1e3 if told_within_s is None else told_within_s
         grace_ns = round(2 * NS_PER_S / pair.config.control.rate_hz)
-        self._rested(log, log.rest_ns(good_ns + soft_ns, grace_ns) + round(more_s * NS_PER_S) + TURN_NS)
+        by_ns = log.rest_ns(good_ns + round(soft_s * NS_PER_S), grace_ns)
+        self._rested(log, by_ns + round(more_s * NS_PER_S) + TURN_NS)
 
     def _rested(self, log: DriverLog, bound_ns: int) -> None:
         moved = (log.last_moving_ns(log.writes), log.last_moving_ns(log.reads), self.fault_ns)

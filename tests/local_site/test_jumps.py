@@ -8,7 +8,7 @@ from local_site.smoothing import SmoothingConfig, make_smoother
 from local_site.tracking.tracker import ArmEstimate
 
 HAND = np.array([0.1, 0.2, 0.3])
-AWAY = HAND + [0.0, 0.6, 0.8]
+AWAY = HAND + np.array([0.0, 0.6, 0.8])
 
 
 def smoothed(wrists, method="one_euro"):
@@ -35,7 +35,7 @@ def test_the_third_in_a_row_is_where_the_arm_is():
 
 
 def test_a_quick_hand_is_smoothed_as_ever():
-    way = [HAND + [0.0, 0.08 * k, 0.0] for k in range(8)]
+    way = [HAND + np.array([0.0, 0.08 * k, 0.0]) for k in range(8)]
     sent = smoothed(way)
     assert 0 < sent[-1][1] - HAND[1] < way[-1][1] - HAND[1]
 
