@@ -31,6 +31,7 @@ from farhand.recorder import Recorder
 from remote_site.config import RemoteConfig
 from remote_site.kinematics.limits import JointLimits
 from remote_site.kinematics.model import ArmModel
+from remote_site.safety.state import FULL_SPEED_MS
 
 A465 = "driver.name=c500c"
 FARHAND = (sys.executable, "-m", "farhand")
@@ -40,7 +41,7 @@ PATIENCE_S = 90.0
 ENTRY_POINTS = "[farhand.drivers]\nrecording = recording_driver:RecordingDriver\n"
 VIDEO = 'video.cameras=[{name="side",source="/dev/null-camera"}]'
 MOVING_RAD_S = 0.15
-CIRCLE = {"circle_m": (0.05, 0.04, 0.04), "hz": 0.5}
+CIRCLE_M, CIRCLE_HZ = (0.05, 0.04, 0.04), 0.5
 NEAR = 0.02  # m and rad
 SETTLES_S = 0.7  # of a glide, of what smooths it, and of the calm before a turned hand counts again
 ATTEMPTS = 3
@@ -171,10 +172,13 @@ class CellPair:
         return place
 
     def move(self) -> None:
-        """Have the hand circle and wait until the arm is quick."""
-        self.hand(to=(0, 0.05, 0, 0, 0, 0), seconds=0.5, **CIRCLE)
-        time.sleep(0.6)
-        self.wait("the arm to move", lambda: self.log(time.monotonic_ns() - NS_PER_S).speed_at_end > MOVING_RAD_S, 10)
+        """Have the hand circle, as fast as the arm may go, and wait until it does."""
+        pace = min(1.0, FULL_SPEED_MS / self.config.safety.t_soft_ms)
+        self.hand(to=(0, 0.05, 0, 0, 0, 0), seconds=0.5 / pace, circle_m=CIRCLE_M, hz=CIRCLE_HZ * pace)
+        time.sleep(0.6 / pace)
+        self.wait(
+            "the arm to move", lambda: self.log(time.monotonic_ns() - NS_PER_S).speed_at_end > MOVING_RAD_S * pace, 10
+        )
 
     def _engages(self) -> bool:
         answer = self.ask(EngagementAction.ENGAGE)

@@ -84,7 +84,7 @@ ROWS = (
     Row("robot reports a fault", "code mirrored, " + FAULTS, faulty(robot(fault="robot"), robot(fault=""), says="robot (E42)"), quick=True),
     Row("hardware e-stop reported", "no commands, LATCH, needs reset and engage", faulty(robot(fault="emergency_stop"), robot(fault=""), says="emergency_stop", silent=True)),
     Row("console tab closed", "STOP, LATCH within 500 ms", close_page, settings=("engagement.mode=hold_to_run",), engaged=False),
-    Row("200 ms jitter", "bounded slow-down, no late sample used", bear(60.0, 0.9, jitter_ms=200), settings=PATIENT),
-    Row("5 % loss, 20 ms each way", "no latch in 10 min, tracking error at most + 10 %", lose(0.05, 20.0, LONG_S), settings=PATIENT),
+    Row("200 ms jitter", "bounded slow-down, no late sample used", bear(60.0, 0.0, jitter_ms=200), settings=PATIENT),
+    Row("5 % loss, 20 ms each way, rto_min 40 ms", "no latch in 10 min, tracking error at most + 10 %", lose(0.05, 20.0, LONG_S), settings=PATIENT),
 )
 # fmt: on
