@@ -3,7 +3,7 @@
 import math
 from collections import deque
 from dataclasses import replace
-from typing import Annotated, Literal, Protocol
+from typing import Annotated, Literal
 
 import numpy as np
 from msgspec import Meta, Struct
@@ -11,6 +11,7 @@ from msgspec import Meta, Struct
 from common.clock import NS_PER_S
 from common.geometry import Array, hand_rotation, rotation_from_vector, vector_from_rotation
 from common.messages import TrackingStatus
+from local_site.jumps import JumpGate, Smoother
 from local_site.tracking.tracker import ArmEstimate
 
 POINTS = ("elbow", "wrist", "index", "thumb")
@@ -27,21 +28,17 @@ class SmoothingConfig(Struct, frozen=True, kw_only=True, forbid_unknown_fields=T
     ] = 1.5
     speed_cutoff_hz: Annotated[float, Meta(gt=0, le=100, description="cut-off of the speed itself")] = 1.0
     mean_frames: Annotated[int, Meta(ge=1, le=100, description="window of the mean; the thesis takes 9")] = 9
+    jump_m_s: Annotated[
+        float, Meta(gt=0, le=20, description="a faster wrist is a jump: sent as it is, for the remote site to refuse")
+    ] = 3.0
+    jump_noise_m: Annotated[float, Meta(ge=0, le=0.2, description="added to the jump limit for noise, m")] = 0.03
     max_gap_s: Annotated[float, Meta(gt=0, le=10, description="a point absent for longer starts anew")] = 0.2
-
-
-class Smoother(Protocol):
-    """Turns estimates of successive instants into calmer ones; causal, a LOST estimate makes it start anew.
-
-    Covariances stay those of the single measurement: smoothing trades noise for lag, which they do not tell.
-    """
-
-    def smooth(self, estimate: ArmEstimate) -> ArmEstimate: ...
 
 
 def make_smoother(config: SmoothingConfig) -> Smoother:
     """The smoother that the configuration asks for."""
-    return ArmMean(config) if config.method == "mean" else ArmOneEuro(config)
+    smoother = ArmMean(config) if config.method == "mean" else ArmOneEuro(config)
+    return JumpGate(smoother, config.jump_m_s, config.jump_noise_m)
 
 
 class OneEuro:

@@ -101,7 +101,7 @@ class Intake:
         place = np.array(shown_at)
         if not math.isfinite(sum(shown_at)):
             return self.refuse(reason(Code.NOT_FINITE, what=self._point))
-        if (jump := self._jump(place, born_ns)) is not None:
+        if (jump := self._jump(place, sample.capture_ns)) is not None:
             return self._jumped(jump)
         shown = _orientation(sample) if certainty.orientation else None
         orientation = self._gate.judge(shown, born_ns, certainty.orientation)
@@ -132,10 +132,11 @@ class Intake:
         self._session, self._seq, self._capture_ns = sample.session, sample.seq, sample.capture_ns
         return new_session
 
-    def _jump(self, place: Array, born_ns: int) -> Reason | None:
-        if self._last is None or born_ns - self._last.born_ns > self._latch_ns:
+    def _jump(self, place: Array, capture_ns: int) -> Reason | None:
+        # by the sender's own clock: what is known of its offset changes with every measurement on a bad link
+        interval_ns = capture_ns - self._last.sample.capture_ns if self._last is not None else 0
+        if self._last is None or interval_ns > self._latch_ns:
             return None
-        interval_ns = born_ns - self._last.born_ns
         distance = math.dist(place.tolist(), self._last.place.tolist())
         if distance <= self._config.hand_speed_m_s * interval_ns / NS_PER_S + self._config.hand_noise_m:
             return None

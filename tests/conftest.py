@@ -16,7 +16,7 @@ settings.load_profile("any machine")
 HERE = Path(__file__).parent
 # Tests of whole sites run in rows, one for each folder. Those of light sites, which only wait for what has to come, run
 # beside others, and first, since they take longest; the page and the loop, whose pace is measured, come last and alone.
-FIRST, LAST = (HERE / "integration",), (HERE / "browser", HERE / "loopback")
+FIRST, LAST = (HERE / "integration",), (HERE / "faults", HERE / "browser", HERE / "loopback")
 
 
 def row_of(path: Path) -> Path | None:

@@ -161,6 +161,13 @@ def test_a_jump_is_refused_and_three_in_a_row_latch(intake):
     assert [r.latch for r in results] == [False, False, True]
 
 
+def test_a_clock_that_is_known_less_well_is_no_jump(intake):
+    for seq in range(1, 12):
+        capture_ns = NOW + seq * PERIOD
+        clock = sync(capture_ns, uncertainty_ms=5 if seq < 10 else 60)
+        assert code(accept(intake, hand(seq, capture_ns, wrist=(0.0, 0.04 * seq, 0.3), clock=clock))) is Code.OK
+
+
 def test_a_good_sample_between_jumps_counts_them_anew(intake):
     for k in range(12):
         wrist = (0.0, 0.0, 0.3) if k % 3 == 0 else (1.5, 0.0, 0.3)

@@ -1,0 +1,66 @@
+"""The pairs of sites on which the faults are played: one for all rows that can share it."""
+
+import os
+import platform
+from collections.abc import Iterator
+
+import pytest
+from cell_pair import CellPair
+from fault_report import Report
+from fault_rows import Row
+from namespaces import Network, why_not
+from trial import Outcome
+
+ABOUT = "Each fault on both sites as processes of their own; every command that reached the driver is judged."
+
+
+class Stage:
+    """The pair that is up, the network between if the sites are on two hosts, and the report."""
+
+    def __init__(self, network: Network | None, report: Report) -> None:
+        self.report = report
+        self._network = network
+        self._pair: CellPair | None = None
+        self._settings: object = None
+
+    def pair_for(self, row: Row) -> CellPair:
+        """The pair that a row needs: the one that is up if it will do."""
+        if self._pair is None or self._settings != row.settings:
+            self.clear()
+            self._pair, self._settings = CellPair(self._network, row.settings), None
+            self._pair.start()
+            self._settings = row.settings
+        return self._pair
+
+    def settle(self, outcome: Outcome) -> None:
+        """Good weather again; a pair on which a row has failed is not used any more."""
+        if self._network is not None:
+            self._network.weather()
+        if outcome.failures:
+            self.clear()
+
+    def clear(self) -> None:
+        """End the pair that is up."""
+        if self._pair is not None:
+            self._pair.close()
+            self._pair = None
+
+
+@pytest.fixture(scope="session")
+def stage() -> Iterator[Stage]:
+    missing = why_not()
+    if missing:
+        pytest.skip(f"no network of two hosts on this machine: {missing}")
+    network = Network()
+    network.enter()
+    stage = Stage(network, Report(f"{ABOUT} {os.cpu_count()} processors, Linux {platform.release()}.", "report"))
+    yield stage
+    stage.clear()
+    network.close()
+
+
+@pytest.fixture(scope="module")
+def one_host() -> Iterator[Stage]:
+    stage = Stage(None, Report(f"{ABOUT} Both sites on one host.", "shortened"))
+    yield stage
+    stage.clear()

@@ -1,0 +1,37 @@
+"""The A465's controller, emulated in a process that belongs to neither site: `python emulated_robot.py FOLDER`.
+
+It links its serial line as `line` in the folder, and keeps a record of its motion there.
+"""
+
+import sys
+import time
+from pathlib import Path
+
+import numpy as np
+from recording_driver import READ, RECORD
+
+from common.service import StopFlag
+from remote_site.config import RobotConfig
+from remote_site.drivers.c500c.emulation import Emulation, Terminal, run_emulation
+from remote_site.drivers.c500c.emulator import Controller
+
+
+def run(folder: Path) -> None:
+    """Be the controller until asked to stop."""
+    controller, terminal, should_stop = Controller(RobotConfig().start), Terminal.create(), StopFlag()
+    should_stop.install()
+    with (folder / "record").open("ab", buffering=0) as record_of:
+
+        def note() -> None:
+            record = np.zeros((), RECORD)
+            record["kind"], record["t_ns"] = READ, time.monotonic_ns()
+            record["motion"][0], record["motion"][1] = controller.player.q, controller.dq
+            record_of.write(record.tobytes())
+
+        note()
+        (folder / "line").symlink_to(terminal.path)
+        run_emulation(Emulation(controller, time.monotonic_ns()), terminal, should_stop, note)
+
+
+if __name__ == "__main__":
+    run(Path(sys.argv[1]))

@@ -1,0 +1,90 @@
+"""The table of faults, one line each: what happens, what is promised, how it is played, on which pair of sites."""
+
+import os
+from dataclasses import dataclass
+
+from cell_pair import CellPair
+from forgery import foreign_ones, hostile_ones, infinite_ones, old_ones
+from plays import (
+    Play,
+    bear,
+    blink,
+    close_page,
+    faulty,
+    hand,
+    hold,
+    jump_then_three,
+    kill_control,
+    kill_local,
+    kill_remote,
+    latch,
+    lose,
+    partition,
+    reach_out,
+    robot,
+    second_operator,
+    start_outside,
+    sweep_wrist,
+    unmoved,
+    wander,
+    weather,
+)
+
+
+@dataclass(frozen=True)
+class Row:
+    """A fault, and the `settings` of the remote site that its pair needs.
+
+    `quick` ones are played in every run of the tests too. Unless `engaged`, the play begins before any engagement.
+    """
+
+    fault: str
+    expected: str
+    play: Play
+    settings: tuple[str, ...] = ()
+    quick: bool = False
+    engaged: bool = True
+
+
+LATCHES, FAULTS = "STOP by age, LATCH", "LATCH; never cleared by itself"
+RESTART = CellPair.start_local
+AUTOMATIC, PATIENT = ("engagement.mode=automatic",), ("safety.t_soft_ms=400",)
+NARROW = ("robot.position_deg.joint_1=[-20,20]",)
+BEYOND = (*NARROW, "driver.options.stands_at=0.4363 0 -0.7854 0 -0.7854 0")
+LONG_S = float(os.environ.get("FARHAND_FAULTS_LONG_S", "600"))
+WELL = hand(camera="")
+# fmt: off
+ROWS = (
+    Row("hand lost", "STOP at once, LATCH after 500 ms", latch(hand(lost=True), hand(lost=False), says="as told"), quick=True),
+    Row("camera unplugged", LATCHES, latch(hand(camera="unplugged"), RESTART)),
+    Row("camera gives nothing", LATCHES, latch(hand(camera="off"), WELL, says="left")),
+    Row("camera frozen", LATCHES, latch(hand(camera="stuck"), WELL, says="left")),
+    Row("camera slow", "STOP while it lasts", hold(hand(camera="slow"), WELL, 2.0)),
+    Row("local process killed -9", LATCHES, latch(kill_local, RESTART, says="old")),
+    Row("control process killed -9", "the driver's process stops the arm; restart disengaged", kill_control, settings=AUTOMATIC),
+    Row("remote site killed -9", "the robot's own watchdog stops it; restart disengaged", kill_remote, settings=("driver.name=c500c",)),
+    Row("partition 100 ms", "continue or STOP, no catch-up", blink(weather(cut=True), weather(), 0.1)),
+    Row("partition 1 s", "LATCH, no backlog, path back under 2 s", partition(1.0)),
+    Row("partition 10 s", "LATCH, no backlog, path back under 2 s", partition(10.0)),
+    Row("reordered, duplicated, late packets", "the arm follows", blink(weather(jitter_ms=30, reorders=True, doubled=0.3), weather(), 10.0)),
+    Row("duplicated, overtaken, late samples", "dropped", unmoved(lambda pair: old_ones(pair, 1.0), "stale")),
+    Row("wall clock + 1 h", "nothing changes", blink(lambda pair: pair.step_wall_clock(3600), lambda _: None, 1.0)),
+    Row("wall clock - 1 h", "nothing changes", blink(lambda pair: pair.step_wall_clock(-3600), lambda pair: pair.step_wall_clock(0), 1.0)),
+    Row("malformed, oversized, hostile payloads", "rejected, counted, no crash", unmoved(lambda pair: hostile_ones(pair, 1.0), "malformed", "oversized", "invalid")),
+    Row("NaN or infinity", "rejected at decode", unmoved(lambda pair: infinite_ones(pair, 0.5), "not_finite"), quick=True),
+    Row("wrist jumps 1 m", "rejected; three LATCH; motion under 1 mm", jump_then_three, quick=True),
+    Row("unreachable target", "leashed, told, no thrash", reach_out((0, -3.0, 0, 0, 0, 0), 3.5, "saturated", "out_of_reach")),
+    Row("singularity", "speed within limits, can back out", sweep_wrist),
+    Row("self- or table collision", "never below the margin, can retreat", wander(60.0)),
+    Row("joint limit", "stop at the margin, can retreat", reach_out((0.35, 0, 0, 0, 0, 0), 1.5, "ik_limit", "position"), settings=NARROW),
+    Row("started beyond a joint limit", "only retreat", start_outside, settings=BEYOND, engaged=False),
+    Row("second operator", "refused with the holder's name, fenced", second_operator(lambda pair: foreign_ones(pair, 1.0))),
+    Row("driver raises", "LATCH, the loop ticks", faulty(robot(raises=True), robot(raises=False), says="ZeroDivisionError")),
+    Row("driver blocks 200 ms", "deadline 50 ms, LATCH, the loop ticks", faulty(robot(blocks_ms=200), robot(), says="ms", more_s=0.2)),
+    Row("robot reports a fault", "code mirrored, " + FAULTS, faulty(robot(fault="robot"), robot(fault=""), says="robot (E42)"), quick=True),
+    Row("hardware e-stop reported", "no commands, LATCH, needs reset and engage", faulty(robot(fault="emergency_stop"), robot(fault=""), says="emergency_stop", silent=True)),
+    Row("console tab closed", "STOP, LATCH within 500 ms", close_page, settings=("engagement.mode=hold_to_run",), engaged=False),
+    Row("200 ms jitter", "bounded slow-down, no late sample used", bear(60.0, 0.0, jitter_ms=200), settings=PATIENT),
+    Row("5 % loss, 20 ms each way, rto_min 40 ms", "no latch in 10 min, tracking error at most + 10 %", lose(0.05, 20.0, LONG_S), settings=PATIENT),
+)
+# fmt: on

@@ -1,0 +1,96 @@
+"""The driver under test: a robot that follows perfectly, everything it hears on record, and faulty when told to be."""
+
+import os
+import time
+from dataclasses import replace
+
+import numpy as np
+from puppets import Ear
+
+from common.errors import DriverError
+from common.geometry import Array
+from remote_site.drivers.driver import Capabilities, Driver, DriverSetup, JointCommand, RobotReading
+from remote_site.drivers.faults import FaultCode, RobotFault
+from remote_site.drivers.kinematic import KinematicDriver
+from remote_site.drivers.registry import DriverHost
+
+WRITE, READ, ACTIVATE, STOP = range(4)
+JOINTS = 6
+RECORD = np.dtype(
+    [("kind", "<i4"), ("activation", "<i4"), ("t_ns", "<i8"), ("planned_ns", "<i8"), ("motion", "<f8", (3, JOINTS))]
+)
+
+
+class RecordingDriver:
+    """A `Driver` around a kinematic one; the record outlives a killed process.
+
+    Told `raises` it fails in every write, `blocks_ms` in one; `fault` is a code that it reports until `mended`, and
+    with which its robot stops by itself. `stands_at` is where it is found before the first activation.
+    """
+
+    def __init__(self, host: DriverHost) -> None:
+        self._driver: Driver = KinematicDriver(host.clock)
+        self._clock, self._activation = host.clock, 0
+        self._ear = Ear(str(host.options["orders"]))
+        self._file = os.open(str(host.options["record"]), os.O_WRONLY | os.O_CREAT | os.O_APPEND)
+        stands_at = str(host.options.get("stands_at", ""))
+        self._found = np.array([float(q) for q in stands_at.split()]) if stands_at else None
+        self._raises, self._blocks_ms, self._fault = False, 0.0, ""
+
+    @property
+    def capabilities(self) -> Capabilities:
+        """The kinematic robot's."""
+        return self._driver.capabilities
+
+    def configure(self, setup: DriverSetup) -> None:
+        """Hand it on."""
+        self._driver.configure(setup)
+
+    def activate(self, q0: Array) -> None:
+        """Note it and hand it on, unless the robot's fault is still there."""
+        if self._fault:
+            raise DriverError(f"the robot reports {self._fault}")
+        self._driver.activate(q0)
+        self._activation, self._found = self._activation + 1, None
+        self._note(ACTIVATE, self._clock.now_ns(), q0, np.zeros(JOINTS), np.zeros(JOINTS))
+
+    def read(self) -> RobotReading:
+        """The reading with the fault that was told; noted."""
+        self._obey()
+        if self._found is not None:
+            return RobotReading(self._clock.now_ns(), self._found, np.zeros(JOINTS), None, None, None)
+        reading = self._driver.read()
+        self._note(READ, reading.t_ns, reading.q, reading.dq, np.zeros(JOINTS))
+        return replace(reading, fault=RobotFault(FaultCode(self._fault), "as told", "E42")) if self._fault else reading
+
+    def write(self, command: JointCommand) -> JointCommand:
+        """Note the command, suffer what was told, hand it on."""
+        self._note(WRITE, command.t_ns, command.q, command.dq, command.ddq)
+        blocks_ms, self._blocks_ms = self._blocks_ms, 0.0
+        time.sleep(blocks_ms / 1e3)
+        if self._raises:
+            raise ZeroDivisionError("as told")
+        return self._driver.write(command)
+
+    def stop(self) -> None:
+        """Note it and hand it on."""
+        self._note(STOP, self._clock.now_ns(), *np.zeros((3, JOINTS)))
+        self._driver.stop()
+
+    def deactivate(self) -> None:
+        """Hand it on."""
+        self._driver.deactivate()
+
+    def _obey(self) -> None:
+        words = self._ear.take()
+        self._raises = words.get("raises", self._raises)
+        self._blocks_ms = words.get("blocks_ms", self._blocks_ms)
+        if words.get("fault"):
+            self._driver.stop()
+        self._fault = words.get("fault", self._fault)
+
+    def _note(self, kind: int, planned_ns: int, *motion: Array) -> None:
+        record = np.zeros((), RECORD)
+        record["kind"], record["activation"], record["planned_ns"] = kind, self._activation, planned_ns
+        record["t_ns"], record["motion"] = self._clock.now_ns(), motion
+        os.write(self._file, record.tobytes())

@@ -1,0 +1,132 @@
+"""Runs 'farhand local' before cameras and a tracker that do as told: `python scripted_local.py EAR --set ...`."""
+
+import struct
+import sys
+import time
+
+import numpy as np
+from hand_path import HandPath
+from puppets import Ear
+
+import local_site.app
+from common.cameras.camera import Frame
+from common.clock import NS_PER_MS, NS_PER_S
+from common.errors import CameraError
+from common.geometry import Array, rotation_from_vector
+from common.messages import TrackingStatus
+from farhand.__main__ import main
+from local_site.app import Operator
+from local_site.config import LocalConfig
+from local_site.simulation.cameras import exact_rig
+from local_site.tracking.tracker import ArmEstimate, Views
+
+FRAME_NS = NS_PER_S // 30
+EXPOSURE_NS = 8 * NS_PER_MS
+HOME = np.array([0.0, 0.0, 0.3])
+ELBOW, INDEX, THUMB = np.array([[0.0, 0.25, 0.0], [0.02, -0.17, 0.0], [-0.05, -0.1, 0.01]])
+COVARIANCE = 1e-6 * np.eye(3)
+
+
+class Script:
+    """What the operator's hand and his cameras do, as told so far."""
+
+    def __init__(self, ear: Ear) -> None:
+        self._ear = ear
+        self.path = HandPath.still()
+        self._jump_m, self._jumps = np.zeros(3), 0
+        self.lost = False
+        self.camera = ""
+
+    def jump(self) -> Array:
+        """How far the next sample is off, m."""
+        self._jumps -= 1
+        return self._jump_m if self._jumps >= 0 else np.zeros(3)
+
+    def listen(self) -> None:
+        """Do what was said since the last frame."""
+        while words := self._ear.take():
+            self.lost, self.camera = words.get("lost", self.lost), words.get("camera", self.camera)
+            if "jump_m" in words:
+                self._jump_m, self._jumps = np.array(words["jump_m"]), words["jumps"]
+            if "to" in words:
+                self.path = self.path.then(words)
+
+
+class ScriptedCamera:
+    """A picture of the time, 30 times a second; the script tells when there is none, late, or always the same."""
+
+    def __init__(self, name: str, script: Script) -> None:
+        self._name, self._script = name, script
+        self._seq = 0
+        self._due_ns = time.monotonic_ns() // FRAME_NS * FRAME_NS
+        self._image = np.zeros((48, 64), np.uint8)
+
+    @property
+    def name(self) -> str:
+        return self._name
+
+    def read(self) -> Frame:
+        """The next frame, 8 ms after its exposure began."""
+        trouble = self._script.camera if self._name == "left" else ""
+        while trouble == "off" and self._script.camera == "off":
+            time.sleep(0.005)
+        if trouble == "unplugged":
+            raise CameraError("it was unplugged")
+        self._due_ns += FRAME_NS * (5 if trouble == "slow" else 1)
+        self._due_ns = max(self._due_ns, time.monotonic_ns() // FRAME_NS * FRAME_NS)
+        time.sleep(max(self._due_ns + EXPOSURE_NS - time.monotonic_ns(), 0) / NS_PER_S)
+        self._seq += 1
+        if trouble != "stuck":
+            self._image = np.zeros((48, 64), np.uint8)
+            self._image[0, :8] = np.frombuffer(struct.pack("<q", self._due_ns), np.uint8)
+        return Frame(self._image, self._due_ns, self._seq)
+
+    def close(self) -> None:
+        pass
+
+
+class ScriptedTracker:
+    """Sees in the views the hand as it was at the time that the oldest of the pictures shows."""
+
+    def __init__(self, script: Script) -> None:
+        self._script = script
+
+    def track(self, views: Views) -> ArmEstimate:
+        """The scripted hand at the time of the views."""
+        if self._script.lost:
+            return ArmEstimate(views.t_ns, TrackingStatus.LOST, "as told")
+        shown = min(struct.unpack("<q", view.current.image[0, :8].tobytes())[0] for view in views.views)
+        place = self._script.path.at(min(shown, views.t_ns))
+        wrist, turn = HOME + place[:3] + self._script.jump(), rotation_from_vector(place[3:])
+        points = {"wrist": wrist, "index": wrist + turn @ INDEX, "thumb": wrist + turn @ THUMB}
+        covariances = dict.fromkeys(("elbow", *points), COVARIANCE)
+        return ArmEstimate(
+            views.t_ns, TrackingStatus.TRACKED, "", elbow=wrist + ELBOW, covariances=covariances, **points
+        )
+
+
+class ListeningCamera(ScriptedCamera):
+    """The camera that never fails also passes on what the script is told."""
+
+    def read(self) -> Frame:
+        """The next frame."""
+        self._script.listen()
+        return super().read()
+
+
+def run() -> None:
+    """The command line of Farhand, with a scripted operator."""
+    script = Script(Ear(sys.argv.pop(1)))
+
+    def open_operator(config: LocalConfig) -> Operator:
+        cameras = ScriptedCamera("left", script), ListeningCamera("right", script)
+        return Operator(exact_rig(config.simulation.stereo), cameras, lambda _t_ns: None)
+
+    local_site.app._open_operator = open_operator
+    local_site.app.make_tracker = lambda *_: ScriptedTracker(script)
+    sys.argv.insert(1, "local")
+    main()
+
+
+if __name__ == "__main__":
+    run()

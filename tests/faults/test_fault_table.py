@@ -1,0 +1,39 @@
+"""Every fault of the table on real processes: as promised, and within the limits in every command."""
+
+import time
+
+import pytest
+from conftest import Stage
+from fault_rows import ROWS, Row
+from trial import Outcome, Trial
+
+from common.errors import FarhandError
+
+
+def play(row: Row, stage: Stage) -> Outcome:
+    """Play a row on the pair that it needs, and report what came of it."""
+    begun, outcome = time.monotonic(), Outcome()
+    try:
+        trial = Trial(stage.pair_for(row), outcome)
+        if row.engaged:
+            trial.pair.engage()
+        row.play(trial)
+        trial.end()
+    except (AssertionError, OSError, FarhandError) as error:
+        outcome.failures.append(str(error))
+    stage.report.add(row, outcome, time.monotonic() - begun)
+    stage.settle(outcome)
+    return outcome
+
+
+@pytest.mark.faults
+@pytest.mark.parametrize("row", sorted(ROWS, key=lambda row: row.settings), ids=lambda row: row.fault)
+def test_full(row: Row, stage: Stage) -> None:
+    outcome = play(row, stage)
+    assert not outcome.failures, outcome
+
+
+@pytest.mark.parametrize("row", [row for row in ROWS if row.quick], ids=lambda row: row.fault)
+def test_shortened(row: Row, one_host: Stage) -> None:
+    outcome = play(row, one_host)
+    assert not outcome.failures, outcome

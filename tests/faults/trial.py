@@ -1,0 +1,150 @@
+"""One fault on a pair of sites: what was done, what was measured, and what was not as promised."""
+
+import time
+from collections.abc import Callable
+from dataclasses import dataclass, field
+
+import numpy as np
+from cell_pair import CellPair
+from driver_log import DriverLog, Worst, ms
+
+from common.clock import NS_PER_MS, NS_PER_S
+from common.messages import SessionState
+from remote_site.safety.collision import CollisionModel
+
+FOLLOWING = (SessionState.ENGAGED, SessionState.HOLDING)
+QUIET_S = 0.4
+TURN_NS = 2 * NS_PER_MS  # the driver's process comes round so often
+LEAST_STATES_HZ = 40.0  # of 50
+EVERY = 5  # of the commands: 20 ms
+
+
+@dataclass
+class Outcome:
+    """What the report tells of a row; None where nothing had to stop."""
+
+    stop_ms: float | None = None
+    bound_ms: float | None = None
+    travel_mm: float | None = None
+    deceleration: float | None = None
+    worst: Worst | None = None
+    notes: list[str] = field(default_factory=list)
+    failures: list[str] = field(default_factory=list)
+
+
+class Trial:
+    """The pair with the clock of one row; checks are collected, so that the report shows all of them."""
+
+    def __init__(self, pair: CellPair, outcome: Outcome) -> None:
+        self.pair, self.outcome = pair, outcome
+        self.begun_ns = self.fault_ns = self.rested_ns = time.monotonic_ns()
+
+    def check(self, so: object, what: str) -> None:
+        """Note a failure unless something is so."""
+        if not so:
+            self.outcome.failures.append(what)
+
+    def note(self, what: str) -> None:
+        """A measured word for the report."""
+        self.outcome.notes.append(what)
+
+    def begin(self, fault: Callable[[CellPair], object]) -> None:
+        """Let the fault happen."""
+        self.fault_ns = time.monotonic_ns()
+        fault(self.pair)
+
+    @property
+    def elapsed_s(self) -> float:
+        """Since the fault."""
+        return (time.monotonic_ns() - self.fault_ns) / NS_PER_S
+
+    @property
+    def log(self) -> DriverLog:
+        """What the driver has recorded since the fault."""
+        return self.pair.log(self.fault_ns)
+
+    def latches(self, within_s: float = 1.0) -> None:
+        """The engagement ends."""
+        pair = self.pair
+        pair.wait("the latch", lambda: pair.state.state not in FOLLOWING, within_s)
+        self.note(f"latched after {ms(pair.state.t_ns - self.fault_ns):.0f} ms: {pair.state.reason}")
+
+    def rests(self, *, more_s: float = 0.0, told_within_s: float | None = None) -> None:
+        """The arm comes to rest by T_soft, two ticks and the stop's time after the last good sample.
+
+        Where good samples go on, `told_within_s` of the fault counts. `more_s` is how long a driver blocks.
+        """
+        time.sleep(QUIET_S)
+        pair, log = self.pair, self.pair.log(self.begun_ns)
+        good_ns = pair.state.obeyed.capture_ns if told_within_s is None else self.fault_ns
+        soft_s = pair.config.safety.t_soft_ms / 1e3 if told_within_s is None else told_within_s
+        grace_ns = round(2 * NS_PER_S / pair.config.control.rate_hz)
+        by_ns = log.rest_ns(good_ns + round(soft_s * NS_PER_S), grace_ns)
+        self._rested(log, by_ns + round(more_s * NS_PER_S) + TURN_NS)
+
+    def _rested(self, log: DriverLog, bound_ns: int) -> None:
+        moved = (log.last_moving_ns(log.writes), log.last_moving_ns(log.reads), self.fault_ns)
+        self.rested_ns = max(t_ns for t_ns in moved if t_ns is not None)
+        self.outcome.stop_ms, self.outcome.bound_ms = (ms(t_ns - self.fault_ns) for t_ns in (self.rested_ns, bound_ns))
+        self.outcome.travel_mm = log.travel_mm(self.fault_ns, self.rested_ns)
+        self.outcome.deceleration = log.deceleration(self.fault_ns, self.rested_ns)
+        self.check(self.rested_ns <= bound_ns, f"rest {ms(self.rested_ns - bound_ns):.1f} ms after the bound")
+
+    def stays(self, seconds: float = 1.0) -> None:
+        """Nothing moves, and nothing is engaged by itself, although the fault is over."""
+        time.sleep(seconds)
+        self.check(not self.log.moves_after(self.rested_ns), "it moved without a new engagement")
+        self.check(self.pair.state.state not in FOLLOWING, "it engaged by itself")
+
+    def obeys_nothing_old(self) -> None:
+        """No sample was older than T_soft when its first command was written."""
+        obeyed = {s.obeyed for s in self.pair.states if s.obeyed is not None and s.obeyed.command_ns > self.fault_ns}
+        oldest_ms = ms(max((o.command_ns - o.capture_ns for o in obeyed), default=0))
+        self.note(f"{len(obeyed)} samples obeyed, the oldest {oldest_ms:.0f} ms old")
+        self.check(obeyed, "no sample was obeyed")
+        self.check(oldest_ms <= self.pair.config.safety.t_soft_ms, f"a sample was {oldest_ms:.0f} ms old")
+
+    def obeys_no_order(self) -> None:
+        """No command has reached the robot since it rests."""
+        writes = self.log.writes
+        self.check(not (writes["t_ns"] > self.rested_ns).any(), "commands came in spite of the fault")
+
+    def follows(self, least_share: float) -> None:
+        """The arm never latches and follows for such a share of the time; where that is 0, it may latch."""
+        told = [state.state for state in self.pair.states if state.t_ns > self.fault_ns]
+        share = told.count(SessionState.ENGAGED) / len(told)
+        self.note(f"followed {share:.1%} of {self.elapsed_s:.0f} s")
+        latched = not all(state in FOLLOWING for state in told)
+        self.note(f"latched: {self.pair.state.reason}" if latched else "never latched")
+        self.check(not (latched and least_share), f"it latched: {self.pair.state.reason}")
+        self.check(share >= least_share, f"it followed only {share:.0%} of the time")
+
+    def error_mm(self, since_ns: int, delay_ns: int) -> float:
+        """How far the tool is from where the hand had it so long before, rms in mm."""
+        pair, writes = self.pair, self.pair.log(since_ns).writes[::EVERY]
+        start, scale = pair.model.forward(pair.config.robot.start)[:3, 3], pair.config.mapping.scale
+        hand = np.array([pair.path.at(int(t_ns) - delay_ns)[:3] for t_ns in writes["t_ns"]])
+        wanted = start + scale * hand @ np.array(pair.config.mapping.base_R_operator).T
+        tool = np.array([pair.model.forward(q)[:3, 3] for q in writes["motion"][:, 0]])
+        return 1e3 * float(np.sqrt(np.mean(np.sum((tool - wanted) ** 2, axis=1))))
+
+    def keeps_distance(self) -> None:
+        """No command since the row began would have the arm nearer than the margin to anything."""
+        config, q = self.pair.config, self.pair.log(self.begun_ns).q[::EVERY]
+        collision = CollisionModel.from_urdf(
+            config.robot.urdf, self.pair.model, config.robot.capsules, config.safety.collision
+        )
+        least = min(collision.distance(posture) for posture in q)
+        self.note(f"least distance {1e3 * least:.2f} mm of {1e3 * collision.margin:.0f} mm in {len(q)} postures")
+        self.check(least >= collision.margin - 1e-6, f"only {1e3 * least:.2f} mm of distance")
+
+    def ticks(self) -> None:
+        """The control loop has gone on since the fault: it has told its state all the while."""
+        first = next(state for state in self.pair.states if state.t_ns > self.fault_ns)
+        told, took_s = self.pair.state.seq - first.seq, self.elapsed_s
+        self.check(told > LEAST_STATES_HZ * took_s, f"only {told} states in {took_s:.1f} s")
+
+    def end(self) -> None:
+        """The invariant on every command of the row."""
+        self.outcome.worst = worst = self.pair.log(self.begun_ns).worst()
+        self.check(worst.within, f"beyond the limits: {worst}")
