@@ -279,6 +279,7 @@ def open_link(
         "scouting/multicast/enabled": False,
         "scouting/gossip/enabled": False,
         "transport/link/protocols": ["tcp"],
+        "transport/shared_memory/enabled": False,  # on one host pictures would pass the link, and all that limits it
         "transport/link/tcp/so_sndbuf": send_buffer_bytes,
         "transport/link/tx/lease": LEASE_MS,
         "transport/link/tx/keep_alive": KEEP_ALIVES_PER_LEASE,
