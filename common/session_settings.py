@@ -56,6 +56,7 @@ def session_settings(places: Places, credentials: Credentials | None, cells: Seq
         "connect/exit_on_failure": False,
         "scouting/multicast/enabled": False,
         "scouting/gossip/enabled": False,
+        "transport/shared_memory/enabled": False,  # on one host pictures would pass the link, and all that limits it
         "transport/link/protocols": sorted({place.protocol for place in (*places.listen, *places.connect)}),
         "transport/link/tcp/so_sndbuf": places.send_buffer_bytes,
         "transport/link/tls/so_sndbuf": places.send_buffer_bytes,
