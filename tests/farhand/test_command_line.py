@@ -96,7 +96,7 @@ def test_every_command_has_help(command: list[str], here) -> None:
         (["calibrate", "points", "absent.csv"], 1, "absent.csv"),
         (["track", "--rig", "absent.json", "--left", "a", "--right", "b"], 1, "absent.json"),
         (["remote", "--emulate"], 2, "driver.emulate is for the driver c500c"),
-        (["experiment", "dance", "--out", "never"], 2, "choose one of: follow"),
+        (["experiment", "dance", "--out", "never"], 2, "choose one of: drift, follow"),
         (["console", "--set", "serve.host=0.0.0.0"], 2, "needs token, certificate and key"),
         (["remote", "--set", "links.tls.ca=ca.pem"], 2, "give all three, or none"),
         (["remote", "--set", "links.plain_text_beyond_loopback=yes"], 2, "anybody on this network can move the arm"),
