@@ -99,13 +99,13 @@ CONDITIONS = [
     (
         Intake,
         "_judge",
-        "not math.isfinite(sum(sample.wrist))",
+        "not math.isfinite(sum(shown_at))",
         intake(of_intake.test_a_wrist_that_is_not_finite_is_refused, NAN),
     ),
     (
         Intake,
         "_judge",
-        "(jump := self._jump(wrist, born_ns)) is not None",
+        "(jump := self._jump(place, sample.capture_ns)) is not None",
         intake(of_intake.test_a_jump_is_refused_and_three_in_a_row_latch),
     ),
     (
