@@ -5,7 +5,9 @@ from collections.abc import Callable
 from typing import Any
 
 PATIENCE_S = 30.0
-STAMPS = "() => [...document.querySelectorAll('#cameras canvas')].map((canvas) => canvas.toDataURL())"
+STAMPS = (
+    "() => [...document.querySelectorAll('#cameras .view > canvas:first-child')].map((canvas) => canvas.toDataURL())"
+)
 
 
 class OpenedPage:

@@ -16,7 +16,7 @@ def test_words_stand_out_and_everything_has_a_name_and_room_for_a_finger(told: T
     page = told.page.page
     page.emulate_media(color_scheme=scheme)
     page.set_viewport_size({"width": width, "height": height})
-    told.state = partial(told.state, traced=told.traced())
+    told.state = partial(told.state, traced=told.traced(4710))
     told.until("the trace", lambda: "encoder" in told.page.words("#trace"))
     page.keyboard.press("Escape")
     told.until("the acknowledgement", lambda: "acknowledged" in told.page.words("#alert"))

@@ -122,7 +122,7 @@ def test_the_ghost_is_the_commanded_arm_where_the_camera_sees_it(told: Told) -> 
 
 
 def test_one_sample_is_told_from_its_exposure_to_its_painted_picture(told: Told) -> None:
-    told.state = partial(told.state, traced=told.traced())
+    told.state = partial(told.state, traced=told.traced(4711))
     told.until("the trace", lambda: "sample 4711" in told.page.words("#trace"))
     words = told.page.words("#trace")
     assert "command 21, robot 26, encoder 48, picture taken" in words

@@ -53,10 +53,10 @@ class Told:
 
         return self.page.wait_for(what, told, seconds)
 
-    def traced(self) -> Traced:
-        """A sample exposed now, and followed to the encoders."""
+    def traced(self, seq: int) -> Traced:
+        """A sample exposed now, and followed to the encoders; the page counts each of its numbers once."""
         exposed_ns = time.monotonic_ns()
-        return Traced(7, 4711, exposed_ns, *(exposed_ns + ms * NS_PER_MS for ms in (21, 26, 48)))
+        return Traced(7, seq, exposed_ns, *(exposed_ns + ms * NS_PER_MS for ms in (21, 26, 48)))
 
     def describe(self) -> None:
         """Say what the cell is."""

@@ -120,7 +120,7 @@ def run() -> None:
 
     def open_operator(config: LocalConfig) -> Operator:
         cameras = ScriptedCamera("left", script), ListeningCamera("right", script)
-        return Operator(exact_rig(config.simulation.stereo), cameras, lambda _t_ns: None)
+        return Operator(exact_rig(config.simulation.stereo), config.tracking, cameras, lambda _t_ns: None)
 
     local_site.app._open_operator = open_operator
     local_site.app.make_tracker = lambda *_: ScriptedTracker(script)
