@@ -12,7 +12,7 @@ from common.errors import FarhandError
 
 SHARED_MACHINE_NS = (
     100 * NS_PER_MS
-)  # one that tests beside others may stand still so long; 'make faults' allows nothing
+)  # a machine under tests may stand still so long; 'make faults' allows nothing
 
 
 def play(row: Row, stage: Stage, pause_ns: int = 0) -> Outcome:
