@@ -22,7 +22,7 @@ from farhand.router import RouterConfig, zenohd_configuration
 sys.path.insert(0, str(Path(__file__).parents[1] / "common"))
 from secured_cell import CELL, HAND_SAMPLE, Cell, commands_arrive, dishonest, free_port, request, secured, until
 
-DEPLOYED = Path(__file__).parents[2] / "deploy" / "router"
+DEPLOYED = Path(__file__).parents[2] / "deploy"
 
 
 @pytest.fixture(scope="module")
@@ -104,8 +104,8 @@ def test_a_router_passes_on_nothing_that_a_role_may_not_send(meeting: Meeting) -
 
 
 def test_zenohds_configuration_is_the_routers_and_can_be_read() -> None:
-    deployed = DEPLOYED / "zenohd.json5"
-    config = load_config(RouterConfig, DEPLOYED / "router.toml")
+    deployed = DEPLOYED / "router" / "zenohd.json5"
+    config = load_config(RouterConfig, DEPLOYED / "sites" / "router.toml")
     written = "".join(line for line in deployed.read_text().splitlines(True) if not line.startswith("//"))
     assert json.loads(written) == json.loads(zenohd_configuration(config))
     read = zenoh.Config.from_file(str(deployed))
