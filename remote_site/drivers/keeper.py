@@ -171,10 +171,12 @@ class Keeper:
         """Let control go on from within the stop, if its command is where the stop is at the command's own time."""
         plan_ns = self._plan_ns + command.t_ns - onset[0]
         meets = self._guard.same(command.motion, self._stop_at(onset, command.t_ns))
-        if not meets or self._pace.planned_ns - plan_ns > SENT_AHEAD * self._tick_ns:
+        ahead_ns = max(self._pace.planned_ns - plan_ns, 0)
+        if not meets or ahead_ns > SENT_AHEAD * self._tick_ns:
             self.diversions += 1  # the stop went on while this was under way
             return
         self._onset = None
+        self._pace.owe(2 * ahead_ns)  # the stop braked meanwhile, as hard as the plan may have sped up
         self._follow(command, plan_ns, now_ns)  # what was sent is never taken back
 
     def _follow(self, command: JointCommand, plan_ns: int, now_ns: int) -> None:

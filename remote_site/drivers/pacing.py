@@ -20,12 +20,16 @@ class Pace(Generic[T]):
 
     def __init__(self) -> None:
         self._waiting: deque[tuple[int, T]] = deque()
-        self._written_ns = self._planned_ns = 0
+        self._written_ns = self._planned_ns = self._owed_ns = 0
 
     def restart(self, planned_ns: int, now_ns: int) -> None:
         """Forget what waits; the robot rests where the plan begins."""
         self._waiting.clear()
-        self._written_ns, self._planned_ns = now_ns, planned_ns
+        self._written_ns, self._planned_ns, self._owed_ns = now_ns, planned_ns, 0
+
+    def owe(self, planned_ns: int) -> None:
+        """What was written last differs from the plan as much as so much of it: the next waits for that, too."""
+        self._owed_ns = planned_ns
 
     def add(self, planned_ns: int, motion: T) -> None:
         """A motion to be written after all that wait, unless what is planned for later has been written."""
@@ -37,12 +41,14 @@ class Pace(Generic[T]):
         newest, furthest_ns = None, self._furthest_ns(now_ns)
         while self._waiting and self._waiting[0][0] <= furthest_ns:
             self._planned_ns, newest = self._waiting.popleft()
-            self._written_ns = now_ns
+            self._written_ns, self._owed_ns = now_ns, 0
         return newest
 
     def reach(self, planned_ns: int, now_ns: int) -> int:
         """How far in the plan a motion on the way there, which did not wait, may be now; it counts as written."""
-        self._planned_ns = max(min(planned_ns, self._furthest_ns(now_ns)), self._planned_ns)
+        furthest_ns = self._furthest_ns(now_ns)
+        self._owed_ns = max(self._planned_ns - furthest_ns, 0)
+        self._planned_ns = max(min(planned_ns, furthest_ns), self._planned_ns)
         self._written_ns = now_ns
         return self._planned_ns
 
@@ -61,7 +67,7 @@ class Pace(Generic[T]):
         """When the next motion may be written; None if none waits."""
         if not self._waiting:
             return None
-        return self._written_ns + math.ceil(LEAST_SHARE * (self._waiting[0][0] - self._planned_ns))
+        return self._written_ns + math.ceil(LEAST_SHARE * (self._waiting[0][0] - self._planned_ns + self._owed_ns))
 
     def _furthest_ns(self, now_ns: int) -> int:
-        return self._planned_ns + math.floor((now_ns - self._written_ns) / LEAST_SHARE + ROUNDING_NS)
+        return self._planned_ns - self._owed_ns + math.floor((now_ns - self._written_ns) / LEAST_SHARE + ROUNDING_NS)

@@ -10,9 +10,7 @@ from trial import Outcome, Trial
 from common.clock import NS_PER_MS
 from common.errors import FarhandError
 
-SHARED_MACHINE_NS = (
-    100 * NS_PER_MS
-)  # a machine under tests may stand still so long; 'make faults' allows nothing
+SHARED_MACHINE_NS = 100 * NS_PER_MS  # a machine under tests may stand still so long; 'make faults' allows nothing
 
 
 def play(row: Row, stage: Stage, pause_ns: int = 0) -> Outcome:

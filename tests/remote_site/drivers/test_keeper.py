@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from remote_loop import arm
 
-from common.clock import NS_PER_MS, FakeClock
+from common.clock import NS_PER_MS, NS_PER_S, FakeClock
 from common.errors import DriverError
 from common.messages import GripperStatus
 from remote_site.drivers.driver import Capabilities, DriverSetup, GripperReading, JointCommand
@@ -14,6 +14,7 @@ from remote_site.drivers.faults import STOPPED, FaultCode, RobotFault
 from remote_site.drivers.grip import GripSettings, GripWatch
 from remote_site.drivers.keeper import Keeper, Order, Phase
 from remote_site.drivers.kinematic import KinematicDriver
+from remote_site.drivers.pacing import LEAST_SHARE
 from remote_site.kinematics.joints import JointMotion
 from remote_site.motion import Follower
 from remote_site.safety.stopping import stop_time, stopping
@@ -206,18 +207,29 @@ def test_control_goes_on_from_within_the_stop_at_once(bench, silent_ms):
     assert_smooth(bench.robot)
 
 
-def test_a_stop_sent_a_little_further_than_the_command_that_ends_it_is_not_taken_back(bench):
+@pytest.mark.parametrize("ahead_ms", [0.2, 0.9])
+def test_a_stop_sent_a_little_further_than_the_command_that_ends_it_is_not_taken_back(bench, ahead_ms):
     bench.moving()
     bench.stumble(20)
-    bench.sent = bench.stop_at(-0.2)
+    bench.sent = bench.stop_at(-ahead_ms)
     written = len(bench.robot.written)
     order = bench.order(bench.sent)
-    bench.turn(replace(order, command=replace(order.command, t_ns=order.command.t_ns - 200_000)), ms=0)
+    early_ns = round(ahead_ms * NS_PER_MS)
+    bench.turn(replace(order, command=replace(order.command, t_ns=order.command.t_ns - early_ns)), ms=0)
     assert (bench.keeper.diversions, len(bench.robot.written)) == (1, written)
     assert bench.keeper.motion.q is bench.sent.q
-    bench.command()
+    bench.clock.advance_ms(-ahead_ms)  # control's next tick comes a period after its last
+    for _ in range(20):
+        bench.sent = bench.plan()
+        for ms in (2.0, 1.0, 0.5):
+            bench.turn(ms=ms)
+        bench.clock.advance_ms(0.5)
+        bench.turn(bench.order(bench.sent), ms=0)
     assert np.diff([c.q[0] for c in bench.robot.written]).min() >= 0
     assert bench.keeper.phase is Phase.ACTIVE
+    t, ddq = (np.array([getattr(c, key) for c in bench.robot.written]) for key in ("t_ns", "ddq"))
+    jerk = np.diff(ddq, axis=0) / np.diff(t)[:, None] * NS_PER_S
+    assert (np.abs(jerk) <= LIMITS.jerk / LEAST_SHARE * 1.001).all()
 
 
 @pytest.mark.parametrize("behind_ms", [1.1, 4.0])
