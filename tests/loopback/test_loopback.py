@@ -1,24 +1,19 @@
-"""The whole loop on two drivers and two trackers: a bare hand, or a glove, moves the arm and sees it move."""
+"""The whole loop: a bare hand moves the arm and sees it move."""
 
 import json
 import subprocess
 import sys
 from pathlib import Path
 
-import pytest
-
 MAX_FOLLOW_MM = 30.0
 VIEWS = {"front_high", "front_low", "side", "gripper", "operator_left", "operator_right", "overview"}
 
 
-@pytest.mark.parametrize(
-    ("driver", "tracker", "seconds"), [("simulated", "silhouette", 8), ("kinematic", "markers", 6)]
-)
-def test_the_loop_closes(driver: str, tracker: str, seconds: int, tmp_path: Path) -> None:
+def test_the_loop_closes(tmp_path: Path) -> None:
     report, views = tmp_path / "out.json", tmp_path / "views"
     # A hold on a busy machine shifts the hand against the tool, and this operator is blind: nothing is touched here.
-    command = ["loopback", "--seconds", str(seconds), "--headless", "--driver", driver, "--motion", "toggles"]
-    command += ["--tracker", tracker, "--report", str(report), "--save-views", str(views)]
+    command = ["loopback", "--seconds", "8", "--headless", "--motion", "toggles"]
+    command += ["--report", str(report), "--save-views", str(views)]
     done = subprocess.run(
         [sys.executable, "-m", "farhand", *command], check=False, capture_output=True, text=True, timeout=120
     )
