@@ -146,7 +146,7 @@ def driver_test_command(
     config: ConfigFile = None,
     settings: Settings = None,
 ) -> None:
-    """Check a driver against everything that Farhand expects of one; it MOVES the robot's first joint, by 40 degrees.
+    """Check a driver against everything that Farhand expects of one; it MOVES every joint, the first by 40 degrees.
 
     Example: farhand driver test kinematic
     """

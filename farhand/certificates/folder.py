@@ -24,16 +24,24 @@ HOST = re.compile(r"[0-9a-zA-Z.:-]{1,253}")
 
 @dataclass(frozen=True, slots=True)
 class Order:
-    """What is asked for: hosts beside the loopback interface under which the sites are reached, and for how long."""
+    """What is asked for: hosts beside the loopback interface under which the sites are reached, and for how long.
+
+    ConfigError for what is no name of a cell, or no host: before anything is written.
+    """
 
     cell: str
     hosts: tuple[str, ...]
     days: int
 
+    def __post_init__(self) -> None:
+        check_cell_name(self.cell)
+        for host in self.hosts:
+            if HOST.fullmatch(host) is None:
+                raise ConfigError(f"--host {host!r}: give a host name or an address, without port")
+
 
 def create(folder: Path, order: Order, now: datetime) -> list[Path]:
     """Make what a cell needs, with the folder's authority, or a new one; ConfigError when the cell has certificates."""
-    check_cell_name(order.cell)
     theirs = folder / order.cell
     if theirs.exists():
         raise ConfigError(
@@ -46,7 +54,6 @@ def create(folder: Path, order: Order, now: datetime) -> list[Path]:
 
 def renew(folder: Path, order: Order, now: datetime) -> list[Path]:
     """New keys and certificates of the same authority for the same hosts, and for those in the order."""
-    check_cell_name(order.cell)
     known = folder / order.cell / f"{Role.REMOTE.value}.pem"
     if not known.exists():
         raise ConfigError(
@@ -96,7 +103,7 @@ def _new_authority(folder: Path, now: datetime) -> Issued:
 
 
 def _issue_all(folder: Path, authority: Issued, order: Order, now: datetime) -> list[Path]:
-    hosts = tuple(dict.fromkeys((*LOOPBACK_HOSTS, *(_check_host(host) for host in order.hosts))))
+    hosts = tuple(dict.fromkeys((*LOOPBACK_HOSTS, *order.hosts)))
     theirs = folder / order.cell
     theirs.mkdir(mode=0o700, parents=True, exist_ok=True)
     valid = _valid(authority, now, order.days)
@@ -112,12 +119,6 @@ def _valid(authority: Issued, now: datetime, days: int) -> timedelta:
     if left <= timedelta(0):
         raise ConfigError("the authority has expired: take its folder away and create all certificates anew")
     return min(timedelta(days=days), left)
-
-
-def _check_host(host: str) -> str:
-    if HOST.fullmatch(host) is None:
-        raise ConfigError(f"--host {host!r}: give a host name or an address, without port")
-    return host
 
 
 def _write(stem: Path, issued: Issued) -> None:

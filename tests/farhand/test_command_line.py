@@ -31,8 +31,9 @@ def farhand(*arguments: str) -> subprocess.CompletedProcess[str]:
 
 
 @pytest.fixture
-def here(monkeypatch, capsys) -> Iterator[Callable[..., subprocess.CompletedProcess[str]]]:
+def here(monkeypatch, capsys, tmp_path) -> Iterator[Callable[..., subprocess.CompletedProcess[str]]]:
     """Runs a command in this process, which is quicker, and tells how it ended: any exit is one without a traceback."""
+    monkeypatch.chdir(tmp_path)
     monkeypatch.setattr("farhand.asking.PATIENCE_NS", 300 * NS_PER_MS)
 
     def run(*arguments: str) -> subprocess.CompletedProcess[str]:
@@ -43,6 +44,7 @@ def here(monkeypatch, capsys) -> Iterator[Callable[..., subprocess.CompletedProc
         return subprocess.CompletedProcess(arguments, ended.value.code, told.out, told.err)
 
     yield run
+    assert not list(tmp_path.glob("never*")), "what is refused leaves nothing behind"
     structlog.reset_defaults()
 
 
@@ -105,6 +107,9 @@ def test_every_command_has_help(command: list[str], here) -> None:
         (["certificates", "renew", "lab", "--dir", "never"], 2, "farhand certificates create lab"),
         (["dance"], 2, "No such command"),
         (["track"], 2, "Missing option"),
+        (["remote", "--set", "robot.model=/none.urdf"], 2, "neither a built-in model"),
+        (["remote", "--set", "robot.tool_frame=hook"], 2, "set robot.tool_frame to one of"),
+        (["remote", "--set", "safety.collision.ignored_pairs=[['hook', 'table']]"], 2, "ignored_pairs: no hook"),
         (["remote", "--set", "driver.name=elbow"], 1, "choose one of: c500c, kinematic, simulated"),
         (["remote", "--set", "links.control=tcp/10.0.0.1:7447"], 1, "refused"),
         (["loopback", "--driver", "none"], 1, "choose one of"),
