@@ -14,8 +14,8 @@ from remote_site.kinematics.solution import Solution, Stance, Unreachable
 from remote_site.kinematics.spherical import (
     TURN,
     Arm,
+    Matrix,
     Point,
-    Rows,
     Target,
     apart,
     dot,
@@ -129,8 +129,7 @@ class SphericalWristInverse:
 
     def _target(self, base_T_tool: Array) -> Target | None:
         """The target of tool and wrist, or None if it is not a finite rigid pose."""
-        rows: Rows = (base_T_tool @ self._tcp_T_wrist).tolist()
-        (a, b, c, _), (d, e, f, _), (g, h, i, _) = rows[:3]
+        (a, b, c, _), (d, e, f, _), (g, h, i, _), _ = (base_T_tool @ self._tcp_T_wrist).tolist()
         off = (
             abs(a * a + b * b + c * c - 1)
             + abs(d * d + e * e + f * f - 1)
@@ -139,34 +138,42 @@ class SphericalWristInverse:
             + abs(a * e - b * d - i)
         )
         x, y, z = base_T_tool[:3, 3].tolist()
-        return Target((x, y, z), rows) if off < RIGID and math.isfinite(x + y + z) else None
+        if not (off < RIGID and math.isfinite(x + y + z)):
+            return None
+        return Target((x, y, z), ((a, b, c), (d, e, f), (g, h, i)))
 
     def _centre(self, target: Target) -> Point:
         """The wrist centre, when the wrist is turned as it shall be."""
-        (x, y, z), (a, b, c) = target.tcp, target.rotation[:3]
+        (x, y, z), ((a, b, c), (d, e, f), (g, h, i)) = target
         u, v, w = self._offset
-        return (
-            x - a[0] * u - a[1] * v - a[2] * w,
-            y - b[0] * u - b[1] * v - b[2] * w,
-            z - c[0] * u - c[1] * v - c[2] * w,
-        )
+        return x - a * u - b * v - c * w, y - d * u - e * v - f * w, z - g * u - h * v - i * w
 
     def _arms(self, centre: Point, current: tuple[float, ...] | None) -> Iterator[Arm]:
         """Joints 1 to 3 that bring the wrist centre to its place."""
+        for shoulder in (1, -1):
+            for elbow in (1, -1):
+                arm = self._arm_with(centre, shoulder, elbow, current)
+                if arm is None:
+                    return
+                yield arm
+
+    def _arm_with(self, centre: Point, shoulder: int, elbow: int, current: tuple[float, ...] | None) -> Arm | None:
+        """The arm of this shoulder and elbow, or None out of reach."""
         x, y, z = centre
         arm, h = self._arm, z - self._arm.shoulder_height
-        yaw, held = math.atan2(y, x), False
+        turn, held = math.atan2(y, x), False
         if current is not None and math.hypot(x, y) < SHOULDER_HOLD:
-            yaw, held = arm.signs[0] * current[0], True
-        for shoulder, turn in ((1, yaw), (-1, yaw + math.pi)):
-            r = math.cos(turn) * x + math.sin(turn) * y
-            cosine = (r * r + h * h - arm.upper_arm**2 - arm.forearm**2) / (2 * arm.upper_arm * arm.forearm)
-            if abs(cosine) > 1 + REACH:
-                return
-            bend = math.acos(min(max(cosine, -1.0), 1.0))
-            inner = math.atan2(arm.forearm * math.sin(bend), arm.upper_arm + arm.forearm * math.cos(bend))
-            for elbow in (1, -1):
-                yield Arm((turn, math.atan2(r, h) - elbow * inner, elbow * bend), shoulder, elbow, held)
+            turn, held = arm.signs[0] * current[0], True
+        if shoulder < 0:
+            turn += math.pi
+        r = math.cos(turn) * x + math.sin(turn) * y
+        cosine = (r * r + h * h - arm.upper_arm**2 - arm.forearm**2) / (2 * arm.upper_arm * arm.forearm)
+        if abs(cosine) > 1 + REACH:
+            return None
+        cosine = min(max(cosine, -1.0), 1.0)
+        sine = math.sqrt(1.0 - cosine * cosine)
+        inner = math.atan2(arm.forearm * sine, arm.upper_arm + arm.forearm * cosine)
+        return Arm((turn, math.atan2(r, h) - elbow * inner, elbow * math.acos(cosine)), shoulder, elbow, held)
 
     def _placed(self, target: Target, arm: Arm, current: tuple[float, ...], elapsed_s: float) -> Solution | Reason:
         """Joints 4 to 6 for an arm; while joint 4 is not at its place, the arm moves so that the tool is."""
@@ -207,10 +214,10 @@ class SphericalWristInverse:
             step = minus(wanted, last_next)
             last_off, last_next = off, wanted
             centre = (wanted[0] - share * step[0], wanted[1] - share * step[1], wanted[2] - share * step[2])
-            same = [a for a in self._arms(centre, current) if (a.shoulder, a.elbow) == (arm.shoulder, arm.elbow)]
-            if not same:
+            next_arm = self._arm_with(centre, arm.shoulder, arm.elbow, current)
+            if next_arm is None:
                 return None
-            arm = same[0]
+            arm = next_arm
         return None
 
     def _limited(self, pitch_and_twist: tuple[float, float], current: tuple[float, ...]) -> tuple[float, float, float]:
@@ -221,7 +228,7 @@ class SphericalWristInverse:
         inside = min(max(q, lower), upper)
         return pitch, sign * inside, abs(q - inside)
 
-    def _roll(self, m: Rows, current: tuple[float, ...], elapsed_s: float) -> tuple[float, bool]:
+    def _roll(self, m: Matrix, current: tuple[float, ...], elapsed_s: float) -> tuple[float, bool]:
         """Joint 4's angle for now, and whether its place is elsewhere."""
         sign, (lower, upper) = self._arm.signs[3], self._bounds[3]
         here = sign * current[3]
@@ -240,12 +247,16 @@ class SphericalWristInverse:
         """The wrist centre that brings the tool to its position, when the joints turn it as they do."""
         yaw, lean, bend, roll, pitch, twist = angles
         x, y, z = self._offset
-        for angle, about_z in ((twist, True), (pitch, False), (roll, True), (lean + bend, False), (yaw, True)):
-            c, s = math.cos(angle), math.sin(angle)
-            if about_z:
-                x, y = c * x - s * y, s * x + c * y
-            else:
-                x, z = c * x + s * z, c * z - s * x
+        c, s = math.cos(twist), math.sin(twist)
+        x, y = c * x - s * y, s * x + c * y
+        c, s = math.cos(pitch), math.sin(pitch)
+        x, z = c * x + s * z, c * z - s * x
+        c, s = math.cos(roll), math.sin(roll)
+        x, y = c * x - s * y, s * x + c * y
+        c, s = math.cos(lean + bend), math.sin(lean + bend)
+        x, z = c * x + s * z, c * z - s * x
+        c, s = math.cos(yaw), math.sin(yaw)
+        x, y = c * x - s * y, s * x + c * y
         return target.tcp[0] - x, target.tcp[1] - y, target.tcp[2] - z
 
     def _joints(self, angles: tuple[float, ...]) -> list[float]:

@@ -13,6 +13,9 @@ from common.errors import ModelError
 from common.geometry import Array
 
 BOUNDED_JOINTS = ("JointModelR", "JointModelP")
+BOUNDED = ("revolute", "prismatic")  # as a URDF names what must have limits
+MOVING = (*BOUNDED, "continuous")
+AXES = 3
 
 
 @dataclass(frozen=True, slots=True)
@@ -45,16 +48,16 @@ class ArmModel:
     @classmethod
     def from_urdf(cls, path: Path, tool_frame: str, tool_T_tcp: Array) -> Self:
         """Read a URDF; ModelError says what makes it unusable and how to cure it."""
+        written = _read_joints(path)
         try:
             model = pin.buildModelFromUrdf(str(path))
         except (ValueError, RuntimeError) as error:
             raise ModelError(f"cannot read the robot model {path}: {error}; give a URDF file") from error
         _check_joints(path, model)
-        _check_limits(path, model)
         if not model.existFrame(tool_frame):
             known = ", ".join(frame.name for frame in model.frames)
             raise ModelError(f"{path} has no frame {tool_frame!r}; set robot.tool_frame to one of: {known}")
-        return cls(model, _add_tcp(model, tool_frame, tool_T_tcp), _accelerations(path, tuple(model.names)[1:]))
+        return cls(model, _add_tcp(model, tool_frame, tool_T_tcp), _accelerations(written, tuple(model.names)[1:]))
 
     def forward(self, q: Array) -> Array:
         """The tool centre point's pose `base_T_tool` (4 x 4) at joint positions (n,) in rad."""
@@ -106,19 +109,64 @@ class ArmModel:
         return levers
 
     @property
+    def tool_frame(self) -> str:
+        """The frame that carries the tool."""
+        frames = self.pin_model.frames
+        return str(frames[frames[self.tcp_frame].parentFrame].name)
+
+    @property
     def tcp_levers(self) -> list[float]:
         """How far the tool centre point can move at most per rad (or m) of each joint, m."""
         tcp = self.pin_model.frames[self.tcp_frame].placement.translation
         return self.levers(0, len(self.joint_names), tcp[None])
 
 
-def _accelerations(path: Path, names: tuple[str, ...]) -> Array:
+def _read_joints(path: Path) -> dict[str, ElementTree.Element]:
+    """The joints as they are written, by name; ModelError names one that pinocchio would refuse without its name."""
+    try:
+        root = ElementTree.parse(path).getroot()  # noqa: S314  # the robot model is the site's own
+    except (OSError, ElementTree.ParseError) as error:
+        raise ModelError(f"cannot read the robot model {path}: {error}; give a URDF file") from error
+    joints = {joint.get("name", ""): joint for joint in root.findall("joint")}
+    for name, joint in joints.items():
+        if joint.get("type") in MOVING:
+            _check_axis(path, name, joint)
+        if joint.get("type") in BOUNDED:
+            _check_limits(path, name, joint)
+    return joints
+
+
+def _check_axis(path: Path, name: str, joint: ElementTree.Element) -> None:
+    axis = joint.find("axis")
+    xyz = [_number(text) for text in ("1 0 0" if axis is None else axis.get("xyz", "")).split()]
+    if not (len(xyz) == AXES and math.isfinite(sum(xyz)) and any(xyz)):
+        raise ModelError(f'{path}: joint {name} needs <axis xyz="…"/>, three numbers that are not all zero')
+
+
+def _check_limits(path: Path, name: str, joint: ElementTree.Element) -> None:
+    limit = joint.find("limit")
+    given = {} if limit is None else limit.attrib
+    lower, upper = (_number(given.get(key, "0")) for key in ("lower", "upper"))
+    velocity, effort = (_number(given.get(key, "nan")) for key in ("velocity", "effort"))
+    acceleration = _number(given.get("acceleration", "inf"))
+    finite = math.isfinite(lower + upper + velocity + effort)
+    if not (finite and lower < upper and velocity > 0 and effort > 0 and acceleration > 0):
+        form = '<limit lower="…" upper="…" velocity="…" effort="…"/>'
+        cure = "all finite, lower below upper, the others above 0"
+        raise ModelError(f"{path}: joint {name} needs {form}, {cure}")
+
+
+def _number(text: str) -> float:
+    try:
+        return float(text)
+    except ValueError:
+        return math.nan
+
+
+def _accelerations(written: dict[str, ElementTree.Element], names: tuple[str, ...]) -> Array:
     """The joints' own limits of acceleration (n,), an attribute of <limit> that not every reader of URDF knows."""
-    found = {}
-    for joint in ElementTree.parse(path).getroot().findall("joint"):  # noqa: S314  # the robot model is the site's own
-        limit = joint.find("limit")
-        found[joint.get("name")] = math.inf if limit is None else float(limit.get("acceleration", "inf"))
-    return np.array([found[name] for name in names])
+    limits = [written[name].find("limit") for name in names]
+    return np.array([math.inf if limit is None else float(limit.get("acceleration", "inf")) for limit in limits])
 
 
 def _check_joints(path: Path, model: pin.Model) -> None:
@@ -134,20 +182,6 @@ def _check_joints(path: Path, model: pin.Model) -> None:
 
 def _is_bounded(kind: str) -> bool:
     return kind.startswith(BOUNDED_JOINTS) and not kind.startswith("JointModelRUB") and "Unbounded" not in kind
-
-
-def _check_limits(path: Path, model: pin.Model) -> None:
-    rows = zip(
-        tuple(model.names)[1:],
-        model.lowerPositionLimit,
-        model.upperPositionLimit,
-        model.velocityLimit,
-        model.effortLimit,
-        strict=True,
-    )
-    for name, lower, upper, velocity, effort in rows:
-        if not (np.isfinite([lower, upper, velocity, effort]).all() and lower < upper and velocity > 0 and effort > 0):
-            raise ModelError(f'{path}: {name} needs <limit lower="…" upper="…" velocity="…" effort="…"/>, all finite')
 
 
 def _add_tcp(model: pin.Model, tool_frame: str, tool_T_tcp: Array) -> int:

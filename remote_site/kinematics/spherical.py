@@ -4,7 +4,7 @@ import math
 from typing import NamedTuple
 
 Point = tuple[float, float, float]
-Rows = list[list[float]]
+Matrix = tuple[Point, Point, Point]
 TURN = 2 * math.pi
 
 
@@ -12,7 +12,7 @@ class Target(NamedTuple):
     """Where the tool centre point shall be, and how the wrist shall be turned, in the base frame."""
 
     tcp: Point
-    rotation: Rows
+    rotation: Matrix
 
 
 class Arm(NamedTuple):
@@ -37,25 +37,26 @@ def dot(a: Point, b: Point) -> float:
     return a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
 
 
-def in_forearm(rotation: Rows, arm_angles: Point) -> Rows:
+def in_forearm(rotation: Matrix, arm_angles: Point) -> Matrix:
     """A rotation in the base frame as seen from the forearm: Ry(-lean) Rz(-yaw) R."""
     yaw, lean = arm_angles[0], arm_angles[1] + arm_angles[2]
     cy, sy, cl, sl = math.cos(yaw), math.sin(yaw), math.cos(lean), math.sin(lean)
-    first, second, third = rotation[0][:3], rotation[1][:3], rotation[2][:3]
-    ahead = [cy * a + sy * b for a, b in zip(first, second, strict=True)]
-    return [
-        [cl * a - sl * c for a, c in zip(ahead, third, strict=True)],
-        [cy * b - sy * a for a, b in zip(first, second, strict=True)],
-        [sl * a + cl * c for a, c in zip(ahead, third, strict=True)],
-    ]
+    (a, b, c), (d, e, f), (g, h, i) = rotation
+    u, v, w = cy * a + sy * d, cy * b + sy * e, cy * c + sy * f
+    return (
+        (cl * u - sl * g, cl * v - sl * h, cl * w - sl * i),
+        (cy * d - sy * a, cy * e - sy * b, cy * f - sy * c),
+        (sl * u + cl * g, sl * v + cl * h, sl * w + cl * i),
+    )
 
 
-def pitch_and_twist(m: Rows, roll: float) -> tuple[float, float]:
+def pitch_and_twist(m: Matrix, roll: float) -> tuple[float, float]:
     """Joints 5 and 6 that best make up the rotation Rz(roll) Ry(pitch) Rz(twist), given the roll."""
     c, s = math.cos(roll), math.sin(roll)
-    pitch = math.atan2(c * m[0][2] + s * m[1][2], m[2][2])
+    (mxx, mxy, mxz), (myx, myy, myz), (mzx, mzy, mzz) = m
+    pitch = math.atan2(c * mxz + s * myz, mzz)
     cp, sp = math.cos(pitch), math.sin(pitch)
-    xx = cp * (c * m[0][0] + s * m[1][0]) - sp * m[2][0]
-    xy = cp * (c * m[0][1] + s * m[1][1]) - sp * m[2][1]
-    yx, yy = c * m[1][0] - s * m[0][0], c * m[1][1] - s * m[0][1]
+    xx = cp * (c * mxx + s * myx) - sp * mzx
+    xy = cp * (c * mxy + s * myy) - sp * mzy
+    yx, yy = c * myx - s * mxx, c * myy - s * mxy
     return pitch, math.atan2(yx - xy, xx + yy)

@@ -71,7 +71,7 @@ class CollisionModel:
         for shape in shapes.geometryObjects:
             shape.geometry = _smooth(shape.geometry)
         for k, capsule in enumerate(capsules):
-            shapes.addGeometryObject(_capsule(model.pin_model, capsule, k))
+            shapes.addGeometryObject(_capsule(model, capsule, k))
         return cls(model, shapes, config)
 
     def distance(self, q: Array) -> float:
@@ -210,11 +210,12 @@ def _box(fixture: FixtureConfig) -> pin.GeometryObject:
     return pin.GeometryObject(fixture.name, 0, 0, placement, coal.Box(*(high - low)))
 
 
-def _capsule(model: pin.Model, capsule: CapsuleConfig, number: int) -> pin.GeometryObject:
-    if not model.existFrame(capsule.link):
+def _capsule(arm: ArmModel, capsule: CapsuleConfig, number: int) -> pin.GeometryObject:
+    model, link = arm.pin_model, capsule.link or arm.tool_frame
+    if not model.existFrame(link):
         known = ", ".join(frame.name for frame in model.frames)
-        raise ConfigError(f"robot.capsules: there is no link {capsule.link!r}; the frames are {known}")
-    frame_id = model.getFrameId(capsule.link)
+        raise ConfigError(f"robot.capsules: there is no link {link!r}; the frames are {known}")
+    frame_id = model.getFrameId(link)
     frame = model.frames[frame_id]
     start, end = np.array(capsule.start_m), np.array(capsule.end_m)
     along = end - start

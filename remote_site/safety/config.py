@@ -12,14 +12,14 @@ Row3 = tuple[float, float, float]
 class CapsuleConfig(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
     """A capsule around a part of the arm or its tool, in the frame of its link."""
 
-    link: Annotated[str, Meta(min_length=1, description="URDF link or frame that carries it")]
+    link: Annotated[str, Meta(description="URDF link or frame that carries it; empty: robot.tool_frame")] = ""
     start_m: Annotated[Row3, Meta(description="one end of its axis, m")]
     end_m: Annotated[Row3, Meta(description="the other end of its axis, m")]
     radius_m: Annotated[float, Meta(gt=0, le=1, description="radius, m")]
 
     def __post_init__(self) -> None:
         if not all(math.isfinite(v) for v in (*self.start_m, *self.end_m)):
-            raise ValueError(f"a capsule of {self.link} has an end that is not finite")
+            raise ValueError(f"a capsule of {self.link or 'the tool frame'} has an end that is not finite")
 
 
 class FixtureConfig(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
