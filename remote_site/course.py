@@ -76,9 +76,12 @@ class FreeCourse:
     def _turn_to(self, t_ns: int, q: list[float], dq: list[float], now_ns: int, glide: float) -> None:
         """Take a new course from `now_ns`; what the target is off it decays."""
         since, numbers = (now_ns - t_ns) / NS_PER_S, []
-        for here, moving, place, speed in zip(*self._glided(now_ns), q, dq, strict=True):
-            off = here - (place + speed * since)
-            numbers.append((place, speed, off, moving - speed + glide * off))
+        heres, movings = self._glided(now_ns)
+        offs = [here - (place + speed * since) for here, place, speed in zip(heres, q, dq, strict=True)]
+        steps = [moving - speed for moving, speed in zip(movings, dq, strict=True)]
+        glide = self._bearable(glide, offs, steps)
+        for place, speed, off, step in zip(q, dq, offs, steps, strict=True):
+            numbers.append((place, speed, off, step + glide * off))
         self._t_ns, self._since_ns, self._glide, self._numbers = t_ns, now_ns, glide, numbers
 
     def _glided(self, now_ns: int) -> tuple[list[float], list[float]]:
@@ -95,6 +98,11 @@ class FreeCourse:
         """Place and speed inside the limits, if there are any."""
         return q, dq
 
+    def _bearable(self, glide: float, offs: list[float], steps: list[float]) -> float:
+        """The glide, or a slower one if limits ask for it; `offs` and `steps` are what place and speed have to lose."""
+        del offs, steps
+        return glide
+
 
 class Course(FreeCourse):
     """The course of joints (n,) in rad, which always stays where they can stop inside their limits."""
@@ -106,7 +114,15 @@ class Course(FreeCourse):
         columns = limits.lower, limits.lower + far, limits.upper - far, limits.upper, fastest
         dynamics = limits.acceleration, limits.jerk
         self._joints = list(zip(*(column.tolist() for column in (*columns, *dynamics)), strict=True))
+        self._most = limits.acceleration.tolist()
         super().__init__(len(limits.names), config)
+
+    def _bearable(self, glide: float, offs: list[float], steps: list[float]) -> float:
+        """As fast as every joint can: one that cannot would fall behind, and take the tool off the common way."""
+        for off, step, most in zip(map(abs, offs), map(abs, steps), self._most, strict=True):
+            if glide * (glide * off + 2 * step) > most:  # what the glide begins with, at worst
+                glide = (math.sqrt(step * step + most * off) - step) / off if off > NOTHING else most / (2 * step)
+        return max(glide, self._resting_glide)
 
     def _kept(self, q: list[float], dq: list[float]) -> tuple[list[float], list[float]]:
         """Inside the limits, with a velocity (n,) from which the joints can stop there."""

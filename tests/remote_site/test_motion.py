@@ -104,6 +104,21 @@ def test_a_course_has_no_jumps():
         before = here
 
 
+def test_a_course_begins_to_move_no_harder_than_the_joints_can():
+    """Joints that cannot keep to it would catch up one after the other, and swing the tool off the way."""
+    course, way, hardest = Course(LIMITS, ControlConfig()), np.array([0.1, 0.05, -0.1, 0.1, 0.1, 0.1]), 0.0
+    course.reset(0, START)
+    before = np.zeros(6)
+    for k in range(1, 500):
+        t = k * TICK_NS / NS_PER_S
+        if k % 8 == 0:
+            share = min(max((t - 0.5) / 0.6, 0.0), 1.0)
+            course.aim(k * TICK_NS, START + way * share**3 * (10 - 15 * share + 6 * share**2), k * TICK_NS)
+        speed = course.at(k * TICK_NS)[1]
+        hardest, before = max(hardest, np.max(np.abs(speed - before) / DT / LIMITS.acceleration)), speed
+    assert hardest < 1.0
+
+
 def test_noise_at_rest_is_damped_and_a_hand_that_moves_is_followed():
     """Noise of 1 mm on each axis is 1.73 mm in all; a hand that starts to move is followed within 2 mm all the same."""
     rng, noise = np.random.default_rng(6), []
