@@ -10,7 +10,7 @@ from common.clock import MonotonicClock
 from common.service import StopFlag, ask_for_real_time, start_log
 from remote_site.app import run_cell_child, start_robot
 from remote_site.config import EMULATED, RemoteConfig
-from remote_site.drivers.conformance.checks import run_checks
+from remote_site.drivers.conformance.suite import run_checks
 from remote_site.drivers.conformance.trial import Stand
 from remote_site.drivers.process import FIFO_PRIORITY, setup_of
 from remote_site.drivers.registry import DriverHost, check_driver, create_driver

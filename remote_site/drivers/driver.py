@@ -1,8 +1,10 @@
 """What a robot driver is: configure, activate, (read, write)*, stop, deactivate."""
 
+import math
 from dataclasses import dataclass
 from typing import Protocol
 
+from common.errors import DriverError
 from common.geometry import Array
 from remote_site.drivers.faults import RobotFault
 from remote_site.kinematics.joints import JointMotion
@@ -72,6 +74,11 @@ class Capabilities:
     force: bool
     watchdog_ms: float | None
     queued_periods: int = 0
+
+    def __post_init__(self) -> None:
+        """DriverError for what no robot has."""
+        if not (math.isfinite(self.rate_hz) and self.rate_hz > 0):
+            raise DriverError(f"rate_hz is {self.rate_hz}; give the commands a second that the robot takes, above 0")
 
 
 @dataclass(frozen=True, slots=True)

@@ -5,7 +5,7 @@ from dataclasses import dataclass, field
 from importlib.metadata import EntryPoint, entry_points
 
 from common.clock import Clock
-from common.errors import DriverError
+from common.errors import DriverError, FarhandError
 from remote_site.drivers.driver import Driver
 from remote_site.shared_memory import CellMemory
 
@@ -34,9 +34,14 @@ def create_driver(name: str, host: DriverHost) -> Driver:
     point = check_driver(name)
     try:
         factory: DriverFactory = point.load()
-    except (ImportError, AttributeError) as error:
-        raise DriverError(f"the driver {name!r} cannot be loaded from {point.value}: {error}") from error
-    return factory(host)
+    except Exception as error:  # a stranger's module may raise whatever it likes
+        raise DriverError(f"the driver {name!r} cannot be loaded from {point.value}: {_kind(error)}") from error
+    try:
+        return factory(host)
+    except FarhandError:
+        raise  # it is a sentence already
+    except Exception as error:  # a stranger's code may raise whatever it likes
+        raise DriverError(f"the driver {name!r} cannot be made: {point.value} raised {_kind(error)}") from error
 
 
 def check_driver(name: str) -> EntryPoint:
@@ -52,3 +57,7 @@ def check_driver(name: str) -> EntryPoint:
 def driver_names() -> tuple[str, ...]:
     """Every name that `create_driver` knows."""
     return tuple(sorted({point.name for point in entry_points(group=GROUP)}))
+
+
+def _kind(error: Exception) -> str:
+    return f"{type(error).__name__}: {error}"

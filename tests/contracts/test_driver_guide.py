@@ -6,7 +6,7 @@ from pathlib import Path
 from driver_stands import CONFIG, SETUP
 
 from common.clock import NS_PER_MS, FakeClock
-from remote_site.drivers.conformance.checks import run_checks
+from remote_site.drivers.conformance.suite import run_checks
 from remote_site.drivers.conformance.trial import Stand
 from remote_site.drivers.registry import DriverHost
 

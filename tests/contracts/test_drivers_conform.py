@@ -1,12 +1,16 @@
 """Every driver of the house passes every check of the conformance suite; a bad one fails the check made for it."""
 
+import threading
+from dataclasses import replace
+
 import numpy as np
 import pytest
 from driver_stands import c500c_stand, kinematic_stand, simulated_stand
 
 from common.clock import NS_PER_MS
 from common.errors import DriverError
-from remote_site.drivers.conformance.checks import CHECKS, run_checks
+from remote_site.drivers.conformance.checks import CHECKS
+from remote_site.drivers.conformance.suite import run_checks
 from remote_site.drivers.driver import Capabilities, DriverSetup, GripperReading, JointCommand, RobotReading
 from remote_site.drivers.faults import FaultCode, RobotFault
 from remote_site.drivers.kinematic import KinematicDriver
@@ -173,6 +177,70 @@ class Refuser(KinematicDriver):
         raise DriverError(f"not today: {command.seq}")
 
 
+class Blocked(KinematicDriver):
+    """Waits for ever for its robot to take a command."""
+
+    gate = threading.Event()
+
+    def write(self, command: JointCommand) -> JointCommand:
+        self.gate.wait()
+        return super().write(command)
+
+
+@pytest.fixture(autouse=True, scope="module")
+def _opened_in_the_end():
+    yield
+    Blocked.gate.set()
+
+
+class Numb(KinematicDriver):
+    """Measures no speed."""
+
+    def read(self) -> RobotReading:
+        return replace(super().read(), dq=np.zeros(6))
+
+
+class Mirrored(KinematicDriver):
+    """Moves every second joint the wrong way."""
+
+    home = np.zeros(6)
+
+    def activate(self, q0) -> None:
+        super().activate(q0)
+        self.home = np.array(q0)
+
+    def write(self, command: JointCommand) -> JointCommand:
+        ways = np.array([1, -1, 1, -1, 1, -1])
+        q = self.home + ways * (command.q - self.home)
+        super().write(replace(command, q=q, dq=ways * command.dq, ddq=ways * command.ddq))
+        return command
+
+
+class Freezer(KinematicDriver):
+    """Stands still at once when it is stopped."""
+
+    def stop(self) -> None:
+        if self._stop_ns is None and self._sent is not None:
+            self._sent = replace(self._sent, dq=np.zeros(6), ddq=np.zeros(6))
+        super().stop()
+
+
+class Skipper(KinematicDriver):
+    """Says that it takes 500 commands a second, and in motion passes on one in ten."""
+
+    count = 0
+
+    @property
+    def capabilities(self) -> Capabilities:
+        return Capabilities(500.0, None, gripper=False, force=False, watchdog_ms=None)
+
+    def write(self, command: JointCommand) -> JointCommand:
+        self.count += 1
+        if self._stop_ns is None and command.dq.any() and self.count % 10:
+            return command
+        return super().write(command)
+
+
 @pytest.mark.parametrize(
     ("bad", "check"),
     [
@@ -191,15 +259,99 @@ class Refuser(KinematicDriver):
         (Sleepwalker, "command_timeout"),
         (Unwatched, "watchdog"),
         (Slow, "deadline"),
+        (Blocked, "deadline"),
+        (Numb, "read_never_invents"),
+        (Mirrored, "follows"),
+        (Freezer, "stop"),
+        (Skipper, "rate"),
     ],
 )
 def test_a_bad_driver_fails_the_check_made_for_it(bad, check):
     lines = []
     checks = [c for c in CHECKS if c.__name__ == check]
-    assert run_checks(kinematic_stand(bad), lines.append, checks) == [check]
+    assert run_checks(kinematic_stand(bad), lines.append, checks, call_s=1.0) == [check]
     assert lines[0].startswith("FAILED")
 
 
 def test_every_check_has_its_bad_driver():
     marks = test_a_bad_driver_fails_the_check_made_for_it.pytestmark
     assert {check for _, check in marks[0].args[1]} == set(NAMES)
+
+
+@pytest.mark.parametrize(
+    ("bad", "check"), [(Numb, "read_never_invents"), (Mirrored, "follows"), (Freezer, "stop"), (Skipper, "rate")]
+)
+def test_a_driver_that_lies_in_one_thing_fails_in_nothing_else(bad, check):
+    lines = []
+    assert run_checks(kinematic_stand(bad), lines.append) == [check], lines
+
+
+def refuse_to_be_made(clock):  # noqa: ARG001
+    raise TypeError("an argument is missing")
+
+
+class Ceased(KinematicDriver):
+    """Takes no commands a second."""
+
+    @property
+    def capabilities(self) -> Capabilities:
+        return Capabilities(0.0, None, gripper=False, force=False, watchdog_ms=None)
+
+
+class Portless(KinematicDriver):
+    """Finds no port, and says so."""
+
+    def configure(self, setup: DriverSetup) -> None:  # noqa: ARG002
+        raise DriverError("the port is not there; plug it in")
+
+
+class Quitter(KinematicDriver):
+    """Ends the program."""
+
+    def configure(self, setup: DriverSetup) -> None:  # noqa: ARG002
+        raise SystemExit(3)
+
+
+@pytest.mark.parametrize(
+    ("bad", "sentence"),
+    [
+        (refuse_to_be_made, "its making raised TypeError: an argument is missing"),
+        (Ceased, "its making is refused: rate_hz is 0.0"),
+        (Portless, "configure is refused: the port is not there; plug it in"),
+        (Broken, "configure raised KeyError"),
+        (Quitter, "configure raised SystemExit: 3"),
+        (Deaf, "not ready 5 s after its activation: robot (E7): no"),
+        (Blocked, "deadline: write did not come back"),
+    ],
+)
+def test_what_no_check_can_do_without_is_said_once(bad, sentence):
+    lines = []
+    assert run_checks(kinematic_stand(bad), lines.append, call_s=1.0) == ["life_cycle"]
+    assert len(lines) == 2
+    assert sentence in lines[0]
+
+
+class Thief(KinematicDriver):
+    """Keeps its readings to itself."""
+
+    def read(self) -> RobotReading:
+        super().read()
+        return None
+
+
+def test_a_call_that_returns_the_wrong_thing_is_named():
+    lines = []
+    run_checks(kinematic_stand(Thief), lines.append)
+    assert "the driver's read raised TypeError: it gives None, not a RobotReading" in lines[0]
+
+
+def test_a_watchdog_that_a_driver_has_not_is_skipped():
+    lines = []
+    run_checks(kinematic_stand(), lines.append)
+    assert [line.split()[1] for line in lines if line.startswith("skipped")] == ["other", "watchdog"]
+
+
+@pytest.mark.parametrize("rate_hz", [0.0, -1.0, float("nan"), float("inf")])
+def test_a_rate_that_no_robot_has_is_refused(rate_hz):
+    with pytest.raises(DriverError, match="rate_hz"):
+        Capabilities(rate_hz, None, gripper=False, force=False, watchdog_ms=None)

@@ -105,6 +105,7 @@ def registered(monkeypatch):
     ]
     points += [
         EntryPoint("lab", "remote_site.drivers.factories:kinematic", registry.GROUP),
+        EntryPoint("unmade", "remote_site.drivers.kinematic:CAPABILITIES", registry.GROUP),
         EntryPoint("broken", "no_such_package:make", registry.GROUP),
     ]
     monkeypatch.setattr(registry, "entry_points", lambda group: points if group == registry.GROUP else [])
@@ -113,7 +114,7 @@ def registered(monkeypatch):
 @pytest.mark.usefixtures("registered")
 def test_drivers_are_found_by_name():
     assert isinstance(create_driver("kinematic", DriverHost(FakeClock())), KinematicDriver)
-    assert driver_names() == ("broken", "c500c", "kinematic", "lab", "simulated")
+    assert driver_names() == ("broken", "c500c", "kinematic", "lab", "simulated", "unmade")
     simulated = create_driver("simulated", DriverHost(FakeClock(), cell=CellMemory.create(6)))
     assert simulated.capabilities.joints == 6
 
@@ -141,6 +142,8 @@ def test_installed_packages_offer_drivers():
     assert isinstance(create_driver("lab", DriverHost(FakeClock())), KinematicDriver)
     with pytest.raises(DriverError, match="no_such_package:make"):
         create_driver("broken", DriverHost(FakeClock()))
+    with pytest.raises(DriverError, match=r"'unmade' cannot be made: .*kinematic:CAPABILITIES raised TypeError"):
+        create_driver("unmade", DriverHost(FakeClock()))
 
 
 def test_an_installation_without_drivers_is_told_its_cure(monkeypatch):

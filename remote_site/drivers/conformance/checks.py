@@ -1,24 +1,29 @@
 """What every driver must do, check by check; each gets a driver of its own."""
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable
 from dataclasses import replace
 
 import numpy as np
 
-from common.clock import NS_PER_MS
+from common.clock import NS_PER_MS, NS_PER_S
 from common.errors import DriverError
-from remote_site.drivers.conformance.trial import SPEED_RAD_S, STEP_MS, STROKE_RAD, WINDOW_MS, Failed, Stand, Trial
+from common.geometry import Array
+from remote_site.drivers.conformance.trial import SPEED_RAD_S, STEP_MS, WINDOW_MS, Failed, Skipped, Trial
 from remote_site.drivers.driver import JointCommand, RobotReading
 from remote_site.drivers.faults import FaultCode
 from remote_site.drivers.keeper import DEADLINE_NS, Phase
 from remote_site.kinematics.joints import JointMotion
-from remote_site.safety.stopping import stop_time
+from remote_site.safety.stopping import stop_time, stops
 
 REACHED_RAD = 0.01
 HOLDS_RAD = 0.005
 AGAIN_MS = 20
 ATTEMPTS = 5
 OVER = 1.1  # what measuring and smoothing may add
+UNLIKE = 0.3  # of a joint's way: what the speeds read may miss of it, being smoothed
+SHORT = 0.5  # of the way that a stop within the limits takes at least: a shorter one is too hard
+STEPS = 3.0  # of the slowest of commands, rate and readings: a joint that stands longer in motion misses commands
+STEADY_MS = 250
 
 
 def life_cycle(trial: Trial) -> None:
@@ -41,26 +46,34 @@ def life_cycle(trial: Trial) -> None:
 def other_robot(trial: Trial) -> None:
     """A model with another number of joints is refused."""
     joints = trial.driver.capabilities.joints
-    if joints is not None:
-        names = tuple(f"other_{k}" for k in range(joints + 1))
-        trial.refuses("a model with another number of joints", lambda: _configure(trial, names))
+    if joints is None:
+        raise Skipped("it moves any number of joints")
+    names = tuple(f"other_{k}" for k in range(joints + 1))
+    trial.refuses("a model with another number of joints", lambda: _configure(trial, names))
 
 
 def follows(trial: Trial) -> None:
-    """The robot goes where it is commanded, no further, and says which command it obeys."""
+    """Every joint goes where it is commanded and back, no further, and the robot says which command it obeys."""
     trial.activated()
-    goal = trial.goal(STROKE_RAD / 2)
-    begin = trial.q0[0]
-    trial.move(goal, 1500 + trial.lag_ms)
-    _healthy(trial)
-    last = trial.last()
-    if np.abs(last.q - goal).max() > REACHED_RAD:
-        raise Failed(f"the joints are {np.abs(last.q - goal).max():.4f} rad from where they were commanded")
-    furthest = max(trial.side * (reading.q[0] - begin) for reading in trial.log)
-    if furthest > STROKE_RAD / 2 + REACHED_RAD:
-        raise Failed(f"the joint went {furthest - STROKE_RAD / 2:.4f} rad beyond its target")
+    home = trial.q0.copy()
+    for goal in (trial.jog(), home):
+        _goes_to(trial, goal)
     if trial.keeper.obeyed_seq is None or trial.keeper.obeyed_seq > trial.last_seq:
-        raise Failed(f"obeyed_seq is {last.obeyed_seq}, none that it was given")
+        raise Failed(f"obeyed_seq is {trial.last().obeyed_seq}, none that it was given")
+
+
+def rate(trial: Trial) -> None:
+    """Commands reach the robot as often as it says, as far as its readings show."""
+    trial.activated().in_motion()
+    times, q, _ = _measured(trial, trial.last().t_ns - STEADY_MS * NS_PER_MS)
+    changes = times[1:][np.diff(q[:, 0]) != 0]
+    stands = float(np.median(np.diff(changes))) if len(changes) > 1 else STEADY_MS / 1000
+    allowed = STEPS * max(1 / trial.driver.capabilities.rate_hz, trial.setup.dt, float(np.median(np.diff(times))))
+    if stands > allowed:
+        raise Failed(
+            f"in motion the joint stands still for {1000 * stands:.0f} ms at a time, {1000 * allowed:.0f} ms are "
+            f"enough at the {trial.driver.capabilities.rate_hz:g} commands a second that it takes; it misses some"
+        )
 
 
 def limits(trial: Trial) -> None:
@@ -82,13 +95,15 @@ def limits(trial: Trial) -> None:
 
 
 def stop(trial: Trial) -> None:
-    """A stop in motion brings the robot to rest in time and near by."""
+    """A stop in motion brings the robot to rest in time and near by, and no harder than its limits allow."""
     trial.activated().in_motion()
-    at, sent = trial.q0[0], trial.keeper.motion
+    before, sent = trial.last(), trial.keeper.motion
+    at, stood_ms = trial.q0[0], (trial.clock.now_ns() - before.t_ns) / NS_PER_MS
     trial.driver.stop()
     trial.run(1000 * stop_time(sent, trial.setup.limits) + trial.lag_ms + 100)
     _rests(trial, "after a stop")
     _travelled(trial, at, sent)
+    _brakes_within_limits(trial, at + float(sent.dq[0]) * stood_ms / 1000, sent)
     if trial.last().fault is None:
         raise Failed("it says that it is ready after a stop")
 
@@ -115,7 +130,7 @@ def idempotent_stop(trial: Trial) -> None:
 
 def read_never_invents(trial: Trial) -> None:
     """Readings are measured, newer each time, of the past; what is not measured is None, or raises."""
-    trial.driver.configure(trial.setup)
+    trial.configure()
     before = _readable(trial)
     if before is not None and np.abs(before.q - trial.q0).max() > 0.5:
         raise Failed(f"before its activation it reads {before.q}, far from where the robot stands")
@@ -126,6 +141,7 @@ def read_never_invents(trial: Trial) -> None:
     first = trial.last()
     if first.obeyed_seq is not None and trial.keeper.obeyed_seq is None:
         raise Failed(f"it obeys command {first.obeyed_seq}, which it was never given")
+    _speeds_fit(trial)
     trial.in_motion()
     _healthy(trial)
     times = np.array([reading.t_ns for reading in trial.log])
@@ -157,7 +173,7 @@ def watchdog(trial: Trial) -> None:
     """A robot with a watchdog of its own comes to rest when its driver is not called any more."""
     own_ms = trial.driver.capabilities.watchdog_ms
     if own_ms is None:
-        return
+        raise Skipped("it has none of its own")
     trial.activated().in_motion()
     sent = trial.keeper.motion
     wait_ms = own_ms + 1000 * stop_time(sent, trial.setup.limits) + trial.lag_ms + 200
@@ -185,6 +201,7 @@ CHECKS: tuple[Check, ...] = (
     other_robot,
     read_never_invents,
     follows,
+    rate,
     limits,
     stop,
     idempotent_stop,
@@ -192,49 +209,6 @@ CHECKS: tuple[Check, ...] = (
     watchdog,
     deadline,
 )
-
-
-def run_checks(stand: Stand, tell: Callable[[str], None], checks: Sequence[Check] = CHECKS) -> list[str]:
-    """Run every check, tell a line of each; the names of those that failed."""
-    failed: list[str] = []
-    for check in checks:
-        name = check.__name__.replace("_", " ")
-        wrong = _verdict(check, stand)
-        tell(f"{'FAILED' if wrong else 'passed'}  {name:<20} {wrong or _meaning(check)}")
-        if wrong:
-            failed.append(check.__name__)
-    return failed
-
-
-def _verdict(check: Check, stand: Stand) -> str:
-    try:
-        trial = Trial(stand)
-    except DriverError as error:
-        return f"it cannot be made: {error}"
-    try:
-        check(trial)
-    except (Failed, DriverError) as error:
-        return str(error)
-    except Exception as error:  # a stranger's code: whatever it raises is its failure, and told
-        return f"it raised {type(error).__name__}: {error}"
-    finally:
-        _end(trial)
-    return ""
-
-
-def _end(trial: Trial) -> None:
-    """Leave the robot at rest for the next check."""
-    try:
-        trial.driver.stop()
-        trial.run(700)
-        trial.driver.deactivate()
-        trial.run(100)
-    except Exception:  # noqa: S110  # the check has told already what is wrong with it
-        pass
-
-
-def _meaning(check: Check) -> str:
-    return (check.__doc__ or "").strip()
 
 
 def _command(trial: Trial) -> JointCommand:
@@ -280,6 +254,56 @@ def _travelled(trial: Trial, at: float, sent: JointMotion) -> None:
     travel = abs(float(trial.q0[0]) - at)
     if travel > allowed:
         raise Failed(f"the joint went on for {travel:.3f} rad where {allowed:.3f} are enough")
+
+
+def _brakes_within_limits(trial: Trial, at: float, sent: JointMotion) -> None:
+    """The joint has come as far from where it was when it was stopped as its limits let no stop fall short of."""
+    needed = abs(stops(sent, trial.setup.limits)[0].end - float(sent.q[0]))
+    travel = trial.side * (float(trial.q0[0]) - at)
+    if travel < SHORT * needed:
+        raise Failed(
+            f"the joint stopped within {max(travel, 0.0):.3f} rad where its limits need {needed:.3f}; it brakes too"
+            " hard, so let it stop within the acceleration and jerk that configure gives it"
+        )
+
+
+def _goes_to(trial: Trial, goal: Array) -> None:
+    side, since = np.sign(goal - trial.q0), len(trial.log)
+    trial.move(goal, 1500 + trial.lag_ms)
+    _healthy(trial)
+    off = np.abs(trial.last().q - goal)
+    if off.max() > REACHED_RAD:
+        raise Failed(f"{_worst(trial, off)} is {off.max():.4f} rad from where it was commanded")
+    beyond: Array = np.max([side * (reading.q - goal) for reading in trial.log[since:]], axis=0)
+    if beyond.max() > REACHED_RAD:
+        raise Failed(f"{_worst(trial, beyond)} went {beyond.max():.4f} rad beyond its target")
+
+
+def _speeds_fit(trial: Trial) -> None:
+    """Failed if the speeds read of any joint do not add up to the way it goes."""
+    home, since_ns = trial.q0.copy(), trial.last().t_ns
+    trial.move(trial.jog(), 500 + trial.lag_ms)
+    _healthy(trial)
+    times, q, dq = _measured(trial, since_ns)
+    summed = ((dq[1:] + dq[:-1]) / 2 * np.diff(times)[:, None]).sum(axis=0)
+    way = q[-1] - q[0]
+    wrong = np.abs(summed - way) - UNLIKE * np.abs(way)
+    if wrong.max() > REACHED_RAD:
+        k = int(wrong.argmax())
+        raise Failed(f"{_worst(trial, wrong)} went {way[k]:.3f} rad, but the speeds read add up to {summed[k]:.3f} rad")
+    trial.move(home, 500 + trial.lag_ms)
+
+
+def _measured(trial: Trial, since_ns: int) -> tuple[Array, Array, Array]:
+    """Times in s, positions and speeds of every reading from then on, each once."""
+    readings = [reading for reading in trial.log if reading.t_ns >= since_ns]
+    times: Array = np.array([(reading.t_ns - since_ns) / NS_PER_S for reading in readings])
+    times, each = np.unique(times, return_index=True)
+    return times, np.array([readings[k].q for k in each]), np.array([readings[k].dq for k in each])
+
+
+def _worst(trial: Trial, off: Array) -> str:
+    return trial.setup.joint_names[int(off.argmax())]
 
 
 def _measures(trial: Trial) -> None:

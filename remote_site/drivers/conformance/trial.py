@@ -1,4 +1,4 @@
-"""A driver on trial: activated, moved along its first joint, watched; every call is timed."""
+"""A driver on trial: activated, moved by small angles and along its first joint, watched; every call is timed."""
 
 from collections.abc import Callable
 from dataclasses import dataclass, replace
@@ -8,6 +8,7 @@ import numpy as np
 from common.clock import NS_PER_MS, NS_PER_S, Clock
 from common.errors import DriverError
 from common.geometry import Array
+from remote_site.drivers.conformance.watched import Watch, WatchedDriver
 from remote_site.drivers.driver import Driver, DriverSetup, JointCommand, RobotReading
 from remote_site.drivers.grip import GripSettings, GripWatch
 from remote_site.drivers.keeper import Keeper, Order, Phase
@@ -20,10 +21,27 @@ STEP_MS = 2
 WINDOW_MS = 150
 SPEED_RAD_S = 0.8
 STROKE_RAD = 0.7
+JOG_RAD = 0.1
+JOG_MORE_RAD = 0.025  # each joint by so much more than the one before it: no two can be taken for each other
 
 
 class Failed(Exception):  # noqa: N818  # a check's verdict, not a mistake of the program
     """The driver does not do what it must, and how."""
+
+
+class Hopeless(Failed):
+    """Failed in a way that every other check would fail in too."""
+
+
+class Skipped(Exception):  # noqa: N818  # a check's verdict, not a mistake of the program
+    """The check does not concern this driver, and why."""
+
+
+def told(call: str, error: BaseException) -> str:
+    """What a call has raised, as a sentence."""
+    if isinstance(error, DriverError):
+        return f"{call} is refused: {error}"
+    return f"{call} raised {type(error).__name__}: {error}"
 
 
 @dataclass(frozen=True, slots=True)
@@ -60,10 +78,10 @@ def gentle(setup: DriverSetup) -> DriverSetup:
 class Trial:
     """One driver, from its making to its end, behind the keeper that its process would have."""
 
-    def __init__(self, stand: Stand) -> None:
+    def __init__(self, stand: Stand, watch: Watch) -> None:
         self.clock = stand.clock
         self.setup = gentle(stand.setup)
-        self.driver = stand.make()
+        self.driver = WatchedDriver(stand.make, watch)
         self.timer = Timer(stand.clock)
         self.keeper = Keeper(self.driver, self.setup, stand.clock, self.timer, GripWatch(GripSettings()))
         self.log: list[RobotReading] = []
@@ -82,10 +100,17 @@ class Trial:
 
     def configured(self) -> "Trial":
         """The same, configured, with a first reading where the driver has one before it is activated."""
-        self.driver.configure(self.setup)
+        self.configure()
         self.run(300)
         self.turn_to_the_middle()
         return self
+
+    def configure(self) -> None:
+        """Configure the driver for the model that it is to move; Hopeless when it cannot be."""
+        try:
+            self.driver.configure(self.setup)
+        except (Exception, SystemExit) as error:  # a stranger's code may raise whatever it likes
+            raise Hopeless(told("configure", error)) from error
 
     def turn_to_the_middle(self) -> None:
         """Have the first joint move to where it has more room, from now on."""
@@ -110,7 +135,8 @@ class Trial:
                 break
             self.run(STEP_MS)
         if self.keeper.phase is not Phase.ACTIVE:
-            raise Failed(f"not ready {READY_MS / 1000:g} s after its activation: {self.keeper.fault}")
+            kind = Hopeless if self._activation == 1 else Failed
+            raise kind(f"not ready {READY_MS / 1000:g} s after its activation: {self.keeper.fault}")
 
     def run(self, ms: float, orders: list[Order] | None = None) -> None:
         """Let time pass, the driver being called as its process would."""
@@ -153,6 +179,15 @@ class Trial:
         target = self.q0.copy()
         target[0] += self.side * ahead_rad
         return target
+
+    def jog(self) -> Array:
+        """The posture with every joint off by an angle of its own to where it has more room, the first by the most."""
+        upper, lower, q = self.setup.limits.upper, self.setup.limits.lower, self.q0
+        ahead = np.append(STROKE_RAD / 2, JOG_RAD + JOG_MORE_RAD * np.arange(len(q) - 1))
+        sides = np.where(upper + lower >= 2 * q, 1.0, -1.0)
+        room: Array = np.where(sides > 0, upper - q, q - lower)
+        jogged: Array = q + sides * np.minimum(ahead, room / 2)
+        return jogged
 
     @property
     def last_seq(self) -> int:

@@ -1,0 +1,97 @@
+"""A driver under watch: a call that raises, returns the wrong kind or never comes back can be named."""
+
+from collections.abc import Callable
+from typing import TypeVar
+
+from common.clock import NS_PER_S, MonotonicClock
+from common.errors import DriverError
+from common.geometry import Array
+from remote_site.drivers.driver import Capabilities, Driver, DriverSetup, JointCommand, RobotReading
+
+T = TypeVar("T")
+
+
+class Watch:
+    """Which call of a driver is under way; another thread may look."""
+
+    def __init__(self) -> None:
+        self._clock = MonotonicClock()  # a call that never comes back does so in real time, whatever the trial's clock
+        self._begun: tuple[str, int] | None = None
+        self._given_up = False
+        self.raised = ""
+
+    def call(self, name: str, call: Callable[[], T]) -> T:
+        """What the call returns; `raised` is its name when it raises anything but a DriverError."""
+        if self._given_up:
+            raise SystemExit  # of the thread: nothing more may reach a robot that nobody watches
+        self._begun, self.raised = (name, self._clock.now_ns()), ""
+        try:
+            return call()
+        except DriverError:
+            raise
+        except BaseException:
+            self.raised = name
+            raise
+        finally:
+            self._begun = None
+
+    def stuck(self, limit_s: float) -> str:
+        """The call that has not come back for so long, "" without one."""
+        begun = self._begun
+        return begun[0] if begun is not None and self._clock.now_ns() - begun[1] > limit_s * NS_PER_S else ""
+
+    def give_up(self) -> None:
+        """Make no further call."""
+        self._given_up = True
+
+
+class WatchedDriver:
+    """A `Driver` that hands every call on to the one on trial."""
+
+    def __init__(self, make: Callable[[], Driver], watch: Watch) -> None:
+        self._watch = watch
+        self._driver = watch.call("its making", make)
+        self._joints: int | None = None
+
+    @property
+    def capabilities(self) -> Capabilities:
+        """The driver's own."""
+        return self._watch.call("capabilities", lambda: _of(Capabilities, self._driver.capabilities))
+
+    def configure(self, setup: DriverSetup) -> None:
+        """Note how many joints are to be read."""
+        self._watch.call("configure", lambda: self._driver.configure(setup))
+        self._joints = len(setup.joint_names)
+
+    def activate(self, q0: Array) -> None:
+        """Activate the driver."""
+        self._watch.call("activate", lambda: self._driver.activate(q0))
+
+    def read(self) -> RobotReading:
+        """A reading with as many joints as the model has."""
+        return self._watch.call("read", self._read)
+
+    def write(self, command: JointCommand) -> JointCommand:
+        """Hand a command on."""
+        return self._watch.call("write", lambda: _of(JointCommand, self._driver.write(command)))
+
+    def stop(self) -> None:
+        """Stop the driver."""
+        self._watch.call("stop", self._driver.stop)
+
+    def deactivate(self) -> None:
+        """End the driver."""
+        self._watch.call("deactivate", self._driver.deactivate)
+
+    def _read(self) -> RobotReading:
+        reading = _of(RobotReading, self._driver.read())
+        shapes = {reading.q.shape, reading.dq.shape}
+        if self._joints is not None and shapes != {(self._joints,)}:
+            raise TypeError(f"q and dq have {self._joints} joints, not the shapes {shapes}")
+        return reading
+
+
+def _of(kind: type[T], given: object) -> T:
+    if not isinstance(given, kind):
+        raise TypeError(f"it gives {given!r}, not a {kind.__name__}")
+    return given
