@@ -38,12 +38,7 @@ def run_remote(config: RemoteConfig, should_stop: StopFlag, log_format: LogForma
     """Run the remote site until asked to stop; ProcessError when one of its processes dies or hangs."""
     start_log("remote", log_format)
     log = structlog.get_logger()
-    served = (config.metrics.endpoint,) if config.metrics.port else ()
-    for endpoint in (*config.links.listened, *served):
-        check_free(endpoint, config.links)
-    check_bearer(config.links.tls, Identity(Role.REMOTE, config.cell))
-    check_driver(config.driver.name)
-    check_robot(config)
+    _check_start(config)
     mark = RunningMark(config.cell, config.links.control)
     stood = mark.set()
     if stood and config.engagement.mode is EngagementMode.AUTOMATIC:
@@ -83,6 +78,16 @@ def run_remote(config: RemoteConfig, should_stop: StopFlag, log_format: LogForma
     finally:
         notify("STOPPING=1")
         children.end()
+
+
+def _check_start(config: RemoteConfig) -> None:
+    """FarhandError for what would only be found out later, and by a process of the site."""
+    served = (config.metrics.endpoint,) if config.metrics.port else ()
+    for endpoint in (*config.links.listened, *served):
+        check_free(endpoint, config.links)
+    check_bearer(config.links.tls, Identity(Role.REMOTE, config.cell))
+    check_driver(config.driver.name)
+    check_robot(config)
 
 
 def without_automatic_engagement(config: RemoteConfig) -> RemoteConfig:

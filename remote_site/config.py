@@ -26,9 +26,9 @@ HandPoint = Literal["wrist", "palm"]
 
 
 GRIPPER = (
-    CapsuleConfig(link="tool0", start_m=(0.0, 0.0, 0.0), end_m=(0.0, 0.0, 0.05), radius_m=0.035),
-    CapsuleConfig(link="tool0", start_m=(0.0, -0.03, 0.08), end_m=(0.0, 0.03, 0.08), radius_m=0.035),
-    CapsuleConfig(link="tool0", start_m=(0.0, 0.0, 0.11), end_m=(0.0, 0.0, 0.122), radius_m=0.015),
+    CapsuleConfig(start_m=(0.0, 0.0, 0.0), end_m=(0.0, 0.0, 0.05), radius_m=0.035),
+    CapsuleConfig(start_m=(0.0, -0.03, 0.08), end_m=(0.0, 0.03, 0.08), radius_m=0.035),
+    CapsuleConfig(start_m=(0.0, 0.0, 0.11), end_m=(0.0, 0.0, 0.122), radius_m=0.015),
 )
 
 

@@ -55,8 +55,8 @@ def examine_machine() -> list[Finding]:
 
 
 def examine_remote(config: RemoteConfig) -> list[Finding]:
-    """Certificate, views and ports of the robot's side."""
-    findings = _examine_certificate(config, Role.REMOTE)
+    """Certificate, robot, views and ports of the robot's side."""
+    findings = [*_examine_certificate(config, Role.REMOTE), *site.check_robot(site_probing.probe_robot(config))]
     if config.views_are_simulated:
         findings.append(machine.check_rendering(probing.probe_rendering()))
     video = config.video

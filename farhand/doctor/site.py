@@ -1,4 +1,4 @@
-"""What a configured site needs: its cameras, their calibration, its ports, the other site; pure judgements."""
+"""What a configured site needs: its robot, cameras, their calibration, ports, the other site; pure judgements."""
 
 from dataclasses import dataclass
 
@@ -27,6 +27,15 @@ class RigFacts:
     age_days: float | None = None
     sizes_px: tuple[tuple[int, int] | None, ...] = ()
     problem: str = ""
+
+
+@dataclass(frozen=True, slots=True)
+class RobotFacts:
+    """The arm's model and the driver that were tried; name, sentence and cure of each part that will not do."""
+
+    model: str
+    driver: str
+    mistakes: tuple[tuple[str, str, str], ...] = ()
 
 
 @dataclass(frozen=True, slots=True)
@@ -94,6 +103,13 @@ def check_sizes(rig: RigFacts, cameras: tuple[CameraFacts, ...]) -> list[Finding
         for camera, size in zip(cameras, rig.sizes_px, strict=False)
         if size is not None and camera.size_px is not None and camera.size_px != size
     ]
+
+
+def check_robot(facts: RobotFacts) -> list[Finding]:
+    """All that the remote site loads of its robot can be loaded; one finding for each mistake."""
+    if not facts.mistakes:
+        return [ok("robot", f"the model {facts.model} loads, its start posture will do; driver {facts.driver}")]
+    return [error(part, sentence, cure) for part, sentence, cure in facts.mistakes]
 
 
 def check_port(facts: PortFacts) -> Finding:

@@ -1,4 +1,4 @@
-"""Looks at what a configuration names: cameras, rig, ports, the remote site's clock."""
+"""Looks at what a configuration names: robot, cameras, rig, ports, the remote site's clock."""
 
 import threading
 import time
@@ -9,18 +9,43 @@ from pathlib import Path
 from common.cameras.sources import Source, open_camera
 from common.clock import NS_PER_S, OffsetEstimator
 from common.endpoints import check_endpoint, check_free
-from common.errors import CalibrationError, CameraError, RefusedError, TransportError
+from common.errors import CalibrationError, CameraError, DriverError, RefusedError, TransportError
 from common.link_config import ON_THIS_HOST, LinkSecurity
 from common.transport import open_link
 from farhand.doctor.processes import holder_of_device, listener_on
-from farhand.doctor.site import CameraFacts, ClockFacts, PortFacts, RigFacts
+from farhand.doctor.site import CameraFacts, ClockFacts, PortFacts, RigFacts, RobotFacts
 from local_site.calibration.rig_file import load_rig
+from remote_site.config import RemoteConfig
 
 PICTURE_TIMEOUT_S = 10.0
 CLOCK_PATIENCE_NS = 2 * NS_PER_S
 TRIPS = 20
 TRIP_EVERY_S = 0.05
 SECONDS_PER_DAY = 86400.0
+
+
+def probe_robot(config: RemoteConfig) -> RobotFacts:
+    """Load of the arm what the remote site loads, and look up its driver."""
+    mistakes = (*_try_driver(config.driver.name), *_try_arm(config))
+    return RobotFacts(config.robot.model, config.driver.name, mistakes)
+
+
+def _try_driver(name: str) -> list[tuple[str, str, str]]:
+    from remote_site.drivers.registry import check_driver  # noqa: PLC0415  # as below
+
+    try:
+        check_driver(name)
+    except DriverError as error:
+        return [("driver", str(error), "correct driver.name, or install the package that offers it")]
+    return []
+
+
+def _try_arm(config: RemoteConfig) -> list[tuple[str, str, str]]:
+    try:
+        from remote_site.checks import find_mistakes  # noqa: PLC0415  # the doctor also looks at hosts without its libraries
+    except ImportError as error:
+        return [("robot", f"the arm cannot be loaded: {error}", "install Farhand anew: pip install -e '.[sim]'")]
+    return [(mistake.part, mistake.sentence, mistake.cure) for mistake in find_mistakes(config)]
 
 
 def probe_camera(name: str, source: Source, fps: float) -> CameraFacts:

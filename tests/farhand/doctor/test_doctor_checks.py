@@ -31,6 +31,8 @@ CASES = [
     (machine.check_cache(machine.CacheFacts("/c", writable=False, compiled=43)), "ok", "43 pieces"),
     (machine.check_cache(machine.CacheFacts("/c", writable=True, compiled=0)), "warning", "first start"),
     (machine.check_cache(machine.CacheFacts("/c", writable=False, compiled=0)), "warning", "every start"),
+    (site.check_robot(site.RobotFacts("a465", "kinematic"))[0], "ok", "driver kinematic"),
+    (site.check_robot(site.RobotFacts("a", "b", (("robot", "no file", "give one"),)))[0], "error", "no file"),
     (site.check_camera(site.CameraFacts("left", "0", (640, 480))), "ok", "640 x 480"),
     (site.check_camera(site.CameraFacts("left", "0", holder="farhand (process 7)")), "ok", "process 7"),
     (site.check_camera(site.CameraFacts("left", "0", holder="cheese (process 7)")), "error", "cheese"),

@@ -149,3 +149,21 @@ def test_every_mistake_of_the_configuration_is_a_finding(tmp_path: Path) -> None
     assert "error    configuration: " in done.output
     assert "did you mean name?" in done.output
     assert "t_soft_ms" in done.output
+
+
+@pytest.mark.parametrize(
+    ("setting", "found"),
+    [
+        ("robot.model=/none.urdf", "error    robot: robot.model '/none.urdf' is neither a built-in model"),
+        ("robot.tool_frame=hook", "error    robot: "),
+        ("robot.speed=0.5", "ok       robot: the model a465 loads"),
+        ("robot.start_deg=[0, 0, 500, 0, 0, 0]", "error    start posture: robot.start_deg: joint_3"),
+        ("robot.stance.elbow=backward", "error    kinematics: robot.stance.elbow"),
+        ("driver.name=elbow", "error    driver: there is no driver 'elbow'; choose one of"),
+    ],
+)
+def test_the_robots_side_is_loaded_as_the_remote_site_would(setting: str, found: str) -> None:
+    config = Path(__file__).parents[3] / "deploy/sites/remote.toml"
+    done = CliRunner().invoke(app, ["doctor", "--config", str(config), "--set", setting])
+    assert found in done.output
+    assert found.startswith("ok") or done.exit_code == 1
