@@ -11,7 +11,7 @@ import uvicorn
 
 from common.clock import NS_PER_MS, NS_PER_S, ClockEstimate, ClockOffset
 from common.messages import OperatorIntent, ViewsShown
-from common.requests import EngagementAction, OperatorAction, Reply
+from common.requests import EngagementAction, OperatorAction, PictureShare, Reply
 from local_site.console.config import ServeConfig
 from local_site.console.history import History
 from local_site.console.hub import Hub
@@ -37,21 +37,33 @@ class OneClock:
 
 
 class Agreeable:
-    """Answers every request with yes."""
+    """Answers every request with yes, unless it is `silent`; `marked` are the joints that were marked."""
+
+    def __init__(self) -> None:
+        self.silent = False
+        self.marked: list[tuple[PictureShare, ...]] = []
 
     def engagement(self, action: EngagementAction) -> Reply:
         """As asked."""
+        if self.silent:
+            return Reply(id=1, done=False, code="silent", reason="nobody answers: is the site running?")
         return Reply(id=1, done=True, code="ok", reason=f"as asked: {action.value}")
 
     def lease(self, action: OperatorAction) -> Reply:
         """As asked."""
         return Reply(id=1, done=True, code="ok", reason=f"as asked: {action.value}")
 
+    def joints(self, *joints: PictureShare) -> Reply:
+        """As asked."""
+        self.marked.append(joints)
+        return Reply(id=1, done=True, code="ok", reason="as asked")
+
 
 class BareConsole:
     """Serves the page at `address` as long as the block lasts; `shown` and `intents` are what it has said."""
 
     def __init__(self) -> None:
+        self.sites = Agreeable()
         self.shown: list[ViewsShown] = []
         self.intents: list[OperatorIntent] = []
         self.address = ""
@@ -87,7 +99,7 @@ class BareConsole:
         self._loop = asyncio.get_running_loop()
         latencies, history, serve = Latencies(), History(), ServeConfig(port=0)
         outlets = Outlets(self.intents.append, self.shown.append)
-        desk = PageDesk(Seat(open_=True), outlets, Agreeable(), latencies, history, NS_PER_S)
+        desk = PageDesk(Seat(open_=True), outlets, self.sites, latencies, history, NS_PER_S)
         self._hub = Hub(desk, OneClock(), latencies, history, self._watch, OPERATOR, operate=True)
         with bind(serve) as listening:
             port = listening.getsockname()[1]

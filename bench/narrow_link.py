@@ -4,6 +4,7 @@ import asyncio
 import contextlib
 import socket
 import threading
+from collections.abc import Callable
 from types import TracebackType
 from typing import Self
 
@@ -27,8 +28,8 @@ class NarrowLink:
         self._clock = MonotonicClock()
         self._free_ns = 0
         self._ready = threading.Event()
-        self._loop = asyncio.new_event_loop()
-        self._thread = threading.Thread(target=self._run, name="link", daemon=True)
+        self._ended: Callable[[], object] = lambda: None
+        self._thread = threading.Thread(target=lambda: asyncio.run(self._serve()), name="link", daemon=True)
 
     def __enter__(self) -> Self:
         self._thread.start()
@@ -38,24 +39,33 @@ class NarrowLink:
     def __exit__(
         self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
     ) -> None:
-        self._loop.call_soon_threadsafe(self._loop.stop)
+        self._ended()
         self._thread.join(START_S)
 
-    def _run(self) -> None:
-        asyncio.set_event_loop(self._loop)
-        self._loop.run_until_complete(asyncio.start_server(self._carry, "127.0.0.1", self._port, limit=BUFFER_BYTES))
+    async def _serve(self) -> None:
+        loop, ended = asyncio.get_running_loop(), asyncio.Event()
+        server = await asyncio.start_server(self._carry, "127.0.0.1", self._port, limit=BUFFER_BYTES)
+        self._ended = lambda: loop.call_soon_threadsafe(ended.set)
         self._ready.set()
-        self._loop.run_forever()
+        await ended.wait()
+        server.close()
 
     async def _carry(self, near_in: asyncio.StreamReader, near_out: asyncio.StreamWriter) -> None:
+        with contextlib.suppress(OSError), contextlib.closing(near_out):  # one side is gone, and so is the connection
+            far_in, far_out = await asyncio.open_connection(sock=await self._far_side(), limit=BUFFER_BYTES)
+            with contextlib.closing(far_out):
+                await asyncio.gather(self._hand_on(near_in, far_out), self._hand_back(far_in, near_out))
+
+    async def _far_side(self) -> socket.socket:
         far = socket.socket()
         far.setsockopt(socket.SOL_SOCKET, socket.SO_RCVBUF, BUFFER_BYTES)
         far.setblocking(False)
-        with contextlib.suppress(OSError):  # one side is gone, and so is the connection
-            await self._loop.sock_connect(far, ("127.0.0.1", self._to_port))
-            far_in, far_out = await asyncio.open_connection(sock=far, limit=BUFFER_BYTES)
-            await asyncio.gather(self._hand_on(near_in, far_out), self._hand_back(far_in, near_out))
-        near_out.close()
+        try:
+            await asyncio.get_running_loop().sock_connect(far, ("127.0.0.1", self._to_port))
+        except OSError:
+            far.close()
+            raise
+        return far
 
     async def _hand_on(self, source: asyncio.StreamReader, sink: asyncio.StreamWriter) -> None:
         while data := await source.read(CHUNK_BYTES):

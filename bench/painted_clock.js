@@ -1,13 +1,14 @@
-// Reads the clock's cells in every view of the cell as it is painted, at each frame of the browser.
+// Reads the clock's cells in every view of the cell once after it was painted, at the browser's next frame.
 () => {
   const CELLS = 44;
   const brush = new OffscreenCanvas(640, 1).getContext("2d", { willReadFrequently: true });
   const last = new Map();
+  const painted = new Set();
   window.paintedClocks = [];
   const look = () => {
-    for (const view of document.querySelectorAll("#cameras .view")) {
-      const canvas = view.querySelector("canvas");
-      if (canvas.width < CELLS) continue;
+    for (const canvas of painted) {
+      const view = canvas.closest("#cameras .view");
+      if (view === null || canvas.width < CELLS) continue;
       brush.drawImage(canvas, 0, Math.floor(canvas.height / 40), canvas.width, 1, 0, 0, 640, 1);
       const row = brush.getImageData(0, 0, 640, 1).data;
       const cells = Array.from({ length: CELLS }, (_, k) => row[4 * Math.floor(((k + 0.5) * 640) / CELLS) + 1]);
@@ -16,7 +17,12 @@
       last.set(view, told);
       window.paintedClocks.push([view.dataset.name, performance.now(), told]);
     }
-    requestAnimationFrame(look);
+    painted.clear();
   };
-  look();
+  const draw = CanvasRenderingContext2D.prototype.drawImage;
+  CanvasRenderingContext2D.prototype.drawImage = function (...given) {
+    draw.apply(this, given);
+    if (painted.size === 0) requestAnimationFrame(look);
+    painted.add(this.canvas);
+  };
 }

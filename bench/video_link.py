@@ -7,7 +7,7 @@ from collections.abc import Callable
 from dataclasses import dataclass, field
 
 from common.clock import NS_PER_MS, NS_PER_S
-from common.messages import CameraStatus, VideoFrame, ViewShown, ViewsShown
+from common.messages import CameraStatus, VideoFrame, ViewCame, ViewShown, ViewsShown
 from remote_site.video.adaptation import Adaptation
 from remote_site.video.config import VideoConfig
 from remote_site.video.setting import Setting
@@ -16,6 +16,7 @@ TICK_NS = NS_PER_MS
 REPORT_NS = 100 * NS_PER_MS
 DELAY_NS = 10 * NS_PER_MS
 MAKE_AND_PAINT_MS = 25.0
+RATE_OF = 128  # pictures, more than there are in a second
 
 Picture = Callable[[str, int, Setting], bytes]
 
@@ -58,6 +59,62 @@ class Link:
         return through
 
 
+@dataclass
+class _View:
+    """What a viewer knows of one camera: when its pictures came, the one that waits, and those that were painted."""
+
+    came: VideoFrame
+    shown: VideoFrame
+    waiting: VideoFrame | None = None
+    came_ns: deque[int] = field(default_factory=lambda: deque(maxlen=RATE_OF))
+    painted: list[Arrival] = field(default_factory=list)
+
+
+class Viewer:
+    """Paints the newest picture of every camera, each `paints_fps` times a second at most; `painted` is what it did."""
+
+    def __init__(self) -> None:
+        self.paints_fps = math.inf
+        self.painted: list[Arrival] = []
+        self._views: dict[str, _View] = {}
+
+    def take(self, frame: VideoFrame, now_ns: int) -> None:
+        """A picture has come; one that still waited is passed over."""
+        view = self._views.setdefault(frame.camera, _View(frame, frame))
+        view.came = view.waiting = frame
+        view.came_ns.append(now_ns)
+
+    def paint(self, now_ns: int) -> None:
+        """Paint what waits, where it is time."""
+        for camera, view in self._views.items():
+            busy = view.painted and now_ns - view.painted[-1].t_ns < NS_PER_S / self.paints_fps
+            if view.waiting is not None and not busy:
+                frame, view.waiting = view.waiting, None
+                age_ms = (now_ns - frame.capture_ns) / NS_PER_MS + MAKE_AND_PAINT_MS
+                view.painted.append(Arrival(now_ns, camera, age_ms, len(frame.jpeg)))
+                self.painted.append(view.painted[-1])
+                view.shown = frame
+
+    def shown(self, now_ns: int) -> dict[str, ViewShown]:
+        """What its console tells."""
+        return {camera: _told(view, now_ns) for camera, view in self._views.items()}
+
+
+def _told(view: _View, now_ns: int) -> ViewShown:
+    came, shown, since_ns = view.came, view.shown, now_ns - NS_PER_S
+    return ViewShown(
+        seq=shown.seq,
+        capture_ns=shown.capture_ns,
+        age_ms=view.painted[-1].age_ms,
+        fps=float(sum(one.t_ns > since_ns for one in view.painted[-RATE_OF:])),
+        came=ViewCame(
+            seq=came.seq,
+            age_ms=(view.came_ns[-1] - came.capture_ns) / NS_PER_MS,
+            fps=float(sum(t_ns > since_ns for t_ns in view.came_ns)),
+        ),
+    )
+
+
 class Run:
     """Cameras, adaptation, link and viewer in simulated time; `picture` makes the bytes of (camera, number, setting).
 
@@ -68,27 +125,28 @@ class Run:
     def __init__(self, config: VideoConfig, picture: Picture, mbit_s: float, *, reports: bool = True) -> None:
         self.adaptation = Adaptation(config)
         self.link = Link(mbit_s)
-        self.arrivals: list[Arrival] = []
+        self.viewer = Viewer()
         self.now_ns = 0
         self._config = config
         self._picture = picture
         self._reports = reports
-        self._shown: dict[str, ViewShown] = {}
         self._numbers = {camera.name: itertools.count() for camera in config.cameras}
         self._sent_ns = dict.fromkeys(self._numbers, -NS_PER_S)
 
     def run(self, seconds: float) -> list[Arrival]:
         """Let time pass; what came meanwhile."""
-        before, end_ns = len(self.arrivals), self.now_ns + round(seconds * NS_PER_S)
+        before, end_ns = len(self.viewer.painted), self.now_ns + round(seconds * NS_PER_S)
         while self.now_ns < end_ns:
             self.now_ns += TICK_NS
             self._expose()
             for frame in self.link.tick(self.now_ns):
-                self._show(frame)
-            if self._reports and self.now_ns % REPORT_NS == 0 and self._shown:
-                told = ViewsShown(session=1, lease=0, sent_ns=self.now_ns, views=dict(self._shown))
+                self.viewer.take(frame, self.now_ns)
+            self.viewer.paint(self.now_ns)
+            shown = self.viewer.shown(self.now_ns)
+            if self._reports and self.now_ns % REPORT_NS == 0 and shown:
+                told = ViewsShown(session=1, lease=0, sent_ns=self.now_ns, views=shown)
                 self.adaptation.hear(told, self.now_ns)
-        return self.arrivals[before:]
+        return self.viewer.painted[before:]
 
     def _expose(self) -> None:
         period_ns = round(NS_PER_S / self._config.fps)
@@ -115,9 +173,3 @@ class Run:
         )
         self.adaptation.sent(frame, self.now_ns)
         self.link.put(frame, self.now_ns + DELAY_NS)
-
-    def _show(self, frame: VideoFrame) -> None:
-        age_ms = (self.now_ns - frame.capture_ns) / NS_PER_MS + MAKE_AND_PAINT_MS
-        self.arrivals.append(Arrival(self.now_ns, frame.camera, age_ms, len(frame.jpeg)))
-        fps = self._config.fps
-        self._shown[frame.camera] = ViewShown(seq=frame.seq, capture_ns=frame.capture_ns, age_ms=age_ms, fps=fps)

@@ -8,6 +8,7 @@ from common.roles import Identity, Role
 
 Json = dict[str, Any]
 THIS_HOST = "this host"
+EVERY_CELL = "*"
 QUERY_ROOM_BYTES = 512  # around a payload: an error sentence, an attachment that nobody reads
 
 
@@ -101,13 +102,13 @@ def _rules(name: str, granted: set[Grant]) -> list[Json]:
     ]
 
 
-def payload_caps(cell: str) -> list[Json]:
-    """What is larger than its channel allows is dropped on arrival, before anybody keeps it; `cell` "*" for all."""
+def payload_caps() -> list[Json]:
+    """What is larger than its channel allows is dropped on arrival, before anybody keeps it, in all cells."""
     caps: list[tuple[tuple[str, ...], str, int]] = [
-        (("put",), channel.key_for(cell), channel.max_bytes) for channel in CHANNELS
+        (("put",), channel.key_for(EVERY_CELL), channel.max_bytes) for channel in CHANNELS
     ]
     caps += [
-        (("query", "reply"), procedure.key_for(cell), procedure.max_bytes + QUERY_ROOM_BYTES)
+        (("query", "reply"), procedure.key_for(EVERY_CELL), procedure.max_bytes + QUERY_ROOM_BYTES)
         for procedure in PROCEDURES
     ]
     return [
@@ -122,7 +123,7 @@ def payload_caps(cell: str) -> list[Json]:
     ]
 
 
-def rate_caps(cell: str) -> list[Json]:
+def rate_caps() -> list[Json]:
     """Questions that a neighbour asks faster than it may are dropped on arrival; who asked in earnest asks again."""
-    rules = [{"key_expr": procedure.key_for(cell), "freq": procedure.most_hz} for procedure in PROCEDURES]
+    rules = [{"key_expr": procedure.key_for(EVERY_CELL), "freq": procedure.most_hz} for procedure in PROCEDURES]
     return [{"id": "questions", "flows": ["ingress"], "messages": ["query"], "rules": rules}]

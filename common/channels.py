@@ -1,6 +1,5 @@
 """The one table of channels: key, message, who sends and who hears, rate, staleness, priority, size, session."""
 
-import re
 from dataclasses import dataclass
 from enum import StrEnum
 from typing import Any, Generic, TypeVar
@@ -20,14 +19,13 @@ from common.requests import (
     OperatorRequest,
     Reply,
 )
-from common.roles import EVERYBODY, MAINTAINERS, OPERATORS, REMOTES, Role
+from common.roles import CELL_NAME, EVERYBODY, MAINTAINERS, OPERATORS, REMOTES, Role
 
 M = TypeVar("M", bound=Message)
 Q = TypeVar("Q", bound=Message)
 R = TypeVar("R", bound=Message)
 OPERATORS_HZ = 1000.0  # a stop may follow another request at once
 EVERYBODYS_HZ = 200.0
-CELL_NAME = re.compile(r"[a-z0-9][a-z0-9_-]{0,31}")
 
 
 class Session(StrEnum):

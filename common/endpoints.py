@@ -55,8 +55,8 @@ def check_endpoint(endpoint: str, security: LinkSecurity) -> Endpoint:
     return found
 
 
-def check_free(endpoint: str, security: LinkSecurity) -> None:
-    """TransportError at once when this host cannot listen there; zenoh would try for seconds."""
+def check_free(endpoint: str, security: LinkSecurity) -> Endpoint:
+    """The endpoint if it is allowed and free; TransportError at once if not, where zenoh would try for seconds."""
     place = check_endpoint(endpoint, security)
     family = socket.AF_INET6 if ":" in place.host else socket.AF_INET
     with socket.socket(family, socket.SOCK_STREAM) as probe:
@@ -65,6 +65,7 @@ def check_free(endpoint: str, security: LinkSecurity) -> None:
             probe.bind((place.host, place.port))
         except (OSError, OverflowError) as error:
             raise TransportError(f"cannot listen at {endpoint}: {error}; is the port taken by another site?") from error
+    return place
 
 
 def from_this_host(endpoint: str) -> str:

@@ -5,7 +5,7 @@ from typing import Annotated
 
 import msgspec
 
-PROTOCOL_VERSION = 6
+PROTOCOL_VERSION = 7
 
 Vector3 = tuple[float, float, float]
 Quaternion = tuple[float, float, float, float]
@@ -278,13 +278,25 @@ class VideoFrame(Message, frozen=True):
     jpeg: bytes
 
 
+class ViewCame(msgspec.Struct, frozen=True, forbid_unknown_fields=True, kw_only=True):
+    """The newest picture of one camera that has come to the console's host, how old it was then, how many come."""
+
+    seq: Count
+    age_ms: Annotated[float, msgspec.Meta(ge=0)]
+    fps: Annotated[float, msgspec.Meta(ge=0)]
+
+
 class ViewShown(msgspec.Struct, frozen=True, forbid_unknown_fields=True, kw_only=True):
-    """The newest picture of one camera that a console has painted, how old it was then, and how many it paints."""
+    """The newest picture of one camera that a console has painted, how old it was then, and how many it paints.
+
+    `came` tells the link's share of that from the page's.
+    """
 
     seq: Count
     capture_ns: Count
     age_ms: Annotated[float, msgspec.Meta(ge=0)]
     fps: Annotated[float, msgspec.Meta(ge=0)]
+    came: ViewCame
 
 
 class ViewsShown(Message, frozen=True):

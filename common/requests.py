@@ -7,8 +7,8 @@ import msgspec
 
 from common.messages import Count, Message, Name, Pose, Text, Vector3
 
-Coordinate = Annotated[float, msgspec.Meta(ge=0, le=16384)]
-Pixel = tuple[Coordinate, Coordinate]
+Share = Annotated[float, msgspec.Meta(ge=0, le=1)]
+PictureShare = tuple[Share, Share]
 
 
 class Request(Message, frozen=True):
@@ -84,11 +84,14 @@ class OperatorRequest(Request, frozen=True):
 
 
 class JointsRequest(Request, frozen=True):
-    """Where an operator sees the joints in the picture of the one camera that is tracked, px of the camera's own."""
+    """Where an operator sees the joints in the picture of the one camera that is tracked, however large it is shown.
 
-    shoulder_px: Pixel
-    elbow_px: Pixel
-    wrist_px: Pixel
+    Each place is a share of the picture's width, from the left, and of its height, from the top.
+    """
+
+    shoulder: PictureShare
+    elbow: PictureShare
+    wrist: PictureShare
 
 
 class ClockQuestion(Message, frozen=True):

@@ -19,7 +19,8 @@ EVERYBODY = frozenset(Role) - {Role.ROUTER}
 OPERATORS = frozenset({Role.OPERATOR})
 REMOTES = frozenset({Role.REMOTE})
 MAINTAINERS = frozenset({Role.MAINTENANCE})
-COMMON_NAME = re.compile(r"([a-z]+)(?:\.([a-z0-9][a-z0-9_-]{0,31}))?")
+CELL_NAME = re.compile(r"[a-z0-9][a-z0-9_-]{0,31}")
+COMMON_NAME = re.compile(rf"([a-z]+)(?:\.({CELL_NAME.pattern}))?")
 
 
 @dataclass(frozen=True, slots=True)

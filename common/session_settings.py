@@ -66,8 +66,8 @@ def session_settings(places: Places, credentials: Credentials | None, cells: Seq
         "transport/unicast/open_timeout": OPEN_TIMEOUT_MS,
         "transport/unicast/accept_timeout": OPEN_TIMEOUT_MS,
         "transport/unicast/max_sessions": MAX_AT_ROUTER if places.mode is Mode.ROUTER else MAX_NEIGHBOURS,
-        "low_pass_filter": payload_caps("*"),
-        "downsampling": rate_caps("*"),
+        "low_pass_filter": payload_caps(),
+        "downsampling": rate_caps(),
     }
     if credentials is not None:
         plain = not all(place.is_tls for place in (*places.listen, *places.connect))

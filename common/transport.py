@@ -233,7 +233,7 @@ class Link:
             if reply is not None:
                 return reply
             time.sleep(max(0.0, min(attempt_ends, give_up_ns / NS_PER_S) - time.monotonic()))
-        raise TransportError(f"nobody answered {procedure.key_for(cell, name)}: is that site of cell {cell} running?")
+        raise TransportError(f"nobody answered at cell {cell}: is the site that is asked running?")
 
     def round_trip(self, cell: str) -> RoundTrip | None:
         """Ask the remote site's clock once; None when nobody answers in time."""
@@ -253,11 +253,11 @@ class Link:
         """
         links = self._session.info.links()
         for endpoint in self._outgoing:
-            shown = next((link.auth_identifier for link in links if _leads_to(link, endpoint)), None)
-            connected = any(_leads_to(link, endpoint) for link in links)
-            why = None if connected else refusal(endpoint, self._credentials)
-            if connected and endpoint.is_tls and self._credentials is not None:
-                why = identity_refusal(shown or "", str(endpoint), self._credentials.identity)
+            link, why = next((link for link in links if _leads_to(link, endpoint)), None), None
+            if link is None:
+                why = refusal(endpoint, self._credentials)
+            elif endpoint.is_tls and self._credentials is not None:
+                why = identity_refusal(link.auth_identifier or "", str(endpoint), self._credentials.identity)
             if why is not None:
                 raise RefusedError(why)
 
@@ -324,9 +324,7 @@ def open_router(*, listen: tuple[str, ...], cells: Sequence[str], security: Link
 
 
 def _listening(endpoints: tuple[str, ...], security: LinkSecurity) -> tuple[Endpoint, ...]:
-    for endpoint in endpoints:
-        check_free(endpoint, security)
-    return tuple(check_endpoint(endpoint, security) for endpoint in endpoints)
+    return tuple(check_free(endpoint, security) for endpoint in endpoints)
 
 
 def _credentials(places: Sequence[Endpoint], security: LinkSecurity) -> Credentials | None:

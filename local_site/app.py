@@ -212,7 +212,7 @@ class LocalSite:
             self._publish_nothing_seen(reason)
             self._watch.look(self._clock.now_ns())
             self._preview.say(reason, self._clock.now_ns())
-        self._clicks.poll(self._clock.now_ns())
+        self._clicks.poll(views, self._clock.now_ns())
         self._profiles.keep(self._learned, self._clock.now_ns())
 
     def keep_profile(self) -> None:

@@ -24,7 +24,7 @@ from common.requests import (
     Reply,
 )
 from common.transport import Link
-from local_site.lease_keeper import LeaseKeeper
+from local_site.lease_keeper import INSIST_NS, LeaseKeeper
 
 POLL_S = 0.02
 CLOCK_EVERY_NS = 200 * NS_PER_MS
@@ -167,7 +167,9 @@ class Authority:
         if answer is None:
             silent = "the remote site does not answer the local one"
             return Reply(id=request.id, done=False, code="silent", reason=silent)
-        return Reply(id=request.id, done=answer.done, code=answer.code, reason=answer.reason)
+        waits = request.action is OperatorAction.TAKE and not answer.done
+        reason = f"{answer.reason}; this site asks on for {INSIST_NS // NS_PER_S} s" if waits else answer.reason
+        return Reply(id=request.id, done=answer.done, code=answer.code, reason=reason)
 
 
 def _sync(known: ClockEstimate) -> ClockSync:

@@ -3,10 +3,18 @@
 import secrets
 import time
 
-from common.channels import ENGAGEMENT, OPERATE
+from common.channels import ENGAGEMENT, JOINTS, OPERATE
 from common.clock import NS_PER_S
 from common.errors import TransportError
-from common.requests import EngagementAction, EngagementRequest, OperatorAction, OperatorRequest, Reply
+from common.requests import (
+    EngagementAction,
+    EngagementRequest,
+    JointsRequest,
+    OperatorAction,
+    OperatorRequest,
+    PictureShare,
+    Reply,
+)
 from common.transport import Link
 from local_site.console.cell_watch import CellWatch
 
@@ -38,6 +46,15 @@ class Acts:
             return self._link.request(OPERATE, self._cell, request, give_up_ns, self._operator)
         except TransportError as error:
             return Reply(id=number, done=False, code="silent", reason=str(error))
+
+    def joints(self, shoulder: PictureShare, elbow: PictureShare, wrist: PictureShare) -> Reply:
+        """What the local site answers to where the joints are said to be."""
+        number, give_up_ns = secrets.randbits(REQUEST_BITS), time.monotonic_ns() + PATIENCE_NS
+        request = JointsRequest(id=number, deadline_ns=give_up_ns, shoulder=shoulder, elbow=elbow, wrist=wrist)
+        try:
+            return self._link.request(JOINTS, self._cell, request, give_up_ns, self._operator)
+        except TransportError as error:
+            return Reply(id=number, done=False, code="silent", reason=str(error)[:400])
 
     def _ask(self, action: EngagementAction) -> Reply:
         number, give_up_ns = secrets.randbits(REQUEST_BITS), time.monotonic_ns() + PATIENCE_NS

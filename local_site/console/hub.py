@@ -91,10 +91,11 @@ class Hub:
 
     def camera(self, frame: VideoFrame) -> None:
         """A picture of the cell has come."""
-        known = self._watch.estimate(time.monotonic_ns())
-        view = CAMERA_VIEW + frame.camera
-        self._desk.remember(view, frame)
-        self._show(view, frame, known.offset if known is not None else None)
+        now_ns = time.monotonic_ns()
+        known = self._watch.estimate(now_ns)
+        view, clock = CAMERA_VIEW + frame.camera, known.offset if known is not None else None
+        self._desk.remember(view, frame, now_ns, clock)
+        self._show(view, frame, clock)
 
     def preview(self, frame: VideoFrame) -> None:
         """A picture of the operator has come, by this host's clock."""

@@ -11,6 +11,7 @@ from common.messages import RobotState, Traced
 MINUTE_NS = 60 * NS_PER_S
 MOST = 4096
 SUMMARY_NS = 250 * NS_PER_MS
+TRACE_NS = NS_PER_S  # a sample is followed no longer
 
 
 @dataclass
@@ -91,7 +92,8 @@ class Latencies:
             return
         self._measured = sample
         self.windows["encoder"].add(now_ns, (traced.encoder_ns - traced.command_ns) / NS_PER_MS)
-        if self._unseen is None:
+        old = now_ns + remote_minus_local_ns - traced.encoder_ns > TRACE_NS  # told again to a console that is new
+        if self._unseen is None and not old:
             self._unseen = (traced, traced.capture_ns + remote_minus_local_ns)
 
     def learn_clock(self, known: ClockEstimate | None, round_trip_ms: float | None, now_ns: int) -> None:
@@ -117,6 +119,8 @@ class Latencies:
         if self._unseen is None or capture_ns < self._unseen[0].encoder_ns:
             return
         (traced, hand_ns), self._unseen = self._unseen, None
+        if capture_ns - traced.encoder_ns > TRACE_NS:  # nobody looked meanwhile
+            return
         stages = (traced.command_ns, traced.motion_ns, traced.encoder_ns, capture_ns, capture_ns + age_ms * NS_PER_MS)
         self.trace = Trace(traced.seq, *((t_ns - hand_ns) / NS_PER_MS for t_ns in stages))
         self.windows["hand_to_eye"].add(now_ns, self.trace.shown_ms)

@@ -9,9 +9,9 @@ from typing import Protocol, assert_never
 
 import msgspec
 
-from common.clock import NS_PER_MS
+from common.clock import NS_PER_MS, ClockOffset
 from common.messages import Intent, OperatorIntent, VideoFrame, ViewsShown
-from common.requests import EngagementAction, OperatorAction, Reply
+from common.requests import EngagementAction, OperatorAction, PictureShare, Reply
 from local_site.console.history import History
 from local_site.console.latency import Latencies
 from local_site.console.page import Page
@@ -22,6 +22,7 @@ from local_site.console.page_messages import (
     Beat,
     Clutch,
     LeaveSeat,
+    MarkJoints,
     Shown,
     Steer,
     Taken,
@@ -39,6 +40,8 @@ class Acting(Protocol):
     def engagement(self, action: EngagementAction) -> Reply: ...
 
     def lease(self, action: OperatorAction) -> Reply: ...
+
+    def joints(self, shoulder: PictureShare, elbow: PictureShare, wrist: PictureShare) -> Reply: ...
 
 
 @dataclass(frozen=True, slots=True)
@@ -81,9 +84,9 @@ class PageDesk:
         intent = msgspec.structs.replace(self.intent, hold=self.seat.held(now_ns))
         self._outlets.intent(OperatorIntent(sent_ns=now_ns, intent=intent))
 
-    def remember(self, view: str, frame: VideoFrame) -> None:
-        """A frame of the cell goes to the pages under this name of its view."""
-        self._shown.remember(view, frame)
+    def remember(self, view: str, frame: VideoFrame, now_ns: int, clock: ClockOffset | None) -> None:
+        """A frame of the cell goes to the pages under this name of its view; `clock` is the remote one, if known."""
+        self._shown.remember(view, frame, now_ns, clock.offset_ns if clock is not None else None)
 
     def hear(self, page: Page, said: AnyPageMessage, now_ns: int) -> None:
         """Do what a page says."""
@@ -97,6 +100,9 @@ class PageDesk:
                 self._ask(page, said, now_ns)
             case AskLease():
                 self._if_operating(page, said.id, lambda: self._acts.lease(said.action), f"lease: {said.action.value}")
+            case MarkJoints():
+                joints = said.shoulder, said.elbow, said.wrist
+                self._if_operating(page, said.id, lambda: self._acts.joints(*joints), "joints")
             case TakeSeat():
                 self._answer_seat(page, said.id, self.seat.take(page.visitor, now_ns), now_ns)
             case LeaveSeat():

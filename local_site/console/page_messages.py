@@ -8,7 +8,7 @@ from msgspec.structs import replace
 
 from common.errors import MessageError
 from common.messages import Count, Intent, Name
-from common.requests import EngagementAction, OperatorAction
+from common.requests import EngagementAction, OperatorAction, PictureShare
 
 Milliseconds = Annotated[float, Meta(ge=0, le=1e15)]
 
@@ -58,6 +58,15 @@ class AskLease(PageMessage, frozen=True, tag="ask_lease"):
     action: OperatorAction
 
 
+class MarkJoints(PageMessage, frozen=True, tag="mark_joints"):
+    """Where the joints are in the operator's picture, for a tracker of one camera; `id` comes back with the answer."""
+
+    id: Count
+    shoulder: PictureShare
+    elbow: PictureShare
+    wrist: PictureShare
+
+
 class TakeSeat(PageMessage, frozen=True, tag="take_seat"):
     """This page wants to operate."""
 
@@ -88,7 +97,7 @@ class Steer(PageMessage, frozen=True, tag="steer"):
         return replace(intent, locks=replace(intent.locks, **self.locks), **changed)
 
 
-AnyPageMessage = Beat | Taken | Shown | Ask | AskLease | TakeSeat | LeaveSeat | Clutch | Steer
+AnyPageMessage = Beat | Taken | Shown | Ask | AskLease | MarkJoints | TakeSeat | LeaveSeat | Clutch | Steer
 DECODER: msgspec.json.Decoder[AnyPageMessage] = msgspec.json.Decoder(AnyPageMessage)
 
 

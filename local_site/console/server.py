@@ -32,6 +32,10 @@ def bind(serve: ServeConfig) -> socket.socket:
     """A listening socket; TransportError when the address cannot be had."""
     try:
         return socket.create_server((serve.host, serve.port), family=_family(serve.host), backlog=64)
+    except socket.gaierror as error:
+        raise TransportError(
+            f"cannot serve at {serve.host}: {error.strerror}; set serve.host to an address of this host"
+        ) from error
     except OSError as error:
         raise TransportError(
             f"cannot serve at {serve.host}:{serve.port}: {error.strerror}; choose another with --set serve.port=PORT"
@@ -55,6 +59,9 @@ def make_server(hub: Hub, serve: ServeConfig, port: int) -> uvicorn.Server:
         ssl_certfile=serve.certificate or None,
         ssl_keyfile=serve.key or None,
     )
+    for path in (serve.certificate, serve.key):
+        if path and not Path(path).is_file():
+            raise ConfigError(f"serve.certificate, serve.key: there is no file {path}")
     try:
         config.load()
     except OSError as error:  # ssl's errors are among these

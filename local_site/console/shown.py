@@ -1,9 +1,10 @@
 """What the operating page has painted, told to the remote site in the remote site's own numbers; pure."""
 
 from collections import deque
+from dataclasses import dataclass, field
 
-from common.clock import NS_PER_MS
-from common.messages import VideoFrame, ViewShown, ViewsShown
+from common.clock import NS_PER_MS, NS_PER_S
+from common.messages import VideoFrame, ViewCame, ViewShown, ViewsShown
 from local_site.console.page_messages import Painted
 
 REMEMBERED = 64
@@ -11,32 +12,53 @@ CAMERA_VIEW = "camera/"
 LEAST_APART_NS = 50 * NS_PER_MS
 
 
+@dataclass
+class _Coming:
+    """What has come of one camera: numbers and exposures by the remote clock, when of late, and the newest's age."""
+
+    exposed: deque[tuple[int, int]] = field(default_factory=lambda: deque(maxlen=REMEMBERED))
+    came_ns: deque[int] = field(default_factory=lambda: deque(maxlen=REMEMBERED))
+    age_ms: float | None = None
+
+    def newest(self, now_ns: int) -> ViewCame | None:
+        """What to tell of it; None while no picture has come whose age is known."""
+        if self.age_ms is None:
+            return None
+        of_late = sum(came_ns > now_ns - NS_PER_S for came_ns in self.came_ns)
+        return ViewCame(seq=self.exposed[-1][0], age_ms=self.age_ms, fps=float(of_late))
+
+
 class ShownViews:
-    """Remembers when the last frames of each camera were exposed, by the remote clock."""
+    """Remembers when the last frames of each camera were exposed, by the remote clock, and how they came."""
 
     def __init__(self, session: int) -> None:
         self._session = session
-        self._exposed: dict[str, deque[tuple[int, int]]] = {}
+        self._coming: dict[str, _Coming] = {}
         self._sent_ns = 0
 
-    def remember(self, view: str, frame: VideoFrame) -> None:
-        """A frame was offered to the pages under this name of its view."""
-        self._exposed.setdefault(view, deque(maxlen=REMEMBERED)).append((frame.seq, frame.capture_ns))
+    def remember(self, view: str, frame: VideoFrame, now_ns: int, offset_ns: int | None) -> None:
+        """A frame was offered to the pages under this name of its view; `offset_ns` is the remote clock's, if known."""
+        coming = self._coming.setdefault(view, _Coming())
+        coming.exposed.append((frame.seq, frame.capture_ns))
+        coming.came_ns.append(now_ns)
+        coming.age_ms = None if offset_ns is None else max(0.0, (now_ns + offset_ns - frame.capture_ns) / NS_PER_MS)
 
     def message(self, painted: dict[str, Painted], lease: int, now_ns: int) -> ViewsShown | None:
         """What to publish of the cameras that a page has painted; None too soon after the last, or without any.
 
         `lease` is the number of the operator's lease, 0 without one.
         """
-        found = ((view, self._shown(view, newest)) for view, newest in painted.items())
+        found = ((view, self._shown(view, newest, now_ns)) for view, newest in painted.items())
         views = {view.removeprefix(CAMERA_VIEW): shown for view, shown in found if shown is not None}
         if not views or now_ns - self._sent_ns < LEAST_APART_NS:
             return None
         self._sent_ns = now_ns
         return ViewsShown(session=self._session, lease=lease, sent_ns=now_ns, views=views)
 
-    def _shown(self, view: str, painted: Painted) -> ViewShown | None:
-        for seq, capture_ns in reversed(self._exposed.get(view, ())):
-            if seq == painted.seq:
-                return ViewShown(seq=seq, capture_ns=capture_ns, age_ms=painted.age_ms, fps=painted.fps)
-        return None
+    def _shown(self, view: str, painted: Painted, now_ns: int) -> ViewShown | None:
+        coming = self._coming.get(view, _Coming())
+        came = coming.newest(now_ns)
+        exposed = next((capture_ns for seq, capture_ns in reversed(coming.exposed) if seq == painted.seq), None)
+        if came is None or exposed is None:
+            return None
+        return ViewShown(seq=painted.seq, capture_ns=exposed, age_ms=painted.age_ms, fps=painted.fps, came=came)

@@ -108,5 +108,6 @@ def _compile(spec: mujoco.MjSpec, joints: tuple[str, ...], start_q: Array) -> Ce
     try:
         model = spec.compile()
     except ValueError as error:
-        raise ModelError(f"the cell does not compile: {error}") from error
+        cure = "give every moving link of the URDF an <inertial>, or correct [simulation]"
+        raise ModelError(f"the cell does not compile: {error}; {cure}") from error
     return Cell(model, joints, slice(0, len(joints)), model.actuator(GRIP).id, start_q)

@@ -27,7 +27,7 @@ class SimulatedCell:
         self.cell = build_cell(config, robot)
         self.data = self.cell.start()
         self.dt: float = self.cell.model.opt.timestep
-        self.controller = Controller(config.servo, _limits(self.cell, config), self.cell.start_q)
+        self.controller = make_controller(self.cell, config)
         self._servo = Servo(config, self.cell, self.data)
         self._memory = memory
         self._command_count, self._command = 0, np.zeros((), dtype=memory.command.dtype)
@@ -109,6 +109,8 @@ def _wait(due_ns: int, most_ns: int) -> int:
     return due_ns
 
 
-def _limits(cell: Cell, config: CellConfig) -> ArmLimits:
+def make_controller(cell: Cell, config: CellConfig) -> Controller:
+    """The robot controller of that cell; ModelError when the servo's configuration is for another number of joints."""
     ranges = np.array([cell.model.joint(name).range for name in cell.joints])
-    return ArmLimits(ranges[:, 0], ranges[:, 1], np.full(len(ranges), config.servo.max_velocity_rad_s))
+    fastest = np.full(len(ranges), config.servo.max_velocity_rad_s)
+    return Controller(config.servo, ArmLimits(ranges[:, 0], ranges[:, 1], fastest), cell.start_q)

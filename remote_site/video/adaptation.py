@@ -1,8 +1,9 @@
-"""What the operator's console has shown decides what is sent to it: quality, size and rate of every camera. Pure."""
+"""What came to the operator's console, and what it shows, decide the quality, size and rate of every camera. Pure."""
 
 import statistics
 from collections import deque
 from collections.abc import Iterable, Mapping, Sequence
+from dataclasses import replace
 
 from common.channels import SHOWN
 from common.clock import NS_PER_S
@@ -10,6 +11,7 @@ from common.messages import VideoFrame, ViewsShown
 from remote_site.video.carrying import Carrying, News
 from remote_site.video.config import VideoConfig
 from remote_site.video.ledger import Ledger
+from remote_site.video.page_pace import PagePace
 from remote_site.video.setting import Setting, fit
 
 SENDING_NS = NS_PER_S
@@ -20,16 +22,17 @@ OLDER_CONSOLES = 16
 class Adaptation:
     """The settings of all cameras, following the newest console that reports; full without any.
 
-    A console is followed until a newer one reports or it has been silent for a second. Viewers never report, so that
-    they get what suits the operator's link. The budget is shared so that each camera has the same bytes a second, and
-    what one does not need goes to the others.
+    What comes to the console, and how late, tells what the link carries; what its page paints of that, and how much
+    later, at what rate it is worth sending. A console is followed until a newer one reports or it has been silent for a
+    second. Viewers never report, so that they get what suits the operator's link. The budget is shared so that each
+    camera has the same bytes a second, and what one does not need goes to the others.
     """
 
     def __init__(self, config: VideoConfig) -> None:
         self._full = Setting(config.quality, 1.0, config.fps)
         self._ledgers = {camera.name: Ledger() for camera in config.cameras}
         self._settings = dict.fromkeys(self._ledgers, self._full)
-        self._carrying = Carrying()
+        self._carrying, self._pace = Carrying(), PagePace()
         self._console: int | None = None
         self._heard_ns = 0
         self._older: deque[int] = deque(maxlen=OLDER_CONSOLES)
@@ -47,10 +50,12 @@ class Adaptation:
         news = [
             told
             for name, view in shown.views.items()
-            if name in self._ledgers and (told := self._ledgers[name].show(view, now_ns)) is not None
+            if name in self._ledgers and (told := self._ledgers[name].come(view.came, now_ns)) is not None
         ]
         if not news:
             return
+        known = [view for name, view in shown.views.items() if name in self._ledgers]
+        self._pace.report(known, self._full.fps, now_ns)
         wanted = self._wanted(now_ns)
         self._carrying.report(together(news), sum(wanted.values()), now_ns)
         self._settings = self._chosen(wanted)
@@ -76,7 +81,7 @@ class Adaptation:
     def _forget(self, console: int | None) -> None:
         """Begin anew with another console, or with none."""
         self._console = console
-        self._carrying = Carrying()
+        self._carrying, self._pace = Carrying(), PagePace()
         self._settings = dict.fromkeys(self._ledgers, self._full)
         for ledger in self._ledgers.values():
             ledger.forget()
@@ -92,12 +97,13 @@ class Adaptation:
 
     def _chosen(self, wanted: Mapping[str, float]) -> dict[str, Setting]:
         budget = self._carrying.budget(sum(wanted.values()))
+        paced = self._full if self._pace.fps is None else replace(self._full, fps=self._pace.fps)
         if budget is None:
-            return dict.fromkeys(self._ledgers, self._full)
+            return dict.fromkeys(self._ledgers, paced)
         share = fair_share(wanted.values(), budget)
         per_reference = self._full.relative_bytes * self._full.fps
         return self._settings | {
-            name: fit(max(share, FLOOR_BYTES_PER_S), wants / per_reference, self._full, self._settings[name])
+            name: fit(max(share, FLOOR_BYTES_PER_S), wants / per_reference, paced, self._settings[name])
             for name, wants in wanted.items()
         }
 

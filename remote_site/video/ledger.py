@@ -1,13 +1,13 @@
-"""What was sent of one camera, what of it the console has shown, and how old that was. Pure."""
+"""What was sent of one camera, what of it has come to the console, and how old that was. Pure."""
 
 from collections import deque
 from dataclasses import dataclass
 
 from common.clock import NS_PER_S
-from common.messages import ViewShown
+from common.messages import ViewCame
 from remote_site.video.carrying import News
 
-MAX_UNSHOWN = 256
+MOST_COMING = 256
 AGE_BUCKET_NS = 2 * NS_PER_S
 AGE_BUCKETS = 10
 SMOOTHING = 0.3
@@ -21,7 +21,7 @@ class _Sent:
 
 
 class Ledger:
-    """One camera's account; bytes count as carried once a picture sent with or after them is shown.
+    """One camera's account; bytes count as carried once a picture sent with or after them has come.
 
     `reference_bytes` is what a picture of quality 80 at full size takes, None before the first; `sent_ns` is when the
     last one was sent.
@@ -30,36 +30,36 @@ class Ledger:
     def __init__(self) -> None:
         self.reference_bytes: float | None = None
         self.sent_ns = 0
-        self._unshown: deque[_Sent] = deque(maxlen=MAX_UNSHOWN)
+        self._coming: deque[_Sent] = deque(maxlen=MOST_COMING)
         self._least_ages: deque[tuple[int, float]] = deque(maxlen=AGE_BUCKETS)
-        self._shown_seq = -1
+        self._come_seq = -1
         self._sent_bytes = 0
 
     def send(self, seq: int, size: int, relative_bytes: float, now_ns: int) -> None:
         """A picture of `size` bytes went out, made by a setting whose pictures are so large beside the reference."""
-        self._unshown.append(_Sent(seq, size))
+        self._coming.append(_Sent(seq, size))
         self.sent_ns = now_ns
         self._sent_bytes += size
         reference = size / relative_bytes
         known = reference if self.reference_bytes is None else self.reference_bytes
         self.reference_bytes = known + SMOOTHING * (reference - known)
 
-    def show(self, shown: ViewShown, now_ns: int) -> News | None:
-        """The news of this camera; None when nothing new was shown."""
-        if shown.seq <= self._shown_seq:
+    def come(self, came: ViewCame, now_ns: int) -> News | None:
+        """The news of this camera; None when nothing new has come."""
+        if came.seq <= self._come_seq:
             return None
-        self._shown_seq = shown.seq
+        self._come_seq = came.seq
         carried, sent, self._sent_bytes = 0, self._sent_bytes, 0
-        while self._unshown and self._unshown[0].seq <= shown.seq:
-            carried += self._unshown.popleft().size
-        least_ms, waiting = self._least_age(shown.age_ms, now_ns), sum(one.size for one in self._unshown)
-        return News(sent, carried, waiting, max(shown.age_ms - least_ms, shown.age_ms - TOO_OLD_MS), least_ms)
+        while self._coming and self._coming[0].seq <= came.seq:
+            carried += self._coming.popleft().size
+        least_ms, waiting = self._least_age(came.age_ms, now_ns), sum(one.size for one in self._coming)
+        return News(sent, carried, waiting, max(came.age_ms - least_ms, came.age_ms - TOO_OLD_MS), least_ms)
 
     def forget(self) -> None:
         """Another console reports, or none: nothing that it has shown counts any more."""
-        self._unshown.clear()
+        self._coming.clear()
         self._least_ages.clear()
-        self._shown_seq = -1
+        self._come_seq = -1
         self._sent_bytes = 0
 
     def _least_age(self, age_ms: float, now_ns: int) -> float:

@@ -38,8 +38,13 @@ class _Slot:
     due_ns: int
 
     def serve(self, setting: Setting, now_ns: int) -> VideoFrame | None:
-        """The message due now, if any; deadlines already gone are skipped, not caught up."""
-        self.due_ns += self.period_ns * max(1, (now_ns - self.due_ns) // self.period_ns + 1)
+        """The message due now, if any; deadlines already gone are skipped, not caught up.
+
+        What is drawn only when asked for is not drawn for nothing.
+        """
+        drawn = self.source.noise_free
+        period_ns = max(self.period_ns, round(NS_PER_S / setting.fps)) if drawn else self.period_ns
+        self.due_ns += period_ns * max(1, (now_ns - self.due_ns) // period_ns + 1)
         try:
             return self.stream.take(self.source.newest(), setting, now_ns)
         except CameraError as error:

@@ -84,7 +84,8 @@ class CameraStream:
         """The picture as the setting wants it; None for one that it leaves out."""
         if not self._is_due(frame.capture_ns, setting.fps):
             return None
-        status, reason = self._standing(dark=dark)
+        promised = min(self._promised_fps, setting.fps) if self._noise_free else self._promised_fps
+        status, reason = self._standing(promised, dark=dark)
         image = shrunk(frame.image, setting.scale)
         height, width = image.shape[:2]
         return self._message(status, reason, width, height, encode_jpeg(image, setting.quality))
@@ -100,10 +101,10 @@ class CameraStream:
         self._due_ns = max(self._due_ns, capture_ns - period_ns) + period_ns
         return True
 
-    def _standing(self, *, dark: bool) -> tuple[CameraStatus, str]:
+    def _standing(self, promised: float, *, dark: bool) -> tuple[CameraStatus, str]:
         fps = self._pace.fps
-        slow = fps is not None and fps < self._promised_fps / 2
-        rate = f"camera {self._name} gives {fps:.1f} of {self._promised_fps:g} pictures a second" if slow else ""
+        slow = fps is not None and fps < promised / 2
+        rate = f"camera {self._name} gives {fps:.1f} of {promised:g} pictures a second" if slow else ""
         if dark:
             nothing = f"camera {self._name} shows nothing: is there light, is its lens free?"
             return CameraStatus.DARK, f"{nothing} {rate}".strip()

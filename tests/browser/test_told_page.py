@@ -200,3 +200,39 @@ def test_the_age_that_the_page_tells_is_that_of_the_clock_in_its_picture(told: T
     told_ms = float(told.page.words("[data-stretch=picture] td:nth-of-type(2)"))
     read_ms = float(np.median(np.concatenate(list(painted.values()))))
     assert told_ms == pytest.approx(read_ms, abs=50.0 + 0.5 * read_ms)
+
+
+def test_a_stop_that_is_not_acknowledged_says_so_and_is_sent_until_it_is(told: Told) -> None:
+    told.sites.silent = True
+    told.page.page.keyboard.press("Escape")
+    told.until("the alarm", lambda: "NOT ACKNOWLEDGED: nobody answers" in told.page.words("#alert"))
+    told.page.page.keyboard.press("e")
+    told.until(
+        "the alarm above a refusal", lambda: told.page.words("#alert").endswith("sent until it is acknowledged.")
+    )
+    told.shot("stop not acknowledged")
+    told.sites.silent = False
+    told.until("the acknowledgement", lambda: "Stop acknowledged" in told.page.words("#alert"))
+
+
+def test_the_joints_are_marked_by_clicks_or_keys_where_one_camera_sees_the_operator(told: Told) -> None:
+    page, marked = told.page.page, told.sites.marked
+    assert not page.is_visible("#joints-row")
+    told.previews = ("left",)
+    told.until("the offer", lambda: page.is_visible("#joints"))
+    page.keyboard.press("j")
+    box = page.locator("[data-name='operator left'] canvas").first.bounding_box()
+    wide = min(box["width"], box["height"] * scene.SIZE[1] / scene.SIZE[0])
+    middle = box["x"] + box["width"] / 2
+    page.mouse.click(middle - 0.25 * wide, box["y"] + box["height"] / 2)
+    page.mouse.click(middle - 0.6 * wide, box["y"] + box["height"] / 2)  # beside the picture
+    assert "elbow" in told.page.words("#joints-words")
+    told.shot("joints half marked")
+    page.keyboard.press("Enter")
+    page.keyboard.press("ArrowRight")
+    page.keyboard.press("Shift+ArrowDown")
+    page.keyboard.press("Enter")
+    told.until("the marks", lambda: bool(marked))
+    assert np.allclose(marked[-1], [(0.25, 0.5), (0.5, 0.5), (0.51, 0.502)], atol=0.01)
+    assert page.get_attribute("#joints", "aria-pressed") == "false"
+    assert page.evaluate(CHECK)["poor"] == []

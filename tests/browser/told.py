@@ -23,7 +23,7 @@ class Told:
 
     def __init__(self, console: BareConsole, page: OpenedPage) -> None:
         self.page, self._console = page, console
-        self.intents = console.intents
+        self.intents, self.sites = console.intents, console.sites
         self._seq = 0
         self.reset()
 
@@ -34,6 +34,7 @@ class Told:
         self.jpeg = scene.plain(150)
         self.age_ms = 20.0
         self.picture = self._plain
+        self.previews: tuple[str, ...] = ()
 
     def tell(self) -> None:
         """Everything once."""
@@ -42,6 +43,8 @@ class Told:
         self._give(Hub.hand, scene.hand())
         for camera in scene.CAMERAS:
             self._give(Hub.camera, self.picture(camera, self._seq))
+        for name in self.previews:
+            self._give(Hub.preview, self._plain(name, self._seq))
 
     def until(self, what: str, is_so: Callable[[], bool], seconds: float = 15.0) -> float:
         """Tell until something is so; how long it took, s."""

@@ -29,6 +29,7 @@ from common.messages import (
     Traced,
     TrackingStatus,
     VideoFrame,
+    ViewCame,
     ViewShown,
     ViewsShown,
 )
@@ -121,9 +122,7 @@ LEASE = LeaseRequest(id=6, deadline_ns=10**12, action=LeaseAction.RENEW, session
 LEASE_REPLY = LeaseReply(
     id=6, done=True, code="lease_held", reason="it is yours", lease=8, lasts_ns=5 * 10**9, holder="anna"
 )
-JOINTS = JointsRequest(
-    id=10, deadline_ns=10**12, shoulder_px=(192.5, 147.5), elbow_px=(298.0, 246.0), wrist_px=(420.25, 234.0)
-)
+JOINTS = JointsRequest(id=10, deadline_ns=10**12, shoulder=(0.25, 0.375), elbow=(0.5, 0.5125), wrist=(0.65625, 0.4875))
 OPERATE = OperatorRequest(id=9, deadline_ns=10**12, action=OperatorAction.GIVE)
 PROJECTION = (-500.0, -320.0, 0.0, 900.0, 0.0, -240.0, 500.0, -100.0, 0.0, -1.0, 0.0, 2.0)
 DESCRIPTION = Description(
@@ -144,6 +143,8 @@ DESCRIPTION = Description(
 )
 REPLY = Reply(id=5, done=False, code="not_ready", reason="the robot is not ready")
 
+SHOWN_VIEW = ViewShown(seq=7, capture_ns=9 * 10**8, age_ms=41.5, fps=27.7, came=ViewCame(seq=8, age_ms=24.0, fps=29.9))
+
 VALID: dict[str, Message] = {
     "hand": HAND,
     "state": STATE,
@@ -154,7 +155,7 @@ VALID: dict[str, Message] = {
         session=99,
         sent_ns=10**9,
         lease=1311768467463790321,
-        views={"front_high": ViewShown(seq=7, capture_ns=9 * 10**8, age_ms=41.5, fps=29.7)},
+        views={"front_high": SHOWN_VIEW},
     ),
     "intent": OperatorIntent(sent_ns=10**9, intent=INTENT),
     "lease": LEASE,

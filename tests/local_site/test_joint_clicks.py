@@ -24,23 +24,30 @@ class Waiting:
 
 
 def clicked(**moved):
-    return {f"{name}_px": place for name, place in {**first_joints_px(), **moved}.items()}
+    return {name: (u / 640, v / 480) for name, (u, v) in {**first_joints_px(), **moved}.items()}
+
+
+def views(t_s):
+    picture = TexturedOperator(0.0).render(t_s)[0]
+    assert picture.shape[:2] == (480, 640)
+    return Views(round(t_s * 1e9), (View(Frame(picture, round(t_s * 1e9), 0)),))
 
 
 def seen(tracker, t_s):
-    picture = TexturedOperator(0.0).render(t_s)[0]
-    return tracker.track(Views(round(t_s * 1e9), (View(Frame(picture, round(t_s * 1e9), 0)),)))
+    return tracker.track(views(t_s))
 
 
 def test_tracking_begins_where_the_joints_are_clicked_and_begins_anew_with_every_click():
     tracker = make_tracker(film_camera(), TrackingConfig(method="monocular"))
     assert "click them" in seen(tracker, 0.0).reason
     asked = Waiting(**clicked())
-    JointClicks(asked, tracker).poll(0)
-    assert [(r.id, r.done) for r in asked.replies] == [(4, True)]
+    clicks = JointClicks(asked, tracker)
+    clicks.poll(None, 0)
+    clicks.poll(views(0.0), 0)
+    assert [(r.done, r.code) for r in asked.replies] == [(False, "no_picture"), (True, "ok")]
     assert seen(tracker, 0.0).status is TrackingStatus.TRACKED
     assert seen(tracker, 1 / 30).status is TrackingStatus.TRACKED
-    JointClicks(Waiting(**clicked(wrist=(310.0, 250.0))), tracker).poll(0)
+    JointClicks(Waiting(**clicked(wrist=(310.0, 250.0))), tracker).poll(views(2 / 30), 0)
     refused = seen(tracker, 2 / 30)
     assert refused.status is TrackingStatus.LOST
     assert "parallel to the picture" in refused.reason
@@ -49,5 +56,5 @@ def test_tracking_begins_where_the_joints_are_clicked_and_begins_anew_with_every
 def test_a_tracker_that_finds_the_arm_by_itself_refuses():
     rig = exact_rig(SimulationConfig().stereo)
     asked = Waiting(**clicked())
-    JointClicks(asked, make_tracker(rig, TrackingConfig())).poll(0)
+    JointClicks(asked, make_tracker(rig, TrackingConfig())).poll(None, 0)
     assert [(r.done, r.code) for r in asked.replies] == [(False, "no_joints")]

@@ -6,6 +6,8 @@ const element = (id) => document.getElementById(id);
 
 export class Controls {
   #connection;
+  #alert;
+  #refusedIn = null;
   #page = null;
   #operator = "";
   #mayOperate = false;
@@ -13,8 +15,9 @@ export class Controls {
   #buttons = Object.fromEntries(Object.values(KEYS).map((name) => [name, element(name)]));
   #locks = [...document.querySelectorAll("[data-lock]")];
 
-  constructor(connection) {
+  constructor(connection, alert) {
     this.#connection = connection;
+    this.#alert = alert;
     for (const [name, button] of Object.entries(this.#buttons)) button.addEventListener("click", () => this.#act(name));
     for (const lock of this.#locks) lock.addEventListener("click", () => this.#steer({ locks: { [lock.dataset.lock]: lock.ariaPressed !== "true" } }));
     element("scale").addEventListener("input", () => this.#steer({ scale: Number(element("scale").value) }));
@@ -30,13 +33,19 @@ export class Controls {
     this.#mayOperate = operate;
   }
 
-  /** Show an answer where nothing else tells it. */
+  /** Show an answer where nothing else tells it, until the next, or until the state is another. */
   hear({ what, done, reason }) {
-    if (what === "stop" || done) return;
-    const alert = element("alert");
-    alert.hidden = false;
-    alert.dataset.kind = "bad";
-    alert.textContent = `${what}: ${reason}`;
+    if (what === "stop") return;
+    this.#refusedIn = null;
+    if (done) this.#alert.clear("controls");
+    else this.#alert.say("controls", "bad", `${what}: ${reason}`);
+  }
+
+  /** Without a connection nothing of this does anything. */
+  disconnected() {
+    this.#alert.clear("controls");
+    this.#operates = false;
+    this.#enable();
   }
 
   show({ robot, hand, seat, intent }) {
@@ -44,9 +53,15 @@ export class Controls {
     this.#showSeat(seat);
     this.#showIntent(intent);
     this.#showFacts(robot, hand);
-    for (const button of [...Object.values(this.#buttons), ...this.#locks, element("hold")]) button.disabled = !this.#operates;
-    for (const id of ["scale", "rotation"]) element(id).disabled = !this.#operates;
+    this.#enable();
+    this.#refusedIn ??= robot?.state ?? null;
+    if (robot !== null && robot.state !== this.#refusedIn) this.#alert.clear("controls");
     this.#buttons.reset.classList.toggle("wanted", robot?.readiness.code === "stopped" || robot?.state === "fault");
+  }
+
+  #enable() {
+    for (const button of [...Object.values(this.#buttons), ...this.#locks, element("hold"), element("joints")]) button.disabled = !this.#operates;
+    for (const id of ["scale", "rotation"]) element(id).disabled = !this.#operates;
   }
 
   #showSeat(seat) {

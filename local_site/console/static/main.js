@@ -1,13 +1,16 @@
 // Puts the page's rooms together: what comes from the console goes to each, what the operator does goes back.
+import { Alert } from "./alert.js";
 import { ArmRoom } from "./arm_room.js";
 import { Connection } from "./connection.js";
 import { Controls } from "./controls.js";
 import { HoldKey } from "./hold_key.js";
+import { JointMarks } from "./joint_marks.js";
 import { LatencyRoom } from "./latency_room.js";
 import { ServerClock } from "./server_clock.js";
 import { StatePanel } from "./state_panel.js";
 import { StopButton } from "./stop_button.js";
 import { Views } from "./views.js";
+import { mark } from "./words.js";
 
 const BEAT_MS = 50;
 const LOOK_MS = 100;
@@ -19,8 +22,10 @@ const panel = new StatePanel();
 const arm = new ArmRoom();
 const latency = new LatencyRoom();
 const hold = new HoldKey(beat);
-const stop = new StopButton(connection, () => hold.release());
-const controls = new Controls(connection);
+const alert = new Alert();
+const stop = new StopButton(connection, alert, () => hold.release());
+const controls = new Controls(connection, alert);
+const joints = new JointMarks(connection, views.ofOperator);
 
 function beat() {
   connection.send({ type: "beat", page_ms: performance.now(), down: hold.down });
@@ -35,6 +40,7 @@ const hearers = {
     panel.describe(told.cell);
   },
   situation: (told) => {
+    mark(document.body, "data-connected", true);
     panel.show(told);
     stop.show(told);
     controls.show(told);
@@ -52,13 +58,23 @@ const hearers = {
 connection.onText = (told) => hearers[told.type](told);
 connection.onPicture = (bytes) => views.hear(bytes);
 connection.onChange = (open) => {
-  if (!open) panel.disconnected();
+  if (!open) disconnected();
 };
+
+/** What is shown besides pictures, which tell their own age, is no longer so. */
+function disconnected() {
+  mark(document.body, "data-connected", false);
+  panel.disconnected();
+  controls.disconnected();
+  stop.disconnected();
+}
 
 setInterval(beat, BEAT_MS);
 setInterval(() => {
   views.look();
-  panel.look();
+  joints.offer(views.isOneCamera);
+  if (panel.isSilent) disconnected();
+  stop.look();
   connection.send({ type: "shown", views: views.painted() });
 }, LOOK_MS);
 connection.open();

@@ -19,12 +19,12 @@ export class StatePanel {
 
   disconnected() {
     this.#connected = false;
-    this.#say("silent", "no connection", "the console does not answer; the arm is not held by this page");
+    this.#say("silent", "no connection", "the console does not answer: this page holds nothing, and the arm may be moving");
   }
 
-  /** The console itself may fall silent with its connection open. */
-  look() {
-    if (this.#connected && performance.now() - this.#heardMs > SILENT_MS) this.disconnected();
+  /** Whether the console has fallen silent with its connection open. */
+  get isSilent() {
+    return this.#connected && performance.now() - this.#heardMs > SILENT_MS;
   }
 
   show({ robot, events }) {

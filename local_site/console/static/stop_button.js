@@ -1,13 +1,20 @@
-// The stop: button or Esc, always; it tells whether the remote site has acknowledged it.
+// The stop: button or Esc, always; it is sent until the remote site has acknowledged it, and tells when it has not.
+const AGAIN_MS = 1000;
+const PATIENT_MS = 500; // it is acknowledged sooner, or something is wrong
+
 export class StopButton {
   #connection;
   #letGo;
-  #alert = document.getElementById("alert");
-  #asked = new Map();
+  #alert;
+  #pressedMs = null;
+  #asked = new Set();
+  #askedMs = 0;
+  #why = "";
   #stopped = false;
 
-  constructor(connection, letGo) {
+  constructor(connection, alert, letGo) {
     this.#connection = connection;
+    this.#alert = alert;
     this.#letGo = letGo;
     const button = document.getElementById("stop");
     button.addEventListener("pointerdown", () => this.#stop());
@@ -17,11 +24,35 @@ export class StopButton {
 
   /** An answer of the console, to a stop or to something else. */
   hear({ id, what, done, reason }) {
-    if (what !== "stop" || !this.#asked.has(id)) return;
-    const took = Math.round(performance.now() - this.#asked.get(id));
-    this.#asked.delete(id);
-    if (done) this.#say("good", `Stop acknowledged by the remote site after ${took} ms`);
-    else this.#say("bad", `STOP NOT ACKNOWLEDGED: ${reason}. Use the emergency stop.`);
+    if (what !== "stop" || !this.#asked.delete(id) || this.#pressedMs === null) return;
+    this.#why = done ? "" : reason.replace(/[.?!]$/, "");
+    if (done) {
+      this.#alert.say("stop", "good", `Stop acknowledged by the remote site after ${Math.round(performance.now() - this.#pressedMs)} ms`);
+      this.#pressedMs = null;
+      this.#asked.clear();
+    }
+    this.look();
+  }
+
+  /** Send again what was not acknowledged, and say so. */
+  look() {
+    if (this.#pressedMs === null) return;
+    if (performance.now() - this.#askedMs > AGAIN_MS) this.#send();
+    if (performance.now() - this.#pressedMs < PATIENT_MS && this.#why === "") return;
+    const why = this.#why || "no answer yet";
+    this.#alert.say("stop", "bad", `STOP NOT ACKNOWLEDGED: ${why}. Use the emergency stop. It is sent until it is acknowledged.`);
+  }
+
+  /** Once the stop is reset, its acknowledgement has been read. */
+  show({ robot }) {
+    const stopped = robot?.readiness.code === "stopped";
+    if (this.#stopped && !stopped) this.#alert.clear("stop", "good");
+    this.#stopped = stopped;
+  }
+
+  /** What was acknowledged says nothing of now. */
+  disconnected() {
+    this.#alert.clear("stop", "good");
   }
 
   #key(event) {
@@ -32,25 +63,18 @@ export class StopButton {
 
   #stop() {
     this.#letGo();
+    this.#pressedMs = performance.now();
+    this.#asked.clear();
+    this.#why = "";
+    this.#alert.say("stop", "bad", "Stop sent, not acknowledged yet");
+    this.#send();
+    this.look();
+  }
+
+  #send() {
+    this.#askedMs = performance.now();
     const id = this.#connection.ask({ type: "ask", action: "stop" });
-    if (id === null) {
-      this.#say("bad", "STOP NOT SENT: there is no connection to the console. Use the emergency stop.");
-      return;
-    }
-    this.#asked.set(id, performance.now());
-    this.#say("bad", "Stop sent, not acknowledged yet");
-  }
-
-  /** Once the stop is reset, its acknowledgement has been read. */
-  show({ robot }) {
-    const stopped = robot?.readiness.code === "stopped";
-    if (this.#stopped && !stopped) this.#alert.hidden = true;
-    this.#stopped = stopped;
-  }
-
-  #say(kind, words) {
-    this.#alert.hidden = false;
-    this.#alert.dataset.kind = kind;
-    this.#alert.textContent = words;
+    if (id === null) this.#why = "not sent, there is no connection to the console";
+    else this.#asked.add(id);
   }
 }

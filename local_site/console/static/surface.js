@@ -1,8 +1,18 @@
 // What every drawing needs: a canvas as sharp as the screen, and the page's colours.
 
+// Asked of the canvas itself, its size would make the browser lay out the page before every drawing.
+const sizes = new WeakMap();
+const observer = new ResizeObserver((entries) => {
+  for (const { target, contentRect } of entries) sizes.set(target, contentRect);
+});
+
 /** The canvas's size in CSS pixels, with its pixels brought to the screen's. */
 export function sized(canvas, brush) {
-  const { clientWidth: width, clientHeight: height } = canvas;
+  if (!sizes.has(canvas)) {
+    sizes.set(canvas, { width: canvas.clientWidth, height: canvas.clientHeight });
+    observer.observe(canvas);
+  }
+  const { width, height } = sizes.get(canvas);
   const ratio = devicePixelRatio;
   if (canvas.width !== Math.round(width * ratio) || canvas.height !== Math.round(height * ratio)) {
     canvas.width = Math.round(width * ratio);

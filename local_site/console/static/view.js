@@ -39,6 +39,14 @@ export class View {
     this.look();
   }
 
+  get picture() {
+    return this.#canvas;
+  }
+
+  get overlay() {
+    return this.#overlay;
+  }
+
   /** A calibrated camera's picture bears the ghost; its full picture has this size. */
   describe(camera) {
     this.#ghost = camera.calibration === null ? null : new Ghost(this.#overlay, camera);

@@ -14,6 +14,7 @@ export class Views {
   #robot = null;
   #asked = null;
   #haunted = true;
+  #heard = new Set();
   #ghostButton = document.getElementById("ghost");
 
   constructor(clock, send) {
@@ -47,11 +48,23 @@ export class Views {
   /** Take a picture, and tell the console when the next may come. */
   async hear(bytes) {
     const name = parsePicture(bytes).header.view;
+    this.#heard.add(name);
     try {
       await this.#views.get(name)?.hear(bytes);
     } finally {
       this.#send({ type: "taken", view: name });
     }
+  }
+
+  /** The operator's left view, or his only one. */
+  get ofOperator() {
+    return this.#views.get(`preview/${PREVIEWS[0]}`);
+  }
+
+  /** Whether one camera sees the operator. */
+  get isOneCamera() {
+    const [left, right] = PREVIEWS.map((name) => this.#heard.has(`preview/${name}`));
+    return left && !right;
   }
 
   look() {

@@ -26,7 +26,8 @@ NO_TIPS = "index and thumb are not measured by this tracker"
 class MonocularTracker:
     """Follows a textured arm from a known place in the first picture, frame by frame.
 
-    `pose` is the arm in the camera's frame as it was told last, None while it is lost.
+    `camera` is the number of the one that it looks through; `pose` is the arm in that camera's frame as it was told
+    last, None while it is lost.
     After a loss it looks for the arm where it was seen last and where it started, in turn; nothing is extrapolated.
     Raises CalibrationError when the rig has no such camera.
     """
@@ -35,8 +36,8 @@ class MonocularTracker:
         self._config = config or MonocularConfig()
         if self._config.camera >= len(rig.cameras):
             raise CalibrationError(f"there is no camera {self._config.camera}: the rig has {len(rig.cameras)}, from 0")
-        self._number, self._cameras = self._config.camera, len(rig.cameras)
-        self._undistorted = _Undistorted(rig.cameras[self._number])
+        self.camera, self._cameras = self._config.camera, len(rig.cameras)
+        self._undistorted = _Undistorted(rig.cameras[self.camera])
         camera = decomposed(self._undistorted.projection)
         if camera is None:
             raise CalibrationError("the camera's projection is mirrored; calibrate again")
@@ -61,7 +62,7 @@ class MonocularTracker:
         """The arm at the views' instant; a frame that cannot be tracked says why."""
         if len(views.views) != self._cameras:
             return self._lost(views.t_ns, f"{len(views.views)} views for {self._cameras} calibrated cameras")
-        image = self._undistorted.picture(views.views[self._number].current)
+        image = self._undistorted.picture(views.views[self.camera].current)
         if self._start is None:
             problem = self._begin(image)
             if problem:
@@ -123,7 +124,7 @@ class MonocularTracker:
 
     def _overlay(self, pose: Pose, camera: int) -> Overlay:
         """The links as lines in the camera's own picture; nothing in the others."""
-        if camera != self._number:
+        if camera != self.camera:
             return Overlay()
         wrist = pose.on_forearm(np.array([0.0, 0.0, MM * self._config.forearm.length_mm]))
         shoulder, elbow, hand = self._undistorted.pixels(

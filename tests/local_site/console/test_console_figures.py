@@ -15,6 +15,7 @@ from common.messages import (
     SessionState,
     Traced,
     VideoFrame,
+    ViewCame,
 )
 from local_site.console.history import History
 from local_site.console.latency import Latencies
@@ -133,15 +134,23 @@ def frame(seq: int, capture_ns: int) -> VideoFrame:
 def test_what_was_painted_is_told_in_the_remote_sites_own_numbers() -> None:
     shown = ShownViews(session=9)
     for seq in range(5):
-        shown.remember("camera/side", frame(seq, 1000 + seq))
+        came_ns = NOW_NS - (4 - seq) * NS_PER_S // 3
+        shown.remember("camera/side", frame(seq, 1000 + seq), came_ns, 1004 + 25 * NS_PER_MS - NOW_NS)
     told = shown.message({"camera/side": Painted(seq=3, age_ms=41.0, fps=30.0)}, LEASE, NOW_NS)
     assert told is not None
+    assert told.views["side"].came == ViewCame(seq=4, age_ms=25.0, fps=3.0)
     assert (told.session, told.lease) == (9, LEASE)
     assert (told.session, told.views["side"].capture_ns, told.views["side"].age_ms) == (9, 1003, 41.0)
     assert shown.message({"camera/side": Painted(seq=4, age_ms=41.0, fps=30.0)}, LEASE, NOW_NS + 1) is None
     late = NOW_NS + NS_PER_S
     assert shown.message({"camera/side": Painted(seq=77, age_ms=1.0, fps=1.0)}, LEASE, late) is None
     assert shown.message({"preview/left": Painted(seq=4, age_ms=1.0, fps=1.0)}, LEASE, late) is None
+
+
+def test_nothing_is_told_of_a_camera_while_its_clock_is_not_known() -> None:
+    shown = ShownViews(session=9)
+    shown.remember("camera/side", frame(3, 1003), NOW_NS, None)
+    assert shown.message({"camera/side": Painted(seq=3, age_ms=41.0, fps=30.0)}, LEASE, NOW_NS) is None
 
 
 def test_a_picture_goes_on_as_it_came_with_its_exposure_by_our_clock() -> None:

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from bench.video_link import REPORT_NS, Run
-from common.messages import CameraStatus, VideoFrame, ViewShown, ViewsShown
+from common.messages import CameraStatus, VideoFrame, ViewCame, ViewShown, ViewsShown
 from remote_site.video.adaptation import Adaptation, fair_share
 from remote_site.video.config import VideoConfig
 from remote_site.video.ledger import Ledger
@@ -105,8 +105,13 @@ def test_a_link_that_was_full_before_the_console_reported_is_emptied():
     assert np.percentile(ages_ms(run.run(10.0)), 95) < 300.0
 
 
+def view(seq, age_ms, lag_ms=15.0, painted_fps=30.0):
+    came = ViewCame(seq=seq, age_ms=age_ms, fps=30.0)
+    return ViewShown(seq=seq, capture_ns=0, age_ms=age_ms + lag_ms, fps=painted_fps, came=came)
+
+
 def shown(session, now_ns, seq=0, age_ms=50.0, cameras=FULL_BYTES):
-    views = {name: ViewShown(seq=seq, capture_ns=0, age_ms=age_ms, fps=30.0) for name in cameras}
+    views = {name: view(seq, age_ms) for name in cameras}
     return ViewsShown(session=session, lease=0, sent_ns=now_ns, views=views)
 
 
@@ -170,16 +175,21 @@ def test_cameras_that_this_cell_has_not_and_old_news_change_nothing():
     assert adaptation.setting("side", 20 * REPORT_NS) == FULL
 
 
-def test_one_late_camera_is_no_late_link():
+def setting_after(told):
+    """The side camera's setting after 30 reports, in which some cameras tell something else (by number of report)."""
     adaptation = Adaptation(CONFIG)
     for k in range(30):
         now_ns = k * REPORT_NS
         for camera in FULL_BYTES:
             adaptation.sent(frame(camera, k, 2000), now_ns - 50 * MS)
         word = shown(1, now_ns, k)
-        word.views["side"] = ViewShown(seq=k, capture_ns=0, age_ms=50.0 + 60.0 * k, fps=30.0)
+        word.views.update({camera: tell(k) for camera, tell in told.items()})
         adaptation.hear(word, now_ns)
-    assert adaptation.setting("side", now_ns) == FULL
+    return adaptation.setting("side", now_ns)
+
+
+def test_one_late_camera_is_no_late_link():
+    assert setting_after({"side": lambda k: view(k, 50.0 + 60.0 * k)}) == FULL
 
 
 def test_pictures_that_are_late_for_a_moment_though_all_arrive_are_not_the_links_fault():
@@ -191,6 +201,30 @@ def test_pictures_that_are_late_for_a_moment_though_all_arrive_are_not_the_links
         adaptation.hear(shown(1, now_ns, k, 250.0 if k % 10 in {7, 8, 9} else 50.0), now_ns)
         if k > 5:
             assert adaptation.setting("side", now_ns) == FULL
+
+
+@pytest.mark.parametrize("paints_fps", [8.0, 15.0, 22.0])
+def test_a_page_that_is_too_slow_gets_fewer_pictures_but_good_ones_and_all_again_when_it_is_quick(paints_fps):
+    run = Run(CONFIG, pictures(), 100.0)
+    run.viewer.paints_fps = paints_fps
+    run.run(12.0)
+    rates, painted = [], len(run.run(20.0)) / 20.0 / 4
+    for _ in range(20):
+        run.run(0.5)
+        rates += [setting.fps for setting in settings(run)]
+        assert all((setting.quality, setting.scale) == (80, 1.0) for setting in settings(run))
+    assert 0.6 * paints_fps < np.mean(rates) < 1.3 * paints_fps
+    assert painted > 0.55 * paints_fps
+    run.viewer.paints_fps = 1000.0
+    run.run(18.0)
+    assert settings(run) == [FULL] * 4
+
+
+def test_a_page_that_paints_late_gets_fewer_pictures():
+    late = {camera: lambda k: view(k, 50.0, lag_ms=150.0) for camera in FULL_BYTES}
+    setting = setting_after(late)
+    assert setting.fps < 30.0
+    assert (setting.quality, setting.scale) == (80, 1.0)
 
 
 @pytest.mark.parametrize("holds_bytes", [400_000, 200_000])
@@ -233,7 +267,7 @@ def test_a_ledger_counts_what_came_and_what_waits():
     ledger = Ledger()
     for seq in range(5):
         ledger.send(seq, 1000 + seq, 1.0, 0)
-    news = ledger.show(ViewShown(seq=2, capture_ns=0, age_ms=40.0, fps=30.0), 0)
+    news = ledger.come(ViewCame(seq=2, age_ms=40.0, fps=30.0), 0)
     assert (news.sent_bytes, news.carried_bytes, news.waiting_bytes, news.delay_ms) == (5010, 3003, 2007, 0.0)
-    assert ledger.show(ViewShown(seq=2, capture_ns=0, age_ms=90.0, fps=30.0), 0) is None
-    assert ledger.show(ViewShown(seq=4, capture_ns=0, age_ms=90.0, fps=30.0), 0).delay_ms == 50.0
+    assert ledger.come(ViewCame(seq=2, age_ms=90.0, fps=30.0), 0) is None
+    assert ledger.come(ViewCame(seq=4, age_ms=90.0, fps=30.0), 0).delay_ms == 50.0

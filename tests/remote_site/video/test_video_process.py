@@ -15,7 +15,7 @@ from structlog.testing import capture_logs
 
 from common.cameras.camera import Frame
 from common.errors import CameraError, ConfigError, MessageError
-from common.messages import CameraStatus, VideoFrame, ViewShown, ViewsShown
+from common.messages import CameraStatus, VideoFrame, ViewCame, ViewShown, ViewsShown
 from remote_site.video import process, sources
 from remote_site.video.config import CameraConfig, VideoConfig
 from remote_site.video.live_camera import ThreadedCamera
@@ -190,7 +190,8 @@ class Narrow:
             return None
         self._told = len(self.seen)
         last = self.seen[-1]
-        view = ViewShown(seq=last.seq, capture_ns=last.capture_ns, age_ms=20.0 * last.seq, fps=30.0)
+        came = ViewCame(seq=last.seq, age_ms=20.0 * last.seq, fps=30.0)
+        view = ViewShown(seq=last.seq, capture_ns=last.capture_ns, age_ms=20.0 * last.seq, fps=30.0, came=came)
         return ViewsShown(session=1, lease=self.lease, sent_ns=0, views={last.camera: view})
 
 

@@ -1,0 +1,102 @@
+// Marking the joints in the operator's picture, for a tracker of one camera: by clicks, or by arrow keys and Enter.
+import { sized } from "./surface.js";
+import { put } from "./words.js";
+
+const JOINTS = ["shoulder", "elbow", "wrist"];
+const STEP = 0.01; // of the picture; a fifth of it with the shift key
+const ARROWS = { ArrowLeft: [-STEP, 0], ArrowRight: [STEP, 0], ArrowUp: [0, -STEP], ArrowDown: [0, STEP] };
+const MIDDLE = [0.5, 0.5];
+const TONE = "#ffd479";
+
+export class JointMarks {
+  #connection;
+  #view;
+  #brush;
+  #row = document.getElementById("joints-row");
+  #button = document.getElementById("joints");
+  #words = document.getElementById("joints-words");
+  #marks = null;
+  #at = MIDDLE;
+
+  /** In a view of the operator: its element, its picture and the overlay to draw on. */
+  constructor(connection, view) {
+    this.#connection = connection;
+    this.#view = view;
+    this.#brush = view.overlay.getContext("2d");
+    this.#button.addEventListener("click", () => this.#toggle());
+    view.element.addEventListener("click", (event) => this.#click(event));
+    addEventListener("keydown", (event) => this.#key(event));
+  }
+
+  /** Only where one camera sees the operator there is anything to mark. */
+  offer(isWanted) {
+    this.#row.hidden = !isWanted;
+    if (!isWanted && this.#marks !== null) this.#toggle();
+  }
+
+  #toggle() {
+    this.#marks = this.#marks === null ? [] : null;
+    this.#at = MIDDLE;
+    this.#button.setAttribute("aria-pressed", this.#marks !== null);
+    this.#show();
+  }
+
+  #click(event) {
+    if (this.#marks === null || event.detail === 0) return; // a click by a key has no place
+    const { left, top, width, height } = this.#view.picture.getBoundingClientRect();
+    const { across, down, wide, tall } = this.#place(width, height);
+    this.#set([(event.clientX - left - across) / wide, (event.clientY - top - down) / tall]);
+  }
+
+  #key(event) {
+    if (event.ctrlKey || event.altKey || event.metaKey) return;
+    if (event.key.toLowerCase() === "j" && !event.repeat && !this.#row.hidden && !this.#button.disabled) this.#toggle();
+    if (this.#marks === null) return;
+    const arrow = ARROWS[event.key];
+    if (arrow === undefined && event.key !== "Enter") return;
+    event.preventDefault();
+    if (arrow === undefined) this.#set(this.#at);
+    else this.#at = this.#at.map((v, axis) => Math.min(1, Math.max(0, v + arrow[axis] * (event.shiftKey ? 0.2 : 1))));
+    this.#show();
+  }
+
+  /** Take a place, if it is in the picture; after the last joint all are sent. */
+  #set(place) {
+    if (place.some((v) => !(v >= 0 && v <= 1))) return;
+    this.#marks.push(place);
+    if (this.#marks.length === JOINTS.length) {
+      const [shoulder, elbow, wrist] = this.#marks;
+      this.#connection.ask({ type: "mark_joints", shoulder, elbow, wrist });
+      this.#toggle();
+    }
+    this.#show();
+  }
+
+  #show() {
+    const marking = this.#marks !== null;
+    put(this.#words, marking ? `click the ${JOINTS[this.#marks.length]}, or move the cross with arrow keys and press Enter` : "");
+    const { width, height } = sized(this.#view.overlay, this.#brush);
+    this.#brush.clearRect(0, 0, width, height);
+    if (!marking) return;
+    const { across, down, wide, tall } = this.#place(width, height);
+    const seen = ([u, v]) => [across + u * wide, down + v * tall];
+    this.#brush.strokeStyle = this.#brush.fillStyle = TONE;
+    this.#brush.lineWidth = 2;
+    this.#brush.beginPath();
+    const [x, y] = seen(this.#at);
+    for (const [dx, dy] of [[9, 0], [0, 9]]) {
+      this.#brush.moveTo(x - dx, y - dy);
+      this.#brush.lineTo(x + dx, y + dy);
+    }
+    this.#marks.map(seen).forEach(([u, v], k) => this.#brush[k === 0 ? "moveTo" : "lineTo"](u, v));
+    this.#brush.stroke();
+    for (const [u, v] of this.#marks.map(seen)) this.#brush.fillRect(u - 3, v - 3, 6, 6);
+  }
+
+  /** Where the picture lies in its canvas, which it fills in one direction. */
+  #place(width, height) {
+    const { width: full, height: high } = this.#view.picture;
+    const scale = Math.min(width / full, height / high);
+    return { across: (width - scale * full) / 2, down: (height - scale * high) / 2, wide: scale * full, tall: scale * high };
+  }
+}

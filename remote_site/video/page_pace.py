@@ -1,0 +1,49 @@
+"""How many pictures a second the operator's page can paint, from what it paints of those that come. Pure."""
+
+import statistics
+from collections.abc import Sequence
+
+from common.clock import NS_PER_MS, NS_PER_S
+from common.messages import ViewShown
+
+PAINTS = 0.85  # of what comes: a page that paints less is behind
+BEHIND_MS = 100.0  # and so is one that paints so much later than the pictures come
+BEHIND_REPORTS = 3
+SHARE = 0.9  # of what it paints while it is behind
+SETTLE_NS = 1500 * NS_PER_MS  # rates are counted over a second
+CAUTION = 0.8, 1.3  # of the rate at which it last fell behind: between these the rate grows slowly
+GROWTH_PER_S, CAUTIOUS_GROWTH_PER_S = 1.6, 1.06
+LEAST_FPS = 5.0
+
+
+class PagePace:
+    """A limit of the rate of every camera; None while the page keeps up with all.
+
+    A page that cannot keep up passes pictures over, and each of them has cost the host that draws it processor time.
+    """
+
+    def __init__(self) -> None:
+        self.fps: float | None = None
+        self._behind_reports = 0
+        self._settled_ns = 0
+        self._report_ns = 0
+        self._too_much_fps = 0.0
+
+    def report(self, views: Sequence[ViewShown], full_fps: float, now_ns: int) -> None:
+        """What the page has shown of each camera, and the rate that the cameras have."""
+        passed_ns, self._report_ns = min(now_ns - self._report_ns, NS_PER_S), now_ns
+        painted, came = (statistics.fmean(rates) for rates in zip(*((v.fps, v.came.fps) for v in views), strict=True))
+        lag_ms = statistics.median(view.age_ms - view.came.age_ms for view in views)
+        behind = painted < PAINTS * came or lag_ms > BEHIND_MS
+        self._behind_reports = self._behind_reports + 1 if behind else 0
+        if now_ns < self._settled_ns:
+            return
+        if self._behind_reports >= BEHIND_REPORTS:
+            self._too_much_fps = self.fps or full_fps
+            self.fps = min(max(LEAST_FPS, SHARE * painted), self._too_much_fps)
+            self._settled_ns = now_ns + SETTLE_NS
+        elif not behind and self.fps is not None:
+            low, high = (share * self._too_much_fps for share in CAUTION)
+            growth = CAUTIOUS_GROWTH_PER_S if low < self.fps < high else GROWTH_PER_S
+            more = self.fps * growth ** (passed_ns / NS_PER_S)
+            self.fps = more if more < full_fps else None
