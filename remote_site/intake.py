@@ -133,9 +133,11 @@ class Intake:
         return new_session
 
     def _jump(self, place: Array, capture_ns: int) -> Reason | None:
+        if self._last is None:
+            return None
         # by the sender's own clock: what is known of its offset changes with every measurement on a bad link
-        interval_ns = capture_ns - self._last.sample.capture_ns if self._last is not None else 0
-        if self._last is None or interval_ns > self._latch_ns:
+        interval_ns = capture_ns - self._last.sample.capture_ns
+        if interval_ns > self._latch_ns:
             return None
         distance = math.dist(place.tolist(), self._last.place.tolist())
         if distance <= self._config.hand_speed_m_s * interval_ns / NS_PER_S + self._config.hand_noise_m:

@@ -10,6 +10,7 @@ from plays import (
     bear,
     blink,
     close_page,
+    crowd,
     faulty,
     hand,
     hold,
@@ -49,6 +50,7 @@ class Row:
 LATCHES, FAULTS = "STOP by age, LATCH", "LATCH; never cleared by itself"
 RESTART = CellPair.start_local
 AUTOMATIC, PATIENT = ("engagement.mode=automatic",), ("safety.t_soft_ms=400",)
+WATCHED = ('video.cameras=[{name="front_high"},{name="front_low"},{name="side"},{name="gripper"}]', "video.quality=100")
 NARROW = ("robot.position_deg.joint_1=[-20,20]",)
 BEYOND = (*NARROW, "driver.options.stands_at=0.4363 0 -0.7854 0 -0.7854 0")
 LONG_S = float(os.environ.get("FARHAND_FAULTS_LONG_S", "600"))
@@ -70,7 +72,7 @@ ROWS = (
     Row("duplicated, overtaken, late samples", "dropped", unmoved(lambda pair: old_ones(pair, 1.0), "stale")),
     Row("wall clock + 1 h", "nothing changes", blink(lambda pair: pair.step_wall_clock(3600), lambda _: None, 1.0)),
     Row("wall clock - 1 h", "nothing changes", blink(lambda pair: pair.step_wall_clock(-3600), lambda pair: pair.step_wall_clock(0), 1.0)),
-    Row("malformed, oversized, hostile payloads", "rejected, counted, no crash", unmoved(lambda pair: hostile_ones(pair, 1.0), "malformed", "oversized", "invalid")),
+    Row("malformed, oversized, hostile payloads", "dropped by the link or rejected and counted, no crash", unmoved(lambda pair: hostile_ones(pair, 1.0), "malformed", "invalid")),
     Row("NaN or infinity", "rejected at decode", unmoved(lambda pair: infinite_ones(pair, 0.5), "not_finite"), quick=True),
     Row("wrist jumps 1 m", "rejected; three LATCH; motion under 1 mm", jump_then_three, quick=True),
     Row("unreachable target", "leashed, told, no thrash", reach_out((0, -3.0, 0, 0, 0, 0), 3.5, "saturated", "out_of_reach")),
@@ -85,6 +87,7 @@ ROWS = (
     Row("hardware e-stop reported", "no commands, LATCH, needs reset and engage", faulty(robot(fault="emergency_stop"), robot(fault=""), says="emergency_stop", silent=True)),
     Row("console tab closed", "STOP, LATCH within 500 ms", close_page, settings=("engagement.mode=hold_to_run",), engaged=False),
     Row("200 ms jitter", "bounded slow-down, no late sample used", bear(60.0, 0.0, jitter_ms=200), settings=PATIENT),
+    Row("video fills 20 Mbit/s, 20 ms each way", "pose p99 at most 1.3 times that without video", crowd(20.0, 20.0, 20.0), settings=WATCHED),
     Row("5 % loss, 20 ms each way, rto_min 40 ms", "no latch in 10 min, tracking error at most + 10 %", lose(0.05, 20.0, LONG_S), settings=PATIENT),
 )
 # fmt: on

@@ -1,5 +1,9 @@
-"""An operator's page without a browser, its key up or down as told: `python page_client.py PORT EAR`."""
+"""An operator's page without a browser, its key up or down as told: `python page_client.py PORT EAR`.
 
+It paints nothing, but says of every picture that it is taken, and tells how old the newest are, as a page does.
+"""
+
+import itertools
 import sys
 import threading
 import time
@@ -9,17 +13,22 @@ from puppets import Ear
 from websockets.sync.client import ClientConnection, connect
 
 BEAT_S = 0.05
+BEATS_PER_WORD = 2
+FPS = 30.0  # a page that paints all that comes
 ATTEMPTS, AGAIN_S = 300, 0.2
 
 
 def run(port: int, ear: Ear) -> None:
     """Beat until killed."""
     with opened(port) as page:
-        threading.Thread(target=_read, args=(page,), daemon=True).start()
+        views: dict[str, dict[str, float]] = {}
+        threading.Thread(target=_read, args=(page, views), daemon=True).start()
         down = False
-        while True:
+        for beat in itertools.count():
             down = ear.take().get("down", down)
-            page.send(msgspec.json.encode({"type": "beat", "page_ms": time.monotonic() * 1e3, "down": down}).decode())
+            _say(page, type="beat", page_ms=time.monotonic() * 1e3, down=down)
+            if beat % BEATS_PER_WORD == 0:
+                _say(page, type="shown", views=dict(views))
             time.sleep(BEAT_S)
 
 
@@ -33,9 +42,20 @@ def opened(port: int) -> ClientConnection:
     raise ConnectionRefusedError(f"no console at {port}")
 
 
-def _read(page: ClientConnection) -> None:
-    for _ in page:
-        continue
+def _read(page: ClientConnection, views: dict[str, dict[str, float]]) -> None:
+    """Take every picture at once; this host's clock is the console's."""
+    for message in page:
+        if isinstance(message, bytes):
+            header = msgspec.json.decode(message[2 : 2 + int.from_bytes(message[:2], "little")])
+            name, exposed_ms = header["view"], header["capture_ms"]
+            _say(page, type="taken", view=name)
+            if name.startswith("camera/") and exposed_ms is not None:
+                age_ms = max(0.0, time.monotonic() * 1e3 - exposed_ms)
+                views[name] = {"seq": header["seq"], "age_ms": age_ms, "fps": FPS}
+
+
+def _say(page: ClientConnection, **fields: object) -> None:
+    page.send(msgspec.json.encode(fields).decode())
 
 
 if __name__ == "__main__":

@@ -24,7 +24,9 @@ STILL_MM = 1.0
 BACK_S = 2.0
 WATCHDOG_MS = 200.0  # of the A465's controller
 CALIBRATION_S = 22.0
+SETTLES_WATCHED_S = 4.0
 RTO_MIN_MS = 40  # of routes that lose packets
+RETREAT_M = 0.1
 OUTWARD = np.array([0.15, 0, 0, 0, 0, 0])
 
 
@@ -202,6 +204,8 @@ def reach_out(there: tuple[float, ...], seconds: float, *codes: str) -> Play:
 def sweep_wrist(trial: Trial) -> None:
     """Joint 5 is led from -45 deg through zero, and back."""
     pair = trial.pair
+    pair.start_remote()  # at its very start: a wrist that is a little turned passes beside the singularity
+    pair.engage()
     beyond = np.array(pair.config.robot.start) + np.radians([0, 0, 0, 0, 75, 0])
     pair.hand(to=pair.place_of(beyond), seconds=4.0)
     time.sleep(5.5)
@@ -308,6 +312,26 @@ def lose(share: float, delay_ms: float, seconds: float) -> Play:
     return play
 
 
+def crowd(mbit_s: float, delay_ms: float, seconds: float) -> Play:
+    """Pictures fill the link that the hand samples share, once somebody watches; these come hardly later."""
+
+    def play(trial: Trial) -> None:
+        pair = trial.pair
+        pair.network.weather(mbit_s=mbit_s, delay_ms=delay_ms)
+        pair.move()
+        trial.begin(lambda _: time.sleep(seconds))
+        alone_ms = trial.late_ms(99)
+        pair.start_page(pair.start_console())
+        time.sleep(SETTLES_WATCHED_S)
+        trial.begin(lambda _: time.sleep(seconds))
+        watched_ms = trial.late_ms(99)
+        trial.note(f"exposure to command p99 {alone_ms:.1f} ms alone, {watched_ms:.1f} ms beside the video")
+        trial.check(watched_ms <= 1.3 * alone_ms, f"it rose by {watched_ms / alone_ms - 1:.0%}")
+        trial.follows(0.95)
+
+    return play
+
+
 def wander(seconds: float) -> Play:
     """The hand goes to random places, far into everything that could be touched."""
 
@@ -320,9 +344,25 @@ def wander(seconds: float) -> Play:
             pair.hand(to=[float(x) for x in place], seconds=takes)
             time.sleep(takes)
         trial.keeps_distance()
-        trial.pair.engage()
+        _retreat(trial)
+        pair.start_remote()  # at its start: the wrist may be so wound up that no straight way leads back
 
     return play
+
+
+def _retreat(trial: Trial) -> None:
+    """Engaged where it stands, the arm follows a hand that leads it back to where it last was 10 cm away."""
+    pair = trial.pair
+    place = np.array(pair.take_up())
+    log = pair.log(trial.begun_ns)
+    ways = np.linalg.norm(log.places - log.places[-1], axis=1)
+    before = log.q[np.flatnonzero(ways > RETREAT_M)[-1]]
+    pair.hand(to=pair.place_of(before), seconds=1.0 + 3.0 * float(np.abs(place - pair.place_of(before)).max()))
+    pair.wait(
+        "its retreat",
+        lambda: np.linalg.norm(pair.log(trial.begun_ns).places[-1] - log.places[-1]) > 0.8 * RETREAT_M,
+        15,
+    )
 
 
 def _hears(pair: CellPair) -> bool:

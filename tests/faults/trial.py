@@ -98,6 +98,16 @@ class Trial:
         self.check(not self.log.moves_after(self.rested_ns), "it moved without a new engagement")
         self.check(self.pair.state.state not in FOLLOWING, "it engaged by itself")
 
+    def late_ms(self, percentile: float) -> float:
+        """From a sample's exposure to its first command, of those obeyed since the fault."""
+        ages = {
+            s.obeyed.seq: s.obeyed.command_ns - s.obeyed.capture_ns
+            for s in self.pair.states
+            if s.obeyed and s.obeyed.capture_ns > self.fault_ns
+        }
+        self.check(ages, "no sample was obeyed")
+        return ms(float(np.percentile(list(ages.values()) or [0.0], percentile)))
+
     def obeys_nothing_old(self) -> None:
         """No sample was older than T_soft when its first command was written."""
         obeyed = {s.obeyed for s in self.pair.states if s.obeyed is not None and s.obeyed.command_ns > self.fault_ns}
