@@ -242,8 +242,11 @@ class Keeper:
             return None
         self._due_ns = max(self._due_ns + self._period_ns, now_ns) if self._period_ns else 0
         again, self._again = self._again or self._period_ns > 0, False
-        if not self._advance(now_ns) and not again:
-            return None
+        if not self._advance(now_ns):
+            if not again:
+                return None
+            if self._sent.resting:
+                self._pace.rest(now_ns)
         motion = self._sent
         self._written += 1
         self._under_way[self._written] = self._sent_seq

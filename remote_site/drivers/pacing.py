@@ -31,6 +31,10 @@ class Pace(Generic[T]):
         """What was written last differs from the plan as much as so much of it: the next waits for that, too."""
         self._owed_ns = planned_ns
 
+    def rest(self, now_ns: int) -> None:
+        """The rest written last was written again: the robot leaves it no sooner than a motion's time after this."""
+        self._written_ns = now_ns
+
     def add(self, planned_ns: int, motion: T) -> None:
         """A motion to be written after all that wait, unless what is planned for later has been written."""
         if planned_ns > self._planned_ns:

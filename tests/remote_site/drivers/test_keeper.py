@@ -321,6 +321,24 @@ def test_a_robot_at_rest_is_told_so_while_control_is_silent(bench):
     assert all((command.q == START).all() for command in bench.robot.written)
 
 
+@pytest.mark.parametrize("late_ms", [0.02, 0.5, 1.9])
+def test_an_arm_told_to_rest_again_starts_no_sooner_than_its_jerk_allows(bench, late_ms):
+    bench.activate()
+    for _ in range(10):
+        bench.command(JointMotion.at_rest(START))
+    bench.stumble(30.0)
+    bench.sent = bench.plan()
+    bench.turn(bench.order(bench.sent), ms=late_ms)
+    for _ in range(20):
+        bench.command()
+        while bench.keeper.due_ns is not None and bench.keeper.due_ns - bench.clock.now_ns() < 4 * NS_PER_MS:
+            bench.turn(ms=(bench.keeper.due_ns - bench.clock.now_ns()) / NS_PER_MS)
+    t_ns, ddq = (np.array([getattr(c, key) for c in bench.robot.written]) for key in ("t_ns", "ddq"))
+    jerk = np.abs(np.diff(ddq, axis=0)) / np.diff(t_ns)[:, None] * NS_PER_S
+    assert len(t_ns) > 25
+    assert (jerk <= LIMITS.jerk * 1.001 / LEAST_SHARE).all()
+
+
 def test_an_order_to_stop_stops_and_a_command_after_it_does_not_count(bench):
     bench.moving()
     bench.turn(bench.order(bench.sent, run=False))
