@@ -37,15 +37,17 @@ class OneClock:
 
 
 class Agreeable:
-    """Answers every request with yes, unless it is `silent`; `marked` are the joints that were marked."""
+    """Answers every request with yes, unless it is `silent`; counts what it `refused`, keeps the joints `marked`."""
 
     def __init__(self) -> None:
         self.silent = False
+        self.refused = 0
         self.marked: list[tuple[PictureShare, ...]] = []
 
     def engagement(self, action: EngagementAction) -> Reply:
         """As asked."""
         if self.silent:
+            self.refused += 1
             return Reply(id=1, done=False, code="silent", reason="nobody answers: is the site running?")
         return Reply(id=1, done=True, code="ok", reason=f"as asked: {action.value}")
 
@@ -62,7 +64,9 @@ class Agreeable:
 class BareConsole:
     """Serves the page at `address` as long as the block lasts; `shown` and `intents` are what it has said."""
 
-    def __init__(self) -> None:
+    def __init__(self, port: int = 0) -> None:
+        """`port` is where it serves, 0 any that is free."""
+        self._port = port
         self.sites = Agreeable()
         self.shown: list[ViewsShown] = []
         self.intents: list[OperatorIntent] = []
@@ -97,7 +101,7 @@ class BareConsole:
 
     async def _serve(self) -> None:
         self._loop = asyncio.get_running_loop()
-        latencies, history, serve = Latencies(), History(), ServeConfig(port=0)
+        latencies, history, serve = Latencies(), History(), ServeConfig(port=self._port)
         outlets = Outlets(self.intents.append, self.shown.append)
         desk = PageDesk(Seat(open_=True), outlets, self.sites, latencies, history, NS_PER_S)
         self._hub = Hub(desk, OneClock(), latencies, history, self._watch, OPERATOR, operate=True)

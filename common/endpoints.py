@@ -8,6 +8,7 @@ from common.errors import TransportError
 from common.link_config import LinkSecurity
 
 ENDPOINT = re.compile(r"(tcp|tls)/(\[[0-9a-fA-F:.]+\]|[A-Za-z0-9._-]+):(\d{1,5})")
+LAST_PORT = 65535
 LOOPBACK = ("127.0.0.1", "::1", "localhost")
 EVERYWHERE = {"0.0.0.0": "127.0.0.1", "::": "::1"}  # noqa: S104  # recognised here, never bound
 
@@ -38,8 +39,11 @@ class Endpoint:
 def check_endpoint(endpoint: str, security: LinkSecurity) -> Endpoint:
     """The endpoint if what passes there is protected or stays on this host, else TransportError with the cure."""
     match = ENDPOINT.fullmatch(endpoint)
-    if match is None:
-        raise TransportError(f"endpoint {endpoint!r} is refused: write it as tls/HOST:PORT or tcp/127.0.0.1:PORT")
+    if match is None or not 0 < int(match[3]) <= LAST_PORT:
+        raise TransportError(
+            f"endpoint {endpoint!r} is refused: write it as tls/HOST:PORT or tcp/127.0.0.1:PORT, with a port from 1 to "
+            f"{LAST_PORT}"
+        )
     found = Endpoint(match[1], match[2].strip("[]"), int(match[3]))
     if found.is_tls and not security.tls.is_given:
         raise TransportError(

@@ -22,6 +22,7 @@ from remote_site.config import RemoteConfig
 from remote_site.kinematics.limits import JointLimits
 from remote_site.kinematics.model import ArmModel
 from remote_site.lease import Holder, Lease, LeaseDesk
+from remote_site.safety.state import INPUTS
 from remote_site.safety.status import Code, Reason, reason
 from remote_site.video.calibration import calibration_of
 
@@ -117,6 +118,7 @@ def describe(config: RemoteConfig, model: ArmModel, limits: JointLimits, state_h
             CameraDescription(c.name, video.width, video.height, video.fps, calibration_of(c, config))
             for c in video.cameras
         ),
+        held=config.engagement.mode in INPUTS,
         control_hz=config.control.rate_hz,
         state_hz=state_hz,
         last_T_tool=pose_of(last_T_tool),

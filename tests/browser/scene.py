@@ -36,9 +36,10 @@ CAMERAS = tuple(camera.name for camera in CONFIG.video.cameras)
 SIZE = (480, 640)
 
 
-def cell() -> Description:
+def cell(*, held: bool = True) -> Description:
     """The A465's cell, its views calibrated."""
-    return describe(CONFIG, MODEL, JointLimits.from_model(MODEL, CONFIG.robot), 50.0)
+    described = describe(CONFIG, MODEL, JointLimits.from_model(MODEL, CONFIG.robot), 50.0)
+    return msgspec.structs.replace(described, held=held)
 
 
 def state(word: SessionState, code: str, reason: str, **changes: object) -> RobotState:

@@ -8,9 +8,10 @@ import msgspec
 import numpy as np
 import pytest
 import scene
+from opened_page import OpenedPage
 from told import Told
 
-from bench.bare_console import OPERATOR
+from bench.bare_console import OPERATOR, BareConsole
 from bench.painted_clock import ages_ms, compare, watch
 from common.clock import NS_PER_MS
 from common.messages import CameraStatus, LeaseState, Readiness, SessionState, VideoFrame
@@ -202,14 +203,22 @@ def test_the_age_that_the_page_tells_is_that_of_the_clock_in_its_picture(told: T
     assert told_ms == pytest.approx(read_ms, abs=50.0 + 0.5 * read_ms)
 
 
+KEEP_ALARMS = """() => {
+  const line = document.getElementById("alert");
+  window.alarms = [line.textContent];
+  new MutationObserver(() => window.alarms.push(line.textContent)).observe(line, { childList: true, subtree: true });
+}"""
+
+
 def test_a_stop_that_is_not_acknowledged_says_so_and_is_sent_until_it_is(told: Told) -> None:
     told.sites.silent = True
     told.page.page.keyboard.press("Escape")
     told.until("the alarm", lambda: "NOT ACKNOWLEDGED: nobody answers" in told.page.words("#alert"))
+    told.page.page.evaluate(KEEP_ALARMS)
     told.page.page.keyboard.press("e")
-    told.until(
-        "the alarm above a refusal", lambda: told.page.words("#alert").endswith("sent until it is acknowledged.")
-    )
+    refused = told.sites.refused
+    told.until("refusals of key and stop", lambda: told.sites.refused > refused + 3)
+    assert all("sent until it is acknowledged" in alarm for alarm in told.page.page.evaluate("window.alarms"))
     told.shot("stop not acknowledged")
     told.sites.silent = False
     told.until("the acknowledgement", lambda: "Stop acknowledged" in told.page.words("#alert"))
@@ -236,3 +245,30 @@ def test_the_joints_are_marked_by_clicks_or_keys_where_one_camera_sees_the_opera
     assert np.allclose(marked[-1], [(0.25, 0.5), (0.5, 0.5), (0.51, 0.502)], atol=0.01)
     assert page.get_attribute("#joints", "aria-pressed") == "false"
     assert page.evaluate(CHECK)["poor"] == []
+
+
+def test_a_cell_without_a_held_key_shows_none_and_says_that_a_closed_page_stops_nothing(told: Told) -> None:
+    told.until("live views", lambda: set(told.page.marks()) == {"live"})
+    assert told.page.page.is_visible("#hold")
+    assert not told.page.page.is_visible("#unheld")
+    told.describe(held=False)
+    told.until("the words", lambda: "also with this page closed" in told.page.page.inner_text("#controls"))
+    assert not told.page.page.is_visible("#hold")
+    told.shot("nothing held")
+    assert told.page.page.evaluate(CHECK)["poor"] == []
+    told.describe()
+    told.until("the key", lambda: told.page.page.is_visible("#hold"))
+
+
+def test_scales_that_a_new_console_has_forgotten_are_told(browser: object) -> None:
+    with BareConsole() as console:
+        page = OpenedPage(browser, console.address)
+        page.wait_for("the controls", lambda: page.page.is_enabled("#scale"))
+        page.page.fill("#scale", "0.5")
+        page.wait_for("the scale", lambda: page.words("#scale-value") == "0.50")
+        port = int(console.address.rsplit(":", 1)[1].rstrip("/"))
+    page.wait_for("the end", lambda: page.state() == "no connection")
+    with BareConsole(port):
+        page.wait_for("the word", lambda: "scales or locks have changed" in page.words("#alert"))
+        assert page.words("#scale-value") == "1.00"
+    page.close()

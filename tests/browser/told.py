@@ -61,9 +61,9 @@ class Told:
         exposed_ns = time.monotonic_ns()
         return Traced(7, seq, exposed_ns, *(exposed_ns + ms * NS_PER_MS for ms in (21, 26, 48)))
 
-    def describe(self) -> None:
+    def describe(self, *, held: bool = True) -> None:
         """Say what the cell is."""
-        self._give(Hub.described, scene.cell())
+        self._give(Hub.described, scene.cell(held=held))
 
     def mark(self, camera: str) -> str:
         return str(self.page.page.get_attribute(f"[data-name={camera}]", "data-mark"))

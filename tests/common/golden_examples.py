@@ -135,6 +135,7 @@ DESCRIPTION = Description(
         CameraDescription("side", 640, 480, 30.0),
         CameraDescription("front", 640, 480, 30.0, ViewCalibration(PROJECTION, on_tool=False)),
     ),
+    held=True,
     control_hz=250.0,
     state_hz=50.0,
     last_T_tool=POSE,

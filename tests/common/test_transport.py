@@ -219,8 +219,12 @@ def test_a_taken_port_is_an_error_that_says_so() -> None:
         open_link(listen=(endpoint,))
 
 
+BEYOND_PORTS = ("tcp/127.0.0.1:0", "tcp/127.0.0.1:65536")
+
+
 @pytest.mark.parametrize(
-    "endpoint", ["tcp/0.0.0.0:7447", "tcp/192.168.1.4:7447", "udp/127.0.0.1:1", "tls/127.0.0.1:1", "x", ""]
+    "endpoint",
+    ["tcp/0.0.0.0:7447", "tcp/192.168.1.4:7447", "udp/127.0.0.1:1", "tls/127.0.0.1:1", "x", "", *BEYOND_PORTS],
 )
 def test_endpoints_beyond_loopback_are_refused(endpoint: str) -> None:
     with pytest.raises(TransportError, match="refused"):

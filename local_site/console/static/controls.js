@@ -12,6 +12,8 @@ export class Controls {
   #operator = "";
   #mayOperate = false;
   #operates = false;
+  #intent = null;
+  #isBack = false;
   #buttons = Object.fromEntries(Object.values(KEYS).map((name) => [name, element(name)]));
   #locks = [...document.querySelectorAll("[data-lock]")];
 
@@ -27,16 +29,23 @@ export class Controls {
     addEventListener("keydown", (event) => this.#key(event));
   }
 
+  /** In a cell without a held key nothing looks like one. */
+  describe(cell) {
+    element("hold").hidden = !cell.held;
+    element("unheld").hidden = cell.held;
+  }
+
   hello({ page, operate, operator }) {
     this.#page = page;
     this.#operator = operator;
     this.#mayOperate = operate;
+    this.#isBack = this.#intent !== null;
   }
 
   /** Show an answer where nothing else tells it, until the next, or until the state is another. */
   hear({ what, done, reason }) {
     if (what === "stop") return;
-    this.#refusedIn = null;
+    this.#said();
     if (done) this.#alert.clear("controls");
     else this.#alert.say("controls", "bad", `${what}: ${reason}`);
   }
@@ -71,7 +80,19 @@ export class Controls {
     element("seat-button").disabled = !this.#mayOperate;
   }
 
+  /** What is said from now on holds until the state is another. */
+  #said() {
+    this.#refusedIn = null;
+  }
+
   #showIntent(intent) {
+    const known = JSON.stringify([intent.scale, intent.rotation_scale, intent.locks]);
+    if (this.#isBack && known !== this.#intent) {
+      this.#said();
+      this.#alert.say("controls", "bad", "scales or locks have changed while there was no connection: look before you engage");
+    }
+    this.#isBack = false;
+    this.#intent = known;
     this.#put("scale", intent.scale);
     this.#put("rotation", intent.rotation_scale);
     for (const lock of this.#locks) mark(lock, "aria-pressed", intent.locks[lock.dataset.lock]);

@@ -38,6 +38,7 @@ const hearers = {
     views.describe(told.cell);
     arm.describe(told.cell);
     panel.describe(told.cell);
+    controls.describe(told.cell);
   },
   situation: (told) => {
     mark(document.body, "data-connected", true);
