@@ -1,7 +1,7 @@
 """Stands between commands and driver: checks each once more, and stops the robot when they cease or break a limit."""
 
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from enum import Enum, auto
 from typing import Protocol
 
@@ -177,12 +177,20 @@ class Keeper:
             return
         self._onset = None
         self._pace.owe(2 * ahead_ns)  # the stop braked meanwhile, as hard as the plan may have sped up
+        for between_ns in range(max(self._plan_ns, self._pace.planned_ns) + self._tick_ns, plan_ns, self._tick_ns):
+            self._pace.add(
+                between_ns, self._stopping_at(onset, between_ns)
+            )  # a robot that was not sent it goes there, too
         self._follow(command, plan_ns, now_ns)  # what was sent is never taken back
 
     def _follow(self, command: JointCommand, plan_ns: int, now_ns: int) -> None:
         self.motion, self._command = command.motion, command
         self._heard_ns, self._plan_ns = now_ns, plan_ns
         self._pace.add(plan_ns, command)
+
+    def _stopping_at(self, onset: tuple[int, JointMotion], plan_ns: int) -> JointCommand:
+        motion = self._stop_at(onset, onset[0] + plan_ns - self._plan_ns)
+        return replace(self._command, q=motion.q, dq=motion.dq, ddq=motion.ddq)
 
     def _stop_at(self, onset: tuple[int, JointMotion], t_ns: int) -> JointMotion:
         onset_ns, motion = onset
@@ -245,8 +253,7 @@ class Keeper:
         if not self._advance(now_ns):
             if not again:
                 return None
-            if self._sent.resting:
-                self._pace.rest(now_ns)
+            self._pace.repeat(now_ns)
         motion = self._sent
         self._written += 1
         self._under_way[self._written] = self._sent_seq
@@ -254,8 +261,8 @@ class Keeper:
         return self._call("write", lambda: self._driver.write(command))
 
     def _advance(self, now_ns: int) -> bool:
-        """Go on to the motion that may be written now: what waits, then the stop under way; False if there is none."""
-        if self._onset is not None and not self._pace.waits:
+        """Go on to the motion that may be written now: of what waits, or of the stop under way; False if there is none."""
+        if self._onset is not None and not self._pace.waits(now_ns):
             onset_ns, motion = self._onset
             reached_ns = self._pace.reach(self._plan_ns + now_ns - onset_ns, now_ns)
             self._sent = stopping(motion, self._setup.limits, max(reached_ns - self._plan_ns, 0) / NS_PER_S)

@@ -31,8 +31,8 @@ class Pace(Generic[T]):
         """What was written last differs from the plan as much as so much of it: the next waits for that, too."""
         self._owed_ns = planned_ns
 
-    def rest(self, now_ns: int) -> None:
-        """The rest written last was written again: the robot leaves it no sooner than a motion's time after this."""
+    def repeat(self, now_ns: int) -> None:
+        """What was written last was written again: the robot leaves it no sooner than a motion's time after this."""
         self._written_ns = now_ns
 
     def add(self, planned_ns: int, motion: T) -> None:
@@ -49,7 +49,8 @@ class Pace(Generic[T]):
         return newest
 
     def reach(self, planned_ns: int, now_ns: int) -> int:
-        """How far in the plan a motion on the way there, which did not wait, may be now; it counts as written."""
+        """How far in the plan a motion on the way there, beyond all that wait, may be now; it counts as written."""
+        self._waiting.clear()
         furthest_ns = self._furthest_ns(now_ns)
         self._owed_ns = max(self._planned_ns - furthest_ns, 0)
         self._planned_ns = max(min(planned_ns, furthest_ns), self._planned_ns)
@@ -61,10 +62,9 @@ class Pace(Generic[T]):
         """How far in the plan the motion is that was written last."""
         return self._planned_ns
 
-    @property
-    def waits(self) -> bool:
-        """Whether anything has to be written yet."""
-        return bool(self._waiting)
+    def waits(self, now_ns: int) -> bool:
+        """Whether there is anything that may not be written yet."""
+        return bool(self._waiting) and self._waiting[-1][0] > self._furthest_ns(now_ns)
 
     @property
     def due_ns(self) -> int | None:

@@ -7,7 +7,7 @@ from remote_loop import arm
 from common.clock import NS_PER_MS, FakeClock
 from common.rate import Rate
 from remote_site.config import RemoteConfig
-from remote_site.drivers.driver import JointCommand
+from remote_site.drivers.driver import Capabilities, JointCommand
 from remote_site.drivers.grip import GripSettings, GripWatch
 from remote_site.drivers.keeper import Keeper
 from remote_site.drivers.kinematic import KinematicDriver
@@ -35,12 +35,20 @@ class Kept(KinematicDriver):
         return super().write(command)
 
 
+class Slow(Kept):
+    """Takes 15 setpoints a second, and goes from each to the next on a straight way."""
+
+    @property
+    def capabilities(self):
+        return Capabilities(15.0, None, gripper=False, force=False, watchdog_ms=None, queued_periods=2)
+
+
 class Rig:
     """A tick of control every 4 ms towards the goal, a turn of the driver's process every 2 ms and at every order."""
 
-    def __init__(self, phase_ms):
+    def __init__(self, phase_ms, make=Kept):
         self.clock = FakeClock(1000 * NS_PER_MS)
-        self.robot, memory, setup = Kept(self.clock), DriverMemory.create(6), setup_of(RemoteConfig())
+        self.robot, memory, setup = make(self.clock), DriverMemory.create(6), setup_of(RemoteConfig())
         self.robot.configure(setup)
         self.keeper = Keeper(self.robot, setup, self.clock, memory.busy, GripWatch(GripSettings()))
         self.desk, self.link = Desk(self.keeper, memory, self.clock), DriverLink(memory, LIMITS, self.clock)
@@ -96,6 +104,27 @@ def test_a_stumble_slows_the_arm_and_costs_no_full_stop(late_ms, phase_ms):
     assert (np.abs(np.diff(ddq, axis=0)) <= LIMITS.jerk * steps * 1.001 / LEAST_SHARE + 1e-9).all()
     assert (np.abs(np.diff(q, axis=0)) <= LIMITS.velocity * steps * 1.0001 / LEAST_SHARE).all()
     assert np.diff(q[:, 0]).min() >= -1e-8  # rounding at the goal
+
+
+@pytest.mark.parametrize("ticks", [60, 73, 90, 101])
+@pytest.mark.parametrize("late_ms", [26.2, 55.0, 90.0, 200.0, 333.0])
+def test_a_slow_robot_goes_through_a_stumble_at_its_speeds_too(late_ms, ticks):
+    rig = Rig(1.0, Slow)
+    for _ in range(ticks):
+        rig.tick()
+    rig.tick(late_ms)
+    for _ in range(400):
+        rig.tick()
+    assert rig.keeper.fault is None
+    assert rig.keeper.motion.q == pytest.approx(GOAL, abs=1e-6)
+    t, q, _, _ = rig.written()
+    steps = np.diff(t)[:, None]
+    speed = np.diff(q, axis=0) / steps
+    acceleration = np.diff(speed, axis=0) / steps[1:]
+    in_ticks = 1 + 4 / 67  # a setpoint is a whole tick's
+    assert (np.abs(speed) <= LIMITS.velocity * in_ticks).all()
+    assert (np.abs(acceleration) <= LIMITS.acceleration * 1.5).all()  # what a tick more or less makes of full speed
+    assert np.diff(q[:, 0]).min() >= -1e-8
 
 
 def test_stumbles_one_after_the_other_never_end_in_a_fault():
