@@ -261,7 +261,7 @@ class Keeper:
         return self._call("write", lambda: self._driver.write(command))
 
     def _advance(self, now_ns: int) -> bool:
-        """Go on to the motion that may be written now: of what waits, or of the stop under way; False if there is none."""
+        """Go on to the motion that may be written now, of what waits or of the stop under way; False if there is none."""
         if self._onset is not None and not self._pace.waits(now_ns):
             onset_ns, motion = self._onset
             reached_ns = self._pace.reach(self._plan_ns + now_ns - onset_ns, now_ns)
