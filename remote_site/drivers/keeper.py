@@ -177,10 +177,9 @@ class Keeper:
             return
         self._onset = None
         self._pace.owe(2 * ahead_ns)  # the stop braked meanwhile, as hard as the plan may have sped up
+        # a robot that was not sent all of the stop goes there, too
         for between_ns in range(max(self._plan_ns, self._pace.planned_ns) + self._tick_ns, plan_ns, self._tick_ns):
-            self._pace.add(
-                between_ns, self._stopping_at(onset, between_ns)
-            )  # a robot that was not sent it goes there, too
+            self._pace.add(between_ns, self._stopping_at(onset, between_ns))
         self._follow(command, plan_ns, now_ns)  # what was sent is never taken back
 
     def _follow(self, command: JointCommand, plan_ns: int, now_ns: int) -> None:
@@ -261,7 +260,7 @@ class Keeper:
         return self._call("write", lambda: self._driver.write(command))
 
     def _advance(self, now_ns: int) -> bool:
-        """Go on to the motion that may be written now, of what waits or of the stop under way; False if there is none."""
+        """Go on to what may be written now of what waits or of the stop under way; False if there is nothing."""
         if self._onset is not None and not self._pace.waits(now_ns):
             onset_ns, motion = self._onset
             reached_ns = self._pace.reach(self._plan_ns + now_ns - onset_ns, now_ns)
