@@ -4,6 +4,7 @@ from collections.abc import Iterator, Sequence
 from typing import Any, NamedTuple
 
 from common.channels import CHANNELS, PROCEDURES, Channel, Procedure
+from common.endpoints import SECURED
 from common.roles import Identity, Role
 
 Json = dict[str, Any]
@@ -36,7 +37,7 @@ def access_control(own: Identity, cells: Sequence[str], *, plain: bool) -> Json:
         granted = _rules(name, {g for cell in theirs for g in grants(own.role, neighbour.role, cell)})
         if granted:
             rules += granted
-            subjects.append({"id": name, "cert_common_names": [name], "link_protocols": ["tls"]})
+            subjects.append({"id": name, "cert_common_names": [name], "link_protocols": list(SECURED)})
             policies.append({"rules": [rule["id"] for rule in granted], "subjects": [name]})
     if plain:
         everything = {g for cell in cells for role in Role for g in grants(own.role, role, cell)}

@@ -48,6 +48,7 @@ class Channel(Generic[M]):
     """One channel; `key` may hold {cell} and {name}. Periodic channels drop under congestion, never block.
 
     `sent_by` and `heard_by` are what access control is made of, where there are certificates.
+    `best_effort`: the next message makes a lost one worthless; a picture of many packets would seldom arrive whole.
     `depth` is how many of the newest messages wait for a receiver: 1 where several senders cannot push one another out.
     """
 
@@ -61,6 +62,7 @@ class Channel(Generic[M]):
     stale_after_ns: int
     max_bytes: int
     depth: int = 1
+    best_effort: bool = True
 
     def key_for(self, cell: str, name: str = "*") -> str:
         """The Zenoh key of this channel in a cell."""
@@ -100,6 +102,7 @@ CAMERA = Channel(
     rate_hz=30.0,
     stale_after_ns=500 * NS_PER_MS,
     max_bytes=4_000_000,
+    best_effort=False,
 )
 PREVIEW = Channel(
     key="farhand/{cell}/preview/{name}",
@@ -111,6 +114,7 @@ PREVIEW = Channel(
     rate_hz=12.0,
     stale_after_ns=500 * NS_PER_MS,
     max_bytes=1_000_000,
+    best_effort=False,
 )
 SHOWN = Channel(
     key="farhand/{cell}/shown/{name}",

@@ -30,18 +30,26 @@ def refusal(endpoint: Endpoint, credentials: Credentials | None) -> str | None:
     """
     try:
         speaks_tls = _speaks_tls(endpoint)
-        if endpoint.is_tls and credentials is not None and speaks_tls:
+        if endpoint.is_secured and credentials is not None and speaks_tls:
             return _tls_refusal(endpoint, credentials)
     except OSError:
         return None  # nobody is there, or is silent: that is no refusal
-    if endpoint.is_tls and speaks_tls is False:
+    if endpoint.is_secured and speaks_tls is False:
         return f"{endpoint} does not speak TLS: who listens there is without protection; nothing is sent to it"
-    if not endpoint.is_tls and speaks_tls:
+    if not endpoint.is_secured and speaks_tls:
         return (
             f"{endpoint} refuses plain tcp: who listens there speaks TLS only; write the endpoint as "
-            f"tls/{str(endpoint).partition('/')[2]} and name certificates in the table [links.tls]"
+            f"tls/{endpoint.place} and name certificates in the table [links.tls]"
         )
     return None
+
+
+def answers(endpoint: Endpoint) -> bool:
+    """Whether somebody speaks TLS at the port."""
+    try:
+        return _speaks_tls(endpoint) is True
+    except OSError:
+        return False
 
 
 def identity_refusal(shown: str, endpoint: str, own: Identity) -> str | None:

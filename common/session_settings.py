@@ -1,7 +1,7 @@
 """The settings of a Zenoh session, key by key: places, short leases, caps, and who may do what; pure."""
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from enum import StrEnum
 from typing import Any
 
@@ -49,15 +49,15 @@ def session_settings(places: Places, credentials: Credentials | None, cells: Seq
     """
     settings = {
         "mode": places.mode.value,
-        "listen/endpoints": [str(endpoint) for endpoint in places.listen],
-        "connect/endpoints": [str(endpoint) for endpoint in places.connect],
+        "listen/endpoints": [locator for endpoint in places.listen for locator in _listening(endpoint)],
+        "connect/endpoints": [_locator(endpoint) for endpoint in places.connect],
         "connect/retry": RETRY,
         "connect/timeout_ms": CLIENT_TIMEOUT_MS if places.mode is Mode.CLIENT else FOR_EVER,
         "connect/exit_on_failure": False,
         "scouting/multicast/enabled": False,
         "scouting/gossip/enabled": False,
         "transport/shared_memory/enabled": False,  # on one host pictures would pass the link, and all that limits it
-        "transport/link/protocols": sorted({place.protocol for place in (*places.listen, *places.connect)}),
+        "transport/link/protocols": sorted(_protocols(places)),
         "transport/link/tcp/so_sndbuf": places.send_buffer_bytes,
         "transport/link/tls/so_sndbuf": places.send_buffer_bytes,
         "transport/link/tx/lease": LEASE_MS,
@@ -70,10 +70,25 @@ def session_settings(places: Places, credentials: Credentials | None, cells: Seq
         "downsampling": rate_caps(),
     }
     if credentials is not None:
-        plain = not all(place.is_tls for place in (*places.listen, *places.connect))
+        plain = not all(place.is_secured for place in (*places.listen, *places.connect))
         settings["access_control"] = access_control(credentials.identity, cells, plain=plain)
         settings |= {f"transport/link/tls/{key}": value for key, value in _tls_settings(credentials.tls).items()}
     return settings
+
+
+def _locator(endpoint: Endpoint) -> str:
+    """Where QUIC is spoken, what is best effort goes in datagrams of the same connection."""
+    return f"{endpoint}?mixed_rel=1" if endpoint.is_quic else str(endpoint)
+
+
+def _listening(endpoint: Endpoint) -> tuple[str, ...]:
+    """Who listens for QUIC listens for TLS at the port of the same number: there it can be asked why it refuses."""
+    return (_locator(endpoint), str(replace(endpoint, protocol="tls"))) if endpoint.is_quic else (str(endpoint),)
+
+
+def _protocols(places: Places) -> set[str]:
+    spoken = {place.protocol for place in (*places.listen, *places.connect)}
+    return spoken | {"tls"} if any(place.is_quic for place in places.listen) else spoken
 
 
 def _tls_settings(tls: TlsConfig) -> dict[str, Any]:

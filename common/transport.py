@@ -15,7 +15,7 @@ from common.credentials import Credentials, load_credentials
 from common.endpoints import Endpoint, check_endpoint, check_free
 from common.errors import MessageError, RefusedError, TransportError
 from common.link_config import ON_THIS_HOST, LinkSecurity
-from common.link_probe import identity_refusal, refusal
+from common.link_probe import answers, identity_refusal, refusal
 from common.messages import Message
 from common.requests import ClockQuestion, Reply, Request
 from common.roles import Role
@@ -32,6 +32,7 @@ REQUEST_TIMEOUT_S = 0.3
 PENDING_REQUESTS = 16
 ROUTER_PATIENCE_S = 20.0
 ROUTER_POLL_S = 0.2
+QUIC_PATIENCE_S = 2.0  # a handshake takes some round trips
 REFUSAL = b"refused: "  # begins our own error replies; zenoh has others, such as for a time-out
 MAX_DEADLINE_NS = 10 * NS_PER_S  # a request is remembered so long that no repetition can outlive it
 PRIORITIES = {
@@ -39,6 +40,8 @@ PRIORITIES = {
     Priority.INTERACTIVE: zenoh.Priority.INTERACTIVE_HIGH,
     Priority.DATA: zenoh.Priority.DATA,
 }
+
+RELIABILITY = {True: zenoh.Reliability.BEST_EFFORT, False: zenoh.Reliability.RELIABLE}
 
 
 class Publisher(Generic[M]):
@@ -166,6 +169,7 @@ class Link:
         self._session = session
         self._outgoing = outgoing
         self._credentials = credentials
+        self._patient_until = time.monotonic() + QUIC_PATIENCE_S
 
     def __enter__(self) -> Self:
         return self
@@ -188,6 +192,7 @@ class Link:
                 channel.key_for(cell, name),
                 priority=PRIORITIES[channel.priority],
                 congestion_control=zenoh.CongestionControl.DROP,
+                reliability=RELIABILITY[channel.best_effort],
             )
         )
 
@@ -255,11 +260,20 @@ class Link:
         for endpoint in self._outgoing:
             link, why = next((link for link in links if _leads_to(link, endpoint)), None), None
             if link is None:
-                why = refusal(endpoint, self._credentials)
-            elif endpoint.is_tls and self._credentials is not None:
+                why = refusal(endpoint, self._credentials) or self._blocked(endpoint)
+            elif endpoint.is_secured and self._credentials is not None:
                 why = identity_refusal(link.auth_identifier or "", str(endpoint), self._credentials.identity)
             if why is not None:
                 raise RefusedError(why)
+
+    def _blocked(self, endpoint: Endpoint) -> str | None:
+        """Why there is no link by QUIC for so long where TLS answers."""
+        if not endpoint.is_quic or time.monotonic() < self._patient_until or not answers(endpoint):
+            return None
+        return (
+            f"{endpoint} answers by TLS, but not by QUIC: let UDP through to port {endpoint.port}, or write the "
+            f"endpoint as tls/{endpoint.place} at both sites"
+        )
 
     def _check(self, allowed: frozenset[Role], cell: str, what: str) -> None:
         if self._credentials is None:
@@ -275,7 +289,8 @@ class Link:
 
 def _leads_to(link: zenoh.Link, endpoint: Endpoint) -> bool:
     """Names become addresses on the way, so the port tells."""
-    return link.dst.startswith(f"{endpoint.protocol}/") and link.dst.endswith(f":{endpoint.port}")
+    place = link.dst.partition("?")[0]
+    return place.startswith(f"{endpoint.protocol}/") and place.endswith(f":{endpoint.port}")
 
 
 def _understood(payload: bytes, procedure: Procedure[Q, R]) -> R:
@@ -302,6 +317,7 @@ def open_link(
     """
     listening = _listening(listen, security)
     outgoing = tuple(check_endpoint(endpoint, security) for endpoint in connect)
+    _check_buffer((*listening, *outgoing), send_buffer_bytes)
     credentials = _credentials((*listening, *outgoing), security)
     cells = [credentials.identity.cell] if credentials and credentials.identity.cell else []
     mode = Mode.CLIENT if through_router else Mode.PEER
@@ -327,8 +343,17 @@ def _listening(endpoints: tuple[str, ...], security: LinkSecurity) -> tuple[Endp
     return tuple(check_free(endpoint, security) for endpoint in endpoints)
 
 
+def _check_buffer(places: Sequence[Endpoint], send_buffer_bytes: int | None) -> None:
+    for place in places:
+        if place.is_quic and send_buffer_bytes is not None:
+            raise TransportError(
+                f"endpoint '{place}' is refused: what waits in a connection of QUIC cannot be bounded, and old "
+                f"pictures would; write it as tls/{place.place}"
+            )
+
+
 def _credentials(places: Sequence[Endpoint], security: LinkSecurity) -> Credentials | None:
-    return load_credentials(security.tls) if any(place.is_tls for place in places) else None
+    return load_credentials(security.tls) if any(place.is_secured for place in places) else None
 
 
 def _open_when_met(places: Places, credentials: Credentials | None, cells: Sequence[str]) -> zenoh.Session:

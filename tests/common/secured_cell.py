@@ -89,10 +89,10 @@ def dishonest(
     tls = {"root_ca_certificate": str(folder / "ca.pem"), "verify_name_on_connect": False}
     for end in ("listen", "connect") if who else ():
         tls |= {f"{end}_certificate": f"{folder / cell / who}.pem", f"{end}_private_key": f"{folder / cell / who}.key"}
-    config = zenoh.Config()
+    config, locator = zenoh.Config(), f"{endpoint}?mixed_rel=1" if endpoint.startswith("quic/") else endpoint
     settings = {
-        "listen/endpoints": [endpoint] if listen else [],
-        "connect/endpoints": [] if listen else [endpoint],
+        "listen/endpoints": [locator] if listen else [],
+        "connect/endpoints": [] if listen else [locator],
         "connect/exit_on_failure": False,
         "scouting/multicast/enabled": False,
         "transport/link/tls": tls | {"enable_mtls": who is not None},

@@ -14,13 +14,25 @@ import zenoh
 
 from common.channels import ENGAGEMENT, HAND, STATE
 from common.config import load_config
+from common.endpoints import SECURED
 from common.errors import RefusedError
 from common.transport import Link, open_link, open_router
 from farhand.certificates.folder import Order, create
 from farhand.router import RouterConfig, zenohd_configuration
 
 sys.path.insert(0, str(Path(__file__).parents[1] / "common"))
-from secured_cell import CELL, HAND_SAMPLE, Cell, commands_arrive, dishonest, free_port, request, secured, until
+from secured_cell import (
+    CELL,
+    HAND_SAMPLE,
+    QUIET_S,
+    Cell,
+    commands_arrive,
+    dishonest,
+    free_port,
+    request,
+    secured,
+    until,
+)
 
 DEPLOYED = Path(__file__).parents[2] / "deploy"
 
@@ -36,8 +48,8 @@ def pki(tmp_path_factory: pytest.TempPathFactory) -> Path:
 class Meeting:
     """A router, and a cell that only connects to it."""
 
-    def __init__(self, pki: Path, stack: ExitStack) -> None:
-        self.pki, self.endpoint = pki, f"tls/127.0.0.1:{free_port()}"
+    def __init__(self, pki: Path, stack: ExitStack, protocol: str) -> None:
+        self.pki, self.endpoint = pki, f"{protocol}/127.0.0.1:{free_port()}"
         self.router = self.open()
         site = open_link(connect=(self.endpoint,), security=secured(pki, "remote"), through_router=True)
         self.cell = Cell(self.endpoint, stack.enter_context(site))
@@ -54,12 +66,13 @@ class Meeting:
         return open_link(connect=(self.endpoint,), security=secured(self.pki, who, cell))
 
 
-@pytest.fixture
-def meeting(pki: Path) -> Iterator[Meeting]:
+@pytest.fixture(params=SECURED)
+def meeting(pki: Path, request: pytest.FixtureRequest) -> Iterator[Meeting]:
     with ExitStack() as stack:
-        yield Meeting(pki, stack)
+        yield Meeting(pki, stack, request.param)
 
 
+@pytest.mark.parametrize("meeting", ["tls"], indirect=True)  # with QUIC a port is free when its process has ended
 def test_sites_meet_and_meet_again_after_the_router_was_restarted(meeting: Meeting) -> None:
     with meeting.connect("operator") as operator:
         hand, state = operator.publisher(HAND, CELL), operator.latest(STATE, CELL)
@@ -101,6 +114,17 @@ def test_a_router_passes_on_nothing_that_a_role_may_not_send(meeting: Meeting) -
         assert not commands_arrive(session, meeting.cell)
     with dishonest(meeting.endpoint, meeting.pki, "operator") as session:
         assert commands_arrive(session, meeting.cell)
+
+
+def test_a_router_lets_no_viewer_hear_a_hand(meeting: Meeting) -> None:
+    with meeting.connect("operator") as operator, dishonest(meeting.endpoint, meeting.pki, "viewer") as viewer:
+        heard: set[str] = set()
+        for key in ("**", HAND.key_for(CELL)):
+            viewer.declare_subscriber(key, lambda sample: heard.add(str(sample.key_expr)))
+        hand, before = operator.publisher(HAND, CELL), meeting.cell.hands
+        until(lambda: hand.put(HAND_SAMPLE) or meeting.cell.hands > before + 10)
+        time.sleep(QUIET_S)
+        assert HAND.key_for(CELL) not in heard
 
 
 def test_zenohds_configuration_is_the_routers_and_can_be_read() -> None:
