@@ -9,9 +9,11 @@ import tempfile
 import time
 from collections.abc import Callable
 from contextlib import ExitStack
+from datetime import UTC, datetime
 from pathlib import Path
 from typing import Any
 
+import msgspec
 import numpy as np
 from daemons import NOBODY, Daemon
 from driver_log import DriverLog
@@ -22,10 +24,13 @@ from puppets import tell
 from common.channels import ENGAGEMENT
 from common.clock import NS_PER_S
 from common.config import load_config
+from common.endpoints import SECURED
 from common.geometry import Array, vector_from_rotation
+from common.link_config import ON_THIS_HOST, LinkSecurity, TlsConfig
 from common.messages import RobotState, SessionState
 from common.requests import EngagementAction, EngagementRequest, Reply
 from common.transport import open_link
+from farhand.certificates.folder import Order, create
 from farhand.loopback import free_ports
 from farhand.recorder import Recorder
 from remote_site.config import RemoteConfig
@@ -49,16 +54,21 @@ MEMORY = "/dev/shm"  # noqa: S108  # a robot's driver never waits for a disk
 
 
 class CellPair:
-    """The sites of one cell; through the link of `network` if there is one, else on one host."""
+    """The sites of one cell; through the link of `network` if there is one, else on one host.
 
-    def __init__(self, network: Network | None, settings: tuple[str, ...] = ()) -> None:
-        self.network = network
+    By QUIC they show certificates, as they have to there.
+    """
+
+    def __init__(self, network: Network | None, settings: tuple[str, ...] = (), protocol: str = "tcp") -> None:
+        self.network, self._protocol = network, protocol
         self.stack = ExitStack()
         self.folder = Path(tempfile.mkdtemp(prefix="farhand-faults-", dir=MEMORY))
         self.stack.callback(shutil.rmtree, self.folder, ignore_errors=True)
         host = "localhost" if network else "127.0.0.1"
         control, video, listen = free_ports(3)
-        self.control, self.video = f"tcp/{host}:{control}", f"tcp/{host}:{video}"
+        self.control, self.video = f"{protocol}/{host}:{control}", f"tcp/{host}:{video}"
+        if self._is_secured:
+            create(self.folder, Order(CELL, ("localhost",), 1), datetime.now(UTC))
         self.listen = f"tcp/127.0.0.1:{listen}"
         self.settings = (*self._own_settings(), *self._driver(settings))
         self.config = load_config(RemoteConfig, None, self.settings)
@@ -66,7 +76,8 @@ class CellPair:
         self.model = ArmModel.from_urdf(robot.urdf, robot.tool_frame, robot.tool_T_tcp)
         self.limits = JointLimits.from_model(self.model, robot)
         self._environment = self._plug_in()
-        self.link = self.stack.enter_context(open_link(connect=(self.control,)))
+        security = LinkSecurity(tls=self._tls("operator")) if self._is_secured else ON_THIS_HOST
+        self.link = self.stack.enter_context(open_link(connect=(self.control,), security=security))
         self.states = Recorder(self.link, self.link, CELL, ()).record.states
         self.remote = self.local = NOBODY
         self.others: list[Daemon] = []
@@ -96,8 +107,9 @@ class CellPair:
         self.path = HandPath.still()
         command = [*self._beyond, sys.executable, str(TESTS / "scripted_local.py"), str(ear)]
         ear.unlink(missing_ok=True)
-        settings = f"links.remote={self.control}", f"links.listen={self.listen}", f"authority.operator={OPERATOR}"
-        self.local = self._start("local", command, (f"cell={CELL}", "tracking.method=markers", *settings))
+        links = f"links.remote={self.control}", f"links.listen={self.listen}", *self._certificate("operator")
+        own = f"cell={CELL}", "tracking.method=markers", f"authority.operator={OPERATOR}"
+        self.local = self._start("local", command, (*own, *links))
         self.wait("the scripted operator", ear.exists)
         return self.local
 
@@ -234,7 +246,21 @@ class CellPair:
             f"links.video={self.video}",
             "engagement.mode=on_request",
             VIDEO,
+            *self._certificate("remote"),
         )
+
+    @property
+    def _is_secured(self) -> bool:
+        return self._protocol in SECURED
+
+    def _tls(self, who: str) -> TlsConfig:
+        pair = self.folder / CELL / who
+        return TlsConfig(ca=str(self.folder / "ca.pem"), certificate=f"{pair}.pem", key=f"{pair}.key")
+
+    def _certificate(self, who: str) -> tuple[str, ...]:
+        """The settings with which a site shows its certificate, where it has to."""
+        shown = msgspec.structs.asdict(self._tls(who)) if self._is_secured else {}
+        return tuple(f"links.tls.{key}={value}" for key, value in shown.items())
 
     def _driver(self, settings: tuple[str, ...]) -> tuple[str, ...]:
         """The recording driver, or the A465's at the line of an emulated controller of its own."""

@@ -25,11 +25,11 @@ class Stage:
 
     def pair_for(self, row: Row) -> CellPair:
         """The pair that a row needs: the one that is up if it will do."""
-        if self._pair is None or self._settings != row.settings:
+        if self._pair is None or self._settings != (row.settings, row.protocol):
             self.clear()
-            self._pair, self._settings = CellPair(self._network, row.settings), None
+            self._pair, self._settings = CellPair(self._network, row.settings, row.protocol), None
             self._pair.start()
-            self._settings = row.settings
+            self._settings = row.settings, row.protocol
         return self._pair
 
     def settle(self, outcome: Outcome) -> None:

@@ -34,7 +34,7 @@ from plays import (
 
 @dataclass(frozen=True)
 class Row:
-    """A fault, and the `settings` of the remote site that its pair needs.
+    """A fault, and the `settings` of the remote site that its pair needs; `protocol` is what hand and state go by.
 
     `quick` ones are played in every run of the tests too. Unless `engaged`, the play begins before any engagement.
     """
@@ -45,6 +45,7 @@ class Row:
     settings: tuple[str, ...] = ()
     quick: bool = False
     engaged: bool = True
+    protocol: str = "tcp"
 
 
 LATCHES, FAULTS = "STOP by age, LATCH", "LATCH; never cleared by itself"
@@ -88,6 +89,7 @@ ROWS = (
     Row("console tab closed", "STOP, LATCH within 500 ms", close_page, settings=("engagement.mode=hold_to_run",), engaged=False),
     Row("200 ms jitter", "bounded slow-down, no late sample used", bear(60.0, 0.0, jitter_ms=200), settings=PATIENT),
     Row("video fills 20 Mbit/s, 20 ms each way", "pose p99 at most 1.3 times that without video", crowd(20.0, 20.0, 20.0), settings=WATCHED),
-    Row("5 % loss, 20 ms each way, rto_min 40 ms", "no latch in 10 min, tracking error at most + 10 %", lose(0.05, 20.0, LONG_S), settings=PATIENT),
+    Row("5 % loss, 20 ms each way, by TCP", "never latches", bear(60.0, 0.9, loss=0.05, delay_ms=20), settings=PATIENT),
+    Row("5 % loss, 20 ms each way, by QUIC", "no latch in 10 min, tracking error at most + 10 %", lose(0.05, 20.0, LONG_S), settings=PATIENT, protocol="quic"),
 )
 # fmt: on

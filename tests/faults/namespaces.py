@@ -19,7 +19,6 @@ from common.children import die_with_parent
 CLONE_NEWNS, CLONE_NEWNET = 0x00020000, 0x40000000
 MS_BIND, MS_REC, MS_PRIVATE = 4096, 16384, 1 << 18
 TUNSETIFF, IFF_TUN, IFF_NO_PI = 0x400454CA, 0x0001, 0x1000
-SUBNET = "10.77.0.0/24"
 HERE, THERE = "10.77.0.1", "10.77.0.2"
 LIBC = ctypes.CDLL(None, use_errno=True)
 
@@ -67,12 +66,6 @@ class Network:
     def weather(self, **words: float) -> None:
         """What the link does from now on; without words it is a good one."""
         tell(self._ear, **words)
-
-    def tune(self, rto_min_ms: int) -> None:
-        """Have both hosts send again what was lost after so long a wait; 200 ms is Linux's own least."""
-        for begin, device, own in (((), "here", HERE), (self.beyond, "there", THERE)):
-            words = f"route replace {SUBNET} dev {device} src {own} rto_min {rto_min_ms}ms"
-            subprocess.run([*begin, "ip", *words.split()], check=True)
 
     def close(self) -> None:
         """End the other host and the link."""

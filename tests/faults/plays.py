@@ -25,7 +25,6 @@ BACK_S = 2.0
 WATCHDOG_MS = 200.0  # of the A465's controller
 CALIBRATION_S = 22.0
 SETTLES_WATCHED_S = 4.0
-RTO_MIN_MS = 40  # of routes that lose packets
 RETREAT_M = 0.1
 OUTWARD = np.array([0.15, 0, 0, 0, 0, 0])
 
@@ -297,7 +296,6 @@ def lose(share: float, delay_ms: float, seconds: float) -> Play:
     weather_play = bear(seconds, 0.9, loss=share, delay_ms=delay_ms)
 
     def play(trial: Trial) -> None:
-        trial.pair.network.tune(RTO_MIN_MS)
         trial.pair.network.weather(delay_ms=delay_ms)
         trial.pair.move()
         time.sleep(CALIBRATION_S)
