@@ -68,7 +68,7 @@ class Channel(Generic[M]):
 
     @property
     def most_hz(self) -> float:
-        """How many messages a second are taken at most, after as many at once as may wait; the newest are."""
+        """How many messages a second are taken at most, beyond as many at once as may wait; of the newest."""
         return TIMES_ITS_RATE * self.rate_hz
 
     def key_for(self, cell: str, name: str = "*") -> str:

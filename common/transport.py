@@ -110,7 +110,7 @@ class Latest(Generic[M]):
 
     def _warn(self) -> None:
         key, most_hz = str(self._subscriber.key_expr), self._channel.most_hz
-        sentence = f"somebody floods {key}: of what comes, {most_hz:g} a second are taken, the newest each time"
+        sentence = f"somebody floods {key}: {most_hz:g} a second are taken, of the newest; the rest is dropped"
         structlog.get_logger().warning("too many messages", reason=sentence)
 
     def _decode(self, sample: zenoh.Sample) -> M:
