@@ -125,6 +125,10 @@ def payload_caps() -> list[Json]:
 
 
 def rate_caps() -> list[Json]:
-    """Questions that a neighbour asks faster than it may are dropped on arrival; who asked in earnest asks again."""
+    """Questions that a neighbour asks faster than it may are dropped on arrival; who asked in earnest asks again.
+
+    Samples are capped where they are taken instead (`Latest`): of those that delay has bunched Zenoh would let the
+    first pass and drop the newest, and the arm would wait for the next.
+    """
     rules = [{"key_expr": procedure.key_for(EVERY_CELL), "freq": procedure.most_hz} for procedure in PROCEDURES]
     return [{"id": "questions", "flows": ["ingress"], "messages": ["query"], "rules": rules}]

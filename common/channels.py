@@ -24,6 +24,7 @@ from common.roles import CELL_NAME, EVERYBODY, MAINTAINERS, OPERATORS, REMOTES, 
 M = TypeVar("M", bound=Message)
 Q = TypeVar("Q", bound=Message)
 R = TypeVar("R", bound=Message)
+TIMES_ITS_RATE = 10.0  # far above what a sound sender sends, and little work
 OPERATORS_HZ = 1000.0  # a stop may follow another request at once
 EVERYBODYS_HZ = 200.0
 
@@ -50,6 +51,7 @@ class Channel(Generic[M]):
     `sent_by` and `heard_by` are what access control is made of, where there are certificates.
     `best_effort`: the next message makes a lost one worthless; a picture of many packets would seldom arrive whole.
     `depth` is how many of the newest messages wait for a receiver: 1 where several senders cannot push one another out.
+    Who looks now and then takes no more than these at a time; who waits for each, `most_hz`.
     """
 
     key: str
@@ -63,6 +65,11 @@ class Channel(Generic[M]):
     max_bytes: int
     depth: int = 1
     best_effort: bool = True
+
+    @property
+    def most_hz(self) -> float:
+        """How many messages a second are taken at most, beyond as many at once as may wait; of the newest."""
+        return TIMES_ITS_RATE * self.rate_hz
 
     def key_for(self, cell: str, name: str = "*") -> str:
         """The Zenoh key of this channel in a cell."""
@@ -79,7 +86,7 @@ HAND = Channel(
     rate_hz=30.0,
     stale_after_ns=100 * NS_PER_MS,
     max_bytes=4096,
-    depth=4,  # an operator without the lease must not push out the samples of the one who has it
+    depth=16,  # an operator without the lease must not push out the holder's samples, even with 3000 a second
 )
 STATE = Channel(
     key="farhand/{cell}/state",

@@ -6,6 +6,7 @@ from collections.abc import Callable, Sequence
 from types import TracebackType
 from typing import Generic, Self, TypeVar
 
+import structlog
 import zenoh
 
 from common.channels import CLOCK, Channel, Priority, Procedure
@@ -17,6 +18,7 @@ from common.errors import MessageError, RefusedError, TransportError
 from common.link_config import ON_THIS_HOST, LinkSecurity
 from common.link_probe import answers, identity_refusal, refusal
 from common.messages import Message
+from common.pace import Pace
 from common.requests import ClockQuestion, Reply, Request
 from common.roles import Role
 from common.session_settings import Mode, Places, session_settings
@@ -68,6 +70,7 @@ class Latest(Generic[M]):
     ) -> None:
         self._subscriber = subscriber
         self._channel = channel
+        self._pace = Pace(channel.most_hz, channel.depth + 1)
 
     def take(self) -> M | None:
         """The oldest message kept and not taken yet, None without one; MessageError for a payload that is none."""
@@ -75,11 +78,16 @@ class Latest(Generic[M]):
         return None if sample is None else self._decode(sample)
 
     def wait(self) -> M:
-        """Block until a message comes; MessageError for a payload that is none, TransportError once closed."""
+        """Block until a message comes; MessageError for a payload that is none, TransportError once closed.
+
+        In a flood it pauses, so that no more than the channel's `most_hz` are taken; Zenoh keeps the newest meanwhile.
+        """
+        self._hold_back()
         try:
             sample = self._subscriber.recv()
         except zenoh.ZError as error:
             raise TransportError("the link was closed") from error
+        self._pace.passed(time.monotonic_ns())
         return self._decode(sample)
 
     def feed(self, take: Callable[[M, int], None]) -> None:
@@ -92,6 +100,18 @@ class Latest(Generic[M]):
             except TransportError:
                 return
             take(message, time.monotonic_ns())
+
+    def _hold_back(self) -> None:
+        was_flooded, pause_ns = self._pace.flooded, self._pace.pause_ns(time.monotonic_ns())
+        if self._pace.flooded and not was_flooded:
+            self._warn()
+        if pause_ns:
+            time.sleep(pause_ns / NS_PER_S)
+
+    def _warn(self) -> None:
+        key, most_hz = str(self._subscriber.key_expr), self._channel.most_hz
+        sentence = f"somebody floods {key}: {most_hz:g} a second are taken, of the newest; the rest is dropped"
+        structlog.get_logger().warning("too many messages", reason=sentence)
 
     def _decode(self, sample: zenoh.Sample) -> M:
         return decode(sample.payload.to_bytes(), self._channel.message, self._channel.max_bytes)

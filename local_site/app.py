@@ -36,6 +36,7 @@ from local_site.preview.preview import Preview
 from local_site.preview.process import PreviewProcess
 from local_site.profile_file import ProfileKeeper
 from local_site.publisher import HandPublisher
+from local_site.refusal_log import RefusalLog
 from local_site.remote_watch import RemoteWatch
 from local_site.rig_cameras import of_one_camera, open_rig_cameras
 from local_site.simulation.source import SimulatedCameras
@@ -148,10 +149,6 @@ def _warn_of_drift(sentence: str) -> None:
     structlog.get_logger().warning("drift", reason=sentence)
 
 
-def _tell_refused(error: MessageError) -> None:
-    structlog.get_logger().warning("a message is refused", reason=str(error))
-
-
 def _warn_of_profile(sentence: str) -> None:
     structlog.get_logger().warning("operator's profile", reason=sentence)
 
@@ -184,7 +181,8 @@ class LocalSite:
         self._profiles = ProfileKeeper(config.tracking.profile_dir, config.authority.name, _warn_of_profile)
         self._tracker = make_tracker(operator.rig, operator.tracking, self._profiles.known)
         name = config.authority.name
-        self._clicks = JointClicks(link.serve(JOINTS, config.cell, _tell_refused, name), self._tracker)
+        refused = RefusalLog("a message is refused").note
+        self._clicks = JointClicks(link.serve(JOINTS, config.cell, refused, name), self._tracker)
         self._drift = DriftWatch(operator.rig, config.drift, _warn_of_drift)
         self._smoother = make_smoother(config.smoothing)
         self._hold_ms = config.gesture.hold_ms
@@ -193,6 +191,7 @@ class LocalSite:
         self._publisher = HandPublisher(link.publisher(HAND, config.cell), authority.session)
         self._intents = link.latest(INTENT, config.cell, config.authority.name)
         self._intent = IntentMerge()
+        self._refusals = RefusalLog("intent refused")
         self._watch = RemoteWatch(link.latest(STATE, config.cell), authority.session, operator.engaged)
         self._status: TrackingStatus | None = None
         self._seen: Seen | None = None
@@ -243,7 +242,7 @@ class LocalSite:
         try:
             told = self._intents.take()
         except MessageError as error:
-            structlog.get_logger().warning("intent refused", reason=str(error))
+            self._refusals.note(error)
         else:
             if told is not None:
                 self._intent.hear(told, now_ns)

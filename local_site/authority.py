@@ -12,7 +12,7 @@ import structlog
 
 from common.channels import DESCRIBE, LEASE, OPERATE
 from common.clock import NS_PER_MS, NS_PER_S, ClockEstimate, OffsetEstimator
-from common.errors import MessageError, ProcessError, RefusedError, TransportError
+from common.errors import ProcessError, RefusedError, TransportError
 from common.messages import ClockSync
 from common.requests import (
     DescribeQuestion,
@@ -25,6 +25,7 @@ from common.requests import (
 )
 from common.transport import Link
 from local_site.lease_keeper import INSIST_NS, LeaseKeeper
+from local_site.refusal_log import RefusalLog
 
 POLL_S = 0.02
 CLOCK_EVERY_NS = 200 * NS_PER_MS
@@ -53,7 +54,7 @@ class Authority:
         self._link, self._cell, self._operator = link, cell, operator
         self._keeper = LeaseKeeper(operator, automatic=automatic)
         self._estimator = OffsetEstimator()
-        self._server = link.serve(OPERATE, cell, _tell_refused, operator)
+        self._server = link.serve(OPERATE, cell, RefusalLog("a message is refused").note, operator)
         self._clock_due_ns = self._silent = 0
         self._described = False
         self._clock: ClockSync | None = None
@@ -177,7 +178,3 @@ def _sync(known: ClockEstimate) -> ClockSync:
     return ClockSync(
         remote_minus_local_ns=offset.offset_ns, uncertainty_ns=offset.uncertainty_ns, measured_ns=known.measured_ns
     )
-
-
-def _tell_refused(error: MessageError) -> None:
-    structlog.get_logger().warning("a message is refused", reason=str(error))

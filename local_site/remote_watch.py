@@ -9,6 +9,7 @@ from common.errors import MessageError
 from common.health import ChannelHealth
 from common.messages import RobotState
 from common.transport import Latest
+from local_site.refusal_log import RefusalLog
 
 
 class RemoteWatch:
@@ -24,13 +25,14 @@ class RemoteWatch:
         self._asker: str | None = None
         self._health = ChannelHealth(STATE.stale_after_ns)
         self._told: tuple[str, str] | None = None
+        self._refusals = RefusalLog("state refused")
 
     def look(self, now_ns: int) -> None:
         """Take the newest state, and tell what has changed."""
         try:
             state = self._states.take()
         except MessageError as error:
-            structlog.get_logger().warning("state refused", reason=str(error))
+            self._refusals.note(error)
             return
         if state is not None:
             self._health.seen(now_ns)

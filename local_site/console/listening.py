@@ -6,11 +6,10 @@ import time
 from collections.abc import Callable
 from typing import Generic, TypeVar
 
-import structlog
-
 from common.errors import MessageError, TransportError
 from common.messages import Message
 from common.transport import Latest
+from local_site.refusal_log import RefusalLog
 
 M = TypeVar("M", bound=Message)
 
@@ -60,13 +59,11 @@ class Listeners:
 
 
 def _listen(latest: Latest[M], handover: Handover[M]) -> None:
-    told: set[str] = set()
+    refusals = RefusalLog("a message is refused")
     while True:
         try:
             handover.put(latest.wait())
         except MessageError as error:
-            if error.reason not in told:
-                told.add(error.reason)
-                structlog.get_logger().warning("a message is refused", reason=str(error))
+            refusals.note(error)
         except (TransportError, RuntimeError):  # the link, or the loop, is closed: the console ends
             return

@@ -4,7 +4,7 @@ import os
 from dataclasses import dataclass
 
 from cell_pair import CellPair
-from forgery import foreign_ones, hostile_ones, infinite_ones, old_ones
+from forgery import flood, foreign_ones, hostile_ones, infinite_ones, old_ones
 from plays import (
     Play,
     bear,
@@ -20,6 +20,7 @@ from plays import (
     kill_remote,
     latch,
     lose,
+    outlast,
     partition,
     reach_out,
     robot,
@@ -82,6 +83,7 @@ ROWS = (
     Row("joint limit", "stop at the margin, can retreat", reach_out((0.35, 0, 0, 0, 0, 0), 1.5, "ik_limit", "position"), settings=NARROW),
     Row("started beyond a joint limit", "only retreat", start_outside, settings=BEYOND, engaged=False),
     Row("second operator", "refused with the holder's name, fenced", second_operator(lambda pair: foreign_ones(pair, 1.0))),
+    Row("2000 samples a second without the lease", "refused, the arm follows", outlast(lambda pair: flood(pair, 5.0), 0.95)),
     Row("driver raises", "LATCH, the loop ticks", faulty(robot(raises=True), robot(raises=False), says="ZeroDivisionError")),
     Row("driver blocks 200 ms", "deadline 50 ms, LATCH, the loop ticks", faulty(robot(blocks_ms=200), robot(), says="ms", more_s=0.2)),
     Row("robot reports a fault", "code mirrored, " + FAULTS, faulty(robot(fault="robot"), robot(fault=""), says="robot (E42)"), quick=True),

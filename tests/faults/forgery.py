@@ -12,10 +12,12 @@ from cell_pair import CELL, CellPair
 
 from common.channels import HAND, LEASE
 from common.clock import NS_PER_MS, NS_PER_S
+from common.codec import encode
 from common.messages import ClockSync, HandArm, TrackingStatus
 from common.requests import LeaseAction, LeaseReply, LeaseRequest
 
 EVERY_S = 0.02
+FLOOD_HZ = 2000
 ELSEWHERE = (0.12, 0.1, 0.4)
 
 
@@ -97,6 +99,18 @@ def foreign_ones(pair: CellPair, seconds: float) -> None:
         forger.put(forger.sample(ahead=0, age_ms=5, session=session, seq=k, lease=0))
         forger.put(forger.sample(ahead=0, age_ms=5, session=session, seq=k, lease=pair.state.lease.number - 1))
         time.sleep(EVERY_S)
+
+
+def flood(pair: CellPair, seconds: float) -> None:
+    """Two thousand samples a second of an operator without the lease."""
+    forger, session = Forger(pair), secrets.randbits(60)
+    begun_s, sent = time.monotonic(), 0
+    while (elapsed_s := time.monotonic() - begun_s) < seconds:
+        payload = encode(forger.sample(ahead=0, age_ms=5, session=session, seq=sent, lease=0))
+        for _ in range(round(elapsed_s * FLOOD_HZ) - sent):
+            forger.put_raw(payload)
+            sent += 1
+        time.sleep(0.001)
 
 
 def ask_for_lease(pair: CellPair, operator: str) -> LeaseReply:

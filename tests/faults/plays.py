@@ -112,6 +112,18 @@ def blink(fault: Act, heal: Act, for_s: float) -> Play:
     return play
 
 
+def outlast(fault: Act, least_share: float) -> Play:
+    """The arm follows while it lasts."""
+
+    def play(trial: Trial) -> None:
+        trial.pair.move()
+        trial.begin(fault)
+        trial.follows(least_share)
+        trial.obeys_nothing_old()
+
+    return play
+
+
 def unmoved(fault: Act, *counted: str) -> Play:
     """An arm that follows a hand at rest does not move, and each of these refusals was counted."""
 
