@@ -18,14 +18,14 @@ NOTHING = 1e-18  # m² or rad²
 class FreeCourse:
     """A target (n,) of any kind as it moves between hand samples.
 
-    An alpha-beta estimate makes each sample a straight course in time, carried on for at most `predict_ms` beyond the
-    sample. The target glides onto every new course, critically damped and without a jump of position or velocity, and
-    follows a steady one without lag. Samples that deviate now to this side and now to that are noise, and hardly count;
-    the more they deviate to one side, the more the estimate goes along with them.
+    An alpha-beta estimate makes each sample a straight course in time, carried on for at most `predict_ms` after it has
+    come, however long it took; for 0 not at all. The target glides onto every new course, critically damped and without
+    a jump of position or velocity, and follows a steady one without lag. Samples that deviate now to this side and now
+    to that are noise, and hardly count; the more they deviate to one side, the more the estimate goes along with them.
     """
 
     def __init__(self, size: int, config: ControlConfig) -> None:
-        self._predict_s = config.predict_ms * NS_PER_MS / NS_PER_S
+        self._predict_ns = round(config.predict_ms * NS_PER_MS)
         rest = config.position_gain, config.velocity_gain, config.glide_rad_s
         moving = config.moving_position_gain, config.moving_velocity_gain, config.moving_glide_rad_s
         self._gain_ranges = [(low, max(high, low) - low) for low, high in zip(rest, moving, strict=True)]
@@ -34,9 +34,10 @@ class FreeCourse:
 
     def reset(self, t_ns: int, q: Array) -> None:
         """A target that rests at `q` (n,) since `t_ns`."""
-        self._t_ns = self._since_ns = t_ns
+        self._t_ns = self._since_ns = self._sample_ns = self._end_ns = t_ns
+        self._course = [(place, 0.0) for place in q.tolist()]  # place and speed at the newest sample
         self._deviation, self._square, self._glide = [0.0] * len(q), 0.0, self._resting_glide
-        # of every number: its place and speed on the course, what it is off that, and how this begins to decay
+        # of every number: the place and speed on the course, what it is off that, and how this begins to decay
         self._numbers = [(place, 0.0, 0.0, 0.0) for place in q.tolist()]
 
     def aim(self, t_ns: int, q: Array, now_ns: int, *, moving: bool = True) -> None:
@@ -44,26 +45,33 @@ class FreeCourse:
 
         A target that does not move by itself, but only because it is held near the arm, has no course.
         """
-        elapsed = (t_ns - self._t_ns) / NS_PER_S
-        if elapsed <= 0:
+        if t_ns <= self._sample_ns:
             return
-        ahead = min(elapsed, self._predict_s)
-        expected = [place + speed * ahead for place, speed, _, _ in self._numbers]
+        elapsed, ended = (t_ns - self._sample_ns) / NS_PER_S, t_ns > self._end_ns
+        expected = self._at_end() if ended else [place + speed * elapsed for place, speed in self._course]
         error = [new - old for new, old in zip(q.tolist(), expected, strict=True)]
         position_gain, velocity_gain, glide = self._gains(error)
         estimate = [old + position_gain * off for old, off in zip(expected, error, strict=True)]
         rate = velocity_gain / max(elapsed, SHORTEST_S)
-        speeds = [number[1] + rate * off if moving else 0.0 for number, off in zip(self._numbers, error, strict=True)]
-        self._turn_to(t_ns, estimate, self._kept(estimate, speeds)[1], now_ns, glide)
+        carried = [0.0 if ended else speed for _, speed in self._course]
+        speeds = [speed + rate * off if moving else 0.0 for speed, off in zip(carried, error, strict=True)]
+        speeds = self._kept(estimate, speeds)[1]
+        self._course = list(zip(estimate, speeds, strict=True))
+        self._sample_ns, self._end_ns = t_ns, now_ns + self._predict_ns if self._predict_ns else t_ns
+        self._turn_to(t_ns, estimate, speeds, now_ns, glide)
 
     def at(self, now_ns: int) -> tuple[Array, Array]:
         """The target's position (n,), inside the limits if it has any, and velocity (n,) per s at `now_ns`."""
-        if now_ns - self._t_ns > self._predict_s * NS_PER_S and any(number[1] for number in self._numbers):
-            end_ns = self._t_ns + round(self._predict_s * NS_PER_S)
-            places = [place + speed * self._predict_s for place, speed, _, _ in self._numbers]
-            self._turn_to(end_ns, places, [0.0] * len(places), end_ns, self._glide)
+        if now_ns > self._end_ns and any(number[1] for number in self._numbers):
+            places = self._at_end()
+            self._turn_to(self._end_ns, places, [0.0] * len(places), self._end_ns, self._glide)
         places, speeds = self._kept(*self._glided(now_ns))
         return np.array(places), np.array(speeds)
+
+    def _at_end(self) -> list[float]:
+        """Where the course ends."""
+        carried_s = (self._end_ns - self._sample_ns) / NS_PER_S
+        return [place + speed * carried_s for place, speed in self._course]
 
     def _gains(self, error: list[float]) -> list[float]:
         """The gains of position and velocity, and the glide, for the newest deviation (n,)."""

@@ -50,8 +50,9 @@ def ramp(speed, seconds, fps=30.0):
     return {t: START + np.eye(6)[0] * speed * min(t, seconds) for t in times}
 
 
-def test_a_steady_target_is_followed_without_lag_or_stutter():
-    history, refusals = follow(Course(LIMITS, EXACT), ramp(0.5, 2.0), 1.9, latency_s=0.015)
+@pytest.mark.parametrize("latency_s", [0.015, 0.045, 0.09])
+def test_a_steady_target_is_followed_without_lag_or_stutter(latency_s):
+    history, refusals = follow(Course(LIMITS, EXACT), ramp(0.5, 2.0), 1.9, latency_s=latency_s)
     assert refusals == 0
     times = np.arange(1, len(history) + 1) * DT
     settled = times > 1.0
@@ -75,6 +76,18 @@ def test_the_speed_scale_slows_the_follower():
     follower.reset(JointMotion.at_rest(START))
     speeds = [np.abs(follower.track(START + 1.0, np.zeros(6), 0.25).dq) for _ in range(100)]
     assert np.max(speeds, axis=0) == pytest.approx(0.25 * LIMITS.velocity)
+
+
+def test_a_sample_that_comes_after_the_course_has_ended_counts_as_any_other():
+    course, way = Course(LIMITS, EXACT), np.eye(6)[0]
+    course.reset(0, START)
+    course.aim(40 * NS_PER_MS, START + 0.04 * way, 100 * NS_PER_MS)
+    place, speed = course.at(250 * NS_PER_MS)
+    assert (place[0], speed[0]) == (pytest.approx(0.16, abs=0.02), pytest.approx(0.0, abs=0.5))  # it ended at 160 ms
+    course.aim(80 * NS_PER_MS, START + 0.08 * way, 255 * NS_PER_MS)
+    place, speed = course.at(314 * NS_PER_MS)
+    assert place[0] > 0.2  # on its way to 0.314
+    assert speed[0] > 1.0
 
 
 def test_a_course_ends_after_its_prediction_and_comes_to_rest_there():
