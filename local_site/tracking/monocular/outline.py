@@ -1,7 +1,6 @@
 """The arm's outline in the picture as its meshes give it, for a pose that is still sought."""
 
-import math
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 
 import cv2
 import numpy as np
@@ -10,7 +9,7 @@ from numpy.typing import NDArray
 from common.geometry import Array
 from local_site.calibration.lens import Lens
 from local_site.tracking.monocular.arm_mesh import Profile
-from local_site.tracking.monocular.pose import Link, Pose
+from local_site.tracking.monocular.pose import Link
 
 INSIDE_PX = 1.0
 

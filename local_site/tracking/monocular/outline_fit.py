@@ -5,7 +5,7 @@ told to some degrees only, so that the links are taken to be nearly parallel to 
 """
 
 import math
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import cv2
 import numpy as np
@@ -16,19 +16,22 @@ from common.geometry import Array
 from local_site.calibration.lens import Lens
 from local_site.tracking.monocular.arm_mesh import MM, Mesh, Profile, forearm_mesh, upper_arm_mesh
 from local_site.tracking.monocular.config import MonocularConfig
-from local_site.tracking.monocular.kernels import samples
+from local_site.tracking.monocular.kernels import Picture, samples
 from local_site.tracking.monocular.outline import Sides, sides_of
 from local_site.tracking.monocular.pose import Pose
 from local_site.tracking.monocular.start import facing
 from local_site.tracking.silhouette.contour import Silhouette
 from local_site.tracking.silhouette.features import Features
 
-TILT_SIGMA, GIRTH_SIGMA, TURN_SIGMA = math.radians(8.0), 0.04, 1.0
+TILT_SIGMA, FREE_TILT_SIGMA = math.radians(8.0), math.radians(25.0)
+GIRTH_SIGMA, TURN_SIGMA = 0.04, 1.0
 # Neighbouring sections share what the shape is off by, so that each counts less than its pixels would.
 EDGE_SIGMA_PX = 2.0
 SHOULDER_SIGMA = 0.05  # of the upper arm's length: how well its end shows where the joint is
 PALM_SHARE = 0.75
 BORDER_PX = 3
+# The silhouette begins where a blurred edge (0.8 px) has risen by 15 %, which is outside of where it is steepest.
+EDGE_OUTSIDE_PX = 0.8
 ROUNDS, EVALUATIONS = 3, 6
 # Slopes of the elbow's line of sight, log of its depth, angle and tilt of both links, turn of the palm, girths' error.
 SCALES = np.array([0.01, 0.01, 0.03, 0.05, 0.1, 0.05, 0.1, 0.2, 0.03, 0.03])
@@ -43,17 +46,26 @@ Mask = NDArray[np.bool_]
 class OutlineFit:
     """A pose, and what it is worth.
 
-    Standard deviations (3,) in m of shoulder, elbow and wrist, tilts (2,) in rad of both links out of the picture,
-    girths' errors (2,) as shares; the root mean square in px by which the outlines part, and how many of its places are
-    seen of each link.
+    Standard deviations (3,) in m of shoulder, elbow and wrist; the root mean square in px by which the outlines part,
+    and how many of its places are seen of each link. Were the links not taken to be nearly parallel to the picture,
+    their tilts out of it (2,) in rad, and by how much shoulder, elbow and wrist (3,) would move, m.
     """
 
     pose: Pose
     sigmas: Array
-    tilts: Array
-    girths: Array
     apart_px: float
     places: tuple[int, int]
+    free_tilts: Array
+    free_moves: Array
+
+
+@dataclass(frozen=True, slots=True)
+class _Target:
+    """What the outline is laid on: features, how far each pixel (H, W) is within the edge, px, the tilts' sigma, rad."""
+
+    features: Features
+    distances: Picture
+    tilt_sigma: float
 
 
 class OutlineFitter:
@@ -68,14 +80,19 @@ class OutlineFitter:
 
     def fit(self, features: Features) -> OutlineFit:
         """The pose whose outline lies nearest to the silhouette's, near what its features say."""
-        distances, unknowns = _distances(features.silhouette), self._first(features)
+        near = _Target(features, _distances(features.silhouette), TILT_SIGMA)
+        unknowns, jacobian = self._solved(self._first(features), near)
+        free, _ = self._solved(unknowns, replace(near, tilt_sigma=FREE_TILT_SIGMA))
+        return self._told(unknowns, jacobian, near, free)
+
+    def _solved(self, unknowns: Array, target: _Target) -> tuple[Array, Array]:
+        """The unknowns (10,) and the residuals' slopes (R, 10) there; what is hidden is looked up between rounds."""
+        jacobian = np.zeros((0, len(unknowns)))
         for _ in range(ROUNDS):
-            seen = self._seen(unknowns, distances.shape)
-            found = least_squares(
-                self._residuals, unknowns, args=(features, distances, seen), x_scale=SCALES, max_nfev=EVALUATIONS
-            )
-            unknowns = found.x
-        return self._told(unknowns, found.jac, distances)
+            seen = self._seen(unknowns, target.distances.shape)
+            found = least_squares(self._residuals, unknowns, args=(target, seen), x_scale=SCALES, max_nfev=EVALUATIONS)
+            unknowns, jacobian = found.x, np.asarray(found.jac)
+        return unknowns, jacobian
 
     def _first(self, features: Features) -> Array:
         """Both links parallel to the picture."""
@@ -119,43 +136,46 @@ class OutlineFitter:
             forearm.pixels
         )
 
-    def _residuals(self, unknowns: Array, features: Features, distances: Array, seen: tuple[Mask, Mask]) -> Array:
+    def _residuals(self, unknowns: Array, target: _Target, seen: tuple[Mask, Mask]) -> Array:
         """By how much each place is off the silhouette's edge, robustly, and each unknown off what is expected."""
         pairs = zip(self._sides(unknowns), seen, strict=True)
-        off = np.concatenate([np.where(mask, _looked_up(distances, of.pixels), 0.0).ravel() for of, mask in pairs])
-        expected = np.concatenate([
-            unknowns[TILTS] / TILT_SIGMA,
-            unknowns[GIRTHS] / GIRTH_SIGMA,
-            [(unknowns[TURN] - self._palm_turn) / TURN_SIGMA, self._shoulder_off(unknowns, features)],
-        ])
+        off = np.concatenate(
+            [np.where(mask, _looked_up(target.distances, of.pixels), 0.0).ravel() for of, mask in pairs]
+        )
+        expected = np.concatenate(
+            [
+                unknowns[TILTS] / target.tilt_sigma,
+                unknowns[GIRTHS] / GIRTH_SIGMA,
+                [(unknowns[TURN] - self._palm_turn) / TURN_SIGMA, self._shoulder_off(unknowns, target.features)],
+            ]
+        )
         return np.concatenate([_robust(off / EDGE_SIGMA_PX), expected])
 
     def _shoulder_off(self, unknowns: Array, features: Features) -> float:
         """How far the upper arm's end is from where the silhouette ends, along it; nothing where the border cuts it."""
         if features.shoulder_cropped or features.upper_arm is None:
             return 0.0
-        pose = self._pose(unknowns)
         cap = 0.5 * float(self._profiles[0].deep[0])
-        end = pose.on_upper_arm(np.array([0.0, 0.0, -cap]))
-        lens = self._lens
-        pixel = end[:2] / end[2] * (lens.fx, lens.fy) + (lens.cx, lens.cy)
-        length_px = lens.fx * self._upper_arm.length / end[2]
-        return float((features.guess.shoulder_end - pixel) @ features.upper_arm.direction) / (SHOULDER_SIGMA * length_px)
+        end = self._pose(unknowns).on_upper_arm(np.array([0.0, 0.0, -cap]))
+        focal = np.array([self._lens.fx, self._lens.fy])
+        off_px = (self._slope(features.guess.shoulder_end) - end[:2] / end[2]) * focal
+        length_px = self._lens.fx * self._upper_arm.length / end[2]
+        return float(off_px @ features.upper_arm.direction / (SHOULDER_SIGMA * length_px))
 
-    def _told(self, unknowns: Array, jacobian: Array, distances: Array) -> OutlineFit:
-        seen = self._seen(unknowns, distances.shape)
+    def _told(self, unknowns: Array, jacobian: Array, target: _Target, free: Array) -> OutlineFit:
+        seen = self._seen(unknowns, target.distances.shape)
         pairs = zip(self._sides(unknowns), seen, strict=True)
-        off = np.concatenate([_looked_up(distances, of.pixels)[mask] for of, mask in pairs])
+        off = np.concatenate([_looked_up(target.distances, of.pixels)[mask] for of, mask in pairs])
         joints = self._joints(unknowns)
         moves = np.column_stack([(self._joints(unknowns + h) - joints) / STEP for h in STEP * np.eye(len(SCALES))])
         spread = moves @ np.linalg.pinv(jacobian.T @ jacobian) @ moves.T
         return OutlineFit(
             self._pose(unknowns),
             np.sqrt(np.diag(spread).reshape(3, 3).sum(axis=1)),
-            unknowns[TILTS],
-            unknowns[GIRTHS],
             float(np.sqrt(np.mean(off**2))) if len(off) else math.inf,
             (int(seen[0].sum()), int(seen[1].sum())),
+            free[TILTS],
+            np.linalg.norm((self._joints(free) - joints).reshape(3, 3), axis=1),
         )
 
 
@@ -172,15 +192,16 @@ def _up_to(mesh: Mesh, end: float) -> Profile:
     return Profile(of.along[kept], of.across[kept], of.deep[kept])
 
 
-def _distances(silhouette: Silhouette) -> Array:
+def _distances(silhouette: Silhouette) -> Picture:
     """How far each pixel (H, W) is within the silhouette's edge, px; negative outside."""
     filled = np.zeros(silhouette.grey.shape, np.uint8)
     cv2.drawContours(filled, [silhouette.contour.astype(np.int32)], -1, 255, cv2.FILLED)
     within, beyond = (cv2.distanceTransform(mask, cv2.DIST_L2, 5) for mask in (filled, 255 - filled))
-    return np.where(filled > 0, within - 0.5, 0.5 - beyond).astype(np.float64)
+    inward = np.where(filled > 0, within - 0.5, 0.5 - beyond) - EDGE_OUTSIDE_PX
+    return inward.astype(np.float32)
 
 
-def _looked_up(distances: Array, pixels: Array) -> Array:
+def _looked_up(distances: Picture, pixels: Array) -> Array:
     x, y = np.nan_to_num(pixels).reshape(-1, 2).T.copy()
     return samples(distances, x, y).reshape(pixels.shape[:-1])
 
