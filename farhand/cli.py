@@ -325,7 +325,7 @@ def track(
         str | None,
         typer.Option(
             "--joints",
-            help="Monocular: shoulder, elbow, wrist in the first picture, 'x,y x,y x,y' (px), or silhouette: found there.",
+            help="Monocular: shoulder, elbow, wrist in the first picture, 'x,y x,y x,y' (px), or silhouette.",
         ),
     ] = None,
     also: Annotated[

@@ -77,7 +77,7 @@ def run_track(
 
 
 def joint_settings(text: str) -> list[str]:
-    """The settings of the monocular tracker's start for joints as 'x,y x,y x,y', or for SILHOUETTE; ConfigError else."""
+    """The settings of the monocular tracker's start for 'x,y x,y x,y', or for SILHOUETTE; ConfigError else."""
     if text == SILHOUETTE:
         return [f"{START}.by={SILHOUETTE}"]
     pairs = [pair.split(",") for pair in text.split()]

@@ -8,6 +8,7 @@ from msgspec import Meta, field
 LengthMm = Annotated[float, Meta(gt=0, le=1000)]
 GirthMm = Annotated[float, Meta(ge=60, le=800)]
 Pixel = tuple[float, float]
+StartBy = Literal["joints", "silhouette"]
 
 
 class UpperArmConfig(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
@@ -36,7 +37,7 @@ class StartConfig(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fiel
     """Where the arm is in the first picture; both links are parallel to it there (section 2.6)."""
 
     by: Annotated[
-        Literal["joints", "silhouette"],
+        StartBy,
         Meta(
             description="joints: as given here, or clicked on the page; silhouette: found by the tracker itself, for a "
             "bare arm that is clearly brighter than all the rest of the picture"

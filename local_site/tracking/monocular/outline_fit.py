@@ -61,7 +61,7 @@ class OutlineFit:
 
 @dataclass(frozen=True, slots=True)
 class _Target:
-    """What the outline is laid on: features, how far each pixel (H, W) is within the edge, px, the tilts' sigma, rad."""
+    """What the outline is laid on: features, px by which each pixel (H, W) is within the edge, tilts' sigma in rad."""
 
     features: Features
     distances: Picture
