@@ -25,7 +25,7 @@ def check_cast(tracker: str, arm: str, motion: str, driver: str) -> None:
 
 
 def operator_settings(tracker: str, motion: str) -> tuple[str, ...]:
-    """The local site's settings for an operator whom this tracker can follow; one camera's arm is found by its silhouette."""
+    """The local site's settings for an operator whom this tracker can follow; one camera finds the arm by itself."""
     settings = (
         f"simulation.motion.name={motion}",
         "simulation.motion.begins=when_engaged",

@@ -40,8 +40,9 @@ def warm_up(tracking: TrackingConfig) -> None:
 def _warm_up_monocular(by: StartBy) -> None:
     """An arm that swings before one camera, started as it will be: each way has inner loops of its own."""
     operator = TexturedOperator(still_s=0.0)
-    joints = {f"{name}_px": place for name, place in first_joints_px().items()}
-    tracker = MonocularTracker(film_camera(), MonocularConfig(start=StartConfig(by=by, **joints)))
+    shoulder, elbow, wrist = first_joints_px().values()
+    start = StartConfig(by=by, shoulder_px=shoulder, elbow_px=elbow, wrist_px=wrist)
+    tracker = MonocularTracker(film_camera(), MonocularConfig(start=start))
     for k in range(INSTANTS):
         (image,) = operator.render(SWING_S * k)
         tracker.track(Views(k * PERIOD_NS, (View(Frame(image, k * PERIOD_NS, k)),)))

@@ -37,6 +37,7 @@ ROUNDS, EVALUATIONS = 3, 6
 SCALES = np.array([0.01, 0.01, 0.03, 0.05, 0.1, 0.05, 0.1, 0.2, 0.03, 0.03])
 ELBOW, DEPTH, UPPER, FOREARM, TURN, GIRTHS = slice(0, 2), 2, slice(3, 5), slice(5, 7), 7, slice(8, 10)
 TILTS = [4, 6]
+TRIED_TILTS = ((0.0, 0.0), (0.35, 0.35), (-0.35, 0.35), (0.35, -0.35), (-0.35, -0.35))
 STEP = 1e-5
 
 Mask = NDArray[np.bool_]
@@ -81,18 +82,31 @@ class OutlineFitter:
     def fit(self, features: Features) -> OutlineFit:
         """The pose whose outline lies nearest to the silhouette's, near what its features say."""
         near = _Target(features, _distances(features.silhouette), TILT_SIGMA)
-        unknowns, jacobian = self._solved(self._first(features), near)
-        free, _ = self._solved(unknowns, replace(near, tilt_sigma=FREE_TILT_SIGMA))
+        free = self._freely(replace(near, tilt_sigma=FREE_TILT_SIGMA))
+        unknowns, jacobian, _ = self._solved(free, near)
         return self._told(unknowns, jacobian, near, free)
 
-    def _solved(self, unknowns: Array, target: _Target) -> tuple[Array, Array]:
-        """The unknowns (10,) and the residuals' slopes (R, 10) there; what is hidden is looked up between rounds."""
-        jacobian = np.zeros((0, len(unknowns)))
+    def _freely(self, target: _Target) -> Array:
+        """The likeliest unknowns (10,) from every sense of the tilts: each has a minimum of its own."""
+        first, solutions = self._first(target.features), []
+        for tilts in TRIED_TILTS:
+            tilted = first.copy()
+            tilted[TILTS] = tilts
+            solutions.append(self._solved(tilted, target))
+        return min(solutions, key=lambda solution: solution[2])[0]
+
+    def _solved(self, unknowns: Array, target: _Target) -> tuple[Array, Array, float]:
+        """The unknowns (10,), the residuals' slopes (R, 10) there, and half the sum of their squares.
+
+        What is hidden is looked up between rounds.
+        """
+        jacobian, cost = np.zeros((0, len(unknowns))), math.inf
         for _ in range(ROUNDS):
             seen = self._seen(unknowns, target.distances.shape)
             found = least_squares(self._residuals, unknowns, args=(target, seen), x_scale=SCALES, max_nfev=EVALUATIONS)
             unknowns, jacobian = found.x, np.asarray(found.jac)
-        return unknowns, jacobian
+            cost = float(found.cost)
+        return unknowns, jacobian, cost
 
     def _first(self, features: Features) -> Array:
         """Both links parallel to the picture."""

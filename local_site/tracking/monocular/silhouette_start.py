@@ -13,7 +13,7 @@ from local_site.tracking.silhouette.features import Features
 from local_site.tracking.silhouette.view import ViewMeter
 from local_site.tracking.tracker import View
 
-TRY_EVERY_NS = NS_PER_S // 2
+TRY_EVERY_NS = NS_PER_S
 MAX_SIGMA_M = 0.032
 # What the pose would be if the links were not taken to be nearly parallel to the picture must not be far from it.
 MAX_TILT, MAX_MOVE_M = math.radians(15.0), 0.025
@@ -23,7 +23,7 @@ LEAST_PLACES = 12
 
 
 class SilhouetteStart:
-    """Proposes the pose in a camera's picture from the bare arm's silhouette, at most twice a second."""
+    """Proposes the pose in a camera's picture from the bare arm's silhouette, at most once a second."""
 
     def __init__(self, camera: CameraCalibration, lens: Lens, config: MonocularConfig) -> None:
         """`lens` is the pinhole's, in whose picture the camera's frames are read."""
@@ -62,14 +62,14 @@ def problem_of(fit: OutlineFit, features: Features) -> str:
         return "too little of the arm's outline shows to start: bring upper arm, forearm and hand into the picture"
     if fit.apart_px > max(MAX_APART_PX, MAX_APART * features.half_width):
         return (
-            f"the silhouette is not that of an arm of these lengths and girths (off by {fit.apart_px:.1f} px): bare "
-            "the whole arm, stretch the hand with the thumb along it, or measure the arm again"
+            f"the silhouette is not that of an arm of these lengths and girths (off by {fit.apart_px:.1f} px): hold "
+            "both links parallel to the picture, bare the whole arm, lay the thumb to the hand, or measure it again"
         )
     if abs(fit.free_tilts).max() > MAX_TILT or fit.free_moves[1:].max() > MAX_MOVE_M:
         upper, lower = (abs(math.degrees(tilt)) for tilt in fit.free_tilts)
         return (
-            f"the arm seems to point out of the picture (upper arm by {upper:.0f} deg, forearm by {lower:.0f}): "
-            "hold both links parallel to it"
+            f"the arm seems to be turned to or from the camera (upper arm by {upper:.0f} deg, forearm by {lower:.0f}): "
+            "hold both links parallel to the picture"
         )
     if fit.sigmas[1:].max() > MAX_SIGMA_M:
         return (
