@@ -63,7 +63,7 @@ def problem_of(fit: OutlineFit, features: Features) -> str:
     if fit.apart_px > max(MAX_APART_PX, MAX_APART * features.half_width):
         return (
             f"the silhouette is not that of an arm of these lengths and girths (off by {fit.apart_px:.1f} px): hold "
-            "both links parallel to the picture, bare the whole arm, lay the thumb to the hand, or measure it again"
+            "both links parallel to the picture, bare the arm, stretch the hand, thumb laid to it, or measure again"
         )
     if abs(fit.free_tilts).max() > MAX_TILT or fit.free_moves[1:].max() > MAX_MOVE_M:
         upper, lower = (abs(math.degrees(tilt)) for tilt in fit.free_tilts)

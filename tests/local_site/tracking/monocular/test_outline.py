@@ -39,4 +39,4 @@ def test_what_lies_well_within_a_link_is_hidden_by_it():
     sides = sides_of(mesh.sections, (JOINT, rotation), LENS)
     middle = sides.pixels.mean(axis=0)
     assert sides.hides(middle[3:-3]).all()
-    assert not sides.hides(middle + (0.0, 200.0)).any()
+    assert not sides.hides(middle + np.array([0.0, 200.0])).any()
