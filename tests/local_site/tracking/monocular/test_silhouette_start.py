@@ -3,6 +3,7 @@
 import math
 from dataclasses import replace
 
+import cv2
 import msgspec
 import numpy as np
 import pytest
@@ -158,3 +159,15 @@ def test_clicks_come_before_the_silhouette(dark_film):
     tracker, arm = MonocularTracker(RIG, BY_SILHOUETTE), shown[0]
     tracker.start_at(*(film_pixel(point) for point in (arm.shoulder, arm.elbow, arm.wrist)))
     assert off_mm(tracker.track(views(images[0], 0)), arm) < 1.0
+
+
+def test_bright_things_that_are_no_arm_are_not_started_from():
+    for seed in range(16):
+        random = np.random.default_rng(seed)
+        picture = np.full((SIZE_PX[1], SIZE_PX[0]), 20, np.uint8)
+        places = np.cumsum([random.uniform(100, 380, 2), *random.normal(0, 130, (2, 2))], axis=0)
+        cv2.polylines(picture, [places.astype(np.int32)], False, 180, int(random.integers(20, 60)))
+        noisy = np.clip(picture + random.normal(0, 2, picture.shape), 0, 255).astype(np.uint8)
+        found = MonocularTracker(RIG, BY_SILHOUETTE).track(views(noisy, 0))
+        assert found.status is TrackingStatus.LOST
+        assert "no arm to start from yet" in found.reason
