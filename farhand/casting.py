@@ -4,7 +4,6 @@ from collections.abc import Mapping
 from pathlib import Path
 
 from common.errors import ConfigError
-from local_site.simulation.textured_operator import first_joints_px
 from remote_site.config import EMULATED, MODELS
 
 A465, HUMANOID = "a465", "humanoid"
@@ -26,7 +25,7 @@ def check_cast(tracker: str, arm: str, motion: str, driver: str) -> None:
 
 
 def operator_settings(tracker: str, motion: str) -> tuple[str, ...]:
-    """The local site's settings for an operator whom this tracker can follow; joints as a person would click them."""
+    """The local site's settings for an operator whom this tracker can follow; one camera finds the arm by itself."""
     settings = (
         f"simulation.motion.name={motion}",
         "simulation.motion.begins=when_engaged",
@@ -35,8 +34,7 @@ def operator_settings(tracker: str, motion: str) -> tuple[str, ...]:
     )
     if tracker != MONOCULAR:
         return settings
-    joints = (f"tracking.monocular.start.{name}_px=[{x}, {y}]" for name, (x, y) in first_joints_px().items())
-    return (*settings, "simulation.textured=true", *joints)
+    return (*settings, "simulation.textured=true", "tracking.monocular.start.by=silhouette")
 
 
 def operator_views(tracker: str) -> tuple[str, ...]:

@@ -323,7 +323,10 @@ def track(
     ] = None,
     shown_joints: Annotated[
         str | None,
-        typer.Option("--joints", help="Monocular: shoulder, elbow, wrist in the first picture: 'x,y x,y x,y' (px)."),
+        typer.Option(
+            "--joints",
+            help="Monocular: shoulder, elbow, wrist in the first picture, 'x,y x,y x,y' (px), or silhouette.",
+        ),
     ] = None,
     also: Annotated[
         list[str] | None, typer.Option(help="A third, and given again a fourth camera, in the rig's order.")

@@ -21,6 +21,7 @@ from local_site.config import LocalConfig
 from local_site.rig_cameras import of_one_camera, open_rig_cameras
 
 JOINTS = ("shoulder", "elbow", "wrist")
+START, SILHOUETTE = "tracking.monocular.start", "silhouette"
 
 
 @dataclass(frozen=True, slots=True)
@@ -76,15 +77,21 @@ def run_track(
 
 
 def joint_settings(text: str) -> list[str]:
-    """The settings of the monocular tracker's start for joints written as 'x,y x,y x,y'; ConfigError else."""
+    """The settings of the monocular tracker's start for 'x,y x,y x,y', or for SILHOUETTE; ConfigError else."""
+    if text == SILHOUETTE:
+        return [f"{START}.by={SILHOUETTE}"]
     pairs = [pair.split(",") for pair in text.split()]
     try:
         places = [(float(x), float(y)) for x, y in pairs]
     except ValueError:
         places = []
     if len(places) != len(JOINTS):
-        raise ConfigError(f"--joints must be the pixels of shoulder, elbow and wrist as 'x,y x,y x,y', not {text!r}")
-    return [f"tracking.monocular.start.{joint}_px=[{x}, {y}]" for joint, (x, y) in zip(JOINTS, places, strict=True)]
+        raise ConfigError(
+            "--joints must be the pixels of shoulder, elbow and wrist as 'x,y x,y x,y', or the word silhouette, "
+            f"not {text!r}"
+        )
+    given = [f"{START}.{joint}_px=[{x}, {y}]" for joint, (x, y) in zip(JOINTS, places, strict=True)]
+    return [f"{START}.by=joints", *given]
 
 
 def describe(summary: Summary, out: Path) -> str:

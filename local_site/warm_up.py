@@ -8,16 +8,18 @@ from common.cameras.camera import Frame
 from common.clock import NS_PER_S
 from local_site.simulation.cameras import exact_rig
 from local_site.simulation.config import SimulationConfig
-from local_site.simulation.hazel import Swing, film_camera, film_pixel, hazel_film
+from local_site.simulation.hazel import film_camera
 from local_site.simulation.operator import SimulatedOperator
+from local_site.simulation.textured_operator import TexturedOperator, first_joints_px
 from local_site.tracking.choice import TrackingConfig, make_tracker
-from local_site.tracking.monocular.config import MonocularConfig, StartConfig
+from local_site.tracking.monocular.config import MonocularConfig, StartBy, StartConfig
 from local_site.tracking.monocular.monocular_tracker import MonocularTracker
 from local_site.tracking.silhouette.config import SilhouetteConfig
 from local_site.tracking.tracker import View, Views
 
 INSTANTS = 3
 PERIOD_NS = NS_PER_S // 30
+SWING_S = 0.6  # so long that the arm turns and the tracker learns more of it
 
 
 def warm_up(tracking: TrackingConfig) -> None:
@@ -25,7 +27,7 @@ def warm_up(tracking: TrackingConfig) -> None:
     if tracking.method == "markers":
         return
     if tracking.method == "monocular":
-        _warm_up_monocular()
+        _warm_up_monocular(tracking.monocular.start.by)
         return
     simulation = SimulationConfig()
     operator = SimulatedOperator(simulation)
@@ -35,16 +37,15 @@ def warm_up(tracking: TrackingConfig) -> None:
         tracker.track(Views(k * PERIOD_NS, views))
 
 
-def _warm_up_monocular() -> None:
-    """An arm that swings before one camera; its joints lie where the film has them at first."""
-    camera, film = film_camera(), hazel_film()
-    first = Swing().arm(0)
-    shoulder, elbow, wrist = (film_pixel(point) for point in (first.shoulder, first.elbow, first.wrist))
-    start = StartConfig(shoulder_px=shoulder, elbow_px=elbow, wrist_px=wrist)
-    tracker = MonocularTracker(camera, MonocularConfig(start=start))
+def _warm_up_monocular(by: StartBy) -> None:
+    """An arm that swings before one camera, started as it will be: each way has inner loops of its own."""
+    operator = TexturedOperator(still_s=0.0)
+    shoulder, elbow, wrist = first_joints_px().values()
+    start = StartConfig(by=by, shoulder_px=shoulder, elbow_px=elbow, wrist_px=wrist)
+    tracker = MonocularTracker(film_camera(), MonocularConfig(start=start))
     for k in range(INSTANTS):
-        frame = Frame(film.render(Swing(speed=20.0).arm(k).places()), k * PERIOD_NS, k)
-        tracker.track(Views(k * PERIOD_NS, (View(frame),)))
+        (image,) = operator.render(SWING_S * k)
+        tracker.track(Views(k * PERIOD_NS, (View(Frame(image, k * PERIOD_NS, k)),)))
 
 
 def _frames(operator: SimulatedOperator, k: int) -> list[Frame]:

@@ -18,7 +18,6 @@ CAP_STATIONS = 8
 SKIN_PX_PER_M = 1500.0
 FINE = 3
 GRAINS = ((1.0, 0.6), (0.45, 0.3), (3.0, 0.5))
-BACKGROUND_LEVEL, BACKGROUND_RELIEF = 70.0, 30.0
 TURN = 2.0 * np.pi
 
 Picture = NDArray[np.float32]
@@ -35,7 +34,7 @@ class Limb:
 
 @dataclass(frozen=True, slots=True)
 class Scenery:
-    """What no estimator is told: skin, light and noise, in grey levels.
+    """What no estimator is told: skin, light, wall and noise, in grey levels.
 
     `light` points from the arm to the lamp in the camera's frame; `ambient` is the share of light from all sides.
     """
@@ -45,6 +44,8 @@ class Scenery:
     level: float = 135.0
     light: tuple[float, float, float] = (-0.4, -0.6, -0.7)
     ambient: float = 0.6
+    wall: float = 70.0
+    wall_relief: float = 30.0
     noise: float = 2.0
     seed: int = 7
 
@@ -82,7 +83,7 @@ class ArmFilm:
         )
         counts = np.cumsum([0, *(len(solid.vertices) for solid in self._solids[:-1])])
         self._triangles = np.vstack([s.triangles + n for s, n in zip(self._solids, counts, strict=True)])
-        self._background = _background(self._width, self._height, self._random)
+        self._background = _background(self._width, self._height, self._scenery, self._random)
         light = np.array(self._scenery.light)
         self._light = light / np.linalg.norm(light)
 
@@ -209,7 +210,7 @@ def _skin(solid: _Solid, scenery: Scenery, random: np.random.Generator) -> Pictu
     return np.asarray(np.clip(scenery.level + scenery.contrast * spots / spots.std(), 5, 250), np.float32)
 
 
-def _background(width: int, height: int, random: np.random.Generator) -> Picture:
-    """A wall with soft shapes, as bright as skin in places."""
+def _background(width: int, height: int, scenery: Scenery, random: np.random.Generator) -> Picture:
+    """A wall with soft shapes; unless it is dark, as bright as skin in places."""
     shapes = cv2.GaussianBlur(random.standard_normal((height, width)).astype(np.float32), (0, 0), 12.0)
-    return np.asarray(BACKGROUND_LEVEL + BACKGROUND_RELIEF * shapes / shapes.std(), np.float32).clip(0, 255)
+    return np.asarray(scenery.wall + scenery.wall_relief * shapes / shapes.std(), np.float32).clip(0, 255)

@@ -1,4 +1,4 @@
-"""An operator with a textured arm before one camera, which swings as in HAZEL-S, on and on."""
+"""An operator with a textured arm before one camera and a dark wall, which swings as in HAZEL-S, on and on."""
 
 from collections.abc import Mapping
 from itertools import cycle
@@ -16,13 +16,14 @@ FRAMES_PER_S = 30.0
 LIVE_FINE = 1  # rendered while it is filmed, so that there is no time for finer pictures,
 NOISES = 8  # nor for more noise than is made beforehand
 SEED = 3
+DARK_WALL, DARK_RELIEF = 20.0, 3.0  # so that its silhouette shows where it is
 
 
 class TexturedOperator:
     """Stands still for `still_s`, then swings; the camera's frame is the operator's."""
 
     def __init__(self, still_s: float) -> None:
-        self._film = hazel_film(Scenery(noise=0.0), LIVE_FINE)
+        self._film = hazel_film(Scenery(noise=0.0, wall=DARK_WALL, wall_relief=DARK_RELIEF), LIVE_FINE)
         random, (width, height) = np.random.default_rng(SEED), SIZE_PX
         noise = random.normal(0.0, Scenery().noise, (NOISES, height, width))
         self._noises = cycle(np.rint(noise).astype(np.int16))

@@ -85,7 +85,7 @@ def test_one_camera_sees_a_textured_arm_whose_palm_either_arm_copies(arm):
     plan = plan_of(LoopbackOptions(tracker="monocular", arm=arm))
     local, remote = load_config(LocalConfig, None, plan.local), load_config(RemoteConfig, plan.arm, plan.remote)
     assert isinstance(make_tracker(filming_rig(local.simulation), local.tracking), MonocularTracker)
-    assert local.tracking.monocular.start.is_given
+    assert local.tracking.monocular.start.by == "silhouette"
     assert (remote.robot.model, remote.mapping.point) == (arm, "palm")
     check_robot(remote)
     points = make_operator(local.simulation).points(0.0)

@@ -17,25 +17,27 @@ TURN = 2.0 * math.pi
 
 
 @dataclass(frozen=True, slots=True)
-class Mesh:
-    """A link in its own frame: vertices (V, 3) in m, outward unit normals (V, 3), triangles (T, 3).
-
-    The joint is the origin, z runs along the link, x across the palm. `length` in m is from joint to joint.
-    """
-
-    vertices: Array
-    normals: Array
-    triangles: Triangles
-    length: float
-
-
-@dataclass(frozen=True, slots=True)
 class Profile:
     """Half axes (N,) in m of the elliptic sections, across (x) and deep (y), at places (N,) along the link in m."""
 
     along: Array
     across: Array
     deep: Array
+
+
+@dataclass(frozen=True, slots=True)
+class Mesh:
+    """A link in its own frame: vertices (V, 3) in m, outward unit normals (V, 3), triangles (T, 3).
+
+    The joint is the origin, z runs along the link, x across the palm. `length` in m is from joint to joint; `sections`
+    are those between the caps.
+    """
+
+    vertices: Array
+    normals: Array
+    triangles: Triangles
+    length: float
+    sections: Profile
 
 
 def upper_arm_mesh(config: UpperArmConfig) -> Mesh:
@@ -60,7 +62,9 @@ def forearm_mesh(config: ForearmConfig) -> Mesh:
 
 def _mesh(profile: Profile, length: float) -> Mesh:
     """Rings along the link, and round caps that close it."""
-    rings = [*_cap(profile, at_end=False), *_body(profile), *_cap(profile, at_end=True)]
+    sections = _sections(profile)
+    body = list(zip(sections.along.tolist(), sections.across.tolist(), sections.deep.tolist(), strict=True))
+    rings = [*_cap(profile, at_end=False), *body, *_cap(profile, at_end=True)]
     turn = np.linspace(0.0, TURN, SECTORS, endpoint=False)
     circle = np.column_stack([np.cos(turn), np.sin(turn)])
     z = np.array([ring[0] for ring in rings])
@@ -68,13 +72,12 @@ def _mesh(profile: Profile, length: float) -> Mesh:
     across = halves[:, None, :] * circle[None]
     vertices = np.concatenate([across, np.broadcast_to(z[:, None, None], (*across.shape[:2], 1))], axis=2)
     points, triangles = vertices.reshape(-1, 3), _triangles(len(rings))
-    return Mesh(points, _normals(points, triangles), triangles, length)
+    return Mesh(points, _normals(points, triangles), triangles, length, sections)
 
 
-def _body(profile: Profile) -> list[tuple[float, float, float]]:
+def _sections(profile: Profile) -> Profile:
     places = np.linspace(profile.along[0], profile.along[-1], RINGS)
-    across, deep = (PchipInterpolator(profile.along, half)(places) for half in (profile.across, profile.deep))
-    return [(float(z), float(a), float(d)) for z, a, d in zip(places, across, deep, strict=True)]
+    return Profile(places, *(PchipInterpolator(profile.along, half)(places) for half in (profile.across, profile.deep)))
 
 
 def _cap(profile: Profile, at_end: bool) -> list[tuple[float, float, float]]:

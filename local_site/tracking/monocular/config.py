@@ -8,6 +8,7 @@ from msgspec import Meta, field
 LengthMm = Annotated[float, Meta(gt=0, le=1000)]
 GirthMm = Annotated[float, Meta(ge=60, le=800)]
 Pixel = tuple[float, float]
+StartBy = Literal["joints", "silhouette"]
 
 
 class UpperArmConfig(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
@@ -33,11 +34,18 @@ class ForearmConfig(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fi
 
 
 class StartConfig(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
-    """The joints in the first picture, px of the camera's own; both links are parallel to it there (section 2.6)."""
+    """Where the arm is in the first picture; both links are parallel to it there (section 2.6)."""
 
-    shoulder_px: Annotated[Pixel, Meta(description="shoulder joint, px")] = (0.0, 0.0)
-    elbow_px: Annotated[Pixel, Meta(description="elbow joint, px")] = (0.0, 0.0)
-    wrist_px: Annotated[Pixel, Meta(description="wrist, px")] = (0.0, 0.0)
+    by: Annotated[
+        StartBy,
+        Meta(
+            description="joints: as given here, or clicked on the page; silhouette: found by the tracker itself, for a "
+            "bare arm that is clearly brighter than all the rest of the picture"
+        ),
+    ] = "joints"
+    shoulder_px: Annotated[Pixel, Meta(description="shoulder joint, px of the camera's own picture")] = (0.0, 0.0)
+    elbow_px: Annotated[Pixel, Meta(description="elbow joint, likewise")] = (0.0, 0.0)
+    wrist_px: Annotated[Pixel, Meta(description="wrist, likewise")] = (0.0, 0.0)
     palm_turn_deg: Annotated[
         float, Meta(ge=-180, le=180, description="turn of the palm about the forearm, 0: flat before the camera")
     ] = 0.0

@@ -16,10 +16,15 @@ from local_site.tracking.monocular.estimator import Fit, State
 from local_site.tracking.monocular.follower import Follower
 from local_site.tracking.monocular.pose import Pose
 from local_site.tracking.monocular.quality import Judgement, Refusal, covariances, judged
+from local_site.tracking.monocular.silhouette_start import SilhouetteStart
 from local_site.tracking.monocular.start import starting_pose
-from local_site.tracking.tracker import ArmEstimate, Overlay, Views
+from local_site.tracking.tracker import ArmEstimate, Overlay, View, Views
 
-NOT_GIVEN = "the joints in the first picture are not given: click them, set tracking.monocular.start, or --joints"
+NOT_GIVEN = (
+    "the joints in the first picture are not given: click them, set tracking.monocular.start, or --joints; "
+    "or --joints silhouette for a bare arm before a dark background"
+)
+LOST_LONG = 30
 NO_TIPS = "index and thumb are not measured by this tracker"
 
 
@@ -28,7 +33,8 @@ class MonocularTracker:
 
     `camera` is the number of the one that it looks through; `pose` is the arm in that camera's frame as it was told
     last, None while it is lost.
-    After a loss it looks for the arm where it was seen last and where it started, in turn; nothing is extrapolated.
+    After a loss it looks for the arm where it was seen last and where it started, in turn; nothing is extrapolated. One
+    that finds its start by itself also begins anew then, once it has been lost for LOST_LONG pictures.
     Raises CalibrationError when the rig has no such camera.
     """
 
@@ -37,19 +43,23 @@ class MonocularTracker:
         if self._config.camera >= len(rig.cameras):
             raise CalibrationError(f"there is no camera {self._config.camera}: the rig has {len(rig.cameras)}, from 0")
         self.camera, self._cameras = self._config.camera, len(rig.cameras)
-        self._undistorted = _Undistorted(rig.cameras[self.camera])
+        calibrated = rig.cameras[self.camera]
+        self._undistorted = _Undistorted(calibrated)
         camera = decomposed(self._undistorted.projection)
         if camera is None:
             raise CalibrationError("the camera's projection is mirrored; calibrate again")
         self._camera = camera
         start = self._config.start
         given = np.array([start.shoulder_px, start.elbow_px, start.wrist_px])
+        self._by_silhouette: SilhouetteStart | None = None
+        if start.by == "silhouette":
+            self._by_silhouette = SilhouetteStart(calibrated, camera.lens, self._config)
         self._joints_px: Array | None = given if start.is_given else None
         self._forget()
 
     def start_at(self, shoulder_px: Pixel, elbow_px: Pixel, wrist_px: Pixel) -> None:
         """Begin anew where the joints are in the camera's next picture, px of its own; all else is forgotten."""
-        self._joints_px = np.array([shoulder_px, elbow_px, wrist_px])
+        self._joints_px, self._by_silhouette = np.array([shoulder_px, elbow_px, wrist_px]), None
         self._forget()
 
     def _forget(self) -> None:
@@ -62,10 +72,11 @@ class MonocularTracker:
         """The arm at the views' instant; a frame that cannot be tracked says why."""
         if len(views.views) != self._cameras:
             return self._lost(views.t_ns, f"{len(views.views)} views for {self._cameras} calibrated cameras")
-        image = self._undistorted.picture(views.views[self.camera].current)
-        if self._start is None:
-            problem = self._begin(image)
-            if problem:
+        view = views.views[self.camera]
+        image = self._undistorted.picture(view.current)
+        if self._start is None or (self._by_silhouette is not None and self._lost_for >= LOST_LONG):
+            problem = self._begin(view, image, views.t_ns)
+            if problem and self._start is None:
                 return self._lost(views.t_ns, problem)
         fit = self._fit(image)
         judgement = judged(fit)
@@ -79,8 +90,10 @@ class MonocularTracker:
         self._lost_for = 0
         return self._found(views.t_ns, fit.state.pose, judgement, judgement.spread)
 
-    def _begin(self, image: Image) -> str:
+    def _begin(self, view: View, image: Image, t_ns: int) -> str:
         """Start in this picture; why not, or nothing."""
+        if self._by_silhouette is not None:
+            return self._begin_by(self._by_silhouette, view, image, t_ns)
         if self._joints_px is None:
             return NOT_GIVEN
         pose = starting_pose(self._camera.lens, self._config, self._undistorted.straight(self._joints_px))
@@ -89,6 +102,20 @@ class MonocularTracker:
         if not self._follower.begin(image, pose):
             return Refusal.OUT_OF_VIEW
         self._start = self._follower.last
+        return ""
+
+    def _begin_by(self, silhouette: SilhouetteStart, view: View, image: Image, t_ns: int) -> str:
+        """Start where the silhouette shows the arm, if the estimator takes it; why not, or nothing."""
+        pose = silhouette.pose(view, t_ns)
+        if isinstance(pose, str):
+            return pose
+        follower = Follower(self._camera.lens, self._config)
+        begun = follower.begin(image, pose)
+        state = follower.last
+        judgement = judged(follower.fit(image, state) if begun and state is not None else None)
+        if judgement.spread is None:
+            return silhouette.refuse(judgement.reason)
+        self._follower, self._start, self._lost_for = follower, state, 0
         return ""
 
     def _fit(self, image: Image) -> Fit | None:

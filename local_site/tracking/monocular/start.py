@@ -26,15 +26,18 @@ def starting_pose(lens: Lens, config: MonocularConfig, pixels: Array) -> Pose | 
         told = ", ".join(f"{depth:.2f} m" for depth in depths)
         return f"the links do not look equally far in the first picture ({told}): hold both parallel to the picture"
     places = np.column_stack([slopes, np.ones(3)]) * float(lengths.sum() / seen.sum())
-    upper_arm = _flat(places[1] - places[0], 0.0)
-    return Pose(
-        places[0], upper_arm, _flat(places[2] - places[1], math.radians(config.start.palm_turn_deg)), float(lengths[0])
-    )
+    upper_arm = facing(places[1] - places[0], 0.0)
+    forearm = facing(places[2] - places[1], math.radians(config.start.palm_turn_deg))
+    return Pose(places[0], upper_arm, forearm, float(lengths[0]))
 
 
-def _flat(along: Array, turn: float) -> Array:
-    """`camera_R_link` of a link along a direction (3,) parallel to the picture, turned about itself by rad."""
+def facing(along: Array, turn: float) -> Array:
+    """`camera_R_link` of a link along a direction (3,), its palm flat before the camera but for a turn about it in rad.
+
+    A link that points at the camera has no such rotation.
+    """
     z = along / np.linalg.norm(along)
-    deep = np.array([0.0, 0.0, 1.0])
+    deep = np.array([0.0, 0.0, 1.0]) - z[2] * z
+    deep /= np.linalg.norm(deep)
     rotation: Array = np.column_stack([np.cross(deep, z), deep, z]) @ rotation_from_vector(np.array([0.0, 0.0, turn]))
     return rotation

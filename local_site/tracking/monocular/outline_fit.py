@@ -1,0 +1,233 @@
+"""The arm's pose from one silhouette: the meshes' outline laid on the picture's, by least squares.
+
+Lengths and place in the picture give the distance, which way a limb grows narrower the sense of its tilt. A tilt is
+told to some degrees only, so that the links are taken to be nearly parallel to the picture until it says otherwise.
+"""
+
+import math
+from dataclasses import dataclass, replace
+
+import cv2
+import numpy as np
+from numpy.typing import NDArray
+from scipy.optimize import least_squares
+
+from common.geometry import Array
+from local_site.calibration.lens import Lens
+from local_site.tracking.monocular.arm_mesh import MM, Mesh, Profile, forearm_mesh, upper_arm_mesh
+from local_site.tracking.monocular.config import MonocularConfig
+from local_site.tracking.monocular.kernels import Picture, samples
+from local_site.tracking.monocular.outline import Sides, sides_of
+from local_site.tracking.monocular.pose import Pose
+from local_site.tracking.monocular.start import facing
+from local_site.tracking.silhouette.contour import Silhouette
+from local_site.tracking.silhouette.features import Features
+
+TILT_SIGMA, FREE_TILT_SIGMA = math.radians(8.0), math.radians(25.0)
+GIRTH_SIGMA, TURN_SIGMA = 0.04, 1.0
+# Neighbouring sections share what the shape is off by, so that each counts less than its pixels would.
+EDGE_SIGMA_PX = 2.0
+SHOULDER_SIGMA = 0.05  # of the upper arm's length: how well its end shows where the joint is
+PALM_SHARE = 0.75
+BORDER_PX = 3
+# The silhouette begins where a blurred edge (0.8 px) has risen by 15 %, which is outside of where it is steepest.
+EDGE_OUTSIDE_PX = 0.8
+ROUNDS, EVALUATIONS = 3, 6
+# Slopes of the elbow's line of sight, log of its depth, angle and tilt of both links, turn of the palm, girths' error.
+SCALES = np.array([0.01, 0.01, 0.03, 0.05, 0.1, 0.05, 0.1, 0.2, 0.03, 0.03])
+ELBOW, DEPTH, UPPER, FOREARM, TURN, GIRTHS = slice(0, 2), 2, slice(3, 5), slice(5, 7), 7, slice(8, 10)
+TILTS = [4, 6]
+TRIED_TILTS = ((0.0, 0.0), (0.35, 0.35), (-0.35, 0.35), (0.35, -0.35), (-0.35, -0.35))
+STEP = 1e-5
+
+Mask = NDArray[np.bool_]
+
+
+@dataclass(frozen=True, slots=True)
+class OutlineFit:
+    """A pose, and what it is worth.
+
+    Standard deviations (3,) in m of shoulder, elbow and wrist; the root mean square in px by which the outlines part,
+    and how many of its places are seen of each link. Were the links not taken to be nearly parallel to the picture,
+    their tilts out of it (2,) in rad, and by how much shoulder, elbow and wrist (3,) would move, m.
+    """
+
+    pose: Pose
+    sigmas: Array
+    apart_px: float
+    places: tuple[int, int]
+    free_tilts: Array
+    free_moves: Array
+
+
+@dataclass(frozen=True, slots=True)
+class _Target:
+    """What the outline is laid on: features, px by which each pixel (H, W) is within the edge, tilts' sigma in rad."""
+
+    features: Features
+    distances: Picture
+    tilt_sigma: float
+
+
+class OutlineFitter:
+    """Both links' shapes before a pinhole camera."""
+
+    def __init__(self, lens: Lens, config: MonocularConfig) -> None:
+        self._lens, self._palm_turn = lens, math.radians(config.start.palm_turn_deg)
+        self._upper_arm, self._forearm = upper_arm_mesh(config.upper_arm), forearm_mesh(config.forearm)
+        self._wrist = np.array([0.0, 0.0, self._forearm.length])
+        knuckles = self._forearm.length + PALM_SHARE * MM * config.forearm.palm_length_mm
+        self._profiles = self._upper_arm.sections, _up_to(self._forearm, knuckles)
+
+    def fit(self, features: Features) -> OutlineFit:
+        """The pose whose outline lies nearest to the silhouette's, near what its features say."""
+        near = _Target(features, _distances(features.silhouette), TILT_SIGMA)
+        free = self._freely(replace(near, tilt_sigma=FREE_TILT_SIGMA))
+        unknowns, jacobian, _ = self._solved(free, near)
+        return self._told(unknowns, jacobian, near, free)
+
+    def _freely(self, target: _Target) -> Array:
+        """The likeliest unknowns (10,) from every sense of the tilts: each has a minimum of its own."""
+        first, solutions = self._first(target.features), []
+        for tilts in TRIED_TILTS:
+            tilted = first.copy()
+            tilted[TILTS] = tilts
+            solutions.append(self._solved(tilted, target))
+        return min(solutions, key=lambda solution: solution[2])[0]
+
+    def _solved(self, unknowns: Array, target: _Target) -> tuple[Array, Array, float]:
+        """The unknowns (10,), the residuals' slopes (R, 10) there, and half the sum of their squares.
+
+        What is hidden is looked up between rounds.
+        """
+        jacobian, cost = np.zeros((0, len(unknowns))), math.inf
+        for _ in range(ROUNDS):
+            seen = self._seen(unknowns, target.distances.shape)
+            found = least_squares(self._residuals, unknowns, args=(target, seen), x_scale=SCALES, max_nfev=EVALUATIONS)
+            unknowns, jacobian = found.x, np.asarray(found.jac)
+            cost = float(found.cost)
+        return unknowns, jacobian, cost
+
+    def _first(self, features: Features) -> Array:
+        """Both links parallel to the picture."""
+        guess = features.guess
+        shoulder, elbow, wrist = (self._slope(place) for place in (guess.shoulder_end, guess.elbow, guess.wrist))
+        upper, lower = elbow - shoulder, wrist - elbow
+        depth = self._forearm.length / float(np.linalg.norm(lower))
+        angles = (math.atan2(along[1], along[0]) for along in (upper, lower))
+        across, down = elbow.tolist()
+        upper_angle, lower_angle = angles
+        return np.array([across, down, math.log(depth), upper_angle, 0, lower_angle, 0, self._palm_turn, 0, 0])
+
+    def _slope(self, pixel: Array) -> Array:
+        lens = self._lens
+        result: Array = (pixel - (lens.cx, lens.cy)) / (lens.fx, lens.fy)
+        return result
+
+    def _pose(self, unknowns: Array) -> Pose:
+        elbow = math.exp(unknowns[DEPTH]) * np.array([*unknowns[ELBOW], 1.0])
+        upper_arm = facing(_direction(*unknowns[UPPER]), 0.0)
+        forearm = facing(_direction(*unknowns[FOREARM]), unknowns[TURN])
+        length = self._upper_arm.length
+        return Pose(elbow - length * upper_arm[:, 2], upper_arm, forearm, length)
+
+    def _joints(self, unknowns: Array) -> Array:
+        """Shoulder, elbow and wrist (9,), m."""
+        pose = self._pose(unknowns)
+        return np.concatenate([pose.shoulder, pose.elbow, pose.on_forearm(self._wrist)])
+
+    def _sides(self, unknowns: Array) -> tuple[Sides, Sides]:
+        upper, forearm = (
+            sides_of(Profile(of.along, (1.0 + girth) * of.across, (1.0 + girth) * of.deep), link, self._lens)
+            for of, girth, link in zip(self._profiles, unknowns[GIRTHS], self._pose(unknowns).links, strict=True)
+        )
+        return upper, forearm
+
+    def _seen(self, unknowns: Array, shape: tuple[int, ...]) -> tuple[Mask, Mask]:
+        """Which places of both links' outlines lie in the picture and not within the other link."""
+        upper, forearm = self._sides(unknowns)
+        return _inside(upper, shape) & ~forearm.hides(upper.pixels), _inside(forearm, shape) & ~upper.hides(
+            forearm.pixels
+        )
+
+    def _residuals(self, unknowns: Array, target: _Target, seen: tuple[Mask, Mask]) -> Array:
+        """By how much each place is off the silhouette's edge, robustly, and each unknown off what is expected."""
+        pairs = zip(self._sides(unknowns), seen, strict=True)
+        off = np.concatenate(
+            [np.where(mask, _looked_up(target.distances, of.pixels), 0.0).ravel() for of, mask in pairs]
+        )
+        expected = np.concatenate(
+            [
+                unknowns[TILTS] / target.tilt_sigma,
+                unknowns[GIRTHS] / GIRTH_SIGMA,
+                [(unknowns[TURN] - self._palm_turn) / TURN_SIGMA, self._shoulder_off(unknowns, target.features)],
+            ]
+        )
+        return np.concatenate([_robust(off / EDGE_SIGMA_PX), expected])
+
+    def _shoulder_off(self, unknowns: Array, features: Features) -> float:
+        """How far the upper arm's end is from where the silhouette ends, along it; nothing where the border cuts it."""
+        if features.shoulder_cropped or features.upper_arm is None:
+            return 0.0
+        cap = 0.5 * float(self._profiles[0].deep[0])
+        end = self._pose(unknowns).on_upper_arm(np.array([0.0, 0.0, -cap]))
+        focal = np.array([self._lens.fx, self._lens.fy])
+        off_px = (self._slope(features.guess.shoulder_end) - end[:2] / end[2]) * focal
+        length_px = self._lens.fx * self._upper_arm.length / end[2]
+        return float(off_px @ features.upper_arm.direction / (SHOULDER_SIGMA * length_px))
+
+    def _told(self, unknowns: Array, jacobian: Array, target: _Target, free: Array) -> OutlineFit:
+        seen = self._seen(unknowns, target.distances.shape)
+        pairs = zip(self._sides(unknowns), seen, strict=True)
+        off = np.concatenate([_looked_up(target.distances, of.pixels)[mask] for of, mask in pairs])
+        joints = self._joints(unknowns)
+        moves = np.column_stack([(self._joints(unknowns + h) - joints) / STEP for h in STEP * np.eye(len(SCALES))])
+        spread = moves @ np.linalg.pinv(jacobian.T @ jacobian) @ moves.T
+        return OutlineFit(
+            self._pose(unknowns),
+            np.sqrt(np.diag(spread).reshape(3, 3).sum(axis=1)),
+            float(np.sqrt(np.mean(off**2))) if len(off) else math.inf,
+            (int(seen[0].sum()), int(seen[1].sum())),
+            free[TILTS],
+            np.linalg.norm((self._joints(free) - joints).reshape(3, 3), axis=1),
+        )
+
+
+def _direction(angle: float, tilt: float) -> Array:
+    """The unit vector (3,) at an angle in the picture and a tilt away from the camera, rad."""
+    flat = math.cos(tilt)
+    return np.array([flat * math.cos(angle), flat * math.sin(angle), math.sin(tilt)])
+
+
+def _up_to(mesh: Mesh, end: float) -> Profile:
+    """A link's sections up to a place along it, m."""
+    of = mesh.sections
+    kept = of.along <= end
+    return Profile(of.along[kept], of.across[kept], of.deep[kept])
+
+
+def _distances(silhouette: Silhouette) -> Picture:
+    """How far each pixel (H, W) is within the silhouette's edge, px; negative outside."""
+    filled = np.zeros(silhouette.grey.shape, np.uint8)
+    cv2.drawContours(filled, [silhouette.contour.astype(np.int32)], -1, 255, cv2.FILLED)
+    within, beyond = (cv2.distanceTransform(mask, cv2.DIST_L2, 5) for mask in (filled, 255 - filled))
+    inward = np.where(filled > 0, within - 0.5, 0.5 - beyond) - EDGE_OUTSIDE_PX
+    return inward.astype(np.float32)
+
+
+def _looked_up(distances: Picture, pixels: Array) -> Array:
+    x, y = np.nan_to_num(pixels).reshape(-1, 2).T.copy()
+    return samples(distances, x, y).reshape(pixels.shape[:-1])
+
+
+def _inside(sides: Sides, shape: tuple[int, ...]) -> Mask:
+    height, width = shape
+    x, y = sides.pixels[..., 0], sides.pixels[..., 1]
+    result: Mask = (x > BORDER_PX) & (x < width - 1 - BORDER_PX) & (y > BORDER_PX) & (y < height - 1 - BORDER_PX)
+    return result
+
+
+def _robust(off: Array) -> Array:
+    """Residuals whose squares grow linearly where they are large, smoothly."""
+    result: Array = np.sign(off) * np.sqrt(2.0 * (np.sqrt(1.0 + off * off) - 1.0))
+    return result
