@@ -16,6 +16,7 @@ from remote_site.kinematics.inverse import SphericalWristInverse
 from remote_site.kinematics.limits import JointLimits
 from remote_site.kinematics.model import ArmModel
 from remote_site.kinematics.solution import Solution
+from remote_site.safety.state import FULL_SPEED_MS
 from remote_site.safety.status import Code, Reason, reason
 
 UNWIND_S = 5.0  # 1/s: how fast a target that the joints do not follow comes back to them
@@ -123,10 +124,12 @@ class GeneralPursuit:
 def choose_pursuit(config: RemoteConfig, model: ArmModel, limits: JointLimits) -> Pursuit:
     """The configured kinematics; ModelError when the closed form is asked of an arm that it does not fit.
 
-    A target that is told from where the arm is moves with the arm: carried on beyond its sample it would run away.
+    A target that is told from where the arm is moves with the arm: carried on beyond its sample it would run away. Any
+    other is carried on in proportion longer for an arm that a long T_soft has made slower.
     """
-    if config.mapping.command == "incremental":
-        config = replace_struct(config, control=replace_struct(config.control, predict_ms=0.0))
+    carried_ms = 0.0 if config.mapping.command == "incremental" else config.control.predict_ms
+    carried_ms *= max(config.safety.t_soft_ms / FULL_SPEED_MS, 1.0)
+    config = replace_struct(config, control=replace_struct(config.control, predict_ms=carried_ms))
     wanted = config.robot.kinematics
     if wanted == "general":
         return GeneralPursuit(config, model, limits)

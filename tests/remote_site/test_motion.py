@@ -9,10 +9,11 @@ from remote_loop import TICK_NS, arm
 
 from common.clock import NS_PER_MS, NS_PER_S
 from common.geometry import rotation_from_vector, transform, vector_from_rotation
-from remote_site.config import ControlConfig
+from remote_site.config import ControlConfig, RemoteConfig, SafetyConfig
 from remote_site.course import Course, FreeCourse
 from remote_site.kinematics.joints import JointMotion
 from remote_site.motion import Follower, leash
+from remote_site.pursuit import choose_pursuit
 from remote_site.safety.guard import JointGuard, Passed
 from remote_site.safety.status import Code, Reason
 
@@ -88,6 +89,18 @@ def test_a_sample_that_comes_after_the_course_has_ended_counts_as_any_other():
     place, speed = course.at(314 * NS_PER_MS)
     assert place[0] > 0.2  # on its way to 0.314
     assert speed[0] > 1.0
+
+
+@pytest.mark.parametrize(("t_soft_ms", "carried"), [(100, False), (400, True)])
+def test_an_arm_that_a_long_t_soft_makes_slower_is_carried_on_for_longer(t_soft_ms, carried):
+    config = RemoteConfig(safety=SafetyConfig(t_soft_ms=t_soft_ms))
+    pursuit, target, at_ms = choose_pursuit(config, MODEL, LIMITS), MODEL.forward(START), 0
+    pursuit.reset(0, START)
+    for at_ms in range(33, 600, 33):
+        target = transform(target[:3, :3], target[:3, 3] + [0.0, 0.002, 0.0])
+        pursuit.aim(at_ms * NS_PER_MS, target, None, START, at_ms * NS_PER_MS, leashed=False)
+    earlier, later = (pursuit.at((at_ms + ms) * NS_PER_MS, START)[0][0] for ms in (160, 230))
+    assert bool(later - earlier > 0.003) is carried
 
 
 def test_a_course_ends_after_its_prediction_and_comes_to_rest_there():
