@@ -18,16 +18,15 @@ from common.errors import MessageError, RefusedError, TransportError
 from common.link_config import ON_THIS_HOST, LinkSecurity
 from common.link_probe import answers, identity_refusal, refusal
 from common.messages import Message
+from common.once import Replied, Requested, Server
 from common.pace import Pace
-from common.requests import ClockQuestion, Reply, Request
+from common.requests import ClockQuestion
 from common.roles import Role
 from common.session_settings import Mode, Places, session_settings
 
 M = TypeVar("M", bound=Message)
 Q = TypeVar("Q", bound=Message)
 R = TypeVar("R", bound=Message)
-Requested = TypeVar("Requested", bound=Request)
-Replied = TypeVar("Replied", bound=Reply)
 Refused = Callable[[MessageError], None]
 
 REQUEST_TIMEOUT_S = 0.3
@@ -36,7 +35,6 @@ ROUTER_PATIENCE_S = 20.0
 ROUTER_POLL_S = 0.2
 QUIC_PATIENCE_S = 2.0  # a handshake takes some round trips
 REFUSAL = b"refused: "  # begins our own error replies; zenoh has others, such as for a time-out
-MAX_DEADLINE_NS = 10 * NS_PER_S  # a request is remembered so long that no repetition can outlive it
 PRIORITIES = {
     Priority.REAL_TIME: zenoh.Priority.REAL_TIME,
     Priority.INTERACTIVE: zenoh.Priority.INTERACTIVE_HIGH,
@@ -148,35 +146,6 @@ class Answers(Generic[Q, R]):
             query.reply(self._key, encode(answer(question)))
 
 
-class Server(Generic[Requested, Replied]):
-    """Answers one procedure when polled; a repeated id gets the first answer, an expired one is refused."""
-
-    def __init__(self, answers: Answers[Requested, Replied], reply: type[Replied]) -> None:
-        self._answers = answers
-        self._reply = reply
-        self._done: dict[int, tuple[int, Replied]] = {}
-
-    def poll(self, now_ns: int, handle: Callable[[Requested], Replied]) -> None:
-        """Answer one waiting request, if there is one; never blocks."""
-        self._answers.poll(lambda request: self._answer(request, now_ns, handle))
-
-    def _answer(self, request: Requested, now_ns: int, handle: Callable[[Requested], Replied]) -> Replied:
-        known = self._done.get(request.id)
-        if known is not None:
-            return known[1]
-        if now_ns > request.deadline_ns:
-            return self._refuse(request, "expired", "the request came after its deadline; ask again")
-        if request.deadline_ns - now_ns > MAX_DEADLINE_NS:
-            return self._refuse(request, "deadline", "the deadline is too far ahead: the clocks disagree; ask again")
-        self._done = {known: kept for known, kept in self._done.items() if kept[0] >= now_ns}
-        reply = handle(request)
-        self._done[request.id] = (request.deadline_ns, reply)
-        return reply
-
-    def _refuse(self, request: Requested, code: str, reason: str) -> Replied:
-        return self._reply(id=request.id, done=False, code=code, reason=reason)
-
-
 class Link:
     """One Zenoh session; a context manager, so that nothing is left open.
 
@@ -234,7 +203,7 @@ class Link:
         self, procedure: Procedure[Requested, Replied], cell: str, refused: Refused, name: str = "*"
     ) -> Server[Requested, Replied]:
         """Answer requests that must happen once, by polling; `refused` hears of queries that are none."""
-        return Server(self.answer(procedure, cell, refused, name), procedure.reply)
+        return Server(self.answer(procedure, cell, refused, name).poll, procedure.reply)
 
     def ask(self, procedure: Procedure[Q, R], cell: str, question: Q, name: str = "*") -> R | None:
         """Ask once; None when nobody answers in time, RefusedError when the sites do not understand each other."""
