@@ -1,12 +1,14 @@
 """A site's certificates: whether they are any good, and whose they are; read by shaking hands with oneself."""
 
 import ssl
+from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
-from common.errors import TransportError
-from common.link_config import TlsConfig
+from common.endpoints import check_endpoint
+from common.errors import ConfigError, TransportError
+from common.link_config import LinkSecurity, TlsConfig
 from common.roles import Identity, read_common_name
 
 RENEW = "where the authority is kept: farhand certificates renew CELL"
@@ -56,14 +58,37 @@ def load_credentials(tls: TlsConfig) -> Credentials:
     return Credentials(tls, identity)
 
 
-def check_bearer(tls: TlsConfig, *allowed: Identity) -> None:
-    """TransportError when a site is given a certificate of another, or one that is no good; having none is allowed."""
-    if not tls.is_given:
+def check_links(places: Sequence[str], security: LinkSecurity, *bearers: Identity) -> None:
+    """ConfigError when a link may not go to one of the places, or its certificate is no good or another's."""
+    try:
+        for place in places:
+            check_endpoint(place, security)
+        bearer = load_credentials(security.tls).identity if security.tls.is_given else None
+    except TransportError as error:
+        raise ConfigError(str(error)) from error
+    if bearer is None or bearer in bearers:
         return
-    bearer = load_credentials(tls).identity
-    if bearer not in allowed:
-        names = " or ".join(identity.common_name for identity in allowed)
-        raise TransportError(f"links.tls.certificate: {tls.certificate} is for {bearer.common_name}, not for {names}")
+    names = " or ".join(identity.common_name for identity in bearers)
+    told = f"links.tls.certificate: {security.tls.certificate} is for {bearer.common_name}, not for {names}"
+    of_role = bearer.cell and bearer.role in {identity.role for identity in bearers}
+    raise ConfigError(f'{told}; write cell = "{bearer.cell}", if it is that cell' if of_role else told)
+
+
+class Validity:
+    """Whether the certificate that a site began with is still good: a link that is up may outlive it."""
+
+    def __init__(self, tls: TlsConfig) -> None:
+        self._tls = tls
+        self._contexts = (client_context(tls), _server_context(tls)) if tls.is_given else None
+
+    def check(self) -> None:
+        """TransportError once it has expired; takes a handshake with oneself, about 2 ms."""
+        if self._contexts is None:
+            return
+        try:
+            _shake_hands(*self._contexts)
+        except ssl.SSLCertVerificationError as error:
+            raise TransportError(f"links.tls.certificate: {self._tls.certificate} {verdict(error)}") from error
 
 
 def client_context(tls: TlsConfig) -> ssl.SSLContext:

@@ -33,7 +33,7 @@ REQUEST_TIMEOUT_S = 0.3
 PENDING_REQUESTS = 16
 ROUTER_PATIENCE_S = 20.0
 ROUTER_POLL_S = 0.2
-QUIC_PATIENCE_S = 2.0  # a handshake takes some round trips
+QUIC_PATIENCE_S = 3.0  # of a side that has just come up, TLS answers first
 REFUSAL = b"refused: "  # begins our own error replies; zenoh has others, such as for a time-out
 PRIORITIES = {
     Priority.REAL_TIME: zenoh.Priority.REAL_TIME,
@@ -158,7 +158,8 @@ class Link:
         self._session = session
         self._outgoing = outgoing
         self._credentials = credentials
-        self._patient_until = time.monotonic() + QUIC_PATIENCE_S
+        self._has_met = False
+        self._answering_since: float | None = None
 
     def __enter__(self) -> Self:
         return self
@@ -212,6 +213,7 @@ class Link:
         replies = self._session.get(key, payload=encode(question), timeout=REQUEST_TIMEOUT_S)
         for reply in replies:
             if reply.ok is not None:
+                self._has_met = True
                 return _understood(reply.ok.payload.to_bytes(), procedure)
             if reply.err is not None and (why := reply.err.payload.to_bytes()).startswith(REFUSAL):
                 raise RefusedError(f"the other site {why.decode(errors='replace')}")
@@ -256,8 +258,13 @@ class Link:
                 raise RefusedError(why)
 
     def _blocked(self, endpoint: Endpoint) -> str | None:
-        """Why there is no link by QUIC for so long where TLS answers."""
-        if not endpoint.is_quic or time.monotonic() < self._patient_until or not answers(endpoint):
+        """Why there was never a link by QUIC where TLS has answered for so long; after an outage one comes back."""
+        if not endpoint.is_quic or self._has_met or not answers(endpoint):
+            self._answering_since = None
+            return None
+        now = time.monotonic()
+        self._answering_since = self._answering_since or now
+        if now - self._answering_since < QUIC_PATIENCE_S:
             return None
         return (
             f"{endpoint} answers by TLS, but not by QUIC: let UDP through to port {endpoint.port}, or write the "

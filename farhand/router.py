@@ -7,7 +7,7 @@ import structlog
 from msgspec import Meta
 
 from common.channels import check_cell_name
-from common.credentials import Credentials, check_bearer
+from common.credentials import Credentials, check_links
 from common.endpoints import check_endpoint
 from common.link_config import LinkSecurity
 from common.roles import Identity, Role
@@ -39,7 +39,7 @@ class RouterConfig(LinkSecurity, frozen=True, kw_only=True, forbid_unknown_field
 def run_router(config: RouterConfig, should_stop: StopFlag, log_format: LogFormat = LogFormat.TEXT) -> None:
     """Pass on what the sites say to each other until asked to stop; TransportError when it cannot listen."""
     start_log("router", log_format)
-    check_bearer(config.tls, ROUTER)
+    check_links(config.listen, config, ROUTER)
     with open_router(listen=config.listen, cells=config.cells, security=config):
         notify("READY=1")
         structlog.get_logger().info("ready", listen=", ".join(config.listen), cells=", ".join(config.cells))

@@ -13,8 +13,8 @@ from common.cameras.camera import Camera
 from common.channels import HAND, INTENT, JOINTS, PREVIEW, STATE
 from common.children import Children, Heartbeat
 from common.clock import Clock, MonotonicClock
-from common.credentials import check_bearer
-from common.endpoints import check_endpoint, check_free
+from common.credentials import check_links
+from common.endpoints import check_free
 from common.errors import CameraError, FarhandError, MessageError
 from common.messages import TrackingStatus
 from common.roles import Identity, Role
@@ -63,9 +63,8 @@ def run_local(
     `save_views` is a folder for the last annotated operator views, written as PNG at the end.
     """
     start_log("local", log_format)
-    check_endpoint(config.links.remote, config.links)
+    check_links((config.links.remote, config.links.listen), config.links, Identity(Role.OPERATOR, config.cell))
     check_free(config.links.listen, config.links)
-    check_bearer(config.links.tls, Identity(Role.OPERATOR, config.cell))
     children = Children("local")
     if config.metrics.port:
         check_free(config.metrics.endpoint, config.links)

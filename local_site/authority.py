@@ -107,6 +107,12 @@ class Authority:
             self._estimator.add(trip)
         elif self._silent % ROUNDS_TO_DOUBT == 0:
             self._link.check_connected()
+            if self._silent == ROUNDS_TO_DOUBT and not self._described:
+                structlog.get_logger().warning(
+                    "the remote site does not answer",
+                    cell=self._cell,
+                    cure="start it, and see that cell and endpoint are its",
+                )
         known = self._estimator.estimate(time.monotonic_ns())
         self._clock = _sync(known) if known is not None else None
 

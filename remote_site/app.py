@@ -8,7 +8,7 @@ import structlog
 
 from common.channels import CAMERA, SHOWN, STATE
 from common.children import Children, Heartbeat
-from common.credentials import check_bearer
+from common.credentials import Validity, check_links
 from common.endpoints import check_free
 from common.errors import FarhandError
 from common.messages import VideoFrame
@@ -31,6 +31,7 @@ from remote_site.video_tally import VideoTally
 
 READY_TIMEOUT_S = 30.0
 CHECK_S = 0.1
+CHECKS_PER_VALIDITY = 10
 VIDEO_SEND_BUFFER_BYTES = 1 << 18  # more would only make pictures old on a narrow link
 
 
@@ -66,8 +67,12 @@ def run_remote(config: RemoteConfig, should_stop: StopFlag, log_format: LogForma
         ready = True
         notify("READY=1")
         log.info("ready", cell=config.cell, driver=config.driver.name, control=config.links.heard_at)
+        validity, checks = Validity(config.links.tls), 0
         while not should_stop.wait(CHECK_S):
             children.check()
+            checks += 1
+            if checks % CHECKS_PER_VALIDITY == 0:
+                validity.check()
             notify("WATCHDOG=1")
         mark.clear()
     except FarhandError as error:
@@ -82,10 +87,10 @@ def run_remote(config: RemoteConfig, should_stop: StopFlag, log_format: LogForma
 
 def _check_start(config: RemoteConfig) -> None:
     """FarhandError for what would only be found out later, and by a process of the site."""
-    served = (config.metrics.endpoint,) if config.metrics.port else ()
-    for endpoint in (*config.links.listened, *served):
-        check_free(endpoint, config.links)
-    check_bearer(config.links.tls, Identity(Role.REMOTE, config.cell))
+    links, served = config.links, (config.metrics.endpoint,) if config.metrics.port else ()
+    check_links(links.places, links, Identity(Role.REMOTE, config.cell))
+    for endpoint in (*links.listened, *served):
+        check_free(endpoint, links)
     check_driver(config.driver.name)
     check_robot(config)
 

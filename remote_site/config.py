@@ -269,6 +269,11 @@ class LinksConfig(LinkSecurity, frozen=True, kw_only=True, forbid_unknown_fields
         return self.router or self.control
 
     @property
+    def places(self) -> tuple[str, ...]:
+        """Every endpoint that this site uses."""
+        return self.listened or (self.router,)
+
+    @property
     def listened(self) -> tuple[str, ...]:
         """Where this site listens."""
         return () if self.router else (self.control, self.video)

@@ -146,6 +146,7 @@ def guidance(folder: Path, cell: str, hosts: Sequence[str]) -> str:
         f"made in {theirs}: a certificate and key each for {', '.join(role.value for role in Role)}\n"
         f"keep {folder / AUTHORITY}.key to yourself: who has it can make itself an operator\n"
         "give each host ca.pem and its own pair, keys for the service's user only, for the robot's side:\n"
+        f'  cell = "{cell}"\n'
         "  [links]\n"
         '  control = "tls/0.0.0.0:7447"\n'
         '  video = "tls/0.0.0.0:7448"\n'
@@ -153,5 +154,5 @@ def guidance(folder: Path, cell: str, hosts: Sequence[str]) -> str:
         f'  ca = "/etc/farhand/{AUTHORITY}.pem"\n'
         '  certificate = "/etc/farhand/remote.pem"\n'
         '  key = "/etc/farhand/remote.key"\n'
-        f'and for the operator\'s, with operator.pem and operator.key: remote = "tls/{where}:7447"'
+        f'and for the operator\'s, with operator.pem and operator.key: the same cell, and remote = "tls/{where}:7447"'
     )

@@ -4,18 +4,32 @@ import tomllib
 from collections.abc import Sequence
 from datetime import UTC, datetime
 from pathlib import Path
+from typing import Any
+
+import msgspec
 
 from common.config import load_config
-from common.errors import ConfigError
+from common.endpoints import check_endpoint
+from common.errors import ConfigError, TransportError
+from common.link_config import LinkSecurity
 from common.roles import Identity, Role
 from farhand.doctor import certificate_probing, certificates, machine, probing, site, site_probing
 from farhand.doctor.findings import Finding, error, ok
+from farhand.router import ROUTER, RouterConfig
 from local_site.config import LocalConfig
+from local_site.console.config import ConsoleConfig
 from remote_site.config import RemoteConfig
 from remote_site.video.config import SIMULATED
 
 Site = LocalConfig | RemoteConfig
+Examined = Site | ConsoleConfig | RouterConfig
 SITES: tuple[type[Site], ...] = (RemoteConfig, LocalConfig)
+NAMES: dict[type[Examined], str] = {
+    RemoteConfig: "remote site",
+    LocalConfig: "local site",
+    ConsoleConfig: "console",
+    RouterConfig: "router",
+}
 
 
 def examine(path: Path | None, settings: Sequence[str]) -> list[Finding]:
@@ -28,19 +42,40 @@ def examine(path: Path | None, settings: Sequence[str]) -> list[Finding]:
             findings += [error("configuration", line, "correct that line") for line in str(wrong).splitlines()]
             continue
         name = str(path) if path is not None else "the default"
-        findings.append(ok("configuration", f"{name} of the {_name(kind)} site is without mistakes"))
-        findings += examine_remote(config) if isinstance(config, RemoteConfig) else examine_local(config)
+        findings.append(ok("configuration", f"{name} of the {NAMES[kind]} is without mistakes"))
+        findings += examine_config(config)
     return findings
 
 
-def which_site(path: Path) -> list[type[Site]]:
-    """Whose configuration a file is, by the tables in it; both sites' where it has none of either's own."""
+def which_site(path: Path) -> list[type[Examined]]:
+    """Whose configuration a file is, by the tables and keys in it; the sites' that it could be, where several fit."""
     try:
-        told = set(tomllib.loads(path.read_text(encoding="utf-8")))
+        told = tomllib.loads(path.read_text(encoding="utf-8"))
     except (OSError, ValueError):
         return [RemoteConfig]  # reading it again says what is wrong
-    known = {kind: len(told & set(kind.__struct_fields__)) for kind in SITES}
-    return [kind for kind in SITES if known[kind] == max(known.values())]
+    known = {kind: _known(told, kind) for kind in NAMES}
+    likeliest = [kind for kind in NAMES if known[kind] == max(known.values())]
+    return [kind for kind in likeliest if kind in SITES] or likeliest[:1]
+
+
+def _known(told: dict[str, Any], kind: type[Any]) -> int:
+    """How many of a file's keys, those of its tables included, are keys of this configuration."""
+    types = {field.name: field.type for field in msgspec.structs.fields(kind)}
+    tables = ((table, types[name]) for name, table in told.items() if name in types and isinstance(table, dict))
+    return len(told.keys() & types.keys()) + sum(
+        _known(table, t) for table, t in tables if hasattr(t, "__struct_fields__")
+    )
+
+
+def examine_config(config: Examined) -> list[Finding]:
+    """What a configuration without mistakes names."""
+    if isinstance(config, RemoteConfig):
+        return examine_remote(config)
+    if isinstance(config, LocalConfig):
+        return examine_local(config)
+    if isinstance(config, ConsoleConfig):
+        return _examine_links(config.links, config.links.places, *config.bearers)
+    return _examine_links(config, config.listen, ROUTER)
 
 
 def examine_machine() -> list[Finding]:
@@ -56,7 +91,11 @@ def examine_machine() -> list[Finding]:
 
 def examine_remote(config: RemoteConfig) -> list[Finding]:
     """Certificate, robot, views and ports of the robot's side."""
-    findings = [*_examine_certificate(config, Role.REMOTE), *site.check_robot(site_probing.probe_robot(config))]
+    own = Identity(Role.REMOTE, config.cell)
+    findings = [
+        *_examine_links(config.links, config.links.places, own),
+        *site.check_robot(site_probing.probe_robot(config)),
+    ]
     if config.views_are_simulated:
         findings.append(machine.check_rendering(probing.probe_rendering()))
     video = config.video
@@ -72,7 +111,8 @@ def examine_remote(config: RemoteConfig) -> list[Finding]:
 
 def examine_local(config: LocalConfig) -> list[Finding]:
     """Certificate, cameras, calibration, ports and clock of the operator's side."""
-    findings = [machine.check_cache(probing.probe_cache()), *_examine_certificate(config, Role.OPERATOR)]
+    places, own = (config.links.remote, config.links.listen), Identity(Role.OPERATOR, config.cell)
+    findings = [machine.check_cache(probing.probe_cache()), *_examine_links(config.links, places, own)]
     if not config.operator.is_simulated:
         findings += _examine_cameras(config)
     listening = [("local", config.links.listen), *_metrics(config)]
@@ -81,12 +121,19 @@ def examine_local(config: LocalConfig) -> list[Finding]:
     return findings
 
 
-def _examine_certificate(config: Site, role: Role) -> list[Finding]:
-    tls = config.links.tls
-    if not tls.is_given:
-        return []
-    facts = certificate_probing.probe_certificate(tls, datetime.now(UTC))
-    return certificates.check_certificate(facts, Identity(role, config.cell).common_name)
+def _examine_links(links: LinkSecurity, places: Sequence[str], *bearers: Identity) -> list[Finding]:
+    """The endpoints, and the certificate where there is one: of the first bearer or another that will do."""
+    findings = []
+    for place in places:
+        try:
+            check_endpoint(place, links)
+        except TransportError as refused:
+            findings.append(error("links", str(refused), "correct the table [links]"))
+    if links.tls.is_given:
+        facts = certificate_probing.probe_certificate(links.tls, datetime.now(UTC))
+        names = [bearer.common_name for bearer in bearers]
+        findings += certificates.check_certificate(facts, facts.names if facts.names in names else names[0])
+    return findings
 
 
 def _examine_cameras(config: LocalConfig) -> list[Finding]:
@@ -102,7 +149,3 @@ def _examine_cameras(config: LocalConfig) -> list[Finding]:
 
 def _metrics(config: Site) -> list[tuple[str, str]]:
     return [("metrics", config.metrics.endpoint)] if config.metrics.port else []
-
-
-def _name(kind: type[Site]) -> str:
-    return "remote" if kind is RemoteConfig else "local"

@@ -12,11 +12,9 @@ import structlog
 import uvicorn
 
 from common.channels import HAND, INTENT, SHOWN, STATE
-from common.credentials import check_bearer
-from common.endpoints import check_endpoint
+from common.credentials import check_links
 from common.errors import FarhandError, ProcessError
 from common.requests import Description
-from common.roles import Identity, Role
 from common.service import LogFormat, StopFlag, notify, start_log
 from common.transport import Link, open_link
 from local_site.console.acts import Acts
@@ -46,10 +44,7 @@ def run_console(
 ) -> None:
     """Serve the page until asked to stop; `tell` hears the address. FarhandError when it cannot start."""
     start_log("console", log_format)
-    for endpoint in (config.links.control, config.links.video, config.links.local):
-        check_endpoint(endpoint, config.links)
-    roles = [Role.OPERATOR] if config.operate else [Role.OPERATOR, Role.VIEWER, Role.MAINTENANCE]
-    check_bearer(config.links.tls, *(Identity(role, config.cell) for role in roles))
+    check_links(config.links.places, config.links, *config.bearers)
     try:
         with bind(config.serve) as listening:
             port = listening.getsockname()[1]

@@ -8,6 +8,7 @@ from msgspec import Meta, field
 
 from common.channels import check_cell_name
 from common.link_config import LinkSecurity
+from common.roles import Identity, Role
 from local_site.operator_name import host_operator
 
 LEAST_TOKEN = 16
@@ -21,6 +22,11 @@ class LinksConfig(LinkSecurity, frozen=True, kw_only=True, forbid_unknown_fields
     local: Annotated[str, Meta(min_length=1, description="the local site's endpoint on this host")] = (
         "tcp/127.0.0.1:7457"
     )
+
+    @property
+    def places(self) -> tuple[str, ...]:
+        """Every endpoint that the console uses."""
+        return self.control, self.video, self.local
 
 
 class ServeConfig(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
@@ -72,6 +78,12 @@ class ConsoleConfig(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fi
     def __post_init__(self) -> None:
         check_cell_name(self.cell)
         check_cell_name(self.name, "operator")
+
+    @property
+    def bearers(self) -> tuple[Identity, ...]:
+        """Whose certificate the console may show; any that may watch, where nobody operates."""
+        roles = (Role.OPERATOR,) if self.operate else (Role.OPERATOR, Role.VIEWER, Role.MAINTENANCE)
+        return tuple(Identity(role, self.cell) for role in roles)
 
     @property
     def name(self) -> str:

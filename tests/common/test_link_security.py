@@ -56,8 +56,8 @@ def pki(tmp_path_factory: pytest.TempPathFactory) -> Path:
 
 
 @contextmanager
-def running(security: LinkSecurity, protocol: str = "tls") -> Iterator[Cell]:
-    endpoint = f"{protocol}/127.0.0.1:{free_port()}"
+def running(security: LinkSecurity, protocol: str = "tls", port: int | None = None) -> Iterator[Cell]:
+    endpoint = f"{protocol}/127.0.0.1:{port or free_port()}"
     with open_link(listen=(endpoint,), security=security) as link:
         cell = Cell(endpoint, link)
         try:
@@ -153,6 +153,20 @@ def test_quic_where_only_tls_comes_through_says_what_is_blocked(pki: Path) -> No
         endpoint = cell.endpoint.replace("tls/", "quic/")
         with open_link(connect=(endpoint,), security=secured(pki, "operator")) as link:
             until(lambda: f"let UDP through to port {endpoint.rpartition(':')[2]}" in told(link))
+
+
+def test_quic_that_has_been_there_is_not_said_to_be_blocked(pki: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr("common.transport.QUIC_PATIENCE_S", 0.2)
+    with ExitStack() as stack:
+        with running(secured(pki, "remote"), "quic") as cell:
+            link = stack.enter_context(open_link(connect=(cell.endpoint,), security=secured(pki, "operator")))
+            until(lambda: link.ask(CLOCK, CELL, ClockQuestion()))
+        port = int(cell.endpoint.rpartition(":")[2])
+        stack.enter_context(running(secured(pki, "remote"), "tls", port))
+        until(lambda: not link._session.info.links())
+        for _ in range(3):
+            assert told(link) == ""
+            time.sleep(0.2)
 
 
 def test_pictures_do_not_go_by_quic(pki: Path) -> None:

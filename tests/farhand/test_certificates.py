@@ -1,6 +1,7 @@
 """The authority's folder: what is made, for whom, never over what is there; and what the doctor says of it."""
 
 import stat
+import time
 from datetime import UTC, datetime, timedelta
 from pathlib import Path
 
@@ -8,11 +9,12 @@ import pytest
 from cryptography import x509
 from cryptography.x509.oid import ExtendedKeyUsageOID
 
-from common.credentials import check_bearer, load_credentials
+from common.credentials import Validity, check_links, load_credentials
 from common.errors import ConfigError, TransportError
-from common.link_config import TlsConfig
+from common.link_config import LinkSecurity, TlsConfig
 from common.roles import Identity, Role, read_common_name
-from farhand.certificates.folder import Order, create, hosts_of, read_certificate, renew
+from farhand.certificates.folder import Order, create, hosts_of, load_authority, read_certificate, renew
+from farhand.certificates.issuing import issue
 from farhand.doctor.certificate_probing import probe_certificate
 from farhand.doctor.certificates import CertificateFacts, check_certificate
 from farhand.doctor.findings import Level, worst
@@ -61,9 +63,31 @@ def test_another_cell_shares_the_authority_and_not_the_names(folder: Path) -> No
     create(folder, Order("other", (), 90), NOW)
     assert (folder / "ca.pem").read_bytes() == authority
     assert load_credentials(files(folder, "operator", "other")).identity == Identity(Role.OPERATOR, "other")
-    with pytest.raises(TransportError, match=r"is for operator\.other, not for operator\.lab"):
-        check_bearer(files(folder, "operator", "other"), Identity(Role.OPERATOR, "lab"))
-    check_bearer(TlsConfig(), Identity(Role.OPERATOR, "lab"))
+    theirs = LinkSecurity(tls=files(folder, "operator", "other"))
+    with pytest.raises(ConfigError, match=r"is for operator\.other, not for operator\.lab; write cell = \"other\""):
+        check_links((), theirs, Identity(Role.OPERATOR, "lab"))
+    with pytest.raises(ConfigError, match=r"is for operator\.other, not for viewer\.other$"):
+        check_links((), theirs, Identity(Role.VIEWER, "other"))
+    with pytest.raises(ConfigError, match="tls needs certificates"):
+        check_links(("tls/127.0.0.1:1",), LinkSecurity(), Identity(Role.OPERATOR, "lab"))
+    check_links(("tcp/127.0.0.1:1",), LinkSecurity(), Identity(Role.OPERATOR, "lab"))
+
+
+def test_a_certificate_that_expires_while_a_site_runs_is_found(folder: Path) -> None:
+    soon = issue(
+        load_authority(folder), Identity(Role.REMOTE, "lab"), ("127.0.0.1",), datetime.now(UTC), timedelta(seconds=2)
+    )
+    for name, pem in (("soon.pem", soon.certificate_pem), ("soon.key", soon.key_pem)):
+        (folder / name).write_bytes(pem)
+    tls = TlsConfig(ca=str(folder / "ca.pem"), certificate=str(folder / "soon.pem"), key=str(folder / "soon.key"))
+    validity = Validity(tls)
+    validity.check()
+    (folder / "soon.pem").write_bytes(b"being renewed")
+    validity.check()
+    time.sleep(3.1)  # a certificate is good for whole seconds
+    with pytest.raises(TransportError, match=r"soon\.pem has expired; renew it"):
+        validity.check()
+    Validity(TlsConfig()).check()
 
 
 def test_renewing_keeps_authority_and_hosts_and_makes_new_keys(folder: Path) -> None:

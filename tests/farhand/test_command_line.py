@@ -111,10 +111,10 @@ def test_every_command_has_help(command: list[str], here) -> None:
         (["remote", "--set", "robot.tool_frame=hook"], 2, "set robot.tool_frame to one of"),
         (["remote", "--set", "safety.collision.ignored_pairs=[['hook', 'table']]"], 2, "ignored_pairs: no hook"),
         (["remote", "--set", "driver.name=elbow"], 1, "choose one of: c500c, kinematic, simulated"),
-        (["remote", "--set", "links.control=tcp/10.0.0.1:7447"], 1, "refused"),
+        (["remote", "--set", "links.control=tcp/10.0.0.1:7447"], 2, "refused"),
         (["loopback", "--driver", "none"], 1, "choose one of"),
         (["driver", "test", "elbow"], 1, "choose one of"),
-        (["console", "--set", "links.control=tcp/10.0.0.1:7447"], 1, "refused"),
+        (["console", "--set", "links.control=tcp/10.0.0.1:7447"], 2, "refused"),
     ],
 )
 def test_misuse_is_told_with_its_cure(arguments: list[str], code: int, words: str, here) -> None:

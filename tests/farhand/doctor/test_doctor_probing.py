@@ -22,11 +22,13 @@ from common.requests import ClockAnswer
 from common.transport import open_link
 from farhand.cli import app
 from farhand.doctor.processes import holder_of_device, listener_on
-from farhand.doctor.run import which_site
+from farhand.doctor.run import examine, which_site
 from farhand.doctor.site_probing import probe_camera, probe_clock, probe_ports, probe_rig
 from farhand.loopback import free_ports
+from farhand.router import RouterConfig
 from local_site.calibration.rig_file import save_rig
 from local_site.config import LocalConfig
+from local_site.console.config import ConsoleConfig
 from local_site.simulation.cameras import exact_rig
 from local_site.simulation.config import SimulationConfig
 from remote_site.config import RemoteConfig
@@ -105,6 +107,12 @@ def test_the_other_clock_is_asked_where_it_answers(monkeypatch: pytest.MonkeyPat
         ("[driver]\nname = 'kinematic'\n", [RemoteConfig]),
         ("cell = 'lab'\n[safety]\n", [RemoteConfig]),
         ("cell = 'lab'\n", [RemoteConfig, LocalConfig]),
+        ("[links]\nrouter = 'tls/meet:7450'\n", [RemoteConfig]),
+        ("[links]\nremote = 'tls/robot:7447'\n[links.tls]\nca = 'ca.pem'\n", [LocalConfig]),
+        ("[links]\ncontrol = 'tls/0.0.0.0:7447'\n", [RemoteConfig]),
+        ("[links]\ncontrol = 'tls/robot:7447'\nlocal = 'tcp/127.0.0.1:7457'\n", [ConsoleConfig]),
+        ("[serve]\nport = 8470\n", [ConsoleConfig]),
+        ("cells = ['lab']\nlisten = ['tls/0.0.0.0:7450']\n", [RouterConfig]),
         ("this is not TOML", [RemoteConfig]),
     ],
 )
@@ -112,6 +120,16 @@ def test_a_file_tells_whose_it_is(text: str, sites: list[type], tmp_path: Path) 
     path = tmp_path / "site.toml"
     path.write_text(text)
     assert which_site(path) == sites
+
+
+def test_the_cells_consoles_and_routers_files_are_examined_too(tmp_path: Path) -> None:
+    path = tmp_path / "router.toml"
+    path.write_text("cells = ['lab']\nlisten = ['tls/0.0.0.0:7450']\n")
+    found = [finding for finding in examine(path, ()) if finding.check in ("configuration", "links")]
+    assert found[0].sentence.endswith("of the router is without mistakes")
+    assert "tls needs certificates" in found[1].sentence
+    path.write_text("[links]\nrouter = 'tls/meet:7450'\n")
+    assert any("tls needs certificates" in finding.sentence for finding in examine(path, ()))
 
 
 def test_a_real_run_ends_by_its_worst_finding(tmp_path: Path) -> None:
