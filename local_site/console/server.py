@@ -13,7 +13,7 @@ from starlette.requests import Request
 from starlette.responses import FileResponse
 from starlette.routing import Mount, Route, WebSocketRoute
 from starlette.staticfiles import StaticFiles
-from starlette.websockets import WebSocket, WebSocketDisconnect
+from starlette.websockets import WebSocket, WebSocketDisconnect, WebSocketDisconnected
 
 from common.errors import ConfigError, MessageError, TransportError
 from local_site.console.config import ServeConfig
@@ -115,7 +115,7 @@ async def _serve_page(hub: Hub, page: Page, connection: WebSocket) -> None:
             hub.hear(page, text)
     except MessageError as error:
         await connection.close(NOT_UNDERSTOOD, str(error)[:100])
-    except WebSocketDisconnect:
+    except (WebSocketDisconnect, WebSocketDisconnected):  # told while reading, or found out while writing
         return
     finally:
         hub.leave(page)
