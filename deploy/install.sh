@@ -78,6 +78,7 @@ put_in() {
   place_configuration
   place_units
   compile
+  if [ -n "$dry" ]; then return; fi
   echo "Farhand is installed. Next:
   edit $configuration/remote.toml or local.toml, then: farhand doctor --config FILE
   systemctl enable --now farhand-remote    (the robot's side)
@@ -148,7 +149,7 @@ place_units() {
 # Otherwise the first start would take so long. An image is compiled for where it runs, at its first start.
 compile() {
   if [ -n "$root" ]; then return; fi
-  echo "Compiling the tracker (once, up to a minute) ..."
+  if [ -z "$dry" ]; then echo "Compiling the tracker (once, up to a minute) ..."; fi
   run runuser --user farhand -- env --chdir "$state" NUMBA_CACHE_DIR="$cache/numba" \
     "$home/.venv/bin/python" -m local_site.warm_up
 }

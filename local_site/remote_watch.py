@@ -5,11 +5,14 @@ from collections.abc import Callable
 import structlog
 
 from common.channels import STATE
+from common.clock import NS_PER_S
 from common.errors import MessageError
 from common.health import ChannelHealth
 from common.messages import RobotState
 from common.transport import Latest
 from local_site.refusal_log import RefusalLog
+
+CODES_APART_NS = NS_PER_S  # near a limit a reason comes and goes with every sample
 
 
 class RemoteWatch:
@@ -25,6 +28,7 @@ class RemoteWatch:
         self._asker: str | None = None
         self._health = ChannelHealth(STATE.stale_after_ns)
         self._told: tuple[str, str] | None = None
+        self._told_ns = 0
         self._refusals = RefusalLog("state refused")
 
     def look(self, now_ns: int) -> None:
@@ -36,7 +40,7 @@ class RemoteWatch:
             return
         if state is not None:
             self._health.seen(now_ns)
-            self._tell(state)
+            self._tell(state, now_ns)
         alive = self._health.change(now_ns)
         if alive is False:
             self._told = None
@@ -44,10 +48,11 @@ class RemoteWatch:
         elif alive:
             structlog.get_logger().info("the remote site is there")
 
-    def _tell(self, state: RobotState) -> None:
+    def _tell(self, state: RobotState, now_ns: int) -> None:
         news = (state.state.value, state.code)
-        if news != self._told:
-            self._told = news
+        changed = self._told is None or news[0] != self._told[0]
+        if changed or (news != self._told and now_ns - self._told_ns >= CODES_APART_NS):
+            self._told, self._told_ns = news, now_ns
             structlog.get_logger().info("remote", state=state.state.value, code=state.code, reason=state.reason)
         lease = state.lease
         ours = lease is not None and lease.session == self._session
