@@ -303,13 +303,14 @@ def open_link(
     security: LinkSecurity = ON_THIS_HOST,
     send_buffer_bytes: int | None = None,
     through_router: bool = False,
+    given_up: Callable[[], bool] = lambda: False,
 ) -> Link:
     """Open a session at explicit endpoints; TransportError when one is not allowed or cannot be opened.
 
     `send_buffer_bytes` is how much may wait in each connection, None for the system's choice, which is megabytes.
     Listening fails at once when the port is taken; connecting goes on in the background until the other side is there,
     but a side that is there and refuses us, or that we refuse, is a RefusedError. `through_router` is for who answers
-    where nobody can reach it: everything comes and goes by the router at `connect`, which is waited for.
+    where nobody can reach it: everything comes and goes by the router at `connect`, waited for until `given_up`.
     """
     listening = _listening(listen, security)
     outgoing = tuple(check_endpoint(endpoint, security) for endpoint in connect)
@@ -318,8 +319,10 @@ def open_link(
     cells = [credentials.identity.cell] if credentials and credentials.identity.cell else []
     mode = Mode.CLIENT if through_router else Mode.PEER
     places = Places(mode, listening, outgoing, send_buffer_bytes)
-    opening = _open_when_met if through_router else _open
-    link = Link(opening(places, credentials, cells), outgoing, credentials)
+    session = (
+        _open_when_met(places, credentials, cells, given_up) if through_router else _open(places, credentials, cells)
+    )
+    link = Link(session, outgoing, credentials)
     try:
         link.check_connected()
     except RefusedError:
@@ -352,7 +355,9 @@ def _credentials(places: Sequence[Endpoint], security: LinkSecurity) -> Credenti
     return load_credentials(security.tls) if any(place.is_secured for place in places) else None
 
 
-def _open_when_met(places: Places, credentials: Credentials | None, cells: Sequence[str]) -> zenoh.Session:
+def _open_when_met(
+    places: Places, credentials: Credentials | None, cells: Sequence[str], given_up: Callable[[], bool]
+) -> zenoh.Session:
     """Open a client's session as soon as its router is there; TransportError when it does not come."""
     give_up = time.monotonic() + ROUTER_PATIENCE_S
     while True:
@@ -362,7 +367,7 @@ def _open_when_met(places: Places, credentials: Credentials | None, cells: Seque
             why = next((why for endpoint in places.connect if (why := refusal(endpoint, credentials))), None)
             if why is not None:
                 raise RefusedError(why) from error
-            if time.monotonic() > give_up:
+            if given_up() or time.monotonic() > give_up:
                 raise TransportError(f"no router answers at {places}: start it there with 'farhand router'") from error
             time.sleep(ROUTER_POLL_S)
 

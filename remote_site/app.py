@@ -64,9 +64,10 @@ def run_remote(config: RemoteConfig, should_stop: StopFlag, log_format: LogForma
         if config.metrics.port:
             children.start("metrics", partial(_metrics, config, tally), vital=False)
         children.wait_ready(READY_TIMEOUT_S, should_stop)
-        ready = True
-        notify("READY=1")
-        log.info("ready", cell=config.cell, driver=config.driver.name, control=config.links.heard_at)
+        ready = not should_stop()
+        if ready:
+            notify("READY=1")
+            log.info("ready", cell=config.cell, driver=config.driver.name, control=config.links.heard_at)
         validity, checks = Validity(config.links.tls), 0
         while not should_stop.wait(CHECK_S):
             children.check()
@@ -136,7 +137,7 @@ def _video(
     heartbeat: Heartbeat,
 ) -> None:
     views = SimulatedViews(config.simulation, config.robot, memory) if memory is not None else None
-    with open_site_link(config.links, config.links.video, VIDEO_SEND_BUFFER_BYTES) as link:
+    with open_site_link(config.links, config.links.video, should_stop, VIDEO_SEND_BUFFER_BYTES) as link:
         publishers: dict[str, Publisher[VideoFrame]] = {
             camera.name: link.publisher(CAMERA, config.cell, camera.name) for camera in config.video.cameras
         }

@@ -53,7 +53,7 @@ def run_control(
     model = ArmModel.from_urdf(config.robot.urdf, config.robot.tool_frame, config.robot.tool_T_tcp)
     limits = JointLimits.from_model(model, config.robot)
     driver = DriverLink(driver_memory, limits, clock)
-    with open_site_link(config.links, config.links.control) as link:
+    with open_site_link(config.links, config.links.control, should_stop) as link:
         leases = LeaseDesk(round(config.lease.seconds * NS_PER_S), 1 + secrets.randbits(LEASE_BITS))
         chain = Chain(config, model, limits, config.robot.start, leases)
         real_time = ask_for_real_time(FIFO_PRIORITY)

@@ -15,7 +15,7 @@ import zenoh
 from common.channels import ENGAGEMENT, HAND, STATE
 from common.config import load_config
 from common.endpoints import SECURED
-from common.errors import RefusedError
+from common.errors import RefusedError, TransportError
 from common.transport import Link, open_link, open_router
 from farhand.certificates.folder import Order, create
 from farhand.router import RouterConfig, zenohd_configuration
@@ -103,6 +103,18 @@ def test_a_site_waits_for_its_router_and_hears_when_that_refuses_it(pki: Path) -
     thread.join()
     with later[0], pytest.raises(RefusedError, match="speaks TLS only"):
         open_link(connect=(endpoint.replace("tls/", "tcp/"),), through_router=True)
+
+
+def test_who_is_asked_to_end_waits_for_no_router(pki: Path) -> None:
+    endpoint, began = f"tls/127.0.0.1:{free_port()}", time.monotonic()
+    with pytest.raises(TransportError, match="no router answers"):
+        open_link(
+            connect=(endpoint,),
+            security=secured(pki, "remote"),
+            through_router=True,
+            given_up=lambda: time.monotonic() > began + 0.3,
+        )
+    assert time.monotonic() - began < 5.0  # of 20
 
 
 def test_a_router_passes_on_nothing_that_a_role_may_not_send(meeting: Meeting) -> None:
