@@ -147,10 +147,9 @@ class CameraDescription(msgspec.Struct, frozen=True, forbid_unknown_fields=True)
 
 
 class Description(Message, frozen=True):
-    """The cell: its software, its robot with joints and limits, its cameras, its rates in Hz.
+    """The cell: its software, its robot with joints and limits, its cameras, and its rates in Hz.
 
     `held`: the arm follows only while the operator holds key or pedal.
-
     `last_T_tool` is the tool centre point in the last joint's frame; the workspace is the box, in the base's frame and
     in m, that it stays in.
     """

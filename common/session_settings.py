@@ -47,17 +47,19 @@ def session_settings(places: Places, credentials: Credentials | None, cells: Seq
 
     `cells` are those that the session serves, by which its neighbours' certificates are told apart.
     """
+    listening = [locator for endpoint in places.listen for locator in _listening(endpoint)]
+    connecting = [_locator(endpoint) for endpoint in places.connect]
     settings = {
         "mode": places.mode.value,
-        "listen/endpoints": [locator for endpoint in places.listen for locator in _listening(endpoint)],
-        "connect/endpoints": [_locator(endpoint) for endpoint in places.connect],
+        "listen/endpoints": listening,
+        "connect/endpoints": connecting,
         "connect/retry": RETRY,
         "connect/timeout_ms": CLIENT_TIMEOUT_MS if places.mode is Mode.CLIENT else FOR_EVER,
         "connect/exit_on_failure": False,
         "scouting/multicast/enabled": False,
         "scouting/gossip/enabled": False,
         "transport/shared_memory/enabled": False,  # on one host pictures would pass the link, and all that limits it
-        "transport/link/protocols": sorted(_protocols(places)),
+        "transport/link/protocols": sorted({locator.partition("/")[0] for locator in (*listening, *connecting)}),
         "transport/link/tcp/so_sndbuf": places.send_buffer_bytes,
         "transport/link/tls/so_sndbuf": places.send_buffer_bytes,
         "transport/link/tx/lease": LEASE_MS,
@@ -84,11 +86,6 @@ def _locator(endpoint: Endpoint) -> str:
 def _listening(endpoint: Endpoint) -> tuple[str, ...]:
     """Who listens for QUIC listens for TLS at the port of the same number: there it can be asked why it refuses."""
     return (_locator(endpoint), str(replace(endpoint, protocol="tls"))) if endpoint.is_quic else (str(endpoint),)
-
-
-def _protocols(places: Places) -> set[str]:
-    spoken = {place.protocol for place in (*places.listen, *places.connect)}
-    return spoken | {"tls"} if any(place.is_quic for place in places.listen) else spoken
 
 
 def _tls_settings(tls: TlsConfig) -> dict[str, Any]:

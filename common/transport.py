@@ -19,7 +19,7 @@ from common.link_config import ON_THIS_HOST, LinkSecurity
 from common.link_probe import answers, identity_refusal, refusal
 from common.messages import Message
 from common.once import Replied, Requested, Server
-from common.pace import Pace
+from common.rate_cap import RateCap
 from common.requests import ClockQuestion
 from common.roles import Role
 from common.session_settings import Mode, Places, session_settings
@@ -40,7 +40,6 @@ PRIORITIES = {
     Priority.INTERACTIVE: zenoh.Priority.INTERACTIVE_HIGH,
     Priority.DATA: zenoh.Priority.DATA,
 }
-
 RELIABILITY = {True: zenoh.Reliability.BEST_EFFORT, False: zenoh.Reliability.RELIABLE}
 
 
@@ -68,7 +67,7 @@ class Latest(Generic[M]):
     ) -> None:
         self._subscriber = subscriber
         self._channel = channel
-        self._pace = Pace(channel.most_hz, channel.depth + 1)
+        self._cap = RateCap(channel.most_hz, channel.depth + 1)
 
     def take(self) -> M | None:
         """The oldest message kept and not taken yet, None without one; MessageError for a payload that is none."""
@@ -85,7 +84,7 @@ class Latest(Generic[M]):
             sample = self._subscriber.recv()
         except zenoh.ZError as error:
             raise TransportError("the link was closed") from error
-        self._pace.passed(time.monotonic_ns())
+        self._cap.passed(time.monotonic_ns())
         return self._decode(sample)
 
     def feed(self, take: Callable[[M, int], None]) -> None:
@@ -100,8 +99,8 @@ class Latest(Generic[M]):
             take(message, time.monotonic_ns())
 
     def _hold_back(self) -> None:
-        was_flooded, pause_ns = self._pace.flooded, self._pace.pause_ns(time.monotonic_ns())
-        if self._pace.flooded and not was_flooded:
+        was_flooded, pause_ns = self._cap.flooded, self._cap.pause_ns(time.monotonic_ns())
+        if self._cap.flooded and not was_flooded:
             self._warn()
         if pause_ns:
             time.sleep(pause_ns / NS_PER_S)

@@ -37,7 +37,7 @@ class RouterConfig(LinkSecurity, frozen=True, kw_only=True, forbid_unknown_field
 
 
 def run_router(config: RouterConfig, should_stop: StopFlag, log_format: LogFormat = LogFormat.TEXT) -> None:
-    """Pass on what the sites say to each other until asked to stop; TransportError when it cannot listen."""
+    """Pass on what the sites say to each other until asked to stop; TransportError or ConfigError when it cannot."""
     start_log("router", log_format)
     check_links(config.listen, config, ROUTER)
     with open_router(listen=config.listen, cells=config.cells, security=config):

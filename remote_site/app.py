@@ -68,13 +68,7 @@ def run_remote(config: RemoteConfig, should_stop: StopFlag, log_format: LogForma
         if ready:
             notify("READY=1")
             log.info("ready", cell=config.cell, driver=config.driver.name, control=config.links.heard_at)
-        validity, checks = Validity(config.links.tls), 0
-        while not should_stop.wait(CHECK_S):
-            children.check()
-            checks += 1
-            if checks % CHECKS_PER_VALIDITY == 0:
-                validity.check()
-            notify("WATCHDOG=1")
+        _watch(children, Validity(config.links.tls), should_stop)
         mark.clear()
     except FarhandError as error:
         if not (ready or stood):
@@ -94,6 +88,17 @@ def _check_start(config: RemoteConfig) -> None:
         check_free(endpoint, links)
     check_driver(config.driver.name)
     check_robot(config)
+
+
+def _watch(children: Children, validity: Validity, should_stop: StopFlag) -> None:
+    """Return when asked to stop; FarhandError when a process fails, or the site's certificate expires."""
+    checks = 0
+    while not should_stop.wait(CHECK_S):
+        children.check()
+        checks += 1
+        if checks % CHECKS_PER_VALIDITY == 0:
+            validity.check()
+        notify("WATCHDOG=1")
 
 
 def without_automatic_engagement(config: RemoteConfig) -> RemoteConfig:

@@ -104,7 +104,7 @@ def _start(robot: RobotConfig, limits: JointLimits) -> Array:
 def _build_simulation(config: RemoteConfig) -> None:
     try:
         from remote_site.simulation.cell import build_cell  # noqa: PLC0415  # a real cell needs no MuJoCo
-        from remote_site.simulation.process import make_controller  # noqa: PLC0415
+        from remote_site.simulation.process import make_controller  # noqa: PLC0415  # as above
     except ImportError as error:
         cure = "pip install 'farhand[sim]', or choose another driver and give every camera a device or URL"
         raise ConfigError(f"the simulated cell needs MuJoCo ({error}); {cure}") from error

@@ -176,7 +176,13 @@ class ControlConfig(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fi
         float, Meta(ge=1, le=200, description="glide_rad_s once samples deviate to one side, rad/s")
     ] = 50.0
     predict_ms: Annotated[
-        float, Meta(ge=0, le=200, description="how long a target is carried on after its sample has come, ms; 0: never")
+        float,
+        Meta(
+            ge=0,
+            le=200,
+            description="how long a target is carried on after its sample has come, ms; 0: never; in proportion longer "
+            "where t_soft_ms is above 100",
+        ),
     ] = 60.0
     solver: SolverConfig = field(default_factory=SolverConfig)
     singularity: SingularityConfig = field(default_factory=SingularityConfig)

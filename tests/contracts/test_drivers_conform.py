@@ -286,7 +286,7 @@ def test_a_driver_that_lies_in_one_thing_fails_in_nothing_else(bad, check):
     assert run_checks(kinematic_stand(bad), lines.append) == [check], lines
 
 
-def refuse_to_be_made(clock):  # noqa: ARG001
+def refuse_to_be_made(clock):  # noqa: ARG001  # as drivers are made
     raise TypeError("an argument is missing")
 
 
@@ -301,14 +301,14 @@ class Ceased(KinematicDriver):
 class Portless(KinematicDriver):
     """Finds no port, and says so."""
 
-    def configure(self, setup: DriverSetup) -> None:  # noqa: ARG002
+    def configure(self, setup: DriverSetup) -> None:  # noqa: ARG002  # as drivers are configured
         raise DriverError("the port is not there; plug it in")
 
 
 class Quitter(KinematicDriver):
     """Ends the program."""
 
-    def configure(self, setup: DriverSetup) -> None:  # noqa: ARG002
+    def configure(self, setup: DriverSetup) -> None:  # noqa: ARG002  # as drivers are configured
         raise SystemExit(3)
 
 

@@ -45,9 +45,8 @@ export class Controls {
   /** Show an answer where nothing else tells it, until the next, or until the state is another. */
   hear({ what, done, reason }) {
     if (what === "stop") return;
-    this.#said();
     if (done) this.#alert.clear("controls");
-    else this.#alert.say("controls", "bad", `${what}: ${reason}`);
+    else this.#complain(`${what}: ${reason}`);
   }
 
   /** Without a connection nothing of this does anything. */
@@ -80,16 +79,15 @@ export class Controls {
     element("seat-button").disabled = !this.#mayOperate;
   }
 
-  /** What is said from now on holds until the state is another. */
-  #said() {
+  #complain(words) {
     this.#refusedIn = null;
+    this.#alert.say("controls", "bad", words);
   }
 
   #showIntent(intent) {
     const known = JSON.stringify([intent.scale, intent.rotation_scale, intent.locks]);
     if (this.#isBack && known !== this.#intent) {
-      this.#said();
-      this.#alert.say("controls", "bad", "scales or locks have changed while there was no connection: look before you engage");
+      this.#complain("scales or locks have changed while there was no connection: look before you engage");
     }
     this.#isBack = false;
     this.#intent = known;

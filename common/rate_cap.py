@@ -3,7 +3,7 @@
 from common.clock import NS_PER_S
 
 
-class Pace:
+class RateCap:
     """Lets `burst` messages pass at once and `hz` a second for good.
 
     `flooded` is true from a second of pauses on until as many messages have passed without one.
