@@ -33,5 +33,5 @@ $(READY): constraints.txt pyproject.toml
 	@$(PYTHON) -m venv .venv
 	@$(BIN)/python -m pip install --quiet --disable-pip-version-check --constraint constraints.txt --editable '.[sim,dev]'
 	@echo 'Compiling the tracker (once, up to a minute) ...'
-	@$(BIN)/python -m local_site.warm_up
+	@$(BIN)/python -m local_site.runtime.warm_up
 	@touch $@

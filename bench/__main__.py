@@ -8,7 +8,13 @@ from pathlib import Path
 from rich.console import Console
 from rich.table import Table
 
-from bench import cells, control, fuzz, monocular, page, rendering, soak, tracking, video
+from bench import cells, fuzz, rendering
+from bench.control import tick as control
+from bench.page import glass_to_glass as page
+from bench.soak import run as soak
+from bench.tracking import comparison as tracking
+from bench.tracking import monocular
+from bench.video import views as video
 
 BENCHMARKS: dict[str, Callable[[], dict[str, float]]] = {
     "cells": cells.measure,

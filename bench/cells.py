@@ -12,11 +12,12 @@ from pathlib import Path
 
 import numpy as np
 
-from common.channels import CAMERA, HAND
 from common.clock import NS_PER_MS
-from common.messages import CameraStatus, HandArm, TrackingStatus, VideoFrame
-from common.transport import Link, open_link
-from farhand.loopback import free_ports
+from common.link.channels import CAMERA, HAND
+from common.link.transport import Link, open_link
+from common.messages.hand import HandArm, TrackingStatus
+from common.messages.video import CameraStatus, VideoFrame
+from farhand.loopback.run import free_ports
 
 COUNTS = (1, 2, 4, 8, 16)
 SECONDS = 5.0

@@ -8,10 +8,10 @@ from collections import Counter
 from collections.abc import Callable
 from pathlib import Path
 
-from common.channels import CHANNELS, PROCEDURES
-from common.codec import decode
 from common.errors import MessageError
-from common.messages import Message
+from common.link.channels import CHANNELS, PROCEDURES
+from common.messages.base import Message
+from common.messages.codec import decode
 
 GOLDEN = Path(__file__).parents[1] / "tests" / "golden" / "valid"
 PAYLOADS = 1_000_000

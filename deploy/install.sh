@@ -151,7 +151,7 @@ compile() {
   if [ -n "$root" ]; then return; fi
   if [ -z "$dry" ]; then echo "Compiling the tracker (once, up to a minute) ..."; fi
   run runuser --user farhand -- env --chdir "$state" NUMBA_CACHE_DIR="$cache/numba" \
-    "$home/.venv/bin/python" -m local_site.warm_up
+    "$home/.venv/bin/python" -m local_site.runtime.warm_up
 }
 
 take_away() {

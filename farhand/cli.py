@@ -10,9 +10,9 @@ import typer
 
 from common.config import load_config
 from common.errors import ConfigError, FarhandError, InterruptionError
-from common.service import LogFormat, StopFlag
-from farhand.cli_calibrate import calibrate_app
-from farhand.cli_certificates import certificates_app
+from common.process.service import LogFormat, StopFlag
+from farhand.commands.calibrate import calibrate_app
+from farhand.commands.certificates import certificates_app
 from farhand.exit_codes import FAILED, INTERRUPTED, MISUSE
 from local_site.tracking.method import Method
 
@@ -90,8 +90,8 @@ def local(
     Example: farhand local --config deploy/sites/local.toml
     """
     from farhand.outputs import check_folder
-    from local_site.app import run_local
     from local_site.config import LocalConfig
+    from local_site.runtime.app import run_local
 
     check_folder("--save-views", save_views)
     loaded = load_config(LocalConfig, config, settings or ())
@@ -111,8 +111,8 @@ def remote(
 
     Example: farhand remote --config deploy/sites/remote.toml --driver kinematic
     """
-    from remote_site.app import run_remote
     from remote_site.config import RemoteConfig
+    from remote_site.runtime.app import run_remote
 
     chosen = ([f"driver.name={driver}"] if driver else []) + (["driver.emulate=true"] if emulate else [])
     chosen += [f"cell={cell}"] if cell else []
@@ -150,7 +150,7 @@ def driver_test_command(
 
     Example: farhand driver test kinematic
     """
-    from farhand.driver_command import test_driver
+    from farhand.commands.driver import test_driver
     from remote_site.config import RemoteConfig
 
     loaded = load_config(RemoteConfig, config, [*(settings or ()), f"driver.name={name}"])
@@ -169,7 +169,7 @@ def engage(
 
     Example: farhand engage --cell cell
     """
-    from farhand.engage import request_engage
+    from farhand.commands.engage import request_engage
 
     links = _links(config, cell=cell, control=at)
     typer.echo(request_engage(links.cell, links.links.control, operator or links.name, links.links))
@@ -223,7 +223,7 @@ def lease_show(cell: CellName = "", at: RemoteEndpoint = "", config: LinksFile =
 
     Example: farhand lease show --cell cell
     """
-    from farhand.lease import show_lease
+    from farhand.commands.lease import show_lease
 
     links = _links(config, cell=cell, control=at)
     typer.echo(show_lease(links.cell, links.links.control, links.links))
@@ -257,8 +257,8 @@ def lease_release(cell: CellName = "", at: LocalEndpoint = "", config: LinksFile
 
 
 def _act_on_lease(action: str, links: "ConsoleConfig") -> None:
-    from common.requests import OperatorAction
-    from farhand.lease import act_on_lease
+    from common.messages.requests import OperatorAction
+    from farhand.commands.lease import act_on_lease
 
     typer.echo(act_on_lease(links.cell, links.links.local, OperatorAction(action), links.links))
 
@@ -282,8 +282,8 @@ def maintenance_reset(cell: CellName = "", at: RemoteEndpoint = "", config: Link
 
 
 def _maintain(action: str, links: "ConsoleConfig") -> None:
-    from common.requests import EngagementAction
-    from farhand.engage import request_maintenance
+    from common.messages.requests import EngagementAction
+    from farhand.commands.engage import request_maintenance
 
     typer.echo(request_maintenance(links.cell, links.links.control, EngagementAction(action), links.name, links.links))
 
@@ -307,7 +307,7 @@ def loopback(
 
     Example: farhand loopback --seconds 30 --report out.json
     """
-    from farhand.loopback import LoopbackOptions, run_loopback
+    from farhand.loopback.run import LoopbackOptions, run_loopback
 
     options = LoopbackOptions(seconds, report, driver, motion, tracker, arm, save_views, headless)
     _until_signal(lambda should_stop: run_loopback(options, should_stop))
@@ -344,7 +344,7 @@ def track(
 
     Example: farhand track --rig rig.json --left left.avi --right right.avi --set tracking.silhouette.right_arm=false
     """
-    from farhand.track_command import TrackSources, joint_settings, run_track
+    from farhand.commands.track import TrackSources, joint_settings, run_track
     from local_site.config import LocalConfig
 
     if (monocular is None) == (left is None or right is None) or (monocular and (left or right or also)):

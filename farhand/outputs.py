@@ -7,7 +7,7 @@ from pathlib import Path
 
 from common.cameras.images import IMAGE_SUFFIXES
 from common.errors import ConfigError
-from local_site.whole_file import write_whole
+from common.whole_file import write_whole
 
 
 def check_file(option: str, out: Path, inputs: Iterable[str | Path] = ()) -> None:

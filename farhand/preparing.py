@@ -2,8 +2,8 @@
 
 from rich.console import Console
 
+from local_site.runtime.warm_up import warm_up
 from local_site.tracking.choice import TrackingConfig
-from local_site.warm_up import warm_up
 
 
 def prepare_tracker(tracking: TrackingConfig) -> None:

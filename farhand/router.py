@@ -6,14 +6,19 @@ from typing import Annotated, Any
 import structlog
 from msgspec import Meta
 
-from common.channels import check_cell_name
-from common.credentials import Credentials, check_links
-from common.endpoints import check_endpoint
-from common.link_config import LinkSecurity
-from common.roles import Identity, Role
-from common.service import LogFormat, StopFlag, notify, start_log
-from common.session_settings import Mode, Places, session_settings
-from common.transport import open_router
+from common.link.channels import check_cell_name
+from common.link.config import LinkSecurity
+from common.link.credentials import Credentials, check_links
+from common.link.endpoints import check_endpoint
+from common.link.roles import Identity, Role
+from common.link.session_settings import Mode, Places, session_settings
+from common.link.transport import open_router
+from common.process.service import (
+    LogFormat,
+    StopFlag,
+    notify,
+    start_log,
+)
 
 BEAT_S = 0.2
 ROUTER = Identity(Role.ROUTER, None)

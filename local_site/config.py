@@ -6,15 +6,15 @@ import msgspec
 from msgspec import Meta, field
 
 from common.cameras.sources import Source
-from common.channels import check_cell_name
-from common.link_config import LinkSecurity
-from common.metrics.config import MetricsConfig
+from common.link.channels import check_cell_name
+from common.link.config import LinkSecurity
+from common.process.metrics.config import MetricsConfig
+from local_site.acquisition.pairing import PairingConfig
+from local_site.authority.operator_name import host_operator
 from local_site.calibration.drift import DriftConfig
-from local_site.operator_name import host_operator
-from local_site.pairing import PairingConfig
 from local_site.preview.config import PreviewConfig
+from local_site.samples.smoothing import SmoothingConfig
 from local_site.simulation.config import SimulationConfig
-from local_site.smoothing import SmoothingConfig
 from local_site.tracking.choice import TrackingConfig
 
 SIMULATED = "simulated"

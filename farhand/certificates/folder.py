@@ -11,9 +11,9 @@ from cryptography import x509
 from cryptography.hazmat.primitives import serialization
 from cryptography.hazmat.primitives.asymmetric import ec
 
-from common.channels import check_cell_name
 from common.errors import ConfigError
-from common.roles import Identity, Role
+from common.link.channels import check_cell_name
+from common.link.roles import Identity, Role
 from farhand.certificates.issuing import CA_DAYS, Issued, issue, make_authority
 
 LOOPBACK_HOSTS = ("127.0.0.1", "::1", "localhost")

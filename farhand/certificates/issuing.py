@@ -10,7 +10,7 @@ from cryptography.hazmat.primitives import hashes, serialization
 from cryptography.hazmat.primitives.asymmetric import ec
 from cryptography.x509.oid import ExtendedKeyUsageOID, NameOID
 
-from common.roles import Identity
+from common.link.roles import Identity
 
 EARLY = timedelta(minutes=5)  # two hosts' clocks may disagree by so much
 CA_DAYS = 3650

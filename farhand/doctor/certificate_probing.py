@@ -5,9 +5,9 @@ from pathlib import Path
 
 from cryptography import x509
 
-from common.credentials import load_credentials
 from common.errors import ConfigError, TransportError
-from common.link_config import TlsConfig
+from common.link.config import TlsConfig
+from common.link.credentials import load_credentials
 from farhand.certificates.folder import read_certificate
 from farhand.doctor.certificates import CertificateFacts
 

@@ -9,17 +9,17 @@ from typing import Any
 import msgspec
 
 from common.config import load_config
-from common.endpoints import check_endpoint
 from common.errors import ConfigError, TransportError
-from common.link_config import LinkSecurity
-from common.roles import Identity, Role
+from common.link.config import LinkSecurity
+from common.link.endpoints import check_endpoint
+from common.link.roles import Identity, Role
 from farhand.doctor import certificate_probing, certificates, machine, probing, site, site_probing
 from farhand.doctor.findings import Finding, error, ok
 from farhand.router import ROUTER, RouterConfig
 from local_site.config import LocalConfig
 from local_site.console.config import ConsoleConfig
 from remote_site.config import RemoteConfig
-from remote_site.video.config import SIMULATED
+from remote_site.simulation.config import SIMULATED
 
 Site = LocalConfig | RemoteConfig
 Examined = Site | ConsoleConfig | RouterConfig

@@ -8,10 +8,10 @@ from pathlib import Path
 
 from common.cameras.sources import Source, open_camera
 from common.clock import NS_PER_S, OffsetEstimator
-from common.endpoints import check_endpoint, check_free
 from common.errors import CalibrationError, CameraError, DriverError, RefusedError, TransportError
-from common.link_config import ON_THIS_HOST, LinkSecurity
-from common.transport import open_link
+from common.link.config import ON_THIS_HOST, LinkSecurity
+from common.link.endpoints import check_endpoint, check_free
+from common.link.transport import open_link
 from farhand.doctor.processes import holder_of_device, listener_on
 from farhand.doctor.site import CameraFacts, ClockFacts, PortFacts, RigFacts, RobotFacts
 from local_site.calibration.rig_file import load_rig
@@ -42,7 +42,7 @@ def _try_driver(name: str) -> list[tuple[str, str, str]]:
 
 def _try_arm(config: RemoteConfig) -> list[tuple[str, str, str]]:
     try:
-        from remote_site.checks import find_mistakes  # noqa: PLC0415  # the doctor also looks at hosts without its libraries
+        from remote_site.runtime.checks import find_mistakes  # noqa: PLC0415  # the doctor also looks at hosts without its libraries
     except ImportError as error:
         return [("robot", f"the arm cannot be loaded: {error}", "install Farhand anew: pip install -e '.[sim]'")]
     return [(mistake.part, mistake.sentence, mistake.cure) for mistake in find_mistakes(config)]

@@ -9,17 +9,22 @@ from common.clock import NS_PER_MS, NS_PER_S
 from common.config import load_config
 from common.errors import InterruptionError
 from common.geometry import Array, transform
-from common.messages import TrackingStatus
-from farhand.casting import ARM_FILES, HUMANOID, MONOCULAR, arm_settings
+from common.messages.hand import TrackingStatus
 from farhand.experiments.charts import Line, Panel, common_range, figure
 from farhand.experiments.filming import Progress
 from farhand.experiments.following import FollowingArm
 from farhand.experiments.report import Data, Report
+from farhand.loopback.casting import (
+    ARM_FILES,
+    HUMANOID,
+    MONOCULAR,
+    arm_settings,
+)
 from local_site.simulation.hazel import HAZEL_S_FRAMES, Swing
 from local_site.simulation.textured_operator import FRAMES_PER_S, true_points
 from local_site.tracking.tracker import ArmEstimate
 from remote_site.config import RemoteConfig
-from remote_site.mapping import make_mapping
+from remote_site.teleop.mapping import make_mapping
 
 STILL_FRAMES, QUICK_FRAMES = 35, 60
 LATENCY_NS = 10 * NS_PER_MS

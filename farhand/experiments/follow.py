@@ -8,7 +8,7 @@ import numpy as np
 
 from common.clock import NS_PER_MS, NS_PER_S
 from common.geometry import Array
-from remote_site.mapping import thesis_angles
+from remote_site.teleop.mapping import thesis_angles
 
 COLUMNS = ("x_mm", "y_mm", "z_mm", "xy_deg", "xz_deg")
 PLACE, ANGLES = slice(0, 3), slice(3, 5)

@@ -6,7 +6,7 @@ import numpy as np
 
 from common.clock import NS_PER_S
 from common.geometry import Array
-from common.messages import TrackingStatus
+from common.messages.hand import TrackingStatus
 from farhand.experiments.filming import Film, Progress, film
 from farhand.experiments.follow import (
     COLUMNS,
@@ -23,8 +23,8 @@ from farhand.experiments.follow import (
 from farhand.experiments.following import ToolPath, follow_by_chain, follow_by_mean
 from farhand.experiments.plots import Way, follow_plots
 from farhand.experiments.report import Data, Report
+from local_site.samples.smoothing import SmoothingConfig
 from local_site.simulation.config import MotionConfig, SimulationConfig
-from local_site.smoothing import SmoothingConfig
 from local_site.tracking.choice import TrackingConfig
 from local_site.tracking.tracker import ArmEstimate
 from remote_site.config import RemoteConfig

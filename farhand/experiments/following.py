@@ -8,14 +8,19 @@ import numpy as np
 from common.clock import NS_PER_MS, NS_PER_S, FakeClock
 from common.errors import ProcessError
 from common.geometry import Array, hand_rotation
-from common.messages import ClockSync, HandArm, Intent, SessionState, TrackingStatus
+from common.messages.hand import (
+    ClockSync,
+    HandArm,
+    Intent,
+    TrackingStatus,
+)
+from common.messages.robot import SessionState
 from farhand.experiments.filming import Film
-from local_site.authority import Standing
-from local_site.gesture import OpenHand
-from local_site.publisher import HandPublisher
-from local_site.smoothing import SmoothingConfig, make_smoother
+from local_site.authority.lease_client import Standing
+from local_site.samples.gesture import OpenHand
+from local_site.samples.publisher import HandPublisher
+from local_site.samples.smoothing import SmoothingConfig, make_smoother
 from local_site.tracking.tracker import ArmEstimate
-from remote_site.chain import Chain, Step
 from remote_site.config import RemoteConfig
 from remote_site.drivers.driver import DriverSetup, JointCommand
 from remote_site.drivers.kinematic import KinematicDriver
@@ -23,9 +28,10 @@ from remote_site.kinematics.inverse import SphericalWristInverse
 from remote_site.kinematics.limits import JointLimits
 from remote_site.kinematics.model import ArmModel
 from remote_site.kinematics.solution import Solution
-from remote_site.lease import Holder, LeaseDesk
-from remote_site.mapping import Mapping
-from remote_site.safety.status import Code
+from remote_site.reasons import Code
+from remote_site.session.lease import Holder, LeaseDesk
+from remote_site.teleop.mapping import Mapping
+from remote_site.teleop.pipeline import Chain, Step
 
 SESSION, LEASE, FOR_EVER_NS = 1, 1, 3600 * NS_PER_S
 STOP_WITHIN_NS = 50 * NS_PER_MS

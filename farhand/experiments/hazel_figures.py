@@ -6,7 +6,7 @@ from typing import Any
 import numpy as np
 
 from common.geometry import Array, vector_from_rotation
-from common.messages import TrackingStatus
+from common.messages.hand import TrackingStatus
 from farhand.experiments.hazel_filming import Tracked, joints
 from local_site.simulation.hazel import FINGER_M, FOCAL_PX, FOREARM_M, PALM_M
 

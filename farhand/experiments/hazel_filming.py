@@ -10,7 +10,7 @@ from common.cameras.camera import Frame, Image
 from common.clock import NS_PER_S
 from common.errors import InterruptionError
 from common.geometry import Array
-from common.messages import TrackingStatus
+from common.messages.hand import TrackingStatus
 from local_site.simulation.hazel import TrueArm, film_camera, film_pixel
 from local_site.simulation.textured_arm import ArmFilm, Place
 from local_site.tracking.monocular.config import MonocularConfig, StartConfig

@@ -5,9 +5,9 @@ from pathlib import Path
 import msgspec
 
 from common.errors import CalibrationError
+from common.whole_file import write_whole
 from local_site.calibration.rig import Rig
 from local_site.calibration.rig_checks import rig_mistakes
-from local_site.whole_file import write_whole
 
 
 def load_rig(path: Path) -> Rig:

@@ -6,7 +6,7 @@ from collections.abc import Sequence
 import numpy as np
 
 from common.geometry import Array
-from local_site.compiled import compiled
+from local_site.kernels.compiled import compiled
 
 MIN_DETERMINANT = 1e-12
 

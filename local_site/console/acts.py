@@ -4,10 +4,16 @@ import secrets
 import time
 from typing import TypeVar
 
-from common.channels import ENGAGEMENT, JOINTS, OPERATE, Procedure
 from common.clock import NS_PER_S
 from common.errors import TransportError
-from common.requests import (
+from common.link.channels import (
+    ENGAGEMENT,
+    JOINTS,
+    OPERATE,
+    Procedure,
+)
+from common.link.transport import Link
+from common.messages.requests import (
     EngagementAction,
     EngagementRequest,
     JointsRequest,
@@ -17,7 +23,6 @@ from common.requests import (
     Reply,
     Request,
 )
-from common.transport import Link
 from local_site.console.cell_watch import CellWatch
 
 Asked = TypeVar("Asked", bound=Request)

@@ -11,12 +11,22 @@ from contextlib import ExitStack
 import structlog
 import uvicorn
 
-from common.channels import HAND, INTENT, SHOWN, STATE
-from common.credentials import check_links
 from common.errors import FarhandError, ProcessError
-from common.requests import Description
-from common.service import LogFormat, StopFlag, notify, start_log
-from common.transport import Link, open_link
+from common.link.channels import (
+    HAND,
+    INTENT,
+    SHOWN,
+    STATE,
+)
+from common.link.credentials import check_links
+from common.link.transport import Link, open_link
+from common.messages.requests import Description
+from common.process.service import (
+    LogFormat,
+    StopFlag,
+    notify,
+    start_log,
+)
 from local_site.console.acts import Acts
 from local_site.console.cell_watch import CellWatch
 from local_site.console.config import ConsoleConfig

@@ -8,11 +8,11 @@ from typing import Self
 
 import structlog
 
-from common.channels import DESCRIBE
 from common.clock import NS_PER_MS, ClockEstimate, OffsetEstimator, RoundTrip
 from common.errors import RefusedError
-from common.requests import DescribeQuestion, Description
-from common.transport import Link
+from common.link.channels import DESCRIBE
+from common.link.transport import Link
+from common.messages.requests import DescribeQuestion, Description
 
 EVERY_S = 0.2
 ROUNDS_TO_DOUBT = 10  # of silence, until the reason is looked for

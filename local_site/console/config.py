@@ -6,10 +6,10 @@ from typing import Annotated
 import msgspec
 from msgspec import Meta, field
 
-from common.channels import check_cell_name
-from common.link_config import LinkSecurity
-from common.roles import Identity, Role
-from local_site.operator_name import host_operator
+from common.link.channels import check_cell_name
+from common.link.config import LinkSecurity
+from common.link.roles import Identity, Role
+from local_site.authority.operator_name import host_operator
 
 LEAST_TOKEN = 16
 

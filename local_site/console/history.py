@@ -4,7 +4,7 @@ from collections import deque
 from dataclasses import dataclass
 
 from common.clock import NS_PER_S
-from common.messages import RobotState
+from common.messages.robot import RobotState
 
 KEPT = 30
 QUIET_NS = NS_PER_S  # what hinders an engaged arm may change at every tick

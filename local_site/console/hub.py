@@ -8,8 +8,10 @@ from typing import Protocol
 import msgspec
 
 from common.clock import ClockEstimate, ClockOffset
-from common.messages import HandArm, RobotState, VideoFrame
-from common.requests import Description
+from common.messages.hand import HandArm
+from common.messages.requests import Description
+from common.messages.robot import RobotState
+from common.messages.video import VideoFrame
 from local_site.console.history import History
 from local_site.console.latency import Latencies
 from local_site.console.page import Page

@@ -6,7 +6,7 @@ from dataclasses import dataclass, field
 import numpy as np
 
 from common.clock import NS_PER_MS, NS_PER_S, ClockEstimate
-from common.messages import RobotState, Traced
+from common.messages.robot import RobotState, Traced
 
 MINUTE_NS = 60 * NS_PER_S
 MOST = 4096

@@ -7,9 +7,9 @@ from collections.abc import Callable
 from typing import Generic, TypeVar
 
 from common.errors import MessageError, TransportError
-from common.messages import Message
-from common.transport import Latest
-from local_site.refusal_log import RefusalLog
+from common.link.transport import Latest
+from common.messages.base import Message
+from common.process.refusal_log import RefusalLog
 
 M = TypeVar("M", bound=Message)
 

@@ -10,8 +10,14 @@ from typing import Protocol, assert_never
 import msgspec
 
 from common.clock import NS_PER_MS, ClockOffset
-from common.messages import Intent, OperatorIntent, VideoFrame, ViewsShown
-from common.requests import EngagementAction, OperatorAction, PictureShare, Reply
+from common.messages.hand import Intent, OperatorIntent
+from common.messages.requests import (
+    EngagementAction,
+    OperatorAction,
+    PictureShare,
+    Reply,
+)
+from common.messages.video import VideoFrame, ViewsShown
 from local_site.console.history import History
 from local_site.console.latency import Latencies
 from local_site.console.page import Page

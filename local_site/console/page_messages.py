@@ -7,8 +7,9 @@ from msgspec import Meta
 from msgspec.structs import replace
 
 from common.errors import MessageError
-from common.messages import Count, Intent, Name
-from common.requests import EngagementAction, OperatorAction, PictureShare
+from common.messages.base import Count, Name
+from common.messages.hand import Intent
+from common.messages.requests import EngagementAction, OperatorAction, PictureShare
 
 Milliseconds = Annotated[float, Meta(ge=0, le=1e15)]
 

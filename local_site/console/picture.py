@@ -5,7 +5,7 @@ import struct
 import msgspec
 
 from common.clock import NS_PER_MS, ClockOffset
-from common.messages import VideoFrame
+from common.messages.video import VideoFrame
 from local_site.console.frame_slots import ViewFrame
 
 LENGTH = struct.Struct("<H")

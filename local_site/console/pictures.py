@@ -3,9 +3,9 @@
 import threading
 from collections.abc import Callable
 
-from common.channels import CAMERA, PREVIEW
-from common.messages import VideoFrame
-from common.transport import open_link
+from common.link.channels import CAMERA, PREVIEW
+from common.link.transport import open_link
+from common.messages.video import VideoFrame
 from local_site.calibration.control_points import CAMERAS
 from local_site.console.config import LinksConfig
 from local_site.console.listening import Listeners

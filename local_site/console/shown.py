@@ -4,7 +4,12 @@ from collections import deque
 from dataclasses import dataclass, field
 
 from common.clock import NS_PER_MS, NS_PER_S
-from common.messages import VideoFrame, ViewCame, ViewShown, ViewsShown
+from common.messages.video import (
+    VideoFrame,
+    ViewCame,
+    ViewShown,
+    ViewsShown,
+)
 from local_site.console.page_messages import Painted
 
 REMEMBERED = 64

@@ -5,9 +5,10 @@ from typing import Any
 
 import msgspec
 
-from common.channels import HAND, STATE
 from common.clock import NS_PER_MS, ClockEstimate
-from common.messages import HandArm, Intent, RobotState
+from common.link.channels import HAND, STATE
+from common.messages.hand import HandArm, Intent
+from common.messages.robot import RobotState
 from local_site.console.history import History
 from local_site.console.latency import Latencies
 from local_site.console.seat import Seat

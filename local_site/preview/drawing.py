@@ -9,7 +9,7 @@ import simplejpeg
 
 from common.cameras.camera import Image
 from common.geometry import Array
-from common.messages import TrackingStatus
+from common.messages.hand import TrackingStatus
 from local_site.preview.config import PreviewConfig
 from local_site.tracking.annotate import annotate
 from local_site.tracking.tracker import ArmEstimate, Overlay, Views

@@ -5,7 +5,7 @@ from dataclasses import dataclass
 from typing import Protocol
 
 from common.clock import NS_PER_S
-from common.messages import CameraStatus, VideoFrame
+from common.messages.video import CameraStatus, VideoFrame
 from local_site.preview.drawing import Drawn, Taken
 from local_site.tracking.tracker import ArmEstimate, Views
 

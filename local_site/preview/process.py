@@ -7,10 +7,10 @@ import cv2
 import msgspec
 import structlog
 
-from common.children import Children, Heartbeat
 from common.clock import NS_PER_MS
 from common.geometry import Array
-from common.service import StopFlag, be_idle
+from common.process.children import Children, Heartbeat
+from common.process.service import StopFlag, be_idle
 from local_site.preview.config import PreviewConfig
 from local_site.preview.drawing import Drawn, Order, draw, order_of
 from local_site.preview.mailbox import Mailbox

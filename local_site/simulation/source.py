@@ -10,10 +10,10 @@ from multiprocessing.process import BaseProcess
 import cv2
 
 from common.cameras.camera import Frame, Image
-from common.children import die_with_parent
 from common.clock import NS_PER_MS, NS_PER_S, MonotonicClock
 from common.errors import CameraError
-from common.service import ask_for_real_time
+from common.process.children import die_with_parent
+from common.process.service import ask_for_real_time
 from local_site.calibration.rig import Rig
 from local_site.simulation.beginning import Beginning
 from local_site.simulation.config import SimulationConfig

@@ -10,8 +10,8 @@ from scipy.interpolate import PchipInterpolator
 
 from common.cameras.camera import Image
 from common.geometry import Array
-from local_site.compiled import compiled
-from local_site.rasterising import NOTHING, Triangles, rasterise
+from local_site.kernels.compiled import compiled
+from local_site.kernels.rasterising import NOTHING, Triangles, rasterise
 
 STATIONS, AROUND = 90, 96
 CAP_STATIONS = 8

@@ -8,7 +8,7 @@ from numpy.typing import NDArray
 
 from common.cameras.camera import Image
 from common.geometry import Array
-from common.messages import TrackingStatus
+from common.messages.hand import TrackingStatus
 from local_site.tracking.tracker import ArmEstimate, Overlay
 
 Colour = tuple[int, int, int]

@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 
 from common.cameras.camera import Frame
 from common.geometry import Array
-from common.messages import TrackingStatus
+from common.messages.hand import TrackingStatus
 
 
 @dataclass(frozen=True, slots=True)

@@ -8,12 +8,12 @@ import numpy as np
 
 from common.clock import NS_PER_MS, NS_PER_S, Clock
 from common.geometry import Array
-from common.health import Silence
-from common.messages import GripperState, GripperStatus
+from common.messages.robot import GripperState, GripperStatus
+from common.process.health import Silence
 from remote_site.drivers.driver import JointCommand
 from remote_site.drivers.faults import NOT_ACTIVATED, FaultCode, RobotFault
-from remote_site.drivers.keeper import DEADLINE_NS, Order, late_call
 from remote_site.drivers.memory import DriverMemory, Report
+from remote_site.drivers.supervisor.supervisor import DEADLINE_NS, Order, late_call
 from remote_site.kinematics.joints import JointMotion
 from remote_site.kinematics.limits import JointLimits
 from remote_site.safety.stopping import stopping

@@ -7,7 +7,7 @@ from importlib.metadata import EntryPoint, entry_points
 from common.clock import Clock
 from common.errors import DriverError, FarhandError
 from remote_site.drivers.driver import Driver
-from remote_site.shared_memory import CellMemory
+from remote_site.simulation.memory import CellMemory
 
 GROUP = "farhand.drivers"
 

@@ -5,11 +5,12 @@ import numpy as np
 from common.clock import NS_PER_MS, Clock
 from common.errors import DriverError
 from common.geometry import Array
-from common.health import Silence
+from common.process.health import Silence
+from common.process.shared_record import Record
 from remote_site.drivers.driver import Capabilities, DriverSetup, GripperReading, JointCommand, RobotReading
 from remote_site.drivers.faults import NOT_ACTIVATED, STOPPED, FaultCode, RobotFault
-from remote_site.shared_memory import CellMemory, Record
 from remote_site.simulation.controller import ControllerFault
+from remote_site.simulation.memory import CellMemory
 
 SILENT_NS = 100 * NS_PER_MS
 PAUSE_NS = 50 * NS_PER_MS

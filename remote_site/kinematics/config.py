@@ -1,9 +1,17 @@
-"""The parameters of inverse kinematics: which solver, which stance, what happens near singular postures."""
+"""The parameters of the arm: its URDF, tool and tightened limits, its inverse kinematics, and singular postures."""
 
+import math
+from pathlib import Path
 from typing import Annotated, Literal
 
 import msgspec
-from msgspec import Meta
+import numpy as np
+from msgspec import Meta, field
+
+from common.geometry import Array, transform
+
+MODELS = Path(__file__).parents[1] / "models"
+Row3 = tuple[float, float, float]
 
 
 class StanceConfig(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
@@ -48,3 +56,73 @@ class SolverConfig(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fie
         ),
     ] = "forward"
     lead_rad: Annotated[float, Meta(gt=0, le=2, description="how far the target runs ahead of a joint, rad")] = 0.3
+
+
+class CapsuleConfig(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
+    """A capsule around a part of the arm or its tool, in the frame of its link."""
+
+    link: Annotated[str, Meta(description="URDF link or frame that carries it; empty: robot.tool_frame")] = ""
+    start_m: Annotated[Row3, Meta(description="one end of its axis, m")]
+    end_m: Annotated[Row3, Meta(description="the other end of its axis, m")]
+    radius_m: Annotated[float, Meta(gt=0, le=1, description="radius, m")]
+
+    def __post_init__(self) -> None:
+        if not all(math.isfinite(v) for v in (*self.start_m, *self.end_m)):
+            raise ValueError(f"a capsule of {self.link or 'the tool frame'} has an end that is not finite")
+
+
+GRIPPER = (
+    CapsuleConfig(start_m=(0.0, 0.0, 0.0), end_m=(0.0, 0.0, 0.05), radius_m=0.035),
+    CapsuleConfig(start_m=(0.0, -0.03, 0.08), end_m=(0.0, 0.03, 0.08), radius_m=0.035),
+    CapsuleConfig(start_m=(0.0, 0.0, 0.11), end_m=(0.0, 0.0, 0.122), radius_m=0.015),
+)
+
+
+class RobotConfig(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
+    """The arm, its tool, and limits that can only tighten the robot's own."""
+
+    model: Annotated[str, Meta(min_length=1, description="a built-in model by name, or the path of a URDF")] = "a465"
+    tool_frame: Annotated[str, Meta(min_length=1, description="URDF frame that carries the tool")] = "tool0"
+    tool_offset_m: Annotated[
+        float, Meta(ge=0, le=1, description="tool centre point beyond the tool frame along its z, m")
+    ] = 0.1341
+    kinematics: Annotated[
+        Literal["auto", "closed", "general"],
+        Meta(description="closed form, general solver, or the closed form if it fits the URDF"),
+    ] = "auto"
+    stance: StanceConfig = field(default_factory=StanceConfig)
+    start_deg: Annotated[
+        tuple[float, ...], Meta(min_length=1, max_length=16, description="posture at the start, joint by joint, deg")
+    ] = (0.0, 0.0, -45.0, 0.0, -45.0, 0.0)
+    position_deg: Annotated[
+        dict[str, tuple[float, float]], Meta(description="tighter lower and upper limit by joint name, deg")
+    ] = field(default_factory=dict)
+    position_margin_deg: Annotated[
+        float, Meta(ge=0, le=20, description="distance kept from every joint limit, deg")
+    ] = 1.0
+    speed: Annotated[float, Meta(gt=0, le=1, description="share of every joint's own maximum speed")] = 1.0
+    acceleration_rad_s2: Annotated[
+        tuple[Annotated[float, Meta(gt=0, le=25)], ...],
+        Meta(min_length=1, max_length=16, description="acceleration joint by joint, or one for all, rad/s²"),
+    ] = (10.0, 10.0, 10.0, 20.0, 20.0, 20.0)
+    jerk_rad_s3: Annotated[float, Meta(gt=0, le=5000, description="every joint's jerk, rad/s³")] = 1000.0
+    capsules: Annotated[
+        tuple[CapsuleConfig, ...], Meta(description="what must not touch anything, besides the URDF's collision shapes")
+    ] = GRIPPER
+
+    @property
+    def urdf(self) -> Path:
+        """The model's file."""
+        housed = MODELS / self.model / f"{self.model}.urdf"
+        return housed if housed.exists() else Path(self.model)
+
+    @property
+    def tool_T_tcp(self) -> Array:
+        """The tool centre point in the tool frame."""
+        return transform(np.eye(3), np.array([0.0, 0.0, self.tool_offset_m]))
+
+    @property
+    def start(self) -> Array:
+        """The start posture in rad."""
+        start: Array = np.radians(np.array(self.start_deg))
+        return start

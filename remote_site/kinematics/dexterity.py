@@ -9,7 +9,7 @@ from scipy.linalg import lapack
 from common.geometry import Array
 from remote_site.kinematics.config import SingularityConfig
 from remote_site.kinematics.model import ArmModel
-from remote_site.safety.status import Code, Reason, reason
+from remote_site.reasons import Code, Reason, reason
 
 TINY = 1e-12
 

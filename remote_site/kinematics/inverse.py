@@ -24,7 +24,7 @@ from remote_site.kinematics.spherical import (
     pitch_and_twist,
 )
 from remote_site.kinematics.upright import UprightGeometry
-from remote_site.safety.status import Code, Reason, reason
+from remote_site.reasons import Code, Reason, reason
 
 REACH = 1e-12  # of the cosine of the elbow: rounding at full stretch
 WRIST_ZONE = 0.35  # rad of joint 5: nearer to straight, joint 4 is damped

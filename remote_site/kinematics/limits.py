@@ -8,7 +8,7 @@ import numpy as np
 
 from common.errors import ConfigError
 from common.geometry import Array
-from remote_site.config import RobotConfig
+from remote_site.kinematics.config import RobotConfig
 from remote_site.kinematics.model import ArmModel
 
 TARGET_SPEED = 0.9  # of a joint's speed, for its target: the joint must be quicker to catch it

@@ -4,7 +4,7 @@ from dataclasses import dataclass
 from typing import NamedTuple
 
 from common.geometry import Array
-from remote_site.safety.status import Reason
+from remote_site.reasons import Reason
 
 
 class Stance(NamedTuple):

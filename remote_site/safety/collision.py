@@ -13,9 +13,10 @@ from numpy.typing import NDArray
 
 from common.errors import ConfigError, ModelError
 from common.geometry import Array
+from remote_site.kinematics.config import CapsuleConfig
 from remote_site.kinematics.model import ArmModel
-from remote_site.safety.config import CapsuleConfig, CollisionConfig, FixtureConfig
-from remote_site.safety.slack import Slack
+from remote_site.safety.clearance_cache import Slack
+from remote_site.safety.config import CollisionConfig, FixtureConfig
 
 MIN_NORMAL = 1e-9
 SOON = 0.03  # m: the pairs that much nearer approach would put in doubt are measured along with those that are

@@ -4,22 +4,11 @@ import math
 from typing import Annotated
 
 import msgspec
-from msgspec import Meta
+from msgspec import Meta, field
+
+FULL_SPEED_MS = 100.0  # a longer T_soft slows the arm in proportion
 
 Row3 = tuple[float, float, float]
-
-
-class CapsuleConfig(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
-    """A capsule around a part of the arm or its tool, in the frame of its link."""
-
-    link: Annotated[str, Meta(description="URDF link or frame that carries it; empty: robot.tool_frame")] = ""
-    start_m: Annotated[Row3, Meta(description="one end of its axis, m")]
-    end_m: Annotated[Row3, Meta(description="the other end of its axis, m")]
-    radius_m: Annotated[float, Meta(gt=0, le=1, description="radius, m")]
-
-    def __post_init__(self) -> None:
-        if not all(math.isfinite(v) for v in (*self.start_m, *self.end_m)):
-            raise ValueError(f"a capsule of {self.link or 'the tool frame'} has an end that is not finite")
 
 
 class FixtureConfig(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
@@ -77,3 +66,40 @@ class CertaintyConfig(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_
         ):
             if poor <= sure:
                 raise ValueError(f"{name}_poor_mm {poor} must be above {name}_sure_mm {sure}")
+
+
+class SafetyConfig(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
+    """When a hand sample is too old or too wild, and where the tool may be."""
+
+    t_soft_ms: Annotated[float, Meta(ge=50, le=400, description="an older hand sample stops the arm, ms")] = 100.0
+    t_latch_ms: Annotated[
+        float, Meta(ge=100, le=2000, description="an older hand sample ends the engagement, ms; above t_soft_ms")
+    ] = 500.0
+    hand_speed_m_s: Annotated[float, Meta(gt=0, le=20, description="a faster wrist is a jump, m/s")] = 3.0
+    hand_noise_m: Annotated[float, Meta(ge=0, le=0.2, description="added to the jump limit for noise, m")] = 0.03
+    hand_turn_deg_s: Annotated[
+        float, Meta(gt=0, le=2000, description="a hand that turns faster turns the tool no more, deg/s")
+    ] = 120.0
+    turn_settle_ms: Annotated[
+        float, Meta(ge=0, le=2000, description="calm before the hand's orientation turns the tool again, ms")
+    ] = 200.0
+    collision: CollisionConfig = field(default_factory=CollisionConfig)
+    certainty: CertaintyConfig = field(default_factory=CertaintyConfig)
+    jumps_to_latch: Annotated[int, Meta(ge=1, le=100, description="jumps in a row that end the engagement")] = 3
+    workspace_min_m: Annotated[Row3, Meta(description="lower corner of the tool's box in the base frame, m")] = (
+        0.15,
+        -0.55,
+        0.25,
+    )
+    workspace_max_m: Annotated[Row3, Meta(description="upper corner of the tool's box in the base frame, m")] = (
+        0.80,
+        0.55,
+        1.25,
+    )
+
+    def __post_init__(self) -> None:
+        if self.t_latch_ms <= self.t_soft_ms:
+            raise ValueError(f"t_latch_ms {self.t_latch_ms} must be above t_soft_ms {self.t_soft_ms}")
+        corners = zip(self.workspace_min_m, self.workspace_max_m, strict=True)
+        if not all(math.isfinite(low) and math.isfinite(high) and low < high for low, high in corners):
+            raise ValueError("workspace_min_m must be below workspace_max_m on every axis")

@@ -8,9 +8,9 @@ import numpy as np
 from common.geometry import Array
 from remote_site.kinematics.joints import JointMotion
 from remote_site.kinematics.limits import JointLimits
-from remote_site.safety.status import Code, Reason, reason
+from remote_site.reasons import Code, Reason, reason
+from remote_site.safety.clearance import Surroundings
 from remote_site.safety.stopping import Span, State, span, stopping, stops
-from remote_site.safety.surroundings import Surroundings
 
 RELATIVE = 1e-6  # of a limit: what rounding may add to velocity, acceleration and jerk
 POSITION = 1e-9  # rad and m: what rounding may add to a position

@@ -9,7 +9,7 @@ import mujoco
 
 from common.errors import ModelError
 from common.geometry import Array
-from remote_site.config import RobotConfig
+from remote_site.kinematics.config import RobotConfig
 from remote_site.simulation.config import ArmConfig, CellConfig
 from remote_site.simulation.gripper import GRIP, THINGS, TOUCHES_ROBOT, add_gripper
 from remote_site.simulation.scenery import add_block, add_light, add_room, add_table, add_target

@@ -5,6 +5,8 @@ from typing import Annotated, Literal
 import msgspec
 from msgspec import Meta
 
+SIMULATED = "simulated"
+
 Point = tuple[float, float, float]
 Positive = Annotated[float, Meta(gt=0)]
 PerJoint = tuple[Annotated[float, Meta(ge=0)], ...]

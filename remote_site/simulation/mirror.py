@@ -3,8 +3,9 @@
 import numpy as np
 
 from common.geometry import Array
-from remote_site.shared_memory import FINGERS, SharedRecord
+from common.process.shared_record import SharedRecord
 from remote_site.simulation.config import CellConfig
+from remote_site.simulation.memory import FINGERS
 
 UPRIGHT = (1.0, 0.0, 0.0, 0.0)  # MuJoCo's quaternions begin with the real part
 

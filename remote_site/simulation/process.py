@@ -8,12 +8,12 @@ import structlog
 
 from common.clock import NS_PER_S
 from common.errors import DriverError
-from common.service import ask_for_real_time
-from remote_site.config import RobotConfig
-from remote_site.shared_memory import CellMemory
+from common.process.service import ask_for_real_time
+from remote_site.kinematics.config import RobotConfig
 from remote_site.simulation.cell import Cell, build_cell
 from remote_site.simulation.config import CellConfig
 from remote_site.simulation.controller import ArmLimits, Controller
+from remote_site.simulation.memory import CellMemory
 from remote_site.simulation.servo import Servo
 
 MAX_LATE_STEPS = 20

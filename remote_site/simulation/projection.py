@@ -6,7 +6,7 @@ import numpy as np
 
 from common.errors import ModelError
 from common.geometry import Array
-from common.requests import ViewCalibration
+from common.messages.requests import ViewCalibration
 from remote_site.simulation.config import ViewConfig
 
 UP_IN_BASE = np.array([0.0, 0.0, 1.0])

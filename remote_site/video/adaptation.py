@@ -5,9 +5,9 @@ from collections import deque
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import replace
 
-from common.channels import SHOWN
 from common.clock import NS_PER_S
-from common.messages import VideoFrame, ViewsShown
+from common.link.channels import SHOWN
+from common.messages.video import VideoFrame, ViewsShown
 from remote_site.video.carrying import Carrying, News
 from remote_site.video.config import VideoConfig
 from remote_site.video.ledger import Ledger

@@ -2,10 +2,11 @@
 
 import numpy as np
 
-from common.requests import ViewCalibration
+from common.messages.requests import ViewCalibration
 from remote_site.config import RemoteConfig
 from remote_site.simulation import projection
-from remote_site.video.config import SIMULATED, CameraConfig
+from remote_site.simulation.config import SIMULATED
+from remote_site.video.config import CameraConfig
 
 
 def calibration_of(camera: CameraConfig, config: RemoteConfig) -> ViewCalibration | None:

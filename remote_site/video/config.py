@@ -6,9 +6,9 @@ import msgspec
 from msgspec import Meta
 
 from common.cameras.sources import Source
-from common.messages import Name
+from common.messages.base import Name
+from remote_site.simulation.config import SIMULATED
 
-SIMULATED = "simulated"
 PROJECTION_NUMBERS = 12
 
 

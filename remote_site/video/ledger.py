@@ -4,7 +4,7 @@ from collections import deque
 from dataclasses import dataclass
 
 from common.clock import NS_PER_S
-from common.messages import ViewCame
+from common.messages.video import ViewCame
 from remote_site.video.carrying import News
 
 MOST_COMING = 256

@@ -4,7 +4,7 @@ import statistics
 from collections.abc import Sequence
 
 from common.clock import NS_PER_MS, NS_PER_S
-from common.messages import ViewShown
+from common.messages.video import ViewShown
 
 PAINTS = 0.85  # of what comes: a page that paints less is behind
 BEHIND_MS = 100.0  # and so is one that paints so much later than the pictures come

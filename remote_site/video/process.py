@@ -9,9 +9,9 @@ import structlog
 
 from common.clock import NS_PER_MS, NS_PER_S
 from common.errors import CameraError, MessageError
-from common.messages import VideoFrame, ViewsShown
-from common.service import be_nice
-from remote_site.lease_board import NOBODY
+from common.messages.video import VideoFrame, ViewsShown
+from common.process.service import be_nice
+from remote_site.session.shared_lease import NOBODY
 from remote_site.video.adaptation import Adaptation
 from remote_site.video.config import VideoConfig
 from remote_site.video.setting import Setting

@@ -7,10 +7,10 @@ from typing import Protocol
 from common.cameras.camera import Frame
 from common.cameras.sources import open_camera
 from common.errors import ConfigError
-from remote_site.config import RobotConfig
-from remote_site.shared_memory import CellMemory
-from remote_site.simulation.config import CellConfig
-from remote_site.video.config import SIMULATED, CameraConfig, VideoConfig
+from remote_site.kinematics.config import RobotConfig
+from remote_site.simulation.config import SIMULATED, CellConfig
+from remote_site.simulation.memory import CellMemory
+from remote_site.video.config import CameraConfig, VideoConfig
 from remote_site.video.live_camera import ThreadedCamera
 
 

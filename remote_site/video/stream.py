@@ -4,7 +4,7 @@ import numpy as np
 
 from common.cameras.camera import Frame, Image
 from common.clock import NS_PER_MS, NS_PER_S
-from common.messages import CameraStatus, VideoFrame
+from common.messages.video import CameraStatus, VideoFrame
 from remote_site.video.config import VideoConfig
 from remote_site.video.encode import encode_jpeg, shrunk
 from remote_site.video.looks import Pace, is_dark

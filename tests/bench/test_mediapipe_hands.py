@@ -5,7 +5,13 @@ import sys
 import numpy as np
 import pytest
 
-from bench.mediapipe_hands import MediaPipeHands, UnavailableError, install, last_words, place_landmarks
+from bench.tracking.mediapipe_hands import (
+    MediaPipeHands,
+    UnavailableError,
+    install,
+    last_words,
+    place_landmarks,
+)
 from common.cameras.camera import Frame
 from local_site.calibration.triangulation import project
 from local_site.simulation.cameras import exact_rig

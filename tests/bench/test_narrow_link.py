@@ -6,8 +6,8 @@ import time
 
 import pytest
 
-from bench.narrow_link import NarrowLink
-from farhand.loopback import free_ports
+from bench.page.narrow_link import NarrowLink
+from farhand.loopback.run import free_ports
 
 SIZE = 125_000  # a megabit
 

@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from bench.painted_clock import PageClock, ages_ms
+from bench.page.painted_clock import PageClock, ages_ms
 from common.clock import NS_PER_MS
 from remote_site.video.clock_strip import draw_clock
 

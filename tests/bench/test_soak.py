@@ -2,9 +2,9 @@
 
 import pytest
 
-from bench.soak import ROBOTS, soak
-from remote_site.drivers.pacing import LEAST_SHARE
-from remote_site.safety.surroundings import TOLERANCE
+from bench.soak.run import ROBOTS, soak
+from remote_site.drivers.supervisor.write_scheduler import LEAST_SHARE
+from remote_site.safety.clearance import TOLERANCE
 
 ROUNDING = 1.00001
 SECONDS = 8.0

@@ -7,11 +7,11 @@ import numpy as np
 import pytest
 from rich.console import Console
 
-from bench import tracking
-from bench.mediapipe_hands import MediaPipeHands, UnavailableError
-from bench.tracking import Comparison
-from bench.tracking_figures import Found
-from bench.tracking_scenes import simulated
+from bench.tracking import comparison as tracking
+from bench.tracking.comparison import Comparison
+from bench.tracking.figures import Found
+from bench.tracking.mediapipe_hands import MediaPipeHands, UnavailableError
+from bench.tracking.scenes import simulated
 from local_site.simulation.config import MotionConfig, SimulationConfig
 
 PAIRS = 16

@@ -7,8 +7,16 @@ import numpy as np
 import pytest
 from rich.console import Console
 
-from bench.tracking_figures import SETTLED, Found, flat, judge, normalised_square, openings, rank_correlation
-from bench.tracking_table import shown
+from bench.tracking.figures import (
+    SETTLED,
+    Found,
+    flat,
+    judge,
+    normalised_square,
+    openings,
+    rank_correlation,
+)
+from bench.tracking.table import shown
 from local_site.simulation.body import ArmTruth
 
 ELBOW, WRIST, INDEX, THUMB = np.eye(4, 3)

@@ -1,22 +1,23 @@
 """Both sites with small pictures, a console, a browser and an operating page, once for all tests of the page."""
 
 import shutil
-import sys
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass
-from pathlib import Path
 
 import pytest
 
-sys.path.insert(0, str(Path(__file__).parents[1] / "integration"))
-import scene
-from opened_page import OpenedPage
-from sites import PATIENT, Sites, pytest_runtest_makereport, running_sites
-from told import Told
-
-from bench.bare_console import BareConsole
-from farhand.loopback import free_ports
-from farhand.site_process import SiteProcess
+from bench.page.bare_console import BareConsole
+from farhand.loopback.run import free_ports
+from farhand.loopback.site_process import SiteProcess
+from tests.browser import scene
+from tests.browser.opened_page import OpenedPage
+from tests.browser.told import Told
+from tests.integration.sites import (
+    PATIENT,
+    Sites,
+    pytest_runtest_makereport,
+    running_sites,
+)
 
 __all__ = ["pytest_runtest_makereport"]
 

@@ -6,27 +6,24 @@ import msgspec
 import numpy as np
 
 from common.clock import NS_PER_MS
-from common.messages import (
-    CameraStatus,
-    ClockSync,
+from common.messages.hand import ClockSync, HandArm, TrackingStatus
+from common.messages.requests import Description
+from common.messages.robot import (
     GripperState,
     GripperStatus,
-    HandArm,
     LeaseState,
     LoopTiming,
     Obeyed,
     Readiness,
     RobotState,
     SessionState,
-    TrackingStatus,
-    VideoFrame,
 )
-from common.requests import Description
-from remote_site.chain import pose_of
+from common.messages.video import CameraStatus, VideoFrame
 from remote_site.config import RemoteConfig
-from remote_site.front_desk import describe
 from remote_site.kinematics.limits import JointLimits
 from remote_site.kinematics.model import ArmModel
+from remote_site.runtime.request_server import describe
+from remote_site.teleop.pipeline import pose_of
 from remote_site.video.config import VideoConfig
 from remote_site.video.encode import encode_jpeg
 

@@ -4,7 +4,8 @@ from functools import partial
 from pathlib import Path
 
 import pytest
-from told import Told
+
+from tests.browser.told import Told
 
 CHECK = (Path(__file__).parent / "accessibility.js").read_text().split("\n", 1)[1]
 SCREENS = {"dark": ("dark", 1280, 720), "light": ("light", 1280, 720), "tablet": ("light", 820, 1180)}

@@ -7,10 +7,10 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from opened_page import OpenedPage
-from sites import descendants
 
-from common.messages import SessionState
+from common.messages.robot import SessionState
+from tests.browser.opened_page import OpenedPage
+from tests.integration.sites import descendants
 
 SHOWN_WITHIN_S = 1.0
 STOP_WITHIN_S = 5.0  # that it comes, not how soon, which a busy machine decides

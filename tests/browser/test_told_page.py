@@ -7,16 +7,17 @@ from pathlib import Path
 import msgspec
 import numpy as np
 import pytest
-import scene
-from opened_page import OpenedPage
-from told import Told
 
-from bench.bare_console import OPERATOR, BareConsole
-from bench.painted_clock import ages_ms, compare, watch
+from bench.page.bare_console import OPERATOR, BareConsole
+from bench.page.painted_clock import ages_ms, compare, watch
 from common.clock import NS_PER_MS
-from common.messages import CameraStatus, LeaseState, Readiness, SessionState, VideoFrame
+from common.messages.robot import LeaseState, Readiness, SessionState
+from common.messages.video import CameraStatus, VideoFrame
 from remote_site.video.clock_strip import draw_clock
 from remote_site.video.encode import encode_jpeg
+from tests.browser import scene
+from tests.browser.opened_page import OpenedPage
+from tests.browser.told import Told
 
 CHECK = (Path(__file__).parent / "accessibility.js").read_text().split("\n", 1)[1]
 BOX = "the workspace box holds the tool back: move the hand down"

@@ -5,13 +5,13 @@ from collections.abc import Callable
 from functools import partial
 from pathlib import Path
 
-import scene
-from opened_page import OpenedPage
-
-from bench.bare_console import BareConsole
+from bench.page.bare_console import BareConsole
 from common.clock import NS_PER_MS
-from common.messages import CameraStatus, SessionState, Traced, VideoFrame
+from common.messages.robot import SessionState, Traced
+from common.messages.video import CameraStatus, VideoFrame
 from local_site.console.hub import Hub
+from tests.browser import scene
+from tests.browser.opened_page import OpenedPage
 
 SHOTS = Path(__file__).parents[2] / "build" / "screenshots"
 BEAT_S = 0.05

@@ -9,8 +9,8 @@ ROOT = Path(__file__).parents[2]
 PACKAGES = ("common", "local_site", "remote_site", "farhand")
 WALL = {"time", "time_ns", "localtime", "gmtime", "ctime", "clock_gettime", "clock_gettime_ns", "now", "utcnow"}
 DATED = {  # the day of a calibration, for people, and from when to when certificates are good
-    "farhand/calibrate.py": {"now"},
-    "farhand/cli_certificates.py": {"now"},
+    "farhand/calibration/points.py": {"now"},
+    "farhand/commands/certificates.py": {"now"},
     "farhand/doctor/run.py": {"now"},
 }
 

@@ -8,9 +8,9 @@ from remote_site.drivers.c500c.emulation import EmulatedPort, Emulation
 from remote_site.drivers.c500c.emulator import Controller
 from remote_site.drivers.conformance.trial import Stand
 from remote_site.drivers.kinematic import KinematicDriver
-from remote_site.drivers.process import setup_of
 from remote_site.drivers.simulated import SimulatedDriver
-from remote_site.shared_memory import CellMemory
+from remote_site.runtime.driver_process import setup_of
+from remote_site.simulation.memory import CellMemory
 from remote_site.simulation.process import SimulatedCell
 
 CONFIG = RemoteConfig()

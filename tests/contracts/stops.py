@@ -3,13 +3,13 @@
 from dataclasses import dataclass, replace
 
 import numpy as np
-from driver_stands import CONFIG, SETUP
 
 from common.clock import NS_PER_MS, NS_PER_S
 from remote_site.drivers.driver import JointCommand
-from remote_site.drivers.grip import GripSettings, GripWatch
-from remote_site.drivers.keeper import Keeper, Order
+from remote_site.drivers.supervisor.grip import GripSettings, GripWatch
+from remote_site.drivers.supervisor.supervisor import Keeper, Order
 from remote_site.kinematics.joints import JointMotion
+from tests.contracts.driver_stands import CONFIG, SETUP
 
 DT = 0.004
 

@@ -3,12 +3,11 @@
 import re
 from pathlib import Path
 
-from driver_stands import CONFIG, SETUP
-
 from common.clock import NS_PER_MS, FakeClock
 from remote_site.drivers.conformance.suite import run_checks
 from remote_site.drivers.conformance.trial import Stand
 from remote_site.drivers.registry import DriverHost
+from tests.contracts.driver_stands import CONFIG, SETUP
 
 GUIDE = Path(__file__).parents[2] / "docs" / "writing-a-driver.md"
 

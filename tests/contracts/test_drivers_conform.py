@@ -5,7 +5,6 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from driver_stands import c500c_stand, kinematic_stand, simulated_stand
 
 from common.clock import NS_PER_MS
 from common.errors import DriverError
@@ -14,6 +13,7 @@ from remote_site.drivers.conformance.suite import run_checks
 from remote_site.drivers.driver import Capabilities, DriverSetup, GripperReading, JointCommand, RobotReading
 from remote_site.drivers.faults import FaultCode, RobotFault
 from remote_site.drivers.kinematic import KinematicDriver
+from tests.contracts.driver_stands import c500c_stand, kinematic_stand, simulated_stand
 
 NAMES = [check.__name__ for check in CHECKS]
 

@@ -4,8 +4,14 @@ import math
 
 import msgspec
 import pytest
-from driver_stands import CONFIG, c500c_stand, kinematic_stand, simulated_stand
-from stops import measured_stop
+
+from tests.contracts.driver_stands import (
+    CONFIG,
+    c500c_stand,
+    kinematic_stand,
+    simulated_stand,
+)
+from tests.contracts.stops import measured_stop
 
 ROBOT = msgspec.structs.replace(CONFIG.robot, start_deg=(math.degrees(-1.5), 0.0, -45.0, 0.0, -45.0, 0.0))
 REACH_M = 0.7

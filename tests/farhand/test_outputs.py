@@ -8,10 +8,10 @@ from typer.testing import CliRunner
 
 from common.cameras.camera import Frame
 from common.errors import ConfigError, FarhandError
-from farhand.calibrate import doubts, solvable
+from farhand.calibration.points import doubts, solvable
 from farhand.cli import app
 from farhand.outputs import check_file, check_folder
-from farhand.track import _written_at_end, track_recording
+from farhand.tracking.track import _written_at_end, track_recording
 from local_site.calibration.rig_file import save_rig
 from local_site.calibration.simulated import calibrate_simulated
 from local_site.simulation.cameras import control_point_rows

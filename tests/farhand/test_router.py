@@ -1,7 +1,6 @@
 """The meeting point: sites that only connect hear each other, by their roles, and again after it was restarted."""
 
 import json
-import sys
 import threading
 import time
 from collections.abc import Iterator
@@ -12,16 +11,14 @@ from pathlib import Path
 import pytest
 import zenoh
 
-from common.channels import ENGAGEMENT, HAND, STATE
 from common.config import load_config
-from common.endpoints import SECURED
 from common.errors import RefusedError, TransportError
-from common.transport import Link, open_link, open_router
+from common.link.channels import ENGAGEMENT, HAND, STATE
+from common.link.endpoints import SECURED
+from common.link.transport import Link, open_link, open_router
 from farhand.certificates.folder import Order, create
 from farhand.router import RouterConfig, zenohd_configuration
-
-sys.path.insert(0, str(Path(__file__).parents[1] / "common"))
-from secured_cell import (
+from tests.common.link.secured_cell import (
     CELL,
     HAND_SAMPLE,
     QUIET_S,

@@ -15,28 +15,28 @@ from typing import Any
 
 import msgspec
 import numpy as np
-from daemons import NOBODY, Daemon
-from driver_log import DriverLog
-from hand_path import HandPath
-from namespaces import Network
-from puppets import tell
 
-from common.channels import ENGAGEMENT
 from common.clock import NS_PER_S
 from common.config import load_config
-from common.endpoints import SECURED
 from common.geometry import Array, vector_from_rotation
-from common.link_config import ON_THIS_HOST, LinkSecurity, TlsConfig
-from common.messages import RobotState, SessionState
-from common.requests import EngagementAction, EngagementRequest, Reply
-from common.transport import open_link
+from common.link.channels import ENGAGEMENT
+from common.link.config import ON_THIS_HOST, LinkSecurity, TlsConfig
+from common.link.endpoints import SECURED
+from common.link.transport import open_link
+from common.messages.requests import EngagementAction, EngagementRequest, Reply
+from common.messages.robot import RobotState, SessionState
 from farhand.certificates.folder import Order, create
-from farhand.loopback import free_ports
-from farhand.recorder import Recorder
+from farhand.loopback.recorder import Recorder
+from farhand.loopback.run import free_ports
 from remote_site.config import RemoteConfig
 from remote_site.kinematics.limits import JointLimits
 from remote_site.kinematics.model import ArmModel
-from remote_site.safety.state import FULL_SPEED_MS
+from remote_site.safety.config import FULL_SPEED_MS
+from tests.faults.daemons import NOBODY, Daemon
+from tests.faults.driver_log import DriverLog
+from tests.faults.hand_path import HandPath
+from tests.faults.namespaces import Network
+from tests.faults.puppets import tell
 
 A465 = "driver.name=c500c"
 FARHAND = (sys.executable, "-m", "farhand")

@@ -5,11 +5,12 @@ import platform
 from collections.abc import Iterator
 
 import pytest
-from cell_pair import CellPair
-from fault_report import Report
-from fault_rows import Row
-from namespaces import Network, why_not
-from trial import Outcome
+
+from tests.faults.cell_pair import CellPair
+from tests.faults.fault_report import Report
+from tests.faults.fault_rows import Row
+from tests.faults.namespaces import Network, why_not
+from tests.faults.trial import Outcome
 
 ABOUT = "Each fault on both sites as processes of their own; every command that reached the driver is judged."
 

@@ -6,7 +6,7 @@ import threading
 from collections import deque
 from pathlib import Path
 
-from common.children import die_with_parent
+from common.process.children import die_with_parent
 
 END_TIMEOUT_S = 6.0
 

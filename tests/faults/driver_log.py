@@ -5,15 +5,15 @@ from dataclasses import dataclass
 from pathlib import Path
 
 import numpy as np
-from recording_driver import READ, RECORD, WRITE
 
 from common.clock import NS_PER_MS, NS_PER_S
 from common.geometry import Array
-from remote_site.drivers.pacing import LEAST_SHARE
+from remote_site.drivers.supervisor.write_scheduler import LEAST_SHARE
 from remote_site.kinematics.joints import JointMotion
 from remote_site.kinematics.limits import JointLimits
 from remote_site.kinematics.model import ArmModel
 from remote_site.safety.stopping import stop_time
+from tests.faults.recording_driver import READ, RECORD, WRITE
 
 ROUNDING = 1.00001
 FASTER = ROUNDING / LEAST_SHARE  # of a limit: a motion may be written so much sooner than planned

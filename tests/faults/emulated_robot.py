@@ -8,12 +8,12 @@ import time
 from pathlib import Path
 
 import numpy as np
-from recording_driver import READ, RECORD
 
-from common.service import StopFlag
-from remote_site.config import RobotConfig
+from common.process.service import StopFlag
 from remote_site.drivers.c500c.emulation import Emulation, Terminal, run_emulation
 from remote_site.drivers.c500c.emulator import Controller
+from remote_site.kinematics.config import RobotConfig
+from tests.faults.recording_driver import READ, RECORD
 
 
 def run(folder: Path) -> None:

@@ -6,8 +6,8 @@ from html import escape
 from pathlib import Path
 from typing import Any
 
-from fault_rows import Row
-from trial import Outcome
+from tests.faults.fault_rows import Row
+from tests.faults.trial import Outcome
 
 FOLDER = Path(__file__).parents[2] / "build" / "faults"
 HEAD = "fault", "expected", "measured", "stop ms", "bound ms", "travel mm", "worst braking rad/s²", "limits", "result"

@@ -3,9 +3,15 @@
 import os
 from dataclasses import dataclass
 
-from cell_pair import CellPair
-from forgery import flood, foreign_ones, hostile_ones, infinite_ones, old_ones
-from plays import (
+from tests.faults.cell_pair import CellPair
+from tests.faults.forgery import (
+    flood,
+    foreign_ones,
+    hostile_ones,
+    infinite_ones,
+    old_ones,
+)
+from tests.faults.plays import (
     Play,
     bear,
     blink,

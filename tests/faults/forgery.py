@@ -8,13 +8,13 @@ from random import Random
 
 import msgpack
 import msgspec
-from cell_pair import CELL, CellPair
 
-from common.channels import HAND, LEASE
 from common.clock import NS_PER_MS, NS_PER_S
-from common.codec import encode
-from common.messages import ClockSync, HandArm, TrackingStatus
-from common.requests import LeaseAction, LeaseReply, LeaseRequest
+from common.link.channels import HAND, LEASE
+from common.messages.codec import encode
+from common.messages.hand import ClockSync, HandArm, TrackingStatus
+from common.messages.requests import LeaseAction, LeaseReply, LeaseRequest
+from tests.faults.cell_pair import CELL, CellPair
 
 EVERY_S = 0.02
 FLOOD_HZ = 2000

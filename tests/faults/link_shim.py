@@ -10,10 +10,9 @@ from itertools import count
 from random import Random
 from typing import Any
 
-from puppets import Ear
-
 from common.clock import NS_PER_MS, NS_PER_S
-from common.service import ask_for_real_time
+from common.process.service import ask_for_real_time
+from tests.faults.puppets import Ear
 
 MTU = 2048
 QUEUE_NS = 300 * NS_PER_MS  # of a narrow link: what would wait longer is dropped

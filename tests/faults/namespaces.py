@@ -12,9 +12,8 @@ import sys
 import tempfile
 from pathlib import Path
 
-from puppets import tell
-
-from common.children import die_with_parent
+from common.process.children import die_with_parent
+from tests.faults.puppets import tell
 
 CLONE_NEWNS, CLONE_NEWNET = 0x00020000, 0x40000000
 MS_BIND, MS_REC, MS_PRIVATE = 4096, 16384, 1 << 18

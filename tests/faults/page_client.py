@@ -9,8 +9,9 @@ import threading
 import time
 
 import msgspec
-from puppets import Ear
 from websockets.sync.client import ClientConnection, connect
+
+from tests.faults.puppets import Ear
 
 BEAT_S = 0.05
 BEATS_PER_WORD = 2

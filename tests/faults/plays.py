@@ -7,15 +7,15 @@ from collections.abc import Callable
 from typing import Any
 
 import numpy as np
-from cell_pair import CellPair
-from driver_log import ms
-from forgery import ask_for_lease
-from puppets import tell
-from trial import FOLLOWING, Trial
 
 from common.clock import NS_PER_MS, NS_PER_S
-from common.messages import SessionState
-from common.requests import EngagementAction
+from common.messages.requests import EngagementAction
+from common.messages.robot import SessionState
+from tests.faults.cell_pair import CellPair
+from tests.faults.driver_log import ms
+from tests.faults.forgery import ask_for_lease
+from tests.faults.puppets import tell
+from tests.faults.trial import FOLLOWING, Trial
 
 Act = Callable[[CellPair], object]
 Play = Callable[[Trial], None]

@@ -5,7 +5,6 @@ import time
 from dataclasses import replace
 
 import numpy as np
-from puppets import Ear
 
 from common.errors import DriverError
 from common.geometry import Array
@@ -13,6 +12,7 @@ from remote_site.drivers.driver import Capabilities, Driver, DriverSetup, JointC
 from remote_site.drivers.faults import FaultCode, RobotFault
 from remote_site.drivers.kinematic import KinematicDriver
 from remote_site.drivers.registry import DriverHost
+from tests.faults.puppets import Ear
 
 WRITE, READ, ACTIVATE, STOP = range(4)
 JOINTS = 6

@@ -5,20 +5,20 @@ import sys
 import time
 
 import numpy as np
-from hand_path import HandPath
-from puppets import Ear
 
-import local_site.app
+import local_site.runtime.app
 from common.cameras.camera import Frame
 from common.clock import NS_PER_MS, NS_PER_S
 from common.errors import CameraError
 from common.geometry import Array, rotation_from_vector
-from common.messages import TrackingStatus
+from common.messages.hand import TrackingStatus
 from farhand.__main__ import main
-from local_site.app import Operator
 from local_site.config import LocalConfig
+from local_site.runtime.app import Operator
 from local_site.simulation.cameras import exact_rig
 from local_site.tracking.tracker import ArmEstimate, Views
+from tests.faults.hand_path import HandPath
+from tests.faults.puppets import Ear
 
 FRAME_NS = NS_PER_S // 30
 EXPOSURE_NS = 8 * NS_PER_MS
@@ -122,8 +122,8 @@ def run() -> None:
         cameras = ScriptedCamera("left", script), ListeningCamera("right", script)
         return Operator(exact_rig(config.simulation.stereo), config.tracking, cameras, lambda _t_ns: None)
 
-    local_site.app._open_operator = open_operator
-    local_site.app.make_tracker = lambda *_: ScriptedTracker(script)
+    local_site.runtime.app._open_operator = open_operator
+    local_site.runtime.app.make_tracker = lambda *_: ScriptedTracker(script)
     sys.argv.insert(1, "local")
     main()
 

@@ -3,12 +3,12 @@
 import time
 
 import pytest
-from conftest import Stage
-from fault_rows import ROWS, Row
-from trial import Outcome, Trial
 
 from common.clock import NS_PER_MS
 from common.errors import FarhandError
+from tests.faults.conftest import Stage
+from tests.faults.fault_rows import ROWS, Row
+from tests.faults.trial import Outcome, Trial
 
 SHARED_MACHINE_NS = 100 * NS_PER_MS  # a machine under tests may stand still so long; 'make faults' allows nothing
 

@@ -5,12 +5,12 @@ from collections.abc import Callable
 from dataclasses import dataclass, field
 
 import numpy as np
-from cell_pair import CellPair
-from driver_log import DriverLog, Worst, ms
 
 from common.clock import NS_PER_MS, NS_PER_S
-from common.messages import SessionState
+from common.messages.robot import SessionState
 from remote_site.safety.collision import CollisionModel
+from tests.faults.cell_pair import CellPair
+from tests.faults.driver_log import DriverLog, Worst, ms
 
 FOLLOWING = (SessionState.ENGAGED, SessionState.HOLDING)
 QUIET_S = 0.4

@@ -3,8 +3,9 @@
 from collections.abc import Iterator
 
 import pytest
-from pair import Pair
-from sites import pytest_runtest_makereport, running_sites
+
+from tests.integration.pair import Pair
+from tests.integration.sites import pytest_runtest_makereport, running_sites
 
 __all__ = ["pytest_runtest_makereport"]
 

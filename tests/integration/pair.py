@@ -1,12 +1,11 @@
 """One remote and one local site for many tests, since starting them is what takes longest."""
 
-from sites import CELL, PATIENT, Sites
-
 from common.errors import TransportError
-from common.messages import SessionState
-from farhand.engage import request_engage
-from farhand.loopback import free_ports
-from farhand.site_process import SiteProcess
+from common.messages.robot import SessionState
+from farhand.commands.engage import request_engage
+from farhand.loopback.run import free_ports
+from farhand.loopback.site_process import SiteProcess
+from tests.integration.sites import CELL, PATIENT, Sites
 
 OPERATOR = "anna"
 LEASE_S = 3.0

@@ -11,13 +11,13 @@ from pathlib import Path
 from unittest.mock import patch
 
 import pytest
-from systemd import Systemd
 
-from common.messages import RobotState, SessionState
-from common.transport import open_link
-from farhand.loopback import free_ports
-from farhand.recorder import Recorder
-from farhand.site_process import SiteProcess
+from common.link.transport import open_link
+from common.messages.robot import RobotState, SessionState
+from farhand.loopback.recorder import Recorder
+from farhand.loopback.run import free_ports
+from farhand.loopback.site_process import SiteProcess
+from tests.integration.systemd import Systemd
 
 CELL = "test"
 PATIENCE_S = 120.0

@@ -6,7 +6,7 @@ import subprocess
 import sys
 import time
 
-from sites import PATIENCE_S, alive, descendants
+from tests.integration.sites import PATIENCE_S, alive, descendants
 
 PROCESSES = 6
 

@@ -5,11 +5,18 @@ import signal
 import time
 
 import numpy as np
-from pair import Pair
-from sites import CELL, Sites, alive, child_of, descendants, killed
 
-from common.channels import HAND
-from common.messages import SessionState
+from common.link.channels import HAND
+from common.messages.robot import SessionState
+from tests.integration.pair import Pair
+from tests.integration.sites import (
+    CELL,
+    Sites,
+    alive,
+    child_of,
+    descendants,
+    killed,
+)
 
 STOP_S = 5.0  # that it comes, not how soon, which a busy machine decides
 STATES = 25  # half a second of them

@@ -8,11 +8,19 @@ from collections.abc import Iterator
 from contextlib import contextmanager
 
 import pytest
-from sites import CELL, LIGHT_LOCAL, PATIENCE_S, PATIENT, Sites, running_sites
 
-from common.channels import INTENT
 from common.clock import NS_PER_S
-from common.messages import Intent, OperatorIntent, SessionState
+from common.link.channels import INTENT
+from common.messages.hand import Intent, OperatorIntent
+from common.messages.robot import SessionState
+from tests.integration.sites import (
+    CELL,
+    LIGHT_LOCAL,
+    PATIENCE_S,
+    PATIENT,
+    Sites,
+    running_sites,
+)
 
 APART_S = 3600
 IN_ANOTHER_TIME = ["unshare", "-T", "--monotonic", str(APART_S)]

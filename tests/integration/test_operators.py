@@ -4,16 +4,16 @@ import time
 
 import msgspec
 import pytest
-from pair import LEASE_S, Pair
-from sites import CELL, Sites, killed
 
-from common.channels import HAND
 from common.errors import TransportError
-from common.messages import SessionState
-from common.requests import OperatorAction
-from farhand.engage import request_engage
-from farhand.lease import act_on_lease, show_lease
-from farhand.loopback import free_ports
+from common.link.channels import HAND
+from common.messages.requests import OperatorAction
+from common.messages.robot import SessionState
+from farhand.commands.engage import request_engage
+from farhand.commands.lease import act_on_lease, show_lease
+from farhand.loopback.run import free_ports
+from tests.integration.pair import LEASE_S, Pair
+from tests.integration.sites import CELL, Sites, killed
 
 
 def holder(sites: Sites) -> str | None:

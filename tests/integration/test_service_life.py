@@ -5,8 +5,8 @@ import signal
 import urllib.request
 from pathlib import Path
 
-from pair import Pair
-from sites import alive, child_of, descendants
+from tests.integration.pair import Pair
+from tests.integration.sites import alive, child_of, descendants
 
 FIGURES = {"farhand_control_missed_ticks_total", "farhand_session_state", "farhand_video_frames_total"}
 END_S = 5.0  # two where a machine has nothing else to do

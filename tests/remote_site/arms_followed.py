@@ -4,11 +4,13 @@ from pathlib import Path
 
 import msgspec
 import numpy as np
-from remote_loop import TICK_NS, RemoteLoop, hand
 
 from common.geometry import rotation_from_vector
-from remote_site.config import ControlConfig, RemoteConfig, RobotConfig, SafetyConfig
-from remote_site.safety.config import CollisionConfig
+from remote_site.config import RemoteConfig
+from remote_site.kinematics.config import RobotConfig
+from remote_site.motion.config import ControlConfig
+from remote_site.safety.config import CollisionConfig, SafetyConfig
+from tests.remote_site.remote_loop import TICK_NS, RemoteLoop, hand
 
 ARMS = Path(__file__).parent / "arms"
 SAMPLE_TICKS = 8

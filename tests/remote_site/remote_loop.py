@@ -3,20 +3,21 @@
 import numpy as np
 
 from common.clock import NS_PER_MS, FakeClock
-from common.messages import ClockSync, HandArm, SessionState, TrackingStatus
-from remote_site.chain import Chain
+from common.messages.hand import ClockSync, HandArm, TrackingStatus
+from common.messages.robot import SessionState
 from remote_site.config import RemoteConfig
 from remote_site.drivers.driver import DriverSetup, JointCommand
 from remote_site.drivers.kinematic import KinematicDriver
 from remote_site.kinematics.joints import JointMotion
 from remote_site.kinematics.limits import JointLimits
 from remote_site.kinematics.model import ArmModel
-from remote_site.lease import Holder, LeaseDesk
+from remote_site.reasons import Code
+from remote_site.safety.clearance import Surroundings, Workspace
 from remote_site.safety.collision import CollisionModel
 from remote_site.safety.guard import Guard, Passed
-from remote_site.safety.state import Robot, Session
-from remote_site.safety.status import Code
-from remote_site.safety.surroundings import Surroundings, Workspace
+from remote_site.session.lease import Holder, LeaseDesk
+from remote_site.session.state_machine import Robot, Session
+from remote_site.teleop.pipeline import Chain
 
 TICK_NS = 4 * NS_PER_MS
 REFUSALS = {

@@ -5,7 +5,7 @@ from collections.abc import Sequence
 import numpy as np
 
 from common.geometry import Array
-from common.messages import TrackingStatus
+from common.messages.hand import TrackingStatus
 from local_site.calibration.rig import Rig
 from local_site.tracking.markers.config import MarkersConfig
 from local_site.tracking.markers.correspondence import Candidates, correspond

@@ -7,7 +7,7 @@ import numpy as np
 from scipy.interpolate import PchipInterpolator
 
 from common.geometry import Array
-from local_site.rasterising import Triangles
+from local_site.kernels.rasterising import Triangles
 from local_site.tracking.monocular.config import ForearmConfig, UpperArmConfig
 
 MM = 1e-3

@@ -7,7 +7,7 @@ from numpy.typing import NDArray
 
 from common.geometry import Array
 from local_site.calibration.lens import Lens
-from local_site.rasterising import NOTHING, Raster, rasterise
+from local_site.kernels.rasterising import NOTHING, Raster, rasterise
 from local_site.tracking.monocular.arm_mesh import Mesh
 from local_site.tracking.monocular.picture import Box
 from local_site.tracking.monocular.pose import Link, Pose

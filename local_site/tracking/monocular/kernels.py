@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from common.geometry import Array
-from local_site.compiled import compiled
+from local_site.kernels.compiled import compiled
 
 MOTION, LIGHT = 6, 4
 UNKNOWNS = MOTION + LIGHT

@@ -6,7 +6,7 @@ import numpy as np
 from common.cameras.camera import Frame, Image
 from common.errors import CalibrationError
 from common.geometry import Array
-from common.messages import TrackingStatus
+from common.messages.hand import TrackingStatus
 from local_site.calibration.lens import Maps
 from local_site.calibration.physical_camera import decomposed
 from local_site.calibration.rig import CameraCalibration, Rig

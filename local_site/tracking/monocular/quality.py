@@ -8,7 +8,7 @@ from enum import StrEnum
 import numpy as np
 
 from common.geometry import Array, skew
-from common.messages import TrackingStatus
+from common.messages.hand import TrackingStatus
 from local_site.tracking.monocular.equations import condition, information
 from local_site.tracking.monocular.estimator import Fit
 from local_site.tracking.monocular.pose import Pose

@@ -11,7 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from common.geometry import Array
-from local_site.compiled import compiled
+from local_site.kernels.compiled import compiled
 from local_site.tracking.monocular.arm_mesh import Mesh
 from local_site.tracking.monocular.arm_view import Depths
 from local_site.tracking.monocular.pose import Link

@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 
 from common.cameras.camera import Image
 from common.geometry import Array
-from local_site.compiled import compiled
+from local_site.kernels.compiled import compiled
 
 MIN_AREA_FRACTION = 1e-3
 MIN_CONTOUR_POINTS = 40

@@ -9,7 +9,7 @@ import math
 import numpy as np
 
 from common.geometry import Array
-from local_site.compiled import compiled
+from local_site.kernels.compiled import compiled
 from local_site.tracking.silhouette.limbs import Limb
 
 FOREARM_DEPTH_M, UPPER_ARM_DEPTH_M = 0.0285, 0.037

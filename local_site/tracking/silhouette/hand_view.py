@@ -8,7 +8,7 @@ from numpy.typing import NDArray
 
 from common.geometry import Array
 from local_site.calibration.triangulation import focal_length
-from local_site.compiled import compiled
+from local_site.kernels.compiled import compiled
 from local_site.tracking.silhouette.contour import Silhouette
 from local_site.tracking.silhouette.features import Features
 from local_site.tracking.silhouette.hand_model.fit import HandView

@@ -5,7 +5,7 @@ import math
 import numpy as np
 
 from common.geometry import Array
-from local_site.compiled import compiled
+from local_site.kernels.compiled import compiled
 from local_site.tracking.silhouette.limbs import Limb, Limbs
 
 FOREARM_SIGMA = 0.06

@@ -12,7 +12,7 @@ import numpy as np
 
 from common.geometry import Array
 from local_site.calibration.triangulation import reprojection_residual, triangulate
-from local_site.compiled import compiled
+from local_site.kernels.compiled import compiled
 from local_site.tracking.silhouette.elbow_depth import elbow_shifts, image_motion, unit
 from local_site.tracking.silhouette.features import Features
 from local_site.tracking.silhouette.joint_equations import descend

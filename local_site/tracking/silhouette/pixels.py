@@ -3,7 +3,7 @@
 import numpy as np
 from numpy.typing import NDArray
 
-from local_site.compiled import compiled
+from local_site.kernels.compiled import compiled
 
 
 @compiled

@@ -12,7 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from common.geometry import Array
-from local_site.compiled import compiled
+from local_site.kernels.compiled import compiled
 from local_site.tracking.silhouette.contour import Silhouette
 
 WORKING_SIZE = 112

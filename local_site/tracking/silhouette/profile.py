@@ -8,7 +8,7 @@ import math
 import numpy as np
 
 from common.geometry import Array
-from local_site.compiled import compiled
+from local_site.kernels.compiled import compiled
 from local_site.tracking.silhouette.medial import typical_width
 
 NECK_WINDOW = 1.2

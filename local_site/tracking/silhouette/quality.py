@@ -6,7 +6,7 @@ import numpy as np
 
 from common.geometry import Array
 from local_site.calibration.rig import Rig
-from local_site.compiled import compiled
+from local_site.kernels.compiled import compiled
 from local_site.tracking.reasons import Reason
 from local_site.tracking.silhouette.elbow_depth import unit
 from local_site.tracking.silhouette.features import Features

@@ -8,7 +8,7 @@ import numpy as np
 
 from common.errors import CalibrationError
 from common.geometry import Array
-from common.messages import TrackingStatus
+from common.messages.hand import TrackingStatus
 from local_site.calibration.rig import Rig
 from local_site.calibration.triangulation import project, triangulate
 from local_site.tracking.reasons import Reason, sentence

@@ -13,7 +13,7 @@ import numpy as np
 
 from common.geometry import Array
 from local_site.calibration.triangulation import fundamental_matrix
-from local_site.compiled import compiled
+from local_site.kernels.compiled import compiled
 from local_site.tracking.silhouette.contour import Silhouette
 
 

@@ -7,7 +7,7 @@ rendered arms of three builds and checked on others and on recordings, so that t
 import numpy as np
 
 from common.geometry import Array
-from local_site.compiled import compiled
+from local_site.kernels.compiled import compiled
 from local_site.tracking.silhouette.elbow_depth import px_per_m, unit
 from local_site.tracking.silhouette.joints import Joints
 from local_site.tracking.silhouette.limbs import Limbs

@@ -9,7 +9,7 @@ from dataclasses import dataclass, field
 from random import Random
 
 from common.clock import NS_PER_S, Clock
-from common.service import ask_for_real_time
+from common.process.service import ask_for_real_time
 from remote_site.drivers.c500c.emulator import TICK_NS, Controller
 from remote_site.drivers.c500c.exchange import BITS_PER_BYTE
 from remote_site.drivers.c500c.port import SerialPort

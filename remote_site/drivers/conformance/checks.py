@@ -11,7 +11,7 @@ from common.geometry import Array
 from remote_site.drivers.conformance.trial import SPEED_RAD_S, STEP_MS, WINDOW_MS, Failed, Skipped, Trial
 from remote_site.drivers.driver import JointCommand, RobotReading
 from remote_site.drivers.faults import FaultCode
-from remote_site.drivers.keeper import DEADLINE_NS, Phase
+from remote_site.drivers.supervisor.supervisor import DEADLINE_NS, Phase
 from remote_site.kinematics.joints import JointMotion
 from remote_site.safety.stopping import stop_time, stops
 

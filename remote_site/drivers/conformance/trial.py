@@ -10,10 +10,10 @@ from common.errors import DriverError
 from common.geometry import Array
 from remote_site.drivers.conformance.watched import Watch, WatchedDriver
 from remote_site.drivers.driver import Driver, DriverSetup, JointCommand, RobotReading
-from remote_site.drivers.grip import GripSettings, GripWatch
-from remote_site.drivers.keeper import Keeper, Order, Phase
+from remote_site.drivers.supervisor.grip import GripSettings, GripWatch
+from remote_site.drivers.supervisor.supervisor import Keeper, Order, Phase
 from remote_site.kinematics.joints import JointMotion
-from remote_site.motion import Follower
+from remote_site.motion.jerk_limited import Follower
 from remote_site.safety.stopping import stopping
 
 READY_MS = 5000

@@ -15,16 +15,16 @@ import numpy as np
 import pytest
 from typer.testing import CliRunner
 
-from common.channels import CLOCK
 from common.clock import NS_PER_MS, FakeClock
-from common.link_config import ON_THIS_HOST
-from common.requests import ClockAnswer
-from common.transport import open_link
+from common.link.channels import CLOCK
+from common.link.config import ON_THIS_HOST
+from common.link.transport import open_link
+from common.messages.requests import ClockAnswer
 from farhand.cli import app
 from farhand.doctor.processes import holder_of_device, listener_on
 from farhand.doctor.run import examine, which_site
 from farhand.doctor.site_probing import probe_camera, probe_clock, probe_ports, probe_rig
-from farhand.loopback import free_ports
+from farhand.loopback.run import free_ports
 from farhand.router import RouterConfig
 from local_site.calibration.rig_file import save_rig
 from local_site.config import LocalConfig

@@ -6,13 +6,18 @@ from functools import lru_cache
 import cv2
 import numpy as np
 import pytest
-from board_scenes import SIZE, Renderer, looking_down, poses
 
 from common.errors import CalibrationError, ConfigError
 from local_site.calibration.board_errors import laid_upon
 from local_site.calibration.board_rig import BoardPictures, solve_boards
 from local_site.calibration.boards import Board, BoardFinder, BoardView
 from local_site.calibration.triangulation import triangulate
+from tests.local_site.calibration.board_scenes import (
+    SIZE,
+    Renderer,
+    looking_down,
+    poses,
+)
 
 CHARUCO = Board("charuco", 8, 6, 0.03, 0.022)
 CHESS = Board("chessboard", 9, 6, 0.03)

@@ -4,10 +4,10 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from plate_cameras import ANGLES, camera, control
 
 from local_site.calibration.coverage import EMPTY, GOOD, coverage_map, coverage_warnings, picture_coverage
 from local_site.calibration.found import draw_found
+from tests.local_site.calibration.plate_cameras import ANGLES, camera, control
 
 SIZE = (640, 480)
 

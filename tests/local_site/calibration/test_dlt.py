@@ -3,10 +3,10 @@
 import numpy as np
 from hypothesis import given, settings
 from hypothesis import strategies as st
-from plate_cameras import GRID, camera
 
 from local_site.calibration.dlt import agreeing, solve_projection, unsolvable
 from local_site.calibration.triangulation import project
+from tests.local_site.calibration.plate_cameras import GRID, camera
 
 
 @settings(max_examples=15, deadline=None, derandomize=True)

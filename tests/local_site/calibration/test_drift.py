@@ -4,12 +4,12 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from plate_cameras import ANGLES, camera
 from scipy.spatial.transform import Rotation
 
 from common.clock import NS_PER_S
 from local_site.calibration.drift import DriftAlarm, DriftConfig, fundamentals, pair_residuals
 from local_site.calibration.triangulation import epipolar_residual
+from tests.local_site.calibration.plate_cameras import ANGLES, camera
 
 CALIBRATED_PX = 0.2
 FPS = 30

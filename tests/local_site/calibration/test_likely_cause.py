@@ -5,13 +5,18 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from plate_cameras import ANGLES, GRID, camera, control
 
 from common.errors import CalibrationError
-from farhand.calibrate import doubts
+from farhand.calibration.points import doubts
 from local_site.calibration.control_points import read_control_points
 from local_site.calibration.likely_cause import likely_cause
 from local_site.calibration.solve import solve_rig
+from tests.local_site.calibration.plate_cameras import (
+    ANGLES,
+    GRID,
+    camera,
+    control,
+)
 
 CSV = Path(__file__).parents[4] / "shared/data/recordings/yz/control_points.csv"
 

@@ -6,8 +6,6 @@ from pathlib import Path
 import cv2
 import numpy as np
 import pytest
-from plate_cameras import ANGLES, camera
-from plate_scenes import plate_picture
 
 from common.errors import CalibrationError
 from local_site.calibration.control_points import read_control_points
@@ -16,6 +14,8 @@ from local_site.calibration.lattice import find_lattice
 from local_site.calibration.plate import Plate, plate_control_points, view_plate, without_perspective_bias
 from local_site.calibration.solve import solve_rig
 from local_site.calibration.triangulation import triangulate
+from tests.local_site.calibration.plate_cameras import ANGLES, camera
+from tests.local_site.calibration.plate_scenes import plate_picture
 
 DATA = Path(__file__).parents[4] / "shared/data/recordings"
 HEIGHTS = (0.0, 0.497, 0.994)

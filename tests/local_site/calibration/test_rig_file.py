@@ -4,11 +4,11 @@ import json
 
 import numpy as np
 import pytest
-from plate_cameras import ANGLES, camera, control
 
 from common.errors import CalibrationError
 from local_site.calibration.rig_file import load_rig, save_rig
 from local_site.calibration.solve import solve_rig
+from tests.local_site.calibration.plate_cameras import ANGLES, camera, control
 
 
 @pytest.fixture(scope="module")

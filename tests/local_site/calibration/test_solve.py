@@ -5,7 +5,6 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from plate_cameras import ANGLES, GRID, camera, control
 
 from common.errors import CalibrationError
 from local_site.calibration.accuracy import errors
@@ -15,6 +14,12 @@ from local_site.calibration.solve import solve_rig
 from local_site.calibration.triangulation import triangulate
 from local_site.simulation.cameras import stereo_pair
 from local_site.simulation.config import SimulationConfig, StereoConfig
+from tests.local_site.calibration.plate_cameras import (
+    ANGLES,
+    GRID,
+    camera,
+    control,
+)
 
 DATA = Path(__file__).parents[4] / "shared/data/recordings"
 INSIDE = np.random.default_rng(7).uniform(0.1, 0.9, (40, 3))

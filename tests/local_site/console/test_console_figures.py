@@ -4,9 +4,8 @@ import msgspec
 import pytest
 
 from common.clock import NS_PER_MS, NS_PER_S, ClockEstimate, ClockOffset
-from common.messages import (
-    CameraStatus,
-    ClockSync,
+from common.messages.hand import ClockSync
+from common.messages.robot import (
     LoopTiming,
     Obeyed,
     Pose,
@@ -14,9 +13,8 @@ from common.messages import (
     RobotState,
     SessionState,
     Traced,
-    VideoFrame,
-    ViewCame,
 )
+from common.messages.video import CameraStatus, VideoFrame, ViewCame
 from local_site.console.history import History
 from local_site.console.latency import Latencies
 from local_site.console.page_messages import Painted

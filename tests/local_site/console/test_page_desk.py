@@ -8,7 +8,7 @@ import pytest
 
 from common.clock import NS_PER_S
 from common.errors import MessageError
-from common.requests import EngagementAction, OperatorAction, Reply
+from common.messages.requests import EngagementAction, OperatorAction, Reply
 from local_site.console.history import History
 from local_site.console.latency import Latencies
 from local_site.console.page_desk import Outlets, PageDesk

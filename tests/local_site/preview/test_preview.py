@@ -8,7 +8,8 @@ import simplejpeg
 from structlog.testing import capture_logs
 
 from common.cameras.camera import Frame
-from common.messages import CameraStatus, TrackingStatus
+from common.messages.hand import TrackingStatus
+from common.messages.video import CameraStatus
 from local_site.preview.config import PreviewConfig
 from local_site.preview.drawing import Drawn, Taken, draw, estimate_of, order_of
 from local_site.preview.preview import Preview

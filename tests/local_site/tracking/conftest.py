@@ -1,7 +1,15 @@
 """Sequences that several tests share, rendered once."""
 
 import pytest
-from rendered_arm import ABOVE, ASIDE, MOVING, PAIR, TURNING, render_sequence
+
+from tests.local_site.tracking.rendered_arm import (
+    ABOVE,
+    ASIDE,
+    MOVING,
+    PAIR,
+    TURNING,
+    render_sequence,
+)
 
 
 @pytest.fixture(scope="session")

@@ -4,7 +4,7 @@ import cv2
 import numpy as np
 import pytest
 
-from common.messages import TrackingStatus
+from common.messages.hand import TrackingStatus
 from local_site.calibration.triangulation import project
 from local_site.simulation.cameras import exact_rig
 from local_site.simulation.config import StereoConfig

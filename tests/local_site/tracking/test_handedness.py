@@ -2,13 +2,13 @@
 
 import numpy as np
 import pytest
-from rendered_arm import render_sequence, rig_of
 
-from common.messages import TrackingStatus
+from common.messages.hand import TrackingStatus
 from local_site.simulation.config import MotionConfig
 from local_site.tracking.reasons import Reason
 from local_site.tracking.silhouette.config import SilhouetteConfig
 from local_site.tracking.silhouette.silhouette_tracker import SilhouetteTracker
+from tests.local_site.tracking.rendered_arm import render_sequence, rig_of
 
 FRAMES = 14
 

@@ -2,10 +2,17 @@
 
 import numpy as np
 import pytest
-from rendered_arm import MOVING, POINTS, TURNING, errors_m, render_sequence, rig_of
 
 from local_site.simulation.config import BodyConfig
 from local_site.tracking.silhouette.silhouette_tracker import SilhouetteTracker
+from tests.local_site.tracking.rendered_arm import (
+    MOVING,
+    POINTS,
+    TURNING,
+    errors_m,
+    render_sequence,
+    rig_of,
+)
 
 LEARNING = 11
 COUNT = 30

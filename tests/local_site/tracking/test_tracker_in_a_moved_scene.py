@@ -4,10 +4,15 @@ import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
-from rendered_arm import MOVING, POINTS, render_sequence, rig_of
 
 from local_site.tracking.silhouette.hand_model.placement import turned
 from local_site.tracking.silhouette.silhouette_tracker import SilhouetteTracker
+from tests.local_site.tracking.rendered_arm import (
+    MOVING,
+    POINTS,
+    render_sequence,
+    rig_of,
+)
 
 FRAMES = 16
 SHIFTED_M = 1e-6

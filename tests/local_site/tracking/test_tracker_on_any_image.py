@@ -6,7 +6,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from common.cameras.camera import Frame
-from common.messages import TrackingStatus
+from common.messages.hand import TrackingStatus
 from local_site.simulation.cameras import exact_rig
 from local_site.simulation.config import StereoConfig
 from local_site.tracking.annotate import annotate

@@ -8,8 +8,8 @@ import numpy as np
 import pytest
 
 from common.cameras.sources import open_camera
-from farhand.calibrate import calibrate_points
-from farhand.track import track_recording
+from farhand.calibration.points import calibrate_points
+from farhand.tracking.track import track_recording
 
 DATA = Path(__file__).parents[4] / "shared/data/recordings"
 SETTLED = 10

@@ -2,7 +2,12 @@
 
 import numpy as np
 import pytest
-from rendered_arm import (
+
+from common.messages.hand import TrackingStatus
+from local_site.simulation.config import BodyConfig, MotionConfig
+from local_site.tracking.silhouette.silhouette_tracker import SilhouetteTracker
+from local_site.tracking.tracker import Views
+from tests.local_site.tracking.rendered_arm import (
     BRISK_S,
     MOVING,
     PERIOD_S,
@@ -13,11 +18,6 @@ from rendered_arm import (
     render_sequence,
     rig_of,
 )
-
-from common.messages import TrackingStatus
-from local_site.simulation.config import BodyConfig, MotionConfig
-from local_site.tracking.silhouette.silhouette_tracker import SilhouetteTracker
-from local_site.tracking.tracker import Views
 
 LEARNING = 10
 THIN = BodyConfig(forearm_girth=0.20, upper_arm_girth=0.22, elbow_girth=0.20, wrist_girth=0.14, belly_offset=0.004)

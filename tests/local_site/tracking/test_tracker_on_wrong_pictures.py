@@ -2,11 +2,11 @@
 
 import numpy as np
 import pytest
-from rendered_arm import render_sequence, rig_of
 
-from common.messages import TrackingStatus
+from common.messages.hand import TrackingStatus
 from local_site.simulation.config import MotionConfig
 from local_site.tracking.silhouette.silhouette_tracker import SilhouetteTracker
+from tests.local_site.tracking.rendered_arm import render_sequence, rig_of
 
 FRAMES = 14
 ASIDE = MotionConfig(name="figure_of_eight", still_s=0.2, wrist=(0.38, 0.40, 0.60), shoulder=(0.76, 0.24, 0.40))

@@ -2,11 +2,22 @@
 
 import numpy as np
 import pytest
-from rendered_arm import ABOVE, BRISK_S, MOVING, PAIR, PERIOD_S, POINTS, apart_m, errors_m, render_sequence, rig_of
 
-from common.messages import TrackingStatus
+from common.messages.hand import TrackingStatus
 from local_site.tracking.silhouette.silhouette_tracker import SilhouetteTracker
 from local_site.tracking.tracker import Views
+from tests.local_site.tracking.rendered_arm import (
+    ABOVE,
+    BRISK_S,
+    MOVING,
+    PAIR,
+    PERIOD_S,
+    POINTS,
+    apart_m,
+    errors_m,
+    render_sequence,
+    rig_of,
+)
 
 LEARNING = 10
 LATE_S = 0.3 * PERIOD_S

@@ -2,11 +2,11 @@
 
 import numpy as np
 import pytest
-from rendered_arm import POINTS, errors_m, rig_of
 
 from local_site.tracking.reasons import Reason
 from local_site.tracking.silhouette.operator_profile import make_profile
 from local_site.tracking.silhouette.silhouette_tracker import SilhouetteTracker
+from tests.local_site.tracking.rendered_arm import POINTS, errors_m, rig_of
 
 COUNT = 20
 WORSE_M = 0.0015

@@ -9,7 +9,6 @@ from hypothesis import strategies as st
 
 from common.clock import NS_PER_MS, FakeClock
 from common.errors import DriverError
-from remote_site.config import RobotConfig
 from remote_site.drivers.c500c.config import C500cConfig
 from remote_site.drivers.c500c.driver import C500cDriver
 from remote_site.drivers.c500c.emulation import EmulatedPort, Emulation, Line, Terminal
@@ -19,6 +18,7 @@ from remote_site.drivers.c500c.port import open_port
 from remote_site.drivers.c500c.protocol import Activation, Fault, Flag, Frame, Kind, Parser, Setpoint, State
 from remote_site.drivers.driver import DriverSetup, JointCommand
 from remote_site.drivers.faults import FaultCode
+from remote_site.kinematics.config import RobotConfig
 from remote_site.kinematics.limits import JointLimits
 from remote_site.kinematics.model import ArmModel
 

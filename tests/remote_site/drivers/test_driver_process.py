@@ -9,20 +9,19 @@ from functools import partial
 
 import numpy as np
 import pytest
-from remote_loop import arm
 
-from common.children import Children
 from common.clock import NS_PER_MS, MonotonicClock
 from common.errors import DriverError
-from common.service import StopFlag, ask_for_real_time
-from remote_site.config import DriverConfig, RemoteConfig
-from remote_site.drivers import process
+from common.process.children import Children
+from common.process.service import StopFlag, ask_for_real_time
+from remote_site.config import RemoteConfig
 from remote_site.drivers.c500c.config import C500cConfig
 from remote_site.drivers.c500c.driver import C500cDriver
 from remote_site.drivers.c500c.emulation import EmulatedPort, Emulation, Terminal, run_emulation
 from remote_site.drivers.c500c.emulator import Controller
 from remote_site.drivers.c500c.port import open_port
 from remote_site.drivers.c500c.protocol import Fault
+from remote_site.drivers.config import DriverConfig
 from remote_site.drivers.driver import JointCommand
 from remote_site.drivers.faults import FaultCode
 from remote_site.drivers.kinematic import KinematicDriver
@@ -31,10 +30,12 @@ from remote_site.drivers.memory import DriverMemory
 from remote_site.drivers.registry import DriverHost
 from remote_site.drivers.simulated import SimulatedDriver
 from remote_site.kinematics.joints import JointMotion
-from remote_site.motion import Follower
+from remote_site.motion.jerk_limited import Follower
+from remote_site.runtime import driver_process as process
 from remote_site.safety.stopping import stopping
-from remote_site.shared_memory import CellMemory
+from remote_site.simulation.memory import CellMemory
 from remote_site.simulation.process import run_cell
+from tests.remote_site.remote_loop import arm
 
 FORK = multiprocessing.get_context("fork")
 CONFIG = RemoteConfig(driver=DriverConfig(command_timeout_ms=1000.0))  # a busy machine may keep control waiting

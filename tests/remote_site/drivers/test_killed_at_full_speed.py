@@ -9,17 +9,27 @@ import time
 import msgspec
 import numpy as np
 import pytest
-import test_driver_process
-from remote_loop import arm
-from test_driver_process import CLOCK, CONFIG, DT, FORK, Rig, c500c, is_stopped, kinematic, simulated
 
-from common.service import ask_for_real_time
+from common.process.service import ask_for_real_time
 from remote_site.drivers.driver import JointCommand
 from remote_site.drivers.faults import FaultCode
 from remote_site.drivers.link import DriverLink
 from remote_site.kinematics.joints import JointMotion
-from remote_site.motion import Follower
+from remote_site.motion.jerk_limited import Follower
 from remote_site.safety.stopping import stop_time, stopping
+from tests.remote_site.drivers import test_driver_process
+from tests.remote_site.drivers.test_driver_process import (
+    CLOCK,
+    CONFIG,
+    DT,
+    FORK,
+    Rig,
+    c500c,
+    is_stopped,
+    kinematic,
+    simulated,
+)
+from tests.remote_site.remote_loop import arm
 
 START_DEG = (math.degrees(-1.5), 0.0, -45.0, 0.0, -45.0, 0.0)
 GENTLE = {"acceleration_rad_s2": (10.0,), "jerk_rad_s3": 100.0, "start_deg": START_DEG}

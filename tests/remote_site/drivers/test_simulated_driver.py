@@ -5,14 +5,14 @@ import pytest
 
 from common.clock import FakeClock
 from common.errors import DriverError
-from remote_site.config import RobotConfig
 from remote_site.drivers.driver import DriverSetup, JointCommand
 from remote_site.drivers.faults import FaultCode
 from remote_site.drivers.simulated import SimulatedDriver
+from remote_site.kinematics.config import RobotConfig
 from remote_site.kinematics.limits import JointLimits
 from remote_site.kinematics.model import ArmModel
-from remote_site.shared_memory import CellMemory
 from remote_site.simulation.config import CellConfig
+from remote_site.simulation.memory import CellMemory
 from remote_site.simulation.process import SimulatedCell
 
 ROBOT = RobotConfig()

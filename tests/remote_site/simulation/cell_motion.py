@@ -5,7 +5,7 @@ from itertools import pairwise
 
 import numpy as np
 
-from remote_site.config import RobotConfig
+from remote_site.kinematics.config import RobotConfig
 from remote_site.kinematics.model import ArmModel
 
 RATE_HZ = 250

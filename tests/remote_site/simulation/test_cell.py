@@ -3,13 +3,13 @@
 import mujoco
 import numpy as np
 import pytest
-from cell_motion import arm_model
 
 from common.errors import ModelError
-from remote_site.config import RobotConfig
+from remote_site.kinematics.config import RobotConfig
 from remote_site.simulation.cell import build_cell
 from remote_site.simulation.config import ArmConfig, CellConfig
 from remote_site.simulation.projection import look_at
+from tests.remote_site.simulation.cell_motion import arm_model
 
 ROBOT = RobotConfig()
 

@@ -8,12 +8,12 @@ import time
 import numpy as np
 import pytest
 
-from common.children import Children
-from common.service import StopFlag
-from remote_site.config import RobotConfig
-from remote_site.shared_memory import CellMemory
+from common.process.children import Children
+from common.process.service import StopFlag
+from remote_site.kinematics.config import RobotConfig
 from remote_site.simulation.config import CellConfig, ServoConfig
 from remote_site.simulation.controller import ControllerFault
+from remote_site.simulation.memory import CellMemory
 from remote_site.simulation.process import run_cell
 
 FORK = multiprocessing.get_context("fork")

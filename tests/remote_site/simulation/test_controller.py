@@ -3,9 +3,9 @@
 import numpy as np
 import pytest
 
-from remote_site.shared_memory import command_dtype, setup_dtype
 from remote_site.simulation.config import ServoConfig
 from remote_site.simulation.controller import ArmLimits, Controller, ControllerFault
+from remote_site.simulation.memory import command_dtype, setup_dtype
 
 DT, STEP_NS = 0.002, 2_000_000
 Q0 = np.array([0.0, 0.0, -0.8, 0.0, -0.8, 0.0])

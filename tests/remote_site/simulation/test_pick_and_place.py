@@ -4,15 +4,15 @@ from types import SimpleNamespace
 
 import numpy as np
 import pytest
-from cell_motion import PICK_AND_PLACE, arm_model, sample
 
-from common.messages import GripperStatus
-from remote_site.config import RobotConfig
-from remote_site.drivers.grip import GripSettings, GripWatch
-from remote_site.shared_memory import CellMemory
+from common.messages.robot import GripperStatus
+from remote_site.drivers.supervisor.grip import GripSettings, GripWatch
+from remote_site.kinematics.config import RobotConfig
 from remote_site.simulation.config import BlockConfig, CellConfig
 from remote_site.simulation.controller import ControllerFault
+from remote_site.simulation.memory import CellMemory
 from remote_site.simulation.process import SimulatedCell
+from tests.remote_site.simulation.cell_motion import PICK_AND_PLACE, arm_model, sample
 
 ROBOT = RobotConfig()
 STEP_NS = 2_000_000

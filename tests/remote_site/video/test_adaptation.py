@@ -5,8 +5,14 @@ from collections import Counter
 import numpy as np
 import pytest
 
-from bench.video_link import REPORT_NS, Run
-from common.messages import CameraStatus, VideoFrame, ViewCame, ViewShown, ViewsShown
+from bench.video.link import REPORT_NS, Run
+from common.messages.video import (
+    CameraStatus,
+    VideoFrame,
+    ViewCame,
+    ViewShown,
+    ViewsShown,
+)
 from remote_site.video.adaptation import Adaptation, fair_share
 from remote_site.video.config import VideoConfig
 from remote_site.video.ledger import Ledger

@@ -7,10 +7,11 @@ import numpy as np
 import pytest
 
 from common.errors import CameraError
-from remote_site.config import RobotConfig
-from remote_site.shared_memory import SharedRecord, snapshot_dtype
+from common.process.shared_record import SharedRecord
+from remote_site.kinematics.config import RobotConfig
 from remote_site.simulation.cell import build_cell
 from remote_site.simulation.config import CellConfig
+from remote_site.simulation.memory import snapshot_dtype
 from remote_site.simulation.projection import calibration_of
 from remote_site.video.cell_cameras import CellRenderer, open_cell_cameras
 from remote_site.video.clock_strip import read_clock

@@ -7,7 +7,7 @@ import pytest
 import simplejpeg
 
 from common.cameras.camera import Frame
-from common.messages import CameraStatus
+from common.messages.video import CameraStatus
 from remote_site.video.config import VideoConfig
 from remote_site.video.looks import is_dark
 from remote_site.video.setting import Setting

@@ -7,8 +7,8 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from common.cameras.camera import Frame
-from common.codec import encode
-from common.messages import CameraStatus
+from common.messages.codec import encode
+from common.messages.video import CameraStatus
 from remote_site.video.config import VideoConfig
 from remote_site.video.encode import encode_jpeg
 from remote_site.video.setting import Setting

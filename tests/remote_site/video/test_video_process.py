@@ -15,7 +15,13 @@ from structlog.testing import capture_logs
 
 from common.cameras.camera import Frame
 from common.errors import CameraError, ConfigError, MessageError
-from common.messages import CameraStatus, VideoFrame, ViewCame, ViewShown, ViewsShown
+from common.messages.video import (
+    CameraStatus,
+    VideoFrame,
+    ViewCame,
+    ViewShown,
+    ViewsShown,
+)
 from remote_site.video import process, sources
 from remote_site.video.config import CameraConfig, VideoConfig
 from remote_site.video.live_camera import ThreadedCamera
@@ -24,8 +30,8 @@ from remote_site.video.process import Wire, run_video
 SIMULATED_RUN = """
 import json, time
 import numpy as np
-from remote_site.config import RobotConfig
-from remote_site.shared_memory import CellMemory
+from remote_site.kinematics.config import RobotConfig
+from remote_site.simulation.memory import CellMemory
 from remote_site.simulation.cell import build_cell
 from remote_site.simulation.config import CellConfig
 from remote_site.video.config import VideoConfig

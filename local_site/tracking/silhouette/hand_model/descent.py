@@ -4,7 +4,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from common.geometry import Array
-from local_site.compiled import compiled
+from local_site.kernels.compiled import compiled
 from local_site.tracking.silhouette.hand_model.kernels import (
     add_outline,
     add_outside,

@@ -6,7 +6,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from common.geometry import Array
-from local_site.compiled import compiled
+from local_site.kernels.compiled import compiled
 
 MIN_LENGTH_PX = 1e-3
 MAX_TAPER = 0.95

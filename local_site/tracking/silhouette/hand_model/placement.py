@@ -6,7 +6,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from common.geometry import Array
-from local_site.compiled import compiled
+from local_site.kernels.compiled import compiled
 from local_site.tracking.silhouette.hand_model.skeleton import (
     FOREARM,
     FOREARM_SPHERE_DISTANCE,

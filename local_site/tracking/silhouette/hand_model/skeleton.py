@@ -11,7 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from common.geometry import Array
-from local_site.compiled import compiled
+from local_site.kernels.compiled import compiled
 
 MCP_CURL, PIP_CURL, EXTRA_CURL, SPREAD, ABDUCTION, OPPOSITION, THUMB_FLEXION, PALM, FINGERS, BREADTH = range(10)
 PARAMETERS = 10

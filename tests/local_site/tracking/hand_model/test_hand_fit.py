@@ -4,7 +4,11 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from posed_hands import (
+
+from local_site.tracking.silhouette.hand_model.fit import Prior, contact, fit_hand
+from local_site.tracking.silhouette.hand_model.habits import GRIPPER, Habits
+from local_site.tracking.silhouette.hand_model.placement import HandPose, Person, place, turned
+from tests.local_site.tracking.hand_model.posed_hands import (
     MIRROR,
     PERSON,
     PROJECTIONS,
@@ -13,10 +17,6 @@ from posed_hands import (
     known,
     pose_of,
 )
-
-from local_site.tracking.silhouette.hand_model.fit import Prior, contact, fit_hand
-from local_site.tracking.silhouette.hand_model.habits import GRIPPER, Habits
-from local_site.tracking.silhouette.hand_model.placement import HandPose, Person, place, turned
 
 ITERATIONS = 12
 STARTS = 24

@@ -2,7 +2,6 @@
 
 import numpy as np
 import pytest
-from posed_hands import PERSON, hand_views, pose_of
 
 from local_site.tracking.silhouette.hand_model.fit import contact
 from local_site.tracking.silhouette.hand_model.kernels import add_outline, add_outside, project_spheres
@@ -15,6 +14,7 @@ from local_site.tracking.silhouette.hand_model.placement import (
     turned,
 )
 from local_site.tracking.silhouette.hand_model.skeleton import CAPSULES
+from tests.local_site.tracking.hand_model.posed_hands import PERSON, hand_views, pose_of
 
 STEP = 1e-5
 HAND = 20

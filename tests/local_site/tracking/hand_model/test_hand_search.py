@@ -2,12 +2,22 @@
 
 import numpy as np
 import pytest
-from posed_hands import MIRROR, PERSON, PROJECTIONS, TO_ELBOW, angle_deg, far_end, hand_views, known, pose_of
 
 from local_site.tracking.silhouette.hand_model.fit import Prior
 from local_site.tracking.silhouette.hand_model.habits import GRIPPER, GRIPPER_SIGMA, Habits
 from local_site.tracking.silhouette.hand_model.placement import HandPose, Person, place
 from local_site.tracking.silhouette.hand_model.search import Effort, search_hand
+from tests.local_site.tracking.hand_model.posed_hands import (
+    MIRROR,
+    PERSON,
+    PROJECTIONS,
+    TO_ELBOW,
+    angle_deg,
+    far_end,
+    hand_views,
+    known,
+    pose_of,
+)
 
 ROLLS, KEPT = 24, 6
 HANDS = 20

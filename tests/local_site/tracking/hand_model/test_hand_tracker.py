@@ -2,7 +2,12 @@
 
 import numpy as np
 import pytest
-from posed_hands import (
+
+from local_site.tracking.silhouette.hand_model.habits import GRIPPER, Habits
+from local_site.tracking.silhouette.hand_model.placement import place
+from local_site.tracking.silhouette.hand_model.skeleton import TYPICAL_FOREARM
+from local_site.tracking.silhouette.hand_tracker import Arm, HandTracker
+from tests.local_site.tracking.hand_model.posed_hands import (
     PERSON,
     TO_ELBOW,
     WRIST_COVARIANCE,
@@ -10,11 +15,6 @@ from posed_hands import (
     hand_views,
     pose_of,
 )
-
-from local_site.tracking.silhouette.hand_model.habits import GRIPPER, Habits
-from local_site.tracking.silhouette.hand_model.placement import place
-from local_site.tracking.silhouette.hand_model.skeleton import TYPICAL_FOREARM
-from local_site.tracking.silhouette.hand_tracker import Arm, HandTracker
 
 PAIRS = 4
 # Measured at most 6.6 and 1.5 mm.

@@ -4,13 +4,21 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from marker_scene import Scene, error_mm, four_cameras, hand_at, moving_hand, rig_of, without
 from scipy.spatial.transform import Rotation
 
-from common.messages import TrackingStatus
+from common.messages.hand import TrackingStatus
 from local_site.calibration.drift import DriftConfig
-from local_site.drift_watch import DriftWatch
+from local_site.tracking.drift_watch import DriftWatch
 from local_site.tracking.markers.marker_tracker import MarkerTracker
+from tests.local_site.tracking.markers.marker_scene import (
+    Scene,
+    error_mm,
+    four_cameras,
+    hand_at,
+    moving_hand,
+    rig_of,
+    without,
+)
 
 
 def nodding(camera, degrees):

@@ -4,13 +4,13 @@ import itertools
 
 import numpy as np
 import pytest
-from marker_scene import HAND, four_cameras, hand_at
 
 from local_site.calibration.triangulation import project
 from local_site.tracking.markers.correspondence import Candidates, correspond
 from local_site.tracking.markers.identity import NOBODY, Spans, first_identity, next_identity
 from local_site.tracking.markers.learned import span_lengths
 from local_site.tracking.markers.spots import Spots
+from tests.local_site.tracking.markers.marker_scene import HAND, four_cameras, hand_at
 
 GATE_PX = 4.0
 NOTHING = np.full((3, 3), np.nan)

@@ -2,7 +2,6 @@
 
 import numpy as np
 import pytest
-from marker_scene import START, Scene, draw, hand_at, rig_of
 
 from local_site.calibration.simulated import calibrate_simulated
 from local_site.calibration.triangulation import project
@@ -11,6 +10,13 @@ from local_site.simulation.config import SimulationConfig
 from local_site.tracking.markers.correspondence import Candidates
 from local_site.tracking.markers.measuring import SAMPLING_SIGMA_PX, MarkerMeter
 from local_site.tracking.markers.spots import Spots, find_spots
+from tests.local_site.tracking.markers.marker_scene import (
+    START,
+    Scene,
+    draw,
+    hand_at,
+    rig_of,
+)
 
 RADIUS_M = 0.011
 

@@ -2,7 +2,14 @@
 
 import numpy as np
 import pytest
-from marker_scene import (
+
+from common.cameras.camera import Frame
+from common.geometry import rotation_from_vector, transform
+from common.messages.hand import TrackingStatus
+from local_site.tracking.markers.config import MarkersConfig
+from local_site.tracking.markers.marker_tracker import MarkerTracker
+from local_site.tracking.tracker import View, Views
+from tests.local_site.tracking.markers.marker_scene import (
     HAND,
     NAMES,
     PERIOD_NS,
@@ -15,13 +22,6 @@ from marker_scene import (
     rig_of,
     without,
 )
-
-from common.cameras.camera import Frame
-from common.geometry import rotation_from_vector, transform
-from common.messages import TrackingStatus
-from local_site.tracking.markers.config import MarkersConfig
-from local_site.tracking.markers.marker_tracker import MarkerTracker
-from local_site.tracking.tracker import View, Views
 
 DEGRADED, INITIALISING, LOST, TRACKED = (
     TrackingStatus.DEGRADED,

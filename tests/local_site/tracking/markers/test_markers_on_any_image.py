@@ -4,13 +4,18 @@ import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
-from marker_scene import Scene, four_cameras, hand_at, rig_of
 
 from common.cameras.camera import Frame
-from common.messages import TrackingStatus
+from common.messages.hand import TrackingStatus
 from local_site.tracking.annotate import annotate
 from local_site.tracking.markers.marker_tracker import MarkerTracker
 from local_site.tracking.tracker import View, Views
+from tests.local_site.tracking.markers.marker_scene import (
+    Scene,
+    four_cameras,
+    hand_at,
+    rig_of,
+)
 
 RIG = rig_of(four_cameras()[:2])
 

@@ -4,8 +4,8 @@ import numpy as np
 import pytest
 
 from common.cameras.camera import Frame
-from common.messages import TrackingStatus
-from local_site.gesture import OpenHand, observe
+from common.messages.hand import TrackingStatus
+from local_site.samples.gesture import OpenHand, observe
 from local_site.simulation.cameras import exact_rig
 from local_site.simulation.config import MotionConfig, PictureConfig, SimulationConfig
 from local_site.simulation.operator import SimulatedOperator

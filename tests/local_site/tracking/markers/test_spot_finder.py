@@ -2,7 +2,6 @@
 
 import numpy as np
 import pytest
-from marker_scene import PERIOD_NS, draw, four_cameras, hand_at, rig_of
 
 from common.cameras.camera import Frame
 from local_site.calibration.lens import Lens
@@ -12,6 +11,13 @@ from local_site.simulation.config import StereoConfig
 from local_site.tracking.markers.spot_finder import SpotFinder, interpolated
 from local_site.tracking.markers.spots import Spots
 from local_site.tracking.tracker import View
+from tests.local_site.tracking.markers.marker_scene import (
+    PERIOD_NS,
+    draw,
+    four_cameras,
+    hand_at,
+    rig_of,
+)
 
 
 def spots(pixels):

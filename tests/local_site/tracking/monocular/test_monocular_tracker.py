@@ -2,14 +2,21 @@
 
 import numpy as np
 import pytest
-from hazel_scene import PERIOD_NS, RIG, arms, pictures, tracker_for, views
 
 from common.errors import CalibrationError
-from common.messages import TrackingStatus
+from common.messages.hand import TrackingStatus
 from local_site.simulation.hazel import Swing
 from local_site.tracking.monocular.config import MonocularConfig, StartConfig
 from local_site.tracking.monocular.monocular_tracker import MonocularTracker
 from local_site.tracking.tracker import Views
+from tests.local_site.tracking.monocular.hazel_scene import (
+    PERIOD_NS,
+    RIG,
+    arms,
+    pictures,
+    tracker_for,
+    views,
+)
 
 FRAMES, FASTER = 24, 2.0
 

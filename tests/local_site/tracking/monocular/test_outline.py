@@ -6,7 +6,7 @@ import pytest
 
 from common.geometry import rotation_from_vector
 from local_site.calibration.lens import Lens
-from local_site.rasterising import NOTHING, rasterise
+from local_site.kernels.rasterising import NOTHING, rasterise
 from local_site.tracking.monocular.arm_mesh import forearm_mesh, upper_arm_mesh
 from local_site.tracking.monocular.config import ForearmConfig, UpperArmConfig
 from local_site.tracking.monocular.outline import sides_of

@@ -7,9 +7,8 @@ import cv2
 import msgspec
 import numpy as np
 import pytest
-from hazel_scene import PERIOD_NS, RIG, arms, pictures, views
 
-from common.messages import TrackingStatus
+from common.messages.hand import TrackingStatus
 from local_site.simulation.hazel import (
     FOCAL_PX,
     FOREARM,
@@ -26,6 +25,13 @@ from local_site.simulation.textured_arm import ArmFilm, Scenery
 from local_site.tracking.monocular.config import MonocularConfig, StartConfig
 from local_site.tracking.monocular.monocular_tracker import LOST_LONG, MonocularTracker
 from local_site.tracking.monocular.silhouette_start import TRY_EVERY_NS
+from tests.local_site.tracking.monocular.hazel_scene import (
+    PERIOD_NS,
+    RIG,
+    arms,
+    pictures,
+    views,
+)
 
 DARK = Scenery(wall=20.0, wall_relief=3.0)
 WRONG_MM = 60.0

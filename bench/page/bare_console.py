@@ -1,0 +1,127 @@
+"""The console's page fed by this process alone: no sites, no links, nothing between a picture and the browser."""
+
+import asyncio
+import threading
+import time
+from collections.abc import Callable
+from types import TracebackType
+from typing import Self
+
+import uvicorn
+
+from common.clock import NS_PER_MS, NS_PER_S, ClockEstimate, ClockOffset
+from common.messages.hand import OperatorIntent
+from common.messages.requests import (
+    EngagementAction,
+    OperatorAction,
+    PictureShare,
+    Reply,
+)
+from common.messages.video import ViewsShown
+from local_site.console.config import ServeConfig
+from local_site.console.history import History
+from local_site.console.hub import Hub
+from local_site.console.latency import Latencies
+from local_site.console.page_desk import Outlets, PageDesk
+from local_site.console.seat import Seat
+from local_site.console.server import bind, make_server
+
+TELL_S = 0.06
+START_S = 10.0
+UNCERTAINTY_NS = NS_PER_MS // 10
+OPERATOR = "anna"
+
+
+class OneClock:
+    """Both sites on one clock, which is nearly sure."""
+
+    round_trip_ms: float | None = 0.4
+
+    def estimate(self, now_ns: int) -> ClockEstimate:
+        """No offset."""
+        return ClockEstimate(ClockOffset(0, UNCERTAINTY_NS), now_ns)
+
+
+class Agreeable:
+    """Answers every request with yes, unless it is `silent`; counts what it `refused`, keeps the joints `marked`."""
+
+    def __init__(self) -> None:
+        self.silent = False
+        self.refused = 0
+        self.marked: list[tuple[PictureShare, ...]] = []
+
+    def engagement(self, action: EngagementAction) -> Reply:
+        """As asked."""
+        if self.silent:
+            self.refused += 1
+            return Reply(id=1, done=False, code="silent", reason="nobody answers: is the site running?")
+        return Reply(id=1, done=True, code="ok", reason=f"as asked: {action.value}")
+
+    def lease(self, action: OperatorAction) -> Reply:
+        """As asked."""
+        return Reply(id=1, done=True, code="ok", reason=f"as asked: {action.value}")
+
+    def joints(self, *joints: PictureShare) -> Reply:
+        """As asked."""
+        self.marked.append(joints)
+        return Reply(id=1, done=True, code="ok", reason="as asked")
+
+
+class BareConsole:
+    """Serves the page at `address` as long as the block lasts; `shown` and `intents` are what it has said."""
+
+    def __init__(self, port: int = 0) -> None:
+        """`port` is where it serves, 0 any that is free."""
+        self._port = port
+        self.sites = Agreeable()
+        self.shown: list[ViewsShown] = []
+        self.intents: list[OperatorIntent] = []
+        self.address = ""
+        self.watched = False
+        self._hub: Hub | None = None
+        self._loop: asyncio.AbstractEventLoop | None = None
+        self._server: uvicorn.Server | None = None
+        self._thread = threading.Thread(target=lambda: asyncio.run(self._serve()), name="bare console", daemon=True)
+
+    def __enter__(self) -> Self:
+        self._thread.start()
+        deadline = time.monotonic() + START_S
+        while not (self._server is not None and self._server.started) and time.monotonic() < deadline:
+            time.sleep(TELL_S)
+        return self
+
+    def __exit__(
+        self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
+    ) -> None:
+        if self._server is not None:
+            self._server.should_exit = True
+        self._thread.join(START_S)
+
+    def feed(self, give: Callable[[Hub], object]) -> None:
+        """Give something to the hub, in its own thread."""
+        if self._loop is not None and self._hub is not None:
+            self._loop.call_soon_threadsafe(give, self._hub)
+
+    def _watch(self, watched: bool) -> None:
+        self.watched = watched
+
+    async def _serve(self) -> None:
+        self._loop = asyncio.get_running_loop()
+        latencies, history, serve = Latencies(), History(), ServeConfig(port=self._port)
+        outlets = Outlets(self.intents.append, self.shown.append)
+        desk = PageDesk(Seat(open_=True), outlets, self.sites, latencies, history, NS_PER_S)
+        self._hub = Hub(desk, OneClock(), latencies, history, self._watch, OPERATOR, operate=True)
+        with bind(serve) as listening:
+            port = listening.getsockname()[1]
+            self.address = f"http://127.0.0.1:{port}/"
+            self._server = make_server(self._hub, serve, port)
+            beat = asyncio.create_task(self._tell(self._hub, desk))
+            await self._server.serve(sockets=[listening])
+            beat.cancel()
+        desk.close()
+
+    async def _tell(self, hub: Hub, desk: PageDesk) -> None:
+        while True:
+            hub.tell()
+            desk.tell_intent()
+            await asyncio.sleep(TELL_S)

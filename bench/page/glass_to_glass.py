@@ -1,0 +1,247 @@
+"""The page as it is: glass to glass by the painted clock, narrow links, the stop, and what the open page costs."""
+
+import threading
+import time
+from collections.abc import Callable, Iterator
+from contextlib import ExitStack, contextmanager
+from functools import partial
+from itertools import pairwise
+from typing import Any
+
+import numpy as np
+
+from bench.page.bare_console import BareConsole
+from bench.page.narrow_link import NarrowLink
+from bench.page.painted_clock import (
+    PageClock,
+    ages_ms,
+    compare,
+    watch,
+)
+from bench.page.stand import (
+    Stand,
+    browsing,
+    child_of,
+    cpu_s,
+    opened,
+    wait,
+)
+from common.cameras.camera import Image
+from common.clock import NS_PER_MS, NS_PER_S
+from common.messages.requests import Description
+from common.messages.robot import RobotState, SessionState
+from common.messages.video import CameraStatus, VideoFrame
+from farhand.loopback.run import free_ports
+from local_site.console.hub import Hub
+from remote_site.config import RemoteConfig
+from remote_site.kinematics.limits import JointLimits
+from remote_site.kinematics.model import ArmModel
+from remote_site.runtime.request_server import describe
+from remote_site.simulation.cell import build_cell
+from remote_site.video.cell_cameras import CellRenderer
+from remote_site.video.clock_strip import draw_clock
+from remote_site.video.encode import encode_jpeg
+
+SETTLE_S, SECONDS = 6.0, 15.0
+LINK_SETTLE_S = 10.0
+LATENESS_S = 17.0  # the control loop's own window
+LINKS_MBIT_S = (20.0, 5.0)
+OPEN_MBIT_S = 1e4
+NOTE_ESCAPE = (
+    "() => addEventListener('keydown', (e) => { if (e.key === 'Escape') window.pressed = e.timeStamp; }, true)"
+)
+STOPS = 5
+LEAST_MOTION_RAD = 0.01  # in 80 ms
+Figures = dict[str, float]
+
+
+def measure() -> Figures:
+    """The figures by name; CameraError where EGL is missing."""
+    with browsing() as browser:
+        bare = bare_figures(browser)
+        whole = whole_figures(browser)
+    ratio = {
+        f"glass_to_glass_{level}_ratio_to_bare": whole[f"glass_to_glass_{level}_ms"] / bare[f"bare_{level}_ms"]
+        for level in ("p50", "p95")
+    }
+    return {name: round(value, 3) for name, value in (bare | whole | ratio | narrow_figures()).items()}
+
+
+def bare_figures(browser: Any) -> Figures:
+    """The same page and pictures without any site: this process draws the clock, encodes, and sends."""
+    config = RemoteConfig()
+    model = ArmModel.from_urdf(config.robot.urdf, config.robot.tool_frame, config.robot.tool_T_tcp)
+    cell = describe(config, model, JointLimits.from_model(model, config.robot), 50.0)
+    with BareConsole() as console, feeding(console, cell, rendered(config)):
+        page = opened(browser, console.address)
+        ages = painted_ages(page, SECONDS)
+        page.close()
+    return {f"bare_{name}": value for name, value in levels(ages).items()}
+
+
+def rendered(config: RemoteConfig) -> dict[str, Image]:
+    """A picture of every view."""
+    cell = build_cell(config.simulation, config.robot)
+    renderer = CellRenderer(cell, config.video.width, config.video.height)
+    names = [camera.name for camera in config.video.cameras]
+    pictures = {name: renderer.render(renderer.view_id(name), cell.start().qpos.copy()) for name in names}
+    renderer.close()
+    return pictures
+
+
+@contextmanager
+def feeding(console: BareConsole, cell: Description, pictures: dict[str, Image]) -> Iterator[None]:
+    """All views at 30 pictures a second, one after the other, while the block lasts."""
+    ended = threading.Event()
+
+    def feed() -> None:
+        console.feed(lambda hub: hub.described(cell))
+        period_s, seq, due_s = 1 / 30 / len(pictures), 0, time.monotonic()
+        while not ended.wait(max(0.0, due_s - time.monotonic())):
+            name = tuple(pictures)[seq % len(pictures)]
+            console.feed(partial(Hub.camera, frame=exposed_now(name, seq, pictures[name])))
+            seq, due_s = seq + 1, due_s + period_s
+
+    thread = threading.Thread(target=feed, name="pictures", daemon=True)
+    thread.start()
+    try:
+        yield
+    finally:
+        ended.set()
+        thread.join()
+
+
+def exposed_now(name: str, seq: int, image: Image) -> VideoFrame:
+    """A picture with the clock of this instant in it."""
+    now_ns = time.monotonic_ns()
+    draw_clock(image, now_ns)
+    height, width = image.shape[:2]
+    return VideoFrame(
+        camera=name,
+        seq=seq,
+        capture_ns=now_ns,
+        capture_estimated=False,
+        status=CameraStatus.LIVE,
+        reason="",
+        width=width,
+        height=height,
+        jpeg=encode_jpeg(image, 80),
+    )
+
+
+def whole_figures(browser: Any) -> Figures:
+    """Both sites and the page: the pictures' ages, the page's costs, and the stop."""
+    with ExitStack() as stack:
+        stand = Stand(stack)
+        console, address = stand.console(stand.video_port)
+        time.sleep(LATENESS_S)
+        closed_us = stand.record.states[-1].timing.late_p99_us
+        page = opened(browser, address)
+        video = child_of(stand.remote.pid, "farhand-video")
+        before = cpu_s(console.pid), cpu_s(video), time.monotonic()
+        ages = painted_ages(page, LATENESS_S)
+        passed_s = time.monotonic() - before[2]
+        figures = {f"glass_to_glass_{name}": value for name, value in levels(ages).items()}
+        figures["console_core_percent"] = 100 * (cpu_s(console.pid) - before[0]) / passed_s
+        figures["video_core_percent_per_stream"] = 100 * (cpu_s(video) - before[1]) / passed_s / max(1, len(ages))
+        figures["control_late_p99_us_page_closed"] = closed_us
+        figures["control_late_p99_us_page_open"] = stand.record.states[-1].timing.late_p99_us
+        return figures | stop_figures(stand, page)
+
+
+def painted_ages(page: Any, seconds: float) -> dict[str, list[float]]:
+    """The ages of each view's pictures as they are painted, after the page has settled."""
+    clock = compare(page)
+    watch(page)
+    page.wait_for_timeout(1000 * SETTLE_S)
+    ages_ms(page, clock)
+    page.wait_for_timeout(1000 * seconds)
+    return ages_ms(page, clock)
+
+
+def levels(ages: dict[str, list[float]]) -> Figures:
+    """Percentiles over all views, and how many pictures a second each shows."""
+    together = np.concatenate([*ages.values(), []])
+    return {
+        "p50_ms": float(np.percentile(together, 50)),
+        "p95_ms": float(np.percentile(together, 95)),
+        "pictures": float(len(together)),
+    }
+
+
+def stop_figures(stand: Stand, page: Any) -> Figures:
+    """From the key to the session's end, and to an arm that stands, while it moves; medians and the most."""
+    clock = compare(page)
+    page.evaluate(NOTE_ESCAPE)
+    ended, stood = [], []
+    for _ in range(STOPS):
+        wait("a moving arm", lambda: _moves(stand, page), lambda: page.wait_for_timeout(50))
+        page.keyboard.press("Escape")
+        wait("rest", lambda: _rests(stand), lambda: page.wait_for_timeout(50))
+        pressed_ns = round((page.evaluate("window.pressed") + clock.offset_ms) * NS_PER_MS)
+        since = [state for state in list(stand.record.states) if state.t_ns > pressed_ns]
+        ended.append(_first_ms(since, pressed_ns, lambda _, now: now.code == "stopped"))
+        stood.append(
+            _first_ms(
+                since, pressed_ns, lambda before, now: now.code == "stopped" and before.q_commanded == now.q_commanded
+            )
+        )
+    return {
+        "stop_key_to_session_p50_ms": float(np.median(ended)),
+        "stop_key_to_session_most_ms": max(ended),
+        "stop_key_to_rest_p50_ms": float(np.median(stood)),
+        "stop_key_to_rest_most_ms": max(stood),
+    }
+
+
+def _first_ms(states: list[RobotState], from_ns: int, is_so: Callable[[RobotState, RobotState], bool]) -> float:
+    return next((after.t_ns - from_ns) / NS_PER_MS for before, after in pairwise(states) if is_so(before, after))
+
+
+def _moves(stand: Stand, page: Any) -> bool:
+    """Reset and engage until the arm moves."""
+    state, before = stand.record.states[-1], stand.record.states[-5]
+    if state.state is SessionState.DISENGAGED:
+        for key in ("r", "e"):
+            page.keyboard.press(key)
+            page.wait_for_timeout(300)
+    return bool(np.abs(np.subtract(state.q_commanded, before.q_commanded)).max() > LEAST_MOTION_RAD)
+
+
+def _rests(stand: Stand) -> bool:
+    """Stopped, and commanded to stand for a fifth of a second."""
+    states = stand.record.states[-10:]
+    return all(state.code == "stopped" and state.q_commanded == states[-1].q_commanded for state in states)
+
+
+def narrow_figures() -> Figures:
+    """What the page shows through links that cannot carry all, with pictures as large as they get."""
+    figures: Figures = {}
+    with browsing() as browser, ExitStack() as stack:
+        stand, port = Stand(stack, "video.quality=100"), free_ports(1)[0]
+        link = stack.enter_context(NarrowLink(port, stand.video_port, OPEN_MBIT_S))
+        _, address = stand.console(port)
+        page = opened(browser, address)
+        clock = compare(page)
+        watch(page)
+        for mbit_s in (OPEN_MBIT_S, *LINKS_MBIT_S):
+            link.mbit_s = mbit_s
+            page.wait_for_timeout(1000 * LINK_SETTLE_S)
+            figures |= carried(page, clock, link, "open" if mbit_s == OPEN_MBIT_S else f"{mbit_s:g}_mbit_s")
+    return figures
+
+
+def carried(page: Any, clock: PageClock, link: NarrowLink, name: str) -> Figures:
+    """Ages, pictures a second of the best and the worst view, and what of the link was used."""
+    ages_ms(page, clock)
+    before, began_ns = link.carried_bytes, time.monotonic_ns()
+    page.wait_for_timeout(1000 * SECONDS)
+    ages, passed_s = ages_ms(page, clock), (time.monotonic_ns() - began_ns) / NS_PER_S
+    rates = [len(values) / passed_s for values in ages.values()]
+    return {
+        f"link_{name}_used_mbit_s": 8e-6 * (link.carried_bytes - before) / passed_s,
+        f"link_{name}_p50_ms": levels(ages)["p50_ms"],
+        f"link_{name}_p95_ms": levels(ages)["p95_ms"],
+        f"link_{name}_fps_least": min(rates),
+        f"link_{name}_fps_most": max(rates),
+    }

@@ -1,0 +1,108 @@
+"""Both sites and a console as processes, and a browser with the page open, for measurements of the whole way."""
+
+import os
+import tempfile
+import time
+from collections.abc import Callable, Iterator
+from contextlib import ExitStack, contextmanager
+from pathlib import Path
+from typing import Any
+
+from common.errors import ProcessError
+from common.link.transport import open_link
+from farhand.loopback.recorder import Record, Recorder
+from farhand.loopback.run import free_ports, listens
+from farhand.loopback.site_process import SiteProcess
+
+CHROMIUM = "/usr/bin/chromium"
+QUIET = ("--no-sandbox", "--disable-gpu", "--no-first-run", "--disable-background-networking", "--disable-sync")
+SIZE = {"width": 1280, "height": 720}
+CELL = "bench"
+PATIENCE_S = 120.0
+
+
+@contextmanager
+def browsing() -> Iterator[Any]:
+    """Debian's chromium, without a window; ProcessError where there is none."""
+    if not Path(CHROMIUM).exists():
+        raise ProcessError("no chromium to look at the page with; on Debian: apt-get install chromium")
+    from playwright.sync_api import sync_playwright  # noqa: PLC0415  # only who measures the page needs a browser
+
+    with sync_playwright() as running:
+        chromium = running.chromium.launch(executable_path=CHROMIUM, args=list(QUIET))
+        yield chromium
+        chromium.close()
+
+
+def opened(browser: Any, address: str) -> Any:
+    """The page, in a tab of its own."""
+    page = browser.new_context(viewport=SIZE).new_page()
+    page.goto(address)
+    return page
+
+
+def wait(what: str, is_so: Callable[[], bool], pause: Callable[[], object] = lambda: time.sleep(0.05)) -> None:
+    """Wait until something is so; ProcessError when it never is."""
+    deadline = time.monotonic() + PATIENCE_S
+    while not is_so():
+        if time.monotonic() > deadline:
+            raise ProcessError(f"waited in vain for {what}")
+        pause()
+
+
+class Stand:
+    """The sites with the simulated arm following, and what is heard of them; `video_port` is where they stream."""
+
+    def __init__(self, stack: ExitStack, *settings: str) -> None:
+        control, self.video_port, local = free_ports(3)
+        self._control, self._local = f"tcp/127.0.0.1:{control}", f"tcp/127.0.0.1:{local}"
+        self._runtime = Path(stack.enter_context(tempfile.TemporaryDirectory()))
+        self._stack = stack
+        video = f"tcp/127.0.0.1:{self.video_port}"
+        remote = (f"links.control={self._control}", f"links.video={video}", "video.clock=true", *settings)
+        self.remote = self._start("remote", *remote)
+        link = stack.enter_context(open_link(connect=(self._control, self._local)))
+        self.record: Record = Recorder(link, link, CELL, ()).record
+        wait("the remote site", lambda: bool(self.record.states))
+        self._start(
+            "local",
+            f"links.remote={self._control}",
+            f"links.listen={self._local}",
+            "simulation.motion.name=figure_of_eight",
+        )
+        wait("the lease", lambda: self.record.states[-1].lease is not None)
+
+    def console(self, video_port: int) -> tuple[SiteProcess, str]:
+        """A console that gets its pictures at this port, and its page's address."""
+        port = free_ports(1)[0]
+        process = self._start(
+            "console",
+            f"links.control={self._control}",
+            f"links.video=tcp/127.0.0.1:{video_port}",
+            f"links.local={self._local}",
+            f"serve.port={port}",
+        )
+        wait("the page", lambda: process.exit_code is not None or listens(port))
+        return process, f"http://127.0.0.1:{port}/"
+
+    def _start(self, name: str, *settings: str) -> SiteProcess:
+        arguments = [part for setting in (f"cell={CELL}", *settings) for part in ("--set", setting)]
+        process = SiteProcess(name, arguments, self._runtime)
+        self._stack.callback(process.end)
+        return process
+
+
+def cpu_s(pid: int) -> float:
+    """The processor time that a process has used so far, without its children, s."""
+    fields = Path(f"/proc/{pid}/stat").read_text(encoding="utf-8").rpartition(")")[2].split()
+    return (int(fields[11]) + int(fields[12])) / os.sysconf("SC_CLK_TCK")
+
+
+def child_of(pid: int, name: str) -> int:
+    """The child process of this name; ProcessError without one."""
+    for entry in Path("/proc").iterdir():
+        if entry.name.isdecimal():
+            fields = (entry / "stat").read_text(encoding="utf-8").rpartition(")")
+            if fields[2].split()[1] == str(pid) and fields[0].endswith(f"({name}"):
+                return int(entry.name)
+    raise ProcessError(f"process {pid} has no child {name}")

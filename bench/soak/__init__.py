@@ -1,0 +1,1 @@
+"""Ten minutes of simulated time with everything going wrong."""

@@ -1,0 +1,185 @@
+"""A hand that moves at random, and a wire that loses, delays, doubles and spoils its samples; seeded, stepped."""
+
+import heapq
+import math
+from dataclasses import dataclass, field
+from random import Random
+
+import msgspec
+import numpy as np
+
+from common.clock import NS_PER_MS, NS_PER_S
+from common.geometry import Array, rotation_from_vector
+from common.messages.base import Vector3
+from common.messages.hand import (
+    ClockSync,
+    HandArm,
+    Intent,
+    Locks,
+    PointCovariances,
+    TrackingStatus,
+)
+from remote_site.session.lease import Holder, Lease, LeaseDesk
+
+SAMPLE_NS = NS_PER_S // 30
+REACH_M = 0.45
+TURN_RAD = 1.2
+HAND = np.array([[0.0, 0.0, 0.0], [0.02, -0.17, 0.0], [-0.05, -0.1, 0.01]])  # wrist, index and thumb from the wrist
+HAPPENINGS = {
+    "lost": 0.003,
+    "silent": 0.004,
+    "no number": 0.006,
+    "jump": 0.003,
+    "doubled": 0.02,
+    "delayed": 0.02,
+    "another operator": 0.02,
+    "poor": 0.05,
+    "open": 0.01,
+    "toggled": 0.01,
+    "clutch": 0.01,
+    "scaled": 0.01,
+    "locked": 0.005,
+    "clock unknown": 0.002,
+    "handed over": 0.0007,
+}
+
+
+@dataclass
+class RandomHand:
+    """Moves from place to place and turn to turn, from very slow to faster than a hand is believed."""
+
+    luck: Random
+    _from: Array = field(default_factory=lambda: np.zeros(6))
+    _to: Array = field(default_factory=lambda: np.zeros(6))
+    _begin_ns: int = 0
+    _end_ns: int = 0
+
+    def at(self, t_ns: int) -> Array:
+        """Place and turn (6,) in m and rad; `t_ns` never falls."""
+        while t_ns >= self._end_ns:
+            self._from, self._begin_ns = self._to, self._end_ns or t_ns
+            reach = [REACH_M] * 3 + [TURN_RAD] * 3
+            self._to = np.array([self.luck.uniform(-most, most) for most in reach])
+            away = float(np.linalg.norm(self._to[:3] - self._from[:3]))
+            seconds = away / math.exp(self.luck.uniform(math.log(0.3), math.log(4.0)))
+            self._end_ns = self._begin_ns + round(max(seconds, 0.1) * NS_PER_S)
+        x = (t_ns - self._begin_ns) / (self._end_ns - self._begin_ns)
+        place: Array = self._from + (self._to - self._from) * (x * x * (3.0 - 2.0 * x))
+        return place
+
+
+class RandomOperator:
+    """Samples of a random hand as they come off the wire, the wrong ones among them; `happened` counts those."""
+
+    def __init__(self, luck: Random, leases: LeaseDesk, now_ns: int) -> None:
+        self._luck, self._leases = luck, leases
+        self._hand = RandomHand(luck)
+        self._wire: list[tuple[int, int, HandArm]] = []
+        self._capture_ns = now_ns
+        self._seq = self._sent = self._toggles = 0
+        self._bad, self._until_ns = "", 0
+        self._intent = Intent()
+        self._lease = self._acquire(1, now_ns)
+        self.happened = dict.fromkeys(HAPPENINGS, 0)
+
+    def arrived(self, now_ns: int) -> list[HandArm]:
+        """What has come by now, in the order of coming."""
+        while self._capture_ns <= now_ns:
+            self._capture(self._capture_ns)
+            self._capture_ns += SAMPLE_NS + round(self._luck.uniform(-2, 2) * NS_PER_MS)
+        samples = []
+        while self._wire and self._wire[0][0] <= now_ns:
+            samples.append(heapq.heappop(self._wire)[2])
+        return samples
+
+    def _capture(self, t_ns: int) -> None:
+        kinds = [kind for kind, chance in HAPPENINGS.items() if self._luck.random() < chance]
+        for kind in kinds:
+            self.happened[kind] += 1
+        self._steer(kinds)
+        if "handed over" in kinds:
+            self._leases.release(self._lease.number, self._lease.holder.session, t_ns)
+            self._lease = self._acquire(self._lease.holder.session + 1, t_ns)
+        for kind in {"lost", "silent", "jump", "open"}.intersection(kinds):
+            self._bad, self._until_ns = kind, t_ns + round(self._luck.uniform(30, 900) * NS_PER_MS)
+        if t_ns >= self._until_ns:
+            self._bad = ""
+        self._seq += 1
+        sample = self._spoiled(self._sample(t_ns), kinds)
+        if self._bad != "silent":
+            extra_ms = self._luck.uniform(30, 600) if "delayed" in kinds else 0.0
+            self._send(sample, t_ns, extra_ms)
+        if "doubled" in kinds:
+            self._send(sample, t_ns, self._luck.uniform(0, 200))
+        if "another operator" in kinds:
+            self._send(self._foreign(sample), t_ns, 0.0)
+
+    def _steer(self, kinds: list[str]) -> None:
+        change, intent = self._luck, self._intent
+        if "clutch" in kinds:
+            intent = msgspec.structs.replace(intent, clutch_count=intent.clutch_count + 1)
+        if "scaled" in kinds:
+            intent = msgspec.structs.replace(intent, scale=change.uniform(0.2, 3), rotation_scale=change.uniform(0, 2))
+        if "locked" in kinds:
+            axes = [change.random() < 0.3 for _ in range(4)]
+            intent = msgspec.structs.replace(intent, locks=Locks(x=axes[0], y=axes[1], z=axes[2], roll=axes[3]))
+        self._intent = intent
+        self._toggles += "toggled" in kinds
+
+    def _sample(self, t_ns: int) -> HandArm:
+        place = self._hand.at(t_ns)
+        points = place[:3] + HAND @ rotation_from_vector(place[3:]).T
+        wrist, index, thumb = (_point(point) for point in points)
+        return HandArm(
+            session=self._lease.holder.session,
+            seq=self._seq,
+            capture_ns=t_ns,
+            elbow=None,
+            wrist=wrist,
+            index=index,
+            thumb=thumb,
+            status=TrackingStatus.TRACKED,
+            reason="",
+            thumb_inferred=False,
+            hand_open=self._bad == "open",
+            gripper_toggles=self._toggles,
+            lease=self._lease.number,
+            clock=ClockSync(remote_minus_local_ns=0, uncertainty_ns=0, measured_ns=t_ns),
+            intent=self._intent,
+        )
+
+    def _spoiled(self, sample: HandArm, kinds: list[str]) -> HandArm:
+        luck, replace = self._luck, msgspec.structs.replace
+        if "no number" in kinds:
+            broken = (luck.choice([math.nan, math.inf, -math.inf]), 0.0, 0.3)
+            sample = replace(sample, wrist=broken) if luck.random() < 0.5 else replace(sample, index=broken)
+        if self._bad == "jump":
+            sample = replace(sample, wrist=(1.0 + luck.uniform(-0.3, 0.3), luck.uniform(-0.5, 0.5), 0.3))
+        if self._bad == "lost":
+            sample = replace(sample, status=TrackingStatus.LOST, wrist=None, reason="not seen")
+        if "poor" in kinds:
+            variance = luck.uniform(0.0, 0.06) ** 2
+            poor = (variance, 0.0, 0.0, variance, 0.0, variance)
+            sample = replace(sample, covariance=PointCovariances(wrist=poor, index=poor, thumb=poor))
+        return replace(sample, clock=None) if "clock unknown" in kinds else sample
+
+    def _foreign(self, sample: HandArm) -> HandArm:
+        """A sample of somebody else: without a lease, under an old one, or under this one from another session."""
+        number = self._luck.choice([0, sample.lease - 1, sample.lease])
+        return msgspec.structs.replace(sample, session=10**6, lease=number, wrist=(0.5, 0.5, 0.5), seq=10**6)
+
+    def _send(self, sample: HandArm, t_ns: int, extra_ms: float) -> None:
+        self._sent += 1
+        arrival_ns = t_ns + round((self._luck.uniform(1, 15) + extra_ms) * NS_PER_MS)
+        heapq.heappush(self._wire, (arrival_ns, self._sent, sample))
+
+    def _acquire(self, session: int, now_ns: int) -> Lease:
+        lease = self._leases.acquire(Holder(session, f"operator {session}"), now_ns)
+        if not isinstance(lease, Lease):
+            raise TypeError(lease.sentence)  # nobody else holds one
+        return lease
+
+
+def _point(point: Array) -> Vector3:
+    x, y, z = point.tolist()
+    return x, y, z

@@ -1,0 +1,153 @@
+"""Chain, keeper and driver on stepped time: control every 4 ms unless it stumbles, the driver's process beside it."""
+
+from collections import Counter
+from collections.abc import Callable
+from dataclasses import dataclass, field
+from random import Random
+
+import msgspec
+
+from bench.soak.operator import RandomOperator
+from bench.soak.robot import TroubledDriver
+from common.clock import NS_PER_MS, NS_PER_S, FakeClock
+from common.messages.robot import SessionState
+from common.process.rate import Rate
+from remote_site.config import RemoteConfig
+from remote_site.drivers.driver import Driver, JointCommand
+from remote_site.drivers.link import DriverLink, RobotReport
+from remote_site.drivers.memory import DriverMemory
+from remote_site.drivers.supervisor.grip import GripWatch
+from remote_site.drivers.supervisor.supervisor import Keeper
+from remote_site.drivers.supervisor.write_scheduler import LEAST_SHARE
+from remote_site.kinematics.limits import JointLimits
+from remote_site.kinematics.model import ArmModel
+from remote_site.runtime.driver_process import Desk, grip_settings, setup_of
+from remote_site.session.config import EngagementConfig, EngagementMode
+from remote_site.session.fault_latch import FaultLatch
+from remote_site.session.lease import LeaseDesk
+from remote_site.session.state_machine import FOLLOWING
+from remote_site.teleop.pipeline import Chain, Step
+
+CONFIG = msgspec.structs.replace(RemoteConfig(), engagement=EngagementConfig(mode=EngagementMode.ON_REQUEST, frames=10))
+TURN_NS = 2 * NS_PER_MS
+ASK_NS = 300 * NS_PER_MS
+TICKS_PER_STUMBLE = 400  # on the average
+STUMBLE_MS, LONG_STUMBLE_MS = (1, 150), (300, 900)
+LONG_SHARE = 0.25
+FOR_EVER_NS = 10**15
+
+MakeRobot = Callable[[RemoteConfig], tuple[FakeClock, Driver]]
+
+
+@dataclass
+class Ticks:
+    """What control decided: when, in which state, and when the sample it obeyed was born, 0 while it obeyed none."""
+
+    t_ns: list[int] = field(default_factory=list)
+    states: list[SessionState] = field(default_factory=list)
+    born_ns: list[int] = field(default_factory=list)
+    faults: Counter[str] = field(default_factory=Counter)
+    stumbles: int = 0
+
+
+class World:
+    """One arm from operator to robot; `run` lets time pass."""
+
+    def __init__(self, make: MakeRobot, seed: int) -> None:
+        self._luck = Random(seed)  # noqa: S311  # what goes wrong is no secret
+        self.clock, driver = make(CONFIG)
+        robot, begin_ns = CONFIG.robot, self.clock.now_ns()
+        self.model = ArmModel.from_urdf(robot.urdf, robot.tool_frame, robot.tool_T_tcp)
+        self.limits = JointLimits.from_model(self.model, robot)
+        self.driver = TroubledDriver(driver, self._luck, self.clock, self._only_control)
+        setup, memory = setup_of(CONFIG), DriverMemory.create(len(robot.start_deg))
+        self.driver.configure(setup)
+        self._keeper = Keeper(self.driver, setup, self.clock, memory.busy, GripWatch(grip_settings(CONFIG)))
+        self._desk, self._link = Desk(self._keeper, memory, self.clock), DriverLink(memory, self.limits, self.clock)
+        leases = LeaseDesk(FOR_EVER_NS, 1)
+        self.operator = RandomOperator(self._luck, leases, begin_ns)
+        self.chain = Chain(CONFIG, self.model, self.limits, robot.start, leases)
+        self._latch = FaultLatch(self.chain.session)
+        self.ticks, self._seq, self._last_fault = Ticks(), 0, ""
+        self._rate = Rate(CONFIG.control.rate_hz, self.clock, least_share=LEAST_SHARE)
+        self._control_ns = self._rate.next_ns
+        self._turn_ns, self._ask_ns = begin_ns, begin_ns + ASK_NS
+        self._link.activate(robot.start)
+
+    def run(self, seconds: float) -> None:
+        """Let so much time pass."""
+        end_ns = self.clock.now_ns() + round(seconds * NS_PER_S)
+        while self.clock.now_ns() < end_ns:
+            if self._control_ns <= self._turn_ns:
+                self._only_control(self._control_ns)
+            else:
+                self.clock.sleep_until_ns(self._turn_ns)
+            ticks = len(self.ticks.t_ns)
+            self._desk.turn()  # every order wakes the driver's process, also one that came while a call was late
+            pause_ns = TURN_NS + round(self._luck.uniform(0, 0.3) * NS_PER_MS)
+            self._turn_ns = self.clock.now_ns() + (pause_ns if len(self.ticks.t_ns) == ticks else 0)
+            if self._keeper.due_ns is not None:
+                self._turn_ns = min(self._turn_ns, max(self._keeper.due_ns, self.clock.now_ns()))
+
+    def _only_control(self, until_ns: int) -> None:
+        """Let time pass for everybody but the driver's process."""
+        while self._control_ns <= until_ns:
+            self.clock.sleep_until_ns(self._control_ns)
+            self._rate.wait()
+            self._tick(self.clock.now_ns())
+            self._control_ns = self._rate.next_ns + self._stumble_ns()
+        self.clock.sleep_until_ns(until_ns)
+
+    def _stumble_ns(self) -> int:
+        """How late control will be for its next deadline."""
+        if self._luck.random() * TICKS_PER_STUMBLE > 1.0:
+            return 0
+        self.ticks.stumbles += 1
+        long = self._luck.random() < LONG_SHARE
+        return round(self._luck.uniform(*(LONG_STUMBLE_MS if long else STUMBLE_MS)) * NS_PER_MS)
+
+    def _tick(self, now_ns: int) -> None:
+        chain, report = self.chain, self._link.read()
+        chain.measured = report.q
+        if not report.ready:
+            chain.sent = report.sent
+        if self._latch.note(report.fault, now_ns, resting=chain.sent.resting):
+            self._wake(report)
+        for sample in self.operator.arrived(now_ns):
+            chain.receive(sample, now_ns)
+        self._ask(now_ns, report)
+        step = chain.tick(now_ns, chain.robot(report.fault))
+        if report.ready:
+            self._seq += 1
+            motion = step.motion
+            command = JointCommand(self._seq, now_ns, motion.q, motion.dq, motion.ddq, chain.gripper.is_open)
+            chain.sent = self._link.write(command).motion
+        self._note(now_ns, step, report)
+
+    def _ask(self, now_ns: int, report: RobotReport) -> None:
+        """The operator asks now and then: for a reset, to wake the robot, to engage."""
+        session = self.chain.session
+        if session.state in FOLLOWING or now_ns < self._ask_ns:
+            return
+        self._ask_ns = now_ns + ASK_NS + round(self._luck.uniform(0, 500) * NS_PER_MS)
+        session.reset()
+        if not report.ready:
+            self._wake(report)
+            return
+        session.request_engage(now_ns, self.chain.robot(None))
+
+    def _wake(self, report: RobotReport) -> None:
+        """Have the robot take commands again where it stands."""
+        q = report.q if report.t_ns else self.chain.sent.q
+        self._link.activate(q)
+        self.chain.restart_from(q)
+
+    def _note(self, now_ns: int, step: Step, report: RobotReport) -> None:
+        ticks, fault = self.ticks, report.fault
+        ticks.t_ns.append(now_ns)
+        ticks.states.append(step.state)
+        ticks.born_ns.append(step.obeys.born_ns if step.obeys is not None else 0)
+        code = fault.code.value if fault is not None and not fault.calm else ""
+        if code and code != self._last_fault:
+            ticks.faults[code] += 1
+        self._last_fault = code

@@ -1,0 +1,154 @@
+"""The silhouette tracker beside MediaPipe Hands on the same pictures: time per pair, gaps, errors, honest sigmas."""
+
+import time
+from collections.abc import Mapping
+from contextlib import ExitStack
+
+import cv2
+import numpy as np
+from rich.console import Console
+
+from bench.tracking.figures import (
+    SETTLED,
+    Found,
+    flat,
+    judge,
+)
+from bench.tracking.mediapipe_hands import MediaPipeHands, UnavailableError, install
+from bench.tracking.scenes import (
+    RECORDINGS,
+    Scene,
+    recorded_scenes,
+    simulated_scenes,
+)
+from bench.tracking.table import shown
+from common.geometry import Array
+from local_site.samples.gesture import OpenHand, observe
+from local_site.simulation.body import ArmTruth
+from local_site.tracking.silhouette.silhouette_tracker import SilhouetteTracker
+from local_site.tracking.tracker import ArmEstimate, Views
+
+NAMES = ("elbow", "wrist", "index", "thumb")
+OURS = "silhouette"
+TABLE_WIDTH = 120
+RESULT = ("elbow", "wrist", "index")
+
+
+class Silhouette:
+    """Our tracker with the counter of openings behind it, timed."""
+
+    def __init__(self, scene: Scene) -> None:
+        self._tracker = SilhouetteTracker(scene.rig)
+        self._hand = OpenHand()
+
+    def track(self, views: Views) -> Found:
+        """The next pair."""
+        wall, processor = time.perf_counter(), time.process_time()
+        estimate = self._tracker.track(views)
+        wall_ms, processor_ms = 1e3 * (time.perf_counter() - wall), 1e3 * (time.process_time() - processor)
+        open_now = estimate.hand_open if estimate.wrist is not None else None
+        self._hand = observe(self._hand, open_now, views.t_ns)
+        return Found(
+            points=_points(estimate),
+            wall_ms=wall_ms,
+            processor_ms=processor_ms,
+            covariances=estimate.covariances,
+            thumb_inferred=estimate.thumb_inferred,
+            toggles=self._hand.toggles,
+        )
+
+
+def _points(estimate: ArmEstimate) -> dict[str, Array]:
+    by_name = {name: getattr(estimate, name) for name in NAMES}
+    return {name: point for name, point in by_name.items() if point is not None}
+
+
+class Comparison:
+    """Both trackers over one scene after the other; MediaPipe is left out, with the reason, once it is unavailable."""
+
+    def __init__(self, console: Console, others: ExitStack) -> None:
+        self._console = console
+        self._why_not = ""
+        self._mediapipe: MediaPipeHands | None = None
+        self._ms: dict[str, list[float]] = {OURS: [], MediaPipeHands.name: []}
+        try:
+            self._mediapipe = others.enter_context(MediaPipeHands(install()))
+        except UnavailableError as error:
+            self._leave_out(error)
+
+    def measure(self, scene: Scene) -> dict[str, float]:
+        """The figures of one scene, whose table is shown."""
+        found, truth = self._run(scene)
+        needed = {OURS: RESULT, MediaPipeHands.name: MediaPipeHands.needed}
+        figures = {name: judge(pairs, truth, needed[name]) for name, pairs in found.items()}
+        notes = (f"{MediaPipeHands.name} skipped: {self._why_not}",) if self._why_not else ()
+        self._console.print(shown(scene.name, figures, notes))
+        return {
+            f"{scene.name}, {name}, {figure}": value
+            for name, of_one in figures.items()
+            for figure, value in flat(of_one).items()
+        }
+
+    def totals(self) -> dict[str, float]:
+        """Over all pairs of the run: each tracker's time, and MediaPipe's as a multiple of ours."""
+        result = {"MediaPipe measured": float(not self._why_not)}
+        for name, times in self._ms.items():
+            if times:
+                result |= {
+                    f"{name}, median ms per pair": _level(times, 50),
+                    f"{name}, p95 ms per pair": _level(times, 95),
+                }
+        if not self._why_not:
+            ours, theirs = self._ms.values()
+            result["MediaPipe's median time by ours"] = _level(theirs, 50) / _level(ours, 50)
+        return result
+
+    def _run(self, scene: Scene) -> tuple[Mapping[str, list[Found]], list[ArmTruth]]:
+        """Both trackers in turn on every pair, so that whatever else the machine does meets both alike."""
+        silhouette = Silhouette(scene)
+        ours: list[Found] = []
+        theirs: list[Found] = []
+        truth = []
+        for instant in scene.instants():
+            ours.append(silhouette.track(instant.views))
+            theirs += self._ask_mediapipe(scene, instant.views)
+            truth.append(instant.truth)
+        complete = {OURS: ours} | ({MediaPipeHands.name: theirs} if len(theirs) == len(ours) else {})
+        for name, found in complete.items():
+            self._ms[name] += [f.wall_ms for f in found[SETTLED:]]
+        return complete, truth
+
+    def _ask_mediapipe(self, scene: Scene, views: Views) -> list[Found]:
+        if self._mediapipe is None:
+            return []
+        try:
+            return [self._mediapipe.track(scene.name, scene.rig, views)]
+        except UnavailableError as error:
+            self._leave_out(error)
+            return []
+
+    def _leave_out(self, why: UnavailableError) -> None:
+        self._mediapipe, self._why_not = None, str(why)
+
+
+def _level(times_ms: list[float], level: float) -> float:
+    return float(np.percentile(times_ms, level))
+
+
+def measure() -> dict[str, float]:
+    """The figures of every scene by name, and over all pairs; a table for each scene is shown as it is done."""
+    cv2.setNumThreads(1)
+    console = Console(width=max(Console().width, TABLE_WIDTH))
+    scenes = simulated_scenes()
+    if RECORDINGS.exists():
+        scenes = [*recorded_scenes(RECORDINGS), *scenes]
+    else:
+        console.print(f"recordings skipped: {RECORDINGS.name} of the shared data are not beside this checkout")
+    figures: dict[str, float] = {}
+    with ExitStack() as others:
+        comparison = Comparison(console, others)
+        for scene in scenes:
+            figures |= comparison.measure(scene)
+        totals = comparison.totals()
+    console.print("\n".join(f"{figure}: {value:.1f}" for figure, value in totals.items()))
+    return totals | figures

@@ -1,0 +1,1 @@
+"""The four views through narrow links."""

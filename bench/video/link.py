@@ -1,0 +1,181 @@
+"""A link of so many bits a second, first in, first out, and behind it a viewer that reports what it shows."""
+
+import itertools
+import math
+from collections import deque
+from collections.abc import Callable
+from dataclasses import dataclass, field
+
+from common.clock import NS_PER_MS, NS_PER_S
+from common.messages.video import (
+    CameraStatus,
+    VideoFrame,
+    ViewCame,
+    ViewShown,
+    ViewsShown,
+)
+from remote_site.video.adaptation import Adaptation
+from remote_site.video.config import VideoConfig
+from remote_site.video.setting import Setting
+
+TICK_NS = NS_PER_MS
+REPORT_NS = 100 * NS_PER_MS
+DELAY_NS = 10 * NS_PER_MS
+MAKE_AND_PAINT_MS = 25.0
+RATE_OF = 128  # pictures, more than there are in a second
+
+Picture = Callable[[str, int, Setting], bytes]
+
+
+@dataclass(frozen=True, slots=True)
+class Arrival:
+    """A picture as it came: when (ns), of which camera, how old (ms), how large."""
+
+    t_ns: int
+    camera: str
+    age_ms: float
+    size: int
+
+
+@dataclass
+class Link:
+    """A queue of so many bytes, beyond which a picture is lost; `mbit_s` may change while it runs."""
+
+    mbit_s: float
+    holds_bytes: float = math.inf
+    queue: deque[tuple[int, VideoFrame]] = field(default_factory=deque)
+    credit_bits: float = 0.0
+
+    def put(self, frame: VideoFrame, ready_ns: int) -> None:
+        """A picture comes to the queue, to be sent not before it is ready."""
+        if sum(len(waiting.jpeg) for _, waiting in self.queue) + len(frame.jpeg) <= self.holds_bytes:
+            self.queue.append((ready_ns, frame))
+
+    def tick(self, now_ns: int) -> list[VideoFrame]:
+        """What has come through by now, a tick after the last call."""
+        through = []
+        if self.queue and self.queue[0][0] <= now_ns:
+            self.credit_bits += self.mbit_s * 1e6 * TICK_NS / NS_PER_S
+        while self.queue and self.queue[0][0] <= now_ns and self.credit_bits >= 8 * len(self.queue[0][1].jpeg):
+            frame = self.queue.popleft()[1]
+            self.credit_bits -= 8 * len(frame.jpeg)
+            through.append(frame)
+        if not (self.queue and self.queue[0][0] <= now_ns):
+            self.credit_bits = 0.0
+        return through
+
+
+@dataclass
+class _View:
+    """What a viewer knows of one camera: when its pictures came, the one that waits, and those that were painted."""
+
+    came: VideoFrame
+    shown: VideoFrame
+    waiting: VideoFrame | None = None
+    came_ns: deque[int] = field(default_factory=lambda: deque(maxlen=RATE_OF))
+    painted: list[Arrival] = field(default_factory=list)
+
+
+class Viewer:
+    """Paints the newest picture of every camera, each `paints_fps` times a second at most; `painted` is what it did."""
+
+    def __init__(self) -> None:
+        self.paints_fps = math.inf
+        self.painted: list[Arrival] = []
+        self._views: dict[str, _View] = {}
+
+    def take(self, frame: VideoFrame, now_ns: int) -> None:
+        """A picture has come; one that still waited is passed over."""
+        view = self._views.setdefault(frame.camera, _View(frame, frame))
+        view.came = view.waiting = frame
+        view.came_ns.append(now_ns)
+
+    def paint(self, now_ns: int) -> None:
+        """Paint what waits, where it is time."""
+        for camera, view in self._views.items():
+            busy = view.painted and now_ns - view.painted[-1].t_ns < NS_PER_S / self.paints_fps
+            if view.waiting is not None and not busy:
+                frame, view.waiting = view.waiting, None
+                age_ms = (now_ns - frame.capture_ns) / NS_PER_MS + MAKE_AND_PAINT_MS
+                view.painted.append(Arrival(now_ns, camera, age_ms, len(frame.jpeg)))
+                self.painted.append(view.painted[-1])
+                view.shown = frame
+
+    def shown(self, now_ns: int) -> dict[str, ViewShown]:
+        """What its console tells."""
+        return {camera: _told(view, now_ns) for camera, view in self._views.items()}
+
+
+def _told(view: _View, now_ns: int) -> ViewShown:
+    came, shown, since_ns = view.came, view.shown, now_ns - NS_PER_S
+    return ViewShown(
+        seq=shown.seq,
+        capture_ns=shown.capture_ns,
+        age_ms=view.painted[-1].age_ms,
+        fps=float(sum(one.t_ns > since_ns for one in view.painted[-RATE_OF:])),
+        came=ViewCame(
+            seq=came.seq,
+            age_ms=(view.came_ns[-1] - came.capture_ns) / NS_PER_MS,
+            fps=float(sum(t_ns > since_ns for t_ns in view.came_ns)),
+        ),
+    )
+
+
+class Run:
+    """Cameras, adaptation, link and viewer in simulated time; `picture` makes the bytes of (camera, number, setting).
+
+    `reports` is whether the viewer is a console, which reports. Pictures that wait in the link go to it late, as they
+    would through the buffers of a connection.
+    """
+
+    def __init__(self, config: VideoConfig, picture: Picture, mbit_s: float, *, reports: bool = True) -> None:
+        self.adaptation = Adaptation(config)
+        self.link = Link(mbit_s)
+        self.viewer = Viewer()
+        self.now_ns = 0
+        self._config = config
+        self._picture = picture
+        self._reports = reports
+        self._numbers = {camera.name: itertools.count() for camera in config.cameras}
+        self._sent_ns = dict.fromkeys(self._numbers, -NS_PER_S)
+
+    def run(self, seconds: float) -> list[Arrival]:
+        """Let time pass; what came meanwhile."""
+        before, end_ns = len(self.viewer.painted), self.now_ns + round(seconds * NS_PER_S)
+        while self.now_ns < end_ns:
+            self.now_ns += TICK_NS
+            self._expose()
+            for frame in self.link.tick(self.now_ns):
+                self.viewer.take(frame, self.now_ns)
+            self.viewer.paint(self.now_ns)
+            shown = self.viewer.shown(self.now_ns)
+            if self._reports and self.now_ns % REPORT_NS == 0 and shown:
+                told = ViewsShown(session=1, lease=0, sent_ns=self.now_ns, views=shown)
+                self.adaptation.hear(told, self.now_ns)
+        return self.viewer.painted[before:]
+
+    def _expose(self) -> None:
+        period_ns = round(NS_PER_S / self._config.fps)
+        for k, camera in enumerate(self._numbers):
+            setting = self.adaptation.setting(camera, self.now_ns)
+            phase_ns = (self.now_ns + k * period_ns // len(self._numbers)) % period_ns
+            waited_ns = self.now_ns - self._sent_ns[camera]
+            if phase_ns < TICK_NS and waited_ns > NS_PER_S / setting.fps - period_ns / 2:
+                self._sent_ns[camera] = self.now_ns
+                self._send(camera, setting)
+
+    def _send(self, camera: str, setting: Setting) -> None:
+        seq = next(self._numbers[camera])
+        frame = VideoFrame(
+            camera=camera,
+            seq=seq,
+            capture_ns=self.now_ns,
+            capture_estimated=False,
+            status=CameraStatus.LIVE,
+            reason="",
+            width=1,
+            height=1,
+            jpeg=self._picture(camera, seq, setting),
+        )
+        self.adaptation.sent(frame, self.now_ns)
+        self.link.put(frame, self.now_ns + DELAY_NS)

@@ -1,0 +1,1 @@
+"""The link between sites: the table of channels, sessions, certificates, access."""

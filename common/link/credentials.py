@@ -1,0 +1,143 @@
+"""A site's certificates: whether they are any good, and whose they are; read by shaking hands with oneself."""
+
+import ssl
+from collections.abc import Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+from common.errors import ConfigError, TransportError
+from common.link.config import LinkSecurity, TlsConfig
+from common.link.endpoints import check_endpoint
+from common.link.roles import Identity, read_common_name
+
+RENEW = "where the authority is kept: farhand certificates renew CELL"
+VERDICTS = {
+    2: "comes from another authority",
+    7: "comes from another authority of the same name",
+    9: "is not valid yet: are the clocks of both hosts right?",
+    10: f"has expired; renew it {RENEW}",
+    18: "comes from another authority",
+    19: "comes from another authority",
+    20: "comes from another authority",
+    21: "comes from another authority",
+    26: "is not made for this use",
+    62: f"is for other hosts; renew it with this one {RENEW} --host NAME",
+    64: f"is for other hosts; renew it with this one {RENEW} --host ADDRESS",
+}
+ROUNDS = 8
+
+
+@dataclass(frozen=True, slots=True)
+class Credentials:
+    """Files of a certificate that is good now, and whom it names."""
+
+    tls: TlsConfig
+    identity: Identity
+
+
+def load_credentials(tls: TlsConfig) -> Credentials:
+    """The credentials after a handshake with themselves; TransportError says which file is no good, and why."""
+    for what, path in (("ca", tls.ca), ("certificate", tls.certificate), ("key", tls.key)):
+        try:
+            Path(path).read_bytes()
+        except OSError as error:
+            raise TransportError(f"links.tls.{what}: cannot read {path}: {error.strerror}") from error
+    try:
+        subject = _shake_hands(client_context(tls), _server_context(tls))
+    except ssl.SSLCertVerificationError as error:
+        raise TransportError(f"links.tls.certificate: {tls.certificate} {verdict(error)}") from error
+    except ssl.SSLError as error:
+        raise TransportError(f"links.tls: {_unusable(error, tls)}") from error
+    identity = read_common_name(common_name(subject))
+    if identity is None:
+        raise TransportError(
+            f"links.tls.certificate: {tls.certificate} names {common_name(subject)!r}, which is no role at a cell; "
+            "make one with: farhand certificates create CELL"
+        )
+    return Credentials(tls, identity)
+
+
+def check_links(places: Sequence[str], security: LinkSecurity, *bearers: Identity) -> None:
+    """ConfigError when a link may not go to one of the places, or its certificate is no good or another's."""
+    try:
+        for place in places:
+            check_endpoint(place, security)
+        bearer = load_credentials(security.tls).identity if security.tls.is_given else None
+    except TransportError as error:
+        raise ConfigError(str(error)) from error
+    if bearer is None or bearer in bearers:
+        return
+    names = " or ".join(identity.common_name for identity in bearers)
+    told = f"links.tls.certificate: {security.tls.certificate} is for {bearer.common_name}, not for {names}"
+    of_role = bearer.cell and bearer.role in {identity.role for identity in bearers}
+    raise ConfigError(f'{told}; write cell = "{bearer.cell}", if it is that cell' if of_role else told)
+
+
+class Validity:
+    """Whether the certificate that a site began with is still good: a link that is up may outlive it."""
+
+    def __init__(self, tls: TlsConfig) -> None:
+        self._tls = tls
+        self._contexts = (client_context(tls), _server_context(tls)) if tls.is_given else None
+
+    def check(self) -> None:
+        """TransportError once it has expired; takes a handshake with oneself, about 2 ms."""
+        if self._contexts is None:
+            return
+        try:
+            _shake_hands(*self._contexts)
+        except ssl.SSLCertVerificationError as error:
+            raise TransportError(f"links.tls.certificate: {self._tls.certificate} {verdict(error)}") from error
+
+
+def client_context(tls: TlsConfig) -> ssl.SSLContext:
+    """For who connects: the other side has to show a certificate of the same authority."""
+    context = ssl.SSLContext(ssl.PROTOCOL_TLS_CLIENT)
+    context.load_verify_locations(cafile=tls.ca)
+    context.load_cert_chain(tls.certificate, tls.key)
+    return context
+
+
+def common_name(certificate: Any) -> str:
+    """The common name of a certificate as `getpeercert` gives it, empty where there is none."""
+    subject = (certificate or {}).get("subject", ())
+    return next((value for group in subject for name, value in group if name == "commonName"), "")
+
+
+def verdict(error: ssl.SSLCertVerificationError) -> str:
+    """What is wrong with a certificate, as the end of a sentence."""
+    return VERDICTS.get(error.verify_code, f"is refused: {error.verify_message}")
+
+
+def _server_context(tls: TlsConfig) -> ssl.SSLContext:
+    context = ssl.SSLContext(ssl.PROTOCOL_TLS_SERVER)
+    context.verify_mode = ssl.CERT_REQUIRED
+    context.load_verify_locations(cafile=tls.ca)
+    context.load_cert_chain(tls.certificate, tls.key)
+    return context
+
+
+def _shake_hands(client_side: ssl.SSLContext, server_side: ssl.SSLContext) -> Any:
+    """What the client shows, after both sides have accepted one another in memory."""
+    client_side.check_hostname = False
+    to_server, to_client = ssl.MemoryBIO(), ssl.MemoryBIO()
+    client = client_side.wrap_bio(to_client, to_server)
+    server = server_side.wrap_bio(to_server, to_client, server_side=True)
+    done: set[ssl.SSLObject] = set()
+    for _ in range(ROUNDS):
+        for side in (client, server):
+            try:
+                side.do_handshake()
+                done.add(side)
+            except ssl.SSLWantReadError:
+                continue
+        if len(done) == 2:
+            break
+    return server.getpeercert()
+
+
+def _unusable(error: ssl.SSLError, tls: TlsConfig) -> str:
+    if error.reason == "KEY_VALUES_MISMATCH":
+        return f"{tls.key} is not the key of {tls.certificate}"
+    return f"{tls.ca}, {tls.certificate} and {tls.key} cannot be used: {error.reason or error}; are they PEM files?"

@@ -1,0 +1,94 @@
+"""Endpoints: which are allowed, as protected as they are, and whether this host can listen there."""
+
+import re
+import socket
+from dataclasses import dataclass
+
+from common.errors import TransportError
+from common.link.config import LinkSecurity
+
+ENDPOINT = re.compile(r"(tcp|tls|quic)/(\[[0-9a-fA-F:.]+\]|[A-Za-z0-9._-]+):(\d{1,5})")
+LAST_PORT = 65535
+SECURED = ("tls", "quic")
+LOOPBACK = ("127.0.0.1", "::1", "localhost")
+EVERYWHERE = {"0.0.0.0": "127.0.0.1", "::": "::1"}  # noqa: S104  # recognised here, never bound
+
+
+@dataclass(frozen=True, slots=True)
+class Endpoint:
+    """A place to listen at or to connect to."""
+
+    protocol: str
+    host: str
+    port: int
+
+    @property
+    def is_loopback(self) -> bool:
+        """Whether what passes there stays on this host."""
+        return self.host in LOOPBACK
+
+    @property
+    def is_secured(self) -> bool:
+        """Whether both sides show certificates there."""
+        return self.protocol in SECURED
+
+    @property
+    def is_quic(self) -> bool:
+        """Whether what is best effort passes there in datagrams, so that nothing waits for what was lost before it."""
+        return self.protocol == "quic"
+
+    @property
+    def place(self) -> str:
+        """Host and port, as they stand in an endpoint."""
+        return f"[{self.host}]:{self.port}" if ":" in self.host else f"{self.host}:{self.port}"
+
+    def __str__(self) -> str:
+        return f"{self.protocol}/{self.place}"
+
+
+def check_endpoint(endpoint: str, security: LinkSecurity) -> Endpoint:
+    """The endpoint if what passes there is protected or stays on this host, else TransportError with the cure."""
+    match = ENDPOINT.fullmatch(endpoint)
+    if match is None or not 0 < int(match[3]) <= LAST_PORT:
+        raise TransportError(
+            f"endpoint {endpoint!r} is refused: write it as tls/HOST:PORT, quic/HOST:PORT or tcp/127.0.0.1:PORT, with "
+            f"a port from 1 to {LAST_PORT}"
+        )
+    found = Endpoint(match[1], match[2].strip("[]"), int(match[3]))
+    if found.is_secured and not security.tls.is_given:
+        raise TransportError(
+            f"endpoint {endpoint!r} is refused: {found.protocol} needs certificates; make them with 'farhand "
+            "certificates create CELL' and name them in the table [links.tls]"
+        )
+    if not (found.is_secured or found.is_loopback or security.plain_text_beyond_loopback):
+        raise TransportError(
+            f"endpoint {endpoint!r} is refused: plain tcp beyond this host would let anybody move the arm; write it "
+            f"as tls/{endpoint.removeprefix('tcp/')} with certificates from 'farhand certificates create CELL', or "
+            "stay at tcp/127.0.0.1:PORT"
+        )
+    return found
+
+
+def check_free(endpoint: str, security: LinkSecurity) -> Endpoint:
+    """The endpoint if it is allowed and free; TransportError at once if not, where zenoh would try for seconds."""
+    place = check_endpoint(endpoint, security)
+    family = socket.AF_INET6 if ":" in place.host else socket.AF_INET
+    for kind in (socket.SOCK_STREAM, socket.SOCK_DGRAM) if place.is_quic else (socket.SOCK_STREAM,):
+        with socket.socket(family, kind) as probe:
+            if kind is socket.SOCK_STREAM:
+                probe.setsockopt(socket.SOL_SOCKET, socket.SO_REUSEADDR, 1)
+            try:
+                probe.bind((place.host, place.port))
+            except OSError as error:
+                why = f"cannot listen at {endpoint}: {error}; is the port taken by another site?"
+                raise TransportError(why) from error
+    return place
+
+
+def from_this_host(endpoint: str) -> str:
+    """Where a program of this host reaches who listens at an endpoint: everywhere includes the loopback interface."""
+    match = ENDPOINT.fullmatch(endpoint)
+    if match is None:
+        return endpoint
+    host = match[2].strip("[]")
+    return str(Endpoint(match[1], EVERYWHERE.get(host, host), int(match[3])))

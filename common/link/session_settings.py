@@ -1,0 +1,102 @@
+"""The settings of a Zenoh session, key by key: places, short leases, caps, and who may do what; pure."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+from enum import StrEnum
+from typing import Any
+
+from common.link.access import access_control, payload_caps, rate_caps
+from common.link.channels import CHANNELS
+from common.link.config import TlsConfig
+from common.link.credentials import Credentials
+from common.link.endpoints import Endpoint
+
+LEASE_MS = 1000
+KEEP_ALIVES_PER_LEASE = 4
+OPEN_TIMEOUT_MS = 1000
+RETRY = {"period_init_ms": 100, "period_max_ms": 500, "period_increase_factor": 2}
+FOR_EVER = -1  # in the background; a client would wait for it
+CLIENT_TIMEOUT_MS = 500
+MAX_MESSAGE_BYTES = 2 * max(channel.max_bytes for channel in CHANNELS)  # what is gathered of one before it is judged
+MAX_NEIGHBOURS, MAX_AT_ROUTER = 64, 1024
+
+
+class Mode(StrEnum):
+    """What a session is to others: a peer speaks for itself, a client has all from a router, a router passes on."""
+
+    PEER = "peer"
+    CLIENT = "client"
+    ROUTER = "router"
+
+
+@dataclass(frozen=True, slots=True)
+class Places:
+    """Where a session listens and where it connects to; `send_buffer_bytes` None is the system's choice."""
+
+    mode: Mode
+    listen: tuple[Endpoint, ...] = ()
+    connect: tuple[Endpoint, ...] = ()
+    send_buffer_bytes: int | None = None
+
+    def __str__(self) -> str:
+        return ", ".join(map(str, (*self.listen, *self.connect)))
+
+
+def session_settings(places: Places, credentials: Credentials | None, cells: Sequence[str]) -> dict[str, Any]:
+    """Zenoh's settings by path; without credentials nobody is refused, so that such places stay on one host.
+
+    `cells` are those that the session serves, by which its neighbours' certificates are told apart.
+    """
+    listening = [locator for endpoint in places.listen for locator in _listening(endpoint)]
+    connecting = [_locator(endpoint) for endpoint in places.connect]
+    settings = {
+        "mode": places.mode.value,
+        "listen/endpoints": listening,
+        "connect/endpoints": connecting,
+        "connect/retry": RETRY,
+        "connect/timeout_ms": CLIENT_TIMEOUT_MS if places.mode is Mode.CLIENT else FOR_EVER,
+        "connect/exit_on_failure": False,
+        "scouting/multicast/enabled": False,
+        "scouting/gossip/enabled": False,
+        "transport/shared_memory/enabled": False,  # on one host pictures would pass the link, and all that limits it
+        "transport/link/protocols": sorted({locator.partition("/")[0] for locator in (*listening, *connecting)}),
+        "transport/link/tcp/so_sndbuf": places.send_buffer_bytes,
+        "transport/link/tls/so_sndbuf": places.send_buffer_bytes,
+        "transport/link/tx/lease": LEASE_MS,
+        "transport/link/tx/keep_alive": KEEP_ALIVES_PER_LEASE,
+        "transport/link/rx/max_message_size": MAX_MESSAGE_BYTES,
+        "transport/unicast/open_timeout": OPEN_TIMEOUT_MS,
+        "transport/unicast/accept_timeout": OPEN_TIMEOUT_MS,
+        "transport/unicast/max_sessions": MAX_AT_ROUTER if places.mode is Mode.ROUTER else MAX_NEIGHBOURS,
+        "low_pass_filter": payload_caps(),
+        "downsampling": rate_caps(),
+    }
+    if credentials is not None:
+        plain = not all(place.is_secured for place in (*places.listen, *places.connect))
+        settings["access_control"] = access_control(credentials.identity, cells, plain=plain)
+        settings |= {f"transport/link/tls/{key}": value for key, value in _tls_settings(credentials.tls).items()}
+    return settings
+
+
+def _locator(endpoint: Endpoint) -> str:
+    """Where QUIC is spoken, what is best effort goes in datagrams of the same connection."""
+    return f"{endpoint}?mixed_rel=1" if endpoint.is_quic else str(endpoint)
+
+
+def _listening(endpoint: Endpoint) -> tuple[str, ...]:
+    """Who listens for QUIC listens for TLS at the port of the same number: there it can be asked why it refuses."""
+    return (_locator(endpoint), str(replace(endpoint, protocol="tls"))) if endpoint.is_quic else (str(endpoint),)
+
+
+def _tls_settings(tls: TlsConfig) -> dict[str, Any]:
+    """One certificate, to listen with and to connect with; both sides show theirs."""
+    return {
+        "root_ca_certificate": tls.ca,
+        "listen_certificate": tls.certificate,
+        "listen_private_key": tls.key,
+        "connect_certificate": tls.certificate,
+        "connect_private_key": tls.key,
+        "enable_mtls": True,
+        "verify_name_on_connect": True,
+        "close_link_on_expiration": True,
+    }

@@ -1,0 +1,1 @@
+"""The wire messages, the requests, and how they become bytes."""

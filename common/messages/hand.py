@@ -1,0 +1,107 @@
+"""The hand sample: points with covariances, clock offset, the operator's intent; frozen structs."""
+
+from enum import StrEnum
+from typing import Annotated
+
+import msgspec
+
+from common.messages.base import (
+    Count,
+    Covariance,
+    Difference,
+    Message,
+    Text,
+    Vector3,
+)
+
+
+class TrackingStatus(StrEnum):
+    """How far a hand sample can be trusted."""
+
+    INITIALISING = "initialising"
+    TRACKED = "tracked"
+    DEGRADED = "degraded"
+    LOST = "lost"
+
+
+class PointCovariances(msgspec.Struct, frozen=True, forbid_unknown_fields=True, kw_only=True):
+    """How sure each point is: its covariance xx, xy, xz, yy, yz, zz in m² in the operator frame, None where unknown."""
+
+    elbow: Covariance | None = None
+    wrist: Covariance | None = None
+    index: Covariance | None = None
+    thumb: Covariance | None = None
+    palm: Covariance | None = None
+
+
+class Locks(msgspec.Struct, frozen=True, forbid_unknown_fields=True, kw_only=True):
+    """Motions that the operator does not want copied: along the base's axes, and about the tool's."""
+
+    x: bool = False
+    y: bool = False
+    z: bool = False
+    roll: bool = False
+    pitch: bool = False
+    yaw: bool = False
+
+
+class Intent(msgspec.Struct, frozen=True, forbid_unknown_fields=True, kw_only=True):
+    """What the operator wants; the defaults mean that nothing is held and nothing is asked for.
+
+    `hold` is the hold-to-run key or pedal. `clutch_count` rises by one each time the operator takes new origins; the
+    scales multiply what the remote site has configured.
+    """
+
+    hold: bool = False
+    clutch_count: Count = 0
+    scale: Annotated[float, msgspec.Meta(ge=0.01, le=5)] = 1.0
+    rotation_scale: Annotated[float, msgspec.Meta(ge=0, le=2)] = 1.0
+    locks: Locks = Locks()
+
+
+class OperatorIntent(Message, frozen=True):
+    """The intent as a console or pedal tells it to the local site on its own host, at 20 Hz or more."""
+
+    sent_ns: Count
+    intent: Intent
+
+
+class ClockSync(msgspec.Struct, frozen=True, forbid_unknown_fields=True, kw_only=True):
+    """The remote site's clock minus the local site's, as the local site measured it over the control session, ns.
+
+    `measured_ns` is by the remote site's clock, so that it can tell how old the measurement is.
+    """
+
+    remote_minus_local_ns: Difference
+    uncertainty_ns: Count
+    measured_ns: Count
+
+
+class HandArm(Message, frozen=True):
+    """One tracked instant of the operator's arm.
+
+    Points are absolute in the operator frame (the calibration plate's), m, None where they could not be measured; the
+    palm is a point of the hand as a rigid extension of the forearm, from the tracker of one camera alone.
+    `covariance` is of the single measurement, before any smoothing; None from a sender that does not know it.
+    `session` is a random number chosen at each start of the local site, `seq` rises by one each sample,
+    `gripper_toggles` counts the openings of the hand since the session began. `lease` is the number under which the
+    remote site lets this operator work, 0 without one; `clock` is None while the offset is not known.
+    """
+
+    session: Count
+    seq: Count
+    capture_ns: Count
+    elbow: Vector3 | None
+    wrist: Vector3 | None
+    index: Vector3 | None
+    thumb: Vector3 | None
+    status: TrackingStatus
+    reason: Text
+    thumb_inferred: bool
+    hand_open: bool
+    gripper_toggles: Count
+    palm: Vector3 | None = None
+    covariance: PointCovariances | None = None
+    lease: Count = 0
+    clock: ClockSync | None = None
+    intent: Intent = Intent()

@@ -1,0 +1,175 @@
+"""The messages of requests: what must happen once, and questions that may be asked again."""
+
+from enum import StrEnum
+from typing import Annotated
+
+import msgspec
+
+from common.messages.base import (
+    Count,
+    Message,
+    Name,
+    Text,
+    Vector3,
+)
+from common.messages.robot import Pose
+
+Share = Annotated[float, msgspec.Meta(ge=0, le=1)]
+PictureShare = tuple[Share, Share]
+
+
+class Request(Message, frozen=True):
+    """What must happen once: retried with the same `id`, refused after `deadline_ns` by the server's clock."""
+
+    id: Count
+    deadline_ns: Count
+
+
+class Reply(Message, frozen=True):
+    """The answer to a request: done or refused, with code and sentence."""
+
+    id: Count
+    done: bool
+    code: Name
+    reason: Text
+
+
+class EngagementAction(StrEnum):
+    """What is asked of the engagement; a stop bars the next one until it is reset."""
+
+    ENGAGE = "engage"
+    DISENGAGE = "disengage"
+    STOP = "stop"
+    RESET = "reset"
+
+
+class EngagementRequest(Request, frozen=True):
+    """Engage, disengage, stop or reset the arm in an operator's name: anybody may stop it, the rest is the holder's."""
+
+    operator: Name
+    action: EngagementAction
+
+
+class LeaseAction(StrEnum):
+    """What a local site asks of the remote site's lease."""
+
+    ACQUIRE = "acquire"
+    RENEW = "renew"
+    RELEASE = "release"
+    HAND_OVER = "hand_over"
+
+
+class LeaseRequest(Request, frozen=True):
+    """A local site, known by its session and its operator's name, and the lease that it holds (0 without one)."""
+
+    action: LeaseAction
+    session: Count
+    operator: Name
+    lease: Count
+
+
+class LeaseReply(Reply, frozen=True):
+    """The asker's lease, 0 without one, and how long it lasts from now, ns; `holder` is who holds the cell's."""
+
+    lease: Count = 0
+    lasts_ns: Count = 0
+    holder: Text = ""
+
+
+class OperatorAction(StrEnum):
+    """What an operator does at the own local site: ask for the lease, hand it to who asks for it, give it back."""
+
+    TAKE = "take"
+    GIVE = "give"
+    RELEASE = "release"
+
+
+class OperatorRequest(Request, frozen=True):
+    """An explicit act of the operator, asked of the local site."""
+
+    action: OperatorAction
+
+
+class JointsRequest(Request, frozen=True):
+    """Where an operator sees the joints in the picture of the one camera that is tracked, however large it is shown.
+
+    Each place is a share of the picture's width, from the left, and of its height, from the top.
+    """
+
+    shoulder: PictureShare
+    elbow: PictureShare
+    wrist: PictureShare
+
+
+class ClockQuestion(Message, frozen=True):
+    """What time is it at the remote site?"""
+
+
+class ClockAnswer(Message, frozen=True):
+    """When the question was received and when it was answered, by the remote site's clock."""
+
+    received_ns: Count
+    answered_ns: Count
+
+
+class DescribeQuestion(Message, frozen=True):
+    """What is this cell?"""
+
+
+class JointDescription(msgspec.Struct, frozen=True, forbid_unknown_fields=True):
+    """One joint with the limits in force, rad and rad/s (m and m/s where it slides).
+
+    `parent_T_joint` is its frame in the one before it, in the base's for the first; it turns about, or slides along,
+    `axis` of its own frame.
+    """
+
+    name: Name
+    lower: float
+    upper: float
+    speed: float
+    parent_T_joint: Pose
+    axis: Vector3
+    slides: bool
+
+
+class ViewCalibration(msgspec.Struct, frozen=True, forbid_unknown_fields=True):
+    """Where a camera's picture shows a point: the 3 x 4 projection, row by row, from m to pixels of the full picture.
+
+    The point is in the base's frame, or where the camera rides on the tool (`on_tool`) in the tool's; pixels count from
+    the picture's upper left corner.
+    """
+
+    projection: Annotated[tuple[float, ...], msgspec.Meta(min_length=12, max_length=12)]
+    on_tool: bool
+
+
+class CameraDescription(msgspec.Struct, frozen=True, forbid_unknown_fields=True):
+    """One camera of the cell, as configured; most are not calibrated."""
+
+    name: Name
+    width: Count
+    height: Count
+    fps: float
+    calibration: ViewCalibration | None = None
+
+
+class Description(Message, frozen=True):
+    """The cell: its software, its robot with joints and limits, its cameras, and its rates in Hz.
+
+    `held`: the arm follows only while the operator holds key or pedal.
+    `last_T_tool` is the tool centre point in the last joint's frame; the workspace is the box, in the base's frame and
+    in m, that it stays in.
+    """
+
+    cell: Name
+    software: Name
+    robot: Text
+    driver: Name
+    joints: Annotated[tuple[JointDescription, ...], msgspec.Meta(max_length=16)]
+    cameras: Annotated[tuple[CameraDescription, ...], msgspec.Meta(max_length=16)]
+    held: bool
+    control_hz: float
+    state_hz: float
+    last_T_tool: Pose
+    workspace_min: Vector3
+    workspace_max: Vector3

@@ -1,0 +1,142 @@
+"""Child processes of a site: started by fork, watched by heartbeat, ended in order, never left behind."""
+
+import ctypes
+import mmap
+import multiprocessing
+import os
+import signal
+import sys
+import time
+from collections.abc import Callable
+from dataclasses import dataclass, field
+from multiprocessing.process import BaseProcess
+
+import numpy as np
+import structlog
+
+from common.clock import NS_PER_S
+from common.errors import FarhandError, ProcessError
+from common.process.service import StopFlag
+
+PR_SET_PDEATHSIG = 1
+PR_SET_NAME = 15
+END_TIMEOUT_S = 1.5
+KILL_TIMEOUT_S = 0.5
+READY_POLL_S = 0.01
+HEARTBEAT_TIMEOUT_S = 5
+CURE = "see the lines above for why, and start the site again"
+
+
+class Heartbeat:
+    """The time of a child's last beat, in memory shared across a fork; 0 until the child is ready."""
+
+    def __init__(self) -> None:
+        self._time_ns = np.frombuffer(mmap.mmap(-1, 8), dtype=np.int64)
+
+    def beat(self) -> None:
+        """Say that the loop has come round; the first beat says that the child is ready."""
+        self._time_ns[0] = time.monotonic_ns()
+
+    @property
+    def last_ns(self) -> int:
+        return int(self._time_ns[0])
+
+
+ChildMain = Callable[[StopFlag, Heartbeat], None]
+
+
+@dataclass
+class Child:
+    """A child process by its name; `vital` if its site cannot be without it."""
+
+    name: str
+    process: BaseProcess
+    heartbeat: Heartbeat
+    vital: bool = True
+
+
+@dataclass
+class Children:
+    """The children of one site; `check` tells when one has died or hangs."""
+
+    site: str
+    children: list[Child] = field(default_factory=list)
+
+    def start(self, name: str, main: ChildMain, *, vital: bool = True) -> Child:
+        """Fork a child that runs `main`, shown by `ps` and `top` as farhand-NAME; SIGTERM comes when its parent dies.
+
+        Fork before opening any session. What is not vital may die: that is said once, and the others go on.
+        """
+        heartbeat = Heartbeat()
+        context = multiprocessing.get_context("fork")
+        process = context.Process(target=_run, args=(name, main, heartbeat, os.getpid()), name=f"{self.site}-{name}")
+        process.start()
+        child = Child(name, process, heartbeat, vital)
+        self.children.append(child)
+        return child
+
+    def wait_ready(self, timeout_s: float, should_stop: StopFlag) -> None:
+        """Wait for the first beat of every vital child; ProcessError when one dies or the time is up."""
+        deadline = time.monotonic() + timeout_s
+        while not should_stop() and self._not_ready():
+            self._check_alive()
+            if time.monotonic() > deadline:
+                late = ", ".join(self._not_ready())
+                raise ProcessError(f"{self.site}: {late} not ready after {timeout_s:g} s; {CURE}")
+            time.sleep(READY_POLL_S)
+
+    def check(self) -> None:
+        """ProcessError with the name of a vital child that died or gave no beat for five seconds."""
+        self._check_alive()
+        for child in self.children:
+            if child.vital and time.monotonic_ns() - child.heartbeat.last_ns > HEARTBEAT_TIMEOUT_S * NS_PER_S:
+                raise ProcessError(
+                    f"{self.site}: process {child.name} hangs: no heartbeat for {HEARTBEAT_TIMEOUT_S} s; {CURE}"
+                )
+
+    def _not_ready(self) -> list[str]:
+        return [child.name for child in self.children if child.vital and child.heartbeat.last_ns == 0]
+
+    def _check_alive(self) -> None:
+        dead = [child for child in self.children if not child.process.is_alive()]
+        for child in dead:
+            if child.vital:
+                raise ProcessError(
+                    f"{self.site}: process {child.name} died (exit code {child.process.exitcode}); {CURE}"
+                )
+            self.children.remove(child)
+            structlog.get_logger().error("died; the site goes on without it", process=child.name)
+
+    def end(self) -> None:
+        """End the children in order of their start, so that each still finds what it needs while it ends."""
+        for child in self.children:
+            if child.process.is_alive():
+                child.process.terminate()
+        deadline = time.monotonic() + END_TIMEOUT_S
+        for child in self.children:
+            child.process.join(max(0.0, deadline - time.monotonic()))
+            if child.process.is_alive():
+                structlog.get_logger().error("had to be killed", process=child.name)
+                child.process.kill()
+                child.process.join(KILL_TIMEOUT_S)
+
+
+def die_with_parent(parent_pid: int, number: signal.Signals = signal.SIGTERM) -> None:
+    """Ask the kernel for this signal when the parent dies; exit at once if it is dead already."""
+    ctypes.CDLL(None).prctl(PR_SET_PDEATHSIG, number)
+    if os.getppid() != parent_pid:
+        os._exit(1)
+
+
+def _run(name: str, main: ChildMain, heartbeat: Heartbeat, parent_pid: int) -> None:
+    should_stop = StopFlag()
+    should_stop.install()
+    signal.signal(signal.SIGINT, signal.SIG_IGN)
+    die_with_parent(parent_pid)
+    ctypes.CDLL(None).prctl(PR_SET_NAME, f"farhand-{name}".encode())
+    structlog.contextvars.bind_contextvars(process=name)
+    try:
+        main(should_stop, heartbeat)
+    except FarhandError as error:
+        structlog.get_logger().error(str(error))
+        sys.exit(1)

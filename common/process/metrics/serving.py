@@ -1,0 +1,73 @@
+"""Serves figures to Prometheus from a process of their own, which only listens: no loop waits for a scrape."""
+
+import threading
+import time
+from collections.abc import Callable, Iterable
+from typing import Protocol, TypeVar
+
+from prometheus_client import CollectorRegistry, start_http_server
+from prometheus_client.core import Metric
+from prometheus_client.registry import Collector
+
+from common.errors import TransportError
+from common.link.channels import Channel
+from common.link.config import ON_THIS_HOST, LinkSecurity
+from common.link.endpoints import from_this_host
+from common.link.transport import open_link
+from common.messages.base import Message
+from common.process.service import StopFlag, be_nice
+
+M = TypeVar("M", bound=Message)
+Heard_contra = TypeVar("Heard_contra", bound=Message, contravariant=True)
+
+NICE = 10
+BEAT_S = 0.2
+
+
+class Figures(Protocol[Heard_contra]):
+    """What is made of a channel's messages."""
+
+    def hear(self, message: Heard_contra, now_ns: int) -> None:
+        """Take a message that came at this time."""
+
+    def families(self, now_ns: int) -> Iterable[Metric]:
+        """All figures as they are at this time."""
+
+
+class AtScrape(Collector):
+    """Asks the figures when Prometheus asks."""
+
+    def __init__(self, figures: Figures[M]) -> None:
+        self._figures = figures
+
+    def collect(self) -> Iterable[Metric]:
+        """The figures of now."""
+        return self._figures.families(time.monotonic_ns())
+
+
+def run_metrics(
+    port: int,
+    endpoint: str,
+    channel: Channel[M],
+    cell: str,
+    figures: Figures[M],
+    should_stop: StopFlag,
+    beat: Callable[[], None],
+    security: LinkSecurity = ON_THIS_HOST,
+) -> None:
+    """Listen to a channel at an endpoint and serve its figures on 127.0.0.1 until asked to stop."""
+    be_nice(NICE)
+    registry = CollectorRegistry()
+    registry.register(AtScrape(figures))
+    with open_link(connect=(from_this_host(endpoint),), security=security) as link:
+        latest = link.latest(channel, cell)
+        threading.Thread(target=latest.feed, args=(figures.hear,), name="listen", daemon=True).start()
+        try:
+            server, _ = start_http_server(port, addr="127.0.0.1", registry=registry)
+        except OSError as error:
+            raise TransportError(f"metrics.port {port} cannot be served: {error}") from error
+        beat()
+        while not should_stop.wait(BEAT_S):
+            beat()
+        server.shutdown()
+        server.server_close()

@@ -1,0 +1,78 @@
+"""Records that processes of one site share without waiting: one writer, any number of readers, never torn."""
+
+import mmap
+import zlib
+
+import numpy as np
+from numpy.typing import NDArray
+
+from common.errors import DriverError
+
+COUNTER_BYTES = 64
+READ_ATTEMPTS = 1000
+
+Record = NDArray[np.void]
+
+
+class SharedRecord:
+    """One record in anonymous memory that a fork inherits, and its forerunners in the other slots.
+
+    The writer fills the slot that no reader is sent to, then turns the counter; a writer killed half way leaves the
+    last whole record standing. A reader takes a slot only if the counter stood still meanwhile and the checksum agrees,
+    which also holds on processors that reorder writes.
+    """
+
+    def __init__(self, dtype: np.dtype[np.void], slots: int = 2) -> None:
+        self.dtype = dtype
+        self._slots = slots
+        self._slot_bytes = dtype.itemsize + 4
+        self._memory = mmap.mmap(-1, COUNTER_BYTES + slots * self._slot_bytes)
+        self._counter = memoryview(self._memory)[:8].cast("Q")
+        self.write(np.zeros((), dtype=dtype))
+
+    @property
+    def count(self) -> int:
+        """How often the record has been written."""
+        return self._counter[0]
+
+    def write(self, record: Record) -> None:
+        """Publish a record of this dtype (0-d array); only one process may write."""
+        self.write_bytes(record.tobytes())
+
+    def write_bytes(self, data: bytes) -> None:
+        """The same with the record's bytes."""
+        count = self._counter[0] + 1
+        start = self._start(count)
+        self._memory[start : start + self._slot_bytes] = data + zlib.crc32(data).to_bytes(4, "little")
+        self._counter[0] = count
+
+    def read(self) -> Record:
+        """A copy of the newest record (0-d array); DriverError when no whole one is found in bounded tries."""
+        return np.frombuffer(self.read_bytes(), dtype=self.dtype).reshape(())
+
+    def read_bytes(self) -> bytes:
+        """The bytes of the newest record."""
+        for _ in range(READ_ATTEMPTS):
+            data = self._try_read()
+            if data is not None:
+                return data
+        raise DriverError(f"shared memory: no whole record in {READ_ATTEMPTS} tries; restart the remote site")
+
+    def at(self, count: int) -> bytes | None:
+        """The bytes of the record written as the so-many-eth, None once another has taken its slot."""
+        return self._slot(count, self._slots - 2)
+
+    def _try_read(self) -> bytes | None:
+        return self._slot(self._counter[0], 0)
+
+    def _slot(self, count: int, behind: int) -> bytes | None:
+        """The slot's content, if no more than `behind` records have been written since."""
+        start = self._start(count)
+        slot = self._memory[start : start + self._slot_bytes]
+        if self._counter[0] - count > behind:
+            return None
+        data = slot[:-4]
+        return data if zlib.crc32(data) == int.from_bytes(slot[-4:], "little") else None
+
+    def _start(self, count: int) -> int:
+        return COUNTER_BYTES + (count % self._slots) * self._slot_bytes

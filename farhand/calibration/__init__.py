@@ -1,0 +1,1 @@
+"""Calibration on the command line: points, plates, boards."""

@@ -1,0 +1,128 @@
+"""The commands under `farhand calibrate`: their arguments, and their help with an example."""
+
+from pathlib import Path
+from typing import Annotated
+
+import typer
+
+from common.process.service import StopFlag
+
+RigFile = Annotated[Path, typer.Option(help="Rig file to write.")]
+Serials = Annotated[list[str] | None, typer.Option(help="A camera's serial number, as left=NUMBER.")]
+LeftPictures = Annotated[str, typer.Option(help="Folder, quoted pattern such as 'left_*.png', or video; by name.")]
+RightPictures = Annotated[str, typer.Option(help="The same for the right camera, taken at the same instants.")]
+Squares = Annotated[str, typer.Option(help="Board: columns x rows of squares (not of corners).")]
+SquareMm = Annotated[float, typer.Option(help="Board: side of a square, measured on the print.", min=1)]
+MarkerMm = Annotated[float, typer.Option(help="Board: side of a marker (charuco).", min=1)]
+Dictionary = Annotated[str, typer.Option(help="Board: its markers' dictionary (charuco).")]
+Standing = Annotated[bool, typer.Option("--standing", help="The first pose stands upright instead of lying flat.")]
+FoundPictures = Annotated[Path | None, typer.Option(help="Folder for what was found and covered, as PNG.")]
+
+calibrate_app = typer.Typer(help="Compute a rig from measurements.", no_args_is_help=True)
+
+
+@calibrate_app.command("points")
+def calibrate_points_command(
+    csv: Annotated[Path, typer.Argument(help="X_mm,Y_mm,Z_mm,uL_px,vL_px,uR_px,vR_px[,u3_px,v3_px[,u4_px,v4_px]]")],
+    out: RigFile = Path("rig.json"),
+    size: Annotated[str | None, typer.Option(help="The pictures' size, as 640x480, to judge the coverage.")] = None,
+    serial: Serials = None,
+) -> None:
+    """Solve the cameras from control points, and print the reprojection and 3D error.
+
+    Example: farhand calibrate points control_points.csv --out rig.json
+    """
+    from farhand.calibration.points import (
+        calibrate_points,
+        describe,
+        parse_pair,
+        solvable,
+    )
+    from farhand.outputs import check_file
+
+    check_file("--out", out, [csv])
+    parsed = None if size is None else parse_pair(size, "--size")
+    with solvable():
+        typer.echo(describe(calibrate_points(csv, out, parsed, serial or ())))
+
+
+@calibrate_app.command("images")
+def calibrate_images_command(
+    left: LeftPictures,
+    right: RightPictures,
+    third: Annotated[str | None, typer.Option(help="The same for a third camera.")] = None,
+    fourth: Annotated[str | None, typer.Option(help="The same for a fourth camera.")] = None,
+    board: Annotated[str, typer.Option(help="plate (of discs), charuco or chessboard.")] = "plate",
+    discs: Annotated[str, typer.Option(help="Plate: columns x rows of discs.")] = "5x5",
+    pitch_mm: Annotated[float, typer.Option(help="Plate: from disc to disc.", min=1, max=10_000)] = 250.0,
+    disc_mm: Annotated[float, typer.Option(help="Plate: diameter of a disc.", min=1, max=10_000)] = 32.0,
+    heights_mm: Annotated[str, typer.Option(help="Plate: its height in each picture.")] = "0,497,994",
+    squares: Squares = "8x6",
+    square_mm: SquareMm = 30.0,
+    marker_mm: MarkerMm = 22.0,
+    dictionary: Dictionary = "5X5_250",
+    standing: Standing = False,
+    out: RigFile = Path("rig.json"),
+    pictures: FoundPictures = None,
+    serial: Serials = None,
+) -> None:
+    """Solve the cameras from pictures of a plate of discs at known heights, or of a printed board in many poses.
+
+    Example: farhand calibrate images --left 'left_*.png' --right 'right_*.png' --heights-mm 0,497,994
+    """
+    from farhand.calibration.boards import BoardJob, calibrate_board_pictures, make_board
+    from farhand.calibration.pictures import by_name
+    from farhand.calibration.plate import PlateJob, calibrate_plate, parse_heights
+    from farhand.calibration.points import describe, parse_pair, solvable
+    from farhand.outputs import check_file, check_folder
+    from local_site.calibration.plate import Plate
+
+    sources = by_name((left, right, third, fourth))
+    check_file("--out", out, sources.values())
+    check_folder("--pictures", pictures, sources.values())
+    if board == "plate":
+        plate = Plate(*parse_pair(discs, "--discs"), pitch_mm / 1000, disc_mm / 1000)
+        job = PlateJob(plate, parse_heights(heights_mm), sources, out, pictures)
+        with solvable():
+            typer.echo(describe(calibrate_plate(job, serial or ())))
+        return
+    printed = make_board(board, parse_pair(squares, "--squares"), square_mm, marker_mm, dictionary)
+    boards = BoardJob(printed, standing, sources, out, pictures)
+    with solvable():
+        typer.echo(describe(calibrate_board_pictures(boards, serial or ())))
+
+
+@calibrate_app.command("live")
+def calibrate_live_command(
+    left: Annotated[str, typer.Option(help="Device, URL, video file or folder of images.")],
+    right: Annotated[str, typer.Option(help="The same for the right camera.")],
+    third: Annotated[str | None, typer.Option(help="The same for a third camera.")] = None,
+    fourth: Annotated[str | None, typer.Option(help="The same for a fourth camera.")] = None,
+    board: Annotated[str, typer.Option(help="charuco or chessboard.")] = "charuco",
+    poses: Annotated[int, typer.Option(help="How many poses to take.", min=5, max=200)] = 15,
+    squares: Squares = "8x6",
+    square_mm: SquareMm = 30.0,
+    marker_mm: MarkerMm = 22.0,
+    dictionary: Dictionary = "5X5_250",
+    standing: Standing = False,
+    out: RigFile = Path("rig.json"),
+    pictures: FoundPictures = Path("calibration"),
+    serial: Serials = None,
+) -> None:
+    """Solve the cameras while a printed board is held still in one pose after another; Ctrl-C ends the taking early.
+
+    Example: farhand calibrate live --left 0 --right 1 --board charuco --squares 8x6 --square-mm 30 --marker-mm 22
+    """
+    from farhand.calibration.boards import BoardJob, calibrate_live, make_board
+    from farhand.calibration.pictures import by_name
+    from farhand.calibration.points import describe, parse_pair
+    from farhand.outputs import check_file, check_folder
+
+    sources = by_name((left, right, third, fourth))
+    check_file("--out", out, sources.values())
+    check_folder("--pictures", pictures, sources.values())
+    printed = make_board(board, parse_pair(squares, "--squares"), square_mm, marker_mm, dictionary)
+    job = BoardJob(printed, standing, sources, out, pictures)
+    should_stop = StopFlag()
+    should_stop.install()
+    typer.echo(describe(calibrate_live(job, poses, should_stop, typer.echo, serial or ())))

@@ -1,0 +1,1 @@
+"""Both sites on this machine: started, watched, measured."""

@@ -1,0 +1,50 @@
+"""Which simulated operator and which arm a loopback brings together, as settings of both sites."""
+
+from collections.abc import Mapping
+from pathlib import Path
+
+from common.errors import ConfigError
+from remote_site.drivers.config import EMULATED
+from remote_site.kinematics.config import MODELS
+
+A465, HUMANOID = "a465", "humanoid"
+ARM_FILES: Mapping[str, Path | None] = {A465: None, HUMANOID: MODELS / HUMANOID / f"{HUMANOID}.toml"}
+MARKERS, MONOCULAR = "markers", "monocular"
+USUAL_MOTION = "pick_and_place"
+# One camera at the right of an operator who looks to the right of the picture: its x is ahead, y down, z to the left.
+FROM_THE_RIGHT = "[[1.0, 0.0, 0.0], [0.0, 0.0, 1.0], [0.0, -1.0, 0.0]]"
+
+
+def check_cast(tracker: str, arm: str, motion: str, driver: str) -> None:
+    """ConfigError for an arm that there is not, or one that this driver cannot move, and a motion that nobody does."""
+    if arm not in ARM_FILES:
+        raise ConfigError(f"there is no arm {arm!r}; choose one of: {', '.join(ARM_FILES)}")
+    if tracker == MONOCULAR and motion != USUAL_MOTION:
+        raise ConfigError("the textured arm before one camera swings in its own way; leave --motion out")
+    if arm != A465 and driver == EMULATED:
+        raise ConfigError(f"the driver {EMULATED} is the A465's; use simulated or kinematic for the {arm} arm")
+
+
+def operator_settings(tracker: str, motion: str) -> tuple[str, ...]:
+    """The local site's settings for an operator whom this tracker can follow; one camera finds the arm by itself."""
+    settings = (
+        f"simulation.motion.name={motion}",
+        "simulation.motion.begins=when_engaged",
+        f"simulation.markers={str(tracker == MARKERS).lower()}",
+        f"tracking.method={tracker}",
+    )
+    if tracker != MONOCULAR:
+        return settings
+    return (*settings, "simulation.textured=true", "tracking.monocular.start.by=silhouette")
+
+
+def operator_views(tracker: str) -> tuple[str, ...]:
+    """The names of the operator's views as they are saved."""
+    return ("operator_left",) if tracker == MONOCULAR else ("operator_left", "operator_right")
+
+
+def arm_settings(tracker: str) -> tuple[str, ...]:
+    """The remote site's settings for what this tracker tells, and for where its cameras stand."""
+    if tracker != MONOCULAR:
+        return ()
+    return "mapping.point=palm", f"mapping.base_R_operator={FROM_THE_RIGHT}"

@@ -1,0 +1,207 @@
+"""From what a loopback run recorded to its figures; pure."""
+
+from bisect import bisect_left
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass
+from itertools import pairwise
+from typing import Any
+
+import numpy as np
+
+from common.clock import NS_PER_MS, NS_PER_S
+from common.geometry import Array
+from common.messages.hand import HandArm, TrackingStatus
+from common.messages.robot import RobotState, SessionState
+from farhand.loopback.recorder import CameraRecord, Record
+
+POINTS = ("elbow", "wrist", "index", "thumb", "palm")
+LAGS_MS = np.arange(0.0, 401.0, 2.0)
+STAGES = ("command", "motion", "encoder", "picture", "viewer")
+TRUTH_STEP_NS = 2 * NS_PER_MS
+
+Truth = Callable[[int], Mapping[str, Array]]
+Figures = dict[str, Any]
+
+
+@dataclass(frozen=True, slots=True)
+class Expectation:
+    """How the tool should move with a point of the hand: tool motion per hand motion, operator's frame in the base."""
+
+    scale: float
+    base_R_operator: Array
+    point: str = "wrist"
+
+
+def percentiles(values: Sequence[float], *levels: int) -> Figures:
+    """The percentiles of values by name (p50 ...), None where there are no values."""
+    return {f"p{level}": _rounded(np.percentile(values, level)) if values else None for level in levels}
+
+
+def latency_figures(states: Sequence[RobotState]) -> Figures:
+    """Exposure to joint command, and exposure to the robot's motion, over all obeyed samples, ms."""
+    last = {(s.obeyed.session, s.obeyed.seq): s.obeyed for s in states if s.obeyed is not None}
+    command = [(o.command_ns - o.capture_ns) / NS_PER_MS for o in last.values()]
+    motion = [(o.motion_ns - o.capture_ns) / NS_PER_MS for o in last.values() if o.motion_ns is not None]
+    return {
+        "capture_to_command_ms": percentiles(command, 50, 95, 99),
+        "capture_to_motion_ms": percentiles(motion, 50, 95, 99),
+    }
+
+
+def trace_figures(states: Sequence[RobotState], cameras: Mapping[str, CameraRecord]) -> Figures:
+    """Each traced sample's way in ms after its exposure, and the percentiles of every stage.
+
+    The last stages are the exposure of the first picture, of any camera, that was taken once the encoders had shown the
+    sample, and its arrival at the viewer. The clocks of both sites are one here.
+    """
+    pictures = sorted(
+        pair
+        for camera in cameras.values()
+        for pair in zip(camera.exposures_ns, camera.arrivals_ns, strict=False)  # more may come meanwhile
+    )
+    exposures = [exposed_ns for exposed_ns, _ in pictures]
+    samples = []
+    for traced in {(s.traced.session, s.traced.seq): s.traced for s in states if s.traced is not None}.values():
+        next_picture = bisect_left(exposures, traced.encoder_ns)
+        if next_picture == len(pictures):
+            break
+        stages = (traced.command_ns, traced.motion_ns, traced.encoder_ns, *pictures[next_picture])
+        after = [_rounded((t_ns - traced.capture_ns) / NS_PER_MS) for t_ns in stages]
+        samples.append({"seq": traced.seq, **dict(zip(STAGES, after, strict=True))})
+    levels = {stage: percentiles([sample[stage] for sample in samples], 50, 95) for stage in STAGES}
+    return {"trace_ms": levels, "traces": samples}
+
+
+def tracking_figures(hands: Sequence[HandArm], truth: Truth) -> Figures:
+    """Rate, lost share after initialisation and error per point against the truth, mm."""
+    tracked = [h for h in hands if h.status is not TrackingStatus.INITIALISING]
+    lost = sum(h.wrist is None or h.status is TrackingStatus.LOST for h in tracked)
+    errors: dict[str, list[float]] = {name: [] for name in POINTS}
+    for hand in tracked:
+        true = truth(hand.capture_ns)
+        for name in POINTS:
+            point = getattr(hand, name)
+            if point is not None:
+                errors[name].append(1e3 * float(np.linalg.norm(np.array(point) - true[name])))
+    return {
+        "fps": _rounded(_per_second([h.capture_ns for h in hands])),
+        "frames": len(tracked),
+        "lost": lost,
+        "thumb_absent": sum(h.thumb is None for h in tracked),
+        "error_mm": {name: _mean_max(values) for name, values in errors.items()},
+    }
+
+
+def follow_figures(states: Sequence[RobotState], truth: Truth, expectation: Expectation) -> Figures:
+    """The measured tool against the true hand, moved as it should, at the lag that fits best: mean and p95 in mm."""
+    followed = [s for s in states if s.state is SessionState.ENGAGED and s.engagement is not None]
+    if not followed:
+        return {"follow_mm": {"mean": None, "p95": None}, "follow_lag_ms": None}
+    times = np.array([s.t_ns for s in followed], dtype=float)
+    tool = np.array([s.base_T_tool.position for s in followed])
+    grid, places = _sampled_truth(int(times[0]) - NS_PER_S, int(times[-1]), truth, expectation.point)
+    origin_times = np.array([s.engagement.hand_capture_ns for s in followed if s.engagement], dtype=float)
+    origins = np.array([s.engagement.base_T_tool.position for s in followed if s.engagement])
+    hand_origin = np.array([truth(int(t))[expectation.point] for t in origin_times])
+
+    def errors_at(lag_ms: float) -> Array:
+        then = times - lag_ms * NS_PER_MS
+        hand = np.column_stack([np.interp(then, grid, places[:, k]) for k in range(3)])
+        expected = origins + expectation.scale * (hand - hand_origin) @ expectation.base_R_operator.T
+        distance: Array = 1e3 * np.linalg.norm(tool - expected, axis=1)
+        return distance
+
+    best = min(LAGS_MS, key=lambda lag: float(errors_at(lag).mean()))
+    errors = errors_at(float(best))
+    return {
+        "follow_mm": {"mean": _rounded(errors.mean()), "p95": _rounded(np.percentile(errors, 95))},
+        "follow_lag_ms": float(best),
+    }
+
+
+def video_figures(cameras: Mapping[str, CameraRecord]) -> Figures:
+    """Rate and exposure to decoded picture of every camera."""
+    return {
+        name: {
+            "fps": _rounded(_per_second(camera.arrivals_ns)),
+            "glass_to_glass_ms": percentiles(camera.glass_to_glass_ms, 50, 95),
+            "not_live": camera.not_live,
+        }
+        for name, camera in cameras.items()
+    }
+
+
+def control_figures(states: Sequence[RobotState]) -> Figures:
+    """The control loop's pace, as it measured itself; None without any state."""
+    if not states:
+        return {"hz": None, "late_p99_us": None, "missed": None, "missed_share": None, "real_time": None}
+    timing = states[-1].timing
+    return {
+        "hz": _rounded(timing.hz),
+        "late_p99_us": _rounded(timing.late_p99_us),
+        "missed": timing.missed,
+        "missed_share": round(timing.missed / max(1, timing.ticks), 5),
+        "real_time": timing.real_time,
+    }
+
+
+def all_figures(record: Record, truth: Truth, expectation: Expectation) -> Figures:
+    """Every figure of the report that the record holds."""
+    states = list(record.states)
+    return {
+        **latency_figures(states),
+        **trace_figures(states, record.cameras),
+        "tracking": tracking_figures(list(record.hands), truth),
+        **follow_figures(states, truth, expectation),
+        "video": video_figures(record.cameras),
+        "control": control_figures(states),
+        "engagements": states[-1].engagement.number if states and states[-1].engagement else 0,
+        "holds": _holds(states),
+        "followed_share": _followed_share(states),
+    }
+
+
+def _holds(states: Sequence[RobotState]) -> int:
+    """How often following gave way to a hold."""
+    return sum(
+        before.state is SessionState.ENGAGED and after.state is not SessionState.ENGAGED
+        for before, after in pairwise(states)
+    )
+
+
+def session_events(states: Sequence[RobotState]) -> list[str]:
+    """When the session changed after the first engagement, in seconds from there, to what and why."""
+    begin = next((k for k, s in enumerate(states) if s.state is SessionState.ENGAGED), len(states))
+    return [
+        f"{(now.t_ns - states[begin].t_ns) / NS_PER_S:.1f} s: {now.state.value}, {now.reason}"
+        for before, now in pairwise(states[begin:])
+        if now.state is not before.state
+    ]
+
+
+def _followed_share(states: Sequence[RobotState]) -> float:
+    """The share of the time since the first engagement in which the arm followed."""
+    since = [s.state is SessionState.ENGAGED for s in states if s.engagement is not None]
+    return _rounded(np.mean(since)) if since else 0.0
+
+
+def _sampled_truth(start_ns: int, end_ns: int, truth: Truth, point: str) -> tuple[Array, Array]:
+    grid = np.arange(start_ns, end_ns + TRUTH_STEP_NS, TRUTH_STEP_NS, dtype=np.int64)
+    return grid.astype(float), np.array([truth(int(t))[point] for t in grid])
+
+
+def _per_second(times_ns: Sequence[int]) -> float:
+    if len(times_ns) < 2:
+        return 0.0
+    return (len(times_ns) - 1) * NS_PER_S / max(1, times_ns[-1] - times_ns[0])
+
+
+def _mean_max(values: Sequence[float]) -> Figures:
+    return {
+        "mean": _rounded(np.mean(values)) if values else None,
+        "max": _rounded(np.max(values)) if values else None,
+    }
+
+
+def _rounded(value: float | np.floating[Any]) -> float:
+    return round(float(value), 3)

@@ -1,0 +1,1 @@
+"""The rig's cameras: opened, read, paired to common instants."""

@@ -1,0 +1,71 @@
+"""Reads one to n cameras, each in a thread of its own, and gives the newest views of a common instant."""
+
+import threading
+from collections.abc import Sequence
+
+from common.cameras.camera import Camera
+from common.clock import Clock
+from common.errors import CameraError
+from local_site.acquisition.pairing import Pairing, PairingConfig
+from local_site.tracking.tracker import Views
+
+JOIN_S = 1.0
+
+
+class Capture:
+    """Live cameras brought together; views that nobody took in time are replaced by newer ones."""
+
+    def __init__(self, cameras: Sequence[Camera], config: PairingConfig, clock: Clock) -> None:
+        self._cameras = tuple(cameras)
+        self._clock = clock
+        self._pairing = Pairing([camera.name for camera in cameras], config, clock.now_ns())
+        self._changed = threading.Condition()
+        self._newest: Views | None = None
+        self._failure: str | None = None
+        self._reading = len(self._cameras)
+        self._threads = [
+            threading.Thread(target=self._read, args=(k,), name=f"camera {camera.name}", daemon=True)
+            for k, camera in enumerate(self._cameras)
+        ]
+        for thread in self._threads:
+            thread.start()
+
+    def next(self, timeout_s: float) -> Views | None:
+        """Wait for views not given before; None after the time-out or when a camera ended: ask `problem` why."""
+        with self._changed:
+            self._changed.wait_for(lambda: self._newest is not None or self.ended, timeout_s)
+            views, self._newest = self._newest, None
+            return views
+
+    def problem(self) -> str | None:
+        """Why there are no views, as a sentence; None when all is well."""
+        with self._changed:
+            return self._failure or self._pairing.problem(self._clock.now_ns())
+
+    @property
+    def ended(self) -> bool:
+        """Whether a camera has failed or come to its end, so that no more views will come."""
+        return self._reading < len(self._cameras)
+
+    def close(self) -> None:
+        """Close the cameras and wait for their threads."""
+        for camera in self._cameras:
+            camera.close()
+        for thread in self._threads:
+            thread.join(JOIN_S)
+
+    def _read(self, k: int) -> None:
+        failure = f"camera {self._cameras[k].name} has come to its end"
+        try:
+            while (frame := self._cameras[k].read()) is not None:
+                with self._changed:
+                    views = self._pairing.feed(k, frame)
+                    if views is not None:
+                        self._newest = views
+                        self._changed.notify_all()
+        except CameraError as error:
+            failure = f"camera {self._cameras[k].name}: {error}"
+        with self._changed:
+            self._failure = self._failure or failure
+            self._reading -= 1
+            self._changed.notify_all()

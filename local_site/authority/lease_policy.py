@@ -1,0 +1,77 @@
+"""What the local site does about the lease of the cell, and when; pure."""
+
+from dataclasses import dataclass
+
+from common.clock import NS_PER_S
+from common.messages.requests import LeaseAction, LeaseReply
+
+ASK_EVERY_NS = NS_PER_S
+RENEWALS_PER_LEASE = 5
+INSIST_NS = 60 * NS_PER_S
+
+
+@dataclass(frozen=True, slots=True)
+class HeldLease:
+    """The lease that this site holds, and until when by its own clock, counted from the asking: never too long."""
+
+    number: int
+    expires_ns: int
+    renew_ns: int
+
+
+class LeaseKeeper:
+    """Asks for the lease, renews it, and gives up when another operator has it, unless told to insist.
+
+    `automatic` asks by itself whenever this site holds no lease. A refusal that names another operator ends that: who
+    waits must not become the operator only because the other's link was down for a few seconds.
+    """
+
+    def __init__(self, operator: str, *, automatic: bool) -> None:
+        self._operator = operator
+        self._wanted = automatic
+        self._insist_until_ns = 0
+        self._asked_ns: int | None = None
+        self._lease: HeldLease | None = None
+
+    def held(self, now_ns: int) -> int:
+        """The number of the lease in force, 0 without one."""
+        lease = self._lease
+        return lease.number if lease is not None and now_ns < lease.expires_ns else 0
+
+    def due(self, now_ns: int) -> LeaseAction | None:
+        """What to ask of the remote site now."""
+        if self._lease is not None and now_ns >= self._lease.expires_ns:
+            self._lease = None
+        if self._lease is not None:
+            return LeaseAction.RENEW if now_ns >= self._lease.renew_ns else None
+        wanted = self._wanted or now_ns < self._insist_until_ns
+        rested = self._asked_ns is None or now_ns - self._asked_ns >= ASK_EVERY_NS
+        return LeaseAction.ACQUIRE if wanted and rested else None
+
+    def asked(self, now_ns: int) -> None:
+        """A request goes out now, whether or not it will be answered."""
+        self._asked_ns = now_ns
+        if self._lease is not None:
+            renew_ns = now_ns + (self._lease.expires_ns - now_ns) // RENEWALS_PER_LEASE
+            self._lease = HeldLease(self._lease.number, self._lease.expires_ns, renew_ns)
+
+    def heard(self, reply: LeaseReply, asked_ns: int) -> None:
+        """Take the answer to a request that went out at `asked_ns`."""
+        if reply.lease:
+            step_ns = reply.lasts_ns // RENEWALS_PER_LEASE
+            self._lease = HeldLease(reply.lease, asked_ns + reply.lasts_ns, asked_ns + step_ns)
+            self._insist_until_ns = 0
+            return
+        self._lease = None
+        if reply.holder not in ("", self._operator):
+            self._wanted = False
+
+    def insist(self, now_ns: int) -> None:
+        """The operator wants the lease: ask for it for a minute, so that its holder can consent."""
+        self._insist_until_ns = now_ns + INSIST_NS
+        self._asked_ns = None
+
+    def rest(self) -> None:
+        """The operator gives the lease away: do not ask for it again by itself."""
+        self._wanted = False
+        self._insist_until_ns = 0

@@ -1,0 +1,66 @@
+"""What the local site hears of the remote one: whether it is there, and why the arm does what it does."""
+
+from collections.abc import Callable
+
+import structlog
+
+from common.clock import NS_PER_S
+from common.errors import MessageError
+from common.link.channels import STATE
+from common.link.transport import Latest
+from common.messages.robot import RobotState
+from common.process.health import ChannelHealth
+from common.process.refusal_log import RefusalLog
+
+CODES_APART_NS = NS_PER_S  # near a limit a reason comes and goes with every sample
+
+
+class RemoteWatch:
+    """Logs when the remote site comes, falls silent or changes its state, and who asks this site for the lease.
+
+    `engaged` is told the time of the hand's origin (ns) while the arm obeys this session or waits for it.
+    """
+
+    def __init__(self, states: Latest[RobotState], session: int, engaged: Callable[[int], None]) -> None:
+        self._states = states
+        self._session = session
+        self._engaged = engaged
+        self._asker: str | None = None
+        self._health = ChannelHealth(STATE.stale_after_ns)
+        self._told: tuple[str, str] | None = None
+        self._told_ns = 0
+        self._refusals = RefusalLog("state refused")
+
+    def look(self, now_ns: int) -> None:
+        """Take the newest state, and tell what has changed."""
+        try:
+            state = self._states.take()
+        except MessageError as error:
+            self._refusals.note(error)
+            return
+        if state is not None:
+            self._health.seen(now_ns)
+            self._tell(state, now_ns)
+        alive = self._health.change(now_ns)
+        if alive is False:
+            self._told = None
+            structlog.get_logger().warning("the remote site is silent", for_ms=STATE.stale_after_ns // 1_000_000)
+        elif alive:
+            structlog.get_logger().info("the remote site is there")
+
+    def _tell(self, state: RobotState, now_ns: int) -> None:
+        news = (state.state.value, state.code)
+        changed = self._told is None or news[0] != self._told[0]
+        if changed or (news != self._told and now_ns - self._told_ns >= CODES_APART_NS):
+            self._told, self._told_ns = news, now_ns
+            structlog.get_logger().info("remote", state=state.state.value, code=state.code, reason=state.reason)
+        lease = state.lease
+        ours = lease is not None and lease.session == self._session
+        if ours and state.engagement is not None:
+            self._engaged(state.engagement.hand_capture_ns)
+        asker = lease.asked_by if lease is not None and ours else None
+        if asker not in (None, self._asker):
+            structlog.get_logger().warning(
+                "another operator asks for the arm", name=asker, consent="farhand lease give"
+            )
+        self._asker = asker

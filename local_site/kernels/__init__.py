@@ -1,0 +1,1 @@
+"""Inner loops compiled to machine code."""

@@ -1,0 +1,1 @@
+"""The local site as a process: wiring, figures, warm-up."""

@@ -1,0 +1,1 @@
+"""From arm estimate to hand sample: smoothing, gesture, intent, publishing."""

@@ -1,0 +1,49 @@
+"""The parameters of driver and gripper."""
+
+from typing import Annotated
+
+import msgspec
+from msgspec import Meta, field
+
+from remote_site.simulation.config import SIMULATED
+
+EMULATED = "c500c"
+
+
+class DriverConfig(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
+    """Which robot is driven."""
+
+    name: Annotated[str, Meta(min_length=1, description="kinematic, simulated, c500c, or an installed driver")] = (
+        SIMULATED
+    )
+    emulate: Annotated[bool, Meta(description="c500c: against an emulated controller instead of a serial line")] = False
+    options: Annotated[
+        dict[str, str | int | float | bool], Meta(description="what the driver itself can be told, by its own keys")
+    ] = field(default_factory=dict)
+
+    def __post_init__(self) -> None:
+        if self.emulate and self.name != EMULATED:
+            raise ValueError(f"driver.emulate is for the driver {EMULATED}; {self.name} has no emulator")
+
+    command_timeout_ms: Annotated[
+        float,
+        Meta(
+            ge=8,
+            le=1000,
+            description="without a command for so long, the robot has to be activated anew, ms; its stop begins after "
+            "three missed ticks",
+        ),
+    ] = 500.0
+
+
+class GripConfig(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
+    """How the gripper closes, and when it has done so."""
+
+    force_n: Annotated[
+        float, Meta(gt=0, le=200, description="largest grip force, N; the gripper's own may be less")
+    ] = 25.0
+    closed_mm: Annotated[float, Meta(ge=0, le=50, description="narrower, it is closed; wider, it holds an object")] = (
+        3.0
+    )
+    open_mm: Annotated[float, Meta(gt=0, le=500, description="wider, it is open, mm")] = 45.0
+    timeout_ms: Annotated[float, Meta(ge=200, le=10000, description="longest time to open or close, ms")] = 2000.0

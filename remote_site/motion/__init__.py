@@ -1,0 +1,1 @@
+"""The joints' motion between hand samples: target prediction, tracking, jerk-limited motion; pure."""

@@ -1,0 +1,1 @@
+"""The remote site as processes: control, reports, the driver's process, start and end."""

@@ -1,0 +1,170 @@
+"""The remote site: starts control, video and, where it is simulated, the cell; ends all when one dies."""
+
+import time
+from functools import partial
+
+import msgspec
+import structlog
+
+from common.errors import FarhandError
+from common.link.channels import CAMERA, SHOWN, STATE
+from common.link.credentials import Validity, check_links
+from common.link.endpoints import check_free
+from common.link.roles import Identity, Role
+from common.link.transport import Publisher
+from common.messages.video import VideoFrame
+from common.process.children import Children, Heartbeat
+from common.process.service import (
+    LogFormat,
+    StopFlag,
+    notify,
+    start_log,
+)
+from remote_site.config import RemoteConfig
+from remote_site.drivers.memory import DriverMemory
+from remote_site.drivers.registry import check_driver
+from remote_site.runtime.checks import check_robot
+from remote_site.runtime.control import run_control
+from remote_site.runtime.crash_marker import RunningMark
+from remote_site.runtime.driver_process import run_driver
+from remote_site.runtime.links import open_site_link
+from remote_site.session.config import EngagementMode
+from remote_site.session.shared_lease import LeaseBoard
+from remote_site.simulation.memory import CellMemory
+from remote_site.video.process import Wire, run_video
+from remote_site.video.sources import SimulatedViews
+from remote_site.video.tally import VideoTally
+
+READY_TIMEOUT_S = 30.0
+CHECK_S = 0.1
+CHECKS_PER_VALIDITY = 10
+VIDEO_SEND_BUFFER_BYTES = 1 << 18  # more would only make pictures old on a narrow link
+
+
+def run_remote(config: RemoteConfig, should_stop: StopFlag, log_format: LogFormat = LogFormat.TEXT) -> None:
+    """Run the remote site until asked to stop; ProcessError when one of its processes dies or hangs."""
+    start_log("remote", log_format)
+    log = structlog.get_logger()
+    _check_start(config)
+    mark = RunningMark(config.cell, config.links.control)
+    stood = mark.set()
+    if stood and config.engagement.mode is EngagementMode.AUTOMATIC:
+        log.warning("the last run did not end in order: nothing engages by itself", cure="farhand engage")
+        config = without_automatic_engagement(config)
+    memory = (
+        CellMemory.create(len(config.robot.start_deg))
+        if config.cell_is_simulated or config.views_are_simulated
+        else None
+    )
+    driver_memory = DriverMemory.create(len(config.robot.start_deg))
+    children, ready = Children("remote"), False
+    try:
+        config = start_robot(config, children)
+        if memory is not None and config.cell_is_simulated:
+            children.start("cell", partial(run_cell_child, config, memory))
+        children.start("driver", partial(run_driver, config, driver_memory, memory))
+        tally = VideoTally([camera.name for camera in config.video.cameras])
+        board = LeaseBoard()
+        children.start("video", partial(_video, config, memory, tally, board))
+        children.start("control", partial(run_control, config, driver_memory, memory, board))
+        if config.metrics.port:
+            children.start("metrics", partial(_metrics, config, tally), vital=False)
+        children.wait_ready(READY_TIMEOUT_S, should_stop)
+        ready = not should_stop()
+        if ready:
+            notify("READY=1")
+            log.info("ready", cell=config.cell, driver=config.driver.name, control=config.links.heard_at)
+        _watch(children, Validity(config.links.tls), should_stop)
+        mark.clear()
+    except FarhandError as error:
+        if not (ready or stood):
+            mark.clear()  # nothing has moved, and no other run is marked
+        log.error("ending", reason=str(error))
+        raise
+    finally:
+        notify("STOPPING=1")
+        children.end()
+
+
+def _check_start(config: RemoteConfig) -> None:
+    """FarhandError for what would only be found out later, and by a process of the site."""
+    links, served = config.links, (config.metrics.endpoint,) if config.metrics.port else ()
+    check_links(links.places, links, Identity(Role.REMOTE, config.cell))
+    for endpoint in (*links.listened, *served):
+        check_free(endpoint, links)
+    check_driver(config.driver.name)
+    check_robot(config)
+
+
+def _watch(children: Children, validity: Validity, should_stop: StopFlag) -> None:
+    """Return when asked to stop; FarhandError when a process fails, or the site's certificate expires."""
+    checks = 0
+    while not should_stop.wait(CHECK_S):
+        children.check()
+        checks += 1
+        if checks % CHECKS_PER_VALIDITY == 0:
+            validity.check()
+        notify("WATCHDOG=1")
+
+
+def without_automatic_engagement(config: RemoteConfig) -> RemoteConfig:
+    """The same configuration, in which only a request engages."""
+    engagement = msgspec.structs.replace(config.engagement, mode=EngagementMode.ON_REQUEST)
+    return msgspec.structs.replace(config, engagement=engagement)
+
+
+def start_robot(config: RemoteConfig, children: Children) -> RemoteConfig:
+    """Start the emulated controller where one is asked for; the configuration then names its line."""
+    if not config.driver.emulate:
+        return config
+    from remote_site.drivers.c500c.emulation import Emulation, Terminal, run_emulation  # noqa: PLC0415  # as below
+    from remote_site.drivers.c500c.emulator import Controller  # noqa: PLC0415  # a real controller needs neither
+
+    terminal = Terminal.create()
+
+    def emulate(should_stop: StopFlag, heartbeat: Heartbeat) -> None:
+        emulation = Emulation(Controller(config.robot.start), time.monotonic_ns())
+        run_emulation(emulation, terminal, should_stop, heartbeat.beat)
+
+    children.start("robot", emulate)
+    options = dict(config.driver.options) | {"port": terminal.path}
+    driver = msgspec.structs.replace(config.driver, options=options)
+    return msgspec.structs.replace(config, driver=driver)
+
+
+def run_cell_child(config: RemoteConfig, memory: CellMemory, should_stop: StopFlag, heartbeat: Heartbeat) -> None:
+    """The process of the simulated cell."""
+    from remote_site.simulation.process import run_cell  # noqa: PLC0415  # a real cell needs no MuJoCo
+
+    run_cell(config.simulation, config.robot, memory, should_stop, heartbeat.beat)
+
+
+def _video(
+    config: RemoteConfig,
+    memory: CellMemory | None,
+    tally: VideoTally,
+    board: LeaseBoard,
+    should_stop: StopFlag,
+    heartbeat: Heartbeat,
+) -> None:
+    views = SimulatedViews(config.simulation, config.robot, memory) if memory is not None else None
+    with open_site_link(config.links, config.links.video, should_stop, VIDEO_SEND_BUFFER_BYTES) as link:
+        publishers: dict[str, Publisher[VideoFrame]] = {
+            camera.name: link.publisher(CAMERA, config.cell, camera.name) for camera in config.video.cameras
+        }
+
+        def publish(frame: VideoFrame) -> None:
+            publishers[frame.camera].put(frame)
+            tally.note(frame)
+
+        wire = Wire(publish, link.latest(SHOWN, config.cell).take, lambda: board.number)
+        run_video(config.video, views, wire, should_stop, heartbeat.beat)
+
+
+def _metrics(config: RemoteConfig, tally: VideoTally, should_stop: StopFlag, heartbeat: Heartbeat) -> None:
+    from common.process.metrics.serving import run_metrics  # noqa: PLC0415  # only who asks for figures waits for it
+    from remote_site.runtime.figures import RemoteFigures  # noqa: PLC0415  # the same
+
+    port, figures = config.metrics.port, RemoteFigures(tally)
+    links, beat = config.links, heartbeat.beat
+    run_metrics(port, links.heard_at, STATE, config.cell, figures, should_stop, beat, links)

@@ -1,0 +1,114 @@
+"""What must be right before the remote site starts a process: all that its processes load of the arm loads once."""
+
+import math
+from collections.abc import Callable
+from dataclasses import dataclass, field
+from typing import TypeVar
+
+from common.errors import ConfigError, ModelError
+from common.geometry import Array
+from remote_site.config import RemoteConfig
+from remote_site.kinematics.config import MODELS, RobotConfig
+from remote_site.kinematics.limits import JointLimits
+from remote_site.kinematics.model import ArmModel
+from remote_site.motion.target_tracker import choose_pursuit
+from remote_site.safety.collision import CollisionModel
+from remote_site.teleop.mapping import make_mapping
+
+T = TypeVar("T")
+
+
+@dataclass(frozen=True, slots=True)
+class Mistake:
+    """What part of the robot's side cannot be built, the sentence that says why, and which keys cure it."""
+
+    part: str
+    sentence: str
+    cure: str
+
+
+@dataclass(frozen=True, slots=True)
+class _Loading:
+    """Loads part by part, and notes what is wrong instead of ending at the first."""
+
+    mistakes: list[Mistake] = field(default_factory=list)
+
+    def load(self, part: str, cure: str, load: Callable[[], T]) -> T | None:
+        """The part, or None where it is noted why there is none."""
+        try:
+            return load()
+        except ConfigError as error:
+            self.mistakes.extend(Mistake(part, line, cure) for line in str(error).splitlines())
+        except ModelError as error:
+            self.mistakes.append(Mistake(part, " ".join(str(error).split()), cure))
+        return None
+
+
+def check_robot(config: RemoteConfig) -> None:
+    """ConfigError with every mistake for which the arm cannot be built, or cannot start where it is told to."""
+    mistakes = find_mistakes(config)
+    if mistakes:
+        raise ConfigError("\n".join(mistake.sentence for mistake in mistakes))
+
+
+def find_mistakes(config: RemoteConfig) -> list[Mistake]:
+    """What would end a process of the site that loads the arm; parts that need a broken one are not looked at."""
+    loading, robot = _Loading(), config.robot
+    loading.load("mapping", "correct the table [mapping]", lambda: make_mapping(config.mapping))
+    model = loading.load("robot", "correct robot.model and robot.tool_frame, or that URDF", lambda: _model(robot))
+    if model is not None:
+        _load_with(model, config, loading)
+    return loading.mistakes
+
+
+def _load_with(model: ArmModel, config: RemoteConfig, loading: _Loading) -> None:
+    robot, collision = config.robot, config.safety.collision
+    loading.load(
+        "collision",
+        "correct robot.capsules and [safety.collision], or the URDF's collision elements",
+        lambda: CollisionModel.from_urdf(robot.urdf, model, robot.capsules, collision),
+    )
+    tighter = "correct robot.position_deg, robot.position_margin_deg and robot.acceleration_rad_s2"
+    limits = loading.load("limits", tighter, lambda: JointLimits.from_model(model, robot))
+    if limits is None:
+        return
+    start = loading.load("start posture", "correct robot.start_deg", lambda: _start(robot, limits))
+    if start is None:
+        return
+    solvers = "correct robot.kinematics, robot.stance and [control.solver]"
+    loading.load("kinematics", solvers, lambda: choose_pursuit(config, model, limits))
+    if config.cell_is_simulated or config.views_are_simulated:
+        loading.load("simulated cell", "correct [simulation], or that URDF", lambda: _build_simulation(config))
+
+
+def _model(robot: RobotConfig) -> ArmModel:
+    if not robot.urdf.is_file():
+        built_in = ", ".join(sorted(path.name for path in MODELS.iterdir() if path.is_dir()))
+        raise ModelError(f"robot.model {robot.model!r} is neither a built-in model ({built_in}) nor the file of a URDF")
+    return ArmModel.from_urdf(robot.urdf, robot.tool_frame, robot.tool_T_tcp)
+
+
+def _start(robot: RobotConfig, limits: JointLimits) -> Array:
+    """The start posture in rad; ConfigError where the arm has other joints, or may not be there."""
+    if len(robot.start_deg) != len(limits.names):
+        raise ConfigError(f"robot.start_deg has {len(robot.start_deg)} angles for {len(limits.names)} joints")
+    outside = [
+        f"robot.start_deg: {name} at {q_deg:g} deg is outside {math.degrees(low):.1f} to {math.degrees(high):.1f} deg"
+        for name, q_deg, low, high in zip(limits.names, robot.start_deg, limits.lower, limits.upper, strict=True)
+        if not math.degrees(low) <= q_deg <= math.degrees(high)
+    ]
+    if outside:
+        raise ConfigError("\n".join(outside))
+    return robot.start
+
+
+def _build_simulation(config: RemoteConfig) -> None:
+    try:
+        from remote_site.simulation.cell import build_cell  # noqa: PLC0415  # a real cell needs no MuJoCo
+        from remote_site.simulation.process import make_controller  # noqa: PLC0415  # as above
+    except ImportError as error:
+        cure = "pip install 'farhand[sim]', or choose another driver and give every camera a device or URL"
+        raise ConfigError(f"the simulated cell needs MuJoCo ({error}); {cure}") from error
+    cell = build_cell(config.simulation, config.robot)
+    if config.cell_is_simulated:
+        make_controller(cell, config.simulation)

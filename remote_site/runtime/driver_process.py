@@ -1,0 +1,155 @@
+"""The process of the robot's driver: orders in, reports out, and the stop when control is gone."""
+
+import contextvars
+import gc
+import math
+import threading
+from queue import SimpleQueue
+
+import numpy as np
+import structlog
+
+from common.clock import NS_PER_MS, NS_PER_S, Clock, MonotonicClock
+from common.errors import DriverError
+from common.process.children import Heartbeat
+from common.process.service import StopFlag, ask_for_real_time
+from remote_site.config import RemoteConfig
+from remote_site.drivers.driver import DriverSetup
+from remote_site.drivers.faults import STOPPED, FaultCode, RobotFault
+from remote_site.drivers.memory import DriverMemory, Report
+from remote_site.drivers.registry import DriverHost, create_driver
+from remote_site.drivers.supervisor.grip import GripSettings, GripWatch
+from remote_site.drivers.supervisor.supervisor import Keeper
+from remote_site.kinematics.limits import JointLimits
+from remote_site.kinematics.model import ArmModel
+from remote_site.simulation.memory import CellMemory
+
+FIFO_PRIORITY = 45  # below control, above the simulated cell
+WAKES_PER_TICK = 2
+END_NS = NS_PER_S
+
+
+def run_driver(
+    config: RemoteConfig,
+    memory: DriverMemory,
+    cell: CellMemory | None,
+    should_stop: StopFlag,
+    heartbeat: Heartbeat,
+) -> None:
+    """Drive the robot until asked to end; then stop it, and deactivate its driver once it rests."""
+    clock = MonotonicClock()
+    setup = setup_of(config)
+    driver = create_driver(config.driver.name, DriverHost(clock, config.driver.options, cell))
+    joints = driver.capabilities.joints
+    if joints not in (None, len(setup.joint_names)):
+        raise DriverError(
+            f"the driver {config.driver.name!r} moves {joints} joints, the model has {len(setup.joint_names)}"
+        )
+    driver.configure(setup)
+    keeper = Keeper(driver, setup, clock, memory.busy, GripWatch(grip_settings(config)))
+    desk = Desk(keeper, memory, clock)
+    ask_for_real_time(FIFO_PRIORITY)
+    gc.collect()
+    gc.freeze()
+    longest_ns = round(setup.dt * NS_PER_S / WAKES_PER_TICK)
+    while not should_stop():
+        desk.wait(longest_ns)
+        desk.turn()
+        heartbeat.beat()
+    end_ns = clock.now_ns() + END_NS
+    keeper.stop(STOPPED)
+    while not keeper.settled and clock.now_ns() < end_ns:
+        desk.wait(longest_ns)
+        desk.turn()
+    driver.deactivate()
+
+
+def setup_of(config: RemoteConfig) -> DriverSetup:
+    """What the configuration tells every driver."""
+    model = ArmModel.from_urdf(config.robot.urdf, config.robot.tool_frame, config.robot.tool_T_tcp)
+    return DriverSetup(
+        joint_names=model.joint_names,
+        limits=JointLimits.from_model(model, config.robot),
+        dt=1.0 / config.control.rate_hz,
+        command_timeout_ns=round(config.driver.command_timeout_ms * NS_PER_MS),
+        grip_force_n=config.grip.force_n,
+    )
+
+
+def grip_settings(config: RemoteConfig) -> GripSettings:
+    """When a gripper is closed, open, or late."""
+    grip = config.grip
+    return GripSettings(grip.closed_mm / 1000, grip.open_mm / 1000, round(grip.timeout_ms * NS_PER_MS))
+
+
+class Desk:
+    """One turn after the other: orders to the keeper, its report to the memory."""
+
+    def __init__(self, keeper: Keeper, memory: DriverMemory, clock: Clock) -> None:
+        self._keeper, self._memory, self._clock = keeper, memory, clock
+        self._motions = np.zeros((5, len(keeper.motion.q)))
+        self._log = FaultLog()
+
+    def wait(self, longest_ns: int) -> None:
+        """Wait for an order, until the keeper has something to write, or for so long."""
+        due_ns = self._keeper.due_ns
+        wait_ns = longest_ns if due_ns is None else min(max(due_ns - self._clock.now_ns(), 0), longest_ns)
+        self._memory.bell.wait(wait_ns / NS_PER_S)
+
+    def turn(self) -> None:
+        """Take what has been ordered, drive, and report."""
+        now_ns = self._clock.now_ns()
+        self._keeper.take(self._memory.orders.take(), now_ns)
+        self._keeper.step(now_ns)
+        self._report()
+        self._log.note(self._keeper.fault)
+
+    def _report(self) -> None:
+        keeper, motions = self._keeper, self._motions
+        fault, reading, gripper = keeper.fault, keeper.reading, keeper.gripper
+        if reading is not None:
+            motions[0], motions[1] = reading.q, reading.dq
+        onset_ns, motion = keeper.course
+        motions[2], motions[3], motions[4] = motion.q, motion.dq, motion.ddq
+        self._memory.report.write(
+            Report(
+                at_ns=self._clock.now_ns(),
+                answered=keeper.asked,
+                diversions=keeper.diversions,
+                onset_ns=onset_ns,
+                t_ns=reading.t_ns if reading is not None else 0,
+                has_obeyed=keeper.obeyed_seq is not None,
+                obeyed_seq=keeper.obeyed_seq or 0,
+                opening_m=gripper.opening if gripper is not None else 0.0,
+                force_n=gripper.force if gripper is not None and gripper.force is not None else math.nan,
+                gripper_open=gripper.commanded_open if gripper is not None else True,
+                grip=gripper.status.value.encode() if gripper is not None else b"",
+                code=fault.code.value.encode() if fault is not None else b"",
+                native=fault.native.encode() if fault is not None else b"",
+                sentence=fault.sentence.encode() if fault is not None else b"",
+                motions=motions,
+            )
+        )
+
+
+class FaultLog:
+    """Writes every new fault to the log from a thread of its own: no turn waits for a log."""
+
+    def __init__(self) -> None:
+        self._queue: SimpleQueue[RobotFault] = SimpleQueue()
+        self._last: RobotFault | None = None
+        context = contextvars.copy_context()
+        threading.Thread(target=context.run, args=(self._write_for_ever,), name="log", daemon=True).start()
+
+    def note(self, fault: RobotFault | None) -> None:
+        """Note the fault of a turn."""
+        # whoever asked for what was refused is told, and asks again
+        if fault is not None and fault is not self._last and not fault.calm and fault.code is not FaultCode.REFUSED:
+            self._queue.put(fault)
+        self._last = fault
+
+    def _write_for_ever(self) -> None:
+        log = structlog.get_logger()
+        while True:
+            fault = self._queue.get()
+            log.warning("robot fault", code=fault.code.value, native=fault.native, reason=fault.sentence)

@@ -1,0 +1,1 @@
+"""When the arm may follow, and whom: state machine, lease, faults; pure."""

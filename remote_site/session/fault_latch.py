@@ -1,0 +1,49 @@
+"""A robot's fault latches the session, and what only ran out while nothing was engaged is mended; pure."""
+
+from common.clock import NS_PER_MS
+from common.messages.robot import SessionState
+from remote_site.drivers.faults import FaultCode, RobotFault
+from remote_site.session.state_machine import Session
+
+SILENCES = (FaultCode.COMMAND_TIMEOUT, FaultCode.WATCHDOG, FaultCode.PROCESS, FaultCode.SILENT)  # on the way to and fro
+ASLEEP = (FaultCode.COMMAND_TIMEOUT, FaultCode.WATCHDOG, FaultCode.REFUSED)  # the last while the stop is ending
+
+RETRY_NS = 100 * NS_PER_MS  # between activations that are refused one after the other
+
+
+class FaultLatch:
+    """Hands every new fault of the robot to the session, once; waiting to be activated is none.
+
+    Nor is a silence between control, the driver's process and the robot that found the arm at rest and nobody engaged:
+    one of them stumbled, as on a machine that starts everything at once, and nothing was taken from anybody. While it
+    lasts the robot is not ready, so that nobody can engage.
+    """
+
+    def __init__(self, session: Session) -> None:
+        self._session = session
+        self._last: FaultCode | None = None
+        self._lapsed = False
+        self._asked_ns: int | None = None
+
+    def note(self, fault: RobotFault | None, now_ns: int, *, resting: bool) -> bool:
+        """The fault of a tick's report, None while the robot takes commands; True asks to activate it anew.
+
+        `resting` is whether the commanded arm rests. A robot that refuses is asked again ten times a second.
+        """
+        code = fault.code if fault is not None else None
+        if fault is not None and not fault.calm and code is not self._last and not self._lapses(fault, resting):
+            self._session.fault(str(fault))
+        self._last = code
+        self._lapsed = self._lapsed and fault is not None and (fault.calm or fault.code in SILENCES + ASLEEP)
+        return self._lapsed and code in ASLEEP and self._may_ask(now_ns)
+
+    def _may_ask(self, now_ns: int) -> bool:
+        if self._asked_ns is not None and now_ns - self._asked_ns < RETRY_NS:
+            return False
+        self._asked_ns = now_ns
+        return True
+
+    def _lapses(self, fault: RobotFault, resting: bool) -> bool:
+        if fault.code in SILENCES:
+            self._lapsed = resting and self._session.state is SessionState.DISENGAGED
+        return self._lapsed and fault.code in SILENCES + ASLEEP

@@ -1,0 +1,94 @@
+"""The lease of the cell: one operator at a time, for a few seconds, renewed, handed over only with consent; pure."""
+
+from dataclasses import dataclass
+
+from remote_site.reasons import Code, Reason, reason
+
+
+@dataclass(frozen=True, slots=True)
+class Holder:
+    """A local site: the session of its start, and its operator's name."""
+
+    session: int
+    name: str
+
+
+@dataclass(frozen=True, slots=True)
+class Lease:
+    """The right to operate, until `expires_ns`; no two leases ever have the same number."""
+
+    number: int
+    holder: Holder
+    expires_ns: int
+
+
+class LeaseDesk:
+    """Grants, renews, ends and hands over the one lease; time comes in as nanoseconds of the remote site's clock.
+
+    Numbers rise from `first_number`, which has to differ between starts, so that a lease of an earlier start is never
+    taken for one of this.
+    """
+
+    def __init__(self, duration_ns: int, first_number: int) -> None:
+        self.duration_ns = duration_ns
+        self._next_number = first_number
+        self._lease: Lease | None = None
+        self._asker: Holder | None = None
+        self._asked_until_ns = 0
+
+    def current(self, now_ns: int) -> Lease | None:
+        """The lease in force, None when nobody holds one."""
+        return self._lease if self._lease is not None and now_ns < self._lease.expires_ns else None
+
+    def asker(self, now_ns: int) -> Holder | None:
+        """Who was refused in the last seconds because another holds the lease, and so waits for consent."""
+        return self._asker if self.current(now_ns) is not None and now_ns < self._asked_until_ns else None
+
+    def acquire(self, asker: Holder, now_ns: int) -> Lease | Reason:
+        """A new lease if nobody else holds one; the holder's own is renewed. A refusal names the holder."""
+        current = self.current(now_ns)
+        if current is None:
+            return self._grant(asker, now_ns)
+        if current.holder.session == asker.session:
+            return self._extend(current, now_ns)
+        self._asker, self._asked_until_ns = asker, now_ns + self.duration_ns
+        return reason(Code.NOT_HOLDER, holder=current.holder.name)
+
+    def renew(self, number: int, session: int, now_ns: int) -> Lease | Reason:
+        """The same lease for another while; an ended one has to be acquired anew."""
+        held = self.in_force(number, session, now_ns)
+        return self._extend(held, now_ns) if isinstance(held, Lease) else held
+
+    def release(self, number: int, session: int, now_ns: int) -> Lease | Reason:
+        """End the lease, which comes back; a refusal when it is not in force."""
+        held = self.in_force(number, session, now_ns)
+        if isinstance(held, Lease):
+            self._lease = None
+        return held
+
+    def hand_over(self, number: int, session: int, now_ns: int) -> Lease | Reason:
+        """The holder consents: the lease goes, under a new number, to who asks for it."""
+        held = self.in_force(number, session, now_ns)
+        if isinstance(held, Reason):
+            return held
+        asker = self.asker(now_ns)
+        return self._grant(asker, now_ns) if asker is not None else reason(Code.NOBODY_ASKS)
+
+    def in_force(self, number: int, session: int, now_ns: int) -> Lease | Reason:
+        """The lease that a local site refers to if it is in force, or why what is sent under it is refused."""
+        current = self.current(now_ns)
+        if current is not None and (number, session) == (current.number, current.holder.session):
+            return current
+        if number != 0:
+            return reason(Code.OLD_LEASE, number=number)
+        return reason(Code.NO_LEASE) if current is None else reason(Code.NOT_HOLDER, holder=current.holder.name)
+
+    def _grant(self, holder: Holder, now_ns: int) -> Lease:
+        self._lease = Lease(self._next_number, holder, now_ns + self.duration_ns)
+        self._next_number += 1
+        self._asker = None
+        return self._lease
+
+    def _extend(self, lease: Lease, now_ns: int) -> Lease:
+        self._lease = Lease(lease.number, lease.holder, now_ns + self.duration_ns)
+        return self._lease

@@ -1,0 +1,83 @@
+"""What the simulated cell shares with the driver and the video: setup, command, reading, snapshot."""
+
+from dataclasses import dataclass
+from typing import Self
+
+import numpy as np
+
+from common.process.shared_record import SharedRecord
+
+BLOCK_VALUES = 7
+FINGERS = 2
+
+
+def setup_dtype(joints: int) -> np.dtype[np.void]:
+    """What the driver demands: after how long a silence the controller stops, within which limits, how firm a grip."""
+    return np.dtype(
+        [
+            ("timeout_ns", np.int64),
+            ("acceleration", np.float64, (joints,)),
+            ("jerk", np.float64, (joints,)),
+            ("grip_force_n", np.float64),
+        ]
+    )
+
+
+def command_dtype(joints: int) -> np.dtype[np.void]:
+    """A setpoint: `activation` counts the driver's activations, and while `run` is false the arm stops and holds."""
+    return np.dtype(
+        [
+            ("seq", np.uint64),
+            ("t_ns", np.int64),
+            ("activation", np.uint32),
+            ("run", np.bool_),
+            ("gripper_open", np.bool_),
+            ("q", np.float64, (joints,)),
+            ("dq", np.float64, (joints,)),
+            ("ddq", np.float64, (joints,)),
+        ]
+    )
+
+
+def reading_dtype(joints: int) -> np.dtype[np.void]:
+    """What the robot controller measured at `t_ns`; `obeyed_ns` is when it took `obeyed_seq`, 0 before the first.
+
+    `fault` is a `ControllerFault`; `resting` says that no motion is under way.
+    """
+    return np.dtype(
+        [
+            ("t_ns", np.int64),
+            ("obeyed_seq", np.uint64),
+            ("obeyed_ns", np.int64),
+            ("activation", np.uint32),
+            ("active", np.bool_),
+            ("resting", np.bool_),
+            ("fault", np.uint8),
+            ("gripper_open", np.bool_),
+            ("opening_m", np.float64),
+            ("force_n", np.float64),
+            ("q", np.float64, (joints,)),
+            ("dq", np.float64, (joints,)),
+        ]
+    )
+
+
+def snapshot_dtype(joints: int) -> np.dtype[np.void]:
+    """The posture of the whole cell at `t_ns`, for rendering: joints, fingers, block."""
+    return np.dtype([("t_ns", np.int64), ("qpos", np.float64, (joints + FINGERS + BLOCK_VALUES,))])
+
+
+@dataclass(frozen=True, slots=True)
+class CellMemory:
+    """Everything the simulated cell shares with the driver and the video; made before the processes fork."""
+
+    setup: SharedRecord
+    command: SharedRecord
+    reading: SharedRecord
+    snapshot: SharedRecord
+
+    @classmethod
+    def create(cls, joints: int) -> Self:
+        """Empty records for an arm of so many joints."""
+        kinds = (setup_dtype, command_dtype, reading_dtype, snapshot_dtype)
+        return cls(*(SharedRecord(kind(joints)) for kind in kinds))

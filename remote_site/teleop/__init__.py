@@ -1,0 +1,1 @@
+"""From hand sample to joint motion: validation, mapping, the pipeline; pure."""

@@ -1,0 +1,41 @@
+"""The parameters of the mapping from hand to tool."""
+
+from typing import Annotated, Literal
+
+import msgspec
+from msgspec import Meta, field
+
+Row3 = tuple[float, float, float]
+HandPoint = Literal["wrist", "palm"]
+
+
+class LocksConfig(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
+    """Motions that the arm does not copy: along the base's axes, and about the tool's axes as at engagement."""
+
+    x: Annotated[bool, Meta(description="no motion along the base's x")] = False
+    y: Annotated[bool, Meta(description="no motion along the base's y")] = False
+    z: Annotated[bool, Meta(description="no motion along the base's z")] = False
+    roll: Annotated[bool, Meta(description="no rotation about the tool axis (tool z)")] = False
+    pitch: Annotated[bool, Meta(description="no rotation about the tool's y")] = False
+    yaw: Annotated[bool, Meta(description="no rotation about the tool's x")] = False
+
+
+class MappingConfig(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
+    """How the hand's motion becomes the tool's."""
+
+    command: Annotated[
+        Literal["relative", "incremental"],
+        Meta(
+            description="relative: the tool's origin and the hand's way since its own; incremental: where the tool is "
+            "and the hand's way since the last sample, as in the ROBONAUT report, which drifts"
+        ),
+    ] = "relative"
+    point: Annotated[
+        HandPoint, Meta(description="what the tool copies; the palm is told by the tracker of one camera alone")
+    ] = "wrist"
+    scale: Annotated[float, Meta(gt=0, le=5, description="tool motion per hand motion")] = 1.0
+    base_R_operator: Annotated[
+        tuple[Row3, Row3, Row3],
+        Meta(description="rotation from the operator frame to the robot's base frame, row by row"),
+    ] = ((0.0, -1.0, 0.0), (1.0, 0.0, 0.0), (0.0, 0.0, 1.0))
+    locks: LocksConfig = field(default_factory=LocksConfig)

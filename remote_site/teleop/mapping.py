@@ -1,0 +1,188 @@
+"""From the hand's motion to the tool's target: since both origins, or from where the tool is, sample by sample."""
+
+import math
+from dataclasses import dataclass
+from typing import Protocol
+
+import numpy as np
+
+from common.errors import ConfigError
+from common.geometry import Array, rotation_from_vector, transform, unwound, vector_from_rotation
+from common.messages.base import Vector3
+from remote_site.teleop.config import LocksConfig, MappingConfig
+
+PROPER = 1e-6
+NO_LOCKS = LocksConfig()
+
+
+class Locks(Protocol):
+    """Motions that the arm does not copy: along the base's axes, about the tool's at the last reference."""
+
+    @property
+    def x(self) -> bool: ...
+    @property
+    def y(self) -> bool: ...
+    @property
+    def z(self) -> bool: ...
+    @property
+    def roll(self) -> bool: ...
+    @property
+    def pitch(self) -> bool: ...
+    @property
+    def yaw(self) -> bool: ...
+
+
+@dataclass(frozen=True, slots=True)
+class Steering:
+    """What the operator changes while working; the scales multiply the configured one, locks add to the configured.
+
+    `clutch_count` rises by one whenever the operator takes a new reference, after having moved the hand freely.
+    """
+
+    clutch_count: int = 0
+    scale: float = 1.0
+    rotation_scale: float = 1.0
+    locks: Locks = NO_LOCKS
+
+
+class Mapping:
+    """Moves the tool as the hand has moved since its reference, in the robot's world axes (thesis section 4.2).
+
+    While the hand shows no orientation (thumb hidden, hand open) the tool keeps its own; when the orientation is back,
+    the hand's rotation counts from there, so the tool never swings. Whatever the operator steers, the target goes on
+    from where it is.
+    """
+
+    def __init__(self, config: MappingConfig) -> None:
+        self._base_R_operator = _proper_rotation(config)
+        self._config = config
+        self._apply(Steering())
+        self.engage(np.zeros(3), None, np.eye(4))
+
+    def engage(self, hand_in_operator: Array, operator_R_hand: Array | None, base_T_tool: Array) -> None:
+        """Capture both origins: from here the target is `base_T_tool` plus the hand's motion."""
+        self._offset = base_T_tool[:3, 3] - self._ways @ hand_in_operator
+        self._origin = self._turned = base_T_tool[:3, :3].copy()
+        self._refer(operator_R_hand)
+
+    def steer(
+        self, steering: Steering, hand_in_operator: Array, operator_R_hand: Array | None, base_T_target: Array
+    ) -> None:
+        """Take what the operator wants; a change takes both origins anew, the tool's from the target as it is held."""
+        if steering != self._steering:
+            self._apply(steering)
+            self.engage(hand_in_operator, operator_R_hand, base_T_target)
+
+    def target(self, hand_in_operator: Array, operator_R_hand: Array | None) -> Array:
+        """The tool's target `base_T_tool` (4 x 4) for the hand's place (3,) in m and orientation, if it shows one."""
+        self._turn(operator_R_hand)
+        turned = self._turned
+        if self._turn_locked:
+            turned = self._origin @ _locked(self._origin.T @ turned, self._turns)
+        return transform(turned, self._offset + self._ways @ hand_in_operator)
+
+    def read(self, base_T_tool: Array) -> None:
+        """Where the tool is measured to be as a sample comes; what is relative to origins does not depend on it."""
+
+    def elbow(self, wrist_in_operator: Vector3 | Array | None, elbow_in_operator: Vector3 | None) -> Array | None:
+        """The operator's elbow from the wrist (3,) in m in the base's axes, None while one of them is not seen."""
+        if elbow_in_operator is None or wrist_in_operator is None:
+            return None
+        elbow: Array = self._base_R_operator @ (np.array(elbow_in_operator) - np.array(wrist_in_operator))
+        return elbow
+
+    def _apply(self, steering: Steering) -> None:
+        own, theirs = self._config.locks, steering.locks
+        moving = np.array([not (own.x or theirs.x), not (own.y or theirs.y), not (own.z or theirs.z)], dtype=float)
+        self._ways = (self._config.scale * steering.scale * moving)[:, None] * self._base_R_operator
+        self._turns = np.array(
+            [not (own.yaw or theirs.yaw), not (own.pitch or theirs.pitch), not (own.roll or theirs.roll)], dtype=float
+        )
+        self._turn_locked = not self._turns.all()
+        self._rotation_scale = steering.rotation_scale
+        self._steering = steering
+
+    def _refer(self, operator_R_hand: Array | None) -> None:
+        """Let the hand's rotation, if it shows one, count from here."""
+        self._hand_reference, self._turn_reference, self._twist = operator_R_hand, self._turned, np.zeros(3)
+        if operator_R_hand is not None:
+            self._hand_R_tool = operator_R_hand.T @ self._base_R_operator.T @ self._turned
+
+    def _turn(self, operator_R_hand: Array | None) -> None:
+        """Bring `_turned`, the tool's rotation in the base's axes without locks, up to date."""
+        if operator_R_hand is None or self._hand_reference is None:
+            self._refer(operator_R_hand)
+        elif self._rotation_scale == 1.0:
+            self._turned = self._base_R_operator @ operator_R_hand @ self._hand_R_tool
+        else:
+            turned = self._base_R_operator @ operator_R_hand @ self._hand_reference.T @ self._base_R_operator.T
+            self._twist = unwound(vector_from_rotation(turned), self._twist)
+            self._turned = rotation_from_vector(self._rotation_scale * self._twist) @ self._turn_reference
+
+
+class IncrementalMapping(Mapping):
+    """The tool's present place and the hand's way since the last sample (the ROBONAUT report, section 3, steps 2-5).
+
+    What is sent is the hand's place, the sum of all displacements, so that a lost sample loses nothing of it. What the
+    arm had left to go when the next sample came is lost, however: the tool drifts. Its turn counts from the reference.
+    """
+
+    def engage(self, hand_in_operator: Array, operator_R_hand: Array | None, base_T_tool: Array) -> None:
+        """Capture both origins; the next displacement counts from this hand."""
+        super().engage(hand_in_operator, operator_R_hand, base_T_tool)
+        self._hand = hand_in_operator.copy()
+
+    def read(self, base_T_tool: Array) -> None:
+        """Where the next displacement begins."""
+        self._offset = base_T_tool[:3, 3] - self._ways @ self._hand
+
+    def target(self, hand_in_operator: Array, operator_R_hand: Array | None) -> Array:
+        """The tool's target `base_T_tool` (4 x 4): where it was read to be, moved as the hand has since the last."""
+        self._hand = hand_in_operator.copy()
+        return super().target(hand_in_operator, operator_R_hand)
+
+
+def make_mapping(config: MappingConfig) -> Mapping:
+    """The mapping that the configuration asks for."""
+    return IncrementalMapping(config) if config.command == "incremental" else Mapping(config)
+
+
+def thesis_angles(wrist: Array, index: Array, thumb: Array) -> tuple[float, float, float]:
+    """The hand's angles α, β, γ in rad about Z, Y and X (thesis section 4.2, figure 4.5), for display alone.
+
+    α and β are the directions of the line from the wrist to the middle between the tips, projected onto XY and XZ;
+    γ is the direction of the line from the thumb's to the index finger's tip, projected onto YZ.
+    """
+    ahead = 0.5 * (index + thumb) - wrist
+    across = index - thumb
+    alpha = math.atan2(ahead[1], ahead[0])
+    beta = math.atan2(ahead[2], ahead[0])
+    gamma = math.atan2(across[2], across[1])
+    return alpha, beta, gamma
+
+
+def _locked(tool_R_turned: Array, free: Array) -> Array:
+    """A rotation in the tool's axes with its free parts (3,), 1 or 0: z is the twist about z, the swing has x and y."""
+    swing = _swing_to(tool_R_turned[:, 2])
+    twist = swing.T @ tool_R_turned
+    kept = rotation_from_vector(vector_from_rotation(swing) * np.array([free[0], free[1], 1.0]))
+    return kept @ twist if free[2] else kept
+
+
+def _swing_to(z: Array) -> Array:
+    """The shortest rotation that takes the z axis to the unit vector `z`; about x when that is opposite."""
+    sine = math.hypot(z[0], z[1])
+    angle = math.atan2(sine, z[2])
+    axis = np.array([-z[1], z[0], 0.0]) / sine if sine > PROPER else np.array([1.0, 0.0, 0.0])
+    return rotation_from_vector(angle * axis)
+
+
+def _proper_rotation(config: MappingConfig) -> Array:
+    rotation = np.array(config.base_R_operator)
+    finite = bool(np.isfinite(rotation).all())
+    if not finite or np.abs(rotation @ rotation.T - np.eye(3)).max() > PROPER or np.linalg.det(rotation) < 0:
+        raise ConfigError(
+            "mapping.base_R_operator is not a proper rotation; its rows must be orthogonal unit vectors, "
+            "and the third the cross product of the first two"
+        )
+    return rotation

@@ -1,0 +1,155 @@
+"""The intake of hand samples: in order, young, finite and plausible, or refused with the reason; pure."""
+
+import math
+from collections import Counter
+from dataclasses import replace
+
+import numpy as np
+
+from common.clock import NS_PER_MS, NS_PER_S, ClockOffset
+from common.geometry import Array, hand_rotation
+from common.messages.hand import ClockSync, HandArm, TrackingStatus
+from remote_site.reasons import Code, Reason, reason
+from remote_site.safety.config import SafetyConfig
+from remote_site.session.samples import Accepted, Rejected
+from remote_site.teleop.certainty import certainty_of
+from remote_site.teleop.config import HandPoint
+from remote_site.teleop.orientation_gate import OrientationGate
+
+OFFSET_VALID_NS = 5 * NS_PER_S  # an older measurement of the clocks says nothing any more
+
+
+class Intake:
+    """Judges samples one by one; `rejected` counts refusals by code, `clock` is what the newest one said of the clocks.
+
+    What comes here was sent under the lease in force, so that no former session or site can be among it.
+    """
+
+    def __init__(self, config: SafetyConfig, point: HandPoint = "wrist") -> None:
+        self._config, self._point = config, point
+        self._soft_ns = round(config.t_soft_ms * NS_PER_MS)
+        self._latch_ns = round(config.t_latch_ms * NS_PER_MS)
+        self.rejected: Counter[Code] = Counter()
+        self._session: int | None = None
+        self.clock: ClockSync | None = None
+        self._seq = -1
+        self._capture_ns = -1
+        self._last: Accepted | None = None
+        self._jumps = 0
+        self._gate = OrientationGate(config)
+
+    def accept(self, sample: HandArm, now_ns: int) -> Accepted | Rejected:
+        """Accepted, or Rejected with the first rule that was broken; only samples that exist in time are remembered."""
+        offset = clock_offset(sample.clock, now_ns)
+        if isinstance(offset, Reason):
+            return self.refuse(offset)
+        self.clock = sample.clock
+        broken = self._order(sample) or self._time(sample, now_ns, offset)
+        if broken is not None:
+            return self.refuse(broken)
+        new_session = self._remember(sample)
+        judged = self._judge(sample, now_ns - offset.age_ns(sample.capture_ns, now_ns), new_session)
+        if isinstance(judged, Rejected):
+            return replace(judged, new_session=new_session, held=sample.intent.hold)
+        self._jumps, self._last = 0, judged
+        return judged
+
+    def refuse(self, why: Reason, *, hand_lost: bool = False, latch: bool = False) -> Rejected:
+        """Refuse a sample, and count it."""
+        self.rejected[why.code] += 1
+        return Rejected(why, hand_lost, latch)
+
+    def _judge(self, sample: HandArm, born_ns: int, new_session: bool) -> Accepted | Rejected:
+        shown_at = sample.palm if self._point == "palm" else sample.wrist
+        if shown_at is None or sample.status in (TrackingStatus.LOST, TrackingStatus.INITIALISING):
+            return self.refuse(_not_tracked(sample), hand_lost=True)
+        certainty = certainty_of(sample.covariance, self._config.certainty)
+        if certainty.position == 0.0:
+            limit_mm = self._config.certainty.wrist_poor_mm
+            poor = reason(Code.UNCERTAIN, sigma_mm=certainty.wrist_mm, limit_mm=limit_mm)
+            return self.refuse(poor, hand_lost=True)
+        place = np.array(shown_at)
+        if not math.isfinite(sum(shown_at)):
+            return self.refuse(reason(Code.NOT_FINITE, what=self._point))
+        if (jump := self._jump(place, sample.capture_ns)) is not None:
+            return self._jumped(jump)
+        shown = _orientation(sample) if certainty.orientation else None
+        orientation = self._gate.judge(shown, born_ns, certainty.orientation)
+        return Accepted(sample, place, orientation, born_ns, new_session, certainty.position)
+
+    def _order(self, sample: HandArm) -> Reason | None:
+        if sample.session != self._session or sample.seq > self._seq:
+            return None
+        if sample.seq == self._seq:
+            return reason(Code.DUPLICATE, seq=sample.seq)
+        return reason(Code.OLD, seq=sample.seq, newest=self._seq)
+
+    def _time(self, sample: HandArm, now_ns: int, offset: ClockOffset) -> Reason | None:
+        age_ns = offset.age_ns(sample.capture_ns, now_ns)
+        if age_ns < 0:
+            return reason(Code.FUTURE, ahead_ms=-age_ns / NS_PER_MS)
+        if age_ns > self._soft_ns:
+            return reason(Code.STALE, age_ms=age_ns / NS_PER_MS, limit_ms=self._soft_ns / NS_PER_MS)
+        if sample.session == self._session and sample.capture_ns <= self._capture_ns:
+            return reason(Code.OLD, seq=sample.seq, newest=self._seq)
+        return None
+
+    def _remember(self, sample: HandArm) -> bool:
+        """Note the sample's place in the order; True when it opens a new local session after another."""
+        new_session = self._session is not None and sample.session != self._session
+        if new_session:
+            self._last, self._jumps = None, 0
+        self._session, self._seq, self._capture_ns = sample.session, sample.seq, sample.capture_ns
+        return new_session
+
+    def _jump(self, place: Array, capture_ns: int) -> Reason | None:
+        if self._last is None:
+            return None
+        # by the sender's own clock: what is known of its offset changes with every measurement on a bad link
+        interval_ns = capture_ns - self._last.sample.capture_ns
+        if interval_ns > self._latch_ns:
+            return None
+        distance = math.dist(place.tolist(), self._last.place.tolist())
+        if distance <= self._config.hand_speed_m_s * interval_ns / NS_PER_S + self._config.hand_noise_m:
+            return None
+        return reason(Code.JUMP, distance_mm=distance * 1e3, interval_ms=interval_ns / NS_PER_MS)
+
+    def _jumped(self, jump: Reason) -> Rejected:
+        self._jumps += 1
+        if self._jumps < self._config.jumps_to_latch:
+            return self.refuse(jump)
+        latch = reason(Code.JUMPS, count=self._jumps)
+        self._last, self._jumps = None, 0
+        return self.refuse(latch, latch=True)
+
+
+def clock_offset(clock: ClockSync | None, now_ns: int) -> ClockOffset | Reason:
+    """The local clock minus ours as a sample tells it, or why that cannot be used."""
+    if clock is None or clock.measured_ns > now_ns:
+        return reason(Code.NO_OFFSET)
+    age_ns = now_ns - clock.measured_ns
+    if age_ns > OFFSET_VALID_NS:
+        return reason(Code.OLD_OFFSET, age_ms=age_ns / NS_PER_MS, limit_ms=OFFSET_VALID_NS / NS_PER_MS)
+    return ClockOffset(-clock.remote_minus_local_ns, clock.uncertainty_ns)
+
+
+def _not_tracked(sample: HandArm) -> Reason:
+    code = {TrackingStatus.LOST: Code.LOST, TrackingStatus.INITIALISING: Code.INITIALISING}.get(
+        sample.status, Code.NO_WRIST
+    )
+    return reason(code, reason=sample.reason)
+
+
+def _orientation(sample: HandArm) -> Array | None:
+    if (
+        sample.wrist is None
+        or sample.index is None
+        or sample.thumb is None
+        or sample.hand_open
+        or sample.thumb_inferred
+    ):
+        return None
+    points = sample.wrist, sample.index, sample.thumb
+    if not math.isfinite(sum(map(sum, points))):
+        return None
+    return hand_rotation(*points)

@@ -1,0 +1,129 @@
+"""A cell's link with real certificates, and neighbours that do not keep to the rules."""
+
+import json
+import socket
+import threading
+import time
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
+from pathlib import Path
+
+import zenoh
+
+import tests.common.messages.golden_examples as golden
+from common.link.channels import (
+    CLOCK,
+    ENGAGEMENT,
+    HAND,
+    MAINTENANCE,
+    STATE,
+)
+from common.link.config import LinkSecurity, TlsConfig
+from common.link.transport import Link
+from common.messages.codec import encode
+from common.messages.requests import (
+    ClockAnswer,
+    EngagementAction,
+    EngagementRequest,
+    Reply,
+)
+from farhand.certificates.issuing import Issued
+
+HAND_SAMPLE, ROBOT_STATE = golden.HAND, golden.STATE
+CELL = "lab"
+PATIENCE_S = 9.0
+QUIET_S = 0.25  # enough for what passes at once to arrive
+
+
+def keep(stem: Path, issued: Issued) -> None:
+    stem.with_suffix(".pem").write_bytes(issued.certificate_pem)
+    stem.with_suffix(".key").write_bytes(issued.key_pem)
+
+
+def secured(folder: Path, who: str, cell: str = CELL) -> LinkSecurity:
+    pair = folder / cell / who
+    tls = TlsConfig(ca=str(folder / "ca.pem"), certificate=f"{pair}.pem", key=f"{pair}.key")
+    return LinkSecurity(tls=tls)
+
+
+def free_port() -> int:
+    with socket.socket() as probe:
+        probe.bind(("127.0.0.1", 0))
+        return int(probe.getsockname()[1])
+
+
+def until(is_so: Callable[[], object]) -> None:
+    deadline = time.monotonic() + PATIENCE_S
+    while not is_so():
+        assert time.monotonic() < deadline, "waited in vain"
+        time.sleep(0.01)
+
+
+class Cell:
+    """A remote site's link: tells its state, counts what reaches it, answers all that it is asked."""
+
+    def __init__(self, endpoint: str, link: Link) -> None:
+        self.endpoint, self.link = endpoint, link
+        self.hands, self.asked = 0, 0
+        self._stop = threading.Event()
+        self._thread = threading.Thread(target=self._run)
+        self._thread.start()
+
+    def _run(self) -> None:
+        hand, state = self.link.latest(HAND, CELL), self.link.publisher(STATE, CELL)
+        servers = [self.link.serve(procedure, CELL, print) for procedure in (ENGAGEMENT, MAINTENANCE)]
+        clock = self.link.answer(CLOCK, CELL, print)
+        while not self._stop.wait(0.005):
+            state.put(ROBOT_STATE)
+            self.hands += hand.take() is not None
+            clock.poll(lambda _: ClockAnswer(received_ns=1, answered_ns=2))
+            for server in servers:
+                server.poll(time.monotonic_ns(), self._answer)
+
+    def _answer(self, request: EngagementRequest) -> Reply:
+        self.asked += 1
+        return Reply(id=request.id, done=True, code="ok", reason="")
+
+    def close(self) -> None:
+        self._stop.set()
+        self._thread.join()
+
+
+@contextmanager
+def dishonest(
+    endpoint: str, folder: Path, who: str | None, *, listen: bool = False, cell: str = CELL
+) -> Iterator[zenoh.Session]:
+    """A session that checks nothing itself and has no access control of its own."""
+    tls = {"root_ca_certificate": str(folder / "ca.pem"), "verify_name_on_connect": False}
+    for end in ("listen", "connect") if who else ():
+        tls |= {f"{end}_certificate": f"{folder / cell / who}.pem", f"{end}_private_key": f"{folder / cell / who}.key"}
+    config, locator = zenoh.Config(), f"{endpoint}?mixed_rel=1" if endpoint.startswith("quic/") else endpoint
+    settings = {
+        "listen/endpoints": [locator] if listen else [],
+        "connect/endpoints": [] if listen else [locator],
+        "connect/exit_on_failure": False,
+        "scouting/multicast/enabled": False,
+        "transport/link/tls": tls | {"enable_mtls": who is not None},
+    }
+    for key, value in settings.items():
+        config.insert_json5(key, json.dumps(value))
+    with zenoh.open(config) as session:
+        yield session
+
+
+def request(action: EngagementAction = EngagementAction.ENGAGE) -> EngagementRequest:
+    deadline_ns = time.monotonic_ns() + 5_000_000_000
+    return EngagementRequest(id=1, deadline_ns=deadline_ns, operator="eve", action=action)
+
+
+def commands_arrive(session: zenoh.Session, cell: Cell) -> bool:
+    """Whether anything that moves or stops the arm reaches the cell from there."""
+    before = cell.hands, cell.asked
+    for key in (HAND.key_for(CELL), f"farhand/{CELL}/*", f"farhand/{CELL}/**"):
+        session.put(key, encode(HAND_SAMPLE))
+        session.delete(key)
+    for procedure in (ENGAGEMENT, MAINTENANCE):
+        list(session.get(procedure.key_for(CELL), payload=encode(request()), timeout=QUIET_S / 2))
+    list(session.get(f"farhand/{CELL}/rpc/**", payload=encode(request()), timeout=QUIET_S / 2))
+    time.sleep(QUIET_S)
+    return (cell.hands, cell.asked) != before

@@ -1,0 +1,160 @@
+"""A daemon's life: pace, READY messages, children that die, hang or end."""
+
+import os
+import signal
+import socket
+import time
+from itertools import pairwise
+from pathlib import Path
+
+import pytest
+
+import common
+from common.clock import NS_PER_MS, ClockOffset, FakeClock
+from common.errors import ProcessError
+from common.process.children import Children, Heartbeat
+from common.process.health import ChannelHealth
+from common.process.rate import Rate, percentile_of
+from common.process.service import StopFlag, notify
+
+
+def test_the_common_package_is_ours() -> None:
+    assert Path(common.__file__).parent == Path(__file__).parents[3] / "common"
+
+
+def test_a_rate_keeps_absolute_deadlines_and_counts_what_it_missed() -> None:
+    clock = FakeClock()
+    rate = Rate(250.0, clock)
+    assert [rate.wait() for _ in range(3)] == [4 * NS_PER_MS, 8 * NS_PER_MS, 12 * NS_PER_MS]
+    clock.advance_ms(9.0)
+    rate.wait()
+    assert rate.missed == 1
+    assert rate.late_us(100) == pytest.approx(5000.0)
+    assert rate.wait() == 24 * NS_PER_MS
+
+
+def test_a_rate_keeps_its_distance_after_a_late_tick() -> None:
+    clock = FakeClock()
+    rate = Rate(250.0, clock, least_share=0.9)
+    rate.wait()
+    woken = []
+    for late_ms in (0.0, 0.3, 3.9, 0.0, 9.0, 0.0, 0.0):
+        rate_due_ns = rate.next_ns
+        clock.sleep_until_ns(rate_due_ns + round(late_ms * NS_PER_MS))
+        rate.wait()
+        woken.append(clock.now_ns())
+    spaces = [(later - sooner) / NS_PER_MS for sooner, later in pairwise(woken)]
+    assert spaces == pytest.approx([4.3, 7.6, 3.6, 13.0, 3.6, 4.0])
+    assert rate.missed == 2
+
+
+def test_percentiles_are_nearest_rank() -> None:
+    assert percentile_of([], 99) == 0.0
+    assert percentile_of([1.0, 2.0, 3.0, 4.0], 50) == 3.0
+    assert percentile_of([1.0, 2.0, 3.0, 4.0], 100) == 4.0
+
+
+def test_age_is_an_upper_bound_over_the_offset() -> None:
+    assert ClockOffset(offset_ns=1000, uncertainty_ns=50).age_ns(stamp_ns=1500, now_ns=700) == 250
+
+
+def test_a_channel_comes_alive_and_falls_silent_once() -> None:
+    health = ChannelHealth(stale_after_ns=100)
+    assert health.change(0) is None
+    health.seen(10)
+    assert health.change(20) is True
+    assert health.change(110) is None
+    assert health.change(111) is False
+    assert health.change(500) is None
+
+
+def test_ready_reaches_the_socket_of_systemd(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    path = tmp_path / "notify"
+    with socket.socket(socket.AF_UNIX, socket.SOCK_DGRAM) as receiver:
+        receiver.bind(str(path))
+        monkeypatch.setenv("NOTIFY_SOCKET", str(path))
+        notify("READY=1")
+        assert receiver.recv(64) == b"READY=1"
+    monkeypatch.delenv("NOTIFY_SOCKET")
+    notify("READY=1")
+
+
+def beating(should_stop: StopFlag, heartbeat: Heartbeat) -> None:
+    while not should_stop.wait(0.02):
+        heartbeat.beat()
+
+
+def waiting(should_stop: StopFlag, heartbeat: Heartbeat) -> None:  # noqa: ARG001  # the signature of a child's main
+    while not should_stop.wait(0.02):
+        pass
+
+
+def dying(should_stop: StopFlag, heartbeat: Heartbeat) -> None:  # noqa: ARG001  # the signature of a child's main
+    heartbeat.beat()
+    os._exit(3)
+
+
+def stubborn(should_stop: StopFlag, heartbeat: Heartbeat) -> None:  # noqa: ARG001
+    heartbeat.beat()
+    while True:
+        time.sleep(1.0)
+
+
+def test_children_start_and_end_in_order() -> None:
+    children = Children("test")
+    child = children.start("worker", beating)
+    children.wait_ready(10.0, StopFlag())
+    children.check()
+    children.end()
+    assert child.process.exitcode == 0
+
+
+def test_a_dead_child_is_an_error_with_its_name() -> None:
+    children = Children("test")
+    child = children.start("worker", dying)
+    child.process.join(10.0)
+    with pytest.raises(ProcessError, match=r"worker died \(exit code 3\)"):
+        children.check()
+
+
+def test_a_killed_child_is_noticed() -> None:
+    children = Children("test")
+    child = children.start("worker", beating)
+    children.wait_ready(10.0, StopFlag())
+    os.kill(child.process.pid or 0, signal.SIGKILL)
+    child.process.join(10.0)
+    with pytest.raises(ProcessError, match="worker died"):
+        children.check()
+
+
+def test_a_child_that_is_not_vital_may_die_or_never_be_ready() -> None:
+    children = Children("test")
+    children.start("worker", beating)
+    children.start("extra", dying, vital=False).process.join(10.0)
+    children.start("late", waiting, vital=False)
+    children.wait_ready(10.0, StopFlag())
+    try:
+        children.check()
+        assert [child.name for child in children.children] == ["worker", "late"]
+    finally:
+        children.end()
+
+
+def test_a_child_that_will_not_end_is_killed() -> None:
+    children = Children("test")
+    child = children.start("worker", stubborn)
+    children.wait_ready(10.0, StopFlag())
+    children.end()
+    assert child.process.exitcode == -signal.SIGKILL
+
+
+def test_a_hanging_child_is_an_error(monkeypatch: pytest.MonkeyPatch) -> None:
+    children = Children("test")
+    children.start("worker", stubborn)
+    children.wait_ready(10.0, StopFlag())
+    monkeypatch.setattr("common.process.children.HEARTBEAT_TIMEOUT_S", 0)
+    try:
+        with pytest.raises(ProcessError, match="hangs"):
+            children.check()
+    finally:
+        children.end()

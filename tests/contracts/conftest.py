@@ -1,6 +1,0 @@
-"""The stands are found by name."""
-
-import sys
-from pathlib import Path
-
-sys.path.insert(0, str(Path(__file__).parent))

@@ -1,0 +1,159 @@
+"""The authority's folder: what is made, for whom, never over what is there; and what the doctor says of it."""
+
+import stat
+import time
+from datetime import UTC, datetime, timedelta
+from pathlib import Path
+
+import pytest
+from cryptography import x509
+from cryptography.x509.oid import ExtendedKeyUsageOID
+
+from common.errors import ConfigError, TransportError
+from common.link.config import LinkSecurity, TlsConfig
+from common.link.credentials import Validity, check_links, load_credentials
+from common.link.roles import Identity, Role, read_common_name
+from farhand.certificates.folder import Order, create, hosts_of, load_authority, read_certificate, renew
+from farhand.certificates.issuing import issue
+from farhand.doctor.certificate_probing import probe_certificate
+from farhand.doctor.certificates import CertificateFacts, check_certificate
+from farhand.doctor.findings import Level, worst
+
+NOW = datetime.now(UTC)
+ORDER = Order("lab", ("robot.example.org", "10.0.0.3"), 90)
+
+
+@pytest.fixture
+def folder(tmp_path: Path) -> Path:
+    create(tmp_path / "pki", ORDER, NOW)
+    return tmp_path / "pki"
+
+
+def files(folder: Path, who: str = "remote", cell: str = "lab") -> TlsConfig:
+    pair = folder / cell / who
+    return TlsConfig(ca=str(folder / "ca.pem"), certificate=f"{pair}.pem", key=f"{pair}.key")
+
+
+def test_every_role_has_a_certificate_for_both_directions_and_all_hosts(folder: Path) -> None:
+    for role in Role:
+        certificate = read_certificate(folder / "lab" / f"{role.value}.pem")
+        uses = certificate.extensions.get_extension_for_class(x509.ExtendedKeyUsage).value
+        assert set(uses) == {ExtendedKeyUsageOID.SERVER_AUTH, ExtendedKeyUsageOID.CLIENT_AUTH}
+        assert hosts_of(certificate) == ["127.0.0.1", "::1", "localhost", "robot.example.org", "10.0.0.3"]
+        assert certificate.not_valid_after_utc - NOW <= timedelta(days=90)
+        assert load_credentials(files(folder, role.value)).identity.role is role
+
+
+def test_keys_are_for_their_owner_only(folder: Path) -> None:
+    keys = sorted(folder.rglob("*.key"))
+    assert len(keys) == 1 + len(Role)
+    assert {stat.S_IMODE(key.stat().st_mode) for key in keys} == {0o600}
+    assert list(folder.rglob("*.partial")) == []
+
+
+def test_nothing_is_written_over_what_is_there(folder: Path) -> None:
+    before = {path: path.read_bytes() for path in folder.rglob("*.*")}
+    with pytest.raises(ConfigError, match="farhand certificates renew lab"):
+        create(folder, ORDER, NOW)
+    assert {path: path.read_bytes() for path in folder.rglob("*.*")} == before
+
+
+def test_another_cell_shares_the_authority_and_not_the_names(folder: Path) -> None:
+    authority = (folder / "ca.pem").read_bytes()
+    create(folder, Order("other", (), 90), NOW)
+    assert (folder / "ca.pem").read_bytes() == authority
+    assert load_credentials(files(folder, "operator", "other")).identity == Identity(Role.OPERATOR, "other")
+    theirs = LinkSecurity(tls=files(folder, "operator", "other"))
+    with pytest.raises(ConfigError, match=r"is for operator\.other, not for operator\.lab; write cell = \"other\""):
+        check_links((), theirs, Identity(Role.OPERATOR, "lab"))
+    with pytest.raises(ConfigError, match=r"is for operator\.other, not for viewer\.other$"):
+        check_links((), theirs, Identity(Role.VIEWER, "other"))
+    with pytest.raises(ConfigError, match="tls needs certificates"):
+        check_links(("tls/127.0.0.1:1",), LinkSecurity(), Identity(Role.OPERATOR, "lab"))
+    check_links(("tcp/127.0.0.1:1",), LinkSecurity(), Identity(Role.OPERATOR, "lab"))
+
+
+def test_a_certificate_that_expires_while_a_site_runs_is_found(folder: Path) -> None:
+    soon = issue(
+        load_authority(folder), Identity(Role.REMOTE, "lab"), ("127.0.0.1",), datetime.now(UTC), timedelta(seconds=2)
+    )
+    for name, pem in (("soon.pem", soon.certificate_pem), ("soon.key", soon.key_pem)):
+        (folder / name).write_bytes(pem)
+    tls = TlsConfig(ca=str(folder / "ca.pem"), certificate=str(folder / "soon.pem"), key=str(folder / "soon.key"))
+    validity = Validity(tls)
+    validity.check()
+    (folder / "soon.pem").write_bytes(b"being renewed")
+    validity.check()
+    time.sleep(3.1)  # a certificate is good for whole seconds
+    with pytest.raises(TransportError, match=r"soon\.pem has expired; renew it"):
+        validity.check()
+    Validity(TlsConfig()).check()
+
+
+def test_renewing_keeps_authority_and_hosts_and_makes_new_keys(folder: Path) -> None:
+    authority, key = (folder / "ca.pem").read_bytes(), (folder / "lab" / "remote.key").read_bytes()
+    renew(folder, Order("lab", ("10.0.0.9",), 200), NOW)
+    renewed = read_certificate(folder / "lab" / "remote.pem")
+    assert (folder / "ca.pem").read_bytes() == authority
+    assert (folder / "lab" / "remote.key").read_bytes() != key
+    assert hosts_of(renewed)[-3:] == ["robot.example.org", "10.0.0.3", "10.0.0.9"]
+    assert renewed.not_valid_after_utc - NOW > timedelta(days=199)
+    assert load_credentials(files(folder)).identity.common_name == "remote.lab"
+
+
+def test_no_certificate_outlives_its_authority(folder: Path) -> None:
+    late = NOW + timedelta(days=3600)
+    renew(folder, Order("lab", (), 397), late)
+    end = read_certificate(folder / "ca.pem").not_valid_after_utc
+    assert read_certificate(folder / "lab" / "remote.pem").not_valid_after_utc == end
+    with pytest.raises(ConfigError, match="the authority has expired"):
+        renew(folder, ORDER, NOW + timedelta(days=3700))
+
+
+def test_without_the_authoritys_key_nothing_is_made(folder: Path) -> None:
+    (folder / "ca.key").unlink()
+    with pytest.raises(ConfigError, match="create where the key is kept"):
+        create(folder, Order("other", (), 90), NOW)
+    with pytest.raises(ConfigError, match=r"ca\.key"):
+        renew(folder, ORDER, NOW)
+
+
+@pytest.mark.parametrize("name", ["", "remote", "router.lab", "boss.lab", "operator.", "operator.A", "operator.a.b"])
+def test_other_names_are_nobodys(name: str) -> None:
+    assert read_common_name(name) is None
+
+
+def test_the_doctor_is_content_with_what_was_made(folder: Path) -> None:
+    (finding,) = check_certificate(probe_certificate(files(folder), NOW), "remote.lab")
+    assert finding.level is Level.OK
+    assert "of remote.lab expires in 90 days" in finding.sentence
+
+
+def test_the_doctor_finds_what_is_wrong(folder: Path, tmp_path: Path) -> None:
+    (folder / "lab" / "remote.key").chmod(0o644)
+    assert "everybody on this host" in worst_of(files(folder), "remote.lab", Level.ERROR)
+    (folder / "lab" / "remote.key").chmod(0o640)
+    assert "its group" in worst_of(files(folder), "remote.lab", Level.WARNING)
+    assert "not for operator.lab" in worst_of(files(folder), "operator.lab", Level.ERROR)
+    create(tmp_path / "foreign", ORDER, NOW)
+    mixed = TlsConfig(
+        ca=str(tmp_path / "foreign" / "ca.pem"), certificate=files(folder).certificate, key=files(folder).key
+    )
+    assert "comes from another authority" in worst_of(mixed, "remote.lab", Level.ERROR)
+    create(tmp_path / "aged", Order("lab", (), 30), NOW - timedelta(days=40))
+    assert "has expired" in worst_of(files(tmp_path / "aged"), "remote.lab", Level.ERROR)
+
+
+@pytest.mark.parametrize(("days", "authority_days", "levels"), [(31, 400, 1), (29, 400, 1), (20, 29, 2)])
+def test_the_doctor_warns_a_month_before(days: float, authority_days: float, levels: int) -> None:
+    facts = CertificateFacts("remote.pem", "remote.lab", days, authority_days, 0o600)
+    findings = check_certificate(facts, "remote.lab")
+    assert len(findings) == levels
+    assert worst(findings) is (Level.OK if days > 30 else Level.WARNING)
+    assert all(bool(finding.cure) is (finding.level is not Level.OK) for finding in findings)
+
+
+def worst_of(tls: TlsConfig, expected: str, level: Level) -> str:
+    findings = check_certificate(probe_certificate(tls, NOW), expected)
+    assert worst(findings) is level
+    return next(finding.sentence for finding in findings if finding.level is level)

@@ -1,0 +1,239 @@
+"""The local site's standing over a real link: clock, description, lease and consent, and sites of another protocol."""
+
+import threading
+import time
+from contextlib import ExitStack, contextmanager
+
+import msgpack
+import pytest
+
+from common.clock import NS_PER_MS, NS_PER_S, MonotonicClock
+from common.errors import RefusedError, TransportError
+from common.link.channels import CLOCK, DESCRIBE
+from common.link.transport import open_link
+from common.messages.base import PROTOCOL_VERSION
+from common.messages.requests import ClockQuestion, DescribeQuestion, OperatorAction
+from farhand.commands.lease import act_on_lease
+from farhand.loopback.run import free_ports
+from local_site.authority.lease_client import Authority
+from remote_site.config import RemoteConfig
+from remote_site.kinematics.limits import JointLimits
+from remote_site.kinematics.model import ArmModel
+from remote_site.runtime.request_server import FrontDesk, describe
+from remote_site.session.lease import LeaseDesk
+
+CELL = "test"
+PATIENCE_S = 10.0
+
+
+def endpoint():
+    return f"tcp/127.0.0.1:{free_ports(1)[0]}"
+
+
+def until(is_so, what):
+    deadline = time.monotonic() + PATIENCE_S
+    while not is_so():
+        assert time.monotonic() < deadline, f"waited in vain for {what}"
+        time.sleep(0.01)
+
+
+@pytest.fixture(scope="module")
+def description():
+    config = RemoteConfig(cell=CELL)
+    model = ArmModel.from_urdf(config.robot.urdf, config.robot.tool_frame, config.robot.tool_T_tcp)
+    return describe(config, model, JointLimits.from_model(model, config.robot), 50.0)
+
+
+class AheadClock(MonotonicClock):
+    """The clock of a host that was started an hour earlier."""
+
+    def now_ns(self):
+        return super().now_ns() + 3600 * NS_PER_S
+
+
+class Cell:
+    """A remote site that is nothing but its front desk, on a thread."""
+
+    def __init__(self, stack, description):
+        self.endpoint = endpoint()
+        self.clock = AheadClock()
+        self.leases = LeaseDesk(2 * NS_PER_S, 1000)
+        self.refused = []
+        self._stop = threading.Event()
+        self.link = stack.enter_context(open_link(listen=(self.endpoint,)))
+        self._desk = FrontDesk(self.link, description, self.leases, self.clock, self.refused.append)
+        thread = threading.Thread(target=self._run)
+        thread.start()
+        stack.callback(thread.join)
+        stack.callback(self._stop.set)
+
+    def _run(self):
+        while not self._stop.wait(0.004):
+            self._desk.poll()
+
+    @property
+    def holder(self):
+        lease = self.leases.current(self.clock.now_ns())
+        return lease.holder.name if lease is not None else None
+
+
+@pytest.fixture
+def stack():
+    with ExitStack() as stack:
+        yield stack
+
+
+@pytest.fixture
+def cell(stack, description):
+    return Cell(stack, description)
+
+
+@contextmanager
+def local_site(cell, name, session, automatic=True):
+    """A local site that is nothing but its standing, and where it listens."""
+    listen = endpoint()
+    with (
+        open_link(listen=(listen,), connect=(cell.endpoint,)) as link,
+        Authority(link, CELL, name, session, automatic=automatic) as authority,
+    ):
+        yield authority, listen
+
+
+def lease_of(authority):
+    return authority.standing(time.monotonic_ns()).lease
+
+
+def test_the_clock_offset_is_found_and_its_error_lies_within_its_uncertainty(stack, cell):
+    authority, _ = stack.enter_context(local_site(cell, "anna", 7))
+    until(lambda: authority.standing(time.monotonic_ns()).clock is not None, "the clock")
+    clock = authority.standing(time.monotonic_ns()).clock
+    assert abs(clock.remote_minus_local_ns - 3600 * NS_PER_S) <= clock.uncertainty_ns < 200 * NS_PER_MS
+    assert 0 <= cell.clock.now_ns() - clock.measured_ns < 5 * NS_PER_S
+
+
+def test_the_lease_is_acquired_renewed_beyond_its_duration_and_given_back_at_the_end(cell):
+    with local_site(cell, "anna", 7) as (authority, _):
+        until(lambda: lease_of(authority) == 1000, "the lease")
+        begin_ns = cell.clock.now_ns()
+        until(lambda: cell.clock.now_ns() - begin_ns > 2.2 * NS_PER_S, "its duration")
+        assert lease_of(authority) == 1000
+        assert cell.holder == "anna"
+    assert cell.holder is None
+
+
+def test_a_second_operator_is_refused_with_the_holders_name_until_the_holder_consents(stack, cell):
+    anna, annas = stack.enter_context(local_site(cell, "anna", 7))
+    until(lambda: cell.holder == "anna", "anna's lease")
+    ben, bens = stack.enter_context(local_site(cell, "ben", 8))
+    with pytest.raises(TransportError, match=r"not_holder\): anna holds the lease.*asks on for 60 s"):
+        until(lambda: "silent" not in taken(bens), "an answer")
+    assert lease_of(ben) == 0
+    assert "ben" in act_on_lease(CELL, annas, OperatorAction.GIVE)
+    until(lambda: lease_of(ben) == 1001, "ben's lease")
+    assert lease_of(anna) == 0
+    assert cell.holder == "ben"
+    with pytest.raises(TransportError, match=r"old_lease|not_holder"):
+        act_on_lease(CELL, annas, OperatorAction.GIVE)
+
+
+def taken(local):
+    """What `lease take` says; empty while the site is still getting to know the cell."""
+    try:
+        return act_on_lease(CELL, local, OperatorAction.TAKE)
+    except TransportError as error:
+        if "silent" in str(error):
+            return str(error)
+        raise
+
+
+def test_consent_without_anyone_who_asks_is_refused(stack, cell):
+    anna, annas = stack.enter_context(local_site(cell, "anna", 7))
+    until(lambda: cell.holder == "anna", "anna's lease")
+    with pytest.raises(TransportError, match="nobody_asks"):
+        act_on_lease(CELL, annas, OperatorAction.GIVE)
+    assert lease_of(anna) == 1000
+
+
+def test_a_released_lease_is_free_and_not_asked_for_again_by_itself(stack, cell):
+    anna, annas = stack.enter_context(local_site(cell, "anna", 7))
+    until(lambda: cell.holder == "anna", "anna's lease")
+    assert act_on_lease(CELL, annas, OperatorAction.RELEASE) == "the lease is given back"
+    until(lambda: lease_of(anna) == 0, "no lease")
+    begin_ns = cell.clock.now_ns()
+    until(lambda: cell.clock.now_ns() - begin_ns > 1.2 * NS_PER_S, "a while")
+    assert cell.holder is None
+
+
+def test_the_description_names_joints_cameras_rates_and_software(stack, cell, description):
+    link = stack.enter_context(open_link(connect=(cell.endpoint,)))
+    answers = []
+    until(lambda: answers.append(link.ask(DESCRIBE, CELL, DescribeQuestion())) or answers[-1] is not None, "an answer")
+    assert answers[-1] == description
+    assert [joint.name for joint in description.joints] == [f"joint_{k}" for k in range(1, 7)]
+    assert all(joint.lower < joint.upper and joint.speed > 0 for joint in description.joints)
+    assert {camera.name for camera in description.cameras} == {"front_high", "front_low", "side", "gripper"}
+    assert description.control_hz == 250.0
+    assert description.version == PROTOCOL_VERSION
+
+
+def test_a_question_in_another_version_is_refused_with_a_sentence_at_both_ends(stack, cell):
+    link = stack.enter_context(open_link(connect=(cell.endpoint,)))
+    until(lambda: link.round_trip(CELL) is not None, "the cell")
+    time.sleep(0.02)  # questions that follow each other at once are dropped
+    with pytest.raises(RefusedError, match=f"this side speaks {PROTOCOL_VERSION}: install the same release"):
+        link.ask(CLOCK, CELL, ClockQuestion(version=PROTOCOL_VERSION + 1))
+    assert [error.reason for error in cell.refused] == ["version"]
+    assert "install the same release" in str(cell.refused[0])
+
+
+def test_a_cell_of_another_version_ends_the_local_site_with_a_sentence(stack):
+    where = endpoint()
+    link = stack.enter_context(open_link(listen=(where,)))
+    newer = msgpack.packb(
+        {"version": PROTOCOL_VERSION + 1, "received_ns": 1, "answered_ns": 1, "leap_seconds": 27}, use_bin_type=True
+    )
+
+    def answer(query):
+        with query:
+            query.reply(CLOCK.key_for(CELL), newer)
+
+    link._session.declare_queryable(CLOCK.key_for(CELL), answer)
+    cell = type("Elsewhere", (), {"endpoint": where})
+    authority, _ = stack.enter_context(local_site(cell, "anna", 7))
+
+    def refused():
+        try:
+            authority.standing(time.monotonic_ns())
+        except RefusedError as error:
+            return "install the same release" in str(error)
+        return False
+
+    until(refused, "the refusal")
+
+
+def test_nobody_there_is_no_lease_and_no_clock():
+    cell = type("Nowhere", (), {"endpoint": endpoint()})
+    with local_site(cell, "anna", 7) as (authority, listen):
+        with pytest.raises(TransportError, match="silent"):
+            act_on_lease(CELL, listen, OperatorAction.TAKE)
+        assert authority.standing(time.monotonic_ns()).lease == 0
+        assert authority.standing(time.monotonic_ns()).clock is None
+
+
+def test_a_site_that_is_refused_while_it_runs_ends_with_the_reason(stack, monkeypatch):
+    where = endpoint()
+    link = stack.enter_context(open_link(connect=(where,)))
+    monkeypatch.setattr("local_site.authority.lease_client.ROUNDS_TO_DOUBT", 2)
+    monkeypatch.setattr("common.link.transport.refusal", lambda place, _: f"{place} refuses us")
+    authority = stack.enter_context(Authority(link, CELL, "anna", 7, automatic=True))
+    told = []
+
+    def ended() -> bool:
+        try:
+            authority.standing(time.monotonic_ns())
+        except RefusedError as error:
+            told.append(str(error))
+        return bool(told)
+
+    until(ended, "the end")
+    assert told[0] == f"{where} refuses us"

@@ -1,0 +1,214 @@
+"""The command line as a user meets it: exit codes, and errors that name the cure without a traceback."""
+
+import socket
+import subprocess
+import sys
+from collections.abc import Callable, Iterator
+from pathlib import Path
+
+import pytest
+import structlog
+
+from common.clock import NS_PER_MS
+from common.config import load_config
+from farhand.__main__ import main as start
+from farhand.cli import main
+from local_site.calibration.rig_file import save_rig
+from local_site.config import LocalConfig
+from local_site.console.config import ConsoleConfig
+from local_site.simulation.cameras import control_point_rows, exact_rig
+from local_site.simulation.config import SimulationConfig
+from remote_site.config import RemoteConfig
+from remote_site.runtime.crash_marker import RunningMark
+
+DEPLOY = Path(__file__).parents[3] / "deploy" / "sites"
+
+
+def farhand(*arguments: str) -> subprocess.CompletedProcess[str]:
+    return subprocess.run(
+        [sys.executable, "-m", "farhand", *arguments], check=False, capture_output=True, text=True, timeout=60
+    )
+
+
+@pytest.fixture
+def here(monkeypatch, capsys, tmp_path) -> Iterator[Callable[..., subprocess.CompletedProcess[str]]]:
+    """Runs a command in this process, which is quicker, and tells how it ended: any exit is one without a traceback."""
+    monkeypatch.chdir(tmp_path)
+    monkeypatch.setattr("farhand.commands.asking.PATIENCE_NS", 300 * NS_PER_MS)
+
+    def run(*arguments: str) -> subprocess.CompletedProcess[str]:
+        monkeypatch.setattr(sys, "argv", ["farhand", *arguments])
+        with pytest.raises(SystemExit) as ended:
+            main()
+        told = capsys.readouterr()
+        return subprocess.CompletedProcess(arguments, ended.value.code, told.out, told.err)
+
+    yield run
+    assert not list(tmp_path.glob("never*")), "what is refused leaves nothing behind"
+    structlog.reset_defaults()
+
+
+@pytest.mark.parametrize(
+    "command",
+    [
+        [],
+        ["local"],
+        ["remote"],
+        ["engage"],
+        ["lease"],
+        ["lease", "show"],
+        ["lease", "take"],
+        ["lease", "give"],
+        ["lease", "release"],
+        ["loopback"],
+        ["doctor"],
+        ["maintenance", "stop"],
+        ["certificates", "create"],
+        ["certificates", "renew"],
+        ["track"],
+        ["calibrate"],
+        ["calibrate", "points"],
+        ["driver", "test"],
+        ["experiment"],
+        ["console"],
+    ],
+)
+def test_every_command_has_help(command: list[str], here) -> None:
+    done = here(*command, "--help")
+    assert done.returncode == 0
+    assert "Usage" in done.stdout
+    if command and command not in (["calibrate"], ["lease"]):
+        assert "Example: farhand" in done.stdout
+
+
+@pytest.mark.parametrize(
+    ("arguments", "code", "words"),
+    [
+        (["remote", "--set", "driver.nme=x"], 2, "did you mean name?"),
+        (["remote", "--set", "safety.t_latch_ms=50"], 2, ">= 100"),
+        (["remote", "--config", "absent.toml"], 2, "absent.toml"),
+        (["local", "--set", "operator.left=0"], 2, "both be simulated, or neither"),
+        (["loopback", "--motion", "dance"], 2, "pick_and_place"),
+        (["engage", "--cell", "No Such"], 2, "small letters"),
+        (["engage", "--operator", "No One"], 2, "operator 'No One': use"),
+        (["local", "--set", "authority.operator=Anna Meier"], 2, "small letters"),
+        (["remote", "--set", "engagement.mode=button"], 2, "button"),
+        (["lease", "take", "--local", "tcp/127.0.0.1:9"], 1, "nobody answered"),
+        (["lease", "show", "--remote", "tcp/127.0.0.1:9"], 1, "is the remote site of cell cell running?"),
+        (["calibrate", "points", "absent.csv"], 1, "absent.csv"),
+        (["track", "--rig", "absent.json", "--left", "a", "--right", "b"], 1, "absent.json"),
+        (["remote", "--emulate"], 2, "driver.emulate is for the driver c500c"),
+        (["experiment", "dance", "--out", "never"], 2, "choose one of: drift, follow"),
+        (["console", "--set", "serve.host=0.0.0.0"], 2, "needs token, certificate and key"),
+        (["remote", "--set", "links.tls.ca=ca.pem"], 2, "give all three, or none"),
+        (["remote", "--set", "links.plain_text_beyond_loopback=yes"], 2, "anybody on this network can move the arm"),
+        (["certificates", "create", "No Such", "--dir", "never"], 2, "small letters"),
+        (["certificates", "create", "lab", "--dir", "never", "--host", "a b"], 2, "host name or an address"),
+        (["certificates", "renew", "lab", "--dir", "never"], 2, "farhand certificates create lab"),
+        (["dance"], 2, "No such command"),
+        (["track"], 2, "Missing option"),
+        (["remote", "--set", "robot.model=/none.urdf"], 2, "neither a built-in model"),
+        (["remote", "--set", "robot.tool_frame=hook"], 2, "set robot.tool_frame to one of"),
+        (["remote", "--set", "safety.collision.ignored_pairs=[['hook', 'table']]"], 2, "ignored_pairs: no hook"),
+        (["remote", "--set", "driver.name=elbow"], 1, "choose one of: c500c, kinematic, simulated"),
+        (["remote", "--set", "links.control=tcp/10.0.0.1:7447"], 2, "refused"),
+        (["loopback", "--driver", "none"], 1, "choose one of"),
+        (["driver", "test", "elbow"], 1, "choose one of"),
+        (["console", "--set", "links.control=tcp/10.0.0.1:7447"], 2, "refused"),
+    ],
+)
+def test_misuse_is_told_with_its_cure(arguments: list[str], code: int, words: str, here) -> None:
+    done = here(*arguments)
+    assert done.returncode == code, done.stderr
+    assert words in " ".join(done.stderr.split())
+
+
+@pytest.mark.parametrize(("site", "key"), [("local", "links.listen"), ("remote", "links.video")])
+def test_a_site_whose_port_is_taken_says_so(site: str, key: str, here) -> None:
+    with socket.socket() as taken:
+        taken.bind(("127.0.0.1", 0))
+        done = here(site, "--set", f"{key}=tcp/127.0.0.1:{taken.getsockname()[1]}")
+    assert done.returncode == 1
+    assert "is the port taken by another site?" in done.stderr
+
+
+def test_ctrl_c_before_anything_listens_to_it_ends_without_a_traceback(monkeypatch, capsys) -> None:
+    def interrupted() -> None:
+        raise KeyboardInterrupt
+
+    monkeypatch.setattr("farhand.cli.main", interrupted)
+    with pytest.raises(SystemExit) as ended:
+        start()
+    assert ended.value.code == 130
+    assert capsys.readouterr().err == "farhand: interrupted\n"
+
+
+@pytest.mark.parametrize("stood", [False, True])
+def test_a_start_that_fails_leaves_the_mark_of_an_unfinished_run_as_it_was(
+    stood: bool, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setenv("STATE_DIRECTORY", str(tmp_path))
+    mark = RunningMark("cell", "tcp/127.0.0.1:7999")
+    if stood:
+        mark.set()
+    failed = farhand("remote", "--driver", "c500c", "--set", "links.control=tcp/127.0.0.1:7999")
+    assert failed.returncode == 1
+    assert "driver.options.port" in failed.stderr
+    assert "Traceback" not in failed.stderr
+    assert mark.set() is stood
+
+
+def with_cameras(rig: Path) -> list[str]:
+    """A local site with cameras that are not there; its tracker needs no preparation."""
+    settings = ["operator.left=/dev/video97", "operator.right=/dev/video98", f"operator.rig={rig}"]
+    return ["local", *(part for s in (*settings, "tracking.method=markers") for part in ("--set", s))]
+
+
+def test_a_missing_camera_is_told(tmp_path: Path, here) -> None:
+    csv, rig = tmp_path / "points.csv", tmp_path / "rig.json"
+    csv.write_text("\n".join(control_point_rows(SimulationConfig().stereo, 0.3, 1)) + "\n")
+    calibrated = here("calibrate", "points", str(csv), "--out", str(rig))
+    assert calibrated.returncode == 0
+    assert "reprojection rms: left 0." in calibrated.stdout
+    assert "total" in calibrated.stdout
+    done = farhand(*with_cameras(rig))
+    assert done.returncode == 1
+    assert "camera left: cannot open /dev/video97" in done.stderr
+    assert "Traceback" not in done.stderr
+
+
+def test_more_cameras_than_the_rig_has_are_refused(tmp_path: Path, here) -> None:
+    rig = tmp_path / "rig.json"
+    save_rig(exact_rig(SimulationConfig().stereo), rig)
+    done = here("track", "--rig", str(rig), "--left", "a", "--right", "b", "--also", "c")
+    assert done.returncode == 1
+    assert "the rig has 2 cameras (left, right), but 3 are given" in done.stderr
+
+
+def test_a_rig_that_is_none_is_told(tmp_path: Path, here) -> None:
+    rig = tmp_path / "rig.json"
+    rig.write_text("{}")
+    done = here(*with_cameras(rig))
+    assert done.returncode == 1
+    assert "farhand calibrate points" in done.stderr
+
+
+def test_a_calibration_file_with_a_nonsense_point_is_refused_by_its_line(tmp_path: Path, here) -> None:
+    csv = tmp_path / "points.csv"
+    csv.write_text("X_mm,Y_mm,Z_mm,uL_px,vL_px,uR_px,vR_px\n0,0,0,1,2,3,4\n0,0,banana,1,2,3,4\n0,0,1,inf,2,3,4\n")
+    out = tmp_path / "rig.json"
+    done = here("calibrate", "points", str(csv), "--out", str(out))
+    assert done.returncode == 1
+    assert "3" in done.stderr
+    assert "banana" in done.stderr
+    assert "4" in done.stderr
+    assert "Traceback" not in done.stderr
+    assert not out.exists()
+
+
+@pytest.mark.parametrize(
+    ("name", "kind"),
+    [("remote", RemoteConfig), ("local", LocalConfig), ("local-cameras", LocalConfig), ("console", ConsoleConfig)],
+)
+def test_the_example_configurations_are_valid(name: str, kind: type) -> None:
+    load_config(kind, DEPLOY / f"{name}.toml")

@@ -1,0 +1,69 @@
+"""A person's Ctrl-C ends a run in order: what was measured is kept, and nothing is told as a failure."""
+
+import json
+
+import pytest
+
+import farhand.cli
+from common.errors import InterruptionError, ProcessError
+from common.process.service import StopFlag
+from farhand.loopback import run as loopback
+from farhand.loopback.recorder import Record
+from farhand.loopback.run import LoopbackOptions, run_loopback
+
+
+def figures(engagements, mean):
+    return {"engagements": engagements, "follow_mm": {"mean": mean}, "stopped": None, "followed_share": 1.0}
+
+
+@pytest.fixture
+def run(monkeypatch, tmp_path):
+    """Runs a loopback that gives these figures, asked to stop or not; gives the report."""
+
+    def run(given, *, seconds, interrupted):
+        class Done:
+            record = Record()
+
+            def __init__(self, *_):
+                pass
+
+            def run(self):
+                return given
+
+        monkeypatch.setattr(loopback, "Loopback", Done)
+        monkeypatch.setattr(loopback, "print_table", lambda *_: None)
+        should_stop = StopFlag()
+        if interrupted:
+            should_stop.set()
+        run_loopback(LoopbackOptions(seconds, tmp_path / "out.json"), should_stop)
+
+    return run
+
+
+@pytest.mark.parametrize(("engagements", "mean"), [(0, None), (1, 400.0), (1, 5.0)])
+def test_an_interrupted_run_is_told_as_such_whatever_it_measured(run, tmp_path, engagements, mean):
+    with pytest.raises(InterruptionError, match="interrupted"):
+        run(figures(engagements, mean), seconds=30.0, interrupted=True)
+    assert json.loads((tmp_path / "out.json").read_text())["engagements"] == engagements
+
+
+def test_an_endless_run_that_a_person_ends_is_done_once_the_arm_has_followed(run):
+    run(figures(1, 5.0), seconds=0.0, interrupted=True)
+    with pytest.raises(InterruptionError):
+        run(figures(0, None), seconds=0.0, interrupted=True)
+
+
+def test_an_arm_that_did_not_follow_is_a_failure_still(run):
+    with pytest.raises(ProcessError, match="never engaged"):
+        run(figures(0, None), seconds=30.0, interrupted=False)
+
+
+def test_an_interruption_has_an_exit_code_of_its_own(monkeypatch, capsys):
+    def interrupted():
+        raise InterruptionError("interrupted")
+
+    monkeypatch.setattr(farhand.cli, "app", interrupted)
+    with pytest.raises(SystemExit) as ended:
+        farhand.cli.main()
+    assert ended.value.code == 130
+    assert capsys.readouterr().err == "farhand: interrupted\n"

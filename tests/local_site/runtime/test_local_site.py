@@ -1,0 +1,124 @@
+"""The local site's loop, from views to samples: what the drift alarm says reaches the log once and every sample."""
+
+import numpy as np
+import pytest
+from structlog.testing import capture_logs
+
+import local_site.runtime.app
+from common.cameras.camera import Frame
+from common.clock import NS_PER_S, FakeClock
+from common.messages.hand import TrackingStatus
+from local_site.authority.lease_client import Standing
+from local_site.calibration.rig import Rig
+from local_site.config import LocalConfig
+from local_site.preview.preview import Preview
+from local_site.runtime.app import LocalSite, Operator
+from local_site.simulation.cameras import exact_rig
+from local_site.simulation.config import StereoConfig
+from local_site.tracking.tracker import ArmEstimate, View, Views
+
+FPS = 30
+BUMP_NS = 15 * NS_PER_S
+IMAGE = np.full((4, 6), 8, np.uint8)
+PAIR = exact_rig(StereoConfig())
+
+
+class Cameras:
+    """Views of a number of cameras, one instant after another."""
+
+    ended = False
+
+    def __init__(self, count):
+        self._count, self._seq = count, 0
+
+    def next(self, _timeout_s):
+        self._seq += 1
+        t_ns = self._seq * NS_PER_S // FPS
+        return Views(t_ns, tuple(View(Frame(IMAGE, t_ns, self._seq)) for _ in range(self._count)))
+
+
+class Wire:
+    """A link that keeps what is sent and never hears anything."""
+
+    def __init__(self):
+        self.sent = []
+
+    def publisher(self, *_):
+        return self
+
+    def latest(self, *_):
+        return self
+
+    def serve(self, *_):
+        return self
+
+    def poll(self, *_):
+        pass
+
+    def put(self, sample):
+        self.sent.append(sample)
+
+    def take(self):
+        return None
+
+
+class Alone:
+    """A site without a lease."""
+
+    session = 1
+
+    def standing(self, _now_ns):
+        return Standing()
+
+
+class NoDrawing:
+    """Draws nothing."""
+
+    def take(self):
+        return []
+
+
+class BumpedLater:
+    """A tracker whose views stop to fit together when a camera is bumped."""
+
+    def track(self, views):
+        residual_px = 0.5 if views.t_ns < BUMP_NS else 4.0
+        return ArmEstimate(views.t_ns, TrackingStatus.TRACKED, "", wrist=np.zeros(3), residual_px=residual_px)
+
+
+@pytest.fixture
+def site(monkeypatch):
+    """Makes a site before so many cameras, with the wire that it sends on."""
+
+    def make(cameras=2):
+        monkeypatch.setattr(local_site.runtime.app, "make_tracker", lambda *_: BumpedLater())
+        wire = Wire()
+        rig = Rig(PAIR.cameras * (cameras // 2), PAIR.volume_min, PAIR.volume_max, PAIR.error_rms, "made up")
+        operator = Operator(rig, LocalConfig().tracking, (), lambda _t_ns: None)
+        return LocalSite(
+            LocalConfig(), operator, Cameras(cameras), wire, Alone(), Preview({}, NoDrawing(), 12.0), FakeClock(0)
+        ), wire
+
+    return make
+
+
+def test_drift_is_logged_once_and_told_with_every_sample(site):
+    made, wire = site()
+    with capture_logs() as logs:
+        for _ in range(30 * FPS):
+            made.step()
+    warned = [entry for entry in logs if entry["event"] == "drift"]
+    assert len(warned) == 1
+    assert "calibrate again" in warned[0]["reason"]
+    told = [sample.capture_ns for sample in wire.sent if sample.reason.endswith("calibrate again")]
+    assert BUMP_NS < told[0] < BUMP_NS + 11 * NS_PER_S
+    assert told == [sample.capture_ns for sample in wire.sent if sample.capture_ns >= told[0]]
+    assert wire.sent[-1].status is TrackingStatus.TRACKED
+
+
+def test_the_views_of_all_cameras_are_saved(site, tmp_path):
+    made, _ = site(cameras=4)
+    made.step()
+    made.save_views(tmp_path)
+    names = ("left", "right", "third", "fourth")
+    assert {path.name for path in tmp_path.iterdir()} == {f"operator_{name}.png" for name in names}

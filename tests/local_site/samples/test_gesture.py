@@ -1,0 +1,41 @@
+"""The open hand: debounced and counted once on its rising edge."""
+
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from common.clock import NS_PER_MS
+from local_site.samples.gesture import OpenHand, observe
+
+FRAME_NS = 33 * NS_PER_MS
+
+
+def run(observations, hold_ms=120.0):
+    state = OpenHand()
+    for k, seen in enumerate(observations):
+        state = observe(state, seen, k * FRAME_NS, hold_ms)
+    return state
+
+
+def test_an_opening_counts_once_however_long_it_lasts():
+    assert run([False] * 5 + [True] * 60).toggles == 1
+    assert run([False] * 5 + [True] * 10 + [False] * 10 + [True] * 10).toggles == 2
+
+
+def test_flicker_counts_nothing_and_a_short_gap_splits_nothing():
+    assert run([False, True, True, False] * 20).toggles == 0
+    assert run([True] * 10 + [False] * 2 + [True] * 10).toggles == 1
+
+
+def test_frames_without_a_hand_say_nothing_and_start_the_wait_anew():
+    assert run([True] * 3 + [None] * 20 + [True] * 3).toggles == 0
+    assert run([True] * 10 + [None] * 20).is_open
+
+
+@settings(max_examples=30, deadline=None, derandomize=True)
+@given(st.lists(st.sampled_from([True, False, None]), max_size=80))
+def test_the_count_never_falls_and_rises_only_with_an_opening(observations):
+    state = OpenHand()
+    for k, seen in enumerate(observations):
+        after = observe(state, seen, k * FRAME_NS)
+        assert after.toggles - state.toggles == (1 if after.is_open and not state.is_open else 0)
+        state = after

@@ -1,0 +1,72 @@
+"""The published sample: what it says of the points' certainty, and that nothing in it makes a receiver refuse it."""
+
+import numpy as np
+import pytest
+
+from common.link.channels import HAND
+from common.messages.codec import decode, encode
+from common.messages.hand import (
+    ClockSync,
+    HandArm,
+    Intent,
+    PointCovariances,
+    TrackingStatus,
+)
+from local_site.authority.lease_client import Standing
+from local_site.samples.gesture import OpenHand
+from local_site.samples.publisher import HandPublisher
+from local_site.samples.smoothing import SmoothingConfig, make_smoother
+from local_site.tracking.tracker import ArmEstimate
+
+WRIST = np.array([0.4, 0.3, 0.5])
+WRIST_COVARIANCE = np.array([[4.0, 1.0, -2.0], [1.0, 9.0, 0.5], [-2.0, 0.5, 16.0]]) * 1e-6
+
+
+class Wire:
+    """Takes what is sent through the codec, as the link does."""
+
+    def put(self, sample):
+        self.received = decode(encode(sample), HandArm, HAND.max_bytes)
+
+
+def received(covariances):
+    wire = Wire()
+    estimate = ArmEstimate(5, TrackingStatus.TRACKED, "", wrist=WRIST, covariances=covariances)
+    HandPublisher(wire, 3).publish(estimate, OpenHand(), Standing(), Intent())
+    return wire.received.covariance
+
+
+def test_the_upper_half_of_a_covariance_arrives_under_the_points_name():
+    expected = PointCovariances(wrist=pytest.approx((4e-6, 1e-6, -2e-6, 9e-6, 0.5e-6, 16e-6)))
+    assert received({"wrist": WRIST_COVARIANCE}) == expected
+
+
+def test_an_estimate_without_covariances_says_nothing():
+    assert received({}) is None
+
+
+@pytest.mark.parametrize("spoiled", [np.full((3, 3), np.nan), np.diag([1e-6, np.inf, 1e-6]), -WRIST_COVARIANCE])
+def test_what_is_no_covariance_is_unknown_and_the_sample_still_arrives(spoiled):
+    assert received({"wrist": spoiled, "elbow": WRIST_COVARIANCE}).wrist is None
+
+
+@pytest.mark.parametrize("method", ["one_euro", "mean"])
+def test_smoothing_leaves_covariances_as_measured(method):
+    smoother = make_smoother(SmoothingConfig(method=method))
+    for k in range(3):
+        offset = np.array([0.01 * k, 0.0, 0.0])
+        measured = ArmEstimate(
+            k * 33_000_000, TrackingStatus.TRACKED, "", wrist=WRIST + offset, covariances={"wrist": WRIST_COVARIANCE}
+        )
+        smoothed = smoother.smooth(measured)
+    assert smoothed.covariances["wrist"] is WRIST_COVARIANCE
+    assert not np.array_equal(smoothed.wrist, measured.wrist)
+
+
+def test_a_sample_says_under_which_lease_by_which_clock_and_with_what_intent_it_was_sent():
+    wire = Wire()
+    clock = ClockSync(remote_minus_local_ns=-5, uncertainty_ns=2, measured_ns=9)
+    estimate = ArmEstimate(5, TrackingStatus.LOST, "gone")
+    HandPublisher(wire, 3).publish(estimate, OpenHand(), Standing(41, clock), Intent(hold=True, scale=0.5))
+    sent = wire.received
+    assert (sent.session, sent.lease, sent.clock, sent.intent) == (3, 41, clock, Intent(hold=True, scale=0.5))

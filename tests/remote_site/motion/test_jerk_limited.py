@@ -1,0 +1,233 @@
+"""The follower: on a steady target without lag, on a sudden one without overshoot, and never outside the limits."""
+
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from common.clock import NS_PER_MS, NS_PER_S
+from common.geometry import rotation_from_vector, transform, vector_from_rotation
+from remote_site.config import RemoteConfig
+from remote_site.kinematics.joints import JointMotion
+from remote_site.motion.config import ControlConfig
+from remote_site.motion.jerk_limited import Follower, leash
+from remote_site.motion.target_predictor import Course, FreeCourse
+from remote_site.motion.target_tracker import choose_pursuit
+from remote_site.reasons import Code, Reason
+from remote_site.safety.config import SafetyConfig
+from remote_site.safety.guard import JointGuard, Passed
+from tests.remote_site.arms_followed import figure_of_eight
+from tests.remote_site.remote_loop import TICK_NS, arm
+
+DT = 0.004
+MODEL, LIMITS = arm()
+START = np.radians([0.0, 0.0, -45.0, 0.0, -45.0, 0.0])
+EXACT = ControlConfig(position_gain=1.0, velocity_gain=1.0)
+
+
+def follow(course, samples, seconds, latency_s=0.0):
+    """A follower whose course gets `samples` {t_s: q}: its motions, and how often the guard demanded the stop."""
+    follower, guard = Follower(LIMITS, DT), JointGuard(LIMITS, DT)
+    follower.reset(JointMotion.at_rest(START))
+    course.reset(0, START)
+    pending = sorted(samples.items())
+    history, refusals = [], 0
+    for k in range(round(seconds / DT)):
+        now_ns = round(k * DT * NS_PER_S)
+        while pending and pending[0][0] + latency_s <= k * DT:
+            t, q = pending.pop(0)
+            course.aim(round(t * NS_PER_S), q, now_ns)
+        before = follower.motion
+        motion = follower.track(*course.at(now_ns))
+        assert isinstance(motion, JointMotion)
+        if not isinstance(guard.check(motion, before), Passed):
+            refusals += 1
+            follower.reset(guard.stop(before))
+        history.append(follower.motion)
+    return history, refusals
+
+
+def ramp(speed, seconds, fps=30.0):
+    """Joint 1 at constant speed, then at rest."""
+    times = np.arange(1, round((seconds + 1) * fps)) / fps
+    return {t: START + np.eye(6)[0] * speed * min(t, seconds) for t in times}
+
+
+@pytest.mark.parametrize("latency_s", [0.015, 0.045, 0.09])
+def test_a_steady_target_is_followed_without_lag_or_stutter(latency_s):
+    history, refusals = follow(Course(LIMITS, EXACT), ramp(0.5, 2.0), 1.9, latency_s=latency_s)
+    assert refusals == 0
+    times = np.arange(1, len(history) + 1) * DT
+    settled = times > 1.0
+    q = np.array([motion.q[0] for motion in history])
+    dq = np.array([motion.dq[0] for motion in history])
+    assert np.abs(q - 0.5 * times)[settled].max() < 1e-3
+    assert np.abs(dq - 0.5)[settled].max() < 0.01
+
+
+def test_a_step_is_reached_without_overshoot():
+    target = START + np.array([0.5, -0.3, 0.2, 1.0, -0.4, -2.0])
+    follower = Follower(LIMITS, DT)
+    follower.reset(JointMotion.at_rest(START))
+    path = np.array([follower.track(target, np.zeros(6)).q for _ in range(400)])
+    assert np.abs(path[-1] - target).max() < 1e-9
+    assert ((path - target) * np.sign(START - target) >= -1e-8).all()
+
+
+def test_the_speed_scale_slows_the_follower():
+    follower = Follower(LIMITS, DT)
+    follower.reset(JointMotion.at_rest(START))
+    speeds = [np.abs(follower.track(START + 1.0, np.zeros(6), 0.25).dq) for _ in range(100)]
+    assert np.max(speeds, axis=0) == pytest.approx(0.25 * LIMITS.velocity)
+
+
+def test_a_sample_that_comes_after_the_course_has_ended_counts_as_any_other():
+    course, way = Course(LIMITS, EXACT), np.eye(6)[0]
+    course.reset(0, START)
+    course.aim(40 * NS_PER_MS, START + 0.04 * way, 100 * NS_PER_MS)
+    place, speed = course.at(250 * NS_PER_MS)
+    assert (place[0], speed[0]) == (pytest.approx(0.16, abs=0.02), pytest.approx(0.0, abs=0.5))  # it ended at 160 ms
+    course.aim(80 * NS_PER_MS, START + 0.08 * way, 255 * NS_PER_MS)
+    place, speed = course.at(314 * NS_PER_MS)
+    assert place[0] > 0.2  # on its way to 0.314
+    assert speed[0] > 1.0
+
+
+@pytest.mark.parametrize(("t_soft_ms", "carried"), [(100, False), (400, True)])
+def test_an_arm_that_a_long_t_soft_makes_slower_is_carried_on_for_longer(t_soft_ms, carried):
+    config = RemoteConfig(safety=SafetyConfig(t_soft_ms=t_soft_ms))
+    pursuit, target, at_ms = choose_pursuit(config, MODEL, LIMITS), MODEL.forward(START), 0
+    pursuit.reset(0, START)
+    for at_ms in range(33, 600, 33):
+        target = transform(target[:3, :3], target[:3, 3] + [0.0, 0.002, 0.0])
+        pursuit.aim(at_ms * NS_PER_MS, target, None, START, at_ms * NS_PER_MS, leashed=False)
+    earlier, later = (pursuit.at((at_ms + ms) * NS_PER_MS, START)[0][0] for ms in (160, 230))
+    assert bool(later - earlier > 0.003) is carried
+
+
+def test_a_course_ends_after_its_prediction_and_comes_to_rest_there():
+    course = Course(LIMITS, ControlConfig(position_gain=1.0, velocity_gain=1.0, predict_ms=60.0))
+    course.reset(0, START)
+    for k in range(1, 31):
+        course.aim(k * 33 * NS_PER_MS, START + 0.01 * k, k * 33 * NS_PER_MS)
+    last_ns = 30 * 33 * NS_PER_MS
+    q, dq = course.at(last_ns + 1000 * NS_PER_MS)
+    assert dq == pytest.approx(np.zeros(6), abs=1e-6)
+    assert q == pytest.approx(START + 0.3 + 0.01 * 60 / 33, abs=1e-3)
+
+
+def test_a_course_has_no_jumps():
+    rng = np.random.default_rng(2)
+    course = Course(LIMITS, ControlConfig())
+    course.reset(0, START)
+    step_ns = NS_PER_MS // 4
+    before = course.at(0)
+    for k in range(1, 2400):
+        now_ns = k * step_ns
+        if k % 132 == 0:
+            course.aim(now_ns - 15 * NS_PER_MS, START + rng.normal(0, 0.02, 6), now_ns)
+        here = course.at(now_ns)
+        assert np.abs(here[0] - before[0]).max() < 1e-3
+        assert np.abs(here[1] - before[1]).max() < 0.05
+        before = here
+
+
+def test_a_course_begins_to_move_no_harder_than_the_joints_can():
+    """Joints that cannot keep to it would catch up one after the other, and swing the tool off the way."""
+    course, way, hardest = Course(LIMITS, ControlConfig()), np.array([0.1, 0.05, -0.1, 0.1, 0.1, 0.1]), 0.0
+    course.reset(0, START)
+    before = np.zeros(6)
+    for k in range(1, 500):
+        t = k * TICK_NS / NS_PER_S
+        if k % 8 == 0:
+            share = min(max((t - 0.5) / 0.6, 0.0), 1.0)
+            course.aim(k * TICK_NS, START + way * share**3 * (10 - 15 * share + 6 * share**2), k * TICK_NS)
+        speed = course.at(k * TICK_NS)[1]
+        hardest, before = max(hardest, np.max(np.abs(speed - before) / DT / LIMITS.acceleration)), speed
+    assert hardest < 1.0
+
+
+def test_noise_at_rest_is_damped_and_a_hand_that_moves_is_followed():
+    """Noise of 1 mm on each axis is 1.73 mm in all; a hand that starts to move is followed within 2 mm all the same."""
+    rng, noise = np.random.default_rng(6), []
+    course = FreeCourse(3, ControlConfig())
+    for k in range(5000):
+        if k % 8 == 0:
+            course.aim(k * TICK_NS, rng.normal(0, 1e-3, 3), k * TICK_NS)
+        noise.append(course.at(k * TICK_NS)[0])
+    assert np.sqrt(np.mean(np.sum(np.square(noise[250:]), axis=1))) < 1.25e-3
+    course, off = FreeCourse(3, ControlConfig()), []
+    for k in range(1500):
+        place, _ = figure_of_eight(k * TICK_NS / NS_PER_S)
+        if k % 8 == 0:
+            course.aim(k * TICK_NS, place, k * TICK_NS)
+        off.append(np.linalg.norm(course.at(k * TICK_NS)[0] - place))
+    assert np.mean(off) < 0.7e-3
+    assert max(off) < 2.2e-3
+
+
+def test_old_samples_and_samples_at_once_do_not_upset_a_course():
+    course = Course(LIMITS, EXACT)
+    course.reset(100, START)
+    course.aim(100, START + 1.0, 200)
+    assert course.at(300)[0] == pytest.approx(START)
+    course.aim(101, START + 0.01, 200)
+    assert np.abs(course.at(200)[1]).max() <= 1.0 + 1e-9
+
+
+def test_a_target_outside_the_limits_ends_at_the_limit_slowly_enough():
+    samples = {t: START + np.eye(6)[4] * 3.0 * t for t in np.arange(1, 60) / 30}
+    history, _ = follow(Course(LIMITS, EXACT), samples, 2.0)
+    q5 = np.array([motion.q[4] for motion in history])
+    assert q5.max() <= LIMITS.upper[4] + 1e-9
+    assert q5[-1] == pytest.approx(LIMITS.upper[4], abs=1e-3)
+
+
+@settings(max_examples=30, deadline=None, derandomize=True)
+@given(
+    st.lists(
+        st.tuples(st.lists(st.floats(-2, 2), min_size=6, max_size=6), st.integers(1, 30), st.sampled_from("tsv")),
+        min_size=1,
+        max_size=12,
+    )
+)
+def test_whatever_the_target_the_joints_stay_within_velocity_acceleration_and_jerk(sequence):
+    follower, guard = Follower(LIMITS, DT), JointGuard(LIMITS, DT)
+    follower.reset(JointMotion.at_rest(START))
+    for values, ticks, kind in sequence:
+        target = np.clip(START + np.array(values), LIMITS.lower, LIMITS.upper)
+        speed = np.array(values) if kind == "v" else np.zeros(6)
+        for _ in range(ticks):
+            before = follower.motion
+            motion = follower.stop() if kind == "s" else follower.track(target, speed)
+            assert isinstance(motion, JointMotion)
+            verdict = guard.check(motion, before)
+            if not isinstance(verdict, Passed):
+                assert verdict.reason.code is Code.POSITION
+                follower.reset(guard.stop(before))
+
+
+def test_a_target_that_is_not_finite_gives_a_reason_and_no_motion():
+    follower = Follower(LIMITS, DT)
+    follower.reset(JointMotion.at_rest(START))
+    result = follower.track(START * np.nan, np.zeros(6))
+    assert isinstance(result, Reason)
+    assert result.code is Code.NO_TRAJECTORY
+    assert np.array_equal(follower.motion.q, START)
+    assert isinstance(follower.track(START + 0.1, np.zeros(6)), JointMotion)
+
+
+def test_the_leash_holds_position_and_orientation():
+    tool = transform(rotation_from_vector(np.array([0.2, 0.4, 0.1])), np.array([0.4, 0.1, 0.8]))
+    far = transform(tool[:3, :3] @ rotation_from_vector(np.array([0.0, 0.2, 0.0])), tool[:3, 3] + [0.0, 3.0, 0.0])
+    held, why = leash(far, tool, 0.2, 1.0)
+    assert held[:3, 3] - tool[:3, 3] == pytest.approx([0.0, 0.2, 0.0])
+    assert why is not None
+    assert why.code is Code.SATURATED
+    assert np.linalg.norm(vector_from_rotation(tool[:3, :3].T @ held[:3, :3])) < 0.2
+    turned = transform(tool[:3, :3] @ rotation_from_vector(np.array([0.0, 2.0, 0.0])), tool[:3, 3])
+    held, why = leash(turned, tool, 0.2, 1.0)
+    assert vector_from_rotation(tool[:3, :3].T @ held[:3, :3]) == pytest.approx([0.0, 1.0, 0.0])
+    assert why is not None
+    near = transform(tool[:3, :3], tool[:3, 3] + 0.05)
+    assert leash(near, tool, 0.2, 1.0) == (pytest.approx(near), None)

@@ -1,0 +1,110 @@
+"""What a remote site refuses before it starts, and what an unordered end leaves behind."""
+
+import re
+import textwrap
+from pathlib import Path
+
+import msgspec
+import pytest
+
+from common.config import load_config
+from common.errors import ConfigError
+from remote_site.config import RemoteConfig
+from remote_site.drivers.config import DriverConfig
+from remote_site.kinematics.config import CapsuleConfig, RobotConfig
+from remote_site.runtime.app import without_automatic_engagement
+from remote_site.runtime.checks import check_robot, find_mistakes
+from remote_site.runtime.crash_marker import RunningMark
+from remote_site.session.config import EngagementMode
+from remote_site.teleop.config import MappingConfig
+from remote_site.video.config import CameraConfig, VideoConfig
+from tests.remote_site.arms_followed import ARMS
+
+ROOT = Path(__file__).parents[3]
+SEVEN = {"model": str(ARMS / "seven_axes.urdf"), "acceleration_rad_s2": (10.0,), "start_deg": (0, 30, 0, 60, 0, 40, 0)}
+REAL = VideoConfig(cameras=(CameraConfig(name="front", source="/dev/video0"),))
+HOOK = CapsuleConfig(link="hook", start_m=(0.0, 0.0, 0.0), end_m=(0.0, 0.0, 0.1), radius_m=0.02)
+
+
+def test_the_defaults_are_right():
+    check_robot(RemoteConfig())
+
+
+@pytest.mark.parametrize(
+    ("robot", "words"),
+    [
+        (RobotConfig(start_deg=(0, 0, 500, 0, 0, 0)), "joint_3 at 500 deg is outside -109.0 to 109.0"),
+        (RobotConfig(start_deg=(0, 0, 0)), "3 angles for 6 joints"),
+        (RobotConfig(model="ur5"), "neither a built-in model \\(a465, humanoid\\) nor the file"),
+        (RobotConfig(position_deg={"joint_1": (-400, 400)}), "limits only tighten"),
+        (RobotConfig(tool_frame="hook"), "no frame 'hook'; set robot.tool_frame"),
+        (RobotConfig(capsules=(HOOK,)), "robot.capsules: there is no link 'hook'"),
+    ],
+)
+def test_an_arm_that_cannot_start_is_refused(robot, words):
+    with pytest.raises(ConfigError, match=words):
+        check_robot(RemoteConfig(robot=robot))
+
+
+def test_every_mistake_is_told_at_once_with_the_keys_that_cure_it():
+    robot = RobotConfig(capsules=(HOOK,), start_deg=(0, 0, 500, 0, -300, 0))
+    mirrored = MappingConfig(base_R_operator=((-1.0, 0.0, 0.0), (0.0, 1.0, 0.0), (0.0, 0.0, 1.0)))
+    mistakes = find_mistakes(RemoteConfig(robot=robot, mapping=mirrored))
+    assert [mistake.part for mistake in mistakes] == ["mapping", "collision", "start posture", "start posture"]
+    assert "robot.capsules" in mistakes[1].cure
+    assert all(mistake.sentence and mistake.cure for mistake in mistakes)
+
+
+def test_the_default_gripper_is_carried_by_whatever_frame_carries_the_tool(tmp_path):
+    urdf = tmp_path / "arm.urdf"
+    urdf.write_text((ARMS / "offset_wrist.urdf").read_text().replace("tool0", "l6"))
+    robot = RobotConfig(model=str(urdf), tool_frame="l6", acceleration_rad_s2=(10.0,))
+    check_robot(RemoteConfig(robot=robot))
+
+
+def test_a_moving_link_without_inertia_is_refused_where_it_would_be_simulated(tmp_path):
+    urdf = tmp_path / "arm.urdf"
+    urdf.write_text(re.sub(r"<inertial>.*</inertial>", "", (ARMS / "offset_wrist.urdf").read_text()))
+    (mistake,) = find_mistakes(RemoteConfig(robot=RobotConfig(model=str(urdf), acceleration_rad_s2=(10.0,))))
+    assert "'shoulder'" in mistake.sentence
+    assert "<inertial>" in mistake.sentence
+
+
+def test_the_guides_configuration_is_without_mistakes(tmp_path, monkeypatch):
+    monkeypatch.chdir(ROOT)
+    guide = (ROOT / "docs" / "another-arm.md").read_text()
+    path = tmp_path / "my-arm.toml"
+    path.write_text(textwrap.dedent(guide[guide.index("    [robot]\n") : guide.index("    farhand doctor")]))
+    config = load_config(RemoteConfig, path)
+    assert config.safety.collision.fixtures[0].max_m == (1.0, 0.6, 0.0)
+    check_robot(config)
+
+
+def test_a_simulated_cell_that_does_not_fit_the_arm_is_refused_and_a_real_one_does_not_ask():
+    robot = RobotConfig(**SEVEN)
+    (mistake,) = find_mistakes(RemoteConfig(robot=robot))
+    assert mistake.part == "simulated cell"
+    assert "7 joints; give simulation.arm" in mistake.sentence
+    check_robot(RemoteConfig(robot=robot, video=REAL, driver=DriverConfig(name="kinematic")))
+
+
+def test_a_mirrored_mapping_is_refused():
+    mirrored = MappingConfig(base_R_operator=((-1.0, 0.0, 0.0), (0.0, 1.0, 0.0), (0.0, 0.0, 1.0)))
+    with pytest.raises(ConfigError, match="not a proper rotation"):
+        check_robot(RemoteConfig(mapping=mirrored))
+
+
+def test_a_mark_that_still_stands_tells_of_an_unordered_end(tmp_path, monkeypatch):
+    monkeypatch.setenv("STATE_DIRECTORY", str(tmp_path))
+    first = RunningMark("cell", "tcp/127.0.0.1:7447")
+    assert not first.set()
+    assert RunningMark("cell", "tcp/127.0.0.1:7447").set()
+    assert not RunningMark("cell", "tcp/127.0.0.1:7449").set()
+    first.clear()
+    assert not RunningMark("cell", "tcp/127.0.0.1:7447").set()
+
+
+def test_without_automatic_engagement_all_else_stays():
+    config = without_automatic_engagement(RemoteConfig(cell="lab"))
+    assert config.engagement.mode is EngagementMode.ON_REQUEST
+    assert msgspec.structs.replace(config, engagement=RemoteConfig().engagement) == RemoteConfig(cell="lab")

@@ -1,0 +1,44 @@
+"""The clutch through the whole chain: taken anew in full motion, the target does not jump by 0.01 mm."""
+
+import numpy as np
+import pytest
+
+from common.messages.hand import Intent, Locks
+from tests.remote_site.remote_loop import RemoteLoop, assert_within_limits
+
+
+def swaying(t_ns):
+    t = t_ns / 1e9
+    return (0.08 * np.sin(2.5 * t), 0.05 * np.sin(4 * t), 0.3 + 0.06 * np.sin(3 * t))
+
+
+@pytest.mark.parametrize(
+    "intent",
+    [
+        Intent(clutch_count=1),
+        Intent(scale=0.3),
+        Intent(rotation_scale=0.0),
+        Intent(clutch_count=3, scale=2.0, locks=Locks(x=True, roll=True)),
+    ],
+)
+def test_a_change_of_steering_in_motion_is_no_jump_of_the_target(intent):
+    loop = RemoteLoop()
+    loop.run(600, swaying)
+    held = loop.chain.target.copy()
+    loop.run(1, swaying, intent=intent)
+    assert loop.chain._latest is loop.chain._aimed
+    jump_mm = np.linalg.norm(loop.chain.target[:3, 3] - held[:3, 3]) * 1e3
+    assert jump_mm <= 0.01
+    loop.run(300, swaying, intent=intent)
+    assert_within_limits(loop)
+
+
+def test_while_the_hand_is_brought_back_under_the_clutch_the_arm_keeps_its_place():
+    loop = RemoteLoop()
+    loop.run(400, lambda _t_ns: (0.0, 0.0, 0.3))
+    loop.run(400, lambda _t_ns: (0.0, -0.05, 0.3))
+    before = loop.model.forward(loop.sent.q)[:3, 3]
+    for count in range(1, 20):
+        intent = Intent(clutch_count=count)
+        loop.run(8, lambda _t_ns, k=count: (0.0, -0.05 + 0.002 * k, 0.3), intent=intent)
+    assert np.linalg.norm(loop.model.forward(loop.sent.q)[:3, 3] - before) * 1e3 < 0.01
