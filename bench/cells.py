@@ -46,7 +46,7 @@ def run(count: int, seconds: float) -> Figures:
     router = subprocess.Popen([sys.executable, "-m", "farhand", "router", *arguments], stderr=subprocess.DEVNULL)  # noqa: S603  # our own program
     try:
         with ExitStack() as stack:
-            played = [Cell(cell, endpoint, stack) for cell in cells]
+            played = [LinkedCell(cell, endpoint, stack) for cell in cells]
             _play(played, SETTLE_S)
             for cell in played:
                 cell.forget()
@@ -59,7 +59,7 @@ def run(count: int, seconds: float) -> Figures:
         router.wait(START_S)
 
 
-class Cell:
+class LinkedCell:
     """Both sites of a cell: one sends the hand and hears the pictures, the other the other way round."""
 
     def __init__(self, name: str, endpoint: str, stack: ExitStack) -> None:
@@ -102,7 +102,7 @@ class Cell:
                 camera.put(_picture(view, number))
 
 
-def _play(cells: list[Cell], seconds: float) -> None:
+def _play(cells: list[LinkedCell], seconds: float) -> None:
     """All cells tick 30 times a second, one after the other within the period."""
     began = time.monotonic()
     for number in range(round(seconds * RATE_HZ)):
@@ -112,7 +112,7 @@ def _play(cells: list[Cell], seconds: float) -> None:
             cell.tick(number)
 
 
-def _figures(cells: list[Cell]) -> Figures:
+def _figures(cells: list[LinkedCell]) -> Figures:
     hands = [age for cell in cells for age in cell.hand_ages_ms]
     pictures = [age for cell in cells for age in cell.picture_ages_ms]
     return {

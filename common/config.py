@@ -20,7 +20,7 @@ KEY_LINE = re.compile(r"\s*([A-Za-z0-9_.\"-]+)\s*=")
 
 
 @dataclass(frozen=True, slots=True)
-class Mistake:
+class ConfigMistake:
     """One thing that is wrong, at a key of the configuration."""
 
     path: KeyPath
@@ -38,7 +38,7 @@ def load_config(struct: type[S], path: Path | None, settings: Sequence[str] = ()
     except tomllib.TOMLDecodeError as error:
         raise ConfigError(f"{path}: not valid TOML: {error}") from error
     set_paths = {_apply(table, setting) for setting in settings}
-    mistakes: list[Mistake] = []
+    mistakes: list[ConfigMistake] = []
     config = build(struct, table, (), mistakes)
     if config is None or mistakes:
         lines = _key_lines(text)
@@ -46,31 +46,31 @@ def load_config(struct: type[S], path: Path | None, settings: Sequence[str] = ()
     return config
 
 
-def build(struct: type[S], table: Mapping[str, Any], path: KeyPath, mistakes: list[Mistake]) -> S | None:
+def build(struct: type[S], table: Mapping[str, Any], path: KeyPath, mistakes: list[ConfigMistake]) -> S | None:
     """The struct from a table of builtins, or None after adding every mistake to `mistakes`."""
     fields = {field.encode_name: field for field in msgspec.structs.fields(struct)}
     before = len(mistakes)
-    mistakes += [Mistake((*path, key), _unknown(key, list(fields))) for key in table if key not in fields]
+    mistakes += [ConfigMistake((*path, key), _unknown(key, list(fields))) for key in table if key not in fields]
     values: dict[str, Any] = {}
     for key, field in fields.items():
         if key in table:
             values[field.name] = _value(field.type, table[key], (*path, key), mistakes)
         elif field.required:
-            mistakes.append(Mistake((*path, key), "is missing; give it a value"))
+            mistakes.append(ConfigMistake((*path, key), "is missing; give it a value"))
     if len(mistakes) > before:
         return None
     try:
         return struct(**values)
     except (ValueError, ConfigError) as error:
-        mistakes.append(Mistake(path, str(error)))
+        mistakes.append(ConfigMistake(path, str(error)))
         return None
 
 
-def _value(expected: Any, value: Any, path: KeyPath, mistakes: list[Mistake]) -> Any:
+def _value(expected: Any, value: Any, path: KeyPath, mistakes: list[ConfigMistake]) -> Any:
     if isinstance(expected, type) and issubclass(expected, msgspec.Struct):
         if isinstance(value, dict):
             return build(expected, value, path, mistakes)
-        mistakes.append(Mistake(path, f"must be a table: [{'.'.join(path)}]"))
+        mistakes.append(ConfigMistake(path, f"must be a table: [{'.'.join(path)}]"))
         return None
     try:
         return msgspec.convert(value, expected)
@@ -78,7 +78,7 @@ def _value(expected: Any, value: Any, path: KeyPath, mistakes: list[Mistake]) ->
         bare = get_args(expected)[0] if get_origin(expected) is Annotated else expected
         choices = ", ".join(map(str, get_args(bare))) if get_origin(bare) is Literal else ""
         cure = f"choose one of {choices}" if choices else str(error)
-        mistakes.append(Mistake(path, f"{value!r} will not do: {cure}"))
+        mistakes.append(ConfigMistake(path, f"{value!r} will not do: {cure}"))
         return None
 
 
@@ -136,7 +136,7 @@ def _split(dotted: str) -> KeyPath:
     return tuple(part.strip().strip('"') for part in dotted.split("."))
 
 
-def _describe(mistake: Mistake, path: Path | None, lines: Mapping[KeyPath, int], set_paths: set[KeyPath]) -> str:
+def _describe(mistake: ConfigMistake, path: Path | None, lines: Mapping[KeyPath, int], set_paths: set[KeyPath]) -> str:
     key = ".".join(mistake.path) or "the configuration"
     if mistake.path in set_paths:
         return f"--set {key}: {mistake.text}"

@@ -213,7 +213,7 @@ def doctor(
 
     found = examine(config, settings or ())
     typer.echo(findings.as_json(found) if as_json else findings.as_text(found))
-    if findings.worst(found) is findings.Level.ERROR:
+    if findings.worst(found) is findings.Severity.ERROR:
         raise typer.Exit(FAILED)
 
 

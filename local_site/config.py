@@ -20,7 +20,7 @@ from local_site.tracking.choice import TrackingConfig
 SIMULATED = "simulated"
 
 
-class LinksConfig(LinkSecurity, frozen=True, kw_only=True, forbid_unknown_fields=True):
+class LocalLinksConfig(LinkSecurity, frozen=True, kw_only=True, forbid_unknown_fields=True):
     """Where the remote site is, and where this site is heard on its own host."""
 
     remote: Annotated[str, Meta(min_length=1, description="the remote site's control endpoint")] = "tcp/127.0.0.1:7447"
@@ -90,7 +90,7 @@ class LocalConfig(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fiel
     """Everything the local site can be told."""
 
     cell: Annotated[str, Meta(description="name of the cell to operate; both sites must agree on it")] = "cell"
-    links: LinksConfig = field(default_factory=LinksConfig)
+    links: LocalLinksConfig = field(default_factory=LocalLinksConfig)
     operator: OperatorConfig = field(default_factory=OperatorConfig)
     capture: PairingConfig = field(default_factory=PairingConfig)
     tracking: TrackingConfig = field(default_factory=TrackingConfig)

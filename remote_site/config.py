@@ -9,8 +9,8 @@ from common.link.channels import check_cell_name
 from common.process.metrics.config import MetricsConfig
 from remote_site.drivers.config import DriverConfig, GripConfig
 from remote_site.kinematics.config import RobotConfig
+from remote_site.link_config import RemoteLinksConfig
 from remote_site.motion.config import ControlConfig
-from remote_site.runtime.config import LinksConfig
 from remote_site.safety.config import SafetyConfig
 from remote_site.session.config import EngagementConfig, LeaseConfig
 from remote_site.simulation.config import SIMULATED, CellConfig
@@ -22,7 +22,7 @@ class RemoteConfig(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fie
     """Everything the remote site can be told."""
 
     cell: Annotated[str, Meta(description="name of this cell; both sites must agree on it")] = "cell"
-    links: LinksConfig = field(default_factory=LinksConfig)
+    links: RemoteLinksConfig = field(default_factory=RemoteLinksConfig)
     robot: RobotConfig = field(default_factory=RobotConfig)
     mapping: MappingConfig = field(default_factory=MappingConfig)
     safety: SafetyConfig = field(default_factory=SafetyConfig)

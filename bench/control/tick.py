@@ -18,8 +18,8 @@ from remote_site.drivers.kinematic import KinematicDriver
 from remote_site.kinematics.config import RobotConfig
 from remote_site.kinematics.limits import JointLimits
 from remote_site.kinematics.model import ArmModel
-from remote_site.session.lease import Holder, LeaseDesk
-from remote_site.teleop.pipeline import Chain
+from remote_site.session.lease import Holder, LeaseServer
+from remote_site.teleop.pipeline import TeleopPipeline
 
 TICKS = 4000
 TICK_NS = 4 * NS_PER_MS
@@ -38,9 +38,9 @@ class Bench:
         robot = config.robot
         self.model = ArmModel.from_urdf(robot.urdf, robot.tool_frame, robot.tool_T_tcp)
         limits = JointLimits.from_model(self.model, robot)
-        leases = LeaseDesk(TICKS * TICK_NS, LEASE)
+        leases = LeaseServer(TICKS * TICK_NS, LEASE)
         leases.acquire(Holder(1, "bench"), 0)
-        self.chain = Chain(config, self.model, limits, robot.start, leases)
+        self.chain = TeleopPipeline(config, self.model, limits, robot.start, leases)
         self._clock = FakeClock(TICK_NS)
         self._driver = KinematicDriver(self._clock)
         self._driver.configure(DriverSetup(self.model.joint_names, limits, TICK_NS / NS_PER_S, 50 * NS_PER_MS))

@@ -19,7 +19,7 @@ from bench.page.painted_clock import (
     watch,
 )
 from bench.page.stand import (
-    Stand,
+    PageStand,
     browsing,
     child_of,
     cpu_s,
@@ -132,7 +132,7 @@ def exposed_now(name: str, seq: int, image: Image) -> VideoFrame:
 def whole_figures(browser: Any) -> Figures:
     """Both sites and the page: the pictures' ages, the page's costs, and the stop."""
     with ExitStack() as stack:
-        stand = Stand(stack)
+        stand = PageStand(stack)
         console, address = stand.console(stand.video_port)
         time.sleep(LATENESS_S)
         closed_us = stand.record.states[-1].timing.late_p99_us
@@ -169,7 +169,7 @@ def levels(ages: dict[str, list[float]]) -> Figures:
     }
 
 
-def stop_figures(stand: Stand, page: Any) -> Figures:
+def stop_figures(stand: PageStand, page: Any) -> Figures:
     """From the key to the session's end, and to an arm that stands, while it moves; medians and the most."""
     clock = compare(page)
     page.evaluate(NOTE_ESCAPE)
@@ -198,7 +198,7 @@ def _first_ms(states: list[RobotState], from_ns: int, is_so: Callable[[RobotStat
     return next((after.t_ns - from_ns) / NS_PER_MS for before, after in pairwise(states) if is_so(before, after))
 
 
-def _moves(stand: Stand, page: Any) -> bool:
+def _moves(stand: PageStand, page: Any) -> bool:
     """Reset and engage until the arm moves."""
     state, before = stand.record.states[-1], stand.record.states[-5]
     if state.state is SessionState.DISENGAGED:
@@ -208,7 +208,7 @@ def _moves(stand: Stand, page: Any) -> bool:
     return bool(np.abs(np.subtract(state.q_commanded, before.q_commanded)).max() > LEAST_MOTION_RAD)
 
 
-def _rests(stand: Stand) -> bool:
+def _rests(stand: PageStand) -> bool:
     """Stopped, and commanded to stand for a fifth of a second."""
     states = stand.record.states[-10:]
     return all(state.code == "stopped" and state.q_commanded == states[-1].q_commanded for state in states)
@@ -218,7 +218,7 @@ def narrow_figures() -> Figures:
     """What the page shows through links that cannot carry all, with pictures as large as they get."""
     figures: Figures = {}
     with browsing() as browser, ExitStack() as stack:
-        stand, port = Stand(stack, "video.quality=100"), free_ports(1)[0]
+        stand, port = PageStand(stack, "video.quality=100"), free_ports(1)[0]
         link = stack.enter_context(NarrowLink(port, stand.video_port, OPEN_MBIT_S))
         _, address = stand.console(port)
         page = opened(browser, address)

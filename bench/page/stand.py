@@ -50,7 +50,7 @@ def wait(what: str, is_so: Callable[[], bool], pause: Callable[[], object] = lam
         pause()
 
 
-class Stand:
+class PageStand:
     """The sites with the simulated arm following, and what is heard of them; `video_port` is where they stream."""
 
     def __init__(self, stack: ExitStack, *settings: str) -> None:

@@ -19,7 +19,7 @@ from common.messages.hand import (
     PointCovariances,
     TrackingStatus,
 )
-from remote_site.session.lease import Holder, Lease, LeaseDesk
+from remote_site.session.lease import Holder, Lease, LeaseServer
 
 SAMPLE_NS = NS_PER_S // 30
 REACH_M = 0.45
@@ -71,7 +71,7 @@ class RandomHand:
 class RandomOperator:
     """Samples of a random hand as they come off the wire, the wrong ones among them; `happened` counts those."""
 
-    def __init__(self, luck: Random, leases: LeaseDesk, now_ns: int) -> None:
+    def __init__(self, luck: Random, leases: LeaseServer, now_ns: int) -> None:
         self._luck, self._leases = luck, leases
         self._hand = RandomHand(luck)
         self._wire: list[tuple[int, int, HandArm]] = []

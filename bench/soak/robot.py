@@ -11,7 +11,7 @@ from remote_site.config import RemoteConfig
 from remote_site.drivers.c500c.config import C500cConfig
 from remote_site.drivers.c500c.driver import C500cDriver
 from remote_site.drivers.c500c.emulation import EmulatedPort, Emulation
-from remote_site.drivers.c500c.emulator import Controller
+from remote_site.drivers.c500c.emulator import EmulatedController
 from remote_site.drivers.driver import Capabilities, Driver, DriverSetup, JointCommand, RobotReading
 from remote_site.drivers.faults import FaultCode, RobotFault
 from remote_site.drivers.kinematic import KinematicDriver
@@ -24,7 +24,7 @@ BEGIN_NS = 1000 * NS_PER_MS
 CALLS_PER_TROUBLE = 3000  # on the average; a robot is called about a thousand times a second
 
 
-class CellClock(FakeClock):
+class SteppedCellClock(FakeClock):
     """A clock that takes a simulated cell along, on the cell's own steps."""
 
     def __init__(self, cell: SimulatedCell) -> None:
@@ -50,14 +50,14 @@ def kinematic(config: RemoteConfig) -> tuple[FakeClock, Driver]:
 def simulated(config: RemoteConfig) -> tuple[FakeClock, Driver]:
     """The simulated cell."""
     memory = CellMemory.create(len(config.robot.start_deg))
-    clock = CellClock(SimulatedCell(config.simulation, config.robot, memory))
+    clock = SteppedCellClock(SimulatedCell(config.simulation, config.robot, memory))
     return clock, SimulatedDriver(memory, clock)
 
 
 def c500c(config: RemoteConfig) -> tuple[FakeClock, Driver]:
     """The A465's controller, emulated, on a line that loses one byte in ten thousand."""
     clock = FakeClock(BEGIN_NS)
-    port = EmulatedPort(Emulation(Controller(config.robot.start), clock.now_ns(), loss=1e-4), clock)
+    port = EmulatedPort(Emulation(EmulatedController(config.robot.start), clock.now_ns(), loss=1e-4), clock)
     return clock, C500cDriver(C500cConfig(), port, clock)
 
 

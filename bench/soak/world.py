@@ -17,16 +17,16 @@ from remote_site.drivers.driver import Driver, JointCommand
 from remote_site.drivers.link import DriverLink, RobotReport
 from remote_site.drivers.memory import DriverMemory
 from remote_site.drivers.supervisor.grip import GripWatch
-from remote_site.drivers.supervisor.supervisor import Keeper
+from remote_site.drivers.supervisor.supervisor import DriverSupervisor
 from remote_site.drivers.supervisor.write_scheduler import LEAST_SHARE
 from remote_site.kinematics.limits import JointLimits
 from remote_site.kinematics.model import ArmModel
 from remote_site.runtime.driver_process import Desk, grip_settings, setup_of
 from remote_site.session.config import EngagementConfig, EngagementMode
 from remote_site.session.fault_latch import FaultLatch
-from remote_site.session.lease import LeaseDesk
+from remote_site.session.lease import LeaseServer
 from remote_site.session.state_machine import FOLLOWING
-from remote_site.teleop.pipeline import Chain, Step
+from remote_site.teleop.pipeline import Step, TeleopPipeline
 
 CONFIG = msgspec.structs.replace(RemoteConfig(), engagement=EngagementConfig(mode=EngagementMode.ON_REQUEST, frames=10))
 TURN_NS = 2 * NS_PER_MS
@@ -62,11 +62,11 @@ class World:
         self.driver = TroubledDriver(driver, self._luck, self.clock, self._only_control)
         setup, memory = setup_of(CONFIG), DriverMemory.create(len(robot.start_deg))
         self.driver.configure(setup)
-        self._keeper = Keeper(self.driver, setup, self.clock, memory.busy, GripWatch(grip_settings(CONFIG)))
+        self._keeper = DriverSupervisor(self.driver, setup, self.clock, memory.busy, GripWatch(grip_settings(CONFIG)))
         self._desk, self._link = Desk(self._keeper, memory, self.clock), DriverLink(memory, self.limits, self.clock)
-        leases = LeaseDesk(FOR_EVER_NS, 1)
+        leases = LeaseServer(FOR_EVER_NS, 1)
         self.operator = RandomOperator(self._luck, leases, begin_ns)
-        self.chain = Chain(CONFIG, self.model, self.limits, robot.start, leases)
+        self.chain = TeleopPipeline(CONFIG, self.model, self.limits, robot.start, leases)
         self._latch = FaultLatch(self.chain.session)
         self.ticks, self._seq, self._last_fault = Ticks(), 0, ""
         self._rate = Rate(CONFIG.control.rate_hz, self.clock, least_share=LEAST_SHARE)

@@ -17,7 +17,7 @@ from bench.tracking.figures import (
 from bench.tracking.mediapipe_hands import MediaPipeHands, UnavailableError, install
 from bench.tracking.scenes import (
     RECORDINGS,
-    Scene,
+    TrackingScene,
     recorded_scenes,
     simulated_scenes,
 )
@@ -34,10 +34,10 @@ TABLE_WIDTH = 120
 RESULT = ("elbow", "wrist", "index")
 
 
-class Silhouette:
+class SilhouetteContender:
     """Our tracker with the counter of openings behind it, timed."""
 
-    def __init__(self, scene: Scene) -> None:
+    def __init__(self, scene: TrackingScene) -> None:
         self._tracker = SilhouetteTracker(scene.rig)
         self._hand = OpenHand()
 
@@ -76,7 +76,7 @@ class Comparison:
         except UnavailableError as error:
             self._leave_out(error)
 
-    def measure(self, scene: Scene) -> dict[str, float]:
+    def measure(self, scene: TrackingScene) -> dict[str, float]:
         """The figures of one scene, whose table is shown."""
         found, truth = self._run(scene)
         needed = {OURS: RESULT, MediaPipeHands.name: MediaPipeHands.needed}
@@ -103,9 +103,9 @@ class Comparison:
             result["MediaPipe's median time by ours"] = _level(theirs, 50) / _level(ours, 50)
         return result
 
-    def _run(self, scene: Scene) -> tuple[Mapping[str, list[Found]], list[ArmTruth]]:
+    def _run(self, scene: TrackingScene) -> tuple[Mapping[str, list[Found]], list[ArmTruth]]:
         """Both trackers in turn on every pair, so that whatever else the machine does meets both alike."""
-        silhouette = Silhouette(scene)
+        silhouette = SilhouetteContender(scene)
         ours: list[Found] = []
         theirs: list[Found] = []
         truth = []
@@ -118,7 +118,7 @@ class Comparison:
             self._ms[name] += [f.wall_ms for f in found[SETTLED:]]
         return complete, truth
 
-    def _ask_mediapipe(self, scene: Scene, views: Views) -> list[Found]:
+    def _ask_mediapipe(self, scene: TrackingScene, views: Views) -> list[Found]:
         if self._mediapipe is None:
             return []
         try:

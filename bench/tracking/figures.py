@@ -46,7 +46,7 @@ class PointFigures:
 
 
 @dataclass(frozen=True, slots=True)
-class Figures:
+class TrackingFigures:
     """One tracker on one recording, after the first frames; `points` has those that were found at least once."""
 
     frames: int
@@ -59,11 +59,11 @@ class Figures:
     points: Mapping[str, PointFigures]
 
 
-def judge(found: Sequence[Found], truth: Sequence[ArmTruth], needed: Sequence[str]) -> Figures:
+def judge(found: Sequence[Found], truth: Sequence[ArmTruth], needed: Sequence[str]) -> TrackingFigures:
     """The figures of a recording; a frame without any of the points `needed` is one without result."""
     after = found[SETTLED:]
     wall = [f.wall_ms for f in after]
-    return Figures(
+    return TrackingFigures(
         frames=len(after),
         median_ms=float(np.median(wall)),
         p95_ms=float(np.percentile(wall, 95)),
@@ -120,7 +120,7 @@ def rank_correlation(first: Array, second: Array) -> float:
     return float(np.corrcoef(rankdata(first), rankdata(second))[0, 1])
 
 
-def flat(figures: Figures) -> dict[str, float]:
+def flat(figures: TrackingFigures) -> dict[str, float]:
     """All figures by name, without those that could not be had."""
     result = {
         "median ms per pair": figures.median_ms,

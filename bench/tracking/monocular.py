@@ -11,9 +11,9 @@ from common.cameras.camera import Image
 from local_site.calibration.lens import Lens
 from local_site.simulation.hazel import FOCAL_PX, FOREARM_M, PRINCIPAL_PX, UPPER_ARM_M, Swing, TrueArm, hazel_film
 from local_site.tracking.monocular.config import MonocularConfig
-from local_site.tracking.monocular.estimator import ACCURATE, LIVE, Setting
-from local_site.tracking.monocular.follower import Follower
-from local_site.tracking.monocular.pose import Pose
+from local_site.tracking.monocular.estimator import ACCURATE, LIVE, EstimatorSetting
+from local_site.tracking.monocular.follower import ArmFollower
+from local_site.tracking.monocular.pose import ArmPose
 from local_site.tracking.monocular.quality import judged
 
 FRAMES, SETTLED = 120, 5
@@ -34,11 +34,11 @@ def measure() -> dict[str, float]:
     return figures
 
 
-def _measured(arms: Sequence[TrueArm], pictures: Sequence[Image], setting: Setting) -> dict[str, float]:
+def _measured(arms: Sequence[TrueArm], pictures: Sequence[Image], setting: EstimatorSetting) -> dict[str, float]:
     """Fit, judgement and learning timed; frames that are lost end the run."""
-    follower = Follower(Lens(FOCAL_PX, FOCAL_PX, *PRINCIPAL_PX), MonocularConfig(), setting)
+    follower = ArmFollower(Lens(FOCAL_PX, FOCAL_PX, *PRINCIPAL_PX), MonocularConfig(), setting)
     first = arms[0]
-    follower.begin(pictures[0], Pose(first.shoulder, first.upper_arm, first.forearm, UPPER_ARM_M))
+    follower.begin(pictures[0], ArmPose(first.shoulder, first.upper_arm, first.forearm, UPPER_ARM_M))
     errors, wall_ms, processor_ms = [], [], []
     for arm, picture in zip(arms[1:], pictures[1:], strict=True):
         wall, processor = time.perf_counter(), time.process_time()
@@ -61,7 +61,7 @@ def _measured(arms: Sequence[TrueArm], pictures: Sequence[Image], setting: Setti
     }
 
 
-def _off_mm(pose: Pose, arm: TrueArm) -> list[float]:
+def _off_mm(pose: ArmPose, arm: TrueArm) -> list[float]:
     wrist = pose.on_forearm(np.array([0.0, 0.0, FOREARM_M]))
     pairs = (pose.shoulder, arm.shoulder), (pose.elbow, arm.elbow), (wrist, arm.wrist)
     return [MM * float(np.linalg.norm(measured - true)) for measured, true in pairs]

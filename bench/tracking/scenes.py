@@ -58,7 +58,7 @@ class Instant:
 
 
 @dataclass(frozen=True, slots=True)
-class Scene:
+class TrackingScene:
     """A run of instants before a calibrated rig; every call of `instants` begins anew."""
 
     name: str
@@ -76,7 +76,7 @@ class _TruthLine(msgspec.Struct, frozen=True):
     hand_open: bool
 
 
-def simulated_scenes() -> list[Scene]:
+def simulated_scenes() -> list[TrackingScene]:
     """Every motion of an average arm, and other arms before closer, farther and slower cameras."""
     average = [simulated(name, SimulationConfig(motion=_motion(name)), seconds) for name, seconds in SECONDS.items()]
     carry: MotionName = "pick_and_place"
@@ -89,7 +89,7 @@ def simulated_scenes() -> list[Scene]:
     ]
 
 
-def simulated(name: str, config: SimulationConfig, seconds: float) -> Scene:
+def simulated(name: str, config: SimulationConfig, seconds: float) -> TrackingScene:
     """So many seconds of the simulated operator, as exactly calibrated cameras see him."""
 
     def instants() -> Iterator[Instant]:
@@ -100,19 +100,19 @@ def simulated(name: str, config: SimulationConfig, seconds: float) -> Scene:
             views = Views(t_ns, tuple(View(Frame(image, t_ns, k)) for image in operator.render(t_s)))
             yield Instant(views, operator.truth(t_s))
 
-    return Scene(f"simulated {name}", exact_rig(config.stereo), instants)
+    return TrackingScene(f"simulated {name}", exact_rig(config.stereo), instants)
 
 
 def _motion(name: MotionName) -> MotionConfig:
     return MotionConfig(name=name, still_s=STILL_S)
 
 
-def recorded_scenes(folder: Path) -> list[Scene]:
+def recorded_scenes(folder: Path) -> list[TrackingScene]:
     """The recordings of a folder, each calibrated from its own control points."""
     return [recorded(points.parent) for points in sorted(folder.glob("*/control_points.csv"))]
 
 
-def recorded(folder: Path) -> Scene:
+def recorded(folder: Path) -> TrackingScene:
     """A recording: left.avi, right.avi, control_points.csv and truth.jsonl; CameraError when pairs and truth differ."""
     rig = solve_rig(read_control_points(folder / "control_points.csv"), created="for measuring")
     lines = (folder / "truth.jsonl").read_bytes().splitlines()
@@ -128,7 +128,7 @@ def recorded(folder: Path) -> Scene:
                     raise CameraError(f"{folder} does not have as many pairs as its {len(truths)} lines of truth")
                 yield Instant(views, truth)
 
-    return Scene(folder.name, rig, instants)
+    return TrackingScene(folder.name, rig, instants)
 
 
 def _arm_truth(line: _TruthLine) -> ArmTruth:

@@ -6,18 +6,18 @@ from collections.abc import Mapping
 from rich.console import Group
 from rich.table import Table
 
-from bench.tracking.figures import Figures, PointFigures
+from bench.tracking.figures import PointFigures, TrackingFigures
 
 COLUMNS = ("frames", "mean", "p95", "max", "bias x", "y", "z mm", "NEES (3)", "rank")
 
 
-def shown(scene: str, by_tracker: Mapping[str, Figures], notes: tuple[str, ...]) -> Group:
+def shown(scene: str, by_tracker: Mapping[str, TrackingFigures], notes: tuple[str, ...]) -> Group:
     """Errors in mm by tracker and point; time, frames without result and toggles beneath, then the notes."""
     totals = [f"{name}: {_totals(figures)}" for name, figures in by_tracker.items()]
     return Group(_table(scene, by_tracker), *totals, *notes, "")
 
 
-def _table(scene: str, by_tracker: Mapping[str, Figures]) -> Table:
+def _table(scene: str, by_tracker: Mapping[str, TrackingFigures]) -> Table:
     table = Table(title=scene, title_justify="left")
     table.add_column("tracker")
     table.add_column("point")
@@ -30,7 +30,7 @@ def _table(scene: str, by_tracker: Mapping[str, Figures]) -> Table:
     return table
 
 
-def _totals(figures: Figures) -> str:
+def _totals(figures: TrackingFigures) -> str:
     time = f"median {figures.median_ms:.1f}, p95 {figures.p95_ms:.1f} ms a pair (processor {figures.processor_ms:.1f})"
     gaps = f"{figures.without_result} of {figures.frames} frames without result"
     toggles = "" if figures.toggles is None else f"; {figures.toggles} toggles of {figures.true_toggles}"

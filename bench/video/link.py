@@ -16,7 +16,7 @@ from common.messages.video import (
 )
 from remote_site.video.adaptation import Adaptation
 from remote_site.video.config import VideoConfig
-from remote_site.video.setting import Setting
+from remote_site.video.setting import StreamSetting
 
 TICK_NS = NS_PER_MS
 REPORT_NS = 100 * NS_PER_MS
@@ -24,7 +24,7 @@ DELAY_NS = 10 * NS_PER_MS
 MAKE_AND_PAINT_MS = 25.0
 RATE_OF = 128  # pictures, more than there are in a second
 
-Picture = Callable[[str, int, Setting], bytes]
+Picture = Callable[[str, int, StreamSetting], bytes]
 
 
 @dataclass(frozen=True, slots=True)
@@ -38,7 +38,7 @@ class Arrival:
 
 
 @dataclass
-class Link:
+class SimulatedLink:
     """A queue of so many bytes, beyond which a picture is lost; `mbit_s` may change while it runs."""
 
     mbit_s: float
@@ -66,7 +66,7 @@ class Link:
 
 
 @dataclass
-class _View:
+class _SentView:
     """What a viewer knows of one camera: when its pictures came, the one that waits, and those that were painted."""
 
     came: VideoFrame
@@ -82,11 +82,11 @@ class Viewer:
     def __init__(self) -> None:
         self.paints_fps = math.inf
         self.painted: list[Arrival] = []
-        self._views: dict[str, _View] = {}
+        self._views: dict[str, _SentView] = {}
 
     def take(self, frame: VideoFrame, now_ns: int) -> None:
         """A picture has come; one that still waited is passed over."""
-        view = self._views.setdefault(frame.camera, _View(frame, frame))
+        view = self._views.setdefault(frame.camera, _SentView(frame, frame))
         view.came = view.waiting = frame
         view.came_ns.append(now_ns)
 
@@ -106,7 +106,7 @@ class Viewer:
         return {camera: _told(view, now_ns) for camera, view in self._views.items()}
 
 
-def _told(view: _View, now_ns: int) -> ViewShown:
+def _told(view: _SentView, now_ns: int) -> ViewShown:
     came, shown, since_ns = view.came, view.shown, now_ns - NS_PER_S
     return ViewShown(
         seq=shown.seq,
@@ -130,7 +130,7 @@ class Run:
 
     def __init__(self, config: VideoConfig, picture: Picture, mbit_s: float, *, reports: bool = True) -> None:
         self.adaptation = Adaptation(config)
-        self.link = Link(mbit_s)
+        self.link = SimulatedLink(mbit_s)
         self.viewer = Viewer()
         self.now_ns = 0
         self._config = config
@@ -164,7 +164,7 @@ class Run:
                 self._sent_ns[camera] = self.now_ns
                 self._send(camera, setting)
 
-    def _send(self, camera: str, setting: Setting) -> None:
+    def _send(self, camera: str, setting: StreamSetting) -> None:
         seq = next(self._numbers[camera])
         frame = VideoFrame(
             camera=camera,

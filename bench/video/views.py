@@ -18,7 +18,7 @@ from remote_site.simulation.config import CellConfig
 from remote_site.video.cell_cameras import CellRenderer
 from remote_site.video.config import VideoConfig
 from remote_site.video.encode import encode_jpeg, shrunk
-from remote_site.video.setting import Setting
+from remote_site.video.setting import StreamSetting
 
 REPEATS = 60
 POSTURES = 10
@@ -87,7 +87,7 @@ def filmed(render: Callable[[Array], Image], posture: Array) -> list[Image]:
 def carried(config: VideoConfig, pictures: Pictures, mbit_s: float) -> dict[str, float]:
     """What arrives of noisy pictures through a link, beside the same link to which all is sent as it is."""
 
-    def picture(camera: str, seq: int, setting: Setting) -> bytes:
+    def picture(camera: str, seq: int, setting: StreamSetting) -> bytes:
         images = pictures[camera]
         return encode_jpeg(shrunk(images[seq % len(images)], setting.scale), setting.quality)
 

@@ -39,7 +39,7 @@ OPERATORS_HZ = 1000.0  # a stop may follow another request at once
 EVERYBODYS_HZ = 200.0
 
 
-class Session(StrEnum):
+class ChannelSession(StrEnum):
     """Which of a site's two Zenoh sessions carries a channel: video never delays control."""
 
     CONTROL = "control"
@@ -68,7 +68,7 @@ class Channel(Generic[M]):
     message: type[M]
     sent_by: frozenset[Role]
     heard_by: frozenset[Role]
-    session: Session
+    session: ChannelSession
     priority: Priority
     rate_hz: float
     stale_after_ns: int
@@ -91,7 +91,7 @@ HAND = Channel(
     message=HandArm,
     sent_by=OPERATORS,
     heard_by=OPERATORS | REMOTES,
-    session=Session.CONTROL,
+    session=ChannelSession.CONTROL,
     priority=Priority.REAL_TIME,
     rate_hz=30.0,
     stale_after_ns=100 * NS_PER_MS,
@@ -103,7 +103,7 @@ STATE = Channel(
     message=RobotState,
     sent_by=REMOTES,
     heard_by=EVERYBODY,
-    session=Session.CONTROL,
+    session=ChannelSession.CONTROL,
     priority=Priority.INTERACTIVE,
     rate_hz=100.0,
     stale_after_ns=500 * NS_PER_MS,
@@ -114,7 +114,7 @@ CAMERA = Channel(
     message=VideoFrame,
     sent_by=REMOTES,
     heard_by=EVERYBODY,
-    session=Session.VIDEO,
+    session=ChannelSession.VIDEO,
     priority=Priority.DATA,
     rate_hz=30.0,
     stale_after_ns=500 * NS_PER_MS,
@@ -126,7 +126,7 @@ PREVIEW = Channel(
     message=VideoFrame,
     sent_by=OPERATORS,
     heard_by=OPERATORS,
-    session=Session.CONTROL,
+    session=ChannelSession.CONTROL,
     priority=Priority.DATA,
     rate_hz=12.0,
     stale_after_ns=500 * NS_PER_MS,
@@ -138,7 +138,7 @@ SHOWN = Channel(
     message=ViewsShown,
     sent_by=OPERATORS,
     heard_by=REMOTES,
-    session=Session.VIDEO,
+    session=ChannelSession.VIDEO,
     priority=Priority.INTERACTIVE,
     rate_hz=10.0,
     stale_after_ns=1000 * NS_PER_MS,
@@ -150,7 +150,7 @@ INTENT = Channel(
     message=OperatorIntent,
     sent_by=OPERATORS,
     heard_by=OPERATORS,
-    session=Session.CONTROL,
+    session=ChannelSession.CONTROL,
     priority=Priority.INTERACTIVE,
     rate_hz=20.0,
     stale_after_ns=200 * NS_PER_MS,

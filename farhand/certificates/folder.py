@@ -23,7 +23,7 @@ HOST = re.compile(r"[0-9a-zA-Z.:-]{1,253}")
 
 
 @dataclass(frozen=True, slots=True)
-class Order:
+class CertificateOrder:
     """What is asked for: hosts beside the loopback interface under which the sites are reached, and for how long.
 
     ConfigError for what is no name of a cell, or no host: before anything is written.
@@ -40,7 +40,7 @@ class Order:
                 raise ConfigError(f"--host {host!r}: give a host name or an address, without port")
 
 
-def create(folder: Path, order: Order, now: datetime) -> list[Path]:
+def create(folder: Path, order: CertificateOrder, now: datetime) -> list[Path]:
     """Make what a cell needs, with the folder's authority, or a new one; ConfigError when the cell has certificates."""
     theirs = folder / order.cell
     if theirs.exists():
@@ -52,7 +52,7 @@ def create(folder: Path, order: Order, now: datetime) -> list[Path]:
     return _issue_all(folder, authority, order, now)
 
 
-def renew(folder: Path, order: Order, now: datetime) -> list[Path]:
+def renew(folder: Path, order: CertificateOrder, now: datetime) -> list[Path]:
     """New keys and certificates of the same authority for the same hosts, and for those in the order."""
     known = folder / order.cell / f"{Role.REMOTE.value}.pem"
     if not known.exists():
@@ -60,7 +60,7 @@ def renew(folder: Path, order: Order, now: datetime) -> list[Path]:
             f"{known} is not there: make it first: farhand certificates create {order.cell} --dir {folder}"
         )
     hosts = tuple(dict.fromkeys((*hosts_of(read_certificate(known)), *order.hosts)))
-    return _issue_all(folder, load_authority(folder), Order(order.cell, hosts, order.days), now)
+    return _issue_all(folder, load_authority(folder), CertificateOrder(order.cell, hosts, order.days), now)
 
 
 def load_authority(folder: Path) -> Issued:
@@ -102,7 +102,7 @@ def _new_authority(folder: Path, now: datetime) -> Issued:
     return authority
 
 
-def _issue_all(folder: Path, authority: Issued, order: Order, now: datetime) -> list[Path]:
+def _issue_all(folder: Path, authority: Issued, order: CertificateOrder, now: datetime) -> list[Path]:
     hosts = tuple(dict.fromkeys((*LOOPBACK_HOSTS, *order.hosts)))
     theirs = folder / order.cell
     theirs.mkdir(mode=0o700, parents=True, exist_ok=True)

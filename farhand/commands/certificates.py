@@ -26,9 +26,9 @@ def create_command(
 
     Example: farhand certificates create lab --host robot.example.org
     """
-    from farhand.certificates.folder import Order, create, guidance
+    from farhand.certificates.folder import CertificateOrder, create, guidance
 
-    create(folder, Order(cell, tuple(host or ()), days), datetime.now(UTC))
+    create(folder, CertificateOrder(cell, tuple(host or ()), days), datetime.now(UTC))
     typer.echo(guidance(folder, cell, host or ()))
 
 
@@ -40,8 +40,8 @@ def renew_command(
 
     Example: farhand certificates renew lab
     """
-    from farhand.certificates.folder import Order, renew
+    from farhand.certificates.folder import CertificateOrder, renew
 
-    made = renew(folder, Order(cell, tuple(host or ()), days), datetime.now(UTC))
+    made = renew(folder, CertificateOrder(cell, tuple(host or ()), days), datetime.now(UTC))
     typer.echo(f"renewed for {days} days: {', '.join(str(path) for path in made)}, and their keys")
     typer.echo("copy each pair to its host and restart the services there; the old ones are good until they expire")

@@ -11,7 +11,7 @@ from common.process.service import StopFlag, ask_for_real_time, start_log
 from remote_site.config import RemoteConfig
 from remote_site.drivers.config import EMULATED
 from remote_site.drivers.conformance.suite import run_checks
-from remote_site.drivers.conformance.trial import Stand
+from remote_site.drivers.conformance.trial import DriverStand
 from remote_site.drivers.registry import DriverHost, check_driver, create_driver
 from remote_site.runtime.app import run_cell_child, start_robot
 from remote_site.runtime.driver_process import FIFO_PRIORITY, setup_of
@@ -39,7 +39,7 @@ def test_driver(config: RemoteConfig, tell: Callable[[str], None]) -> bool:
     return not failed
 
 
-def _stand(config: RemoteConfig, children: Children) -> Stand:
+def _stand(config: RemoteConfig, children: Children) -> DriverStand:
     clock, memory = MonotonicClock(), None
     config = start_robot(config, children)
     if config.cell_is_simulated:
@@ -47,4 +47,4 @@ def _stand(config: RemoteConfig, children: Children) -> Stand:
         children.start("cell", partial(run_cell_child, config, memory))
     children.wait_ready(READY_TIMEOUT_S, StopFlag())
     host = DriverHost(clock, config.driver.options, memory)
-    return Stand(clock, setup_of(config), lambda: create_driver(config.driver.name, host), config.robot.start)
+    return DriverStand(clock, setup_of(config), lambda: create_driver(config.driver.name, host), config.robot.start)

@@ -6,7 +6,7 @@ from enum import StrEnum
 import msgspec
 
 
-class Level(StrEnum):
+class Severity(StrEnum):
     """How bad a finding is: with an error Farhand cannot run, with a warning it runs worse than it could."""
 
     OK = "ok"
@@ -18,30 +18,30 @@ class Finding(msgspec.Struct, frozen=True):
     """What one check says; `cure` is empty where there is nothing to do."""
 
     check: str
-    level: Level
+    level: Severity
     sentence: str
     cure: str = ""
 
 
 def ok(check: str, sentence: str) -> Finding:
     """All is well."""
-    return Finding(check, Level.OK, sentence)
+    return Finding(check, Severity.OK, sentence)
 
 
 def warning(check: str, sentence: str, cure: str) -> Finding:
     """It runs, but worse than it could."""
-    return Finding(check, Level.WARNING, sentence, cure)
+    return Finding(check, Severity.WARNING, sentence, cure)
 
 
 def error(check: str, sentence: str, cure: str) -> Finding:
     """It cannot run."""
-    return Finding(check, Level.ERROR, sentence, cure)
+    return Finding(check, Severity.ERROR, sentence, cure)
 
 
-def worst(findings: Sequence[Finding]) -> Level:
+def worst(findings: Sequence[Finding]) -> Severity:
     """The worst level among them."""
-    order = list(Level)
-    return max((finding.level for finding in findings), key=order.index, default=Level.OK)
+    order = list(Severity)
+    return max((finding.level for finding in findings), key=order.index, default=Severity.OK)
 
 
 def as_text(findings: Sequence[Finding]) -> str:
@@ -51,7 +51,7 @@ def as_text(findings: Sequence[Finding]) -> str:
         lines.append(f"{finding.level.value:<8} {finding.check}: {finding.sentence}")
         if finding.cure:
             lines.append(f"{'':<8}   cure: {finding.cure}")
-    counts = {level: sum(finding.level is level for finding in findings) for level in Level}
+    counts = {level: sum(finding.level is level for finding in findings) for level in Severity}
     lines.append(", ".join(f"{count} {level.value}" for level, count in counts.items()))
     return "\n".join(lines)
 

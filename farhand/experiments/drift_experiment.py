@@ -13,7 +13,7 @@ from common.messages.hand import TrackingStatus
 from farhand.experiments.charts import Line, Panel, common_range, figure
 from farhand.experiments.filming import Progress
 from farhand.experiments.following import FollowingArm
-from farhand.experiments.report import Data, Report
+from farhand.experiments.report import Data, ExperimentReport
 from farhand.loopback.casting import (
     ARM_FILES,
     HUMANOID,
@@ -60,13 +60,13 @@ def frames_of(quick: bool) -> int:
     return len(WAYS) * (STILL_FRAMES + (QUICK_FRAMES if quick else HAZEL_S_FRAMES))
 
 
-def drift_report(quick: bool, progress: Progress) -> Report:
+def drift_report(quick: bool, progress: Progress) -> ExperimentReport:
     """Run the experiment; always the same for the same installation."""
     frames = QUICK_FRAMES if quick else HAZEL_S_FRAMES
     runs = {way: _through_the_chain(way, frames, progress) for way in WAYS}
     runs[ARRIVING] = _arriving(frames)
     compared = {name: run.figures for name, run in runs.items()}
-    return Report(
+    return ExperimentReport(
         title="Incremental against relative command",
         text=TEXT,
         figures={"experiment": "drift", "quick": quick, "runs": compared},
@@ -76,7 +76,7 @@ def drift_report(quick: bool, progress: Progress) -> Report:
     )
 
 
-def describe(report: Report) -> str:
+def describe(report: ExperimentReport) -> str:
     """How far the tool is off, a line for each way."""
     return "\n".join(
         f"{name}: {figures['off_mm']['mean']} mm on average, {figures['off_mm']['largest']} mm at most, "

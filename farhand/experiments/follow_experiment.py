@@ -22,7 +22,7 @@ from farhand.experiments.follow import (
 )
 from farhand.experiments.following import ToolPath, follow_by_chain, follow_by_mean
 from farhand.experiments.plots import Way, follow_plots
-from farhand.experiments.report import Data, Report
+from farhand.experiments.report import Data, ExperimentReport
 from local_site.samples.smoothing import SmoothingConfig
 from local_site.simulation.config import MotionConfig, SimulationConfig
 from local_site.tracking.choice import TrackingConfig
@@ -58,7 +58,7 @@ def frames_of(quick: bool) -> int:
     return sum(round(filmed_s * fps) + 1 for fps in (THESIS_FPS, FARHAND_FPS))
 
 
-def follow_report(quick: bool, progress: Progress) -> Report:
+def follow_report(quick: bool, progress: Progress) -> ExperimentReport:
     """Run the experiment; always the same for the same settings. FarhandError says why it could not be run."""
     setup, tracking, own = _setup(quick), TrackingConfig(), SmoothingConfig()
     slow = film(setup.simulation, tracking, THESIS_FPS, setup.seconds, progress)
@@ -69,7 +69,7 @@ def follow_report(quick: bool, progress: Progress) -> Report:
         "mean_5fps": _way("9-frame mean at 5 fps", slow, by_mean, setup),
         "farhand_30fps": _way("Farhand at 30 fps", fast, by_chain, setup),
     }
-    return Report(
+    return ExperimentReport(
         title="Hand against tool: the thesis's mean and Farhand's chain",
         text=TEXT,
         figures={
@@ -154,7 +154,7 @@ def _data(curves: Curves, fps: float) -> Data:
     return Data(("frame", "t_s", *names), np.column_stack([frames, seconds(curves.frames_ns), *kinds.values()]))
 
 
-def describe(report: Report) -> str:
+def describe(report: ExperimentReport) -> str:
     """Lag and residual of both ways, behind the true and behind the measured hand, a line each."""
     return "\n".join(
         f"{name}, behind the {hand} hand: {_behind(figures[f'tool_behind_{hand}_hand'])}"

@@ -29,9 +29,9 @@ from remote_site.kinematics.limits import JointLimits
 from remote_site.kinematics.model import ArmModel
 from remote_site.kinematics.solution import Solution
 from remote_site.reasons import Code
-from remote_site.session.lease import Holder, LeaseDesk
+from remote_site.session.lease import Holder, LeaseServer
 from remote_site.teleop.mapping import Mapping
-from remote_site.teleop.pipeline import Chain, Step
+from remote_site.teleop.pipeline import Step, TeleopPipeline
 
 SESSION, LEASE, FOR_EVER_NS = 1, 1, 3600 * NS_PER_S
 STOP_WITHIN_NS = 50 * NS_PER_MS
@@ -103,10 +103,10 @@ class FollowingArm:
         self._model, limits = _arm(remote)
         self._tick_ns = round(NS_PER_S / remote.control.rate_hz)
         self._clock = FakeClock()
-        leases = LeaseDesk(FOR_EVER_NS, LEASE)
+        leases = LeaseServer(FOR_EVER_NS, LEASE)
         leases.acquire(Holder(SESSION, "operator"), 0)
         start = remote.robot.start
-        self._chain = Chain(remote, self._model, limits, start, leases)
+        self._chain = TeleopPipeline(remote, self._model, limits, start, leases)
         self._driver = KinematicDriver(self._clock)
         dt_s = 1.0 / remote.control.rate_hz
         self._driver.configure(DriverSetup(self._model.joint_names, limits, dt_s, STOP_WITHIN_NS))

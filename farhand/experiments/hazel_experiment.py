@@ -19,7 +19,7 @@ from farhand.experiments.hazel_figures import (
 )
 from farhand.experiments.hazel_filming import Footage, Progress, Tracked, joints, occluded, shoot, watch
 from farhand.experiments.hazel_plots import hazel_plots
-from farhand.experiments.report import Data, Report
+from farhand.experiments.report import Data, ExperimentReport
 from local_site.simulation.hazel import (
     HAZEL_C_FRAMES,
     HAZEL_S_FRAMES,
@@ -54,7 +54,7 @@ def frames_of(quick: bool) -> int:
     return sum(QUICK_FRAMES if quick else n for n in (*[HAZEL_S_FRAMES] * (2 + len(WAYS)), HAZEL_C_FRAMES))
 
 
-def hazel_report(quick: bool, progress: Progress) -> Report:
+def hazel_report(quick: bool, progress: Progress) -> ExperimentReport:
     """Run the experiment; always the same for the same installation."""
     frames = QUICK_FRAMES if quick else HAZEL_S_FRAMES
     swing = _swing(Swing(), frames, Scenery(), progress)
@@ -64,7 +64,7 @@ def hazel_report(quick: bool, progress: Progress) -> Report:
         compared[f"live, {name}"] = arm_figures(tracked)
     pointing = _pointing(QUICK_FRAMES if quick else HAZEL_C_FRAMES, progress)
     compared |= {"report, HAZEL-C": REPORT_C, "rectangle, live": finger_figures(pointing)}
-    return Report(
+    return ExperimentReport(
         title="One camera, a maximum-likelihood arm",
         text=TEXT,
         figures={"experiment": "hazel", "quick": quick, "runs": compared},
@@ -74,7 +74,7 @@ def hazel_report(quick: bool, progress: Progress) -> Report:
     )
 
 
-def describe(report: Report) -> str:
+def describe(report: ExperimentReport) -> str:
     """The mean errors in words, a line for each run."""
     lines = []
     for name, figures in report.compared.items():

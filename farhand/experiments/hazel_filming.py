@@ -15,7 +15,7 @@ from local_site.simulation.hazel import TrueArm, film_camera, film_pixel
 from local_site.simulation.textured_arm import ArmFilm, Place
 from local_site.tracking.monocular.config import MonocularConfig, StartConfig
 from local_site.tracking.monocular.monocular_tracker import MonocularTracker
-from local_site.tracking.monocular.pose import Pose
+from local_site.tracking.monocular.pose import ArmPose
 from local_site.tracking.tracker import View, Views
 
 FPS = 30.0
@@ -36,7 +36,7 @@ class Tracked:
     """What the tracker said of each frame: its status, and the pose in the camera's frame where it gave one."""
 
     arms: tuple[TrueArm, ...]
-    poses: tuple[Pose | None, ...]
+    poses: tuple[ArmPose | None, ...]
     statuses: tuple[TrackingStatus, ...]
 
 
@@ -78,12 +78,12 @@ def watch(footage: Footage, config: MonocularConfig, click_px: float) -> Tracked
     return Tracked(footage.arms, tuple(poses), tuple(statuses))
 
 
-def joints(arms: Sequence[TrueArm] | Sequence[Pose | None], name: str, along_forearm_m: float) -> Array:
+def joints(arms: Sequence[TrueArm] | Sequence[ArmPose | None], name: str, along_forearm_m: float) -> Array:
     """A joint by its name, or a point so far along the forearm where the name is none, (N, 3) in m; NaN where lost."""
     return np.array([_joint(arm, name, along_forearm_m) for arm in arms])
 
 
-def _joint(arm: TrueArm | Pose | None, name: str, along_forearm_m: float) -> Array:
+def _joint(arm: TrueArm | ArmPose | None, name: str, along_forearm_m: float) -> Array:
     if arm is None:
         return np.full(3, np.nan)
     joint: Array = {"shoulder": arm.shoulder, "elbow": arm.elbow}.get(

@@ -30,7 +30,7 @@ class Data:
 
 
 @dataclass(frozen=True, slots=True)
-class Report:
+class ExperimentReport:
     """A finished experiment. `figures` are all of them by name; `compared` those to be shown side by side."""
 
     title: str
@@ -41,7 +41,7 @@ class Report:
     data: Mapping[str, Data]
 
 
-def write_report(report: Report, folder: Path) -> None:
+def write_report(report: ExperimentReport, folder: Path) -> None:
     """Write all files, each whole or not at all; ConfigError when the folder cannot be written."""
     for name, data in report.data.items():
         write_result(folder / f"{name}.csv", _csv(data).encode())
@@ -57,7 +57,7 @@ def _csv(data: Data) -> str:
     return "\n".join(lines) + "\n"
 
 
-def _page(report: Report) -> str:
+def _page(report: ExperimentReport) -> str:
     flat = {name: dict(_flat(figures)) for name, figures in report.compared.items()}
     keys = list(dict.fromkeys(key for figures in flat.values() for key in figures))
     head = "".join(f"<th>{html.escape(name)}</th>" for name in ("", *flat))

@@ -9,7 +9,7 @@ from rich.progress import Progress
 
 from common.errors import ConfigError
 from farhand.experiments import drift_experiment, follow_experiment, hazel_experiment
-from farhand.experiments.report import Report, write_report
+from farhand.experiments.report import ExperimentReport, write_report
 from farhand.outputs import check_folder, make_folder
 from farhand.preparing import prepare_tracker
 from local_site.tracking.choice import TrackingConfig
@@ -20,8 +20,8 @@ class Experiment:
     """How many steps it has, how it is run (quick or not, told of every step), and its figures in words."""
 
     steps: Callable[[bool], int]
-    run: Callable[[bool, Callable[[], bool]], Report]
-    describe: Callable[[Report], str]
+    run: Callable[[bool, Callable[[], bool]], ExperimentReport]
+    describe: Callable[[ExperimentReport], str]
 
 
 EXPERIMENTS = {

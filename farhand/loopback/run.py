@@ -76,7 +76,7 @@ class LoopbackOptions:
 
 
 @dataclass(frozen=True, slots=True)
-class Operator:
+class LoopbackOperator:
     """The operator that the local site simulates, known here too for the truth."""
 
     simulated: SimulatedOperator
@@ -187,11 +187,11 @@ class Loopback:
         arguments = [part for setting in settings for part in ("--set", setting)]
         self._sites.append(SiteProcess(name, [*arguments, *extra], self._runtime))
 
-    def _start_local(self) -> Operator:
+    def _start_local(self) -> LoopbackOperator:
         views = self._options.save_views
         self._start("local", self._plan.local, ["--save-views", str(views.resolve())] if views else [])
         local = load_config(LocalConfig, None, self._plan.local)
-        return Operator(make_operator(local.simulation), Beginning())
+        return LoopbackOperator(make_operator(local.simulation), Beginning())
 
     @property
     def _engagement(self) -> Engagement | None:
@@ -217,7 +217,7 @@ class Loopback:
             live.show(elapsed, self.record)
             self._should_stop.wait(POLL_S)
 
-    def _settle(self, operator: Operator) -> None:
+    def _settle(self, operator: LoopbackOperator) -> None:
         """Let an opening of the hand that has just begun reach the gripper."""
         deadline = time.monotonic() + SETTLE_TIMEOUT_S
         while not self._should_stop() and time.monotonic() < deadline:
@@ -248,7 +248,7 @@ class Loopback:
             site.end()
             self._events += site.events
 
-    def _figures(self, operator: Operator, remote: RemoteConfig) -> Figures:
+    def _figures(self, operator: LoopbackOperator, remote: RemoteConfig) -> Figures:
         expectation = Expectation(remote.mapping.scale, np.array(remote.mapping.base_R_operator), remote.mapping.point)
         figures = all_figures(self.record, operator.truth, expectation)
         states = self.record.states

@@ -11,7 +11,7 @@ from local_site.calibration import accuracy, checks
 from local_site.calibration.board_errors import board_errors
 from local_site.calibration.board_start import UNSOLVABLE, Views, observations, starting_scene
 from local_site.calibration.boards import Board
-from local_site.calibration.bundle import Adjusted, Observations, Scene, adjust
+from local_site.calibration.bundle import Adjusted, BundleScene, Observations, adjust
 from local_site.calibration.control_points import ControlPoints, Size
 from local_site.calibration.model_choice import choose_model
 from local_site.calibration.physical_camera import ASPECT, BASE, K1, K2, PhysicalCamera
@@ -70,7 +70,7 @@ def _common_views(views: Views) -> Views:
     return [[own[i] for i in common] for own in views]
 
 
-def _refuse_similar_poses(scene: Scene) -> None:
+def _refuse_similar_poses(scene: BundleScene) -> None:
     normals = scene.rotations[:, :, 2]
     tilt = float(np.degrees(np.arccos(np.clip(np.min(normals @ normals.T), -1.0, 1.0))))
     if tilt < MIN_TILT_DEG:
@@ -80,7 +80,7 @@ def _refuse_similar_poses(scene: Scene) -> None:
         )
 
 
-def _fit(start: Scene, seen: Observations) -> tuple[Adjusted, str]:
+def _fit(start: BundleScene, seen: Observations) -> tuple[Adjusted, str]:
     def refit(chosen: Adjusted, free: tuple[int, ...]) -> Adjusted:
         return adjust(chosen.scene, seen, free)
 
@@ -107,7 +107,7 @@ def _refuse_misfit(fitted: Adjusted, seen: Observations, names: Sequence[str]) -
         )
 
 
-def operator_pose(scene: Scene, board: Board, standing: bool) -> tuple[Array, Array]:
+def operator_pose(scene: BundleScene, board: Board, standing: bool) -> tuple[Array, Array]:
     """The operator frame in the first camera's frame, by the first board: old_R_new (3, 3), old_t_new (3,) in m."""
     right, down, into = scene.rotations[0].T
     x = max((right, -right, down, -down), key=lambda axis: float(axis[0]))
@@ -127,7 +127,9 @@ def _pixels(views: Views, pose: int, count: int) -> list[Array]:
     return pixels
 
 
-def _control(pictures: BoardPictures, views: Views, board: Board, placed: tuple[Scene, Array, Array]) -> ControlPoints:
+def _control(
+    pictures: BoardPictures, views: Views, board: Board, placed: tuple[BundleScene, Array, Array]
+) -> ControlPoints:
     """The corners of all poses as points in the operator frame, with the pixels that were measured."""
     scene, old_R_new, old_t_new = placed
     count = len(board.corners)

@@ -9,7 +9,7 @@ from scipy.spatial.transform import Rotation
 from common.errors import CalibrationError
 from common.geometry import Array
 from local_site.calibration.boards import Board, BoardView
-from local_site.calibration.bundle import Observations, Scene
+from local_site.calibration.bundle import BundleScene, Observations
 from local_site.calibration.control_points import Size
 from local_site.calibration.lens import Lens
 from local_site.calibration.physical_camera import PhysicalCamera
@@ -36,7 +36,7 @@ def observations(views: Views, board: Board) -> Observations:
     )
 
 
-def starting_scene(views: Views, board: Board, sizes: Sequence[Size], names: Sequence[str]) -> Scene:
+def starting_scene(views: Views, board: Board, sizes: Sequence[Size], names: Sequence[str]) -> BundleScene:
     """Cameras and poses to begin with, in the first camera's frame; every pose is seen by it and by another camera.
 
     Raises CalibrationError where two cameras disagree about how the board moved.
@@ -49,7 +49,7 @@ def starting_scene(views: Views, board: Board, sizes: Sequence[Size], names: Seq
         rotation, translation = _middle(between, names[0], name)
         cameras.append(PhysicalCamera(lens, rotation, translation))
     places = [_place(i, poses, cameras) for i in range(len(views[0]))]
-    return Scene(tuple(cameras), np.array([r for r, _ in places]), np.array([t for _, t in places]))
+    return BundleScene(tuple(cameras), np.array([r for r, _ in places]), np.array([t for _, t in places]))
 
 
 def _alone(views: Sequence[BoardView | None], board: Board, size: Size) -> tuple[Lens, dict[int, Pose]]:

@@ -30,7 +30,7 @@ class Observations:
 
 
 @dataclass(frozen=True, slots=True)
-class Scene:
+class BundleScene:
     """The cameras, and the pose of each of P boards: `rotations` (P, 3, 3) and `translations` (P, 3) in m."""
 
     cameras: tuple[PhysicalCamera, ...]
@@ -52,10 +52,10 @@ class Scene:
             found[mine] = camera.pixels(points[mine])
         return found - seen.pixels
 
-    def stepped(self, camera_steps: Array, pose_steps: Array) -> "Scene":
+    def stepped(self, camera_steps: Array, pose_steps: Array) -> "BundleScene":
         """The scene a step away: (cameras, NUMBERS) and (P, 6), a rotation vector (rad) and a translation (m) each."""
         turns = Rotation.from_rotvec(pose_steps[:, :3]).as_matrix()
-        return Scene(
+        return BundleScene(
             tuple(camera.stepped(step) for camera, step in zip(self.cameras, camera_steps, strict=True)),
             turns @ self.rotations,
             self.translations + pose_steps[:, 3:],
@@ -66,7 +66,7 @@ class Scene:
 class Adjusted:
     """An adjusted scene, the camera numbers that were free, residuals (M, 2) and their slope (2M, all numbers)."""
 
-    scene: Scene
+    scene: BundleScene
     free: tuple[int, ...]
     residuals: Array
     slope: Array
@@ -86,12 +86,12 @@ class Adjusted:
         return tuple(camera.stepped(own) for camera, own in zip(self.scene.cameras, steps, strict=True))
 
 
-def adjust(start: Scene, seen: Observations, free: tuple[int, ...]) -> Adjusted:
+def adjust(start: BundleScene, seen: Observations, free: tuple[int, ...]) -> Adjusted:
     """The scene with the least squared residuals; `free` are the numbers to fit; the first camera stays in place."""
-    simple = Scene(tuple(c.simplified(free) for c in start.cameras), start.rotations, start.translations)
+    simple = BundleScene(tuple(c.simplified(free) for c in start.cameras), start.rotations, start.translations)
     cameras, poses = len(simple.cameras), len(simple.rotations)
 
-    def at(numbers: Array) -> Scene:
+    def at(numbers: Array) -> BundleScene:
         return simple.stepped(*_split(numbers, free, cameras, poses))
 
     def residuals(numbers: Array) -> Array:
@@ -125,7 +125,7 @@ def _split(numbers: Array, free: tuple[int, ...], cameras: int, poses: int) -> t
     return np.array(steps), own[cameras].reshape(poses, POSE_NUMBERS)
 
 
-def _slope(simple: Scene, numbers: Array, free: tuple[int, ...], seen: Observations) -> Array:
+def _slope(simple: BundleScene, numbers: Array, free: tuple[int, ...], seen: Observations) -> Array:
     """Slope (2M, all numbers): each corner hangs on one camera and one pose, so that one step serves all of them."""
     cameras, poses = len(simple.cameras), len(simple.rotations)
     camera_steps, pose_steps = _split(numbers, free, cameras, poses)

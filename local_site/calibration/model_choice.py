@@ -14,7 +14,7 @@ ROUNDING_PX = 1e-4
 LENS_WORDS = {(): "no distortion", (K1,): "k1", (K1, K2): "k1 and k2"}
 
 
-class Fit(Protocol):
+class CameraFit(Protocol):
     """A fit: which camera numbers were free, its residuals in px, how many numbers were fitted in all."""
 
     @property
@@ -25,7 +25,7 @@ class Fit(Protocol):
     def numbers(self) -> int: ...
 
 
-F = TypeVar("F", bound=Fit)
+F = TypeVar("F", bound=CameraFit)
 
 
 def choose_model(fullest: F, refit: Callable[[F, tuple[int, ...]], F], unreal: Callable[[F], bool]) -> tuple[F, str]:
@@ -49,7 +49,7 @@ def choose_model(fullest: F, refit: Callable[[F, tuple[int, ...]], F], unreal: C
     return chosen, f"{lens}, {pixel} (F-test at 1 %: {', '.join(chances) or 'too few points'})"
 
 
-def chance_of_noise(simple: Fit, rich: Fit) -> float:
+def chance_of_noise(simple: CameraFit, rich: CameraFit) -> float:
     """How probably noise alone would let the richer model fit as much better as it does (F-test)."""
     added = rich.numbers - simple.numbers
     count = rich.residuals.size

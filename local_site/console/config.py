@@ -14,7 +14,7 @@ from local_site.authority.operator_name import host_operator
 LEAST_TOKEN = 16
 
 
-class LinksConfig(LinkSecurity, frozen=True, kw_only=True, forbid_unknown_fields=True):
+class ConsoleLinksConfig(LinkSecurity, frozen=True, kw_only=True, forbid_unknown_fields=True):
     """Where both sites are heard."""
 
     control: Annotated[str, Meta(min_length=1, description="the remote site's control endpoint")] = "tcp/127.0.0.1:7447"
@@ -72,7 +72,7 @@ class ConsoleConfig(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fi
     cell: Annotated[str, Meta(description="name of the cell; all sites must agree on it")] = "cell"
     operator: Annotated[str, Meta(description="the local site's operator; empty: this host's name")] = ""
     operate: Annotated[bool, Meta(description="whether a page may operate; otherwise all only watch")] = True
-    links: LinksConfig = field(default_factory=LinksConfig)
+    links: ConsoleLinksConfig = field(default_factory=ConsoleLinksConfig)
     serve: ServeConfig = field(default_factory=ServeConfig)
 
     def __post_init__(self) -> None:

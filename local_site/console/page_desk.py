@@ -27,14 +27,14 @@ from local_site.console.page_messages import (
     AskLease,
     Beat,
     Clutch,
+    FrameTaken,
     LeaveSeat,
     MarkJoints,
     Shown,
     Steer,
-    Taken,
     TakeSeat,
 )
-from local_site.console.seat import Seat, Verdict
+from local_site.console.seat import Seat, SeatAnswer
 from local_site.console.shown import ShownViews
 
 NO_LEASE = 0
@@ -100,7 +100,7 @@ class PageDesk:
             case Beat():
                 self.seat.beat(page.visitor, now_ns, down=said.down)
                 page.letter(type="echo", page_ms=said.page_ms, server_ms=now_ns / NS_PER_MS)
-            case Taken():
+            case FrameTaken():
                 page.taken(said.view)
             case Ask():
                 self._ask(page, said, now_ns)
@@ -156,7 +156,7 @@ class PageDesk:
         reason = f"this page only watches: {who}; take the controls first"
         page.letter(type="answer", id=number, what=what, done=False, code="watching", reason=reason, took_ms=0)
 
-    def _answer_seat(self, page: Page, number: int, verdict: Verdict, now_ns: int) -> None:
+    def _answer_seat(self, page: Page, number: int, verdict: SeatAnswer, now_ns: int) -> None:
         if verdict.done:
             self._history.note("seat", f"{page.visitor}: {verdict.sentence}", now_ns)
         page.letter(

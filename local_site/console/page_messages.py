@@ -25,7 +25,7 @@ class Beat(PageMessage, frozen=True, tag="beat"):
     down: bool
 
 
-class Taken(PageMessage, frozen=True, tag="taken"):
+class FrameTaken(PageMessage, frozen=True, tag="taken"):
     """The page has painted, or passed over, a frame of this view."""
 
     view: Name
@@ -98,7 +98,7 @@ class Steer(PageMessage, frozen=True, tag="steer"):
         return replace(intent, locks=replace(intent.locks, **self.locks), **changed)
 
 
-AnyPageMessage = Beat | Taken | Shown | Ask | AskLease | MarkJoints | TakeSeat | LeaveSeat | Clutch | Steer
+AnyPageMessage = Beat | FrameTaken | Shown | Ask | AskLease | MarkJoints | TakeSeat | LeaveSeat | Clutch | Steer
 DECODER: msgspec.json.Decoder[AnyPageMessage] = msgspec.json.Decoder(AnyPageMessage)
 
 

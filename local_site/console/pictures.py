@@ -7,7 +7,7 @@ from common.link.channels import CAMERA, PREVIEW
 from common.link.transport import open_link
 from common.messages.video import VideoFrame
 from local_site.calibration.control_points import CAMERAS
-from local_site.console.config import LinksConfig
+from local_site.console.config import ConsoleLinksConfig
 from local_site.console.listening import Listeners
 
 Take = Callable[[VideoFrame], None]
@@ -21,7 +21,7 @@ class Pictures:
     `know` and `watch` may be called from anywhere and never wait.
     """
 
-    def __init__(self, links: LinksConfig, cell: str, listeners: Listeners, camera: Take, preview: Take) -> None:
+    def __init__(self, links: ConsoleLinksConfig, cell: str, listeners: Listeners, camera: Take, preview: Take) -> None:
         self._links, self._cell, self._listeners = links, cell, listeners
         self._camera, self._preview = camera, preview
         self._changed = threading.Condition()

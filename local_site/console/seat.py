@@ -20,7 +20,7 @@ class Visitor:
 
 
 @dataclass(frozen=True, slots=True)
-class Verdict:
+class SeatAnswer:
     """What came of asking for the seat, with a sentence for the one who asked."""
 
     done: bool
@@ -46,21 +46,21 @@ class Seat:
         if self.occupant is None:
             self.take(visitor, now_ns)
 
-    def take(self, visitor: Visitor, now_ns: int) -> Verdict:
+    def take(self, visitor: Visitor, now_ns: int) -> SeatAnswer:
         """Sit down, or hear who operates."""
         if not self._open:
-            return Verdict(False, "this console only watches: it was started with operate = false")
+            return SeatAnswer(False, "this console only watches: it was started with operate = false")
         if self.occupant is not None and self.occupant != visitor and not self._abandoned(now_ns):
-            return Verdict(False, f"{self.occupant} operates; it has to leave the controls or be closed first")
+            return SeatAnswer(False, f"{self.occupant} operates; it has to leave the controls or be closed first")
         if self.occupant != visitor:
             self._sit(visitor, now_ns)
-        return Verdict(True, "this page operates")
+        return SeatAnswer(True, "this page operates")
 
-    def leave(self, visitor: Visitor) -> Verdict:
+    def leave(self, visitor: Visitor) -> SeatAnswer:
         """Give up the seat; the end of a page that does not have it changes nothing."""
         if self.occupant == visitor:
             self._sit(None, None)
-        return Verdict(True, "this page only watches")
+        return SeatAnswer(True, "this page only watches")
 
     def beat(self, visitor: Visitor, now_ns: int, *, down: bool) -> None:
         """A page's sign of life, with whether its key is down."""

@@ -28,7 +28,7 @@ class Marks(msgspec.Struct, frozen=True):
     points: dict[str, Numbers]
 
 
-class Taken(msgspec.Struct, frozen=True):
+class PictureInfo(msgspec.Struct, frozen=True):
     """What is known of a picture beside its pixels."""
 
     shape: tuple[int, ...]
@@ -36,10 +36,10 @@ class Taken(msgspec.Struct, frozen=True):
     capture_estimated: bool
 
 
-class Order(msgspec.Struct, frozen=True):
+class DrawingOrder(msgspec.Struct, frozen=True):
     """Everything to be drawn at one instant, without the pictures."""
 
-    taken: tuple[Taken, ...]
+    taken: tuple[PictureInfo, ...]
     status: TrackingStatus
     reason: str
     thumb_inferred: bool
@@ -51,17 +51,17 @@ class Order(msgspec.Struct, frozen=True):
 class Drawn(msgspec.Struct, frozen=True):
     """One view, ready to be sent."""
 
-    taken: Taken
+    taken: PictureInfo
     width: int
     height: int
     jpeg: bytes
 
 
-def order_of(views: Views, estimate: ArmEstimate) -> Order:
+def order_of(views: Views, estimate: ArmEstimate) -> DrawingOrder:
     """What to draw for an instant."""
     frames = [view.current for view in views.views]
-    return Order(
-        taken=tuple(Taken(f.image.shape, f.capture_ns, f.capture_estimated) for f in frames),
+    return DrawingOrder(
+        taken=tuple(PictureInfo(f.image.shape, f.capture_ns, f.capture_estimated) for f in frames),
         status=estimate.status,
         reason=estimate.reason,
         thumb_inferred=estimate.thumb_inferred,
@@ -71,7 +71,7 @@ def order_of(views: Views, estimate: ArmEstimate) -> Order:
     )
 
 
-def estimate_of(order: Order) -> ArmEstimate:
+def estimate_of(order: DrawingOrder) -> ArmEstimate:
     """The estimate again, as far as it is drawn."""
     places = {name: np.array(numbers) for name, numbers in order.places.items()}
     return ArmEstimate(
@@ -88,7 +88,9 @@ def estimate_of(order: Order) -> ArmEstimate:
     )
 
 
-def draw(order: Order, pictures: Sequence[Image], projections: Sequence[Array], config: PreviewConfig) -> list[Drawn]:
+def draw(
+    order: DrawingOrder, pictures: Sequence[Image], projections: Sequence[Array], config: PreviewConfig
+) -> list[Drawn]:
     """All views of an instant with what was found in them; the pictures are flat, as they came through the memory."""
     estimate = estimate_of(order)
     return [
@@ -97,7 +99,7 @@ def draw(order: Order, pictures: Sequence[Image], projections: Sequence[Array], 
     ]
 
 
-def _drawn(picture: Image, taken: Taken, config: PreviewConfig) -> Drawn:
+def _drawn(picture: Image, taken: PictureInfo, config: PreviewConfig) -> Drawn:
     height, width = picture.shape[:2]
     if width > config.width:
         size = config.width, round(height * config.width / width)

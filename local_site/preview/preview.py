@@ -6,14 +6,14 @@ from typing import Protocol
 
 from common.clock import NS_PER_S
 from common.messages.video import CameraStatus, VideoFrame
-from local_site.preview.drawing import Drawn, Taken
+from local_site.preview.drawing import Drawn, PictureInfo
 from local_site.tracking.tracker import ArmEstimate, Views
 
 MAX_REASON = 400
-NOTHING = Taken(shape=(), capture_ns=0, capture_estimated=False)
+NOTHING = PictureInfo(shape=(), capture_ns=0, capture_estimated=False)
 
 
-class Wire(Protocol):
+class PreviewSink(Protocol):
     """Where one view's pictures go, and whether anybody listens."""
 
     @property
@@ -33,9 +33,9 @@ class Drawer(Protocol):
 @dataclass(slots=True)
 class _View:
     name: str
-    wire: Wire
+    wire: PreviewSink
     seq: int = 0
-    taken: Taken = NOTHING
+    taken: PictureInfo = NOTHING
 
 
 class Preview:
@@ -44,7 +44,7 @@ class Preview:
     `wires` are by the name of the view, in the order of the rig's cameras.
     """
 
-    def __init__(self, wires: Mapping[str, Wire], drawer: Drawer, fps: float) -> None:
+    def __init__(self, wires: Mapping[str, PreviewSink], drawer: Drawer, fps: float) -> None:
         self._views = [_View(name, wire) for name, wire in wires.items()]
         self._drawer = drawer
         self._period_ns = round(NS_PER_S / fps)

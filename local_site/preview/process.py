@@ -12,7 +12,7 @@ from common.geometry import Array
 from common.process.children import Children, Heartbeat
 from common.process.service import StopFlag, be_idle
 from local_site.preview.config import PreviewConfig
-from local_site.preview.drawing import Drawn, Order, draw, order_of
+from local_site.preview.drawing import DrawingOrder, Drawn, draw, order_of
 from local_site.preview.mailbox import Mailbox
 from local_site.tracking.tracker import ArmEstimate, Views
 
@@ -80,6 +80,6 @@ class _Drawing:
             self._orders.wait(WAIT_NS)
             parts = self._orders.take()
             if parts is not None:
-                order = msgspec.msgpack.decode(parts[0].tobytes(), type=Order)
+                order = msgspec.msgpack.decode(parts[0].tobytes(), type=DrawingOrder)
                 drawn = draw(order, parts[1:], self._projections, self._config)
                 self._drawn.put([msgspec.msgpack.encode(drawn)])

@@ -40,7 +40,6 @@ from local_site.authority.remote_watch import RemoteWatch
 from local_site.calibration.control_points import CAMERAS
 from local_site.calibration.rig import Rig
 from local_site.calibration.rig_file import load_rig
-from local_site.calibration.simulated import calibrate_simulated
 from local_site.config import LocalConfig
 from local_site.preview.picture_files import write_picture
 from local_site.preview.preview import Preview
@@ -50,6 +49,7 @@ from local_site.samples.gesture import OpenHand, observe
 from local_site.samples.intent import IntentMerge
 from local_site.samples.publisher import HandPublisher
 from local_site.samples.smoothing import make_smoother
+from local_site.simulation.calibrated import calibrate_simulated
 from local_site.simulation.source import SimulatedCameras
 from local_site.tracking.annotate import annotate
 from local_site.tracking.choice import TrackingConfig, make_tracker, profile_of
@@ -134,7 +134,7 @@ def _metrics(config: LocalConfig, should_stop: StopFlag, heartbeat: Heartbeat) -
 
 
 @dataclass(frozen=True, slots=True)
-class Operator:
+class OperatorRig:
     """The cameras that see the operator, their calibration and tracker; who is told that the arm is engaged (ns)."""
 
     rig: Rig
@@ -143,17 +143,17 @@ class Operator:
     engaged: Callable[[int], None]
 
 
-def _open_operator(config: LocalConfig) -> Operator:
+def _open_operator(config: LocalConfig) -> OperatorRig:
     operator = config.operator
     if operator.is_simulated:
         simulated = SimulatedCameras(config.simulation)
         rig = simulated.rig if config.simulation.textured else calibrate_simulated(config.simulation)
-        return Operator(rig, config.tracking, simulated.cameras, simulated.begin)
+        return OperatorRig(rig, config.tracking, simulated.cameras, simulated.begin)
     rig, tracking = load_rig(Path(operator.rig)), config.tracking
     if operator.alone:
         rig, tracking = of_one_camera(rig, tracking)
     cameras = open_rig_cameras(rig, operator.sources, operator.fps, operator.latency_ms)
-    return Operator(rig, tracking, cameras, lambda _t_ns: None)
+    return OperatorRig(rig, tracking, cameras, lambda _t_ns: None)
 
 
 def _warn_of_drift(sentence: str) -> None:
@@ -178,7 +178,7 @@ class LocalSite:
     def __init__(
         self,
         config: LocalConfig,
-        operator: Operator,
+        operator: OperatorRig,
         capture: Capture,
         link: Link,
         authority: Authority,

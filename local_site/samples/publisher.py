@@ -14,7 +14,7 @@ from local_site.tracking.tracker import ArmEstimate
 REASON_CHARACTERS = 400
 
 
-class Wire(Protocol):
+class SampleSink(Protocol):
     """Where samples go: the link's publisher, or whoever works without a link."""
 
     def put(self, message: HandArm) -> None: ...
@@ -23,7 +23,7 @@ class Wire(Protocol):
 class HandPublisher:
     """Publishes hand samples of one session, each with the standing and the intent of its instant."""
 
-    def __init__(self, publisher: Wire, session: int) -> None:
+    def __init__(self, publisher: SampleSink, session: int) -> None:
         self._publisher = publisher
         self._session = session
         self._seq = 0

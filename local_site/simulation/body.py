@@ -26,7 +26,7 @@ ELBOW_FLATNESS = 0.10
 
 
 @dataclass(frozen=True, slots=True)
-class ArmPose:
+class BodyPose:
     """The skeleton at one instant, operator frame, m.
 
     `operator_R_hand` has its columns along the hand: x distal, y radial (the thumb's side), z dorsal.
@@ -93,7 +93,7 @@ class ArmBody:
         self.parts = _parts(len(FOREARM_AT), len(UPPER_ARM_AT) - 1)
         self.ball_count = len(self._radii)
 
-    def solid(self, pose: ArmPose) -> Solid:
+    def solid(self, pose: BodyPose) -> Solid:
         """The skin of the whole arm in this pose."""
         along = _unit(pose.wrist - pose.elbow)
         up = _unit(pose.elbow - pose.shoulder)
@@ -103,7 +103,7 @@ class ArmBody:
         hand = pose.wrist + self._hand.balls(pose.openness) @ pose.operator_R_hand.T
         return Solid(np.concatenate([forearm, upper, hand]), self._radii, rim)
 
-    def truth(self, pose: ArmPose) -> ArmTruth:
+    def truth(self, pose: BodyPose) -> ArmTruth:
         """The points of the skeleton that a tracker measures."""
         index, thumb = self._hand.tips(pose.openness)
         rotation = pose.operator_R_hand
@@ -115,7 +115,7 @@ class ArmBody:
             hand_open=pose.openness > OPEN_ABOVE,
         )
 
-    def _forearm_balls(self, pose: ArmPose, along: Array, hinge: Array) -> Array:
+    def _forearm_balls(self, pose: BodyPose, along: Array, hinge: Array) -> Array:
         """Pairs of balls (2N, 3): flat across the hinge at the elbow, across the hand at the wrist."""
         inner = _cross(along, hinge)
         radial = pose.operator_R_hand[:, 1]
@@ -128,7 +128,7 @@ class ArmBody:
         middle = pose.elbow + (self._config.forearm_length * FOREARM_AT)[:, None] * along + belly
         return _pairs(middle, self._forearm.half_width[:, None] * across)
 
-    def _upper_arm_balls(self, pose: ArmPose, along: Array, hinge: Array) -> tuple[Array, Array]:
+    def _upper_arm_balls(self, pose: BodyPose, along: Array, hinge: Array) -> tuple[Array, Array]:
         """Pairs of balls from the elbow up, and the rim where the sleeve begins, a flat cut across the limb."""
         inner = _cross(hinge, along)
         reach = self._config.upper_arm_length * self._config.bare_fraction * UPPER_ARM_AT

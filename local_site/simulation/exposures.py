@@ -21,7 +21,7 @@ class Exposure:
 
 
 @dataclass(frozen=True, slots=True)
-class Pace:
+class ExposureSchedule:
     """Absolute deadlines: the left camera every period from the start on, the right one of two `offset_ns` later."""
 
     start_ns: int
@@ -46,7 +46,9 @@ class Pace:
 class ExposureLoop:
     """Renders the operator at the pace of the cameras; late exposures are caught up within a period, then skipped."""
 
-    def __init__(self, operator: Operator, beginning: Beginning, pace: Pace, clock: Clock, publish: Publish) -> None:
+    def __init__(
+        self, operator: Operator, beginning: Beginning, pace: ExposureSchedule, clock: Clock, publish: Publish
+    ) -> None:
         self._operator = operator
         self._beginning = beginning
         self._pace = pace

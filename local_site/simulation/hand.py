@@ -15,7 +15,7 @@ JOINTS = 4
 
 
 @dataclass(frozen=True, slots=True)
-class Posture:
+class FingerPosture:
     """One shape of all five digits.
 
     `forward` (5, 3) points along each straight digit, `curl` (5, 3) to where it bends, `bend_deg` (5, 3) is the
@@ -61,9 +61,9 @@ def _fan(angles_deg: tuple[float, ...]) -> Array:
     return np.column_stack([np.cos(angles), np.sin(angles), np.zeros(len(angles))])
 
 
-def _posture(fan_deg: tuple[float, ...], thumb: Array, thumb_curl: Array, bend_deg: list[list[float]]) -> Posture:
+def _posture(fan_deg: tuple[float, ...], thumb: Array, thumb_curl: Array, bend_deg: list[list[float]]) -> FingerPosture:
     down = np.tile([0.0, 0.0, -1.0], (4, 1))
-    return Posture(np.vstack([_fan(fan_deg), thumb]), np.vstack([down, thumb_curl]), np.array(bend_deg))
+    return FingerPosture(np.vstack([_fan(fan_deg), thumb]), np.vstack([down, thumb_curl]), np.array(bend_deg))
 
 
 U_SHAPE = _posture(

@@ -82,7 +82,7 @@ def _rotation(axis: int) -> Callable[[float], tuple[Array, Array]]:
 
 
 @dataclass(frozen=True, slots=True)
-class _Stop:
+class _Waypoint:
     """Where the wrist is at a time of the period, in m, and the hand's turn about vertical z, then about y."""
 
     t_s: float
@@ -97,27 +97,27 @@ class _Stop:
 # instead of pressing on it from above; let go 3 cm above the table, for this operator does not see what he sets down.
 # Between two stops of one place the hand opens. What was carried over is carried back, lest it stand in the way.
 _PICK_AND_PLACE = (
-    _Stop(0.0, 0.0, 0.0, 0.0, 0.0),
-    _Stop(0.8, 0.0, 0.0, 0.0, 0.0),
-    _Stop(2.5, 0.0, 0.0, -0.16, 0.0),
-    _Stop(3.6, 0.0, -0.08, -0.16, 0.0),
-    _Stop(5.0, 0.0, -0.08, -0.16, 0.0),
-    _Stop(6.0, 0.0, -0.08, -0.12, -10.0),
-    _Stop(7.8, -0.20, -0.08, -0.12, 10.0),
-    _Stop(8.6, -0.20, -0.08, -0.13, 0.0),
-    _Stop(10.0, -0.20, -0.08, -0.13, 0.0),
-    _Stop(11.1, -0.20, -0.02, -0.13, 0.0),
-    _Stop(13.0, 0.0, 0.0, 0.0, 0.0),
-    _Stop(13.8, 0.0, 0.0, 0.0, 0.0),
-    _Stop(15.7, -0.20, 0.0, -0.16, 0.0),
-    _Stop(16.8, -0.20, -0.08, -0.16, 0.0),
-    _Stop(18.2, -0.20, -0.08, -0.16, 0.0),
-    _Stop(19.2, -0.20, -0.08, -0.12, 10.0),
-    _Stop(21.0, 0.0, -0.08, -0.12, -10.0),
-    _Stop(21.8, 0.0, -0.08, -0.13, 0.0),
-    _Stop(23.2, 0.0, -0.08, -0.13, 0.0),
-    _Stop(24.3, 0.0, -0.02, -0.13, 0.0),
-    _Stop(26.0, 0.0, 0.0, 0.0, 0.0),
+    _Waypoint(0.0, 0.0, 0.0, 0.0, 0.0),
+    _Waypoint(0.8, 0.0, 0.0, 0.0, 0.0),
+    _Waypoint(2.5, 0.0, 0.0, -0.16, 0.0),
+    _Waypoint(3.6, 0.0, -0.08, -0.16, 0.0),
+    _Waypoint(5.0, 0.0, -0.08, -0.16, 0.0),
+    _Waypoint(6.0, 0.0, -0.08, -0.12, -10.0),
+    _Waypoint(7.8, -0.20, -0.08, -0.12, 10.0),
+    _Waypoint(8.6, -0.20, -0.08, -0.13, 0.0),
+    _Waypoint(10.0, -0.20, -0.08, -0.13, 0.0),
+    _Waypoint(11.1, -0.20, -0.02, -0.13, 0.0),
+    _Waypoint(13.0, 0.0, 0.0, 0.0, 0.0),
+    _Waypoint(13.8, 0.0, 0.0, 0.0, 0.0),
+    _Waypoint(15.7, -0.20, 0.0, -0.16, 0.0),
+    _Waypoint(16.8, -0.20, -0.08, -0.16, 0.0),
+    _Waypoint(18.2, -0.20, -0.08, -0.16, 0.0),
+    _Waypoint(19.2, -0.20, -0.08, -0.12, 10.0),
+    _Waypoint(21.0, 0.0, -0.08, -0.12, -10.0),
+    _Waypoint(21.8, 0.0, -0.08, -0.13, 0.0),
+    _Waypoint(23.2, 0.0, -0.08, -0.13, 0.0),
+    _Waypoint(24.3, 0.0, -0.02, -0.13, 0.0),
+    _Waypoint(26.0, 0.0, 0.0, 0.0, 0.0),
 )
 _OPENINGS_S = (3.9, 8.9, 17.1, 22.1)
 
@@ -126,23 +126,23 @@ _OPENINGS_S = (3.9, 8.9, 17.1, 22.1)
 # at 5 s and too low until 10 s, then put right in place and direction; until 24 s up and over to the target; until 32 s
 # put right there. Then back, to begin anew. All of it above the block, which this operator does not see.
 _REACH_AND_ADJUST = (
-    _Stop(0.0, 0.0, 0.0, 0.0, 0.0),
-    _Stop(4.5, 0.0, -0.09, -0.06, 6.0, -4.0),
-    _Stop(7.0, 0.005, -0.07, -0.075, 9.0, -2.0),
-    _Stop(10.0, 0.0, -0.085, -0.08, 14.0, 5.0),
-    _Stop(13.0, -0.01, -0.075, -0.07, 5.0, 10.0),
-    _Stop(16.0, 0.0, -0.08, -0.07, -4.0, 6.0),
-    _Stop(18.0, 0.0, -0.08, -0.07, -4.0, 6.0),
-    _Stop(20.0, -0.02, -0.07, -0.03, -7.0, 2.0),
-    _Stop(24.0, -0.15, -0.03, -0.04, -12.0, -4.0),
-    _Stop(27.0, -0.14, -0.045, -0.06, -4.0, 4.0),
-    _Stop(29.5, -0.155, -0.05, -0.065, 3.0, 8.0),
-    _Stop(32.0, -0.15, -0.05, -0.065, 0.0, 5.0),
-    _Stop(35.0, 0.0, 0.0, 0.0, 0.0),
+    _Waypoint(0.0, 0.0, 0.0, 0.0, 0.0),
+    _Waypoint(4.5, 0.0, -0.09, -0.06, 6.0, -4.0),
+    _Waypoint(7.0, 0.005, -0.07, -0.075, 9.0, -2.0),
+    _Waypoint(10.0, 0.0, -0.085, -0.08, 14.0, 5.0),
+    _Waypoint(13.0, -0.01, -0.075, -0.07, 5.0, 10.0),
+    _Waypoint(16.0, 0.0, -0.08, -0.07, -4.0, 6.0),
+    _Waypoint(18.0, 0.0, -0.08, -0.07, -4.0, 6.0),
+    _Waypoint(20.0, -0.02, -0.07, -0.03, -7.0, 2.0),
+    _Waypoint(24.0, -0.15, -0.03, -0.04, -12.0, -4.0),
+    _Waypoint(27.0, -0.14, -0.045, -0.06, -4.0, 4.0),
+    _Waypoint(29.5, -0.155, -0.05, -0.065, 3.0, 8.0),
+    _Waypoint(32.0, -0.15, -0.05, -0.065, 0.0, 5.0),
+    _Waypoint(35.0, 0.0, 0.0, 0.0, 0.0),
 )
 
 
-def _along(stops: Sequence[_Stop]) -> Callable[[float], tuple[Array, Array]]:
+def _along(stops: Sequence[_Waypoint]) -> Callable[[float], tuple[Array, Array]]:
     def course(t_s: float) -> tuple[Array, Array]:
         k = sum(stop.t_s <= t_s for stop in stops[1:-1])
         a, b = stops[k], stops[k + 1]

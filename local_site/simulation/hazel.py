@@ -7,19 +7,19 @@ import numpy as np
 
 from common.geometry import Array, rotation_from_vector
 from local_site.calibration.rig import CameraCalibration, Rig
-from local_site.simulation.textured_arm import FINE, ArmFilm, Limb, Place, Scenery
+from local_site.simulation.textured_arm import FINE, ArmFilm, Place, Scenery, TexturedLimb
 
 FOCAL_PX, SIZE_PX = 655.0, (640, 480)  # a 9 mm lens before a 2/3" chip
 PRINCIPAL_PX = ((SIZE_PX[0] - 1) / 2, (SIZE_PX[1] - 1) / 2)
 UPPER_ARM_M, FOREARM_M, PALM_M, FINGER_M = 0.300, 0.255, 0.095, 0.080
 PALM_POINT_M = 0.060  # beyond the wrist: the point of the palm that is told
-UPPER_ARM = Limb((0.0, 0.150, 0.300), (0.0493, 0.0454, 0.0390), (0.0493, 0.0454, 0.0390))
-FOREARM = Limb(
+UPPER_ARM = TexturedLimb((0.0, 0.150, 0.300), (0.0493, 0.0454, 0.0390), (0.0493, 0.0454, 0.0390))
+FOREARM = TexturedLimb(
     along=(0.0, 0.064, 0.255, 0.312, 0.350),
     across=(0.0390, 0.0414, 0.0271, 0.0410, 0.0369),
     deep=(0.0390, 0.0414, 0.0271, 0.0150, 0.0120),
 )
-FINGER = Limb((0.0, 0.040, 0.075), (0.009, 0.008, 0.006), (0.009, 0.008, 0.006))
+FINGER = TexturedLimb((0.0, 0.040, 0.075), (0.009, 0.008, 0.006), (0.009, 0.008, 0.006))
 # The link's z along the picture's rows, its x down them, its y away from the camera.
 FLAT = np.array([[0.0, 0.0, 1.0], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0]])
 HAZEL_S_FRAMES, HAZEL_C_FRAMES = 400, 354

@@ -5,7 +5,7 @@ from dataclasses import replace
 import numpy as np
 
 from common.geometry import Array
-from local_site.simulation.body import FOREARM_AT, ArmBody, ArmPose, ArmTruth, Part, Solid
+from local_site.simulation.body import FOREARM_AT, ArmBody, ArmTruth, BodyPose, Part, Solid
 
 RADIUS_M = 0.012
 # Half the width of a wrist: the thesis's markers sit on the radial side of it (section 5.2).
@@ -34,16 +34,16 @@ class MarkedArm:
             )
         )
 
-    def solid(self, pose: ArmPose) -> Solid:
+    def solid(self, pose: BodyPose) -> Solid:
         """The skin of the whole arm in this pose, with its markers."""
         skin = self._body.solid(pose)
         return replace(skin, markers=self._centres(pose, skin), marker_radius=RADIUS_M)
 
-    def truth(self, pose: ArmPose) -> ArmTruth:
+    def truth(self, pose: BodyPose) -> ArmTruth:
         """The elbow, and the centres of the markers."""
         wrist, index, thumb = self._centres(pose, self._body.solid(pose))
         return replace(self._body.truth(pose), wrist=wrist, index=index, thumb=thumb)
 
-    def _centres(self, pose: ArmPose, skin: Solid) -> Array:
+    def _centres(self, pose: BodyPose, skin: Solid) -> Array:
         wrist = pose.wrist + pose.operator_R_hand @ WRIST_IN_HAND
         return np.vstack([wrist, skin.centres[self._tips]])

@@ -6,7 +6,7 @@ import numpy as np
 
 from common.errors import ConfigError
 from common.geometry import Array, rotation_from_vector, skew
-from local_site.simulation.body import ArmPose
+from local_site.simulation.body import BodyPose
 from local_site.simulation.config import BodyConfig, MotionConfig
 from local_site.simulation.hand_paths import hand_path
 
@@ -39,12 +39,12 @@ class Motion:
         for t_s in np.arange(0.0, CHECKED_S, 0.2):
             self.pose(config.still_s + t_s)
 
-    def pose(self, t_s: float) -> ArmPose:
+    def pose(self, t_s: float) -> BodyPose:
         """The pose at a time; ConfigError when the arm cannot reach so far from its shoulder."""
         state = self._path.at(max(t_s - self._config.still_s, 0.0))
         wrist = self._start + state.offset + self._tremor(t_s)
         roll = rotation_from_vector(np.array([START_ROLL + OPENING_ROLL * state.openness, 0.0, 0.0]))
-        return ArmPose(
+        return BodyPose(
             shoulder=self._shoulder,
             elbow=self._elbow(wrist),
             wrist=wrist,

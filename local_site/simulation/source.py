@@ -17,7 +17,7 @@ from common.process.service import ask_for_real_time
 from local_site.calibration.rig import Rig
 from local_site.simulation.beginning import Beginning
 from local_site.simulation.config import SimulationConfig
-from local_site.simulation.exposures import ExposureLoop, Pace
+from local_site.simulation.exposures import ExposureLoop, ExposureSchedule
 from local_site.simulation.frame_ring import FrameRing
 from local_site.simulation.hazel import SIZE_PX
 from local_site.simulation.operators import filming_rig, make_operator
@@ -44,7 +44,7 @@ class SimulatedCameras:
             self._beginning.set(self.start_ns)
         self.rig: Rig = filming_rig(config)
         period_ns, offset_ns = round(NS_PER_S / config.fps), round(config.phase_offset_ms * NS_PER_MS)
-        pace = Pace(self.start_ns, period_ns, offset_ns, len(self.rig.cameras))
+        pace = ExposureSchedule(self.start_ns, period_ns, offset_ns, len(self.rig.cameras))
         size = SIZE_PX if config.textured else (config.stereo.width_px, config.stereo.height_px)
         channels = [_Channel(*size) for _ in self.rig.cameras]
         loop = ExposureLoop(

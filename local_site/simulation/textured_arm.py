@@ -24,7 +24,7 @@ Picture = NDArray[np.float32]
 
 
 @dataclass(frozen=True, slots=True)
-class Limb:
+class TexturedLimb:
     """A limb's true shape: half axes across (x) and deep (y) in m at places along its z in m, from the joint."""
 
     along: tuple[float, ...]
@@ -63,7 +63,7 @@ class ArmFilm:
 
     def __init__(
         self,
-        limbs: Sequence[Limb],
+        limbs: Sequence[TexturedLimb],
         focal_px: float,
         size: tuple[int, int],
         scenery: Scenery | None = None,
@@ -163,7 +163,7 @@ def _mixed(shares: Array, corners: Array) -> Array:
     return result
 
 
-def _solid(limb: Limb) -> _Solid:
+def _solid(limb: TexturedLimb) -> _Solid:
     """The limb's skin with a seam along its x, and round ends."""
     z, across, deep = _sections(limb)
     turn = np.linspace(0.0, TURN, AROUND + 1)
@@ -179,7 +179,7 @@ def _solid(limb: Limb) -> _Solid:
     return _Solid(vertices.reshape(-1, 3), normals.reshape(-1, 3), skin.reshape(-1, 2), _patches(len(z)))
 
 
-def _sections(limb: Limb) -> tuple[Array, Array, Array]:
+def _sections(limb: TexturedLimb) -> tuple[Array, Array, Array]:
     """Places along the limb with half axes, smooth in between; ends are half ellipsoids."""
     along = np.array(limb.along)
     places = np.linspace(along[0], along[-1], STATIONS)

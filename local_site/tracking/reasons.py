@@ -4,7 +4,7 @@ from collections.abc import Iterable
 from enum import StrEnum
 
 
-class Reason(StrEnum):
+class TrackingReason(StrEnum):
     """A reason by name; its value is the sentence for people."""
 
     NO_ARM = "the lines of the views do not meet in an arm"

@@ -12,8 +12,8 @@ from common.messages.robot import GripperState, GripperStatus
 from common.process.health import Silence
 from remote_site.drivers.driver import JointCommand
 from remote_site.drivers.faults import NOT_ACTIVATED, FaultCode, RobotFault
-from remote_site.drivers.memory import DriverMemory, Report
-from remote_site.drivers.supervisor.supervisor import DEADLINE_NS, Order, late_call
+from remote_site.drivers.memory import DriverMemory, DriverReport
+from remote_site.drivers.supervisor.supervisor import DEADLINE_NS, DriverOrder, late_call
 from remote_site.kinematics.joints import JointMotion
 from remote_site.kinematics.limits import JointLimits
 from remote_site.safety.stopping import stopping
@@ -101,10 +101,10 @@ class DriverLink:
 
     def _order(self, command: JointCommand, *, run: bool) -> None:
         self._last = command
-        self._memory.orders.write(Order(self._activation, run, self._diversions, command))
+        self._memory.orders.write(DriverOrder(self._activation, run, self._diversions, command))
         self._memory.bell.ring()
 
-    def _decoded(self, raw: Report) -> RobotReport:
+    def _decoded(self, raw: DriverReport) -> RobotReport:
         answered = raw.answered == self._activation
         q, dq = raw.motions[:2]
         return RobotReport(
@@ -118,13 +118,13 @@ class DriverLink:
             answered=answered,
         )
 
-    def _sent(self, raw: Report, t_ns: int) -> JointMotion:
+    def _sent(self, raw: DriverReport, t_ns: int) -> JointMotion:
         """The motion that was sent last, in a stop where that is at a time."""
         motion = JointMotion(*raw.motions[2:])
         return stopping(motion, self._limits, max(t_ns - raw.onset_ns, 0) / NS_PER_S) if raw.onset_ns else motion
 
 
-def _fault(raw: Report) -> RobotFault | None:
+def _fault(raw: DriverReport) -> RobotFault | None:
     if not raw.at_ns:
         return STARTING
     if not raw.code[0]:
@@ -133,7 +133,7 @@ def _fault(raw: Report) -> RobotFault | None:
     return RobotFault(FaultCode(code), sentence, native)
 
 
-def _gripper(raw: Report) -> GripperState | None:
+def _gripper(raw: DriverReport) -> GripperState | None:
     grip = _text(raw.grip)
     if not grip:
         return None

@@ -12,7 +12,7 @@ import numpy as np
 from common.geometry import Array
 from common.process.shared_record import SharedRecord
 from remote_site.drivers.driver import JointCommand
-from remote_site.drivers.supervisor.supervisor import Order
+from remote_site.drivers.supervisor.supervisor import DriverOrder
 
 ORDERS_KEPT = 64
 WORD_BYTES = 32
@@ -31,7 +31,7 @@ class OrderRing:
         self._record = SharedRecord(np.dtype([("order", f"V{ORDER.size + 24 * joints}")]), ORDERS_KEPT)
         self._seen = self._record.count
 
-    def write(self, order: Order) -> None:
+    def write(self, order: DriverOrder) -> None:
         """Append an order; only control writes."""
         command = order.command
         head = ORDER.pack(
@@ -39,7 +39,7 @@ class OrderRing:
         )
         self._record.write_bytes(head + command.q.tobytes() + command.dq.tobytes() + command.ddq.tobytes())
 
-    def take(self) -> list[Order]:
+    def take(self) -> list[DriverOrder]:
         """The orders written since the last call, oldest first; what was overwritten meanwhile is missing."""
         newest = self._record.count
         first = max(self._seen, newest - ORDERS_KEPT + 1) + 1
@@ -48,13 +48,13 @@ class OrderRing:
         return [_order(data) for data in records if data is not None]
 
 
-def _order(data: bytes) -> Order:
+def _order(data: bytes) -> DriverOrder:
     activation, run, diversions, gripper_open, seq, t_ns = ORDER.unpack_from(data)
     q, dq, ddq = np.frombuffer(data, DOUBLES, offset=ORDER.size).reshape(3, -1)
-    return Order(activation, run, diversions, JointCommand(seq, t_ns, q, dq, ddq, gripper_open))
+    return DriverOrder(activation, run, diversions, JointCommand(seq, t_ns, q, dq, ddq, gripper_open))
 
 
-class Report(NamedTuple):
+class DriverReport(NamedTuple):
     """What the robot measured and what was last sent to it; `answered` is the last activation that was looked at.
 
     `at_ns` is when it was written, `t_ns` when it was measured, 0 before anything was. `obeyed_seq` counts if
@@ -86,15 +86,15 @@ class ReportRecord:
     def __init__(self, joints: int) -> None:
         self._record = SharedRecord(np.dtype([("report", f"V{REPORT.size + 40 * joints}")]))
 
-    def write(self, report: Report) -> None:
+    def write(self, report: DriverReport) -> None:
         """Publish a report; only the driver's process writes."""
         self._record.write_bytes(REPORT.pack(*report[:-1]) + report.motions.tobytes())
 
-    def read(self) -> Report:
+    def read(self) -> DriverReport:
         """The newest one."""
         data = self._record.read_bytes()
         motions = np.frombuffer(data, DOUBLES, offset=REPORT.size).reshape(5, -1)
-        return Report._make((*REPORT.unpack_from(data), motions))
+        return DriverReport._make((*REPORT.unpack_from(data), motions))
 
 
 class Bell:

@@ -13,7 +13,7 @@ from remote_site.kinematics.model import ArmModel
 from remote_site.kinematics.solution import Solution, Stance, Unreachable
 from remote_site.kinematics.spherical import (
     TURN,
-    Arm,
+    ArmSolution,
     Matrix,
     Point,
     Target,
@@ -148,7 +148,7 @@ class SphericalWristInverse:
         u, v, w = self._offset
         return x - a * u - b * v - c * w, y - d * u - e * v - f * w, z - g * u - h * v - i * w
 
-    def _arms(self, centre: Point, current: tuple[float, ...] | None) -> Iterator[Arm]:
+    def _arms(self, centre: Point, current: tuple[float, ...] | None) -> Iterator[ArmSolution]:
         """Joints 1 to 3 that bring the wrist centre to its place."""
         for shoulder in (1, -1):
             for elbow in (1, -1):
@@ -157,7 +157,9 @@ class SphericalWristInverse:
                     return
                 yield arm
 
-    def _arm_with(self, centre: Point, shoulder: int, elbow: int, current: tuple[float, ...] | None) -> Arm | None:
+    def _arm_with(
+        self, centre: Point, shoulder: int, elbow: int, current: tuple[float, ...] | None
+    ) -> ArmSolution | None:
         """The arm of this shoulder and elbow, or None out of reach."""
         x, y, z = centre
         arm, h = self._arm, z - self._arm.shoulder_height
@@ -173,9 +175,11 @@ class SphericalWristInverse:
         cosine = min(max(cosine, -1.0), 1.0)
         sine = math.sqrt(1.0 - cosine * cosine)
         inner = math.atan2(arm.forearm * sine, arm.upper_arm + arm.forearm * cosine)
-        return Arm((turn, math.atan2(r, h) - elbow * inner, elbow * math.acos(cosine)), shoulder, elbow, held)
+        return ArmSolution((turn, math.atan2(r, h) - elbow * inner, elbow * math.acos(cosine)), shoulder, elbow, held)
 
-    def _placed(self, target: Target, arm: Arm, current: tuple[float, ...], elapsed_s: float) -> Solution | Reason:
+    def _placed(
+        self, target: Target, arm: ArmSolution, current: tuple[float, ...], elapsed_s: float
+    ) -> Solution | Reason:
         """Joints 4 to 6 for an arm; while joint 4 is not at its place, the arm moves so that the tool is."""
         m = in_forearm(target.rotation, arm.angles)
         roll, rest = self._roll(m, current, elapsed_s)
@@ -195,7 +199,7 @@ class SphericalWristInverse:
         refusal = self._refusal(q, current, stance, lost)
         return refusal if refusal is not None else Solution(np.array(q), stance, arm.held, lost)
 
-    def _moved(self, target: Target, arm: Arm, roll: float, current: tuple[float, ...]) -> Arm | None:
+    def _moved(self, target: Target, arm: ArmSolution, roll: float, current: tuple[float, ...]) -> ArmSolution | None:
         """The arm that brings the tool to its position though joint 4 is at `roll`; None if there is none.
 
         A fixed point of the wrist centre, found by Anderson's acceleration with one step of memory.

@@ -15,7 +15,7 @@ class Target(NamedTuple):
     rotation: Matrix
 
 
-class Arm(NamedTuple):
+class ArmSolution(NamedTuple):
     """A solution for joints 1 to 3 in the canonical angles, positive about +z and +y."""
 
     angles: Point

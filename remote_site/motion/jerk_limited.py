@@ -14,7 +14,7 @@ from remote_site.safety.stopping import stopping
 PLANNED = (Result.Working, Result.Finished)
 
 
-class Follower:
+class JerkLimitedTracker:
     """Follows a moving joint target as quickly as velocity, acceleration and jerk allow, one tick of `dt` s at a time.
 
     Time-optimal motion to rest is planned (by Ruckig) in the frame that moves with the target: there the target stands

@@ -15,7 +15,7 @@ BY_CHANCE, FOR_SURE = 0.2, 0.5  # how much of their mean square deviations have 
 NOTHING = 1e-18  # m² or rad²
 
 
-class FreeCourse:
+class TargetPredictor:
     """A target (n,) of any kind as it moves between hand samples.
 
     An alpha-beta estimate makes each sample a straight course in time, carried on for at most `predict_ms` after it has
@@ -112,7 +112,7 @@ class FreeCourse:
         return glide
 
 
-class Course(FreeCourse):
+class JointTargetPredictor(TargetPredictor):
     """The course of joints (n,) in rad, which always stays where they can stop inside their limits."""
 
     def __init__(self, limits: JointLimits, config: ControlConfig) -> None:

@@ -15,7 +15,7 @@ from remote_site.kinematics.inverse import SphericalWristInverse
 from remote_site.kinematics.limits import JointLimits
 from remote_site.kinematics.model import ArmModel
 from remote_site.kinematics.solution import Solution
-from remote_site.motion.target_predictor import Course, FreeCourse
+from remote_site.motion.target_predictor import JointTargetPredictor, TargetPredictor
 from remote_site.reasons import Code, Reason, reason
 from remote_site.safety.config import FULL_SPEED_MS
 
@@ -23,7 +23,7 @@ UNWIND_S = 5.0  # 1/s: how fast a target that the joints do not follow comes bac
 FAR_M, FAR_RAD = 0.01, 0.05  # a tool further from its target than the solver brings it is worth a word
 
 
-class Pursuit(Protocol):
+class TargetTracker(Protocol):
     """Leads the joints after the tool's target.
 
     `aim` takes a target (4 x 4) for the time `t_ns`, known at `now_ns`, an arm at `q` (n,) rad, the operator's elbow
@@ -41,10 +41,10 @@ class Pursuit(Protocol):
     def at(self, now_ns: int, q: Array) -> tuple[Array, Array]: ...
 
 
-class ClosedPursuit:
+class ClosedFormTracker:
     """The closed form at every sample, and a course of the joints between them."""
 
-    def __init__(self, inverse: SphericalWristInverse, course: Course) -> None:
+    def __init__(self, inverse: SphericalWristInverse, course: JointTargetPredictor) -> None:
         self._inverse = inverse
         self._course = course
 
@@ -69,14 +69,14 @@ class ClosedPursuit:
         return self._course.at(now_ns)
 
 
-class GeneralPursuit:
+class DifferentialTracker:
     """A course of the tool, and one step of differential inverse kinematics towards it in every tick."""
 
     def __init__(self, config: RemoteConfig, model: ArmModel, limits: JointLimits) -> None:
         control = config.control
         self._model = model
         self._inverse = DifferentialInverse(model, limits, control.solver, control.singularity, config.robot.start)
-        self._course = FreeCourse(6, control)
+        self._course = TargetPredictor(6, control)
         self._dt = 1.0 / control.rate_hz
         self._lead = control.solver.lead_rad
         self.reset(0, config.robot.start)
@@ -121,7 +121,7 @@ class GeneralPursuit:
         return move.q, move.dq
 
 
-def choose_pursuit(config: RemoteConfig, model: ArmModel, limits: JointLimits) -> Pursuit:
+def choose_target_tracker(config: RemoteConfig, model: ArmModel, limits: JointLimits) -> TargetTracker:
     """The configured kinematics; ModelError when the closed form is asked of an arm that it does not fit.
 
     A target that is told from where the arm is moves with the arm: carried on beyond its sample it would run away. Any
@@ -132,13 +132,13 @@ def choose_pursuit(config: RemoteConfig, model: ArmModel, limits: JointLimits) -
     config = replace_struct(config, control=replace_struct(config.control, predict_ms=carried_ms))
     wanted = config.robot.kinematics
     if wanted == "general":
-        return GeneralPursuit(config, model, limits)
+        return DifferentialTracker(config, model, limits)
     try:
         inverse = SphericalWristInverse(model, limits, config.robot.stance)
         inverse.verify()
     except ModelError as error:
         if wanted == "closed":
             raise ModelError(f'robot.kinematics = "closed": {error}; or set it to "general"') from error
-        return GeneralPursuit(config, model, limits)
+        return DifferentialTracker(config, model, limits)
     inverse.check_stance(config.robot.start)
-    return ClosedPursuit(inverse, Course(limits, config.control))
+    return ClosedFormTracker(inverse, JointTargetPredictor(limits, config.control))

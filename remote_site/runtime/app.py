@@ -25,13 +25,13 @@ from remote_site.drivers.memory import DriverMemory
 from remote_site.drivers.registry import check_driver
 from remote_site.runtime.checks import check_robot
 from remote_site.runtime.control import run_control
-from remote_site.runtime.crash_marker import RunningMark
+from remote_site.runtime.crash_marker import CrashMarker
 from remote_site.runtime.driver_process import run_driver
 from remote_site.runtime.links import open_site_link
 from remote_site.session.config import EngagementMode
-from remote_site.session.shared_lease import LeaseBoard
+from remote_site.session.shared_lease import SharedLease
 from remote_site.simulation.memory import CellMemory
-from remote_site.video.process import Wire, run_video
+from remote_site.video.process import VideoWire, run_video
 from remote_site.video.sources import SimulatedViews
 from remote_site.video.tally import VideoTally
 
@@ -46,7 +46,7 @@ def run_remote(config: RemoteConfig, should_stop: StopFlag, log_format: LogForma
     start_log("remote", log_format)
     log = structlog.get_logger()
     _check_start(config)
-    mark = RunningMark(config.cell, config.links.control)
+    mark = CrashMarker(config.cell, config.links.control)
     stood = mark.set()
     if stood and config.engagement.mode is EngagementMode.AUTOMATIC:
         log.warning("the last run did not end in order: nothing engages by itself", cure="farhand engage")
@@ -64,7 +64,7 @@ def run_remote(config: RemoteConfig, should_stop: StopFlag, log_format: LogForma
             children.start("cell", partial(run_cell_child, config, memory))
         children.start("driver", partial(run_driver, config, driver_memory, memory))
         tally = VideoTally([camera.name for camera in config.video.cameras])
-        board = LeaseBoard()
+        board = SharedLease()
         children.start("video", partial(_video, config, memory, tally, board))
         children.start("control", partial(run_control, config, driver_memory, memory, board))
         if config.metrics.port:
@@ -118,12 +118,12 @@ def start_robot(config: RemoteConfig, children: Children) -> RemoteConfig:
     if not config.driver.emulate:
         return config
     from remote_site.drivers.c500c.emulation import Emulation, Terminal, run_emulation  # noqa: PLC0415  # as below
-    from remote_site.drivers.c500c.emulator import Controller  # noqa: PLC0415  # a real controller needs neither
+    from remote_site.drivers.c500c.emulator import EmulatedController  # noqa: PLC0415  # a real controller needs neither
 
     terminal = Terminal.create()
 
     def emulate(should_stop: StopFlag, heartbeat: Heartbeat) -> None:
-        emulation = Emulation(Controller(config.robot.start), time.monotonic_ns())
+        emulation = Emulation(EmulatedController(config.robot.start), time.monotonic_ns())
         run_emulation(emulation, terminal, should_stop, heartbeat.beat)
 
     children.start("robot", emulate)
@@ -143,7 +143,7 @@ def _video(
     config: RemoteConfig,
     memory: CellMemory | None,
     tally: VideoTally,
-    board: LeaseBoard,
+    board: SharedLease,
     should_stop: StopFlag,
     heartbeat: Heartbeat,
 ) -> None:
@@ -157,7 +157,7 @@ def _video(
             publishers[frame.camera].put(frame)
             tally.note(frame)
 
-        wire = Wire(publish, link.latest(SHOWN, config.cell).take, lambda: board.number)
+        wire = VideoWire(publish, link.latest(SHOWN, config.cell).take, lambda: board.number)
         run_video(config.video, views, wire, should_stop, heartbeat.beat)
 
 

@@ -11,7 +11,7 @@ from remote_site.config import RemoteConfig
 from remote_site.kinematics.config import MODELS, RobotConfig
 from remote_site.kinematics.limits import JointLimits
 from remote_site.kinematics.model import ArmModel
-from remote_site.motion.target_tracker import choose_pursuit
+from remote_site.motion.target_tracker import choose_target_tracker
 from remote_site.safety.collision import CollisionModel
 from remote_site.teleop.mapping import make_mapping
 
@@ -19,7 +19,7 @@ T = TypeVar("T")
 
 
 @dataclass(frozen=True, slots=True)
-class Mistake:
+class StartupMistake:
     """What part of the robot's side cannot be built, the sentence that says why, and which keys cure it."""
 
     part: str
@@ -31,16 +31,16 @@ class Mistake:
 class _Loading:
     """Loads part by part, and notes what is wrong instead of ending at the first."""
 
-    mistakes: list[Mistake] = field(default_factory=list)
+    mistakes: list[StartupMistake] = field(default_factory=list)
 
     def load(self, part: str, cure: str, load: Callable[[], T]) -> T | None:
         """The part, or None where it is noted why there is none."""
         try:
             return load()
         except ConfigError as error:
-            self.mistakes.extend(Mistake(part, line, cure) for line in str(error).splitlines())
+            self.mistakes.extend(StartupMistake(part, line, cure) for line in str(error).splitlines())
         except ModelError as error:
-            self.mistakes.append(Mistake(part, " ".join(str(error).split()), cure))
+            self.mistakes.append(StartupMistake(part, " ".join(str(error).split()), cure))
         return None
 
 
@@ -51,7 +51,7 @@ def check_robot(config: RemoteConfig) -> None:
         raise ConfigError("\n".join(mistake.sentence for mistake in mistakes))
 
 
-def find_mistakes(config: RemoteConfig) -> list[Mistake]:
+def find_mistakes(config: RemoteConfig) -> list[StartupMistake]:
     """What would end a process of the site that loads the arm; parts that need a broken one are not looked at."""
     loading, robot = _Loading(), config.robot
     loading.load("mapping", "correct the table [mapping]", lambda: make_mapping(config.mapping))
@@ -76,7 +76,7 @@ def _load_with(model: ArmModel, config: RemoteConfig, loading: _Loading) -> None
     if start is None:
         return
     solvers = "correct robot.kinematics, robot.stance and [control.solver]"
-    loading.load("kinematics", solvers, lambda: choose_pursuit(config, model, limits))
+    loading.load("kinematics", solvers, lambda: choose_target_tracker(config, model, limits))
     if config.cell_is_simulated or config.views_are_simulated:
         loading.load("simulated cell", "correct [simulation], or that URDF", lambda: _build_simulation(config))
 

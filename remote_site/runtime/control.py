@@ -29,14 +29,14 @@ from remote_site.kinematics.model import ArmModel
 from remote_site.reasons import Code, Reason, reason
 from remote_site.runtime.links import open_site_link
 from remote_site.runtime.reporting import Refusals, Reporter
-from remote_site.runtime.request_server import FrontDesk, describe
+from remote_site.runtime.request_server import RequestServer, describe
 from remote_site.session.fault_latch import FaultLatch
-from remote_site.session.lease import LeaseDesk
-from remote_site.session.shared_lease import LeaseBoard
+from remote_site.session.lease import LeaseServer
+from remote_site.session.shared_lease import SharedLease
 from remote_site.session.state_machine import Answer
 from remote_site.simulation.memory import CellMemory
 from remote_site.simulation.mirror import PostureMirror
-from remote_site.teleop.pipeline import Chain, Step
+from remote_site.teleop.pipeline import Step, TeleopPipeline
 
 FIFO_PRIORITY = 50
 ACTIVATION_TIMEOUT_S = 10.0
@@ -49,7 +49,7 @@ def run_control(
     config: RemoteConfig,
     driver_memory: DriverMemory,
     memory: CellMemory | None,
-    board: LeaseBoard,
+    board: SharedLease,
     should_stop: StopFlag,
     heartbeat: Heartbeat,
 ) -> None:
@@ -59,8 +59,8 @@ def run_control(
     limits = JointLimits.from_model(model, config.robot)
     driver = DriverLink(driver_memory, limits, clock)
     with open_site_link(config.links, config.links.control, should_stop) as link:
-        leases = LeaseDesk(round(config.lease.seconds * NS_PER_S), 1 + secrets.randbits(LEASE_BITS))
-        chain = Chain(config, model, limits, config.robot.start, leases)
+        leases = LeaseServer(round(config.lease.seconds * NS_PER_S), 1 + secrets.randbits(LEASE_BITS))
+        chain = TeleopPipeline(config, model, limits, config.robot.start, leases)
         real_time = ask_for_real_time(FIFO_PRIORITY)
         mirror = PostureMirror(config.simulation, memory.snapshot) if memory and not config.cell_is_simulated else None
         description = describe(config, model, limits, config.control.rate_hz / TICKS_PER_STATE)
@@ -71,7 +71,7 @@ def run_control(
         rate = Rate(config.control.rate_hz, clock, least_share=LEAST_SHARE)
         reporter = Reporter(link.publisher(STATE, config.cell), board, model, rate, real_time=real_time)
         refusals = Refusals(reporter.log)
-        desk = FrontDesk(link, description, leases, clock, refusals.note)
+        desk = RequestServer(link, description, leases, clock, refusals.note)
         loop = ControlLoop(chain, driver, reporter, Inbox(link, config.cell, refusals), desk, mirror)
         while not should_stop():
             rate.wait()
@@ -109,11 +109,11 @@ class ControlLoop:
 
     def __init__(
         self,
-        chain: Chain,
+        chain: TeleopPipeline,
         driver: DriverLink,
         reporter: Reporter,
         inbox: Inbox,
-        desk: FrontDesk,
+        desk: RequestServer,
         mirror: PostureMirror | None,
     ) -> None:
         self._chain = chain
@@ -208,7 +208,7 @@ def _reply(request: EngagementRequest, answer: Answer) -> Reply:
     return Reply(id=request.id, done=answer.done, code=answer.reason.code.value, reason=answer.reason.sentence)
 
 
-def _activate(driver: DriverLink, chain: Chain, should_stop: StopFlag) -> None:
+def _activate(driver: DriverLink, chain: TeleopPipeline, should_stop: StopFlag) -> None:
     """Bring the robot to take commands where it stands; DriverError when it does not get ready."""
     deadline = time.monotonic() + ACTIVATION_TIMEOUT_S
     asked = False

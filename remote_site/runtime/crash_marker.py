@@ -5,7 +5,7 @@ import tempfile
 from pathlib import Path
 
 
-class RunningMark:
+class CrashMarker:
     """The mark of one site, told apart by cell and port, in the service's state folder or else the user's run-time one.
 
     The first outlasts a power cut, the second does not: who starts a site by hand is there.

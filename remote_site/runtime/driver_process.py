@@ -16,10 +16,10 @@ from common.process.service import StopFlag, ask_for_real_time
 from remote_site.config import RemoteConfig
 from remote_site.drivers.driver import DriverSetup
 from remote_site.drivers.faults import STOPPED, FaultCode, RobotFault
-from remote_site.drivers.memory import DriverMemory, Report
+from remote_site.drivers.memory import DriverMemory, DriverReport
 from remote_site.drivers.registry import DriverHost, create_driver
 from remote_site.drivers.supervisor.grip import GripSettings, GripWatch
-from remote_site.drivers.supervisor.supervisor import Keeper
+from remote_site.drivers.supervisor.supervisor import DriverSupervisor
 from remote_site.kinematics.limits import JointLimits
 from remote_site.kinematics.model import ArmModel
 from remote_site.simulation.memory import CellMemory
@@ -46,7 +46,7 @@ def run_driver(
             f"the driver {config.driver.name!r} moves {joints} joints, the model has {len(setup.joint_names)}"
         )
     driver.configure(setup)
-    keeper = Keeper(driver, setup, clock, memory.busy, GripWatch(grip_settings(config)))
+    keeper = DriverSupervisor(driver, setup, clock, memory.busy, GripWatch(grip_settings(config)))
     desk = Desk(keeper, memory, clock)
     ask_for_real_time(FIFO_PRIORITY)
     gc.collect()
@@ -85,7 +85,7 @@ def grip_settings(config: RemoteConfig) -> GripSettings:
 class Desk:
     """One turn after the other: orders to the keeper, its report to the memory."""
 
-    def __init__(self, keeper: Keeper, memory: DriverMemory, clock: Clock) -> None:
+    def __init__(self, keeper: DriverSupervisor, memory: DriverMemory, clock: Clock) -> None:
         self._keeper, self._memory, self._clock = keeper, memory, clock
         self._motions = np.zeros((5, len(keeper.motion.q)))
         self._log = FaultLog()
@@ -112,7 +112,7 @@ class Desk:
         onset_ns, motion = keeper.course
         motions[2], motions[3], motions[4] = motion.q, motion.dq, motion.ddq
         self._memory.report.write(
-            Report(
+            DriverReport(
                 at_ns=self._clock.now_ns(),
                 answered=keeper.asked,
                 diversions=keeper.diversions,

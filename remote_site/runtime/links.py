@@ -3,11 +3,11 @@
 from collections.abc import Callable
 
 from common.link.transport import Link, open_link
-from remote_site.runtime.config import LinksConfig
+from remote_site.link_config import RemoteLinksConfig
 
 
 def open_site_link(
-    links: LinksConfig, endpoint: str, given_up: Callable[[], bool], send_buffer_bytes: int | None = None
+    links: RemoteLinksConfig, endpoint: str, given_up: Callable[[], bool], send_buffer_bytes: int | None = None
 ) -> Link:
     """One of the site's two sessions, which listens at its endpoint unless there is a router; errors as `open_link`."""
     if links.router:

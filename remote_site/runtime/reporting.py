@@ -24,8 +24,8 @@ from remote_site.drivers.link import RobotReport
 from remote_site.kinematics.model import ArmModel
 from remote_site.reasons import Reason
 from remote_site.runtime.tracing import Tracing
-from remote_site.session.shared_lease import NOBODY, LeaseBoard
-from remote_site.teleop.pipeline import Chain, Step, pose_of
+from remote_site.session.shared_lease import NOBODY, SharedLease
+from remote_site.teleop.pipeline import Step, TeleopPipeline, pose_of
 
 SESSION_BITS = 62
 LATE_PERCENTILE = 99.0
@@ -76,7 +76,7 @@ class Reporter:
     """Keeps the times of the obeyed samples, publishes RobotState, and shows on a board whose lease is in force."""
 
     def __init__(
-        self, publisher: Publisher[RobotState], board: LeaseBoard, model: ArmModel, rate: Rate, *, real_time: bool
+        self, publisher: Publisher[RobotState], board: SharedLease, model: ArmModel, rate: Rate, *, real_time: bool
     ) -> None:
         self._publisher = publisher
         self._board = board
@@ -97,7 +97,7 @@ class Reporter:
         self._tracing.see(reading)
 
     def publish(
-        self, step: Step, chain: Chain, reading: RobotReport, malformed: Mapping[str, int], now_ns: int
+        self, step: Step, chain: TeleopPipeline, reading: RobotReport, malformed: Mapping[str, int], now_ns: int
     ) -> None:
         """Send the robot's state as measured and commanded."""
         self._seq += 1
@@ -139,7 +139,7 @@ class Reporter:
         return LoopTiming(rate.hz, late_us, rate.missed, rate.ticks, self._real_time)
 
 
-def _lease(chain: Chain, now_ns: int) -> LeaseState | None:
+def _lease(chain: TeleopPipeline, now_ns: int) -> LeaseState | None:
     lease, asker = chain.leases.current(now_ns), chain.leases.asker(now_ns)
     if lease is None:
         return None
@@ -147,7 +147,7 @@ def _lease(chain: Chain, now_ns: int) -> LeaseState | None:
     return LeaseState(lease.number, holder.name, holder.session, lease.expires_ns, asker.name if asker else None)
 
 
-def _readiness(chain: Chain, reading: RobotReport, now_ns: int) -> Readiness:
+def _readiness(chain: TeleopPipeline, reading: RobotReport, now_ns: int) -> Readiness:
     answer = chain.session.readiness(now_ns, chain.robot(reading.fault))
     return Readiness(answer.done, answer.reason.code.value, answer.reason.sentence, chain.session.held)
 

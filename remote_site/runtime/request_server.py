@@ -21,13 +21,13 @@ from remote_site.config import RemoteConfig
 from remote_site.kinematics.limits import JointLimits
 from remote_site.kinematics.model import ArmModel
 from remote_site.reasons import Code, Reason, reason
-from remote_site.session.lease import Holder, Lease, LeaseDesk
+from remote_site.session.lease import Holder, Lease, LeaseServer
 from remote_site.session.state_machine import INPUTS
 from remote_site.teleop.pipeline import pose_of
 from remote_site.video.calibration import calibration_of
 
 
-class FrontDesk:
+class RequestServer:
     """Polled by the control loop after each command is written, so that no answer delays one.
 
     The clock is read at the poll, not when a question arrives: waiting for the poll only makes that round trip longer,
@@ -38,7 +38,7 @@ class FrontDesk:
         self,
         link: Link,
         description: Description,
-        leases: LeaseDesk,
+        leases: LeaseServer,
         clock: Clock,
         refused: Callable[[MessageError], None],
     ) -> None:
@@ -64,7 +64,7 @@ class FrontDesk:
         return self._description
 
 
-def answer_lease(leases: LeaseDesk, request: LeaseRequest, now_ns: int) -> LeaseReply:
+def answer_lease(leases: LeaseServer, request: LeaseRequest, now_ns: int) -> LeaseReply:
     """Do what a local site asks of the lease, and say whose it is now."""
     outcome = _act(leases, request, now_ns)
     current = leases.current(now_ns)
@@ -81,7 +81,7 @@ def answer_lease(leases: LeaseDesk, request: LeaseRequest, now_ns: int) -> Lease
     )
 
 
-def _act(leases: LeaseDesk, request: LeaseRequest, now_ns: int) -> Lease | Reason:
+def _act(leases: LeaseServer, request: LeaseRequest, now_ns: int) -> Lease | Reason:
     number, session = request.lease, request.session
     match request.action:
         case LeaseAction.ACQUIRE:

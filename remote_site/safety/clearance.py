@@ -8,7 +8,7 @@ from common.geometry import Array
 from remote_site.kinematics.joints import JointMotion
 from remote_site.kinematics.model import ArmModel
 from remote_site.reasons import Code, Reason, reason
-from remote_site.safety.clearance_cache import Slack
+from remote_site.safety.clearance_cache import ClearanceCache
 from remote_site.safety.collision import CollisionModel, Pairs
 from remote_site.safety.stopping import JointStop
 
@@ -48,7 +48,7 @@ class Workspace:
         return clamped
 
 
-class Surroundings:
+class ClearanceCheck:
     """Judges the way to rest of the whole arm, not only its ends.
 
     Nothing moves further than its joints' levers let it; where there is room for that around the middle of a part of
@@ -62,7 +62,7 @@ class Surroundings:
         self._tool = np.array(model.tcp_levers)
         self._levers = np.vstack([self._tool, collision.levers])
         self._every: Kinds = np.arange(len(self._levers))
-        self._slack = Slack(self._levers)
+        self._slack = ClearanceCache(self._levers)
         self._kept = collision.margin + TOLERANCE
 
     def in_doubt(self, q: list[float], reach: list[float]) -> Kinds:

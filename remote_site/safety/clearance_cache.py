@@ -5,7 +5,7 @@ import math
 from common.geometry import Array
 
 
-class Slack:
+class ClearanceCache:
     """Rooms in m that no joint uses up faster than its levers (m x n) in m per rad (or m) allow.
 
     Every joint's motion costs the greatest share that it may take of any room, so that their sum is never too low: one

@@ -15,7 +15,7 @@ from common.errors import ConfigError, ModelError
 from common.geometry import Array
 from remote_site.kinematics.config import CapsuleConfig
 from remote_site.kinematics.model import ArmModel
-from remote_site.safety.clearance_cache import Slack
+from remote_site.safety.clearance_cache import ClearanceCache
 from remote_site.safety.config import CollisionConfig, FixtureConfig
 
 MIN_NORMAL = 1e-9
@@ -55,7 +55,7 @@ class CollisionModel:
         self._at = np.full((len(pairs), len(model.joint_names)), NOWHERE)
         self._known = np.full(len(pairs), -math.inf)
         self._still = np.zeros(len(model.joint_names))
-        self._slack: dict[float, Slack] = {}
+        self._slack: dict[float, ClearanceCache] = {}
 
     @classmethod
     def from_urdf(
@@ -136,7 +136,7 @@ class CollisionModel:
 
     def nearer_than(self, q: Array, distance: float) -> list[Near]:
         """The pairs nearer than a distance in m at finite `q`, with the gradients of their distances."""
-        slack = self._slack.setdefault(distance, Slack(self.levers))
+        slack = self._slack.setdefault(distance, ClearanceCache(self.levers))
         if slack.covers(q.tolist(), self._still.tolist()):
             return []
         rooms = self.rooms(q, self._still, distance)

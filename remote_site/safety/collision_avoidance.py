@@ -31,7 +31,7 @@ class Shielded:
     reason: Reason | None
 
 
-class Shield:
+class CollisionAvoidance:
     """Turns a joint target aside before the guard has to refuse it, so that the arm slides along what it meets.
 
     Every near pair allows motion on one side of a plane in joint space only; away from it, nothing is slowed.

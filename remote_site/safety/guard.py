@@ -9,8 +9,8 @@ from common.geometry import Array
 from remote_site.kinematics.joints import JointMotion
 from remote_site.kinematics.limits import JointLimits
 from remote_site.reasons import Code, Reason, reason
-from remote_site.safety.clearance import Surroundings
-from remote_site.safety.stopping import Span, State, span, stopping, stops
+from remote_site.safety.clearance import ClearanceCheck
+from remote_site.safety.stopping import JointState, Span, span, stopping, stops
 
 RELATIVE = 1e-6  # of a limit: what rounding may add to velocity, acceleration and jerk
 POSITION = 1e-9  # rad and m: what rounding may add to a position
@@ -131,7 +131,7 @@ class Guard:
     to anything than the margin; an arm that is where it may not be only retreats.
     """
 
-    def __init__(self, limits: JointLimits, surroundings: Surroundings, dt: float) -> None:
+    def __init__(self, limits: JointLimits, surroundings: ClearanceCheck, dt: float) -> None:
         self._joints = JointGuard(limits, dt)
         self._surroundings = surroundings
 
@@ -158,5 +158,5 @@ class Guard:
         return self._joints.stop(sent)
 
 
-def _states(motion: JointMotion) -> Iterator[State]:
+def _states(motion: JointMotion) -> Iterator[JointState]:
     return zip(motion.q.tolist(), motion.dq.tolist(), motion.ddq.tolist(), strict=True)

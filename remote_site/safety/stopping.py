@@ -8,7 +8,7 @@ import numpy as np
 from remote_site.kinematics.joints import JointMotion
 from remote_site.kinematics.limits import JointLimits
 
-State = tuple[float, float, float]  # position, velocity, acceleration
+JointState = tuple[float, float, float]  # position, velocity, acceleration
 Span = tuple[float, float]  # middle and reach
 REST = 1e-12  # rad/s and rad/s²: what rounding leaves of a stop that has ended
 
@@ -52,7 +52,7 @@ class JointStop(NamedTuple):
             state = advance(state, 0.0, self.cruise)
         return advance(state, -self.jerk, self.last)[0]
 
-    def at(self, t: float) -> State:
+    def at(self, t: float) -> JointState:
         """Position, velocity and acceleration `t` seconds after the onset."""
         state = (self.q, self.v, self.a)
         for jerk, duration in self._phases():
@@ -77,13 +77,13 @@ class JointStop(NamedTuple):
         return (self.jerk, self.first), (0.0, self.cruise), (-self.jerk, self.last)
 
 
-def advance(state: State, jerk: float, t: float) -> State:
+def advance(state: JointState, jerk: float, t: float) -> JointState:
     """The state after `t` seconds of constant jerk."""
     q, v, a = state
     return q + t * (v + t * (a / 2 + t * jerk / 6)), v + t * (a + t * jerk / 2), a + t * jerk
 
 
-def joint_stop(state: State, acceleration: float, jerk: float) -> JointStop:
+def joint_stop(state: JointState, acceleration: float, jerk: float) -> JointStop:
     """The quickest stop of one joint within its acceleration (rad/s²) and jerk (rad/s³) limits."""
     q, v, a = state
     if -REST < v < REST and -REST < a < REST:
@@ -99,7 +99,7 @@ def joint_stop(state: State, acceleration: float, jerk: float) -> JointStop:
     return JointStop(q, v, a, -side * jerk, max((along + peak) / jerk, 0.0), cruise, peak / jerk)
 
 
-def span(state: State, acceleration: float, jerk: float) -> Span:
+def span(state: JointState, acceleration: float, jerk: float) -> Span:
     """A middle and a reach that all positions of a joint's stop lie within; quicker to know than the stop itself.
 
     The way is `JointStop.travel` with the longest its phases can be; unless the stop first turns round, it goes all to
@@ -132,7 +132,7 @@ def stop_time(motion: JointMotion, limits: JointLimits) -> float:
     return max(stop.duration for stop in stops(motion, limits))
 
 
-def _turns(state: State, jerk: float, duration: float) -> list[float]:
+def _turns(state: JointState, jerk: float, duration: float) -> list[float]:
     """The instants within a phase at which the velocity is zero."""
     _, v, a = state
     if jerk == 0.0:

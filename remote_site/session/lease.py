@@ -22,7 +22,7 @@ class Lease:
     expires_ns: int
 
 
-class LeaseDesk:
+class LeaseServer:
     """Grants, renews, ends and hands over the one lease; time comes in as nanoseconds of the remote site's clock.
 
     Numbers rise from `first_number`, which has to differ between starts, so that a lease of an earlier start is never

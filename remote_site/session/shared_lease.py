@@ -5,7 +5,7 @@ import mmap
 NOBODY = 0
 
 
-class LeaseBoard:
+class SharedLease:
     """One number in memory that a fork inherits; control shows it, others look. Create it before the fork."""
 
     def __init__(self) -> None:

@@ -46,7 +46,7 @@ class _Stop:
         return JointMotion(np.array(q), np.array(dq), np.array(ddq))
 
 
-class Controller:
+class SimulatedController:
     """Turns setpoints into the motion that the servo follows.
 
     Setpoints are extended by their velocity and acceleration until the next arrives; what jumps is followed within the

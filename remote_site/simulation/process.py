@@ -12,7 +12,7 @@ from common.process.service import ask_for_real_time
 from remote_site.kinematics.config import RobotConfig
 from remote_site.simulation.cell import Cell, build_cell
 from remote_site.simulation.config import CellConfig
-from remote_site.simulation.controller import ArmLimits, Controller
+from remote_site.simulation.controller import ArmLimits, SimulatedController
 from remote_site.simulation.memory import CellMemory
 from remote_site.simulation.servo import Servo
 
@@ -109,8 +109,8 @@ def _wait(due_ns: int, most_ns: int) -> int:
     return due_ns
 
 
-def make_controller(cell: Cell, config: CellConfig) -> Controller:
+def make_controller(cell: Cell, config: CellConfig) -> SimulatedController:
     """The robot controller of that cell; ModelError when the servo's configuration is for another number of joints."""
     ranges = np.array([cell.model.joint(name).range for name in cell.joints])
     fastest = np.full(len(ranges), config.servo.max_velocity_rad_s)
-    return Controller(config.servo, ArmLimits(ranges[:, 0], ranges[:, 1], fastest), cell.start_q)
+    return SimulatedController(config.servo, ArmLimits(ranges[:, 0], ranges[:, 1], fastest), cell.start_q)

@@ -15,7 +15,7 @@ PROPER = 1e-6
 NO_LOCKS = LocksConfig()
 
 
-class Locks(Protocol):
+class AppliedLocks(Protocol):
     """Motions that the arm does not copy: along the base's axes, about the tool's at the last reference."""
 
     @property
@@ -42,7 +42,7 @@ class Steering:
     clutch_count: int = 0
     scale: float = 1.0
     rotation_scale: float = 1.0
-    locks: Locks = NO_LOCKS
+    locks: AppliedLocks = NO_LOCKS
 
 
 class Mapping:

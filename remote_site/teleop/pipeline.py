@@ -14,14 +14,14 @@ from remote_site.kinematics.dexterity import FULL, Dexterity
 from remote_site.kinematics.joints import JointMotion
 from remote_site.kinematics.limits import JointLimits
 from remote_site.kinematics.model import ArmModel
-from remote_site.motion.jerk_limited import Follower, leash
-from remote_site.motion.target_tracker import choose_pursuit
+from remote_site.motion.jerk_limited import JerkLimitedTracker, leash
+from remote_site.motion.target_tracker import choose_target_tracker
 from remote_site.reasons import Reason
-from remote_site.safety.clearance import Surroundings, Workspace
+from remote_site.safety.clearance import ClearanceCheck, Workspace
 from remote_site.safety.collision import CollisionModel
-from remote_site.safety.collision_avoidance import Shield
+from remote_site.safety.collision_avoidance import CollisionAvoidance
 from remote_site.safety.guard import Guard, Refused
-from remote_site.session.lease import Lease, LeaseDesk
+from remote_site.session.lease import Lease, LeaseServer
 from remote_site.session.samples import Accepted
 from remote_site.session.state_machine import (
     Action,
@@ -31,7 +31,7 @@ from remote_site.session.state_machine import (
 )
 from remote_site.teleop.gripper_toggles import GripperToggles
 from remote_site.teleop.mapping import Steering, make_mapping
-from remote_site.teleop.sample_validator import Intake
+from remote_site.teleop.sample_validator import SampleValidator
 
 
 @dataclass(frozen=True, slots=True)
@@ -44,27 +44,27 @@ class Step:
     obeys: Accepted | None
 
 
-class Chain:
+class TeleopPipeline:
     """Everything between the wire and the driver; feed it samples and what was really sent, time comes in as ns."""
 
     def __init__(
-        self, config: RemoteConfig, model: ArmModel, limits: JointLimits, start: Array, leases: LeaseDesk
+        self, config: RemoteConfig, model: ArmModel, limits: JointLimits, start: Array, leases: LeaseServer
     ) -> None:
         dt = 1.0 / config.control.rate_hz
         self._control = config.control
         self._model = model
         self.leases = leases
-        self.intake = Intake(config.safety, config.mapping.point)
+        self.intake = SampleValidator(config.safety, config.mapping.point)
         self.session = Session(config.safety, config.engagement)
         self._mapping = make_mapping(config.mapping)
-        self._pursuit = choose_pursuit(config, model, limits)
+        self._pursuit = choose_target_tracker(config, model, limits)
         self._dexterity = Dexterity(model, config.control.singularity)
-        self._follower = Follower(limits, dt)
+        self._follower = JerkLimitedTracker(limits, dt)
         self._workspace = Workspace(np.array(config.safety.workspace_min_m), np.array(config.safety.workspace_max_m))
         robot, collision = config.robot, config.safety.collision
         self.collision = CollisionModel.from_urdf(robot.urdf, model, robot.capsules, collision)
-        self._shield = Shield(self.collision, collision, limits, dt)
-        self._guard = Guard(limits, Surroundings(model, self._workspace, self.collision), dt)
+        self._shield = CollisionAvoidance(self.collision, collision, limits, dt)
+        self._guard = Guard(limits, ClearanceCheck(model, self._workspace, self.collision), dt)
         self.gripper = GripperToggles(is_open=True)
         self.sent = JointMotion.at_rest(start)
         self.engagement: Engagement | None = None

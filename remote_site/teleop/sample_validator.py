@@ -19,7 +19,7 @@ from remote_site.teleop.orientation_gate import OrientationGate
 OFFSET_VALID_NS = 5 * NS_PER_S  # an older measurement of the clocks says nothing any more
 
 
-class Intake:
+class SampleValidator:
     """Judges samples one by one; `rejected` counts refusals by code, `clock` is what the newest one said of the clocks.
 
     What comes here was sent under the lease in force, so that no former session or site can be among it.

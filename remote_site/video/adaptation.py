@@ -12,7 +12,7 @@ from remote_site.video.carrying import Carrying, News
 from remote_site.video.config import VideoConfig
 from remote_site.video.ledger import Ledger
 from remote_site.video.page_pace import PagePace
-from remote_site.video.setting import Setting, fit
+from remote_site.video.setting import StreamSetting, fit
 
 SENDING_NS = NS_PER_S
 FLOOR_BYTES_PER_S = 500.0
@@ -29,7 +29,7 @@ class Adaptation:
     """
 
     def __init__(self, config: VideoConfig) -> None:
-        self._full = Setting(config.quality, 1.0, config.fps)
+        self._full = StreamSetting(config.quality, 1.0, config.fps)
         self._ledgers = {camera.name: Ledger() for camera in config.cameras}
         self._settings = dict.fromkeys(self._ledgers, self._full)
         self._carrying, self._pace = Carrying(), PagePace()
@@ -60,7 +60,7 @@ class Adaptation:
         self._carrying.report(together(news), sum(wanted.values()), now_ns)
         self._settings = self._chosen(wanted)
 
-    def setting(self, camera: str, now_ns: int) -> Setting:
+    def setting(self, camera: str, now_ns: int) -> StreamSetting:
         """How the camera's next picture is to be sent."""
         if self._console is not None and now_ns - self._heard_ns > SHOWN.stale_after_ns:
             self._forget(None)
@@ -95,7 +95,7 @@ class Adaptation:
             if ledger.reference_bytes is not None and now_ns - ledger.sent_ns < SENDING_NS
         }
 
-    def _chosen(self, wanted: Mapping[str, float]) -> dict[str, Setting]:
+    def _chosen(self, wanted: Mapping[str, float]) -> dict[str, StreamSetting]:
         budget = self._carrying.budget(sum(wanted.values()))
         paced = self._full if self._pace.fps is None else replace(self._full, fps=self._pace.fps)
         if budget is None:

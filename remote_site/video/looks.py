@@ -22,7 +22,7 @@ def is_dark(image: Image, dark_level: float) -> bool:
     return contrast < FLAT or brightness + 2.0 * contrast < dark_level
 
 
-class Pace:
+class FrameRate:
     """How many pictures a second a camera makes, by its own numbers, whether or not all were taken."""
 
     def __init__(self) -> None:

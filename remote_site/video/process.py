@@ -14,7 +14,7 @@ from common.process.service import be_nice
 from remote_site.session.shared_lease import NOBODY
 from remote_site.video.adaptation import Adaptation
 from remote_site.video.config import VideoConfig
-from remote_site.video.setting import Setting
+from remote_site.video.setting import StreamSetting
 from remote_site.video.sources import SimulatedViews, Source, open_sources
 from remote_site.video.stream import CameraStream
 
@@ -22,7 +22,7 @@ LIVE_POLL_NS = 5 * NS_PER_MS
 
 
 @dataclass(frozen=True, slots=True)
-class Wire:
+class VideoWire:
     """Where pictures go, what consoles say of them (each word once, None without news), and the lease in force."""
 
     publish: Callable[[VideoFrame], None]
@@ -37,7 +37,7 @@ class _Slot:
     period_ns: int
     due_ns: int
 
-    def serve(self, setting: Setting, now_ns: int) -> VideoFrame | None:
+    def serve(self, setting: StreamSetting, now_ns: int) -> VideoFrame | None:
         """The message due now, if any; deadlines already gone are skipped, not caught up.
 
         What is drawn only when asked for is not drawn for nothing.
@@ -59,7 +59,7 @@ class _Console:
     make the operator's pictures poor. While nobody does, any may.
     """
 
-    wire: Wire
+    wire: VideoWire
     adaptation: Adaptation
     refused: bool = False
 
@@ -78,7 +78,7 @@ class _Console:
 def run_video(
     config: VideoConfig,
     views: SimulatedViews | None,
-    wire: Wire,
+    wire: VideoWire,
     should_stop: Callable[[], bool],
     beat: Callable[[], None],
 ) -> None:
@@ -99,7 +99,7 @@ def run_video(
             slot.source.close()
 
 
-def _serve_next(slots: Sequence[_Slot], console: _Console, wire: Wire) -> None:
+def _serve_next(slots: Sequence[_Slot], console: _Console, wire: VideoWire) -> None:
     slot = min(slots, key=lambda s: s.due_ns)
     delay_ns = slot.due_ns - time.monotonic_ns()
     if delay_ns > 0:

@@ -17,7 +17,7 @@ ROOM_TO_RISE = 1.15  # so that a camera at the border of two rungs does not go u
 
 
 @dataclass(frozen=True, slots=True)
-class Setting:
+class StreamSetting:
     """JPEG quality (1 to 100), size as a share of the camera's own width and height, pictures a second."""
 
     quality: int
@@ -30,7 +30,7 @@ class Setting:
         return _size(self.quality) * _area(self.scale)
 
 
-def fit(bytes_per_s: float, reference_bytes: float, full: Setting, now: Setting) -> Setting:
+def fit(bytes_per_s: float, reference_bytes: float, full: StreamSetting, now: StreamSetting) -> StreamSetting:
     """The best setting that takes no more than `bytes_per_s`, at most `full`; the last resort is a slow rate.
 
     `reference_bytes` is what a picture of quality 80 at full size would take, `now` the setting in force.
@@ -40,13 +40,13 @@ def fit(bytes_per_s: float, reference_bytes: float, full: Setting, now: Setting)
         allowed = _allowed(bytes_per_s, reference_bytes, scale, fps)
         room = ROOM_TO_RISE if (scale, fps) > (now.scale, now.fps) else 1.0
         if allowed >= room * _size(LEAST_QUALITY):
-            return Setting(_quality(allowed, full.quality), scale, fps)
+            return StreamSetting(_quality(allowed, full.quality), scale, fps)
     scale, rate = RUNGS[-1]
     fps = full.fps * rate
     allowed = _allowed(bytes_per_s, reference_bytes, scale, fps)
     if allowed >= _size(LAST_QUALITY):
-        return Setting(_quality(allowed, min(full.quality, LEAST_QUALITY)), scale, fps)
-    return Setting(LAST_QUALITY, scale, max(LEAST_FPS, fps * allowed / _size(LAST_QUALITY)))
+        return StreamSetting(_quality(allowed, min(full.quality, LEAST_QUALITY)), scale, fps)
+    return StreamSetting(LAST_QUALITY, scale, max(LEAST_FPS, fps * allowed / _size(LAST_QUALITY)))
 
 
 def _allowed(bytes_per_s: float, reference_bytes: float, scale: float, fps: float) -> float:

@@ -7,8 +7,8 @@ from common.clock import NS_PER_MS, NS_PER_S
 from common.messages.video import CameraStatus, VideoFrame
 from remote_site.video.config import VideoConfig
 from remote_site.video.encode import encode_jpeg, shrunk
-from remote_site.video.looks import Pace, is_dark
-from remote_site.video.setting import Setting
+from remote_site.video.looks import FrameRate, is_dark
+from remote_site.video.setting import StreamSetting
 
 SAMPLING = 4
 NEVER = -1
@@ -31,7 +31,7 @@ class CameraStream:
         self._promised_fps = config.fps
         self._frozen_ns = round(config.frozen_ms * NS_PER_MS)
         self._status_period_ns = round(NS_PER_S / config.status_hz)
-        self._pace = Pace()
+        self._pace = FrameRate()
         self._seq = 0
         self._capture_ns = NEVER
         self._due_ns = 0.0
@@ -42,7 +42,7 @@ class CameraStream:
         self._new_picture_ns = NEVER
         self._told_ns = NEVER
 
-    def take(self, frame: Frame | None, setting: Setting, now_ns: int) -> VideoFrame | None:
+    def take(self, frame: Frame | None, setting: StreamSetting, now_ns: int) -> VideoFrame | None:
         """What to publish at `now_ns`, given the newest frame (None before the first); None for nothing new."""
         if self._began_ns == NEVER:
             self._began_ns = self._new_stamp_ns = self._new_picture_ns = now_ns
@@ -80,7 +80,7 @@ class CameraStream:
         self._sample = sample
         return dark
 
-    def _picture(self, frame: Frame, setting: Setting, *, dark: bool) -> VideoFrame | None:
+    def _picture(self, frame: Frame, setting: StreamSetting, *, dark: bool) -> VideoFrame | None:
         """The picture as the setting wants it; None for one that it leaves out."""
         if not self._is_due(frame.capture_ns, setting.fps):
             return None

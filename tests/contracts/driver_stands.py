@@ -5,8 +5,8 @@ from remote_site.config import RemoteConfig
 from remote_site.drivers.c500c.config import C500cConfig
 from remote_site.drivers.c500c.driver import C500cDriver
 from remote_site.drivers.c500c.emulation import EmulatedPort, Emulation
-from remote_site.drivers.c500c.emulator import Controller
-from remote_site.drivers.conformance.trial import Stand
+from remote_site.drivers.c500c.emulator import EmulatedController
+from remote_site.drivers.conformance.trial import DriverStand
 from remote_site.drivers.kinematic import KinematicDriver
 from remote_site.drivers.simulated import SimulatedDriver
 from remote_site.runtime.driver_process import setup_of
@@ -31,19 +31,19 @@ class CellClock(FakeClock):
             self.cell.step(self.time_ns, self.time_ns)
 
 
-def kinematic_stand(make=KinematicDriver, robot=CONFIG.robot) -> Stand:
+def kinematic_stand(make=KinematicDriver, robot=CONFIG.robot) -> DriverStand:
     clock = FakeClock(NS_PER_MS * 1000)
-    return Stand(clock, SETUP, lambda: make(clock), robot.start)
+    return DriverStand(clock, SETUP, lambda: make(clock), robot.start)
 
 
-def simulated_stand(robot=CONFIG.robot) -> Stand:
+def simulated_stand(robot=CONFIG.robot) -> DriverStand:
     memory = CellMemory.create(6)
     clock = CellClock(SimulatedCell(CONFIG.simulation, robot, memory))
-    return Stand(clock, SETUP, lambda: SimulatedDriver(memory, clock), robot.start)
+    return DriverStand(clock, SETUP, lambda: SimulatedDriver(memory, clock), robot.start)
 
 
-def c500c_stand(loss: float = 0.0, robot=CONFIG.robot) -> Stand:
+def c500c_stand(loss: float = 0.0, robot=CONFIG.robot) -> DriverStand:
     clock = FakeClock(NS_PER_MS * 1000)
-    emulation = Emulation(Controller(robot.start), clock.now_ns(), loss=loss)
+    emulation = Emulation(EmulatedController(robot.start), clock.now_ns(), loss=loss)
     port = EmulatedPort(emulation, clock)
-    return Stand(clock, SETUP, lambda: C500cDriver(C500cConfig(), port, clock), robot.start)
+    return DriverStand(clock, SETUP, lambda: C500cDriver(C500cConfig(), port, clock), robot.start)

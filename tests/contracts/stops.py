@@ -7,7 +7,7 @@ import numpy as np
 from common.clock import NS_PER_MS, NS_PER_S
 from remote_site.drivers.driver import JointCommand
 from remote_site.drivers.supervisor.grip import GripSettings, GripWatch
-from remote_site.drivers.supervisor.supervisor import Keeper, Order
+from remote_site.drivers.supervisor.supervisor import DriverOrder, DriverSupervisor
 from remote_site.kinematics.joints import JointMotion
 from tests.contracts.driver_stands import CONFIG, SETUP
 
@@ -56,16 +56,16 @@ def measured_stop(stand, speed: float, jerk: float, *, accelerating: bool) -> St
     limits = replace(SETUP.limits, acceleration=np.full(6, 10.0), jerk=np.full(6, jerk))
     setup, clock, driver = replace(SETUP, limits=limits), stand.clock, stand.make()
     driver.configure(setup)
-    keeper = Keeper(driver, setup, clock, NoMark(), GripWatch(GripSettings()))
+    keeper = DriverSupervisor(driver, setup, clock, NoMark(), GripWatch(GripSettings()))
 
-    def turn(*orders: Order) -> None:
+    def turn(*orders: DriverOrder) -> None:
         clock.sleep_until_ns(clock.now_ns() + 2 * NS_PER_MS)
         keeper.take(orders, clock.now_ns())
         keeper.step(clock.now_ns())
 
-    def order(seq: int, motion: JointMotion) -> Order:
+    def order(seq: int, motion: JointMotion) -> DriverOrder:
         command = JointCommand(seq, clock.now_ns(), motion.q, motion.dq, motion.ddq, gripper_open=True)
-        return Order(1, True, keeper.diversions, command)
+        return DriverOrder(1, True, keeper.diversions, command)
 
     for _ in range(100):
         turn()

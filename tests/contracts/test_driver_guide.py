@@ -5,7 +5,7 @@ from pathlib import Path
 
 from common.clock import NS_PER_MS, FakeClock
 from remote_site.drivers.conformance.suite import run_checks
-from remote_site.drivers.conformance.trial import Stand
+from remote_site.drivers.conformance.trial import DriverStand
 from remote_site.drivers.registry import DriverHost
 from tests.contracts.driver_stands import CONFIG, SETUP
 
@@ -18,6 +18,6 @@ def test_the_driver_of_the_guide_passes_every_check() -> None:
     namespace: dict = {}
     exec(compile(source, str(GUIDE), "exec"), namespace)  # noqa: S102  # the project's own document
     host = DriverHost(FakeClock(1000 * NS_PER_MS))
-    stand = Stand(host.clock, SETUP, lambda: namespace["LibraryDriver"](host), CONFIG.robot.start)
+    stand = DriverStand(host.clock, SETUP, lambda: namespace["LibraryDriver"](host), CONFIG.robot.start)
     lines: list[str] = []
     assert run_checks(stand, lines.append) == [], lines

@@ -16,7 +16,7 @@ from common.errors import RefusedError, TransportError
 from common.link.channels import ENGAGEMENT, HAND, STATE
 from common.link.endpoints import SECURED
 from common.link.transport import Link, open_link, open_router
-from farhand.certificates.folder import Order, create
+from farhand.certificates.folder import CertificateOrder, create
 from farhand.router import RouterConfig, zenohd_configuration
 from tests.common.link.secured_cell import (
     CELL,
@@ -38,7 +38,7 @@ DEPLOYED = Path(__file__).parents[2] / "deploy"
 def pki(tmp_path_factory: pytest.TempPathFactory) -> Path:
     folder = tmp_path_factory.mktemp("pki")
     for name in (CELL, "other"):
-        create(folder, Order(name, (), 30), datetime.now(UTC))
+        create(folder, CertificateOrder(name, (), 30), datetime.now(UTC))
     return folder
 
 

@@ -25,7 +25,7 @@ from common.link.endpoints import SECURED
 from common.link.transport import open_link
 from common.messages.requests import EngagementAction, EngagementRequest, Reply
 from common.messages.robot import RobotState, SessionState
-from farhand.certificates.folder import Order, create
+from farhand.certificates.folder import CertificateOrder, create
 from farhand.loopback.recorder import Recorder
 from farhand.loopback.run import free_ports
 from remote_site.config import RemoteConfig
@@ -68,7 +68,7 @@ class CellPair:
         control, video, listen = free_ports(3)
         self.control, self.video = f"{protocol}/{host}:{control}", f"tcp/{host}:{video}"
         if self._is_secured:
-            create(self.folder, Order(CELL, ("localhost",), 1), datetime.now(UTC))
+            create(self.folder, CertificateOrder(CELL, ("localhost",), 1), datetime.now(UTC))
         self.listen = f"tcp/127.0.0.1:{listen}"
         self.settings = (*self._own_settings(), *self._driver(settings))
         self.config = load_config(RemoteConfig, None, self.settings)

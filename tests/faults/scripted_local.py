@@ -14,7 +14,7 @@ from common.geometry import Array, rotation_from_vector
 from common.messages.hand import TrackingStatus
 from farhand.__main__ import main
 from local_site.config import LocalConfig
-from local_site.runtime.app import Operator
+from local_site.runtime.app import OperatorRig
 from local_site.simulation.cameras import exact_rig
 from local_site.tracking.tracker import ArmEstimate, Views
 from tests.faults.hand_path import HandPath
@@ -118,9 +118,9 @@ def run() -> None:
     """The command line of Farhand, with a scripted operator."""
     script = Script(Ear(sys.argv.pop(1)))
 
-    def open_operator(config: LocalConfig) -> Operator:
+    def open_operator(config: LocalConfig) -> OperatorRig:
         cameras = ScriptedCamera("left", script), ListeningCamera("right", script)
-        return Operator(exact_rig(config.simulation.stereo), config.tracking, cameras, lambda _t_ns: None)
+        return OperatorRig(exact_rig(config.simulation.stereo), config.tracking, cameras, lambda _t_ns: None)
 
     local_site.runtime.app._open_operator = open_operator
     local_site.runtime.app.make_tracker = lambda *_: ScriptedTracker(script)

@@ -12,12 +12,12 @@ from remote_site.kinematics.joints import JointMotion
 from remote_site.kinematics.limits import JointLimits
 from remote_site.kinematics.model import ArmModel
 from remote_site.reasons import Code
-from remote_site.safety.clearance import Surroundings, Workspace
+from remote_site.safety.clearance import ClearanceCheck, Workspace
 from remote_site.safety.collision import CollisionModel
 from remote_site.safety.guard import Guard, Passed
-from remote_site.session.lease import Holder, LeaseDesk
+from remote_site.session.lease import Holder, LeaseServer
 from remote_site.session.state_machine import Robot, Session
-from remote_site.teleop.pipeline import Chain
+from remote_site.teleop.pipeline import TeleopPipeline
 
 TICK_NS = 4 * NS_PER_MS
 REFUSALS = {
@@ -56,13 +56,13 @@ def guard_of(config: RemoteConfig | None = None, box: Workspace | None = None) -
     return Guard(limits, surroundings(config, box), TICK_NS / 1e9)
 
 
-def surroundings(config: RemoteConfig | None = None, box: Workspace | None = None) -> Surroundings:
+def surroundings(config: RemoteConfig | None = None, box: Workspace | None = None) -> ClearanceCheck:
     """The configured arm's surroundings, with another box if one is given."""
     config = config or RemoteConfig()
     model, _ = arm(config)
     robot = config.robot
     collision = CollisionModel.from_urdf(robot.urdf, model, robot.capsules, config.safety.collision)
-    return Surroundings(model, box or workspace(config), collision)
+    return ClearanceCheck(model, box or workspace(config), collision)
 
 
 def hand(seq, capture_ns, wrist=(0.0, 0.0, 0.3), session=7, status=TrackingStatus.TRACKED, **changes) -> HandArm:
@@ -90,9 +90,9 @@ class RemoteLoop:
         self.config = config or RemoteConfig()
         self.model, self.limits = arm(self.config)
         self.clock = FakeClock(START_NS)
-        self.leases = LeaseDesk(FOR_EVER_NS, LEASE)
+        self.leases = LeaseServer(FOR_EVER_NS, LEASE)
         self.grant(7)
-        self.chain = Chain(self.config, self.model, self.limits, self.config.robot.start, self.leases)
+        self.chain = TeleopPipeline(self.config, self.model, self.limits, self.config.robot.start, self.leases)
         self.guard = guard_of(self.config)
         self.driver = KinematicDriver(self.clock)
         setup = DriverSetup(self.model.joint_names, self.limits, TICK_NS / 1e9, 50 * NS_PER_MS)

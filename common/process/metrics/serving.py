@@ -24,7 +24,7 @@ NICE = 10
 BEAT_S = 0.2
 
 
-class Figures(Protocol[Heard_contra]):
+class MetricsSource(Protocol[Heard_contra]):
     """What is made of a channel's messages."""
 
     def hear(self, message: Heard_contra, now_ns: int) -> None:
@@ -37,7 +37,7 @@ class Figures(Protocol[Heard_contra]):
 class AtScrape(Collector):
     """Asks the figures when Prometheus asks."""
 
-    def __init__(self, figures: Figures[M]) -> None:
+    def __init__(self, figures: MetricsSource[M]) -> None:
         self._figures = figures
 
     def collect(self) -> Iterable[Metric]:
@@ -50,7 +50,7 @@ def run_metrics(
     endpoint: str,
     channel: Channel[M],
     cell: str,
-    figures: Figures[M],
+    figures: MetricsSource[M],
     should_stop: StopFlag,
     beat: Callable[[], None],
     security: LinkSecurity = ON_THIS_HOST,

@@ -46,7 +46,7 @@ TYPICAL = Spans(TYPICAL_M, TYPICAL_SIGMAS, TYPICAL_LIMITS)
 
 
 @dataclass(frozen=True, slots=True)
-class Identity:
+class MarkerIdentity:
     """The candidate of wrist, index and thumb (3,), NOBODY where there is none, and which of them could not be told
     from another explanation that is nearly as likely (3,)."""
 
@@ -54,7 +54,7 @@ class Identity:
     doubtful: NDArray[np.bool_]
 
 
-def first_identity(candidates: Candidates, gate_px: float) -> Identity:
+def first_identity(candidates: Candidates, gate_px: float) -> MarkerIdentity:
     """Who is who without any knowledge of this hand: all three must be there, with the distances of a human hand.
 
     The wrist is the farthest from the other two, and the thumb is nearer to it than the index.
@@ -62,7 +62,7 @@ def first_identity(candidates: Candidates, gate_px: float) -> Identity:
     return _cheapest(candidates, _costs(candidates, TYPICAL, None, gate_px) + _order_cost(candidates.points))
 
 
-def next_identity(candidates: Candidates, learned: Spans, expected: Array, gate_px: float) -> Identity:
+def next_identity(candidates: Candidates, learned: Spans, expected: Array, gate_px: float) -> MarkerIdentity:
     """Who is who by the learned distances and the expected places (3, 3) in m, NaN where nothing is expected."""
     return _cheapest(candidates, _costs(candidates, learned, expected, gate_px))
 
@@ -127,13 +127,13 @@ def _order_cost(points: Array) -> Array:
     return cost
 
 
-def _cheapest(candidates: Candidates, costs: Array) -> Identity:
+def _cheapest(candidates: Candidates, costs: Array) -> MarkerIdentity:
     """The choice of least cost, and where a choice that costs little more places a marker elsewhere."""
     count = len(candidates)
     best = np.unravel_index(int(np.argmin(costs)), costs.shape)
     least = float(costs[best])
     if not np.isfinite(least):
-        return Identity(np.full(3, NOBODY), np.zeros(3, dtype=bool))
+        return MarkerIdentity(np.full(3, NOBODY), np.zeros(3, dtype=bool))
     chosen = np.array(best, dtype=np.int64)
     doubtful = np.zeros(3, dtype=bool)
     for role in np.flatnonzero(chosen < count):
@@ -142,7 +142,7 @@ def _cheapest(candidates: Candidates, costs: Array) -> Identity:
         apart = np.linalg.norm(candidates.points - candidates.points[chosen[role]], axis=1)
         elsewhere[:count] = apart > SAME_PLACE_M
         doubtful[role] = bool(np.any(costs.min(axis=others)[elsewhere] < least + DOUBT))
-    return Identity(np.where(chosen < count, chosen, NOBODY), doubtful)
+    return MarkerIdentity(np.where(chosen < count, chosen, NOBODY), doubtful)
 
 
 def _distances(points: Array) -> Array:

@@ -9,7 +9,7 @@ from common.messages.hand import TrackingStatus
 from local_site.calibration.rig import Rig
 from local_site.tracking.markers.config import MarkersConfig
 from local_site.tracking.markers.correspondence import Candidates, correspond
-from local_site.tracking.markers.identity import NOBODY, ROLES, Identity, first_identity, next_identity
+from local_site.tracking.markers.identity import NOBODY, ROLES, MarkerIdentity, first_identity, next_identity
 from local_site.tracking.markers.learned import Learning, MarkedHand, is_open
 from local_site.tracking.markers.measuring import MarkerMeter, Sighting
 from local_site.tracking.markers.memory import Memory
@@ -61,13 +61,13 @@ class MarkerTracker:
         self._strange = 0
         return self._found(views.t_ns, sightings, [*silent, *self._quality.remarks(sightings, identity, spots)], spots)
 
-    def _identity(self, candidates: Candidates, t_ns: int) -> Identity:
+    def _identity(self, candidates: Candidates, t_ns: int) -> MarkerIdentity:
         if self._hand is None:
             return first_identity(candidates, self._quality.gate_px)
         return next_identity(candidates, self._hand.spans, self._memory.expected(t_ns), self._quality.gate_px)
 
     def _sighting(
-        self, candidates: Candidates, identity: Identity, role: int, spots: Sequence[Spots]
+        self, candidates: Candidates, identity: MarkerIdentity, role: int, spots: Sequence[Spots]
     ) -> Sighting | None:
         which = int(identity.chosen[role])
         if which == NOBODY or identity.doubtful[role]:

@@ -8,7 +8,7 @@ import numpy as np
 from common.geometry import Array
 from local_site.calibration.drift import fundamentals, pair_residuals
 from local_site.calibration.rig import Rig
-from local_site.tracking.markers.identity import NOBODY, ROLES, Identity
+from local_site.tracking.markers.identity import NOBODY, ROLES, MarkerIdentity
 from local_site.tracking.markers.measuring import Sighting
 from local_site.tracking.markers.spots import Spots
 
@@ -53,7 +53,9 @@ class Quality:
             return None
         return math.sqrt(float(np.nanmean(np.square(pair_residuals(self._of_pairs, np.array(seen))))))
 
-    def remarks(self, sightings: Sequence[Sighting | None], identity: Identity, spots: Sequence[Spots]) -> list[str]:
+    def remarks(
+        self, sightings: Sequence[Sighting | None], identity: MarkerIdentity, spots: Sequence[Spots]
+    ) -> list[str]:
         """Why a result is less sure than usual, or not complete, a sentence each."""
         told = [self._remark(*it) for it in zip(ROLES, sightings, identity.chosen, identity.doubtful, strict=True)]
         if self._residual_px(sightings) > DOUBTED * self._usual_px:

@@ -10,7 +10,7 @@ from local_site.calibration.lens import Lens
 from local_site.kernels.rasterising import NOTHING, Raster, rasterise
 from local_site.tracking.monocular.arm_mesh import Mesh
 from local_site.tracking.monocular.picture import Box
-from local_site.tracking.monocular.pose import Link, Pose
+from local_site.tracking.monocular.pose import ArmPose, Link
 
 MARGIN_PX = 24
 DEPTH_STEP_PX = 2
@@ -48,7 +48,7 @@ class ArmView:
         self._vertices = np.vstack([mesh.vertices for mesh in self._meshes])
         self._normals = np.vstack([mesh.normals for mesh in self._meshes])
 
-    def box(self, pose: Pose, width: int, height: int) -> Box | None:
+    def box(self, pose: ArmPose, width: int, height: int) -> Box | None:
         """The part of a picture of this size that holds the arm with a margin; None where it is out of the picture."""
         x, y, z = self._in_camera(pose).T.copy()
         if not (np.isfinite(z).all() and z.min() > 0):
@@ -58,7 +58,7 @@ class ArmView:
         top, bottom = max(int(v.min()) - MARGIN_PX, 0), min(int(v.max()) + 1 + MARGIN_PX, height)
         return (left, top, right, bottom) if min(right - left, bottom - top) >= 2 * MARGIN_PX else None
 
-    def depths(self, pose: Pose, box: Box) -> Depths:
+    def depths(self, pose: ArmPose, box: Box) -> Depths:
         """How deep the picture is, for telling what is hidden."""
         in_camera, step = self._in_camera(pose), DEPTH_STEP_PX
         pixels = (self._pixels(in_camera) - box[:2] + 0.5) / step - 0.5
@@ -66,7 +66,7 @@ class ArmView:
         raster = rasterise(pixels, in_camera[:, 2].copy(), self._triangles, *size)
         return Depths(raster.inverse_depth, self._focal / step, (self._principal - box[:2] + 0.5) / step - 0.5)
 
-    def patches(self, pose: Pose, box: Box) -> tuple[Patch, Patch]:
+    def patches(self, pose: ArmPose, box: Box) -> tuple[Patch, Patch]:
         """What of both links shows in every pixel of a part of the picture."""
         in_camera = self._in_camera(pose)
         pixels = self._pixels(in_camera) - box[:2]
@@ -78,7 +78,7 @@ class ArmView:
         )
         return upper, forearm
 
-    def _in_camera(self, pose: Pose) -> Array:
+    def _in_camera(self, pose: ArmPose) -> Array:
         """All vertices (V, 3) in the camera's frame, m."""
         links = zip(self._meshes, pose.links, strict=True)
         return np.vstack([mesh.vertices @ rotation.T + joint for mesh, (joint, rotation) in links])

@@ -19,8 +19,8 @@ from local_site.tracking.monocular.equations import (
     step,
 )
 from local_site.tracking.monocular.kernels import Surface, summed
-from local_site.tracking.monocular.picture import Level
-from local_site.tracking.monocular.pose import Pose
+from local_site.tracking.monocular.picture import PyramidLevel
+from local_site.tracking.monocular.pose import ArmPose
 
 HUBER = 1.5
 HALVINGS = 3
@@ -29,7 +29,7 @@ RISE = 1e-3  # of the mean square: the gradients, and with them the weights, cha
 
 
 @dataclass(frozen=True, slots=True)
-class Setting:
+class EstimatorSetting:
     """How much is spent on a frame: points per link, the least change of the mean square in grey², iterations.
 
     With `both_first` the links are estimated one by one only where both at once do not come to rest.
@@ -41,16 +41,16 @@ class Setting:
     both_first: bool = False
 
 
-LIVE = Setting(points=800, least_change=1e-2, iterations=10, both_first=True)
-ACCURATE = Setting(points=5000, least_change=1e-5, iterations=30)
-COARSE = Setting(points=200, least_change=1e-1, iterations=8)
+LIVE = EstimatorSetting(points=800, least_change=1e-2, iterations=10, both_first=True)
+ACCURATE = EstimatorSetting(points=5000, least_change=1e-5, iterations=30)
+COARSE = EstimatorSetting(points=200, least_change=1e-1, iterations=8)
 
 
 @dataclass(frozen=True, slots=True)
-class State:
+class EstimatorState:
     """What is estimated: the pose, and the light (4,) on upper arm and forearm, level and slope along the normal."""
 
-    pose: Pose
+    pose: ArmPose
     upper_light: Array
     forearm_light: Array
 
@@ -59,20 +59,20 @@ class State:
         """The light on both links."""
         return self.upper_light, self.forearm_light
 
-    def stepped(self, by: Array) -> "State":
+    def stepped(self, by: Array) -> "EstimatorState":
         """The state after a step (17,)."""
         pose = self.pose.moved(by[TRANSLATION], by[UPPER_TURN], by[FOREARM_TURN])
-        return State(pose, self.upper_light + by[UPPER_LIGHT], self.forearm_light + by[FOREARM_LIGHT])
+        return EstimatorState(pose, self.upper_light + by[UPPER_LIGHT], self.forearm_light + by[FOREARM_LIGHT])
 
 
 @dataclass(frozen=True, slots=True)
-class Fit:
+class MotionFit:
     """A state with the equations there, whether its mean square has come to rest, and in how many iterations.
 
     `finite` is False where the next step had no solution.
     """
 
-    state: State
+    state: EstimatorState
     equations: Equations
     converged: bool
     iterations: int
@@ -80,15 +80,15 @@ class Fit:
 
 
 @dataclass(frozen=True, slots=True)
-class Scene:
+class EstimatorScene:
     """What a fit looks at: a level of the frame, both links' points in view, and the variances of section 2.3."""
 
-    level: Level
+    level: PyramidLevel
     upper: Surface
     forearm: Surface
     variances: Array
 
-    def equations(self, state: State, free: slice) -> Equations:
+    def equations(self, state: EstimatorState, free: slice) -> Equations:
         """The equations of the links that the free unknowns belong to."""
         pose, view = state.pose, self.level.arrays
         uses_upper, uses_forearm = free.start == ALL.start, free.stop == ALL.stop
@@ -101,7 +101,7 @@ class Scene:
         )
 
 
-def fit_arm(scene: Scene, start: State, setting: Setting) -> Fit:
+def fit_arm(scene: EstimatorScene, start: EstimatorState, setting: EstimatorSetting) -> MotionFit:
     """Root link, lower arm, then what remains of both at once; or at once, where that is enough."""
     if setting.both_first:
         direct = settled(scene, start, ALL, setting)
@@ -114,12 +114,12 @@ def fit_arm(scene: Scene, start: State, setting: Setting) -> Fit:
     return replace(both, iterations=root.iterations + lower.iterations + both.iterations)
 
 
-def settled(scene: Scene, start: State, free: slice, setting: Setting) -> Fit:
+def settled(scene: EstimatorScene, start: EstimatorState, free: slice, setting: EstimatorSetting) -> MotionFit:
     """Steps until the mean square changes by less than the setting asks for, or nothing moves any more.
 
     A step that makes the mean square rise is halved; one that still does so is not taken, and the fit not converged.
     """
-    best = Fit(start, scene.equations(start, free), False, 0)
+    best = MotionFit(start, scene.equations(start, free), False, 0)
     by, halvings = step(best.equations, free), 0
     for iteration in range(1, setting.iterations + 1):
         if not np.all(np.isfinite(by)):
@@ -133,7 +133,7 @@ def settled(scene: Scene, start: State, free: slice, setting: Setting) -> Fit:
                 break
             by, halvings = 0.5 * by, halvings + 1
             continue
-        best = Fit(state, equations, at_rest, iteration) if change > 0 else replace(best, converged=True)
+        best = MotionFit(state, equations, at_rest, iteration) if change > 0 else replace(best, converged=True)
         if at_rest:
             break
         by, halvings = step(equations, free), 0

@@ -11,10 +11,19 @@ from local_site.calibration.lens import Lens
 from local_site.tracking.monocular.arm_mesh import MM, forearm_mesh, upper_arm_mesh
 from local_site.tracking.monocular.arm_view import ArmView, Depths, Patch
 from local_site.tracking.monocular.config import MonocularConfig
-from local_site.tracking.monocular.estimator import ACCURATE, COARSE, LIVE, Fit, Scene, Setting, State, fit_arm
+from local_site.tracking.monocular.estimator import (
+    ACCURATE,
+    COARSE,
+    LIVE,
+    EstimatorScene,
+    EstimatorSetting,
+    EstimatorState,
+    MotionFit,
+    fit_arm,
+)
 from local_site.tracking.monocular.kernels import Surface, samples
-from local_site.tracking.monocular.picture import Box, Level, coarse_level, fine_level, in_coarse_px
-from local_site.tracking.monocular.pose import Pose, predicted
+from local_site.tracking.monocular.picture import Box, PyramidLevel, coarse_level, fine_level, in_coarse_px
+from local_site.tracking.monocular.pose import ArmPose, predicted
 from local_site.tracking.monocular.skin import Skin
 
 SEED = 1
@@ -25,10 +34,10 @@ ENOUGH_NEAR = 0.9
 EVEN_LIGHT = np.array([1.0, 0.0, 0.0, 0.0])
 
 
-class Follower:
+class ArmFollower:
     """Both links' meshes and skins, and where the arm was in the last two frames."""
 
-    def __init__(self, lens: Lens, config: MonocularConfig, setting: Setting | None = None) -> None:
+    def __init__(self, lens: Lens, config: MonocularConfig, setting: EstimatorSetting | None = None) -> None:
         """The setting is the configuration's where none is given."""
         upper_arm, forearm = upper_arm_mesh(config.upper_arm), forearm_mesh(config.forearm)
         self._lens = lens
@@ -37,34 +46,34 @@ class Follower:
         self._setting = setting or (ACCURATE if config.setting == "accurate" else LIVE)
         self._variances = np.array([config.noise.grey**2, *[(MM * config.noise.position_mm) ** 2] * 3])
         self._learned_from = [np.zeros(3), np.zeros(3)]
-        self._looked_at: tuple[Box, Level] | None = None
-        self._before: State | None = None
-        self._last: State | None = None
+        self._looked_at: tuple[Box, PyramidLevel] | None = None
+        self._before: EstimatorState | None = None
+        self._last: EstimatorState | None = None
 
-    def begin(self, image: Image, pose: Pose) -> bool:
+    def begin(self, image: Image, pose: ArmPose) -> bool:
         """Learn the skin in a picture (H, W) in which the pose is known; False where the arm is out of the picture."""
-        state = State(pose, EVEN_LIGHT, EVEN_LIGHT)
+        state = EstimatorState(pose, EVEN_LIGHT, EVEN_LIGHT)
         if not self._learn(image, state, FACING):
             return False
         self.rest_at(state)
         return True
 
     @property
-    def last(self) -> State | None:
+    def last(self) -> EstimatorState | None:
         """Where the arm was last seen."""
         return self._last
 
-    def rest_at(self, state: State) -> None:
+    def rest_at(self, state: EstimatorState) -> None:
         """Take this for the last state, without motion."""
         self._before = self._last = state
 
-    def expected(self) -> State | None:
+    def expected(self) -> EstimatorState | None:
         """Where the arm should be in the next frame; None before the beginning."""
         if self._last is None or self._before is None:
             return None
-        return State(predicted(self._before.pose, self._last.pose), *self._last.lights)
+        return EstimatorState(predicted(self._before.pose, self._last.pose), *self._last.lights)
 
-    def fit(self, image: Image, start: State) -> Fit | None:
+    def fit(self, image: Image, start: EstimatorState) -> MotionFit | None:
         """The maximum likelihood pose in a picture (H, W), by way of the coarse level where the fine one leads astray.
 
         None where the arm is out of the picture.
@@ -81,33 +90,33 @@ class Follower:
         again = fit_arm(self._scene(fine, rough.state, depths), rough.state, self._setting)
         return max(direct, again, key=lambda fit: float(fit.equations.near.min()))
 
-    def move_to(self, state: State) -> None:
+    def move_to(self, state: EstimatorState) -> None:
         """Take a state for where the arm is, without learning from it."""
         self._before, self._last = self._last, state
 
-    def keep(self, image: Image, fit: Fit) -> None:
+    def keep(self, image: Image, fit: MotionFit) -> None:
         """Take a fit for where the arm is, and learn what of it came into view."""
         self.move_to(fit.state)
         self._learn(image, fit.state, NEW_FACING)
 
-    def _box(self, image: Image, pose: Pose) -> Box | None:
+    def _box(self, image: Image, pose: ArmPose) -> Box | None:
         return self._view.box(pose, image.shape[1], image.shape[0])
 
-    def _scene(self, level: Level, state: State, depths: Depths) -> Scene:
+    def _scene(self, level: PyramidLevel, state: EstimatorState, depths: Depths) -> EstimatorScene:
         upper, forearm = (
             _surface(skin, skin.in_view(link, depths, FACING, self._setting.points), skin.fine)
             for skin, link in zip(self._skins, state.pose.links, strict=True)
         )
-        return Scene(level, upper, forearm, self._variances)
+        return EstimatorScene(level, upper, forearm, self._variances)
 
-    def _coarse_scene(self, level: Level, state: State, depths: Depths) -> Scene:
+    def _coarse_scene(self, level: PyramidLevel, state: EstimatorState, depths: Depths) -> EstimatorScene:
         upper, forearm = (
             _surface(skin, skin.in_view(link, depths, NEW_FACING, COARSE.points), skin.coarse)
             for skin, link in zip(self._skins, state.pose.links, strict=True)
         )
-        return Scene(level, upper, forearm, self._variances)
+        return EstimatorScene(level, upper, forearm, self._variances)
 
-    def _learn(self, image: Image, state: State, facing: float) -> bool:
+    def _learn(self, image: Image, state: EstimatorState, facing: float) -> bool:
         """Take in what faces the camera of every link that has turned since; False where the arm is out of view."""
         ways = [rotation.T @ (joint / np.linalg.norm(joint)) for joint, rotation in state.pose.links]
         due = [k for k in range(2) if ways[k] @ self._learned_from[k] < LEARN_AFTER]
@@ -133,7 +142,7 @@ def _surface(skin: Skin, numbers: NDArray[np.intp], reflectances: Array) -> Surf
 
 
 def _learn_patch(
-    skin: Skin, patch: Patch, fine: Level, coarse: Level, facing: float, rotation: Array, light: Array
+    skin: Skin, patch: Patch, fine: PyramidLevel, coarse: PyramidLevel, facing: float, rotation: Array, light: Array
 ) -> None:
     """Points with a clear gradient that face the camera, where nothing is known yet; the light is taken off."""
     slope = np.hypot(fine.along_x[patch.rows, patch.columns], fine.along_y[patch.rows, patch.columns])

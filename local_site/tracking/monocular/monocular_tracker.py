@@ -12,9 +12,9 @@ from local_site.calibration.physical_camera import decomposed
 from local_site.calibration.rig import CameraCalibration, Rig
 from local_site.tracking.monocular.arm_mesh import MM
 from local_site.tracking.monocular.config import MonocularConfig, Pixel
-from local_site.tracking.monocular.estimator import Fit, State
-from local_site.tracking.monocular.follower import Follower
-from local_site.tracking.monocular.pose import Pose
+from local_site.tracking.monocular.estimator import EstimatorState, MotionFit
+from local_site.tracking.monocular.follower import ArmFollower
+from local_site.tracking.monocular.pose import ArmPose
 from local_site.tracking.monocular.quality import Judgement, Refusal, covariances, judged
 from local_site.tracking.monocular.silhouette_start import SilhouetteStart
 from local_site.tracking.monocular.start import starting_pose
@@ -63,10 +63,10 @@ class MonocularTracker:
         self._forget()
 
     def _forget(self) -> None:
-        self._follower = Follower(self._camera.lens, self._config)
-        self._start: State | None = None
+        self._follower = ArmFollower(self._camera.lens, self._config)
+        self._start: EstimatorState | None = None
         self._lost_for = 0
-        self.pose: Pose | None = None
+        self.pose: ArmPose | None = None
 
     def track(self, views: Views) -> ArmEstimate:
         """The arm at the views' instant; a frame that cannot be tracked says why."""
@@ -109,7 +109,7 @@ class MonocularTracker:
         pose = silhouette.pose(view, t_ns)
         if isinstance(pose, str):
             return pose
-        follower = Follower(self._camera.lens, self._config)
+        follower = ArmFollower(self._camera.lens, self._config)
         begun = follower.begin(image, pose)
         state = follower.last
         judgement = judged(follower.fit(image, state) if begun and state is not None else None)
@@ -118,7 +118,7 @@ class MonocularTracker:
         self._follower, self._start, self._lost_for = follower, state, 0
         return ""
 
-    def _fit(self, image: Image) -> Fit | None:
+    def _fit(self, image: Image) -> MotionFit | None:
         """From the expected place; after a loss from the last one and from the start by turns."""
         if self._lost_for and self._start is not None and self._follower.last is not None:
             self._follower.rest_at(self._follower.last)
@@ -131,7 +131,7 @@ class MonocularTracker:
         self.pose = None
         return ArmEstimate(t_ns, TrackingStatus.LOST, reason, overlays=(Overlay(),) * self._cameras)
 
-    def _found(self, t_ns: int, pose: Pose, judgement: Judgement, spread: Array) -> ArmEstimate:
+    def _found(self, t_ns: int, pose: ArmPose, judgement: Judgement, spread: Array) -> ArmEstimate:
         forearm = self._config.forearm
         wrist = np.array([0.0, 0.0, MM * forearm.length_mm])
         palm = wrist + np.array([0.0, 0.0, MM * forearm.palm_point_mm])
@@ -149,7 +149,7 @@ class MonocularTracker:
             overlays=tuple(self._overlay(pose, k) for k in range(self._cameras)),
         )
 
-    def _overlay(self, pose: Pose, camera: int) -> Overlay:
+    def _overlay(self, pose: ArmPose, camera: int) -> Overlay:
         """The links as lines in the camera's own picture; nothing in the others."""
         if camera != self.camera:
             return Overlay()

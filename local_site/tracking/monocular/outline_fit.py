@@ -18,7 +18,7 @@ from local_site.tracking.monocular.arm_mesh import MM, Mesh, Profile, forearm_me
 from local_site.tracking.monocular.config import MonocularConfig
 from local_site.tracking.monocular.kernels import Picture, samples
 from local_site.tracking.monocular.outline import Sides, sides_of
-from local_site.tracking.monocular.pose import Pose
+from local_site.tracking.monocular.pose import ArmPose
 from local_site.tracking.monocular.start import facing
 from local_site.tracking.silhouette.contour import Silhouette
 from local_site.tracking.silhouette.features import Features
@@ -52,7 +52,7 @@ class OutlineFit:
     their tilts out of it (2,) in rad, and by how much shoulder, elbow and wrist (3,) would move, m.
     """
 
-    pose: Pose
+    pose: ArmPose
     sigmas: Array
     apart_px: float
     places: tuple[int, int]
@@ -124,12 +124,12 @@ class OutlineFitter:
         result: Array = (pixel - (lens.cx, lens.cy)) / (lens.fx, lens.fy)
         return result
 
-    def _pose(self, unknowns: Array) -> Pose:
+    def _pose(self, unknowns: Array) -> ArmPose:
         elbow = math.exp(unknowns[DEPTH]) * np.array([*unknowns[ELBOW], 1.0])
         upper_arm = facing(_direction(*unknowns[UPPER]), 0.0)
         forearm = facing(_direction(*unknowns[FOREARM]), unknowns[TURN])
         length = self._upper_arm.length
-        return Pose(elbow - length * upper_arm[:, 2], upper_arm, forearm, length)
+        return ArmPose(elbow - length * upper_arm[:, 2], upper_arm, forearm, length)
 
     def _joints(self, unknowns: Array) -> Array:
         """Shoulder, elbow and wrist (9,), m."""

@@ -18,7 +18,7 @@ Box = tuple[int, int, int, int]
 
 
 @dataclass(frozen=True, slots=True)
-class Level:
+class PyramidLevel:
     """A part of the frame at some resolution: grey levels and their gradients per its px (H, W), focal lengths (2,) and
     principal point (2,) in its px."""
 
@@ -34,14 +34,14 @@ class Level:
         return self.grey, self.along_x, self.along_y, self.focal, self.principal
 
 
-def fine_level(image: Image, lens: Lens, box: Box) -> Level:
+def fine_level(image: Image, lens: Lens, box: Box) -> PyramidLevel:
     """The part (left, top, right, bottom) of a grey frame (H, W) at full resolution."""
     left, top, right, bottom = box
     grey = cv2.GaussianBlur(image[top:bottom, left:right].astype(np.float32), (0, 0), FINE_BLUR_PX)
     return _level(grey, np.array([lens.fx, lens.fy]), np.array([lens.cx - left, lens.cy - top]))
 
 
-def coarse_level(image: Image, lens: Lens, box: Box) -> Level:
+def coarse_level(image: Image, lens: Lens, box: Box) -> PyramidLevel:
     """The same part with COARSE times fewer pixels along each side."""
     left, top, right, bottom = box
     right, bottom = left + (right - left) // COARSE * COARSE, top + (bottom - top) // COARSE * COARSE
@@ -53,13 +53,13 @@ def coarse_level(image: Image, lens: Lens, box: Box) -> Level:
     return _level(grey, np.array([lens.fx, lens.fy]) / COARSE, principal)
 
 
-def _level(grey: cv2.typing.MatLike, focal: Array, principal: Array) -> Level:
+def _level(grey: cv2.typing.MatLike, focal: Array, principal: Array) -> PyramidLevel:
     """Gradients by Sobel's operator, whose sums are eight times the slope."""
     picture = np.asarray(grey, dtype=np.float32)
     along_x, along_y = (
         np.asarray(cv2.Sobel(picture, cv2.CV_32F, dx, dy, scale=0.125), dtype=np.float32) for dx, dy in ((1, 0), (0, 1))
     )
-    return Level(picture, along_x, along_y, focal, principal)
+    return PyramidLevel(picture, along_x, along_y, focal, principal)
 
 
 def in_coarse_px(places: Array | NDArray[np.intp]) -> Array:

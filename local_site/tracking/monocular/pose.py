@@ -10,7 +10,7 @@ Link = tuple[Array, Array]
 
 
 @dataclass(frozen=True, slots=True)
-class Pose:
+class ArmPose:
     """The shoulder (3,) in m and `camera_R_link` (3, 3) of upper arm and forearm; links run along their z."""
 
     shoulder: Array
@@ -39,12 +39,12 @@ class Pose:
         result: Array = self.elbow + self.forearm @ point
         return result
 
-    def moved(self, translation: Array, upper_turn: Array, forearm_turn: Array) -> "Pose":
+    def moved(self, translation: Array, upper_turn: Array, forearm_turn: Array) -> "ArmPose":
         """The pose after a translation (3,) in m of the shoulder and small turns (3,) in rad of both links (eq. 1-4).
 
         The elbow follows the upper arm; the turns are about the camera's axes.
         """
-        return Pose(
+        return ArmPose(
             self.shoulder + translation,
             rotation_from_vector(upper_turn) @ self.upper_arm,
             rotation_from_vector(forearm_turn) @ self.forearm,
@@ -52,7 +52,7 @@ class Pose:
         )
 
 
-def predicted(before: Pose, last: Pose, damping: float = DAMPING) -> Pose:
+def predicted(before: ArmPose, last: ArmPose, damping: float = DAMPING) -> ArmPose:
     """The next pose when the last motion goes on, damped."""
     return last.moved(
         damping * (last.shoulder - before.shoulder),

@@ -10,8 +10,8 @@ import numpy as np
 from common.geometry import Array, skew
 from common.messages.hand import TrackingStatus
 from local_site.tracking.monocular.equations import condition, information
-from local_site.tracking.monocular.estimator import Fit
-from local_site.tracking.monocular.pose import Pose
+from local_site.tracking.monocular.estimator import MotionFit
+from local_site.tracking.monocular.pose import ArmPose
 from local_site.tracking.reasons import sentence
 
 LEAST_POINTS = 100
@@ -46,7 +46,7 @@ class Judgement:
     spread: Array | None = None
 
 
-def judged(fit: Fit | None) -> Judgement:
+def judged(fit: MotionFit | None) -> Judgement:
     """Whether a fit is to be believed; None stands for an arm out of the picture."""
     if fit is None:
         return Judgement(TrackingStatus.LOST, Refusal.OUT_OF_VIEW)
@@ -71,7 +71,7 @@ def judged(fit: Fit | None) -> Judgement:
     return Judgement(TrackingStatus.DEGRADED if doubts else TrackingStatus.TRACKED, sentence(doubts), spread)
 
 
-def _refusal(fit: Fit) -> Refusal | None:
+def _refusal(fit: MotionFit) -> Refusal | None:
     equations = fit.equations
     if equations.points.min() < LEAST_POINTS:
         return Refusal.FEW_POINTS
@@ -84,7 +84,7 @@ def _refusal(fit: Fit) -> Refusal | None:
     return None
 
 
-def covariances(pose: Pose, spread: Array, on_forearm: Mapping[str, Array]) -> dict[str, Array]:
+def covariances(pose: ArmPose, spread: Array, on_forearm: Mapping[str, Array]) -> dict[str, Array]:
     """Covariances (3, 3) in m² of the elbow and of named points of the forearm's frame (3,), in the camera's frame.
 
     `spread` (9, 9) is from the normal matrix, with what the points miss the picture by, and for errors they share.

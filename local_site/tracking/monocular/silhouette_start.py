@@ -7,8 +7,8 @@ from local_site.calibration.lens import Lens
 from local_site.calibration.rig import CameraCalibration
 from local_site.tracking.monocular.config import MonocularConfig
 from local_site.tracking.monocular.outline_fit import OutlineFit, OutlineFitter
-from local_site.tracking.monocular.pose import Pose
-from local_site.tracking.reasons import Reason
+from local_site.tracking.monocular.pose import ArmPose
+from local_site.tracking.reasons import TrackingReason
 from local_site.tracking.silhouette.features import Features
 from local_site.tracking.silhouette.view import ViewMeter
 from local_site.tracking.tracker import View
@@ -32,7 +32,7 @@ class SilhouetteStart:
         self._due_ns = 0
         self._problem = ""
 
-    def pose(self, view: View, t_ns: int) -> Pose | str:
+    def pose(self, view: View, t_ns: int) -> ArmPose | str:
         """The pose in this picture, or a sentence why there is none; between trials the last sentence again."""
         if t_ns < self._due_ns:
             return self._problem
@@ -45,13 +45,13 @@ class SilhouetteStart:
         self._problem = f"no arm to start from yet: {reason}"
         return self._problem
 
-    def _tried(self, view: View) -> Pose | str:
+    def _tried(self, view: View) -> ArmPose | str:
         self._meter.forget()
         features = self._meter.features(View(view.current), None)
         if isinstance(features, str):
             return features
         if features.upper_arm is None:
-            return Reason.NO_UPPER_ARM
+            return TrackingReason.NO_UPPER_ARM
         fit = self._fitter.fit(features)
         return problem_of(fit, features) or fit.pose
 

@@ -8,12 +8,12 @@ from common.geometry import Array, rotation_from_vector
 from local_site.calibration.lens import Lens
 from local_site.tracking.monocular.arm_mesh import MM
 from local_site.tracking.monocular.config import MonocularConfig
-from local_site.tracking.monocular.pose import Pose
+from local_site.tracking.monocular.pose import ArmPose
 
 MOST_UNEQUAL = 1.15
 
 
-def starting_pose(lens: Lens, config: MonocularConfig, pixels: Array) -> Pose | str:
+def starting_pose(lens: Lens, config: MonocularConfig, pixels: Array) -> ArmPose | str:
     """The pose for the joints at pixels (3, 2) of a pinhole's picture; a sentence why not.
 
     The links' lengths give a depth each; they have to agree, and their mean by length is taken.
@@ -28,7 +28,7 @@ def starting_pose(lens: Lens, config: MonocularConfig, pixels: Array) -> Pose | 
     places = np.column_stack([slopes, np.ones(3)]) * float(lengths.sum() / seen.sum())
     upper_arm = facing(places[1] - places[0], 0.0)
     forearm = facing(places[2] - places[1], math.radians(config.start.palm_turn_deg))
-    return Pose(places[0], upper_arm, forearm, float(lengths[0]))
+    return ArmPose(places[0], upper_arm, forearm, float(lengths[0]))
 
 
 def facing(along: Array, turn: float) -> Array:

@@ -6,7 +6,7 @@ import numpy as np
 
 from common.geometry import Array
 from local_site.tracking.silhouette.features import Features
-from local_site.tracking.silhouette.medial import Line
+from local_site.tracking.silhouette.medial import MedialLine
 from local_site.tracking.silhouette.posture import Posture
 
 
@@ -36,12 +36,12 @@ def _mix(before: Array, now: Array, weight: float) -> Array:
     return result
 
 
-def _line(before: Line, now: Line, weight: float) -> Line:
+def _line(before: MedialLine, now: MedialLine, weight: float) -> MedialLine:
     direction = _mix(before.direction, now.direction, weight)
-    return Line(_mix(before.point, now.point, weight), direction / max(float(np.linalg.norm(direction)), 1e-9))
+    return MedialLine(_mix(before.point, now.point, weight), direction / max(float(np.linalg.norm(direction)), 1e-9))
 
 
-def _upper_arm(before: Line | None, now: Line | None, weight: float) -> Line | None:
+def _upper_arm(before: MedialLine | None, now: MedialLine | None, weight: float) -> MedialLine | None:
     return None if before is None or now is None else _line(before, now, weight)
 
 

@@ -10,7 +10,7 @@ import numpy as np
 
 from common.geometry import Array
 from local_site.kernels.compiled import compiled
-from local_site.tracking.silhouette.limbs import Limb
+from local_site.tracking.silhouette.limbs import SilhouetteLimb
 
 FOREARM_DEPTH_M, UPPER_ARM_DEPTH_M = 0.0285, 0.037
 CLEAR_BEND_SINE = 0.35
@@ -36,7 +36,7 @@ def behind(limb: Array, other: Array) -> Array:
 
 
 @compiled
-def elbow_shifts(view: Limb, elbow: Array, forearm: Array, upper_arm: Array) -> tuple[float, float]:
+def elbow_shifts(view: SilhouetteLimb, elbow: Array, forearm: Array, upper_arm: Array) -> tuple[float, float]:
     """How far beside the root and the upper arm's line of a view, along their normals in px, the elbow's axis lies.
 
     The elbow (3,) in m; unit vectors (3,) from it along the limbs.
@@ -49,7 +49,7 @@ def elbow_shifts(view: Limb, elbow: Array, forearm: Array, upper_arm: Array) -> 
 
 
 @compiled
-def _shift(view: Limb, elbow: Array, line: Array, sides: Array, depth_m: float, towards_back: Array) -> float:
+def _shift(view: SilhouetteLimb, elbow: Array, line: Array, sides: Array, depth_m: float, towards_back: Array) -> float:
     """How far beside a limb's line, px, the axis lies that is so deep beneath the skin of its back.
 
     The limb counts as round: the less a view shows the back from the side, the less of it. Nothing where that skin is
@@ -62,14 +62,14 @@ def _shift(view: Limb, elbow: Array, line: Array, sides: Array, depth_m: float, 
 
 
 @compiled
-def px_per_m(view: Limb, point: Array) -> float:
+def px_per_m(view: SilhouetteLimb, point: Array) -> float:
     """How large, in px, the view shows a metre at a point (3,)."""
     m = view.projection
     return float(view.focal_px / (m[2, 0] * point[0] + m[2, 1] * point[1] + m[2, 2] * point[2] + m[2, 3]))
 
 
 @compiled
-def _shown(view: Limb, elbow: Array, line: Array, offset: Array) -> float:
+def _shown(view: SilhouetteLimb, elbow: Array, line: Array, offset: Array) -> float:
     """How far along a line's normal an offset (3,) shows in the view, in lengths of the elbow's distance."""
     motion = image_motion(view.projection, elbow, offset)
     return float((line[1, 0] * motion[1] - line[1, 1] * motion[0]) / px_per_m(view, elbow))

@@ -10,7 +10,7 @@ from local_site.kernels.compiled import compiled
 from local_site.tracking.silhouette.contour import Silhouette
 from local_site.tracking.silhouette.medial import (
     Edges,
-    Line,
+    MedialLine,
     limb_sides,
     line_through,
     medial_line,
@@ -44,10 +44,10 @@ class Features:
     positions that the measurement started from, brought up to date.
     """
 
-    forearm: Line
-    root: Line
+    forearm: MedialLine
+    root: MedialLine
     forearm_sides: Array
-    upper_arm: Line | None
+    upper_arm: MedialLine | None
     upper_arm_sides: Array
     wrist: Array | None
     hand: Array | None
@@ -103,7 +103,7 @@ def _measure_near(silhouette: Silhouette, guess: Posture) -> Features | None:
     )
 
 
-def _root(edges: Edges, length: float, wrist: Array, crease: float) -> Line | None:
+def _root(edges: Edges, length: float, wrist: Array, crease: float) -> MedialLine | None:
     """The line from the forearm's middle near the elbow to the wrist.
 
     Muscle bends the medial axis; the bone's axis is straight, and the wrist lies on both.
@@ -115,7 +115,7 @@ def _root(edges: Edges, length: float, wrist: Array, crease: float) -> Line | No
     return line_through(edges.axis.at(place) + middle * edges.axis.normal, wrist)
 
 
-def _sides(silhouette: Silhouette, limb: Line | None, guess: Posture, shares: tuple[float, float]) -> Array:
+def _sides(silhouette: Silhouette, limb: MedialLine | None, guess: Posture, shares: tuple[float, float]) -> Array:
     """The skin (2, 2) in px on both sides of a limb, between two shares of the half width from the elbow."""
     if limb is None:
         return np.full((2, 2), np.nan)
@@ -125,7 +125,7 @@ def _sides(silhouette: Silhouette, limb: Line | None, guess: Posture, shares: tu
     return result
 
 
-def _forearm(silhouette: Silhouette, guess: Posture) -> tuple[Line, Edges, float] | None:
+def _forearm(silhouette: Silhouette, guess: Posture) -> tuple[MedialLine, Edges, float] | None:
     """The forearm's medial line from the elbow's foot, its edges beyond the wrist, and elbow to wrist in px."""
     first = line_through(guess.elbow, guess.wrist)
     if first is None:
@@ -138,7 +138,7 @@ def _forearm(silhouette: Silhouette, guess: Posture) -> tuple[Line, Edges, float
         line = medial_line(edges, low, high)
         if line is None or line.direction @ first.direction < math.cos(MAX_TURN):
             return None
-        axis = Line(line.at(line.along(guess.elbow)), line.direction)
+        axis = MedialLine(line.at(line.along(guess.elbow)), line.direction)
     length = axis.along(guess.wrist)
     edges = scan_edges(silhouette, axis, 0.0, length + 2 * guess.half_width, 2.2 * guess.half_width)
     return (axis, edges, length) if share_seen(edges.t, edges.lower, low, high) >= MIN_VALID else None
@@ -186,7 +186,7 @@ def _nearest(contour: Array, x: float, y: float) -> int:
     return nearest
 
 
-def _upper_arm(silhouette: Silhouette, guess: Posture) -> tuple[Line | None, Array]:
+def _upper_arm(silhouette: Silhouette, guess: Posture) -> tuple[MedialLine | None, Array]:
     """The upper arm's medial line, None where too little of it shows, and the middle of its far end."""
     axis = line_through(guess.elbow, guess.shoulder_end)
     if axis is None:
@@ -200,5 +200,5 @@ def _upper_arm(silhouette: Silhouette, guess: Posture) -> tuple[Line | None, Arr
         line = medial_line(edges, begin, end - 2)
         if line is None:
             return None, guess.shoulder_end
-        axis = Line(line.at(line.along(guess.elbow)), line.direction)
+        axis = MedialLine(line.at(line.along(guess.elbow)), line.direction)
     return axis, axis.at(end)

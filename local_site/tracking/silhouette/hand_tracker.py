@@ -9,7 +9,7 @@ from statistics import median
 import numpy as np
 
 from common.geometry import Array
-from local_site.tracking.silhouette.hand_model.fit import Fit, HandView, Prior, contact, fit_hand
+from local_site.tracking.silhouette.hand_model.fit import HandFit, HandView, Prior, contact, fit_hand
 from local_site.tracking.silhouette.hand_model.habits import (
     Belief,
     Habits,
@@ -57,7 +57,7 @@ class HandEstimate:
 
 
 @dataclass(frozen=True, slots=True)
-class Arm:
+class LimbEvidence:
     """What the limbs say of the hand: wrist (3,) in m with covariance (3, 3), elbow (3,), far end of the hand (3,)."""
 
     wrist: Array
@@ -77,7 +77,7 @@ class HandTracker:
         self._right_arm = right_arm
         self._habits = Habits(own)
         self._scale = scale
-        self._last: tuple[Fit, Array] | None = None
+        self._last: tuple[HandFit, Array] | None = None
         self._open = False
         self._turn = np.zeros(3)
         self._searches = self._opinions = 0
@@ -97,7 +97,7 @@ class HandTracker:
         """Start from an unknown pose with the next instant."""
         self._last, self._turn, self._open = None, np.zeros(3), False
 
-    def track(self, views: Sequence[HandView], arm: Arm) -> HandEstimate | None:
+    def track(self, views: Sequence[HandView], arm: LimbEvidence) -> HandEstimate | None:
         """The hand seen in the views; None where the model cannot explain the outlines."""
         person = self._person(arm)
         fit = self._fit(views, arm, person)
@@ -113,21 +113,21 @@ class HandTracker:
         self._open = self._habits.is_open(fit.pose.posture, self._open)
         return _estimate(views, fit, self._open)
 
-    def _learn(self, fit: Fit) -> None:
+    def _learn(self, fit: HandFit) -> None:
         prior = fit.prior
         told = fit.information - prior.information
         told[:3, :3] += prior.information[:3, :3]
         belief = Belief(prior.posture, prior.information[POSE:, POSE:])
         self._habits.learn(fit.pose.posture, belief, posture_information(told))
 
-    def _person(self, arm: Arm) -> Person:
+    def _person(self, arm: LimbEvidence) -> Person:
         to_elbow = arm.elbow - arm.wrist
         length = max(float(np.linalg.norm(to_elbow)), 1e-6)
         if self._scale is None:
             self._scale = length / TYPICAL_FOREARM
         return Person(self._scale, self._right_arm, to_elbow / length)
 
-    def _fit(self, views: Sequence[HandView], arm: Arm, person: Person) -> Fit:
+    def _fit(self, views: Sequence[HandView], arm: LimbEvidence, person: Person) -> HandFit:
         if self._last is None:
             return self._searched(views, arm, person) if self.known else self._first_search(views, arm, person)
         fit = self._followed(views, arm, person)
@@ -141,18 +141,18 @@ class HandTracker:
             fit = min(fit, self._search(views, arm, person), key=_cost)
         return fit if fit.cost <= MAX_COST else min(fit, self._searched(views, arm, person), key=_cost)
 
-    def _first_search(self, views: Sequence[HandView], arm: Arm, person: Person) -> Fit:
+    def _first_search(self, views: Sequence[HandView], arm: LimbEvidence, person: Person) -> HandFit:
         """All around at first and now and then; between, in case it is no hand that is shown, from a few rotations."""
         step, thorough = self._searches % len(AGAIN_OFFSETS), self._searches % FIRST_SEARCH_EVERY == 0
         self._searches += 1
         effort = FIRST_SEARCH if thorough else replace(QUICK_SEARCH, offset=AGAIN_OFFSETS[step])
         return search_hand(views, arm.far_end, self._prior(arm, self._habits.closed), person, effort)
 
-    def _searched(self, views: Sequence[HandView], arm: Arm, person: Person) -> Fit:
+    def _searched(self, views: Sequence[HandView], arm: LimbEvidence, person: Person) -> HandFit:
         """The better of two searches, one of them for an opened hand."""
         return min(self._search(views, arm, person), self._search(views, arm, person), key=_cost)
 
-    def _search(self, views: Sequence[HandView], arm: Arm, person: Person) -> Fit:
+    def _search(self, views: Sequence[HandView], arm: LimbEvidence, person: Person) -> HandFit:
         """From a few rotations, others each time, so that no instant takes long; by turns opened and as usual."""
         self._searches += 1
         turn, opened = divmod(self._searches, 2)
@@ -160,7 +160,7 @@ class HandTracker:
         effort = Effort(AGAIN_ROLLS, AGAIN_KEPT, (0.0,), AGAIN_OFFSETS[turn % len(AGAIN_OFFSETS)])
         return search_hand(views, arm.far_end, self._prior(arm, belief), person, effort)
 
-    def _followed(self, views: Sequence[HandView], arm: Arm, person: Person) -> Fit:
+    def _followed(self, views: Sequence[HandView], arm: LimbEvidence, person: Person) -> HandFit:
         """From the last pose, moved along with the wrist and turning on."""
         start = self._carried(arm)
         size = float(np.linalg.norm(self._turn))
@@ -169,7 +169,7 @@ class HandTracker:
         prior = self._prior(arm, near_last(self._belief(), start.posture), start)
         return fit_hand(views, start, prior, person, ITERATIONS)
 
-    def _second_opinion(self, views: Sequence[HandView], arm: Arm, person: Person) -> Fit:
+    def _second_opinion(self, views: Sequence[HandView], arm: LimbEvidence, person: Person) -> HandFit:
         """From beside the last pose, elsewhere each time: what is followed may be the second best for long."""
         self._opinions += 1
         axis, way = divmod(self._opinions % (2 * len(OPINIONS)), 2)
@@ -185,28 +185,28 @@ class HandTracker:
     def _belief(self) -> Belief:
         return self._habits.opened if self._open else self._habits.closed
 
-    def _the_other_way(self, views: Sequence[HandView], arm: Arm, person: Person) -> Fit:
+    def _the_other_way(self, views: Sequence[HandView], arm: LimbEvidence, person: Person) -> HandFit:
         """From the last rotation with the fingers opened if they were not, or held as usual if they were."""
         belief = self._habits.closed if self._open else self._habits.opened
         start = replace(self._carried(arm), posture=belief.posture)
         return fit_hand(views, start, self._prior(arm, belief, start), person, REFIT_ITERATIONS)
 
-    def _carried(self, arm: Arm) -> HandPose:
+    def _carried(self, arm: LimbEvidence) -> HandPose:
         if self._last is None:
             raise RuntimeError("no hand to carry on")
         fit, wrist = self._last
         return replace(fit.pose, wrist=fit.pose.wrist + arm.wrist - wrist)
 
-    def _prior(self, arm: Arm, belief: Belief, near: HandPose | None = None) -> Prior:
+    def _prior(self, arm: LimbEvidence, belief: Belief, near: HandPose | None = None) -> Prior:
         information = prior_information(arm.wrist_covariance, belief.information, turn_known=near is not None)
         return Prior(arm.wrist, belief.posture, information, near)
 
 
-def _estimate(views: Sequence[HandView], fit: Fit, hand_open: bool) -> HandEstimate:
+def _estimate(views: Sequence[HandView], fit: HandFit, hand_open: bool) -> HandEstimate:
     contacts = [contact(view, fit.placed, view.outline) for view in views]
     index, thumb = (find_tip(views, contacts, fit.placed, finger) for finger in (INDEX, THUMB))
     return HandEstimate(fit.pose.wrist, index, thumb, hand_open)
 
 
-def _cost(fit: Fit) -> float:
+def _cost(fit: HandFit) -> float:
     return fit.cost if math.isfinite(fit.cost) else math.inf

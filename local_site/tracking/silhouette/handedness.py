@@ -11,13 +11,13 @@ from local_site.tracking.silhouette.hand_model.habits import Habits, prior_infor
 from local_site.tracking.silhouette.hand_model.placement import Person
 from local_site.tracking.silhouette.hand_model.search import Effort, search_hand
 from local_site.tracking.silhouette.hand_model.skeleton import TYPICAL_FOREARM
-from local_site.tracking.silhouette.hand_tracker import Arm
+from local_site.tracking.silhouette.hand_tracker import LimbEvidence
 
 EFFORT = Effort(rolls=12, kept=4)
 CLEARLY = 1.2
 
 
-def looks_like_the_other_arm(views: Sequence[HandView], arm: Arm, right_arm: bool) -> bool:
+def looks_like_the_other_arm(views: Sequence[HandView], arm: LimbEvidence, right_arm: bool) -> bool:
     """Whether an average hand of the other arm explains the outlines clearly better than one of this arm.
 
     Both are searched for with the same effort. Thumb and index alone lie alike on both arms: it is the curled
@@ -29,7 +29,7 @@ def looks_like_the_other_arm(views: Sequence[HandView], arm: Arm, right_arm: boo
     return _cost(views, arm, own) > CLEARLY * _cost(views, arm, replace(own, right_arm=not right_arm))
 
 
-def _cost(views: Sequence[HandView], arm: Arm, person: Person) -> float:
+def _cost(views: Sequence[HandView], arm: LimbEvidence, person: Person) -> float:
     """What a hand of this person leaves unexplained."""
     usual = Habits().closed
     information: Array = prior_information(arm.wrist_covariance, usual.information, turn_known=False)

@@ -6,7 +6,7 @@ import numpy as np
 
 from common.geometry import Array
 from local_site.kernels.compiled import compiled
-from local_site.tracking.silhouette.limbs import Limb, Limbs
+from local_site.tracking.silhouette.limbs import Limbs, SilhouetteLimb
 
 FOREARM_SIGMA = 0.06
 ROOT_SIGMA, UPPER_ARM_SIGMA = 0.08, 0.1
@@ -48,7 +48,7 @@ def descend(views: Limbs, links: Array, shifts: Array, state: Array) -> tuple[Ar
 
 
 @compiled
-def _add_view(view: Limb, shifts: Array, state: Array, information: Array, pull: Array) -> float:
+def _add_view(view: SilhouetteLimb, shifts: Array, state: Array, information: Array, pull: Array) -> float:
     """Add the lines that a view lays down; its sigmas are shares of the limb's half width, so they scale with distance.
 
     The elbow's expected place along the forearm weighs next to nothing, except where nothing else fixes it. Where the

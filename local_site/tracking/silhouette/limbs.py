@@ -33,7 +33,7 @@ Limbs = NDArray[np.void]
 """Records of `LIMBS` (V,), one for each view."""
 
 
-class Limb(Protocol):
+class SilhouetteLimb(Protocol):
     """One of the records."""
 
     projection: Array

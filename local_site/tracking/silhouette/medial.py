@@ -18,7 +18,7 @@ STRIDE = 4  # px; nothing within a limb is darker than the level, so the way to 
 
 
 @dataclass(frozen=True, slots=True)
-class Line:
+class MedialLine:
     """A line in the image: a point on it (2,) in px and a unit direction (2,)."""
 
     point: Array
@@ -51,7 +51,7 @@ class Edges:
     Rows without an edge on both sides within the scan are NaN.
     """
 
-    axis: Line
+    axis: MedialLine
     t: Array
     lower: Array
     upper: Array
@@ -62,13 +62,13 @@ class Edges:
         return self.t, self.lower, self.upper
 
 
-def line_through(start: Array, end: Array) -> Line | None:
+def line_through(start: Array, end: Array) -> MedialLine | None:
     """The line from one pixel to another, or None where they coincide."""
     length = math.hypot(*(end - start))
-    return Line(start, (end - start) / length) if length > 1e-6 else None
+    return MedialLine(start, (end - start) / length) if length > 1e-6 else None
 
 
-def scan_edges(silhouette: Silhouette, axis: Line, start: float, end: float, reach: float) -> Edges:
+def scan_edges(silhouette: Silhouette, axis: MedialLine, start: float, end: float, reach: float) -> Edges:
     """The edges of the limb around an axis, to a fraction of a pixel, on scan lines 1 px apart from start to end.
 
     Each scan line is followed from the axis to both sides until the grey value falls below the threshold.
@@ -80,7 +80,7 @@ def scan_edges(silhouette: Silhouette, axis: Line, start: float, end: float, rea
     return Edges(axis, t, lower, upper)
 
 
-def limb_sides(silhouette: Silhouette, axis: Line, start: float, end: float, reach: float) -> Array:
+def limb_sides(silhouette: Silhouette, axis: MedialLine, start: float, end: float, reach: float) -> Array:
     """Typical offsets (2,) in px along an axis's normal of the limb's two edges between two places, the lower first.
 
     Each side stands for itself, NaN where most of it is not seen: beside a bent elbow only the arm's back has an edge.
@@ -151,7 +151,7 @@ def _edge(grey: NDArray[np.uint8], level: float, ray: tuple[float, float, float,
     return place / total if total > 0 else math.nan
 
 
-def medial_line(edges: Edges, start: float, end: float) -> Line | None:
+def medial_line(edges: Edges, start: float, end: float) -> MedialLine | None:
     """The medial line of the limb between start and end along the scan axis, or None with too few clean rows.
 
     All P x R midpoints of upper and lower edge have the mean (a + b) / 2 and the covariance (Ca + Cb) / 4, so the line
@@ -161,7 +161,7 @@ def medial_line(edges: Edges, start: float, end: float) -> Line | None:
     if count < MIN_ROWS:
         return None
     axis = edges.axis
-    return Line(axis.at(place) + middle * axis.normal, along * axis.direction + across * axis.normal)
+    return MedialLine(axis.at(place) + middle * axis.normal, along * axis.direction + across * axis.normal)
 
 
 @compiled

@@ -7,7 +7,7 @@ import numpy as np
 from common.geometry import Array
 from local_site.calibration.rig import Rig
 from local_site.kernels.compiled import compiled
-from local_site.tracking.reasons import Reason
+from local_site.tracking.reasons import TrackingReason
 from local_site.tracking.silhouette.elbow_depth import unit
 from local_site.tracking.silhouette.features import Features
 from local_site.tracking.silhouette.joints import Joints, plane_normal
@@ -23,33 +23,33 @@ MIN_FORESHORTENING = 0.5
 VOLUME_MARGIN = 0.15
 
 
-def objection(joints: Joints | None) -> Reason | None:
+def objection(joints: Joints | None) -> TrackingReason | None:
     """Why the joints cannot be used at all."""
     if joints is None:
-        return Reason.NO_ARM
+        return TrackingReason.NO_ARM
     if joints.misfit > MAX_MISFIT:
-        return Reason.OUT_OF_STEP
+        return TrackingReason.OUT_OF_STEP
     if joints.elbow_sigma > MAX_ELBOW_SIGMA or joints.wrist_sigma > MAX_WRIST_SIGMA:
-        return Reason.LEFT_OPEN
+        return TrackingReason.LEFT_OPEN
     return None
 
 
-def doubts(rig: Rig, views: Limbs, features: Sequence[Features], joints: Joints) -> list[Reason]:
+def doubts(rig: Rig, views: Limbs, features: Sequence[Features], joints: Joints) -> list[TrackingReason]:
     """Why elbow and wrist are less sure than usual."""
     reasons = []
     if all(f.upper_arm is None for f in features):
-        reasons.append(Reason.NO_UPPER_ARM)
+        reasons.append(TrackingReason.NO_UPPER_ARM)
     elif _nearly_straight(features):
-        reasons.append(Reason.NEARLY_STRAIGHT)
+        reasons.append(TrackingReason.NEARLY_STRAIGHT)
     elif any(_folded(f) for f in features):
-        reasons.append(Reason.FOLDED)
+        reasons.append(TrackingReason.FOLDED)
     plane_sine, share_seen = _sights(views, joints.elbow, joints.wrist)
     if plane_sine < MIN_PLANE_SINE:
-        reasons.append(Reason.PARALLEL_TO_BASELINE)
+        reasons.append(TrackingReason.PARALLEL_TO_BASELINE)
     if share_seen < MIN_FORESHORTENING:
-        reasons.append(Reason.FORESHORTENED)
+        reasons.append(TrackingReason.FORESHORTENED)
     if not _inside(rig, joints.wrist):
-        reasons.append(Reason.OUTSIDE_VOLUME)
+        reasons.append(TrackingReason.OUTSIDE_VOLUME)
     return reasons
 
 

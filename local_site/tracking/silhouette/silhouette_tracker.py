@@ -11,11 +11,11 @@ from common.geometry import Array
 from common.messages.hand import TrackingStatus
 from local_site.calibration.rig import Rig
 from local_site.calibration.triangulation import project, triangulate
-from local_site.tracking.reasons import Reason, sentence
+from local_site.tracking.reasons import TrackingReason, sentence
 from local_site.tracking.silhouette.config import SilhouetteConfig
 from local_site.tracking.silhouette.features import Features
 from local_site.tracking.silhouette.hand_model.fit import MAX_VIEWS, MIN_VIEWS, HandView
-from local_site.tracking.silhouette.hand_tracker import Arm, HandEstimate, HandTracker
+from local_site.tracking.silhouette.hand_tracker import HandEstimate, HandTracker, LimbEvidence
 from local_site.tracking.silhouette.hand_view import make_hand_view
 from local_site.tracking.silhouette.handedness import looks_like_the_other_arm
 from local_site.tracking.silhouette.joints import Body, Joints, sleeve_end, solve_joints
@@ -76,8 +76,8 @@ class SilhouetteTracker:
         self._body = Body()
         self._profile = profile
         self._hand = self._new_hand()
-        self._lesson = Reason.LEARNING
-        self._shown: tuple[Sequence[HandView], Arm] | None = None
+        self._lesson = TrackingReason.LEARNING
+        self._shown: tuple[Sequence[HandView], LimbEvidence] | None = None
         self._lengths: list[tuple[float, float]] = []
         self._trials = 0
         self._last: _Moment | None = None
@@ -115,12 +115,12 @@ class SilhouetteTracker:
         exposed = all(views.views[k].weight >= 1.0 for k in seen)
         residual_px = self._tangency.residual_px(seen, [f.silhouette for f in features]) if exposed else None
         if (residual_px or 0.0) > MAX_TANGENT_RESIDUAL * min(f.half_width for f in features):
-            return self._lost(views.t_ns, Reason.OUT_OF_STEP, residual_px)
+            return self._lost(views.t_ns, TrackingReason.OUT_OF_STEP, residual_px)
         limbs = limbs_of(self._matrices(seen), features)
         joints = solve_joints(limbs, features, self._body)
         problem = objection(joints)
         if joints is None or problem:
-            return self._lost(views.t_ns, problem or Reason.NO_ARM, residual_px)
+            return self._lost(views.t_ns, problem or TrackingReason.NO_ARM, residual_px)
         hand = self._track_hand(seen, features, joints)
         return self._found(_Moment(views.t_ns, joints, hand, seen, features, limbs, residual_px))
 
@@ -135,7 +135,7 @@ class SilhouetteTracker:
             self._hand.forget()
             return None
         ends = [_farthest(f) for f in features]
-        arm = Arm(joints.wrist, _wrist_prior(joints), joints.elbow, triangulate(matrices, ends))
+        arm = LimbEvidence(joints.wrist, _wrist_prior(joints), joints.elbow, triangulate(matrices, ends))
         self._shown = views, arm
         return self._hand.track(views, arm)
 
@@ -168,19 +168,19 @@ class SilhouetteTracker:
         """Learn while initialising; afterwards say how far the result can be trusted."""
         reasons = doubts(self._rig, moment.limbs, moment.features, moment.joints)
         if moment.hand is None:
-            reasons.append(Reason.HAND_UNCLEAR)
+            reasons.append(TrackingReason.HAND_UNCLEAR)
         if (moment.residual_px or 0.0) > DOUBTED_TANGENT_RESIDUAL * min(f.half_width for f in moment.features):
-            reasons.append(Reason.OUT_OF_STEP)
+            reasons.append(TrackingReason.OUT_OF_STEP)
         if self._body.forearm_length is None:
             return self._learn(moment, reasons)
         if reasons:
             return TrackingStatus.DEGRADED, sentence(reasons)
         inferred = moment.hand is not None and moment.hand.thumb.views < MIN_VIEWS
-        return TrackingStatus.TRACKED, Reason.THUMB_INFERRED if inferred else ""
+        return TrackingStatus.TRACKED, TrackingReason.THUMB_INFERRED if inferred else ""
 
-    def _learn(self, moment: _Moment, reasons: Sequence[Reason]) -> tuple[TrackingStatus, str]:
+    def _learn(self, moment: _Moment, reasons: Sequence[TrackingReason]) -> tuple[TrackingStatus, str]:
         """Take the median lengths of the first good pairs, thesis equation 3.26."""
-        if self._profile is not None and not set(reasons) - {Reason.HAND_UNCLEAR}:
+        if self._profile is not None and not set(reasons) - {TrackingReason.HAND_UNCLEAR}:
             self._trials += 1
             if self._trials > TRIALS * self._config.initial_pairs:
                 return self._learn_without_profile()
@@ -195,7 +195,7 @@ class SilhouetteTracker:
             return TrackingStatus.INITIALISING, f"{self._lesson} ({count})"
         forearm, upper = (_median(values) for values in zip(*self._lengths, strict=True))
         if self._shown is not None and looks_like_the_other_arm(*self._shown, self._config.right_arm):
-            return self._learn_anew(Reason.OTHER_ARM)
+            return self._learn_anew(TrackingReason.OTHER_ARM)
         if self._profile is not None and not self._profile.is_of(forearm):
             return self._learn_without_profile()
         if self._profile is not None:
@@ -205,9 +205,9 @@ class SilhouetteTracker:
 
     def _learn_without_profile(self) -> tuple[TrackingStatus, str]:
         self._profile = None
-        return self._learn_anew(Reason.OTHER_BODY)
+        return self._learn_anew(TrackingReason.OTHER_BODY)
 
-    def _learn_anew(self, why: Reason) -> tuple[TrackingStatus, str]:
+    def _learn_anew(self, why: TrackingReason) -> tuple[TrackingStatus, str]:
         self._lengths.clear()
         self._lesson = why
         self._hand = self._new_hand()

@@ -6,7 +6,7 @@ from typing import Annotated
 import msgspec
 from msgspec import Meta
 
-from common.config import Mistake, build
+from common.config import ConfigMistake, build
 from common.errors import ConfigError
 from remote_site.drivers.registry import Option
 
@@ -34,7 +34,7 @@ class C500cConfig(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fiel
 
 def options_of(options: Mapping[str, Option]) -> C500cConfig:
     """The driver's options, checked; ConfigError names every mistake."""
-    mistakes: list[Mistake] = []
+    mistakes: list[ConfigMistake] = []
     config = build(C500cConfig, options, ("driver", "options"), mistakes)
     if config is None:
         raise ConfigError("\n".join(f"{'.'.join(mistake.path)}: {mistake.text}" for mistake in mistakes))

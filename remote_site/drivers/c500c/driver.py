@@ -10,7 +10,7 @@ from common.geometry import Array
 from remote_site.drivers.c500c.config import C500cConfig
 from remote_site.drivers.c500c.exchange import Exchange, is_up
 from remote_site.drivers.c500c.port import Port
-from remote_site.drivers.c500c.protocol import JOINTS, Activation, Fault, Flag, Kind, Setpoint, State
+from remote_site.drivers.c500c.protocol import JOINTS, Activation, ControllerState, Fault, Flag, Kind, Setpoint
 from remote_site.drivers.driver import Capabilities, DriverSetup, GripperReading, JointCommand, RobotReading
 from remote_site.drivers.faults import NOT_ACTIVATED, STOPPED, FaultCode, RobotFault
 
@@ -121,7 +121,7 @@ class C500cDriver:
         if exchange.state is not None and exchange.heard_ns is not None and exchange.heard_ns != before:
             self._note(exchange.state, exchange.heard_ns)
 
-    def _note(self, state: State, t_ns: int) -> None:
+    def _note(self, state: ControllerState, t_ns: int) -> None:
         q, dq = np.array(state.joints), np.zeros(JOINTS)
         if self._measured is not None:
             then_ns, before, rate = self._measured
@@ -153,7 +153,7 @@ class C500cDriver:
             FaultCode.SILENT, "the controller does not answer; are its server program and the serial line up?"
         )
 
-    def _fault(self, state: State) -> RobotFault | None:
+    def _fault(self, state: ControllerState) -> RobotFault | None:
         if self._silent:
             return self._silence()
         if not is_up(state):
@@ -166,5 +166,5 @@ class C500cDriver:
         return RobotFault(*FAULTS[state.fault], native=state.fault.name) if state.fault in FAULTS else STOPPED
 
 
-def _power_fault(state: State) -> Fault:
+def _power_fault(state: ControllerState) -> Fault:
     return Fault.EMERGENCY_STOP if Flag.EMERGENCY_STOP in state.flags else Fault.ARM_POWER

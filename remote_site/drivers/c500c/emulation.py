@@ -10,7 +10,7 @@ from random import Random
 
 from common.clock import NS_PER_S, Clock
 from common.process.service import ask_for_real_time
-from remote_site.drivers.c500c.emulator import TICK_NS, Controller
+from remote_site.drivers.c500c.emulator import TICK_NS, EmulatedController
 from remote_site.drivers.c500c.exchange import BITS_PER_BYTE
 from remote_site.drivers.c500c.port import SerialPort
 from remote_site.drivers.c500c.protocol import Parser
@@ -20,7 +20,7 @@ POLL_S = 0.001
 
 
 @dataclass
-class Line:
+class EmulatedLine:
     """One direction of a serial line: a byte takes its time, and is lost with probability `loss`."""
 
     baud: int = 57600
@@ -47,9 +47,9 @@ class Line:
 class Emulation:
     """The controller with both directions of its line; `exchange` brings all of it to the present."""
 
-    def __init__(self, controller: Controller, start_ns: int, *, loss: float = 0.0) -> None:
+    def __init__(self, controller: EmulatedController, start_ns: int, *, loss: float = 0.0) -> None:
         self.controller = controller
-        self.there, self.back = Line(loss=loss), Line(loss=loss)
+        self.there, self.back = EmulatedLine(loss=loss), EmulatedLine(loss=loss)
         self._parser = Parser()
         self._ticked_ns = start_ns
 

@@ -11,7 +11,7 @@ import numpy as np
 from common.clock import NS_PER_MS, NS_PER_S
 from common.geometry import Array
 from remote_site.drivers.c500c.playing import Player
-from remote_site.drivers.c500c.protocol import Activation, Fault, Flag, Frame, Kind, Setpoint, State
+from remote_site.drivers.c500c.protocol import Activation, ControllerState, Fault, Flag, Kind, ProtocolFrame, Setpoint
 from remote_site.safety.stopping import JointStop, joint_stop
 
 TICK_NS = 5 * NS_PER_MS
@@ -65,7 +65,7 @@ class _Brake:
 
 
 @dataclass
-class Controller:
+class EmulatedController:
     """One tick after the other; frames go in by `hear`, the answer of a tick is what `tick` returns."""
 
     q: Array
@@ -80,7 +80,7 @@ class Controller:
         self.active, self.fault = False, Fault.NONE
         self._brake: _Brake | None = None
         self._heard_ns: int | None = None
-        self._frames: list[Frame] = []
+        self._frames: list[ProtocolFrame] = []
         self._last_setpoint: int | None = None
 
     @property
@@ -88,7 +88,7 @@ class Controller:
         """Joint velocity, rad/s."""
         return self.player.dq
 
-    def hear(self, frames: list[Frame], now_ns: int) -> None:
+    def hear(self, frames: list[ProtocolFrame], now_ns: int) -> None:
         """Frames that came whole; they are looked at in the next tick."""
         if frames:
             self._heard_ns = now_ns
@@ -99,7 +99,7 @@ class Controller:
         answers = b""
         for frame in self._frames:
             self._obey(frame)
-            answers += Frame(frame.sequence, Kind.STATE, self._state().payload).encoded
+            answers += ProtocolFrame(frame.sequence, Kind.STATE, self._state().payload).encoded
         self._frames = []
         self._watch(now_ns)
         self._move()
@@ -117,7 +117,7 @@ class Controller:
             brakes = zip(states, limits.brake_rad_s2, strict=True)
             self._brake = _Brake([joint_stop((q, v, 0.0), a, limits.brake_jerk_rad_s3) for (q, v), a in brakes])
 
-    def _obey(self, frame: Frame) -> None:
+    def _obey(self, frame: ProtocolFrame) -> None:
         try:
             if frame.kind is Kind.SETPOINT:
                 self._take(Setpoint.parse(frame.payload))
@@ -165,7 +165,7 @@ class Controller:
         elif self.active and not self.player.tick(DT):
             self.halt(Fault.UNDERRUN)
 
-    def _state(self) -> State:
+    def _state(self) -> ControllerState:
         flags = Flag(0)
         for flag, is_set in (
             (Flag.ACTIVE, self.active),
@@ -175,7 +175,7 @@ class Controller:
             (Flag.GRIPPER_BUSY, self.gripper.busy),
         ):
             flags |= flag if is_set else Flag(0)
-        return State(
+        return ControllerState(
             flags,
             self.fault,
             len(self.player.queue),

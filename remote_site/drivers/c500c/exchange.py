@@ -8,7 +8,7 @@ from common.clock import NS_PER_MS, NS_PER_S
 from common.errors import DriverError
 from remote_site.drivers.c500c.config import C500cConfig
 from remote_site.drivers.c500c.port import Port
-from remote_site.drivers.c500c.protocol import Flag, Frame, Kind, Parser, Setpoint, State
+from remote_site.drivers.c500c.protocol import ControllerState, Flag, Kind, Parser, ProtocolFrame, Setpoint
 
 BITS_PER_BYTE = 10
 MOST_WAITING = 2
@@ -17,7 +17,7 @@ RETRY_NS = 8 * NS_PER_MS
 
 @dataclass(slots=True)
 class _Question:
-    frame: Frame
+    frame: ProtocolFrame
     sent_ns: int
 
 
@@ -40,7 +40,7 @@ class Exchange:
         self._setpoints: deque[bytes] = deque()
         self._said_ns = self._retry_ns = 0
         self.repeats = 0
-        self.state: State | None = None
+        self.state: ControllerState | None = None
         self.heard_ns: int | None = None
 
     def say(self, kind: Kind, payload: bytes = b"") -> None:
@@ -71,12 +71,12 @@ class Exchange:
             else:
                 self._send(asked.frame, now_ns)
 
-    def _hear(self, frame: Frame, now_ns: int) -> None:
+    def _hear(self, frame: ProtocolFrame, now_ns: int) -> None:
         asked = self._asked
         if asked is None or frame.kind is not Kind.STATE or frame.sequence != asked.frame.sequence:
             return
         try:
-            self.state = State.parse(frame.payload)
+            self.state = ControllerState.parse(frame.payload)
         except (struct.error, ValueError):
             return
         self.heard_ns = now_ns - round(len(frame.encoded) * self._byte_ns)
@@ -102,13 +102,13 @@ class Exchange:
 
     def _ask(self, kind: Kind, payload: bytes, now_ns: int) -> None:
         self._sequence = (self._sequence + 1) & 0xFF
-        self._send(Frame(self._sequence, kind, payload), now_ns)
+        self._send(ProtocolFrame(self._sequence, kind, payload), now_ns)
 
-    def _send(self, frame: Frame, now_ns: int) -> None:
+    def _send(self, frame: ProtocolFrame, now_ns: int) -> None:
         self._asked, self._said_ns = _Question(frame, now_ns), now_ns
         self._port.write(frame.encoded)
 
 
-def is_up(state: State) -> bool:
+def is_up(state: ControllerState) -> bool:
     """The controller has power and no emergency stop is pressed."""
     return Flag.ARM_POWER in state.flags and Flag.EMERGENCY_STOP not in state.flags

@@ -53,7 +53,7 @@ class Fault(IntEnum):
 
 
 @dataclass(frozen=True, slots=True)
-class Frame:
+class ProtocolFrame:
     """One message; the answer to a frame carries its sequence."""
 
     sequence: int
@@ -74,10 +74,10 @@ class Parser:
         self._buffer = bytearray()
         self.damaged = 0
 
-    def feed(self, data: bytes) -> list[Frame]:
+    def feed(self, data: bytes) -> list[ProtocolFrame]:
         """The frames that are complete now; a start byte that begins none is skipped and counted."""
         self._buffer += data
-        frames: list[Frame] = []
+        frames: list[ProtocolFrame] = []
         while (begin := self._buffer.find(START)) >= 0:
             del self._buffer[:begin]
             frame = self._first()
@@ -87,7 +87,7 @@ class Parser:
         self._buffer.clear()
         return frames
 
-    def _first(self) -> list[Frame] | None:
+    def _first(self) -> list[ProtocolFrame] | None:
         """The frame at the buffer's begin, [] when there is none after all, None while it is not complete."""
         buffer = self._buffer
         if len(buffer) < HEAD_BYTES:
@@ -102,7 +102,7 @@ class Parser:
             del buffer[:1]
             return []
         del buffer[:end]
-        return [Frame(body[1], Kind(body[2]), body[3:])]
+        return [ProtocolFrame(body[1], Kind(body[2]), body[3:])]
 
 
 @dataclass(frozen=True, slots=True)
@@ -156,7 +156,7 @@ class Activation:
 
 
 @dataclass(frozen=True, slots=True)
-class State:
+class ControllerState:
     """The controller's answer to every frame.
 
     `begun` is the count of the setpoint that the arm now moves to, `taken` of the last one that found room in the

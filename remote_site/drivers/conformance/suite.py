@@ -8,7 +8,7 @@ from enum import Enum
 from common.clock import NS_PER_S, MonotonicClock
 from common.errors import DriverError
 from remote_site.drivers.conformance.checks import CHECKS, Check
-from remote_site.drivers.conformance.trial import Failed, Hopeless, Skipped, Stand, Trial, told
+from remote_site.drivers.conformance.trial import DriverStand, Failed, Hopeless, Skipped, Trial, told
 from remote_site.drivers.conformance.watched import Watch
 
 CALL_S = 5.0  # of a call that has 50 ms: it will not come back
@@ -25,7 +25,7 @@ class Word(Enum):
 
 
 @dataclass(frozen=True, slots=True)
-class Verdict:
+class CheckResult:
     """A check's word on a driver and why; after the `last` no other check can be tried."""
 
     word: Word
@@ -34,7 +34,7 @@ class Verdict:
 
 
 def run_checks(
-    stand: Stand, tell: Callable[[str], None], checks: Sequence[Check] = CHECKS, call_s: float = CALL_S
+    stand: DriverStand, tell: Callable[[str], None], checks: Sequence[Check] = CHECKS, call_s: float = CALL_S
 ) -> list[str]:
     """Run every check, tell a line of each; the names of those that failed. No call may take longer than `call_s`."""
     failed: list[str] = []
@@ -49,10 +49,10 @@ def run_checks(
     return failed
 
 
-def _verdict(check: Check, stand: Stand, call_s: float) -> Verdict:
+def _verdict(check: Check, stand: DriverStand, call_s: float) -> CheckResult:
     """The verdict of a thread of its own, which is left behind when a call of the driver does not come back."""
     watch, clock = Watch(), MonotonicClock()
-    verdicts: list[Verdict] = []
+    verdicts: list[CheckResult] = []
     worker = threading.Thread(target=lambda: verdicts.append(_tried(check, stand, watch)), name="check", daemon=True)
     end_ns = clock.now_ns() + round(CHECK_S * NS_PER_S)
     worker.start()
@@ -62,26 +62,26 @@ def _verdict(check: Check, stand: Stand, call_s: float) -> Verdict:
         if call or late:
             watch.give_up()
             why = f"deadline: {call} did not come back" if call else f"it did not end within {CHECK_S:g} s"
-            return Verdict(Word.FAILED, why, last=True)
+            return CheckResult(Word.FAILED, why, last=True)
     return verdicts[0]
 
 
-def _tried(check: Check, stand: Stand, watch: Watch) -> Verdict:
+def _tried(check: Check, stand: DriverStand, watch: Watch) -> CheckResult:
     try:
         trial = Trial(stand, watch)
     except (Exception, SystemExit) as error:  # a stranger's code may raise whatever it likes
-        return Verdict(Word.FAILED, told(watch.raised or "its making", error), last=True)
+        return CheckResult(Word.FAILED, told(watch.raised or "its making", error), last=True)
     try:
         check(trial)
     except Skipped as skipped:
-        return Verdict(Word.SKIPPED, str(skipped))
+        return CheckResult(Word.SKIPPED, str(skipped))
     except (Failed, DriverError) as error:
-        return Verdict(Word.FAILED, str(error), last=isinstance(error, Hopeless))
+        return CheckResult(Word.FAILED, str(error), last=isinstance(error, Hopeless))
     except (Exception, SystemExit) as error:
-        return Verdict(Word.FAILED, told(watch.raised or "a check that used what it says", error))
+        return CheckResult(Word.FAILED, told(watch.raised or "a check that used what it says", error))
     finally:
         _end(trial)
-    return Verdict(Word.PASSED, (check.__doc__ or "").strip())
+    return CheckResult(Word.PASSED, (check.__doc__ or "").strip())
 
 
 def _end(trial: Trial) -> None:

@@ -11,9 +11,9 @@ from common.geometry import Array
 from remote_site.drivers.conformance.watched import Watch, WatchedDriver
 from remote_site.drivers.driver import Driver, DriverSetup, JointCommand, RobotReading
 from remote_site.drivers.supervisor.grip import GripSettings, GripWatch
-from remote_site.drivers.supervisor.supervisor import Keeper, Order, Phase
+from remote_site.drivers.supervisor.supervisor import DriverOrder, DriverSupervisor, Phase
 from remote_site.kinematics.joints import JointMotion
-from remote_site.motion.jerk_limited import Follower
+from remote_site.motion.jerk_limited import JerkLimitedTracker
 from remote_site.safety.stopping import stopping
 
 READY_MS = 5000
@@ -45,7 +45,7 @@ def told(call: str, error: BaseException) -> str:
 
 
 @dataclass(frozen=True, slots=True)
-class Stand:
+class DriverStand:
     """Where drivers are tried: makes them, tells the time, and knows where the robot stands at first."""
 
     clock: Clock
@@ -78,16 +78,16 @@ def gentle(setup: DriverSetup) -> DriverSetup:
 class Trial:
     """One driver, from its making to its end, behind the keeper that its process would have."""
 
-    def __init__(self, stand: Stand, watch: Watch) -> None:
+    def __init__(self, stand: DriverStand, watch: Watch) -> None:
         self.clock = stand.clock
         self.setup = gentle(stand.setup)
         self.driver = WatchedDriver(stand.make, watch)
         self.timer = Timer(stand.clock)
-        self.keeper = Keeper(self.driver, self.setup, stand.clock, self.timer, GripWatch(GripSettings()))
+        self.keeper = DriverSupervisor(self.driver, self.setup, stand.clock, self.timer, GripWatch(GripSettings()))
         self.log: list[RobotReading] = []
         self._start = stand.start
         self._activation = self._seq = 0
-        self._follower = Follower(self.setup.limits, self.setup.dt)
+        self._follower = JerkLimitedTracker(self.setup.limits, self.setup.dt)
         capabilities = self.driver.capabilities
         periods = (capabilities.queued_periods + 2) if capabilities.queued_periods else 1
         self.side = 1.0
@@ -129,7 +129,7 @@ class Trial:
         zero = np.zeros(len(self.q0))
         command = JointCommand(self._seq, self.clock.now_ns(), self.q0, zero, zero, gripper_open=True)
         self._follower.reset(JointMotion.at_rest(self.q0))
-        self.run(STEP_MS, [Order(self._activation, True, self.keeper.diversions, command)])
+        self.run(STEP_MS, [DriverOrder(self._activation, True, self.keeper.diversions, command)])
         for _ in range(READY_MS // STEP_MS):
             if self.keeper.phase is not Phase.ACTIVATING:
                 break
@@ -138,7 +138,7 @@ class Trial:
             kind = Hopeless if self._activation == 1 else Failed
             raise kind(f"not ready {READY_MS / 1000:g} s after its activation: {self.keeper.fault}")
 
-    def run(self, ms: float, orders: list[Order] | None = None) -> None:
+    def run(self, ms: float, orders: list[DriverOrder] | None = None) -> None:
         """Let time pass, the driver being called as its process would."""
         end_ns = self.clock.now_ns() + round(ms * NS_PER_MS)
         while self.clock.now_ns() < end_ns:
@@ -165,7 +165,7 @@ class Trial:
         if onset_ns:
             motion = stopping(last, self.setup.limits, (now_ns - onset_ns) / NS_PER_S)
         command = JointCommand(self._seq, now_ns, motion.q, motion.dq, motion.ddq, gripper_open=True)
-        self.run(self.setup.dt * 1000, [Order(self._activation, True, self.keeper.diversions, command)])
+        self.run(self.setup.dt * 1000, [DriverOrder(self._activation, True, self.keeper.diversions, command)])
 
     def in_motion(self) -> "Trial":
         """The same, its first joint at speed."""

@@ -15,7 +15,7 @@ from common.process.health import Silence
 from remote_site.drivers.driver import Driver, DriverSetup, JointCommand, RobotReading
 from remote_site.drivers.faults import NOT_ACTIVATED, STOPPED, FaultCode, RobotFault
 from remote_site.drivers.supervisor.grip import GripWatch
-from remote_site.drivers.supervisor.write_scheduler import Pace
+from remote_site.drivers.supervisor.write_scheduler import WriteScheduler
 from remote_site.kinematics.joints import JointMotion
 from remote_site.reasons import Code, reason
 from remote_site.safety.guard import JointGuard, Refused
@@ -29,7 +29,7 @@ APART_RAD = 0.05
 
 
 @dataclass(frozen=True, slots=True)
-class Order:
+class DriverOrder:
     """What control wants: to be activated anew when `activation` rises, a command while `run`, otherwise the stop.
 
     `diversions` is how many control knows of; a command planned before the last one does not count.
@@ -56,7 +56,7 @@ class CallMark(Protocol):
     def set(self, since_ns: int) -> None: ...
 
 
-class Keeper:
+class DriverSupervisor:
     """Keeps the last limits and the command time-out of any driver; time comes from its clock.
 
     Every command is judged against the one before it. When the next is late by three ticks, the verified stop of the
@@ -76,7 +76,7 @@ class Keeper:
         self._settle_ns = self._period_ns * (driver.capabilities.queued_periods + 2)
         self._due_ns = 0
         self._tick_ns = round(setup.dt * NS_PER_S)
-        self._pace: Pace[JointCommand] = Pace()
+        self._pace: WriteScheduler[JointCommand] = WriteScheduler()
         self._plan_ns = 0
         self._again = False
         self._led = False
@@ -96,7 +96,7 @@ class Keeper:
         self.reading: RobotReading | None = None
         self.gripper: GripperState | None = None
 
-    def take(self, orders: Sequence[Order], now_ns: int) -> None:
+    def take(self, orders: Sequence[DriverOrder], now_ns: int) -> None:
         """Obey what control has written since the last call, in order, and stop if nothing was heard for too long."""
         self._watch(now_ns)
         for order in orders:
@@ -195,7 +195,7 @@ class Keeper:
         onset_ns, motion = onset
         return stopping(motion, self._setup.limits, max(t_ns - onset_ns, 0) / NS_PER_S)
 
-    def _activate(self, order: Order, now_ns: int) -> None:
+    def _activate(self, order: DriverOrder, now_ns: int) -> None:
         self.asked = order.activation
         if self.phase in (Phase.ACTIVE, Phase.STOPPING) or (self.reading and _moves(self.reading)):
             self.stop(STOPPED)

@@ -11,7 +11,7 @@ LEAST_SHARE = 0.9
 ROUNDING_NS = 1.0
 
 
-class Pace(Generic[T]):
+class WriteScheduler(Generic[T]):
     """Motions wait here, each with its time in the plan, ns, until they may be written.
 
     A motion planned for so much later than the one written last is written no sooner than nine tenths of that after it.

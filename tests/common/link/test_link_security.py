@@ -29,7 +29,7 @@ from common.link.roles import Identity, Role
 from common.link.transport import Link, open_link
 from common.messages.codec import encode
 from common.messages.requests import ClockQuestion, EngagementAction
-from farhand.certificates.folder import Order, create, load_authority
+from farhand.certificates.folder import CertificateOrder, create, load_authority
 from farhand.certificates.issuing import issue
 from tests.common.link.secured_cell import (
     CELL,
@@ -54,9 +54,9 @@ def pki(tmp_path_factory: pytest.TempPathFactory) -> Path:
     """Two cells of one authority, and a cell of another authority with the same names."""
     folder = tmp_path_factory.mktemp("pki")
     now = datetime.now(UTC)
-    create(folder, Order(CELL, (), 30), now)
-    create(folder, Order("other", (), 30), now)
-    create(folder / "foreign", Order(CELL, (), 30), now)
+    create(folder, CertificateOrder(CELL, (), 30), now)
+    create(folder, CertificateOrder("other", (), 30), now)
+    create(folder / "foreign", CertificateOrder(CELL, (), 30), now)
     authority = load_authority(folder)
     aged = issue(authority, Identity(Role.OPERATOR, CELL), ("127.0.0.1",), now - timedelta(days=9), timedelta(days=1))
     keep(folder / CELL / "aged", aged)

@@ -13,14 +13,14 @@ from common.errors import ConfigError, TransportError
 from common.link.config import LinkSecurity, TlsConfig
 from common.link.credentials import Validity, check_links, load_credentials
 from common.link.roles import Identity, Role, read_common_name
-from farhand.certificates.folder import Order, create, hosts_of, load_authority, read_certificate, renew
+from farhand.certificates.folder import CertificateOrder, create, hosts_of, load_authority, read_certificate, renew
 from farhand.certificates.issuing import issue
 from farhand.doctor.certificate_probing import probe_certificate
 from farhand.doctor.certificates import CertificateFacts, check_certificate
-from farhand.doctor.findings import Level, worst
+from farhand.doctor.findings import Severity, worst
 
 NOW = datetime.now(UTC)
-ORDER = Order("lab", ("robot.example.org", "10.0.0.3"), 90)
+ORDER = CertificateOrder("lab", ("robot.example.org", "10.0.0.3"), 90)
 
 
 @pytest.fixture
@@ -60,7 +60,7 @@ def test_nothing_is_written_over_what_is_there(folder: Path) -> None:
 
 def test_another_cell_shares_the_authority_and_not_the_names(folder: Path) -> None:
     authority = (folder / "ca.pem").read_bytes()
-    create(folder, Order("other", (), 90), NOW)
+    create(folder, CertificateOrder("other", (), 90), NOW)
     assert (folder / "ca.pem").read_bytes() == authority
     assert load_credentials(files(folder, "operator", "other")).identity == Identity(Role.OPERATOR, "other")
     theirs = LinkSecurity(tls=files(folder, "operator", "other"))
@@ -92,7 +92,7 @@ def test_a_certificate_that_expires_while_a_site_runs_is_found(folder: Path) -> 
 
 def test_renewing_keeps_authority_and_hosts_and_makes_new_keys(folder: Path) -> None:
     authority, key = (folder / "ca.pem").read_bytes(), (folder / "lab" / "remote.key").read_bytes()
-    renew(folder, Order("lab", ("10.0.0.9",), 200), NOW)
+    renew(folder, CertificateOrder("lab", ("10.0.0.9",), 200), NOW)
     renewed = read_certificate(folder / "lab" / "remote.pem")
     assert (folder / "ca.pem").read_bytes() == authority
     assert (folder / "lab" / "remote.key").read_bytes() != key
@@ -103,7 +103,7 @@ def test_renewing_keeps_authority_and_hosts_and_makes_new_keys(folder: Path) -> 
 
 def test_no_certificate_outlives_its_authority(folder: Path) -> None:
     late = NOW + timedelta(days=3600)
-    renew(folder, Order("lab", (), 397), late)
+    renew(folder, CertificateOrder("lab", (), 397), late)
     end = read_certificate(folder / "ca.pem").not_valid_after_utc
     assert read_certificate(folder / "lab" / "remote.pem").not_valid_after_utc == end
     with pytest.raises(ConfigError, match="the authority has expired"):
@@ -113,7 +113,7 @@ def test_no_certificate_outlives_its_authority(folder: Path) -> None:
 def test_without_the_authoritys_key_nothing_is_made(folder: Path) -> None:
     (folder / "ca.key").unlink()
     with pytest.raises(ConfigError, match="create where the key is kept"):
-        create(folder, Order("other", (), 90), NOW)
+        create(folder, CertificateOrder("other", (), 90), NOW)
     with pytest.raises(ConfigError, match=r"ca\.key"):
         renew(folder, ORDER, NOW)
 
@@ -125,23 +125,23 @@ def test_other_names_are_nobodys(name: str) -> None:
 
 def test_the_doctor_is_content_with_what_was_made(folder: Path) -> None:
     (finding,) = check_certificate(probe_certificate(files(folder), NOW), "remote.lab")
-    assert finding.level is Level.OK
+    assert finding.level is Severity.OK
     assert "of remote.lab expires in 90 days" in finding.sentence
 
 
 def test_the_doctor_finds_what_is_wrong(folder: Path, tmp_path: Path) -> None:
     (folder / "lab" / "remote.key").chmod(0o644)
-    assert "everybody on this host" in worst_of(files(folder), "remote.lab", Level.ERROR)
+    assert "everybody on this host" in worst_of(files(folder), "remote.lab", Severity.ERROR)
     (folder / "lab" / "remote.key").chmod(0o640)
-    assert "its group" in worst_of(files(folder), "remote.lab", Level.WARNING)
-    assert "not for operator.lab" in worst_of(files(folder), "operator.lab", Level.ERROR)
+    assert "its group" in worst_of(files(folder), "remote.lab", Severity.WARNING)
+    assert "not for operator.lab" in worst_of(files(folder), "operator.lab", Severity.ERROR)
     create(tmp_path / "foreign", ORDER, NOW)
     mixed = TlsConfig(
         ca=str(tmp_path / "foreign" / "ca.pem"), certificate=files(folder).certificate, key=files(folder).key
     )
-    assert "comes from another authority" in worst_of(mixed, "remote.lab", Level.ERROR)
-    create(tmp_path / "aged", Order("lab", (), 30), NOW - timedelta(days=40))
-    assert "has expired" in worst_of(files(tmp_path / "aged"), "remote.lab", Level.ERROR)
+    assert "comes from another authority" in worst_of(mixed, "remote.lab", Severity.ERROR)
+    create(tmp_path / "aged", CertificateOrder("lab", (), 30), NOW - timedelta(days=40))
+    assert "has expired" in worst_of(files(tmp_path / "aged"), "remote.lab", Severity.ERROR)
 
 
 @pytest.mark.parametrize(("days", "authority_days", "levels"), [(31, 400, 1), (29, 400, 1), (20, 29, 2)])
@@ -149,11 +149,11 @@ def test_the_doctor_warns_a_month_before(days: float, authority_days: float, lev
     facts = CertificateFacts("remote.pem", "remote.lab", days, authority_days, 0o600)
     findings = check_certificate(facts, "remote.lab")
     assert len(findings) == levels
-    assert worst(findings) is (Level.OK if days > 30 else Level.WARNING)
-    assert all(bool(finding.cure) is (finding.level is not Level.OK) for finding in findings)
+    assert worst(findings) is (Severity.OK if days > 30 else Severity.WARNING)
+    assert all(bool(finding.cure) is (finding.level is not Severity.OK) for finding in findings)
 
 
-def worst_of(tls: TlsConfig, expected: str, level: Level) -> str:
+def worst_of(tls: TlsConfig, expected: str, level: Severity) -> str:
     findings = check_certificate(probe_certificate(tls, NOW), expected)
     assert worst(findings) is level
     return next(finding.sentence for finding in findings if finding.level is level)

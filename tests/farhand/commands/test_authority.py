@@ -19,8 +19,8 @@ from local_site.authority.lease_client import Authority
 from remote_site.config import RemoteConfig
 from remote_site.kinematics.limits import JointLimits
 from remote_site.kinematics.model import ArmModel
-from remote_site.runtime.request_server import FrontDesk, describe
-from remote_site.session.lease import LeaseDesk
+from remote_site.runtime.request_server import RequestServer, describe
+from remote_site.session.lease import LeaseServer
 
 CELL = "test"
 PATIENCE_S = 10.0
@@ -57,11 +57,11 @@ class Cell:
     def __init__(self, stack, description):
         self.endpoint = endpoint()
         self.clock = AheadClock()
-        self.leases = LeaseDesk(2 * NS_PER_S, 1000)
+        self.leases = LeaseServer(2 * NS_PER_S, 1000)
         self.refused = []
         self._stop = threading.Event()
         self.link = stack.enter_context(open_link(listen=(self.endpoint,)))
-        self._desk = FrontDesk(self.link, description, self.leases, self.clock, self.refused.append)
+        self._desk = RequestServer(self.link, description, self.leases, self.clock, self.refused.append)
         thread = threading.Thread(target=self._run)
         thread.start()
         stack.callback(thread.join)

@@ -19,7 +19,7 @@ from local_site.console.config import ConsoleConfig
 from local_site.simulation.cameras import control_point_rows, exact_rig
 from local_site.simulation.config import SimulationConfig
 from remote_site.config import RemoteConfig
-from remote_site.runtime.crash_marker import RunningMark
+from remote_site.runtime.crash_marker import CrashMarker
 
 DEPLOY = Path(__file__).parents[3] / "deploy" / "sites"
 
@@ -148,7 +148,7 @@ def test_a_start_that_fails_leaves_the_mark_of_an_unfinished_run_as_it_was(
     stood: bool, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.setenv("STATE_DIRECTORY", str(tmp_path))
-    mark = RunningMark("cell", "tcp/127.0.0.1:7999")
+    mark = CrashMarker("cell", "tcp/127.0.0.1:7999")
     if stood:
         mark.set()
     failed = farhand("remote", "--driver", "c500c", "--set", "links.control=tcp/127.0.0.1:7999")

@@ -9,8 +9,8 @@ from common.config import load_config
 from common.errors import ConfigError
 from farhand.cli import app
 from farhand.loopback.run import LoopbackOptions, plan_of
-from local_site.calibration.simulated import calibrate_simulated
 from local_site.config import LocalConfig
+from local_site.simulation.calibrated import calibrate_simulated
 from local_site.simulation.config import SimulationConfig
 from local_site.simulation.operators import filming_rig, make_operator
 from local_site.tracking.choice import TrackingConfig, make_tracker

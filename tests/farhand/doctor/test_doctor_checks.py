@@ -5,7 +5,7 @@ import json
 import pytest
 
 from farhand.doctor import machine, site
-from farhand.doctor.findings import Finding, Level, as_json, as_text, error, ok, warning, worst
+from farhand.doctor.findings import Finding, Severity, as_json, as_text, error, ok, warning, worst
 
 SHARED = "/run/shared"
 GB, MB = 1_000_000_000, 1_000_000
@@ -75,15 +75,15 @@ def test_pictures_of_another_size_than_calibrated_are_an_error() -> None:
         site.CameraFacts("third", "4", (1280, 720)),
     )
     (wrong,) = site.check_sizes(rig, cameras)
-    assert (wrong.check, wrong.level) == ("camera right", Level.ERROR)
+    assert (wrong.check, wrong.level) == ("camera right", Severity.ERROR)
     assert "1280 x 720, but it was calibrated with 640 x 480" in wrong.sentence
 
 
 def test_the_worst_finding_counts() -> None:
     fine, poor, bad = ok("a", "fine"), warning("b", "poor", "mend"), error("c", "bad", "buy")
-    assert worst([]) is worst([fine]) is Level.OK
-    assert worst([poor, fine]) is Level.WARNING
-    assert worst([bad, poor, fine]) is Level.ERROR
+    assert worst([]) is worst([fine]) is Severity.OK
+    assert worst([poor, fine]) is Severity.WARNING
+    assert worst([bad, poor, fine]) is Severity.ERROR
 
 
 def test_findings_are_told_to_people_and_to_programs() -> None:

@@ -11,7 +11,7 @@ from common.cameras.camera import Frame
 from common.messages.hand import TrackingStatus
 from common.messages.video import CameraStatus
 from local_site.preview.config import PreviewConfig
-from local_site.preview.drawing import Drawn, Taken, draw, estimate_of, order_of
+from local_site.preview.drawing import Drawn, PictureInfo, draw, estimate_of, order_of
 from local_site.preview.preview import Preview
 from local_site.preview.process import PreviewProcess
 from local_site.tracking.annotate import annotate
@@ -89,7 +89,7 @@ class QuickDrawer:
     def draw(self, seen, _estimate):
         self.orders.append(seen.t_ns)
         stamps = [view.current.capture_ns for view in seen.views]
-        self._ready = [Drawn(Taken((2, 3), stamp, False), 3, 2, b"jpeg") for stamp in stamps]
+        self._ready = [Drawn(PictureInfo((2, 3), stamp, False), 3, 2, b"jpeg") for stamp in stamps]
 
     def take(self):
         ready, self._ready = self._ready, []

@@ -12,7 +12,7 @@ from local_site.authority.lease_client import Standing
 from local_site.calibration.rig import Rig
 from local_site.config import LocalConfig
 from local_site.preview.preview import Preview
-from local_site.runtime.app import LocalSite, Operator
+from local_site.runtime.app import LocalSite, OperatorRig
 from local_site.simulation.cameras import exact_rig
 from local_site.simulation.config import StereoConfig
 from local_site.tracking.tracker import ArmEstimate, View, Views
@@ -94,7 +94,7 @@ def site(monkeypatch):
         monkeypatch.setattr(local_site.runtime.app, "make_tracker", lambda *_: BumpedLater())
         wire = Wire()
         rig = Rig(PAIR.cameras * (cameras // 2), PAIR.volume_min, PAIR.volume_max, PAIR.error_rms, "made up")
-        operator = Operator(rig, LocalConfig().tracking, (), lambda _t_ns: None)
+        operator = OperatorRig(rig, LocalConfig().tracking, (), lambda _t_ns: None)
         return LocalSite(
             LocalConfig(), operator, Cameras(cameras), wire, Alone(), Preview({}, NoDrawing(), 12.0), FakeClock(0)
         ), wire

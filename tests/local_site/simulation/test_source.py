@@ -13,7 +13,7 @@ from common.clock import NS_PER_MS, NS_PER_S, FakeClock
 from common.errors import CameraError, ConfigError
 from local_site.simulation.beginning import Beginning
 from local_site.simulation.config import BodyConfig, MotionConfig, PictureConfig, SimulationConfig, StereoConfig
-from local_site.simulation.exposures import Exposure, ExposureLoop, Pace
+from local_site.simulation.exposures import Exposure, ExposureLoop, ExposureSchedule
 from local_site.simulation.frame_ring import SLOTS, FrameRing
 from local_site.simulation.operator import SimulatedOperator
 from local_site.simulation.source import SimulatedCameras
@@ -23,14 +23,14 @@ CONFIG = SimulationConfig(stereo=SMALL, fps=100.0)
 
 
 def test_synchronous_cameras_expose_together_at_absolute_deadlines():
-    pace = Pace(start_ns=1000, period_ns=100, offset_ns=0)
+    pace = ExposureSchedule(start_ns=1000, period_ns=100, offset_ns=0)
     assert pace.after(0) == Exposure(1000, (0, 1))
     assert pace.after(1000) == Exposure(1100, (0, 1))
     assert pace.after(1567) == Exposure(1600, (0, 1))
 
 
 def test_the_second_camera_keeps_its_phase():
-    pace = Pace(start_ns=1000, period_ns=100, offset_ns=30)
+    pace = ExposureSchedule(start_ns=1000, period_ns=100, offset_ns=30)
     times, t_ns = [], 0
     for _ in range(4):
         exposure = pace.after(t_ns)
@@ -40,7 +40,7 @@ def test_the_second_camera_keeps_its_phase():
 
 
 def loop(clock, published, offset_ms=0.0):
-    pace = Pace(clock.now_ns() + 5 * NS_PER_MS, 10 * NS_PER_MS, round(offset_ms * NS_PER_MS))
+    pace = ExposureSchedule(clock.now_ns() + 5 * NS_PER_MS, 10 * NS_PER_MS, round(offset_ms * NS_PER_MS))
 
     def keep(camera, image, t_ns):
         published.append((camera, t_ns, image))

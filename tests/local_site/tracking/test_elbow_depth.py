@@ -21,7 +21,7 @@ from local_site.tracking.silhouette.elbow_depth import (
 from local_site.tracking.silhouette.features import Features
 from local_site.tracking.silhouette.joints import Body, solve_joints
 from local_site.tracking.silhouette.limbs import limbs_of
-from local_site.tracking.silhouette.medial import Line, line_through
+from local_site.tracking.silhouette.medial import MedialLine, line_through
 from local_site.tracking.silhouette.posture import Posture
 
 FOCAL_PX, DISTANCE_M = 800.0, 1.5
@@ -106,7 +106,7 @@ def test_flesh_on_the_inner_side_does_not_move_it(bulge_px):
     """The line in the middle of a limb goes with the flesh, the axis stays beneath the skin of the back."""
     view = seen(0.28 * X, 0.2 * Z, 48)
     shift = shifts_of(view, X, Z)[0]
-    middle = Line(view.root.point + bulge_px * towards(view.root, Z), view.root.direction)
+    middle = MedialLine(view.root.point + bulge_px * towards(view.root, Z), view.root.direction)
     moved = shifts_of(replace(view, root=middle), X, Z)[0]
     axis, same = (float(line.normal @ line.point) + s for line, s in ((view.root, shift), (middle, moved)))
     assert same == pytest.approx(axis, abs=1e-3)

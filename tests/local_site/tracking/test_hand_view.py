@@ -6,7 +6,7 @@ import pytest
 from local_site.tracking.silhouette.contour import find_silhouette, to_grey
 from local_site.tracking.silhouette.features import Features
 from local_site.tracking.silhouette.hand_view import MIN_PIXELS, PIXELS_WANTED, make_hand_view
-from local_site.tracking.silhouette.medial import Line
+from local_site.tracking.silhouette.medial import MedialLine
 from local_site.tracking.silhouette.posture import Posture
 
 WIDTH, HEIGHT, FINE = 160, 120, 8
@@ -16,7 +16,7 @@ FOCAL_PX, DISTANCE_M = 800.0, 1.6
 CAMERA = np.array([[FOCAL_PX, 0.0, 80.0, 0.0], [0.0, FOCAL_PX, 60.0, 0.0], [0.0, 0.0, 1.0, 0.0]])
 WRIST = np.array([0.0, 0.0, DISTANCE_M])
 EDGE_PX = 0.15
-LINE = Line(np.zeros(2), np.array([1.0, 0.0]))
+LINE = MedialLine(np.zeros(2), np.array([1.0, 0.0]))
 UNSEEN = np.full((2, 2), np.nan)
 
 

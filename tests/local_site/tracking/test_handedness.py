@@ -5,7 +5,7 @@ import pytest
 
 from common.messages.hand import TrackingStatus
 from local_site.simulation.config import MotionConfig
-from local_site.tracking.reasons import Reason
+from local_site.tracking.reasons import TrackingReason
 from local_site.tracking.silhouette.config import SilhouetteConfig
 from local_site.tracking.silhouette.silhouette_tracker import SilhouetteTracker
 from tests.local_site.tracking.rendered_arm import render_sequence, rig_of
@@ -37,8 +37,8 @@ def test_the_other_arm_is_told_and_never_tracked(sequence, shown, right_arm):
     tracker = SilhouetteTracker(rig_of(sequence.projections, 3.0), SilhouetteConfig(right_arm=right_arm))
     estimates = sequence.tracked(tracker, shown)
     assert {e.status for e in estimates} == {TrackingStatus.INITIALISING}
-    assert not any(e.reason.startswith(Reason.OTHER_ARM) for e in estimates[:9])
-    assert all(e.reason.startswith(Reason.OTHER_ARM) for e in estimates[9:])
+    assert not any(e.reason.startswith(TrackingReason.OTHER_ARM) for e in estimates[:9])
+    assert all(e.reason.startswith(TrackingReason.OTHER_ARM) for e in estimates[9:])
     assert max(e.residual_px for e in estimates) < 0.5
 
 
@@ -49,4 +49,4 @@ def test_the_arm_that_is_expected_is_tracked(sequence, shown, right_arm):
     tracker = SilhouetteTracker(rig_of(sequence.projections, 3.0), SilhouetteConfig(right_arm=right_arm))
     estimates = sequence.tracked(tracker, shown)
     assert estimates[-1].status is TrackingStatus.TRACKED
-    assert not any(Reason.OTHER_ARM in e.reason for e in estimates)
+    assert not any(TrackingReason.OTHER_ARM in e.reason for e in estimates)

@@ -8,7 +8,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from local_site.tracking.silhouette.contour import find_silhouette, to_grey
-from local_site.tracking.silhouette.medial import Edges, Line, limb_sides, medial_line, scan_edges
+from local_site.tracking.silhouette.medial import Edges, MedialLine, limb_sides, medial_line, scan_edges
 
 
 def drawn_limb(centre, angle, length=120.0, widths=(34.0, 24.0)):
@@ -20,7 +20,7 @@ def drawn_limb(centre, angle, length=120.0, widths=(34.0, 24.0)):
     corners += [ends[1] - 0.5 * widths[1] * normal, ends[0] - 0.5 * widths[0] * normal]
     image = np.full((240, 320), 10, dtype=np.uint8)
     cv2.fillPoly(image, [np.round(np.array(corners) * 16).astype(np.int32)], 150, cv2.LINE_AA, 4)
-    return image, Line(np.asarray(centre, dtype=float), direction)
+    return image, MedialLine(np.asarray(centre, dtype=float), direction)
 
 
 @settings(max_examples=20, deadline=None, derandomize=True)
@@ -30,11 +30,11 @@ def test_the_axis_of_a_tapered_limb_is_found_from_a_rough_guess(angle, turn, shi
     silhouette = find_silhouette(to_grey(image), 80.0)
     assert silhouette is not None
     c, s = math.cos(turn), math.sin(turn)
-    guess = Line(truth.point + shift * truth.normal, np.array([[c, -s], [s, c]]) @ truth.direction)
+    guess = MedialLine(truth.point + shift * truth.normal, np.array([[c, -s], [s, c]]) @ truth.direction)
     for _ in range(3):
         line = medial_line(scan_edges(silhouette, guess, -50, 50, 40), -45, 45)
         assert line is not None
-        guess = Line(line.at(line.along(truth.point)), line.direction)
+        guess = MedialLine(line.at(line.along(truth.point)), line.direction)
     assert abs(float(guess.direction @ truth.normal)) < 0.01
     assert abs(float(truth.normal @ (guess.point - truth.point))) < 0.4
 
@@ -45,7 +45,7 @@ def test_it_is_the_line_through_all_midpoints(seed):
     random = np.random.default_rng(seed)
     t = np.arange(40.0)
     upper, lower = 10 + random.normal(0, 0.7, 40).cumsum() / 3, -9 + random.normal(0, 0.7, 40).cumsum() / 3
-    line = medial_line(Edges(Line(np.zeros(2), np.array([1.0, 0.0])), t, lower, upper), 0, 39)
+    line = medial_line(Edges(MedialLine(np.zeros(2), np.array([1.0, 0.0])), t, lower, upper), 0, 39)
     assert line is not None
     points = [np.column_stack([t, edge]) for edge in (upper, lower)]
     cloud = 0.5 * (points[0][:, None] + points[1][None, :]).reshape(-1, 2)

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from local_site.tracking.reasons import Reason
+from local_site.tracking.reasons import TrackingReason
 from local_site.tracking.silhouette.operator_profile import make_profile
 from local_site.tracking.silhouette.silhouette_tracker import SilhouetteTracker
 from tests.local_site.tracking.rendered_arm import POINTS, errors_m, rig_of
@@ -51,7 +51,7 @@ def test_another_body_under_the_name_is_learned_anew(moving, first):
     own = first[0].profile
     other = make_profile(1.3 * own.scale, own.habits, 1.3 * own.forearm_length_m, 50)
     tracker, estimates = with_profile(moving, other)
-    assert any(estimate.reason == Reason.OTHER_BODY for estimate in estimates)
+    assert any(estimate.reason == TrackingReason.OTHER_BODY for estimate in estimates)
     later = tracker.profile
     assert later.pairs == own.pairs
     assert later.forearm_length_m == pytest.approx(own.forearm_length_m, rel=0.05)

@@ -11,11 +11,20 @@ from common.clock import NS_PER_MS, FakeClock
 from common.errors import DriverError
 from remote_site.drivers.c500c.config import C500cConfig
 from remote_site.drivers.c500c.driver import C500cDriver
-from remote_site.drivers.c500c.emulation import EmulatedPort, Emulation, Line, Terminal
-from remote_site.drivers.c500c.emulator import Controller, Emulated
+from remote_site.drivers.c500c.emulation import EmulatedLine, EmulatedPort, Emulation, Terminal
+from remote_site.drivers.c500c.emulator import Emulated, EmulatedController
 from remote_site.drivers.c500c.playing import Player
 from remote_site.drivers.c500c.port import open_port
-from remote_site.drivers.c500c.protocol import Activation, Fault, Flag, Frame, Kind, Parser, Setpoint, State
+from remote_site.drivers.c500c.protocol import (
+    Activation,
+    ControllerState,
+    Fault,
+    Flag,
+    Kind,
+    Parser,
+    ProtocolFrame,
+    Setpoint,
+)
 from remote_site.drivers.driver import DriverSetup, JointCommand
 from remote_site.drivers.faults import FaultCode
 from remote_site.kinematics.config import RobotConfig
@@ -26,7 +35,7 @@ ROBOT = RobotConfig()
 MODEL = ArmModel.from_urdf(ROBOT.urdf, ROBOT.tool_frame, ROBOT.tool_T_tcp)
 SETUP = DriverSetup(MODEL.joint_names, JointLimits.from_model(MODEL, ROBOT), 0.004, 50 * NS_PER_MS)
 ANGLES = st.floats(-math.pi, math.pi)
-FRAMES = st.builds(Frame, st.integers(0, 255), st.sampled_from(Kind), st.binary(max_size=40))
+FRAMES = st.builds(ProtocolFrame, st.integers(0, 255), st.sampled_from(Kind), st.binary(max_size=40))
 
 
 class Bench:
@@ -34,7 +43,7 @@ class Bench:
 
     def __init__(self, *, loss=0.0, emulated=None, **options):
         self.clock = FakeClock(1000 * NS_PER_MS)
-        self.controller = Controller(ROBOT.start, emulated or Emulated())
+        self.controller = EmulatedController(ROBOT.start, emulated or Emulated())
         self.emulation = Emulation(self.controller, self.clock.now_ns(), loss=loss)
         self.driver = C500cDriver(C500cConfig(**options), EmulatedPort(self.emulation, self.clock), self.clock)
         self.seq, self.longest = 0, 0
@@ -88,8 +97,8 @@ def test_a_damaged_frame_is_never_taken_for_another(frame, data):
     encoded[place] ^= data.draw(st.integers(1, 255))
     if data.draw(st.booleans()):
         del encoded[place]
-    found = Parser().feed(bytes(encoded) + Frame(9, Kind.POLL).encoded * 20)
-    assert all(each == Frame(9, Kind.POLL) for each in found)
+    found = Parser().feed(bytes(encoded) + ProtocolFrame(9, Kind.POLL).encoded * 20)
+    assert all(each == ProtocolFrame(9, Kind.POLL) for each in found)
     assert found
 
 
@@ -105,13 +114,15 @@ def test_payloads_survive_the_line(joints, count, is_open, percent):
     assert (setpoint.count, setpoint.gripper_open, setpoint.grip_percent) == (count, is_open, percent)
     activation = Activation.parse(Activation(count, joints, 67).payload)
     assert (activation.count, activation.period_ms) == (count, 67)
-    state = State.parse(State(Flag.ACTIVE, Fault.BLOCKED, 2, count, count, count, 0.0501, joints).payload)
+    state = ControllerState.parse(
+        ControllerState(Flag.ACTIVE, Fault.BLOCKED, 2, count, count, count, 0.0501, joints).payload
+    )
     assert (state.flags, state.fault, state.queued, state.begun) == (Flag.ACTIVE, Fault.BLOCKED, 2, count)
     assert state.opening_m == pytest.approx(0.0501, abs=1e-5)
 
 
 def test_bytes_take_their_time():
-    line = Line(baud=57600)
+    line = EmulatedLine(baud=57600)
     line.push(b"x" * 36, 0)
     assert len(line.pull(3 * NS_PER_MS)) == 17
     assert len(line.pull(7 * NS_PER_MS)) == 19

@@ -18,7 +18,7 @@ from remote_site.config import RemoteConfig
 from remote_site.drivers.c500c.config import C500cConfig
 from remote_site.drivers.c500c.driver import C500cDriver
 from remote_site.drivers.c500c.emulation import EmulatedPort, Emulation, Terminal, run_emulation
-from remote_site.drivers.c500c.emulator import Controller
+from remote_site.drivers.c500c.emulator import EmulatedController
 from remote_site.drivers.c500c.port import open_port
 from remote_site.drivers.c500c.protocol import Fault
 from remote_site.drivers.config import DriverConfig
@@ -30,7 +30,7 @@ from remote_site.drivers.memory import DriverMemory
 from remote_site.drivers.registry import DriverHost
 from remote_site.drivers.simulated import SimulatedDriver
 from remote_site.kinematics.joints import JointMotion
-from remote_site.motion.jerk_limited import Follower
+from remote_site.motion.jerk_limited import JerkLimitedTracker
 from remote_site.runtime import driver_process as process
 from remote_site.safety.stopping import stopping
 from remote_site.simulation.memory import CellMemory
@@ -66,7 +66,7 @@ def simulated(host):
 
 
 def c500c(host):
-    emulation = Emulation(Controller(CONFIG.robot.start), host.clock.now_ns())
+    emulation = Emulation(EmulatedController(CONFIG.robot.start), host.clock.now_ns())
     return C500cDriver(C500cConfig(), EmulatedPort(emulation, host.clock), host.clock)
 
 
@@ -102,7 +102,7 @@ class Rig:
 def control(memory):
     """Activate, then run towards a far goal until killed."""
     ask_for_real_time(50)
-    link, follower = DriverLink(memory, LIMITS, CLOCK), Follower(LIMITS, DT)
+    link, follower = DriverLink(memory, LIMITS, CLOCK), JerkLimitedTracker(LIMITS, DT)
     start = CONFIG.robot.start
     link.activate(start)
     while (fault := link.read().fault) is not None:
@@ -178,7 +178,7 @@ def test_a_driver_killed_in_motion_leaves_the_controllers_own_watchdog(make_rig,
         return C500cDriver(C500cConfig(), open_port(terminal.path, 57600), host.clock)
 
     def be_the_robot(should_stop, heartbeat):
-        emulation = Emulation(Controller(CONFIG.robot.start), CLOCK.now_ns())
+        emulation = Emulation(EmulatedController(CONFIG.robot.start), CLOCK.now_ns())
         run_emulation(emulation, terminal, should_stop, heartbeat.beat)
 
     robot.start("robot", be_the_robot)

@@ -15,7 +15,7 @@ from remote_site.drivers.driver import JointCommand
 from remote_site.drivers.faults import FaultCode
 from remote_site.drivers.link import DriverLink
 from remote_site.kinematics.joints import JointMotion
-from remote_site.motion.jerk_limited import Follower
+from remote_site.motion.jerk_limited import JerkLimitedTracker
 from remote_site.safety.stopping import stop_time, stopping
 from tests.remote_site.drivers import test_driver_process
 from tests.remote_site.drivers.test_driver_process import (
@@ -47,7 +47,7 @@ PROMISED = ((False, 0.352, 0.306), (True, 0.502, 0.620))
 
 def run_up(*, accelerating):
     """Ticks of joint 1 from rest to full speed, until it is reached in full acceleration, or without any."""
-    follower = Follower(LIMITS, DT)
+    follower = JerkLimitedTracker(LIMITS, DT)
     follower.reset(JointMotion.at_rest(SLOW.robot.start))
     far = SLOW.robot.start + 10.0 * np.eye(6)[0]
     while follower.motion.dq[0] < SPEED - (0.02 if accelerating else 1e-9):

@@ -10,9 +10,9 @@ from common.geometry import rotation_from_vector, transform, vector_from_rotatio
 from remote_site.config import RemoteConfig
 from remote_site.kinematics.joints import JointMotion
 from remote_site.motion.config import ControlConfig
-from remote_site.motion.jerk_limited import Follower, leash
-from remote_site.motion.target_predictor import Course, FreeCourse
-from remote_site.motion.target_tracker import choose_pursuit
+from remote_site.motion.jerk_limited import JerkLimitedTracker, leash
+from remote_site.motion.target_predictor import JointTargetPredictor, TargetPredictor
+from remote_site.motion.target_tracker import choose_target_tracker
 from remote_site.reasons import Code, Reason
 from remote_site.safety.config import SafetyConfig
 from remote_site.safety.guard import JointGuard, Passed
@@ -27,7 +27,7 @@ EXACT = ControlConfig(position_gain=1.0, velocity_gain=1.0)
 
 def follow(course, samples, seconds, latency_s=0.0):
     """A follower whose course gets `samples` {t_s: q}: its motions, and how often the guard demanded the stop."""
-    follower, guard = Follower(LIMITS, DT), JointGuard(LIMITS, DT)
+    follower, guard = JerkLimitedTracker(LIMITS, DT), JointGuard(LIMITS, DT)
     follower.reset(JointMotion.at_rest(START))
     course.reset(0, START)
     pending = sorted(samples.items())
@@ -55,7 +55,7 @@ def ramp(speed, seconds, fps=30.0):
 
 @pytest.mark.parametrize("latency_s", [0.015, 0.045, 0.09])
 def test_a_steady_target_is_followed_without_lag_or_stutter(latency_s):
-    history, refusals = follow(Course(LIMITS, EXACT), ramp(0.5, 2.0), 1.9, latency_s=latency_s)
+    history, refusals = follow(JointTargetPredictor(LIMITS, EXACT), ramp(0.5, 2.0), 1.9, latency_s=latency_s)
     assert refusals == 0
     times = np.arange(1, len(history) + 1) * DT
     settled = times > 1.0
@@ -67,7 +67,7 @@ def test_a_steady_target_is_followed_without_lag_or_stutter(latency_s):
 
 def test_a_step_is_reached_without_overshoot():
     target = START + np.array([0.5, -0.3, 0.2, 1.0, -0.4, -2.0])
-    follower = Follower(LIMITS, DT)
+    follower = JerkLimitedTracker(LIMITS, DT)
     follower.reset(JointMotion.at_rest(START))
     path = np.array([follower.track(target, np.zeros(6)).q for _ in range(400)])
     assert np.abs(path[-1] - target).max() < 1e-9
@@ -75,14 +75,14 @@ def test_a_step_is_reached_without_overshoot():
 
 
 def test_the_speed_scale_slows_the_follower():
-    follower = Follower(LIMITS, DT)
+    follower = JerkLimitedTracker(LIMITS, DT)
     follower.reset(JointMotion.at_rest(START))
     speeds = [np.abs(follower.track(START + 1.0, np.zeros(6), 0.25).dq) for _ in range(100)]
     assert np.max(speeds, axis=0) == pytest.approx(0.25 * LIMITS.velocity)
 
 
 def test_a_sample_that_comes_after_the_course_has_ended_counts_as_any_other():
-    course, way = Course(LIMITS, EXACT), np.eye(6)[0]
+    course, way = JointTargetPredictor(LIMITS, EXACT), np.eye(6)[0]
     course.reset(0, START)
     course.aim(40 * NS_PER_MS, START + 0.04 * way, 100 * NS_PER_MS)
     place, speed = course.at(250 * NS_PER_MS)
@@ -96,7 +96,7 @@ def test_a_sample_that_comes_after_the_course_has_ended_counts_as_any_other():
 @pytest.mark.parametrize(("t_soft_ms", "carried"), [(100, False), (400, True)])
 def test_an_arm_that_a_long_t_soft_makes_slower_is_carried_on_for_longer(t_soft_ms, carried):
     config = RemoteConfig(safety=SafetyConfig(t_soft_ms=t_soft_ms))
-    pursuit, target, at_ms = choose_pursuit(config, MODEL, LIMITS), MODEL.forward(START), 0
+    pursuit, target, at_ms = choose_target_tracker(config, MODEL, LIMITS), MODEL.forward(START), 0
     pursuit.reset(0, START)
     for at_ms in range(33, 600, 33):
         target = transform(target[:3, :3], target[:3, 3] + [0.0, 0.002, 0.0])
@@ -106,7 +106,7 @@ def test_an_arm_that_a_long_t_soft_makes_slower_is_carried_on_for_longer(t_soft_
 
 
 def test_a_course_ends_after_its_prediction_and_comes_to_rest_there():
-    course = Course(LIMITS, ControlConfig(position_gain=1.0, velocity_gain=1.0, predict_ms=60.0))
+    course = JointTargetPredictor(LIMITS, ControlConfig(position_gain=1.0, velocity_gain=1.0, predict_ms=60.0))
     course.reset(0, START)
     for k in range(1, 31):
         course.aim(k * 33 * NS_PER_MS, START + 0.01 * k, k * 33 * NS_PER_MS)
@@ -118,7 +118,7 @@ def test_a_course_ends_after_its_prediction_and_comes_to_rest_there():
 
 def test_a_course_has_no_jumps():
     rng = np.random.default_rng(2)
-    course = Course(LIMITS, ControlConfig())
+    course = JointTargetPredictor(LIMITS, ControlConfig())
     course.reset(0, START)
     step_ns = NS_PER_MS // 4
     before = course.at(0)
@@ -134,7 +134,11 @@ def test_a_course_has_no_jumps():
 
 def test_a_course_begins_to_move_no_harder_than_the_joints_can():
     """Joints that cannot keep to it would catch up one after the other, and swing the tool off the way."""
-    course, way, hardest = Course(LIMITS, ControlConfig()), np.array([0.1, 0.05, -0.1, 0.1, 0.1, 0.1]), 0.0
+    course, way, hardest = (
+        JointTargetPredictor(LIMITS, ControlConfig()),
+        np.array([0.1, 0.05, -0.1, 0.1, 0.1, 0.1]),
+        0.0,
+    )
     course.reset(0, START)
     before = np.zeros(6)
     for k in range(1, 500):
@@ -150,13 +154,13 @@ def test_a_course_begins_to_move_no_harder_than_the_joints_can():
 def test_noise_at_rest_is_damped_and_a_hand_that_moves_is_followed():
     """Noise of 1 mm on each axis is 1.73 mm in all; a hand that starts to move is followed within 2 mm all the same."""
     rng, noise = np.random.default_rng(6), []
-    course = FreeCourse(3, ControlConfig())
+    course = TargetPredictor(3, ControlConfig())
     for k in range(5000):
         if k % 8 == 0:
             course.aim(k * TICK_NS, rng.normal(0, 1e-3, 3), k * TICK_NS)
         noise.append(course.at(k * TICK_NS)[0])
     assert np.sqrt(np.mean(np.sum(np.square(noise[250:]), axis=1))) < 1.25e-3
-    course, off = FreeCourse(3, ControlConfig()), []
+    course, off = TargetPredictor(3, ControlConfig()), []
     for k in range(1500):
         place, _ = figure_of_eight(k * TICK_NS / NS_PER_S)
         if k % 8 == 0:
@@ -167,7 +171,7 @@ def test_noise_at_rest_is_damped_and_a_hand_that_moves_is_followed():
 
 
 def test_old_samples_and_samples_at_once_do_not_upset_a_course():
-    course = Course(LIMITS, EXACT)
+    course = JointTargetPredictor(LIMITS, EXACT)
     course.reset(100, START)
     course.aim(100, START + 1.0, 200)
     assert course.at(300)[0] == pytest.approx(START)
@@ -177,7 +181,7 @@ def test_old_samples_and_samples_at_once_do_not_upset_a_course():
 
 def test_a_target_outside_the_limits_ends_at_the_limit_slowly_enough():
     samples = {t: START + np.eye(6)[4] * 3.0 * t for t in np.arange(1, 60) / 30}
-    history, _ = follow(Course(LIMITS, EXACT), samples, 2.0)
+    history, _ = follow(JointTargetPredictor(LIMITS, EXACT), samples, 2.0)
     q5 = np.array([motion.q[4] for motion in history])
     assert q5.max() <= LIMITS.upper[4] + 1e-9
     assert q5[-1] == pytest.approx(LIMITS.upper[4], abs=1e-3)
@@ -192,7 +196,7 @@ def test_a_target_outside_the_limits_ends_at_the_limit_slowly_enough():
     )
 )
 def test_whatever_the_target_the_joints_stay_within_velocity_acceleration_and_jerk(sequence):
-    follower, guard = Follower(LIMITS, DT), JointGuard(LIMITS, DT)
+    follower, guard = JerkLimitedTracker(LIMITS, DT), JointGuard(LIMITS, DT)
     follower.reset(JointMotion.at_rest(START))
     for values, ticks, kind in sequence:
         target = np.clip(START + np.array(values), LIMITS.lower, LIMITS.upper)
@@ -208,7 +212,7 @@ def test_whatever_the_target_the_joints_stay_within_velocity_acceleration_and_je
 
 
 def test_a_target_that_is_not_finite_gives_a_reason_and_no_motion():
-    follower = Follower(LIMITS, DT)
+    follower = JerkLimitedTracker(LIMITS, DT)
     follower.reset(JointMotion.at_rest(START))
     result = follower.track(START * np.nan, np.zeros(6))
     assert isinstance(result, Reason)

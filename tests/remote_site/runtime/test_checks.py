@@ -14,7 +14,7 @@ from remote_site.drivers.config import DriverConfig
 from remote_site.kinematics.config import CapsuleConfig, RobotConfig
 from remote_site.runtime.app import without_automatic_engagement
 from remote_site.runtime.checks import check_robot, find_mistakes
-from remote_site.runtime.crash_marker import RunningMark
+from remote_site.runtime.crash_marker import CrashMarker
 from remote_site.session.config import EngagementMode
 from remote_site.teleop.config import MappingConfig
 from remote_site.video.config import CameraConfig, VideoConfig
@@ -96,12 +96,12 @@ def test_a_mirrored_mapping_is_refused():
 
 def test_a_mark_that_still_stands_tells_of_an_unordered_end(tmp_path, monkeypatch):
     monkeypatch.setenv("STATE_DIRECTORY", str(tmp_path))
-    first = RunningMark("cell", "tcp/127.0.0.1:7447")
+    first = CrashMarker("cell", "tcp/127.0.0.1:7447")
     assert not first.set()
-    assert RunningMark("cell", "tcp/127.0.0.1:7447").set()
-    assert not RunningMark("cell", "tcp/127.0.0.1:7449").set()
+    assert CrashMarker("cell", "tcp/127.0.0.1:7447").set()
+    assert not CrashMarker("cell", "tcp/127.0.0.1:7449").set()
     first.clear()
-    assert not RunningMark("cell", "tcp/127.0.0.1:7447").set()
+    assert not CrashMarker("cell", "tcp/127.0.0.1:7447").set()
 
 
 def test_without_automatic_engagement_all_else_stays():

@@ -14,7 +14,7 @@ from remote_site.config import RemoteConfig
 from remote_site.kinematics.config import CapsuleConfig, RobotConfig
 from remote_site.kinematics.joints import JointMotion
 from remote_site.reasons import Code
-from remote_site.safety.clearance_cache import Slack
+from remote_site.safety.clearance_cache import ClearanceCache
 from remote_site.safety.collision import CollisionModel
 from remote_site.safety.config import CollisionConfig, FixtureConfig, SafetyConfig
 from remote_site.safety.stopping import stops
@@ -88,7 +88,7 @@ def test_what_an_earlier_measurement_leaves_is_never_more_than_the_distance():
 
 
 def test_slack_is_used_up_by_the_way_from_where_it_was_noted():
-    slack = Slack(np.array([[1.0, 0.5], [0.2, 1.0]]))
+    slack = ClearanceCache(np.array([[1.0, 0.5], [0.2, 1.0]]))
     slack.note([0.1, 0.2], np.array([0.3, 0.4]))
     assert slack.covers([0.1, 0.2], [0.0, 0.0])
     assert slack.covers([0.2, 0.2], [0.15, 0.0])
@@ -98,7 +98,7 @@ def test_slack_is_used_up_by_the_way_from_where_it_was_noted():
 
 @pytest.mark.parametrize("room", [0.0, -0.01, np.nan, -np.inf])
 def test_what_has_no_room_or_is_not_finite_is_never_covered(room):
-    slack = Slack(np.array([[1.0, 0.5], [0.2, 1.0]]))
+    slack = ClearanceCache(np.array([[1.0, 0.5], [0.2, 1.0]]))
     assert not slack.covers([0.0, 0.0], [0.0, 0.0])
     slack.note([0.0, 0.0], np.array([0.3, room]))
     assert not slack.covers([0.0, 0.0], [0.0, 0.0])
@@ -112,7 +112,7 @@ def test_what_has_no_room_or_is_not_finite_is_never_covered(room):
 def test_slack_never_covers_what_a_lever_does_not(seed):
     rng = np.random.default_rng(seed)
     levers, rooms = rng.uniform(0, 1, (5, 3)) * rng.integers(0, 2, (5, 3)), rng.uniform(1e-4, 0.5, 5)
-    slack = Slack(levers)
+    slack = ClearanceCache(levers)
     slack.note([0.0, 0.0, 0.0], rooms)
     for _ in range(20):
         q, travel = rng.uniform(-0.5, 0.5, 3), rng.uniform(0, 0.2, 3)

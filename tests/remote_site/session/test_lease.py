@@ -9,7 +9,7 @@ from common.clock import NS_PER_S
 from common.messages.requests import LeaseAction, LeaseReply, LeaseRequest
 from remote_site.reasons import Code, Reason
 from remote_site.runtime.request_server import answer_lease
-from remote_site.session.lease import Holder, Lease, LeaseDesk
+from remote_site.session.lease import Holder, Lease, LeaseServer
 
 ANNA, BEN, CARL = Holder(7, "anna"), Holder(8, "ben"), Holder(9, "carl")
 LASTS = 5 * NS_PER_S
@@ -18,7 +18,7 @@ FIRST = 1000
 
 @pytest.fixture
 def desk():
-    return LeaseDesk(LASTS, FIRST)
+    return LeaseServer(LASTS, FIRST)
 
 
 def code(outcome):
@@ -139,7 +139,7 @@ class LeaseMachine(RuleBasedStateMachine):
 
     def __init__(self):
         super().__init__()
-        self.desk = LeaseDesk(LASTS, FIRST)
+        self.desk = LeaseServer(LASTS, FIRST)
         self.now_ns = 0
         self.numbers: dict[int, Holder] = {}
         self.ended: set[int] = set()

@@ -7,11 +7,11 @@ from common.messages.robot import SessionState
 from remote_site.reasons import Code
 from remote_site.safety.config import SafetyConfig
 from remote_site.session.fault_latch import FaultLatch
-from remote_site.session.lease import LeaseDesk
+from remote_site.session.lease import LeaseServer
 from remote_site.session.state_machine import Session
 from remote_site.teleop import sample_validator as intake_module
-from remote_site.teleop.pipeline import Chain
-from remote_site.teleop.sample_validator import Intake
+from remote_site.teleop.pipeline import TeleopPipeline
+from remote_site.teleop.sample_validator import SampleValidator
 from tests.remote_site.mutation import Mutation
 from tests.remote_site.remote_loop import RemoteLoop
 from tests.remote_site.session import test_fault_latch as of_faults
@@ -25,11 +25,11 @@ NAN = float("nan")
 
 
 def intake(test, *arguments):
-    return lambda: test(Intake(SafetyConfig()), *arguments)
+    return lambda: test(SampleValidator(SafetyConfig()), *arguments)
 
 
 def lease(test, *arguments):
-    return lambda: test(LeaseDesk(of_lease.LASTS, of_lease.FIRST), *arguments)
+    return lambda: test(LeaseServer(of_lease.LASTS, of_lease.FIRST), *arguments)
 
 
 def refused(expected):
@@ -74,37 +74,37 @@ def stumble_in_motion_stays():
 # A condition that stands after `if`, and never is so any more.
 CONDITIONS = [
     (
-        Intake,
+        SampleValidator,
         "_time",
         "age_ns < 0",
         intake(of_intake.test_a_sample_from_the_future_is_refused_and_does_not_block_the_next),
     ),
     (
-        Intake,
+        SampleValidator,
         "_time",
         "age_ns > self._soft_ns",
         intake(of_intake.test_age_counts_from_capture_with_the_offset_and_its_uncertainty),
     ),
     (
-        Intake,
+        SampleValidator,
         "_time",
         "sample.session == self._session and sample.capture_ns <= self._capture_ns",
         intake(of_intake.test_a_later_number_on_the_same_picture_is_refused),
     ),
     (
-        Intake,
+        SampleValidator,
         "_judge",
         "certainty.position == 0.0",
         of_certainty.test_a_poor_wrist_holds_the_arm_with_its_reason_and_good_ones_resume,
     ),
     (
-        Intake,
+        SampleValidator,
         "_judge",
         "not math.isfinite(sum(shown_at))",
         intake(of_intake.test_a_wrist_that_is_not_finite_is_refused, NAN),
     ),
     (
-        Intake,
+        SampleValidator,
         "_judge",
         "(jump := self._jump(place, sample.capture_ns)) is not None",
         intake(of_intake.test_a_jump_is_refused_and_three_in_a_row_latch),
@@ -115,7 +115,7 @@ CONDITIONS = [
         "age_ns > OFFSET_VALID_NS",
         intake(of_intake.test_a_clock_offset_counts_for_five_seconds),
     ),
-    (Chain, "receive", "not isinstance(lease, Lease)", others_move_nothing),
+    (TeleopPipeline, "receive", "not isinstance(lease, Lease)", others_move_nothing),
     (Session, "tick", "self.state is SessionState.FAULT", of_session.test_a_fault_stays_until_reset),
     (Session, "tick", "not robot.ready", ended(lambda rig: rig.wait(4, of_session.DEAD))),
     (
@@ -173,28 +173,28 @@ CONDITIONS = [
 # Any other text, and what stands there instead.
 TEXTS = [
     (
-        Intake,
+        SampleValidator,
         "_order",
         "sample.seq > self._seq",
         "True",
         intake(of_intake.test_duplicates_and_older_samples_are_refused),
     ),
     (
-        Intake,
+        SampleValidator,
         "_remember",
         "and sample.session != self._session",
         "and False",
         intake(of_intake.test_a_new_session_is_noticed),
     ),
     (
-        Intake,
+        SampleValidator,
         "_judge",
         " or sample.status in (TrackingStatus.LOST, TrackingStatus.INITIALISING)",
         "",
         not_tracked(TrackingStatus.LOST, Code.LOST),
     ),
     (
-        Intake,
+        SampleValidator,
         "_judge",
         " if certainty.orientation else None",
         "",
@@ -210,21 +210,21 @@ TEXTS = [
         intake(of_intake.test_a_clock_offset_from_the_future_of_our_clock_is_none),
     ),
     (
-        LeaseDesk,
+        LeaseServer,
         "current",
         " and now_ns < self._lease.expires_ns",
         "",
         lease(of_lease.test_it_lasts_five_seconds_from_the_last_renewal_and_not_a_nanosecond_longer),
     ),
     (
-        LeaseDesk,
+        LeaseServer,
         "acquire",
         "if current is None:",
         "if True:",
         lease(of_lease.test_who_asks_first_gets_it_and_the_other_is_refused_with_the_holders_name),
     ),
     (
-        LeaseDesk,
+        LeaseServer,
         "in_force",
         "(number, session) == (current.number, current.holder.session)",
         "session == current.holder.session",
@@ -236,7 +236,7 @@ TEXTS = [
         ),
     ),
     (
-        LeaseDesk,
+        LeaseServer,
         "in_force",
         "(number, session) == (current.number, current.holder.session)",
         "number == current.number",
@@ -248,14 +248,14 @@ TEXTS = [
         ),
     ),
     (
-        LeaseDesk,
+        LeaseServer,
         "hand_over",
         "if asker is not None",
         "if True",
         lease(of_lease.test_consent_hands_it_to_who_asks_and_to_nobody_else),
     ),
     (
-        LeaseDesk,
+        LeaseServer,
         "asker",
         " and now_ns < self._asked_until_ns",
         "",

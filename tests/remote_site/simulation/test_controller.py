@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from remote_site.simulation.config import ServoConfig
-from remote_site.simulation.controller import ArmLimits, Controller, ControllerFault
+from remote_site.simulation.controller import ArmLimits, ControllerFault, SimulatedController
 from remote_site.simulation.memory import command_dtype, setup_dtype
 
 DT, STEP_NS = 0.002, 2_000_000
@@ -16,7 +16,7 @@ class Desk:
     """A controller, its setpoints and a clock moved by hand; every motion is kept."""
 
     def __init__(self, timeout_ms: float = 100.0) -> None:
-        self.controller = Controller(ServoConfig(), LIMITS, Q0)
+        self.controller = SimulatedController(ServoConfig(), LIMITS, Q0)
         self.setup, self.command = np.zeros((), setup_dtype(6)), np.zeros((), command_dtype(6))
         self.setup[()] = (round(timeout_ms * 1e6), 10.0, 100.0, 25.0)
         self.now_ns = 0

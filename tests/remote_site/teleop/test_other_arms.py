@@ -9,7 +9,7 @@ from common.geometry import vector_from_rotation
 from remote_site.config import RemoteConfig
 from remote_site.kinematics.config import RobotConfig, SolverConfig, StanceConfig
 from remote_site.motion.config import ControlConfig
-from remote_site.motion.target_tracker import ClosedPursuit, GeneralPursuit, choose_pursuit
+from remote_site.motion.target_tracker import ClosedFormTracker, DifferentialTracker, choose_target_tracker
 from remote_site.reasons import Code
 from tests.remote_site.arms_followed import (
     A465,
@@ -128,14 +128,14 @@ def test_a_wrist_swept_through_its_singularity_keeps_every_limit_and_backs_out()
 
 
 def chosen(config):
-    return choose_pursuit(config, *arm(config))
+    return choose_target_tracker(config, *arm(config))
 
 
 def test_the_closed_form_is_taken_where_it_fits_and_the_solver_elsewhere():
-    assert isinstance(chosen(RemoteConfig()), ClosedPursuit)
-    assert isinstance(chosen(OFFSET_WRIST), GeneralPursuit)
-    assert isinstance(chosen(SEVEN_AXES), GeneralPursuit)
-    assert isinstance(chosen(RemoteConfig(robot=RobotConfig(kinematics="general"))), GeneralPursuit)
+    assert isinstance(chosen(RemoteConfig()), ClosedFormTracker)
+    assert isinstance(chosen(OFFSET_WRIST), DifferentialTracker)
+    assert isinstance(chosen(SEVEN_AXES), DifferentialTracker)
+    assert isinstance(chosen(RemoteConfig(robot=RobotConfig(kinematics="general"))), DifferentialTracker)
 
 
 def test_a_closed_form_asked_of_an_arm_that_it_does_not_fit_is_refused():

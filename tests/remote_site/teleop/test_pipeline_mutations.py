@@ -13,14 +13,14 @@ from remote_site.config import RemoteConfig
 from remote_site.kinematics import limits as limits_module
 from remote_site.kinematics.joints import JointMotion
 from remote_site.reasons import Code
-from remote_site.safety.clearance import Surroundings
-from remote_site.safety.clearance_cache import Slack
+from remote_site.safety.clearance import ClearanceCheck
+from remote_site.safety.clearance_cache import ClearanceCache
 from remote_site.safety.collision import CollisionModel
 from remote_site.safety.config import CollisionConfig, FixtureConfig, SafetyConfig
 from remote_site.safety.guard import Guard, JointGuard, Passed
 from remote_site.safety.stopping import stops
 from remote_site.session.state_machine import Session
-from remote_site.teleop.sample_validator import Intake
+from remote_site.teleop.sample_validator import SampleValidator
 from tests.remote_site.mutation import Mutation
 from tests.remote_site.remote_loop import (
     RemoteLoop,
@@ -156,9 +156,9 @@ MUTATIONS = [
         Mutation(CollisionModel, "_bounds", "np.vecdot(self.levers, np.abs(q - self._at))", "0.0"),
         nothing_comes_near_unseen,
     ),
-    (Mutation(Slack, "covers", "return used <= 1.0", "return True"), no_tool_leaves_its_box),
-    (Mutation(Slack, "covers", "(abs(here - there) + more)", "more"), what_was_noted_elsewhere_does_not_count),
-    (Mutation(Slack, "note", "if rooms.min(initial=math.inf) > 0.0:", "if True:"), no_room_covers_nothing),
+    (Mutation(ClearanceCache, "covers", "return used <= 1.0", "return True"), no_tool_leaves_its_box),
+    (Mutation(ClearanceCache, "covers", "(abs(here - there) + more)", "more"), what_was_noted_elsewhere_does_not_count),
+    (Mutation(ClearanceCache, "note", "if rooms.min(initial=math.inf) > 0.0:", "if True:"), no_room_covers_nothing),
     (
         Mutation(JointGuard, "check_finite", "broken = self._place(proposed, sent, spans)", "broken = None"),
         no_joint_runs_into_its_limit,
@@ -173,15 +173,15 @@ MUTATIONS = [
         no_tool_leaves_its_box,
     ),
     (
-        Mutation(Surroundings, "_look", "[self._depth(q)]", "[1.0]"),
+        Mutation(ClearanceCheck, "_look", "[self._depth(q)]", "[1.0]"),
         no_tool_leaves_its_box,
     ),
     (
-        Mutation(Surroundings, "_look", "self.collision.rooms(q, reach, self._kept)", "self._levers[1:, 0] + 1.0"),
+        Mutation(ClearanceCheck, "_look", "self.collision.rooms(q, reach, self._kept)", "self._levers[1:, 0] + 1.0"),
         nothing_is_hit_at_rest,
     ),
     (
-        Mutation(Surroundings, "clear", "if not (self._rooms(last, kinds) >= -POSITION).all():", "if False:"),
+        Mutation(ClearanceCheck, "clear", "if not (self._rooms(last, kinds) >= -POSITION).all():", "if False:"),
         nothing_is_hit_at_rest,
     ),
     (
@@ -190,7 +190,7 @@ MUTATIONS = [
     ),
     (
         Mutation(
-            Surroundings,
+            ClearanceCheck,
             "_rooms",
             "self.collision.distances(q, kinds[kinds > 0] - 1) - self._kept",
             "self.collision.distances(q, kinds[kinds > 0] - 1) + 1.0",
@@ -198,12 +198,12 @@ MUTATIONS = [
         nothing_is_hit_at_rest,
     ),
     (
-        Mutation(Surroundings, "_depth", "return ", "return 1.0 + "),
+        Mutation(ClearanceCheck, "_depth", "return ", "return 1.0 + "),
         no_tool_leaves_its_box,
     ),
     (
         Mutation(
-            Surroundings,
+            ClearanceCheck,
             "_doubtful",
             "kinds[~enough]",
             "kinds[:0]",
@@ -212,7 +212,7 @@ MUTATIONS = [
     ),
     (
         Mutation(
-            Surroundings,
+            ClearanceCheck,
             "_doubtful",
             "rooms >= ways - np.minimum(ways, TOLERANCE) - POSITION",
             "rooms >= -1.0",
@@ -221,7 +221,7 @@ MUTATIONS = [
     ),
     (
         Mutation(
-            Surroundings, "retreats", "return bool((self._worst(ends) >= allowed - POSITION).all())", "return True"
+            ClearanceCheck, "retreats", "return bool((self._worst(ends) >= allowed - POSITION).all())", "return True"
         ),
         an_arm_too_near_does_not_come_nearer,
     ),
@@ -308,9 +308,9 @@ def staying_armed(self, why):
 SESSION = [
     (Session, "_unwell", lambda *_: None, silence_holds),
     (Session, "_leave", staying_armed, a_link_regained_does_not_resume),
-    (Intake, "_jump", lambda *_: None, a_jump_moves_nothing),
-    (Intake, "_time", lambda *_: None, a_late_sample_is_not_taken),
-    (Intake, "_order", lambda *_: None, an_older_number_is_not_taken),
+    (SampleValidator, "_jump", lambda *_: None, a_jump_moves_nothing),
+    (SampleValidator, "_time", lambda *_: None, a_late_sample_is_not_taken),
+    (SampleValidator, "_order", lambda *_: None, an_older_number_is_not_taken),
 ]
 
 

@@ -19,7 +19,7 @@ from common.messages.hand import (
 from remote_site.reasons import Code
 from remote_site.safety.config import SafetyConfig
 from remote_site.session.samples import Accepted, Rejected
-from remote_site.teleop.sample_validator import Intake
+from remote_site.teleop.sample_validator import SampleValidator
 from tests.remote_site.remote_loop import hand
 
 NOW = 1_000 * NS_PER_MS
@@ -28,7 +28,7 @@ PERIOD = 33 * NS_PER_MS
 
 @pytest.fixture
 def intake():
-    return Intake(SafetyConfig())
+    return SampleValidator(SafetyConfig())
 
 
 def code(result):
@@ -208,7 +208,7 @@ samples = st.lists(
 @settings(max_examples=200, deadline=None, derandomize=True)
 @given(samples)
 def test_accepted_samples_always_rise_in_sequence_and_time_and_are_young(sequence):
-    intake = Intake(SafetyConfig())
+    intake = SampleValidator(SafetyConfig())
     accepted, now_ns = [], NOW
     for seq, capture, session, delay_ms in sequence:
         now_ns += 5 * NS_PER_MS

@@ -16,10 +16,10 @@ from common.messages.video import (
 from remote_site.video.adaptation import Adaptation, fair_share
 from remote_site.video.config import VideoConfig
 from remote_site.video.ledger import Ledger
-from remote_site.video.setting import Setting, fit
+from remote_site.video.setting import StreamSetting, fit
 
 MS = 1_000_000
-FULL = Setting(80, 1.0, 30.0)
+FULL = StreamSetting(80, 1.0, 30.0)
 CONFIG = VideoConfig()
 # Cameras unlike each other, and unlike the table that the adaptation goes by: 29 Mbit/s at full quality together.
 FULL_BYTES = {"front_high": 22_000, "front_low": 24_000, "side": 45_000, "gripper": 30_000}
@@ -253,13 +253,13 @@ def test_what_one_camera_does_not_need_goes_to_the_others(wanted, budget, share)
     assert sum(min(wants, fair_share(wanted, budget)) for wants in wanted) == pytest.approx(min(sum(wanted), budget))
 
 
-@pytest.mark.parametrize("full", [FULL, Setting(95, 1.0, 60.0), Setting(30, 1.0, 10.0)])
+@pytest.mark.parametrize("full", [FULL, StreamSetting(95, 1.0, 60.0), StreamSetting(30, 1.0, 10.0)])
 def test_fewer_bytes_never_give_a_better_picture_and_are_kept_to(full):
     before = (0.0, 0)
     for rate in np.geomspace(1e3, 1e7, 200):
         setting = fit(rate, 20_000.0, full, full)
         taken = 20_000.0 * setting.relative_bytes * setting.fps
-        assert taken <= max(1.02 * rate, 20_000.0 * Setting(20, 0.5, 2.0).relative_bytes * 2.0 * 1.02)
+        assert taken <= max(1.02 * rate, 20_000.0 * StreamSetting(20, 0.5, 2.0).relative_bytes * 2.0 * 1.02)
         assert 1 <= setting.quality <= full.quality
         assert setting.fps <= full.fps
         now = (setting.scale * setting.fps, setting.quality)

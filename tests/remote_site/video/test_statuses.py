@@ -10,12 +10,12 @@ from common.cameras.camera import Frame
 from common.messages.video import CameraStatus
 from remote_site.video.config import VideoConfig
 from remote_site.video.looks import is_dark
-from remote_site.video.setting import Setting
+from remote_site.video.setting import StreamSetting
 from remote_site.video.stream import CameraStream
 
 MS = 1_000_000
 STEP_NS = 5 * MS
-FULL = Setting(80, 1.0, 30.0)
+FULL = StreamSetting(80, 1.0, 30.0)
 RNG = np.random.default_rng(7)
 
 
@@ -116,7 +116,7 @@ def test_one_picture_a_second_is_slow_whenever_it_is_not_frozen():
 
 
 def test_a_camera_from_which_the_link_takes_every_third_picture_is_not_slow():
-    told = FakeCamera(setting=Setting(40, 0.5, 10.0)).run(3.0)
+    told = FakeCamera(setting=StreamSetting(40, 0.5, 10.0)).run(3.0)
     assert {m.status for m in told} == {CameraStatus.LIVE}
     assert len(told) == pytest.approx(30, abs=2)
     assert simplejpeg.decode_jpeg(told[-1].jpeg).shape == (24, 32, 3)

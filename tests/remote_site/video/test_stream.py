@@ -11,12 +11,12 @@ from common.messages.codec import encode
 from common.messages.video import CameraStatus
 from remote_site.video.config import VideoConfig
 from remote_site.video.encode import encode_jpeg
-from remote_site.video.setting import Setting
+from remote_site.video.setting import StreamSetting
 from remote_site.video.stream import CameraStream
 
 MS = 1_000_000
 CONFIG = VideoConfig(frozen_ms=500.0, status_hz=5.0)
-FULL = Setting(80, 1.0, 30.0)
+FULL = StreamSetting(80, 1.0, 30.0)
 
 
 def picture(seed: int):

@@ -25,7 +25,7 @@ from common.messages.video import (
 from remote_site.video import process, sources
 from remote_site.video.config import CameraConfig, VideoConfig
 from remote_site.video.live_camera import ThreadedCamera
-from remote_site.video.process import Wire, run_video
+from remote_site.video.process import VideoWire, run_video
 
 SIMULATED_RUN = """
 import json, time
@@ -35,7 +35,7 @@ from remote_site.simulation.memory import CellMemory
 from remote_site.simulation.cell import build_cell
 from remote_site.simulation.config import CellConfig
 from remote_site.video.config import VideoConfig
-from remote_site.video.process import Wire, run_video
+from remote_site.video.process import VideoWire, run_video
 from remote_site.video.sources import SimulatedViews
 
 memory, seen = CellMemory.create(6), []
@@ -51,7 +51,7 @@ def ended():
     return sum(m.status == "frozen" for m in seen) >= 4
 
 views = SimulatedViews(CellConfig(), RobotConfig(), memory)
-run_video(VideoConfig(width=160, height=120), views, Wire(seen.append), ended, beat)
+run_video(VideoConfig(width=160, height=120), views, VideoWire(seen.append), ended, beat)
 print(json.dumps([[m.camera, m.status, m.seq, len(m.jpeg), m.reason] for m in seen]))
 """
 
@@ -80,7 +80,7 @@ def test_four_simulated_views_are_live_until_the_cell_dies():
 
 def run_until(config: VideoConfig, enough) -> list:
     seen, deadline = [], time.monotonic() + 10
-    run_video(config, None, Wire(seen.append), lambda: enough(seen) or time.monotonic() > deadline, lambda: None)
+    run_video(config, None, VideoWire(seen.append), lambda: enough(seen) or time.monotonic() > deadline, lambda: None)
     return seen
 
 
@@ -104,7 +104,7 @@ def test_a_folder_of_images_stands_in_for_a_camera_and_a_missing_one_is_told(tmp
 
 def test_a_simulated_camera_needs_a_cell():
     with pytest.raises(ConfigError, match="no cell is simulated"):
-        run_video(VideoConfig(), None, Wire(lambda _: None), lambda: True, lambda: None)
+        run_video(VideoConfig(), None, VideoWire(lambda _: None), lambda: True, lambda: None)
 
 
 class Flaky:
@@ -205,7 +205,7 @@ def test_what_the_console_shows_late_is_sent_smaller(monkeypatch):
     monkeypatch.setattr(sources, "open_camera", lambda _source, name, *_: Endless(name, None))
     monkeypatch.setattr("remote_site.video.live_camera.LiveCamera", Endless)
     console, deadline = Narrow(lease=41), time.monotonic() + 10
-    wire = Wire(console.seen.append, console.shown, lambda: 41)
+    wire = VideoWire(console.seen.append, console.shown, lambda: 41)
     config = VideoConfig(cameras=(CameraConfig(name="side", source="0"),))
     run_video(
         config,
@@ -222,7 +222,7 @@ def test_who_merely_watches_over_a_narrow_link_takes_nothing_from_the_operator(m
     monkeypatch.setattr(sources, "open_camera", lambda _source, name, *_: Endless(name, None))
     monkeypatch.setattr("remote_site.video.live_camera.LiveCamera", Endless)
     console = Narrow(lease=40)
-    wire = Wire(console.seen.append, console.shown, lambda: 41)
+    wire = VideoWire(console.seen.append, console.shown, lambda: 41)
     run_video(
         VideoConfig(cameras=(CameraConfig(name="side", source="0"),)),
         None,
@@ -243,6 +243,6 @@ def test_a_console_of_another_release_is_told_once_and_delays_nothing(monkeypatc
     seen: list[VideoFrame] = []
     config = VideoConfig(cameras=(CameraConfig(name="side", source="0"),))
     with capture_logs() as logs:
-        run_video(config, None, Wire(seen.append, refuse), lambda: len(seen) > 5, int)
+        run_video(config, None, VideoWire(seen.append, refuse), lambda: len(seen) > 5, int)
     assert [entry["event"] for entry in logs] == ["what a console shows is refused"]
     assert {m.status for m in seen} == {CameraStatus.LIVE}

@@ -59,7 +59,7 @@ class Prior:
 
 
 @dataclass(frozen=True)
-class Fit:
+class HandFit:
     """A fitted hand with the information (16, 16) about it, the prior's included, and the cost per outline pixel in
     squared standard deviations."""
 
@@ -75,7 +75,7 @@ class Fit:
         return place(self.pose, self.person)
 
 
-def fit_hand(views: Sequence[HandView], start: HandPose, prior: Prior, person: Person, iterations: int) -> Fit:
+def fit_hand(views: Sequence[HandView], start: HandPose, prior: Prior, person: Person, iterations: int) -> HandFit:
     """Improve a hand from a start; the prior decides what the outlines leave open."""
     near = start.rotation if prior.near is None else prior.near.rotation
     known = (prior.wrist, near, prior.posture, prior.information)
@@ -83,7 +83,7 @@ def fit_hand(views: Sequence[HandView], start: HandPose, prior: Prior, person: P
     arrays = [(v.projection, v.focal_px, v.pixels, v.field, v.origin, v.sigma) for v in views]
     padded = (*arrays, *[NO_VIEW] * (MAX_VIEWS - len(arrays)))
     state = descend(padded, start.wrist, start.rotation, start.posture, known, body, iterations)
-    return Fit(HandPose(*state[:3]), prior, person, state[3] + prior.information, state[4])
+    return HandFit(HandPose(*state[:3]), prior, person, state[3] + prior.information, state[4])
 
 
 def contact(view: HandView, placed: Placed, pixels: Array) -> Contact:

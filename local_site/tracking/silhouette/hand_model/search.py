@@ -7,7 +7,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from common.geometry import Array
-from local_site.tracking.silhouette.hand_model.fit import Fit, HandView, Prior, fit_hand
+from local_site.tracking.silhouette.hand_model.fit import HandFit, HandView, Prior, fit_hand
 from local_site.tracking.silhouette.hand_model.placement import HandPose, Person, place, turned
 from local_site.tracking.silhouette.hand_model.skeleton import MIDDLE_TIP
 
@@ -28,7 +28,7 @@ class Effort:
     offset: float = 0.0
 
 
-def search_hand(views: Sequence[HandView], far_end: Array, prior: Prior, person: Person, effort: Effort) -> Fit:
+def search_hand(views: Sequence[HandView], far_end: Array, prior: Prior, person: Person, effort: Effort) -> HandFit:
     """The best fit from starts with the middle finger's tip towards `far_end` (3,) in m.
 
     All starts are improved a little on some of the outline's pixels, the best fully on all.
@@ -59,5 +59,5 @@ def _frame(first: Array, second: Array) -> Array:
     return np.column_stack([x, y, np.cross(x, y)])
 
 
-def _cost(fit: Fit) -> float:
+def _cost(fit: HandFit) -> float:
     return fit.cost

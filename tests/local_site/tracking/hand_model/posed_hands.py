@@ -11,7 +11,7 @@ from local_site.tracking.silhouette.hand_model.habits import GRIPPER, Belief, pr
 from local_site.tracking.silhouette.hand_model.placement import HandPose, Person, place, turned
 from local_site.tracking.silhouette.hand_model.skeleton import CAPSULES, FOREARM, MIDDLE_TIP
 from local_site.tracking.silhouette.hand_view import make_hand_view
-from local_site.tracking.silhouette.medial import Line
+from local_site.tracking.silhouette.medial import MedialLine
 from local_site.tracking.silhouette.posture import Posture
 
 STEREO = StereoConfig()
@@ -21,7 +21,7 @@ FINE, SHIFT = 4, 4
 # OpenCV also fills the pixels that an outline touches: about half a fine pixel too much all round.
 EXCESS_PX = 0.47 / FINE
 DARK, BRIGHT, LEVEL = 9.0, 170.0, 50.0
-LINE = Line(np.zeros(2), np.array([1.0, 0.0]))
+LINE = MedialLine(np.zeros(2), np.array([1.0, 0.0]))
 UNSEEN = np.full((2, 2), np.nan)
 WRIST = np.array([0.50, 0.45, 0.60])
 # Columns: to the middle knuckle, to the thumb's side, out of the back of the hand.

@@ -6,7 +6,7 @@ import pytest
 from local_site.tracking.silhouette.hand_model.habits import GRIPPER, Habits
 from local_site.tracking.silhouette.hand_model.placement import place
 from local_site.tracking.silhouette.hand_model.skeleton import TYPICAL_FOREARM
-from local_site.tracking.silhouette.hand_tracker import Arm, HandTracker
+from local_site.tracking.silhouette.hand_tracker import HandTracker, LimbEvidence
 from tests.local_site.tracking.hand_model.posed_hands import (
     PERSON,
     TO_ELBOW,
@@ -30,7 +30,7 @@ def course(k):
 
 def arm_of(pose):
     elbow = pose.wrist + TYPICAL_FOREARM * TO_ELBOW
-    return Arm(pose.wrist, WRIST_COVARIANCE, elbow, far_end(pose))
+    return LimbEvidence(pose.wrist, WRIST_COVARIANCE, elbow, far_end(pose))
 
 
 def track(tracker, pose):

@@ -3,8 +3,8 @@
 import numpy as np
 import pytest
 
-from local_site.calibration.simulated import calibrate_simulated
 from local_site.calibration.triangulation import project
+from local_site.simulation.calibrated import calibrate_simulated
 from local_site.simulation.cameras import exact_rig
 from local_site.simulation.config import SimulationConfig
 from local_site.tracking.markers.correspondence import Candidates

@@ -6,7 +6,7 @@ import pytest
 from common.geometry import rotation_from_vector
 from local_site.tracking.monocular.equations import ALL, LIGHT_SIGMA, LIGHTS, UNKNOWNS, combined, condition, step
 from local_site.tracking.monocular.kernels import MOTION, fill_observation, summed
-from local_site.tracking.monocular.pose import Pose
+from local_site.tracking.monocular.pose import ArmPose
 
 FOCAL, PRINCIPAL = np.array([655.0, 640.0]), np.array([100.0, 90.0])
 NO_POSITION_ERROR = np.array([4.0, 0.0, 0.0, 0.0])
@@ -39,7 +39,7 @@ def scene():
     grey, along_x, along_y = 40 + 0.3 * x + 0.2 * y + 0.002 * x * y, 0.3 + 0.002 * y, 0.2 + 0.002 * x
     level = (*(a.astype(np.float32) for a in (grey, along_x, along_y)), FOCAL, PRINCIPAL)
     turns = [rotation_from_vector(np.array(v)) for v in ((0.3, -0.2, 0.1), (-0.1, 0.2, 0.4))]
-    pose = Pose(np.array([-0.02, -0.03, 1.3]), *turns, 0.1)
+    pose = ArmPose(np.array([-0.02, -0.03, 1.3]), *turns, 0.1)
     points = random.uniform(-0.04, 0.04, (2, 300, 3)) + np.array([0.0, 0.0, 0.06])
     normals = points / np.linalg.norm(points, axis=2, keepdims=True)
     return level, pose, [(p, n, random.uniform(100, 140, 300)) for p, n in zip(points, normals, strict=True)]

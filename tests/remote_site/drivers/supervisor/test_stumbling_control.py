@@ -11,10 +11,10 @@ from remote_site.drivers.kinematic import KinematicDriver
 from remote_site.drivers.link import DriverLink
 from remote_site.drivers.memory import DriverMemory
 from remote_site.drivers.supervisor.grip import GripSettings, GripWatch
-from remote_site.drivers.supervisor.supervisor import Keeper
+from remote_site.drivers.supervisor.supervisor import DriverSupervisor
 from remote_site.drivers.supervisor.write_scheduler import LEAST_SHARE
 from remote_site.kinematics.joints import JointMotion
-from remote_site.motion.jerk_limited import Follower
+from remote_site.motion.jerk_limited import JerkLimitedTracker
 from remote_site.runtime.driver_process import Desk, setup_of
 from tests.remote_site.remote_loop import arm
 
@@ -50,9 +50,9 @@ class Rig:
         self.clock = FakeClock(1000 * NS_PER_MS)
         self.robot, memory, setup = make(self.clock), DriverMemory.create(6), setup_of(RemoteConfig())
         self.robot.configure(setup)
-        self.keeper = Keeper(self.robot, setup, self.clock, memory.busy, GripWatch(GripSettings()))
+        self.keeper = DriverSupervisor(self.robot, setup, self.clock, memory.busy, GripWatch(GripSettings()))
         self.desk, self.link = Desk(self.keeper, memory, self.clock), DriverLink(memory, LIMITS, self.clock)
-        self.follower, self.phase_ms, self.seq = Follower(LIMITS, setup.dt), phase_ms, 0
+        self.follower, self.phase_ms, self.seq = JerkLimitedTracker(LIMITS, setup.dt), phase_ms, 0
         self.link.activate(START)
         self.desk.turn()
         self.sent = JointMotion.at_rest(START)
@@ -169,9 +169,9 @@ class LateRig:
         self.robot, memory, setup = LateRobot(self.clock), DriverMemory.create(6), setup_of(RemoteConfig())
         self.robot.pass_time = self.control_until
         self.robot.configure(setup)
-        self.keeper = Keeper(self.robot, setup, self.clock, memory.busy, GripWatch(GripSettings()))
+        self.keeper = DriverSupervisor(self.robot, setup, self.clock, memory.busy, GripWatch(GripSettings()))
         self.desk, self.link = Desk(self.keeper, memory, self.clock), DriverLink(memory, LIMITS, self.clock)
-        self.follower, self.seq, self.waits = Follower(LIMITS, setup.dt), 0, []
+        self.follower, self.seq, self.waits = JerkLimitedTracker(LIMITS, setup.dt), 0, []
         self.link.activate(START)
         self.desk.turn()
         self.sent, self.rang = JointMotion.at_rest(START), False

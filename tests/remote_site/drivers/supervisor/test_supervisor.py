@@ -12,10 +12,10 @@ from remote_site.drivers.driver import Capabilities, DriverSetup, GripperReading
 from remote_site.drivers.faults import STOPPED, FaultCode, RobotFault
 from remote_site.drivers.kinematic import KinematicDriver
 from remote_site.drivers.supervisor.grip import GripSettings, GripWatch
-from remote_site.drivers.supervisor.supervisor import Keeper, Order, Phase
+from remote_site.drivers.supervisor.supervisor import DriverOrder, DriverSupervisor, Phase
 from remote_site.drivers.supervisor.write_scheduler import LEAST_SHARE
 from remote_site.kinematics.joints import JointMotion
-from remote_site.motion.jerk_limited import Follower
+from remote_site.motion.jerk_limited import JerkLimitedTracker
 from remote_site.safety.stopping import stop_time, stopping
 from tests.remote_site.remote_loop import arm
 
@@ -71,8 +71,8 @@ class Bench:
         self.robot.rate_hz = rate_hz
         self.mark = Mark()
         self.robot.configure(SETUP)
-        self.keeper = Keeper(self.robot, SETUP, self.clock, self.mark, GripWatch(GripSettings()))
-        self.follower = Follower(LIMITS, DT)
+        self.keeper = DriverSupervisor(self.robot, SETUP, self.clock, self.mark, GripWatch(GripSettings()))
+        self.follower = JerkLimitedTracker(LIMITS, DT)
         self.activation = self.seq = 0
         self.sent = JointMotion.at_rest(START)
 
@@ -91,7 +91,7 @@ class Bench:
         self.seq += 1
         now_ns = self.clock.now_ns()
         command = JointCommand(self.seq, now_ns, motion.q, motion.dq, motion.ddq, gripper_open)
-        return Order(self.activation, run, self.keeper.diversions, command)
+        return DriverOrder(self.activation, run, self.keeper.diversions, command)
 
     def plan(self, ahead=0.8):
         self.follower.reset(self.sent)

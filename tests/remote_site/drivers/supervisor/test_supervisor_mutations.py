@@ -3,7 +3,7 @@
 import pytest
 
 from remote_site.drivers.faults import FaultCode
-from remote_site.drivers.supervisor.supervisor import Keeper
+from remote_site.drivers.supervisor.supervisor import DriverSupervisor
 from tests.remote_site.drivers.supervisor import test_supervisor as of_keeper
 from tests.remote_site.mutation import Mutation
 
@@ -16,25 +16,25 @@ IN_SILENCE = keeper(of_keeper.test_silence_begins_the_verified_stop_after_three_
 MIRRORED = of_keeper.test_a_fault_of_the_robot_is_mirrored_and_stays_when_the_robot_has_forgotten_it
 MUTATIONS = [
     (
-        Mutation(Keeper, "_obey", "if isinstance(verdict, Refused):", "if False:"),
+        Mutation(DriverSupervisor, "_obey", "if isinstance(verdict, Refused):", "if False:"),
         keeper(of_keeper.test_a_command_beyond_the_limits_never_reaches_the_robot_and_ends_in_the_stop, 0.5),
     ),
-    (Mutation(Keeper, "_watch", "if silent_ns > limit_ns:", "if False:"), IN_SILENCE),
+    (Mutation(DriverSupervisor, "_watch", "if silent_ns > limit_ns:", "if False:"), IN_SILENCE),
     (
-        Mutation(Keeper, "_watch", "elif late_ns > self._grace_ns and self._onset is None:", "elif False:"),
+        Mutation(DriverSupervisor, "_watch", "elif late_ns > self._grace_ns and self._onset is None:", "elif False:"),
         IN_SILENCE,
     ),
     (
-        Mutation(Keeper, "take", "if order.diversions == self.diversions:", "if True:"),
+        Mutation(DriverSupervisor, "take", "if order.diversions == self.diversions:", "if True:"),
         keeper(of_keeper.test_a_command_planned_before_the_stop_began_does_not_count),
     ),
     (
-        Mutation(Keeper, "take", "elif self.phase is Phase.ACTIVE and not order.run:", "elif False:"),
+        Mutation(DriverSupervisor, "take", "elif self.phase is Phase.ACTIVE and not order.run:", "elif False:"),
         keeper(of_keeper.test_an_order_to_stop_stops_and_a_command_after_it_does_not_count),
     ),
     (
         Mutation(
-            Keeper,
+            DriverSupervisor,
             "_activate",
             "if self.phase in (Phase.ACTIVE, Phase.STOPPING) or (self.reading and _moves(self.reading)):",
             "if False:",
@@ -42,23 +42,25 @@ MUTATIONS = [
         keeper(of_keeper.test_activation_waits_for_rest),
     ),
     (
-        Mutation(Keeper, "_answer", "np.abs(reading.q - self.motion.q).max() > APART_RAD", "False"),
+        Mutation(DriverSupervisor, "_answer", "np.abs(reading.q - self.motion.q).max() > APART_RAD", "False"),
         keeper(of_keeper.test_an_arm_that_is_elsewhere_is_not_activated),
     ),
     (
-        Mutation(Keeper, "_read", "elif reading.fault is not None and self.phase is not Phase.IDLE:", "elif False:"),
+        Mutation(
+            DriverSupervisor, "_read", "elif reading.fault is not None and self.phase is not Phase.IDLE:", "elif False:"
+        ),
         keeper(MIRRORED, FaultCode.EMERGENCY_STOP),
     ),
     (
-        Mutation(Keeper, "_call", "if took_ns > DEADLINE_NS", "if False"),
+        Mutation(DriverSupervisor, "_call", "if took_ns > DEADLINE_NS", "if False"),
         keeper(of_keeper.test_a_call_beyond_the_deadline_is_a_fault_and_visible_while_it_lasts),
     ),
     (
-        Mutation(Keeper, "_call", "self._mark.set(begin_ns)", "pass"),
+        Mutation(DriverSupervisor, "_call", "self._mark.set(begin_ns)", "pass"),
         keeper(of_keeper.test_a_call_beyond_the_deadline_is_a_fault_and_visible_while_it_lasts),
     ),
     (
-        Mutation(Keeper, "_call", "except Exception as error:", "except DriverError as error:"),
+        Mutation(DriverSupervisor, "_call", "except Exception as error:", "except DriverError as error:"),
         keeper(of_keeper.test_a_driver_that_raises_is_stopped_and_named, KeyError("oops")),
     ),
 ]

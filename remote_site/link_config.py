@@ -1,4 +1,4 @@
-"""Where the remote site listens."""
+"""The endpoints of the remote site, or the router it is reached by."""
 
 from typing import Annotated
 
@@ -7,7 +7,7 @@ from msgspec import Meta
 from common.link.config import LinkSecurity
 
 
-class LinksConfig(LinkSecurity, frozen=True, kw_only=True, forbid_unknown_fields=True):
+class RemoteLinksConfig(LinkSecurity, frozen=True, kw_only=True, forbid_unknown_fields=True):
     """Where the remote site listens."""
 
     control: Annotated[str, Meta(min_length=1, description="endpoint of hand, state and requests")] = (
