@@ -10,7 +10,8 @@ import typer
 
 from common.config import load_config
 from common.errors import ConfigError, FarhandError, InterruptionError
-from common.process.service import LogFormat, StopFlag
+from common.process.log import LogFormat
+from common.process.service import StopFlag
 from farhand.commands.calibrate import calibrate_app
 from farhand.commands.certificates import certificates_app
 from farhand.exit_codes import FAILED, INTERRUPTED, MISUSE

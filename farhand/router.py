@@ -13,12 +13,8 @@ from common.link.endpoints import check_endpoint
 from common.link.roles import Identity, Role
 from common.link.session_settings import Mode, Places, session_settings
 from common.link.transport import open_router
-from common.process.service import (
-    LogFormat,
-    StopFlag,
-    notify,
-    start_log,
-)
+from common.process.log import LogFormat, start_log
+from common.process.service import StopFlag, notify
 
 BEAT_S = 0.2
 ROUTER = Identity(Role.ROUTER, None)

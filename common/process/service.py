@@ -1,27 +1,14 @@
-"""A daemon's life: signals, READY and WATCHDOG to systemd, log lines, an orderly end within two seconds."""
+"""A daemon's life: stop signals, READY and WATCHDOG to systemd, scheduling."""
 
-import logging
 import os
 import signal
 import socket
-import sys
 import threading
-from enum import StrEnum
 from types import FrameType
 
 import structlog
-from structlog.typing import EventDict, Processor, WrappedLogger
 
 STOP_SIGNALS = (signal.SIGTERM, signal.SIGINT)
-STANDARD_ERROR = 2
-JOURNAL_PRIORITIES = {"critical": 2, "error": 3, "warning": 4, "info": 6, "debug": 7}
-
-
-class LogFormat(StrEnum):
-    """How a daemon writes its log: `text` is level=... event=... key=value, `json` an object per line."""
-
-    TEXT = "text"
-    JSON = "json"
 
 
 class StopFlag:
@@ -59,54 +46,6 @@ def notify(state: str) -> None:
     with socket.socket(socket.AF_UNIX, socket.SOCK_DGRAM | socket.SOCK_CLOEXEC) as channel:
         channel.connect(address)
         channel.sendall(state.encode())
-
-
-def start_log(site: str, log_format: LogFormat = LogFormat.TEXT) -> None:
-    """Log lines of this process to standard error, named after its site; the journal is told their level besides."""
-    render = _renderer(log_format)
-    structlog.configure(
-        processors=[
-            structlog.contextvars.merge_contextvars,
-            _named(site),
-            structlog.processors.add_log_level,
-            structlog.processors.TimeStamper(fmt="iso", utc=True, key="time"),
-            _for_journal(render) if _is_journal() else render,
-        ],
-        wrapper_class=structlog.make_filtering_bound_logger(logging.INFO),
-        logger_factory=structlog.PrintLoggerFactory(sys.stderr),
-        cache_logger_on_first_use=False,
-    )
-
-
-def _named(site: str) -> Processor:
-    """The site in every line, also in those of threads, which have no part in the context of who started them."""
-
-    def named(logger: WrappedLogger, method: str, event: EventDict) -> EventDict:  # noqa: ARG001  # a processor's signature
-        return {**event, "site": site}
-
-    return named
-
-
-def _renderer(log_format: LogFormat) -> Processor:
-    if log_format is LogFormat.JSON:
-        return structlog.processors.JSONRenderer()
-    return structlog.processors.LogfmtRenderer(key_order=["level", "time", "site", "event"])
-
-
-def _is_journal() -> bool:
-    """Whether systemd reads standard error: it names the device and inode of what it has connected to the journal."""
-    stream = os.fstat(STANDARD_ERROR)
-    return os.environ.get("JOURNAL_STREAM") == f"{stream.st_dev}:{stream.st_ino}"
-
-
-def _for_journal(render: Processor) -> Processor:
-    """Lines that begin with their priority, as sd-daemon(3) has it: the journal takes it off and filters by it."""
-
-    def prefixed(logger: WrappedLogger, method: str, event: EventDict) -> str:
-        priority = JOURNAL_PRIORITIES[event["level"]]
-        return f"<{priority}>{render(logger, method, event)!s}"
-
-    return prefixed
 
 
 def ask_for_real_time(priority: int) -> bool:

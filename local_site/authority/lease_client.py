@@ -24,7 +24,7 @@ from common.messages.requests import (
     OperatorRequest,
     Reply,
 )
-from common.process.refusal_log import RefusalLog
+from common.process.log import RefusalLog
 from local_site.authority.lease_policy import INSIST_NS, LeaseKeeper
 
 POLL_S = 0.02
@@ -54,7 +54,7 @@ class Authority:
         self._link, self._cell, self._operator = link, cell, operator
         self._keeper = LeaseKeeper(operator, automatic=automatic)
         self._estimator = OffsetEstimator()
-        self._server = link.serve(OPERATE, cell, RefusalLog("a message is refused").note, operator)
+        self._server = link.serve(OPERATE, cell, RefusalLog().note, operator)
         self._clock_due_ns = self._silent = 0
         self._described = False
         self._clock: ClockSync | None = None

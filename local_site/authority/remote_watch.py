@@ -10,7 +10,7 @@ from common.link.channels import STATE
 from common.link.transport import Latest
 from common.messages.robot import RobotState
 from common.process.health import ChannelHealth
-from common.process.refusal_log import RefusalLog
+from common.process.log import RefusalLog
 
 CODES_APART_NS = NS_PER_S  # near a limit a reason comes and goes with every sample
 

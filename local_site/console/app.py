@@ -21,12 +21,8 @@ from common.link.channels import (
 from common.link.credentials import check_links
 from common.link.transport import Link, open_link
 from common.messages.requests import Description
-from common.process.service import (
-    LogFormat,
-    StopFlag,
-    notify,
-    start_log,
-)
+from common.process.log import LogFormat, start_log
+from common.process.service import StopFlag, notify
 from local_site.console.acts import Acts
 from local_site.console.cell_watch import CellWatch
 from local_site.console.config import ConsoleConfig

@@ -9,7 +9,7 @@ from typing import Generic, TypeVar
 from common.errors import MessageError, TransportError
 from common.link.transport import Latest
 from common.messages.base import Message
-from common.process.refusal_log import RefusalLog
+from common.process.log import RefusalLog
 
 M = TypeVar("M", bound=Message)
 
@@ -59,7 +59,7 @@ class Listeners:
 
 
 def _listen(latest: Latest[M], handover: Handover[M]) -> None:
-    refusals = RefusalLog("a message is refused")
+    refusals = RefusalLog()
     while True:
         try:
             handover.put(latest.wait())

@@ -14,12 +14,8 @@ from common.link.roles import Identity, Role
 from common.link.transport import Publisher
 from common.messages.video import VideoFrame
 from common.process.children import Children, Heartbeat
-from common.process.service import (
-    LogFormat,
-    StopFlag,
-    notify,
-    start_log,
-)
+from common.process.log import LogFormat, start_log
+from common.process.service import StopFlag, notify
 from remote_site.config import RemoteConfig
 from remote_site.drivers.memory import DriverMemory
 from remote_site.drivers.registry import check_driver

@@ -16,6 +16,7 @@ from common.link.transport import Link
 from common.messages.hand import HandArm
 from common.messages.requests import EngagementAction, EngagementRequest, Reply
 from common.process.children import Heartbeat
+from common.process.log import RefusalLog
 from common.process.rate import Rate
 from common.process.service import StopFlag, ask_for_real_time
 from remote_site.config import RemoteConfig
@@ -28,7 +29,7 @@ from remote_site.kinematics.limits import JointLimits
 from remote_site.kinematics.model import ArmModel
 from remote_site.reasons import Code, Reason, reason
 from remote_site.runtime.links import open_site_link
-from remote_site.runtime.reporting import Refusals, Reporter
+from remote_site.runtime.reporting import Reporter
 from remote_site.runtime.request_server import RequestServer, describe
 from remote_site.session.fault_latch import FaultLatch
 from remote_site.session.lease import LeaseServer
@@ -70,7 +71,7 @@ def run_control(
         _activate(driver, chain, should_stop)
         rate = Rate(config.control.rate_hz, clock, least_share=LEAST_SHARE)
         reporter = Reporter(link.publisher(STATE, config.cell), board, model, rate, real_time=real_time)
-        refusals = Refusals(reporter.log)
+        refusals = RefusalLog()
         desk = RequestServer(link, description, leases, clock, refusals.note)
         loop = ControlLoop(chain, driver, reporter, Inbox(link, config.cell, refusals), desk, mirror)
         while not should_stop():
@@ -83,7 +84,7 @@ def run_control(
 class Inbox:
     """The hand channel and what is asked of the engagement; payloads that are no message are counted and told."""
 
-    def __init__(self, link: Link, cell: str, refusals: Refusals) -> None:
+    def __init__(self, link: Link, cell: str, refusals: RefusalLog) -> None:
         self.hand = link.latest(HAND, cell)
         self.engagement = link.serve(ENGAGEMENT, cell, refusals.note)
         self.maintenance = link.serve(MAINTENANCE, cell, refusals.note)

@@ -1,16 +1,9 @@
 """What the remote site tells of itself: the robot's state, which hand sample it obeys, and when that moved it."""
 
-import contextvars
 import math
 import secrets
-import threading
-from collections import Counter
-from collections.abc import Callable, Mapping
-from queue import SimpleQueue
+from collections.abc import Mapping
 
-import structlog
-
-from common.errors import MessageError
 from common.link.transport import Publisher
 from common.messages.robot import (
     LeaseState,
@@ -22,54 +15,14 @@ from common.messages.robot import (
 from common.process.rate import Rate
 from remote_site.drivers.link import RobotReport
 from remote_site.kinematics.model import ArmModel
-from remote_site.reasons import Reason
 from remote_site.runtime.tracing import Tracing
+from remote_site.runtime.transition_log import TransitionLog
 from remote_site.session.shared_lease import NOBODY, SharedLease
 from remote_site.teleop.pipeline import Step, TeleopPipeline, pose_of
 
 SESSION_BITS = 62
 LATE_PERCENTILE = 99.0
 STATES_PER_TIMING = 50  # ordering thousands of latenesses does not belong in every tick
-
-
-class TransitionLog:
-    """Writes every change of the session's state to the log from a thread of its own: no tick waits for a log."""
-
-    def __init__(self) -> None:
-        self._queue: SimpleQueue[Callable[[], object]] = SimpleQueue()
-        self._state: SessionState | None = None
-        context = contextvars.copy_context()
-        threading.Thread(target=context.run, args=(self._write_for_ever,), name="log", daemon=True).start()
-
-    def note(self, state: SessionState, reason: Reason) -> None:
-        """Note the state of a tick."""
-        if state is not self._state:
-            self._state = state
-            log = structlog.get_logger()
-            words = {"state": state.value, "code": reason.code.value, "reason": reason.sentence}
-            self._queue.put(lambda: log.info("session", **words))
-
-    def warn(self, event: str, sentence: str) -> None:
-        """Write a warning."""
-        self._queue.put(lambda: structlog.get_logger().warning(event, reason=sentence))
-
-    def _write_for_ever(self) -> None:
-        while True:
-            self._queue.get()()
-
-
-class Refusals:
-    """Counts payloads that were no message by reason, and tells the first of each in the log."""
-
-    def __init__(self, log: TransitionLog) -> None:
-        self.counts: Counter[str] = Counter()
-        self._log = log
-
-    def note(self, error: MessageError) -> None:
-        """Count one."""
-        if not self.counts[error.reason]:
-            self._log.warn("a message is refused", str(error))
-        self.counts[error.reason] += 1
 
 
 class Reporter:
@@ -87,11 +40,11 @@ class Reporter:
         self._seq = 0
         self._tracing = Tracing()
         self._timing = self._measured_timing()
-        self.log = TransitionLog()
+        self._log = TransitionLog()
 
     def note(self, step: Step, command_seq: int, command_ns: int, reading: RobotReport) -> None:
         """Note the command that first obeys a sample, and the reading that first shows it in the robot's motion."""
-        self.log.note(step.state, step.reason)
+        self._log.note(step.state, step.reason)
         if step.obeys is not None:
             self._tracing.obey(step.obeys, command_seq, command_ns, step.motion)
         self._tracing.see(reading)
