@@ -9,10 +9,9 @@ from typing import Generic, Self, TypeVar
 import structlog
 import zenoh
 
-from common.clock import NS_PER_S, RoundTrip
+from common.clock import NS_PER_S
 from common.errors import MessageError, RefusedError, TransportError
 from common.link.channels import (
-    CLOCK,
     Channel,
     Priority,
     Procedure,
@@ -27,7 +26,6 @@ from common.link.roles import Role
 from common.link.session_settings import Mode, Places, session_settings
 from common.messages.base import Message
 from common.messages.codec import decode, encode
-from common.messages.requests import ClockQuestion
 
 M = TypeVar("M", bound=Message)
 Q = TypeVar("Q", bound=Message)
@@ -222,25 +220,6 @@ class Link:
             if reply.err is not None and (why := reply.err.payload.to_bytes()).startswith(REFUSAL):
                 raise RefusedError(f"the other site {why.decode(errors='replace')}")
         return None
-
-    def request(
-        self, procedure: Procedure[Requested, Replied], cell: str, request: Requested, give_up_ns: int, name: str = "*"
-    ) -> Replied:
-        """Ask until `give_up_ns` by our clock, always with the same id; TransportError when nobody answered."""
-        while time.monotonic_ns() < give_up_ns:
-            attempt_ends = time.monotonic() + REQUEST_TIMEOUT_S
-            reply = self.ask(procedure, cell, request, name)
-            if reply is not None:
-                return reply
-            time.sleep(max(0.0, min(attempt_ends, give_up_ns / NS_PER_S) - time.monotonic()))
-        raise TransportError(f"nobody answered at cell {cell}: is the site that is asked running?")
-
-    def round_trip(self, cell: str) -> RoundTrip | None:
-        """Ask the remote site's clock once; None when nobody answers in time."""
-        asked_ns = time.monotonic_ns()
-        answer = self.ask(CLOCK, cell, ClockQuestion())
-        heard_ns = time.monotonic_ns()
-        return None if answer is None else RoundTrip(asked_ns, answer.received_ns, answer.answered_ns, heard_ns)
 
     def may_hear(self, channel: Channel[M]) -> bool:
         """Whether our certificate lets us; everybody may where there are none."""

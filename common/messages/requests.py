@@ -14,6 +14,7 @@ from common.messages.base import (
 )
 from common.messages.robot import Pose
 
+ACTIVATED = "activated"  # code of the reply to an engagement that first had to activate the robot: ask once more
 Share = Annotated[float, msgspec.Meta(ge=0, le=1)]
 PictureShare = tuple[Share, Share]
 

@@ -1,18 +1,20 @@
 """The local site's standing with the remote one, kept in a thread of its own: lease, clock offset, protocol."""
 
 import contextvars
-import secrets
 import threading
 import time
 from dataclasses import dataclass
+from functools import partial
 from types import TracebackType
 from typing import Self
 
 import structlog
 
-from common.clock import NS_PER_MS, NS_PER_S, ClockEstimate, OffsetEstimator
+from common.clock import NS_PER_MS, NS_PER_S, ClockEstimate
 from common.errors import ProcessError, RefusedError, TransportError
 from common.link.channels import DESCRIBE, LEASE, OPERATE
+from common.link.remote_clock import RemoteClock
+from common.link.request_client import RequestClient
 from common.link.transport import Link
 from common.messages.hand import ClockSync
 from common.messages.requests import (
@@ -30,7 +32,6 @@ from local_site.authority.lease_policy import INSIST_NS, LeaseKeeper
 POLL_S = 0.02
 CLOCK_EVERY_NS = 200 * NS_PER_MS
 PATIENCE_NS = NS_PER_S
-REQUEST_BITS = 62
 ROUNDS_TO_DOUBT = 25  # of silence, until the reason is looked for: some six seconds
 ACTIONS = {OperatorAction.GIVE: LeaseAction.HAND_OVER, OperatorAction.RELEASE: LeaseAction.RELEASE}
 
@@ -53,9 +54,10 @@ class Authority:
         self.session = session
         self._link, self._cell, self._operator = link, cell, operator
         self._keeper = LeaseKeeper(operator, automatic=automatic)
-        self._estimator = OffsetEstimator()
+        self._remote_clock = RemoteClock(link, cell, ROUNDS_TO_DOUBT)
+        self._client = RequestClient(link, cell, self._remote_clock, patience_ns=PATIENCE_NS)
         self._server = link.serve(OPERATE, cell, RefusalLog().note, operator)
-        self._clock_due_ns = self._silent = 0
+        self._clock_due_ns = 0
         self._described = False
         self._clock: ClockSync | None = None
         self._refused: RefusedError | None = None
@@ -101,19 +103,12 @@ class Authority:
 
     def _measure(self, now_ns: int) -> None:
         self._clock_due_ns = now_ns + CLOCK_EVERY_NS
-        trip = self._link.round_trip(self._cell)
-        self._silent = 0 if trip is not None else self._silent + 1
-        if trip is not None:
-            self._estimator.add(trip)
-        elif self._silent % ROUNDS_TO_DOUBT == 0:
-            self._link.check_connected()
-            if self._silent == ROUNDS_TO_DOUBT and not self._described:
-                structlog.get_logger().warning(
-                    "the remote site does not answer",
-                    cell=self._cell,
-                    cure="start it, and see that cell and endpoint are its",
-                )
-        known = self._estimator.estimate(time.monotonic_ns())
+        self._remote_clock.measure()
+        if self._remote_clock.silent_rounds == ROUNDS_TO_DOUBT and not self._described:
+            structlog.get_logger().warning(
+                "the remote site does not answer", cell=self._cell, cure="start it, and check the cell and the endpoint"
+            )
+        known = self._remote_clock.estimate(time.monotonic_ns())
         self._clock = _sync(known) if known is not None else None
 
     def _is_described(self) -> bool:
@@ -131,31 +126,22 @@ class Authority:
     def _request(self, action: LeaseAction) -> LeaseReply | None:
         """Ask the remote site; None while its clock is not known or it does not answer."""
         asked_ns = time.monotonic_ns()
-        known = self._estimator.estimate(asked_ns)
-        if known is None:
+        if self._remote_clock.estimate(asked_ns) is None:
             return None
-        give_up_ns = asked_ns + PATIENCE_NS
-        request = LeaseRequest(
-            id=secrets.randbits(REQUEST_BITS),
-            deadline_ns=give_up_ns + known.offset.offset_ns,
-            action=action,
-            session=self.session,
-            operator=self._operator,
-            lease=self._keeper.held(asked_ns),
-        )
-        had = request.lease
+        held = self._keeper.held(asked_ns)
+        make = partial(LeaseRequest, action=action, session=self.session, operator=self._operator, lease=held)
         self._keeper.asked(asked_ns)
         try:
-            reply = self._link.request(LEASE, self._cell, request, give_up_ns)
+            reply = self._client.ask(LEASE, make)
         except RefusedError:
             raise
         except TransportError:
             return None
         self._keeper.heard(reply, asked_ns)
-        self._tell(had, reply)
+        self._log(held, reply)
         return reply
 
-    def _tell(self, had: int, reply: LeaseReply) -> None:
+    def _log(self, had: int, reply: LeaseReply) -> None:
         if reply.lease == had and reply.done:
             return
         self._described = self._described and reply.lease != 0

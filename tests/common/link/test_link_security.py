@@ -4,6 +4,7 @@ import time
 from collections.abc import Iterator
 from contextlib import ExitStack, contextmanager
 from datetime import UTC, datetime, timedelta
+from functools import partial
 from pathlib import Path
 
 import pytest
@@ -25,10 +26,11 @@ from common.link.config import (
 )
 from common.link.credentials import load_credentials
 from common.link.endpoints import SECURED, check_endpoint, from_this_host
+from common.link.request_client import RequestClient
 from common.link.roles import Identity, Role
 from common.link.transport import Link, open_link
 from common.messages.codec import encode
-from common.messages.requests import ClockQuestion, EngagementAction
+from common.messages.requests import ClockQuestion, EngagementAction, EngagementRequest
 from farhand.certificates.folder import CertificateOrder, create, load_authority
 from farhand.certificates.issuing import issue
 from tests.common.link.secured_cell import (
@@ -95,7 +97,8 @@ def test_an_operator_commands_and_hears(pki: Path, cell: Cell) -> None:
         before = cell.hands
         until(lambda: hand.put(HAND_SAMPLE) or cell.hands > before)
         until(state.take)
-        assert link.request(ENGAGEMENT, CELL, request(), time.monotonic_ns() + 5_000_000_000).done
+        engage = partial(EngagementRequest, operator="eve", action=EngagementAction.ENGAGE)
+        assert RequestClient(link, CELL).ask(ENGAGEMENT, engage).done
         with dishonest(cell.endpoint, pki, "operator") as session:
             assert commands_arrive(session, cell)
 
@@ -129,9 +132,9 @@ def test_a_viewer_who_listens_to_everything_hears_no_hand(pki: Path, cell: Cell)
 
 
 def test_maintenance_stops_and_resets_but_never_engages(pki: Path, cell: Cell) -> None:
-    give_up_ns = time.monotonic_ns() + 5_000_000_000
+    make = partial(EngagementRequest, operator="eve", action=EngagementAction.STOP)
     with open_link(connect=(cell.endpoint,), security=secured(pki, "maintenance")) as link:
-        assert link.request(MAINTENANCE, CELL, request(EngagementAction.STOP), give_up_ns).done
+        assert RequestClient(link, CELL).ask(MAINTENANCE, make).done
         with pytest.raises(RefusedError, match=r"maintenance\.lab may not ask .*engagement"):
             link.ask(ENGAGEMENT, CELL, request())
 

@@ -19,6 +19,8 @@ from common.link.channels import (
 )
 from common.link.config import ON_THIS_HOST
 from common.link.endpoints import check_endpoint
+from common.link.remote_clock import RemoteClock
+from common.link.request_client import RequestClient
 from common.link.transport import (
     Latest,
     Link,
@@ -117,13 +119,12 @@ def serve(link: Link, handled: list[int], stop: threading.Event, delay_s: float 
 
 
 def ask(link: Link, identity: int, seconds: float = WAIT_S) -> Reply:
-    deadline_ns = time.monotonic_ns() + round(seconds * 1e9)
-    return link.request(
-        ENGAGEMENT,
-        "lab",
-        EngagementRequest(id=identity, deadline_ns=deadline_ns, operator="anna", action=EngagementAction.ENGAGE),
-        deadline_ns,
-    )
+    """The reply to an engagement under this id, however often it is asked for."""
+
+    def make(*, id: int, deadline_ns: int) -> EngagementRequest:  # noqa: A002, ARG001  # the message's fields
+        return EngagementRequest(id=identity, deadline_ns=deadline_ns, operator="anna", action=EngagementAction.ENGAGE)
+
+    return RequestClient(link, "lab", patience_ns=round(seconds * 1e9)).ask(ENGAGEMENT, make)
 
 
 def test_a_request_repeated_with_its_id_happens_once(links: tuple[Link, Link]) -> None:
@@ -200,7 +201,7 @@ def test_one_neighbours_flood_of_questions_leaves_room_for_anothers() -> None:
         for thread in threads:
             thread.start()
         wait_until(lambda: answered[0] > 20)
-        heard = [polite.round_trip("lab") for _ in range(4) if not stop.wait(0.1)]
+        heard = [RemoteClock(polite, "lab").measure() for _ in range(4) if not stop.wait(0.1)]
         stop.set()
         for thread in threads:
             thread.join()
