@@ -29,7 +29,8 @@ class LogFormat(StrEnum):
 def start_log(site: str, log_format: LogFormat = LogFormat.TEXT) -> None:
     """Log to standard error, naming the site in every line; systemd's journal also gets each line's priority."""
     render = _renderer(log_format)
-    logger = _log_thread().logger
+    thread = _log_thread()
+    thread.start()
     structlog.configure(
         processors=[
             structlog.contextvars.merge_contextvars,
@@ -39,13 +40,13 @@ def start_log(site: str, log_format: LogFormat = LogFormat.TEXT) -> None:
             _for_journal(render) if _is_journal() else render,
         ],
         wrapper_class=structlog.make_filtering_bound_logger(logging.INFO),
-        logger_factory=lambda *_: logger,
+        logger_factory=lambda *_: thread.logger,
         cache_logger_on_first_use=False,
     )
 
 
 def finish_log() -> None:
-    """Write the lines that still wait; a forked child calls it last, as multiprocessing skips what atexit holds."""
+    """Write the lines that still wait, and log no more; a process calls it last, before it prints why it ends."""
     _log_thread().stop()
 
 
@@ -55,14 +56,15 @@ class LogThread:
     def __init__(self) -> None:
         self._queue: SimpleQueue[logging.LogRecord] = SimpleQueue()
         self._listener: QueueListener | None = None
+        self._paused = False
         self.logger = logging.Logger("farhand", logging.INFO)
         self.logger.addHandler(QueueHandler(self._queue))
-        self.start()
-        os.register_at_fork(before=self.stop, after_in_parent=self.start, after_in_child=self.start)
+        os.register_at_fork(before=self._pause, after_in_parent=self._resume, after_in_child=self._resume)
         atexit.register(self.stop)
 
     def start(self) -> None:
-        """Start writing."""
+        """Start writing to what is standard error now."""
+        self.stop()
         self._listener = QueueListener(self._queue, logging.StreamHandler(sys.stderr))
         self._listener.start()
 
@@ -71,6 +73,14 @@ class LogThread:
         listener, self._listener = self._listener, None
         if listener is not None:
             listener.stop()
+
+    def _pause(self) -> None:
+        self._paused = self._listener is not None
+        self.stop()
+
+    def _resume(self) -> None:
+        if self._paused:
+            self.start()
 
 
 @cache
