@@ -13,7 +13,7 @@ from pathlib import Path
 import numpy as np
 
 from common.clock import NS_PER_MS
-from common.link.channels import CAMERA, HAND
+from common.link.channels import CAMERA, HAND, ChannelSession
 from common.link.transport import Link, open_link
 from common.messages.hand import HandArm, TrackingStatus
 from common.messages.video import CameraStatus, VideoFrame
@@ -64,9 +64,10 @@ class LinkedCell:
 
     def __init__(self, name: str, endpoint: str, stack: ExitStack) -> None:
         remote, video = (
-            stack.enter_context(open_link(connect=(endpoint,), through_router=True)) for _ in ("control", "video")
+            stack.enter_context(open_link(connect=(endpoint,), through_router=True, sessions=[session]))
+            for session in ChannelSession
         )
-        local = stack.enter_context(open_link(connect=(endpoint,)))
+        local = stack.enter_context(open_link(connect=(endpoint,), sessions=list(ChannelSession)))
         self._hand = local.publisher(HAND, name)
         self._cameras = [video.publisher(CAMERA, name, view) for view in VIEWS]
         self.hand_ages_ms: list[float] = []

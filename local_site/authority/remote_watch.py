@@ -7,7 +7,7 @@ import structlog
 from common.clock import NS_PER_S
 from common.errors import MessageError
 from common.link.channels import STATE
-from common.link.transport import Latest
+from common.link.pubsub import Latest
 from common.messages.robot import RobotState
 from common.process.health import ChannelHealth
 from common.process.log import RefusalLog

@@ -7,7 +7,7 @@ from collections.abc import Callable
 from typing import Generic, TypeVar
 
 from common.errors import MessageError, TransportError
-from common.link.transport import Latest
+from common.link.pubsub import Latest
 from common.messages.base import Message
 from common.process.log import RefusalLog
 

@@ -7,11 +7,11 @@ import msgspec
 import structlog
 
 from common.errors import FarhandError
-from common.link.channels import CAMERA, SHOWN, STATE
+from common.link.channels import CAMERA, SHOWN, STATE, ChannelSession
 from common.link.credentials import Validity, check_links
 from common.link.endpoints import check_free
+from common.link.pubsub import Publisher
 from common.link.roles import Identity, Role
-from common.link.transport import Publisher
 from common.messages.video import VideoFrame
 from common.process.children import Children, Heartbeat
 from common.process.log import LogFormat, start_log
@@ -144,7 +144,7 @@ def _video(
     heartbeat: Heartbeat,
 ) -> None:
     views = SimulatedViews(config.simulation, config.robot, memory) if memory is not None else None
-    with open_site_link(config.links, config.links.video, should_stop, VIDEO_SEND_BUFFER_BYTES) as link:
+    with open_site_link(config.links, ChannelSession.VIDEO, should_stop, VIDEO_SEND_BUFFER_BYTES) as link:
         publishers: dict[str, Publisher[VideoFrame]] = {
             camera.name: link.publisher(CAMERA, config.cell, camera.name) for camera in config.video.cameras
         }

@@ -11,6 +11,7 @@ from common.link.channels import (
     HAND,
     MAINTENANCE,
     STATE,
+    ChannelSession,
 )
 from common.link.transport import Link
 from common.messages.hand import HandArm
@@ -59,7 +60,7 @@ def run_control(
     model = ArmModel.from_urdf(config.robot.urdf, config.robot.tool_frame, config.robot.tool_T_tcp)
     limits = JointLimits.from_model(model, config.robot)
     driver = DriverLink(driver_memory, limits, clock)
-    with open_site_link(config.links, config.links.control, should_stop) as link:
+    with open_site_link(config.links, ChannelSession.CONTROL, should_stop) as link:
         leases = LeaseServer(round(config.lease.seconds * NS_PER_S), 1 + secrets.randbits(LEASE_BITS))
         chain = TeleopPipeline(config, model, limits, config.robot.start, leases)
         real_time = ask_for_real_time(FIFO_PRIORITY)

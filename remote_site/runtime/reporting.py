@@ -4,7 +4,7 @@ import math
 import secrets
 from collections.abc import Mapping
 
-from common.link.transport import Publisher
+from common.link.pubsub import Publisher
 from common.messages.robot import (
     LeaseState,
     LoopTiming,
