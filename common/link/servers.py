@@ -38,46 +38,74 @@ class QuestionServer(Generic[Q, R]):
         self._procedure = procedure
         self._refused = refused
 
-    def poll(self, answer: Callable[[Q], R]) -> None:
-        """Answer one waiting question, if there is one; never blocks."""
+    def take(self) -> tuple[Q, Callable[[R], None]] | None:
+        """A waiting question and what answers it, None without one; never blocks."""
         query = self._queryable.try_recv()
         if query is None:
-            return
-        with query:
-            try:
-                payload = query.payload.to_bytes() if query.payload is not None else b""
-                question = decode(payload, self._procedure.request, self._procedure.max_bytes)
-            except MessageError as error:
-                self._refused(error)
+            return None
+        try:
+            payload = query.payload.to_bytes() if query.payload is not None else b""
+            question = decode(payload, self._procedure.request, self._procedure.max_bytes)
+        except MessageError as error:
+            self._refused(error)
+            with query:
                 query.reply_err(REFUSAL + str(error).encode())
-                return
-            query.reply(self._key, encode(answer(question)))
+            return None
+
+        def reply(answer: R) -> None:
+            with query:
+                query.reply(self._key, encode(answer))
+
+        return question, reply
+
+    def poll(self, answer: Callable[[Q], R]) -> None:
+        """Answer one waiting question, if there is one; never blocks."""
+        waiting = self.take()
+        if waiting is not None:
+            question, reply = waiting
+            reply(answer(question))
 
 
 class IdempotentServer(Generic[Requested, Replied]):
-    """Handles each request once: a repeated id gets the first reply, an expired request is refused."""
+    """Hands out each request once: a repeated id gets the first reply, an expired request is refused."""
 
     def __init__(self, server: QuestionServer[Requested, Replied], reply: type[Replied]) -> None:
         self._server = server
         self._reply = reply
         self._done: dict[int, tuple[int, Replied]] = {}
 
-    def poll(self, now_ns: int, handle: Callable[[Requested], Replied]) -> None:
-        """Answer one waiting request, if there is one; never blocks."""
-        self._server.poll(lambda request: self._answer(request, now_ns, handle))
-
-    def _answer(self, request: Requested, now_ns: int, handle: Callable[[Requested], Replied]) -> Replied:
+    def take(self, now_ns: int) -> tuple[Requested, Callable[[Replied], None]] | None:
+        """A request that waits to be carried out and what answers it, None without one; never blocks."""
+        waiting = self._server.take()
+        if waiting is None:
+            return None
+        request, answer = waiting
         known = self._done.get(request.id)
-        if known is not None:
-            return known[1]
-        if now_ns > request.deadline_ns:
-            return self._refuse(request, "expired", "the request came after its deadline; ask again")
-        if request.deadline_ns - now_ns > MAX_DEADLINE_NS:
-            return self._refuse(request, "deadline", "the deadline is too far ahead: the clocks disagree; ask again")
-        self._done = {known: kept for known, kept in self._done.items() if kept[0] >= now_ns}
-        reply = handle(request)
-        self._done[request.id] = (request.deadline_ns, reply)
-        return reply
+        refusal = known[1] if known is not None else self._refusal(request, now_ns)
+        if refusal is not None:
+            answer(refusal)
+            return None
 
-    def _refuse(self, request: Requested, code: str, reason: str) -> Replied:
+        def reply(done: Replied) -> None:
+            self._done = {number: kept for number, kept in self._done.items() if kept[0] >= now_ns}
+            self._done[request.id] = (request.deadline_ns, done)
+            answer(done)
+
+        return request, reply
+
+    def poll(self, now_ns: int, handle: Callable[[Requested], Replied]) -> None:
+        """Carry out and answer one waiting request, if there is one; never blocks."""
+        waiting = self.take(now_ns)
+        if waiting is not None:
+            request, reply = waiting
+            reply(handle(request))
+
+    def _refusal(self, request: Requested, now_ns: int) -> Replied | None:
+        if now_ns > request.deadline_ns:
+            return self._refused(request, "expired", "the request came after its deadline; ask again")
+        if request.deadline_ns - now_ns > MAX_DEADLINE_NS:
+            return self._refused(request, "deadline", "the deadline is too far ahead: the clocks disagree; ask again")
+        return None
+
+    def _refused(self, request: Requested, code: str, reason: str) -> Replied:
         return self._reply(id=request.id, done=False, code=code, reason=reason)
