@@ -1,6 +1,5 @@
 """The folder of an authority: its own certificate and key, and a folder per cell with a pair of files per role."""
 
-import os
 import re
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -11,6 +10,7 @@ from cryptography import x509
 from cryptography.hazmat.primitives import serialization
 from cryptography.hazmat.primitives.asymmetric import ec
 
+from common.atomic_file import write_atomically
 from common.errors import ConfigError
 from common.link.channels import check_cell_name
 from common.link.roles import Identity, Role
@@ -123,19 +123,8 @@ def _valid(authority: Issued, now: datetime, days: int) -> timedelta:
 
 def _write(stem: Path, issued: Issued) -> None:
     """The key first: a certificate is of no use without it."""
-    _write_whole(stem.with_name(f"{stem.name}.key"), issued.key_pem, PRIVATE)
-    _write_whole(stem.with_name(f"{stem.name}.pem"), issued.certificate_pem, PUBLIC)
-
-
-def _write_whole(path: Path, content: bytes, mode: int) -> None:
-    """Nobody reads a key before it has its mode, and nobody a file that is half written."""
-    partial = path.with_name(f".{path.name}.partial")
-    partial.unlink(missing_ok=True)
-    descriptor = os.open(partial, os.O_WRONLY | os.O_CREAT | os.O_EXCL, mode)
-    with os.fdopen(descriptor, "wb") as file:
-        os.fchmod(file.fileno(), mode)
-        file.write(content)
-    partial.replace(path)
+    write_atomically(stem.with_name(f"{stem.name}.key"), issued.key_pem, PRIVATE)
+    write_atomically(stem.with_name(f"{stem.name}.pem"), issued.certificate_pem, PUBLIC)
 
 
 def guidance(folder: Path, cell: str, hosts: Sequence[str]) -> str:

@@ -13,7 +13,6 @@ from common.messages.hand import HandArm
 from common.messages.requests import EngagementRequest, Reply
 from common.process.children import Heartbeat
 from common.process.log import RefusalLog
-from common.process.rate import Rate
 from common.process.service import StopFlag, ask_for_real_time
 from remote_site.config import RemoteConfig
 from remote_site.drivers.faults import FaultCode
@@ -23,6 +22,7 @@ from remote_site.drivers.supervisor.write_scheduler import LEAST_SHARE
 from remote_site.kinematics.limits import load_arm
 from remote_site.runtime.driven_pipeline import DrivenPipeline
 from remote_site.runtime.links import open_site_link
+from remote_site.runtime.rate import Rate
 from remote_site.runtime.reporting import Reporter
 from remote_site.runtime.request_server import RequestServer, describe
 from remote_site.session.lease import LeaseServer

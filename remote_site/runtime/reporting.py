@@ -13,10 +13,10 @@ from common.messages.robot import (
     RobotState,
     SessionState,
 )
-from common.process.rate import Rate
 from remote_site.config import RemoteConfig
 from remote_site.kinematics.limits import load_arm
 from remote_site.runtime.driven_pipeline import DrivenPipeline
+from remote_site.runtime.rate import Rate
 from remote_site.runtime.tracing import Tracing
 from remote_site.runtime.transition_log import TransitionLog
 from remote_site.safety.collision import CollisionModel
