@@ -12,7 +12,7 @@ STOP_SIGNALS = (signal.SIGTERM, signal.SIGINT)
 
 
 class StopFlag:
-    """Set by SIGTERM or SIGINT; loops look at it or wait on it."""
+    """Set by SIGTERM or SIGINT; loops poll it or wait for it."""
 
     def __init__(self) -> None:
         self._event = threading.Event()
@@ -26,7 +26,7 @@ class StopFlag:
         self._event.set()
 
     def set(self) -> None:
-        """Ask the loops to end, as a signal would."""
+        """Set the flag, as a signal would."""
         self._event.set()
 
     def __call__(self) -> bool:
@@ -38,7 +38,7 @@ class StopFlag:
 
 
 def notify(state: str) -> None:
-    """Tell systemd `READY=1`, `WATCHDOG=1` or `STOPPING=1`; nothing happens outside systemd."""
+    """Send `READY=1`, `WATCHDOG=1` or `STOPPING=1` to systemd; does nothing outside systemd."""
     path = os.environ.get("NOTIFY_SOCKET")
     if not path:
         return
@@ -49,7 +49,7 @@ def notify(state: str) -> None:
 
 
 def ask_for_real_time(priority: int) -> bool:
-    """Ask for SCHED_FIFO for the calling thread, and say in the log when it was refused."""
+    """Request SCHED_FIFO for the calling thread; log a warning when it is refused."""
     try:
         os.sched_setscheduler(0, os.SCHED_FIFO, os.sched_param(priority))
     except PermissionError:
@@ -61,10 +61,10 @@ def ask_for_real_time(priority: int) -> bool:
 
 
 def be_nice(increment: int) -> None:
-    """Give way to the processes that control the robot."""
+    """Yield to the processes that control the robot."""
     os.nice(increment)
 
 
 def be_idle() -> None:
-    """Run only while nobody else wants the processor: for work that may come late or not at all."""
+    """Run only on an idle processor: for work that may be late or never done."""
     os.sched_setscheduler(0, os.SCHED_IDLE, os.sched_param(0))

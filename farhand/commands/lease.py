@@ -1,4 +1,4 @@
-"""Who may operate a cell: shows the lease, and does what an operator decides about it at the own local site."""
+"""Shows who holds the lease of a cell, and carries out what an operator decides about it at the own local site."""
 
 import time
 from functools import partial
@@ -17,7 +17,7 @@ POLL_S = 0.05
 
 
 def show_lease(cell: str, endpoint: str, security: LinkSecurity = ON_THIS_HOST) -> str:
-    """Who holds the lease, for how long still, who asks for it, and how well the clocks are known."""
+    """Who holds the lease, how long it still lasts, who asks for it, and how accurately the clocks are known."""
     with link_to(cell, endpoint, security) as link:
         return describe_lease(_state(link, cell))
 
@@ -30,7 +30,7 @@ def describe_lease(state: RobotState) -> str:
     left_s = (state.lease.expires_ns - state.t_ns) / NS_PER_S
     words = [f"{state.lease.holder} holds the lease, {left_s:.1f} s until it expires or is renewed"]
     if state.lease.asked_by is not None:
-        words.append(f"{state.lease.asked_by} asks for it; {state.lease.holder} consents by: farhand lease give")
+        words.append(f"{state.lease.asked_by} asks for it; {state.lease.holder} consents with: farhand lease give")
     if state.clock is not None:
         words.append(
             f"clocks: remote minus local {state.clock.remote_minus_local_ns / 1e6:.3f} ms, "

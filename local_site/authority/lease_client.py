@@ -1,4 +1,4 @@
-"""The local site's standing with the remote one, kept in a thread of its own: lease, clock offset, protocol."""
+"""Keeps the lease and the clock offset in a thread, and ends the site before a cell of another protocol."""
 
 import contextvars
 import threading
@@ -32,20 +32,20 @@ from local_site.authority.lease_policy import INSIST_NS, LeaseKeeper
 POLL_S = 0.02
 CLOCK_EVERY_NS = 200 * NS_PER_MS
 PATIENCE_NS = NS_PER_S
-ROUNDS_TO_DOUBT = 25  # of silence, until the reason is looked for: some six seconds
+ROUNDS_TO_DOUBT = 25  # of silence, until it looks for the reason: about six seconds
 ACTIONS = {OperatorAction.GIVE: LeaseAction.HAND_OVER, OperatorAction.RELEASE: LeaseAction.RELEASE}
 
 
 @dataclass(frozen=True, slots=True)
 class Standing:
-    """What goes into every sample: the lease's number (0 without one), and the clocks' offset where it is known."""
+    """What every sample carries: the lease's number (0 without one), and the clock offset where it is known."""
 
     lease: int = 0
     clock: ClockSync | None = None
 
 
 class Authority:
-    """Asks who this site is to the remote one, as long as the block around it lasts; gives the lease back at its end.
+    """Acquires and renews the lease while its block lasts, and releases it at the end.
 
     `session` is the number that this site's samples carry, `operator` the name shown to others.
     """
@@ -77,7 +77,7 @@ class Authority:
         self._thread.join()
 
     def standing(self, now_ns: int) -> Standing:
-        """Lease and clock as known now; RefusedError when the remote site speaks another protocol."""
+        """Lease and clock as known now; RefusedError when both sites cannot or may not talk to each other."""
         if self._refused is not None:
             raise self._refused
         if not self._thread.is_alive():
@@ -112,7 +112,7 @@ class Authority:
         self._clock = _sync(known) if known is not None else None
 
     def _is_described(self) -> bool:
-        """Ask once per acquaintance what the cell is: another protocol is found out before anything moves."""
+        """Ask for the cell's description once, so that another protocol is noticed before anything moves."""
         if not self._described:
             cell = self._link.ask(DESCRIBE, self._cell, DescribeQuestion())
             if cell is None:
@@ -124,7 +124,7 @@ class Authority:
         return True
 
     def _request(self, action: LeaseAction) -> LeaseReply | None:
-        """Ask the remote site; None while its clock is not known or it does not answer."""
+        """Send a request; None while the remote clock is not known or nobody answers."""
         asked_ns = time.monotonic_ns()
         if self._remote_clock.estimate(asked_ns) is None:
             return None
@@ -149,7 +149,7 @@ class Authority:
         (log.info if reply.done else log.warning)("lease", code=reply.code, reason=reply.reason)
 
     def _operate(self, request: OperatorRequest) -> Reply:
-        """An act of the operator: the remote site's own answer is passed on."""
+        """Carry out an act of the operator; the reply is the remote site's."""
         if request.action is OperatorAction.TAKE:
             self._keeper.insist(time.monotonic_ns())
             answer = self._request(LeaseAction.ACQUIRE) if self._is_described() else None
@@ -161,7 +161,7 @@ class Authority:
             silent = "the remote site does not answer the local one"
             return Reply(id=request.id, done=False, code="silent", reason=silent)
         waits = request.action is OperatorAction.TAKE and not answer.done
-        reason = f"{answer.reason}; this site asks on for {INSIST_NS // NS_PER_S} s" if waits else answer.reason
+        reason = f"{answer.reason}; this site keeps asking for {INSIST_NS // NS_PER_S} s" if waits else answer.reason
         return Reply(id=request.id, done=answer.done, code=answer.code, reason=reason)
 
 

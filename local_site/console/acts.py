@@ -13,7 +13,7 @@ from common.messages.requests import (
     JointsRequest,
     OperatorAction,
     OperatorRequest,
-    PictureShare,
+    PicturePoint,
     Reply,
     Request,
 )
@@ -38,7 +38,7 @@ class Acts:
         """The local site's reply."""
         return _asked(self._local, OPERATE, partial(OperatorRequest, action=action))
 
-    def joints(self, shoulder: PictureShare, elbow: PictureShare, wrist: PictureShare) -> Reply:
+    def joints(self, shoulder: PicturePoint, elbow: PicturePoint, wrist: PicturePoint) -> Reply:
         """The local site's reply to the positions of the joints that the operator has clicked."""
         make = partial(JointsRequest, shoulder=shoulder, elbow=elbow, wrist=wrist)
         return _asked(self._local, JOINTS, make)

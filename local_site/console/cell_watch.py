@@ -1,4 +1,4 @@
-"""The console's acquaintance with the cell, kept in a thread of its own: the clocks' offset, and what the cell is."""
+"""Keeps the clock offset and the cell's description for the console, in a thread."""
 
 import threading
 from collections.abc import Callable
@@ -15,13 +15,13 @@ from common.link.transport import Link
 from common.messages.requests import DescribeQuestion, Description
 
 EVERY_S = 0.2
-ROUNDS_TO_DOUBT = 10  # of silence, until the reason is looked for
+ROUNDS_TO_DOUBT = 10  # of silence, until it looks for the reason
 
 
 class CellWatch:
-    """Asks the remote site's clock five times a second as long as the block lasts, and what it is after each silence.
+    """Measures the remote clock five times a second while its block lasts; asks for a description after each silence.
 
-    `described` hears the description, `refused` the sentence of a cell of another release; both in the thread.
+    `described` gets the description, `refused` the sentence of a cell of another release; both in the thread.
     """
 
     def __init__(
@@ -50,15 +50,15 @@ class CellWatch:
         return self.clock.estimate(now_ns)
 
     def _run(self) -> None:
-        told = ""
+        logged = ""
         while not self._stop.wait(EVERY_S):
             try:
                 self._look()
             except RefusedError as error:
-                if told != str(error):
-                    told = str(error)
-                    structlog.get_logger().error("the cell is refused", reason=told)
-                    self._refused(told)
+                if logged != str(error):
+                    logged = str(error)
+                    structlog.get_logger().error("the cell is refused", reason=logged)
+                    self._refused(logged)
 
     def _look(self) -> None:
         trip = self.clock.measure()

@@ -1,1 +1,1 @@
-"""Figures of a running site for Prometheus."""
+"""Metrics of a running site for Prometheus."""

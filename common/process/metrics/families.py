@@ -1,8 +1,8 @@
-"""A figure without labels, as Prometheus is told of it."""
+"""Metrics without labels for Prometheus."""
 
 from prometheus_client.core import GaugeMetricFamily
 
 
 def gauge(name: str, meaning: str, value: float) -> GaugeMetricFamily:
-    """A figure that rises and falls."""
+    """A metric that rises and falls."""
     return GaugeMetricFamily(name, meaning, value=value)

@@ -12,24 +12,12 @@ from pathlib import Path
 import zenoh
 
 import tests.common.messages.golden_examples as golden
-from common.link.channels import (
-    CLOCK,
-    ENGAGEMENT,
-    HAND,
-    MAINTENANCE,
-    STATE,
-    Procedure,
-)
+from common.link.channels import CLOCK, ENGAGEMENT, HAND, MAINTENANCE, STATE, Procedure
 from common.link.config import LinkSecurity, TlsConfig
 from common.link.request_client import RequestClient
 from common.link.transport import Link
 from common.messages.codec import encode
-from common.messages.requests import (
-    ClockAnswer,
-    EngagementAction,
-    EngagementRequest,
-    Reply,
-)
+from common.messages.requests import ClockAnswer, EngagementAction, EngagementRequest, Reply
 from farhand.certificates.issuing import Issued
 
 HAND_SAMPLE, ROBOT_STATE = golden.HAND, golden.STATE

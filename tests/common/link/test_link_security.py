@@ -10,19 +10,8 @@ import pytest
 import zenoh
 
 from common.errors import RefusedError, TransportError
-from common.link.channels import (
-    CLOCK,
-    ENGAGEMENT,
-    HAND,
-    MAINTENANCE,
-    STATE,
-)
-from common.link.config import (
-    ON_THIS_HOST,
-    PLAIN_TEXT_WORDS,
-    LinkSecurity,
-    TlsConfig,
-)
+from common.link.channels import CLOCK, ENGAGEMENT, HAND, MAINTENANCE, STATE
+from common.link.config import ON_THIS_HOST, PLAIN_TEXT_WORDS, LinkSecurity, TlsConfig
 from common.link.credentials import load_credentials
 from common.link.endpoints import SECURED, check_endpoint, from_this_host
 from common.link.roles import Identity, Role

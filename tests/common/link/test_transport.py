@@ -20,13 +20,7 @@ from common.link.request_client import RequestClient
 from common.link.transport import Link, open_link
 from common.messages.codec import encode
 from common.messages.hand import HandArm
-from common.messages.requests import (
-    ClockAnswer,
-    ClockQuestion,
-    EngagementAction,
-    EngagementRequest,
-    Reply,
-)
+from common.messages.requests import ClockAnswer, ClockQuestion, EngagementAction, EngagementRequest, Reply
 
 WAIT_S = 9.0
 

@@ -62,7 +62,7 @@ def test_a_record_that_is_never_whole_is_an_error_not_a_hang():
     record = SharedRecord(command_dtype(6))
     record._memory[70:90] = bytes(20)
     record._memory[64 + record._slot_bytes + 10] ^= 0xFF
-    with pytest.raises(DriverError, match="no whole record"):
+    with pytest.raises(DriverError, match="no complete record"):
         record.read()
 
 

@@ -126,7 +126,7 @@ def test_a_second_operator_is_refused_with_the_holders_name_until_the_holder_con
     anna, annas = stack.enter_context(local_site(cell, "anna", 7))
     until(lambda: cell.holder == "anna", "anna's lease")
     ben, bens = stack.enter_context(local_site(cell, "ben", 8))
-    with pytest.raises(TransportError, match=r"not_holder\): anna holds the lease.*asks on for 60 s"):
+    with pytest.raises(TransportError, match=r"not_holder\): anna holds the lease.*keeps asking for 60 s"):
         until(lambda: "silent" not in taken(bens), "an answer")
     assert lease_of(ben) == 0
     assert "ben" in act_on_lease(CELL, annas, OperatorAction.GIVE)
