@@ -120,7 +120,7 @@ def _run(config: LocalConfig, should_stop: StopFlag, save_views: Path | None) ->
 
 
 def _metrics(config: LocalConfig, should_stop: StopFlag, heartbeat: Heartbeat) -> None:
-    from common.process.metrics.serving import run_metrics  # noqa: PLC0415  # only who asks for figures waits for it
+    from common.process.metrics import run_metrics  # noqa: PLC0415  # only who asks for figures waits for it
     from local_site.runtime.figures import LocalFigures  # noqa: PLC0415  # the same
 
     port, links, beat = config.metrics.port, config.links, heartbeat.beat

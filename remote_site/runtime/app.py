@@ -158,7 +158,7 @@ def _video(
 
 
 def _metrics(config: RemoteConfig, tally: VideoTally, should_stop: StopFlag, heartbeat: Heartbeat) -> None:
-    from common.process.metrics.serving import run_metrics  # noqa: PLC0415  # only who asks for figures waits for it
+    from common.process.metrics import run_metrics  # noqa: PLC0415  # only who asks for figures waits for it
     from remote_site.runtime.figures import RemoteFigures  # noqa: PLC0415  # the same
 
     port, figures = config.metrics.port, RemoteFigures(tally)

@@ -6,7 +6,7 @@ from collections.abc import Callable, Iterable
 from typing import Protocol, TypeVar
 
 from prometheus_client import CollectorRegistry, start_http_server
-from prometheus_client.core import Metric
+from prometheus_client.core import GaugeMetricFamily, Metric
 from prometheus_client.registry import Collector
 
 from common.errors import TransportError
@@ -32,6 +32,11 @@ class MetricsSource(Protocol[Heard_contra]):
 
     def families(self, now_ns: int) -> Iterable[Metric]:
         """All metrics at this time."""
+
+
+def gauge(name: str, meaning: str, value: float) -> GaugeMetricFamily:
+    """A metric without labels that rises and falls."""
+    return GaugeMetricFamily(name, meaning, value=value)
 
 
 class AtScrape(Collector):

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from common.errors import DriverError
-from common.process.shared_record import SharedRecord
+from remote_site.shared_record import SharedRecord
 from remote_site.simulation.memory import CellMemory, command_dtype
 
 FORK = multiprocessing.get_context("fork")
