@@ -59,7 +59,7 @@ def access_control(own: Identity, cells: Sequence[str], *, plain: bool) -> Json:
 
 
 def grants(own: Role, neighbour: Role, cell: str) -> Iterator[Grant]:
-    """What may pass between a session of one role and a neighbour of another; a router stands for every role."""
+    """What may pass between a session of one role and a neighbour of another; a router acts for every role."""
     for channel in CHANNELS:
         if _is(neighbour, channel.sent_by) and _is(own, channel.heard_by):
             yield from _granted(HEARING, channel.key_for(cell))

@@ -17,8 +17,8 @@ ALERTS = {
     "renew CELL",
     "UNKNOWN_CA": "says that it comes from another authority",
     "DECRYPT_ERROR": "says that it comes from another authority of the same name",
-    "BAD_CERTIFICATE": "says that it is no good: do both sites have certificates of one authority?",
-    "CERTIFICATE_UNKNOWN": "says that it is no good: do both sites have certificates of one authority?",
+    "BAD_CERTIFICATE": "says that it is invalid: do both sites have certificates of one authority?",
+    "CERTIFICATE_UNKNOWN": "says that it is invalid: do both sites have certificates of one authority?",
     "UNSUPPORTED_CERTIFICATE": "says that it is not made for this use",
 }
 

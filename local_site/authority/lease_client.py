@@ -27,7 +27,7 @@ from common.messages.requests import (
     Reply,
 )
 from common.process.log import RefusalLog
-from local_site.authority.lease_policy import INSIST_NS, LeaseKeeper
+from local_site.authority.lease_policy import INSIST_NS, LeasePolicy
 
 POLL_S = 0.02
 CLOCK_EVERY_NS = 200 * NS_PER_MS
@@ -52,14 +52,13 @@ class Authority:
 
     def __init__(self, link: Link, cell: str, operator: str, session: int, *, automatic: bool) -> None:
         self.session = session
-        self._link, self._cell, self._operator = link, cell, operator
-        self._keeper = LeaseKeeper(operator, automatic=automatic)
+        self._link, self._cell = link, cell
+        self._policy = LeasePolicy(operator, automatic=automatic)
         self._remote_clock = RemoteClock(link, cell, ROUNDS_TO_DOUBT)
         self._client = RequestClient(link, cell, self._remote_clock, patience_ns=PATIENCE_NS)
         self._server = link.serve(OPERATE, cell, RefusalLog().note, operator)
         self._clock_due_ns = 0
         self._described = False
-        self._clock: ClockSync | None = None
         self._refused: RefusedError | None = None
         self._stop = threading.Event()
         self._thread = threading.Thread(
@@ -82,13 +81,14 @@ class Authority:
             raise self._refused
         if not self._thread.is_alive():
             raise ProcessError("the thread that keeps the lease has died")
-        return Standing(self._keeper.held(now_ns), self._clock)
+        known = self._remote_clock.estimate(now_ns)
+        return Standing(self._policy.held(now_ns), _sync(known) if known is not None else None)
 
     def _run(self) -> None:
         try:
             while not self._stop.wait(POLL_S):
                 self._step(time.monotonic_ns())
-            if self._keeper.held(time.monotonic_ns()):
+            if self._policy.held(time.monotonic_ns()):
                 self._request(LeaseAction.RELEASE)
         except RefusedError as error:
             self._refused = error
@@ -96,7 +96,7 @@ class Authority:
     def _step(self, now_ns: int) -> None:
         if now_ns >= self._clock_due_ns:
             self._measure(now_ns)
-        action = self._keeper.due(now_ns)
+        action = self._policy.due(now_ns)
         if action is not None and (action is LeaseAction.RENEW or self._is_described()):
             self._request(action)
         self._server.poll(time.monotonic_ns(), self._operate)
@@ -108,8 +108,6 @@ class Authority:
             structlog.get_logger().warning(
                 "the remote site does not answer", cell=self._cell, cure="start it, and check the cell and the endpoint"
             )
-        known = self._remote_clock.estimate(time.monotonic_ns())
-        self._clock = _sync(known) if known is not None else None
 
     def _is_described(self) -> bool:
         """Ask for the cell's description once, so that another protocol is noticed before anything moves."""
@@ -128,16 +126,16 @@ class Authority:
         asked_ns = time.monotonic_ns()
         if self._remote_clock.estimate(asked_ns) is None:
             return None
-        held = self._keeper.held(asked_ns)
-        make = partial(LeaseRequest, action=action, session=self.session, operator=self._operator, lease=held)
-        self._keeper.asked(asked_ns)
+        held = self._policy.held(asked_ns)
+        make = partial(LeaseRequest, action=action, session=self.session, operator=self._policy.operator, lease=held)
+        self._policy.asked(asked_ns)
         try:
             reply = self._client.ask(LEASE, make)
         except RefusedError:
             raise
         except TransportError:
             return None
-        self._keeper.heard(reply, asked_ns)
+        self._policy.heard(reply, asked_ns)
         self._log(held, reply)
         return reply
 
@@ -151,12 +149,12 @@ class Authority:
     def _operate(self, request: OperatorRequest) -> Reply:
         """Carry out an act of the operator; the reply is the remote site's."""
         if request.action is OperatorAction.TAKE:
-            self._keeper.insist(time.monotonic_ns())
+            self._policy.insist(time.monotonic_ns())
             answer = self._request(LeaseAction.ACQUIRE) if self._is_described() else None
         else:
             answer = self._request(ACTIONS[request.action])
             if answer is not None and answer.done:
-                self._keeper.rest()
+                self._policy.rest()
         if answer is None:
             silent = "the remote site does not answer the local one"
             return Reply(id=request.id, done=False, code="silent", reason=silent)

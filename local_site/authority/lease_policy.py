@@ -19,15 +19,15 @@ class HeldLease:
     renew_ns: int
 
 
-class LeaseKeeper:
-    """Decides when to acquire and renew the lease; gives up when another operator has it, unless told to insist.
+class LeasePolicy:
+    """Decides when to acquire and renew the lease; gives up when another operator has it, unless `insist` was called.
 
     With `automatic` it asks whenever this site holds no lease. A refusal that names another operator ends that: nobody
     should become the operator only because the other's link was down for a few seconds.
     """
 
     def __init__(self, operator: str, *, automatic: bool) -> None:
-        self._operator = operator
+        self.operator = operator
         self._wanted = automatic
         self._insist_until_ns = 0
         self._asked_ns: int | None = None
@@ -63,7 +63,7 @@ class LeaseKeeper:
             self._insist_until_ns = 0
             return
         self._lease = None
-        if reply.holder not in ("", self._operator):
+        if reply.holder not in ("", self.operator):
             self._wanted = False
 
     def insist(self, now_ns: int) -> None:
