@@ -12,20 +12,9 @@ import numpy as np
 
 from bench.page.bare_console import BareConsole
 from bench.page.narrow_link import NarrowLink
-from bench.page.painted_clock import (
-    PageClock,
-    ages_ms,
-    compare,
-    watch,
-)
-from bench.page.stand import (
-    PageStand,
-    browsing,
-    child_of,
-    cpu_s,
-    opened,
-    wait,
-)
+from bench.page.painted_clock import PageClock, ages_ms, compare, watch
+from bench.page.stand import PageStand, browsing, opened, wait
+from bench.processes import child_of, cpu_s
 from common.cameras.camera import Image
 from common.clock import NS_PER_MS, NS_PER_S
 from common.messages.requests import Description

@@ -1,6 +1,5 @@
-"""Both sites and a console as processes, and a browser with the page open, for measurements of the whole way."""
+"""Both sites and a console as processes, and a browser with the page open, for end-to-end measurements."""
 
-import os
 import tempfile
 import time
 from collections.abc import Callable, Iterator
@@ -90,19 +89,3 @@ class PageStand:
         process = SiteProcess(name, arguments, self._runtime)
         self._stack.callback(process.end)
         return process
-
-
-def cpu_s(pid: int) -> float:
-    """The processor time that a process has used so far, without its children, s."""
-    fields = Path(f"/proc/{pid}/stat").read_text(encoding="utf-8").rpartition(")")[2].split()
-    return (int(fields[11]) + int(fields[12])) / os.sysconf("SC_CLK_TCK")
-
-
-def child_of(pid: int, name: str) -> int:
-    """The child process of this name; ProcessError without one."""
-    for entry in Path("/proc").iterdir():
-        if entry.name.isdecimal():
-            fields = (entry / "stat").read_text(encoding="utf-8").rpartition(")")
-            if fields[2].split()[1] == str(pid) and fields[0].endswith(f"({name}"):
-                return int(entry.name)
-    raise ProcessError(f"process {pid} has no child {name}")

@@ -7,13 +7,7 @@ from collections.abc import Callable
 from dataclasses import dataclass, field
 
 from common.clock import NS_PER_MS, NS_PER_S
-from common.messages.video import (
-    CameraStatus,
-    VideoFrame,
-    ViewCame,
-    ViewShown,
-    ViewsShown,
-)
+from common.messages.video import CameraStatus, VideoFrame, ViewCame, ViewShown, ViewsShown
 from remote_site.video.adaptation import Adaptation
 from remote_site.video.config import VideoConfig
 from remote_site.video.setting import StreamSetting

@@ -12,13 +12,7 @@ from farhand.calibration.pictures import read_pictures
 from farhand.calibration.points import Calibrated, calibrate_control
 from local_site.calibration.coverage import coverage_map
 from local_site.calibration.found import draw_found
-from local_site.calibration.plate import (
-    Plate,
-    PlateView,
-    plate_control_points,
-    view_plate,
-    without_perspective_bias,
-)
+from local_site.calibration.plate import Plate, PlateView, plate_control_points, view_plate, without_perspective_bias
 from local_site.calibration.solve import solve_rig
 from local_site.preview.picture_files import write_picture
 

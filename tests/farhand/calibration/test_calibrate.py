@@ -10,12 +10,7 @@ from scipy.spatial.transform import Rotation
 from typer.testing import CliRunner
 
 from common.errors import CalibrationError, ConfigError, FarhandError, InterruptionError
-from farhand.calibration.boards import (
-    BoardJob,
-    calibrate_board_pictures,
-    calibrate_live,
-    make_board,
-)
+from farhand.calibration.boards import BoardJob, calibrate_board_pictures, calibrate_live, make_board
 from farhand.calibration.pictures import by_name, read_pictures
 from farhand.calibration.plate import PlateJob, calibrate_plate, parse_heights
 from farhand.calibration.points import calibrate_points, describe, parse_pair
