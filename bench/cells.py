@@ -11,11 +11,12 @@ from functools import partial
 import numpy as np
 
 from bench.processes import cpu_s, memory_mb
+from bench.video.frames import live_frame
 from common.clock import NS_PER_MS
 from common.link.channels import CAMERA, HAND
 from common.link.transport import open_link
 from common.messages.hand import HandArm, TrackingStatus
-from common.messages.video import CameraStatus, VideoFrame
+from common.messages.video import VideoFrame
 from farhand.loopback.run import free_ports
 
 COUNTS = (1, 2, 4, 8, 16)
@@ -25,7 +26,8 @@ START_S = 30.0
 RATE_HZ = 30.0
 VIEWS = ("front_high", "front_low", "side", "gripper")
 TICKS_PER_PICTURE = 2
-PICTURE_BYTES = 2_800  # larger ones would pass by shared memory on one host; this makes 1.4 Mbit/s a cell
+PICTURE_BYTES = 2_800  # larger ones would take shared memory on one host; this makes 1.4 Mbit/s per cell
+PICTURE_PX = (320, 240)
 
 Figures = dict[str, float]
 
@@ -91,7 +93,7 @@ class LinkedCell:
         if number % TICKS_PER_PICTURE == 0:
             self.sent_pictures += len(self._cameras)
             for view, camera in self._cameras.items():
-                camera.put(_picture(view, number))
+                camera.put(live_frame(view, number, time.monotonic_ns(), bytes(PICTURE_BYTES), PICTURE_PX))
 
 
 def _play(cells: list[LinkedCell], seconds: float) -> None:
@@ -131,18 +133,4 @@ def _hand(number: int) -> HandArm:
         thumb_inferred=False,
         hand_open=False,
         gripper_toggles=0,
-    )
-
-
-def _picture(view: str, number: int) -> VideoFrame:
-    return VideoFrame(
-        camera=view,
-        seq=number,
-        capture_ns=time.monotonic_ns(),
-        capture_estimated=False,
-        status=CameraStatus.LIVE,
-        reason="",
-        width=320,
-        height=240,
-        jpeg=bytes(PICTURE_BYTES),
     )
