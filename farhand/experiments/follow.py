@@ -19,7 +19,7 @@ from farhand.experiments.follow_figures import (
     rows_at,
     tool_rows,
 )
-from farhand.experiments.following import ToolPath, follow_by_chain, follow_by_mean
+from farhand.experiments.following import ToolPath, follow_by_mean, follow_by_pipeline
 from farhand.experiments.plotting import describe_panel, panels, png, widen
 from farhand.experiments.report import CsvTable, ExperimentReport, Figures
 from local_site.samples.smoothing import SmoothingConfig
@@ -68,7 +68,7 @@ def follow_report(quick: bool, progress: Progress) -> ExperimentReport:
     filmed_s, remote = _filmed_s(quick), RemoteConfig()
     slow, fast = (film(SIMULATION, TrackingConfig(), fps, filmed_s, progress) for fps in (THESIS_FPS, FARHAND_FPS))
     by_mean = follow_by_mean(slow, THESIS_SMOOTHING, remote)
-    by_pipeline = follow_by_chain(fast, SmoothingConfig(), remote, LATENCY_MS)
+    by_pipeline = follow_by_pipeline(fast, SmoothingConfig(), remote, LATENCY_MS)
     variants = {
         "mean_5fps": _variant("9-frame mean at 5 fps", slow, by_mean, remote),
         "farhand_30fps": _variant("Farhand at 30 fps", fast, by_pipeline, remote),
