@@ -41,7 +41,7 @@ def opened(browser: Any, address: str) -> Any:
 
 
 def wait(what: str, is_so: Callable[[], bool], pause: Callable[[], object] = lambda: time.sleep(0.05)) -> None:
-    """Wait until something is so; ProcessError when it never is."""
+    """Wait until a condition holds; ProcessError when it does not within PATIENCE_S."""
     deadline = time.monotonic() + PATIENCE_S
     while not is_so():
         if time.monotonic() > deadline:
@@ -50,7 +50,7 @@ def wait(what: str, is_so: Callable[[], bool], pause: Callable[[], object] = lam
 
 
 class PageStand:
-    """The sites with the simulated arm following, and what is heard of them; `video_port` is where they stream."""
+    """The sites with the simulated arm following, and a record of their messages; they stream at `video_port`."""
 
     def __init__(self, stack: ExitStack, *settings: str) -> None:
         control, self.video_port, local = free_ports(3)
@@ -72,7 +72,7 @@ class PageStand:
         wait("the lease", lambda: self.record.states[-1].lease is not None)
 
     def console(self, video_port: int) -> tuple[SiteProcess, str]:
-        """A console that gets its pictures at this port, and its page's address."""
+        """A console that takes its pictures from this port, and its page's address."""
         port = free_ports(1)[0]
         process = self._start(
             "console",

@@ -53,7 +53,7 @@ def measure() -> dict[str, float]:
         pictures[camera.name] = filmed(partial(renderer.render, view), posture)
     renderer.close()
     per_round = sum(value for name, value in figures.items() if name.endswith("_ms"))
-    figures["core_share_percent"] = round(per_round * config.fps / 10.0, 1)
+    figures["core_percent"] = round(per_round * config.fps / 10.0, 1)
     for mbit_s in LINKS_MBIT_S:
         figures |= carried(config, pictures, mbit_s)
     return figures

@@ -1,6 +1,5 @@
 """The folder of an authority: its own certificate and key, and a folder per cell with a pair of files per role."""
 
-import os
 import re
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -14,6 +13,7 @@ from cryptography.hazmat.primitives.asymmetric import ec
 from common.errors import ConfigError
 from common.link.channels import check_cell_name
 from common.link.roles import Identity, Role
+from common.whole_file import write_whole
 from farhand.certificates.issuing import CA_DAYS, Issued, issue, make_authority
 
 LOOPBACK_HOSTS = ("127.0.0.1", "::1", "localhost")
@@ -123,19 +123,8 @@ def _valid(authority: Issued, now: datetime, days: int) -> timedelta:
 
 def _write(stem: Path, issued: Issued) -> None:
     """Write the key first: a certificate is useless without it."""
-    _write_whole(stem.with_name(f"{stem.name}.key"), issued.key_pem, PRIVATE)
-    _write_whole(stem.with_name(f"{stem.name}.pem"), issued.certificate_pem, PUBLIC)
-
-
-def _write_whole(path: Path, content: bytes, mode: int) -> None:
-    """Write a file whole, and with its mode from the start, so that nobody can read a key meanwhile."""
-    partial = path.with_name(f".{path.name}.partial")
-    partial.unlink(missing_ok=True)
-    descriptor = os.open(partial, os.O_WRONLY | os.O_CREAT | os.O_EXCL, mode)
-    with os.fdopen(descriptor, "wb") as file:
-        os.fchmod(file.fileno(), mode)
-        file.write(content)
-    partial.replace(path)
+    write_whole(stem.with_name(f"{stem.name}.key"), issued.key_pem, PRIVATE)
+    write_whole(stem.with_name(f"{stem.name}.pem"), issued.certificate_pem, PUBLIC)
 
 
 def guidance(folder: Path, cell: str, hosts: Sequence[str]) -> str:

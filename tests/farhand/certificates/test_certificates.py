@@ -48,7 +48,7 @@ def test_keys_are_for_their_owner_only(folder: Path) -> None:
     keys = sorted(folder.rglob("*.key"))
     assert len(keys) == 1 + len(Role)
     assert {stat.S_IMODE(key.stat().st_mode) for key in keys} == {0o600}
-    assert list(folder.rglob("*.partial")) == []
+    assert list(folder.rglob("*.part")) == []
 
 
 def test_nothing_is_written_over_what_is_there(folder: Path) -> None:
