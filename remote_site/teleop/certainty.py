@@ -10,7 +10,7 @@ from remote_site.safety.config import CertaintyConfig
 
 @dataclass(frozen=True, slots=True)
 class Certainty:
-    """The fractions of full speed for position and rotation, 0 for a sample that is too poor; the wrist's sigma in mm."""
+    """The fractions of full speed for position and rotation, 0 for too poor a sample; the wrist's sigma in mm."""
 
     position: float
     orientation: float
