@@ -11,7 +11,12 @@ import uvicorn
 
 from common.clock import NS_PER_MS, NS_PER_S, ClockEstimate, ClockOffset
 from common.messages.hand import OperatorIntent
-from common.messages.requests import EngagementAction, OperatorAction, PicturePoint, Reply
+from common.messages.requests import (
+    EngagementAction,
+    OperatorAction,
+    PicturePoint,
+    Reply,
+)
 from common.messages.video import ViewsShown
 from local_site.console.config import ServeConfig
 from local_site.console.history import History
