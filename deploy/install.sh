@@ -57,7 +57,7 @@ check() {
   fi
   # An arm may be following somebody's hand.
   local unit
-  for unit in "$source"/deploy/systemd/*.service; do
+  for unit in "$source"/farhand/deployment/systemd/*.service; do
     unit=$(basename "$unit")
     if systemd_runs && systemctl --quiet is-active "$unit"; then
       fail "$unit is running: systemctl stop $unit"
@@ -126,7 +126,7 @@ make_environment() {
 place_configuration() {
   run mkdir -p "$configuration" "$home/configuration"
   local given name mine
-  for given in "$source"/deploy/sites/*.toml; do
+  for given in "$source"/farhand/deployment/sites/*.toml; do
     name=$(basename "$given") mine=$configuration/$(basename "$given")
     if [ ! -e "$mine" ] || is_untouched "$name"; then
       run cp "$given" "$mine"
@@ -142,7 +142,7 @@ is_untouched() { cmp -s "$configuration/$1" "$home/configuration/$1"; }
 
 place_units() {
   run mkdir -p "$units"
-  run cp "$source"/deploy/systemd/*.service "$units/"
+  run cp "$source"/farhand/deployment/systemd/*.service "$units/"
   if systemd_runs; then run systemctl daemon-reload; fi
 }
 
@@ -168,7 +168,7 @@ take_away() {
 
 remove_units() {
   local unit
-  for unit in "$source"/deploy/systemd/*.service; do
+  for unit in "$source"/farhand/deployment/systemd/*.service; do
     unit=$(basename "$unit")
     if systemd_runs; then run systemctl --quiet disable "$unit"; fi
     run rm -f "$units/$unit"

@@ -1,18 +1,15 @@
 """The doctor's round: the machine first, then what the configuration names."""
 
-import tomllib
 from collections.abc import Sequence
 from datetime import UTC, datetime
 from pathlib import Path
-from typing import Any
 
-import msgspec
-
-from common.config import load_config
+from common.config import load_config, read_tables
 from common.errors import ConfigError, TransportError
 from common.link.config import LinkSecurity
 from common.link.endpoints import check_endpoint
 from common.link.roles import Identity, Role
+from farhand.deployment.kinds import likeliest
 from farhand.doctor import certificate_probing, certificates, machine, probing, site, site_probing
 from farhand.doctor.findings import Finding, error, ok
 from farhand.router import ROUTER, RouterConfig
@@ -50,21 +47,11 @@ def examine(path: Path | None, settings: Sequence[str]) -> list[Finding]:
 def which_site(path: Path) -> list[type[Examined]]:
     """Whose configuration a file is, by the tables and keys in it; the sites' that it could be, where several fit."""
     try:
-        told = tomllib.loads(path.read_text(encoding="utf-8"))
-    except (OSError, ValueError):
+        table = read_tables(path)
+    except ConfigError:
         return [RemoteConfig]  # reading it again says what is wrong
-    known = {kind: _known(told, kind) for kind in NAMES}
-    likeliest = [kind for kind in NAMES if known[kind] == max(known.values())]
-    return [kind for kind in likeliest if kind in SITES] or likeliest[:1]
-
-
-def _known(told: dict[str, Any], kind: type[Any]) -> int:
-    """How many of a file's keys, those of its tables included, are keys of this configuration."""
-    types = {field.name: field.type for field in msgspec.structs.fields(kind)}
-    tables = ((table, types[name]) for name, table in told.items() if name in types and isinstance(table, dict))
-    return len(told.keys() & types.keys()) + sum(
-        _known(table, t) for table, t in tables if hasattr(t, "__struct_fields__")
-    )
+    kinds = likeliest(table, tuple(NAMES))
+    return [kind for kind in kinds if kind in SITES] or kinds[:1]
 
 
 def examine_config(config: Examined) -> list[Finding]:

@@ -21,7 +21,7 @@ from local_site.simulation.config import SimulationConfig
 from remote_site.config import RemoteConfig
 from remote_site.runtime.crash_marker import CrashMarker
 
-DEPLOY = Path(__file__).parents[3] / "deploy" / "sites"
+DEPLOY = Path(__file__).parents[3] / "farhand" / "deployment" / "sites"
 
 
 def farhand(*arguments: str) -> subprocess.CompletedProcess[str]:
@@ -34,7 +34,7 @@ def farhand(*arguments: str) -> subprocess.CompletedProcess[str]:
 def here(monkeypatch, capsys, tmp_path) -> Iterator[Callable[..., subprocess.CompletedProcess[str]]]:
     """Runs a command in this process, which is quicker, and tells how it ended: any exit is one without a traceback."""
     monkeypatch.chdir(tmp_path)
-    monkeypatch.setattr("farhand.commands.asking.PATIENCE_NS", 300 * NS_PER_MS)
+    monkeypatch.setattr("farhand.authority.asking.PATIENCE_NS", 300 * NS_PER_MS)
 
     def run(*arguments: str) -> subprocess.CompletedProcess[str]:
         monkeypatch.setattr(sys, "argv", ["farhand", *arguments])
