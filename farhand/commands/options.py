@@ -1,4 +1,4 @@
-"""Arguments that several commands share, and what they do with them."""
+"""Arguments that several commands have in common, and what the commands make of them."""
 
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated

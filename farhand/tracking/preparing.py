@@ -1,4 +1,4 @@
-"""Prepares the tracker before a command needs it, and says so where a person waits."""
+"""Compiles the tracker before a command needs it, with a message for the person who waits."""
 
 from rich.console import Console
 
@@ -7,6 +7,6 @@ from local_site.tracking.choice import TrackingConfig
 
 
 def prepare_tracker(tracking: TrackingConfig) -> None:
-    """Have the tracker compiled, or load what was compiled before."""
+    """Compile the tracker, or load the code compiled earlier."""
     with Console(stderr=True).status("preparing the tracker (up to a minute the first time)"):
         warm_up(tracking)

@@ -1,4 +1,4 @@
-"""The track command: opens rig and cameras, shows progress, tells what was found."""
+"""`farhand track`: opens rig and cameras, shows progress, sums up what was found."""
 
 from collections.abc import Callable, Iterator
 from contextlib import ExitStack, closing
@@ -41,14 +41,14 @@ class TrackSources:
 
     @property
     def given(self) -> tuple[str, ...]:
-        """The sources that there are."""
+        """The sources given."""
         return tuple(source for source in (self.left, self.right, *self.also) if source is not None)
 
 
 def run_track(
     sources: TrackSources, out: Path, annotate_dir: Path | None, should_stop: Callable[[], bool] = lambda: False
 ) -> str:
-    """Track everything the sources give until asked to stop, and sum it up in words.
+    """Track every instant of the sources until asked to stop, and sum it up in words.
 
     FarhandError names what cannot be opened; ConfigError what cannot be written, or what was not recorded together.
     """
@@ -82,20 +82,20 @@ def joint_settings(text: str) -> list[str]:
         return [f"{START}.by={SILHOUETTE}"]
     pairs = [pair.split(",") for pair in text.split()]
     try:
-        places = [(float(x), float(y)) for x, y in pairs]
+        pixels = [(float(x), float(y)) for x, y in pairs]
     except ValueError:
-        places = []
-    if len(places) != len(JOINTS):
+        pixels = []
+    if len(pixels) != len(JOINTS):
         raise ConfigError(
             "--joints must be the pixels of shoulder, elbow and wrist as 'x,y x,y x,y', or the word silhouette, "
             f"not {text!r}"
         )
-    given = [f"{START}.{joint}_px=[{x}, {y}]" for joint, (x, y) in zip(JOINTS, places, strict=True)]
+    given = [f"{START}.{joint}_px=[{x}, {y}]" for joint, (x, y) in zip(JOINTS, pixels, strict=True)]
     return [f"{START}.by=joints", *given]
 
 
 def describe(summary: Summary, out: Path) -> str:
-    """What a recording gave, in three lines, and one more for each thing to be warned of."""
+    """What was found in a recording, in three lines, and a line for each warning."""
     if not summary.pairs:
         return "no pair was tracked"
     found = ", ".join(f"{name} {summary.found[name]}" for name in POINTS)

@@ -1,4 +1,4 @@
-"""Tries a driver against the conformance suite, with the cell or the emulated controller that it needs."""
+"""Runs the conformance suite on the configured driver, with the simulated cell or emulated controller it needs."""
 
 from collections.abc import Callable
 from functools import partial
@@ -20,22 +20,22 @@ from remote_site.simulation.memory import CellMemory
 READY_TIMEOUT_S = 30.0
 
 
-def test_driver(config: RemoteConfig, tell: Callable[[str], None]) -> bool:
-    """Run every check on the configured driver, a line each; whether all passed."""
+def test_driver(config: RemoteConfig, report: Callable[[str], None]) -> bool:
+    """Run every check on the configured driver and report a line each; whether all passed."""
     start_log("driver test")
     name = config.driver.name
     check_driver(name)
     if name == EMULATED and "port" not in config.driver.options:
-        tell("no driver.options.port is given, so this is the emulated controller")
+        report("no driver.options.port is given, so this is the emulated controller")
         config = msgspec.structs.replace(config, driver=msgspec.structs.replace(config.driver, emulate=True))
     children = Children("driver test")
     try:
         stand = _stand(config, children)
         ask_for_real_time(FIFO_PRIORITY)  # as the driver's process does
-        failed = run_checks(stand, tell)
+        failed = run_checks(stand, report)
     finally:
         children.end()
-    tell(f"{name}: {len(failed)} failed" if failed else f"{name}: all passed")
+    report(f"{name}: {len(failed)} failed" if failed else f"{name}: all passed")
     return not failed
 
 
