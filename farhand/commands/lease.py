@@ -1,13 +1,10 @@
 """The commands under `farhand lease`."""
 
-from typing import TYPE_CHECKING
+from pathlib import Path
 
 import typer
 
 from farhand.commands.options import CellName, LinksFile, LocalEndpoint, RemoteEndpoint, console_config
-
-if TYPE_CHECKING:
-    from local_site.console.config import ConsoleConfig
 
 lease_app = typer.Typer(help="Show who may operate a cell, take the lease, give it away.", no_args_is_help=True)
 
@@ -30,7 +27,7 @@ def take(cell: CellName = "", at: LocalEndpoint = "", config: LinksFile = None) 
 
     Example: farhand lease take
     """
-    _act("take", console_config(config, cell=cell, local=at))
+    _act("take", cell, at, config)
 
 
 @lease_app.command("give")
@@ -39,7 +36,7 @@ def give(cell: CellName = "", at: LocalEndpoint = "", config: LinksFile = None) 
 
     Example: farhand lease give
     """
-    _act("give", console_config(config, cell=cell, local=at))
+    _act("give", cell, at, config)
 
 
 @lease_app.command("release")
@@ -48,11 +45,12 @@ def release(cell: CellName = "", at: LocalEndpoint = "", config: LinksFile = Non
 
     Example: farhand lease release
     """
-    _act("release", console_config(config, cell=cell, local=at))
+    _act("release", cell, at, config)
 
 
-def _act(action: str, links: "ConsoleConfig") -> None:
+def _act(action: str, cell: str, at: str, config: Path | None) -> None:
     from common.messages.requests import OperatorAction
     from farhand.authority.lease import act_on_lease
 
+    links = console_config(config, cell=cell, local=at)
     typer.echo(act_on_lease(links.cell, links.links.local, OperatorAction(action), links.links))

@@ -1,13 +1,10 @@
 """The commands under `farhand maintenance`."""
 
-from typing import TYPE_CHECKING
+from pathlib import Path
 
 import typer
 
 from farhand.commands.options import CellName, LinksFile, RemoteEndpoint, console_config
-
-if TYPE_CHECKING:
-    from local_site.console.config import ConsoleConfig
 
 maintenance_app = typer.Typer(help="Stop and reset the arm, without the right to operate it.", no_args_is_help=True)
 
@@ -18,7 +15,7 @@ def stop(cell: CellName = "", at: RemoteEndpoint = "", config: LinksFile = None)
 
     Example: farhand maintenance stop --config /etc/farhand/maintenance.toml
     """
-    _ask("stop", console_config(config, cell=cell, control=at))
+    _ask("stop", cell, at, config)
 
 
 @maintenance_app.command("reset")
@@ -27,11 +24,12 @@ def reset(cell: CellName = "", at: RemoteEndpoint = "", config: LinksFile = None
 
     Example: farhand maintenance reset --config /etc/farhand/maintenance.toml
     """
-    _ask("reset", console_config(config, cell=cell, control=at))
+    _ask("reset", cell, at, config)
 
 
-def _ask(action: str, links: "ConsoleConfig") -> None:
+def _ask(action: str, cell: str, at: str, config: Path | None) -> None:
     from common.messages.requests import EngagementAction
     from farhand.authority.engage import request_maintenance
 
+    links = console_config(config, cell=cell, control=at)
     typer.echo(request_maintenance(links.cell, links.links.control, EngagementAction(action), links.name, links.links))

@@ -1,14 +1,25 @@
 """Whose configuration a file or a setting is, by the tables and keys in it; pure."""
 
 from collections.abc import Mapping, Sequence
-from typing import Any, TypeVar
+from typing import Any
 
 import msgspec
 
-S = TypeVar("S", bound=msgspec.Struct)
+from farhand.router import RouterConfig
+from local_site.config import LocalConfig
+from local_site.console.config import ConsoleConfig
+from remote_site.config import RemoteConfig
+
+Configuration = RemoteConfig | LocalConfig | ConsoleConfig | RouterConfig
+KINDS: dict[type[Configuration], str] = {
+    RemoteConfig: "remote site",
+    LocalConfig: "local site",
+    ConsoleConfig: "console",
+    RouterConfig: "router",
+}
 
 
-def likeliest(table: Mapping[str, Any], kinds: Sequence[type[S]]) -> list[type[S]]:
+def likeliest(table: Mapping[str, Any], kinds: Sequence[type[Configuration]]) -> list[type[Configuration]]:
     """The kinds of configuration that know most of the keys, all of them where none knows any."""
     known = {kind: known_keys(table, kind) for kind in kinds}
     return [kind for kind in kinds if known[kind] == max(known.values())]

@@ -9,24 +9,17 @@ from common.errors import ConfigError, TransportError
 from common.link.config import LinkSecurity
 from common.link.endpoints import check_endpoint
 from common.link.roles import Identity, Role
-from farhand.deployment.kinds import likeliest
+from farhand.deployment.kinds import KINDS, Configuration, likeliest
 from farhand.doctor import certificate_probing, certificates, machine, probing, site, site_probing
 from farhand.doctor.findings import Finding, error, ok
-from farhand.router import ROUTER, RouterConfig
+from farhand.router import ROUTER
 from local_site.config import LocalConfig
 from local_site.console.config import ConsoleConfig
 from remote_site.config import RemoteConfig
 from remote_site.simulation.config import SIMULATED
 
 Site = LocalConfig | RemoteConfig
-Examined = Site | ConsoleConfig | RouterConfig
 SITES: tuple[type[Site], ...] = (RemoteConfig, LocalConfig)
-NAMES: dict[type[Examined], str] = {
-    RemoteConfig: "remote site",
-    LocalConfig: "local site",
-    ConsoleConfig: "console",
-    RouterConfig: "router",
-}
 
 
 def examine(path: Path | None, settings: Sequence[str]) -> list[Finding]:
@@ -39,22 +32,22 @@ def examine(path: Path | None, settings: Sequence[str]) -> list[Finding]:
             findings += [error("configuration", line, "correct that line") for line in str(wrong).splitlines()]
             continue
         name = str(path) if path is not None else "the default"
-        findings.append(ok("configuration", f"{name} of the {NAMES[kind]} is without mistakes"))
+        findings.append(ok("configuration", f"{name} of the {KINDS[kind]} is without mistakes"))
         findings += examine_config(config)
     return findings
 
 
-def which_site(path: Path) -> list[type[Examined]]:
+def which_site(path: Path) -> list[type[Configuration]]:
     """Whose configuration a file is, by the tables and keys in it; the sites' that it could be, where several fit."""
     try:
         table = read_tables(path)
     except ConfigError:
         return [RemoteConfig]  # reading it again says what is wrong
-    kinds = likeliest(table, tuple(NAMES))
+    kinds = likeliest(table, tuple(KINDS))
     return [kind for kind in kinds if kind in SITES] or kinds[:1]
 
 
-def examine_config(config: Examined) -> list[Finding]:
+def examine_config(config: Configuration) -> list[Finding]:
     """What a configuration without mistakes names."""
     if isinstance(config, RemoteConfig):
         return examine_remote(config)

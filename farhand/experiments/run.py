@@ -11,7 +11,7 @@ from common.errors import ConfigError
 from farhand.experiments import drift_experiment, follow_experiment, hazel_experiment
 from farhand.experiments.report import ExperimentReport, write_report
 from farhand.outputs import check_folder, make_folder
-from farhand.tracking.preparing import prepare_tracker
+from farhand.tracking.run import prepare_tracker
 from local_site.tracking.choice import TrackingConfig
 
 

@@ -14,10 +14,9 @@ import msgspec
 
 from common.config import apply_setting, load_config, read_tables
 from common.errors import ConfigError
-from farhand.deployment.kinds import known_keys, likeliest
+from farhand.deployment.kinds import KINDS, Configuration, known_keys, likeliest
 from farhand.loopback.casting import MONOCULAR, arm_file, arm_settings, check_cast, operator_settings
 from farhand.loopback.site_process import free_ports
-from farhand.router import RouterConfig
 from local_site.config import LocalConfig
 from local_site.console.config import ConsoleConfig
 from remote_site.config import RemoteConfig
@@ -25,12 +24,6 @@ from remote_site.drivers.config import EMULATED
 from remote_site.drivers.registry import check_driver
 
 CELL = "loopback"
-NAMES: dict[type[msgspec.Struct], str] = {
-    RemoteConfig: "the remote site",
-    LocalConfig: "the local site",
-    ConsoleConfig: "the console",
-    RouterConfig: "the router",
-}
 REMOTE_TABLES, LOCAL_TABLES = frozenset(RemoteConfig.__struct_fields__), frozenset(LocalConfig.__struct_fields__)
 
 S = TypeVar("S", bound=msgspec.Struct)
@@ -99,20 +92,12 @@ class SitePlan(Generic[S]):
 
 @dataclass(frozen=True, slots=True)
 class Plan:
-    """The configurations of both sites and the console, where to listen to the sites, and what to tell the user."""
+    """The configurations of both sites and the console, and what the user should know about them."""
 
     remote: SitePlan[RemoteConfig]
     local: SitePlan[LocalConfig]
     console: SitePlan[ConsoleConfig]
-    cell: str
-    control: tuple[str, ...]
-    video: tuple[str, ...]
     notes: tuple[str, ...]
-
-    @property
-    def page_port(self) -> int:
-        """Where the operator's page is served."""
-        return self.console.load().serve.port
 
 
 def plan_of(options: LoopbackOptions) -> Plan:
@@ -131,9 +116,6 @@ def plan_of(options: LoopbackOptions) -> Plan:
         remote=given_remote.setting(f"cell={cell}", f'links={{control="{control}", video="{video}"}}'),
         local=given_local.setting(f"cell={cell}", f'links={{remote="{control}", listen="{listen}"}}'),
         console=SitePlan(ConsoleConfig, None, (f"cell={cell}", f"operator={local.authority.name}", *links)),
-        cell=cell,
-        control=(control, listen),
-        video=(video,),
         notes=tuple(
             f"{path}: its table [links] is not used; the loopback connects both sites itself"
             for path in options.configs
@@ -156,37 +138,39 @@ def _given(options: LoopbackOptions) -> tuple[SitePlan[RemoteConfig], SitePlan[L
     )
 
 
-def _files(paths: Sequence[Path]) -> dict[type[msgspec.Struct], Path]:
-    files: dict[type[msgspec.Struct], Path] = {}
+def _files(paths: Sequence[Path]) -> dict[type[Configuration], Path]:
+    files: dict[type[Configuration], Path] = {}
     for path in paths:
         kind = _kind_of(path)
         if kind in files:
-            raise ConfigError(f"{files[kind]} and {path} are both for {NAMES[kind]}; give one file for each site")
+            raise ConfigError(f"{files[kind]} and {path} are both for the {KINDS[kind]}; give one file for each site")
         files[kind] = path
     return files
 
 
-def _kind_of(path: Path) -> type[msgspec.Struct]:
+def _kind_of(path: Path) -> type[Configuration]:
     """Which site a file is for; ConfigError when that is not clear."""
     table = read_tables(path)
     only_remote, only_local = REMOTE_TABLES - LOCAL_TABLES, LOCAL_TABLES - REMOTE_TABLES
     remote, local = _list(table.keys() & only_remote), _list(table.keys() & only_local)
     if remote and local:
         raise ConfigError(f"{path}: {remote} is the remote site's, {local} the local site's; use a file for each")
-    kinds = likeliest(table, tuple(NAMES))
+    kinds = likeliest(table, tuple(KINDS))
     if len(kinds) > 1:
         raise ConfigError(
             f"{path}: {_list(table) or 'an empty file'} does not say which site this is for; give it a table of the "
             f"remote site ({_list(only_remote)}) or of the local site ({_list(only_local)})"
         )
     if kinds[0] not in (RemoteConfig, LocalConfig):
-        raise ConfigError(f"{path} is for {NAMES[kinds[0]]}; the loopback takes files of the remote and the local site")
+        raise ConfigError(
+            f"{path} is for the {KINDS[kinds[0]]}; the loopback takes files of the remote and the local site"
+        )
     return kinds[0]
 
 
-def _settings(settings: Sequence[str]) -> dict[type[msgspec.Struct], list[str]]:
+def _settings(settings: Sequence[str]) -> dict[type[Configuration], list[str]]:
     """The settings of each site; the cell is both's. ConfigError when it is not clear whose one is."""
-    sites: dict[type[msgspec.Struct], list[str]] = {RemoteConfig: [], LocalConfig: []}
+    sites: dict[type[Configuration], list[str]] = {RemoteConfig: [], LocalConfig: []}
     for setting in settings:
         table: dict[str, object] = {}
         table_name, *_ = apply_setting(table, setting)

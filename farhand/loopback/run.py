@@ -25,7 +25,7 @@ from farhand.loopback.recorder import Record, Recorder
 from farhand.loopback.site_process import SiteProcess, listens, start_site
 from farhand.loopback.views import save_camera_views, save_overview
 from farhand.outputs import check_file, check_folder
-from farhand.tracking.preparing import prepare_tracker
+from farhand.tracking.run import prepare_tracker
 from local_site.simulation.beginning import Beginning
 from local_site.simulation.operators import Operator as SimulatedOperator
 from local_site.simulation.operators import make_operator
@@ -135,11 +135,12 @@ class Loopback:
         return run_figures(self.record, self._operator, self._remote, self._sites.events)
 
     def _start_remote(self, runtime: Path, stack: ExitStack) -> None:
+        remote = self._remote
         self._sites.start("remote", self._plan.remote.arguments, runtime)
-        control = stack.enter_context(open_link(connect=self._plan.control))
-        video = stack.enter_context(open_link(connect=self._plan.video))
-        cameras = tuple(camera.name for camera in self._remote.video.cameras)
-        self._sites.record = Recorder(control, video, self._plan.cell, cameras).record
+        control = stack.enter_context(open_link(connect=(remote.links.control, self._local.links.listen)))
+        video = stack.enter_context(open_link(connect=(remote.links.video,)))
+        cameras = tuple(camera.name for camera in remote.video.cameras)
+        self._sites.record = Recorder(control, video, remote.cell, cameras).record
         self._wait("the remote site to start", START_TIMEOUT_S, lambda: bool(self.record.states))
         if self._should_stop():
             raise InterruptionError("interrupted before both sites were up; nothing was measured")
@@ -150,7 +151,7 @@ class Loopback:
         self._sites.start("local", [*self._plan.local.arguments, *saving], runtime)
 
     def _start_console(self, runtime: Path, live: LiveSummary) -> None:
-        port = self._plan.page_port
+        port = self._plan.console.load().serve.port
         self._sites.start("console", self._plan.console.arguments, runtime)
         self._wait("the operator's page", START_TIMEOUT_S, lambda: listens(port))
         live.say(f"the operator's page: http://127.0.0.1:{port}/")

@@ -13,12 +13,13 @@ from rich.progress import MofNCompleteColumn, Progress, SpinnerColumn, TextColum
 from common.errors import ConfigError
 from common.messages.hand import TrackingStatus
 from farhand.outputs import check_file, check_folder
-from farhand.tracking.preparing import prepare_tracker
 from farhand.tracking.recorded_pairs import refuse_other_rates
 from farhand.tracking.track import POINTS, Summary, track_recording
 from local_site.acquisition.rig_cameras import of_one_camera, open_rig_cameras
 from local_site.calibration.rig_file import load_rig
 from local_site.config import LocalConfig
+from local_site.runtime.warm_up import warm_up
+from local_site.tracking.choice import TrackingConfig
 
 JOINTS = ("shoulder", "elbow", "wrist")
 START, SILHOUETTE = "tracking.monocular.start", "silhouette"
@@ -74,6 +75,12 @@ def run_track(
 
         done = track_recording(rig, left, others, out, annotate_dir, show, site, should_stop)
     return describe(done, out)
+
+
+def prepare_tracker(tracking: TrackingConfig) -> None:
+    """Compile the tracker, or load the code compiled earlier, with a message for the person who waits."""
+    with Console(stderr=True).status("preparing the tracker (up to a minute the first time)"):
+        warm_up(tracking)
 
 
 def joint_settings(text: str) -> list[str]:

@@ -69,10 +69,5 @@ def check_options(kind: type[S], options: Mapping[str, Option]) -> S:
     return config
 
 
-def driver_names() -> tuple[str, ...]:
-    """Every name that `create_driver` knows."""
-    return tuple(sorted({point.name for point in entry_points(group=GROUP)}))
-
-
 def _kind(error: Exception) -> str:
     return f"{type(error).__name__}: {error}"

@@ -29,7 +29,7 @@ def file(tmp_path: Path):
 def test_the_shipped_files_of_both_sites_are_known_by_their_tables() -> None:
     plan = planned(configs=(SITES / "local.toml", SITES / "remote.toml"))
     assert (plan.remote.path, plan.local.path) == (SITES / "remote.toml", SITES / "local.toml")
-    assert plan.cell == plan.remote.load().cell == plan.local.load().cell == plan.console.load().cell == "cell"
+    assert plan.remote.load().cell == plan.local.load().cell == plan.console.load().cell == "cell"
 
 
 def test_a_files_links_give_way_to_free_ports_and_that_is_reported(file) -> None:
@@ -39,7 +39,7 @@ def test_a_files_links_give_way_to_free_ports_and_that_is_reported(file) -> None
     )
     plan = planned(configs=(path,))
     links, local = plan.remote.load().links, plan.local.load().links
-    assert links.control == local.remote == plan.console.load().links.control == plan.control[0]
+    assert links.control == local.remote == plan.console.load().links.control
     assert links.listened == (links.control, links.video)
     assert links.control.startswith("tcp/127.0.0.1:")
     assert not links.tls.is_given
@@ -56,9 +56,9 @@ def test_a_setting_goes_to_the_site_that_knows_it() -> None:
 
 
 def test_the_cell_is_both_sites() -> None:
-    assert planned().cell == "loopback"
+    assert planned().remote.load().cell == planned().local.load().cell == "loopback"
     plan = planned("cell=lab")
-    assert {plan.cell, plan.remote.load().cell, plan.local.load().cell, plan.console.load().cell} == {"lab"}
+    assert {plan.remote.load().cell, plan.local.load().cell, plan.console.load().cell} == {"lab"}
 
 
 def test_the_cell_of_one_file_is_the_other_sites_too(file) -> None:
