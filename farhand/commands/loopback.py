@@ -37,16 +37,6 @@ def loopback(
     from farhand.loopback.plan import LoopbackOptions
     from farhand.loopback.run import run_loopback
 
-    options = LoopbackOptions(
-        seconds=seconds,
-        report=report,
-        driver=driver,
-        motion=motion,
-        tracker=tracker,
-        arm=arm,
-        save_views=save_views,
-        headless=headless,
-        configs=tuple(config or ()),
-        settings=tuple(settings or ()),
-    )
+    given = tuple(config or ()), tuple(settings or ())
+    options = LoopbackOptions(seconds, report, driver, motion, tracker, arm, save_views, headless, *given)
     run_loopback(options, until_signal())
