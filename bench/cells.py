@@ -17,7 +17,7 @@ from common.link.channels import CAMERA, HAND, ChannelSession
 from common.link.transport import open_link
 from common.messages.hand import HandArm, TrackingStatus
 from common.messages.video import VideoFrame
-from farhand.loopback.run import free_ports
+from farhand.loopback.site_process import free_ports
 
 COUNTS = (1, 2, 4, 8, 16)
 SECONDS = 5.0

@@ -32,18 +32,24 @@ def load_config(struct: type[S], path: Path | None, settings: Sequence[str] = ()
 
     Raises ConfigError with every mistake of the file and the settings, a line each: place, what is wrong, cure.
     """
-    text = _read(path) if path is not None else ""
-    try:
-        table = tomllib.loads(text)
-    except tomllib.TOMLDecodeError as error:
-        raise ConfigError(f"{path}: not valid TOML: {error}") from error
-    set_paths = {_apply(table, setting) for setting in settings}
+    table = read_tables(path)
+    set_paths = {apply_setting(table, setting) for setting in settings}
     mistakes: list[ConfigMistake] = []
     config = build(struct, table, (), mistakes)
     if config is None or mistakes:
-        lines = _key_lines(text)
+        lines = _key_lines(_read(path)) if path is not None else {}
         raise ConfigError("\n".join(_describe(m, path, lines, set_paths) for m in mistakes))
     return config
+
+
+def read_tables(path: Path | None) -> dict[str, Any]:
+    """The tables of a TOML file, unchecked, none without a file; ConfigError when it cannot be read."""
+    if path is None:
+        return {}
+    try:
+        return tomllib.loads(_read(path))
+    except tomllib.TOMLDecodeError as error:
+        raise ConfigError(f"{path}: not valid TOML: {error}") from error
 
 
 def build(struct: type[S], table: Mapping[str, Any], path: KeyPath, mistakes: list[ConfigMistake]) -> S | None:
@@ -98,7 +104,8 @@ def _read(path: Path) -> str:
         raise ConfigError(f"{path}: not UTF-8 text: {error.reason}") from error
 
 
-def _apply(table: dict[str, Any], setting: str) -> KeyPath:
+def apply_setting(table: dict[str, Any], setting: str) -> KeyPath:
+    """Put a `table.key=value` setting into the tables, and give its key; ConfigError where it is no setting."""
     key, separator, raw = setting.partition("=")
     path = tuple(part.strip() for part in key.split("."))
     if not separator or not all(path):

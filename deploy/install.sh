@@ -1,18 +1,18 @@
 #!/usr/bin/env bash
-# Installs Farhand's services into /opt/farhand, /etc/farhand and systemd, or takes them away; asks nothing, may run again.
+# Installs Farhand's services into /opt/farhand, /etc/farhand and systemd, or removes them; asks nothing, may run again.
 set -euo pipefail
 
 usage="usage: deploy/install.sh [--uninstall] [--dry-run] [--root DIR]
-  --uninstall  take everything away but edited configuration and what others have put into our folders
-  --dry-run    only say what would be done
-  --root DIR   install below DIR, for an image or a trial: no user is made, nothing is told to systemd
+  --uninstall  remove everything but edited configuration and files of others in Farhand's folders
+  --dry-run    only print what would be done
+  --root DIR   install below DIR, for an image or a trial: no user is made, systemd is not called
 The environment variable PYTHON chooses the interpreter, python3 by default; Farhand needs Python 3.11 or newer."
 
 source=$(cd "$(dirname "${BASH_SOURCE[0]}")/.." && pwd)
 python=${PYTHON:-python3}
 packages=(common local_site remote_site farhand)
 groups=(video render dialout)
-action=put_in dry= root=
+action=install_all dry= root=
 
 main() {
   read_arguments "$@"
@@ -29,7 +29,7 @@ main() {
 read_arguments() {
   while [ $# -gt 0 ]; do
     case $1 in
-      --uninstall) action=take_away ;;
+      --uninstall) action=uninstall_all ;;
       --dry-run) dry=yes ;;
       --root) [ $# -gt 1 ] || fail "--root needs a folder" 2; root=$(realpath -m -- "$2"); shift ;;
       --root=*) root=$(realpath -m -- "${1#--root=}") ;;
@@ -46,7 +46,7 @@ fail() {
   exit "${2:-1}"
 }
 
-# Do it, or under --dry-run say it.
+# Do it, or with --dry-run print it.
 run() {
   if [ -n "$dry" ]; then echo "would run: $*"; else "$@"; fi
 }
@@ -55,9 +55,9 @@ check() {
   if [ -z "$root$dry" ] && [ "$(id -u)" -ne 0 ]; then
     fail "only root may write to /opt and /etc: sudo deploy/install.sh, or try it with --root DIR"
   fi
-  # An arm may be following somebody's hand.
+  # A running service may be moving an arm.
   local unit
-  for unit in "$source"/deploy/systemd/*.service; do
+  for unit in "$source"/farhand/deployment/systemd/*.service; do
     unit=$(basename "$unit")
     if systemd_runs && systemctl --quiet is-active "$unit"; then
       fail "$unit is running: systemctl stop $unit"
@@ -67,7 +67,7 @@ check() {
 
 systemd_runs() { [ -z "$root" ] && [ -d /run/systemd/system ]; }
 
-put_in() {
+install_all() {
   "$python" -c 'import sys; sys.exit(sys.version_info < (3, 11))' ||
     fail "Farhand needs Python 3.11 or newer: PYTHON=/path/to/python3.11 deploy/install.sh"
   "$python" -c 'import ensurepip' 2>/dev/null ||
@@ -97,7 +97,7 @@ make_user() {
   run install --directory --owner farhand --group farhand --mode 0755 "$state" "$cache"
 }
 
-# What pip builds from is a copy, so that the folder of whoever installs stays as it is.
+# pip builds from a copy, so that the source folder stays unchanged.
 copy_source() {
   run rm -rf "$home/source" "$home/docs"
   run mkdir -p "$home/source"
@@ -115,26 +115,26 @@ make_environment() {
     --constraint "$home/source/constraints.txt" "$home/source[sim]"
   run rm -rf "$home/source/build"
   if [ -n "$root" ]; then
-    # Scripts name their interpreter as it will be called once DIR is the root.
+    # Scripts name their interpreter by its path once DIR is the root.
     run find "$venv/bin" -type f -exec sed -i "1s|^#!$root/|#!/|" {} +
   fi
   run mkdir -p "$(dirname "$command")"
   run ln -sfn /opt/farhand/.venv/bin/farhand "$command"
 }
 
-# A file that nobody has changed since it was installed gives way to a newer one; an edited one never does.
+# A newer file replaces one that is unchanged since its installation, never an edited one.
 place_configuration() {
   run mkdir -p "$configuration" "$home/configuration"
-  local given name mine
-  for given in "$source"/deploy/sites/*.toml; do
-    name=$(basename "$given") mine=$configuration/$(basename "$given")
-    if [ ! -e "$mine" ] || is_untouched "$name"; then
-      run cp "$given" "$mine"
-    elif ! cmp -s "$given" "$mine" && ! cmp -s "$given" "$home/configuration/$name"; then
-      run cp "$given" "$mine.new"
-      echo "kept: $mine is edited; what comes with this release stands beside it as $name.new"
+  local shipped name installed
+  for shipped in "$source"/farhand/deployment/sites/*.toml; do
+    name=$(basename "$shipped") installed=$configuration/$(basename "$shipped")
+    if [ ! -e "$installed" ] || is_untouched "$name"; then
+      run cp "$shipped" "$installed"
+    elif ! cmp -s "$shipped" "$installed" && ! cmp -s "$shipped" "$home/configuration/$name"; then
+      run cp "$shipped" "$installed.new"
+      echo "kept: $installed is edited; this release's own is beside it as $name.new"
     fi
-    run cp "$given" "$home/configuration/$name"
+    run cp "$shipped" "$home/configuration/$name"
   done
 }
 
@@ -142,11 +142,11 @@ is_untouched() { cmp -s "$configuration/$1" "$home/configuration/$1"; }
 
 place_units() {
   run mkdir -p "$units"
-  run cp "$source"/deploy/systemd/*.service "$units/"
+  run cp "$source"/farhand/deployment/systemd/*.service "$units/"
   if systemd_runs; then run systemctl daemon-reload; fi
 }
 
-# Otherwise the first start would take so long. An image is compiled for where it runs, at its first start.
+# Spares the first start a minute. An image is compiled at its first start, for the machine that it runs on.
 compile() {
   if [ -n "$root" ]; then return; fi
   if [ -z "$dry" ]; then echo "Compiling the tracker (once, up to a minute) ..."; fi
@@ -154,7 +154,7 @@ compile() {
     "$home/.venv/bin/python" -m local_site.runtime.warm_up
 }
 
-take_away() {
+uninstall_all() {
   remove_units
   remove_configuration
   run rm -rf "$home" "$cache"
@@ -168,7 +168,7 @@ take_away() {
 
 remove_units() {
   local unit
-  for unit in "$source"/deploy/systemd/*.service; do
+  for unit in "$source"/farhand/deployment/systemd/*.service; do
     unit=$(basename "$unit")
     if systemd_runs; then run systemctl --quiet disable "$unit"; fi
     run rm -f "$units/$unit"

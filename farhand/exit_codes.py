@@ -1,3 +1,3 @@
-"""What the command line's exit codes say, beside 0 for done."""
+"""The command line's exit codes; 0 is done."""
 
 FAILED, MISUSE, INTERRUPTED = 1, 2, 130

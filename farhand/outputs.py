@@ -1,4 +1,4 @@
-"""Where results go: to places that can be written, and never over what they are made from."""
+"""Files and folders of results: writable, and never over what they are made from."""
 
 import glob
 import os

@@ -22,7 +22,7 @@ EndpointName = Annotated[str, Meta(min_length=1)]
 
 
 class RouterConfig(LinkSecurity, frozen=True, kw_only=True, forbid_unknown_fields=True):
-    """Everything the router can be told."""
+    """All parameters of the router."""
 
     listen: Annotated[
         tuple[EndpointName, ...], Meta(min_length=1, max_length=8, description="endpoints for the sites of all cells")
@@ -38,7 +38,7 @@ class RouterConfig(LinkSecurity, frozen=True, kw_only=True, forbid_unknown_field
 
 
 def run_router(config: RouterConfig, should_stop: StopFlag, log_format: LogFormat = LogFormat.TEXT) -> None:
-    """Pass on what the sites say to each other until asked to stop; TransportError or ConfigError when it cannot."""
+    """Pass on the sites' messages until asked to stop; TransportError or ConfigError when it cannot."""
     start_log("router", log_format)
     check_links(config.listen, config, ROUTER)
     with open_router(listen=config.listen, cells=config.cells, security=config):

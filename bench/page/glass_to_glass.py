@@ -21,7 +21,7 @@ from common.clock import NS_PER_MS, NS_PER_S
 from common.messages.requests import Description
 from common.messages.robot import RobotState, SessionState
 from common.messages.video import VideoFrame
-from farhand.loopback.run import free_ports
+from farhand.loopback.site_process import free_ports
 from local_site.console.hub import Hub
 from remote_site.config import RemoteConfig
 from remote_site.kinematics.limits import JointLimits

@@ -10,8 +10,7 @@ from typing import Any
 from common.errors import ProcessError
 from common.link.transport import open_link
 from farhand.loopback.recorder import Record, Recorder
-from farhand.loopback.run import free_ports, listens
-from farhand.loopback.site_process import SiteProcess
+from farhand.loopback.site_process import SiteProcess, free_ports, listens, start_site
 
 CHROMIUM = "/usr/bin/chromium"
 QUIET = ("--no-sandbox", "--disable-gpu", "--no-first-run", "--disable-background-networking", "--disable-sync")
@@ -86,6 +85,6 @@ class PageStand:
 
     def _start(self, name: str, *settings: str) -> SiteProcess:
         arguments = [part for setting in (f"cell={CELL}", *settings) for part in ("--set", setting)]
-        process = SiteProcess(name, arguments, self._runtime)
+        process = start_site(name, arguments, self._runtime)
         self._stack.callback(process.end)
         return process

@@ -25,6 +25,7 @@ END_TIMEOUT_S = 1.5
 KILL_TIMEOUT_S = 0.5
 READY_POLL_S = 0.01
 HEARTBEAT_TIMEOUT_S = 5
+REASON_BYTES = 2048
 CURE = "see the lines above for why, and start the site again"
 
 
@@ -43,6 +44,21 @@ class Heartbeat:
         return int(self._time_ns[0])
 
 
+class EndReason:
+    """Why a child ended by itself, in memory shared across a fork; empty until it says so."""
+
+    def __init__(self) -> None:
+        self._memory = mmap.mmap(-1, REASON_BYTES)
+
+    def leave(self, sentence: str) -> None:
+        """Leave a sentence for the parent."""
+        left = sentence.encode()[:REASON_BYTES]
+        self._memory[: len(left)] = left
+
+    def __str__(self) -> str:
+        return self._memory[:].rstrip(b"\0").decode(errors="ignore")
+
+
 ChildMain = Callable[[StopFlag, Heartbeat], None]
 
 
@@ -53,6 +69,7 @@ class Child:
     name: str
     process: BaseProcess
     heartbeat: Heartbeat
+    reason: EndReason
     vital: bool = True
 
 
@@ -68,11 +85,12 @@ class Children:
 
         Fork before opening any session. What is not vital may die: that is said once, and the others go on.
         """
-        heartbeat = Heartbeat()
+        heartbeat, reason = Heartbeat(), EndReason()
         context = multiprocessing.get_context("fork")
-        process = context.Process(target=_run, args=(name, main, heartbeat, os.getpid()), name=f"{self.site}-{name}")
+        arguments = (name, main, heartbeat, reason, os.getpid())
+        process = context.Process(target=_run, args=arguments, name=f"{self.site}-{name}")
         process.start()
-        child = Child(name, process, heartbeat, vital)
+        child = Child(name, process, heartbeat, reason, vital)
         self.children.append(child)
         return child
 
@@ -102,9 +120,9 @@ class Children:
         dead = [child for child in self.children if not child.process.is_alive()]
         for child in dead:
             if child.vital:
-                raise ProcessError(
-                    f"{self.site}: process {child.name} died (exit code {child.process.exitcode}); {CURE}"
-                )
+                code, reason = child.process.exitcode, str(child.reason)
+                why = f": {reason}" if reason else f"; {CURE}"
+                raise ProcessError(f"{self.site}: process {child.name} died (exit code {code}){why}")
             self.children.remove(child)
             structlog.get_logger().error("died; the site goes on without it", process=child.name)
 
@@ -129,7 +147,7 @@ def die_with_parent(parent_pid: int, number: signal.Signals = signal.SIGTERM) ->
         os._exit(1)
 
 
-def _run(name: str, main: ChildMain, heartbeat: Heartbeat, parent_pid: int) -> None:
+def _run(name: str, main: ChildMain, heartbeat: Heartbeat, reason: EndReason, parent_pid: int) -> None:
     should_stop = StopFlag()
     should_stop.install()
     signal.signal(signal.SIGINT, signal.SIG_IGN)
@@ -140,6 +158,10 @@ def _run(name: str, main: ChildMain, heartbeat: Heartbeat, parent_pid: int) -> N
         main(should_stop, heartbeat)
     except FarhandError as error:
         structlog.get_logger().error(str(error))
+        reason.leave(str(error))
         sys.exit(1)
+    except Exception as error:
+        reason.leave(f"{type(error).__name__}: {error}")
+        raise  # multiprocessing prints the traceback
     finally:
         finish_log()

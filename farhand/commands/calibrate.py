@@ -1,11 +1,11 @@
-"""The commands under `farhand calibrate`: their arguments, and their help with an example."""
+"""The commands under `farhand calibrate`."""
 
 from pathlib import Path
 from typing import Annotated
 
 import typer
 
-from common.process.service import StopFlag
+from farhand.commands.options import until_signal
 
 RigFile = Annotated[Path, typer.Option(help="Rig file to write.")]
 Serials = Annotated[list[str] | None, typer.Option(help="A camera's serial number, as left=NUMBER.")]
@@ -32,12 +32,7 @@ def calibrate_points_command(
 
     Example: farhand calibrate points control_points.csv --out rig.json
     """
-    from farhand.calibration.points import (
-        calibrate_points,
-        describe,
-        parse_pair,
-        solvable,
-    )
+    from farhand.calibration.points import calibrate_points, describe, parse_pair, solvable
     from farhand.outputs import check_file
 
     check_file("--out", out, [csv])
@@ -123,6 +118,4 @@ def calibrate_live_command(
     check_folder("--pictures", pictures, sources.values())
     printed = make_board(board, parse_pair(squares, "--squares"), square_mm, marker_mm, dictionary)
     job = PictureJob(sources, out, pictures, serial or ())
-    should_stop = StopFlag()
-    should_stop.install()
-    typer.echo(describe(calibrate_live(job, printed, standing, poses, should_stop, typer.echo)))
+    typer.echo(describe(calibrate_live(job, printed, standing, poses, until_signal(), typer.echo)))

@@ -1,4 +1,4 @@
-"""The command line of certificates: make them, renew them."""
+"""The commands under `farhand certificates`."""
 
 from datetime import UTC, datetime
 from pathlib import Path
@@ -22,7 +22,7 @@ certificates_app = typer.Typer(help="Make and renew the certificates that protec
 def create_command(
     cell: CellToCertify, folder: Folder = Path("certificates"), days: Days = DAYS, host: Hosts = None
 ) -> None:
-    """Make an authority and, of it, certificates for the sites of a cell, its viewers and its maintenance.
+    """Make an authority, and its certificates for the sites of a cell, its viewers and its maintenance.
 
     Example: farhand certificates create lab --host robot.example.org
     """

@@ -1,51 +1,29 @@
-"""Tries a driver against the conformance suite, with the cell or the emulated controller that it needs."""
+"""The command under `farhand driver`."""
 
-from collections.abc import Callable
-from functools import partial
+from typing import Annotated
 
-import msgspec
+import typer
 
-from common.clock import MonotonicClock
-from common.process.children import Children
-from common.process.log import start_log
-from common.process.service import StopFlag, ask_for_real_time
-from remote_site.config import RemoteConfig
-from remote_site.drivers.config import EMULATED
-from remote_site.drivers.conformance.suite import run_checks
-from remote_site.drivers.conformance.trial import DriverStand
-from remote_site.drivers.registry import DriverHost, check_driver, create_driver
-from remote_site.runtime.app import run_cell_child, start_robot
-from remote_site.runtime.driver_process import FIFO_PRIORITY, setup_of
-from remote_site.simulation.memory import CellMemory
+from common.config import load_config
+from farhand.commands.options import ConfigFile, Settings
+from farhand.exit_codes import FAILED
 
-READY_TIMEOUT_S = 30.0
+driver_app = typer.Typer(help="Look after robot drivers.", no_args_is_help=True)
 
 
-def test_driver(config: RemoteConfig, tell: Callable[[str], None]) -> bool:
-    """Run every check on the configured driver, a line each; whether all passed."""
-    start_log("driver test")
-    name = config.driver.name
-    check_driver(name)
-    if name == EMULATED and "port" not in config.driver.options:
-        tell("no driver.options.port is given, so this is the emulated controller")
-        config = msgspec.structs.replace(config, driver=msgspec.structs.replace(config.driver, emulate=True))
-    children = Children("driver test")
-    try:
-        stand = _stand(config, children)
-        ask_for_real_time(FIFO_PRIORITY)  # as the driver's process does
-        failed = run_checks(stand, tell)
-    finally:
-        children.end()
-    tell(f"{name}: {len(failed)} failed" if failed else f"{name}: all passed")
-    return not failed
+@driver_app.command("test")
+def run_suite(
+    name: Annotated[str, typer.Argument(help="The driver's name, as in driver.name.")],
+    config: ConfigFile = None,
+    settings: Settings = None,
+) -> None:
+    """Check a driver against everything that Farhand expects of one; it MOVES every joint, the first by 40 degrees.
 
+    Example: farhand driver test kinematic
+    """
+    from remote_site.config import RemoteConfig
+    from remote_site.runtime.conformance import test_driver
 
-def _stand(config: RemoteConfig, children: Children) -> DriverStand:
-    clock, memory = MonotonicClock(), None
-    config = start_robot(config, children)
-    if config.cell_is_simulated:
-        memory = CellMemory.create(len(config.robot.start_deg))
-        children.start("cell", partial(run_cell_child, config, memory))
-    children.wait_ready(READY_TIMEOUT_S, StopFlag())
-    host = DriverHost(clock, config.driver.options, memory)
-    return DriverStand(clock, setup_of(config), lambda: create_driver(config.driver.name, host), config.robot.start)
+    loaded = load_config(RemoteConfig, config, [*(settings or ()), f"driver.name={name}"])
+    if not test_driver(loaded, typer.echo):
+        raise typer.Exit(FAILED)

@@ -1,35 +1,23 @@
-"""Asks the remote site to let the arm follow the hand, and, for maintenance, to stop or reset it."""
+"""`farhand engage`."""
 
-from functools import partial
+from typing import Annotated
 
-from common.errors import TransportError
-from common.link.channels import ENGAGEMENT, MAINTENANCE, check_cell_name
-from common.link.config import ON_THIS_HOST, LinkSecurity
-from common.link.remote_clock import RemoteClock
-from common.link.request_client import RequestClient
-from common.messages.requests import EngagementAction, EngagementRequest
-from farhand.commands.asking import link_to
-from local_site.authority.operator_name import host_operator
+import typer
+
+from farhand.commands.options import CellName, LinksFile, RemoteEndpoint, console_config
 
 
-def request_engage(cell: str, endpoint: str, operator: str = "", security: LinkSecurity = ON_THIS_HOST) -> str:
-    """The remote site's reply to an operator (this host's by default); TransportError when it refuses."""
-    name = check_cell_name(operator or host_operator(), "operator")
-    make = partial(EngagementRequest, operator=name, action=EngagementAction.ENGAGE)
-    with link_to(cell, endpoint, security) as link:
-        reply = RequestClient(link, cell, RemoteClock(link, cell)).ask(ENGAGEMENT, make)
-    if not reply.done:
-        raise TransportError(f"not engaged ({reply.code}): {reply.reason}")
-    return f"engaged: {reply.reason}"
+def engage(
+    cell: CellName = "",
+    at: RemoteEndpoint = "",
+    operator: Annotated[str, typer.Option(help="The operator's name, where it is not this host's.")] = "",
+    config: LinksFile = None,
+) -> None:
+    """Let the arm follow the hand again, after a stop or a restart of the local site.
 
+    Example: farhand engage --cell cell
+    """
+    from farhand.authority.engage import request_engage
 
-def request_maintenance(
-    cell: str, endpoint: str, action: EngagementAction, name: str, security: LinkSecurity = ON_THIS_HOST
-) -> str:
-    """The remote site's reply to somebody of the maintenance; TransportError when it refuses."""
-    make = partial(EngagementRequest, operator=name, action=action)
-    with link_to(cell, endpoint, security) as link:
-        reply = RequestClient(link, cell, RemoteClock(link, cell)).ask(MAINTENANCE, make)
-    if not reply.done:
-        raise TransportError(f"refused ({reply.code}): {reply.reason}")
-    return reply.reason
+    links = console_config(config, cell=cell, control=at)
+    typer.echo(request_engage(links.cell, links.links.control, operator or links.name, links.links))

@@ -1,62 +1,56 @@
-"""Shows who holds the lease of a cell, and carries out what an operator decides about it at the own local site."""
+"""The commands under `farhand lease`."""
 
-import time
-from functools import partial
+from pathlib import Path
 
-from common.clock import NS_PER_S
-from common.errors import MessageError, TransportError
-from common.link.channels import OPERATE, STATE
-from common.link.config import ON_THIS_HOST, LinkSecurity
-from common.link.request_client import PATIENCE_NS, RequestClient
-from common.link.transport import Link
-from common.messages.requests import OperatorAction, OperatorRequest
-from common.messages.robot import RobotState
-from farhand.commands.asking import link_to
+import typer
 
-POLL_S = 0.05
+from farhand.commands.options import CellName, LinksFile, LocalEndpoint, RemoteEndpoint, console_config
+
+lease_app = typer.Typer(help="Show who may operate a cell, take the lease, give it away.", no_args_is_help=True)
 
 
-def show_lease(cell: str, endpoint: str, security: LinkSecurity = ON_THIS_HOST) -> str:
-    """Who holds the lease, how long it still lasts, who asks for it, and how accurately the clocks are known."""
-    with link_to(cell, endpoint, security) as link:
-        return describe_lease(_state(link, cell))
+@lease_app.command("show")
+def show(cell: CellName = "", at: RemoteEndpoint = "", config: LinksFile = None) -> None:
+    """Show who holds the lease of a cell, who asks for it, and what engaging still lacks.
+
+    Example: farhand lease show --cell cell
+    """
+    from farhand.authority.lease import show_lease
+
+    links = console_config(config, cell=cell, control=at)
+    typer.echo(show_lease(links.cell, links.links.control, links.links))
 
 
-def describe_lease(state: RobotState) -> str:
-    """The lease and the clocks in words."""
-    ready = f"{'ready' if state.readiness.ready else 'not ready'} ({state.readiness.code}): {state.readiness.reason}"
-    if state.lease is None:
-        return f"nobody holds the lease\n{ready}"
-    left_s = (state.lease.expires_ns - state.t_ns) / NS_PER_S
-    words = [f"{state.lease.holder} holds the lease, {left_s:.1f} s until it expires or is renewed"]
-    if state.lease.asked_by is not None:
-        words.append(f"{state.lease.asked_by} asks for it; {state.lease.holder} consents with: farhand lease give")
-    if state.clock is not None:
-        words.append(
-            f"clocks: remote minus local {state.clock.remote_minus_local_ns / 1e6:.3f} ms, "
-            f"sure to {state.clock.uncertainty_ns / 1e6:.3f} ms"
-        )
-    return "\n".join([*words, ready])
+@lease_app.command("take")
+def take(cell: CellName = "", at: LocalEndpoint = "", config: LinksFile = None) -> None:
+    """Ask for the lease; while another operator holds it, ask for a minute for consent.
+
+    Example: farhand lease take
+    """
+    _act("take", cell, at, config)
 
 
-def act_on_lease(cell: str, endpoint: str, action: OperatorAction, security: LinkSecurity = ON_THIS_HOST) -> str:
-    """The reply of the local site at `endpoint` to the operator's act; TransportError with its code when refused."""
-    with link_to(cell, endpoint, security) as link:
-        reply = RequestClient(link, cell).ask(OPERATE, partial(OperatorRequest, action=action))
-    if not reply.done:
-        raise TransportError(f"refused ({reply.code}): {reply.reason}")
-    return reply.reason
+@lease_app.command("give")
+def give(cell: CellName = "", at: LocalEndpoint = "", config: LinksFile = None) -> None:
+    """Consent: hand the lease to the operator who asks for it. The arm stops.
+
+    Example: farhand lease give
+    """
+    _act("give", cell, at, config)
 
 
-def _state(link: Link, cell: str) -> RobotState:
-    states = link.latest(STATE, cell)
-    give_up_ns = time.monotonic_ns() + PATIENCE_NS
-    while time.monotonic_ns() < give_up_ns:
-        try:
-            state = states.take()
-        except MessageError as error:
-            raise TransportError(f"the remote site's state is refused: {error}") from error
-        if state is not None:
-            return state
-        time.sleep(POLL_S)
-    raise TransportError(f"nobody publishes a state: is the remote site of cell {cell} running?")
+@lease_app.command("release")
+def release(cell: CellName = "", at: LocalEndpoint = "", config: LinksFile = None) -> None:
+    """Give the lease back, for whoever asks first. The arm stops.
+
+    Example: farhand lease release
+    """
+    _act("release", cell, at, config)
+
+
+def _act(action: str, cell: str, at: str, config: Path | None) -> None:
+    from common.messages.requests import OperatorAction
+    from farhand.authority.lease import act_on_lease
+
+    links = console_config(config, cell=cell, local=at)
+    typer.echo(act_on_lease(links.cell, links.links.local, OperatorAction(action), links.links))

@@ -1,118 +1,61 @@
-"""The track command: opens rig and cameras, shows progress, tells what was found."""
+"""`farhand track`."""
 
-from collections.abc import Callable, Iterator
-from contextlib import ExitStack, closing
-from dataclasses import dataclass, field
 from pathlib import Path
+from typing import Annotated
 
-import msgspec
-import numpy as np
-from rich.console import Console
-from rich.progress import MofNCompleteColumn, Progress, SpinnerColumn, TextColumn
+import typer
 
-from common.errors import ConfigError
-from common.messages.hand import TrackingStatus
-from farhand.outputs import check_file, check_folder
-from farhand.preparing import prepare_tracker
-from farhand.tracking.recorded_pairs import refuse_other_rates
-from farhand.tracking.track import POINTS, Summary, track_recording
-from local_site.acquisition.rig_cameras import of_one_camera, open_rig_cameras
-from local_site.calibration.rig_file import load_rig
-from local_site.config import LocalConfig
-
-JOINTS = ("shoulder", "elbow", "wrist")
-START, SILHOUETTE = "tracking.monocular.start", "silhouette"
+from common.config import load_config
+from common.errors import ConfigError, InterruptionError
+from farhand.commands.options import TRACKER_HELP, Settings, until_signal
+from local_site.tracking.method import Method
 
 
-@dataclass(frozen=True, slots=True)
-class TrackSources:
-    """What to track: the rig's file, a device, URL, video file or folder of images for each camera, and how.
+def track(
+    rig: Annotated[Path, typer.Option(help="Rig file from 'farhand calibrate'.")],
+    left: Annotated[str | None, typer.Option(help="Video file, folder of images, device or URL.")] = None,
+    right: Annotated[str | None, typer.Option(help="The same for the right camera.")] = None,
+    monocular: Annotated[
+        str | None, typer.Option(help="The same for a single camera, instead of left and right: the monocular tracker.")
+    ] = None,
+    shown_joints: Annotated[
+        str | None,
+        typer.Option(
+            "--joints",
+            help="Monocular: shoulder, elbow, wrist in the first picture, 'x,y x,y x,y' (px), or silhouette.",
+        ),
+    ] = None,
+    also: Annotated[
+        list[str] | None, typer.Option(help="A third, and given again a fourth camera, in the rig's order.")
+    ] = None,
+    out: Annotated[Path, typer.Option(help="JSON lines to write.")] = Path("track.jsonl"),
+    fps: Annotated[
+        float | None, typer.Option(help="Frame rate, where the sources do not state it, or a wrong one.")
+    ] = None,
+    config: Annotated[
+        Path | None,
+        typer.Option("--config", help="TOML file of the local site; its tables tracking, drift and gesture count."),
+    ] = None,
+    settings: Settings = None,
+    tracker: Annotated[
+        Method | None, typer.Option(help=f"{TRACKER_HELP} The same as --set tracking.method=NAME.")
+    ] = None,
+    annotate: Annotated[Path | None, typer.Option(help="Folder for annotated pairs, as PNG.")] = None,
+) -> None:
+    """Track a recording or one to four cameras, one JSON line per instant; causal, unsmoothed.
 
-    `also` is a third and a fourth camera, in the rig's order; `site` the configuration of the local site. Without
-    `right`, `left` is the one camera that the configuration of the monocular tracker names.
+    Example: farhand track --rig rig.json --left left.avi --right right.avi --set tracking.silhouette.right_arm=false
     """
+    from farhand.tracking.run import TrackSources, joint_settings, run_track
+    from local_site.config import LocalConfig
 
-    rig: Path
-    left: str
-    right: str | None
-    fps: float | None
-    site: LocalConfig = field(default_factory=LocalConfig)
-    also: tuple[str, ...] = ()
-
-    @property
-    def given(self) -> tuple[str, ...]:
-        """The sources that there are."""
-        return tuple(source for source in (self.left, self.right, *self.also) if source is not None)
-
-
-def run_track(
-    sources: TrackSources, out: Path, annotate_dir: Path | None, should_stop: Callable[[], bool] = lambda: False
-) -> str:
-    """Track everything the sources give until asked to stop, and sum it up in words.
-
-    FarhandError names what cannot be opened; ConfigError what cannot be written, or what was not recorded together.
-    """
-    given = sources.given
-    check_file("--out", out, [sources.rig, *given])
-    check_folder("--annotate", annotate_dir, given)
-    rig, site = load_rig(sources.rig), sources.site
-    if sources.right is None:
-        rig, tracking = of_one_camera(rig, site.tracking)
-        site = msgspec.structs.replace(site, tracking=tracking)
-    columns = (SpinnerColumn(), TextColumn("tracking"), MofNCompleteColumn())
-    with ExitStack() as opened:
-        cameras = open_rig_cameras(rig, given, sources.fps)
-        left, *others = (opened.enter_context(closing(camera)) for camera in cameras)
-        if sources.fps is None:
-            refuse_other_rates(cameras)
-        prepare_tracker(site.tracking)
-        progress = opened.enter_context(Progress(*columns, console=Console(stderr=True)))
-        task = progress.add_task("tracking", total=None)
-
-        def show(pairs: int) -> None:
-            progress.update(task, completed=pairs)
-
-        done = track_recording(rig, left, others, out, annotate_dir, show, site, should_stop)
-    return describe(done, out)
-
-
-def joint_settings(text: str) -> list[str]:
-    """The settings of the monocular tracker's start for 'x,y x,y x,y', or for SILHOUETTE; ConfigError else."""
-    if text == SILHOUETTE:
-        return [f"{START}.by={SILHOUETTE}"]
-    pairs = [pair.split(",") for pair in text.split()]
-    try:
-        places = [(float(x), float(y)) for x, y in pairs]
-    except ValueError:
-        places = []
-    if len(places) != len(JOINTS):
-        raise ConfigError(
-            "--joints must be the pixels of shoulder, elbow and wrist as 'x,y x,y x,y', or the word silhouette, "
-            f"not {text!r}"
-        )
-    given = [f"{START}.{joint}_px=[{x}, {y}]" for joint, (x, y) in zip(JOINTS, places, strict=True)]
-    return [f"{START}.by=joints", *given]
-
-
-def describe(summary: Summary, out: Path) -> str:
-    """What a recording gave, in three lines, and one more for each thing to be warned of."""
-    if not summary.pairs:
-        return "no pair was tracked"
-    found = ", ".join(f"{name} {summary.found[name]}" for name in POINTS)
-    statuses = ", ".join(f"{count} {status.value}" for status, count in summary.statuses.items() if count)
-    median, p95 = np.percentile(summary.ms, [50, 95])
-    lines = [
-        f"{summary.pairs} pairs: {statuses}",
-        f"points found: {found}; gripper toggles: {summary.gripper_toggles}",
-        f"{median:.1f} ms per pair (p95 {p95:.1f}); written to {out}",
-    ]
-    return "\n".join([*lines, *(f"warning: {sentence}" for sentence in _warnings(summary))])
-
-
-def _warnings(summary: Summary) -> Iterator[str]:
-    if summary.left_out:
-        yield summary.left_out
-    if summary.drift:
-        yield summary.drift
-    if not summary.statuses[TrackingStatus.TRACKED] + summary.statuses[TrackingStatus.DEGRADED]:
-        yield f"nothing was tracked; most often: {summary.reasons.most_common(1)[0][0]}"
+    if (monocular is None) == (left is None or right is None) or (monocular and (left or right or also)):
+        raise ConfigError("give --left and --right, or --monocular alone")
+    chosen = [] if tracker is None else [f"tracking.method={tracker}"]
+    chosen += joint_settings(shown_joints) if shown_joints else []
+    site = load_config(LocalConfig, config, [*(settings or ()), *chosen])
+    sources = TrackSources(rig, monocular or left or "", right, fps, site, tuple(also or ()))
+    should_stop = until_signal()
+    typer.echo(run_track(sources, out, annotate, should_stop))
+    if should_stop():
+        raise InterruptionError(f"interrupted; {out} ends where it was")

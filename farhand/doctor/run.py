@@ -1,22 +1,19 @@
 """Runs all checks: the machine first, then what the configuration names."""
 
-import tomllib
 from collections.abc import Iterable, Mapping, Sequence
 from datetime import UTC, datetime
 from pathlib import Path
-from typing import Any
-
-import msgspec
 
 from common.cameras.sources import Source
-from common.config import load_config
+from common.config import load_config, read_tables
 from common.errors import ConfigError, TransportError
 from common.link.config import LinkSecurity
 from common.link.endpoints import check_endpoint
 from common.link.roles import Identity, Role
+from farhand.deployment.kinds import KINDS, Configuration, likeliest
 from farhand.doctor import machine, machine_probing, site, site_probing
 from farhand.doctor.findings import Finding, error, ok
-from farhand.router import ROUTER, RouterConfig
+from farhand.router import ROUTER
 from local_site.calibration.control_points import CAMERAS
 from local_site.config import LocalConfig
 from local_site.console.config import ConsoleConfig
@@ -24,14 +21,7 @@ from remote_site.config import RemoteConfig
 from remote_site.simulation.config import SIMULATED
 
 Site = LocalConfig | RemoteConfig
-Examined = Site | ConsoleConfig | RouterConfig
 SITES: tuple[type[Site], ...] = (RemoteConfig, LocalConfig)
-NAMES: dict[type[Examined], str] = {
-    RemoteConfig: "remote site",
-    LocalConfig: "local site",
-    ConsoleConfig: "console",
-    RouterConfig: "router",
-}
 
 
 def examine(path: Path | None, settings: Sequence[str]) -> list[Finding]:
@@ -44,32 +34,22 @@ def examine(path: Path | None, settings: Sequence[str]) -> list[Finding]:
             findings += [error("configuration", line, "correct that line") for line in str(wrong).splitlines()]
             continue
         name = "the default" if path is None else str(path)
-        findings.append(ok("configuration", f"{name} of the {NAMES[kind]} has no mistakes"))
+        findings.append(ok("configuration", f"{name} of the {KINDS[kind]} has no mistakes"))
         findings += examine_config(config)
     return findings
 
 
-def which_site(path: Path) -> list[type[Examined]]:
+def which_site(path: Path) -> list[type[Configuration]]:
     """Whose configuration a file is, by its tables and keys; where several fit, those of the sites."""
     try:
-        content = tomllib.loads(path.read_text(encoding="utf-8"))
-    except (OSError, ValueError):
+        table = read_tables(path)
+    except ConfigError:
         return [RemoteConfig]  # loading it reports what is wrong
-    known = {kind: _known(content, kind) for kind in NAMES}
-    likeliest = [kind for kind in NAMES if known[kind] == max(known.values())]
-    return [kind for kind in likeliest if kind in SITES] or likeliest[:1]
+    kinds = likeliest(table, tuple(KINDS))
+    return [kind for kind in kinds if kind in SITES] or kinds[:1]
 
 
-def _known(content: dict[str, Any], kind: type[Any]) -> int:
-    """How many of a file's keys, those of its tables included, are keys of this configuration."""
-    types = {field.name: field.type for field in msgspec.structs.fields(kind)}
-    tables = ((table, types[name]) for name, table in content.items() if name in types and isinstance(table, dict))
-    return len(content.keys() & types.keys()) + sum(
-        _known(table, t) for table, t in tables if hasattr(t, "__struct_fields__")
-    )
-
-
-def examine_config(config: Examined) -> list[Finding]:
+def examine_config(config: Configuration) -> list[Finding]:
     """What a configuration without mistakes names."""
     if isinstance(config, RemoteConfig):
         return examine_remote(config)

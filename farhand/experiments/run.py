@@ -12,7 +12,7 @@ from farhand.experiments import drift, filming, follow, hazel
 from farhand.experiments.plotting import require_matplotlib
 from farhand.experiments.report import ExperimentReport, write_report
 from farhand.outputs import check_folder, make_folder
-from farhand.preparing import prepare_tracker
+from farhand.tracking.run import prepare_tracker
 from local_site.tracking.choice import TrackingConfig
 
 

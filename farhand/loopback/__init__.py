@@ -1,1 +1,1 @@
-"""Both sites on this machine: started, watched, measured."""
+"""Both sites on this machine: configured, started, watched, measured."""

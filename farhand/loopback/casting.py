@@ -1,4 +1,4 @@
-"""Which simulated operator and which arm a loopback brings together, as settings of both sites."""
+"""Which simulated operator and which arm a loopback brings together, as settings of both sites; pure."""
 
 from collections.abc import Mapping
 from pathlib import Path
@@ -15,27 +15,25 @@ USUAL_MOTION = "pick_and_place"
 FROM_THE_RIGHT = "[[1.0, 0.0, 0.0], [0.0, 0.0, 1.0], [0.0, -1.0, 0.0]]"
 
 
-def check_cast(tracker: str, arm: str, motion: str, driver: str) -> None:
-    """ConfigError for an arm that there is not, or one that this driver cannot move, and a motion that nobody does."""
-    if arm not in ARM_FILES:
-        raise ConfigError(f"there is no arm {arm!r}; choose one of: {', '.join(ARM_FILES)}")
+def check_cast(tracker: str, arm: str | None, motion: str, driver: str) -> None:
+    """ConfigError for an arm that this driver cannot move, and for a motion that nobody makes."""
     if tracker == MONOCULAR and motion != USUAL_MOTION:
         raise ConfigError("the textured arm before one camera swings in its own way; leave --motion out")
-    if arm != A465 and driver == EMULATED:
+    if arm == HUMANOID and driver == EMULATED:
         raise ConfigError(f"the driver {EMULATED} is the A465's; use simulated or kinematic for the {arm} arm")
 
 
-def operator_settings(tracker: str, motion: str) -> tuple[str, ...]:
-    """The local site's settings for an operator whom this tracker can follow; one camera finds the arm by itself."""
-    settings = (
-        f"simulation.motion.name={motion}",
-        "simulation.motion.begins=when_engaged",
-        f"simulation.markers={str(tracker == MARKERS).lower()}",
-        f"tracking.method={tracker}",
-    )
-    if tracker != MONOCULAR:
-        return settings
-    return (*settings, "simulation.textured=true", "tracking.monocular.start.by=silhouette")
+def arm_file(arm: str | None) -> Path | None:
+    """The remote site's file for an arm, None for the defaults; ConfigError when there is no such arm."""
+    if arm is not None and arm not in ARM_FILES:
+        raise ConfigError(f"there is no arm {arm!r}; choose one of: {', '.join(ARM_FILES)}")
+    return ARM_FILES[arm] if arm is not None else None
+
+
+def operator_settings(tracker: str) -> tuple[str, ...]:
+    """The local site's settings for an operator whom this tracker can follow, and who waits for the engagement."""
+    settings = "simulation.motion.begins=when_engaged", f"simulation.markers={str(tracker == MARKERS).lower()}"
+    return (*settings, "simulation.textured=true") if tracker == MONOCULAR else settings
 
 
 def operator_views(tracker: str) -> tuple[str, ...]:
@@ -44,7 +42,7 @@ def operator_views(tracker: str) -> tuple[str, ...]:
 
 
 def arm_settings(tracker: str) -> tuple[str, ...]:
-    """The remote site's settings for what this tracker tells, and for where its cameras stand."""
+    """The remote site's settings for what this tracker measures, and for where its cameras are."""
     if tracker != MONOCULAR:
         return ()
     return "mapping.point=palm", f"mapping.base_R_operator={FROM_THE_RIGHT}"

@@ -1,4 +1,4 @@
-"""From what a loopback run recorded to its figures; pure."""
+"""The figures of a loopback run, computed from what was recorded; pure."""
 
 from bisect import bisect_left
 from collections.abc import Callable, Mapping, Sequence
@@ -25,7 +25,7 @@ Figures = dict[str, Any]
 
 @dataclass(frozen=True, slots=True)
 class Expectation:
-    """How the tool should move with a point of the hand: tool motion per hand motion, operator's frame in the base."""
+    """How the tool should move with a point of the hand: scale of the motion, rotation of the operator's frame."""
 
     scale: float
     base_R_operator: Array
@@ -49,7 +49,7 @@ def latency_figures(states: Sequence[RobotState]) -> Figures:
 
 
 def trace_figures(states: Sequence[RobotState], cameras: Mapping[str, CameraRecord]) -> Figures:
-    """Each traced sample's way in ms after its exposure, and the percentiles of every stage.
+    """The stages of each traced sample in ms after its exposure, and the percentiles of every stage.
 
     The last stages are the exposure of the first picture, of any camera, that was taken once the encoders had shown the
     sample, and its arrival at the viewer. The clocks of both sites are one here.
@@ -73,7 +73,7 @@ def trace_figures(states: Sequence[RobotState], cameras: Mapping[str, CameraReco
 
 
 def tracking_figures(hands: Sequence[HandArm], truth: Truth) -> Figures:
-    """Rate, lost share after initialisation and error per point against the truth, mm."""
+    """Rate, number of lost frames after initialisation, and error per point against the ground truth, mm."""
     tracked = [h for h in hands if h.status is not TrackingStatus.INITIALISING]
     lost = sum(h.wrist is None or h.status is TrackingStatus.LOST for h in tracked)
     errors: dict[str, list[float]] = {name: [] for name in POINTS}
@@ -93,20 +93,20 @@ def tracking_figures(hands: Sequence[HandArm], truth: Truth) -> Figures:
 
 
 def follow_figures(states: Sequence[RobotState], truth: Truth, expectation: Expectation) -> Figures:
-    """The measured tool against the true hand, moved as it should, at the lag that fits best: mean and p95 in mm."""
+    """The measured tool's distance from where the true hand commands it, at the lag that fits best: mean, p95, mm."""
     followed = [s for s in states if s.state is SessionState.ENGAGED and s.engagement is not None]
     if not followed:
         return {"follow_mm": {"mean": None, "p95": None}, "follow_lag_ms": None}
     times = np.array([s.t_ns for s in followed], dtype=float)
     tool = np.array([s.base_T_tool.position for s in followed])
-    grid, places = _sampled_truth(int(times[0]) - NS_PER_S, int(times[-1]), truth, expectation.point)
+    grid, positions = _sampled_truth(int(times[0]) - NS_PER_S, int(times[-1]), truth, expectation.point)
     origin_times = np.array([s.engagement.hand_capture_ns for s in followed if s.engagement], dtype=float)
     origins = np.array([s.engagement.base_T_tool.position for s in followed if s.engagement])
     hand_origin = np.array([truth(int(t))[expectation.point] for t in origin_times])
 
     def errors_at(lag_ms: float) -> Array:
         then = times - lag_ms * NS_PER_MS
-        hand = np.column_stack([np.interp(then, grid, places[:, k]) for k in range(3)])
+        hand = np.column_stack([np.interp(then, grid, positions[:, k]) for k in range(3)])
         expected = origins + expectation.scale * (hand - hand_origin) @ expectation.base_R_operator.T
         distance: Array = 1e3 * np.linalg.norm(tool - expected, axis=1)
         return distance
@@ -132,7 +132,7 @@ def video_figures(cameras: Mapping[str, CameraRecord]) -> Figures:
 
 
 def control_figures(states: Sequence[RobotState]) -> Figures:
-    """The control loop's pace, as it measured itself; None without any state."""
+    """The control loop's rate and lateness, as it measured them itself; None without any state."""
     if not states:
         return {"hz": None, "late_p99_us": None, "missed": None, "missed_share": None, "real_time": None}
     timing = states[-1].timing
@@ -162,7 +162,7 @@ def all_figures(record: Record, truth: Truth, expectation: Expectation) -> Figur
 
 
 def _holds(states: Sequence[RobotState]) -> int:
-    """How often following gave way to a hold."""
+    """How often the arm stopped following."""
     return sum(
         before.state is SessionState.ENGAGED and after.state is not SessionState.ENGAGED
         for before, after in pairwise(states)
@@ -170,7 +170,7 @@ def _holds(states: Sequence[RobotState]) -> int:
 
 
 def session_events(states: Sequence[RobotState]) -> list[str]:
-    """When the session changed after the first engagement, in seconds from there, to what and why."""
+    """Each change of the session after the first engagement: seconds since then, the new state, and its reason."""
     begin = next((k for k, s in enumerate(states) if s.state is SessionState.ENGAGED), len(states))
     return [
         f"{(now.t_ns - states[begin].t_ns) / NS_PER_S:.1f} s: {now.state.value}, {now.reason}"
@@ -180,7 +180,7 @@ def session_events(states: Sequence[RobotState]) -> list[str]:
 
 
 def _followed_share(states: Sequence[RobotState]) -> float:
-    """The share of the time since the first engagement in which the arm followed."""
+    """The fraction of the time since the first engagement in which the arm followed."""
     since = [s.state is SessionState.ENGAGED for s in states if s.engagement is not None]
     return _rounded(np.mean(since)) if since else 0.0
 

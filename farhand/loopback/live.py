@@ -17,7 +17,7 @@ from remote_site.teleop.mapping import thesis_angles
 
 
 class LiveSummary:
-    """A progress bar over the seconds of a run, with what both sites say."""
+    """A progress bar over the seconds of a run, with the newest state of both sites."""
 
     def __init__(self, seconds: float) -> None:
         columns = (TextColumn("{task.description}"), BarColumn(), TimeElapsedColumn())
@@ -34,11 +34,11 @@ class LiveSummary:
         self._progress.stop()
 
     def say(self, sentence: str) -> None:
-        """Say something that stays above the bar."""
-        self._progress.console.print(sentence, markup=False, highlight=False)
+        """Print a sentence that stays above the bar."""
+        self._progress.console.print(sentence, markup=False, highlight=False, soft_wrap=True)
 
     def show(self, elapsed_s: float, record: Record) -> None:
-        """Show the state of the moment."""
+        """Show the newest state."""
         self._progress.update(self._task, completed=elapsed_s, description=_words(record))
 
 
@@ -77,7 +77,7 @@ def _rows(figures: Figures) -> list[tuple[str, str]]:
     return [
         ("exposure to joint command, ms", _levels(command)),
         ("exposure to motion, ms", _levels(motion)),
-        ("one sample's way, p50 ms", _way(figures["trace_ms"])),
+        ("path of one sample, p50 ms", _path(figures["trace_ms"])),
         (
             "hand tracked",
             f"{tracking['frames'] - tracking['lost']} of {tracking['frames']} at {tracking['fps']:.1f} fps",
@@ -98,7 +98,7 @@ def _rows(figures: Figures) -> list[tuple[str, str]]:
     ]
 
 
-def _way(stages: Figures) -> str:
+def _path(stages: Figures) -> str:
     return " → ".join(f"{name} {_show(levels['p50'])}" for name, levels in stages.items())
 
 

@@ -1,4 +1,4 @@
-"""What the loopback saw: every hand sample, robot state and camera frame, kept as plain numbers for the figures."""
+"""Records every hand sample, robot state and camera frame of a loopback for its figures."""
 
 import threading
 import time
@@ -32,7 +32,7 @@ class CameraRecord:
     last: VideoFrame | None = None
 
     def add(self, frame: VideoFrame, arrival_ns: int) -> None:
-        """Take a frame; every fifth is decoded, since a display decodes too, and timed."""
+        """Record a frame; decode and time every fifth, as a display would."""
         if frame.status is not CameraStatus.LIVE:
             self.not_live += 1
         if not frame.jpeg:
@@ -47,7 +47,7 @@ class CameraRecord:
 
 @dataclass
 class Record:
-    """Everything that came, in order, with the time at which it came (ns)."""
+    """Everything received, in order, and the times of the last hand and the last state (ns)."""
 
     hands: list[HandArm] = field(default_factory=list)
     states: list[RobotState] = field(default_factory=list)
@@ -57,7 +57,7 @@ class Record:
 
 
 class Recorder:
-    """Listens on all channels, a thread each, until the links are closed."""
+    """Listens to all channels, a thread each, until the links are closed."""
 
     def __init__(self, control: Link, video: Link, cell: str, cameras: tuple[str, ...]) -> None:
         self.record = Record(cameras={name: CameraRecord() for name in cameras})

@@ -1,10 +1,9 @@
 """Both sites on this machine against a simulated operator and a simulated cell: started, watched, measured, ended."""
 
 import json
-import socket
 import tempfile
 import time
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Mapping
 from contextlib import ExitStack
 from dataclasses import dataclass
 from pathlib import Path
@@ -13,43 +12,26 @@ import numpy as np
 from rich.console import Console
 
 from common.clock import NS_PER_MS, NS_PER_S
-from common.config import load_config
 from common.errors import InterruptionError, ProcessError
 from common.geometry import Array
 from common.link.channels import ChannelSession
 from common.link.transport import open_link
 from common.messages.robot import Engagement, SessionState
 from common.process.service import StopFlag
-from farhand.loopback.casting import (
-    A465,
-    ARM_FILES,
-    USUAL_MOTION,
-    arm_settings,
-    check_cast,
-    operator_settings,
-    operator_views,
-)
-from farhand.loopback.figures import (
-    Expectation,
-    Figures,
-    all_figures,
-    session_events,
-)
+from farhand.loopback.casting import operator_views
+from farhand.loopback.figures import Expectation, Figures, all_figures, session_events
 from farhand.loopback.live import LiveSummary, print_table
+from farhand.loopback.plan import LoopbackOptions, plan_of
 from farhand.loopback.recorder import Record, Recorder
-from farhand.loopback.site_process import SiteProcess
+from farhand.loopback.site_process import SiteProcess, listens, start_site
 from farhand.loopback.views import save_camera_views, save_overview
 from farhand.outputs import check_file, check_folder
-from farhand.preparing import prepare_tracker
-from local_site.config import LocalConfig
+from farhand.tracking.run import prepare_tracker
 from local_site.simulation.beginning import Beginning
 from local_site.simulation.operators import Operator as SimulatedOperator
 from local_site.simulation.operators import make_operator
 from remote_site.config import RemoteConfig
-from remote_site.drivers.config import EMULATED
-from remote_site.drivers.registry import check_driver
 
-CELL = "loopback"
 START_TIMEOUT_S = 40.0
 ENGAGE_TIMEOUT_S = 60.0  # on a machine that does much else the tracker alone takes a quarter of a minute to start
 SILENT_NS = 2 * NS_PER_S
@@ -61,24 +43,8 @@ FOLLOWING = (SessionState.ENGAGED, SessionState.HOLDING)
 
 
 @dataclass(frozen=True, slots=True)
-class LoopbackOptions:
-    """What the command line asks for."""
-
-    seconds: float = 30.0
-    report: Path | None = None
-    driver: str = "simulated"
-    motion: str = USUAL_MOTION
-    tracker: str = "silhouette"
-    arm: str = A465
-    save_views: Path | None = None
-    headless: bool = False
-    remote_settings: tuple[str, ...] = ()
-    local_settings: tuple[str, ...] = ()
-
-
-@dataclass(frozen=True, slots=True)
 class LoopbackOperator:
-    """The operator that the local site simulates, known here too for the truth."""
+    """The operator that the local site simulates, also here for the ground truth."""
 
     simulated: SimulatedOperator
     beginning: Beginning
@@ -92,107 +58,104 @@ class LoopbackOperator:
         return self.simulated.openings_until(self.beginning.elapsed_s(t_ns))
 
 
-@dataclass(frozen=True, slots=True)
-class Plan:
-    """The settings of both sites and the console, where to listen to the sites, and where the page is.
+class RunningSites:
+    """The processes of a run and everything received from them."""
 
-    `arm` is the remote site's file, None for its defaults.
-    """
+    def __init__(self) -> None:
+        self.record = Record()
+        self.events: list[str] = []
+        self._sites: list[SiteProcess] = []
 
-    arm: Path | None
-    remote: tuple[str, ...]
-    local: tuple[str, ...]
-    console: tuple[str, ...]
-    page_port: int
-    control: tuple[str, ...]
-    video: tuple[str, ...]
+    def start(self, name: str, arguments: list[str], runtime: Path) -> None:
+        """Start `farhand NAME` with these arguments."""
+        self._sites.append(start_site(name, arguments, runtime))
 
+    def check(self) -> None:
+        """ProcessError, with its own last words, when a process has ended."""
+        for site in self._sites:
+            if site.exit_code is not None:
+                raise ProcessError(f"the {site.name} process ended (exit code {site.exit_code}): {site.last_error()}")
 
-def plan_of(options: LoopbackOptions) -> Plan:
-    """Settings with free endpoints of this host; ConfigError when the options ask for what there is not."""
-    check_cast(options.tracker, options.arm, options.motion, options.driver)
-    *ports, page = free_ports(4)
-    control, video, local = (f"tcp/127.0.0.1:{port}" for port in ports)
-    remote_settings = (
-        f"links.control={control}",
-        f"links.video={video}",
-        "video.calibrated=true",
-        f"driver.name={options.driver}",
-        f"driver.emulate={str(options.driver == EMULATED).lower()}",
-        *arm_settings(options.tracker),
-    )
-    local_settings = (
-        f"links.remote={control}",
-        f"links.listen={local}",
-        *operator_settings(options.tracker, options.motion),
-    )
-    plan = Plan(
-        arm=ARM_FILES[options.arm],
-        remote=(f"cell={CELL}", *remote_settings, *options.remote_settings),
-        local=(f"cell={CELL}", *local_settings, *options.local_settings),
-        console=(
-            f"cell={CELL}",
-            f"links.control={control}",
-            f"links.video={video}",
-            f"links.local={local}",
-            f"serve.port={page}",
-        ),
-        page_port=page,
-        control=(control, local),
-        video=(video,),
-    )
-    load_config(LocalConfig, None, plan.local)
-    check_driver(load_config(RemoteConfig, plan.arm, plan.remote).driver.name)
-    return plan
+    def check_silence(self) -> None:
+        """ProcessError when a site has sent nothing for two seconds."""
+        now_ns = time.monotonic_ns()
+        for name, heard_ns in (("local", self.record.last_hand_ns), ("remote", self.record.last_state_ns)):
+            if now_ns - heard_ns > SILENT_NS:
+                raise ProcessError(f"the {name} site has been silent for 2 s: {self.last_words()}")
+
+    def last_words(self) -> str:
+        """The newest state's reason, and the last error or line of each process."""
+        reasons = [self.record.states[-1].reason] if self.record.states else []
+        return "; ".join([*reasons, *(f"{site.name}: {site.last_error()}" for site in self._sites)])
+
+    def end(self) -> None:
+        """End the processes, the last one first, and keep their warnings."""
+        for site in reversed(self._sites):
+            site.end()
+            self.events += site.events
 
 
 class Loopback:
-    """One run: the two sites, and everything heard of them."""
+    """One run from the start of both sites to its figures."""
 
     def __init__(self, options: LoopbackOptions, should_stop: StopFlag) -> None:
         self._options = options
         self._should_stop = should_stop
         self._plan = plan_of(options)
-        self._runtime = Path()
-        self._sites: list[SiteProcess] = []
-        self._events: list[str] = []
-        self.record = Record()
+        self._remote, self._local = self._plan.remote.load(), self._plan.local.load()
+        self._operator = LoopbackOperator(make_operator(self._local.simulation), Beginning())
+        self._sites = RunningSites()
+
+    @property
+    def record(self) -> Record:
+        """Everything received from the sites."""
+        return self._sites.record
+
+    @property
+    def operator_views(self) -> tuple[str, ...]:
+        """The names of the operator's views as they are saved."""
+        return operator_views(self._local.tracking.method)
 
     def run(self) -> Figures:
         """Start, wait for the arm to follow, measure, end; ProcessError says what went wrong."""
-        remote = load_config(RemoteConfig, self._plan.arm, self._plan.remote)
-        prepare_tracker(load_config(LocalConfig, None, self._plan.local).tracking)
+        prepare_tracker(self._local.tracking)
         with ExitStack() as stack, LiveSummary(self._options.seconds) as live:
-            self._runtime = Path(stack.enter_context(tempfile.TemporaryDirectory(prefix="farhand-")))
-            stack.callback(self._end)
-            self._start("remote", self._plan.remote, ["--config", str(self._plan.arm)] if self._plan.arm else [])
-            control = stack.enter_context(open_link(connect=self._plan.control))
-            video = stack.enter_context(open_link(connect=self._plan.video, sessions=[ChannelSession.VIDEO]))
-            self.record = Recorder(control, video, CELL, tuple(c.name for c in remote.video.cameras)).record
-            self._wait("the remote site to start", START_TIMEOUT_S, lambda: bool(self.record.states))
-            if self._should_stop():
-                raise InterruptionError("interrupted before both sites were up; nothing was measured")
-            operator = self._start_local()
+            for note in self._plan.notes:
+                live.say(note)
+            runtime = Path(stack.enter_context(tempfile.TemporaryDirectory(prefix="farhand-")))
+            stack.callback(self._sites.end)
+            self._start_remote(runtime, stack)
+            self._start_local(runtime)
             if not self._options.headless:
-                self._start("console", self._plan.console)
-                self._wait("the operator's page", START_TIMEOUT_S, lambda: listens(self._plan.page_port))
-                live.say(f"the operator's page: http://127.0.0.1:{self._plan.page_port}/")
+                self._start_console(runtime, live)
             self._wait("the arm to be engaged", ENGAGE_TIMEOUT_S, lambda: self._engagement is not None)
             if self._engagement is not None:
-                operator.beginning.set(self._engagement.hand_capture_ns)
+                self._operator.beginning.set(self._engagement.hand_capture_ns)
             self._watch(live)
-            self._settle(operator)
-        return self._figures(operator, remote)
+            self._settle()
+        return run_figures(self.record, self._operator, self._remote, self._sites.events)
 
-    def _start(self, name: str, settings: Sequence[str], extra: Sequence[str] = ()) -> None:
-        arguments = [part for setting in settings for part in ("--set", setting)]
-        self._sites.append(SiteProcess(name, [*arguments, *extra], self._runtime))
+    def _start_remote(self, runtime: Path, stack: ExitStack) -> None:
+        remote = self._remote
+        self._sites.start("remote", self._plan.remote.arguments, runtime)
+        control = stack.enter_context(open_link(connect=(remote.links.control, self._local.links.listen)))
+        video = stack.enter_context(open_link(connect=(remote.links.video,), sessions=[ChannelSession.VIDEO]))
+        cameras = tuple(camera.name for camera in remote.video.cameras)
+        self._sites.record = Recorder(control, video, remote.cell, cameras).record
+        self._wait("the remote site to start", START_TIMEOUT_S, lambda: bool(self.record.states))
+        if self._should_stop():
+            raise InterruptionError("interrupted before both sites were up; nothing was measured")
 
-    def _start_local(self) -> LoopbackOperator:
+    def _start_local(self, runtime: Path) -> None:
         views = self._options.save_views
-        self._start("local", self._plan.local, ["--save-views", str(views.resolve())] if views else [])
-        local = load_config(LocalConfig, None, self._plan.local)
-        return LoopbackOperator(make_operator(local.simulation), Beginning())
+        saving = ["--save-views", str(views.resolve())] if views else []
+        self._sites.start("local", [*self._plan.local.arguments, *saving], runtime)
+
+    def _start_console(self, runtime: Path, live: LiveSummary) -> None:
+        port = self._plan.console.load().serve.port
+        self._sites.start("console", self._plan.console.arguments, runtime)
+        self._wait("the operator's page", START_TIMEOUT_S, lambda: listens(port))
+        live.say(f"the operator's page: http://127.0.0.1:{port}/")
 
     @property
     def _engagement(self) -> Engagement | None:
@@ -202,9 +165,9 @@ class Loopback:
     def _wait(self, what: str, timeout_s: float, is_so: Callable[[], bool]) -> None:
         deadline = time.monotonic() + timeout_s
         while not is_so() and not self._should_stop():
-            self._check_sites()
+            self._sites.check()
             if time.monotonic() > deadline:
-                raise ProcessError(f"waited {timeout_s:g} s in vain for {what}: {self._last_word()}")
+                raise ProcessError(f"waited {timeout_s:g} s in vain for {what}: {self._sites.last_words()}")
             time.sleep(POLL_S)
 
     def _watch(self, live: LiveSummary) -> None:
@@ -213,71 +176,36 @@ class Loopback:
             elapsed = time.monotonic() - start
             if self._options.seconds and elapsed >= self._options.seconds:
                 return
-            self._check_sites()
-            self._check_silence()
+            self._sites.check()
+            self._sites.check_silence()
             live.show(elapsed, self.record)
             self._should_stop.wait(POLL_S)
 
-    def _settle(self, operator: LoopbackOperator) -> None:
+    def _settle(self) -> None:
         """Let an opening of the hand that has just begun reach the gripper."""
         deadline = time.monotonic() + SETTLE_TIMEOUT_S
         while not self._should_stop() and time.monotonic() < deadline:
             now_ns = time.monotonic_ns()
-            if operator.openings(now_ns) == operator.openings(now_ns - SETTLE_NS):
+            if self._operator.openings(now_ns) == self._operator.openings(now_ns - SETTLE_NS):
                 return
             time.sleep(POLL_S)
 
-    def _check_sites(self) -> None:
-        for site in self._sites:
-            if site.exit_code is not None:
-                raise ProcessError(f"the {site.name} site died (exit code {site.exit_code}): {site.last_error()}")
 
-    def _check_silence(self) -> None:
-        now_ns = time.monotonic_ns()
-        for name, heard_ns in (("local", self.record.last_hand_ns), ("remote", self.record.last_state_ns)):
-            if now_ns - heard_ns > SILENT_NS:
-                raise ProcessError(f"the {name} site has been silent for 2 s: {self._last_word()}")
-
-    def _last_word(self) -> str:
-        words = [site.last_error() for site in self._sites]
-        if self.record.states:
-            words.insert(0, self.record.states[-1].reason)
-        return "; ".join(words)
-
-    def _end(self) -> None:
-        for site in reversed(self._sites):
-            site.end()
-            self._events += site.events
-
-    def _figures(self, operator: LoopbackOperator, remote: RemoteConfig) -> Figures:
-        expectation = Expectation(remote.mapping.scale, np.array(remote.mapping.base_R_operator), remote.mapping.point)
-        figures = all_figures(self.record, operator.truth, expectation)
-        states = self.record.states
-        figures["toggles"] = {
-            "sent": operator.openings(states[-1].t_ns) if states else 0,
-            "applied": states[-1].gripper_toggles_applied if states else 0,
-        }
-        last = states[-1] if states else None
-        figures["stopped"] = last.reason if last is not None and last.state not in FOLLOWING else None
-        figures["rejected"] = states[-1].rejected if states else {}
-        figures["events"] = session_events(states) + self._events
-        return figures
-
-
-def free_ports(count: int) -> list[int]:
-    """Ports of the loopback interface that nobody listens on now."""
-    with ExitStack() as stack:
-        probes = [stack.enter_context(socket.socket()) for _ in range(count)]
-        for probe in probes:
-            probe.bind(("127.0.0.1", 0))
-        return [int(probe.getsockname()[1]) for probe in probes]
-
-
-def listens(port: int) -> bool:
-    """Whether somebody listens on a port of the loopback interface."""
-    with socket.socket() as probe:
-        probe.settimeout(POLL_S)
-        return probe.connect_ex(("127.0.0.1", port)) == 0
+def run_figures(record: Record, operator: LoopbackOperator, remote: RemoteConfig, warnings: list[str]) -> Figures:
+    """The report of a run: what was measured, how it ended, and what the sites warned of."""
+    mapping, states = remote.mapping, record.states
+    last = states[-1] if states else None
+    expectation = Expectation(mapping.scale, np.array(mapping.base_R_operator), mapping.point)
+    return {
+        **all_figures(record, operator.truth, expectation),
+        "toggles": {
+            "sent": operator.openings(last.t_ns) if last else 0,
+            "applied": last.gripper_toggles_applied if last else 0,
+        },
+        "stopped": last.reason if last and last.state not in FOLLOWING else None,
+        "rejected": last.rejected if last else {},
+        "events": session_events(states) + warnings,
+    }
 
 
 def run_loopback(options: LoopbackOptions, should_stop: StopFlag) -> None:
@@ -295,7 +223,7 @@ def run_loopback(options: LoopbackOptions, should_stop: StopFlag) -> None:
         options.report.write_text(json.dumps(figures, indent=2) + "\n", encoding="utf-8")
     if options.save_views is not None:
         save_camera_views(loop.record.cameras, options.save_views)
-        save_overview((*loop.record.cameras, *operator_views(options.tracker)), options.save_views)
+        save_overview((*loop.record.cameras, *loop.operator_views), options.save_views)
     if should_stop() and (options.seconds or not figures["engagements"]):
         raise InterruptionError("interrupted")
     check_followed(figures)

@@ -1,37 +1,39 @@
-"""A site as a process of its own under the loopback: started, listened to, ended, never left behind."""
+"""A site as a process of its own under the loopback and the tests: started, listened to, ended, never left behind."""
 
 import os
+import socket
 import subprocess
 import sys
 import threading
 from collections import deque
+from collections.abc import Mapping, Sequence
+from contextlib import ExitStack
 from pathlib import Path
 from typing import IO
 
 from common.process.children import die_with_parent
 
 LINES_KEPT = 200
-END_TIMEOUT_S = 4.0
+END_TIMEOUT_S = 6.0
+CONNECT_TIMEOUT_S = 0.05
+VOICE = "farhand:"  # begins the sentence with which a command ends
 
 
 class SiteProcess:
-    """One daemon of this installation; its log lines are kept, warnings and errors are handed on.
+    """A process whose log lines are kept, warnings and errors as events too; it ends with this one."""
 
-    `runtime` is the folder of its run-time files, so that they end with whoever starts the sites.
-    """
-
-    def __init__(self, name: str, arguments: list[str], runtime: Path) -> None:
+    def __init__(self, name: str, command: Sequence[str], environment: Mapping[str, str]) -> None:
         self.name = name
         self.lines: deque[str] = deque(maxlen=LINES_KEPT)
         self.events: deque[str] = deque(maxlen=LINES_KEPT)
         parent = os.getpid()
         self._process = subprocess.Popen(  # noqa: S603  # our own program with our own arguments
-            [sys.executable, "-m", "farhand", name, *arguments],
+            command,
             stdin=subprocess.DEVNULL,
             stdout=subprocess.DEVNULL,
             stderr=subprocess.PIPE,
             text=True,
-            env=os.environ | {"STATE_DIRECTORY": str(runtime)},
+            env=os.environ | environment,
             start_new_session=True,
             preexec_fn=lambda: die_with_parent(parent),  # noqa: PLW1509  # two system calls that take no lock
         )
@@ -61,9 +63,15 @@ class SiteProcess:
         self._listener.join(END_TIMEOUT_S)
 
     def last_error(self) -> str:
-        """The last line that says why it ended."""
-        errors = [line for line in self.lines if line.startswith(("level=error", "farhand:"))]
-        return (errors or list(self.lines) or ["it said nothing"])[-1]
+        """Why it ended, in the words with which it ended; else its last error, else its last line."""
+        if self.exit_code is not None:
+            self._listener.join(END_TIMEOUT_S)
+        lines = list(self.lines)
+        ends = [k for k, line in enumerate(lines) if line.startswith(VOICE)]
+        if ends:
+            return "\n".join(lines[ends[-1] :]).removeprefix(VOICE).strip()
+        errors = [line for line in lines if line.startswith("level=error")]
+        return (errors or lines or ["it said nothing"])[-1]
 
     def _listen(self, stream: IO[str]) -> None:
         with stream:
@@ -71,3 +79,24 @@ class SiteProcess:
                 self.lines.append(line.rstrip())
                 if not line.startswith("level=info"):
                     self.events.append(f"{self.name}: {line.rstrip()}")
+
+
+def start_site(name: str, arguments: Sequence[str], runtime: Path) -> SiteProcess:
+    """Start a command of this installation; `runtime` is the folder of its state, to end with whoever starts it."""
+    return SiteProcess(name, [sys.executable, "-m", "farhand", name, *arguments], {"STATE_DIRECTORY": str(runtime)})
+
+
+def free_ports(count: int) -> list[int]:
+    """Ports of the loopback interface that nobody listens on now."""
+    with ExitStack() as stack:
+        probes = [stack.enter_context(socket.socket()) for _ in range(count)]
+        for probe in probes:
+            probe.bind(("127.0.0.1", 0))
+        return [int(probe.getsockname()[1]) for probe in probes]
+
+
+def listens(port: int) -> bool:
+    """Whether somebody listens on a port of the loopback interface."""
+    with socket.socket() as probe:
+        probe.settimeout(CONNECT_TIMEOUT_S)
+        return probe.connect_ex(("127.0.0.1", port)) == 0

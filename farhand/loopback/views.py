@@ -1,4 +1,4 @@
-"""The last pictures of a run as PNG: the four views, the two annotated operator views, and all of them in one."""
+"""The last pictures of a run as PNG: the views of the cell, the annotated operator views, and all of them in one."""
 
 from collections.abc import Mapping
 from pathlib import Path

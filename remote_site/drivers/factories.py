@@ -2,7 +2,7 @@
 
 from common.errors import DriverError
 from remote_site.drivers.driver import Driver
-from remote_site.drivers.registry import DriverHost
+from remote_site.drivers.registry import DriverHost, check_options
 
 
 def kinematic(host: DriverHost) -> Driver:
@@ -23,9 +23,9 @@ def simulated(host: DriverHost) -> Driver:
 
 def c500c(host: DriverHost) -> Driver:
     """The A465's controller on a serial line."""
-    from remote_site.drivers.c500c.config import options_of  # noqa: PLC0415  # only this robot's
+    from remote_site.drivers.c500c.config import C500cConfig  # noqa: PLC0415  # only this robot's
     from remote_site.drivers.c500c.driver import C500cDriver  # noqa: PLC0415  # only this robot's
     from remote_site.drivers.c500c.port import open_port  # noqa: PLC0415  # only this robot's
 
-    config = options_of(host.options)
+    config = check_options(C500cConfig, host.options)
     return C500cDriver(config, open_port(config.port, config.baud), host.clock)

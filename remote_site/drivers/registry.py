@@ -3,13 +3,19 @@
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
 from importlib.metadata import EntryPoint, entry_points
+from typing import TypeVar
+
+import msgspec
 
 from common.clock import Clock
-from common.errors import DriverError, FarhandError
+from common.config import ConfigMistake, build
+from common.errors import ConfigError, DriverError, FarhandError
 from remote_site.drivers.driver import Driver
 from remote_site.simulation.memory import CellMemory
 
 GROUP = "farhand.drivers"
+
+S = TypeVar("S", bound=msgspec.Struct)
 
 Option = str | int | float | bool
 
@@ -54,9 +60,13 @@ def check_driver(name: str) -> EntryPoint:
     return installed[name]
 
 
-def driver_names() -> tuple[str, ...]:
-    """Every name that `create_driver` knows."""
-    return tuple(sorted({point.name for point in entry_points(group=GROUP)}))
+def check_options(kind: type[S], options: Mapping[str, Option]) -> S:
+    """The table `driver.options` as a msgspec struct of the driver's own; ConfigError names every mistake."""
+    mistakes: list[ConfigMistake] = []
+    config = build(kind, options, ("driver", "options"), mistakes)
+    if config is None:
+        raise ConfigError("\n".join(f"{'.'.join(mistake.path)}: {mistake.text}" for mistake in mistakes))
+    return config
 
 
 def _kind(error: Exception) -> str:

@@ -7,7 +7,7 @@ import time
 import pytest
 
 from bench.page.narrow_link import NarrowLink
-from farhand.loopback.run import free_ports
+from farhand.loopback.site_process import free_ports
 
 SIZE = 125_000  # a megabit
 

@@ -7,8 +7,7 @@ from dataclasses import dataclass
 import pytest
 
 from bench.page.bare_console import BareConsole
-from farhand.loopback.run import free_ports
-from farhand.loopback.site_process import SiteProcess
+from farhand.loopback.site_process import SiteProcess, free_ports
 from tests.browser import scene
 from tests.browser.opened_page import OpenedPage
 from tests.browser.told import Told

@@ -80,7 +80,7 @@ def test_a_second_run_changes_nothing_but_installs_again(scratch: Scratch) -> No
 def test_a_dry_run_touches_nothing_and_says_what_it_would_do(scratch: Scratch) -> None:
     told = scratch.run("--dry-run")
     assert not scratch.root.exists()
-    assert f"would run: cp {PROJECT}/deploy/sites/remote.toml {scratch.configuration}/remote.toml" in told
+    assert f"would run: cp {PROJECT}/farhand/deployment/sites/remote.toml {scratch.configuration}/remote.toml" in told
     scratch.run()
     before = scratch.files()
     assert f"would run: rm -rf {scratch.home}" in scratch.run("--uninstall", "--dry-run")
@@ -98,9 +98,9 @@ def test_an_edited_configuration_is_kept_and_a_newer_one_laid_beside_it(scratch:
     assert f"kept: {edited} is edited" in scratch.run()
     assert edited.read_text() == 'cell = "mine"\n'
     assert (scratch.configuration / "remote.toml.new").read_bytes() == (
-        PROJECT / "deploy/sites/remote.toml"
+        PROJECT / "farhand/deployment/sites/remote.toml"
     ).read_bytes()
-    assert untouched.read_bytes() == (PROJECT / "deploy/sites/local.toml").read_bytes()
+    assert untouched.read_bytes() == (PROJECT / "farhand/deployment/sites/local.toml").read_bytes()
 
 
 def test_nothing_is_left_but_what_is_edited_or_not_ours(scratch: Scratch) -> None:

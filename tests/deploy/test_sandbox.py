@@ -8,7 +8,7 @@ from pathlib import Path
 
 import pytest
 
-UNITS = Path(__file__).parents[2] / "deploy/systemd"
+UNITS = Path(__file__).parents[2] / "farhand/deployment/systemd"
 LIBRARY = ctypes.util.find_library("seccomp")
 MODULE = """
 import ctypes, errno, mmap, multiprocessing, os, sys

@@ -10,7 +10,7 @@ import pytest
 
 from farhand.exit_codes import MISUSE
 
-DEPLOY = Path(__file__).parents[2] / "deploy"
+DEPLOY = Path(__file__).parents[2] / "farhand" / "deployment"
 UNITS = sorted((DEPLOY / "systemd").glob("farhand-*.service"))
 SITES = ("remote", "local")
 MOST_EXPOSED = 2.0

@@ -32,7 +32,7 @@ from tests.common.link.secured_cell import (
     until,
 )
 
-DEPLOYED = Path(__file__).parents[2] / "deploy"
+PROJECT = Path(__file__).parents[2]
 
 
 @pytest.fixture(scope="module")
@@ -137,8 +137,8 @@ def test_a_router_lets_no_viewer_hear_a_hand(meeting: Meeting) -> None:
 
 
 def test_zenohds_configuration_is_the_routers_and_can_be_read() -> None:
-    deployed = DEPLOYED / "router" / "zenohd.json5"
-    config = load_config(RouterConfig, DEPLOYED / "sites" / "router.toml")
+    deployed = PROJECT / "deploy/router/zenohd.json5"
+    config = load_config(RouterConfig, PROJECT / "farhand/deployment/sites/router.toml")
     written = "".join(line for line in deployed.read_text().splitlines(True) if not line.startswith("//"))
     assert json.loads(written) == json.loads(zenohd_configuration(config))
     read = zenoh.Config.from_file(str(deployed))

@@ -28,15 +28,15 @@ from common.messages.requests import EngagementAction, EngagementRequest, Reply
 from common.messages.robot import RobotState, SessionState
 from farhand.certificates.folder import CertificateOrder, create
 from farhand.loopback.recorder import Recorder
-from farhand.loopback.run import free_ports
+from farhand.loopback.site_process import SiteProcess, free_ports
 from remote_site.config import RemoteConfig
 from remote_site.kinematics.limits import JointLimits
 from remote_site.kinematics.model import ArmModel
 from remote_site.safety.config import FULL_SPEED_MS
-from tests.faults.daemons import NOBODY, Daemon
 from tests.faults.driver_log import DriverLog
 from tests.faults.hand_path import HandPath
 from tests.faults.namespaces import Network
+from tests.faults.nobody import NOBODY
 from tests.faults.puppets import tell
 
 A465 = "driver.name=c500c"
@@ -81,19 +81,19 @@ class CellPair:
         self.link = self.stack.enter_context(open_link(connect=(self.control,), security=security))
         self.states = Recorder(self.link, self.link, CELL, ()).record.states
         self.remote = self.local = NOBODY
-        self.others: list[Daemon] = []
+        self.others: list[SiteProcess] = []
         self.path = HandPath.still()
 
     def start(self) -> None:
         """Start both sites, and the robot where it is a process of its own."""
         if A465 in self.settings:
             command = [sys.executable, str(TESTS / "emulated_robot.py"), str(self.folder)]
-            self.others.append(Daemon("robot", command, self._environment))
+            self.others.append(SiteProcess("robot", command, self._environment))
             self.wait("the robot", (self.folder / "line").exists)
         self.start_remote()
         self.start_local()
 
-    def start_remote(self) -> Daemon:
+    def start_remote(self) -> SiteProcess:
         """Start the remote site, and wait for its first state."""
         self.remote.end()
         before = len(self.states)
@@ -101,7 +101,7 @@ class CellPair:
         self.wait("the remote site", lambda: len(self.states) > before)
         return self.remote
 
-    def start_local(self) -> Daemon:
+    def start_local(self) -> SiteProcess:
         """Start the local site, on the other host if there is one."""
         ear = self.folder / "hand"
         self.local.end()
@@ -122,12 +122,12 @@ class CellPair:
         self.others.append(self._start("console", [*self._beyond, *FARHAND, "console"], settings))
         return port
 
-    def start_page(self, port: int) -> Daemon:
+    def start_page(self, port: int) -> SiteProcess:
         """Open a page of the console; it listens to `page`."""
         ear = self.folder / "page"
         ear.unlink(missing_ok=True)
         command = [*self._beyond, sys.executable, str(TESTS / "page_client.py"), str(port), str(ear)]
-        self.others.append(Daemon("page", command, self._environment))
+        self.others.append(SiteProcess("page", command, self._environment))
         self.wait("the page", ear.exists)
         return self.others[-1]
 
@@ -234,9 +234,9 @@ class CellPair:
             process.end()
         self.stack.close()
 
-    def _start(self, name: str, command: list[str], settings: tuple[str, ...]) -> Daemon:
+    def _start(self, name: str, command: list[str], settings: tuple[str, ...]) -> SiteProcess:
         arguments = [part for setting in settings for part in ("--set", setting)]
-        return Daemon(name, [*command, *arguments], self._environment)
+        return SiteProcess(name, [*command, *arguments], self._environment)
 
     def _own_settings(self) -> tuple[str, ...]:
         return (

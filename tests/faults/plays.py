@@ -16,6 +16,7 @@ from tests.faults.driver_log import ms
 from tests.faults.forgery import ask_for_lease
 from tests.faults.puppets import tell
 from tests.faults.trial import FOLLOWING, Trial
+from tests.integration.sites import child_of
 
 Act = Callable[[CellPair], object]
 Play = Callable[[Trial], None]
@@ -232,7 +233,7 @@ def kill_control(trial: Trial) -> None:
     """Control is killed: the driver's process stops the arm, and what starts again is not engaged."""
     pair = trial.pair
     pair.move()
-    trial.begin(lambda pair: os.kill(pair.remote.child("farhand-control"), signal.SIGKILL))
+    trial.begin(lambda pair: os.kill(child_of(pair.remote, "farhand-control"), signal.SIGKILL))
     trial.rests()
     pair.wait("the remote site to end", lambda: pair.remote.exit_code is not None, 10)
     trial.check("control" in "".join(pair.remote.lines), "the site does not name the dead process")

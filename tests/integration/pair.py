@@ -2,9 +2,8 @@
 
 from common.errors import TransportError
 from common.messages.robot import SessionState
-from farhand.commands.engage import request_engage
-from farhand.loopback.run import free_ports
-from farhand.loopback.site_process import SiteProcess
+from farhand.authority.engage import request_engage
+from farhand.loopback.site_process import SiteProcess, free_ports
 from tests.integration.sites import CELL, PATIENT, Sites
 
 OPERATOR = "anna"

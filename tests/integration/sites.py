@@ -15,8 +15,7 @@ import pytest
 from common.link.transport import open_link
 from common.messages.robot import RobotState, SessionState
 from farhand.loopback.recorder import Recorder
-from farhand.loopback.run import free_ports
-from farhand.loopback.site_process import SiteProcess
+from farhand.loopback.site_process import SiteProcess, free_ports, start_site
 from tests.integration.systemd import Systemd
 
 CELL = "test"
@@ -68,7 +67,7 @@ class Sites:
         systemd = Systemd(self.runtime / f"notify-{len(self.processes)}")
         self.stack.callback(systemd.close)
         with patch.dict(os.environ, NOTIFY_SOCKET=str(systemd.path)):
-            process = SiteProcess(name, arguments, self.runtime)
+            process = start_site(name, arguments, self.runtime)
         self.processes.append(process)
         self.systemd[process.pid] = systemd
         return process

@@ -9,9 +9,9 @@ from common.errors import TransportError
 from common.link.channels import HAND
 from common.messages.requests import OperatorAction
 from common.messages.robot import SessionState
-from farhand.commands.engage import request_engage
-from farhand.commands.lease import act_on_lease, show_lease
-from farhand.loopback.run import free_ports
+from farhand.authority.engage import request_engage
+from farhand.authority.lease import act_on_lease, show_lease
+from farhand.loopback.site_process import free_ports
 from tests.integration.pair import LEASE_S, Pair
 from tests.integration.sites import CELL, Sites, killed
 

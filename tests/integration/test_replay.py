@@ -12,7 +12,7 @@ import pytest
 from common.config import load_config
 from common.messages.requests import EngagementAction
 from common.messages.robot import SessionState
-from farhand.commands.engage import request_engage, request_maintenance
+from farhand.authority.engage import request_engage, request_maintenance
 from remote_site.config import RemoteConfig
 from tests.integration.sites import CELL, LIGHT_REMOTE, PATIENT, Sites, descendants, name_of, running_sites
 from tests.remote_site.teleop.cycle_log import first_difference, read_cycles

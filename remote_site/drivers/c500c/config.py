@@ -1,14 +1,9 @@
 """What the A465's driver can be told in the table `driver.options`."""
 
-from collections.abc import Mapping
 from typing import Annotated
 
 import msgspec
 from msgspec import Meta
-
-from common.config import ConfigMistake, build
-from common.errors import ConfigError
-from remote_site.drivers.registry import Option
 
 
 class C500cConfig(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
@@ -30,12 +25,3 @@ class C500cConfig(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fiel
     strong_grip_s: Annotated[float, Meta(ge=0, le=15, description="how long a force above hold_percent lasts, s")] = (
         10.0
     )
-
-
-def options_of(options: Mapping[str, Option]) -> C500cConfig:
-    """The driver's options, checked; ConfigError names every mistake."""
-    mistakes: list[ConfigMistake] = []
-    config = build(C500cConfig, options, ("driver", "options"), mistakes)
-    if config is None:
-        raise ConfigError("\n".join(f"{'.'.join(mistake.path)}: {mistake.text}" for mistake in mistakes))
-    return config

@@ -10,8 +10,8 @@ import pytest
 
 import common
 from common.clock import ClockOffset
-from common.errors import ProcessError
-from common.process.children import Children, Heartbeat
+from common.errors import DriverError, ProcessError
+from common.process.children import ChildMain, Children, Heartbeat
 from common.process.service import StopFlag, notify
 
 
@@ -69,6 +69,23 @@ def test_a_dead_child_is_an_error_with_its_name() -> None:
     child = children.start("worker", dying)
     child.process.join(10.0)
     with pytest.raises(ProcessError, match=r"worker died \(exit code 3\)"):
+        children.check()
+
+
+def refusing(should_stop: StopFlag, heartbeat: Heartbeat) -> None:  # noqa: ARG001  # the signature of a child's main
+    raise DriverError("no arm answers at address 7")
+
+
+def failing(should_stop: StopFlag, heartbeat: Heartbeat) -> None:  # noqa: ARG001
+    raise ValueError("x" * 5000)
+
+
+@pytest.mark.parametrize(("main", "reason"), [(refusing, "no arm answers at address 7"), (failing, "ValueError: xxx")])
+def test_a_child_that_raises_leaves_its_reason(main: ChildMain, reason: str) -> None:
+    children = Children("test")
+    child = children.start("worker", main)
+    child.process.join(10.0)
+    with pytest.raises(ProcessError, match=rf"test: process worker died \(exit code 1\): {reason}"):
         children.check()
 
 

@@ -16,7 +16,7 @@ from common.messages.robot import SessionState
 from common.messages.video import CameraStatus
 from common.process.metrics import AtScrape, MetricsSource, run_metrics
 from common.process.service import StopFlag
-from farhand.loopback.run import free_ports
+from farhand.loopback.site_process import free_ports
 from local_site.runtime.figures import LocalFigures
 from remote_site.runtime.figures import RemoteFigures
 from remote_site.video.tally import VideoTally

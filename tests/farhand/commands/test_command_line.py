@@ -10,18 +10,12 @@ import pytest
 import structlog
 
 from common.clock import NS_PER_MS
-from common.config import load_config
 from farhand.__main__ import main as start
 from farhand.cli import main
 from local_site.calibration.rig_file import save_rig
-from local_site.config import LocalConfig
-from local_site.console.config import ConsoleConfig
 from local_site.simulation.cameras import control_point_rows, exact_rig
 from local_site.simulation.config import SimulationConfig
-from remote_site.config import RemoteConfig
 from remote_site.runtime.crash_marker import CrashMarker
-
-DEPLOY = Path(__file__).parents[3] / "deploy" / "sites"
 
 
 def farhand(*arguments: str) -> subprocess.CompletedProcess[str]:
@@ -68,7 +62,13 @@ def here(monkeypatch, capsys, tmp_path) -> Iterator[Callable[..., subprocess.Com
         ["track"],
         ["calibrate"],
         ["calibrate", "points"],
+        ["calibrate", "images"],
+        ["calibrate", "live"],
+        ["config", "show"],
+        ["config", "init"],
         ["driver", "test"],
+        ["maintenance", "reset"],
+        ["router"],
         ["experiment"],
         ["console"],
     ],
@@ -113,6 +113,9 @@ def test_every_command_has_help(command: list[str], here) -> None:
         (["remote", "--set", "driver.name=elbow"], 1, "choose one of: c500c, kinematic, simulated"),
         (["remote", "--set", "links.control=tcp/10.0.0.1:7447"], 2, "refused"),
         (["loopback", "--driver", "none"], 1, "choose one of"),
+        (["loopback", "--set", "driver.nme=x"], 2, "did you mean name?"),
+        (["loopback", "--config", "absent.toml"], 2, "absent.toml"),
+        (["config", "show", "remot"], 2, "choose one of: console, local, local-cameras, remote, router"),
         (["driver", "test", "elbow"], 1, "choose one of"),
         (["console", "--set", "links.control=tcp/10.0.0.1:7447"], 2, "refused"),
     ],
@@ -130,6 +133,13 @@ def test_a_site_whose_port_is_taken_says_so(site: str, key: str, here) -> None:
         done = here(site, "--set", f"{key}=tcp/127.0.0.1:{taken.getsockname()[1]}")
     assert done.returncode == 1
     assert "is the port taken by another site?" in done.stderr
+
+
+def test_the_command_line_loads_nothing_of_what_it_runs() -> None:
+    heavy = "cv2", "mujoco", "numba", "numpy", "pinocchio", "scipy", "starlette", "zenoh"
+    program = f"import sys, farhand.cli; print([name for name in {heavy!r} if name in sys.modules])"
+    done = subprocess.run([sys.executable, "-c", program], check=True, capture_output=True, text=True)
+    assert done.stdout == "[]\n"
 
 
 def test_ctrl_c_before_anything_listens_to_it_ends_without_a_traceback(monkeypatch, capsys) -> None:
@@ -204,11 +214,3 @@ def test_a_calibration_file_with_a_nonsense_point_is_refused_by_its_line(tmp_pat
     assert "4" in done.stderr
     assert "Traceback" not in done.stderr
     assert not out.exists()
-
-
-@pytest.mark.parametrize(
-    ("name", "kind"),
-    [("remote", RemoteConfig), ("local", LocalConfig), ("local-cameras", LocalConfig), ("console", ConsoleConfig)],
-)
-def test_the_example_configurations_are_valid(name: str, kind: type) -> None:
-    load_config(kind, DEPLOY / f"{name}.toml")

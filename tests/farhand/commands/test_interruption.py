@@ -8,8 +8,9 @@ import farhand.cli
 from common.errors import InterruptionError, ProcessError
 from common.process.service import StopFlag
 from farhand.loopback import run as loopback
+from farhand.loopback.plan import LoopbackOptions
 from farhand.loopback.recorder import Record
-from farhand.loopback.run import LoopbackOptions, run_loopback
+from farhand.loopback.run import run_loopback
 
 
 def figures(engagements, mean):
@@ -22,6 +23,7 @@ def run(monkeypatch, tmp_path):
 
     def run(given, *, seconds, interrupted):
         class Done:
+            operator_views = ()
             record = Record()
 
             def __init__(self, *_):

@@ -8,7 +8,7 @@ from typer.testing import CliRunner
 from common.config import load_config
 from common.errors import ConfigError
 from farhand.cli import app
-from farhand.loopback.run import LoopbackOptions, plan_of
+from farhand.loopback.plan import LoopbackOptions, plan_of
 from local_site.config import LocalConfig
 from local_site.simulation.calibrated import calibrate_simulated
 from local_site.simulation.config import SimulationConfig
@@ -17,14 +17,13 @@ from local_site.tracking.choice import TrackingConfig, make_tracker
 from local_site.tracking.markers.marker_tracker import MarkerTracker
 from local_site.tracking.monocular.monocular_tracker import MonocularTracker
 from local_site.tracking.silhouette.silhouette_tracker import SilhouetteTracker
-from remote_site.config import RemoteConfig
 from remote_site.runtime.checks import check_robot
 from remote_site.teleop.config import MappingConfig
 
 
 @pytest.mark.parametrize(("name", "kind"), [("silhouette", SilhouetteTracker), ("markers", MarkerTracker)])
 def test_the_loopback_runs_the_tracker_that_is_asked_for_before_an_operator_dressed_for_it(name, kind):
-    local = load_config(LocalConfig, None, plan_of(LoopbackOptions(tracker=name)).local)
+    local = plan_of(LoopbackOptions(tracker=name)).local.load()
     assert isinstance(make_tracker(calibrate_simulated(SimulationConfig()), local.tracking), kind)
     assert local.simulation.markers == (name == "markers")
 
@@ -43,7 +42,7 @@ def test_each_tracker_has_a_table_of_its_own():
 def tracked_with(monkeypatch, *arguments):
     """The local site's configuration that a track command comes to."""
     seen = []
-    monkeypatch.setattr("farhand.commands.track.run_track", lambda sources, *_: seen.append(sources.site) or "done")
+    monkeypatch.setattr("farhand.tracking.run.run_track", lambda sources, *_: seen.append(sources.site) or "done")
     result = CliRunner().invoke(app, ["track", "--rig", "r", "--left", "a", "--right", "b", *map(str, arguments)])
     if isinstance(result.exception, ConfigError):
         raise result.exception
@@ -84,7 +83,7 @@ def test_an_unknown_tracker_is_refused_with_those_there_are(command):
 @pytest.mark.parametrize("arm", ["a465", "humanoid"])
 def test_one_camera_sees_a_textured_arm_whose_palm_either_arm_copies(arm):
     plan = plan_of(LoopbackOptions(tracker="monocular", arm=arm))
-    local, remote = load_config(LocalConfig, None, plan.local), load_config(RemoteConfig, plan.arm, plan.remote)
+    local, remote = plan.local.load(), plan.remote.load()
     assert isinstance(make_tracker(filming_rig(local.simulation), local.tracking), MonocularTracker)
     assert local.tracking.monocular.start.by == "silhouette"
     assert (remote.robot.model, remote.mapping.point) == (arm, "palm")
@@ -95,7 +94,7 @@ def test_one_camera_sees_a_textured_arm_whose_palm_either_arm_copies(arm):
 
 def test_the_humanoid_copies_the_wrist_of_an_operator_before_two_cameras():
     plan = plan_of(LoopbackOptions(arm="humanoid"))
-    remote = load_config(RemoteConfig, plan.arm, plan.remote)
+    remote = plan.remote.load()
     assert (remote.mapping.point, remote.mapping.base_R_operator) == ("wrist", MappingConfig().base_R_operator)
 
 

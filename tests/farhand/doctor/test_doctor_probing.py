@@ -24,7 +24,7 @@ from farhand.cli import app
 from farhand.doctor.processes import holder_of_device, listener_on
 from farhand.doctor.run import examine, which_site
 from farhand.doctor.site_probing import probe_camera, probe_clock, probe_port, probe_rig
-from farhand.loopback.run import free_ports
+from farhand.loopback.site_process import free_ports
 from farhand.router import RouterConfig
 from local_site.calibration.rig_file import save_rig
 from local_site.config import LocalConfig
@@ -152,7 +152,7 @@ def test_warnings_alone_are_no_failure(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr("farhand.doctor.site_probing.CLOCK_PATIENCE_NS", 200 * NS_PER_MS)
     listen, remote = free_ports(2)
     ports = (f"links.listen=tcp/127.0.0.1:{listen}", f"links.remote=tcp/127.0.0.1:{remote}")
-    config = Path(__file__).parents[3] / "deploy/sites/local.toml"
+    config = Path(__file__).parents[3] / "farhand/deployment/sites/local.toml"
     settings = [part for setting in ports for part in ("--set", setting)]
     done = CliRunner().invoke(app, ["doctor", "--config", str(config), *settings])
     assert done.exit_code == 0, done.output
@@ -181,7 +181,7 @@ def test_every_mistake_of_the_configuration_is_a_finding(tmp_path: Path) -> None
     ],
 )
 def test_the_robots_side_is_loaded_as_the_remote_site_would(setting: str, found: str) -> None:
-    config = Path(__file__).parents[3] / "deploy/sites/remote.toml"
+    config = Path(__file__).parents[3] / "farhand/deployment/sites/remote.toml"
     done = CliRunner().invoke(app, ["doctor", "--config", str(config), "--set", setting])
     assert found in done.output
     assert found.startswith("ok") or done.exit_code == 1

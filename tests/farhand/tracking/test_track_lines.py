@@ -9,7 +9,7 @@ import farhand.tracking.track
 from common.cameras.camera import Frame
 from common.clock import NS_PER_S
 from common.messages.hand import TrackingStatus
-from farhand.commands.track import describe
+from farhand.tracking.run import describe
 from farhand.tracking.track import track_recording
 from local_site.simulation.cameras import exact_rig
 from local_site.simulation.config import StereoConfig

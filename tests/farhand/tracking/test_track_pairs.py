@@ -11,8 +11,8 @@ from msgspec.structs import replace
 
 from common.cameras.camera import Frame
 from common.errors import CameraError, ConfigError
-from farhand.commands.track import TrackSources, describe, run_track
 from farhand.tracking.recorded_pairs import RecordedPairs
+from farhand.tracking.run import TrackSources, describe, run_track
 from farhand.tracking.track import track_recording
 from local_site.calibration.control_points import CAMERAS
 from local_site.calibration.rig import Rig

@@ -13,7 +13,7 @@ from types import SimpleNamespace
 import pytest
 from structlog.testing import capture_logs
 
-from farhand.loopback.run import free_ports
+from farhand.loopback.site_process import free_ports
 from local_site.console.server import Retelling
 
 READY_S = 60.0

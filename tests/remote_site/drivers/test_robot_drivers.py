@@ -12,7 +12,7 @@ from common.errors import ConfigError, DriverError
 from remote_site.drivers import registry
 from remote_site.drivers.driver import DriverSetup, JointCommand
 from remote_site.drivers.kinematic import KinematicDriver
-from remote_site.drivers.registry import DriverHost, check_driver, create_driver, driver_names
+from remote_site.drivers.registry import DriverHost, check_driver, create_driver
 from remote_site.simulation.memory import CellMemory
 from tests.remote_site.remote_loop import arm
 
@@ -114,14 +114,15 @@ def registered(monkeypatch):
 @pytest.mark.usefixtures("registered")
 def test_drivers_are_found_by_name():
     assert isinstance(create_driver("kinematic", DriverHost(FakeClock())), KinematicDriver)
-    assert driver_names() == ("broken", "c500c", "kinematic", "lab", "simulated", "unmade")
     simulated = create_driver("simulated", DriverHost(FakeClock(), cell=CellMemory.create(6)))
     assert simulated.capabilities.joints == 6
 
 
 @pytest.mark.usefixtures("registered")
 def test_an_unknown_driver_lists_the_alternatives():
-    with pytest.raises(DriverError, match=r"no driver 'c500'.*kinematic, lab, simulated"):
+    with pytest.raises(
+        DriverError, match=r"no driver 'c500'; choose one of: broken, c500c, kinematic, lab, simulated, unmade$"
+    ):
         create_driver("c500", DriverHost(FakeClock()))
 
 

@@ -14,8 +14,8 @@ from common.link.remote_clock import RemoteClock
 from common.link.transport import open_link
 from common.messages.base import PROTOCOL_VERSION
 from common.messages.requests import ClockQuestion, DescribeQuestion, OperatorAction
-from farhand.commands.lease import act_on_lease
-from farhand.loopback.run import free_ports
+from farhand.authority.lease import act_on_lease
+from farhand.loopback.site_process import free_ports
 from local_site.authority.lease_client import Authority
 from remote_site.config import RemoteConfig
 from remote_site.kinematics.limits import JointLimits

@@ -1,0 +1,35 @@
+"""Asks the remote site to let the arm follow the hand, and, for maintenance, to stop or reset it."""
+
+from functools import partial
+
+from common.errors import TransportError
+from common.link.channels import ENGAGEMENT, MAINTENANCE, check_cell_name
+from common.link.config import ON_THIS_HOST, LinkSecurity
+from common.link.remote_clock import RemoteClock
+from common.link.request_client import RequestClient
+from common.messages.requests import EngagementAction, EngagementRequest
+from farhand.authority.asking import link_to
+from local_site.authority.operator_name import host_operator
+
+
+def request_engage(cell: str, endpoint: str, operator: str = "", security: LinkSecurity = ON_THIS_HOST) -> str:
+    """The remote site's reply to an operator (this host's by default); TransportError when it refuses."""
+    name = check_cell_name(operator or host_operator(), "operator")
+    make = partial(EngagementRequest, operator=name, action=EngagementAction.ENGAGE)
+    with link_to(cell, endpoint, security) as link:
+        reply = RequestClient(link, cell, RemoteClock(link, cell)).ask(ENGAGEMENT, make)
+    if not reply.done:
+        raise TransportError(f"not engaged ({reply.code}): {reply.reason}")
+    return f"engaged: {reply.reason}"
+
+
+def request_maintenance(
+    cell: str, endpoint: str, action: EngagementAction, name: str, security: LinkSecurity = ON_THIS_HOST
+) -> str:
+    """The remote site's reply to somebody of the maintenance; TransportError when it refuses."""
+    make = partial(EngagementRequest, operator=name, action=action)
+    with link_to(cell, endpoint, security) as link:
+        reply = RequestClient(link, cell, RemoteClock(link, cell)).ask(MAINTENANCE, make)
+    if not reply.done:
+        raise TransportError(f"refused ({reply.code}): {reply.reason}")
+    return reply.reason

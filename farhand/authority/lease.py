@@ -1,0 +1,62 @@
+"""Shows who holds the lease of a cell, and carries out what an operator decides about it at the own local site."""
+
+import time
+from functools import partial
+
+from common.clock import NS_PER_S
+from common.errors import MessageError, TransportError
+from common.link.channels import OPERATE, STATE
+from common.link.config import ON_THIS_HOST, LinkSecurity
+from common.link.request_client import PATIENCE_NS, RequestClient
+from common.link.transport import Link
+from common.messages.requests import OperatorAction, OperatorRequest
+from common.messages.robot import RobotState
+from farhand.authority.asking import link_to
+
+POLL_S = 0.05
+
+
+def show_lease(cell: str, endpoint: str, security: LinkSecurity = ON_THIS_HOST) -> str:
+    """Who holds the lease, how long it still lasts, who asks for it, and how accurately the clocks are known."""
+    with link_to(cell, endpoint, security) as link:
+        return describe_lease(_state(link, cell))
+
+
+def describe_lease(state: RobotState) -> str:
+    """The lease and the clocks in words."""
+    ready = f"{'ready' if state.readiness.ready else 'not ready'} ({state.readiness.code}): {state.readiness.reason}"
+    if state.lease is None:
+        return f"nobody holds the lease\n{ready}"
+    left_s = (state.lease.expires_ns - state.t_ns) / NS_PER_S
+    words = [f"{state.lease.holder} holds the lease, {left_s:.1f} s until it expires or is renewed"]
+    if state.lease.asked_by is not None:
+        words.append(f"{state.lease.asked_by} asks for it; {state.lease.holder} consents with: farhand lease give")
+    if state.clock is not None:
+        words.append(
+            f"clocks: remote minus local {state.clock.remote_minus_local_ns / 1e6:.3f} ms, "
+            f"sure to {state.clock.uncertainty_ns / 1e6:.3f} ms"
+        )
+    return "\n".join([*words, ready])
+
+
+def act_on_lease(cell: str, endpoint: str, action: OperatorAction, security: LinkSecurity = ON_THIS_HOST) -> str:
+    """The reply of the local site at `endpoint` to the operator's act; TransportError with its code when refused."""
+    with link_to(cell, endpoint, security) as link:
+        reply = RequestClient(link, cell).ask(OPERATE, partial(OperatorRequest, action=action))
+    if not reply.done:
+        raise TransportError(f"refused ({reply.code}): {reply.reason}")
+    return reply.reason
+
+
+def _state(link: Link, cell: str) -> RobotState:
+    states = link.latest(STATE, cell)
+    give_up_ns = time.monotonic_ns() + PATIENCE_NS
+    while time.monotonic_ns() < give_up_ns:
+        try:
+            state = states.take()
+        except MessageError as error:
+            raise TransportError(f"the remote site's state is refused: {error}") from error
+        if state is not None:
+            return state
+        time.sleep(POLL_S)
+    raise TransportError(f"nobody publishes a state: is the remote site of cell {cell} running?")

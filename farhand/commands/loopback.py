@@ -1,0 +1,42 @@
+"""`farhand loopback`."""
+
+from pathlib import Path
+from typing import Annotated
+
+import typer
+
+from farhand.commands.options import TRACKER_HELP, Settings, until_signal
+from local_site.tracking.method import Method
+
+
+def loopback(
+    seconds: Annotated[float, typer.Option(help="How long to run; 0 until Ctrl-C.", min=0)] = 30.0,
+    headless: Annotated[bool, typer.Option("--headless", help="Leave the operator's page out.")] = False,
+    report: Annotated[Path | None, typer.Option(help="Write all figures to this JSON file.")] = None,
+    config: Annotated[
+        list[Path] | None,
+        typer.Option("--config", help="TOML file of one site, known by its tables; twice for both sites."),
+    ] = None,
+    settings: Settings = None,
+    driver: Annotated[
+        str | None, typer.Option(help="simulated (physics), kinematic (perfect), c500c (emulated) or an installed one.")
+    ] = None,
+    motion: Annotated[str | None, typer.Option(help="What the simulated operator does; else pick_and_place.")] = None,
+    tracker: Annotated[Method | None, typer.Option(help=TRACKER_HELP)] = None,
+    arm: Annotated[
+        str | None, typer.Option(help="a465, or humanoid: an upright torso with a right arm of seven axes.")
+    ] = None,
+    save_views: Annotated[Path | None, typer.Option(help="Folder for the last views, as PNG.")] = None,
+) -> None:
+    """Run both sites on this machine against a simulated operator and a simulated cell, and measure.
+
+    A file's endpoints are not used: the loopback connects the sites itself. A driver of a real robot MOVES it.
+
+    Example: farhand loopback --seconds 30 --config remote.toml --set driver.name=kinematic
+    """
+    from farhand.loopback.plan import LoopbackOptions
+    from farhand.loopback.run import run_loopback
+
+    given = tuple(config or ()), tuple(settings or ())
+    options = LoopbackOptions(seconds, report, driver, motion, tracker, arm, save_views, headless, *given)
+    run_loopback(options, until_signal())

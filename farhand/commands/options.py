@@ -1,0 +1,43 @@
+"""Arguments that several commands have in common, and what the commands make of them."""
+
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated
+
+import typer
+
+from common.config import load_config
+from common.process.log import LogFormat
+from common.process.service import StopFlag
+
+if TYPE_CHECKING:
+    from local_site.console.config import ConsoleConfig
+
+ConfigFile = Annotated[
+    Path | None, typer.Option("--config", help="TOML file, as 'farhand config show' prints one; else the defaults.")
+]
+Settings = Annotated[list[str] | None, typer.Option("--set", help="Override one key, as table.key=value; repeatable.")]
+LogLines = Annotated[LogFormat, typer.Option("--log-format", help="text (level=... event=...) or json, on stderr.")]
+
+LinksFile = Annotated[
+    Path | None, typer.Option("--config", help="The console's TOML file: cell, operator, endpoints and certificates.")
+]
+CellName = Annotated[str, typer.Option("--cell", help="Name of the cell.")]
+RemoteEndpoint = Annotated[str, typer.Option("--remote", help="Control endpoint of the remote site.")]
+LocalEndpoint = Annotated[str, typer.Option("--local", help="Where the local site of this host listens.")]
+
+TRACKER_HELP = "A bare arm's silhouette, three bright markers on a dark glove, or a textured arm before one camera."
+
+
+def until_signal() -> StopFlag:
+    """A flag that SIGTERM and Ctrl-C set."""
+    should_stop = StopFlag()
+    should_stop.install()
+    return should_stop
+
+
+def console_config(config: Path | None, **given: str) -> "ConsoleConfig":
+    """The sites to ask, and the certificates: the console's configuration, overridden by the command line."""
+    from local_site.console.config import ConsoleConfig
+
+    settings = [f"{key if key == 'cell' else f'links.{key}'}={value}" for key, value in given.items() if value]
+    return load_config(ConsoleConfig, config, settings)

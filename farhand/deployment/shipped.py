@@ -1,0 +1,36 @@
+"""The configurations and systemd units inside the package: printed, and written to a folder."""
+
+from pathlib import Path
+
+from common.errors import ConfigError
+from farhand.outputs import make_folder, write_result
+
+HERE = Path(__file__).parent
+NAMES = tuple(sorted(path.stem for path in (HERE / "sites").glob("*.toml")))
+FOR_UNITS = "the units run /opt/farhand/.venv/bin/farhand with /etc/farhand/NAME.toml: edit ExecStart for other folders"
+
+
+def read_configuration(name: str) -> str:
+    """The text of a shipped configuration; ConfigError, listing the names, when there is none."""
+    if name not in NAMES:
+        raise ConfigError(f"there is no configuration {name!r}; choose one of: {', '.join(NAMES)}")
+    return (HERE / "sites" / f"{name}.toml").read_text(encoding="utf-8")
+
+
+def write_all(folder: Path) -> list[str]:
+    """Write DIR/NAME.toml and DIR/systemd/*.service where no such file exists; a line for each, and a hint.
+
+    ConfigError when the folder cannot be written.
+    """
+    units = folder / "systemd"
+    for made in (folder, units):
+        make_folder("DIR", made)
+    targets = {path: folder / path.name for path in sorted((HERE / "sites").glob("*.toml"))}
+    targets |= {path: units / path.name for path in sorted((HERE / "systemd").glob("*.service"))}
+    lines = []
+    for source, target in targets.items():
+        exists = target.exists() or target.is_symlink()
+        if not exists:
+            write_result(target, source.read_bytes())
+        lines.append(f"kept {target}: it exists" if exists else f"wrote {target}")
+    return [*lines, FOR_UNITS]

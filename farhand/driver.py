@@ -1,0 +1,42 @@
+"""All that an author of a driver needs of Farhand; docs/writing-a-driver.md shows how, and promises nothing beyond.
+
+A `DriverFactory` makes a `Driver` from a `DriverHost`. `check_options` checks the driver's own options, `stopping` is
+the stop within the limits, and `run_checks` tries a driver on a `DriverStand` in its author's tests.
+"""
+
+from common.clock import Clock, FakeClock, MonotonicClock
+from common.errors import DriverError
+from remote_site.drivers.conformance.suite import run_checks
+from remote_site.drivers.conformance.trial import DriverStand
+from remote_site.drivers.driver import Capabilities, Driver, DriverSetup, GripperReading, JointCommand, RobotReading
+from remote_site.drivers.faults import NOT_ACTIVATED, STOPPED, FaultCode, RobotFault
+from remote_site.drivers.registry import DriverFactory, DriverHost, Option, check_options
+from remote_site.kinematics.joints import JointMotion
+from remote_site.kinematics.limits import JointLimits
+from remote_site.safety.stopping import stopping
+
+__all__ = [
+    "NOT_ACTIVATED",
+    "STOPPED",
+    "Capabilities",
+    "Clock",
+    "Driver",
+    "DriverError",
+    "DriverFactory",
+    "DriverHost",
+    "DriverSetup",
+    "DriverStand",
+    "FakeClock",
+    "FaultCode",
+    "GripperReading",
+    "JointCommand",
+    "JointLimits",
+    "JointMotion",
+    "MonotonicClock",
+    "Option",
+    "RobotFault",
+    "RobotReading",
+    "check_options",
+    "run_checks",
+    "stopping",
+]

@@ -1,0 +1,72 @@
+"""The shipped configurations and units: printed, written, and never over what exists."""
+
+from pathlib import Path
+
+import pytest
+from typer.testing import CliRunner
+
+from common.config import load_config
+from common.errors import ConfigError
+from farhand.cli import app
+from farhand.deployment.shipped import HERE, NAMES
+from farhand.router import RouterConfig
+from local_site.config import LocalConfig
+from local_site.console.config import ConsoleConfig
+from remote_site.config import RemoteConfig
+
+KINDS = {
+    "console": ConsoleConfig,
+    "local": LocalConfig,
+    "local-cameras": LocalConfig,
+    "remote": RemoteConfig,
+    "router": RouterConfig,
+}
+
+
+@pytest.mark.parametrize("name", KINDS)
+def test_a_shipped_configuration_is_printed_as_it_is_and_valid(name: str, tmp_path: Path) -> None:
+    done = CliRunner().invoke(app, ["config", "show", name])
+    assert done.output == (HERE / "sites" / f"{name}.toml").read_text()
+    printed = tmp_path / "printed.toml"
+    printed.write_text(done.output)
+    load_config(KINDS[name], printed)
+
+
+def test_an_unknown_name_is_refused_with_those_there_are() -> None:
+    assert tuple(KINDS) == NAMES
+    result = CliRunner().invoke(app, ["config", "show", "remot"])
+    assert isinstance(result.exception, ConfigError)
+    assert "choose one of: console, local, local-cameras, remote, router" in str(result.exception)
+
+
+def test_everything_is_written_once_and_nothing_is_overwritten(tmp_path: Path) -> None:
+    folder = tmp_path / "my" / "cell"
+    first = CliRunner().invoke(app, ["config", "init", str(folder)])
+    assert first.exit_code == 0
+    written = {path.name: path.read_bytes() for path in folder.rglob("*") if path.is_file()}
+    shipped = {path.name: path.read_bytes() for room in ("sites", "systemd") for path in (HERE / room).iterdir()}
+    assert written == shipped
+    assert all(f"wrote {folder}" in line for line in first.output.splitlines()[: len(shipped)])
+    (folder / "remote.toml").write_text('cell = "mine"\n')
+    (folder / "local.toml").unlink()
+    (folder / "local.toml").symlink_to(tmp_path / "nowhere")
+    (folder / "systemd" / "farhand-remote.service").unlink()
+    second = CliRunner().invoke(app, ["config", "init", str(folder)])
+    assert f"kept {folder}/remote.toml: it exists" in second.output
+    assert f"wrote {folder}/systemd/farhand-remote.service" in second.output
+    assert second.output.count("wrote") == 1
+    assert (folder / "remote.toml").read_text() == 'cell = "mine"\n'
+    assert not (tmp_path / "nowhere").exists()
+
+
+def test_a_folder_that_cannot_be_made_is_refused(tmp_path: Path) -> None:
+    (tmp_path / "file").touch()
+    result = CliRunner().invoke(app, ["config", "init", str(tmp_path / "file")])
+    assert isinstance(result.exception, ConfigError)
+    assert "DIR" in str(result.exception)
+
+
+def test_a_units_configuration_is_shipped() -> None:
+    units = [path.stem.removeprefix("farhand-") for path in (HERE / "systemd").iterdir()]
+    assert len(units) == 4
+    assert set(units) <= set(NAMES)
