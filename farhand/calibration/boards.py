@@ -8,6 +8,7 @@ from pathlib import Path
 import numpy as np
 
 from common.cameras.camera import Camera, Image
+from common.cameras.images import write_image
 from common.cameras.sources import open_camera
 from common.errors import CalibrationError, ConfigError, InterruptionError
 from common.geometry import Array
@@ -19,7 +20,6 @@ from local_site.calibration.coverage import coverage_map, coverage_warnings, pic
 from local_site.calibration.found import draw_found
 from local_site.calibration.pose_gate import PoseGate
 from local_site.calibration.rig_file import save_rig
-from local_site.preview.picture_files import write_picture
 
 Pictures = tuple[Image, ...]
 
@@ -61,10 +61,8 @@ class _Album:
             told.append(f"{name} {0 if view is None else len(view.ids)} corners, {self._covered(own, picture):.0f} %")
             if self._job.pictures is not None and view is not None:
                 found = draw_found(picture, view.pixels, [str(i) for i in view.ids])
-                write_picture(self._job.pictures, f"{name}_{len(own)}", found)
-                write_picture(
-                    self._job.pictures, f"{name}_coverage", coverage_map(_pixels(own), _size(picture), picture)
-                )
+                write_image(self._job.pictures, f"{name}_{len(own)}", found)
+                write_image(self._job.pictures, f"{name}_coverage", coverage_map(_pixels(own), _size(picture), picture))
         return f"pose {len(self._views[0])}: {'; '.join(told)} of the picture covered"
 
     def solve(self, serials: Sequence[str]) -> Calibrated:

@@ -7,6 +7,7 @@ from pathlib import Path
 import numpy as np
 
 from common.cameras.camera import Image
+from common.cameras.images import write_image
 from common.errors import CalibrationError, ConfigError
 from farhand.calibration.pictures import read_pictures
 from farhand.calibration.points import Calibrated, calibrate_control
@@ -20,7 +21,6 @@ from local_site.calibration.plate import (
     without_perspective_bias,
 )
 from local_site.calibration.solve import solve_rig
-from local_site.preview.picture_files import write_picture
 
 
 @dataclass(frozen=True, slots=True)
@@ -71,6 +71,6 @@ def _write(folder: Path, pictures: Mapping[str, Sequence[Image]], views: Mapping
             order = np.lexsort(view.lattice.cells.T)
             begin = view.beginnings[0] if len(view.beginnings) == 1 else (0, 0)
             names = [f"{i + 1},{j + 1}" for i, j in (view.lattice.cells[order] + begin).tolist()]
-            write_picture(folder, f"{name}_{k + 1}", draw_found(picture, view.lattice.pixels[order], names))
+            write_image(folder, f"{name}_{k + 1}", draw_found(picture, view.lattice.pixels[order], names))
         pixels = np.concatenate([view.lattice.pixels for view in own])
-        write_picture(folder, f"{name}_coverage", coverage_map(pixels, own[0].size_px, pictures[name][-1]))
+        write_image(folder, f"{name}_coverage", coverage_map(pixels, own[0].size_px, pictures[name][-1]))

@@ -8,7 +8,7 @@ from common.link.config import ON_THIS_HOST, LinkSecurity
 from common.link.transport import Link, open_link
 from common.messages.requests import EngagementAction, EngagementRequest, Reply
 from farhand.commands.asking import ask_remote
-from local_site.authority.operator_name import host_operator
+from local_site.authority.config import host_operator
 
 SETTLE_S = 0.3
 AWAKE_AGAIN = "activated"

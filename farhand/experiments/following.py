@@ -16,9 +16,7 @@ from common.messages.hand import (
 )
 from common.messages.robot import SessionState
 from farhand.experiments.filming import Film
-from local_site.authority.lease_client import Standing
-from local_site.samples.gesture import OpenHand
-from local_site.samples.publisher import HandPublisher
+from local_site.samples.hand_sample import HandSampler, OpenHand
 from local_site.samples.smoothing import SmoothingConfig, make_smoother
 from local_site.tracking.tracker import ArmEstimate
 from remote_site.config import RemoteConfig
@@ -111,7 +109,7 @@ class FollowingArm:
         dt_s = 1.0 / remote.control.rate_hz
         self._driver.configure(DriverSetup(self._model.joint_names, limits, dt_s, STOP_WITHIN_NS))
         self._driver.activate(start)
-        self._sender = HandPublisher(self, SESSION)
+        self._sampler = HandSampler(SESSION)
         self._heard: list[HandArm] = []
         self._seq = 0
         self.path = ToolPath()
@@ -119,11 +117,7 @@ class FollowingArm:
     def send(self, estimate: ArmEstimate) -> None:
         """Let an estimate come with the next tick, as the local site sends it."""
         clock = ClockSync(remote_minus_local_ns=0, uncertainty_ns=0, measured_ns=estimate.t_ns)
-        self._sender.publish(estimate, OpenHand(), Standing(LEASE, clock), Intent())
-
-    def put(self, message: HandArm) -> None:
-        """Take a sample off the wire."""
-        self._heard.append(message)
+        self._heard.append(self._sampler.sample(estimate, OpenHand(), LEASE, clock, Intent()))
 
     def run_until(self, end_ns: int) -> None:
         """Tick until the next tick would be at `end_ns` or later."""

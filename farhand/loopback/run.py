@@ -40,10 +40,10 @@ from farhand.loopback.site_process import SiteProcess
 from farhand.loopback.views import save_camera_views, save_overview
 from farhand.outputs import check_file, check_folder
 from farhand.preparing import prepare_tracker
+from local_site.acquisition.exposures import Beginning
 from local_site.config import LocalConfig
-from local_site.simulation.beginning import Beginning
-from local_site.simulation.operators import Operator as SimulatedOperator
-from local_site.simulation.operators import make_operator
+from local_site.simulation.operator import Operator as SimulatedOperator
+from local_site.simulation.operator import make_operator
 from remote_site.config import RemoteConfig
 from remote_site.drivers.config import EMULATED
 from remote_site.drivers.registry import check_driver

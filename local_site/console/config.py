@@ -9,7 +9,7 @@ from msgspec import Meta, field
 from common.link.channels import check_cell_name
 from common.link.config import LinkSecurity
 from common.link.roles import Identity, Role
-from local_site.authority.operator_name import host_operator
+from local_site.authority.config import host_operator
 
 LEAST_TOKEN = 16
 

@@ -11,8 +11,7 @@ from common.clock import NS_PER_MS
 from common.geometry import Array
 from common.process.children import Children, Heartbeat
 from common.process.service import StopFlag, be_idle
-from local_site.preview.config import PreviewConfig
-from local_site.preview.drawing import DrawingOrder, Drawn, draw, order_of
+from local_site.preview.drawing import Drawn, PreviewConfig, decode_order, draw, encode_order
 from local_site.preview.mailbox import Mailbox
 from local_site.tracking.tracker import ArmEstimate, Views
 
@@ -41,7 +40,7 @@ class PreviewProcess:
         """Have an instant drawn, unless the last is still being drawn; what makes it impossible is told once."""
         if self._orders.is_free:
             pictures = [view.current.image for view in views.views]
-            if not self._orders.put([msgspec.msgpack.encode(order_of(views, estimate)), *pictures]):
+            if not self._orders.put([encode_order(views, estimate), *pictures]):
                 self._tell(
                     "the operator's pictures are too large for a preview", cure="give the cameras a smaller size"
                 )
@@ -80,6 +79,5 @@ class _Drawing:
             self._orders.wait(WAIT_NS)
             parts = self._orders.take()
             if parts is not None:
-                order = msgspec.msgpack.decode(parts[0].tobytes(), type=DrawingOrder)
-                drawn = draw(order, parts[1:], self._projections, self._config)
+                drawn = draw(decode_order(parts[0].tobytes()), parts[1:], self._projections, self._config)
                 self._drawn.put([msgspec.msgpack.encode(drawn)])

@@ -52,7 +52,7 @@ class Motion:
             openness=state.openness,
         )
 
-    def toggles_until(self, t_s: float) -> int:
+    def openings_until(self, t_s: float) -> int:
         """How often the hand has begun to open."""
         return self._path.openings_until(t_s - self._config.still_s)
 
