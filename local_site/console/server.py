@@ -19,8 +19,8 @@ from common.errors import ConfigError, MessageError, TransportError
 from local_site.console.config import ServeConfig
 from local_site.console.gate import Gate
 from local_site.console.hub import Hub
+from local_site.console.model.seat import Visitor
 from local_site.console.page import Page
-from local_site.console.seat import Visitor
 
 STATIC = Path(__file__).parent / "static"
 MAX_MESSAGE_BYTES = 16384

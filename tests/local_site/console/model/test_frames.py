@@ -3,7 +3,7 @@
 from hypothesis import given
 from hypothesis import strategies as st
 
-from local_site.console.frame_slots import IN_FLIGHT, FrameSlots, ViewFrame
+from local_site.console.model.frames import IN_FLIGHT, FrameSlots, ViewFrame
 
 VIEWS = ("a", "b", "c", "d")
 

@@ -10,7 +10,7 @@ from common.messages.video import (
     ViewShown,
     ViewsShown,
 )
-from local_site.console.page_messages import Painted
+from local_site.console.model.page_messages import Painted
 
 REMEMBERED = 64
 CAMERA_VIEW = "camera/"
