@@ -62,11 +62,6 @@ class SimulatedCameras:
         """The operator who waited begins to move; for one who moves already nothing changes."""
         self._beginning.set(t_ns)
 
-    @property
-    def pid(self) -> int | None:
-        """The process that renders."""
-        return self._renderer.process.pid
-
     def close(self) -> None:
         """End the process; reads that wait return None."""
         self._renderer.close()

@@ -23,8 +23,7 @@ from local_site.authority.lease_client import Authority
 from local_site.authority.remote_watch import RemoteWatch
 from local_site.calibration.control_points import CAMERAS
 from local_site.config import LocalConfig
-from local_site.preview.preview import Preview
-from local_site.preview.process import PreviewProcess
+from local_site.preview.preview import Preview, PreviewProcess
 from local_site.runtime.loop import ArmTracking, LocalSite, SampleSender
 from local_site.runtime.warm_up import warm_up
 

@@ -148,7 +148,7 @@ class LocalSite:
             if self._capture.ended:
                 raise CameraError(reason)
             self._watch.look(self._clock.now_ns())
-            self._preview.say(reason, self._clock.now_ns())
+            self._preview.show_reason(reason, self._clock.now_ns())
         self._tracking.attend(views, self._clock.now_ns())
 
     def save_profile(self) -> None:

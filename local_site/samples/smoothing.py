@@ -33,7 +33,7 @@ class SmoothingConfig(Struct, frozen=True, kw_only=True, forbid_unknown_fields=T
         float, Meta(gt=0, le=20, description="a faster wrist is a jump: sent as it is, for the remote site to refuse")
     ] = 3.0
     jump_noise_m: Annotated[float, Meta(ge=0, le=0.2, description="added to the jump limit for noise, m")] = 0.03
-    max_gap_s: Annotated[float, Meta(gt=0, le=10, description="a point absent for longer starts anew")] = 0.2
+    max_gap_s: Annotated[float, Meta(gt=0, le=10, description="a point absent for longer starts again")] = 0.2
 
 
 class Smoother(Protocol):

@@ -45,11 +45,6 @@ class HandPath:
         return int(periods) * len(self.openings_s) + sum(phase >= start for start in self.openings_s)
 
 
-def hand_path(name: MotionName) -> HandPath:
-    """The motion of this name."""
-    return _PATHS[name]
-
-
 def minimum_jerk(fraction: float) -> float:
     """From 0 to 1 with velocity and acceleration zero at both ends (Flash and Hogan 1985)."""
     s = min(max(fraction, 0.0), 1.0)
@@ -153,7 +148,7 @@ def _turn(yaw_deg: float, pitch_deg: float) -> Array:
     return vector_from_rotation(rotation_from_vector(yaw) @ rotation_from_vector(pitch))
 
 
-_PATHS: dict[MotionName, HandPath] = {
+PATHS: dict[MotionName, HandPath] = {
     "hold": HandPath(_still),
     "figure_of_eight": HandPath(_figure_of_eight),
     "rotate_x": HandPath(_rotation(0)),

@@ -7,12 +7,12 @@ import numpy as np
 
 from common.geometry import Array, rotation_from_vector
 from local_site.calibration.rig import CameraCalibration, Rig
-from local_site.simulation.textured_arm import FINE, ArmFilm, Place, Scenery, TexturedLimb
+from local_site.simulation.textured_arm import FINE, ArmFilm, LimbPose, Scenery, TexturedLimb
 
 FOCAL_PX, SIZE_PX = 655.0, (640, 480)  # a 9 mm lens before a 2/3" chip
 PRINCIPAL_PX = ((SIZE_PX[0] - 1) / 2, (SIZE_PX[1] - 1) / 2)
 UPPER_ARM_M, FOREARM_M, PALM_M, FINGER_M = 0.300, 0.255, 0.095, 0.080
-PALM_POINT_M = 0.060  # beyond the wrist: the point of the palm that is told
+PALM_POINT_M = 0.060  # beyond the wrist: the point of the palm that is reported
 UPPER_ARM = TexturedLimb((0.0, 0.150, 0.300), (0.0493, 0.0454, 0.0390), (0.0493, 0.0454, 0.0390))
 FOREARM = TexturedLimb(
     along=(0.0, 0.064, 0.255, 0.312, 0.350),
@@ -53,14 +53,17 @@ class TrueArm:
         result: Array = self.elbow + distance * self.forearm[:, 2]
         return result
 
-    def places(self) -> tuple[Place, Place]:
-        """Where the two limbs are, for rendering."""
-        return Place(self.shoulder, self.upper_arm), Place(self.elbow, self.forearm)
+    def limb_poses(self) -> tuple[LimbPose, LimbPose]:
+        """The poses of the two limbs, for rendering."""
+        return LimbPose(self.shoulder, self.upper_arm), LimbPose(self.elbow, self.forearm)
 
 
 @dataclass(frozen=True, slots=True)
 class Swing:
-    """How far the arm of HAZEL-S swings: the shoulder's way in m, the links' turns in rad, and what is added to it."""
+    """How far the arm of HAZEL-S swings: the shoulder's path in m, the links' turns in rad.
+
+    `speed` is a factor on the report's; `in_plane` an added turn of the whole arm in the picture, rad.
+    """
 
     shoulder_m: float = 0.0505
     upper_arm: float = 0.48
@@ -89,8 +92,8 @@ def link(in_plane: float, out_of_plane: float, roll: float) -> Array:
 
 def rectangle_tip(frame: float) -> Array:
     """Where the finger tip is on its rectangle (3,) in m, once round in all frames; it slows down at the corners."""
-    quarter, share = divmod(4.0 * frame / HAZEL_C_FRAMES % 4.0, 1.0)
-    ease = 0.5 - 0.5 * math.cos(math.pi * share)
+    quarter, fraction = divmod(4.0 * frame / HAZEL_C_FRAMES % 4.0, 1.0)
+    ease = 0.5 - 0.5 * math.cos(math.pi * fraction)
     a, b = [((0, 0), (1, 0)), ((1, 0), (1, 1)), ((1, 1), (0, 1)), ((0, 1), (0, 0))][int(quarter)]
     x, y = (RECTANGLE_M[i] * ((1.0 - ease) * a[i] + ease * b[i]) for i in range(2))
     tip: Array = CORNER + np.array([x * math.cos(RECTANGLE_TURN), -y, x * math.sin(RECTANGLE_TURN)])
@@ -104,10 +107,10 @@ def pointing_arm(frame: float) -> TrueArm:
     reach, lower = tip - shoulder, FOREARM_M + PALM_M + FINGER_M
     distance = float(np.linalg.norm(reach))
     ahead = reach / distance
-    share = (UPPER_ARM_M**2 - lower**2 + distance**2) / (2.0 * distance)
+    along = (UPPER_ARM_M**2 - lower**2 + distance**2) / (2.0 * distance)
     away = np.array([0.0, 0.0, 1.0]) - ahead[2] * ahead
     down = np.cross(away / np.linalg.norm(away), ahead)
-    elbow = shoulder + share * ahead + math.sqrt(UPPER_ARM_M**2 - share**2) * down
+    elbow = shoulder + along * ahead + math.sqrt(UPPER_ARM_M**2 - along**2) * down
     return TrueArm(shoulder, _along(elbow - shoulder), _along(tip - elbow))
 
 

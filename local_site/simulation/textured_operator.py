@@ -32,7 +32,7 @@ class TexturedOperator:
 
     def render(self, t_s: float, cameras: tuple[int, ...] = (0,)) -> list[Image]:
         """The picture (H, W) grey with camera noise, once for each camera that is asked for."""
-        clean = self._film.render(self._arm(t_s).places())
+        clean = self._film.render(self._arm(t_s).limb_poses())
         return [np.asarray(cv2.add(clean, next(self._noises), dtype=cv2.CV_8U), dtype=np.uint8) for _ in cameras]
 
     def points(self, t_s: float) -> Mapping[str, Array]:

@@ -47,11 +47,9 @@ class FrameSlots:
     def __init__(self) -> None:
         self._waiting: dict[str, ViewFrame] = {}
         self._sent: dict[str, int] = {}
-        self.dropped = 0
 
     def offer(self, frame: ViewFrame) -> None:
         """Take a frame; an older one of this view that still waits is dropped."""
-        self.dropped += frame.view in self._waiting
         self._waiting[frame.view] = frame
 
     def take(self) -> ViewFrame | None:

@@ -142,14 +142,14 @@ def test_a_closed_source_gives_none(cameras):
 
 def test_a_dead_renderer_is_a_camera_error(cameras):
     cameras.cameras[0].read()
-    os.kill(cameras.pid, signal.SIGKILL)
+    os.kill(cameras._renderer.process.pid, signal.SIGKILL)
     with pytest.raises(CameraError, match="simulated operator ended, camera left"):
         list(iter(cameras.cameras[0].read, None))
 
 
 def test_ctrl_c_is_left_to_the_parent(cameras):
     cameras.cameras[0].read()
-    os.kill(cameras.pid, signal.SIGINT)
+    os.kill(cameras._renderer.process.pid, signal.SIGINT)
     assert all(cameras.cameras[0].read() is not None for _ in range(5))
 
 
@@ -160,7 +160,7 @@ from local_site.simulation.config import SimulationConfig, StereoConfig
 from local_site.acquisition.simulated_cameras import SimulatedCameras
 cameras = SimulatedCameras(SimulationConfig(stereo=StereoConfig(width_px=160, height_px=120, focal_px=200.0)))
 cameras.cameras[0].read()
-print(cameras.pid, flush=True)
+print(cameras._renderer.process.pid, flush=True)
 time.sleep(60)
 """
 

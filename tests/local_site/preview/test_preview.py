@@ -11,8 +11,7 @@ from common.cameras.camera import Frame
 from common.messages.hand import TrackingStatus
 from common.messages.video import CameraStatus
 from local_site.preview.drawing import Drawn, PictureInfo, PreviewConfig, decode_order, draw, encode_order
-from local_site.preview.preview import Preview
-from local_site.preview.process import PreviewProcess
+from local_site.preview.preview import Preview, PreviewProcess
 from local_site.tracking.annotate import annotate
 from local_site.tracking.tracker import ArmEstimate, Overlay, View, Views
 
@@ -118,7 +117,7 @@ def test_both_views_are_sent_at_the_configured_rate_with_their_exposure():
 def test_while_nobody_looks_nothing_is_drawn_or_sent():
     left, right = Wire(False), Wire(False)
     drawer, preview = shown(2.0, left, right)
-    preview.say("no new views", 10_000 * MS)
+    preview.show_reason("no new views", 10_000 * MS)
     assert drawer.orders == []
     assert left.sent == right.sent == []
 
@@ -137,7 +136,7 @@ def test_without_views_the_reason_stands_in_for_the_pictures():
     left, right = Wire(), Wire()
     _, preview = shown(1.0, left, right)
     last = left.sent[-1].capture_ns
-    preview.say("camera left gives nothing" + "!" * 500, 5000 * MS)
+    preview.show_reason("camera left gives nothing" + "!" * 500, 5000 * MS)
     for wire in (left, right):
         assert wire.sent[-1].status is CameraStatus.FROZEN
         assert wire.sent[-1].jpeg == b""
