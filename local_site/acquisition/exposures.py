@@ -10,7 +10,6 @@ from common.cameras.camera import Image
 from common.clock import NS_PER_S, Clock
 from local_site.simulation.operator import Operator
 
-LEFT, RIGHT = 0, 1
 UNSET = -1
 Publish = Callable[[int, Image, int], None]
 

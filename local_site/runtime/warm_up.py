@@ -9,9 +9,8 @@ from common.clock import NS_PER_S
 from local_site.calibration.rig import Rig
 from local_site.simulation.cameras import exact_rig
 from local_site.simulation.config import SimulationConfig
-from local_site.simulation.hazel import film_camera
+from local_site.simulation.hazel import TexturedOperator, film_camera, first_joints_px
 from local_site.simulation.operator import Operator, SimulatedOperator
-from local_site.simulation.textured_operator import TexturedOperator, first_joints_px
 from local_site.tracking.choice import TrackingConfig, make_tracker
 from local_site.tracking.monocular.config import MonocularConfig, StartBy, StartConfig
 from local_site.tracking.monocular.monocular_tracker import MonocularTracker

@@ -1,10 +1,14 @@
-"""A textured arm's exact motions: one like HAZEL-S of the ROBONAUT report, and a finger tip along a rectangle."""
+"""A textured arm's exact motions, as HAZEL-S and HAZEL-C of the ROBONAUT report, and an operator who makes them."""
 
 import math
+from collections.abc import Mapping
 from dataclasses import dataclass, replace
+from itertools import cycle
 
+import cv2
 import numpy as np
 
+from common.cameras.camera import Image
 from common.geometry import Array, rotation_from_vector
 from local_site.calibration.rig import CameraCalibration, Rig
 from local_site.simulation.textured_arm import FINE, ArmFilm, LimbPose, Scenery, TexturedLimb
@@ -27,6 +31,12 @@ RAMP_FRAMES = 25.0
 RECTANGLE_M, RECTANGLE_TURN = (0.22, 0.15), math.radians(-20.0)
 CORNER = np.array([0.06, 0.10, 1.30])
 SEATED_SHOULDER = np.array([-0.35, -0.22, 1.30])
+JOINTS = ("shoulder", "elbow", "wrist")
+FRAMES_PER_S = 30.0
+LIVE_FINE = 1  # rendered live, which leaves no time for finer pictures
+NOISES = 8  # made beforehand for the same reason
+SEED = 3
+DARK_WALL, DARK_RELIEF = 20.0, 3.0  # so that the arm's silhouette stands out
 
 
 @dataclass(frozen=True, slots=True)
@@ -40,8 +50,7 @@ class TrueArm:
     @property
     def elbow(self) -> Array:
         """The elbow (3,), m."""
-        result: Array = self.shoulder + UPPER_ARM_M * self.upper_arm[:, 2]
-        return result
+        return self.shoulder + UPPER_ARM_M * self.upper_arm[:, 2]
 
     @property
     def wrist(self) -> Array:
@@ -50,8 +59,7 @@ class TrueArm:
 
     def along_forearm(self, distance: float) -> Array:
         """The point (3,) on the forearm's axis at a distance from the elbow, m."""
-        result: Array = self.elbow + distance * self.forearm[:, 2]
-        return result
+        return self.elbow + distance * self.forearm[:, 2]
 
     def limb_poses(self) -> tuple[LimbPose, LimbPose]:
         """The poses of the two limbs, for rendering."""
@@ -137,6 +145,46 @@ def film_pixel(point: Array) -> tuple[float, float]:
     """Where the film's camera sees a point (3,) in m, px."""
     x, y, z = (float(value) for value in point)
     return FOCAL_PX * x / z + PRINCIPAL_PX[0], FOCAL_PX * y / z + PRINCIPAL_PX[1]
+
+
+class TexturedOperator:
+    """Stands still for `still_s`, then swings; the camera's frame is the operator's."""
+
+    def __init__(self, still_s: float) -> None:
+        self._film = hazel_film(Scenery(noise=0.0, wall=DARK_WALL, wall_relief=DARK_RELIEF), LIVE_FINE)
+        random, (width, height) = np.random.default_rng(SEED), SIZE_PX
+        noise = random.normal(0.0, Scenery().noise, (NOISES, height, width))
+        self._noises = cycle(np.rint(noise).astype(np.int16))
+        self._still_s = still_s
+        self._swing = Swing()
+
+    def render(self, t_s: float, cameras: tuple[int, ...] = (0,)) -> list[Image]:
+        """The picture (H, W) grey with camera noise, once for each camera that is asked for."""
+        clean = self._film.render(self._arm(t_s).limb_poses())
+        return [np.asarray(cv2.add(clean, next(self._noises), dtype=cv2.CV_8U), dtype=np.uint8) for _ in cameras]
+
+    def points(self, t_s: float) -> Mapping[str, Array]:
+        """The points to be found at this time."""
+        return true_points(self._arm(t_s))
+
+    def openings_until(self, t_s: float) -> int:
+        """Its hand never opens."""
+        del t_s
+        return 0
+
+    def _arm(self, t_s: float) -> TrueArm:
+        return self._swing.arm(FRAMES_PER_S * max(t_s - self._still_s, 0.0))
+
+
+def true_points(arm: TrueArm) -> Mapping[str, Array]:
+    """What a tracker is to find of an arm, by name, (3,) in m."""
+    return {"elbow": arm.elbow, "wrist": arm.wrist, "palm": arm.along_forearm(FOREARM_M + PALM_POINT_M)}
+
+
+def first_joints_px() -> Mapping[str, tuple[float, float]]:
+    """Where the joints are in the first picture, px: what a person would click."""
+    arm = Swing().arm(0.0)
+    return {name: film_pixel(point) for name, point in zip(JOINTS, (arm.shoulder, arm.elbow, arm.wrist), strict=True)}
 
 
 def _wave(frame: float, period: float) -> float:

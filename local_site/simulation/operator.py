@@ -9,11 +9,10 @@ from local_site.calibration.rig import Rig
 from local_site.simulation.body import ArmBody, ArmTruth, Solid
 from local_site.simulation.cameras import exact_rig, stereo_pair
 from local_site.simulation.config import SimulationConfig
-from local_site.simulation.hazel import film_camera
+from local_site.simulation.hazel import TexturedOperator, film_camera
 from local_site.simulation.markers import MarkedArm
 from local_site.simulation.motion import Motion
 from local_site.simulation.rendering import Renderer
-from local_site.simulation.textured_operator import TexturedOperator
 
 SUB_FRAMES = 3
 

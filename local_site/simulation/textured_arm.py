@@ -129,8 +129,7 @@ class ArmFilm:
         if not self._scenery.noise:
             return np.asarray(cv2.convertScaleAbs(picture), dtype=np.uint8)
         noise = self._random.normal(0.0, self._scenery.noise, picture.shape)
-        exposed: Image = np.clip(np.rint(picture + noise), 0, 255).astype(np.uint8)
-        return exposed
+        return np.clip(np.rint(picture + noise), 0, 255).astype(np.uint8)
 
 
 @dataclass(frozen=True, slots=True)
