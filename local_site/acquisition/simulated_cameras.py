@@ -52,7 +52,7 @@ class SimulatedCameras:
         loop = ExposureLoop(
             operator, self._beginning, schedule, clock, lambda k, image, t_ns: rings[k].publish(image, t_ns)
         )
-        self._renderer = _Renderer(loop)
+        self._renderer = _RenderingProcess(loop)
         self.cameras = tuple(
             SimulatedCamera(calibrated.name, ring, self._renderer)
             for calibrated, ring in zip(self.rig.cameras, rings, strict=True)
@@ -67,7 +67,7 @@ class SimulatedCameras:
         self._renderer.close()
 
 
-class _Renderer:
+class _RenderingProcess:
     """The process that renders, and whether it was ended on purpose."""
 
     def __init__(self, loop: ExposureLoop) -> None:
@@ -128,7 +128,7 @@ class FrameRing:
 class SimulatedCamera:
     """One of them; always gives the newest frame, so a slow reader misses frames instead of falling behind."""
 
-    def __init__(self, name: str, ring: FrameRing, renderer: _Renderer) -> None:
+    def __init__(self, name: str, ring: FrameRing, renderer: _RenderingProcess) -> None:
         self._name = name
         self._ring = ring
         self._renderer = renderer

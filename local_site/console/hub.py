@@ -18,7 +18,7 @@ from local_site.console.model.history import History
 from local_site.console.model.latency import Latencies
 from local_site.console.model.page_messages import parse
 from local_site.console.model.shown import CAMERA_VIEW
-from local_site.console.model.situation import Clocks, Heard, situation_json
+from local_site.console.model.situation import Heard, situation_json
 from local_site.console.page import Page
 
 OWN_CLOCK = ClockOffset(0, 0)
@@ -116,12 +116,12 @@ class Hub:
     def send_situation(self) -> None:
         """Send the situation to every page."""
         now_ns = time.monotonic_ns()
-        clocks = Clocks(self._watch.estimate(now_ns), self._watch.round_trip_ms)
-        self._latencies.learn_clock(clocks.estimate, clocks.round_trip_ms, now_ns)
+        clock = self._watch.estimate(now_ns), self._watch.round_trip_ms
+        self._latencies.learn_clock(*clock, now_ns)
         if not self._pages:
             return
         seat, intent = self._handler.seat, self._handler.intent
-        situation = situation_json(now_ns, self._heard, clocks, seat, intent, self._latencies, self._history)
+        situation = situation_json(now_ns, self._heard, *clock, seat, intent, self._latencies, self._history)
         for page in self._pages:
             page.situation(situation)
 

@@ -97,7 +97,7 @@ class PreviewSink(Protocol):
 
 
 @dataclass(slots=True)
-class _View:
+class _SentView:
     """One view's frames as they are numbered and sent."""
 
     name: str
@@ -128,7 +128,7 @@ class Preview:
     """
 
     def __init__(self, wires: Mapping[str, PreviewSink], drawing: PreviewProcess, fps: float) -> None:
-        self._views = [_View(name, wire) for name, wire in wires.items()]
+        self._views = [_SentView(name, wire) for name, wire in wires.items()]
         self._drawing = drawing
         self._period_ns = round(NS_PER_S / fps)
         self._due_ns = 0

@@ -133,7 +133,7 @@ class ArmFilm:
 
 
 @dataclass(frozen=True, slots=True)
-class _Solid:
+class _LimbSurface:
     """A limb's surface: vertices and normals (V, 3) in its frame, skin positions (V, 2) in px, triangles (T, 3)."""
 
     vertices: Array
@@ -160,7 +160,7 @@ def _mixed(weights: Array, corners: Array) -> Array:
     return result
 
 
-def _solid(limb: TexturedLimb) -> _Solid:
+def _solid(limb: TexturedLimb) -> _LimbSurface:
     """The limb's skin with a seam along its x, and round ends."""
     z, across, deep = _sections(limb)
     turn = np.linspace(0.0, TURN, AROUND + 1)
@@ -173,7 +173,7 @@ def _solid(limb: TexturedLimb) -> _Solid:
     normals /= np.maximum(np.linalg.norm(normals, axis=2, keepdims=True), 1e-12)
     girth = TURN * max(*limb.across, *limb.deep)
     skin = np.stack(np.broadcast_arrays(turn[None] / TURN * girth, (z - z[0])[:, None]), axis=-1) * SKIN_PX_PER_M
-    return _Solid(vertices.reshape(-1, 3), normals.reshape(-1, 3), skin.reshape(-1, 2), _patches(len(z)))
+    return _LimbSurface(vertices.reshape(-1, 3), normals.reshape(-1, 3), skin.reshape(-1, 2), _patches(len(z)))
 
 
 def _sections(limb: TexturedLimb) -> tuple[Array, Array, Array]:
@@ -194,7 +194,7 @@ def _patches(rings: int) -> Triangles:
     return np.vstack([np.column_stack([a, b, d]), np.column_stack([a, d, c])]).astype(np.int32)
 
 
-def _skin(solid: _Solid, scenery: Scenery, random: np.random.Generator) -> Picture:
+def _skin(solid: _LimbSurface, scenery: Scenery, random: np.random.Generator) -> Picture:
     """Spots of several sizes about a level, the same on both sides of the seam."""
     width, height = (int(np.ceil(v)) + 2 for v in solid.skin.max(axis=0))
     spots = np.zeros((height, width - 2), np.float32)

@@ -26,30 +26,23 @@ class Heard:
     hand_ns: int = 0
 
 
-@dataclass(frozen=True, slots=True)
-class Clocks:
-    """The remote clock as known now, and how long its last question took, ms."""
-
-    estimate: ClockEstimate | None
-    round_trip_ms: float | None
-
-
 def situation_json(
     now_ns: int,
     heard: Heard,
-    clocks: Clocks,
+    clock: ClockEstimate | None,
+    round_trip_ms: float | None,
     seat: Seat,
     intent: Intent,
     latencies: Latencies,
     history: History,
 ) -> str:
-    """Everything a page shows besides pictures."""
+    """Everything a page shows besides pictures; `clock` is the remote one as known now, if at all."""
     situation = {
         "type": "situation",
         "now_ms": now_ns / NS_PER_MS,
         "robot": _robot_fields(heard.state, heard.state_ns, now_ns) if heard.state is not None else None,
         "hand": _hand_fields(heard.hand, heard.hand_ns, now_ns) if heard.hand is not None else None,
-        "clock": _clock_fields(clocks),
+        "clock": _clock_fields(clock, round_trip_ms),
         "seat": {
             "page": seat.occupant.number if seat.occupant is not None else None,
             "who": str(seat.occupant) if seat.occupant is not None else None,
@@ -90,10 +83,10 @@ def _hand_fields(hand: HandArm, heard_ns: int, now_ns: int) -> dict[str, Any]:
     }
 
 
-def _clock_fields(clocks: Clocks) -> dict[str, float | None]:
-    offset = clocks.estimate.offset if clocks.estimate is not None else None
+def _clock_fields(clock: ClockEstimate | None, round_trip_ms: float | None) -> dict[str, float | None]:
+    offset = clock.offset if clock is not None else None
     return {
         "offset_ms": offset.offset_ns / NS_PER_MS if offset is not None else None,
         "uncertainty_ms": offset.uncertainty_ns / NS_PER_MS if offset is not None else None,
-        "round_trip_ms": clocks.round_trip_ms,
+        "round_trip_ms": round_trip_ms,
     }
