@@ -22,8 +22,8 @@ from remote_site.config import RemoteConfig
 from remote_site.kinematics.limits import JointLimits
 from remote_site.kinematics.model import ArmModel
 from remote_site.reasons import Code, Reason, reason
+from remote_site.session.engagement_intent import INPUTS
 from remote_site.session.lease import Holder, Lease, LeaseServer
-from remote_site.session.state_machine import INPUTS
 from remote_site.video.calibration import calibration_of
 
 
