@@ -7,7 +7,7 @@ from msgspec import Meta, field
 
 from common.link.channels import check_cell_name
 from common.link.config import LinkSecurity
-from common.process.metrics.config import MetricsConfig
+from common.process.config import MetricsConfig
 from local_site.acquisition.pairing import PairingConfig
 from local_site.acquisition.rig_cameras import OperatorConfig
 from local_site.authority.config import AuthorityConfig

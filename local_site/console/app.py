@@ -10,11 +10,12 @@ import structlog
 import uvicorn
 
 from common.errors import FarhandError, ProcessError
-from common.link.channels import HAND, INTENT, SHOWN, STATE
+from common.link.channels import HAND, INTENT, SHOWN, STATE, ChannelSession
 from common.link.credentials import check_links
 from common.link.transport import Link, open_link
 from common.messages.requests import Description
-from common.process.service import LogFormat, StopFlag, notify, start_log
+from common.process.log import LogFormat, start_log
+from common.process.service import StopFlag, notify
 from local_site.console.acts import Acts
 from local_site.console.cell_watch import CellWatch
 from local_site.console.config import ConsoleConfig
@@ -62,7 +63,8 @@ async def _serve(
         links, listeners = config.links, Listeners(asyncio.get_running_loop())
         stack.callback(listeners.join)
         control = stack.enter_context(open_link(connect=(links.control, links.local), security=links))
-        video = stack.enter_context(open_link(connect=(links.video,), security=links))
+        video_only = [ChannelSession.VIDEO]
+        video = stack.enter_context(open_link(connect=(links.video,), security=links, sessions=video_only))
         hub, handler = _connect(config, control, video, listeners, stack)
         server = make_server(hub, config.serve, port)
         async with asyncio.TaskGroup() as group:

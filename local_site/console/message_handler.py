@@ -11,7 +11,7 @@ from msgspec.structs import replace
 
 from common.clock import NS_PER_MS, ClockOffset
 from common.messages.hand import Intent, OperatorIntent
-from common.messages.requests import EngagementAction, OperatorAction, PictureShare, Reply
+from common.messages.requests import EngagementAction, OperatorAction, PicturePoint, Reply
 from common.messages.video import VideoFrame, ViewsShown
 from local_site.console.model.history import History
 from local_site.console.model.latency import Latencies
@@ -42,7 +42,7 @@ class Acting(Protocol):
 
     def lease(self, action: OperatorAction) -> Reply: ...
 
-    def joints(self, shoulder: PictureShare, elbow: PictureShare, wrist: PictureShare) -> Reply: ...
+    def joints(self, shoulder: PicturePoint, elbow: PicturePoint, wrist: PicturePoint) -> Reply: ...
 
 
 @dataclass(frozen=True, slots=True)

@@ -16,7 +16,8 @@ from common.link.endpoints import check_free
 from common.link.roles import Identity, Role
 from common.link.transport import open_link
 from common.process.children import Children, Heartbeat
-from common.process.service import LogFormat, StopFlag, ask_for_real_time, notify, start_log
+from common.process.log import LogFormat, start_log
+from common.process.service import StopFlag, ask_for_real_time, notify
 from local_site.acquisition.capture import Capture
 from local_site.acquisition.rig_cameras import open_operator
 from local_site.authority.lease_client import Authority
@@ -58,7 +59,7 @@ def run_local(
 
 
 def _metrics(config: LocalConfig, should_stop: StopFlag, heartbeat: Heartbeat) -> None:
-    from common.process.metrics.serving import run_metrics  # noqa: PLC0415  # imported only where figures are served
+    from common.process.metrics import run_metrics  # noqa: PLC0415  # imported only where figures are served
     from local_site.runtime.figures import LocalFigures  # noqa: PLC0415  # the same
 
     port, links, beat = config.metrics.port, config.links, heartbeat.beat

@@ -11,7 +11,7 @@ from common.errors import CameraError, MessageError
 from common.link.channels import HAND, INTENT, JOINTS
 from common.link.transport import Link
 from common.messages.hand import TrackingStatus
-from common.process.refusal_log import RefusalLog
+from common.process.log import RefusalLog
 from local_site.acquisition.capture import Capture
 from local_site.acquisition.rig_cameras import OperatorRig
 from local_site.authority.lease_client import Authority
@@ -40,7 +40,7 @@ class ArmTracking:
         self._profiles = ProfileKeeper(config.tracking.profile_dir, name, _warning("operator's profile"))
         self._tracker = make_tracker(operator.rig, operator.tracking, self._profiles.known)
         self._drift = DriftWatch(operator.rig, config.drift, _warning("drift"))
-        refused = RefusalLog("a message is refused").note
+        refused = RefusalLog().note
         self._clicks = JointClicks(link.serve(JOINTS, config.cell, refused, name), self._tracker)
         self._matrices = operator.rig.matrices
         self._seen: tuple[Views, ArmEstimate] | None = None
