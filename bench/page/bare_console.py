@@ -19,11 +19,11 @@ from common.messages.requests import (
 )
 from common.messages.video import ViewsShown
 from local_site.console.config import ServeConfig
-from local_site.console.history import History
 from local_site.console.hub import Hub
-from local_site.console.latency import Latencies
-from local_site.console.page_desk import Outlets, PageDesk
-from local_site.console.seat import Seat
+from local_site.console.message_handler import Outlets, PageMessageHandler
+from local_site.console.model.history import History
+from local_site.console.model.latency import Latencies
+from local_site.console.model.seat import Seat
 from local_site.console.server import bind, make_server
 
 PERIOD_S = 0.06
@@ -109,19 +109,19 @@ class BareConsole:
         self._loop = asyncio.get_running_loop()
         latencies, history, serve = Latencies(), History(), ServeConfig(port=self._port)
         outlets = Outlets(self.intents.append, self.shown.append)
-        desk = PageDesk(Seat(open_=True), outlets, self.sites, latencies, history, NS_PER_S)
-        self._hub = Hub(desk, OneClock(), latencies, history, self._watch, OPERATOR, operate=True)
+        handler = PageMessageHandler(Seat(open_=True), outlets, self.sites, latencies, history, NS_PER_S)
+        self._hub = Hub(handler, OneClock(), latencies, history, self._watch, OPERATOR, operate=True)
         with bind(serve) as listening:
             port = listening.getsockname()[1]
             self.address = f"http://127.0.0.1:{port}/"
             self._server = make_server(self._hub, serve, port)
-            beat = asyncio.create_task(self._update(self._hub, desk))
+            beat = asyncio.create_task(self._update(self._hub, handler))
             await self._server.serve(sockets=[listening])
             beat.cancel()
-        desk.close()
+        handler.close()
 
-    async def _update(self, hub: Hub, desk: PageDesk) -> None:
+    async def _update(self, hub: Hub, handler: PageMessageHandler) -> None:
         while True:
-            hub.tell()
-            desk.tell_intent()
+            hub.send_situation()
+            handler.send_intent()
             await asyncio.sleep(PERIOD_S)

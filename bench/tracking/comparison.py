@@ -15,7 +15,7 @@ from bench.tracking.figures import NORMALISED, RANK, SETTLED, Found, TrackingFig
 from bench.tracking.mediapipe_hands import MediaPipeHands, install
 from bench.tracking.scenes import RECORDINGS, TrackingScene, recorded_scenes, simulated_scenes
 from common.geometry import Array
-from local_site.samples.gesture import OpenHand, observe
+from local_site.samples.hand_sample import GestureConfig, OpenHand
 from local_site.simulation.body import ArmTruth
 from local_site.tracking.silhouette.silhouette_tracker import SilhouetteTracker
 from local_site.tracking.tracker import ArmEstimate, Views
@@ -49,8 +49,7 @@ class SilhouetteContender:
         wall, processor = time.perf_counter(), time.process_time()
         estimate = self._tracker.track(views)
         wall_ms, processor_ms = 1e3 * (time.perf_counter() - wall), 1e3 * (time.process_time() - processor)
-        open_now = estimate.hand_open if estimate.wrist is not None else None
-        self._hand = observe(self._hand, open_now, views.t_ns)
+        self._hand = self._hand.observe(estimate, GestureConfig())
         return Found(
             points=_points(estimate),
             wall_ms=wall_ms,

@@ -25,7 +25,7 @@ def measure() -> dict[str, float]:
     """Mean errors in mm and ms per frame by setting; the median is of processor time, the least of wall time."""
     cv2.setNumThreads(1)
     film, arms = hazel_film(), [Swing().arm(k) for k in range(FRAMES)]
-    pictures = [film.render(arm.places()) for arm in arms]
+    pictures = [film.render(arm.limb_poses()) for arm in arms]
     settings = {"live, 800 points": LIVE, "accurate, 5000 points": ACCURATE}
     settings |= {f"live, {points} points": replace(LIVE, points=points) for points in POINTS}
     figures: dict[str, float] = {}

@@ -1,11 +1,11 @@
-"""A folder of images as a recording, in the order of their names."""
+"""Image files: a folder of them as a recording, in the order of their names; pictures written for people."""
 
 from pathlib import Path
 
 import cv2
 import numpy as np
 
-from common.cameras.camera import Frame
+from common.cameras.camera import Frame, Image
 from common.clock import NS_PER_S
 from common.errors import CameraError
 
@@ -41,3 +41,14 @@ class ImageFolder:
 
     def close(self) -> None:
         """Nothing is held open between images."""
+
+
+def write_image(folder: Path, name: str, image: Image) -> None:
+    """Write NAME.png into a folder, which is made if need be; CameraError if it cannot be written."""
+    try:
+        folder.mkdir(parents=True, exist_ok=True)
+        # Not cv2.imwrite, which leaves a truncated picture on a full disk without an error.
+        (folder / f"{name}.png").write_bytes(cv2.imencode(".png", image)[1].tobytes())
+    except OSError as error:
+        why = error.strerror or error
+        raise CameraError(f"cannot write {folder / name}.png: {why}; choose a folder that can be written") from error

@@ -9,7 +9,7 @@ from common.link.remote_clock import RemoteClock
 from common.link.request_client import RequestClient
 from common.messages.requests import EngagementAction, EngagementRequest
 from farhand.authority.asking import link_to
-from local_site.authority.operator_name import host_operator
+from local_site.authority.config import host_operator
 
 
 def request_engage(cell: str, endpoint: str, operator: str = "", security: LinkSecurity = ON_THIS_HOST) -> str:

@@ -9,14 +9,13 @@ import cv2
 import numpy as np
 
 from common.cameras.camera import Image
-from common.cameras.images import IMAGE_SUFFIXES
+from common.cameras.images import IMAGE_SUFFIXES, write_image
 from common.cameras.sources import open_camera
 from common.errors import CameraError, ConfigError
 from common.geometry import Array
 from local_site.calibration.control_points import CAMERAS
 from local_site.calibration.coverage import coverage_map
 from local_site.calibration.found import draw_found
-from local_site.preview.picture_files import write_picture
 
 MAX_PICTURES = 500
 
@@ -67,12 +66,12 @@ def _read(path: Path, name: str) -> Image:
 
 def write_found(folder: Path, name: str, number: int, picture: Image, found: tuple[Array, Sequence[str]]) -> None:
     """Write a camera's picture of this number with what was found in it: pixels (N, 2) and their names."""
-    write_picture(folder, f"{name}_{number}", draw_found(picture, *found))
+    write_image(folder, f"{name}_{number}", draw_found(picture, *found))
 
 
 def write_coverage(folder: Path, name: str, picture: Image, pixels: Array) -> None:
     """Write which parts of a camera's picture all its pixels (N, 2) cover."""
-    write_picture(folder, f"{name}_coverage", coverage_map(pixels, size_of(picture), picture))
+    write_image(folder, f"{name}_coverage", coverage_map(pixels, size_of(picture), picture))
 
 
 def size_of(picture: Image) -> tuple[int, int]:

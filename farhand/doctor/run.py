@@ -56,7 +56,7 @@ def examine_config(config: Configuration) -> list[Finding]:
     if isinstance(config, LocalConfig):
         return examine_local(config)
     if isinstance(config, ConsoleConfig):
-        return _examine_links(config.links, config.links.places, *config.bearers)
+        return _examine_links(config.links, config.links.endpoints, *config.bearers)
     return _examine_links(config, config.listen, ROUTER)
 
 

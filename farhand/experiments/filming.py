@@ -7,7 +7,7 @@ import cv2
 
 from common.cameras.camera import Frame
 from common.clock import NS_PER_S
-from local_site.simulation.calibrated import calibrate_simulated
+from local_site.simulation.cameras import calibrate_simulated
 from local_site.simulation.config import SimulationConfig
 from local_site.simulation.operator import SimulatedOperator
 from local_site.tracking.choice import TrackingConfig, make_tracker

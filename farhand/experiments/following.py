@@ -16,9 +16,7 @@ from common.messages.hand import (
 )
 from common.messages.robot import SessionState
 from farhand.experiments.filming import Film
-from local_site.authority.lease_client import Standing
-from local_site.samples.gesture import OpenHand
-from local_site.samples.publisher import HandPublisher
+from local_site.samples.hand_sample import HandSampler, OpenHand
 from local_site.samples.smoothing import SmoothingConfig, make_smoother
 from local_site.tracking.tracker import ArmEstimate
 from remote_site.config import RemoteConfig
@@ -101,7 +99,7 @@ class FollowingArm:
         self._clock = FakeClock()
         self._loop = KinematicLoop(remote, self._clock)
         self._lease = LeaseStatus(Lease(LEASE, Holder(SESSION, "operator"), FOR_EVER_NS))
-        self._sender = HandPublisher(self, SESSION)
+        self._sampler = HandSampler(SESSION)
         self._received: list[HandArm] = []
         self.path = ToolPath()
 
@@ -113,11 +111,7 @@ class FollowingArm:
     def send(self, estimate: ArmEstimate) -> None:
         """Let an estimate arrive with the next tick, as the local site sends it."""
         clock = ClockSync(remote_minus_local_ns=0, uncertainty_ns=0, measured_ns=estimate.t_ns)
-        self._sender.publish(estimate, OpenHand(), Standing(LEASE, clock), Intent())
-
-    def put(self, message: HandArm) -> None:
-        """Take a sample off the wire."""
-        self._received.append(message)
+        self._received.append(self._sampler.sample(estimate, OpenHand(), LEASE, clock, Intent()))
 
     def run_until(self, end_ns: int) -> None:
         """Tick until the next tick would be at `end_ns` or later."""

@@ -12,7 +12,7 @@ from common.geometry import Array
 from common.messages.hand import TrackingStatus
 from farhand.experiments.filming import Progress
 from local_site.simulation.hazel import TrueArm, film_camera, film_pixel
-from local_site.simulation.textured_arm import ArmFilm, Place
+from local_site.simulation.textured_arm import ArmFilm, LimbPose
 from local_site.tracking.monocular.config import MonocularConfig, StartConfig
 from local_site.tracking.monocular.monocular_tracker import MonocularTracker
 from local_site.tracking.monocular.pose import ArmPose
@@ -43,8 +43,8 @@ def shoot(film: ArmFilm, arms: Iterable[TrueArm], with_finger: bool, progress: P
     cv2.setNumThreads(1)
     pictures, shown = [], []
     for arm in arms:
-        upper, forearm = arm.places()
-        places: tuple[Place, ...] = (upper, forearm, forearm) if with_finger else (upper, forearm)
+        upper, forearm = arm.limb_poses()
+        places: tuple[LimbPose, ...] = (upper, forearm, forearm) if with_finger else (upper, forearm)
         pictures.append(film.render(places))
         shown.append(arm)
         progress()

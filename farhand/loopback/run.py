@@ -27,9 +27,9 @@ from farhand.loopback.site_process import SiteProcess, listens, start_site
 from farhand.loopback.views import save_camera_views, save_overview
 from farhand.outputs import check_file, check_folder
 from farhand.tracking.run import prepare_tracker
-from local_site.simulation.beginning import Beginning
-from local_site.simulation.operators import Operator as SimulatedOperator
-from local_site.simulation.operators import make_operator
+from local_site.acquisition.exposures import Beginning
+from local_site.simulation.operator import Operator as SimulatedOperator
+from local_site.simulation.operator import make_operator
 from remote_site.config import RemoteConfig
 
 START_TIMEOUT_S = 40.0

@@ -8,8 +8,8 @@ import numpy as np
 import simplejpeg
 
 from common.cameras.camera import Image
+from common.cameras.images import write_image
 from farhand.loopback.recorder import CameraRecord
-from local_site.preview.picture_files import write_picture
 
 OVERVIEW = "overview"
 TILE = (480, 360)
@@ -19,7 +19,7 @@ def save_camera_views(cameras: Mapping[str, CameraRecord], folder: Path) -> None
     """Write the last picture of every camera as NAME.png."""
     for name, camera in cameras.items():
         if camera.last is not None:
-            write_picture(folder, name, simplejpeg.decode_jpeg(camera.last.jpeg, colorspace="BGR"))
+            write_image(folder, name, simplejpeg.decode_jpeg(camera.last.jpeg, colorspace="BGR"))
 
 
 def save_overview(names: tuple[str, ...], folder: Path) -> None:
@@ -27,7 +27,7 @@ def save_overview(names: tuple[str, ...], folder: Path) -> None:
     tiles = [_tile(folder / f"{name}.png") for name in names]
     tiles += [np.zeros_like(tiles[0])] * (len(tiles) % 2)
     rows = [np.hstack(tiles[k : k + 2]) for k in range(0, len(tiles), 2)]
-    write_picture(folder, OVERVIEW, np.vstack(rows))
+    write_image(folder, OVERVIEW, np.vstack(rows))
 
 
 def _tile(path: Path) -> Image:

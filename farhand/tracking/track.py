@@ -16,6 +16,7 @@ import msgspec
 import numpy as np
 
 from common.cameras.camera import Camera, Image
+from common.cameras.images import write_image
 from common.clock import NS_PER_MS
 from common.errors import CameraError
 from common.geometry import Array
@@ -24,8 +25,7 @@ from common.messages.hand import TrackingStatus
 from farhand.tracking.recorded_pairs import RecordedPairs
 from local_site.calibration.rig import Rig
 from local_site.config import LocalConfig
-from local_site.preview.picture_files import write_picture
-from local_site.samples.gesture import OpenHand, observe
+from local_site.samples.hand_sample import OpenHand
 from local_site.tracking.annotate import annotate
 from local_site.tracking.choice import make_tracker
 from local_site.tracking.drift_watch import DriftWatch
@@ -131,7 +131,7 @@ class _Recording:
         self._annotate_dir = annotate_dir
         self._tracker = make_tracker(rig, site.tracking)
         self._drift = DriftWatch(rig, site.drift, self.summary.warn_of_drift)
-        self._hand, self._hold_ms = OpenHand(), site.gesture.hold_ms
+        self._hand, self._gesture = OpenHand(), site.gesture
         self._sizes = [camera.size_px for camera in rig.cameras]
 
     def track(self, views: Views, lines: TextIO) -> None:
@@ -140,12 +140,11 @@ class _Recording:
         start_ns = time.perf_counter_ns()
         estimate = self._drift.judge(self._tracker.track(views))
         ms = (time.perf_counter_ns() - start_ns) / NS_PER_MS
-        open_now = estimate.hand_open if estimate.wrist is not None else None
-        self._hand = observe(self._hand, open_now, views.t_ns, self._hold_ms)
+        self._hand = self._hand.observe(estimate, self._gesture)
         self.summary.add(_write(lines, self.summary.pairs, estimate, self._hand, ms))
         if self._annotate_dir is not None:
             name = f"{self.summary.pairs - 1:06d}"
-            write_picture(self._annotate_dir, name, _annotated(self._rig, views, estimate))
+            write_image(self._annotate_dir, name, _annotated(self._rig, views, estimate))
 
     def _refuse_other_sizes(self, views: Views) -> None:
         """CameraError for a picture of another size than calibrated or, where that is unknown, than the first."""

@@ -13,7 +13,7 @@ JOIN_S = 1.0
 
 
 class Capture:
-    """Live cameras brought together; views that nobody took in time are replaced by newer ones."""
+    """Live cameras, paired to views; views that were not taken in time are replaced by newer ones."""
 
     def __init__(self, cameras: Sequence[Camera], config: PairingConfig, clock: Clock) -> None:
         self._cameras = tuple(cameras)
@@ -31,7 +31,7 @@ class Capture:
             thread.start()
 
     def next(self, timeout_s: float) -> Views | None:
-        """Wait for views not given before; None after the time-out or when a camera ended: ask `problem` why."""
+        """Wait for new views; None after the time-out or when a camera ended: `problem` gives the reason."""
         with self._changed:
             self._changed.wait_for(lambda: self._newest is not None or self.ended, timeout_s)
             views, self._newest = self._newest, None

@@ -1,4 +1,4 @@
-"""Brings the frames of several cameras to common instants; pure: frames come in, views come out."""
+"""Pairs the frames of several cameras to views of common instants; pure."""
 
 from collections import deque
 from collections.abc import Sequence
@@ -16,7 +16,7 @@ LEAST_STEP = 0.25
 
 
 class PairingConfig(Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
-    """When frames of several cameras belong together, and when a camera is not to be trusted."""
+    """When frames of several cameras belong together, and when a camera is refused."""
 
     tolerance_ms: Annotated[
         float, Meta(ge=0, le=20, description="exposures no further apart count as one instant, else interpolate")
@@ -26,7 +26,7 @@ class PairingConfig(Struct, frozen=True, kw_only=True, forbid_unknown_fields=Tru
     ] = 50.0
     stale_ms: Annotated[float, Meta(gt=0, le=5000, description="a camera without a frame for so long is stale")] = 500.0
     frozen_frames: Annotated[
-        int, Meta(ge=1, le=100, description="so many repeats of one picture are a frozen camera")
+        int, Meta(ge=1, le=100, description="this many repeats of one picture are a frozen camera")
     ] = 5
 
 
@@ -77,7 +77,7 @@ class Pairing:
         return Views(t_ns, enclosed) if len(enclosed) == len(views) else None
 
     def _least_step_ns(self, views: Views) -> float:
-        """How far after the last instant the next may lie: a few ms more show nothing new for the price of a pair."""
+        """The least step to the next instant: a few ms after the last nothing new shows, at the cost of a pair."""
         gaps = [v.current.capture_ns - v.previous.capture_ns for v in views.views if v.previous is not None]
         return max(1.0, LEAST_STEP * min(gaps)) if gaps else 1.0
 
@@ -119,6 +119,6 @@ class _Track:
         """The view of an instant, None when no two exposures enclose it."""
         for previous, current in zip(self.frames, list(self.frames)[1:], strict=False):
             if previous.capture_ns < t_ns < current.capture_ns:
-                share = (t_ns - previous.capture_ns) / (current.capture_ns - previous.capture_ns)
-                return View(current, previous, share)
+                weight = (t_ns - previous.capture_ns) / (current.capture_ns - previous.capture_ns)
+                return View(current, previous, weight)
         return next((View(frame) for frame in self.frames if frame.capture_ns == t_ns), None)

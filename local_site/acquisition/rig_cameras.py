@@ -1,16 +1,86 @@
-"""Opens the cameras that a rig was calibrated with: a source for each, in the rig's order, or one of them alone."""
+"""The cameras that see the operator: a source for each camera of the rig, one of them alone, or simulated ones."""
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from contextlib import ExitStack
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Annotated
 
 import msgspec
+from msgspec import Meta
 
 from common.cameras.camera import Camera
 from common.cameras.opencv import DEFAULT_LATENCY_MS
 from common.cameras.sources import Source, open_camera
 from common.errors import CameraError, ConfigError
+from local_site.acquisition.simulated_cameras import SimulatedCameras
 from local_site.calibration.rig import Rig
+from local_site.calibration.rig_file import load_rig
+from local_site.simulation.cameras import calibrate_simulated
+from local_site.simulation.config import SimulationConfig
 from local_site.tracking.choice import TrackingConfig
+
+SIMULATED = "simulated"
+
+
+class OperatorConfig(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
+    """The two to four cameras before the operator, and their calibration."""
+
+    left: Annotated[Source, Meta(description="'simulated', device, URL, file or folder")] = SIMULATED
+    right: Annotated[Source, Meta(description="'simulated', device, URL, file or folder")] = SIMULATED
+    also: Annotated[
+        tuple[Source, ...], Meta(max_length=2, description="a third and a fourth camera, in the rig's order")
+    ] = ()
+    alone: Annotated[
+        bool, Meta(description='left is the only camera, for tracking.method = "monocular"; right does not count')
+    ] = False
+    rig: Annotated[str, Meta(description="rig file from 'farhand calibrate'; simulated cameras bring their own")] = ""
+    fps: Annotated[float, Meta(gt=0, le=240, description="frames per second asked of the cameras")] = 30.0
+    latency_ms: Annotated[float, Meta(ge=0, le=1000, description="exposure to arrival of a live camera")] = 30.0
+
+    def __post_init__(self) -> None:
+        if not self.alone and (self.left == SIMULATED) != (self.right == SIMULATED):
+            raise ValueError("left and right must both be simulated, or neither")
+        if self.is_simulated and (self.also or self.alone):
+            raise ValueError("also and alone are for real cameras; the simulated operator brings its own")
+        if self.alone and self.also:
+            raise ValueError("alone leaves no room for also")
+        if not self.is_simulated and not self.rig:
+            raise ValueError("rig is missing; make one with: farhand calibrate points CSV --out rig.json")
+
+    @property
+    def is_simulated(self) -> bool:
+        """Whether the operator is a simulated one."""
+        return self.left == SIMULATED
+
+    @property
+    def sources(self) -> tuple[Source, ...]:
+        """All cameras, in the rig's order."""
+        return (self.left,) if self.alone else (self.left, self.right, *self.also)
+
+
+@dataclass(frozen=True, slots=True)
+class OperatorRig:
+    """The cameras that see the operator, their calibration and tracker; `engaged` is called with the time (ns)
+    of the hand's origin while the arm is engaged."""
+
+    rig: Rig
+    tracking: TrackingConfig
+    cameras: Sequence[Camera]
+    engaged: Callable[[int], None]
+
+
+def open_operator(operator: OperatorConfig, simulation: SimulationConfig, tracking: TrackingConfig) -> OperatorRig:
+    """Open the cameras that the configuration names; FarhandError when rig or cameras cannot be used."""
+    if operator.is_simulated:
+        simulated = SimulatedCameras(simulation)
+        rig = simulated.rig if simulation.textured else calibrate_simulated(simulation)
+        return OperatorRig(rig, tracking, simulated.cameras, simulated.begin)
+    rig = load_rig(Path(operator.rig))
+    if operator.alone:
+        rig, tracking = of_one_camera(rig, tracking)
+    cameras = open_rig_cameras(rig, operator.sources, operator.fps, operator.latency_ms)
+    return OperatorRig(rig, tracking, cameras, lambda _t_ns: None)
 
 
 def of_one_camera(rig: Rig, tracking: TrackingConfig) -> tuple[Rig, TrackingConfig]:

@@ -9,13 +9,13 @@ from msgspec import Meta, field
 from common.link.channels import check_cell_name
 from common.link.config import LinkSecurity
 from common.link.roles import Identity, Role
-from local_site.authority.operator_name import host_operator
+from local_site.authority.config import host_operator
 
 LEAST_TOKEN = 16
 
 
 class ConsoleLinksConfig(LinkSecurity, frozen=True, kw_only=True, forbid_unknown_fields=True):
-    """Where both sites are heard."""
+    """The endpoints of both sites."""
 
     control: Annotated[str, Meta(min_length=1, description="the remote site's control endpoint")] = "tcp/127.0.0.1:7447"
     video: Annotated[str, Meta(min_length=1, description="the remote site's video endpoint")] = "tcp/127.0.0.1:7448"
@@ -24,7 +24,7 @@ class ConsoleLinksConfig(LinkSecurity, frozen=True, kw_only=True, forbid_unknown
     )
 
     @property
-    def places(self) -> tuple[str, ...]:
+    def endpoints(self) -> tuple[str, ...]:
         """Every endpoint that the console uses."""
         return self.control, self.video, self.local
 
@@ -37,8 +37,8 @@ class ServeConfig(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fiel
     names: Annotated[
         tuple[str, ...], Meta(max_length=16, description="further host names under which browsers may ask for the page")
     ] = ()
-    token: Annotated[str, Meta(description="word that opens the page; demanded beyond this host")] = ""
-    certificate: Annotated[str, Meta(description="TLS certificate, PEM file; demanded beyond this host")] = ""
+    token: Annotated[str, Meta(description="word that opens the page; required beyond this host")] = ""
+    certificate: Annotated[str, Meta(description="TLS certificate, PEM file; required beyond this host")] = ""
     key: Annotated[str, Meta(description="the certificate's key, PEM file")] = ""
 
     def __post_init__(self) -> None:
@@ -67,7 +67,7 @@ class ServeConfig(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fiel
 
 
 class ConsoleConfig(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
-    """Everything the console can be told."""
+    """Every setting of the console."""
 
     cell: Annotated[str, Meta(description="name of the cell; all sites must agree on it")] = "cell"
     operator: Annotated[str, Meta(description="the local site's operator; empty: this host's name")] = ""
@@ -81,7 +81,7 @@ class ConsoleConfig(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fi
 
     @property
     def bearers(self) -> tuple[Identity, ...]:
-        """Whose certificate the console may show; any that may watch, where nobody operates."""
+        """Whose certificates the console may use; any that may watch, where nobody operates."""
         roles = (Role.OPERATOR,) if self.operate else (Role.OPERATOR, Role.VIEWER, Role.MAINTENANCE)
         return tuple(Identity(role, self.cell) for role in roles)
 

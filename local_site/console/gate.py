@@ -1,4 +1,4 @@
-"""Who may ask the console for anything: the right host, the right origin, the token; and what a page may load."""
+"""Access to the console: the right host, the right origin, the token; and what a page may load."""
 
 import hmac
 from collections.abc import Iterable
@@ -26,7 +26,7 @@ LOOPBACK_NAMES = ("127.0.0.1", "localhost", "[::1]")
 
 
 class Gate:
-    """Stands before the application; a name in the browser's address bar that is not ours is refused.
+    """Middleware before the application; a host name in the browser's address bar that is not ours is refused.
 
     That, and the origin of a WebSocket, keep other sites' pages out; the token keeps other people out.
     """
@@ -37,7 +37,7 @@ class Gate:
         self._hosts = frozenset(_with_ports(names, port))
 
     async def __call__(self, scope: Scope, receive: Receive, send: Send) -> None:
-        """Let a request pass, or refuse it with a sentence."""
+        """Let a request pass, or refuse it with the reason."""
         if scope["type"] not in ("http", "websocket"):
             await self._app(scope, receive, send)
             return
@@ -56,11 +56,11 @@ class Gate:
         origin = request.headers.get("origin")
         is_socket = request.scope["type"] == "websocket"
         if (is_socket or origin is not None) and origin != f"{self._serve.scheme}://{host}":
-            return PlainTextResponse("another site's page may not speak with this console\n", 403)
+            return PlainTextResponse("another site's page may not use this console\n", 403)
         return self._ask_for_token(request) if self._serve.token else None
 
     def _ask_for_token(self, request: HTTPConnection) -> Response | None:
-        """None for who has the token; who brings it in the address gets it as a cookie, and an address without it."""
+        """None with a valid cookie; a token in the address is moved to a cookie by a redirect."""
         if self._is_token(request.cookies.get(COOKIE, "")):
             return None
         given = parse_qs(request.url.query).get("token", [""])[0]
@@ -75,7 +75,7 @@ class Gate:
 
 
 def _with_ports(names: Iterable[str], port: int) -> set[str]:
-    """Names as browsers send them: the usual ports are left out."""
+    """Names as browsers send them: default ports are left out."""
     return {f"{name}:{port}" for name in names} | {name for name in names if port in (80, 443)}
 
 

@@ -1,4 +1,4 @@
-"""The console's middle: what both sites say goes to every page, as it is now."""
+"""The middle of the console: the newest messages of both sites go to every page."""
 
 import time
 from collections.abc import Callable
@@ -12,14 +12,14 @@ from common.messages.hand import HandArm
 from common.messages.requests import Description
 from common.messages.robot import RobotState
 from common.messages.video import VideoFrame
-from local_site.console.history import History
-from local_site.console.latency import Latencies
+from local_site.console.message_handler import NO_LEASE, PageMessageHandler
+from local_site.console.model.frames import view_frame
+from local_site.console.model.history import History
+from local_site.console.model.latency import Latencies
+from local_site.console.model.page_messages import parse
+from local_site.console.model.shown import CAMERA_VIEW
+from local_site.console.model.situation import Heard, situation_json
 from local_site.console.page import Page
-from local_site.console.page_desk import NO_LEASE, PageDesk
-from local_site.console.page_messages import parse
-from local_site.console.picture import view_frame
-from local_site.console.shown import CAMERA_VIEW
-from local_site.console.situation import Clocks, Heard, tell
 
 OWN_CLOCK = ClockOffset(0, 0)
 
@@ -33,14 +33,14 @@ class CellClock(Protocol):
 
 
 class Hub:
-    """Lives in the event loop; every method is called there. `watched` is told whether any page is there.
+    """Lives in the event loop; every method is called there. `watched` is called with whether any page is connected.
 
     `operator` is whose console this is; `operate` is whether a page may operate.
     """
 
     def __init__(
         self,
-        desk: PageDesk,
+        handler: PageMessageHandler,
         watch: CellClock,
         latencies: Latencies,
         history: History,
@@ -49,7 +49,7 @@ class Hub:
         *,
         operate: bool,
     ) -> None:
-        self._desk, self._watch = desk, watch
+        self._handler, self._watch = handler, watch
         self._latencies, self._history = latencies, history
         self._operate, self._operator, self._watched = operate, operator, watched
         self._heard = Heard()
@@ -61,8 +61,8 @@ class Hub:
         now_ns = time.monotonic_ns()
         self._pages.append(page)
         self._watched(True)
-        self._desk.seat.arrive(page.visitor, now_ns)
-        page.letter(type="hello", page=page.visitor.number, operate=self._operate, operator=self._operator)
+        self._handler.seat.arrive(page.visitor, now_ns)
+        page.send(type="hello", page=page.visitor.number, operate=self._operate, operator=self._operator)
         if self._cell is not None:
             self._introduce(page, self._cell)
 
@@ -70,20 +70,20 @@ class Hub:
         """A page has gone."""
         self._pages.remove(page)
         self._watched(bool(self._pages))
-        if page.visitor == self._desk.seat.occupant:
-            self._desk.seat.leave(page.visitor)
+        if page.visitor == self._handler.seat.occupant:
+            self._handler.seat.leave(page.visitor)
             self._history.note("seat", f"{page.visitor} is gone, nobody operates", time.monotonic_ns())
 
     def hear(self, page: Page, text: str) -> None:
-        """A page says something; MessageError when it is nothing known."""
-        self._desk.hear(page, parse(text), time.monotonic_ns())
+        """A message has come from a page; MessageError when it is none that is known."""
+        self._handler.hear(page, parse(text), time.monotonic_ns())
 
     def state(self, state: RobotState) -> None:
         """The robot's state has come."""
         now_ns = time.monotonic_ns()
         self._heard = replace(self._heard, state=state, state_ns=now_ns)
         lease = state.lease
-        self._desk.lease = lease.number if lease is not None and lease.holder == self._operator else NO_LEASE
+        self._handler.lease = lease.number if lease is not None and lease.holder == self._operator else NO_LEASE
         self._history.learn(state, now_ns)
         self._latencies.learn(state, now_ns)
 
@@ -96,7 +96,7 @@ class Hub:
         now_ns = time.monotonic_ns()
         known = self._watch.estimate(now_ns)
         view, clock = CAMERA_VIEW + frame.camera, known.offset if known is not None else None
-        self._desk.remember(view, frame, now_ns, clock)
+        self._handler.remember(view, frame, now_ns, clock)
         self._show(view, frame, clock)
 
     def preview(self, frame: VideoFrame) -> None:
@@ -104,29 +104,29 @@ class Hub:
         self._show(f"preview/{frame.camera}", frame, OWN_CLOCK)
 
     def described(self, cell: Description) -> None:
-        """The cell has said what it is."""
+        """The description of the cell has come."""
         self._cell = cell
         for page in self._pages:
             self._introduce(page, cell)
 
     def refused(self, sentence: str) -> None:
-        """The cell cannot be understood."""
+        """The cell is refused, as one of another release."""
         self._history.note_change("refused", "fault", sentence, time.monotonic_ns())
 
-    def tell(self) -> None:
-        """Tell every page the situation."""
+    def send_situation(self) -> None:
+        """Send the situation to every page."""
         now_ns = time.monotonic_ns()
-        clocks = Clocks(self._watch.estimate(now_ns), self._watch.round_trip_ms)
-        self._latencies.learn_clock(clocks.estimate, clocks.round_trip_ms, now_ns)
+        clock = self._watch.estimate(now_ns), self._watch.round_trip_ms
+        self._latencies.learn_clock(*clock, now_ns)
         if not self._pages:
             return
-        desk = self._desk
-        told = tell(now_ns, self._heard, clocks, desk.seat, desk.intent, self._latencies, self._history).decode()
+        seat, intent = self._handler.seat, self._handler.intent
+        situation = situation_json(now_ns, self._heard, *clock, seat, intent, self._latencies, self._history)
         for page in self._pages:
-            page.situation(told)
+            page.situation(situation)
 
     def _introduce(self, page: Page, cell: Description) -> None:
-        page.letter(type="cell", cell=msgspec.to_builtins(cell))
+        page.send(type="cell", cell=msgspec.to_builtins(cell))
 
     def _show(self, view: str, frame: VideoFrame, clock: ClockOffset | None) -> None:
         if not self._pages:

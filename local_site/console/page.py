@@ -7,10 +7,10 @@ from typing import Any
 import msgspec
 from starlette.websockets import WebSocket, WebSocketDisconnect
 
-from local_site.console.frame_slots import FrameSlots, ViewFrame
-from local_site.console.seat import Visitor
+from local_site.console.model.frames import FrameSlots, ViewFrame
+from local_site.console.model.seat import Visitor
 
-MOST_LETTERS = 64
+MOST_MESSAGES = 64
 
 
 class Page:
@@ -20,12 +20,12 @@ class Page:
         self.visitor = visitor
         self.slots = FrameSlots()
         self._socket = socket
-        self._letters: deque[str] = deque(maxlen=MOST_LETTERS)
+        self._messages: deque[str] = deque(maxlen=MOST_MESSAGES)
         self._situation: str | None = None
         self._wake = asyncio.Event()
 
     def frame(self, frame: ViewFrame) -> None:
-        """A new picture."""
+        """Send a new picture."""
         self.slots.offer(frame)
         self._wake.set()
 
@@ -34,14 +34,14 @@ class Page:
         self.slots.taken(view)
         self._wake.set()
 
-    def situation(self, told: str) -> None:
-        """The situation anew; one that was not sent yet is replaced."""
-        self._situation = told
+    def situation(self, text: str) -> None:
+        """Send the situation; it replaces one that has not been sent yet."""
+        self._situation = text
         self._wake.set()
 
-    def letter(self, **fields: Any) -> None:
-        """Something that is said once, as an answer."""
-        self._letters.append(msgspec.json.encode(fields).decode())
+    def send(self, **fields: Any) -> None:
+        """Send something once, such as an answer."""
+        self._messages.append(msgspec.json.encode(fields).decode())
         self._wake.set()
 
     async def write(self) -> None:
@@ -55,11 +55,11 @@ class Page:
 
     async def _write_all(self) -> None:
         while True:
-            while self._letters:
-                await self._socket.send_text(self._letters.popleft())
+            while self._messages:
+                await self._socket.send_text(self._messages.popleft())
             if self._situation is not None:
-                told, self._situation = self._situation, None
-                await self._socket.send_text(told)
+                text, self._situation = self._situation, None
+                await self._socket.send_text(text)
             frame = self.slots.take()
             if frame is None:
                 return

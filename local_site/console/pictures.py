@@ -1,4 +1,4 @@
-"""The pictures' own link, open only while a page is there: without one no picture is drawn, sent or carried."""
+"""The pictures' own link, open only while a page is: without one no picture is drawn or sent."""
 
 import threading
 from collections.abc import Callable
@@ -35,7 +35,7 @@ class Pictures:
         self._change(names=names)
 
     def watch(self, *, watched: bool) -> None:
-        """Whether a page is there."""
+        """Whether a page is open."""
         self._change(watched=watched)
 
     def close(self) -> None:
@@ -62,7 +62,7 @@ class Pictures:
                 self._wait_until(lambda: not self._watched or self._names != names)  # noqa: B023  # called here alone
 
     def _wait_until(self, is_so: Callable[[], bool]) -> bool:
-        """Wait until something is so; False once all is over."""
+        """Wait until a condition holds; False once closed."""
         with self._changed:
             self._changed.wait_for(lambda: self._ended or is_so())
             return not self._ended

@@ -19,13 +19,13 @@ from common.errors import ConfigError, MessageError, TransportError
 from local_site.console.config import ServeConfig
 from local_site.console.gate import Gate
 from local_site.console.hub import Hub
+from local_site.console.model.seat import Visitor
 from local_site.console.page import Page
-from local_site.console.seat import Visitor
 
 STATIC = Path(__file__).parent / "static"
 MAX_MESSAGE_BYTES = 16384
-END_S = 0  # pages are told that it ends; none is waited for
-NOT_UNDERSTOOD = 1008
+END_S = 0  # pages are told that the server ends; it waits for none
+POLICY_VIOLATION = 1008
 
 
 def bind(serve: ServeConfig) -> socket.socket:
@@ -67,12 +67,12 @@ def make_server(hub: Hub, serve: ServeConfig, port: int) -> uvicorn.Server:
     except OSError as error:  # ssl's errors are among these
         raise ConfigError(f"serve.certificate, serve.key: cannot be used: {error}") from error
     server = uvicorn.Server(config)
-    logging.getLogger("uvicorn.error").handlers = [Retelling(server)]
+    logging.getLogger("uvicorn.error").handlers = [LibraryLog(server)]
     return server
 
 
-class Retelling(logging.Handler):
-    """Has what the server library logs in our own log; when it ends, that it waits for nobody is no news."""
+class LibraryLog(logging.Handler):
+    """Writes the server library's warnings to our log, except while the server ends."""
 
     def __init__(self, server: uvicorn.Server) -> None:
         super().__init__(logging.WARNING)
@@ -114,8 +114,8 @@ async def _serve_page(hub: Hub, page: Page, connection: WebSocket) -> None:
         async for text in connection.iter_text():
             hub.hear(page, text)
     except MessageError as error:
-        await connection.close(NOT_UNDERSTOOD, str(error)[:100])
-    except (WebSocketDisconnect, WebSocketDisconnected):  # told while reading, or found out while writing
+        await connection.close(POLICY_VIOLATION, str(error)[:100])
+    except (WebSocketDisconnect, WebSocketDisconnected):  # noticed while reading, or while writing
         return
     finally:
         hub.leave(page)

@@ -16,11 +16,11 @@ Triangles = NDArray[np.int32]
 @dataclass(frozen=True, slots=True)
 class Raster:
     """A picture of triangles: 1 / depth (H, W) in 1/m, 0 where there is nothing; the triangle's number (H, W), NOTHING
-    likewise; and the shares (H, W, 3) of its corners in the surface point, corrected for perspective."""
+    likewise; and the barycentric coordinates (H, W, 3) of the surface point, corrected for perspective."""
 
     inverse_depth: Array
     triangle: NDArray[np.int32]
-    shares: Array
+    barycentric: Array
 
 
 def rasterise(pixels: Array, depths: Array, triangles: Triangles, width: int, height: int) -> Raster:
@@ -31,7 +31,7 @@ def rasterise(pixels: Array, depths: Array, triangles: Triangles, width: int, he
     raster = Raster(
         np.zeros((height, width)), np.full((height, width), NOTHING, np.int32), np.zeros((height, width, 3))
     )
-    _fill(pixels, 1.0 / depths, triangles, raster.inverse_depth, raster.triangle, raster.shares)
+    _fill(pixels, 1.0 / depths, triangles, raster.inverse_depth, raster.triangle, raster.barycentric)
     return raster
 
 

@@ -1,31 +1,26 @@
-"""What a preview needs of an estimate, as bytes for the process that draws it, and the drawing itself."""
+"""Draws the operator's views with what was found in them; what that takes, as bytes for the process that draws."""
 
 from collections.abc import Sequence
+from typing import Annotated
 
 import cv2
 import msgspec
 import numpy as np
 import simplejpeg
+from msgspec import Meta
 
 from common.cameras.camera import Image
 from common.geometry import Array
-from common.messages.hand import TrackingStatus
-from local_site.preview.config import PreviewConfig
 from local_site.tracking.annotate import annotate
-from local_site.tracking.tracker import ArmEstimate, Overlay, Views
-
-POINTS = ("elbow", "wrist", "index", "thumb")
-LINES = ("forearm_line", "upper_arm_line")
-
-Numbers = tuple[float, ...]
+from local_site.tracking.tracker import ArmEstimate, Views
 
 
-class Marks(msgspec.Struct, frozen=True):
-    """An overlay in plain numbers; `contour` is the bytes of int32 pairs."""
+class PreviewConfig(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
+    """Pictures of the operator with what was found in them; made only while a console looks at them."""
 
-    contour: bytes | None
-    lines: dict[str, Numbers]
-    points: dict[str, Numbers]
+    fps: Annotated[float, Meta(gt=0, le=60, description="pictures per second of each view, at most")] = 12.0
+    width: Annotated[int, Meta(ge=160, le=3840, description="pixels; a narrower view stays as it is")] = 640
+    quality: Annotated[int, Meta(ge=10, le=100, description="JPEG quality")] = 70
 
 
 class PictureInfo(msgspec.Struct, frozen=True):
@@ -40,12 +35,7 @@ class DrawingOrder(msgspec.Struct, frozen=True):
     """Everything to be drawn at one instant, without the pictures."""
 
     taken: tuple[PictureInfo, ...]
-    status: TrackingStatus
-    reason: str
-    thumb_inferred: bool
-    places: dict[str, Numbers]
-    covariances: dict[str, Numbers]
-    marks: tuple[Marks, ...]
+    estimate: ArmEstimate
 
 
 class Drawn(msgspec.Struct, frozen=True):
@@ -57,44 +47,24 @@ class Drawn(msgspec.Struct, frozen=True):
     jpeg: bytes
 
 
-def order_of(views: Views, estimate: ArmEstimate) -> DrawingOrder:
+def encode_order(views: Views, estimate: ArmEstimate) -> bytes:
     """What to draw for an instant."""
     frames = [view.current for view in views.views]
-    return DrawingOrder(
-        taken=tuple(PictureInfo(f.image.shape, f.capture_ns, f.capture_estimated) for f in frames),
-        status=estimate.status,
-        reason=estimate.reason,
-        thumb_inferred=estimate.thumb_inferred,
-        places=_known(estimate, POINTS),
-        covariances={name: _numbers(matrix) for name, matrix in estimate.covariances.items()},
-        marks=tuple(_marks(overlay) for overlay in estimate.overlays),
-    )
+    taken = tuple(PictureInfo(f.image.shape, f.capture_ns, f.capture_estimated) for f in frames)
+    return msgspec.msgpack.encode(DrawingOrder(taken, estimate), enc_hook=_from_array)
 
 
-def estimate_of(order: DrawingOrder) -> ArmEstimate:
-    """The estimate again, as far as it is drawn."""
-    places = {name: np.array(numbers) for name, numbers in order.places.items()}
-    return ArmEstimate(
-        t_ns=0,
-        status=order.status,
-        reason=order.reason,
-        thumb_inferred=order.thumb_inferred,
-        overlays=tuple(_overlay(marks) for marks in order.marks),
-        covariances={name: np.array(numbers).reshape(3, 3) for name, numbers in order.covariances.items()},
-        elbow=places.get("elbow"),
-        wrist=places.get("wrist"),
-        index=places.get("index"),
-        thumb=places.get("thumb"),
-    )
+def decode_order(data: bytes) -> DrawingOrder:
+    """The order that was encoded."""
+    return msgspec.msgpack.decode(data, type=DrawingOrder, dec_hook=_to_array)
 
 
 def draw(
     order: DrawingOrder, pictures: Sequence[Image], projections: Sequence[Array], config: PreviewConfig
 ) -> list[Drawn]:
     """All views of an instant with what was found in them; the pictures are flat, as they came through the memory."""
-    estimate = estimate_of(order)
     return [
-        _drawn(annotate(pixels.reshape(taken.shape), estimate, k, projections[k]), taken, config)
+        _drawn(annotate(pixels.reshape(taken.shape), order.estimate, k, projections[k]), taken, config)
         for k, (pixels, taken) in enumerate(zip(pictures, order.taken, strict=True))
     ]
 
@@ -108,22 +78,15 @@ def _drawn(picture: Image, taken: PictureInfo, config: PreviewConfig) -> Drawn:
     return Drawn(taken, width, height, bytes(simplejpeg.encode_jpeg(picture, config.quality, "BGR", "420")))
 
 
-def _marks(overlay: Overlay) -> Marks:
-    contour = None if overlay.contour is None else overlay.contour.astype(np.int32).tobytes()
-    return Marks(contour, _known(overlay, LINES), _known(overlay, POINTS))
+def _from_array(value: object) -> object:
+    """An array as dtype, shape and bytes; a NumPy scalar as a number."""
+    if isinstance(value, np.ndarray):
+        return value.dtype.str, value.shape, value.tobytes()
+    if isinstance(value, np.generic):
+        return value.item()
+    raise NotImplementedError(f"a preview cannot carry {type(value)}")
 
 
-def _overlay(marks: Marks) -> Overlay:
-    return Overlay(
-        contour=None if marks.contour is None else np.frombuffer(marks.contour, np.int32).reshape(-1, 2),
-        **{name: np.array(numbers).reshape(2, 2) for name, numbers in marks.lines.items()},
-        **{name: np.array(numbers) for name, numbers in marks.points.items()},
-    )
-
-
-def _known(found: ArmEstimate | Overlay, names: Sequence[str]) -> dict[str, Numbers]:
-    return {name: _numbers(array) for name in names if (array := getattr(found, name)) is not None}
-
-
-def _numbers(array: Array) -> Numbers:
-    return tuple(array.ravel().tolist())
+def _to_array(_kind: type, parts: tuple[str, Sequence[int], bytes]) -> object:
+    dtype, shape, data = parts
+    return np.frombuffer(data, dtype).reshape(shape)

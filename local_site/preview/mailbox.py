@@ -20,7 +20,9 @@ Part = bytes | NDArray[Any]
 
 
 class Mailbox:
-    """Who puts never waits: while the last message was not taken, there is no room for another.
+    """`put` never waits: while the last message has not been taken, there is no room for another.
+
+    No `SharedRecord`: every message is read once, its size varies, and a checksum of pictures would cost milliseconds.
 
     Memory that is never written costs nothing, so the capacity may be generous.
     """
@@ -64,6 +66,6 @@ class Mailbox:
         return parts
 
     def wait(self, timeout_ns: int) -> None:
-        """Wait for a message, for so long at most."""
+        """Wait for a message, at most this long."""
         if self._poll.poll(timeout_ns / NS_PER_MS):
             os.eventfd_read(self._wake_fd)

@@ -13,7 +13,7 @@ AGE_BUCKETS_S = (0.01, 0.02, 0.03, 0.04, 0.05, 0.06, 0.08, 0.1, 0.15, 0.2, 0.3, 
 
 
 class LocalFigures:
-    """Hears every hand sample of this site; one thread hears, another asks."""
+    """Counts every hand sample of this site; one thread calls `hear`, another `families`."""
 
     def __init__(self) -> None:
         self._sample: HandArm | None = None
@@ -27,13 +27,13 @@ class LocalFigures:
         )
 
     def hear(self, sample: HandArm, now_ns: int) -> None:
-        """Take a sample that came at this time."""
+        """Take a sample received at this time."""
         self._samples[sample.status] += 1
         self._age.observe((now_ns - sample.capture_ns) / NS_PER_S)
         self._sample, self._heard_ns = sample, now_ns
 
     def families(self, now_ns: int) -> Iterator[Metric]:
-        """All figures as they are at this time; without a sample, none."""
+        """All figures at this time; none before the first sample."""
         sample = self._sample
         if sample is None:
             return

@@ -6,20 +6,20 @@ frames should have to wait for it.
 
 from common.cameras.camera import Frame
 from common.clock import NS_PER_S
+from local_site.calibration.rig import Rig
 from local_site.simulation.cameras import exact_rig
 from local_site.simulation.config import SimulationConfig
-from local_site.simulation.hazel import film_camera
-from local_site.simulation.operator import SimulatedOperator
-from local_site.simulation.textured_operator import TexturedOperator, first_joints_px
+from local_site.simulation.hazel import TexturedOperator, film_camera, first_joints_px
+from local_site.simulation.operator import Operator, SimulatedOperator
 from local_site.tracking.choice import TrackingConfig, make_tracker
 from local_site.tracking.monocular.config import MonocularConfig, StartBy, StartConfig
 from local_site.tracking.monocular.monocular_tracker import MonocularTracker
 from local_site.tracking.silhouette.config import SilhouetteConfig
-from local_site.tracking.tracker import View, Views
+from local_site.tracking.tracker import Tracker, View, Views
 
 INSTANTS = 3
 PERIOD_NS = NS_PER_S // 30
-SWING_S = 0.6  # so long that the arm turns and the tracker learns more of it
+SWING_S = 0.6  # long enough that the arm turns and the tracker learns more of it
 
 
 def warm_up(tracking: TrackingConfig) -> None:
@@ -27,31 +27,26 @@ def warm_up(tracking: TrackingConfig) -> None:
     if tracking.method == "markers":
         return
     if tracking.method == "monocular":
-        _warm_up_monocular(tracking.monocular.start.by)
-        return
-    simulation = SimulationConfig()
-    operator = SimulatedOperator(simulation)
-    tracker = make_tracker(exact_rig(simulation.stereo), TrackingConfig(silhouette=SilhouetteConfig(initial_pairs=1)))
+        operator: Operator = TexturedOperator(still_s=0.0)
+        rig, step_s = film_camera(), SWING_S
+        tracker = _monocular(rig, tracking.monocular.start.by)
+    else:
+        simulation = SimulationConfig()
+        operator = SimulatedOperator(simulation)
+        rig, step_s = exact_rig(simulation.stereo), PERIOD_NS / NS_PER_S
+        tracker = make_tracker(rig, TrackingConfig(silhouette=SilhouetteConfig(initial_pairs=1)))
+    cameras = tuple(range(len(rig.cameras)))
     for k in range(INSTANTS):
-        views = tuple(View(frame) for frame in _frames(operator, k))
-        tracker.track(Views(k * PERIOD_NS, views))
+        t_ns = k * PERIOD_NS
+        views = tuple(View(Frame(image, t_ns, k)) for image in operator.render(k * step_s, cameras))
+        tracker.track(Views(t_ns, views))
 
 
-def _warm_up_monocular(by: StartBy) -> None:
-    """An arm that swings before one camera, started as it will be: each way has inner loops of its own."""
-    operator = TexturedOperator(still_s=0.0)
+def _monocular(rig: Rig, by: StartBy) -> Tracker:
+    """A tracker of the swinging arm, started as configured: each way to start has inner loops of its own."""
     shoulder, elbow, wrist = first_joints_px().values()
     start = StartConfig(by=by, shoulder_px=shoulder, elbow_px=elbow, wrist_px=wrist)
-    tracker = MonocularTracker(film_camera(), MonocularConfig(start=start))
-    for k in range(INSTANTS):
-        (image,) = operator.render(SWING_S * k)
-        tracker.track(Views(k * PERIOD_NS, (View(Frame(image, k * PERIOD_NS, k)),)))
-
-
-def _frames(operator: SimulatedOperator, k: int) -> list[Frame]:
-    """What both cameras see at the instant of this number."""
-    t_ns = k * PERIOD_NS
-    return [Frame(image, t_ns, k) for image in operator.render(t_ns / NS_PER_S)]
+    return MonocularTracker(rig, MonocularConfig(start=start))
 
 
 if __name__ == "__main__":

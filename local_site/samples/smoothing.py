@@ -1,9 +1,10 @@
-"""Smooths the tracked arm over time: the One Euro filter, or the mean of the last frames for comparison."""
+"""Smooths the tracked arm over time, single jumps left out: the One Euro filter, or the mean of the last frames."""
 
 import math
 from collections import deque
+from collections.abc import Callable
 from dataclasses import replace
-from typing import Annotated, Literal
+from typing import Annotated, Literal, Protocol
 
 import numpy as np
 from msgspec import Meta, Struct
@@ -11,10 +12,10 @@ from msgspec import Meta, Struct
 from common.clock import NS_PER_S
 from common.geometry import Array, hand_rotation, rotation_from_vector, vector_from_rotation
 from common.messages.hand import TrackingStatus
-from local_site.samples.jumps import JumpGate, Smoother
 from local_site.tracking.tracker import ArmEstimate
 
 POINTS = ("elbow", "wrist", "index", "thumb")
+BELIEVED = 3  # a third jump in a row is where the arm is now
 
 
 class SmoothingConfig(Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
@@ -32,7 +33,16 @@ class SmoothingConfig(Struct, frozen=True, kw_only=True, forbid_unknown_fields=T
         float, Meta(gt=0, le=20, description="a faster wrist is a jump: sent as it is, for the remote site to refuse")
     ] = 3.0
     jump_noise_m: Annotated[float, Meta(ge=0, le=0.2, description="added to the jump limit for noise, m")] = 0.03
-    max_gap_s: Annotated[float, Meta(gt=0, le=10, description="a point absent for longer starts anew")] = 0.2
+    max_gap_s: Annotated[float, Meta(gt=0, le=10, description="a point absent for longer starts again")] = 0.2
+
+
+class Smoother(Protocol):
+    """Turns estimates of successive instants into calmer ones; causal, a LOST estimate makes it start again.
+
+    Covariances stay those of the single measurement: they do not include the lag that smoothing trades for noise.
+    """
+
+    def smooth(self, estimate: ArmEstimate) -> ArmEstimate: ...
 
 
 def make_smoother(config: SmoothingConfig) -> Smoother:
@@ -41,67 +51,87 @@ def make_smoother(config: SmoothingConfig) -> Smoother:
     return JumpGate(smoother, config.jump_m_s, config.jump_noise_m)
 
 
-class OneEuro:
-    """The One Euro filter (Casiez, Roussel and Vogel 2012) of a vector, its cut-off rising with the vector's speed."""
+class JumpGate:
+    """A `Smoother` before another: a wrist faster than `speed_m_s`, with `noise_m` to spare, bypasses the other.
 
-    def __init__(self, config: SmoothingConfig, beta: float) -> None:
-        self._config = config
-        self._beta = beta
-        self._speed: Array | None = None
+    So one wrong frame does not spread over those after it; the remote site refuses it as it is. With the third jump in
+    a row the other starts again there.
+    """
+
+    def __init__(self, smoother: Smoother, speed_m_s: float, noise_m: float) -> None:
+        self._smoother, self._speed_m_s, self._noise_m = smoother, speed_m_s, noise_m
+        self._last: ArmEstimate | None = None
+        self._jumps = 0
+
+    def smooth(self, estimate: ArmEstimate) -> ArmEstimate:
+        """The estimate, smoothed unless its wrist jumps."""
+        if self._jumped(estimate):
+            self._jumps += 1
+            if self._jumps < BELIEVED:
+                return estimate
+            self._smoother.smooth(ArmEstimate(estimate.t_ns, TrackingStatus.LOST, "the wrist has jumped"))
+        self._last, self._jumps = estimate, 0
+        return self._smoother.smooth(estimate)
+
+    def _jumped(self, estimate: ArmEstimate) -> bool:
+        if self._last is None or self._last.wrist is None or estimate.wrist is None:
+            return False
+        passed_s = (estimate.t_ns - self._last.t_ns) / NS_PER_S
+        return math.dist(estimate.wrist, self._last.wrist) > self._speed_m_s * passed_s + self._noise_m
+
+
+class OneEuro:
+    """The One Euro filter (Casiez, Roussel and Vogel 2012), its cut-off rising by `beta` with the value's speed.
+
+    `difference` gives the vector from the smoothed to the new value, `moved` the value moved by such a vector. An
+    absent value stays absent, and the filter starts again with the next one.
+    """
+
+    def __init__(
+        self,
+        config: SmoothingConfig,
+        beta: float,
+        difference: Callable[[Array, Array], Array],
+        moved: Callable[[Array, Array], Array],
+    ) -> None:
+        self._config, self._beta = config, beta
+        self._difference, self._moved = difference, moved
+        self._value: Array | None = None
+        self._speed = np.zeros(3)
         self._t_ns = 0
 
-    def reset(self) -> None:
-        """Start anew with the next value."""
-        self._speed = None
-
-    def share(self, t_ns: int, change: Array) -> float:
-        """How much of `change`, the new value less the smoothed one, is to be taken over; 1 at the start."""
-        dt_s = (t_ns - self._t_ns) / NS_PER_S
-        self._t_ns = t_ns
-        if self._speed is None or not 0.0 < dt_s <= self._config.max_gap_s:
-            self._speed = np.zeros_like(change)
-            return 1.0
-        self._speed = self._speed + _share(self._config.speed_cutoff_hz, dt_s) * (change / dt_s - self._speed)
+    def smooth(self, t_ns: int, value: Array | None) -> Array | None:
+        """The smoothed value."""
+        dt_s, self._t_ns = (t_ns - self._t_ns) / NS_PER_S, t_ns
+        if value is None or self._value is None or not 0.0 < dt_s <= self._config.max_gap_s:
+            self._value, self._speed = value, np.zeros(3)
+            return value
+        change = self._difference(self._value, value)
+        self._speed = self._speed + _gain(self._config.speed_cutoff_hz, dt_s) * (change / dt_s - self._speed)
         speed = math.sqrt(float(self._speed @ self._speed))
-        return _share(self._config.min_cutoff_hz + self._beta * speed, dt_s)
+        gain = _gain(self._config.min_cutoff_hz + self._beta * speed, dt_s)
+        self._value = self._moved(self._value, gain * change)
+        return self._value
 
 
-def _share(cutoff_hz: float, dt_s: float) -> float:
+def _gain(cutoff_hz: float, dt_s: float) -> float:
+    """How much of a change a low-pass filter of first order takes over in one step."""
     return 1.0 / (1.0 + 1.0 / (2.0 * math.pi * cutoff_hz * dt_s))
 
 
-class PointFilter:
-    """One Euro on a point (3,) in m; an absent point stays absent and ends what was known of it."""
-
-    def __init__(self, config: SmoothingConfig) -> None:
-        self._filter = OneEuro(config, config.beta_per_m)
-        self._value = np.zeros(3)
-
-    def smooth(self, t_ns: int, point: Array | None) -> Array | None:
-        """The smoothed point."""
-        if point is None:
-            self._filter.reset()
-            return None
-        change = point - self._value
-        self._value = self._value + self._filter.share(t_ns, change) * change
-        return self._value
+def _of_point(config: SmoothingConfig) -> OneEuro:
+    """One Euro on a point (3,) in m."""
+    return OneEuro(config, config.beta_per_m, lambda a, b: b - a, lambda a, step: a + step)
 
 
-class RotationFilter:
+def _of_rotation(config: SmoothingConfig) -> OneEuro:
     """One Euro on a rotation (3, 3), along the shortest turn from the smoothed to the new one."""
-
-    def __init__(self, config: SmoothingConfig) -> None:
-        self._filter = OneEuro(config, config.beta_per_rad)
-        self._value = np.eye(3)
-
-    def smooth(self, t_ns: int, rotation: Array | None) -> Array | None:
-        """The smoothed rotation."""
-        if rotation is None:
-            self._filter.reset()
-            return None
-        change = vector_from_rotation(self._value.T @ rotation)
-        self._value = self._value @ rotation_from_vector(self._filter.share(t_ns, change) * change)
-        return self._value
+    return OneEuro(
+        config,
+        config.beta_per_rad,
+        lambda a, b: vector_from_rotation(a.T @ b),
+        lambda a, step: a @ rotation_from_vector(step),
+    )
 
 
 class ArmOneEuro:
@@ -139,9 +169,9 @@ class ArmOneEuro:
         return index, thumb
 
     def _reset(self) -> None:
-        self._elbow, self._wrist, self._palm = (PointFilter(self._config) for _ in range(3))
-        self._rotation = RotationFilter(self._config)
-        self._offsets = (PointFilter(self._config), PointFilter(self._config))
+        self._elbow, self._wrist, self._palm = (_of_point(self._config) for _ in range(3))
+        self._rotation = _of_rotation(self._config)
+        self._offsets = (_of_point(self._config), _of_point(self._config))
 
 
 def _rotation(estimate: ArmEstimate) -> Array | None:
@@ -171,8 +201,7 @@ class ArmMean:
         self._last_ns = estimate.t_ns
         if lost:
             return estimate
-        elbow, wrist, index, thumb = (self._mean(name, getattr(estimate, name)) for name in POINTS)
-        palm = self._mean("palm", estimate.palm)
+        elbow, wrist, index, thumb, palm = (self._mean(name, getattr(estimate, name)) for name in self._windows)
         return replace(estimate, elbow=elbow, wrist=wrist, index=index, thumb=thumb, palm=palm)
 
     def _mean(self, name: str, point: Array | None) -> Array | None:

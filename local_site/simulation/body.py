@@ -8,7 +8,7 @@ from numpy.typing import NDArray
 
 from common.geometry import Array, skew
 from local_site.simulation.config import BodyConfig
-from local_site.simulation.hand import DIGITS, JOINTS, Hand
+from local_site.simulation.hand import DIGITS, JOINTS, Hand, unit
 
 RIM_POINTS = 32
 OPEN_ABOVE = 0.5
@@ -95,9 +95,9 @@ class ArmBody:
 
     def solid(self, pose: BodyPose) -> Solid:
         """The skin of the whole arm in this pose."""
-        along = _unit(pose.wrist - pose.elbow)
-        up = _unit(pose.elbow - pose.shoulder)
-        hinge = _unit(_cross(along, up))
+        along = unit(pose.wrist - pose.elbow)
+        up = unit(pose.elbow - pose.shoulder)
+        hinge = unit(_cross(along, up))
         forearm = self._forearm_balls(pose, along, hinge)
         upper, rim = self._upper_arm_balls(pose, -up, hinge)
         hand = pose.wrist + self._hand.balls(pose.openness) @ pose.operator_R_hand.T
@@ -174,10 +174,6 @@ def _pairs(middle: Array, offset: Array) -> Array:
 def _cross(a: Array, b: Array) -> Array:
     """The cross product of two vectors (3,); NumPy's takes ten times as long for so few numbers."""
     return skew(a) @ b
-
-
-def _unit(vector: Array) -> Array:
-    return vector / np.sqrt(vector @ vector)
 
 
 def _parts(forearm: int, upper_arm: int) -> tuple[Part, ...]:

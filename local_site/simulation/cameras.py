@@ -1,18 +1,23 @@
-"""The simulated stereo pair: exact projections, radial distortion by choice, and synthetic control points."""
+"""The simulated stereo pair: exact projections, optional radial distortion, control points, calibration by these."""
 
 import math
+import tempfile
 from dataclasses import dataclass
+from pathlib import Path
 
 import numpy as np
 
 from common.geometry import Array
+from local_site.calibration.control_points import read_control_points
 from local_site.calibration.rig import CameraCalibration, Rig, Row4
-from local_site.simulation.config import StereoConfig
+from local_site.calibration.solve import solve_rig
+from local_site.simulation.config import SimulationConfig, StereoConfig
 
 NAMES = ("left", "right")
 PLATE_SIZE_M = 1.0
 PLATE_HEIGHTS_M = (0.0, 0.497, 0.994)
 PLATE_POINTS = 5
+CONTROL_POINT_NOISE_PX = 0.3
 
 
 @dataclass(frozen=True, slots=True)
@@ -106,3 +111,12 @@ def _fields(pixel: Array, config: StereoConfig) -> tuple[str, str]:
     u, v = (float(value) for value in pixel)
     seen = 0 <= u <= config.width_px - 1 and 0 <= v <= config.height_px - 1
     return (f"{u:.3f}", f"{v:.3f}") if seen else ("", "")
+
+
+def calibrate_simulated(config: SimulationConfig) -> Rig:
+    """The rig of a simulated stereo pair, calibrated as real ones are: from the 75 points of a plate, with noise."""
+    rows = control_point_rows(config.stereo, CONTROL_POINT_NOISE_PX, config.seed)
+    with tempfile.TemporaryDirectory() as folder:
+        path = Path(folder) / "control_points.csv"
+        path.write_text("\n".join(rows) + "\n", encoding="utf-8")
+        return solve_rig(read_control_points(path), created="simulated")

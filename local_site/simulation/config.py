@@ -52,7 +52,7 @@ class PictureConfig(Struct, frozen=True, kw_only=True, forbid_unknown_fields=Tru
 
 
 class MotionConfig(Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
-    """What the operator does, and where he stands."""
+    """What the operator does, and from where."""
 
     name: MotionName = "pick_and_place"
     begins: Annotated[
@@ -69,7 +69,7 @@ class MotionConfig(Struct, frozen=True, kw_only=True, forbid_unknown_fields=True
 
 
 class SimulationConfig(Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
-    """The simulated operator and the cameras that see him."""
+    """The simulated operator and the cameras that film the arm."""
 
     body: BodyConfig = BodyConfig()
     stereo: StereoConfig = StereoConfig()

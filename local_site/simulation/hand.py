@@ -104,9 +104,9 @@ class Hand:
 
     def _joints(self, openness: float) -> tuple[NDArray[np.float64], Array]:
         """Joint centres (5, 4, 3) at scale 1, and the direction of each last bone (5, 3)."""
-        forward = _unit(_blend(U_SHAPE.forward, SPREAD.forward, openness))
+        forward = unit(_blend(U_SHAPE.forward, SPREAD.forward, openness))
         curl = _blend(U_SHAPE.curl, SPREAD.curl, openness)
-        curl = _unit(curl - np.sum(curl * forward, axis=1, keepdims=True) * forward)
+        curl = unit(curl - np.sum(curl * forward, axis=1, keepdims=True) * forward)
         bend = np.radians(_blend(U_SHAPE.bend_deg, SPREAD.bend_deg, openness))[..., None]
         bones = np.cos(bend) * forward[:, None] + np.sin(bend) * curl[:, None]
         joints = np.empty((len(DIGITS), JOINTS, 3))
@@ -115,10 +115,11 @@ class Hand:
         return joints, bones[:, 2]
 
 
-def _blend(a: Array, b: Array, share: float) -> Array:
-    return (1.0 - share) * a + share * b
+def _blend(a: Array, b: Array, fraction: float) -> Array:
+    return (1.0 - fraction) * a + fraction * b
 
 
-def _unit(vectors: Array) -> Array:
+def unit(vectors: Array) -> Array:
+    """Vectors (..., 3) of length 1 along these."""
     unit: Array = vectors / np.sqrt(np.sum(vectors * vectors, axis=-1, keepdims=True))
     return unit

@@ -1,18 +1,22 @@
-"""A textured arm's exact motions: one like HAZEL-S of the ROBONAUT report, and a finger tip along a rectangle."""
+"""A textured arm's exact motions, as HAZEL-S and HAZEL-C of the ROBONAUT report, and an operator who makes them."""
 
 import math
+from collections.abc import Mapping
 from dataclasses import dataclass, replace
+from itertools import cycle
 
+import cv2
 import numpy as np
 
+from common.cameras.camera import Image
 from common.geometry import Array, rotation_from_vector
 from local_site.calibration.rig import CameraCalibration, Rig
-from local_site.simulation.textured_arm import FINE, ArmFilm, Place, Scenery, TexturedLimb
+from local_site.simulation.textured_arm import FINE, ArmFilm, LimbPose, Scenery, TexturedLimb
 
 FOCAL_PX, SIZE_PX = 655.0, (640, 480)  # a 9 mm lens before a 2/3" chip
 PRINCIPAL_PX = ((SIZE_PX[0] - 1) / 2, (SIZE_PX[1] - 1) / 2)
 UPPER_ARM_M, FOREARM_M, PALM_M, FINGER_M = 0.300, 0.255, 0.095, 0.080
-PALM_POINT_M = 0.060  # beyond the wrist: the point of the palm that is told
+PALM_POINT_M = 0.060  # beyond the wrist: the point of the palm that is reported
 UPPER_ARM = TexturedLimb((0.0, 0.150, 0.300), (0.0493, 0.0454, 0.0390), (0.0493, 0.0454, 0.0390))
 FOREARM = TexturedLimb(
     along=(0.0, 0.064, 0.255, 0.312, 0.350),
@@ -27,6 +31,12 @@ RAMP_FRAMES = 25.0
 RECTANGLE_M, RECTANGLE_TURN = (0.22, 0.15), math.radians(-20.0)
 CORNER = np.array([0.06, 0.10, 1.30])
 SEATED_SHOULDER = np.array([-0.35, -0.22, 1.30])
+JOINTS = ("shoulder", "elbow", "wrist")
+FRAMES_PER_S = 30.0
+LIVE_FINE = 1  # rendered live, which leaves no time for finer pictures
+NOISES = 8  # made beforehand for the same reason
+SEED = 3
+DARK_WALL, DARK_RELIEF = 20.0, 3.0  # so that the arm's silhouette stands out
 
 
 @dataclass(frozen=True, slots=True)
@@ -40,8 +50,7 @@ class TrueArm:
     @property
     def elbow(self) -> Array:
         """The elbow (3,), m."""
-        result: Array = self.shoulder + UPPER_ARM_M * self.upper_arm[:, 2]
-        return result
+        return self.shoulder + UPPER_ARM_M * self.upper_arm[:, 2]
 
     @property
     def wrist(self) -> Array:
@@ -50,17 +59,19 @@ class TrueArm:
 
     def along_forearm(self, distance: float) -> Array:
         """The point (3,) on the forearm's axis at a distance from the elbow, m."""
-        result: Array = self.elbow + distance * self.forearm[:, 2]
-        return result
+        return self.elbow + distance * self.forearm[:, 2]
 
-    def places(self) -> tuple[Place, Place]:
-        """Where the two limbs are, for rendering."""
-        return Place(self.shoulder, self.upper_arm), Place(self.elbow, self.forearm)
+    def limb_poses(self) -> tuple[LimbPose, LimbPose]:
+        """The poses of the two limbs, for rendering."""
+        return LimbPose(self.shoulder, self.upper_arm), LimbPose(self.elbow, self.forearm)
 
 
 @dataclass(frozen=True, slots=True)
 class Swing:
-    """How far the arm of HAZEL-S swings: the shoulder's way in m, the links' turns in rad, and what is added to it."""
+    """How far the arm of HAZEL-S swings: the shoulder's path in m, the links' turns in rad.
+
+    `speed` is a factor on the report's; `in_plane` an added turn of the whole arm in the picture, rad.
+    """
 
     shoulder_m: float = 0.0505
     upper_arm: float = 0.48
@@ -89,8 +100,8 @@ def link(in_plane: float, out_of_plane: float, roll: float) -> Array:
 
 def rectangle_tip(frame: float) -> Array:
     """Where the finger tip is on its rectangle (3,) in m, once round in all frames; it slows down at the corners."""
-    quarter, share = divmod(4.0 * frame / HAZEL_C_FRAMES % 4.0, 1.0)
-    ease = 0.5 - 0.5 * math.cos(math.pi * share)
+    quarter, fraction = divmod(4.0 * frame / HAZEL_C_FRAMES % 4.0, 1.0)
+    ease = 0.5 - 0.5 * math.cos(math.pi * fraction)
     a, b = [((0, 0), (1, 0)), ((1, 0), (1, 1)), ((1, 1), (0, 1)), ((0, 1), (0, 0))][int(quarter)]
     x, y = (RECTANGLE_M[i] * ((1.0 - ease) * a[i] + ease * b[i]) for i in range(2))
     tip: Array = CORNER + np.array([x * math.cos(RECTANGLE_TURN), -y, x * math.sin(RECTANGLE_TURN)])
@@ -104,10 +115,10 @@ def pointing_arm(frame: float) -> TrueArm:
     reach, lower = tip - shoulder, FOREARM_M + PALM_M + FINGER_M
     distance = float(np.linalg.norm(reach))
     ahead = reach / distance
-    share = (UPPER_ARM_M**2 - lower**2 + distance**2) / (2.0 * distance)
+    along = (UPPER_ARM_M**2 - lower**2 + distance**2) / (2.0 * distance)
     away = np.array([0.0, 0.0, 1.0]) - ahead[2] * ahead
     down = np.cross(away / np.linalg.norm(away), ahead)
-    elbow = shoulder + share * ahead + math.sqrt(UPPER_ARM_M**2 - share**2) * down
+    elbow = shoulder + along * ahead + math.sqrt(UPPER_ARM_M**2 - along**2) * down
     return TrueArm(shoulder, _along(elbow - shoulder), _along(tip - elbow))
 
 
@@ -134,6 +145,46 @@ def film_pixel(point: Array) -> tuple[float, float]:
     """Where the film's camera sees a point (3,) in m, px."""
     x, y, z = (float(value) for value in point)
     return FOCAL_PX * x / z + PRINCIPAL_PX[0], FOCAL_PX * y / z + PRINCIPAL_PX[1]
+
+
+class TexturedOperator:
+    """Stands still for `still_s`, then swings; the camera's frame is the operator's."""
+
+    def __init__(self, still_s: float) -> None:
+        self._film = hazel_film(Scenery(noise=0.0, wall=DARK_WALL, wall_relief=DARK_RELIEF), LIVE_FINE)
+        random, (width, height) = np.random.default_rng(SEED), SIZE_PX
+        noise = random.normal(0.0, Scenery().noise, (NOISES, height, width))
+        self._noises = cycle(np.rint(noise).astype(np.int16))
+        self._still_s = still_s
+        self._swing = Swing()
+
+    def render(self, t_s: float, cameras: tuple[int, ...] = (0,)) -> list[Image]:
+        """The picture (H, W) grey with camera noise, once for each camera that is asked for."""
+        clean = self._film.render(self._arm(t_s).limb_poses())
+        return [np.asarray(cv2.add(clean, next(self._noises), dtype=cv2.CV_8U), dtype=np.uint8) for _ in cameras]
+
+    def points(self, t_s: float) -> Mapping[str, Array]:
+        """The points to be found at this time."""
+        return true_points(self._arm(t_s))
+
+    def openings_until(self, t_s: float) -> int:
+        """Its hand never opens."""
+        del t_s
+        return 0
+
+    def _arm(self, t_s: float) -> TrueArm:
+        return self._swing.arm(FRAMES_PER_S * max(t_s - self._still_s, 0.0))
+
+
+def true_points(arm: TrueArm) -> Mapping[str, Array]:
+    """What a tracker is to find of an arm, by name, (3,) in m."""
+    return {"elbow": arm.elbow, "wrist": arm.wrist, "palm": arm.along_forearm(FOREARM_M + PALM_POINT_M)}
+
+
+def first_joints_px() -> Mapping[str, tuple[float, float]]:
+    """Where the joints are in the first picture, px: what a person would click."""
+    arm = Swing().arm(0.0)
+    return {name: film_pixel(point) for name, point in zip(JOINTS, (arm.shoulder, arm.elbow, arm.wrist), strict=True)}
 
 
 def _wave(frame: float, period: float) -> float:

@@ -1,4 +1,4 @@
-"""What the simulated operator does: the pose of his arm as a function of time, and when his hand opens."""
+"""What the simulated operator does: the pose of the arm as a function of time, and when the hand opens."""
 
 import math
 
@@ -8,7 +8,7 @@ from common.errors import ConfigError
 from common.geometry import Array, rotation_from_vector, skew
 from local_site.simulation.body import BodyPose
 from local_site.simulation.config import BodyConfig, MotionConfig
-from local_site.simulation.hand_paths import hand_path
+from local_site.simulation.hand_paths import PATHS
 
 CHECKED_S = 20.0
 LEAST_SINE = 1e-3
@@ -27,12 +27,12 @@ START_ROLL = math.radians(10.0)
 
 
 class Motion:
-    """One operator's motion, a pure function of the time since its start; ConfigError when his arm is too short."""
+    """One operator's motion, a pure function of the time since its start; ConfigError when the arm is too short."""
 
     def __init__(self, config: MotionConfig, body: BodyConfig, seed: int) -> None:
         self._config = config
         self._upper_arm, self._forearm = body.upper_arm_length, body.forearm_length
-        self._path = hand_path(config.name)
+        self._path = PATHS[config.name]
         self._shoulder = np.array(config.shoulder)
         self._start = np.array(config.wrist)
         self._phases = np.random.default_rng(seed).uniform(0.0, 2.0 * np.pi, (len(TREMOR_HZ), 3))
@@ -52,7 +52,7 @@ class Motion:
             openness=state.openness,
         )
 
-    def toggles_until(self, t_s: float) -> int:
+    def openings_until(self, t_s: float) -> int:
         """How often the hand has begun to open."""
         return self._path.openings_until(t_s - self._config.still_s)
 

@@ -1,17 +1,43 @@
-"""The simulated operator: one time in, both pictures and the truth out."""
+"""Which operator is simulated: what all have in common, the one with a bare arm or markers, and how one is made."""
 
 from collections.abc import Mapping
+from typing import Protocol
 
 from common.cameras.camera import Image
 from common.geometry import Array
+from local_site.calibration.rig import Rig
 from local_site.simulation.body import ArmBody, ArmTruth, Solid
-from local_site.simulation.cameras import stereo_pair
+from local_site.simulation.cameras import exact_rig, stereo_pair
 from local_site.simulation.config import SimulationConfig
+from local_site.simulation.hazel import TexturedOperator, film_camera
 from local_site.simulation.markers import MarkedArm
 from local_site.simulation.motion import Motion
 from local_site.simulation.rendering import Renderer
 
 SUB_FRAMES = 3
+
+
+class Operator(Protocol):
+    """Somebody who moves before cameras; times are s since the start of the motion.
+
+    `points` are those that a tracker measures, by name, (3,) in m in the operator frame.
+    """
+
+    def render(self, t_s: float, cameras: tuple[int, ...]) -> list[Image]: ...
+
+    def points(self, t_s: float) -> Mapping[str, Array]: ...
+
+    def openings_until(self, t_s: float) -> int: ...
+
+
+def make_operator(config: SimulationConfig) -> Operator:
+    """The operator that the configuration asks for; ConfigError when the motion is out of the arm's reach."""
+    return TexturedOperator(config.motion.still_s) if config.textured else SimulatedOperator(config)
+
+
+def filming_rig(config: SimulationConfig) -> Rig:
+    """The cameras that film this operator, without any error."""
+    return film_camera() if config.textured else exact_rig(config.stereo)
 
 
 class SimulatedOperator:
@@ -43,10 +69,10 @@ class SimulatedOperator:
 
     def openings_until(self, t_s: float) -> int:
         """How often the hand has begun to open by this time."""
-        return self.motion.toggles_until(t_s)
+        return self.motion.openings_until(t_s)
 
     def _exposure(self, t_s: float) -> list[Solid]:
         if not self._shutter_s:
             return [self._body.solid(self.motion.pose(t_s))]
-        shares = [(k + 0.5) / SUB_FRAMES - 0.5 for k in range(SUB_FRAMES)]
-        return [self._body.solid(self.motion.pose(t_s + share * self._shutter_s)) for share in shares]
+        offsets = [(k + 0.5) / SUB_FRAMES - 0.5 for k in range(SUB_FRAMES)]
+        return [self._body.solid(self.motion.pose(t_s + offset * self._shutter_s)) for offset in offsets]

@@ -139,8 +139,8 @@ def _shade(labels: Image) -> Image:
 
 
 def _round_levels() -> Image:
-    share = np.arange(256) / 255
-    return (RIM_LEVEL + (PEAK_LEVEL - RIM_LEVEL) * np.sqrt(1 - (1 - share) ** 2)).astype(np.uint8)
+    fraction = np.arange(256) / 255
+    return (RIM_LEVEL + (PEAK_LEVEL - RIM_LEVEL) * np.sqrt(1 - (1 - fraction) ** 2)).astype(np.uint8)
 
 
 _ROUND = _round_levels()

@@ -25,7 +25,7 @@ Picture = NDArray[np.float32]
 
 @dataclass(frozen=True, slots=True)
 class TexturedLimb:
-    """A limb's true shape: half axes across (x) and deep (y) in m at places along its z in m, from the joint."""
+    """A limb's true shape: half axes across (x) and deep (y) in m at stations along its z in m, from the joint."""
 
     along: tuple[float, ...]
     across: tuple[float, ...]
@@ -34,9 +34,9 @@ class TexturedLimb:
 
 @dataclass(frozen=True, slots=True)
 class Scenery:
-    """What no estimator is told: skin, light, wall and noise, in grey levels.
+    """What no estimator knows: skin, light, wall and noise, in grey levels.
 
-    `light` points from the arm to the lamp in the camera's frame; `ambient` is the share of light from all sides.
+    `light` points from the arm to the lamp in the camera's frame; `ambient` is the fraction of light from all sides.
     """
 
     contrast: float = 30.0
@@ -51,8 +51,8 @@ class Scenery:
 
 
 @dataclass(frozen=True, slots=True)
-class Place:
-    """Where a limb is: its joint (3,) in m and `camera_R_limb` (3, 3)."""
+class LimbPose:
+    """A limb's joint (3,) in m and `camera_R_limb` (3, 3)."""
 
     joint: Array
     rotation: Array
@@ -78,9 +78,7 @@ class ArmFilm:
         tops = np.cumsum([0, *(len(skin) for skin in skins[:-1])])
         widest = max(skin.shape[1] for skin in skins)
         self._skin = np.vstack([np.pad(skin, ((0, 0), (0, widest - skin.shape[1]))) for skin in skins])
-        self._skin_places = np.vstack(
-            [s.skin + np.array([0.0, top]) for s, top in zip(self._solids, tops, strict=True)]
-        )
+        self._skin_px = np.vstack([s.skin + np.array([0.0, top]) for s, top in zip(self._solids, tops, strict=True)])
         counts = np.cumsum([0, *(len(solid.vertices) for solid in self._solids[:-1])])
         self._triangles = np.vstack([s.triangles + n for s, n in zip(self._solids, counts, strict=True)])
         self._background = _background(self._width, self._height, self._scenery, self._random)
@@ -92,9 +90,9 @@ class ArmFilm:
         """The principal point (2,): the picture's middle."""
         return np.array([(self._width - 1) / 2, (self._height - 1) / 2])
 
-    def render(self, places: Sequence[Place]) -> Image:
-        """The picture of the limbs in these places."""
-        found = list(zip(self._solids, places, strict=True))
+    def render(self, poses: Sequence[LimbPose]) -> Image:
+        """The picture of the limbs in these poses."""
+        found = list(zip(self._solids, poses, strict=True))
         vertices = np.vstack([solid.vertices @ p.rotation.T + p.joint for solid, p in found])
         normals = np.vstack([solid.normals @ p.rotation.T for solid, p in found])
         pixels = self._focal_px * vertices[:, :2] / vertices[:, 2:] + self.principal_px
@@ -107,9 +105,9 @@ class ArmFilm:
             fine * (pixels - (left, top)) + (fine - 1) / 2, vertices[:, 2].copy(), self._triangles, *size
         )
         seen = raster.triangle != NOTHING
-        corners, shares = self._triangles[raster.triangle[seen]], raster.shares[seen]
+        corners, weights = self._triangles[raster.triangle[seen]], raster.barycentric[seen]
         part = self._background[top:bottom, left:right].repeat(fine, axis=0).repeat(fine, axis=1)
-        part[seen] = self._shaded(_mixed(shares, normals[corners]), _mixed(shares, self._skin_places[corners]))
+        part[seen] = self._shaded(_mixed(weights, normals[corners]), _mixed(weights, self._skin_px[corners]))
         picture = self._background.copy()
         picture[top:bottom, left:right] = cv2.resize(part, (right - left, bottom - top), interpolation=cv2.INTER_AREA)
         return self._exposed(picture)
@@ -120,9 +118,9 @@ class ArmFilm:
         high = np.clip(np.ceil(pixels.max(axis=0)) + 1, 0, (self._width, self._height)).astype(int)
         return int(low[0]), int(low[1]), int(high[0]), int(high[1])
 
-    def _shaded(self, normals: Array, skin_places: Array) -> Array:
+    def _shaded(self, normals: Array, skin_px: Array) -> Array:
         """Grey levels (N,) of diffuse skin."""
-        albedo = _looked_up(self._skin, skin_places)
+        albedo = _looked_up(self._skin, skin_px)
         facing = np.maximum(normals @ self._light, 0.0) / np.linalg.norm(normals, axis=1)
         result: Array = albedo * (self._scenery.ambient + (1.0 - self._scenery.ambient) * facing)
         return result
@@ -131,13 +129,12 @@ class ArmFilm:
         if not self._scenery.noise:
             return np.asarray(cv2.convertScaleAbs(picture), dtype=np.uint8)
         noise = self._random.normal(0.0, self._scenery.noise, picture.shape)
-        exposed: Image = np.clip(np.rint(picture + noise), 0, 255).astype(np.uint8)
-        return exposed
+        return np.clip(np.rint(picture + noise), 0, 255).astype(np.uint8)
 
 
 @dataclass(frozen=True, slots=True)
-class _Solid:
-    """A limb's surface: vertices and normals (V, 3) in its frame, places on its skin (V, 2) in px, triangles (T, 3)."""
+class _LimbSurface:
+    """A limb's surface: vertices and normals (V, 3) in its frame, skin positions (V, 2) in px, triangles (T, 3)."""
 
     vertices: Array
     normals: Array
@@ -146,24 +143,24 @@ class _Solid:
 
 
 @compiled
-def _looked_up(skin: Picture, places: Array) -> Array:
-    """The skin at places (N, 2) in its px, bilinear."""
-    levels = np.empty(len(places))
-    for n in range(len(places)):
-        left, top = int(places[n, 0]), int(places[n, 1])
-        u, v = places[n, 0] - left, places[n, 1] - top
+def _looked_up(skin: Picture, positions: Array) -> Array:
+    """The skin at positions (N, 2) in its px, bilinear."""
+    levels = np.empty(len(positions))
+    for n in range(len(positions)):
+        left, top = int(positions[n, 0]), int(positions[n, 1])
+        u, v = positions[n, 0] - left, positions[n, 1] - top
         upper = (1.0 - u) * skin[top, left] + u * skin[top, left + 1]
         lower = (1.0 - u) * skin[top + 1, left] + u * skin[top + 1, left + 1]
         levels[n] = (1.0 - v) * upper + v * lower
     return levels
 
 
-def _mixed(shares: Array, corners: Array) -> Array:
-    result: Array = np.einsum("nk,nkd->nd", shares, corners)
+def _mixed(weights: Array, corners: Array) -> Array:
+    result: Array = np.einsum("nk,nkd->nd", weights, corners)
     return result
 
 
-def _solid(limb: TexturedLimb) -> _Solid:
+def _solid(limb: TexturedLimb) -> _LimbSurface:
     """The limb's skin with a seam along its x, and round ends."""
     z, across, deep = _sections(limb)
     turn = np.linspace(0.0, TURN, AROUND + 1)
@@ -176,17 +173,17 @@ def _solid(limb: TexturedLimb) -> _Solid:
     normals /= np.maximum(np.linalg.norm(normals, axis=2, keepdims=True), 1e-12)
     girth = TURN * max(*limb.across, *limb.deep)
     skin = np.stack(np.broadcast_arrays(turn[None] / TURN * girth, (z - z[0])[:, None]), axis=-1) * SKIN_PX_PER_M
-    return _Solid(vertices.reshape(-1, 3), normals.reshape(-1, 3), skin.reshape(-1, 2), _patches(len(z)))
+    return _LimbSurface(vertices.reshape(-1, 3), normals.reshape(-1, 3), skin.reshape(-1, 2), _patches(len(z)))
 
 
 def _sections(limb: TexturedLimb) -> tuple[Array, Array, Array]:
-    """Places along the limb with half axes, smooth in between; ends are half ellipsoids."""
+    """Stations along the limb with half axes, smooth in between; ends are half ellipsoids."""
     along = np.array(limb.along)
-    places = np.linspace(along[0], along[-1], STATIONS)
-    across, deep = (PchipInterpolator(along, half)(places) for half in (limb.across, limb.deep))
+    stations = np.linspace(along[0], along[-1], STATIONS)
+    across, deep = (PchipInterpolator(along, half)(stations) for half in (limb.across, limb.deep))
     angle = np.linspace(0.5 * np.pi, 0.0, CAP_STATIONS, endpoint=False)
     narrow, reach = np.maximum(np.cos(angle), 1e-3), 0.5 * np.sin(angle)
-    z = np.concatenate([places[0] - deep[0] * reach, places, places[-1] + deep[-1] * reach[::-1]])
+    z = np.concatenate([stations[0] - deep[0] * reach, stations, stations[-1] + deep[-1] * reach[::-1]])
     halves = [np.concatenate([half[0] * narrow, half, half[-1] * narrow[::-1]]) for half in (across, deep)]
     return z, halves[0], halves[1]
 
@@ -197,20 +194,20 @@ def _patches(rings: int) -> Triangles:
     return np.vstack([np.column_stack([a, b, d]), np.column_stack([a, d, c])]).astype(np.int32)
 
 
-def _skin(solid: _Solid, scenery: Scenery, random: np.random.Generator) -> Picture:
+def _skin(solid: _LimbSurface, scenery: Scenery, random: np.random.Generator) -> Picture:
     """Spots of several sizes about a level, the same on both sides of the seam."""
     width, height = (int(np.ceil(v)) + 2 for v in solid.skin.max(axis=0))
     spots = np.zeros((height, width - 2), np.float32)
-    for size, share in GRAINS:
+    for size, weight in GRAINS:
         sigma = size * scenery.grain_m * SKIN_PX_PER_M / 2.5
         field = random.standard_normal(spots.shape).astype(np.float32)
         wrapped = cv2.GaussianBlur(np.hstack([field, field, field]), (0, 0), sigma)[:, width - 2 : 2 * (width - 2)]
-        spots += share * wrapped / wrapped.std()
+        spots += weight * wrapped / wrapped.std()
     spots = np.hstack([spots, spots[:, :2]])
     return np.asarray(np.clip(scenery.level + scenery.contrast * spots / spots.std(), 5, 250), np.float32)
 
 
 def _background(width: int, height: int, scenery: Scenery, random: np.random.Generator) -> Picture:
-    """A wall with soft shapes; unless it is dark, as bright as skin in places."""
+    """A wall with soft shapes; unless it is dark, in parts as bright as skin."""
     shapes = cv2.GaussianBlur(random.standard_normal((height, width)).astype(np.float32), (0, 0), 12.0)
     return np.asarray(scenery.wall + scenery.wall_relief * shapes / shapes.std(), np.float32).clip(0, 255)

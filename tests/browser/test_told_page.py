@@ -219,7 +219,7 @@ def test_a_stop_that_is_not_acknowledged_says_so_and_is_sent_until_it_is(told: T
     told.page.page.keyboard.press("e")
     refused = told.sites.refused
     told.until("refusals of key and stop", lambda: told.sites.refused > refused + 3)
-    assert all("sent until it is acknowledged" in alarm for alarm in told.page.page.evaluate("window.alarms"))
+    assert all("repeated until it is acknowledged" in alarm for alarm in told.page.page.evaluate("window.alarms"))
     told.shot("stop not acknowledged")
     told.sites.silent = False
     told.until("the acknowledgement", lambda: "Stop acknowledged" in told.page.words("#alert"))
@@ -253,7 +253,7 @@ def test_a_cell_without_a_held_key_shows_none_and_says_that_a_closed_page_stops_
     assert told.page.page.is_visible("#hold")
     assert not told.page.page.is_visible("#unheld")
     told.describe(held=False)
-    told.until("the words", lambda: "also with this page closed" in told.page.page.inner_text("#controls"))
+    told.until("the words", lambda: "even with this page closed" in told.page.page.inner_text("#controls"))
     assert not told.page.page.is_visible("#hold")
     told.shot("nothing held")
     assert told.page.page.evaluate(CHECK)["poor"] == []

@@ -13,8 +13,7 @@ from farhand.cli import app
 from farhand.outputs import check_file, check_folder
 from farhand.tracking.track import _written_at_end, track_recording
 from local_site.calibration.rig_file import save_rig
-from local_site.simulation.calibrated import calibrate_simulated
-from local_site.simulation.cameras import control_point_rows
+from local_site.simulation.cameras import calibrate_simulated, control_point_rows
 from local_site.simulation.config import SimulationConfig, StereoConfig
 from local_site.tracking.silhouette.silhouette_tracker import SilhouetteTracker
 from local_site.tracking.tracker import View, Views

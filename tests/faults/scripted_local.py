@@ -7,15 +7,17 @@ import time
 import numpy as np
 
 import local_site.runtime.app
+import local_site.runtime.loop
 from common.cameras.camera import Frame
 from common.clock import NS_PER_MS, NS_PER_S
 from common.errors import CameraError
 from common.geometry import Array, rotation_from_vector
 from common.messages.hand import TrackingStatus
 from farhand.__main__ import main
-from local_site.config import LocalConfig
-from local_site.runtime.app import OperatorRig
+from local_site.acquisition.rig_cameras import OperatorConfig, OperatorRig
 from local_site.simulation.cameras import exact_rig
+from local_site.simulation.config import SimulationConfig
+from local_site.tracking.choice import TrackingConfig
 from local_site.tracking.tracker import ArmEstimate, Views
 from tests.faults.hand_path import HandPath
 from tests.faults.puppets import Ear
@@ -118,12 +120,12 @@ def run() -> None:
     """The command line of Farhand, with a scripted operator."""
     script = Script(Ear(sys.argv.pop(1)))
 
-    def open_operator(config: LocalConfig) -> OperatorRig:
+    def open_operator(_: OperatorConfig, simulation: SimulationConfig, tracking: TrackingConfig) -> OperatorRig:
         cameras = ScriptedCamera("left", script), ListeningCamera("right", script)
-        return OperatorRig(exact_rig(config.simulation.stereo), config.tracking, cameras, lambda _t_ns: None)
+        return OperatorRig(exact_rig(simulation.stereo), tracking, cameras, lambda _t_ns: None)
 
-    local_site.runtime.app._open_operator = open_operator
-    local_site.runtime.app.make_tracker = lambda *_: ScriptedTracker(script)
+    local_site.runtime.app.open_operator = open_operator
+    local_site.runtime.loop.make_tracker = lambda *_: ScriptedTracker(script)
     sys.argv.insert(1, "local")
     main()
 

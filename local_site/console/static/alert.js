@@ -1,4 +1,4 @@
-// The line of alarm under the state: a stop that nobody has acknowledged outranks whatever else there is to say.
+// The alarm line under the state: a stop that is not acknowledged has priority over everything else.
 export class Alert {
   #line = document.getElementById("alert");
   #owner = null;

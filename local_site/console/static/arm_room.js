@@ -47,7 +47,7 @@ export class ArmRoom {
     const words = [`tool at ${tool.map((v) => (v * 1000).toFixed(0)).join(", ")} mm`];
     if (robot.target !== null) words.push(`hand's target ${(1000 * distance(robot.target.position, tool)).toFixed(0)} mm away`);
     if (robot.min_distance !== null) words.push(`nearest ${(robot.min_distance * 1000).toFixed(0)} mm`);
-    if (robot.silent) words.push("as last heard: the remote site is silent");
+    if (robot.silent) words.push("last state received: the remote site is silent");
     put(this.#words, words.join(" · "));
   }
 

@@ -1,4 +1,4 @@
-// The one WebSocket to the console: opened again when it is lost, and never a queue of what could not be sent.
+// The one WebSocket to the console: reopened when it is lost; messages that could not be sent are not queued.
 const AGAIN_MS = 500;
 const MOST_WAITING = 65536;
 

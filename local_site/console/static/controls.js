@@ -87,7 +87,7 @@ export class Controls {
   #showIntent(intent) {
     const known = JSON.stringify([intent.scale, intent.rotation_scale, intent.locks]);
     if (this.#isBack && known !== this.#intent) {
-      this.#complain("scales or locks have changed while there was no connection: look before you engage");
+      this.#complain("scales or locks have changed while there was no connection: check them before you engage");
     }
     this.#isBack = false;
     this.#intent = known;

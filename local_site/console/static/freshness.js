@@ -1,15 +1,15 @@
-// What may be said of a picture: live only if it is young, and told to be; pure.
+// The mark of a picture: live only if it is recent and its camera is reported live; pure.
 export const OLD_MS = 300;
 
-/** Mark, words and age of a view, and whether it is old: its newest picture's exposure, what was last told of its camera, and the time, in ms. */
-export function judge(newest, told, nowMs) {
-  if (newest === null) return { mark: "none", title: "no picture yet", words: told?.reason ?? "", ageMs: null, isOld: true };
+/** Mark, words and age of a view, and whether it is old: its newest picture's exposure, its camera's last reported status, and the time, in ms. */
+export function judge(newest, status, nowMs) {
+  if (newest === null) return { mark: "none", title: "no picture yet", words: status?.reason ?? "", ageMs: null, isOld: true };
   const ageMs = nowMs === null || newest.captureMs === null ? null : nowMs - newest.captureMs;
-  if (ageMs === null) return { mark: "old", title: "age unknown", words: "the clocks are not compared yet", ageMs, isOld: true };
+  if (ageMs === null) return { mark: "old", title: "age unknown", words: "the offset of the clocks is not known yet", ageMs, isOld: true };
   const isOld = ageMs + newest.unsureMs > OLD_MS;
-  if (told.status !== "live") {
-    const title = isOld ? `${told.status}, ${ageWords(ageMs)} old` : told.status;
-    return { mark: told.status, title, words: told.reason, ageMs, isOld };
+  if (status.status !== "live") {
+    const title = isOld ? `${status.status}, ${ageWords(ageMs)} old` : status.status;
+    return { mark: status.status, title, words: status.reason, ageMs, isOld };
   }
   if (isOld) return { mark: "old", title: `${ageWords(ageMs)} old`, words: "no newer picture has come", ageMs, isOld };
   return { mark: "live", title: "live", words: "", ageMs, isOld };

@@ -4,7 +4,7 @@ import { sized } from "./surface.js";
 
 const AXIS_M = 0.05;
 const STROKES = [["#000000a0", 5], ["#c9a5ff", 2.5]]; // seen on light and dark pictures alike
-const NEAREST_M = 0.03; // what is nearer to the camera, or behind it, is cut off
+const NEAREST_M = 0.03; // what is nearer to the camera, or behind it, is clipped
 
 export class Ghost {
   #canvas;

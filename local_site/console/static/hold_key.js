@@ -1,4 +1,4 @@
-// Hold to run: the space bar, a pedal that types it, or the button; whatever hides the page lets go.
+// Hold to run: the space bar, a pedal that types it, or the button; a hidden page releases it.
 export class HoldKey {
   down = false;
   #button = document.getElementById("hold");

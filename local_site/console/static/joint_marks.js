@@ -42,7 +42,7 @@ export class JointMarks {
   }
 
   #click(event) {
-    if (this.#marks === null || event.detail === 0) return; // a click by a key has no place
+    if (this.#marks === null || event.detail === 0) return; // a click by a key has no position
     const { left, top, width, height } = this.#view.picture.getBoundingClientRect();
     const { across, down, wide, tall } = this.#place(width, height);
     this.#set([(event.clientX - left - across) / wide, (event.clientY - top - down) / tall]);

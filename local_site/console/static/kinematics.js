@@ -1,4 +1,4 @@
-// Where the arm's joints and tool are: 4 x 4 transforms, row by row, from what the cell has described; pure.
+// Forward kinematics of the joints and the tool: 4 x 4 transforms, row by row, from the cell's description; pure.
 export const IDENTITY = [1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1];
 
 export function multiply(a, b) {

@@ -1,4 +1,4 @@
-// How long things take: a graph of the last minute, the figures beside it, and one sample's way.
+// Latencies: a graph of the last minute, the figures beside it, and the stages of one sample.
 import { sized, tones } from "./surface.js";
 import { put } from "./words.js";
 
@@ -10,7 +10,7 @@ const STRETCHES = {
   picture: ["glass to glass", "engaged"],
   hand_to_eye: ["hand to eye", "holding"],
   round_trip: ["round trip", "idle"],
-  uncertainty: ["clock unsure by", "fault"],
+  uncertainty: ["clock uncertainty", "fault"],
 };
 const STAGES = { command: "command", motion: "robot", encoder: "encoder", exposed: "picture taken", shown: "painted" };
 const STAGE_TONES = ["accent", "commanded", "encoder", "idle", "engaged"];
@@ -48,7 +48,7 @@ export class LatencyRoom {
     if (nowMs - this.#drawnMs < DRAWN_MS) return;
     this.#drawnMs = nowMs;
     for (const [name, figures] of Object.entries(latency)) this.#note(name, figures, nowMs);
-    this.#highest = Object.values(latency).map((figures) => figures.p95 ?? 0); // what is rarer is cut off
+    this.#highest = Object.values(latency).map((figures) => figures.p95 ?? 0); // rarer values are clipped
     this.#draw(nowMs);
     if (trace !== null) this.#follow(trace);
   }

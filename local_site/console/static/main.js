@@ -1,4 +1,4 @@
-// Puts the page's rooms together: what comes from the console goes to each, what the operator does goes back.
+// Connects the page's sections: messages from the console go to each, the operator's actions go back.
 import { Alert } from "./alert.js";
 import { ArmRoom } from "./arm_room.js";
 import { Connection } from "./connection.js";
@@ -32,31 +32,31 @@ function beat() {
 }
 
 const hearers = {
-  hello: (told) => controls.hello(told),
-  echo: (told) => clock.add(told.page_ms, told.server_ms, performance.now()),
-  cell: (told) => {
-    views.describe(told.cell);
-    arm.describe(told.cell);
-    panel.describe(told.cell);
-    controls.describe(told.cell);
+  hello: (message) => controls.hello(message),
+  echo: (message) => clock.add(message.page_ms, message.server_ms, performance.now()),
+  cell: (message) => {
+    views.describe(message.cell);
+    arm.describe(message.cell);
+    panel.describe(message.cell);
+    controls.describe(message.cell);
   },
-  situation: (told) => {
+  situation: (message) => {
     mark(document.body, "data-connected", true);
-    panel.show(told);
-    stop.show(told);
-    controls.show(told);
-    arm.show(told.robot);
-    views.haunt(told.robot);
-    latency.show(told);
-    views.sayWhyNoPreview(told.hand);
+    panel.show(message);
+    stop.show(message);
+    controls.show(message);
+    arm.show(message.robot);
+    views.haunt(message.robot);
+    latency.show(message);
+    views.sayWhyNoPreview(message.hand);
   },
-  answer: (told) => {
-    stop.hear(told);
-    controls.hear(told);
+  answer: (message) => {
+    stop.hear(message);
+    controls.hear(message);
   },
 };
 
-connection.onText = (told) => hearers[told.type](told);
+connection.onText = (message) => hearers[message.type](message);
 connection.onPicture = (bytes) => views.hear(bytes);
 connection.onChange = (open) => {
   if (!open) disconnected();

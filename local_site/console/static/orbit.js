@@ -1,4 +1,4 @@
-// The eye on the 3D view: turned by mouse, touch or arrow keys, and what it projects points to.
+// The camera of the 3D view: turned by mouse, touch or arrow keys; projects points to the canvas.
 const STEP = 0.12;
 const ZOOM = 1.1;
 const ROOM = 1.55; // distance of the eye beside the size of what it looks at

@@ -1,4 +1,4 @@
-// A picture as it comes from the console: a header in JSON after its length, then the JPEG.
+// Decodes a picture from the console: a header in JSON after its length, then the JPEG.
 const decoder = new TextDecoder();
 
 /** Header and JPEG bytes of a binary message; the JPEG is empty when there is only word of the camera. */

@@ -1,4 +1,4 @@
-// The console's clock as the page knows it: of the last seconds the quickest echo counts.
+// The console's clock as the page knows it: the quickest echo of the last seconds counts.
 const SLOTS = 4;
 const SLOT_MS = 1000;
 

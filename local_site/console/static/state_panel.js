@@ -1,4 +1,4 @@
-// The state in words, with the reason of the moment, and what has happened before.
+// The state in words, with its reason, and the list of events.
 import { ageWords } from "./freshness.js";
 import { mark, put } from "./words.js";
 
@@ -19,7 +19,7 @@ export class StatePanel {
 
   disconnected() {
     this.#connected = false;
-    this.#say("silent", "no connection", "the console does not answer: this page holds nothing, and the arm may be moving");
+    this.#say("silent", "no connection", "the console does not answer: the held key has no effect, and the arm may be moving");
   }
 
   /** Whether the console has fallen silent with its connection open. */
@@ -35,7 +35,7 @@ export class StatePanel {
   }
 
   #sayOf(robot) {
-    if (robot === null) this.#say("silent", "no robot", "the remote site has not been heard yet");
+    if (robot === null) this.#say("silent", "no robot", "no state has come from the remote site yet");
     else if (robot.silent) this.#say("silent", "silent", `the remote site has been silent for ${ageWords(robot.heard_ms)}`);
     else if (robot.readiness.code === "stopped") this.#say("stopped", "stopped", robot.reason);
     else if (robot.state === "disengaged" && robot.readiness.reason !== robot.reason) {

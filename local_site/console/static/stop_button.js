@@ -1,6 +1,6 @@
-// The stop: button or Esc, always; it is sent until the remote site has acknowledged it, and tells when it has not.
+// The stop: button or Esc, always; repeated until the remote site acknowledges it, with an alarm while it has not.
 const AGAIN_MS = 1000;
-const PATIENT_MS = 500; // it is acknowledged sooner, or something is wrong
+const PATIENT_MS = 500; // without an acknowledgement by then something is wrong
 
 export class StopButton {
   #connection;
@@ -40,7 +40,7 @@ export class StopButton {
     if (performance.now() - this.#askedMs > AGAIN_MS) this.#send();
     if (performance.now() - this.#pressedMs < PATIENT_MS && this.#why === "") return;
     const why = this.#why || "no answer yet";
-    this.#alert.say("stop", "bad", `STOP NOT ACKNOWLEDGED: ${why}. Use the emergency stop. It is sent until it is acknowledged.`);
+    this.#alert.say("stop", "bad", `STOP NOT ACKNOWLEDGED: ${why}. Use the emergency stop. The stop is repeated until it is acknowledged.`);
   }
 
   /** Once the stop is reset, its acknowledgement has been read. */

@@ -1,6 +1,6 @@
 // What every drawing needs: a canvas as sharp as the screen, and the page's colours.
 
-// Asked of the canvas itself, its size would make the browser lay out the page before every drawing.
+// Reading the size from the canvas itself would make the browser lay out the page before every drawing.
 const sizes = new WeakMap();
 const observer = new ResizeObserver((entries) => {
   for (const { target, contentRect } of entries) sizes.set(target, contentRect);

@@ -1,4 +1,4 @@
-// One view: its canvas, painted with the newest picture, and the mark that tells what the picture is worth.
+// One view: its canvas, painted with the newest picture, and the mark of how current it is.
 import { ageWords, judge } from "./freshness.js";
 import { Ghost } from "./ghost.js";
 import { parsePicture } from "./picture.js";
@@ -19,7 +19,7 @@ export class View {
   #overlay = document.createElement("canvas");
   #ghost = null;
   #isFresh = false;
-  #told = null;
+  #header = null;
   #newest = null;
   #times = [];
 
@@ -62,7 +62,7 @@ export class View {
   /** Take a message of this view; resolves when it is painted or passed over. */
   async hear(bytes) {
     const { header, jpeg } = parsePicture(bytes);
-    this.#told = header;
+    this.#header = header;
     if (jpeg.length === 0) return;
     const bitmap = await createImageBitmap(new Blob([jpeg], { type: "image/jpeg" }));
     if (this.#newest === null || header.seq > this.#newest.seq || header.capture_ms > this.#newest.captureMs) {
@@ -85,7 +85,7 @@ export class View {
 
   /** Mark the picture by what it is worth now. */
   look() {
-    const { mark, title, words: why, ageMs, isOld } = judge(this.#newest, this.#told, this.#clock.now());
+    const { mark, title, words: why, ageMs, isOld } = judge(this.#newest, this.#header, this.#clock.now());
     setMark(this.element, "data-mark", mark);
     setMark(this.element, "data-useless", ageMs === null || ageMs > USELESS_MS);
     this.#isFresh = !isOld && (mark === "live" || mark === "slow");

@@ -1,4 +1,4 @@
-// Words on the page, put there only when they change: what stays the same costs no drawing.
+// Sets texts and attributes only when they change, so that unchanged ones cost no redrawing.
 
 export function put(element, words) {
   if (element.textContent !== words) element.textContent = words;

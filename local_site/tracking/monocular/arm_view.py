@@ -89,7 +89,7 @@ class ArmView:
 
     def _patch(self, mine: NDArray[np.bool_], raster: Raster, link: Link) -> Patch:
         rows, columns = np.nonzero(mine)
-        corners, shares = self._triangles[raster.triangle[mine]], raster.shares[mine]
+        corners, shares = self._triangles[raster.triangle[mine]], raster.barycentric[mine]
         points, normals = (np.einsum("nk,nkd->nd", shares, of[corners]) for of in (self._vertices, self._normals))
         normals /= np.linalg.norm(normals, axis=1, keepdims=True)
         joint, rotation = link

@@ -10,9 +10,9 @@ from common.errors import ConfigError
 from farhand.cli import app
 from farhand.loopback.plan import LoopbackOptions, plan_of
 from local_site.config import LocalConfig
-from local_site.simulation.calibrated import calibrate_simulated
+from local_site.simulation.cameras import calibrate_simulated
 from local_site.simulation.config import SimulationConfig
-from local_site.simulation.operators import filming_rig, make_operator
+from local_site.simulation.operator import filming_rig, make_operator
 from local_site.tracking.choice import TrackingConfig, make_tracker
 from local_site.tracking.markers.marker_tracker import MarkerTracker
 from local_site.tracking.monocular.monocular_tracker import MonocularTracker

@@ -26,7 +26,7 @@ def folder(tmp_path):
     film, swing = hazel_film(), Swing(speed=3.0)
     (tmp_path / "pictures").mkdir()
     for k in range(FRAMES):
-        cv2.imwrite(str(tmp_path / "pictures" / f"{k:03d}.png"), film.render(swing.arm(k).places()))
+        cv2.imwrite(str(tmp_path / "pictures" / f"{k:03d}.png"), film.render(swing.arm(k).limb_poses()))
     one = film_camera()
     (left,) = one.cameras
     first, *others = left.projection
@@ -58,7 +58,7 @@ def test_one_camera_is_tracked_from_the_joints_that_are_given(folder):
 def test_an_arm_before_a_dark_wall_is_found_by_its_silhouette(folder):
     film, swing = hazel_film(Scenery(wall=20.0, wall_relief=3.0)), Swing(speed=3.0)
     for k in range(FRAMES):
-        cv2.imwrite(str(folder / "pictures" / f"{k:03d}.png"), film.render(swing.arm(k).places()))
+        cv2.imwrite(str(folder / "pictures" / f"{k:03d}.png"), film.render(swing.arm(k).limb_poses()))
     options = ["--fps", "30", "--joints", "silhouette", "--out", str(folder / "track.jsonl")]
     done = run(folder, "--monocular", str(folder / "pictures"), *options)
     assert f"{FRAMES} tracked" in done.output, done.output

@@ -10,8 +10,8 @@ from common.clock import NS_PER_MS, FakeClock, MonotonicClock
 from common.errors import CameraError
 from local_site.acquisition.capture import Capture
 from local_site.acquisition.pairing import PairingConfig
+from local_site.acquisition.simulated_cameras import SimulatedCameras
 from local_site.simulation.config import SimulationConfig, StereoConfig
-from local_site.simulation.source import SimulatedCameras
 
 WAIT_S = 5.0
 

@@ -11,8 +11,7 @@ from local_site.calibration.accuracy import errors
 from local_site.calibration.control_points import ControlPoints, read_control_points
 from local_site.calibration.solve import solve_rig
 from local_site.calibration.triangulation import triangulate
-from local_site.simulation.calibrated import calibrate_simulated
-from local_site.simulation.cameras import stereo_pair
+from local_site.simulation.cameras import calibrate_simulated, stereo_pair
 from local_site.simulation.config import SimulationConfig, StereoConfig
 from tests.local_site.calibration.plate_cameras import (
     ANGLES,

@@ -14,7 +14,7 @@ import pytest
 from structlog.testing import capture_logs
 
 from farhand.loopback.site_process import free_ports
-from local_site.console.server import Retelling
+from local_site.console.server import LibraryLog
 
 READY_S = 60.0
 ENDS_WITHIN_S = 2.0
@@ -62,6 +62,6 @@ def test_it_ends_in_time_with_a_frozen_page_and_a_stop_that_nobody_answers():
 @pytest.mark.parametrize(("ending", "told"), [(False, ["server"]), (True, [])])
 def test_what_the_server_library_says_stands_in_our_log(ending, told):
     with capture_logs() as lines:
-        retelling = Retelling(SimpleNamespace(should_exit=ending))
-        retelling.emit(logging.LogRecord("uvicorn.error", logging.ERROR, "", 0, "it broke", None, None))
+        log = LibraryLog(SimpleNamespace(should_exit=ending))
+        log.emit(logging.LogRecord("uvicorn.error", logging.ERROR, "", 0, "it broke", None, None))
     assert [line["event"] for line in lines] == told

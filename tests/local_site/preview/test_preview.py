@@ -10,10 +10,8 @@ from structlog.testing import capture_logs
 from common.cameras.camera import Frame
 from common.messages.hand import TrackingStatus
 from common.messages.video import CameraStatus
-from local_site.preview.config import PreviewConfig
-from local_site.preview.drawing import Drawn, PictureInfo, draw, estimate_of, order_of
-from local_site.preview.preview import Preview
-from local_site.preview.process import PreviewProcess
+from local_site.preview.drawing import Drawn, PictureInfo, PreviewConfig, decode_order, draw, encode_order
+from local_site.preview.preview import Preview, PreviewProcess
 from local_site.tracking.annotate import annotate
 from local_site.tracking.tracker import ArmEstimate, Overlay, View, Views
 
@@ -53,20 +51,20 @@ LOST = ArmEstimate(0, TrackingStatus.LOST, "no arm in view")
 @pytest.mark.parametrize("colour", [False, True])
 def test_what_is_drawn_elsewhere_is_what_would_be_drawn_here(estimate, colour):
     seen = views(colour=colour)
-    order = order_of(seen, estimate)
+    order = decode_order(encode_order(seen, estimate))
     for k, view in enumerate(seen.views):
         here = annotate(view.current.image, estimate, k, CAMERA)
-        assert (annotate(view.current.image, estimate_of(order), k, CAMERA) == here).all()
+        assert (annotate(view.current.image, order.estimate, k, CAMERA) == here).all()
 
 
 def test_the_drawing_keeps_stamps_and_shrinks_what_is_too_wide():
     seen = views()
     flat = [view.current.image.reshape(-1) for view in seen.views]
-    small = draw(order_of(seen, FOUND), flat, (CAMERA, CAMERA), PreviewConfig(width=160))
+    small = draw(decode_order(encode_order(seen, FOUND)), flat, (CAMERA, CAMERA), PreviewConfig(width=160))
     assert [(d.width, d.height) for d in small] == [(160, 120)] * 2
     assert [simplejpeg.decode_jpeg(d.jpeg).shape for d in small] == [(120, 160, 3)] * 2
     assert [(d.taken.capture_ns, d.taken.capture_estimated) for d in small] == [(33 * MS, True), (33 * MS + 1, True)]
-    as_it_is = draw(order_of(seen, FOUND), flat, (CAMERA, CAMERA), PreviewConfig(width=640))
+    as_it_is = draw(decode_order(encode_order(seen, FOUND)), flat, (CAMERA, CAMERA), PreviewConfig(width=640))
     assert [(d.width, d.height) for d in as_it_is] == [(320, 240)] * 2
 
 
@@ -119,7 +117,7 @@ def test_both_views_are_sent_at_the_configured_rate_with_their_exposure():
 def test_while_nobody_looks_nothing_is_drawn_or_sent():
     left, right = Wire(False), Wire(False)
     drawer, preview = shown(2.0, left, right)
-    preview.say("no new views", 10_000 * MS)
+    preview.show_reason("no new views", 10_000 * MS)
     assert drawer.orders == []
     assert left.sent == right.sent == []
 
@@ -138,7 +136,7 @@ def test_without_views_the_reason_stands_in_for_the_pictures():
     left, right = Wire(), Wire()
     _, preview = shown(1.0, left, right)
     last = left.sent[-1].capture_ns
-    preview.say("camera left gives nothing" + "!" * 500, 5000 * MS)
+    preview.show_reason("camera left gives nothing" + "!" * 500, 5000 * MS)
     for wire in (left, right):
         assert wire.sent[-1].status is CameraStatus.FROZEN
         assert wire.sent[-1].jpeg == b""

@@ -4,15 +4,17 @@ import numpy as np
 import pytest
 from structlog.testing import capture_logs
 
-import local_site.runtime.app
+import local_site.runtime.loop
 from common.cameras.camera import Frame
 from common.clock import NS_PER_S, FakeClock
 from common.messages.hand import TrackingStatus
+from local_site.acquisition.rig_cameras import OperatorRig
 from local_site.authority.lease_client import Standing
+from local_site.authority.remote_watch import RemoteWatch
 from local_site.calibration.rig import Rig
 from local_site.config import LocalConfig
 from local_site.preview.preview import Preview
-from local_site.runtime.app import LocalSite, OperatorRig
+from local_site.runtime.loop import ArmTracking, LocalSite, SampleSender
 from local_site.simulation.cameras import exact_rig
 from local_site.simulation.config import StereoConfig
 from local_site.tracking.tracker import ArmEstimate, View, Views
@@ -91,13 +93,14 @@ def site(monkeypatch):
     """Makes a site before so many cameras, with the wire that it sends on."""
 
     def make(cameras=2):
-        monkeypatch.setattr(local_site.runtime.app, "make_tracker", lambda *_: BumpedLater())
+        monkeypatch.setattr(local_site.runtime.loop, "make_tracker", lambda *_: BumpedLater())
         wire = Wire()
         rig = Rig(PAIR.cameras * (cameras // 2), PAIR.volume_min, PAIR.volume_max, PAIR.error_rms, "made up")
         operator = OperatorRig(rig, LocalConfig().tracking, (), lambda _t_ns: None)
-        return LocalSite(
-            LocalConfig(), operator, Cameras(cameras), wire, Alone(), Preview({}, NoDrawing(), 12.0), FakeClock(0)
-        ), wire
+        config, clock = LocalConfig(), FakeClock(0)
+        tracking, sender = ArmTracking(config, operator, wire), SampleSender(config, wire, Alone(), clock)
+        watch, preview = RemoteWatch(wire, Alone.session, operator.engaged), Preview({}, NoDrawing(), 12.0)
+        return LocalSite(Cameras(cameras), tracking, sender, watch, preview, clock), wire
 
     return make
 

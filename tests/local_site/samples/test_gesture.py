@@ -1,18 +1,28 @@
 """The open hand: debounced and counted once on its rising edge."""
 
+import numpy as np
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from common.clock import NS_PER_MS
-from local_site.samples.gesture import OpenHand, observe
+from common.messages.hand import TrackingStatus
+from local_site.samples.hand_sample import GestureConfig, OpenHand
+from local_site.tracking.tracker import ArmEstimate
 
 FRAME_NS = 33 * NS_PER_MS
 
 
-def run(observations, hold_ms=120.0):
+def after_frame(state, k, seen):
+    """The state after frame `k`, which saw the hand open or closed, or no hand (None)."""
+    wrist = None if seen is None else np.zeros(3)
+    estimate = ArmEstimate(k * FRAME_NS, TrackingStatus.TRACKED, "", wrist=wrist, hand_open=bool(seen))
+    return state.observe(estimate, GestureConfig())
+
+
+def run(observations):
     state = OpenHand()
     for k, seen in enumerate(observations):
-        state = observe(state, seen, k * FRAME_NS, hold_ms)
+        state = after_frame(state, k, seen)
     return state
 
 
@@ -26,7 +36,7 @@ def test_flicker_counts_nothing_and_a_short_gap_splits_nothing():
     assert run([True] * 10 + [False] * 2 + [True] * 10).toggles == 1
 
 
-def test_frames_without_a_hand_say_nothing_and_start_the_wait_anew():
+def test_frames_without_a_hand_say_nothing_and_start_the_wait_again():
     assert run([True] * 3 + [None] * 20 + [True] * 3).toggles == 0
     assert run([True] * 10 + [None] * 20).is_open
 
@@ -36,6 +46,6 @@ def test_frames_without_a_hand_say_nothing_and_start_the_wait_anew():
 def test_the_count_never_falls_and_rises_only_with_an_opening(observations):
     state = OpenHand()
     for k, seen in enumerate(observations):
-        after = observe(state, seen, k * FRAME_NS)
+        after = after_frame(state, k, seen)
         assert after.toggles - state.toggles == (1 if after.is_open and not state.is_open else 0)
         state = after

@@ -4,7 +4,7 @@ import pytest
 
 from common.clock import NS_PER_MS
 from common.messages.hand import Intent, Locks, OperatorIntent
-from local_site.samples.intent import IntentMerge
+from local_site.samples.hand_sample import IntentMerge
 
 MS = NS_PER_MS
 START = 1000 * MS

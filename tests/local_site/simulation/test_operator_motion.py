@@ -90,11 +90,11 @@ def test_openings_are_counted_and_the_wrist_is_still_meanwhile(name):
     poses = [path.pose(t) for t in times]
     opened = np.array([body.truth(pose).hand_open for pose in poses])
     rises = times[1:][np.diff(opened.astype(int)) == 1]
-    assert path.toggles_until(-1.0) == 0
-    assert path.toggles_until(22.0) == len(rises) >= 3
+    assert path.openings_until(-1.0) == 0
+    assert path.openings_until(22.0) == len(rises) >= 3
     for k, rise in enumerate(rises):
-        assert path.toggles_until(rise - 0.15) == k
-        assert path.toggles_until(rise) == k + 1
+        assert path.openings_until(rise - 0.15) == k
+        assert path.openings_until(rise) == k + 1
     still = [k for k, pose in enumerate(poses) if pose.openness > 0]
     assert all(path.pose(times[k] + 0.02).wrist == pytest.approx(poses[k].wrist, abs=1e-9) for k in still)
 

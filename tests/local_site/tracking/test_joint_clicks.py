@@ -5,8 +5,7 @@ from common.messages.hand import TrackingStatus
 from common.messages.requests import JointsRequest
 from local_site.simulation.cameras import exact_rig
 from local_site.simulation.config import SimulationConfig
-from local_site.simulation.hazel import film_camera
-from local_site.simulation.textured_operator import TexturedOperator, first_joints_px
+from local_site.simulation.hazel import TexturedOperator, film_camera, first_joints_px
 from local_site.tracking.choice import TrackingConfig, make_tracker
 from local_site.tracking.joint_clicks import JointClicks
 from local_site.tracking.tracker import View, Views

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from common.cameras.camera import Frame
-from local_site.simulation.calibrated import calibrate_simulated
+from local_site.simulation.cameras import calibrate_simulated
 from local_site.simulation.config import MotionConfig, SimulationConfig, StereoConfig
 from local_site.simulation.operator import SimulatedOperator
 from local_site.tracking.silhouette.config import SilhouetteConfig

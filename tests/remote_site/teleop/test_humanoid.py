@@ -13,8 +13,7 @@ from farhand.loopback.casting import (
     MONOCULAR,
     arm_settings,
 )
-from local_site.simulation.hazel import Swing
-from local_site.simulation.textured_operator import true_points
+from local_site.simulation.hazel import Swing, true_points
 from local_site.tracking.tracker import ArmEstimate
 from remote_site.config import RemoteConfig
 from remote_site.kinematics.model import ArmModel

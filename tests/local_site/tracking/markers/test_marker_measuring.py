@@ -4,8 +4,7 @@ import numpy as np
 import pytest
 
 from local_site.calibration.triangulation import project
-from local_site.simulation.calibrated import calibrate_simulated
-from local_site.simulation.cameras import exact_rig
+from local_site.simulation.cameras import calibrate_simulated, exact_rig
 from local_site.simulation.config import SimulationConfig
 from local_site.tracking.markers.correspondence import Candidates
 from local_site.tracking.markers.measuring import SAMPLING_SIGMA_PX, MarkerMeter

@@ -5,7 +5,7 @@ import pytest
 
 from common.cameras.camera import Frame
 from common.messages.hand import TrackingStatus
-from local_site.samples.gesture import OpenHand, observe
+from local_site.samples.hand_sample import GestureConfig, OpenHand
 from local_site.simulation.cameras import exact_rig
 from local_site.simulation.config import MotionConfig, PictureConfig, SimulationConfig
 from local_site.simulation.operator import SimulatedOperator
@@ -28,13 +28,13 @@ def followed(motion, seconds, picture=None, step_s=1 / 30):
         t_ns = round(t_s * 1e9)
         views = tuple(View(Frame(image, t_ns, k)) for image in operator.render(t_s))
         estimate = tracker.track(Views(t_ns, views))
-        hand = observe(hand, estimate.hand_open if estimate.wrist is not None else None, t_ns)
+        hand = hand.observe(estimate, GestureConfig())
         truth = operator.truth(t_s)
         if k >= 10:
             assert all(getattr(estimate, name) is not None for name in NAMES), estimate.reason
             errors.append([1e3 * np.linalg.norm(getattr(estimate, n) - getattr(truth, n)) for n in NAMES])
             statuses.append(estimate.status)
-    return np.array(errors), statuses, (hand.toggles, operator.motion.toggles_until(times[-1]))
+    return np.array(errors), statuses, (hand.toggles, operator.motion.openings_until(times[-1]))
 
 
 @pytest.mark.parametrize("motion", ["pick_and_place", "rotate_x", "rotate_y", "rotate_z", "figure_of_eight"])

@@ -18,7 +18,7 @@ def arms(count, swing=None):
 def pictures(shown, scenery=None):
     """Their pictures."""
     film = hazel_film(scenery)
-    return [film.render(arm.places()) for arm in shown]
+    return [film.render(arm.limb_poses()) for arm in shown]
 
 
 def tracker_for(arm, setting="live"):

@@ -89,7 +89,7 @@ def test_arms_of_other_bodies_in_other_light_start_rightly_or_not_at_all():
         random = np.random.default_rng(seed)
         arm = any_arm(random)
         film = ArmFilm(another_body(random), FOCAL_PX, SIZE_PX, scenery(random), fine=2)
-        found = MonocularTracker(RIG, BY_SILHOUETTE).track(views(film.render(arm.places()), 0))
+        found = MonocularTracker(RIG, BY_SILHOUETTE).track(views(film.render(arm.limb_poses()), 0))
         if found.elbow is None:
             assert "no arm to start from yet" in found.reason
         else:

@@ -1,4 +1,4 @@
-"""The one operating page among those that watch, and whether its key is held; pure."""
+"""The one operating page among those that watch, and whether its key is held."""
 
 from dataclasses import dataclass
 
@@ -21,7 +21,7 @@ class Visitor:
 
 @dataclass(frozen=True, slots=True)
 class SeatAnswer:
-    """What came of asking for the seat, with a sentence for the one who asked."""
+    """The answer to a request for the seat, with a sentence for the page."""
 
     done: bool
     sentence: str
@@ -31,14 +31,14 @@ class Seat:
     """Gives the seat to the first page, and to another only when it is given up, closed or silent for 5 s.
 
     Holding counts while the operating page beats at least every 200 ms. After any silence, a stop or a change of the
-    page it counts only once the key was seen let go. Where `open_` is false nobody ever operates.
+    page it counts only once the key was seen released. Where `open_` is false nobody ever operates.
     """
 
     def __init__(self, *, open_: bool) -> None:
         self._open = open_
         self._beat_ns: int | None = None
         self._down = False
-        self._let_go = False
+        self._released = False
         self.occupant: Visitor | None = None
 
     def arrive(self, visitor: Visitor, now_ns: int) -> None:
@@ -47,7 +47,7 @@ class Seat:
             self.take(visitor, now_ns)
 
     def take(self, visitor: Visitor, now_ns: int) -> SeatAnswer:
-        """Sit down, or hear who operates."""
+        """Take the seat, or get the name of the page that has it."""
         if not self._open:
             return SeatAnswer(False, "this console only watches: it was started with operate = false")
         if self.occupant is not None and self.occupant != visitor and not self._abandoned(now_ns):
@@ -57,35 +57,35 @@ class Seat:
         return SeatAnswer(True, "this page operates")
 
     def leave(self, visitor: Visitor) -> SeatAnswer:
-        """Give up the seat; the end of a page that does not have it changes nothing."""
+        """Give up the seat; no effect for a page that does not have it."""
         if self.occupant == visitor:
             self._sit(None, None)
         return SeatAnswer(True, "this page only watches")
 
     def beat(self, visitor: Visitor, now_ns: int, *, down: bool) -> None:
-        """A page's sign of life, with whether its key is down."""
+        """A page's heartbeat, with whether its key is down."""
         if visitor != self.occupant:
             return
         self._lapse(now_ns)
         self._beat_ns, self._down = now_ns, down
-        self._let_go = self._let_go or not down
+        self._released = self._released or not down
 
     def interrupt(self) -> None:
-        """After a stop the key has to be pressed anew."""
-        self._let_go = False
+        """After a stop the key has to be pressed again."""
+        self._released = False
 
     def held(self, now_ns: int) -> bool:
         """Whether the operating page holds its key at this instant."""
         self._lapse(now_ns)
-        return self._down and self._let_go
+        return self._down and self._released
 
     def _sit(self, visitor: Visitor | None, now_ns: int | None) -> None:
         self.occupant, self._beat_ns = visitor, now_ns
-        self._down = self._let_go = False
+        self._down = self._released = False
 
     def _lapse(self, now_ns: int) -> None:
         if self._silent_ns(now_ns) > BEAT_TIMEOUT_NS:
-            self._let_go = self._down = False
+            self._released = self._down = False
 
     def _abandoned(self, now_ns: int) -> bool:
         return self._silent_ns(now_ns) > ABANDONED_NS

@@ -1,4 +1,4 @@
-"""How long each stretch of the way took in the last minute: newest value, median and 95th percentile; pure."""
+"""Latency of each stage over the last minute: newest value, median and 95th percentile."""
 
 from collections import deque
 from dataclasses import dataclass, field
@@ -11,12 +11,12 @@ from common.messages.robot import RobotState, Traced
 MINUTE_NS = 60 * NS_PER_S
 MOST = 4096
 SUMMARY_NS = 250 * NS_PER_MS
-TRACE_NS = NS_PER_S  # a sample is followed no longer
+TRACE_NS = NS_PER_S  # a sample is traced no longer
 
 
 @dataclass
 class Window:
-    """The values of one stretch in ms, with the times (ns) at which they were learned."""
+    """The values of one stage in ms, with the times (ns) at which they were added."""
 
     _values: deque[tuple[int, float]] = field(default_factory=lambda: deque(maxlen=MOST))
 
@@ -41,7 +41,7 @@ class Window:
 
 @dataclass(frozen=True, slots=True)
 class Trace:
-    """One sample's way in ms after its exposure.
+    """The times of one sample's stages, in ms after its exposure.
 
     Its command was written, reached the robot, was shown by the encoders; then a picture was taken, and painted.
     """
@@ -92,7 +92,7 @@ class Latencies:
             return
         self._measured = sample
         self.windows["encoder"].add(now_ns, (traced.encoder_ns - traced.command_ns) / NS_PER_MS)
-        old = now_ns + remote_minus_local_ns - traced.encoder_ns > TRACE_NS  # told again to a console that is new
+        old = now_ns + remote_minus_local_ns - traced.encoder_ns > TRACE_NS  # repeated to a new console
         if self._unseen is None and not old:
             self._unseen = (traced, traced.capture_ns + remote_minus_local_ns)
 
@@ -104,14 +104,14 @@ class Latencies:
             self.windows["round_trip"].add(now_ns, round_trip_ms)
 
     def summary(self, now_ns: int) -> dict[str, dict[str, float | int | None]]:
-        """Every stretch's summary, ordered anew four times a second at most."""
+        """Every stage's summary, computed four times a second at most."""
         if now_ns - self._summed_ns > SUMMARY_NS:
             self._summed_ns = now_ns
             self._summary = {name: window.summary(now_ns) for name, window in self.windows.items()}
         return self._summary
 
     def painted(self, camera: str, capture_ns: int, age_ms: float, now_ns: int) -> None:
-        """A picture taken at `capture_ns` (by the remote clock) was painted at this age; told again, it counts once."""
+        """A picture taken at `capture_ns` (by the remote clock) was painted at this age; repetitions do not count."""
         if self._painted.get(camera) == capture_ns:
             return
         self._painted[camera] = capture_ns
@@ -119,7 +119,7 @@ class Latencies:
         if self._unseen is None or capture_ns < self._unseen[0].encoder_ns:
             return
         (traced, hand_ns), self._unseen = self._unseen, None
-        if capture_ns - traced.encoder_ns > TRACE_NS:  # nobody looked meanwhile
+        if capture_ns - traced.encoder_ns > TRACE_NS:  # no page was open meanwhile
             return
         stages = (traced.command_ns, traced.motion_ns, traced.encoder_ns, capture_ns, capture_ns + age_ms * NS_PER_MS)
         self.trace = Trace(traced.seq, *((t_ns - hand_ns) / NS_PER_MS for t_ns in stages))
@@ -127,5 +127,5 @@ class Latencies:
 
 
 def _is_newer(sample: tuple[int, int], last: tuple[int, int]) -> bool:
-    """Whether a sample, by session and number, has not been counted: a slow robot's states go back and forth."""
+    """Whether a sample, by session and number, has not been counted: a slow robot's states alternate."""
     return sample[0] != last[0] or sample[1] > last[1]

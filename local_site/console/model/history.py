@@ -1,4 +1,4 @@
-"""What has happened, in sentences with their times, newest first; pure."""
+"""Events as sentences with their times, newest first."""
 
 from collections import deque
 from dataclasses import dataclass
@@ -7,7 +7,7 @@ from common.clock import NS_PER_S
 from common.messages.robot import RobotState
 
 KEPT = 30
-QUIET_NS = NS_PER_S  # what hinders an engaged arm may change at every tick
+QUIET_NS = NS_PER_S  # at most one change of the code a second: while engaged it may change at every tick
 
 
 @dataclass(frozen=True, slots=True)
@@ -21,13 +21,13 @@ class Event:
 
 
 class History:
-    """Keeps the last events; what is said again at once is no event."""
+    """Keeps the last events; a repetition is no event."""
 
     def __init__(self) -> None:
         self.events: deque[Event] = deque(maxlen=KEPT)
         self._count = 0
         self._last: dict[str, str] = {}
-        self._told_ns = 0
+        self._noted_ns = 0
 
     def note(self, kind: str, text: str, now_ns: int) -> None:
         """Note an event."""
@@ -35,7 +35,7 @@ class History:
         self.events.appendleft(Event(self._count, now_ns, kind, text))
 
     def note_change(self, topic: str, kind: str, text: str, now_ns: int) -> None:
-        """Note what is so about a topic now, if it was not so before."""
+        """Note the state of a topic, if it has changed."""
         if self._last.get(topic) != text:
             self._last[topic] = text
             self.note(kind, text, now_ns)
@@ -50,9 +50,9 @@ class History:
 
     def _learn_session(self, state: RobotState, now_ns: int) -> None:
         same_state = self._last.get("state") == state.state.value
-        if same_state and (self._last.get("code") == state.code or now_ns - self._told_ns < QUIET_NS):
+        if same_state and (self._last.get("code") == state.code or now_ns - self._noted_ns < QUIET_NS):
             return
         self._last |= {"state": state.state.value, "code": state.code}
-        self._told_ns = now_ns
+        self._noted_ns = now_ns
         word = state.state.value
         self.note(word, state.reason if state.reason.startswith(word) else f"{word}: {state.reason}", now_ns)

@@ -1,4 +1,4 @@
-"""Does what pages ask: who operates, the operator's intent, and what is asked of the sites."""
+"""Does what pages ask: who operates, the operator's intent, and requests to the sites."""
 
 import asyncio
 import time
@@ -7,21 +7,15 @@ from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass
 from typing import Protocol, assert_never
 
-import msgspec
+from msgspec.structs import replace
 
 from common.clock import NS_PER_MS, ClockOffset
 from common.messages.hand import Intent, OperatorIntent
-from common.messages.requests import (
-    EngagementAction,
-    OperatorAction,
-    PicturePoint,
-    Reply,
-)
+from common.messages.requests import EngagementAction, OperatorAction, PicturePoint, Reply
 from common.messages.video import VideoFrame, ViewsShown
-from local_site.console.history import History
-from local_site.console.latency import Latencies
-from local_site.console.page import Page
-from local_site.console.page_messages import (
+from local_site.console.model.history import History
+from local_site.console.model.latency import Latencies
+from local_site.console.model.page_messages import (
     AnyPageMessage,
     Ask,
     AskLease,
@@ -34,8 +28,9 @@ from local_site.console.page_messages import (
     Steer,
     TakeSeat,
 )
-from local_site.console.seat import Seat, SeatAnswer
-from local_site.console.shown import ShownViews
+from local_site.console.model.seat import Seat, SeatAnswer
+from local_site.console.model.shown import ShownViews
+from local_site.console.page import Page
 
 NO_LEASE = 0
 
@@ -58,11 +53,11 @@ class Outlets:
     shown: Callable[[ViewsShown], object]
 
 
-class PageDesk:
-    """Lives in the event loop; every method is called there. Anybody may stop the arm, the rest is the operator's.
+class PageMessageHandler:
+    """Lives in the event loop; every method is called there. Any page may stop the arm, the rest is the operator's.
 
-    `lease` is the number of the lease that this console's operator holds, as last heard. Without outlets, as where all
-    only watch, nothing is told to the sites.
+    `lease` is the number of the lease that this console's operator holds, as last heard. Without outlets, where pages
+    only watch, nothing is sent to the sites.
     """
 
     def __init__(
@@ -78,16 +73,16 @@ class PageDesk:
         self._asking = ThreadPoolExecutor(2, "ask")
 
     def close(self) -> None:
-        """Begin nothing more, and wait for what was asked: its link is closed, so that is soon."""
+        """Begin nothing more, and wait for the requests under way: their link is closed, so that is soon."""
         for pool in (self._stopping, self._asking):
             pool.shutdown(cancel_futures=True)
 
-    def tell_intent(self) -> None:
-        """Tell the local site what the operating page wants; without one nothing is told, and so nothing is held."""
+    def send_intent(self) -> None:
+        """Send the operating page's intent to the local site; without such a page nothing is sent, and none held."""
         now_ns = time.monotonic_ns()
         if self.seat.occupant is None or self._outlets is None:
             return
-        intent = msgspec.structs.replace(self.intent, hold=self.seat.held(now_ns))
+        intent = replace(self.intent, hold=self.seat.held(now_ns))
         self._outlets.intent(OperatorIntent(sent_ns=now_ns, intent=intent))
 
     def remember(self, view: str, frame: VideoFrame, now_ns: int, clock: ClockOffset | None) -> None:
@@ -95,11 +90,11 @@ class PageDesk:
         self._shown.remember(view, frame, now_ns, clock.offset_ns if clock is not None else None)
 
     def hear(self, page: Page, said: AnyPageMessage, now_ns: int) -> None:
-        """Do what a page says."""
+        """Do what a page asks."""
         match said:
             case Beat():
                 self.seat.beat(page.visitor, now_ns, down=said.down)
-                page.letter(type="echo", page_ms=said.page_ms, server_ms=now_ns / NS_PER_MS)
+                page.send(type="echo", page_ms=said.page_ms, server_ms=now_ns / NS_PER_MS)
             case FrameTaken():
                 page.taken(said.view)
             case Ask():
@@ -122,7 +117,7 @@ class PageDesk:
     def _operate(self, said: Shown | Clutch | Steer, now_ns: int) -> None:
         match said:
             case Clutch():
-                self.intent = msgspec.structs.replace(self.intent, clutch_count=self.intent.clutch_count + 1)
+                self.intent = replace(self.intent, clutch_count=self.intent.clutch_count + 1)
                 self._history.note("operator", "new origins taken (clutch)", now_ns)
             case Steer():
                 self.intent = said.apply(self.intent)
@@ -154,20 +149,12 @@ class PageDesk:
             return
         who = f"{self.seat.occupant} operates" if self.seat.occupant is not None else "nobody operates"
         reason = f"this page only watches: {who}; take the controls first"
-        page.letter(type="answer", id=number, what=what, done=False, code="watching", reason=reason, took_ms=0)
+        _answer(page, number, what, Reply(id=number, done=False, code="watching", reason=reason))
 
     def _answer_seat(self, page: Page, number: int, verdict: SeatAnswer, now_ns: int) -> None:
         if verdict.done:
             self._history.note("seat", f"{page.visitor}: {verdict.sentence}", now_ns)
-        page.letter(
-            type="answer",
-            id=number,
-            what="controls",
-            done=verdict.done,
-            code="seat",
-            reason=verdict.sentence,
-            took_ms=0,
-        )
+        _answer(page, number, "controls", Reply(id=number, done=verdict.done, code="seat", reason=verdict.sentence))
 
     def _later(self, page: Page, number: int, pool: ThreadPoolExecutor, act: Callable[[], Reply], what: str) -> None:
         """Ask in a thread that may wait, and answer the page when it is done."""
@@ -179,16 +166,13 @@ class PageDesk:
             took_ms = (now_ns - asked_ns) / NS_PER_MS
             outcome = f"done in {took_ms:.0f} ms" if reply.done else "refused"
             self._history.note(what, f"{what} {outcome}: {reply.reason}", now_ns)
-            page.letter(
-                type="answer",
-                id=number,
-                what=what,
-                done=reply.done,
-                code=reply.code,
-                reason=reply.reason,
-                took_ms=took_ms,
-            )
+            _answer(page, number, what, reply, took_ms)
 
         task = asyncio.get_running_loop().create_task(ask())
         self._tasks.add(task)
         task.add_done_callback(self._tasks.discard)
+
+
+def _answer(page: Page, number: int, what: str, reply: Reply, took_ms: float = 0.0) -> None:
+    done, code, reason = reply.done, reply.code, reply.reason
+    page.send(type="answer", id=number, what=what, done=done, code=code, reason=reason, took_ms=took_ms)

@@ -11,12 +11,10 @@ import pytest
 
 from common.clock import NS_PER_MS, NS_PER_S, FakeClock
 from common.errors import CameraError, ConfigError
-from local_site.simulation.beginning import Beginning
+from local_site.acquisition.exposures import Beginning, Exposure, ExposureLoop, ExposureSchedule
+from local_site.acquisition.simulated_cameras import SLOTS, FrameRing, SimulatedCameras
 from local_site.simulation.config import BodyConfig, MotionConfig, PictureConfig, SimulationConfig, StereoConfig
-from local_site.simulation.exposures import Exposure, ExposureLoop, ExposureSchedule
-from local_site.simulation.frame_ring import SLOTS, FrameRing
 from local_site.simulation.operator import SimulatedOperator
-from local_site.simulation.source import SimulatedCameras
 
 SMALL = StereoConfig(width_px=160, height_px=120, focal_px=200.0)
 CONFIG = SimulationConfig(stereo=SMALL, fps=100.0)
@@ -144,25 +142,25 @@ def test_a_closed_source_gives_none(cameras):
 
 def test_a_dead_renderer_is_a_camera_error(cameras):
     cameras.cameras[0].read()
-    os.kill(cameras.pid, signal.SIGKILL)
+    os.kill(cameras._renderer.process.pid, signal.SIGKILL)
     with pytest.raises(CameraError, match="simulated operator ended, camera left"):
         list(iter(cameras.cameras[0].read, None))
 
 
 def test_ctrl_c_is_left_to_the_parent(cameras):
     cameras.cameras[0].read()
-    os.kill(cameras.pid, signal.SIGINT)
+    os.kill(cameras._renderer.process.pid, signal.SIGINT)
     assert all(cameras.cameras[0].read() is not None for _ in range(5))
 
 
 PARENT = """
 import time
-from local_site.simulation.beginning import Beginning
+from local_site.acquisition.exposures import Beginning
 from local_site.simulation.config import SimulationConfig, StereoConfig
-from local_site.simulation.source import SimulatedCameras
+from local_site.acquisition.simulated_cameras import SimulatedCameras
 cameras = SimulatedCameras(SimulationConfig(stereo=StereoConfig(width_px=160, height_px=120, focal_px=200.0)))
 cameras.cameras[0].read()
-print(cameras.pid, flush=True)
+print(cameras._renderer.process.pid, flush=True)
 time.sleep(60)
 """
 

@@ -1,4 +1,4 @@
-"""What a page says to the console: JSON, checked, or MessageError."""
+"""The messages of pages to the console: JSON, validated."""
 
 from typing import Annotated, Literal
 
@@ -15,18 +15,18 @@ Milliseconds = Annotated[float, Meta(ge=0, le=1e15)]
 
 
 class PageMessage(msgspec.Struct, frozen=True, forbid_unknown_fields=True, kw_only=True, tag_field="type"):
-    """Base of what a page says; `type` tells which."""
+    """Base of a page's messages; `type` selects one."""
 
 
 class Beat(PageMessage, frozen=True, tag="beat"):
-    """The page lives: its own time in ms, to be echoed, and whether the hold-to-run key is down."""
+    """The page's heartbeat: its own time in ms, to be echoed, and whether the hold-to-run key is down."""
 
     page_ms: Milliseconds
     down: bool
 
 
 class FrameTaken(PageMessage, frozen=True, tag="taken"):
-    """The page has painted, or passed over, a frame of this view."""
+    """The page has painted, or skipped, a frame of this view."""
 
     view: Name
 
@@ -46,14 +46,14 @@ class Shown(PageMessage, frozen=True, tag="shown"):
 
 
 class Ask(PageMessage, frozen=True, tag="ask"):
-    """Something for the remote site's session; `id` comes back with the answer."""
+    """A request for the remote site's session; `id` comes back with the answer."""
 
     id: Count
     action: EngagementAction
 
 
 class AskLease(PageMessage, frozen=True, tag="ask_lease"):
-    """Something about the lease, for the local site; `id` comes back with the answer."""
+    """A request about the lease, for the local site; `id` comes back with the answer."""
 
     id: Count
     action: OperatorAction
@@ -103,7 +103,7 @@ DECODER: msgspec.json.Decoder[AnyPageMessage] = msgspec.json.Decoder(AnyPageMess
 
 
 def parse(text: str) -> AnyPageMessage:
-    """What the page says; MessageError when it says nothing that is known."""
+    """The page's message; MessageError when it is none that is known."""
     try:
         return DECODER.decode(text)
     except msgspec.DecodeError as error:

@@ -1,4 +1,4 @@
-"""What the operating page has painted, told to the remote site in the remote site's own numbers; pure."""
+"""What the operating page has painted, reported to the remote site in that site's own numbers."""
 
 from collections import deque
 from dataclasses import dataclass, field
@@ -10,7 +10,7 @@ from common.messages.video import (
     ViewShown,
     ViewsShown,
 )
-from local_site.console.page_messages import Painted
+from local_site.console.model.page_messages import Painted
 
 REMEMBERED = 64
 CAMERA_VIEW = "camera/"
@@ -18,19 +18,19 @@ LEAST_APART_NS = 50 * NS_PER_MS
 
 
 @dataclass
-class _Coming:
-    """What has come of one camera: numbers and exposures by the remote clock, when of late, and the newest's age."""
+class _Arrivals:
+    """The last frames of one camera: numbers and exposures by the remote clock, arrival times, the newest's age."""
 
     exposed: deque[tuple[int, int]] = field(default_factory=lambda: deque(maxlen=REMEMBERED))
     came_ns: deque[int] = field(default_factory=lambda: deque(maxlen=REMEMBERED))
     age_ms: float | None = None
 
     def newest(self, now_ns: int) -> ViewCame | None:
-        """What to tell of it; None while no picture has come whose age is known."""
+        """What to report of it; None before the first picture of known age."""
         if self.age_ms is None:
             return None
-        of_late = sum(came_ns > now_ns - NS_PER_S for came_ns in self.came_ns)
-        return ViewCame(seq=self.exposed[-1][0], age_ms=self.age_ms, fps=float(of_late))
+        of_last_second = sum(came_ns > now_ns - NS_PER_S for came_ns in self.came_ns)
+        return ViewCame(seq=self.exposed[-1][0], age_ms=self.age_ms, fps=float(of_last_second))
 
 
 class ShownViews:
@@ -38,15 +38,15 @@ class ShownViews:
 
     def __init__(self, session: int) -> None:
         self._session = session
-        self._coming: dict[str, _Coming] = {}
+        self._arrivals: dict[str, _Arrivals] = {}
         self._sent_ns = 0
 
     def remember(self, view: str, frame: VideoFrame, now_ns: int, offset_ns: int | None) -> None:
         """A frame was offered to the pages under this name of its view; `offset_ns` is the remote clock's, if known."""
-        coming = self._coming.setdefault(view, _Coming())
-        coming.exposed.append((frame.seq, frame.capture_ns))
-        coming.came_ns.append(now_ns)
-        coming.age_ms = None if offset_ns is None else max(0.0, (now_ns + offset_ns - frame.capture_ns) / NS_PER_MS)
+        arrivals = self._arrivals.setdefault(view, _Arrivals())
+        arrivals.exposed.append((frame.seq, frame.capture_ns))
+        arrivals.came_ns.append(now_ns)
+        arrivals.age_ms = None if offset_ns is None else max(0.0, (now_ns + offset_ns - frame.capture_ns) / NS_PER_MS)
 
     def message(self, painted: dict[str, Painted], lease: int, now_ns: int) -> ViewsShown | None:
         """What to publish of the cameras that a page has painted; None too soon after the last, or without any.
@@ -61,9 +61,9 @@ class ShownViews:
         return ViewsShown(session=self._session, lease=lease, sent_ns=now_ns, views=views)
 
     def _shown(self, view: str, painted: Painted, now_ns: int) -> ViewShown | None:
-        coming = self._coming.get(view, _Coming())
-        came = coming.newest(now_ns)
-        exposed = next((capture_ns for seq, capture_ns in reversed(coming.exposed) if seq == painted.seq), None)
+        arrivals = self._arrivals.get(view, _Arrivals())
+        came = arrivals.newest(now_ns)
+        exposed = next((capture_ns for seq, capture_ns in reversed(arrivals.exposed) if seq == painted.seq), None)
         if came is None or exposed is None:
             return None
         return ViewShown(seq=painted.seq, capture_ns=exposed, age_ms=painted.age_ms, fps=painted.fps, came=came)

@@ -9,11 +9,11 @@ import pytest
 from common.clock import NS_PER_S
 from common.errors import MessageError
 from common.messages.requests import EngagementAction, OperatorAction, Reply
-from local_site.console.history import History
-from local_site.console.latency import Latencies
-from local_site.console.page_desk import Outlets, PageDesk
-from local_site.console.page_messages import parse
-from local_site.console.seat import Seat, Visitor
+from local_site.console.message_handler import Outlets, PageMessageHandler
+from local_site.console.model.history import History
+from local_site.console.model.latency import Latencies
+from local_site.console.model.page_messages import parse
+from local_site.console.model.seat import Seat, Visitor
 
 
 class Told:
@@ -21,11 +21,11 @@ class Told:
 
     def __init__(self, number: int = 0) -> None:
         self.visitor = Visitor(number, "127.0.0.1")
-        self.letters: list[dict] = []
+        self.answers: list[dict] = []
         self.messages: list = []
 
-    def letter(self, **fields: object) -> None:
-        self.letters.append(fields)
+    def send(self, **fields: object) -> None:
+        self.answers.append(fields)
 
     def put(self, message: object) -> None:
         self.messages.append(message)
@@ -50,24 +50,26 @@ class Sites:
 
 
 class Room:
-    """A desk with two pages, of which the first operates."""
+    """A message handler with two pages, of which the first operates."""
 
     def __init__(self) -> None:
         self.sites, self.intent, self.shown = Sites(), Told(), Told()
         self.first, self.second = Told(1), Told(2)
         seat = Seat(open_=True)
         seat.arrive(self.first.visitor, NS_PER_S)
-        self.desk = PageDesk(seat, Outlets(self.intent.put, self.shown.put), self.sites, Latencies(), History(), 9)
+        self.handler = PageMessageHandler(
+            seat, Outlets(self.intent.put, self.shown.put), self.sites, Latencies(), History(), 9
+        )
 
     def say(self, page: Told, **said: object) -> None:
-        self.desk.hear(page, parse(msgspec.json.encode(said).decode()), NS_PER_S)
+        self.handler.hear(page, parse(msgspec.json.encode(said).decode()), NS_PER_S)
 
     async def wait_for_answers(self, page: Told, count: int) -> list[dict]:
         for _ in range(500):
-            if len(page.letters) >= count:
+            if len(page.answers) >= count:
                 break
             await asyncio.sleep(0.01)
-        return page.letters
+        return page.answers
 
 
 @pytest.fixture
@@ -75,7 +77,7 @@ def room():
     room = Room()
     yield room
     room.sites.slow.set()
-    room.desk.close()
+    room.handler.close()
 
 
 def test_a_watching_page_may_stop_and_nothing_else(room: Room) -> None:
@@ -84,15 +86,15 @@ def test_a_watching_page_may_stop_and_nothing_else(room: Room) -> None:
         room.say(room.second, type="ask_lease", id=2, action="give")
         room.say(room.second, type="clutch")
         room.say(room.second, type="steer", scale=2.0)
-        assert [letter["code"] for letter in room.second.letters] == ["watching"] * 2
-        assert "page 1 (127.0.0.1) operates" in room.second.letters[0]["reason"]
+        assert [answer["code"] for answer in room.second.answers] == ["watching"] * 2
+        assert "page 1 (127.0.0.1) operates" in room.second.answers[0]["reason"]
         room.say(room.second, type="ask", id=3, action="stop")
         answer = (await room.wait_for_answers(room.second, 3))[-1]
         assert (answer["id"], answer["what"], answer["done"]) == (3, "stop", True)
 
     asyncio.run(talk())
     assert room.sites.asked == ["stop"]
-    assert (room.desk.intent.clutch_count, room.desk.intent.scale) == (0, 1.0)
+    assert (room.handler.intent.clutch_count, room.handler.intent.scale) == (0, 1.0)
 
 
 def test_a_stop_never_waits_behind_other_requests(room: Room) -> None:
@@ -112,7 +114,7 @@ def test_the_operating_page_steers_by_what_it_names(room: Room) -> None:
     room.say(room.first, type="steer", locks={"roll": True})
     room.say(room.first, type="steer", rotation_scale=0.25, locks={"z": True})
     room.say(room.first, type="clutch")
-    room.desk.tell_intent()
+    room.handler.send_intent()
     intent = room.intent.messages[-1].intent
     assert (intent.scale, intent.rotation_scale, intent.clutch_count) == (0.5, 0.25, 1)
     assert (intent.locks.roll, intent.locks.z, intent.locks.x) == (True, True, False)
@@ -121,7 +123,7 @@ def test_the_operating_page_steers_by_what_it_names(room: Room) -> None:
 
 def test_where_nobody_operates_no_intent_is_told(room: Room) -> None:
     room.say(room.first, type="leave_seat", id=1)
-    room.desk.tell_intent()
+    room.handler.send_intent()
     assert room.intent.messages == []
 
 

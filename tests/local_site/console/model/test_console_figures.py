@@ -15,11 +15,11 @@ from common.messages.robot import (
     Traced,
 )
 from common.messages.video import CameraStatus, VideoFrame, ViewCame
-from local_site.console.history import History
-from local_site.console.latency import Latencies
-from local_site.console.page_messages import Painted
-from local_site.console.picture import LENGTH, view_frame
-from local_site.console.shown import ShownViews
+from local_site.console.model.frames import LENGTH, view_frame
+from local_site.console.model.history import History
+from local_site.console.model.latency import Latencies
+from local_site.console.model.page_messages import Painted
+from local_site.console.model.shown import ShownViews
 
 APART_NS = 3600 * NS_PER_S
 NOW_NS = 50 * NS_PER_S

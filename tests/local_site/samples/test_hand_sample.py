@@ -12,9 +12,7 @@ from common.messages.hand import (
     PointCovariances,
     TrackingStatus,
 )
-from local_site.authority.lease_client import Standing
-from local_site.samples.gesture import OpenHand
-from local_site.samples.publisher import HandPublisher
+from local_site.samples.hand_sample import HandSampler, OpenHand
 from local_site.samples.smoothing import SmoothingConfig, make_smoother
 from local_site.tracking.tracker import ArmEstimate
 
@@ -22,18 +20,14 @@ WRIST = np.array([0.4, 0.3, 0.5])
 WRIST_COVARIANCE = np.array([[4.0, 1.0, -2.0], [1.0, 9.0, 0.5], [-2.0, 0.5, 16.0]]) * 1e-6
 
 
-class Wire:
-    """Takes what is sent through the codec, as the link does."""
-
-    def put(self, sample):
-        self.received = decode(encode(sample), HandArm, HAND.max_bytes)
+def through_codec(sample):
+    """The sample as a receiver gets it."""
+    return decode(encode(sample), HandArm, HAND.max_bytes)
 
 
 def received(covariances):
-    wire = Wire()
     estimate = ArmEstimate(5, TrackingStatus.TRACKED, "", wrist=WRIST, covariances=covariances)
-    HandPublisher(wire, 3).publish(estimate, OpenHand(), Standing(), Intent())
-    return wire.received.covariance
+    return through_codec(HandSampler(3).sample(estimate, OpenHand(), 0, None, Intent())).covariance
 
 
 def test_the_upper_half_of_a_covariance_arrives_under_the_points_name():
@@ -64,9 +58,7 @@ def test_smoothing_leaves_covariances_as_measured(method):
 
 
 def test_a_sample_says_under_which_lease_by_which_clock_and_with_what_intent_it_was_sent():
-    wire = Wire()
     clock = ClockSync(remote_minus_local_ns=-5, uncertainty_ns=2, measured_ns=9)
     estimate = ArmEstimate(5, TrackingStatus.LOST, "gone")
-    HandPublisher(wire, 3).publish(estimate, OpenHand(), Standing(41, clock), Intent(hold=True, scale=0.5))
-    sent = wire.received
+    sent = through_codec(HandSampler(3).sample(estimate, OpenHand(), 41, clock, Intent(hold=True, scale=0.5)))
     assert (sent.session, sent.lease, sent.clock, sent.intent) == (3, 41, clock, Intent(hold=True, scale=0.5))

@@ -3,7 +3,7 @@
 import pytest
 
 from common.clock import NS_PER_MS, NS_PER_S
-from local_site.console.seat import Seat, Visitor
+from local_site.console.model.seat import Seat, Visitor
 
 ANNA, BEN = Visitor(1, "127.0.0.1"), Visitor(2, "10.0.0.7")
 BEAT_NS = 50 * NS_PER_MS

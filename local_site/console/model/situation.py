@@ -1,0 +1,92 @@
+"""The situation as the console knows it, sent to pages as JSON about 17 times a second."""
+
+from dataclasses import asdict, dataclass
+from typing import Any
+
+import msgspec
+
+from common.clock import NS_PER_MS, ClockEstimate
+from common.link.channels import HAND, STATE
+from common.messages.hand import HandArm, Intent
+from common.messages.robot import RobotState
+from local_site.console.model.history import History
+from local_site.console.model.latency import Latencies
+from local_site.console.model.seat import Seat
+
+NOT_FOR_PAGES = ("version", "session", "clock", "obeyed", "traced")
+
+
+@dataclass(frozen=True, slots=True)
+class Heard:
+    """The newest messages of both sites and when they came (ns), None and 0 before the first."""
+
+    state: RobotState | None = None
+    state_ns: int = 0
+    hand: HandArm | None = None
+    hand_ns: int = 0
+
+
+def situation_json(
+    now_ns: int,
+    heard: Heard,
+    clock: ClockEstimate | None,
+    round_trip_ms: float | None,
+    seat: Seat,
+    intent: Intent,
+    latencies: Latencies,
+    history: History,
+) -> str:
+    """Everything a page shows besides pictures; `clock` is the remote one as known now, if at all."""
+    situation = {
+        "type": "situation",
+        "now_ms": now_ns / NS_PER_MS,
+        "robot": _robot_fields(heard.state, heard.state_ns, now_ns) if heard.state is not None else None,
+        "hand": _hand_fields(heard.hand, heard.hand_ns, now_ns) if heard.hand is not None else None,
+        "clock": _clock_fields(clock, round_trip_ms),
+        "seat": {
+            "page": seat.occupant.number if seat.occupant is not None else None,
+            "who": str(seat.occupant) if seat.occupant is not None else None,
+            "held": seat.held(now_ns),
+        },
+        "intent": msgspec.to_builtins(intent),
+        "latency": latencies.summary(now_ns),
+        "trace": asdict(latencies.trace) if latencies.trace is not None else None,
+        "events": [
+            {"number": e.number, "ago_ms": (now_ns - e.t_ns) / NS_PER_MS, "kind": e.kind, "text": e.text}
+            for e in history.events
+        ],
+    }
+    return msgspec.json.encode(situation).decode()
+
+
+def _robot_fields(state: RobotState, heard_ns: int, now_ns: int) -> dict[str, Any]:
+    """The robot's state, with how long ago it was heard."""
+    fields: dict[str, Any] = msgspec.to_builtins(state)
+    for name in NOT_FOR_PAGES:
+        del fields[name]
+    return fields | {
+        "heard_ms": (now_ns - heard_ns) / NS_PER_MS,
+        "silent": now_ns - heard_ns > STATE.stale_after_ns,
+        "lease_left_ms": (state.lease.expires_ns - state.t_ns) / NS_PER_MS if state.lease is not None else None,
+    }
+
+
+def _hand_fields(hand: HandArm, heard_ns: int, now_ns: int) -> dict[str, Any]:
+    return {
+        "status": hand.status.value,
+        "reason": hand.reason,
+        "open": hand.hand_open,
+        "toggles": hand.gripper_toggles,
+        "thumb_inferred": hand.thumb_inferred,
+        "age_ms": (now_ns - hand.capture_ns) / NS_PER_MS,
+        "silent": now_ns - heard_ns > 5 * HAND.stale_after_ns,
+    }
+
+
+def _clock_fields(clock: ClockEstimate | None, round_trip_ms: float | None) -> dict[str, float | None]:
+    offset = clock.offset if clock is not None else None
+    return {
+        "offset_ms": offset.offset_ns / NS_PER_MS if offset is not None else None,
+        "uncertainty_ms": offset.uncertainty_ns / NS_PER_MS if offset is not None else None,
+        "round_trip_ms": round_trip_ms,
+    }

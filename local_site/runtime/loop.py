@@ -1,0 +1,175 @@
+"""The local site's loop: views from the cameras, the arm tracked in them, hand samples sent."""
+
+from collections.abc import Callable
+from pathlib import Path
+
+import structlog
+
+from common.cameras.images import write_image
+from common.clock import Clock
+from common.errors import CameraError, MessageError
+from common.link.channels import HAND, INTENT, JOINTS
+from common.link.transport import Link
+from common.messages.hand import TrackingStatus
+from common.process.log import RefusalLog
+from local_site.acquisition.capture import Capture
+from local_site.acquisition.rig_cameras import OperatorRig
+from local_site.authority.lease_client import Authority
+from local_site.authority.remote_watch import RemoteWatch
+from local_site.calibration.control_points import CAMERAS
+from local_site.config import LocalConfig
+from local_site.preview.preview import Preview
+from local_site.samples.hand_sample import HandSampler, IntentMerge, OpenHand
+from local_site.samples.smoothing import make_smoother
+from local_site.tracking.annotate import annotate
+from local_site.tracking.choice import make_tracker, profile_of
+from local_site.tracking.drift_watch import DriftWatch
+from local_site.tracking.joint_clicks import JointClicks
+from local_site.tracking.profile_file import ProfileKeeper
+from local_site.tracking.silhouette.operator_profile import OperatorProfile
+from local_site.tracking.tracker import ArmEstimate, Views
+
+VIEWS_TIMEOUT_S = 0.1
+
+
+class ArmTracking:
+    """The tracker with what accompanies it: the operator's profile, the drift alarm, the console's joint clicks."""
+
+    def __init__(self, config: LocalConfig, operator: OperatorRig, link: Link) -> None:
+        name = config.authority.name
+        self._profiles = ProfileKeeper(config.tracking.profile_dir, name, _warning("operator's profile"))
+        self._tracker = make_tracker(operator.rig, operator.tracking, self._profiles.known)
+        self._drift = DriftWatch(operator.rig, config.drift, _warning("drift"))
+        refused = RefusalLog().note
+        self._clicks = JointClicks(link.serve(JOINTS, config.cell, refused, name), self._tracker)
+        self._matrices = operator.rig.matrices
+        self._seen: tuple[Views, ArmEstimate] | None = None
+
+    def track(self, views: Views) -> ArmEstimate:
+        """The arm in these views, with the drift alarm's sentence in its reason."""
+        estimate = self._drift.judge(self._tracker.track(views))
+        self._seen = views, estimate
+        return estimate
+
+    def attend(self, views: Views | None, now_ns: int) -> None:
+        """What can wait until a sample is sent: answer a click on the joints, save the profile once a minute."""
+        self._clicks.poll(views, now_ns)
+        self._profiles.keep(self._learned, now_ns)
+
+    def save_profile(self) -> None:
+        """Save what has been learned of the operator, if a folder is configured."""
+        self._profiles.save(self._learned)
+
+    def save_views(self, folder: Path) -> bool:
+        """Write the last views with what was found in them as operator_left.png, operator_right.png and so on.
+
+        False without any view. CameraError if they cannot be written.
+        """
+        if self._seen is None:
+            return False
+        views, estimate = self._seen
+        for k, view in enumerate(views.views):
+            picture = annotate(view.current.image, estimate, k, self._matrices[k])
+            write_image(folder, f"operator_{CAMERAS[k]}", picture)
+        return True
+
+    def _learned(self) -> OperatorProfile | None:
+        return profile_of(self._tracker)
+
+
+class SampleSender:
+    """Sends estimates as hand samples, with the lease, the clocks' offset and the operator's intent of the instant."""
+
+    def __init__(self, config: LocalConfig, link: Link, authority: Authority, clock: Clock) -> None:
+        self._authority, self._clock = authority, clock
+        self._smoother = make_smoother(config.smoothing)
+        self._gesture = config.gesture
+        self._hand = OpenHand()
+        self._sampler = HandSampler(authority.session)
+        self._publisher = link.publisher(HAND, config.cell)
+        self._intents = link.latest(INTENT, config.cell, config.authority.name)
+        self._intent = IntentMerge()
+        self._refusals = RefusalLog("intent refused")
+
+    def send_tracked(self, estimate: ArmEstimate) -> None:
+        """Count openings of the hand, smooth, send."""
+        self._hand = self._hand.observe(estimate, self._gesture)
+        self._send(self._smoother.smooth(estimate))
+
+    def send_lost(self, reason: str) -> None:
+        """Send that there are no views, and why."""
+        self._send(ArmEstimate(self._clock.now_ns(), TrackingStatus.LOST, reason))
+
+    def _send(self, estimate: ArmEstimate) -> None:
+        now_ns = self._clock.now_ns()
+        try:
+            received = self._intents.take()
+        except MessageError as error:
+            self._refusals.note(error)
+        else:
+            if received is not None:
+                self._intent.hear(received, now_ns)
+        standing, intent = self._authority.standing(now_ns), self._intent.at(now_ns)
+        self._publisher.put(self._sampler.sample(estimate, self._hand, standing.lease, standing.clock, intent))
+
+
+class LocalSite:
+    """The loop's body: one instant from cameras to wire."""
+
+    def __init__(
+        self,
+        capture: Capture,
+        tracking: ArmTracking,
+        sender: SampleSender,
+        watch: RemoteWatch,
+        preview: Preview,
+        clock: Clock,
+    ) -> None:
+        self._capture, self._tracking, self._sender = capture, tracking, sender
+        self._watch, self._preview, self._clock = watch, preview, clock
+        self._status: TrackingStatus | None = None
+
+    def step(self) -> None:
+        """Wait for the next views, track, smooth, send; without views, send why. CameraError once a camera ended.
+
+        The preview comes last, in the time until the next views.
+        """
+        views = self._capture.next(VIEWS_TIMEOUT_S)
+        if views is not None:
+            estimate = self._tracking.track(views)
+            self._sender.send_tracked(estimate)
+            self._log_status(estimate.status, estimate.reason)
+            self._watch.look(self._clock.now_ns())
+            self._preview.show(views, estimate)
+        else:
+            reason = self._capture.problem() or "no new views of the operator"
+            self._sender.send_lost(reason)
+            self._log_status(TrackingStatus.LOST, reason)
+            if self._capture.ended:
+                raise CameraError(reason)
+            self._watch.look(self._clock.now_ns())
+            self._preview.show_reason(reason, self._clock.now_ns())
+        self._tracking.attend(views, self._clock.now_ns())
+
+    def save_profile(self) -> None:
+        """Save what has been learned of the operator, if a folder is configured."""
+        self._tracking.save_profile()
+
+    def save_views(self, folder: Path) -> None:
+        """Write the last views, annotated, into a folder; a warning without any, CameraError if it cannot write."""
+        if not self._tracking.save_views(folder):
+            structlog.get_logger().warning("no views to save", reason=self._capture.problem() or "none came in time")
+
+    def _log_status(self, status: TrackingStatus, reason: str) -> None:
+        if status is not self._status:
+            self._status = status
+            structlog.get_logger().info("tracking", status=status.value, reason=reason)
+
+
+def _warning(event: str) -> Callable[[str], None]:
+    """What logs a sentence as the reason of this event."""
+
+    def warn(sentence: str) -> None:
+        structlog.get_logger().warning(event, reason=sentence)
+
+    return warn

@@ -1,0 +1,131 @@
+"""From arm estimate to hand sample: openings of the hand counted, the operator's intent merged, covariances packed."""
+
+import math
+from collections.abc import Mapping
+from dataclasses import dataclass
+from typing import Annotated
+
+import msgspec
+from msgspec import Meta
+from msgspec.structs import replace
+
+from common.clock import NS_PER_MS
+from common.geometry import Array
+from common.link.channels import INTENT
+from common.messages.base import Covariance, Vector3
+from common.messages.hand import ClockSync, HandArm, Intent, OperatorIntent, PointCovariances
+from local_site.tracking.tracker import ArmEstimate
+
+REASON_CHARACTERS = 400
+
+
+class GestureConfig(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
+    """When an open hand counts."""
+
+    hold_ms: Annotated[float, Meta(ge=0, le=1000, description="how long a change of the hand must last, ms")] = 120.0
+
+
+@dataclass(frozen=True, slots=True)
+class OpenHand:
+    """The opening hand as a gripper toggle: debounced, counted once on the rising edge (thesis 4.2).
+
+    Holds the debounced state, since when the observation differs from it, and the count.
+    """
+
+    is_open: bool = False
+    differs_since_ns: int | None = None
+    toggles: int = 0
+
+    def observe(self, estimate: ArmEstimate, config: GestureConfig) -> "OpenHand":
+        """The state after an estimate; a change counts once it has lasted for `hold_ms`.
+
+        An estimate without a wrist did not see the hand: the state stays, and a pending change starts again.
+        """
+        t_ns = estimate.t_ns
+        if estimate.wrist is None or estimate.hand_open == self.is_open:
+            return OpenHand(self.is_open, None, self.toggles)
+        since = self.differs_since_ns if self.differs_since_ns is not None else t_ns
+        if t_ns - since < config.hold_ms * NS_PER_MS:
+            return OpenHand(self.is_open, since, self.toggles)
+        return OpenHand(estimate.hand_open, None, self.toggles + int(estimate.hand_open))
+
+
+class IntentMerge:
+    """Keeps the newest intent that a console or pedal of this host has sent; what is not repeated is not held.
+
+    Intent older than 200 ms is "not held". After such a silence, as at the start, holding counts only once the key was
+    seen released: a console that comes back with its key still down moves nothing.
+    """
+
+    def __init__(self) -> None:
+        self._last: OperatorIntent | None = None
+        self._released = False
+
+    def hear(self, received: OperatorIntent, now_ns: int) -> None:
+        """Take an intent; one that is older than the last, or from the future, is ignored."""
+        if received.sent_ns > now_ns or (self._last is not None and received.sent_ns <= self._last.sent_ns):
+            return
+        if self._last is not None and received.sent_ns - self._last.sent_ns > INTENT.stale_after_ns:
+            self._released = False
+        self._last = received
+        self._released = self._released or not received.intent.hold
+
+    def at(self, now_ns: int) -> Intent:
+        """The intent of this instant."""
+        if self._last is None:
+            return Intent()
+        if now_ns - self._last.sent_ns > INTENT.stale_after_ns:
+            self._released = False
+        return replace(self._last.intent, hold=self._last.intent.hold and self._released)
+
+
+class HandSampler:
+    """Makes hand samples of one session, numbered from 0."""
+
+    def __init__(self, session: int) -> None:
+        self._session = session
+        self._seq = 0
+
+    def sample(
+        self, estimate: ArmEstimate, hand: OpenHand, lease: int, clock: ClockSync | None, intent: Intent
+    ) -> HandArm:
+        """The sample of one instant, with the lease's number, the clocks' offset and the intent as they are then."""
+        sample = HandArm(
+            session=self._session,
+            seq=self._seq,
+            capture_ns=estimate.t_ns,
+            elbow=_vector(estimate.elbow),
+            wrist=_vector(estimate.wrist),
+            index=_vector(estimate.index),
+            thumb=_vector(estimate.thumb),
+            palm=_vector(estimate.palm),
+            status=estimate.status,
+            reason=estimate.reason[:REASON_CHARACTERS],
+            thumb_inferred=estimate.thumb_inferred,
+            hand_open=estimate.hand_open or hand.is_open,
+            gripper_toggles=hand.toggles,
+            covariance=_covariance(estimate.covariances),
+            lease=lease,
+            clock=clock,
+            intent=intent,
+        )
+        self._seq += 1
+        return sample
+
+
+def _covariance(matrices: Mapping[str, Array]) -> PointCovariances | None:
+    return PointCovariances(**{name: _upper(matrix) for name, matrix in matrices.items()}) if matrices else None
+
+
+def _upper(matrix: Array) -> Covariance | None:
+    """The upper half of a covariance (3, 3); None where it is not one, for which a receiver would refuse the sample."""
+    (xx, xy, xz), (_, yy, yz), (_, _, zz) = matrix.tolist()
+    upper = xx, xy, xz, yy, yz, zz
+    return upper if all(map(math.isfinite, upper)) and min(xx, yy, zz) >= 0 else None
+
+
+def _vector(point: Array | None) -> Vector3 | None:
+    if point is None:
+        return None
+    x, y, z = point.tolist()
+    return x, y, z
