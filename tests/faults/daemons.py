@@ -1,4 +1,4 @@
-"""The processes of a pair of sites, their last words, and their children by name."""
+"""The processes of a pair of sites: their last log lines, and their children by name."""
 
 import os
 import subprocess
@@ -14,8 +14,7 @@ END_TIMEOUT_S = 6.0
 class Daemon:
     """A process whose log lines are kept; it ends with this one."""
 
-    def __init__(self, name: str, command: list[str], environment: dict[str, str]) -> None:
-        self.name = name
+    def __init__(self, command: list[str], environment: dict[str, str]) -> None:
         self.lines: deque[str] = deque(maxlen=200)
         parent = os.getpid()
         self._process = subprocess.Popen(
@@ -55,20 +54,8 @@ class Daemon:
             self._process.wait()
 
     def _listen(self) -> None:
-        with self._process.stderr as stream:
+        stream = self._process.stderr
+        assert stream is not None
+        with stream:
             for line in stream:
                 self.lines.append(line.rstrip())
-
-
-class Nobody:
-    """What stands for a process before the first."""
-
-    lines: tuple[str, ...] = ()
-    name = "nobody"
-    exit_code = 0
-
-    def end(self) -> None:
-        """Nothing ends."""
-
-
-NOBODY = Nobody()

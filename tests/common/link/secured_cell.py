@@ -95,8 +95,10 @@ def dishonest(
 ) -> Iterator[zenoh.Session]:
     """A session that checks nothing itself and has no access control of its own."""
     tls = {"root_ca_certificate": str(folder / "ca.pem"), "verify_name_on_connect": False}
-    for end in ("listen", "connect") if who else ():
-        tls |= {f"{end}_certificate": f"{folder / cell / who}.pem", f"{end}_private_key": f"{folder / cell / who}.key"}
+    if who is not None:
+        pair = folder / cell / who
+        for end in ("listen", "connect"):
+            tls |= {f"{end}_certificate": f"{pair}.pem", f"{end}_private_key": f"{pair}.key"}
     config, locator = zenoh.Config(), f"{endpoint}?mixed_rel=1" if endpoint.startswith("quic/") else endpoint
     settings = {
         "listen/endpoints": [locator] if listen else [],
