@@ -12,10 +12,11 @@ from remote_site.kinematics.joints import JointMotion
 from remote_site.motion.config import ControlConfig
 from remote_site.motion.jerk_limited import JerkLimitedTracker, leash
 from remote_site.motion.target_predictor import JointTargetPredictor, TargetPredictor
-from remote_site.motion.target_tracker import choose_target_tracker
+from remote_site.motion.target_tracker import ToolSample, choose_target_tracker
 from remote_site.reasons import Code, Reason
 from remote_site.safety.config import SafetyConfig
 from remote_site.safety.guard import JointGuard, Passed
+from remote_site.teleop.config import prediction
 from tests.remote_site.arms_followed import figure_of_eight
 from tests.remote_site.remote_loop import TICK_NS, arm
 
@@ -96,12 +97,16 @@ def test_a_sample_that_comes_after_the_course_has_ended_counts_as_any_other():
 @pytest.mark.parametrize(("t_soft_ms", "carried"), [(100, False), (400, True)])
 def test_an_arm_that_a_long_t_soft_makes_slower_is_carried_on_for_longer(t_soft_ms, carried):
     config = RemoteConfig(safety=SafetyConfig(t_soft_ms=t_soft_ms))
-    pursuit, target, at_ms = choose_target_tracker(config, MODEL, LIMITS), MODEL.forward(START), 0
-    pursuit.reset(0, START)
+    tracker, target, at_ms = (
+        choose_target_tracker(config.robot, prediction(config), MODEL, LIMITS),
+        MODEL.forward(START),
+        0,
+    )
+    tracker.reset(0, START)
     for at_ms in range(33, 600, 33):
         target = transform(target[:3, :3], target[:3, 3] + [0.0, 0.002, 0.0])
-        pursuit.aim(at_ms * NS_PER_MS, target, None, START, at_ms * NS_PER_MS, leashed=False)
-    earlier, later = (pursuit.at((at_ms + ms) * NS_PER_MS, START)[0][0] for ms in (160, 230))
+        tracker.aim(ToolSample(at_ms * NS_PER_MS, at_ms * NS_PER_MS, target, None, None), START)
+    earlier, later = (tracker.at((at_ms + ms) * NS_PER_MS, START)[0][0] for ms in (160, 230))
     assert bool(later - earlier > 0.003) is carried
 
 

@@ -6,6 +6,7 @@ from common.messages.hand import TrackingStatus
 from common.messages.robot import SessionState
 from remote_site.reasons import Code
 from remote_site.safety.config import SafetyConfig
+from remote_site.session import lease as lease_module
 from remote_site.session.fault_latch import FaultLatch
 from remote_site.session.lease import LeaseServer
 from remote_site.session.state_machine import Session
@@ -115,7 +116,7 @@ CONDITIONS = [
         "age_ns > OFFSET_VALID_NS",
         intake(of_intake.test_a_clock_offset_counts_for_five_seconds),
     ),
-    (TeleopPipeline, "receive", "not isinstance(lease, Lease)", others_move_nothing),
+    (TeleopPipeline, "_receive", "not isinstance(held, Lease)", others_move_nothing),
     (Session, "tick", "self.state is SessionState.FAULT", of_session.test_a_fault_stays_until_reset),
     (Session, "tick", "not robot.ready", ended(lambda rig: rig.wait(4, of_session.DEAD))),
     (
@@ -224,8 +225,8 @@ TEXTS = [
         lease(of_lease.test_who_asks_first_gets_it_and_the_other_is_refused_with_the_holders_name),
     ),
     (
-        LeaseServer,
-        "in_force",
+        lease_module,
+        "checked",
         "(number, session) == (current.number, current.holder.session)",
         "session == current.holder.session",
         lease(
@@ -236,8 +237,8 @@ TEXTS = [
         ),
     ),
     (
-        LeaseServer,
-        "in_force",
+        lease_module,
+        "checked",
         "(number, session) == (current.number, current.holder.session)",
         "number == current.number",
         lease(

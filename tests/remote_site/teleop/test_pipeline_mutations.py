@@ -25,9 +25,9 @@ from tests.remote_site.mutation import Mutation
 from tests.remote_site.remote_loop import (
     RemoteLoop,
     arm,
+    clearance,
     guard_of,
     hand,
-    surroundings,
     workspace,
 )
 from tests.remote_site.safety import test_collision, test_guard
@@ -291,14 +291,14 @@ def a_late_sample_is_not_taken():
     loop = engaged()
     late = hand(5000, loop.clock.now_ns() - 150 * NS_PER_MS)
     loop.tick(late)
-    assert loop.chain.intake.rejected[Code.STALE] == 1
+    assert loop.snapshot.rejected[Code.STALE] == 1
 
 
 def an_older_number_is_not_taken():
     loop = engaged()
-    before = loop.chain._latest
+    before = loop.pipeline._latest
     loop.tick(hand(before.sample.seq - 3, loop.clock.now_ns(), (0.05, 0.0, 0.3)))
-    assert loop.chain._latest is before
+    assert loop.pipeline._latest is before
 
 
 def staying_armed(self, why):
@@ -330,7 +330,7 @@ broken = st.sampled_from([NAN, float("inf"), 1e6])
 @given(st.lists(st.tuples(jerks, st.integers(1, 12), st.none() | broken), max_size=12))
 def test_whatever_is_proposed_the_driver_receives_what_can_stop_where_it_may_be(sequence):
     """The invariant on every command: finite, limits kept, and its jerk-limited stop inside joints, box and margins."""
-    guard, around, sent = guard_of(), surroundings(), JointMotion.at_rest(START)
+    guard, around, sent = guard_of(), clearance(), JointMotion.at_rest(START)
     margin = around.collision.margin
     for values, ticks, spoilt in sequence:
         for _ in range(ticks):
