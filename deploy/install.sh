@@ -1,11 +1,11 @@
 #!/usr/bin/env bash
-# Installs Farhand's services into /opt/farhand, /etc/farhand and systemd, or takes them away; asks nothing, may run again.
+# Installs Farhand's services into /opt/farhand, /etc/farhand and systemd, or removes them; asks nothing, may run again.
 set -euo pipefail
 
 usage="usage: deploy/install.sh [--uninstall] [--dry-run] [--root DIR]
   --uninstall  take everything away but edited configuration and what others have put into our folders
   --dry-run    only say what would be done
-  --root DIR   install below DIR, for an image or a trial: no user is made, nothing is told to systemd
+  --root DIR   install below DIR, for an image or a trial: no user is created, and systemd is not notified
 The environment variable PYTHON chooses the interpreter, python3 by default; Farhand needs Python 3.11 or newer."
 
 source=$(cd "$(dirname "${BASH_SOURCE[0]}")/.." && pwd)
@@ -46,7 +46,7 @@ fail() {
   exit "${2:-1}"
 }
 
-# Do it, or under --dry-run say it.
+# Run a command, or print it under --dry-run.
 run() {
   if [ -n "$dry" ]; then echo "would run: $*"; else "$@"; fi
 }
@@ -55,7 +55,7 @@ check() {
   if [ -z "$root$dry" ] && [ "$(id -u)" -ne 0 ]; then
     fail "only root may write to /opt and /etc: sudo deploy/install.sh, or try it with --root DIR"
   fi
-  # An arm may be following somebody's hand.
+  # An arm may be following a hand.
   local unit
   for unit in "$source"/deploy/systemd/*.service; do
     unit=$(basename "$unit")
@@ -97,7 +97,7 @@ make_user() {
   run install --directory --owner farhand --group farhand --mode 0755 "$state" "$cache"
 }
 
-# What pip builds from is a copy, so that the folder of whoever installs stays as it is.
+# pip builds from a copy, so that the source folder stays as it is.
 copy_source() {
   run rm -rf "$home/source" "$home/docs"
   run mkdir -p "$home/source"
@@ -115,14 +115,14 @@ make_environment() {
     --constraint "$home/source/constraints.txt" "$home/source[sim]"
   run rm -rf "$home/source/build"
   if [ -n "$root" ]; then
-    # Scripts name their interpreter as it will be called once DIR is the root.
+    # Scripts name their interpreter by its path once DIR is the root.
     run find "$venv/bin" -type f -exec sed -i "1s|^#!$root/|#!/|" {} +
   fi
   run mkdir -p "$(dirname "$command")"
   run ln -sfn /opt/farhand/.venv/bin/farhand "$command"
 }
 
-# A file that nobody has changed since it was installed gives way to a newer one; an edited one never does.
+# A newer file replaces one that is unchanged since its installation, never an edited one.
 place_configuration() {
   run mkdir -p "$configuration" "$home/configuration"
   local given name mine
@@ -132,7 +132,7 @@ place_configuration() {
       run cp "$given" "$mine"
     elif ! cmp -s "$given" "$mine" && ! cmp -s "$given" "$home/configuration/$name"; then
       run cp "$given" "$mine.new"
-      echo "kept: $mine is edited; what comes with this release stands beside it as $name.new"
+      echo "kept: $mine is edited; the release's own is beside it as $name.new"
     fi
     run cp "$given" "$home/configuration/$name"
   done
@@ -146,7 +146,7 @@ place_units() {
   if systemd_runs; then run systemctl daemon-reload; fi
 }
 
-# Otherwise the first start would take so long. An image is compiled for where it runs, at its first start.
+# Spares the first start this minute. An image is compiled where it runs, at its first start.
 compile() {
   if [ -n "$root" ]; then return; fi
   if [ -z "$dry" ]; then echo "Compiling the tracker (once, up to a minute) ..."; fi
