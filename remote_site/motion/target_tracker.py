@@ -15,7 +15,7 @@ from remote_site.kinematics.limits import JointLimits
 from remote_site.kinematics.model import ArmModel
 from remote_site.kinematics.solution import Solution
 from remote_site.motion.config import ControlConfig
-from remote_site.motion.target_predictor import JointTargetPredictor, TargetPredictor
+from remote_site.motion.target_predictor import TargetPredictor, joint_target_predictor
 from remote_site.reasons import Code, Reason, reason
 
 UNWIND_S = 5.0  # 1/s: how fast a target that the joints do not follow comes back to them
@@ -55,7 +55,7 @@ class TargetTracker(Protocol):
 class ClosedFormTracker:
     """The closed form at every sample, and a predicted joint target between samples."""
 
-    def __init__(self, inverse: SphericalWristInverse, predictor: JointTargetPredictor) -> None:
+    def __init__(self, inverse: SphericalWristInverse, predictor: TargetPredictor) -> None:
         self._inverse = inverse
         self._predictor = predictor
 
@@ -142,4 +142,4 @@ def choose_target_tracker(
             raise ModelError(f'robot.kinematics = "closed": {error}; or set it to "general"') from error
         return DifferentialTracker(robot, control, model, limits)
     inverse.check_stance(robot.start)
-    return ClosedFormTracker(inverse, JointTargetPredictor(limits, control))
+    return ClosedFormTracker(inverse, joint_target_predictor(limits, control))

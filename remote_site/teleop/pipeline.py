@@ -41,6 +41,7 @@ class TeleopPipeline:
         self._target = ToolTarget(config.mapping, config.control, box, model, config.robot.start)
         self._planner = _planner(config, model, limits, box)
         self._gripper = GripperToggles(is_open=True)
+        self._speed_scale = config.safety.speed_scale
         self._latest: Accepted | None = None
         self._aimed: Accepted | None = None
 
@@ -90,7 +91,7 @@ class TeleopPipeline:
             self._planner.aim(self._target.aim(latest, robot.q, now_ns), sent.q)
             aimed = True
         self._aimed = latest
-        return self._planner.follow(now_ns, sent, self._session.speed_scale * latest.speed, aimed=aimed)
+        return self._planner.follow(now_ns, sent, self._speed_scale * latest.speed, aimed=aimed)
 
     def _snapshot(self, given: CycleInput, decision: Decision, outcomes: list[Outcome], sent: JointMotion) -> Snapshot:
         following = decision.action is not Action.STOP

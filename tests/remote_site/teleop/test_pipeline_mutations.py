@@ -19,6 +19,7 @@ from remote_site.safety.collision import CollisionModel
 from remote_site.safety.config import CollisionConfig, FixtureConfig, SafetyConfig
 from remote_site.safety.guard import Guard, JointGuard, Passed
 from remote_site.safety.stopping import stops
+from remote_site.session.hand_signal import HandSignal
 from remote_site.session.state_machine import Session
 from remote_site.teleop.sample_validator import SampleValidator
 from tests.remote_site.mutation import Mutation
@@ -302,11 +303,11 @@ def an_older_number_is_not_taken():
 
 
 def staying_armed(self, why):
-    self.state, self._reason, self._armed = SessionState.DISENGAGED, why, True
+    self.state, self._reason, self._intent.armed = SessionState.DISENGAGED, why, True
 
 
 SESSION = [
-    (Session, "_unwell", lambda *_: None, silence_holds),
+    (HandSignal, "unfit", lambda *_: None, silence_holds),
     (Session, "_leave", staying_armed, a_link_regained_does_not_resume),
     (SampleValidator, "_jump", lambda *_: None, a_jump_moves_nothing),
     (SampleValidator, "_time", lambda *_: None, a_late_sample_is_not_taken),
