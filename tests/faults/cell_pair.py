@@ -1,6 +1,5 @@
 """A pair of sites as real processes: a scripted operator, a recording driver, and a record of their states."""
 
-import secrets
 import shutil
 import struct
 import sys
@@ -8,6 +7,7 @@ import tempfile
 import time
 from collections.abc import Callable
 from contextlib import ExitStack
+from functools import partial
 from pathlib import Path
 from typing import Any
 
@@ -17,6 +17,7 @@ from common.clock import NS_PER_S
 from common.config import load_config
 from common.geometry import Array, vector_from_rotation
 from common.link.channels import ENGAGEMENT
+from common.link.request_client import RequestClient
 from common.link.transport import open_link
 from common.messages.requests import EngagementAction, EngagementRequest, Reply
 from common.messages.robot import RobotState, SessionState
@@ -142,10 +143,8 @@ class CellPair:
 
     def ask(self, action: EngagementAction) -> Reply:
         """Ask the remote site in the operator's name."""
-        give_up_ns = time.monotonic_ns() + 3 * NS_PER_S
-        number = secrets.randbits(60)
-        request = EngagementRequest(id=number, deadline_ns=give_up_ns, operator=OPERATOR, action=action)
-        return self.link.request(ENGAGEMENT, CELL, request, give_up_ns)
+        make = partial(EngagementRequest, operator=OPERATOR, action=action)
+        return RequestClient(self.link, CELL).ask(ENGAGEMENT, make)
 
     def engage(self) -> None:
         """Have the arm follow the hand, whatever had ended it, and lead it back to where it started."""
