@@ -15,7 +15,7 @@ import tests.common.messages.golden_examples as golden
 from common.link.channels import CLOCK, ENGAGEMENT, HAND, MAINTENANCE, STATE, Procedure
 from common.link.config import LinkSecurity, TlsConfig
 from common.link.request_client import RequestClient
-from common.link.transport import Link
+from common.link.transport import Link, open_link
 from common.messages.codec import encode
 from common.messages.requests import ClockAnswer, EngagementAction, EngagementRequest, Reply
 from farhand.certificates.issuing import Issued
@@ -78,6 +78,17 @@ class Cell:
     def close(self) -> None:
         self._stop.set()
         self._thread.join()
+
+
+@contextmanager
+def running(security: LinkSecurity, protocol: str = "tls", port: int | None = None) -> Iterator[Cell]:
+    endpoint = f"{protocol}/127.0.0.1:{port or free_port()}"
+    with open_link(listen=(endpoint,), security=security) as link:
+        cell = Cell(endpoint, link)
+        try:
+            yield cell
+        finally:
+            cell.close()
 
 
 @contextmanager
