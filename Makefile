@@ -3,13 +3,16 @@ PYTHON ?= python3
 BIN := .venv/bin
 READY := .venv/ready
 
-.PHONY: loopback test faults check bench fuzz
+.PHONY: loopback test long faults check bench fuzz
 
 loopback: $(READY)  ## both sites on this machine, with a simulated operator and a simulated cell
 	@$(BIN)/farhand loopback $(ARGS)
 
-test: $(READY)  ## all tests, two at once
+test: $(READY)  ## the tests, two at once, but for those that take long
 	@$(BIN)/python -m pytest --numprocesses 2 --no-loadscope-reorder $(ARGS)
+
+long: $(READY)  ## the tests that take long
+	@$(BIN)/python -m pytest -m long --numprocesses 2 --no-loadscope-reorder $(ARGS)
 
 faults: $(READY)  ## every fault of the table on both sites, reported in build/faults
 	@$(BIN)/python -m pytest -m faults $(ARGS) tests/faults

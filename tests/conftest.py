@@ -14,8 +14,8 @@ settings.register_profile("any machine", deadline=None)  # a busy one takes its 
 settings.load_profile("any machine")
 
 HERE = Path(__file__).parent
-# Tests of whole sites run in rows, one for each folder. Those of light sites, which only wait for what has to come, run
-# beside others, and first, since they take longest; the page and the loop, whose pace is measured, come last and alone.
+# Tests of whole sites run in rows, one for each folder. Those of light sites, which only wait for events, run beside
+# others, and first, since they take longest; the page and the loop, whose pace is measured, come last and alone.
 FIRST, LAST = (HERE / "integration",), (HERE / "faults", HERE / "browser", HERE / "loopback")
 
 
@@ -24,7 +24,7 @@ def row_of(path: Path) -> Path | None:
     return next((folder for folder in FIRST + LAST if folder in path.parents), None)
 
 
-class WholeSitesInRows(LoadScopeScheduling):
+class WholeSitesInRows(LoadScopeScheduling):  # type: ignore[misc]  # xdist has no types
     """Gives each worker whole files, in order, and of whole sites a whole row: all that come last are one."""
 
     def _split_scope(self, nodeid: str) -> str:
@@ -35,24 +35,27 @@ class WholeSitesInRows(LoadScopeScheduling):
 
 @pytest.hookimpl(optionalhook=True)
 def pytest_xdist_make_scheduler(config: pytest.Config, log: object) -> WholeSitesInRows:
-    """How tests are shared out when two run at once."""
+    """Distribute the tests when two run at once."""
     return WholeSitesInRows(config, log)
 
 
 def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
-    """Rows come first or last, and first of all the tests that leave one pair of sites to each other."""
-    items.sort(key=_place)
+    """Sort the rows first or last, and first of all the tests that leave one pair of sites to each other."""
+    items.sort(key=_rank)
 
 
-def _place(item: pytest.Item) -> int:
+def _rank(item: pytest.Item) -> int:
     row = row_of(item.path)
-    if row not in FIRST:
-        return 0 if row is None else 1 + LAST.index(row)
+    if row is None:
+        return 0
+    if row in LAST:
+        return 1 + LAST.index(row)
     return -2 if "pair" in getattr(item, "fixturenames", ()) else -1
 
 
 @pytest.fixture(autouse=True)
 def signal_handlers_end_with_the_test() -> Iterator[None]:
+    """Put back the handlers of the signals that stop a service."""
     before = {number: signal.getsignal(number) for number in STOP_SIGNALS}
     yield
     for number, handler in before.items():

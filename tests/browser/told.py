@@ -4,6 +4,7 @@ import time
 from collections.abc import Callable
 from functools import partial
 from pathlib import Path
+from typing import TypeVar
 
 from bench.page.bare_console import BareConsole
 from common.clock import NS_PER_MS
@@ -16,6 +17,8 @@ from tests.browser.opened_page import OpenedPage
 SHOTS = Path(__file__).parents[2] / "build" / "screenshots"
 BEAT_S = 0.05
 WITHOUT_PICTURE = (CameraStatus.FROZEN, CameraStatus.MISSING)
+
+Message = TypeVar("Message")
 
 
 class Told:
@@ -77,5 +80,5 @@ class Told:
         jpeg = b"" if status in WITHOUT_PICTURE else self.jpeg
         return scene.picture(camera, seq, jpeg, status, reason.format(camera), self.age_ms)
 
-    def _give(self, take: Callable[[Hub, object], None], what: object) -> None:
+    def _give(self, take: Callable[[Hub, Message], None], what: Message) -> None:
         self._console.feed(lambda hub: take(hub, what))

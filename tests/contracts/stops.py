@@ -5,7 +5,8 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from common.clock import NS_PER_MS, NS_PER_S
-from remote_site.drivers.driver import JointCommand
+from remote_site.drivers.conformance.trial import DriverStand
+from remote_site.drivers.driver import JointCommand, RobotReading
 from remote_site.drivers.supervisor.grip import GripSettings, GripWatch
 from remote_site.drivers.supervisor.supervisor import DriverOrder, DriverSupervisor
 from remote_site.kinematics.joints import JointMotion
@@ -51,7 +52,7 @@ def approach(speed: float, jerk: float, *, accelerating: bool) -> list[JointMoti
     return [JointMotion(base + e1 * (q - 1.5), e1 * v, e1 * a) for q, v, a in ticks]
 
 
-def measured_stop(stand, speed: float, jerk: float, *, accelerating: bool) -> Stop:
+def measured_stop(stand: DriverStand, speed: float, jerk: float, *, accelerating: bool) -> Stop:
     """Run up to the speed, let commands cease, and watch until the robot rests; the stand's robot starts at -1.5."""
     limits = replace(SETUP.limits, acceleration=np.full(6, 10.0), jerk=np.full(6, jerk))
     setup, clock, driver = replace(SETUP, limits=limits), stand.clock, stand.make()
@@ -62,6 +63,10 @@ def measured_stop(stand, speed: float, jerk: float, *, accelerating: bool) -> St
         clock.sleep_until_ns(clock.now_ns() + 2 * NS_PER_MS)
         keeper.take(orders, clock.now_ns())
         keeper.step(clock.now_ns())
+
+    def reading() -> RobotReading:
+        assert keeper.reading is not None
+        return keeper.reading
 
     def order(seq: int, motion: JointMotion) -> DriverOrder:
         command = JointCommand(seq, clock.now_ns(), motion.q, motion.dq, motion.ddq, gripper_open=True)
@@ -75,12 +80,12 @@ def measured_stop(stand, speed: float, jerk: float, *, accelerating: bool) -> St
     for seq, motion in enumerate(approach(speed, jerk, accelerating=accelerating), start=1):
         turn(order(seq, motion))
         turn()
-    last, begin_ns, robot_at = keeper.motion, clock.now_ns() - 2 * NS_PER_MS, keeper.reading.q[0]
+    last, begin_ns, robot_at = keeper.motion, clock.now_ns() - 2 * NS_PER_MS, reading().q[0]
     sent, robot = [], []
     for _ in range(600):
         turn()
         sent.append((clock.now_ns(), keeper.motion.q[0], keeper.motion.dq[0]))
-        robot.append((keeper.reading.t_ns, keeper.reading.q[0], keeper.reading.dq[0]))
+        robot.append((reading().t_ns, reading().q[0], reading().dq[0]))
     sent_s, sent_at = _rest(sent, begin_ns)
     robot_s, rest_at = _rest(robot, begin_ns)
     beyond = max(q for _, q, _ in robot) - sent_at

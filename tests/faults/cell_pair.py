@@ -1,51 +1,40 @@
-"""A pair of sites as real processes: a scripted operator, a recording driver, and everything that is heard of them."""
+"""A pair of sites as real processes: a scripted operator, a recording driver, and a record of their states."""
 
 import shutil
 import struct
-import subprocess
 import sys
 import tempfile
 import time
 from collections.abc import Callable
 from contextlib import ExitStack
-from datetime import UTC, datetime
 from functools import partial
 from pathlib import Path
 from typing import Any
 
-import msgspec
 import numpy as np
 
 from common.clock import NS_PER_S
 from common.config import load_config
 from common.geometry import Array, vector_from_rotation
 from common.link.channels import ENGAGEMENT
-from common.link.config import ON_THIS_HOST, LinkSecurity, TlsConfig
-from common.link.endpoints import SECURED
 from common.link.request_client import RequestClient
 from common.link.transport import open_link
 from common.messages.requests import EngagementAction, EngagementRequest, Reply
 from common.messages.robot import RobotState, SessionState
-from farhand.certificates.folder import CertificateOrder, create
 from farhand.loopback.recorder import Recorder
 from farhand.loopback.site_process import SiteProcess, free_ports
 from remote_site.config import RemoteConfig
 from remote_site.kinematics.limits import JointLimits
 from remote_site.kinematics.model import ArmModel
 from remote_site.safety.config import FULL_SPEED_MS
+from tests.faults.command_socket import send
 from tests.faults.driver_log import DriverLog
 from tests.faults.hand_path import HandPath
 from tests.faults.namespaces import Network
-from tests.faults.nobody import NOBODY
-from tests.faults.puppets import tell
+from tests.faults.pair_setup import A465, CELL, OPERATOR, PairSetup, script
 
-A465 = "driver.name=c500c"
 FARHAND = (sys.executable, "-m", "farhand")
-CELL, OPERATOR = "faults", "anna"
-TESTS = Path(__file__).parent
 PATIENCE_S = 90.0
-ENTRY_POINTS = "[farhand.drivers]\nrecording = recording_driver:RecordingDriver\n"
-VIDEO = 'video.cameras=[{name="side",source="/dev/null-camera"}]'
 MOVING_RAD_S = 0.15
 CIRCLE_M, CIRCLE_HZ = (0.05, 0.04, 0.04), 0.5
 NEAR = 0.02  # m and rad
@@ -61,79 +50,77 @@ class CellPair:
     """
 
     def __init__(self, network: Network | None, settings: tuple[str, ...] = (), protocol: str = "tcp") -> None:
-        self.network, self._protocol = network, protocol
+        self._network = network
         self.stack = ExitStack()
-        self.folder = Path(tempfile.mkdtemp(prefix="farhand-faults-", dir=MEMORY))
-        self.stack.callback(shutil.rmtree, self.folder, ignore_errors=True)
-        host = "localhost" if network else "127.0.0.1"
-        control, video, listen = free_ports(3)
-        self.control, self.video = f"{protocol}/{host}:{control}", f"tcp/{host}:{video}"
-        if self._is_secured:
-            create(self.folder, CertificateOrder(CELL, ("localhost",), 1), datetime.now(UTC))
-        self.listen = f"tcp/127.0.0.1:{listen}"
-        self.settings = (*self._own_settings(), *self._driver(settings))
-        self.config = load_config(RemoteConfig, None, self.settings)
+        folder = Path(tempfile.mkdtemp(prefix="farhand-faults-", dir=MEMORY))
+        self.stack.callback(shutil.rmtree, folder, ignore_errors=True)
+        self._setup = PairSetup.make(folder, settings, protocol, two_hosts=network is not None)
+        self._environment = self._setup.environment()
+        self.config = load_config(RemoteConfig, None, self._setup.remote)
         robot = self.config.robot
         self.model = ArmModel.from_urdf(robot.urdf, robot.tool_frame, robot.tool_T_tcp)
         self.limits = JointLimits.from_model(self.model, robot)
-        self._environment = self._plug_in()
-        security = LinkSecurity(tls=self._tls("operator")) if self._is_secured else ON_THIS_HOST
-        self.link = self.stack.enter_context(open_link(connect=(self.control,), security=security))
+        self.link = self.stack.enter_context(open_link(connect=(self._setup.control,), security=self._setup.security))
         self.states = Recorder(self.link, self.link, CELL, ()).record.states
-        self.remote = self.local = NOBODY
-        self.others: list[SiteProcess] = []
+        self._processes: dict[str, SiteProcess] = {}
         self.path = HandPath.still()
+
+    @property
+    def folder(self) -> Path:
+        """Where the pair's files and sockets are."""
+        return self._setup.folder
+
+    @property
+    def remote(self) -> SiteProcess:
+        """The remote site's process; KeyError before it has been started."""
+        return self._processes["remote"]
+
+    @property
+    def local(self) -> SiteProcess:
+        """The local site's process; KeyError before it has been started."""
+        return self._processes["local"]
 
     def start(self) -> None:
         """Start both sites, and the robot where it is a process of its own."""
-        if A465 in self.settings:
-            command = [sys.executable, str(TESTS / "emulated_robot.py"), str(self.folder)]
-            self.others.append(SiteProcess("robot", command, self._environment))
+        if A465 in self._setup.driver_settings:
+            self._start("robot", script("emulated_robot", self.folder))
             self.wait("the robot", (self.folder / "line").exists)
         self.start_remote()
         self.start_local()
 
-    def start_remote(self) -> SiteProcess:
+    def start_remote(self) -> None:
         """Start the remote site, and wait for its first state."""
-        self.remote.end()
+        self._end("remote")
         before = len(self.states)
-        self.remote = self._start("remote", [*FARHAND, "remote"], self.settings)
+        self._start("remote", [*FARHAND, "remote"], self._setup.remote)
         self.wait("the remote site", lambda: len(self.states) > before)
-        return self.remote
 
-    def start_local(self) -> SiteProcess:
+    def start_local(self) -> None:
         """Start the local site, on the other host if there is one."""
-        ear = self.folder / "hand"
-        self.local.end()
+        commands = self.folder / "hand"
+        self._end("local")
         self.path = HandPath.still()
-        command = [*self._beyond, sys.executable, str(TESTS / "scripted_local.py"), str(ear)]
-        ear.unlink(missing_ok=True)
-        links = f"links.remote={self.control}", f"links.listen={self.listen}", *self._certificate("operator")
-        own = f"cell={CELL}", "tracking.method=markers", f"authority.operator={OPERATOR}"
-        self.local = self._start("local", command, (*own, *links))
-        self.wait("the scripted operator", ear.exists)
-        return self.local
+        commands.unlink(missing_ok=True)
+        self._start("local", [*self._beyond, *script("scripted_local", commands)], self._setup.local)
+        self.wait("the scripted operator", commands.exists)
 
     def start_console(self) -> int:
         """Start the operator's console beside the local site; the port of its page."""
         (port,) = free_ports(1)
-        links = f"links.control={self.control}", f"links.video={self.video}", f"links.local={self.listen}"
-        settings = f"cell={CELL}", f"operator={OPERATOR}", f"serve.port={port}", *links
-        self.others.append(self._start("console", [*self._beyond, *FARHAND, "console"], settings))
+        self._start("console", [*self._beyond, *FARHAND, "console"], self._setup.console(port))
         return port
 
     def start_page(self, port: int) -> SiteProcess:
-        """Open a page of the console; it listens to `page`."""
-        ear = self.folder / "page"
-        ear.unlink(missing_ok=True)
-        command = [*self._beyond, sys.executable, str(TESTS / "page_client.py"), str(port), str(ear)]
-        self.others.append(SiteProcess("page", command, self._environment))
-        self.wait("the page", ear.exists)
-        return self.others[-1]
+        """Open a page of the console; it receives commands at `page`."""
+        commands = self.folder / "page"
+        commands.unlink(missing_ok=True)
+        page = self._start("page", [*self._beyond, *script("page_client", port, commands)])
+        self.wait("the page", commands.exists)
+        return page
 
     @property
     def _beyond(self) -> tuple[str, ...]:
-        return self.network.beyond if self.network else ()
+        return self._network.beyond if self._network else ()
 
     @property
     def state(self) -> RobotState:
@@ -145,12 +132,12 @@ class CellPair:
         return self.state.state is state
 
     def wait(self, what: str, is_so: Callable[[], Any], seconds: float = PATIENCE_S) -> None:
-        """Wait until something is so; AssertionError with the sites' last words otherwise."""
+        """Wait until something is so; AssertionError with the sites' last lines otherwise."""
         deadline = time.monotonic() + seconds
         while not is_so():
             if time.monotonic() > deadline:
-                words = [f"{p.name}: {(list(p.lines) or ['silent'])[-1]}" for p in (self.remote, self.local)]
-                raise AssertionError(f"waited {seconds:g} s in vain for {what}: {words} {self.states[-1:]}")
+                lines = [f"{name}: {(list(p.lines) or ['silent'])[-1]}" for name, p in self._processes.items()]
+                raise AssertionError(f"waited {seconds:g} s in vain for {what}: {lines} {self.states[-1:]}")
             time.sleep(0.01)
 
     def ask(self, action: EngagementAction) -> Reply:
@@ -161,26 +148,26 @@ class CellPair:
     def engage(self) -> None:
         """Have the arm follow the hand, whatever had ended it, and lead it back to where it started."""
         for attempt in range(ATTEMPTS):
-            place = self.take_up()
-            way_s = 0.5 + 3.0 * float(np.abs(place).max())
-            self.hand(to=(0,) * 6, seconds=way_s)
+            pose = self.follow_from_here()
+            glide_s = 0.5 + 3.0 * float(np.abs(pose).max())
+            self.hand(to=(0,) * 6, seconds=glide_s)
             try:
-                self.wait("the arm to be back", lambda: np.abs(self.place_of_arm()).max() < NEAR, way_s + 3.0)
+                self.wait("the arm to be back", lambda: np.abs(self.pose_of_arm()).max() < NEAR, glide_s + 3.0)
                 return
             except AssertionError:  # a busy machine makes the arm hold, which shifts the hand against it
                 if attempt == ATTEMPTS - 1:
                     raise
 
-    def take_up(self) -> tuple[float, ...]:
-        """Have the arm follow from where it stands, and say where the hand is then."""
+    def follow_from_here(self) -> tuple[float, ...]:
+        """Have the arm follow from where it is; the hand's pose then."""
         self.ask(EngagementAction.DISENGAGE)
         self.wait("rest", lambda: self.states[-1].q_commanded == self.states[-10].q_commanded, 5)
-        place = self.place_of_arm()
-        self.hand(lost=False, camera="", to=place, seconds=0.3)
+        pose = self.pose_of_arm()
+        self.hand(lost=False, camera="", to=pose, seconds=0.3)
         time.sleep(SETTLES_S)
         self.wait("the engagement", self._engages, 20)
         self.wait("the arm to follow", lambda: self.is_in(SessionState.ENGAGED), 10)
-        return place
+        return pose
 
     def move(self) -> None:
         """Have the hand circle, as fast as the arm may go, and wait until it does."""
@@ -196,31 +183,36 @@ class CellPair:
         time.sleep(0.0 if answer.done else 0.2)
         return answer.done
 
-    def place_of_arm(self) -> tuple[float, ...]:
-        """Where the hand has to be engaged so that the arm is at its start when the hand is at home."""
-        return self.place_of(np.array(self.state.q_commanded))
+    def pose_of_arm(self) -> tuple[float, ...]:
+        """The hand's pose at which to engage, so that the arm is at its start when the hand is at home."""
+        return self.pose_of(np.array(self.state.q_commanded))
 
-    def place_of(self, q: Array) -> tuple[float, ...]:
-        """Where the hand has to be so that the tool is where it is in this posture."""
+    def pose_of(self, q: Array) -> tuple[float, ...]:
+        """The hand's pose (m and rotation vector, operator frame) that asks for the tool where it is in a posture."""
         start, now = (self.model.forward(posture) for posture in (self.config.robot.start, q))
         base_R_operator = np.array(self.config.mapping.base_R_operator)
-        turn = vector_from_rotation(now[:3, :3] @ start[:3, :3].T)
-        way = now[:3, 3] - start[:3, 3]
-        return (*(way @ base_R_operator / self.config.mapping.scale).tolist(), *(turn @ base_R_operator).tolist())
+        rotation = vector_from_rotation(now[:3, :3] @ start[:3, :3].T)
+        moved = now[:3, 3] - start[:3, 3]
+        return (*(moved @ base_R_operator / self.config.mapping.scale).tolist(), *(rotation @ base_R_operator).tolist())
 
-    def hand(self, **words: Any) -> None:
-        """Tell the scripted operator and his cameras."""
-        if "to" in words:
-            words["begun_ns"] = time.monotonic_ns()
-            self.path = self.path.then(words)
-        tell(self.folder / "hand", **words)
+    def hand(self, **fields: Any) -> None:
+        """Command the scripted operator and the cameras."""
+        if "to" in fields:
+            fields["begun_ns"] = time.monotonic_ns()
+            self.path = self.path.then(fields)
+        send(self.folder / "hand", **fields)
 
-    def robot(self, **words: Any) -> None:
-        """Tell the recording driver."""
-        tell(self.folder / "robot", **words)
+    def robot(self, **fields: Any) -> None:
+        """Command the recording driver."""
+        send(self.folder / "robot", **fields)
+
+    def impair(self, **fields: Any) -> None:
+        """Impair the link between the two hosts; without fields it is a good one again."""
+        assert self._network is not None, "only a pair on two hosts has a link to impair"
+        self._network.impair(**fields)
 
     def step_wall_clock(self, seconds: int) -> None:
-        """Put the wall clock of all processes so far from the machine's, s."""
+        """Put the wall clock of all processes this far from the machine's, s."""
         with (self.folder / "wall_offset").open("r+b") as offset:
             offset.write(struct.pack("<q", seconds))
 
@@ -230,58 +222,16 @@ class CellPair:
 
     def close(self) -> None:
         """End everything."""
-        for process in (*self.others, self.local, self.remote):
+        for process in reversed(self._processes.values()):
             process.end()
         self.stack.close()
 
-    def _start(self, name: str, command: list[str], settings: tuple[str, ...]) -> SiteProcess:
+    def _start(self, name: str, command: list[str], settings: tuple[str, ...] = ()) -> SiteProcess:
+        self._end(name)
         arguments = [part for setting in settings for part in ("--set", setting)]
-        return SiteProcess(name, [*command, *arguments], self._environment)
+        self._processes[name] = SiteProcess(name, [*command, *arguments], self._environment)
+        return self._processes[name]
 
-    def _own_settings(self) -> tuple[str, ...]:
-        return (
-            f"cell={CELL}",
-            f"links.control={self.control}",
-            f"links.video={self.video}",
-            "engagement.mode=on_request",
-            VIDEO,
-            *self._certificate("remote"),
-        )
-
-    @property
-    def _is_secured(self) -> bool:
-        return self._protocol in SECURED
-
-    def _tls(self, who: str) -> TlsConfig:
-        pair = self.folder / CELL / who
-        return TlsConfig(ca=str(self.folder / "ca.pem"), certificate=f"{pair}.pem", key=f"{pair}.key")
-
-    def _certificate(self, who: str) -> tuple[str, ...]:
-        """The settings with which a site shows its certificate, where it has to."""
-        shown = msgspec.structs.asdict(self._tls(who)) if self._is_secured else {}
-        return tuple(f"links.tls.{key}={value}" for key, value in shown.items())
-
-    def _driver(self, settings: tuple[str, ...]) -> tuple[str, ...]:
-        """The recording driver, or the A465's at the line of an emulated controller of its own."""
-        if A465 in settings:
-            return *settings, f"driver.options.port={self.folder / 'line'}"
-        paths = f"driver.options.record={self.folder / 'record'}", f"driver.options.orders={self.folder / 'robot'}"
-        return "driver.name=recording", *paths, *settings
-
-    def _plug_in(self) -> dict[str, str]:
-        """The environment in which the recording driver is an installed one."""
-        package = self.folder / "faults-1.dist-info"
-        package.mkdir()
-        (package / "METADATA").write_text("Metadata-Version: 2.1\nName: faults\nVersion: 1\n")
-        (package / "entry_points.txt").write_text(ENTRY_POINTS)
-        paths = [str(self.folder), str(TESTS), *sys.path]
-        wall = self._wall_clock() if self.network is not None else {}
-        return wall | {"PYTHONPATH": ":".join(filter(None, paths)), "STATE_DIRECTORY": str(self.folder)}
-
-    def _wall_clock(self) -> dict[str, str]:
-        """The environment in which the wall clock can be put to another time."""
-        offset, library = self.folder / "wall_offset", self.folder / "wall_clock.so"
-        offset.write_bytes(bytes(8))
-        compiler = ["cc", "-O2", "-shared", "-fPIC", "-o", str(library), str(TESTS / "wall_clock.c"), "-ldl"]
-        subprocess.run(compiler, check=True)
-        return {"LD_PRELOAD": str(library), "FARHAND_WALL_OFFSET": str(offset)}
+    def _end(self, name: str) -> None:
+        if name in self._processes:
+            self._processes[name].end()

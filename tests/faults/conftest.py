@@ -1,4 +1,4 @@
-"""The pairs of sites on which the faults are played: one for all rows that can share it."""
+"""The pairs of sites on which the faults are played; rows with the same settings share one."""
 
 import os
 import platform
@@ -25,7 +25,7 @@ class Stage:
         self._settings: object = None
 
     def pair_for(self, row: Row) -> CellPair:
-        """The pair that a row needs: the one that is up if it will do."""
+        """The pair that a row needs: the running one if its settings match."""
         if self._pair is None or self._settings != (row.settings, row.protocol):
             self.clear()
             self._pair, self._settings = CellPair(self._network, row.settings, row.protocol), None
@@ -34,9 +34,9 @@ class Stage:
         return self._pair
 
     def settle(self, outcome: Outcome) -> None:
-        """Good weather again; a pair on which a row has failed is not used any more."""
+        """Restore the link; a pair on which a row has failed is not used again."""
         if self._network is not None:
-            self._network.weather()
+            self._network.impair()
         if outcome.failures:
             self.clear()
 

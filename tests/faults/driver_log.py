@@ -5,6 +5,7 @@ from dataclasses import dataclass
 from pathlib import Path
 
 import numpy as np
+from numpy.typing import NDArray
 
 from common.clock import NS_PER_MS, NS_PER_S
 from common.geometry import Array
@@ -16,13 +17,15 @@ from remote_site.safety.stopping import stop_time
 from tests.faults.recording_driver import READ, RECORD, WRITE
 
 ROUNDING = 1.00001
-FASTER = ROUNDING / LEAST_SHARE  # of a limit: a motion may be written so much sooner than planned
+FASTER = ROUNDING / LEAST_SHARE  # of a limit: a motion may be written that much sooner than planned
+Records = NDArray[np.void]  # of dtype RECORD
+
 MOVES_RAD_S = {WRITE: 1e-9, READ: 2e-3}  # what a robot measures is not quite zero
 
 
 @dataclass(frozen=True)
 class Worst:
-    """The worst of a span, as shares of the limits: speed, acceleration, and jerk by the times of the commands."""
+    """The worst of a span as fractions of the limits: speed, acceleration, and jerk by the times of the commands."""
 
     speed: float
     acceleration: float
@@ -37,7 +40,7 @@ class Worst:
 class DriverLog:
     """A span of the record; times are ns of the monotonic clock."""
 
-    def __init__(self, records: Array, model: ArmModel, limits: JointLimits) -> None:
+    def __init__(self, records: Records, model: ArmModel, limits: JointLimits) -> None:
         self._model, self._limits = model, limits
         self.records = records
         self.writes = records[records["kind"] == WRITE]
@@ -55,13 +58,13 @@ class DriverLog:
         q, dq, ddq = (self.writes["motion"][:, k] for k in range(3))
         seconds = np.maximum(np.diff(self.writes["planned_ns"]), 1)[:, None] / NS_PER_S
         follows = np.diff(self.writes["activation"]) == 0
-        jerk, way = np.diff(ddq, axis=0) / seconds, np.diff(q, axis=0) / seconds
+        jerk, mean_dq = np.diff(ddq, axis=0) / seconds, np.diff(q, axis=0) / seconds
         limits = self._limits
-        speed = max(_most(dq / limits.velocity), _most(way[follows] / limits.velocity) / FASTER)
+        speed = max(_most(dq / limits.velocity), _most(mean_dq[follows] / limits.velocity) / FASTER)
         finite = bool(np.isfinite(self.writes["motion"]).all())
         return Worst(speed, _most(ddq / limits.acceleration), _most(jerk[follows] / limits.jerk), finite)
 
-    def last_moving_ns(self, records: Array) -> int | None:
+    def last_moving_ns(self, records: Records) -> int | None:
         """When the last record was made that moves; None when all rest."""
         least = MOVES_RAD_S[int(records["kind"][0])] if len(records) else 0.0
         moving = np.flatnonzero((np.abs(records["motion"][:, 1]) > least).any(axis=1))
@@ -93,20 +96,21 @@ class DriverLog:
         return float(np.abs(self.reads["motion"][-1, 1]).max()) if len(self.reads) else 0.0
 
     def travel_mm(self, since_ns: int, until_ns: int) -> float:
-        """The way of the tool as read, mm."""
+        """The length of the tool's path as read, mm."""
         between = self.reads[(self.reads["t_ns"] >= since_ns) & (self.reads["t_ns"] <= until_ns)]
-        places = np.array([self._model.forward(q)[:3, 3] for q in between["motion"][::4, 0]]).reshape(-1, 3)
-        return 1e3 * float(np.linalg.norm(np.diff(places, axis=0), axis=1).sum())
+        path = np.array([self._model.forward(q)[:3, 3] for q in between["motion"][::4, 0]]).reshape(-1, 3)
+        return 1e3 * float(np.linalg.norm(np.diff(path, axis=0), axis=1).sum())
 
     @property
-    def places(self) -> Array:
-        """Where every command would have the tool, (k, 3) in m in the base's frame."""
+    def positions(self) -> Array:
+        """The tool's position by every command, (k, 3) in m in the base frame."""
         return np.array([self._model.forward(q)[:3, 3] for q in self.writes["motion"][:, 0]]).reshape(-1, 3)
 
     @property
     def q(self) -> Array:
         """Every commanded posture, (k, n) in rad."""
-        return self.writes["motion"][:, 0]
+        q: Array = self.writes["motion"][:, 0]
+        return q
 
     @property
     def fastest(self) -> float:

@@ -1,4 +1,4 @@
-"""The A465's controller, emulated in a process that belongs to neither site: `python emulated_robot.py FOLDER`.
+"""The A465's controller, emulated by a process of neither site: `python -m tests.faults.emulated_robot FOLDER`.
 
 It links its serial line as `line` in the folder, and keeps a record of its motion there.
 """

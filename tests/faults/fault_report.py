@@ -18,7 +18,7 @@ STYLE = (
 
 
 class Report:
-    """Rows as they come; written anew after each, so that a run that ends early leaves what it has."""
+    """Collects rows and writes the report after each, so that an interrupted run leaves what it has."""
 
     def __init__(self, about: str, name: str) -> None:
         self._about, self._name = about, name
@@ -48,10 +48,10 @@ class Report:
 
 def _line(row: dict[str, Any]) -> str:
     worst = row["worst"] or {}
-    shares = ", ".join(f"{name} {share:.2f}" for name, share in worst.items() if name != "finite")
+    fractions = ", ".join(f"{name} {fraction:.2f}" for name, fraction in worst.items() if name != "finite")
     figures = [_figure(row[name]) for name in ("stop_ms", "bound_ms", "travel_mm", "deceleration")]
     result = "pass" if row["passed"] else "; ".join(row["failures"])
-    cells = (row["fault"], row["expected"], "; ".join(row["notes"]), *figures, shares, result)
+    cells = (row["fault"], row["expected"], "; ".join(row["notes"]), *figures, fractions, result)
     mark = "" if row["passed"] else " class=failed"
     return f"<tr{mark}>" + "".join(f"<td>{escape(cell)}</td>" for cell in cells) + "</tr>"
 

@@ -3,40 +3,13 @@
 import os
 from dataclasses import dataclass
 
+from tests.faults.acts import hand, impair, kill_local, robot
 from tests.faults.cell_pair import CellPair
-from tests.faults.forgery import (
-    flood,
-    foreign_ones,
-    hostile_ones,
-    infinite_ones,
-    old_ones,
-)
-from tests.faults.plays import (
-    Play,
-    bear,
-    blink,
-    close_page,
-    crowd,
-    faulty,
-    hand,
-    hold,
-    jump_then_three,
-    kill_control,
-    kill_local,
-    kill_remote,
-    latch,
-    lose,
-    outlast,
-    partition,
-    reach_out,
-    robot,
-    second_operator,
-    start_outside,
-    sweep_wrist,
-    unmoved,
-    wander,
-    weather,
-)
+from tests.faults.forgery import flood, foreign_ones, hostile_ones, infinite_ones, old_ones
+from tests.faults.network_plays import bear, crowd, lose, partition
+from tests.faults.plays import Play, blink, faulty, hold, jump_then_three, latch, outlast, second_operator, unmoved
+from tests.faults.process_plays import close_page, kill_control, kill_remote
+from tests.faults.reach_plays import reach_out, start_outside, sweep_wrist, wander
 
 
 @dataclass(frozen=True)
@@ -65,7 +38,7 @@ LONG_S = float(os.environ.get("FARHAND_FAULTS_LONG_S", "600"))
 WELL = hand(camera="")
 # fmt: off
 ROWS = (
-    Row("hand lost", "STOP at once, LATCH after 500 ms", latch(hand(lost=True), hand(lost=False), says="as told"), quick=True),
+    Row("hand lost", "STOP at once, LATCH after 500 ms", latch(hand(lost=True), hand(lost=False), says="as scripted"), quick=True),
     Row("camera unplugged", LATCHES, latch(hand(camera="unplugged"), RESTART)),
     Row("camera gives nothing", LATCHES, latch(hand(camera="off"), WELL, says="left")),
     Row("camera frozen", LATCHES, latch(hand(camera="stuck"), WELL, says="left")),
@@ -73,17 +46,17 @@ ROWS = (
     Row("local process killed -9", LATCHES, latch(kill_local, RESTART, says="old")),
     Row("control process killed -9", "the driver's process stops the arm; restart disengaged", kill_control, settings=AUTOMATIC),
     Row("remote site killed -9", "the robot's own watchdog stops it; restart disengaged", kill_remote, settings=("driver.name=c500c",)),
-    Row("partition 100 ms", "continue or STOP, no catch-up", blink(weather(cut=True), weather(), 0.1)),
+    Row("partition 100 ms", "continue or STOP, no catch-up", blink(impair(cut=True), impair(), 0.1)),
     Row("partition 1 s", "LATCH, no backlog, path back under 2 s", partition(1.0)),
     Row("partition 10 s", "LATCH, no backlog, path back under 2 s", partition(10.0)),
-    Row("reordered, duplicated, late packets", "the arm follows", blink(weather(jitter_ms=30, reorders=True, doubled=0.3), weather(), 10.0)),
+    Row("reordered, duplicated, late packets", "the arm follows", blink(impair(jitter_ms=30, reorders=True, doubled=0.3), impair(), 10.0)),
     Row("duplicated, overtaken, late samples", "dropped", unmoved(lambda pair: old_ones(pair, 1.0), "stale")),
     Row("wall clock + 1 h", "nothing changes", blink(lambda pair: pair.step_wall_clock(3600), lambda _: None, 1.0)),
     Row("wall clock - 1 h", "nothing changes", blink(lambda pair: pair.step_wall_clock(-3600), lambda pair: pair.step_wall_clock(0), 1.0)),
     Row("malformed, oversized, hostile payloads", "dropped by the link or rejected and counted, no crash", unmoved(lambda pair: hostile_ones(pair, 1.0), "malformed", "invalid")),
     Row("NaN or infinity", "rejected at decode", unmoved(lambda pair: infinite_ones(pair, 0.5), "not_finite"), quick=True),
     Row("wrist jumps 1 m", "rejected; three LATCH; motion under 1 mm", jump_then_three, quick=True),
-    Row("unreachable target", "leashed, told, no thrash", reach_out((0, -3.0, 0, 0, 0, 0), 3.5, "saturated", "out_of_reach")),
+    Row("unreachable target", "leashed, reported, no thrash", reach_out((0, -3.0, 0, 0, 0, 0), 3.5, "saturated", "out_of_reach")),
     Row("singularity", "speed within limits, can back out", sweep_wrist),
     Row("self- or table collision", "never below the margin, can retreat", wander(60.0)),
     Row("joint limit", "stop at the margin, can retreat", reach_out((0.35, 0, 0, 0, 0, 0), 1.5, "ik_limit", "position"), settings=NARROW),

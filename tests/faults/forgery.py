@@ -1,10 +1,11 @@
-"""Hand samples that nobody's tracker has made, and payloads that are none, on the wire of a cell."""
+"""Forged hand samples, and payloads that are no messages, on the wire of a cell."""
 
 import math
 import secrets
 import time
 from functools import partial
 from random import Random
+from typing import Any
 
 import msgpack
 import msgspec
@@ -15,7 +16,9 @@ from common.link.request_client import RequestClient
 from common.messages.codec import encode
 from common.messages.hand import ClockSync, HandArm, TrackingStatus
 from common.messages.requests import LeaseAction, LeaseReply, LeaseRequest
-from tests.faults.cell_pair import CELL, CellPair
+from common.messages.robot import LeaseState
+from tests.faults.cell_pair import CellPair
+from tests.faults.pair_setup import CELL
 
 EVERY_S = 0.02
 FLOOD_HZ = 2000
@@ -29,15 +32,23 @@ class Forger:
         self._pair = pair
         self._publisher = pair.link.publisher(HAND, CELL)
 
+    @property
+    def lease(self) -> LeaseState:
+        """The lease in force; AssertionError without one."""
+        lease = self._pair.state.lease
+        assert lease is not None, "nobody holds the lease"
+        return lease
+
     def sample(self, *, ahead: int, age_ms: float, **changes: object) -> HandArm:
         """A sample as the lease's holder might have sent it, a hand's breadth from his hand."""
         state, now_ns = self._pair.state, time.monotonic_ns()
+        assert state.obeyed is not None, "no sample was obeyed"
         x, y, z = ELSEWHERE
-        fields = {
-            "session": state.lease.session,
+        fields: dict[str, Any] = {
+            "session": self.lease.session,
             "seq": max(state.obeyed.seq + ahead, 0),
             "capture_ns": now_ns - round(age_ms * NS_PER_MS),
-            "lease": state.lease.number,
+            "lease": self.lease.number,
             "clock": ClockSync(remote_minus_local_ns=0, uncertainty_ns=0, measured_ns=now_ns),
         }
         shape = {
@@ -54,13 +65,14 @@ class Forger:
         self._publisher.put(sample)
 
     def put_raw(self, payload: bytes) -> None:
-        """Send what may be no message."""
+        """Send bytes that may be no message."""
         self._publisher._publisher.put(payload)
 
     def not_finite(self, value: float) -> bytes:
-        """A sample whose wrist is at such a value, as the codec would never send it."""
+        """A sample whose wrist has this value, which the codec would never send."""
         fields = msgspec.to_builtins(self.sample(ahead=2, age_ms=5))
-        return msgpack.packb(fields | {"wrist": (value, 0.0, 0.3)})
+        packed: bytes = msgpack.packb(fields | {"wrist": (value, 0.0, 0.3)})
+        return packed
 
 
 def old_ones(pair: CellPair, seconds: float) -> None:
@@ -74,13 +86,13 @@ def old_ones(pair: CellPair, seconds: float) -> None:
 
 def hostile_ones(pair: CellPair, seconds: float) -> None:
     """Random bytes, huge ones, nested ones, true samples cut short, with a byte changed, or of another version."""
-    forger, luck = Forger(pair), Random(6)  # noqa: S311  # which bytes are sent is no secret
+    forger, rng = Forger(pair), Random(6)  # noqa: S311  # which bytes are sent is no secret
     for _ in range(round(seconds / EVERY_S)):
         good = msgpack.packb(msgspec.to_builtins(forger.sample(ahead=2, age_ms=5)))
         changed = bytearray(good)
-        changed[luck.randrange(40)] ^= 0xFF
+        changed[rng.randrange(40)] ^= 0xFF
         nested, other = b"\x91" * 3000, good.replace(b"version", b"vversion")
-        for payload in (luck.randbytes(64), bytes(2_000_000), nested, good[:-20], bytes(changed), other, b""):
+        for payload in (rng.randbytes(64), bytes(2_000_000), nested, good[:-20], bytes(changed), other, b""):
             forger.put_raw(payload)
             time.sleep(EVERY_S / 7)
 
@@ -98,7 +110,7 @@ def foreign_ones(pair: CellPair, seconds: float) -> None:
     forger, session = Forger(pair), secrets.randbits(60)
     for k in range(round(seconds / EVERY_S)):
         forger.put(forger.sample(ahead=0, age_ms=5, session=session, seq=k, lease=0))
-        forger.put(forger.sample(ahead=0, age_ms=5, session=session, seq=k, lease=pair.state.lease.number - 1))
+        forger.put(forger.sample(ahead=0, age_ms=5, session=session, seq=k, lease=forger.lease.number - 1))
         time.sleep(EVERY_S)
 
 
@@ -115,7 +127,7 @@ def flood(pair: CellPair, seconds: float) -> None:
 
 
 def ask_for_lease(pair: CellPair, operator: str) -> LeaseReply:
-    """What another operator's site hears when it asks for the lease."""
+    """The reply to another operator's site that asks for the lease."""
     session = secrets.randbits(60)
     make = partial(LeaseRequest, action=LeaseAction.ACQUIRE, session=session, operator=operator, lease=0)
     return RequestClient(pair.link, CELL).ask(LEASE, make)

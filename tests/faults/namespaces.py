@@ -8,12 +8,12 @@ import fcntl
 import os
 import struct
 import subprocess
-import sys
 import tempfile
 from pathlib import Path
 
 from common.process.children import die_with_parent
-from tests.faults.puppets import tell
+from tests.faults.command_socket import send
+from tests.faults.pair_setup import ROOT, script
 
 CLONE_NEWNS, CLONE_NEWNET = 0x00020000, 0x40000000
 MS_BIND, MS_REC, MS_PRIVATE = 4096, 16384, 1 << 18
@@ -35,7 +35,7 @@ class Network:
 
     def __init__(self) -> None:
         self._folder = Path(tempfile.mkdtemp(prefix="farhand-faults-"))
-        self._ear = self._folder / "weather"
+        self._commands = self._folder / "link"
         self._processes: list[subprocess.Popen[bytes]] = []
 
     def enter(self) -> None:
@@ -48,7 +48,7 @@ class Network:
         _ip("link set lo up")
         self._start("unshare", "--net", "sleep", "infinity")
         devices = [_tun("here"), _tun("there")]
-        self._start(sys.executable, str(Path(__file__).with_name("link_shim.py")), str(self._ear), *map(str, devices))
+        self._start(*script("link_shim", self._commands, *devices))
         _ip(f"addr add {HERE}/24 dev here")
         _ip("link set here up")
         other = self._processes[0].pid
@@ -62,9 +62,9 @@ class Network:
         """What begins a command on the other host."""
         return "nsenter", f"--net=/proc/{self._processes[0].pid}/ns/net"
 
-    def weather(self, **words: float) -> None:
-        """What the link does from now on; without words it is a good one."""
-        tell(self._ear, **words)
+    def impair(self, **fields: float) -> None:
+        """What the link does from now on; without fields it is a good one."""
+        send(self._commands, **fields)
 
     def close(self) -> None:
         """End the other host and the link."""
@@ -77,6 +77,7 @@ class Network:
         process = subprocess.Popen(
             command,
             close_fds=False,
+            cwd=ROOT,
             preexec_fn=lambda: die_with_parent(parent),  # noqa: PLW1509  # two system calls that take no lock
         )
         self._processes.append(process)

@@ -1,6 +1,6 @@
-"""An operator's page without a browser, its key up or down as told: `python page_client.py PORT EAR`.
+"""A page without a browser, its key up or down as commanded: `python -m tests.faults.page_client PORT SOCKET`.
 
-It paints nothing, but says of every picture that it is taken, and tells how old the newest are, as a page does.
+It paints nothing, but acknowledges every picture and reports how old the newest are, as a page does.
 """
 
 import itertools
@@ -10,8 +10,9 @@ import time
 
 import msgspec
 from websockets.sync.client import ClientConnection, connect
+from websockets.typing import Origin
 
-from tests.faults.puppets import Ear
+from tests.faults.command_socket import CommandSocket
 
 BEAT_S = 0.05
 BEATS_PER_WORD = 2
@@ -19,14 +20,14 @@ FPS = 30.0  # a page that paints all that comes
 ATTEMPTS, AGAIN_S = 300, 0.2
 
 
-def run(port: int, ear: Ear) -> None:
+def run(port: int, commands: CommandSocket) -> None:
     """Beat until killed."""
     with opened(port) as page:
         views: dict[str, dict[str, float]] = {}
         threading.Thread(target=_read, args=(page, views), daemon=True).start()
         down = False
         for beat in itertools.count():
-            down = ear.take().get("down", down)
+            down = commands.take().get("down", down)
             _say(page, type="beat", page_ms=time.monotonic() * 1e3, down=down)
             if beat % BEATS_PER_WORD == 0:
                 _say(page, type="shown", views=dict(views))
@@ -37,7 +38,7 @@ def opened(port: int) -> ClientConnection:
     """The page's connection, as soon as the console is there."""
     for _ in range(ATTEMPTS):
         try:
-            return connect(f"ws://127.0.0.1:{port}/page", origin=f"http://127.0.0.1:{port}")
+            return connect(f"ws://127.0.0.1:{port}/page", origin=Origin(f"http://127.0.0.1:{port}"))
         except ConnectionRefusedError:
             time.sleep(AGAIN_S)
     raise ConnectionRefusedError(f"no console at {port}")
@@ -60,4 +61,4 @@ def _say(page: ClientConnection, **fields: object) -> None:
 
 
 if __name__ == "__main__":
-    run(int(sys.argv[1]), Ear(sys.argv[2]))
+    run(int(sys.argv[1]), CommandSocket(sys.argv[2]))

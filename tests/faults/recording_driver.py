@@ -1,4 +1,4 @@
-"""The driver under test: a robot that follows perfectly, everything it hears on record, and faulty when told to be."""
+"""The driver under test: a robot that follows perfectly, a record of all that it receives, faults on command."""
 
 import os
 import time
@@ -12,7 +12,7 @@ from remote_site.drivers.driver import Capabilities, Driver, DriverSetup, JointC
 from remote_site.drivers.faults import FaultCode, RobotFault
 from remote_site.drivers.kinematic import KinematicDriver
 from remote_site.drivers.registry import DriverHost
-from tests.faults.puppets import Ear
+from tests.faults.command_socket import CommandSocket
 
 WRITE, READ, ACTIVATE, STOP = range(4)
 JOINTS = 6
@@ -24,14 +24,14 @@ RECORD = np.dtype(
 class RecordingDriver:
     """A `Driver` around a kinematic one; the record outlives a killed process.
 
-    Told `raises` it fails in every write, `blocks_ms` in one; `fault` is a code that it reports until `mended`, and
-    with which its robot stops by itself. `stands_at` is where it is found before the first activation.
+    Commanded `raises`, it fails in every write; `blocks_ms` delays one. It reports a `fault`, with which its robot
+    stops by itself, until the command is an empty one. `stands_at` is its posture before the first activation.
     """
 
     def __init__(self, host: DriverHost) -> None:
         self._driver: Driver = KinematicDriver(host.clock)
         self._clock, self._activation = host.clock, 0
-        self._ear = Ear(str(host.options["orders"]))
+        self._commands = CommandSocket(str(host.options["orders"]))
         self._file = os.open(str(host.options["record"]), os.O_WRONLY | os.O_CREAT | os.O_APPEND)
         stands_at = str(host.options.get("stands_at", ""))
         self._found = np.array([float(q) for q in stands_at.split()]) if stands_at else None
@@ -55,21 +55,25 @@ class RecordingDriver:
         self._note(ACTIVATE, self._clock.now_ns(), q0, np.zeros(JOINTS), np.zeros(JOINTS))
 
     def read(self) -> RobotReading:
-        """The reading with the fault that was told; noted."""
+        """Record the reading, and add the commanded fault."""
         self._obey()
         if self._found is not None:
             return RobotReading(self._clock.now_ns(), self._found, np.zeros(JOINTS), None, None, None)
         reading = self._driver.read()
         self._note(READ, reading.t_ns, reading.q, reading.dq, np.zeros(JOINTS))
-        return replace(reading, fault=RobotFault(FaultCode(self._fault), "as told", "E42")) if self._fault else reading
+        return (
+            replace(reading, fault=RobotFault(FaultCode(self._fault), "as commanded", "E42"))
+            if self._fault
+            else reading
+        )
 
     def write(self, command: JointCommand) -> JointCommand:
-        """Note the command, suffer what was told, hand it on."""
+        """Record the command, fail as commanded, pass it on."""
         self._note(WRITE, command.t_ns, command.q, command.dq, command.ddq)
         blocks_ms, self._blocks_ms = self._blocks_ms, 0.0
         time.sleep(blocks_ms / 1e3)
         if self._raises:
-            raise ZeroDivisionError("as told")
+            raise ZeroDivisionError("as commanded")
         return self._driver.write(command)
 
     def stop(self) -> None:
@@ -82,12 +86,12 @@ class RecordingDriver:
         self._driver.deactivate()
 
     def _obey(self) -> None:
-        words = self._ear.take()
-        self._raises = words.get("raises", self._raises)
-        self._blocks_ms = words.get("blocks_ms", self._blocks_ms)
-        if words.get("fault"):
+        fields = self._commands.take()
+        self._raises = fields.get("raises", self._raises)
+        self._blocks_ms = fields.get("blocks_ms", self._blocks_ms)
+        if fields.get("fault"):
             self._driver.stop()
-        self._fault = words.get("fault", self._fault)
+        self._fault = fields.get("fault", self._fault)
 
     def _note(self, kind: int, planned_ns: int, *motion: Array) -> None:
         record = np.zeros((), RECORD)

@@ -1,13 +1,12 @@
-"""Runs 'farhand local' before cameras and a tracker that do as told: `python scripted_local.py EAR --set ...`."""
+"""Runs 'farhand local' with scripted cameras and tracker: `python -m tests.faults.scripted_local SOCKET --set ...`."""
 
 import struct
 import sys
 import time
+from unittest.mock import patch
 
 import numpy as np
 
-import local_site.runtime.app
-import local_site.runtime.loop
 from common.cameras.camera import Frame
 from common.clock import NS_PER_MS, NS_PER_S
 from common.errors import CameraError
@@ -15,12 +14,13 @@ from common.geometry import Array, rotation_from_vector
 from common.messages.hand import TrackingStatus
 from farhand.__main__ import main
 from local_site.acquisition.rig_cameras import OperatorConfig, OperatorRig
+from local_site.runtime import app, loop
 from local_site.simulation.cameras import exact_rig
 from local_site.simulation.config import SimulationConfig
 from local_site.tracking.choice import TrackingConfig
 from local_site.tracking.tracker import ArmEstimate, Views
+from tests.faults.command_socket import CommandSocket
 from tests.faults.hand_path import HandPath
-from tests.faults.puppets import Ear
 
 FRAME_NS = NS_PER_S // 30
 EXPOSURE_NS = 8 * NS_PER_MS
@@ -30,10 +30,10 @@ COVARIANCE = 1e-6 * np.eye(3)
 
 
 class Script:
-    """What the operator's hand and his cameras do, as told so far."""
+    """What the operator's hand and the cameras do, as commanded so far."""
 
-    def __init__(self, ear: Ear) -> None:
-        self._ear = ear
+    def __init__(self, commands: CommandSocket) -> None:
+        self._commands = commands
         self.path = HandPath.still()
         self._jump_m, self._jumps = np.zeros(3), 0
         self.lost = False
@@ -45,17 +45,17 @@ class Script:
         return self._jump_m if self._jumps >= 0 else np.zeros(3)
 
     def listen(self) -> None:
-        """Do what was said since the last frame."""
-        while words := self._ear.take():
-            self.lost, self.camera = words.get("lost", self.lost), words.get("camera", self.camera)
-            if "jump_m" in words:
-                self._jump_m, self._jumps = np.array(words["jump_m"]), words["jumps"]
-            if "to" in words:
-                self.path = self.path.then(words)
+        """Carry out the commands that came since the last frame."""
+        while fields := self._commands.take():
+            self.lost, self.camera = fields.get("lost", self.lost), fields.get("camera", self.camera)
+            if "jump_m" in fields:
+                self._jump_m, self._jumps = np.array(fields["jump_m"]), fields["jumps"]
+            if "to" in fields:
+                self.path = self.path.then(fields)
 
 
 class ScriptedCamera:
-    """A picture of the time, 30 times a second; the script tells when there is none, late, or always the same."""
+    """A picture of the time, 30 times a second; the script decides when there is none, late, or always the same."""
 
     def __init__(self, name: str, script: Script) -> None:
         self._name, self._script = name, script
@@ -88,7 +88,7 @@ class ScriptedCamera:
 
 
 class ScriptedTracker:
-    """Sees in the views the hand as it was at the time that the oldest of the pictures shows."""
+    """Sees the hand as it was when the oldest of the pictures was exposed."""
 
     def __init__(self, script: Script) -> None:
         self._script = script
@@ -96,11 +96,11 @@ class ScriptedTracker:
     def track(self, views: Views) -> ArmEstimate:
         """The scripted hand at the time of the views."""
         if self._script.lost:
-            return ArmEstimate(views.t_ns, TrackingStatus.LOST, "as told")
+            return ArmEstimate(views.t_ns, TrackingStatus.LOST, "as scripted")
         shown = min(struct.unpack("<q", view.current.image[0, :8].tobytes())[0] for view in views.views)
-        place = self._script.path.at(min(shown, views.t_ns))
-        wrist, turn = HOME + place[:3] + self._script.jump(), rotation_from_vector(place[3:])
-        points = {"wrist": wrist, "index": wrist + turn @ INDEX, "thumb": wrist + turn @ THUMB}
+        pose = self._script.path.at(min(shown, views.t_ns))
+        wrist, rotation = HOME + pose[:3] + self._script.jump(), rotation_from_vector(pose[3:])
+        points = {"wrist": wrist, "index": wrist + rotation @ INDEX, "thumb": wrist + rotation @ THUMB}
         covariances = dict.fromkeys(("elbow", *points), COVARIANCE)
         return ArmEstimate(
             views.t_ns, TrackingStatus.TRACKED, "", elbow=wrist + ELBOW, covariances=covariances, **points
@@ -108,7 +108,7 @@ class ScriptedTracker:
 
 
 class ListeningCamera(ScriptedCamera):
-    """The camera that never fails also passes on what the script is told."""
+    """The camera that never fails; it also receives the script's commands."""
 
     def read(self) -> Frame:
         """The next frame."""
@@ -118,16 +118,18 @@ class ListeningCamera(ScriptedCamera):
 
 def run() -> None:
     """The command line of Farhand, with a scripted operator."""
-    script = Script(Ear(sys.argv.pop(1)))
+    script = Script(CommandSocket(sys.argv.pop(1)))
 
     def open_operator(_: OperatorConfig, simulation: SimulationConfig, tracking: TrackingConfig) -> OperatorRig:
         cameras = ScriptedCamera("left", script), ListeningCamera("right", script)
         return OperatorRig(exact_rig(simulation.stereo), tracking, cameras, lambda _t_ns: None)
 
-    local_site.runtime.app.open_operator = open_operator
-    local_site.runtime.loop.make_tracker = lambda *_: ScriptedTracker(script)
     sys.argv.insert(1, "local")
-    main()
+    with (
+        patch.object(app, "open_operator", open_operator),
+        patch.object(loop, "make_tracker", lambda *_: ScriptedTracker(script)),
+    ):
+        main()
 
 
 if __name__ == "__main__":

@@ -1,4 +1,4 @@
-"""One fault on a pair of sites: what was done, what was measured, and what was not as promised."""
+"""One fault on a pair of sites: what happened, what was measured, and which promises were broken."""
 
 import time
 from collections.abc import Callable
@@ -14,14 +14,14 @@ from tests.faults.driver_log import DriverLog, Worst, ms
 
 FOLLOWING = (SessionState.ENGAGED, SessionState.HOLDING)
 QUIET_S = 0.4
-TURN_NS = 2 * NS_PER_MS  # the driver's process comes round so often
+TURN_NS = 2 * NS_PER_MS  # period of the driver's process
 LEAST_STATES_HZ = 40.0  # of 50
 EVERY = 5  # of the commands: 20 ms
 
 
 @dataclass
 class Outcome:
-    """What the report tells of a row; None where nothing had to stop."""
+    """What the report shows of a row; None where nothing had to stop."""
 
     stop_ms: float | None = None
     bound_ms: float | None = None
@@ -46,7 +46,7 @@ class Trial:
             self.outcome.failures.append(what)
 
     def note(self, what: str) -> None:
-        """A measured word for the report."""
+        """Add a measured result to the report."""
         self.outcome.notes.append(what)
 
     def begin(self, fault: Callable[[CellPair], object]) -> None:
@@ -70,18 +70,21 @@ class Trial:
         pair.wait("the latch", lambda: pair.state.state not in FOLLOWING, within_s)
         self.note(f"latched after {ms(pair.state.t_ns - self.fault_ns):.0f} ms: {pair.state.reason}")
 
-    def rests(self, *, more_s: float = 0.0, told_within_s: float | None = None) -> None:
-        """The arm comes to rest by T_soft, two ticks and the stop's time after the last good sample.
+    def rests(self, *, more_s: float = 0.0, stop_within_s: float | None = None) -> None:
+        """The arm rests by T_soft, two ticks and the stop's time after the last good sample.
 
-        Where good samples go on, `told_within_s` of the fault counts. `more_s` is how long a driver blocks.
+        Where good samples keep coming, the stop begins within `stop_within_s` of the fault. `more_s` is how long a
+        driver blocks.
         """
         time.sleep(QUIET_S)
         pair, log = self.pair, self.pair.log(self.begun_ns)
-        good_ns = pair.state.obeyed.capture_ns if told_within_s is None else self.fault_ns
-        soft_s = pair.config.safety.t_soft_ms / 1e3 if told_within_s is None else told_within_s
+        if stop_within_s is None:
+            assert pair.state.obeyed is not None, "no sample was obeyed"
+            onset_ns = pair.state.obeyed.capture_ns + round(pair.config.safety.t_soft_ms * NS_PER_MS)
+        else:
+            onset_ns = self.fault_ns + round(stop_within_s * NS_PER_S)
         grace_ns = round(2 * NS_PER_S / pair.config.control.rate_hz)
-        by_ns = log.rest_ns(good_ns + round(soft_s * NS_PER_S), grace_ns)
-        self._rested(log, by_ns + round(more_s * NS_PER_S) + TURN_NS)
+        self._rested(log, log.rest_ns(onset_ns, grace_ns) + round(more_s * NS_PER_S) + TURN_NS)
 
     def _rested(self, log: DriverLog, bound_ns: int) -> None:
         moved = (log.last_moving_ns(log.writes), log.last_moving_ns(log.reads), self.fault_ns)
@@ -93,7 +96,7 @@ class Trial:
         self.check(late_ns <= self._pause_ns, f"rest {ms(late_ns):.1f} ms after the bound")
 
     def stays(self, seconds: float = 1.0) -> None:
-        """Nothing moves, and nothing is engaged by itself, although the fault is over."""
+        """Nothing moves, and nothing engages by itself, although the fault is over."""
         time.sleep(seconds)
         self.check(not self.log.moves_after(self.rested_ns), "it moved without a new engagement")
         self.check(self.pair.state.state not in FOLLOWING, "it engaged by itself")
@@ -106,7 +109,7 @@ class Trial:
             if s.obeyed and s.obeyed.capture_ns > self.fault_ns
         }
         self.check(ages, "no sample was obeyed")
-        return ms(float(np.percentile(list(ages.values()) or [0.0], percentile)))
+        return ms(float(np.percentile(list(ages.values()) or [0], percentile)))
 
     def obeys_nothing_old(self) -> None:
         """No sample was older than T_soft when its first command was written."""
@@ -116,23 +119,23 @@ class Trial:
         self.check(obeyed, "no sample was obeyed")
         self.check(oldest_ms <= self.pair.config.safety.t_soft_ms, f"a sample was {oldest_ms:.0f} ms old")
 
-    def obeys_no_order(self) -> None:
-        """No command has reached the robot since it rests."""
+    def obeys_no_command(self) -> None:
+        """No command has reached the robot since it rested."""
         writes = self.log.writes
         self.check(not (writes["t_ns"] > self.rested_ns).any(), "commands came in spite of the fault")
 
-    def follows(self, least_share: float) -> None:
-        """The arm never latches and follows for such a share of the time; where that is 0, it may latch."""
-        told = [state.state for state in self.pair.states if state.t_ns > self.fault_ns]
-        share = told.count(SessionState.ENGAGED) / len(told)
-        self.note(f"followed {share:.1%} of {self.elapsed_s:.0f} s")
-        latched = not all(state in FOLLOWING for state in told)
+    def follows(self, least_fraction: float) -> None:
+        """The arm never latches and follows for at least this fraction of the time; where that is 0, it may latch."""
+        states = [state.state for state in self.pair.states if state.t_ns > self.fault_ns]
+        fraction = states.count(SessionState.ENGAGED) / len(states)
+        self.note(f"followed {fraction:.1%} of {self.elapsed_s:.0f} s")
+        latched = not all(state in FOLLOWING for state in states)
         self.note(f"latched: {self.pair.state.reason}" if latched else "never latched")
-        self.check(not (latched and least_share), f"it latched: {self.pair.state.reason}")
-        self.check(share >= least_share, f"it followed only {share:.0%} of the time")
+        self.check(not (latched and least_fraction), f"it latched: {self.pair.state.reason}")
+        self.check(fraction >= least_fraction, f"it followed only {fraction:.0%} of the time")
 
     def error_mm(self, since_ns: int, delay_ns: int) -> float:
-        """How far the tool is from where the hand had it so long before, rms in mm."""
+        """The distance of the tool from where the hand asked for it `delay_ns` before, rms in mm."""
         pair, writes = self.pair, self.pair.log(since_ns).writes[::EVERY]
         start, scale = pair.model.forward(pair.config.robot.start)[:3, 3], pair.config.mapping.scale
         hand = np.array([pair.path.at(int(t_ns) - delay_ns)[:3] for t_ns in writes["t_ns"]])
@@ -141,7 +144,7 @@ class Trial:
         return 1e3 * float(np.sqrt(np.mean(np.sum((tool - wanted) ** 2, axis=1))))
 
     def keeps_distance(self) -> None:
-        """No command since the row began would have the arm nearer than the margin to anything."""
+        """No command since the row began brings the arm nearer to anything than the margin."""
         config, q = self.pair.config, self.pair.log(self.begun_ns).q[::EVERY]
         collision = CollisionModel.from_urdf(
             config.robot.urdf, self.pair.model, config.robot.capsules, config.safety.collision
@@ -151,10 +154,10 @@ class Trial:
         self.check(least >= collision.margin - 1e-6, f"only {1e3 * least:.2f} mm of distance")
 
     def ticks(self) -> None:
-        """The control loop has gone on since the fault: it has told its state all the while."""
+        """The control loop keeps ticking after the fault: its states keep coming."""
         first = next(state for state in self.pair.states if state.t_ns > self.fault_ns)
-        told, took_s = self.pair.state.seq - first.seq, (time.monotonic_ns() - first.t_ns - self._pause_ns) / NS_PER_S
-        self.check(told > LEAST_STATES_HZ * took_s - 1, f"only {told} states in {took_s:.2f} s")
+        count, took_s = self.pair.state.seq - first.seq, (time.monotonic_ns() - first.t_ns - self._pause_ns) / NS_PER_S
+        self.check(count > LEAST_STATES_HZ * took_s - 1, f"only {count} states in {took_s:.2f} s")
 
     def end(self) -> None:
         """The invariant on every command of the row."""

@@ -4,7 +4,7 @@ import os
 import signal
 import tempfile
 import time
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Generator, Iterator
 from contextlib import ExitStack, contextmanager
 from itertools import islice
 from pathlib import Path
@@ -117,8 +117,8 @@ def running_sites() -> Iterator[Sites]:
 
 
 @pytest.hookimpl(wrapper=True)
-def pytest_runtest_makereport() -> Iterator[None]:
-    """What all sites said stands in the report of a test that failed while they ran."""
+def pytest_runtest_makereport() -> Generator[None, pytest.TestReport, pytest.TestReport]:
+    """Add the log of all running sites to the report of a test that fails."""
     report = yield
     if report.failed:
         report.sections.append(("the sites", "\n".join(sites.said() for sites in running)))

@@ -6,11 +6,14 @@ import subprocess
 import sys
 import time
 
+import pytest
+
 from tests.integration.sites import PATIENCE_S, alive, descendants
 
 PROCESSES = 6
 
 
+@pytest.mark.long
 def test_ctrl_c_before_engagement_is_no_failure_and_leaves_no_process() -> None:
     loopback = subprocess.Popen(
         [sys.executable, "-m", "farhand", "loopback", "--seconds", "0", "--tracker", "markers"],

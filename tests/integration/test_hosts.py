@@ -78,6 +78,7 @@ class Console:
                 self._publisher.put(OperatorIntent(sent_ns=sent_ns, intent=Intent(hold=self.held)))
 
 
+@pytest.mark.long
 @pytest.mark.skipif(not in_another_time(), reason="no right to a time namespace")
 def test_hold_to_run_between_hosts_whose_clocks_differ_by_an_hour(sites: Sites) -> None:
     sites.remote("driver.name=kinematic", "engagement.mode=hold_to_run", *PATIENT)

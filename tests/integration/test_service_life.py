@@ -5,6 +5,8 @@ import signal
 import urllib.request
 from pathlib import Path
 
+import pytest
+
 from tests.integration.pair import Pair
 from tests.integration.sites import alive, child_of, descendants
 
@@ -39,6 +41,7 @@ def test_both_sites_tell_systemd_of_their_life_end_soon_after_sigterm_and_leave_
         assert set(told[1:-1]) == {"WATCHDOG=1"}
 
 
+@pytest.mark.long
 def test_a_child_that_stands_still_ends_the_remote_site_so_that_systemd_starts_it_again(pair: Pair) -> None:
     process, sites = pair.remote(), pair.sites
     systemd = sites.systemd[process.pid]

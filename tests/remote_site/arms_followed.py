@@ -1,28 +1,37 @@
 """Other arms than the A465 in the chain, hand motions for them, and how far the tool is off the hand's."""
 
+from collections.abc import Callable
 from pathlib import Path
+from typing import Any
 
 import msgspec
 import numpy as np
 
-from common.geometry import rotation_from_vector
+from common.geometry import Array, rotation_from_vector
+from common.messages.hand import HandArm
 from remote_site.config import RemoteConfig
 from remote_site.kinematics.config import RobotConfig
 from remote_site.motion.config import ControlConfig
 from remote_site.safety.config import CollisionConfig, SafetyConfig
-from tests.remote_site.remote_loop import TICK_NS, RemoteLoop, hand
+from tests.remote_site.remote_loop import TICK_NS, Point, RemoteLoop, hand
+
+HandMotion = Callable[[float], tuple[Array, Array]]
 
 ARMS = Path(__file__).parent / "arms"
 SAMPLE_TICKS = 8
-EXACT = {"position_gain": 1.0, "velocity_gain": 0.8, "glide_rad_s": 60.0}  # for hand samples without noise
+EXACT: dict[str, Any] = {
+    "position_gain": 1.0,
+    "velocity_gain": 0.8,
+    "glide_rad_s": 60.0,
+}  # for hand samples without noise
 INDEX, THUMB = np.array([0.02, -0.17, 0.0]), np.array([-0.05, -0.1, 0.01])
 
 
-def arm_config(name: str, start_deg, **changes) -> RemoteConfig:
+def arm_config(name: str, start_deg: tuple[float, ...], **changes: Any) -> RemoteConfig:
     """An arm of the tests in an empty cell."""
     control = EXACT | {key: changes.pop(key) for key in ("solver", "singularity", "leash_m") if key in changes}
-    safety = {"collision": CollisionConfig(fixtures=()), "workspace_min_m": (-2.0,) * 3, "workspace_max_m": (2.0,) * 3}
-    safety |= changes.pop("safety", {})
+    box = {"workspace_min_m": (-2.0,) * 3, "workspace_max_m": (2.0,) * 3}
+    safety: dict[str, Any] = {"collision": CollisionConfig(fixtures=())} | box | changes.pop("safety", {})
     robot = {"model": str(ARMS / f"{name}.urdf"), "acceleration_rad_s2": (10.0,), "capsules": ()} | changes
     return RemoteConfig(
         robot=RobotConfig(start_deg=start_deg, **robot),
@@ -36,13 +45,13 @@ SEVEN_AXES = arm_config("seven_axes", (17.0, -12.0, -17.0, -100.0, 17.0, 75.0, 0
 A465 = RemoteConfig(robot=RobotConfig(start_deg=(0.0, 10.0, -70.0, 0.0, -30.0, 0.0)), control=ControlConfig(**EXACT))
 
 
-def smooth(share):
+def smooth(fraction: float) -> float:
     """From 0 to 1 without jerks at the ends."""
-    s = np.clip(share, 0.0, 1.0)
+    s = min(max(fraction, 0.0), 1.0)
     return s**3 * (10 - 15 * s + 6 * s * s)
 
 
-def pick_and_place(t):
+def pick_and_place(t: float) -> tuple[Array, Array]:
     """Down, up, across, down, up: place (3,) in m from the start, and turn (3,) in rad; 8 s."""
     stops = np.array([[0, 0, 0], [0, 0, -0.1], [0, 0, 0.02], [0.12, 0.06, 0.02], [0.12, 0.06, -0.1], [0.12, 0.06, 0]])
     turns = np.array([0.0, 0.0, 0.0, 0.5, 0.5, 0.5])
@@ -51,17 +60,24 @@ def pick_and_place(t):
     return place, np.array([0.0, 0.0, turns[leg] + share * (turns[leg + 1] - turns[leg])])
 
 
-def figure_of_eight(t):
+def figure_of_eight(t: float) -> tuple[Array, Array]:
     """A lying eight of 20 x 10 cm in 6 s, the hand tilting with it; begins softly."""
     phase = 2 * np.pi / 6.0 * max(t - 0.5, 0.0) * smooth(t / 1.5)
     place = np.array([0.10 * np.sin(phase), 0.05 * np.sin(2 * phase), 0.0])
     return place, 0.25 * np.array([np.sin(phase), np.sin(2 * phase), 0.0])
 
 
+def _point(position: Array) -> Point:
+    x, y, z = position.tolist()
+    return x, y, z
+
+
 class Followed:
     """The chain after one hand motion: the hand's place and the tool's pose at every tick, in the base frame."""
 
-    def __init__(self, config: RemoteConfig, motion, seconds: float, elbow=None) -> None:
+    def __init__(
+        self, config: RemoteConfig, motion: HandMotion, seconds: float, elbow: Callable[[float], Array] | None = None
+    ) -> None:
         self.loop = loop = RemoteLoop(config)
         self.start = loop.model.forward(loop.sent.q)
         base_R_operator = np.array(config.mapping.base_R_operator)
@@ -79,28 +95,26 @@ class Followed:
         self.turns = np.array([turn for _, turn in hands])
         self.tools = np.array(tools)
 
-    def _sample(self, t, motion, elbow):
+    def _sample(self, t: float, motion: HandMotion, elbow: Callable[[float], Array] | None) -> HandArm:
         loop = self.loop
         place, turn = motion(t)
         wrist = np.array([0.0, 0.0, 0.3]) + place
         rotation = rotation_from_vector(turn)
         loop.hand_seq += 1
-        points = {"index": wrist + rotation @ INDEX, "thumb": wrist + rotation @ THUMB}
-        points = {name: tuple(point.tolist()) for name, point in points.items()}
-        points["elbow"] = tuple((wrist + elbow(t)).tolist()) if elbow is not None else None
-        return hand(loop.hand_seq, loop.clock.now_ns(), tuple(wrist.tolist()), **points)
+        elbow_at = None if elbow is None else _point(wrist + elbow(t))
+        index, thumb = _point(wrist + rotation @ INDEX), _point(wrist + rotation @ THUMB)
+        return hand(loop.hand_seq, loop.clock.now_ns(), _point(wrist), index=index, thumb=thumb, elbow=elbow_at)
 
     def off_mm(self) -> tuple[float, float, float]:
         """Lag in ms, and the tool's distance in mm from where the hand was then: worst and rms."""
         moved = self.tools[:, :3, 3] - self.start[:3, 3]
-        best = None
+        found = []
         for lag in range(40):
             off = np.linalg.norm(moved[lag:] - self.hands[: len(self.hands) - lag], axis=1) * 1e3
-            if best is None or off.max() < best[1]:
-                best = lag * TICK_NS / 1e6, float(off.max()), float(np.sqrt(np.mean(off**2)))
-        return best
+            found.append((lag * TICK_NS / 1e6, float(off.max()), float(np.sqrt(np.mean(off**2)))))
+        return min(found, key=lambda lag_worst_rms: lag_worst_rms[1])
 
 
-def scaled(config: RemoteConfig, **mapping) -> RemoteConfig:
+def scaled(config: RemoteConfig, **mapping: Any) -> RemoteConfig:
     """The same with another mapping."""
     return msgspec.structs.replace(config, mapping=msgspec.structs.replace(config.mapping, **mapping))

@@ -4,6 +4,8 @@ import inspect
 import textwrap
 from dataclasses import dataclass
 
+import pytest
+
 
 @dataclass(frozen=True)
 class Mutation:
@@ -14,11 +16,11 @@ class Mutation:
     check: str
     instead: str
 
-    def apply(self, monkeypatch):
+    def apply(self, monkeypatch: pytest.MonkeyPatch) -> None:
         """Put the changed function in the place of the true one; the text must be there exactly once."""
         function = getattr(self.owner, self.function)
         source = textwrap.dedent(inspect.getsource(function))
         assert source.count(self.check) == 1, f"{self.check!r} is not a check of {self.function} any more"
-        names = {}
+        names: dict[str, object] = {}
         exec(compile(source.replace(self.check, self.instead), "mutation", "exec"), function.__globals__, names)  # noqa: S102
         monkeypatch.setattr(self.owner, self.function, names[self.function])

@@ -1,10 +1,13 @@
 """The pipeline of the remote site, tick by tick, with every command that the driver received."""
 
+from collections.abc import Callable
 from functools import cached_property
+from typing import Any
 
 import numpy as np
 
 from common.clock import NS_PER_MS, FakeClock
+from common.geometry import Array
 from common.messages.hand import ClockSync, HandArm, TrackingStatus
 from common.messages.requests import EngagementAction
 from common.messages.robot import SessionState
@@ -37,6 +40,7 @@ TICKS_PER_JUDGEMENT = 5  # the pipeline has a guard of its own; another whole on
 START_NS = 10_000 * NS_PER_MS
 FOR_EVER_NS = 10**15
 LEASE = 41
+Point = tuple[float, float, float]
 
 
 def arm(config: RemoteConfig | None = None) -> tuple[ArmModel, JointLimits]:
@@ -69,10 +73,17 @@ def collision_model(config: RemoteConfig) -> CollisionModel:
     return CollisionModel.from_urdf(robot.urdf, arm(config)[0], robot.capsules, config.safety.collision)
 
 
-def hand(seq, capture_ns, wrist=(0.0, 0.0, 0.3), session=7, status=TrackingStatus.TRACKED, **changes) -> HandArm:
+def hand(
+    seq: int,
+    capture_ns: int,
+    wrist: Point | None = (0.0, 0.0, 0.3),
+    session: int = 7,
+    status: TrackingStatus = TrackingStatus.TRACKED,
+    **changes: Any,
+) -> HandArm:
     """A tracked sample, with changes."""
     x, y, z = wrist if wrist is not None else (0.0, 0.0, 0.0)
-    fields = {
+    fields: dict[str, Any] = {
         "elbow": (x, y + 0.25, z),
         "wrist": wrist,
         "index": (x + 0.02, y - 0.17, z),
@@ -157,7 +168,14 @@ class RemoteLoop:
         self.log.append(self.sent)
         self.states.append(snapshot.state)
 
-    def run(self, ticks: int, wrist=None, every: int = 8, session: int = 7, **changes) -> None:
+    def run(
+        self,
+        ticks: int,
+        wrist: Callable[[int], Point | None] | None = None,
+        every: int = 8,
+        session: int = 7,
+        **changes: Any,
+    ) -> None:
         """Run with a sample every so many ticks, captured a tick before it comes; `wrist(t_ns)` in m."""
         for k in range(ticks):
             samples = []
@@ -168,9 +186,10 @@ class RemoteLoop:
                 samples = [hand(self.hand_seq, capture_ns, wrist(capture_ns), **fields)]
             self.tick(*samples)
 
-    def arrays(self):
+    def arrays(self) -> tuple[Array, Array, Array]:
         """The log as arrays (ticks, joints): q, dq, ddq."""
-        return tuple(np.array([getattr(motion, name) for motion in self.log]) for name in ("q", "dq", "ddq"))
+        q, dq, ddq = (np.array([getattr(motion, name) for motion in self.log]) for name in ("q", "dq", "ddq"))
+        return q, dq, ddq
 
 
 def assert_within_limits(loop: RemoteLoop) -> None:

@@ -15,7 +15,7 @@ import tests.common.messages.golden_examples as golden
 from common.link.channels import CLOCK, ENGAGEMENT, HAND, MAINTENANCE, STATE, Procedure
 from common.link.config import LinkSecurity, TlsConfig
 from common.link.request_client import RequestClient
-from common.link.transport import Link
+from common.link.transport import Link, open_link
 from common.messages.codec import encode
 from common.messages.requests import ClockAnswer, EngagementAction, EngagementRequest, Reply
 from farhand.certificates.issuing import Issued
@@ -81,13 +81,26 @@ class Cell:
 
 
 @contextmanager
+def running(security: LinkSecurity, protocol: str = "tls", port: int | None = None) -> Iterator[Cell]:
+    endpoint = f"{protocol}/127.0.0.1:{port or free_port()}"
+    with open_link(listen=(endpoint,), security=security) as link:
+        cell = Cell(endpoint, link)
+        try:
+            yield cell
+        finally:
+            cell.close()
+
+
+@contextmanager
 def dishonest(
     endpoint: str, folder: Path, who: str | None, *, listen: bool = False, cell: str = CELL
 ) -> Iterator[zenoh.Session]:
     """A session that checks nothing itself and has no access control of its own."""
     tls = {"root_ca_certificate": str(folder / "ca.pem"), "verify_name_on_connect": False}
-    for end in ("listen", "connect") if who else ():
-        tls |= {f"{end}_certificate": f"{folder / cell / who}.pem", f"{end}_private_key": f"{folder / cell / who}.key"}
+    if who is not None:
+        pair = folder / cell / who
+        for end in ("listen", "connect"):
+            tls |= {f"{end}_certificate": f"{pair}.pem", f"{end}_private_key": f"{pair}.key"}
     config, locator = zenoh.Config(), f"{endpoint}?mixed_rel=1" if endpoint.startswith("quic/") else endpoint
     settings = {
         "listen/endpoints": [locator] if listen else [],

@@ -1,6 +1,7 @@
 """The golden messages; run this file once per protocol version to write their bytes under tests/golden."""
 
 from pathlib import Path
+from typing import Any
 
 import msgpack
 import msgspec
@@ -203,7 +204,7 @@ def _with_covariance(fields: dict[str, object], **points: tuple[float, ...]) -> 
     return payload
 
 
-def _with_intent(fields: dict[str, object], **changes: object) -> bytes:
+def _with_intent(fields: dict[str, Any], **changes: object) -> bytes:
     payload: bytes = msgpack.packb(fields | {"intent": fields["intent"] | changes})
     return payload
 

@@ -29,6 +29,7 @@ def report():
     return made
 
 
+@pytest.mark.long
 def test_every_disturbance_is_reported_beside_the_reports_own_figures(report):
     runs = report.compared
     assert set(runs) == {
@@ -49,6 +50,7 @@ def test_every_disturbance_is_reported_beside_the_reports_own_figures(report):
     assert "accurate: shoulder " in report.summary
 
 
+@pytest.mark.long
 def test_plots_and_data_are_those_of_the_reports_figures(report):
     figures = ("10_motion", "11_positions", "12_errors", "15_finger_tip", "16_finger_errors")
     assert {f"figure_{name}" for name in figures} == set(report.plots)

@@ -4,8 +4,11 @@ from functools import lru_cache
 
 import cv2
 import numpy as np
+from numpy.typing import NDArray
 from scipy.spatial.transform import Rotation
 
+from common.cameras.camera import Image
+from common.geometry import Array
 from local_site.calibration.boards import Board
 from local_site.calibration.lens import Lens
 from local_site.calibration.physical_camera import PhysicalCamera
@@ -15,7 +18,7 @@ PX_PER_SQUARE = 48
 SAMPLES = 2
 
 
-def print_of(board):
+def print_of(board: Board) -> Image:
     """The print, PX_PER_SQUARE to a square, with a white margin of one square."""
     if board.kind == "charuco":
         dictionary = cv2.aruco.getPredefinedDictionary(getattr(cv2.aruco, f"DICT_{board.dictionary}"))
@@ -24,11 +27,11 @@ def print_of(board):
     else:
         black = np.indices((board.rows, board.columns)).sum(axis=0) % 2 == 0
         inner = np.kron(np.where(black, 0, 255), np.ones((PX_PER_SQUARE, PX_PER_SQUARE))).astype(np.uint8)
-    return cv2.copyMakeBorder(inner, *[PX_PER_SQUARE] * 4, cv2.BORDER_CONSTANT, value=255)
+    return np.pad(np.asarray(inner, np.uint8), PX_PER_SQUARE, constant_values=255)
 
 
 @lru_cache(maxsize=6)
-def rays_of(lens):
+def rays_of(lens: Lens) -> NDArray[np.float32]:
     """The ray (x/z, y/z, 1) of every sample of every pixel, (SAMPLES H, SAMPLES W, 3)."""
     ticks = [(np.arange(SAMPLES * n) + 0.5) / SAMPLES - 0.5 for n in SIZE]
     slopes = (lens.undistort_pixels(np.stack(np.meshgrid(*ticks), axis=-1)) - (lens.cx, lens.cy)) / (lens.fx, lens.fy)
@@ -43,7 +46,7 @@ class Renderer:
         self._random = np.random.default_rng(seed)
         self._rays = rays_of(camera.lens)
 
-    def picture(self, rotation, translation):
+    def picture(self, rotation: Array, translation: Array) -> Image:
         """The board at a pose (operator_R_board, translation in m) as a grey picture."""
         R = self._camera.camera_R_operator @ rotation
         t = self._camera.to_camera(translation)
@@ -56,8 +59,8 @@ class Renderer:
         where[homogeneous[..., 2] <= 0] = -1e4
         fine = cv2.remap(
             self._print,
-            where.astype(np.float32),
-            None,
+            where.astype(np.float32)[..., 0],
+            where.astype(np.float32)[..., 1],
             cv2.INTER_LINEAR,
             borderMode=cv2.BORDER_CONSTANT,
             borderValue=30,
@@ -67,7 +70,7 @@ class Renderer:
         return np.clip(0.8 * coarse.astype(float) + 10 + noise, 0, 255).astype(np.uint8)
 
 
-def looking_down(side, k1=0.0, k2=0.0, focal=800.0):
+def looking_down(side: float, k1: float = 0.0, k2: float = 0.0, focal: float = 800.0) -> PhysicalCamera:
     """A camera 0.9 m from the origin, on the left (-1) or right (1), that looks down at it."""
     turn = np.radians(20.0 * side)
     forward = np.array([-np.sin(turn), np.cos(turn), -0.8])
@@ -78,7 +81,7 @@ def looking_down(side, k1=0.0, k2=0.0, focal=800.0):
     return PhysicalCamera(Lens(focal, focal, 322.0, 236.0, k1, k2), rotation, rotation @ (0.9 * forward))
 
 
-def poses(board, count, seed=3):
+def poses(board: Board, count: int, seed: int = 3) -> list[tuple[Array, Array]]:
     """Poses of the board (operator_R_board, translation): first flat at the origin, then tilted here and there."""
     random = np.random.default_rng(seed)
     flat = np.diag([1.0, -1.0, -1.0])

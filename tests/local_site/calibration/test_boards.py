@@ -26,7 +26,7 @@ CAMERAS = ("left", "right")
 SCENES = [
     pytest.param(CHARUCO, -0.1, id="charuco through a lens"),
     pytest.param(CHESS, 0.0, id="chessboard"),
-    pytest.param(CHESS, -0.1, id="chessboard through a lens"),
+    pytest.param(CHESS, -0.1, id="chessboard through a lens", marks=pytest.mark.long),
 ]
 
 

@@ -4,7 +4,9 @@ from collections.abc import Sequence
 from itertools import pairwise
 
 import numpy as np
+from numpy.typing import NDArray
 
+from common.geometry import Array
 from remote_site.kinematics.config import RobotConfig
 from remote_site.kinematics.model import ArmModel
 
@@ -29,7 +31,9 @@ def arm_model(robot: RobotConfig) -> ArmModel:
     return ArmModel.from_urdf(robot.urdf, robot.tool_frame, robot.tool_T_tcp)
 
 
-def sample(stages: Sequence[Stage], robot: RobotConfig, mean_speed_m_s: float):
+def sample(
+    stages: Sequence[Stage], robot: RobotConfig, mean_speed_m_s: float
+) -> tuple[Array, Array, Array, NDArray[np.bool_]]:
     """Joint positions, velocities, accelerations (N, n) and gripper (N,), minimum jerk between the stages."""
     points, gripper = [], []
     for before, after in pairwise(stages):
@@ -43,7 +47,7 @@ def sample(stages: Sequence[Stage], robot: RobotConfig, mean_speed_m_s: float):
     return q, dq, np.gradient(dq, 1 / RATE_HZ, axis=0), np.array(gripper)
 
 
-def _joints(offsets, robot: RobotConfig):
+def _joints(offsets: Array, robot: RobotConfig) -> Array:
     model, q = arm_model(robot), robot.start
     start, joints = model.forward(q), []
     for offset in offsets:

@@ -83,6 +83,7 @@ def off_mm(estimate, arm):
     return max(1e3 * np.linalg.norm(estimate.elbow - arm.elbow), 1e3 * np.linalg.norm(estimate.wrist - arm.wrist))
 
 
+@pytest.mark.long
 def test_arms_of_other_bodies_in_other_light_start_rightly_or_not_at_all():
     started = []
     for seed in range(9):

@@ -1,0 +1,39 @@
+"""Certificates of two cells and of another authority, and a cell that listens with its own."""
+
+from collections.abc import Iterator
+from datetime import UTC, datetime, timedelta
+from pathlib import Path
+
+import pytest
+
+from common.link.endpoints import SECURED
+from common.link.roles import Identity, Role
+from farhand.certificates.folder import CertificateOrder, create, load_authority
+from farhand.certificates.issuing import issue
+from tests.common.link.secured_cell import (
+    CELL,
+    Cell,
+    keep,
+    running,
+    secured,
+)
+
+
+@pytest.fixture(scope="module")
+def pki(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """Two cells of one authority, and a cell of another authority with the same names."""
+    folder = tmp_path_factory.mktemp("pki")
+    now = datetime.now(UTC)
+    create(folder, CertificateOrder(CELL, (), 30), now)
+    create(folder, CertificateOrder("other", (), 30), now)
+    create(folder / "foreign", CertificateOrder(CELL, (), 30), now)
+    authority = load_authority(folder)
+    aged = issue(authority, Identity(Role.OPERATOR, CELL), ("127.0.0.1",), now - timedelta(days=9), timedelta(days=1))
+    keep(folder / CELL / "aged", aged)
+    return folder
+
+
+@pytest.fixture(scope="module", params=SECURED)
+def cell(pki: Path, request: pytest.FixtureRequest) -> Iterator[Cell]:
+    with running(secured(pki, "remote"), request.param) as cell:
+        yield cell

@@ -1,0 +1,156 @@
+"""Links with real certificates: who is refused hears why, and an impostor is not believed."""
+
+import time
+from contextlib import ExitStack
+from datetime import UTC, datetime, timedelta
+from pathlib import Path
+
+import pytest
+import zenoh
+
+from common.errors import RefusedError, TransportError
+from common.link.channels import CLOCK, HAND, STATE
+from common.link.config import ON_THIS_HOST, LinkSecurity, TlsConfig
+from common.link.endpoints import SECURED
+from common.link.roles import Identity, Role
+from common.link.transport import Link, open_link
+from common.messages.codec import encode
+from common.messages.requests import ClockQuestion
+from farhand.certificates.folder import load_authority
+from farhand.certificates.issuing import issue
+from tests.common.link.secured_cell import (
+    CELL,
+    HAND_SAMPLE,
+    ROBOT_STATE,
+    Cell,
+    commands_arrive,
+    dishonest,
+    free_port,
+    keep,
+    running,
+    secured,
+    until,
+)
+
+PROMISED_S = 3.0  # until who is refused knows why
+
+
+def why_refused(endpoint: str, security: LinkSecurity) -> str:
+    """The sentence that the refused side hears, in the time that is promised."""
+    began = time.monotonic()
+    with pytest.raises(TransportError) as caught:
+        open_link(connect=(endpoint,), security=security)
+    assert time.monotonic() - began < PROMISED_S
+    return str(caught.value)
+
+
+def test_without_a_certificate(pki: Path, cell: Cell) -> None:
+    assert "needs certificates" in why_refused(cell.endpoint, ON_THIS_HOST)
+    with dishonest(cell.endpoint, pki, None) as session:
+        assert not commands_arrive(session, cell)
+        assert session.info.links() == []
+
+
+def test_another_authority_with_the_same_names(pki: Path, cell: Cell) -> None:
+    foreign = pki / "foreign"
+    assert "comes from another authority" in why_refused(cell.endpoint, secured(foreign, "operator"))
+    with dishonest(cell.endpoint, foreign, "operator") as session:
+        assert not commands_arrive(session, cell)
+
+
+def test_a_stranger_who_trusts_us_is_told_that_we_do_not_trust_it(pki: Path, cell: Cell) -> None:
+    pair = pki / "foreign" / CELL / "operator"
+    mixed = TlsConfig(ca=str(pki / "ca.pem"), certificate=f"{pair}.pem", key=f"{pair}.key")
+    assert "comes from another authority" in why_refused(cell.endpoint, LinkSecurity(tls=mixed))
+
+
+def test_quic_where_only_tls_comes_through_says_what_is_blocked(pki: Path) -> None:
+    with running(secured(pki, "remote"), "tls") as cell:
+        endpoint = cell.endpoint.replace("tls/", "quic/")
+        with open_link(connect=(endpoint,), security=secured(pki, "operator")) as link:
+            until(lambda: f"let UDP through to port {endpoint.rpartition(':')[2]}" in told(link))
+
+
+def test_quic_that_has_been_there_is_not_said_to_be_blocked(pki: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr("common.link.transport.QUIC_PATIENCE_S", 0.2)
+    with ExitStack() as stack:
+        with running(secured(pki, "remote"), "quic") as cell:
+            link = stack.enter_context(open_link(connect=(cell.endpoint,), security=secured(pki, "operator")))
+            until(lambda: link.ask(CLOCK, CELL, ClockQuestion()))
+        port = int(cell.endpoint.rpartition(":")[2])
+        stack.enter_context(running(secured(pki, "remote"), "tls", port))
+        until(lambda: not link._session.info.links())
+        for _ in range(3):
+            assert told(link) == ""
+            time.sleep(0.2)
+
+
+def test_an_operator_of_another_cell(pki: Path, cell: Cell) -> None:
+    why = why_refused(cell.endpoint, secured(pki, "operator", "other"))
+    assert "is not the remote site of cell other" in why
+    assert "certificate of remote.lab" in why
+
+
+def test_an_expired_certificate(pki: Path, cell: Cell) -> None:
+    assert "aged.pem has expired; renew it" in why_refused(cell.endpoint, secured(pki, "aged"))
+    with dishonest(cell.endpoint, pki, "aged") as session:
+        assert not commands_arrive(session, cell)
+
+
+def test_a_certificate_that_expires_ends_the_link_and_says_so(pki: Path, cell: Cell) -> None:
+    brief = Identity(Role.OPERATOR, CELL)
+    keep(
+        pki / CELL / "brief", issue(load_authority(pki), brief, ("127.0.0.1",), datetime.now(UTC), timedelta(seconds=3))
+    )
+    with open_link(connect=(cell.endpoint,), security=secured(pki, "brief")) as link:
+        assert link._session.info.links()
+        until(lambda: "says that it has expired; renew it" in told(link))
+        until(lambda: not link._session.info.links())
+
+
+def told(link: Link) -> str:
+    try:
+        link.check_connected()
+    except RefusedError as error:
+        return str(error)
+    return ""
+
+
+def test_plain_tcp_against_tls(cell: Cell) -> None:
+    plain = f"tcp/{cell.endpoint.partition('/')[2]}"
+    assert "refuses plain tcp: the listener there speaks TLS only" in why_refused(plain, ON_THIS_HOST)
+
+
+def test_tls_against_plain_tcp(pki: Path) -> None:
+    with running(ON_THIS_HOST, "tcp") as plain:
+        why = why_refused(plain.endpoint.replace("tcp/", "tls/"), secured(pki, "operator"))
+    assert "does not speak TLS" in why
+
+
+@pytest.mark.parametrize("protocol", SECURED)
+def test_an_impostor_who_is_there_already(pki: Path, protocol: str) -> None:
+    endpoint = f"{protocol}/127.0.0.1:{free_port()}"
+    with dishonest(endpoint, pki, "viewer", listen=True):
+        assert "the listener there shows the certificate of viewer.lab" in why_refused(
+            endpoint, secured(pki, "operator")
+        )
+
+
+@pytest.mark.parametrize("protocol", SECURED)
+def test_an_impostor_who_comes_later_hears_nothing_and_is_not_believed(pki: Path, protocol: str) -> None:
+    endpoint = f"{protocol}/127.0.0.1:{free_port()}"
+    with ExitStack() as stack:
+        link = stack.enter_context(open_link(connect=(endpoint,), security=secured(pki, "operator")))
+        hand, state = link.publisher(HAND, CELL), link.latest(STATE, CELL)
+        impostor = stack.enter_context(dishonest(endpoint, pki, "viewer", listen=True))
+        heard = impostor.declare_subscriber("**", zenoh.handlers.RingChannel(1), allowed_origin=zenoh.Locality.REMOTE)
+        answering = impostor.declare_queryable(CLOCK.key_for(CELL), zenoh.handlers.RingChannel(1))
+        until(link._session.info.links)
+        for _ in range(20):
+            hand.put(HAND_SAMPLE)
+            impostor.put(STATE.key_for(CELL), encode(ROBOT_STATE))
+            time.sleep(0.02)
+        assert link.ask(CLOCK, CELL, ClockQuestion()) is None
+        assert (heard.try_recv(), answering.try_recv(), state.take()) == (None, None, None)
+        with pytest.raises(RefusedError, match=r"does somebody impersonate that site\?"):
+            link.check_connected()

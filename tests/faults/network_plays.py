@@ -1,0 +1,90 @@
+"""Faults of the link between two hosts: a partition, jitter, lost packets, and pictures that fill it."""
+
+import time
+from typing import Any
+
+from common.clock import NS_PER_MS, NS_PER_S
+from tests.faults.acts import impair
+from tests.faults.cell_pair import CellPair
+from tests.faults.driver_log import ms
+from tests.faults.plays import Play, latch
+from tests.faults.trial import Trial
+
+BACK_S = 2.0
+CALIBRATION_S = 22.0
+SETTLES_WATCHED_S = 4.0
+
+
+def partition(seconds: float) -> Play:
+    """A partition latches the arm, and the command path is back soon after it heals."""
+    play_latch = latch(impair(cut=True), lambda _: None, says="old", for_s=seconds)
+
+    def play(trial: Trial) -> None:
+        play_latch(trial)
+        healed_ns = time.monotonic_ns()
+        trial.pair.impair()
+        trial.pair.wait("the command path", lambda: _receives(trial.pair), 20)
+        took_ns = time.monotonic_ns() - healed_ns
+        trial.note(f"a fresh sample {ms(took_ns):.0f} ms after it healed")
+        trial.check(took_ns < BACK_S * NS_PER_S, f"the command path came back after {ms(took_ns):.0f} ms")
+        trial.stays()
+
+    return play
+
+
+def _receives(pair: CellPair) -> bool:
+    """Whether good samples arrive: the newest state counts them, or has enough."""
+    ready = pair.state.readiness
+    return ready.ready or (ready.code == "collecting" and not ready.reason.startswith("0 "))
+
+
+def bear(seconds: float, least_fraction: float, **impairment: Any) -> Play:
+    """The arm follows over the impaired link, and obeys nothing that is too old."""
+
+    def play(trial: Trial) -> None:
+        trial.pair.move()
+        trial.begin(impair(**impairment))
+        time.sleep(seconds)
+        trial.follows(least_fraction)
+        trial.obeys_nothing_old()
+
+    return play
+
+
+def lose(loss: float, delay_ms: float, seconds: float) -> Play:
+    """Lost packets never latch the arm, and hardly raise the tracking error at the same delay."""
+    impaired_play = bear(seconds, 0.9, loss=loss, delay_ms=delay_ms)
+
+    def play(trial: Trial) -> None:
+        trial.pair.impair(delay_ms=delay_ms)
+        trial.pair.move()
+        time.sleep(CALIBRATION_S)
+        since_ns = time.monotonic_ns() - round((CALIBRATION_S - 2) * NS_PER_S)
+        errors = {lag_ms: trial.error_mm(since_ns, lag_ms * NS_PER_MS) for lag_ms in range(20, 400, 10)}
+        lag_ms = min(errors, key=errors.__getitem__)
+        impaired_play(trial)
+        error_mm = trial.error_mm(trial.fault_ns + 2 * NS_PER_S, lag_ms * NS_PER_MS)
+        trial.note(f"error at {lag_ms} ms {errors[lag_ms]:.2f} mm, with loss {error_mm:.2f} mm")
+        trial.check(error_mm <= 1.1 * errors[lag_ms], f"the error rose by {error_mm / errors[lag_ms] - 1:.0%}")
+
+    return play
+
+
+def crowd(mbit_s: float, delay_ms: float, seconds: float) -> Play:
+    """Pictures fill the link once somebody watches; the hand samples on it arrive hardly later."""
+
+    def play(trial: Trial) -> None:
+        pair = trial.pair
+        pair.impair(mbit_s=mbit_s, delay_ms=delay_ms)
+        pair.move()
+        trial.begin(lambda _: time.sleep(seconds))
+        alone_ms = trial.late_ms(99)
+        pair.start_page(pair.start_console())
+        time.sleep(SETTLES_WATCHED_S)
+        trial.begin(lambda _: time.sleep(seconds))
+        watched_ms = trial.late_ms(99)
+        trial.note(f"exposure to command p99 {alone_ms:.1f} ms alone, {watched_ms:.1f} ms beside the video")
+        trial.check(watched_ms <= 1.3 * alone_ms, f"it rose by {watched_ms / alone_ms - 1:.0%}")
+        trial.follows(0.95)
+
+    return play

@@ -1,0 +1,107 @@
+"""What a pair of sites needs before it starts: endpoints, certificates, settings, the environment of its processes."""
+
+import subprocess
+import sys
+from dataclasses import dataclass
+from datetime import UTC, datetime
+from pathlib import Path
+
+import msgspec
+
+from common.link.config import ON_THIS_HOST, LinkSecurity, TlsConfig
+from common.link.endpoints import SECURED
+from farhand.certificates.folder import CertificateOrder, create
+from farhand.loopback.site_process import free_ports
+
+A465 = "driver.name=c500c"
+CELL, OPERATOR = "faults", "anna"
+ROOT = Path(__file__).parents[2]
+WALL_CLOCK = Path(__file__).with_name("wall_clock.c")
+ENTRY_POINTS = "[farhand.drivers]\nrecording = tests.faults.recording_driver:RecordingDriver\n"
+VIDEO = 'video.cameras=[{name="side",source="/dev/null-camera"}]'
+
+
+@dataclass(frozen=True)
+class PairSetup:
+    """One cell in a folder of its own; `two_hosts` where a network is between its sites."""
+
+    folder: Path
+    two_hosts: bool
+    control: str
+    video: str
+    listen: str
+    driver_settings: tuple[str, ...]
+
+    @classmethod
+    def make(cls, folder: Path, settings: tuple[str, ...], protocol: str, *, two_hosts: bool) -> "PairSetup":
+        """Choose free ports, and make the certificates that the protocol needs."""
+        if protocol in SECURED:
+            create(folder, CertificateOrder(CELL, ("localhost",), 1), datetime.now(UTC))
+        host = "localhost" if two_hosts else "127.0.0.1"
+        control, video, listen = free_ports(3)
+        endpoints = f"{protocol}/{host}:{control}", f"tcp/{host}:{video}", f"tcp/127.0.0.1:{listen}"
+        return cls(folder, two_hosts, *endpoints, _driver(folder, settings))
+
+    @property
+    def security(self) -> LinkSecurity:
+        """How the test's own link connects: as the operator."""
+        return LinkSecurity(tls=self._tls("operator")) if self._is_secured else ON_THIS_HOST
+
+    @property
+    def remote(self) -> tuple[str, ...]:
+        """The settings of the remote site."""
+        links = f"cell={CELL}", f"links.control={self.control}", f"links.video={self.video}"
+        return *links, "engagement.mode=on_request", VIDEO, *self._certificate("remote"), *self.driver_settings
+
+    @property
+    def local(self) -> tuple[str, ...]:
+        """The settings of the local site."""
+        links = f"links.remote={self.control}", f"links.listen={self.listen}", *self._certificate("operator")
+        return f"cell={CELL}", "tracking.method=markers", f"authority.operator={OPERATOR}", *links
+
+    def console(self, port: int) -> tuple[str, ...]:
+        """The settings of a console whose page is at a port."""
+        links = f"links.control={self.control}", f"links.video={self.video}", f"links.local={self.listen}"
+        return f"cell={CELL}", f"operator={OPERATOR}", f"serve.port={port}", *links
+
+    def environment(self) -> dict[str, str]:
+        """Make the environment in which the recording driver is an installed one, and the wall clock can be stepped."""
+        package = self.folder / "faults-1.dist-info"
+        package.mkdir()
+        (package / "METADATA").write_text("Metadata-Version: 2.1\nName: faults\nVersion: 1\n")
+        (package / "entry_points.txt").write_text(ENTRY_POINTS)
+        wall = self._wall_clock() if self.two_hosts else {}
+        return wall | {"PYTHONPATH": f"{self.folder}:{ROOT}", "STATE_DIRECTORY": str(self.folder)}
+
+    @property
+    def _is_secured(self) -> bool:
+        return self.control.partition("/")[0] in SECURED
+
+    def _tls(self, who: str) -> TlsConfig:
+        pair = self.folder / CELL / who
+        return TlsConfig(ca=str(self.folder / "ca.pem"), certificate=f"{pair}.pem", key=f"{pair}.key")
+
+    def _certificate(self, who: str) -> tuple[str, ...]:
+        """The settings with which a site shows its certificate, where it has to."""
+        shown = msgspec.structs.asdict(self._tls(who)) if self._is_secured else {}
+        return tuple(f"links.tls.{key}={value}" for key, value in shown.items())
+
+    def _wall_clock(self) -> dict[str, str]:
+        offset, library = self.folder / "wall_offset", self.folder / "wall_clock.so"
+        offset.write_bytes(bytes(8))
+        compiler = ["cc", "-O2", "-shared", "-fPIC", "-o", str(library), str(WALL_CLOCK), "-ldl"]
+        subprocess.run(compiler, check=True)
+        return {"LD_PRELOAD": str(library), "FARHAND_WALL_OFFSET": str(offset)}
+
+
+def script(name: str, *arguments: object) -> list[str]:
+    """The command that runs a script of this folder; its environment has the project on its path."""
+    return [sys.executable, "-m", f"tests.faults.{name}", *map(str, arguments)]
+
+
+def _driver(folder: Path, settings: tuple[str, ...]) -> tuple[str, ...]:
+    """The recording driver, or the A465's at the line of an emulated controller of its own."""
+    if A465 in settings:
+        return *settings, f"driver.options.port={folder / 'line'}"
+    paths = f"driver.options.record={folder / 'record'}", f"driver.options.orders={folder / 'robot'}"
+    return "driver.name=recording", *paths, *settings
