@@ -13,7 +13,7 @@ import numpy as np
 from bench.processes import cpu_s, memory_mb
 from bench.video.frames import live_frame
 from common.clock import NS_PER_MS
-from common.link.channels import CAMERA, HAND
+from common.link.channels import CAMERA, HAND, ChannelSession
 from common.link.transport import open_link
 from common.messages.hand import HandArm, TrackingStatus
 from common.messages.video import VideoFrame
@@ -63,9 +63,10 @@ class LinkedCell:
 
     def __init__(self, name: str, endpoint: str, stack: ExitStack) -> None:
         remote, video = (
-            stack.enter_context(open_link(connect=(endpoint,), through_router=True)) for _ in ("control", "video")
+            stack.enter_context(open_link(connect=(endpoint,), through_router=True, sessions=[session]))
+            for session in ChannelSession
         )
-        local = stack.enter_context(open_link(connect=(endpoint,)))
+        local = stack.enter_context(open_link(connect=(endpoint,), sessions=list(ChannelSession)))
         self._hand = local.publisher(HAND, name)
         self._cameras = {view: video.publisher(CAMERA, name, view) for view in VIEWS}
         self.forget()

@@ -5,6 +5,7 @@ import sys
 import typer
 
 from common.errors import ConfigError, FarhandError, InterruptionError
+from common.process.log import finish_log
 from farhand.commands.calibrate import calibrate_app
 from farhand.commands.certificates import certificates_app
 from farhand.commands.config import config_app
@@ -44,7 +45,10 @@ for name, group in {
 def main() -> None:
     """Run the command line; the exit code is 1 for a failure, 2 for misuse, 130 for an interruption."""
     try:
-        app()
+        try:
+            app()
+        finally:
+            finish_log()
     except FarhandError as error:
         print(f"farhand: {error}", file=sys.stderr)  # noqa: T201  # the command line's own voice
         sys.exit(_exit_code(error))

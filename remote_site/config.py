@@ -6,7 +6,7 @@ import msgspec
 from msgspec import Meta, field
 
 from common.link.channels import check_cell_name
-from common.process.metrics.config import MetricsConfig
+from common.process.config import MetricsConfig
 from remote_site.drivers.config import DriverConfig, GripConfig
 from remote_site.kinematics.config import RobotConfig
 from remote_site.link_config import RemoteLinksConfig

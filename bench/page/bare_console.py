@@ -11,7 +11,12 @@ import uvicorn
 
 from common.clock import NS_PER_MS, NS_PER_S, ClockEstimate, ClockOffset
 from common.messages.hand import OperatorIntent
-from common.messages.requests import EngagementAction, OperatorAction, PictureShare, Reply
+from common.messages.requests import (
+    EngagementAction,
+    OperatorAction,
+    PicturePoint,
+    Reply,
+)
 from common.messages.video import ViewsShown
 from local_site.console.config import ServeConfig
 from local_site.console.history import History
@@ -43,7 +48,7 @@ class Agreeable:
     def __init__(self) -> None:
         self.silent = False
         self.refused = 0
-        self.marked: list[tuple[PictureShare, ...]] = []
+        self.marked: list[tuple[PicturePoint, ...]] = []
 
     def engagement(self, action: EngagementAction) -> Reply:
         """As asked."""
@@ -56,7 +61,7 @@ class Agreeable:
         """As asked."""
         return Reply(id=1, done=True, code="ok", reason=f"as asked: {action.value}")
 
-    def joints(self, *joints: PictureShare) -> Reply:
+    def joints(self, *joints: PicturePoint) -> Reply:
         """As asked."""
         self.marked.append(joints)
         return Reply(id=1, done=True, code="ok", reason="as asked")

@@ -16,6 +16,7 @@ import structlog
 
 from common.clock import NS_PER_S
 from common.errors import FarhandError, ProcessError
+from common.process.log import finish_log
 from common.process.service import StopFlag
 
 PR_SET_PDEATHSIG = 1
@@ -162,3 +163,5 @@ def _run(name: str, main: ChildMain, heartbeat: Heartbeat, reason: EndReason, pa
     except Exception as error:
         reason.leave(f"{type(error).__name__}: {error}")
         raise  # multiprocessing prints the traceback
+    finally:
+        finish_log()

@@ -10,10 +10,10 @@ from cryptography import x509
 from cryptography.hazmat.primitives import serialization
 from cryptography.hazmat.primitives.asymmetric import ec
 
+from common.atomic_file import write_atomically
 from common.errors import ConfigError
 from common.link.channels import check_cell_name
 from common.link.roles import Identity, Role
-from common.whole_file import write_whole
 from farhand.certificates.issuing import CA_DAYS, Issued, issue, make_authority
 
 LOOPBACK_HOSTS = ("127.0.0.1", "::1", "localhost")
@@ -123,8 +123,8 @@ def _valid(authority: Issued, now: datetime, days: int) -> timedelta:
 
 def _write(stem: Path, issued: Issued) -> None:
     """Write the key first: a certificate is useless without it."""
-    write_whole(stem.with_name(f"{stem.name}.key"), issued.key_pem, PRIVATE)
-    write_whole(stem.with_name(f"{stem.name}.pem"), issued.certificate_pem, PUBLIC)
+    write_atomically(stem.with_name(f"{stem.name}.key"), issued.key_pem, PRIVATE)
+    write_atomically(stem.with_name(f"{stem.name}.pem"), issued.certificate_pem, PUBLIC)
 
 
 def guidance(folder: Path, cell: str, hosts: Sequence[str]) -> str:

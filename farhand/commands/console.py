@@ -3,7 +3,7 @@
 import typer
 
 from common.config import load_config
-from common.process.service import LogFormat
+from common.process.log import LogFormat
 from farhand.commands.options import ConfigFile, LogLines, Settings, until_signal
 
 

@@ -6,7 +6,7 @@ from typing import Annotated
 import typer
 
 from common.config import load_config
-from common.process.service import LogFormat
+from common.process.log import LogFormat
 from farhand.commands.options import ConfigFile, LogLines, Settings, until_signal
 
 

@@ -6,7 +6,8 @@ from typing import TYPE_CHECKING, Annotated
 import typer
 
 from common.config import load_config
-from common.process.service import LogFormat, StopFlag
+from common.process.log import LogFormat
+from common.process.service import StopFlag
 
 if TYPE_CHECKING:
     from local_site.console.config import ConsoleConfig

@@ -8,11 +8,12 @@ from pathlib import Path
 from cryptography import x509
 
 from common.cameras.sources import Source, open_camera
-from common.clock import NS_PER_S, OffsetEstimator
+from common.clock import NS_PER_S
 from common.errors import CalibrationError, CameraError, ConfigError, DriverError, RefusedError, TransportError
 from common.link.config import ON_THIS_HOST, LinkSecurity, TlsConfig
 from common.link.credentials import load_credentials
 from common.link.endpoints import check_endpoint, check_free
+from common.link.remote_clock import RemoteClock
 from common.link.transport import open_link
 from farhand.certificates.folder import read_certificate
 from farhand.doctor.processes import holder_of_device, listener_on
@@ -111,21 +112,17 @@ def probe_port(purpose: str, endpoint: str, security: LinkSecurity) -> PortFacts
 
 def probe_clock(cell: str, endpoint: str, security: LinkSecurity = ON_THIS_HOST) -> ClockFacts:
     """Ask the remote site's clock TRIPS times, for CLOCK_PATIENCE_NS at most."""
-    estimator = OffsetEstimator()
     try:
         with open_link(connect=(endpoint,), security=security) as link:
-            give_up_ns, trips = time.monotonic_ns() + CLOCK_PATIENCE_NS, 0
+            clock, give_up_ns, trips = RemoteClock(link, cell), time.monotonic_ns() + CLOCK_PATIENCE_NS, 0
             while trips < TRIPS and time.monotonic_ns() < give_up_ns:
-                trip = link.round_trip(cell)
-                if trip is not None:
-                    estimator.add(trip)
-                    trips += 1
+                trips += clock.measure() is not None
                 time.sleep(TRIP_EVERY_S)
     except RefusedError as error:
         return ClockFacts(endpoint, problem=str(error))
     except TransportError:
         return ClockFacts(endpoint)  # the check of the links reports what is wrong with the endpoint
-    known = estimator.estimate(time.monotonic_ns())
+    known = clock.estimate(time.monotonic_ns())
     if known is None:
         return ClockFacts(endpoint)
     return ClockFacts(endpoint, known.offset.offset_ns, known.offset.uncertainty_ns)

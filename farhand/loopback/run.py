@@ -14,6 +14,7 @@ from rich.console import Console
 from common.clock import NS_PER_MS, NS_PER_S
 from common.errors import InterruptionError, ProcessError
 from common.geometry import Array
+from common.link.channels import ChannelSession
 from common.link.transport import Link, open_link
 from common.messages.robot import Engagement, SessionState
 from common.process.service import StopFlag
@@ -146,7 +147,7 @@ class Loopback:
         remote = self._remote
         self._sites.start("remote", self._plan.remote.arguments, runtime)
         control = stack.enter_context(open_link(connect=(remote.links.control, self._local.links.listen)))
-        video = stack.enter_context(open_link(connect=(remote.links.video,)))
+        video = stack.enter_context(open_link(connect=(remote.links.video,), sessions=[ChannelSession.VIDEO]))
         self._sites.listen(control, video, remote)
         self._wait("the remote site to start", START_TIMEOUT_S, lambda: bool(self.record.states))
         if self._should_stop():

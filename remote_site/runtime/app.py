@@ -7,19 +7,15 @@ import msgspec
 import structlog
 
 from common.errors import FarhandError
-from common.link.channels import CAMERA, SHOWN, STATE
+from common.link.channels import CAMERA, SHOWN, STATE, ChannelSession
 from common.link.credentials import Validity, check_links
 from common.link.endpoints import check_free
+from common.link.pubsub import Publisher
 from common.link.roles import Identity, Role
-from common.link.transport import Publisher
 from common.messages.video import VideoFrame
 from common.process.children import Children, Heartbeat
-from common.process.service import (
-    LogFormat,
-    StopFlag,
-    notify,
-    start_log,
-)
+from common.process.log import LogFormat, start_log
+from common.process.service import StopFlag, notify
 from remote_site.config import RemoteConfig
 from remote_site.drivers.memory import DriverMemory
 from remote_site.drivers.registry import check_driver
@@ -148,7 +144,7 @@ def _video(
     heartbeat: Heartbeat,
 ) -> None:
     views = SimulatedViews(config.simulation, config.robot, memory) if memory is not None else None
-    with open_site_link(config.links, config.links.video, should_stop, VIDEO_SEND_BUFFER_BYTES) as link:
+    with open_site_link(config.links, ChannelSession.VIDEO, should_stop, VIDEO_SEND_BUFFER_BYTES) as link:
         publishers: dict[str, Publisher[VideoFrame]] = {
             camera.name: link.publisher(CAMERA, config.cell, camera.name) for camera in config.video.cameras
         }
@@ -162,7 +158,7 @@ def _video(
 
 
 def _metrics(config: RemoteConfig, tally: VideoTally, should_stop: StopFlag, heartbeat: Heartbeat) -> None:
-    from common.process.metrics.serving import run_metrics  # noqa: PLC0415  # only who asks for figures waits for it
+    from common.process.metrics import run_metrics  # noqa: PLC0415  # only who asks for figures waits for it
     from remote_site.runtime.figures import RemoteFigures  # noqa: PLC0415  # the same
 
     port, figures = config.metrics.port, RemoteFigures(tally)
