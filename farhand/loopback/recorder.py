@@ -19,6 +19,7 @@ from common.messages.video import CameraStatus, VideoFrame
 M = TypeVar("M", bound=Message)
 
 DECODE_EVERY = 5
+JOIN_TIMEOUT_S = 2.0
 
 
 @dataclass
@@ -61,6 +62,7 @@ class Recorder:
 
     def __init__(self, control: Link, video: Link, cell: str, cameras: tuple[str, ...]) -> None:
         self.record = Record(cameras={name: CameraRecord() for name in cameras})
+        self._threads: list[threading.Thread] = []
         self._listen(control.latest(HAND, cell), self._hand)
         self._listen(control.latest(STATE, cell), self._state)
         for name, camera in self.record.cameras.items():
@@ -75,4 +77,11 @@ class Recorder:
         self.record.last_state_ns = now_ns
 
     def _listen(self, latest: Latest[M], take: Callable[[M, int], None]) -> None:
-        threading.Thread(target=latest.feed, args=(take,), daemon=True).start()
+        thread = threading.Thread(target=latest.feed, args=(take,), daemon=True)
+        thread.start()
+        self._threads.append(thread)
+
+    def join(self) -> None:
+        """Wait for the threads once the links are closed: one that wakes while Python ends aborts the process."""
+        for thread in self._threads:
+            thread.join(JOIN_TIMEOUT_S)

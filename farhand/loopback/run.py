@@ -15,7 +15,7 @@ from common.clock import NS_PER_MS, NS_PER_S
 from common.errors import InterruptionError, ProcessError
 from common.geometry import Array
 from common.link.channels import ChannelSession
-from common.link.transport import open_link
+from common.link.transport import Link, open_link
 from common.messages.robot import Engagement, SessionState
 from common.process.service import StopFlag
 from farhand.loopback.casting import operator_views
@@ -64,11 +64,17 @@ class RunningSites:
     def __init__(self) -> None:
         self.record = Record()
         self.events: list[str] = []
+        self._recorder: Recorder | None = None
         self._sites: list[SiteProcess] = []
 
     def start(self, name: str, arguments: list[str], runtime: Path) -> None:
         """Start `farhand NAME` with these arguments."""
         self._sites.append(start_site(name, arguments, runtime))
+
+    def listen(self, control: Link, video: Link, remote: RemoteConfig) -> None:
+        """Record what the sites send from now on."""
+        self._recorder = Recorder(control, video, remote.cell, tuple(camera.name for camera in remote.video.cameras))
+        self.record = self._recorder.record
 
     def check(self) -> None:
         """ProcessError, with its own last words, when a process has ended."""
@@ -89,7 +95,9 @@ class RunningSites:
         return "; ".join([*reasons, *(f"{site.name}: {site.last_error()}" for site in self._sites)])
 
     def end(self) -> None:
-        """End the processes, the last one first, and keep their warnings."""
+        """End the processes, the last one first, and keep their warnings; the links are closed by then."""
+        if self._recorder is not None:
+            self._recorder.join()
         for site in reversed(self._sites):
             site.end()
             self.events += site.events
@@ -140,8 +148,7 @@ class Loopback:
         self._sites.start("remote", self._plan.remote.arguments, runtime)
         control = stack.enter_context(open_link(connect=(remote.links.control, self._local.links.listen)))
         video = stack.enter_context(open_link(connect=(remote.links.video,), sessions=[ChannelSession.VIDEO]))
-        cameras = tuple(camera.name for camera in remote.video.cameras)
-        self._sites.record = Recorder(control, video, remote.cell, cameras).record
+        self._sites.listen(control, video, remote)
         self._wait("the remote site to start", START_TIMEOUT_S, lambda: bool(self.record.states))
         if self._should_stop():
             raise InterruptionError("interrupted before both sites were up; nothing was measured")
