@@ -18,7 +18,7 @@ from remote_site.drivers.link import DriverLink, RobotReport
 from remote_site.drivers.memory import DriverMemory
 from remote_site.drivers.supervisor.grip import GripWatch
 from remote_site.drivers.supervisor.supervisor import DriverSupervisor
-from remote_site.drivers.supervisor.write_scheduler import LEAST_SHARE
+from remote_site.drivers.supervisor.write_scheduler import LEAST_FRACTION
 from remote_site.kinematics.limits import JointLimits
 from remote_site.kinematics.model import ArmModel
 from remote_site.runtime.driver_process import Desk, grip_settings, setup_of
@@ -69,7 +69,7 @@ class World:
         self.chain = TeleopPipeline(CONFIG, self.model, self.limits, robot.start, leases)
         self._latch = FaultLatch(self.chain.session)
         self.ticks, self._seq, self._last_fault = Ticks(), 0, ""
-        self._rate = Rate(CONFIG.control.rate_hz, self.clock, least_share=LEAST_SHARE)
+        self._rate = Rate(CONFIG.control.rate_hz, self.clock, least_share=LEAST_FRACTION)
         self._control_ns = self._rate.next_ns
         self._turn_ns, self._ask_ns = begin_ns, begin_ns + ASK_NS
         self._link.activate(robot.start)

@@ -4,11 +4,15 @@ import math
 from dataclasses import dataclass
 from typing import Protocol
 
+import numpy as np
+
 from common.errors import DriverError
 from common.geometry import Array
 from remote_site.drivers.faults import RobotFault
 from remote_site.kinematics.joints import JointMotion
 from remote_site.kinematics.limits import JointLimits
+
+RESTING_RAD_S = 0.02  # measured speed of a joint at rest, at most
 
 
 @dataclass(frozen=True, slots=True)
@@ -55,9 +59,9 @@ class RobotReading:
     obeyed_seq: int | None
 
     @property
-    def ready(self) -> bool:
-        """The robot takes commands."""
-        return self.fault is None
+    def moving(self) -> bool:
+        """Any joint moves."""
+        return float(np.abs(self.dq).max()) > RESTING_RAD_S
 
 
 @dataclass(frozen=True, slots=True)

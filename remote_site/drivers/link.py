@@ -13,7 +13,8 @@ from common.process.health import Silence
 from remote_site.drivers.driver import JointCommand
 from remote_site.drivers.faults import NOT_ACTIVATED, FaultCode, RobotFault
 from remote_site.drivers.memory import DriverMemory, DriverReport
-from remote_site.drivers.supervisor.supervisor import DEADLINE_NS, DriverOrder, late_call
+from remote_site.drivers.supervisor.orders import DriverOrder
+from remote_site.drivers.supervisor.watched_driver import DEADLINE_NS, late_call
 from remote_site.kinematics.joints import JointMotion
 from remote_site.kinematics.limits import JointLimits
 from remote_site.safety.stopping import stopping
@@ -54,7 +55,7 @@ class DriverLink:
         self._limits = limits
         self._clock = clock
         self._silence = Silence(PAUSE_NS)
-        self._activation = self._diversions = 0
+        self._activation = self._stop_count = 0
         self._last: JointCommand | None = None
         self._raw = memory.report.read()
         self._report = self._decoded(self._raw)
@@ -79,8 +80,8 @@ class DriverLink:
         So control goes on from within the stop: what comes back is what it plans the next command from.
         """
         raw = self._raw
-        if raw.diversions != self._diversions:
-            self._diversions = raw.diversions
+        if raw.stop_count != self._stop_count:
+            self._stop_count = raw.stop_count
             sent = self._sent(raw, command.t_ns)
             command = replace(command, q=sent.q, dq=sent.dq, ddq=sent.ddq)
         self._order(command, run=True)
@@ -101,7 +102,7 @@ class DriverLink:
 
     def _order(self, command: JointCommand, *, run: bool) -> None:
         self._last = command
-        self._memory.orders.write(DriverOrder(self._activation, run, self._diversions, command))
+        self._memory.orders.write(DriverOrder(self._activation, run, self._stop_count, command))
         self._memory.bell.ring()
 
     def _decoded(self, raw: DriverReport) -> RobotReport:

@@ -12,14 +12,14 @@ import numpy as np
 from common.geometry import Array
 from common.process.shared_record import SharedRecord
 from remote_site.drivers.driver import JointCommand
-from remote_site.drivers.supervisor.supervisor import DriverOrder
+from remote_site.drivers.supervisor.orders import DriverOrder
 
 ORDERS_KEPT = 64
 WORD_BYTES = 32
 SENTENCE_BYTES = 400
 
 
-ORDER = struct.Struct("<I?I?Qq")  # activation, run, diversions, gripper_open, seq, t_ns; then q, dq, ddq
+ORDER = struct.Struct("<I?I?Qq")  # activation, run, stop_count, gripper_open, seq, t_ns; then q, dq, ddq
 REPORT = struct.Struct(f"<qIIqq?Qdd?{WORD_BYTES}s{WORD_BYTES}s{WORD_BYTES}s{SENTENCE_BYTES}s")
 DOUBLES = np.dtype("<f8")
 
@@ -35,7 +35,7 @@ class OrderRing:
         """Append an order; only control writes."""
         command = order.command
         head = ORDER.pack(
-            order.activation, order.run, order.diversions, command.gripper_open, command.seq, command.t_ns
+            order.activation, order.run, order.stop_count, command.gripper_open, command.seq, command.t_ns
         )
         self._record.write_bytes(head + command.q.tobytes() + command.dq.tobytes() + command.ddq.tobytes())
 
@@ -49,9 +49,9 @@ class OrderRing:
 
 
 def _order(data: bytes) -> DriverOrder:
-    activation, run, diversions, gripper_open, seq, t_ns = ORDER.unpack_from(data)
+    activation, run, stop_count, gripper_open, seq, t_ns = ORDER.unpack_from(data)
     q, dq, ddq = np.frombuffer(data, DOUBLES, offset=ORDER.size).reshape(3, -1)
-    return DriverOrder(activation, run, diversions, JointCommand(seq, t_ns, q, dq, ddq, gripper_open))
+    return DriverOrder(activation, run, stop_count, JointCommand(seq, t_ns, q, dq, ddq, gripper_open))
 
 
 class DriverReport(NamedTuple):
@@ -65,7 +65,7 @@ class DriverReport(NamedTuple):
 
     at_ns: int
     answered: int
-    diversions: int
+    stop_count: int
     onset_ns: int
     t_ns: int
     has_obeyed: bool

@@ -23,7 +23,7 @@ from remote_site.drivers.driver import JointCommand
 from remote_site.drivers.faults import FaultCode
 from remote_site.drivers.link import DriverLink, RobotReport
 from remote_site.drivers.memory import DriverMemory
-from remote_site.drivers.supervisor.write_scheduler import LEAST_SHARE
+from remote_site.drivers.supervisor.write_scheduler import LEAST_FRACTION
 from remote_site.kinematics.limits import JointLimits
 from remote_site.kinematics.model import ArmModel
 from remote_site.reasons import Code, Reason, reason
@@ -68,7 +68,7 @@ def run_control(
         gc.freeze()
         # from here on the driver counts the time without a command
         _activate(driver, chain, should_stop)
-        rate = Rate(config.control.rate_hz, clock, least_share=LEAST_SHARE)
+        rate = Rate(config.control.rate_hz, clock, least_share=LEAST_FRACTION)
         reporter = Reporter(link.publisher(STATE, config.cell), board, model, rate, real_time=real_time)
         refusals = Refusals(reporter.log)
         desk = RequestServer(link, description, leases, clock, refusals.note)

@@ -11,10 +11,11 @@ from common.geometry import Array
 from remote_site.drivers.conformance.watched import Watch, WatchedDriver
 from remote_site.drivers.driver import Driver, DriverSetup, JointCommand, RobotReading
 from remote_site.drivers.supervisor.grip import GripSettings, GripWatch
-from remote_site.drivers.supervisor.supervisor import DriverOrder, DriverSupervisor, Phase
+from remote_site.drivers.supervisor.orders import DriverOrder
+from remote_site.drivers.supervisor.state import ACTIVE, SupervisorState
+from remote_site.drivers.supervisor.supervisor import DriverSupervisor
 from remote_site.kinematics.joints import JointMotion
 from remote_site.motion.jerk_limited import JerkLimitedTracker
-from remote_site.safety.stopping import stopping
 
 READY_MS = 5000
 STEP_MS = 2
@@ -83,7 +84,7 @@ class Trial:
         self.setup = gentle(stand.setup)
         self.driver = WatchedDriver(stand.make, watch)
         self.timer = Timer(stand.clock)
-        self.keeper = DriverSupervisor(self.driver, self.setup, stand.clock, self.timer, GripWatch(GripSettings()))
+        self.supervisor = DriverSupervisor(self.driver, self.setup, stand.clock, self.timer, GripWatch(GripSettings()))
         self.log: list[RobotReading] = []
         self._start = stand.start
         self._activation = self._seq = 0
@@ -92,6 +93,11 @@ class Trial:
         periods = (capabilities.queued_periods + 2) if capabilities.queued_periods else 1
         self.side = 1.0
         self.lag_ms = 1000 * periods / capabilities.rate_hz + 50
+
+    @property
+    def ready(self) -> bool:
+        """The robot takes commands."""
+        return self.supervisor.state in ACTIVE
 
     @property
     def q0(self) -> Array:
@@ -129,30 +135,30 @@ class Trial:
         zero = np.zeros(len(self.q0))
         command = JointCommand(self._seq, self.clock.now_ns(), self.q0, zero, zero, gripper_open=True)
         self._follower.reset(JointMotion.at_rest(self.q0))
-        self.run(STEP_MS, [DriverOrder(self._activation, True, self.keeper.diversions, command)])
+        self.run(STEP_MS, [DriverOrder(self._activation, True, self.supervisor.commanded.stop_count, command)])
         for _ in range(READY_MS // STEP_MS):
-            if self.keeper.phase is not Phase.ACTIVATING:
+            if self.supervisor.state is not SupervisorState.ACTIVATING:
                 break
             self.run(STEP_MS)
-        if self.keeper.phase is not Phase.ACTIVE:
+        if not self.ready:
             kind = Hopeless if self._activation == 1 else Failed
-            raise kind(f"not ready {READY_MS / 1000:g} s after its activation: {self.keeper.fault}")
+            raise kind(f"not ready {READY_MS / 1000:g} s after its activation: {self.supervisor.fault}")
 
     def run(self, ms: float, orders: list[DriverOrder] | None = None) -> None:
         """Let time pass, the driver being called as its process would."""
         end_ns = self.clock.now_ns() + round(ms * NS_PER_MS)
         while self.clock.now_ns() < end_ns:
             self.clock.sleep_until_ns(self.clock.now_ns() + STEP_MS * NS_PER_MS)
-            self.keeper.take(orders or [], self.clock.now_ns())
+            self.supervisor.take(orders or [], self.clock.now_ns())
             orders = None
-            self.keeper.step(self.clock.now_ns())
-            if self.keeper.reading is not None:
-                self.log.append(self.keeper.reading)
+            self.supervisor.step(self.clock.now_ns())
+            if self.supervisor.reading is not None:
+                self.log.append(self.supervisor.reading)
 
     def move(self, target: Array, ms: float) -> None:
         """Command the way to `target` for so long, one command a tick."""
         for _ in range(round(ms / 1000 / self.setup.dt)):
-            self._follower.reset(self.keeper.motion)
+            self._follower.reset(self.supervisor.commanded.motion)
             motion = self._follower.track(target, np.zeros(len(target)))
             if not isinstance(motion, JointMotion):
                 raise Failed(f"no way to {target}: {motion.sentence}")
@@ -161,17 +167,19 @@ class Trial:
     def command(self, motion: JointMotion) -> None:
         """One command, and the tick after it; one that comes too late goes on from within the stop, as control does."""
         self._seq += 1
-        now_ns, (onset_ns, last) = self.clock.now_ns(), self.keeper.course
-        if onset_ns:
-            motion = stopping(last, self.setup.limits, (now_ns - onset_ns) / NS_PER_S)
+        now_ns, stop = self.clock.now_ns(), self.supervisor.commanded.stop
+        if stop is not None:
+            motion = stop.at(now_ns)
         command = JointCommand(self._seq, now_ns, motion.q, motion.dq, motion.ddq, gripper_open=True)
-        self.run(self.setup.dt * 1000, [DriverOrder(self._activation, True, self.keeper.diversions, command)])
+        self.run(
+            self.setup.dt * 1000, [DriverOrder(self._activation, True, self.supervisor.commanded.stop_count, command)]
+        )
 
     def in_motion(self) -> "Trial":
         """The same, its first joint at speed."""
         self.move(self.goal(STROKE_RAD), 500)
-        if self.keeper.phase is not Phase.ACTIVE:
-            raise Failed(f"fails in motion: {self.keeper.fault}")
+        if not self.ready:
+            raise Failed(f"fails in motion: {self.supervisor.fault}")
         return self
 
     def goal(self, ahead_rad: float) -> Array:
@@ -196,7 +204,7 @@ class Trial:
     def last(self) -> RobotReading:
         """The newest reading; Failed without one."""
         if not self.log:
-            raise Failed(f"nothing can be read: {self.keeper.fault}")
+            raise Failed(f"nothing can be read: {self.supervisor.fault}")
         return self.log[-1]
 
     def speed(self, window_ms: float = WINDOW_MS) -> float:
