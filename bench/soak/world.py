@@ -21,7 +21,7 @@ from remote_site.drivers.supervisor.supervisor import DriverSupervisor
 from remote_site.drivers.supervisor.write_scheduler import LEAST_FRACTION
 from remote_site.kinematics.limits import JointLimits
 from remote_site.kinematics.model import ArmModel
-from remote_site.runtime.driver_process import Desk, grip_settings, setup_of
+from remote_site.runtime.driver_process import DriverLoop, grip_settings, setup_of
 from remote_site.session.config import EngagementConfig, EngagementMode
 from remote_site.session.fault_latch import FaultLatch
 from remote_site.session.lease import LeaseServer
@@ -63,7 +63,10 @@ class World:
         setup, memory = setup_of(CONFIG), DriverMemory.create(len(robot.start_deg))
         self.driver.configure(setup)
         self._keeper = DriverSupervisor(self.driver, setup, self.clock, memory.busy, GripWatch(grip_settings(CONFIG)))
-        self._desk, self._link = Desk(self._keeper, memory, self.clock), DriverLink(memory, self.limits, self.clock)
+        self._desk, self._link = (
+            DriverLoop(self._keeper, memory, self.clock),
+            DriverLink(memory, self.limits, self.clock),
+        )
         leases = LeaseServer(FOR_EVER_NS, 1)
         self.operator = RandomOperator(self._luck, leases, begin_ns)
         self.chain = TeleopPipeline(CONFIG, self.model, self.limits, robot.start, leases)

@@ -118,7 +118,7 @@ class Bell:
         os.eventfd_write(self._handle, 1)
 
     def wait(self, timeout_s: float) -> None:
-        """Wait for a ring, at most so long; to the microsecond, which poll cannot."""
+        """Wait for a ring, at most `timeout_s`; to the microsecond, which poll cannot."""
         if select.select([self._handle], [], [], timeout_s)[0]:
             os.eventfd_read(self._handle)
 
@@ -149,5 +149,5 @@ class DriverMemory:
 
     @classmethod
     def create(cls, joints: int) -> Self:
-        """Empty memory for an arm of so many joints."""
+        """Empty memory for an arm of this many joints."""
         return cls(OrderRing(joints), ReportRecord(joints), BusyMark(), Bell())

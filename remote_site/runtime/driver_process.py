@@ -47,25 +47,25 @@ def run_driver(
         )
     driver.configure(setup)
     supervisor = DriverSupervisor(driver, setup, clock, memory.busy, GripWatch(grip_settings(config)))
-    desk = Desk(supervisor, memory, clock)
+    loop = DriverLoop(supervisor, memory, clock)
     ask_for_real_time(FIFO_PRIORITY)
     gc.collect()
     gc.freeze()
     longest_ns = round(setup.dt * NS_PER_S / WAKES_PER_TICK)
     while not should_stop():
-        desk.wait(longest_ns)
-        desk.turn()
+        loop.wait(longest_ns)
+        loop.turn()
         heartbeat.beat()
     end_ns = clock.now_ns() + END_NS
     supervisor.stop(STOPPED, clock.now_ns())
     while not supervisor.settled and clock.now_ns() < end_ns:
-        desk.wait(longest_ns)
-        desk.turn()
+        loop.wait(longest_ns)
+        loop.turn()
     driver.deactivate()
 
 
 def setup_of(config: RemoteConfig) -> DriverSetup:
-    """What the configuration tells every driver."""
+    """What every driver is configured with."""
     model = ArmModel.from_urdf(config.robot.urdf, config.robot.tool_frame, config.robot.tool_T_tcp)
     return DriverSetup(
         joint_names=model.joint_names,
@@ -82,8 +82,8 @@ def grip_settings(config: RemoteConfig) -> GripSettings:
     return GripSettings(grip.closed_mm / 1000, grip.open_mm / 1000, round(grip.timeout_ms * NS_PER_MS))
 
 
-class Desk:
-    """One turn after the other: orders to the supervisor, its report to the memory."""
+class DriverLoop:
+    """Orders from the memory to the supervisor, its report to the memory, one turn after the other."""
 
     def __init__(self, supervisor: DriverSupervisor, memory: DriverMemory, clock: Clock) -> None:
         self._supervisor, self._memory, self._clock = supervisor, memory, clock
@@ -91,7 +91,7 @@ class Desk:
         self._log = FaultLog()
 
     def wait(self, longest_ns: int) -> None:
-        """Wait for an order, until the supervisor has something to write, or for so long."""
+        """Wait for an order, until the supervisor has something to write, or for `longest_ns`."""
         due_ns = self._supervisor.due_ns
         wait_ns = longest_ns if due_ns is None else min(max(due_ns - self._clock.now_ns(), 0), longest_ns)
         self._memory.bell.wait(wait_ns / NS_PER_S)
@@ -144,7 +144,7 @@ class FaultLog:
 
     def note(self, fault: RobotFault | None) -> None:
         """Note the fault of a turn."""
-        # whoever asked for what was refused is told, and asks again
+        # a refusal is reported to who asked, who asks again
         if fault is not None and fault is not self._last and not fault.calm and fault.code is not FaultCode.REFUSED:
             self._queue.put(fault)
         self._last = fault

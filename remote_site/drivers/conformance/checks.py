@@ -19,10 +19,10 @@ REACHED_RAD = 0.01
 HOLDS_RAD = 0.005
 AGAIN_MS = 20
 ATTEMPTS = 5
-OVER = 1.1  # what measuring and smoothing may add
-UNLIKE = 0.3  # of a joint's way: what the speeds read may miss of it, being smoothed
-SHORT = 0.5  # of the way that a stop within the limits takes at least: a shorter one is too hard
-STEPS = 3.0  # of the slowest of commands, rate and readings: a joint that stands longer in motion misses commands
+OVER = 1.1  # what measurement and smoothing may add
+UNLIKE = 0.3  # of a joint's travel: what smoothed speeds may miss
+SHORT = 0.5  # of the travel of a stop within the limits: a shorter one is too hard
+STEPS = 3.0  # of the slowest of commands, rate and readings: a joint that pauses longer in motion misses commands
 STEADY_MS = 250
 
 
@@ -77,7 +77,7 @@ def rate(trial: Trial) -> None:
 
 
 def limits(trial: Trial) -> None:
-    """The robot moves no faster than its limits, and a command beyond them stops it instead of reaching it."""
+    """The robot moves no faster than its limits, and a command beyond them stops it and is not written."""
     trial.activated().in_motion()
     if trial.speed() > SPEED_RAD_S * OVER:
         raise Failed(f"the joint moves at {trial.speed():.2f} rad/s where {SPEED_RAD_S:g} is its limit")
@@ -105,7 +105,7 @@ def stop(trial: Trial) -> None:
     _travelled(trial, at, sent)
     _brakes_within_limits(trial, at + float(sent.dq[0]) * stood_ms / 1000, sent)
     if trial.last().fault is None:
-        raise Failed("it says that it is ready after a stop")
+        raise Failed("it reports that it is ready after a stop")
 
 
 def idempotent_stop(trial: Trial) -> None:
@@ -133,7 +133,7 @@ def read_never_invents(trial: Trial) -> None:
     trial.configure()
     before = _readable(trial)
     if before is not None and np.abs(before.q - trial.q0).max() > 0.5:
-        raise Failed(f"before its activation it reads {before.q}, far from where the robot stands")
+        raise Failed(f"before its activation it reads {before.q}, far from where the robot is")
     trial.run(300)
     trial.turn_to_the_middle()
     trial.activate()
@@ -183,7 +183,7 @@ def watchdog(trial: Trial) -> None:
     if np.abs(last.q - rest.q).max() > HOLDS_RAD:
         raise Failed(f"the robot still moves {wait_ms:.0f} ms after the last call of its driver")
     if rest.fault is None or last.fault is None:
-        raise Failed("its watchdog has stopped it, but it says that it is ready")
+        raise Failed("its watchdog has stopped it, but it reports that it is ready")
 
 
 def deadline(trial: Trial) -> None:
@@ -228,7 +228,7 @@ def _readable(trial: Trial) -> RobotReading | None:
 
 
 def _read_alone(trial: Trial, ms: float) -> RobotReading:
-    """The last of the readings that the driver gives by itself, without its keeper, for so long."""
+    """The last reading of the driver after `ms` without its supervisor."""
     for _ in range(round(ms / STEP_MS)):
         trial.clock.sleep_until_ns(trial.clock.now_ns() + STEP_MS * NS_PER_MS)
         reading = trial.driver.read()
@@ -309,7 +309,7 @@ def _worst(trial: Trial, off: Array) -> str:
 def _measures(trial: Trial) -> None:
     capabilities, reading = trial.driver.capabilities, trial.last()
     if (reading.gripper is not None) is not capabilities.gripper:
-        raise Failed("it reads a gripper that it has not, or none although it has one")
+        raise Failed("it reads a gripper that it does not have, or none although it has one")
     if reading.gripper is not None and (reading.gripper.force_n is not None) is not capabilities.force:
         raise Failed("it reads a grip force that it cannot measure, or none although it can")
     if not (np.isfinite(reading.q).all() and np.isfinite(reading.dq).all()):

@@ -15,7 +15,7 @@ from remote_site.drivers.supervisor.supervisor import DriverSupervisor
 from remote_site.drivers.supervisor.write_scheduler import LEAST_FRACTION
 from remote_site.kinematics.joints import JointMotion
 from remote_site.motion.jerk_limited import JerkLimitedTracker
-from remote_site.runtime.driver_process import Desk, setup_of
+from remote_site.runtime.driver_process import DriverLoop, setup_of
 from tests.remote_site.remote_loop import arm
 
 _, LIMITS = arm()
@@ -51,7 +51,7 @@ class Rig:
         self.robot, memory, setup = make(self.clock), DriverMemory.create(6), setup_of(RemoteConfig())
         self.robot.configure(setup)
         self.supervisor = DriverSupervisor(self.robot, setup, self.clock, memory.busy, GripWatch(GripSettings()))
-        self.desk, self.link = Desk(self.supervisor, memory, self.clock), DriverLink(memory, LIMITS, self.clock)
+        self.desk, self.link = DriverLoop(self.supervisor, memory, self.clock), DriverLink(memory, LIMITS, self.clock)
         self.follower, self.phase_ms, self.seq = JerkLimitedTracker(LIMITS, setup.dt), phase_ms, 0
         self.link.activate(START)
         self.desk.turn()
@@ -170,7 +170,7 @@ class LateRig:
         self.robot.pass_time = self.control_until
         self.robot.configure(setup)
         self.supervisor = DriverSupervisor(self.robot, setup, self.clock, memory.busy, GripWatch(GripSettings()))
-        self.desk, self.link = Desk(self.supervisor, memory, self.clock), DriverLink(memory, LIMITS, self.clock)
+        self.desk, self.link = DriverLoop(self.supervisor, memory, self.clock), DriverLink(memory, LIMITS, self.clock)
         self.follower, self.seq, self.waits = JerkLimitedTracker(LIMITS, setup.dt), 0, []
         self.link.activate(START)
         self.desk.turn()
