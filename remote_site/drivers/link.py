@@ -9,10 +9,10 @@ import numpy as np
 from common.clock import NS_PER_MS, NS_PER_S, Clock
 from common.geometry import Array
 from common.messages.robot import GripperState, GripperStatus
-from common.process.health import Silence
 from remote_site.drivers.driver import JointCommand
 from remote_site.drivers.faults import NOT_ACTIVATED, FaultCode, RobotFault
 from remote_site.drivers.memory import DriverMemory, DriverReport
+from remote_site.drivers.silence import Silence
 from remote_site.drivers.supervisor.orders import DriverOrder
 from remote_site.drivers.supervisor.watched_driver import DEADLINE_NS, late_call
 from remote_site.kinematics.joints import JointMotion
@@ -27,9 +27,10 @@ STARTING = RobotFault(FaultCode.NOT_ACTIVATED, "the driver has measured nothing 
 class RobotReport(NamedTuple):
     """The robot as its driver's process reports it; `fault` is None while it takes commands.
 
-    `t_ns` is when `q`, `dq` (rad, rad/s) were measured, 0 before anything was. `sent` is the motion commanded last; in
-    a stop, where the stop is now; until an activation is answered, rest at its posture. `obeyed_seq` is the
-    newest command that has reached the robot's motion. `answered`: the last activation was handled.
+    `t_ns` is when `q`, `dq` (rad, rad/s) were measured, 0 before anything was. `sent` is the motion to plan from: the
+    last command while the robot takes commands; otherwise what was commanded last, in a stop where it is now, and rest
+    where an activation was requested until it is answered. `obeyed_seq` is the newest command that has reached the
+    robot's motion. `answered`: the last activation was handled.
     """
 
     t_ns: int
@@ -71,6 +72,8 @@ class DriverLink:
         elif raw.at_ns and silent_ns > SILENT_NS:
             late = f"the driver's process has been silent for {silent_ns / NS_PER_MS:.0f} ms"
             report = report._replace(fault=RobotFault(FaultCode.PROCESS, late))
+        if report.ready and self._last is not None:
+            report = report._replace(sent=self._last.motion)
         self._report = report
         return report
 

@@ -9,9 +9,9 @@ from typing import Any, NamedTuple, Self
 import numpy as np
 
 from common.geometry import Array
-from common.process.shared_record import Record, SharedRecord
 from remote_site.drivers.driver import JointCommand
 from remote_site.drivers.supervisor.orders import DriverOrder
+from remote_site.shared_record import Record, SharedRecord
 
 ORDERS_KEPT = 64
 WORD, SENTENCE = "S32", "S400"

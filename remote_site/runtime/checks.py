@@ -1,4 +1,4 @@
-"""What must be right before the remote site starts a process: all that its processes load of the arm loads once."""
+"""Checks before the remote site starts a process: everything that its processes load of the arm is loaded once."""
 
 import math
 from collections.abc import Callable
@@ -13,6 +13,7 @@ from remote_site.kinematics.limits import JointLimits
 from remote_site.kinematics.model import ArmModel
 from remote_site.motion.target_tracker import choose_target_tracker
 from remote_site.safety.collision import CollisionModel
+from remote_site.teleop.config import prediction
 from remote_site.teleop.mapping import make_mapping
 
 T = TypeVar("T")
@@ -20,7 +21,7 @@ T = TypeVar("T")
 
 @dataclass(frozen=True, slots=True)
 class StartupMistake:
-    """What part of the robot's side cannot be built, the sentence that says why, and which keys cure it."""
+    """The part of the robot's side that cannot be built, why, and which keys cure it."""
 
     part: str
     sentence: str
@@ -45,7 +46,7 @@ class _Loading:
 
 
 def check_robot(config: RemoteConfig) -> None:
-    """ConfigError with every mistake for which the arm cannot be built, or cannot start where it is told to."""
+    """ConfigError with every mistake for which the arm cannot be built, or cannot start at the configured posture."""
     mistakes = find_mistakes(config)
     if mistakes:
         raise ConfigError("\n".join(mistake.sentence for mistake in mistakes))
@@ -76,7 +77,7 @@ def _load_with(model: ArmModel, config: RemoteConfig, loading: _Loading) -> None
     if start is None:
         return
     solvers = "correct robot.kinematics, robot.stance and [control.solver]"
-    loading.load("kinematics", solvers, lambda: choose_target_tracker(config, model, limits))
+    loading.load("kinematics", solvers, lambda: choose_target_tracker(robot, prediction(config), model, limits))
     if config.cell_is_simulated or config.views_are_simulated:
         loading.load("simulated cell", "correct [simulation], or that URDF", lambda: _build_simulation(config))
 
