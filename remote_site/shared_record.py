@@ -37,42 +37,33 @@ class SharedRecord:
 
     def write(self, record: Record) -> None:
         """Publish a record of this dtype (0-d array); only one process may write."""
-        self.write_bytes(record.tobytes())
-
-    def write_bytes(self, data: bytes) -> None:
-        """The same with the record's bytes."""
-        count = self._counter[0] + 1
+        data, count = record.tobytes(), self._counter[0] + 1
         start = self._start(count)
         self._memory[start : start + self._slot_bytes] = data + zlib.crc32(data).to_bytes(4, "little")
         self._counter[0] = count
 
     def read(self) -> Record:
         """A copy of the newest record (0-d array); DriverError when none is complete after READ_ATTEMPTS tries."""
-        return np.frombuffer(self.read_bytes(), dtype=self.dtype).reshape(())
-
-    def read_bytes(self) -> bytes:
-        """The bytes of the newest record."""
         for _ in range(READ_ATTEMPTS):
-            data = self._try_read()
-            if data is not None:
-                return data
+            record = self._slot(self._counter[0], 0)
+            if record is not None:
+                return record
         raise DriverError(f"shared memory: no complete record in {READ_ATTEMPTS} tries; restart the remote site")
 
-    def at(self, count: int) -> bytes | None:
-        """The bytes of record number `count`, None once another has overwritten its slot."""
+    def at(self, count: int) -> Record | None:
+        """A copy of record number `count`, None once another has overwritten its slot."""
         return self._slot(count, self._slots - 2)
 
-    def _try_read(self) -> bytes | None:
-        return self._slot(self._counter[0], 0)
-
-    def _slot(self, count: int, behind: int) -> bytes | None:
+    def _slot(self, count: int, behind: int) -> Record | None:
         """The content of the slot of record `count`, if at most `behind` records have been written since."""
         start = self._start(count)
         slot = self._memory[start : start + self._slot_bytes]
         if self._counter[0] - count > behind:
             return None
         data = slot[:-4]
-        return data if zlib.crc32(data) == int.from_bytes(slot[-4:], "little") else None
+        if zlib.crc32(data) != int.from_bytes(slot[-4:], "little"):
+            return None
+        return np.frombuffer(data, dtype=self.dtype).reshape(())
 
     def _start(self, count: int) -> int:
         return COUNTER_BYTES + (count % self._slots) * self._slot_bytes

@@ -18,10 +18,10 @@ from remote_site.drivers.link import DriverLink
 from remote_site.drivers.memory import DriverMemory
 from remote_site.drivers.supervisor.grip import GripWatch
 from remote_site.drivers.supervisor.supervisor import DriverSupervisor
-from remote_site.drivers.supervisor.write_scheduler import LEAST_SHARE
+from remote_site.drivers.supervisor.write_scheduler import LEAST_FRACTION
 from remote_site.kinematics.limits import load_arm
 from remote_site.runtime.driven_pipeline import DrivenPipeline
-from remote_site.runtime.driver_process import Desk, grip_settings, setup_of
+from remote_site.runtime.driver_process import DriverLoop, grip_settings, setup_of
 from remote_site.runtime.rate import Rate
 from remote_site.session.config import EngagementConfig, EngagementMode
 from remote_site.session.lease import LeaseServer
@@ -64,12 +64,17 @@ class World:
         self.driver = TroubledDriver(driver, self._luck, self.clock, self._only_control)
         setup, memory = setup_of(CONFIG), DriverMemory.create(len(robot.start_deg))
         self.driver.configure(setup)
-        self._keeper = DriverSupervisor(self.driver, setup, self.clock, memory.busy, GripWatch(grip_settings(CONFIG)))
-        self._desk, link = Desk(self._keeper, memory, self.clock), DriverLink(memory, self.limits, self.clock)
+        self._supervisor = DriverSupervisor(
+            self.driver, setup, self.clock, memory.busy, GripWatch(grip_settings(CONFIG))
+        )
+        self._driver_loop, link = (
+            DriverLoop(self._supervisor, memory, self.clock),
+            DriverLink(memory, self.limits, self.clock),
+        )
         self.operator = RandomOperator(self._luck, LeaseServer(FOR_EVER_NS, 1), begin_ns)
         self._driven = DrivenPipeline(TeleopPipeline(CONFIG, self.model, self.limits), link)
         self.ticks, self._last_fault = Ticks(), ""
-        self._rate = Rate(CONFIG.control.rate_hz, self.clock, least_share=LEAST_SHARE)
+        self._rate = Rate(CONFIG.control.rate_hz, self.clock, least_share=LEAST_FRACTION)
         self._control_ns = self._rate.next_ns
         self._turn_ns, self._ask_ns = begin_ns, begin_ns + ASK_NS
         link.activate(robot.start)
@@ -83,11 +88,11 @@ class World:
             else:
                 self.clock.sleep_until_ns(self._turn_ns)
             ticks = len(self.ticks.t_ns)
-            self._desk.turn()  # every order wakes the driver's process, also one that came while a call was late
+            self._driver_loop.turn()  # every order wakes the driver's process, also one that came while a call was late
             pause_ns = TURN_NS + round(self._luck.uniform(0, 0.3) * NS_PER_MS)
             self._turn_ns = self.clock.now_ns() + (pause_ns if len(self.ticks.t_ns) == ticks else 0)
-            if self._keeper.due_ns is not None:
-                self._turn_ns = min(self._turn_ns, max(self._keeper.due_ns, self.clock.now_ns()))
+            if self._supervisor.due_ns is not None:
+                self._turn_ns = min(self._turn_ns, max(self._supervisor.due_ns, self.clock.now_ns()))
 
     def _only_control(self, until_ns: int) -> None:
         """Let time pass for everybody but the driver's process."""

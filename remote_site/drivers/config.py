@@ -18,7 +18,7 @@ class DriverConfig(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fie
     )
     emulate: Annotated[bool, Meta(description="c500c: against an emulated controller instead of a serial line")] = False
     options: Annotated[
-        dict[str, str | int | float | bool], Meta(description="what the driver itself can be told, by its own keys")
+        dict[str, str | int | float | bool], Meta(description="the driver's own options, by its own keys")
     ] = field(default_factory=dict)
 
     def __post_init__(self) -> None:
@@ -30,7 +30,7 @@ class DriverConfig(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fie
         Meta(
             ge=8,
             le=1000,
-            description="without a command for so long, the robot has to be activated anew, ms; its stop begins after "
+            description="without a command for so long, the robot has to be activated again, ms; its stop begins after "
             "three missed ticks",
         ),
     ] = 500.0

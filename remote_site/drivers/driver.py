@@ -4,16 +4,20 @@ import math
 from dataclasses import dataclass
 from typing import Protocol
 
+import numpy as np
+
 from common.errors import DriverError
 from common.geometry import Array
 from remote_site.drivers.faults import RobotFault
 from remote_site.kinematics.joints import JointMotion
 from remote_site.kinematics.limits import JointLimits
 
+RESTING_RAD_S = 0.02  # measured speed of a joint at rest, at most
+
 
 @dataclass(frozen=True, slots=True)
 class JointCommand:
-    """What the robot shall do by the next tick: joints in rad, rad/s, rad/s² in the model's order, and the gripper.
+    """The commanded motion at the next tick: joints in rad, rad/s, rad/s² in the model's order, and the gripper.
 
     `seq` rises by one each command, `t_ns` is the sender's monotonic time.
     """
@@ -55,9 +59,9 @@ class RobotReading:
     obeyed_seq: int | None
 
     @property
-    def ready(self) -> bool:
-        """The robot takes commands."""
-        return self.fault is None
+    def moving(self) -> bool:
+        """Any joint moves."""
+        return float(np.abs(self.dq).max()) > RESTING_RAD_S
 
 
 @dataclass(frozen=True, slots=True)
@@ -83,7 +87,7 @@ class Capabilities:
 
 @dataclass(frozen=True, slots=True)
 class DriverSetup:
-    """What every driver is told before it starts: joints by name, limits, tick in s, command time-out in ns.
+    """What every driver is configured with: joints by name, limits, tick in s, command time-out in ns.
 
     The gripper closes with at most `grip_force_n`.
     """
@@ -98,10 +102,10 @@ class DriverSetup:
 class Driver(Protocol):
     """A robot, real or simulated; DriverError says why a call is refused, and no call takes longer than 50 ms.
 
-    `configure` comes once. `activate` makes the robot take commands from rest at `q0`; `read` tells by its `fault` when
-    it does, and raises while nothing has been measured. `write` hands on a motion that the driver's process has checked
-    and returns what was really sent. `stop` brings the robot to rest at once and may be repeated; then only a new
-    activation moves it. A fault that one reading shows is kept by the driver's process until the next activation.
+    `configure` comes once. `activate` makes the robot take commands from rest at `q0`; the `fault` of `read` shows when
+    it does. `read` raises while nothing has been measured. `write` hands on a motion that the driver's process has
+    checked, and returns what was really sent. `stop` brings the robot to rest at once and may be repeated; then only a
+    new activation moves it. A fault that one reading shows is kept by the driver's process until the next activation.
     `deactivate` ends it all.
     """
 

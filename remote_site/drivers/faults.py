@@ -5,7 +5,7 @@ from enum import StrEnum
 
 
 class FaultCode(StrEnum):
-    """The short word of a fault; mirrored in the robot's state, stable over releases."""
+    """The code of a fault; mirrored in the robot's state, stable over releases."""
 
     NOT_ACTIVATED = "not_activated"
     STOPPED = "stopped"
@@ -17,7 +17,7 @@ class FaultCode(StrEnum):
     APART = "apart"
     NOT_FINITE = "not_finite"
     ROBOT = "robot"
-    # on the way to it
+    # on the link to it
     SILENT = "silent"
     LINK = "link"
     REFUSED = "refused"
@@ -53,4 +53,6 @@ class RobotFault:
 
 
 NOT_ACTIVATED = RobotFault(FaultCode.NOT_ACTIVATED, "not activated yet")
-STOPPED = RobotFault(FaultCode.STOPPED, "stopped; activate anew")
+STOPPED = RobotFault(FaultCode.STOPPED, "stopped; activate again")
+STILL_MOVING = RobotFault(FaultCode.REFUSED, "the arm still moves; activate it when it rests")
+APART = RobotFault(FaultCode.APART, "the arm is not where it was activated; read it and activate there")

@@ -4,7 +4,7 @@ from common.clock import NS_PER_S, Clock
 from common.errors import DriverError
 from common.geometry import Array
 from remote_site.drivers.driver import Capabilities, DriverSetup, JointCommand, RobotReading
-from remote_site.drivers.faults import STOPPED, RobotFault
+from remote_site.drivers.faults import STILL_MOVING, STOPPED, RobotFault
 from remote_site.kinematics.joints import JointMotion
 from remote_site.safety.stopping import stopping
 
@@ -14,8 +14,8 @@ CAPABILITIES = Capabilities(rate_hz=1000.0, joints=None, gripper=False, force=Fa
 class KinematicDriver:
     """A `Driver` whose joints are where they were last commanded.
 
-    After `stop` the jerk-limited stop runs in the clock's time, and the arm must be activated anew, at rest. It has no
-    watchdog: without its process there is no arm.
+    After `stop` the jerk-limited stop runs in the clock's time, and only an activation at rest moves the arm again. It
+    has no watchdog: without its process there is no arm.
     """
 
     def __init__(self, clock: Clock) -> None:
@@ -42,7 +42,7 @@ class KinematicDriver:
         if len(q0) != len(self._setup.joint_names) or not motion.finite:
             raise DriverError(f"a posture has {len(self._setup.joint_names)} finite positions, not {q0}")
         if self._sent is not None and not self._motion(self._sent).resting:
-            raise DriverError("the arm still moves; activate it when it rests")
+            raise DriverError(STILL_MOVING.sentence)
         self._sent = JointCommand(0, self._clock.now_ns(), motion.q, motion.dq, motion.ddq, gripper_open=True)
         self._stop_ns, self._obeyed = None, None
 

@@ -13,7 +13,8 @@ from remote_site.drivers.driver import JointCommand
 from remote_site.drivers.faults import NOT_ACTIVATED, FaultCode, RobotFault
 from remote_site.drivers.memory import DriverMemory, DriverReport
 from remote_site.drivers.silence import Silence
-from remote_site.drivers.supervisor.supervisor import DEADLINE_NS, DriverOrder, late_call
+from remote_site.drivers.supervisor.orders import DriverOrder
+from remote_site.drivers.supervisor.watched_driver import DEADLINE_NS, late_call
 from remote_site.kinematics.joints import JointMotion
 from remote_site.kinematics.limits import JointLimits
 from remote_site.safety.stopping import stopping
@@ -24,12 +25,12 @@ STARTING = RobotFault(FaultCode.NOT_ACTIVATED, "the driver has measured nothing 
 
 
 class RobotReport(NamedTuple):
-    """The robot as its driver's process tells it; `fault` is None while it takes commands.
+    """The robot as its driver's process reports it; `fault` is None while it takes commands.
 
     `t_ns` is when `q`, `dq` (rad, rad/s) were measured, 0 before anything was. `sent` is the motion to plan from: the
-    last command while the robot takes commands; otherwise what the driver was given last, in a stop where it is now,
-    and rest where an activation was requested until it is answered.
-    `obeyed_seq` is the newest command that has reached the robot's motion. `answered`: the last activation was decided.
+    last command while the robot takes commands; otherwise what was commanded last, in a stop where it is now, and rest
+    where an activation was requested until it is answered. `obeyed_seq` is the newest command that has reached the
+    robot's motion. `answered`: the last activation was handled.
     """
 
     t_ns: int
@@ -48,14 +49,14 @@ class RobotReport(NamedTuple):
 
 
 class DriverLink:
-    """What control has of the driver; no call waits for it."""
+    """Control's access to the driver; no call waits for it."""
 
     def __init__(self, memory: DriverMemory, limits: JointLimits, clock: Clock) -> None:
         self._memory = memory
         self._limits = limits
         self._clock = clock
         self._silence = Silence(PAUSE_NS)
-        self._activation = self._diversions = 0
+        self._activation = self._stop_count = 0
         self._last: JointCommand | None = None
         self._raw = memory.report.read()
         self._report = self._decoded(self._raw)
@@ -69,7 +70,7 @@ class DriverLink:
         if busy_ns and now_ns - busy_ns > DEADLINE_NS:
             report = report._replace(fault=late_call("call", now_ns - busy_ns))
         elif raw.at_ns and silent_ns > SILENT_NS:
-            late = f"the driver's process is silent for {silent_ns / NS_PER_MS:.0f} ms"
+            late = f"the driver's process has been silent for {silent_ns / NS_PER_MS:.0f} ms"
             report = report._replace(fault=RobotFault(FaultCode.PROCESS, late))
         if report.ready and self._last is not None:
             report = report._replace(sent=self._last.motion)
@@ -77,20 +78,20 @@ class DriverLink:
         return report
 
     def write(self, command: JointCommand) -> JointCommand:
-        """Order a command; when by the last report a stop had begun, where that stop is at the command's time instead.
+        """Order a command; if the last report shows that a stop began, order the stop's motion at that time instead.
 
-        So control goes on from within the stop: what comes back is what it plans the next command from.
+        So control continues from within the stop: it plans its next command from what is returned.
         """
         raw = self._raw
-        if raw.diversions != self._diversions:
-            self._diversions = raw.diversions
+        if raw.stop_count != self._stop_count:
+            self._stop_count = raw.stop_count
             sent = self._sent(raw, command.t_ns)
             command = replace(command, q=sent.q, dq=sent.dq, ddq=sent.ddq)
         self._order(command, run=True)
         return command
 
     def activate(self, q0: Array) -> None:
-        """Have the robot take commands from rest at `q0`; reports say what became of it."""
+        """Ask the robot to take commands from rest at `q0`; a later report has the answer."""
         self._activation += 1
         zero = np.zeros(len(q0))
         is_open = self._report.gripper is None or self._report.gripper.commanded_open
@@ -98,13 +99,13 @@ class DriverLink:
         self._order(JointCommand(seq, self._clock.now_ns(), np.asarray(q0), zero, zero, is_open), run=True)
 
     def stop(self) -> None:
-        """Have the robot stopped; only an activation moves it again."""
+        """Stop the robot; only an activation moves it again."""
         if self._last is not None:
             self._order(self._last, run=False)
 
     def _order(self, command: JointCommand, *, run: bool) -> None:
         self._last = command
-        self._memory.orders.write(DriverOrder(self._activation, run, self._diversions, command))
+        self._memory.orders.write(DriverOrder(self._activation, run, self._stop_count, command))
         self._memory.bell.ring()
 
     def _decoded(self, raw: DriverReport) -> RobotReport:
@@ -122,7 +123,7 @@ class DriverLink:
         )
 
     def _sent(self, raw: DriverReport, t_ns: int) -> JointMotion:
-        """The motion that was sent last, in a stop where that is at a time."""
+        """The motion commanded last, or where the stop is at a time."""
         motion = JointMotion(*raw.motions[2:])
         return stopping(motion, self._limits, max(t_ns - raw.onset_ns, 0) / NS_PER_S) if raw.onset_ns else motion
 
@@ -130,19 +131,14 @@ class DriverLink:
 def _fault(raw: DriverReport) -> RobotFault | None:
     if not raw.at_ns:
         return STARTING
-    if not raw.code[0]:
+    if not raw.code:
         return None
-    code, native, sentence = (_text(word) for word in (raw.code, raw.native, raw.sentence))
+    code, native, sentence = (word.decode(errors="ignore") for word in (raw.code, raw.native, raw.sentence))
     return RobotFault(FaultCode(code), sentence, native)
 
 
 def _gripper(raw: DriverReport) -> GripperState | None:
-    grip = _text(raw.grip)
-    if not grip:
+    if not raw.grip:
         return None
     force = None if math.isnan(raw.force_n) else raw.force_n
-    return GripperState(raw.opening_m, force, raw.gripper_open, GripperStatus(grip))
-
-
-def _text(word: bytes) -> str:
-    return word.rstrip(b"\0").decode(errors="ignore")
+    return GripperState(raw.opening_m, force, raw.gripper_open, GripperStatus(raw.grip.decode()))

@@ -1,43 +1,53 @@
-"""What control and the driver's process share: orders one way, reports the other, and a bell; nobody ever waits."""
+"""The memory shared by control and the driver's process: orders, reports and a bell; neither waits for the other."""
 
 import mmap
 import os
 import select
-import struct
 from dataclasses import dataclass
-from typing import NamedTuple, Self
+from typing import Any, NamedTuple, Self
 
 import numpy as np
 
 from common.geometry import Array
 from remote_site.drivers.driver import JointCommand
-from remote_site.drivers.supervisor.supervisor import DriverOrder
-from remote_site.shared_record import SharedRecord
+from remote_site.drivers.supervisor.orders import DriverOrder
+from remote_site.shared_record import Record, SharedRecord
 
 ORDERS_KEPT = 64
-WORD_BYTES = 32
-SENTENCE_BYTES = 400
+WORD, SENTENCE = "S32", "S400"
 
 
-ORDER = struct.Struct("<I?I?Qq")  # activation, run, diversions, gripper_open, seq, t_ns; then q, dq, ddq
-REPORT = struct.Struct(f"<qIIqq?Qdd?{WORD_BYTES}s{WORD_BYTES}s{WORD_BYTES}s{SENTENCE_BYTES}s")
-DOUBLES = np.dtype("<f8")
+def order_dtype(joints: int) -> np.dtype[np.void]:
+    """A `DriverOrder` with its command's fields."""
+    numbers = [("activation", np.uint32), ("run", np.bool_), ("stop_count", np.uint32)]
+    command = [("seq", np.uint64), ("t_ns", np.int64)]
+    motion = [(name, np.float64, (joints,)) for name in ("q", "dq", "ddq")]
+    return np.dtype([*numbers, *command, *motion, ("gripper_open", np.bool_)])
+
+
+def report_dtype(joints: int) -> np.dtype[np.void]:
+    """A `DriverReport`."""
+    times = [("at_ns", np.int64), ("answered", np.uint32), ("stop_count", np.uint32), ("onset_ns", np.int64)]
+    robot = [("t_ns", np.int64), ("has_obeyed", np.bool_), ("obeyed_seq", np.uint64)]
+    gripper = [("opening_m", np.float64), ("force_n", np.float64), ("gripper_open", np.bool_), ("grip", WORD)]
+    fault = [("code", WORD), ("native", WORD), ("sentence", SENTENCE)]
+    return np.dtype([*times, *robot, *gripper, *fault, ("motions", np.float64, (5, joints))])
 
 
 class OrderRing:
     """The newest 64 orders; the reader gets each of them once, unless it sleeps for longer than they are kept."""
 
     def __init__(self, joints: int) -> None:
-        self._record = SharedRecord(np.dtype([("order", f"V{ORDER.size + 24 * joints}")]), ORDERS_KEPT)
+        self._record = SharedRecord(order_dtype(joints), ORDERS_KEPT)
+        self._written = np.zeros((), self._record.dtype)
         self._seen = self._record.count
 
     def write(self, order: DriverOrder) -> None:
         """Append an order; only control writes."""
-        command = order.command
-        head = ORDER.pack(
-            order.activation, order.run, order.diversions, command.gripper_open, command.seq, command.t_ns
-        )
-        self._record.write_bytes(head + command.q.tobytes() + command.dq.tobytes() + command.ddq.tobytes())
+        c = order.command
+        command = (c.seq, c.t_ns, c.q, c.dq, c.ddq, c.gripper_open)
+        self._written[()] = (order.activation, order.run, order.stop_count, *command)
+        self._record.write(self._written)
 
     def take(self) -> list[DriverOrder]:
         """The orders written since the last call, oldest first; what was overwritten meanwhile is missing."""
@@ -45,27 +55,27 @@ class OrderRing:
         first = max(self._seen, newest - ORDERS_KEPT + 1) + 1
         self._seen = newest
         records = (self._record.at(count) for count in range(first, newest + 1))
-        return [_order(data) for data in records if data is not None]
+        return [_order(record) for record in records if record is not None]
 
 
-def _order(data: bytes) -> DriverOrder:
-    activation, run, diversions, gripper_open, seq, t_ns = ORDER.unpack_from(data)
-    q, dq, ddq = np.frombuffer(data, DOUBLES, offset=ORDER.size).reshape(3, -1)
-    return DriverOrder(activation, run, diversions, JointCommand(seq, t_ns, q, dq, ddq, gripper_open))
+def _order(record: Record) -> DriverOrder:
+    fields: Any = record.item()
+    activation, run, stop_count, *command = fields
+    return DriverOrder(activation, run, stop_count, JointCommand(*command))
 
 
 class DriverReport(NamedTuple):
-    """What the robot measured and what was last sent to it; `answered` is the last activation that was looked at.
+    """What the robot measured and what was last sent to it; `answered` is the last activation that was handled.
 
-    `at_ns` is when it was written, `t_ns` when it was measured, 0 before anything was. `obeyed_seq` counts if
+    `at_ns` is when it was written, `t_ns` when it was measured, 0 before anything was. `obeyed_seq` is valid if
     `has_obeyed`. `code` is empty while the robot takes commands, `grip` without a gripper, `force_n` NaN where no force
-    is measured. `motions` (5, n): q and dq as measured, then q, dq, ddq as sent last, or at `onset_ns` when by a stop
-    since then, 0 without one.
+    is measured. `motions` (5, n): q and dq as measured, then q, dq, ddq as commanded last, or at `onset_ns` of the stop
+    that has begun since; that is 0 without one.
     """
 
     at_ns: int
     answered: int
-    diversions: int
+    stop_count: int
     onset_ns: int
     t_ns: int
     has_obeyed: bool
@@ -84,17 +94,17 @@ class ReportRecord:
     """The newest report."""
 
     def __init__(self, joints: int) -> None:
-        self._record = SharedRecord(np.dtype([("report", f"V{REPORT.size + 40 * joints}")]))
+        self._record = SharedRecord(report_dtype(joints))
+        self._written = np.zeros((), self._record.dtype)
 
     def write(self, report: DriverReport) -> None:
         """Publish a report; only the driver's process writes."""
-        self._record.write_bytes(REPORT.pack(*report[:-1]) + report.motions.tobytes())
+        self._written[()] = report
+        self._record.write(self._written)
 
     def read(self) -> DriverReport:
         """The newest one."""
-        data = self._record.read_bytes()
-        motions = np.frombuffer(data, DOUBLES, offset=REPORT.size).reshape(5, -1)
-        return DriverReport._make((*REPORT.unpack_from(data), motions))
+        return DriverReport._make(self._record.read().item())
 
 
 class Bell:
@@ -108,7 +118,7 @@ class Bell:
         os.eventfd_write(self._handle, 1)
 
     def wait(self, timeout_s: float) -> None:
-        """Wait for a ring, at most so long; to the microsecond, which poll cannot."""
+        """Wait for a ring, at most `timeout_s`; to the microsecond, which poll cannot."""
         if select.select([self._handle], [], [], timeout_s)[0]:
             os.eventfd_read(self._handle)
 
@@ -139,5 +149,5 @@ class DriverMemory:
 
     @classmethod
     def create(cls, joints: int) -> Self:
-        """Empty memory for an arm of so many joints."""
+        """Empty memory for an arm of this many joints."""
         return cls(OrderRing(joints), ReportRecord(joints), BusyMark(), Bell())

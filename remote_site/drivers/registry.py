@@ -22,7 +22,7 @@ Option = str | int | float | bool
 
 @dataclass(frozen=True, slots=True)
 class DriverHost:
-    """What the house lends a driver: its clock, the table `driver.options`, and the simulated cell's memory if any."""
+    """What a driver is made with: a clock, the table `driver.options`, and the simulated cell's memory, if any."""
 
     clock: Clock
     options: Mapping[str, Option] = field(default_factory=dict)
@@ -40,13 +40,13 @@ def create_driver(name: str, host: DriverHost) -> Driver:
     point = check_driver(name)
     try:
         factory: DriverFactory = point.load()
-    except Exception as error:  # a stranger's module may raise whatever it likes
+    except Exception as error:  # an installed driver may raise anything
         raise DriverError(f"the driver {name!r} cannot be loaded from {point.value}: {_kind(error)}") from error
     try:
         return factory(host)
     except FarhandError:
         raise  # it is a sentence already
-    except Exception as error:  # a stranger's code may raise whatever it likes
+    except Exception as error:  # an installed driver may raise anything
         raise DriverError(f"the driver {name!r} cannot be made: {point.value} raised {_kind(error)}") from error
 
 
@@ -54,7 +54,7 @@ def check_driver(name: str) -> EntryPoint:
     """Where the driver of that name is; DriverError, listing the alternatives, when there is none."""
     installed = {point.name: point for point in entry_points(group=GROUP)}
     if not installed:
-        raise DriverError("no driver is registered: install Farhand anew ('pip install -e .' in its folder)")
+        raise DriverError("no driver is registered: reinstall Farhand ('pip install -e .' in its folder)")
     if name not in installed:
         raise DriverError(f"there is no driver {name!r}; choose one of: {', '.join(sorted(installed))}")
     return installed[name]

@@ -6,7 +6,7 @@ from common.clock import NS_PER_MS, Clock
 from common.errors import DriverError
 from common.geometry import Array
 from remote_site.drivers.driver import Capabilities, DriverSetup, GripperReading, JointCommand, RobotReading
-from remote_site.drivers.faults import NOT_ACTIVATED, STOPPED, FaultCode, RobotFault
+from remote_site.drivers.faults import APART, NOT_ACTIVATED, STOPPED, FaultCode, RobotFault
 from remote_site.drivers.silence import Silence
 from remote_site.shared_record import Record
 from remote_site.simulation.controller import ControllerFault
@@ -17,13 +17,16 @@ PAUSE_NS = 50 * NS_PER_MS
 
 WATCHDOG_MS = 100.0
 FAULTS = {
-    ControllerFault.WATCHDOG: (FaultCode.WATCHDOG, "setpoints ceased, the arm has stopped; activate anew"),
-    ControllerFault.NOT_FINITE: (FaultCode.NOT_FINITE, "a setpoint was not finite, the arm has stopped; activate anew"),
+    ControllerFault.WATCHDOG: (FaultCode.WATCHDOG, "setpoints ceased, the arm has stopped; activate again"),
+    ControllerFault.NOT_FINITE: (
+        FaultCode.NOT_FINITE,
+        "a setpoint is not finite, the arm has stopped; activate again",
+    ),
     ControllerFault.BLOCKED: (
         FaultCode.BLOCKED,
-        "the arm is blocked and holds where it is; clear its way and activate anew",
+        "the arm is blocked and holds its position; clear its path and activate again",
     ),
-    ControllerFault.APART: (FaultCode.APART, "the arm is not where it was activated; read it and activate there"),
+    ControllerFault.APART: (FaultCode.APART, APART.sentence),
 }
 NO_READINGS = RobotFault(FaultCode.SILENT, "the simulated cell gives no readings; is its process running?")
 

@@ -18,7 +18,7 @@ from remote_site.config import RemoteConfig
 from remote_site.drivers.faults import FaultCode
 from remote_site.drivers.link import DriverLink, RobotReport
 from remote_site.drivers.memory import DriverMemory
-from remote_site.drivers.supervisor.write_scheduler import LEAST_SHARE
+from remote_site.drivers.supervisor.write_scheduler import LEAST_FRACTION
 from remote_site.kinematics.limits import load_arm
 from remote_site.runtime.driven_pipeline import DrivenPipeline
 from remote_site.runtime.links import open_site_link
@@ -64,7 +64,7 @@ def run_control(
         gc.freeze()
         # from here on the driver counts the time without a command
         _activate(driver, config, should_stop)
-        rate = Rate(config.control.rate_hz, clock, least_share=LEAST_SHARE)
+        rate = Rate(config.control.rate_hz, clock, least_share=LEAST_FRACTION)
         reporter = Reporter(link.publisher(STATE, config.cell), shared_lease, config, rate, real_time=real_time)
         refusals = RefusalLog()
         server = RequestServer(link, description, leases, clock, refusals.note)

@@ -43,26 +43,26 @@ def run_driver(
             f"the driver {config.driver.name!r} moves {joints} joints, the model has {len(setup.joint_names)}"
         )
     driver.configure(setup)
-    keeper = DriverSupervisor(driver, setup, clock, memory.busy, GripWatch(grip_settings(config)))
-    desk = Desk(keeper, memory, clock)
+    supervisor = DriverSupervisor(driver, setup, clock, memory.busy, GripWatch(grip_settings(config)))
+    loop = DriverLoop(supervisor, memory, clock)
     ask_for_real_time(FIFO_PRIORITY)
     gc.collect()
     gc.freeze()
     longest_ns = round(setup.dt * NS_PER_S / WAKES_PER_TICK)
     while not should_stop():
-        desk.wait(longest_ns)
-        desk.turn()
+        loop.wait(longest_ns)
+        loop.turn()
         heartbeat.beat()
     end_ns = clock.now_ns() + END_NS
-    keeper.stop(STOPPED)
-    while not keeper.settled and clock.now_ns() < end_ns:
-        desk.wait(longest_ns)
-        desk.turn()
+    supervisor.stop(STOPPED, clock.now_ns())
+    while not supervisor.settled and clock.now_ns() < end_ns:
+        loop.wait(longest_ns)
+        loop.turn()
     driver.deactivate()
 
 
 def setup_of(config: RemoteConfig) -> DriverSetup:
-    """What the configuration tells every driver."""
+    """What every driver is configured with."""
     model = ArmModel.from_urdf(config.robot.urdf, config.robot.tool_frame, config.robot.tool_T_tcp)
     return DriverSetup(
         joint_names=model.joint_names,
@@ -79,44 +79,45 @@ def grip_settings(config: RemoteConfig) -> GripSettings:
     return GripSettings(grip.closed_mm / 1000, grip.open_mm / 1000, round(grip.timeout_ms * NS_PER_MS))
 
 
-class Desk:
-    """One turn after the other: orders to the keeper, its report to the memory."""
+class DriverLoop:
+    """Orders from the memory to the supervisor, its report to the memory, one turn after the other."""
 
-    def __init__(self, keeper: DriverSupervisor, memory: DriverMemory, clock: Clock) -> None:
-        self._keeper, self._memory, self._clock = keeper, memory, clock
-        self._motions = np.zeros((5, len(keeper.motion.q)))
+    def __init__(self, supervisor: DriverSupervisor, memory: DriverMemory, clock: Clock) -> None:
+        self._supervisor, self._memory, self._clock = supervisor, memory, clock
+        self._motions = np.zeros((5, len(supervisor.commanded.motion.q)))
         self._log = FaultLog()
 
     def wait(self, longest_ns: int) -> None:
-        """Wait for an order, until the keeper has something to write, or for so long."""
-        due_ns = self._keeper.due_ns
+        """Wait for an order, until the supervisor has something to write, or for `longest_ns`."""
+        due_ns = self._supervisor.due_ns
         wait_ns = longest_ns if due_ns is None else min(max(due_ns - self._clock.now_ns(), 0), longest_ns)
         self._memory.bell.wait(wait_ns / NS_PER_S)
 
     def turn(self) -> None:
         """Take what has been ordered, drive, and report."""
         now_ns = self._clock.now_ns()
-        self._keeper.take(self._memory.orders.take(), now_ns)
-        self._keeper.step(now_ns)
+        self._supervisor.take(self._memory.orders.take(), now_ns)
+        self._supervisor.step(now_ns)
         self._report()
-        self._log.note(self._keeper.fault)
+        self._log.note(self._supervisor.fault)
 
     def _report(self) -> None:
-        keeper, motions = self._keeper, self._motions
-        fault, reading, gripper = keeper.fault, keeper.reading, keeper.gripper
+        supervisor, motions = self._supervisor, self._motions
+        fault, reading, gripper = supervisor.fault, supervisor.reading, supervisor.grip.state
         if reading is not None:
             motions[0], motions[1] = reading.q, reading.dq
-        onset_ns, motion = keeper.course
+        stop = supervisor.commanded.stop
+        motion = supervisor.commanded.motion if stop is None else stop.motion
         motions[2], motions[3], motions[4] = motion.q, motion.dq, motion.ddq
         self._memory.report.write(
             DriverReport(
                 at_ns=self._clock.now_ns(),
-                answered=keeper.asked,
-                diversions=keeper.diversions,
-                onset_ns=onset_ns,
+                answered=supervisor.activation,
+                stop_count=supervisor.commanded.stop_count,
+                onset_ns=0 if stop is None else stop.onset_ns,
                 t_ns=reading.t_ns if reading is not None else 0,
-                has_obeyed=keeper.obeyed_seq is not None,
-                obeyed_seq=keeper.obeyed_seq or 0,
+                has_obeyed=supervisor.obeyed.seq is not None,
+                obeyed_seq=supervisor.obeyed.seq or 0,
                 opening_m=gripper.opening if gripper is not None else 0.0,
                 force_n=gripper.force if gripper is not None and gripper.force is not None else math.nan,
                 gripper_open=gripper.commanded_open if gripper is not None else True,

@@ -3,7 +3,7 @@
 import pytest
 
 from bench.soak.run import ROBOTS, soak
-from remote_site.drivers.supervisor.write_scheduler import LEAST_SHARE
+from remote_site.drivers.supervisor.write_scheduler import LEAST_FRACTION
 from remote_site.safety.clearance import TOLERANCE
 
 ROUNDING = 1.00001
@@ -22,8 +22,8 @@ def test_whatever_goes_wrong_the_driver_receives_nothing_beyond_a_limit(name, se
     assert figures["not finite"] == 0
     assert figures["speed, share of limit"] <= ROUNDING
     assert figures["acceleration, share of limit"] <= ROUNDING
-    assert figures["jerk by the times, share of limit"] <= ROUNDING / LEAST_SHARE
-    assert figures["way by the times, share of the speed limit"] <= ROUNDING / LEAST_SHARE
+    assert figures["jerk by the times, share of limit"] <= ROUNDING / LEAST_FRACTION
+    assert figures["way by the times, share of the speed limit"] <= ROUNDING / LEAST_FRACTION
     assert figures["least distance, mm"] >= figures["margin, mm"]
     assert figures["joint beyond its limit, rad"] <= 1e-6
     assert figures["tool further out than where it was activated, mm"] <= 1e3 * TOLERANCE

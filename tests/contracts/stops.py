@@ -8,7 +8,8 @@ from common.clock import NS_PER_MS, NS_PER_S
 from remote_site.drivers.conformance.trial import DriverStand
 from remote_site.drivers.driver import JointCommand, RobotReading
 from remote_site.drivers.supervisor.grip import GripSettings, GripWatch
-from remote_site.drivers.supervisor.supervisor import DriverOrder, DriverSupervisor
+from remote_site.drivers.supervisor.orders import DriverOrder
+from remote_site.drivers.supervisor.supervisor import DriverSupervisor
 from remote_site.kinematics.joints import JointMotion
 from tests.contracts.driver_stands import CONFIG, SETUP
 
@@ -57,34 +58,34 @@ def measured_stop(stand: DriverStand, speed: float, jerk: float, *, accelerating
     limits = replace(SETUP.limits, acceleration=np.full(6, 10.0), jerk=np.full(6, jerk))
     setup, clock, driver = replace(SETUP, limits=limits), stand.clock, stand.make()
     driver.configure(setup)
-    keeper = DriverSupervisor(driver, setup, clock, NoMark(), GripWatch(GripSettings()))
+    supervisor = DriverSupervisor(driver, setup, clock, NoMark(), GripWatch(GripSettings()))
 
     def turn(*orders: DriverOrder) -> None:
         clock.sleep_until_ns(clock.now_ns() + 2 * NS_PER_MS)
-        keeper.take(orders, clock.now_ns())
-        keeper.step(clock.now_ns())
+        supervisor.take(orders, clock.now_ns())
+        supervisor.step(clock.now_ns())
 
     def reading() -> RobotReading:
-        assert keeper.reading is not None
-        return keeper.reading
+        assert supervisor.reading is not None
+        return supervisor.reading
 
     def order(seq: int, motion: JointMotion) -> DriverOrder:
         command = JointCommand(seq, clock.now_ns(), motion.q, motion.dq, motion.ddq, gripper_open=True)
-        return DriverOrder(1, True, keeper.diversions, command)
+        return DriverOrder(1, True, supervisor.commanded.stop_count, command)
 
     for _ in range(100):
         turn()
     turn(order(0, JointMotion.at_rest(stand.start)))
-    while keeper.fault is not None:
+    while supervisor.fault is not None:
         turn()
     for seq, motion in enumerate(approach(speed, jerk, accelerating=accelerating), start=1):
         turn(order(seq, motion))
         turn()
-    last, begin_ns, robot_at = keeper.motion, clock.now_ns() - 2 * NS_PER_MS, reading().q[0]
+    last, begin_ns, robot_at = supervisor.commanded.motion, clock.now_ns() - 2 * NS_PER_MS, reading().q[0]
     sent, robot = [], []
     for _ in range(600):
         turn()
-        sent.append((clock.now_ns(), keeper.motion.q[0], keeper.motion.dq[0]))
+        sent.append((clock.now_ns(), supervisor.commanded.motion.q[0], supervisor.commanded.motion.dq[0]))
         robot.append((reading().t_ns, reading().q[0], reading().dq[0]))
     sent_s, sent_at = _rest(sent, begin_ns)
     robot_s, rest_at = _rest(robot, begin_ns)

@@ -315,13 +315,13 @@ class Quitter(KinematicDriver):
 @pytest.mark.parametrize(
     ("bad", "sentence"),
     [
-        (refuse_to_be_made, "its making raised TypeError: an argument is missing"),
-        (Ceased, "its making is refused: rate_hz is 0.0"),
+        (refuse_to_be_made, "its construction raised TypeError: an argument is missing"),
+        (Ceased, "its construction is refused: rate_hz is 0.0"),
         (Portless, "configure is refused: the port is not there; plug it in"),
         (Broken, "configure raised KeyError"),
         (Quitter, "configure raised SystemExit: 3"),
         (Deaf, "not ready 5 s after its activation: robot (E7): no"),
-        (Blocked, "deadline: write did not come back"),
+        (Blocked, "deadline: write did not return"),
     ],
 )
 def test_what_no_check_can_do_without_is_said_once(bad, sentence):
@@ -342,7 +342,7 @@ class Thief(KinematicDriver):
 def test_a_call_that_returns_the_wrong_thing_is_named():
     lines = []
     run_checks(kinematic_stand(Thief), lines.append)
-    assert "the driver's read raised TypeError: it gives None, not a RobotReading" in lines[0]
+    assert "the driver's read raised TypeError: it returned None, not a RobotReading" in lines[0]
 
 
 def test_a_watchdog_that_a_driver_has_not_is_skipped():

@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 
 from common.clock import NS_PER_MS, NS_PER_S
 from common.geometry import Array
-from remote_site.drivers.supervisor.write_scheduler import LEAST_SHARE
+from remote_site.drivers.supervisor.write_scheduler import LEAST_FRACTION
 from remote_site.kinematics.joints import JointMotion
 from remote_site.kinematics.limits import JointLimits
 from remote_site.kinematics.model import ArmModel
@@ -17,7 +17,7 @@ from remote_site.safety.stopping import stop_time
 from tests.faults.recording_driver import READ, RECORD, WRITE
 
 ROUNDING = 1.00001
-FASTER = ROUNDING / LEAST_SHARE  # of a limit: a motion may be written that much sooner than planned
+FASTER = ROUNDING / LEAST_FRACTION  # of a limit: a motion may be written that much sooner than planned
 Records = NDArray[np.void]  # of dtype RECORD
 
 MOVES_RAD_S = {WRITE: 1e-9, READ: 2e-3}  # what a robot measures is not quite zero

@@ -11,7 +11,7 @@ from common.geometry import Array
 from remote_site.drivers.conformance.trial import SPEED_RAD_S, STEP_MS, WINDOW_MS, Failed, Skipped, Trial
 from remote_site.drivers.driver import JointCommand, RobotReading
 from remote_site.drivers.faults import FaultCode
-from remote_site.drivers.supervisor.supervisor import DEADLINE_NS, Phase
+from remote_site.drivers.supervisor.watched_driver import DEADLINE_NS
 from remote_site.kinematics.joints import JointMotion
 from remote_site.safety.stopping import stop_time, stops
 
@@ -19,10 +19,10 @@ REACHED_RAD = 0.01
 HOLDS_RAD = 0.005
 AGAIN_MS = 20
 ATTEMPTS = 5
-OVER = 1.1  # what measuring and smoothing may add
-UNLIKE = 0.3  # of a joint's way: what the speeds read may miss of it, being smoothed
-SHORT = 0.5  # of the way that a stop within the limits takes at least: a shorter one is too hard
-STEPS = 3.0  # of the slowest of commands, rate and readings: a joint that stands longer in motion misses commands
+OVER = 1.1  # what measurement and smoothing may add
+UNLIKE = 0.3  # of a joint's travel: what smoothed speeds may miss
+SHORT = 0.5  # of the travel of a stop within the limits: a shorter one is too hard
+STEPS = 3.0  # of the slowest of commands, rate and readings: a joint that pauses longer in motion misses commands
 STEADY_MS = 250
 
 
@@ -58,7 +58,7 @@ def follows(trial: Trial) -> None:
     home = trial.q0.copy()
     for goal in (trial.jog(), home):
         _goes_to(trial, goal)
-    if trial.keeper.obeyed_seq is None or trial.keeper.obeyed_seq > trial.last_seq:
+    if trial.supervisor.obeyed.seq is None or trial.supervisor.obeyed.seq > trial.last_seq:
         raise Failed(f"obeyed_seq is {trial.last().obeyed_seq}, none that it was given")
 
 
@@ -77,19 +77,19 @@ def rate(trial: Trial) -> None:
 
 
 def limits(trial: Trial) -> None:
-    """The robot moves no faster than its limits, and a command beyond them stops it instead of reaching it."""
+    """The robot moves no faster than its limits, and a command beyond them stops it and is not written."""
     trial.activated().in_motion()
     if trial.speed() > SPEED_RAD_S * OVER:
         raise Failed(f"the joint moves at {trial.speed():.2f} rad/s where {SPEED_RAD_S:g} is its limit")
     for _ in range(ATTEMPTS):  # a busy machine may keep the command waiting until the stop has begun
-        at, sent = trial.q0[0], trial.keeper.motion
+        at, sent = trial.q0[0], trial.supervisor.commanded.motion
         trial.command(JointMotion(sent.q + trial.side * 0.5, sent.dq, sent.ddq))
-        if trial.keeper.fault is not None:
+        if trial.supervisor.fault is not None:
             break
         trial.in_motion()
     trial.run(1000 * stop_time(sent, trial.setup.limits) + trial.lag_ms + 200)
-    if trial.keeper.fault is None or trial.keeper.fault.code is not FaultCode.LIMITS:
-        raise Failed(f"a command beyond the limits ended in: {trial.keeper.fault}")
+    if trial.supervisor.fault is None or trial.supervisor.fault.code is not FaultCode.LIMITS:
+        raise Failed(f"a command beyond the limits ended in: {trial.supervisor.fault}")
     _rests(trial, "after a command beyond the limits")
     _travelled(trial, at, sent)
 
@@ -97,7 +97,7 @@ def limits(trial: Trial) -> None:
 def stop(trial: Trial) -> None:
     """A stop in motion brings the robot to rest in time and near by, and no harder than its limits allow."""
     trial.activated().in_motion()
-    before, sent = trial.last(), trial.keeper.motion
+    before, sent = trial.last(), trial.supervisor.commanded.motion
     at, stood_ms = trial.q0[0], (trial.clock.now_ns() - before.t_ns) / NS_PER_MS
     trial.driver.stop()
     trial.run(1000 * stop_time(sent, trial.setup.limits) + trial.lag_ms + 100)
@@ -105,13 +105,13 @@ def stop(trial: Trial) -> None:
     _travelled(trial, at, sent)
     _brakes_within_limits(trial, at + float(sent.dq[0]) * stood_ms / 1000, sent)
     if trial.last().fault is None:
-        raise Failed("it says that it is ready after a stop")
+        raise Failed("it reports that it is ready after a stop")
 
 
 def idempotent_stop(trial: Trial) -> None:
     """A second stop, on the way and at rest, changes nothing; only an activation moves the robot again."""
     trial.activated().in_motion()
-    sent = trial.keeper.motion
+    sent = trial.supervisor.commanded.motion
     slow_ms = 1000 * stop_time(sent, trial.setup.limits) + trial.lag_ms + WINDOW_MS
     for _ in range(round(slow_ms / AGAIN_MS)):
         trial.driver.stop()
@@ -133,13 +133,13 @@ def read_never_invents(trial: Trial) -> None:
     trial.configure()
     before = _readable(trial)
     if before is not None and np.abs(before.q - trial.q0).max() > 0.5:
-        raise Failed(f"before its activation it reads {before.q}, far from where the robot stands")
+        raise Failed(f"before its activation it reads {before.q}, far from where the robot is")
     trial.run(300)
     trial.turn_to_the_middle()
     trial.activate()
     trial.run(200)
     first = trial.last()
-    if first.obeyed_seq is not None and trial.keeper.obeyed_seq is None:
+    if first.obeyed_seq is not None and trial.supervisor.obeyed.seq is None:
         raise Failed(f"it obeys command {first.obeyed_seq}, which it was never given")
     _speeds_fit(trial)
     trial.in_motion()
@@ -155,11 +155,11 @@ def read_never_invents(trial: Trial) -> None:
 def command_timeout(trial: Trial) -> None:
     """When commands cease in motion the robot comes to rest, and goes on only when it is activated."""
     trial.activated().in_motion()
-    at, sent = trial.q0[0], trial.keeper.motion
+    at, sent = trial.q0[0], trial.supervisor.commanded.motion
     limit_ms = trial.setup.command_timeout_ns / NS_PER_MS
     trial.run(limit_ms + 1000 * stop_time(sent, trial.setup.limits) + 2 * trial.lag_ms + 100)
-    if trial.keeper.fault is None or trial.keeper.fault.code is not FaultCode.COMMAND_TIMEOUT:
-        raise Failed(f"commands ceased, and it ended in: {trial.keeper.fault}")
+    if trial.supervisor.fault is None or trial.supervisor.fault.code is not FaultCode.COMMAND_TIMEOUT:
+        raise Failed(f"commands ceased, and it ended in: {trial.supervisor.fault}")
     _rests(trial, "after commands ceased")
     _travelled(trial, at, sent)
     rest = trial.q0.copy()
@@ -175,7 +175,7 @@ def watchdog(trial: Trial) -> None:
     if own_ms is None:
         raise Skipped("it has none of its own")
     trial.activated().in_motion()
-    sent = trial.keeper.motion
+    sent = trial.supervisor.commanded.motion
     wait_ms = own_ms + 1000 * stop_time(sent, trial.setup.limits) + trial.lag_ms + 200
     trial.clock.sleep_until_ns(trial.clock.now_ns() + round(wait_ms * NS_PER_MS))
     rest = _read_alone(trial, trial.lag_ms)
@@ -183,7 +183,7 @@ def watchdog(trial: Trial) -> None:
     if np.abs(last.q - rest.q).max() > HOLDS_RAD:
         raise Failed(f"the robot still moves {wait_ms:.0f} ms after the last call of its driver")
     if rest.fault is None or last.fault is None:
-        raise Failed("its watchdog has stopped it, but it says that it is ready")
+        raise Failed("its watchdog has stopped it, but it reports that it is ready")
 
 
 def deadline(trial: Trial) -> None:
@@ -228,7 +228,7 @@ def _readable(trial: Trial) -> RobotReading | None:
 
 
 def _read_alone(trial: Trial, ms: float) -> RobotReading:
-    """The last of the readings that the driver gives by itself, without its keeper, for so long."""
+    """The last reading of the driver after `ms` without its supervisor."""
     for _ in range(round(ms / STEP_MS)):
         trial.clock.sleep_until_ns(trial.clock.now_ns() + STEP_MS * NS_PER_MS)
         reading = trial.driver.read()
@@ -236,8 +236,8 @@ def _read_alone(trial: Trial, ms: float) -> RobotReading:
 
 
 def _healthy(trial: Trial) -> None:
-    if trial.keeper.phase is not Phase.ACTIVE:
-        raise Failed(f"it stopped: {trial.keeper.fault}")
+    if not trial.ready:
+        raise Failed(f"it stopped: {trial.supervisor.fault}")
 
 
 def _rests(trial: Trial, when: str) -> None:
@@ -309,7 +309,7 @@ def _worst(trial: Trial, off: Array) -> str:
 def _measures(trial: Trial) -> None:
     capabilities, reading = trial.driver.capabilities, trial.last()
     if (reading.gripper is not None) is not capabilities.gripper:
-        raise Failed("it reads a gripper that it has not, or none although it has one")
+        raise Failed("it reads a gripper that it does not have, or none although it has one")
     if reading.gripper is not None and (reading.gripper.force_n is not None) is not capabilities.force:
         raise Failed("it reads a grip force that it cannot measure, or none although it can")
     if not (np.isfinite(reading.q).all() and np.isfinite(reading.dq).all()):

@@ -1,4 +1,4 @@
-"""Runs the checks one after the other, each to an end, whatever the driver does; tells a line of each."""
+"""Runs the checks one after the other, each to its end, whatever the driver does, and reports a line for each."""
 
 import threading
 from collections.abc import Callable, Sequence
@@ -8,16 +8,16 @@ from enum import Enum
 from common.clock import NS_PER_S, MonotonicClock
 from common.errors import DriverError
 from remote_site.drivers.conformance.checks import CHECKS, Check
-from remote_site.drivers.conformance.trial import DriverStand, Failed, Hopeless, Skipped, Trial, told
-from remote_site.drivers.conformance.watched import Watch
+from remote_site.drivers.conformance.driver_under_test import CallMonitor
+from remote_site.drivers.conformance.trial import DriverStand, Failed, Hopeless, Skipped, Trial, as_sentence
 
-CALL_S = 5.0  # of a call that has 50 ms: it will not come back
+CALL_S = 5.0  # of a call that has 50 ms: it will not return
 CHECK_S = 180.0
 LOOK_S = 0.1
 
 
-class Word(Enum):
-    """What a check says of a driver."""
+class Verdict(Enum):
+    """The outcome of a check."""
 
     PASSED = "passed"
     SKIPPED = "skipped"
@@ -26,62 +26,62 @@ class Word(Enum):
 
 @dataclass(frozen=True, slots=True)
 class CheckResult:
-    """A check's word on a driver and why; after the `last` no other check can be tried."""
+    """A check's verdict on a driver, and why; after the `last` no other check can run."""
 
-    word: Word
+    verdict: Verdict
     sentence: str
     last: bool = False
 
 
 def run_checks(
-    stand: DriverStand, tell: Callable[[str], None], checks: Sequence[Check] = CHECKS, call_s: float = CALL_S
+    stand: DriverStand, report: Callable[[str], None], checks: Sequence[Check] = CHECKS, call_s: float = CALL_S
 ) -> list[str]:
-    """Run every check, tell a line of each; the names of those that failed. No call may take longer than `call_s`."""
+    """Run every check and report a line for each; the names of those that failed. A call is given up after `call_s`."""
     failed: list[str] = []
     for check in checks:
-        verdict = _verdict(check, stand, call_s)
-        tell(f"{verdict.word.value:<8}{check.__name__.replace('_', ' '):<20} {verdict.sentence}")
-        if verdict.word is Word.FAILED:
+        result = _result(check, stand, call_s)
+        report(f"{result.verdict.value:<8}{check.__name__.replace('_', ' '):<20} {result.sentence}")
+        if result.verdict is Verdict.FAILED:
             failed.append(check.__name__)
-        if verdict.last:
-            tell("No other check can be tried before this is mended.")
+        if result.last:
+            report("No other check can run before this is fixed.")
             break
     return failed
 
 
-def _verdict(check: Check, stand: DriverStand, call_s: float) -> CheckResult:
-    """The verdict of a thread of its own, which is left behind when a call of the driver does not come back."""
-    watch, clock = Watch(), MonotonicClock()
-    verdicts: list[CheckResult] = []
-    worker = threading.Thread(target=lambda: verdicts.append(_tried(check, stand, watch)), name="check", daemon=True)
+def _result(check: Check, stand: DriverStand, call_s: float) -> CheckResult:
+    """The result of a thread, which is abandoned when a call of the driver does not return."""
+    monitor, clock = CallMonitor(), MonotonicClock()
+    results: list[CheckResult] = []
+    worker = threading.Thread(target=lambda: results.append(_tried(check, stand, monitor)), name="check", daemon=True)
     end_ns = clock.now_ns() + round(CHECK_S * NS_PER_S)
     worker.start()
     while worker.is_alive():
         worker.join(LOOK_S)
-        call, late = watch.stuck(call_s), clock.now_ns() > end_ns
+        call, late = monitor.stuck(call_s), clock.now_ns() > end_ns
         if call or late:
-            watch.give_up()
-            why = f"deadline: {call} did not come back" if call else f"it did not end within {CHECK_S:g} s"
-            return CheckResult(Word.FAILED, why, last=True)
-    return verdicts[0]
+            monitor.give_up()
+            why = f"deadline: {call} did not return" if call else f"it did not end within {CHECK_S:g} s"
+            return CheckResult(Verdict.FAILED, why, last=True)
+    return results[0]
 
 
-def _tried(check: Check, stand: DriverStand, watch: Watch) -> CheckResult:
+def _tried(check: Check, stand: DriverStand, monitor: CallMonitor) -> CheckResult:
     try:
-        trial = Trial(stand, watch)
-    except (Exception, SystemExit) as error:  # a stranger's code may raise whatever it likes
-        return CheckResult(Word.FAILED, told(watch.raised or "its making", error), last=True)
+        trial = Trial(stand, monitor)
+    except (Exception, SystemExit) as error:  # an installed driver may raise anything
+        return CheckResult(Verdict.FAILED, as_sentence(monitor.raised or "its construction", error), last=True)
     try:
         check(trial)
     except Skipped as skipped:
-        return CheckResult(Word.SKIPPED, str(skipped))
+        return CheckResult(Verdict.SKIPPED, str(skipped))
     except (Failed, DriverError) as error:
-        return CheckResult(Word.FAILED, str(error), last=isinstance(error, Hopeless))
+        return CheckResult(Verdict.FAILED, str(error), last=isinstance(error, Hopeless))
     except (Exception, SystemExit) as error:
-        return CheckResult(Word.FAILED, told(watch.raised or "a check that used what it says", error))
+        return CheckResult(Verdict.FAILED, as_sentence(monitor.raised or "a check that used what it returned", error))
     finally:
         _end(trial)
-    return CheckResult(Word.PASSED, (check.__doc__ or "").strip())
+    return CheckResult(Verdict.PASSED, (check.__doc__ or "").strip())
 
 
 def _end(trial: Trial) -> None:
@@ -91,5 +91,5 @@ def _end(trial: Trial) -> None:
         trial.run(700)
         trial.driver.deactivate()
         trial.run(100)
-    except (Exception, SystemExit):  # noqa: S110  # the check has told already what is wrong with it
+    except (Exception, SystemExit):  # noqa: S110  # the check has reported what is wrong
         pass

@@ -1,4 +1,4 @@
-"""A driver on trial: activated, moved by small angles and along its first joint, watched; every call is timed."""
+"""A trial of a driver: it is activated, moved by small angles and along its first joint; every call is timed."""
 
 from collections.abc import Callable
 from dataclasses import dataclass, replace
@@ -8,13 +8,14 @@ import numpy as np
 from common.clock import NS_PER_MS, NS_PER_S, Clock
 from common.errors import DriverError
 from common.geometry import Array
-from remote_site.drivers.conformance.watched import Watch, WatchedDriver
+from remote_site.drivers.conformance.driver_under_test import CallMonitor, DriverUnderTest
 from remote_site.drivers.driver import Driver, DriverSetup, JointCommand, RobotReading
 from remote_site.drivers.supervisor.grip import GripSettings, GripWatch
-from remote_site.drivers.supervisor.supervisor import DriverOrder, DriverSupervisor, Phase
+from remote_site.drivers.supervisor.orders import DriverOrder
+from remote_site.drivers.supervisor.state import ACTIVE, SupervisorState
+from remote_site.drivers.supervisor.supervisor import DriverSupervisor
 from remote_site.kinematics.joints import JointMotion
 from remote_site.motion.jerk_limited import JerkLimitedTracker
-from remote_site.safety.stopping import stopping
 
 READY_MS = 5000
 STEP_MS = 2
@@ -22,23 +23,23 @@ WINDOW_MS = 150
 SPEED_RAD_S = 0.8
 STROKE_RAD = 0.7
 JOG_RAD = 0.1
-JOG_MORE_RAD = 0.025  # each joint by so much more than the one before it: no two can be taken for each other
+JOG_MORE_RAD = 0.025  # each joint moves this much more than the one before it, so that no two can be confused
 
 
-class Failed(Exception):  # noqa: N818  # a check's verdict, not a mistake of the program
-    """The driver does not do what it must, and how."""
+class Failed(Exception):  # noqa: N818  # a check's verdict, not an error of the program
+    """What the driver does wrong."""
 
 
 class Hopeless(Failed):
-    """Failed in a way that every other check would fail in too."""
+    """Failed in a way in which every other check would fail."""
 
 
-class Skipped(Exception):  # noqa: N818  # a check's verdict, not a mistake of the program
-    """The check does not concern this driver, and why."""
+class Skipped(Exception):  # noqa: N818  # a check's verdict, not an error of the program
+    """Why the check does not apply to this driver."""
 
 
-def told(call: str, error: BaseException) -> str:
-    """What a call has raised, as a sentence."""
+def as_sentence(call: str, error: BaseException) -> str:
+    """A sentence of what a call has raised."""
     if isinstance(error, DriverError):
         return f"{call} is refused: {error}"
     return f"{call} raised {type(error).__name__}: {error}"
@@ -46,7 +47,7 @@ def told(call: str, error: BaseException) -> str:
 
 @dataclass(frozen=True, slots=True)
 class DriverStand:
-    """Where drivers are tried: makes them, tells the time, and knows where the robot stands at first."""
+    """A test stand: its clock, what makes a driver, and the posture in which the robot starts."""
 
     clock: Clock
     setup: DriverSetup
@@ -76,14 +77,14 @@ def gentle(setup: DriverSetup) -> DriverSetup:
 
 
 class Trial:
-    """One driver, from its making to its end, behind the keeper that its process would have."""
+    """One driver, from construction to deactivation, behind the supervisor that its process has."""
 
-    def __init__(self, stand: DriverStand, watch: Watch) -> None:
+    def __init__(self, stand: DriverStand, monitor: CallMonitor) -> None:
         self.clock = stand.clock
         self.setup = gentle(stand.setup)
-        self.driver = WatchedDriver(stand.make, watch)
+        self.driver = DriverUnderTest(stand.make, monitor)
         self.timer = Timer(stand.clock)
-        self.keeper = DriverSupervisor(self.driver, self.setup, stand.clock, self.timer, GripWatch(GripSettings()))
+        self.supervisor = DriverSupervisor(self.driver, self.setup, stand.clock, self.timer, GripWatch(GripSettings()))
         self.log: list[RobotReading] = []
         self._start = stand.start
         self._activation = self._seq = 0
@@ -94,8 +95,13 @@ class Trial:
         self.lag_ms = 1000 * periods / capabilities.rate_hz + 50
 
     @property
+    def ready(self) -> bool:
+        """The robot takes commands."""
+        return self.supervisor.state in ACTIVE
+
+    @property
     def q0(self) -> Array:
-        """Where the robot stands."""
+        """The measured posture of the robot."""
         return self.log[-1].q if self.log else self._start
 
     def configured(self) -> "Trial":
@@ -109,73 +115,75 @@ class Trial:
         """Configure the driver for the model that it is to move; Hopeless when it cannot be."""
         try:
             self.driver.configure(self.setup)
-        except (Exception, SystemExit) as error:  # a stranger's code may raise whatever it likes
-            raise Hopeless(told("configure", error)) from error
+        except (Exception, SystemExit) as error:  # an installed driver may raise anything
+            raise Hopeless(as_sentence("configure", error)) from error
 
     def turn_to_the_middle(self) -> None:
-        """Have the first joint move to where it has more room, from now on."""
+        """Move the first joint to the side where it has more room, from now on."""
         upper, lower = self.setup.limits.upper[0], self.setup.limits.lower[0]
         self.side = 1.0 if upper + lower >= 2 * self.q0[0] else -1.0
 
     def activated(self) -> "Trial":
-        """The same, ready for commands where it stands."""
+        """The same, ready for commands in its posture."""
         self.configured()
         self.activate()
         return self
 
     def activate(self) -> None:
-        """Ask, and wait until the robot is ready."""
+        """Activate, and wait until the robot is ready."""
         self._activation += 1
         zero = np.zeros(len(self.q0))
         command = JointCommand(self._seq, self.clock.now_ns(), self.q0, zero, zero, gripper_open=True)
         self._follower.reset(JointMotion.at_rest(self.q0))
-        self.run(STEP_MS, [DriverOrder(self._activation, True, self.keeper.diversions, command)])
+        self.run(STEP_MS, [DriverOrder(self._activation, True, self.supervisor.commanded.stop_count, command)])
         for _ in range(READY_MS // STEP_MS):
-            if self.keeper.phase is not Phase.ACTIVATING:
+            if self.supervisor.state is not SupervisorState.ACTIVATING:
                 break
             self.run(STEP_MS)
-        if self.keeper.phase is not Phase.ACTIVE:
+        if not self.ready:
             kind = Hopeless if self._activation == 1 else Failed
-            raise kind(f"not ready {READY_MS / 1000:g} s after its activation: {self.keeper.fault}")
+            raise kind(f"not ready {READY_MS / 1000:g} s after its activation: {self.supervisor.fault}")
 
     def run(self, ms: float, orders: list[DriverOrder] | None = None) -> None:
-        """Let time pass, the driver being called as its process would."""
+        """Let time pass, with the driver called as by its process."""
         end_ns = self.clock.now_ns() + round(ms * NS_PER_MS)
         while self.clock.now_ns() < end_ns:
             self.clock.sleep_until_ns(self.clock.now_ns() + STEP_MS * NS_PER_MS)
-            self.keeper.take(orders or [], self.clock.now_ns())
+            self.supervisor.take(orders or [], self.clock.now_ns())
             orders = None
-            self.keeper.step(self.clock.now_ns())
-            if self.keeper.reading is not None:
-                self.log.append(self.keeper.reading)
+            self.supervisor.step(self.clock.now_ns())
+            if self.supervisor.reading is not None:
+                self.log.append(self.supervisor.reading)
 
     def move(self, target: Array, ms: float) -> None:
-        """Command the way to `target` for so long, one command a tick."""
+        """Command motion to `target` for `ms`, one command a tick."""
         for _ in range(round(ms / 1000 / self.setup.dt)):
-            self._follower.reset(self.keeper.motion)
+            self._follower.reset(self.supervisor.commanded.motion)
             motion = self._follower.track(target, np.zeros(len(target)))
             if not isinstance(motion, JointMotion):
-                raise Failed(f"no way to {target}: {motion.sentence}")
+                raise Failed(f"no trajectory to {target}: {motion.sentence}")
             self.command(motion)
 
     def command(self, motion: JointMotion) -> None:
-        """One command, and the tick after it; one that comes too late goes on from within the stop, as control does."""
+        """One command and the tick after it; a late one continues from within the stop, as control does."""
         self._seq += 1
-        now_ns, (onset_ns, last) = self.clock.now_ns(), self.keeper.course
-        if onset_ns:
-            motion = stopping(last, self.setup.limits, (now_ns - onset_ns) / NS_PER_S)
+        now_ns, stop = self.clock.now_ns(), self.supervisor.commanded.stop
+        if stop is not None:
+            motion = stop.at(now_ns)
         command = JointCommand(self._seq, now_ns, motion.q, motion.dq, motion.ddq, gripper_open=True)
-        self.run(self.setup.dt * 1000, [DriverOrder(self._activation, True, self.keeper.diversions, command)])
+        self.run(
+            self.setup.dt * 1000, [DriverOrder(self._activation, True, self.supervisor.commanded.stop_count, command)]
+        )
 
     def in_motion(self) -> "Trial":
         """The same, its first joint at speed."""
         self.move(self.goal(STROKE_RAD), 500)
-        if self.keeper.phase is not Phase.ACTIVE:
-            raise Failed(f"fails in motion: {self.keeper.fault}")
+        if not self.ready:
+            raise Failed(f"fails in motion: {self.supervisor.fault}")
         return self
 
     def goal(self, ahead_rad: float) -> Array:
-        """The posture with the first joint so far on."""
+        """The posture with the first joint ahead by this angle."""
         target = self.q0.copy()
         target[0] += self.side * ahead_rad
         return target
@@ -196,7 +204,7 @@ class Trial:
     def last(self) -> RobotReading:
         """The newest reading; Failed without one."""
         if not self.log:
-            raise Failed(f"nothing can be read: {self.keeper.fault}")
+            raise Failed(f"nothing can be read: {self.supervisor.fault}")
         return self.log[-1]
 
     def speed(self, window_ms: float = WINDOW_MS) -> float:

@@ -1,1 +1,1 @@
-"""What stands between commands and every driver: limits, time-out, verified stop; pure."""
+"""Between commands and every driver: limits, time-out, verified stop."""

@@ -1,11 +1,12 @@
-"""Whether the gripper has done what it was told, holds an object, or gives no answer; pure."""
+"""Whether the gripper has done what was commanded, holds an object, or does not answer; pure."""
 
 from dataclasses import dataclass
 
 from common.clock import NS_PER_MS
-from common.messages.robot import GripperStatus
+from common.messages.robot import GripperState, GripperStatus
+from remote_site.drivers.driver import GripperReading
 
-STILL_M = 0.0006  # what a gripper at rest may seem to move
+STILL_M = 0.0006  # apparent motion of a gripper at rest
 STILL_NS = 150 * NS_PER_MS
 
 
@@ -19,21 +20,27 @@ class GripSettings:
 
 
 class GripWatch:
-    """Follows the measured opening after each order: stable short of closed is an object held.
+    """Watches the measured opening after each command: stable but not closed means that an object is held.
 
-    The real gripper's own word that it has finished can come early, so the opening is watched until it is stable. A
+    The real gripper may report too early that it has finished, so the opening is watched until it is stable. A
     gripper that does not come to rest in time, or does not open, has timed out.
     """
 
     def __init__(self, settings: GripSettings) -> None:
         self._settings = settings
         self._wanted_open: bool | None = None
-        self._moved = True  # at the start it may stand where it was told
+        self._moved = True  # at the start it may already be where it is wanted
         self._since_ns = self._still_ns = 0
         self._still_m = 0.0
+        self.state: GripperState | None = None  # of the last reading, None before the first
+
+    def observe(self, reading: GripperReading, now_ns: int, *, wanted_open: bool) -> None:
+        """Update the state with a reading of the gripper and what it is commanded to do."""
+        status = self.judge(now_ns, reading.opening_m, wanted_open=wanted_open)
+        self.state = GripperState(reading.opening_m, reading.force_n, wanted_open, status)
 
     def judge(self, now_ns: int, opening_m: float, *, wanted_open: bool) -> GripperStatus:
-        """The status at `now_ns` of a gripper of this opening that was told to open or to close."""
+        """The status at `now_ns` of a gripper of this opening that was commanded to open or to close."""
         if wanted_open is not self._wanted_open:
             self._moved = self._wanted_open is None
             self._wanted_open, self._since_ns = wanted_open, now_ns

@@ -247,12 +247,12 @@ def test_a_process_that_is_gone_is_told(make_rig):
     assert link.read().fault.code is FaultCode.PROCESS
 
 
-def test_the_first_command_after_a_diversion_is_where_the_stop_is_at_its_time():
+def test_the_first_command_after_a_stop_began_is_where_the_stop_is_at_its_time():
     memory = DriverMemory.create(6)
     link = DriverLink(memory, LIMITS, CLOCK)
     now_ns, moving = CLOCK.now_ns(), np.full((5, 6), 0.3)
     raw = memory.report.read()
-    memory.report.write(raw._replace(at_ns=now_ns, diversions=1, onset_ns=now_ns - 20 * NS_PER_MS, motions=moving))
+    memory.report.write(raw._replace(at_ns=now_ns, stop_count=1, onset_ns=now_ns - 20 * NS_PER_MS, motions=moving))
     link.read()
     zero = np.zeros(6)
     command = JointCommand(1, now_ns, zero, zero, zero, gripper_open=True)
@@ -262,7 +262,7 @@ def test_the_first_command_after_a_diversion_is_where_the_stop_is_at_its_time():
     assert (sent.dq == stop.dq).all()
     assert link.write(command) is command
     first, second = memory.orders.take()
-    assert (first.diversions, second.diversions) == (1, 1)
+    assert (first.stop_count, second.stop_count) == (1, 1)
     assert (first.command.q == stop.q).all()
 
 

@@ -67,7 +67,7 @@ def test_a_cell_that_gives_no_readings_is_not_ready(bench):
 
 def test_a_cell_that_falls_silent_is_not_ready(bench):
     bench.ready()
-    assert bench.driver.read().ready
+    assert bench.driver.read().fault is None
     for _ in range(9):
         bench.clock.advance_ms(12)
         reading = bench.driver.read()
@@ -76,9 +76,9 @@ def test_a_cell_that_falls_silent_is_not_ready(bench):
 
 def test_a_pause_of_the_reader_is_no_silence_of_the_cell(bench):
     bench.ready()
-    assert bench.driver.read().ready
+    assert bench.driver.read().fault is None
     bench.clock.advance_ms(150)
-    assert bench.driver.read().ready
+    assert bench.driver.read().fault is None
 
 
 def test_it_must_be_configured_then_activated(bench):
@@ -97,7 +97,7 @@ def test_activation_is_ready_after_a_step_of_the_cell(bench):
     assert bench.driver.read().fault.code is FaultCode.NOT_ACTIVATED
     bench.run()
     reading = bench.driver.read()
-    assert reading.ready
+    assert reading.fault is None
     assert reading.obeyed_seq is None
     assert reading.q == pytest.approx(ROBOT.start, abs=1e-4)
 
@@ -129,7 +129,7 @@ def test_after_a_stop_only_activation_moves_the_arm(bench):
         bench.driver.write(bench.command())
     bench.driver.activate(bench.driver.read().q)
     bench.run()
-    assert bench.driver.read().ready
+    assert bench.driver.read().fault is None
     bench.hold(2)
 
 
@@ -149,7 +149,7 @@ def test_steps_that_are_caught_up_do_not_pass_for_silence(bench):
     bench.driver.write(bench.command())
     for late in range(80, 0, -1):
         bench.cell.step(now_ns - 2_000_000 * late, now_ns)
-    assert bench.driver.read().ready
+    assert bench.driver.read().fault is None
 
 
 def test_activation_elsewhere_is_refused_in_words(bench):

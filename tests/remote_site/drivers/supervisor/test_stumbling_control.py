@@ -11,10 +11,10 @@ from remote_site.drivers.link import DriverLink
 from remote_site.drivers.memory import DriverMemory
 from remote_site.drivers.supervisor.grip import GripSettings, GripWatch
 from remote_site.drivers.supervisor.supervisor import DriverSupervisor
-from remote_site.drivers.supervisor.write_scheduler import LEAST_SHARE
+from remote_site.drivers.supervisor.write_scheduler import LEAST_FRACTION
 from remote_site.kinematics.joints import JointMotion
 from remote_site.motion.jerk_limited import JerkLimitedTracker
-from remote_site.runtime.driver_process import Desk, setup_of
+from remote_site.runtime.driver_process import DriverLoop, setup_of
 from remote_site.runtime.rate import Rate
 from tests.remote_site.remote_loop import arm
 
@@ -36,7 +36,7 @@ class Kept(KinematicDriver):
 
 
 class Slow(Kept):
-    """Takes 15 setpoints a second, and goes from each to the next on a straight way."""
+    """Takes 15 setpoints a second, and moves from each to the next along a straight line."""
 
     @property
     def capabilities(self):
@@ -50,13 +50,13 @@ class Rig:
         self.clock = FakeClock(1000 * NS_PER_MS)
         self.robot, memory, setup = make(self.clock), DriverMemory.create(6), setup_of(RemoteConfig())
         self.robot.configure(setup)
-        self.keeper = DriverSupervisor(self.robot, setup, self.clock, memory.busy, GripWatch(GripSettings()))
-        self.desk, self.link = Desk(self.keeper, memory, self.clock), DriverLink(memory, LIMITS, self.clock)
+        self.supervisor = DriverSupervisor(self.robot, setup, self.clock, memory.busy, GripWatch(GripSettings()))
+        self.desk, self.link = DriverLoop(self.supervisor, memory, self.clock), DriverLink(memory, LIMITS, self.clock)
         self.follower, self.phase_ms, self.seq = JerkLimitedTracker(LIMITS, setup.dt), phase_ms, 0
         self.link.activate(START)
         self.desk.turn()
         self.sent = JointMotion.at_rest(START)
-        self.rate = Rate(1 / setup.dt, self.clock, least_share=LEAST_SHARE)
+        self.rate = Rate(1 / setup.dt, self.clock, least_share=LEAST_FRACTION)
 
     def tick(self, late_ms=0.0):
         wake_ns = self.rate.next_ns + round(late_ms * NS_PER_MS)
@@ -90,9 +90,9 @@ def test_a_stumble_slows_the_arm_and_costs_no_full_stop(late_ms, phase_ms):
     at_waking, woke_ns = rig.sent, rig.clock.now_ns()
     for _ in range(400):
         rig.tick()
-    assert rig.keeper.diversions == (1 if late_ms > 8 else 0)  # 4 ms more since the last command
-    assert rig.keeper.fault is None
-    assert rig.keeper.motion.q == pytest.approx(GOAL, abs=1e-6)
+    assert rig.supervisor.commanded.stop_count == (1 if late_ms > 8 else 0)  # 4 ms more since the last command
+    assert rig.supervisor.fault is None
+    assert rig.supervisor.commanded.motion.q == pytest.approx(GOAL, abs=1e-6)
     t, q, dq, ddq = rig.written()
     speeds = dq[t >= woke_ns / 1e9, 0]
     fastest = int(speeds.argmax())
@@ -101,8 +101,8 @@ def test_a_stumble_slows_the_arm_and_costs_no_full_stop(late_ms, phase_ms):
     steps = np.diff(t)[:, None]
     assert (np.abs(dq) <= LIMITS.velocity * 1.0001).all()
     assert (np.abs(ddq) <= LIMITS.acceleration * 1.0001).all()
-    assert (np.abs(np.diff(ddq, axis=0)) <= LIMITS.jerk * steps * 1.001 / LEAST_SHARE + 1e-9).all()
-    assert (np.abs(np.diff(q, axis=0)) <= LIMITS.velocity * steps * 1.0001 / LEAST_SHARE).all()
+    assert (np.abs(np.diff(ddq, axis=0)) <= LIMITS.jerk * steps * 1.001 / LEAST_FRACTION + 1e-9).all()
+    assert (np.abs(np.diff(q, axis=0)) <= LIMITS.velocity * steps * 1.0001 / LEAST_FRACTION).all()
     assert np.diff(q[:, 0]).min() >= -1e-8  # rounding at the goal
 
 
@@ -115,8 +115,8 @@ def test_a_slow_robot_goes_through_a_stumble_at_its_speeds_too(late_ms, ticks):
     rig.tick(late_ms)
     for _ in range(400):
         rig.tick()
-    assert rig.keeper.fault is None
-    assert rig.keeper.motion.q == pytest.approx(GOAL, abs=1e-6)
+    assert rig.supervisor.fault is None
+    assert rig.supervisor.commanded.motion.q == pytest.approx(GOAL, abs=1e-6)
     t, q, _, _ = rig.written()
     steps = np.diff(t)[:, None]
     speed = np.diff(q, axis=0) / steps
@@ -134,9 +134,9 @@ def test_stumbles_one_after_the_other_never_end_in_a_fault():
         rig.tick()
     for _ in range(400):
         rig.tick()
-    assert rig.keeper.fault is None
-    assert rig.keeper.diversions > 10
-    assert rig.keeper.motion.q == pytest.approx(GOAL, abs=1e-6)
+    assert rig.supervisor.fault is None
+    assert rig.supervisor.commanded.stop_count > 10
+    assert rig.supervisor.commanded.motion.q == pytest.approx(GOAL, abs=1e-6)
 
 
 class LateRobot(Kept):
@@ -169,13 +169,13 @@ class LateRig:
         self.robot, memory, setup = LateRobot(self.clock), DriverMemory.create(6), setup_of(RemoteConfig())
         self.robot.pass_time = self.control_until
         self.robot.configure(setup)
-        self.keeper = DriverSupervisor(self.robot, setup, self.clock, memory.busy, GripWatch(GripSettings()))
-        self.desk, self.link = Desk(self.keeper, memory, self.clock), DriverLink(memory, LIMITS, self.clock)
+        self.supervisor = DriverSupervisor(self.robot, setup, self.clock, memory.busy, GripWatch(GripSettings()))
+        self.desk, self.link = DriverLoop(self.supervisor, memory, self.clock), DriverLink(memory, LIMITS, self.clock)
         self.follower, self.seq, self.waits = JerkLimitedTracker(LIMITS, setup.dt), 0, []
         self.link.activate(START)
         self.desk.turn()
         self.sent, self.rang = JointMotion.at_rest(START), False
-        self.rate = Rate(1 / setup.dt, self.clock, least_share=LEAST_SHARE)
+        self.rate = Rate(1 / setup.dt, self.clock, least_share=LEAST_FRACTION)
 
     def control_until(self, until_ns):
         while self.rate.next_ns <= until_ns:
@@ -192,14 +192,14 @@ class LateRig:
     def run(self, ms):
         end_ns = self.clock.now_ns() + round(ms * NS_PER_MS)
         while self.clock.now_ns() < end_ns:
-            wake_ns = min(self.clock.now_ns() + 2 * NS_PER_MS, self.keeper.due_ns or end_ns, self.rate.next_ns)
+            wake_ns = min(self.clock.now_ns() + 2 * NS_PER_MS, self.supervisor.due_ns or end_ns, self.rate.next_ns)
             if not self.rang:
                 self.control_until(max(wake_ns, self.clock.now_ns()))
             self.rang = False
             self.desk.turn()
 
     def by_the_clock(self):
-        """Speed, acceleration and jerk of what was written, by when it came, as shares of the limits."""
+        """Speed, acceleration and jerk of what was written, by when it came, as fractions of the limits."""
         q, dq, ddq = (np.array([getattr(c, key) for c in self.robot.written]) for key in ("q", "dq", "ddq"))
         steps = np.diff(self.robot.came_ns)[:, None] / 1e9
         speed, acceleration, jerk = (np.abs(np.diff(x, axis=0) / steps).max(axis=0) for x in (q, dq, ddq))
@@ -214,8 +214,8 @@ def test_after_a_late_driver_the_robot_sees_no_more_than_the_limits_by_the_clock
     rig.robot.late_ms[call] = late_ms
     rig.run(1500.0)
     assert not rig.robot.late_ms
-    assert rig.keeper.fault is None
-    assert rig.keeper.motion.q == pytest.approx(GOAL, abs=1e-6)
+    assert rig.supervisor.fault is None
+    assert rig.supervisor.commanded.motion.q == pytest.approx(GOAL, abs=1e-6)
     assert max(rig.by_the_clock()) <= 1.12
 
 
@@ -228,7 +228,7 @@ def test_without_late_calls_nothing_waits_and_a_delay_is_made_up():
     assert rig.robot.came_ns[-1] == rig.rate.next_ns - 4 * NS_PER_MS  # at once
     rig.robot.late_ms["read"] = 7.9
     rig.run(20.0)
-    assert rig.keeper.due_ns is not None or np.diff(rig.robot.came_ns).min() >= LEAST_SHARE * 4 * NS_PER_MS
+    assert rig.supervisor.due_ns is not None or np.diff(rig.robot.came_ns).min() >= LEAST_FRACTION * 4 * NS_PER_MS
     rig.run(100.0)
-    assert rig.keeper.due_ns is None
+    assert rig.supervisor.due_ns is None
     assert rig.robot.came_ns[-1] == rig.rate.next_ns - 4 * NS_PER_MS

@@ -1,4 +1,4 @@
-"""A driver under watch: a call that raises, returns the wrong kind or never comes back can be named."""
+"""The driver under test: names the call that raises, returns the wrong type or never returns."""
 
 from collections.abc import Callable
 from typing import TypeVar
@@ -11,19 +11,19 @@ from remote_site.drivers.driver import Capabilities, Driver, DriverSetup, JointC
 T = TypeVar("T")
 
 
-class Watch:
+class CallMonitor:
     """Which call of a driver is under way; another thread may look."""
 
     def __init__(self) -> None:
-        self._clock = MonotonicClock()  # a call that never comes back does so in real time, whatever the trial's clock
+        self._clock = MonotonicClock()  # a call hangs in real time, whatever the trial's clock
         self._begun: tuple[str, int] | None = None
         self._given_up = False
         self.raised = ""
 
     def call(self, name: str, call: Callable[[], T]) -> T:
-        """What the call returns; `raised` is its name when it raises anything but a DriverError."""
+        """Make a call and return its result; `raised` is its name when it raises anything but a DriverError."""
         if self._given_up:
-            raise SystemExit  # of the thread: nothing more may reach a robot that nobody watches
+            raise SystemExit  # ends the thread: nothing more may reach a robot that nobody watches
         self._begun, self.raised = (name, self._clock.now_ns()), ""
         try:
             return call()
@@ -36,7 +36,7 @@ class Watch:
             self._begun = None
 
     def stuck(self, limit_s: float) -> str:
-        """The call that has not come back for so long, "" without one."""
+        """The call that has lasted longer than `limit_s`, "" without one."""
         begun = self._begun
         return begun[0] if begun is not None and self._clock.now_ns() - begun[1] > limit_s * NS_PER_S else ""
 
@@ -45,43 +45,43 @@ class Watch:
         self._given_up = True
 
 
-class WatchedDriver:
-    """A `Driver` that hands every call on to the one on trial."""
+class DriverUnderTest:
+    """A `Driver` that passes every call on to the one under test."""
 
-    def __init__(self, make: Callable[[], Driver], watch: Watch) -> None:
-        self._watch = watch
-        self._driver = watch.call("its making", make)
+    def __init__(self, make: Callable[[], Driver], monitor: CallMonitor) -> None:
+        self._monitor = monitor
+        self._driver = monitor.call("its construction", make)
         self._joints: int | None = None
 
     @property
     def capabilities(self) -> Capabilities:
         """The driver's own."""
-        return self._watch.call("capabilities", lambda: _of(Capabilities, self._driver.capabilities))
+        return self._monitor.call("capabilities", lambda: _of(Capabilities, self._driver.capabilities))
 
     def configure(self, setup: DriverSetup) -> None:
         """Note how many joints are to be read."""
-        self._watch.call("configure", lambda: self._driver.configure(setup))
+        self._monitor.call("configure", lambda: self._driver.configure(setup))
         self._joints = len(setup.joint_names)
 
     def activate(self, q0: Array) -> None:
         """Activate the driver."""
-        self._watch.call("activate", lambda: self._driver.activate(q0))
+        self._monitor.call("activate", lambda: self._driver.activate(q0))
 
     def read(self) -> RobotReading:
         """A reading with as many joints as the model has."""
-        return self._watch.call("read", self._read)
+        return self._monitor.call("read", self._read)
 
     def write(self, command: JointCommand) -> JointCommand:
         """Hand a command on."""
-        return self._watch.call("write", lambda: _of(JointCommand, self._driver.write(command)))
+        return self._monitor.call("write", lambda: _of(JointCommand, self._driver.write(command)))
 
     def stop(self) -> None:
         """Stop the driver."""
-        self._watch.call("stop", self._driver.stop)
+        self._monitor.call("stop", self._driver.stop)
 
     def deactivate(self) -> None:
         """End the driver."""
-        self._watch.call("deactivate", self._driver.deactivate)
+        self._monitor.call("deactivate", self._driver.deactivate)
 
     def _read(self) -> RobotReading:
         reading = _of(RobotReading, self._driver.read())
@@ -93,5 +93,5 @@ class WatchedDriver:
 
 def _of(kind: type[T], given: object) -> T:
     if not isinstance(given, kind):
-        raise TypeError(f"it gives {given!r}, not a {kind.__name__}")
+        raise TypeError(f"it returned {given!r}, not a {kind.__name__}")
     return given

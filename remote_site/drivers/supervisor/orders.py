@@ -1,0 +1,53 @@
+"""What control orders of the driver's process, and the watchdog over these orders; pure."""
+
+from dataclasses import dataclass
+
+from common.clock import NS_PER_MS, NS_PER_S
+from remote_site.drivers.driver import DriverSetup, JointCommand
+from remote_site.drivers.faults import FaultCode, RobotFault
+from remote_site.drivers.silence import Silence
+from remote_site.reasons import Code, reason
+
+GRACE_TICKS = 3  # a command later than this finds the stop begun, and continues from within it
+
+
+@dataclass(frozen=True, slots=True)
+class DriverOrder:
+    """What control wants: an activation when `activation` rises, a command while `run`, otherwise the stop.
+
+    `stop_count` is the newest that control knows of; a command planned before the last stop began is ignored.
+    """
+
+    activation: int
+    run: bool
+    stop_count: int
+    command: JointCommand
+
+
+class CommandWatchdog:
+    """How late commands are, and how long control has been silent; pauses of this process itself do not count."""
+
+    def __init__(self, setup: DriverSetup) -> None:
+        self.timeout_ns = setup.command_timeout_ns
+        self._grace_ns = round(GRACE_TICKS * setup.dt * NS_PER_S)
+        self._silence = Silence(setup.command_timeout_ns // 2)
+        self._order_ns = 0
+
+    def note_order(self, now_ns: int) -> None:
+        """Control ordered something: it is alive, even if its command is ignored."""
+        self._order_ns = now_ns
+
+    def silent_ns(self, command_ns: int | None, now_ns: int) -> int:
+        """Time without an order, ns; 0 before the first command. To be called in every turn."""
+        silent_ns = self._silence.of(max(command_ns or 0, self._order_ns), now_ns)
+        return 0 if command_ns is None else silent_ns
+
+    def late(self, command_ns: int | None, now_ns: int) -> bool:
+        """The last command is more than three ticks old."""
+        return command_ns is not None and now_ns - command_ns > self._grace_ns
+
+
+def command_timeout(silent_ns: int, limit_ns: int) -> RobotFault:
+    """The fault of a control that was silent for too long."""
+    why = reason(Code.COMMAND_TIMEOUT, age_ms=silent_ns / NS_PER_MS, limit_ms=limit_ns / NS_PER_MS)
+    return RobotFault(FaultCode.COMMAND_TIMEOUT, f"{why.sentence}; activate again")

@@ -1,0 +1,74 @@
+"""A driver whose calls are marked for other processes and timed against their deadline; failures become faults."""
+
+from collections.abc import Callable
+from typing import Protocol, TypeVar
+
+from common.clock import NS_PER_MS, Clock
+from common.errors import DriverError
+from common.geometry import Array
+from remote_site.drivers.driver import Driver, JointCommand, RobotReading
+from remote_site.drivers.faults import FaultCode, RobotFault
+
+DEADLINE_NS = 50 * NS_PER_MS
+
+T = TypeVar("T")
+
+
+class CallMark(Protocol):
+    """Shows other processes since when a call of the driver is under way, in ns; 0 between calls."""
+
+    def set(self, since_ns: int) -> None: ...
+
+
+class WatchedDriver:
+    """The calls of a driver that the supervisor makes; each returns a RobotFault when it raises or takes too long.
+
+    A DriverError becomes a fault REFUSED, anything else that is raised DRIVER, more than 50 ms DEADLINE.
+    """
+
+    def __init__(self, driver: Driver, clock: Clock, mark: CallMark) -> None:
+        self._driver, self._clock, self._mark = driver, clock, mark
+
+    def activate(self, q0: Array) -> RobotFault | None:
+        """Ask the robot to take commands from rest at `q0`."""
+        return self._call("activate", lambda: self._driver.activate(q0))
+
+    def read(self) -> RobotReading | RobotFault:
+        """Read the robot."""
+        return self._call("read", self._driver.read)
+
+    def write(self, command: JointCommand) -> RobotFault | None:
+        """Hand a checked motion to the robot."""
+        sent = self._call("write", lambda: self._driver.write(command))
+        return sent if isinstance(sent, RobotFault) else None
+
+    def stop(self) -> RobotFault | None:
+        """Let the robot stop by itself."""
+        return self._call("stop", self._driver.stop)
+
+    def stop_after(self, fault: RobotFault) -> RobotFault:
+        """Let the robot stop by itself; the fault, and that it does not stop if that fails too."""
+        failed = self.stop()
+        if failed is None:
+            return fault
+        return RobotFault(fault.code, f"{fault.sentence}; nor does it stop: {failed.sentence}")
+
+    def _call(self, name: str, call: Callable[[], T]) -> T | RobotFault:
+        begin_ns = self._clock.now_ns()
+        self._mark.set(begin_ns)
+        try:
+            result = call()
+        except DriverError as error:
+            return RobotFault(FaultCode.REFUSED, str(error))
+        except Exception as error:  # an installed driver may raise anything
+            return RobotFault(FaultCode.DRIVER, f"the driver's {name} raised {type(error).__name__}: {error}")
+        finally:
+            self._mark.set(0)
+        took_ns = self._clock.now_ns() - begin_ns
+        return late_call(name, took_ns) if took_ns > DEADLINE_NS else result
+
+
+def late_call(name: str, took_ns: int) -> RobotFault:
+    """The fault of a call that exceeds the deadline."""
+    limit = f"limit {DEADLINE_NS / NS_PER_MS:.0f} ms"
+    return RobotFault(FaultCode.DEADLINE, f"the driver's {name} took {took_ns / NS_PER_MS:.0f} ms ({limit})")

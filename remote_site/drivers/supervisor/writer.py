@@ -1,0 +1,133 @@
+"""Writes commands and the stop to the driver, each when it is due, and tracks which of them the robot obeys."""
+
+from dataclasses import replace
+
+import numpy as np
+
+from common.clock import NS_PER_S
+from remote_site.drivers.driver import Capabilities, DriverSetup, JointCommand
+from remote_site.drivers.faults import RobotFault
+from remote_site.drivers.supervisor.stop_plan import StopPlan
+from remote_site.drivers.supervisor.watched_driver import WatchedDriver
+from remote_site.drivers.supervisor.write_scheduler import WriteScheduler
+from remote_site.kinematics.joints import JointMotion
+
+ONCE_A_TICK = 0.99  # a robot that takes this many commands a tick gets each of them at once
+
+
+class ObeyedCommands:
+    """Numbers what is written and knows which of control's commands has reached the robot's motion."""
+
+    def __init__(self) -> None:
+        self.seq: int | None = None
+        self._number = 0
+        self._unconfirmed: dict[int, int] = {}
+
+    def restart(self) -> None:
+        """Forget what was written; numbers go on rising."""
+        self._unconfirmed.clear()
+        self.seq = None
+
+    def number(self, seq: int) -> int:
+        """The number to write the motion of control's command `seq` under."""
+        self._number += 1
+        self._unconfirmed[self._number] = seq
+        return self._number
+
+    def confirm(self, number: int | None) -> None:
+        """The robot obeys what was written under this number."""
+        if number in self._unconfirmed:
+            self.seq = self._unconfirmed[number]
+            self._unconfirmed = {own: seq for own, seq in self._unconfirmed.items() if own >= number}
+
+
+class PacedWriter:
+    """Writes to the robot no faster than planned, and to a slow robot no more often than it takes commands.
+
+    The plan advances by a tick with each command. A slow robot gets the newest motion once a period, again if it is
+    the same; a fast one gets each motion once, as soon as the scheduler allows.
+    """
+
+    def __init__(self, driver: WatchedDriver, capabilities: Capabilities, setup: DriverSetup) -> None:
+        rate = capabilities.rate_hz
+        self.period_ns = 0 if rate * setup.dt > ONCE_A_TICK else round(NS_PER_S / rate)
+        self._settle_ns = self.period_ns * (capabilities.queued_periods + 2)
+        self._tick_ns = round(setup.dt * NS_PER_S)
+        self._driver, self._scheduler = driver, WriteScheduler[JointCommand]()
+        self._due_ns = self.plan_ns = 0
+        self._again = False
+        self._rested_ns: int | None = None
+        self.obeyed = ObeyedCommands()
+        self.command = self._written = JointCommand(0, 0, *(np.zeros(len(setup.joint_names)),) * 3, gripper_open=True)
+
+    @property
+    def written_ns(self) -> int:
+        """The plan time of the motion that was written last."""
+        return self._scheduler.planned_ns
+
+    @property
+    def due_ns(self) -> int | None:
+        """When a motion that waits may be written, None if none waits."""
+        return None if self.period_ns else self._scheduler.due_ns
+
+    def restart(self, command: JointCommand, now_ns: int) -> None:
+        """Begin the plan now, with the robot at rest where the command is."""
+        self.command, self._written = command, _with(self._written, JointMotion.at_rest(command.q))
+        self._due_ns = self.plan_ns = now_ns
+        self._rested_ns = None
+        self._scheduler.restart(now_ns, now_ns)
+        self.obeyed.restart()
+
+    def add(self, command: JointCommand) -> None:
+        """Schedule the next command, one tick after the one before it."""
+        self._schedule(command, self.plan_ns + self._tick_ns)
+
+    def hand_over(self, stop: StopPlan, command: JointCommand) -> None:
+        """Schedule a command that takes over from a stop, after the part of the stop that is still to be written."""
+        plan_ns = stop.plan_ns_at(command.t_ns)
+        lead_ns = max(self.written_ns - plan_ns, 0)
+        self._scheduler.delay(2 * lead_ns)  # the stop may have braked meanwhile as hard as the plan accelerated
+        for between_ns in range(max(self.plan_ns, self.written_ns) + self._tick_ns, plan_ns, self._tick_ns):
+            self._scheduler.add(between_ns, _with(self.command, stop.at_plan(between_ns)))
+        self._schedule(command, plan_ns)
+
+    def repeat(self) -> None:
+        """Write the last motion once more in the next step if there is no newer one."""
+        self._again = True
+
+    def step(self, stop: StopPlan | None, now_ns: int) -> RobotFault | None:
+        """Write what is due of the commands and then of the stop; the fault if the driver fails."""
+        if now_ns < self._due_ns:
+            return None
+        self._due_ns = max(self._due_ns + self.period_ns, now_ns) if self.period_ns else 0
+        again, self._again = self._again or self.period_ns > 0, False
+        following = self._next(stop, now_ns)
+        if following is not None:
+            self._written = following
+        elif again:
+            self._scheduler.repeat(now_ns)
+        else:
+            return None
+        last, number = self._written, self.obeyed.number(self._written.seq)
+        return self._driver.write(JointCommand(number, now_ns, last.q, last.dq, last.ddq, self.command.gripper_open))
+
+    def settled(self, now_ns: int) -> bool:
+        """Whether a stop that has ended was written to its end, and the robot has had the time to follow."""
+        if not (self.period_ns or self._written.motion.resting):
+            return False
+        self._rested_ns = now_ns if self._rested_ns is None else self._rested_ns
+        return now_ns - self._rested_ns >= self._settle_ns
+
+    def _schedule(self, command: JointCommand, plan_ns: int) -> None:
+        self.command, self.plan_ns = command, plan_ns
+        self._scheduler.add(plan_ns, command)
+
+    def _next(self, stop: StopPlan | None, now_ns: int) -> JointCommand | None:
+        if stop is None or self._scheduler.waits(now_ns):
+            return self._scheduler.take(now_ns)
+        reached_ns = self._scheduler.reach(stop.plan_ns_at(now_ns), now_ns)
+        return _with(self.command, stop.at_plan(reached_ns))
+
+
+def _with(command: JointCommand, motion: JointMotion) -> JointCommand:
+    return replace(command, q=motion.q, dq=motion.dq, ddq=motion.ddq)

@@ -1,0 +1,75 @@
+"""The command watchdog and the verified stop: after three missed ticks, after the time-out, and on order."""
+
+import pytest
+
+from remote_site.drivers.faults import STOPPED, FaultCode
+from remote_site.drivers.supervisor.state import SupervisorState
+from remote_site.kinematics.joints import JointMotion
+from remote_site.safety.stopping import stopping
+from tests.remote_site.drivers.supervisor.supervised import LIMITS, START, Supervised, assert_smooth
+
+
+def test_silence_begins_the_verified_stop_after_three_ticks_and_latches_at_the_time_out(rig: Supervised) -> None:
+    rig.moving()
+    sent = rig.motion
+    rig.turn(ms=12)
+    assert rig.robot.written[-1].q is sent.q
+    rig.turn(ms=1)
+    assert rig.stop_count == 1
+    assert rig.robot.written[-1].q == pytest.approx(stopping(sent, LIMITS, 0.013).q, abs=1e-12)
+    assert rig.supervisor.fault is None
+    rig.turns(200)
+    assert rig.fault().code is FaultCode.COMMAND_TIMEOUT
+    assert rig.supervisor.settled
+    assert rig.motion.q == pytest.approx(stopping(sent, LIMITS, 9.9).q, abs=1e-9)
+    assert_smooth(rig.robot)
+
+
+def test_an_order_to_stop_stops_and_later_commands_are_ignored(rig: Supervised) -> None:
+    rig.moving()
+    rig.turn(rig.order(rig.sent, run=False))
+    for _ in range(200):
+        rig.command(rig.motion)
+    assert rig.supervisor.fault is STOPPED
+    assert rig.supervisor.settled
+    assert rig.robot.stops == 1
+    assert_smooth(rig.robot)
+
+
+def test_a_pause_of_the_drivers_process_itself_is_no_silence_of_control(rig: Supervised) -> None:
+    rig.moving()
+    rig.stumble(13.0)
+    rig.turn(ms=60)
+    assert rig.supervisor.fault is None
+    rig.sent = rig.stop_at()
+    rig.turn(rig.order(rig.sent), ms=0)
+    rig.commands(50)
+    assert rig.supervisor.state is SupervisorState.FOLLOWING
+    assert rig.stop_count == 1
+
+
+def test_a_late_command_begins_no_stop_of_an_arm_at_rest(rig: Supervised) -> None:
+    rig.activate()
+    rig.command(rig.sent)
+    rig.turn(ms=30)
+    assert rig.stop_count == 0
+    assert rig.supervisor.state is SupervisorState.FOLLOWING
+
+
+def test_a_robot_at_rest_gets_its_motion_again_while_control_is_silent(rig: Supervised) -> None:
+    rig.activate()
+    rig.command(JointMotion.at_rest(START))
+    written = len(rig.robot.written)
+    rig.stumble(48.0)
+    assert rig.supervisor.fault is None
+    assert len(rig.robot.written) > written + 10
+    assert all((command.q == START).all() for command in rig.robot.written)
+
+
+def test_a_slow_robot_is_led_to_rest_before_it_is_held() -> None:
+    rig = Supervised(15.0)
+    rig.moving()
+    sent = rig.motion
+    rig.turns(400)
+    assert rig.supervisor.settled
+    assert rig.robot.written[-1].q == pytest.approx(stopping(sent, LIMITS, 9.9).q, abs=1e-9)

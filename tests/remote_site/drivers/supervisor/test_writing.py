@@ -1,0 +1,56 @@
+"""What is written to the robot: every command as it is, numbered, at the robot's rate, within its jerk."""
+
+import numpy as np
+import pytest
+
+from common.clock import NS_PER_MS, NS_PER_S
+from remote_site.drivers.supervisor.state import SupervisorState
+from remote_site.drivers.supervisor.write_scheduler import LEAST_FRACTION
+from remote_site.kinematics.joints import JointMotion
+from tests.remote_site.drivers.supervisor.supervised import LIMITS, START, Supervised, assert_smooth
+
+
+def test_commands_reach_the_robot_as_they_are(rig: Supervised) -> None:
+    rig.moving()
+    assert rig.robot.written[-1].q is rig.sent.q
+    assert rig.supervisor.state is SupervisorState.FOLLOWING
+    assert rig.supervisor.obeyed.seq == rig.seq
+    assert_smooth(rig.robot)
+
+
+def test_every_command_to_the_robot_has_a_number_of_its_own_also_in_the_stop(rig: Supervised) -> None:
+    rig.moving()
+    rig.turns(100)
+    assert (np.diff([c.seq for c in rig.robot.written]) == 1).all()
+    assert rig.supervisor.obeyed.seq == rig.seq
+
+
+@pytest.mark.parametrize("late_ms", [0.02, 0.5, 1.9])
+def test_an_arm_kept_at_rest_starts_no_sooner_than_its_jerk_allows(rig: Supervised, late_ms: float) -> None:
+    rig.activate()
+    for _ in range(10):
+        rig.command(JointMotion.at_rest(START))
+    rig.stumble(30.0)
+    rig.sent = rig.plan()
+    rig.turn(rig.order(rig.sent), ms=late_ms)
+    for _ in range(20):
+        rig.command()
+        while (due_ns := rig.supervisor.due_ns) is not None and due_ns - rig.clock.now_ns() < 4 * NS_PER_MS:
+            rig.turn(ms=(due_ns - rig.clock.now_ns()) / NS_PER_MS)
+    t_ns, ddq = (np.array([getattr(c, key) for c in rig.robot.written]) for key in ("t_ns", "ddq"))
+    jerk = np.abs(np.diff(ddq, axis=0)) / np.diff(t_ns)[:, None] * NS_PER_S
+    assert len(t_ns) > 25
+    assert (jerk <= LIMITS.jerk * 1.001 / LEAST_FRACTION).all()
+
+
+@pytest.mark.parametrize("rate_hz", [10.0, 15.0, 20.0])
+def test_a_slow_robot_gets_setpoints_along_the_path_at_its_rate_and_none_beyond_the_goal(rate_hz: float) -> None:
+    rig = Supervised(rate_hz)
+    rig.activate()
+    rig.commands(500)
+    written = rig.robot.written
+    assert np.diff([c.t_ns for c in written]) == pytest.approx(1e9 / rate_hz, abs=4e6)
+    places = np.array([c.q[0] for c in written])
+    assert (np.diff(places) >= 0).all()
+    assert places[-1] == pytest.approx(START[0] + 0.8, abs=1e-6)
+    assert places.max() <= START[0] + 0.8 + 1e-6
