@@ -14,7 +14,7 @@ from common.process.service import LogFormat, StopFlag
 from farhand.commands.calibrate import calibrate_app
 from farhand.commands.certificates import certificates_app
 from farhand.exit_codes import FAILED, INTERRUPTED, MISUSE
-from local_site.tracking.method import Method
+from local_site.tracking.config import Method
 
 if TYPE_CHECKING:
     from local_site.console.config import ConsoleConfig

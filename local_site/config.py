@@ -11,11 +11,11 @@ from common.link.config import LinkSecurity
 from common.process.metrics.config import MetricsConfig
 from local_site.acquisition.pairing import PairingConfig
 from local_site.authority.operator_name import host_operator
-from local_site.calibration.drift import DriftConfig
 from local_site.preview.config import PreviewConfig
 from local_site.samples.smoothing import SmoothingConfig
 from local_site.simulation.config import SimulationConfig
 from local_site.tracking.choice import TrackingConfig
+from local_site.tracking.drift import DriftConfig
 
 SIMULATED = "simulated"
 

@@ -10,7 +10,7 @@ import numpy as np
 from common.cameras.camera import Image
 from local_site.calibration.lens import Lens
 from local_site.simulation.hazel import FOCAL_PX, FOREARM_M, PRINCIPAL_PX, UPPER_ARM_M, Swing, TrueArm, hazel_film
-from local_site.tracking.monocular.config import MonocularConfig
+from local_site.tracking.config import MonocularConfig
 from local_site.tracking.monocular.estimator import ACCURATE, LIVE, EstimatorSetting
 from local_site.tracking.monocular.follower import ArmFollower
 from local_site.tracking.monocular.pose import ArmPose

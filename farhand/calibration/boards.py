@@ -14,10 +14,8 @@ from common.geometry import Array
 from farhand.calibration.pictures import read_pictures
 from farhand.calibration.points import Calibrated, now, with_serials
 from local_site.calibration.board_rig import BoardPictures, solve_boards
-from local_site.calibration.boards import Board, BoardFinder, BoardKind, BoardView
-from local_site.calibration.coverage import coverage_map, coverage_warnings, picture_coverage
-from local_site.calibration.found import draw_found
-from local_site.calibration.pose_gate import PoseGate
+from local_site.calibration.boards import Board, BoardFinder, BoardKind, BoardView, PoseGate
+from local_site.calibration.coverage import coverage_map, coverage_warnings, draw_found, picture_coverage
 from local_site.calibration.rig_file import save_rig
 from local_site.preview.picture_files import write_picture
 

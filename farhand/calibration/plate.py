@@ -10,8 +10,7 @@ from common.cameras.camera import Image
 from common.errors import CalibrationError, ConfigError
 from farhand.calibration.pictures import read_pictures
 from farhand.calibration.points import Calibrated, calibrate_control
-from local_site.calibration.coverage import coverage_map
-from local_site.calibration.found import draw_found
+from local_site.calibration.coverage import coverage_map, draw_found
 from local_site.calibration.plate import (
     Plate,
     PlateView,

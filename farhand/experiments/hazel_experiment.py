@@ -30,7 +30,7 @@ from local_site.simulation.hazel import (
     pointing_film,
 )
 from local_site.simulation.textured_arm import Scenery
-from local_site.tracking.monocular.config import ForearmConfig, MonocularConfig, UpperArmConfig
+from local_site.tracking.config import ForearmConfig, MonocularConfig, UpperArmConfig
 
 QUICK_FRAMES = 40
 SEED_C = 11

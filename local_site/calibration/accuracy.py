@@ -7,7 +7,7 @@ import numpy as np
 from common.geometry import Array
 from local_site.calibration.physical_camera import PhysicalCamera
 from local_site.calibration.resection import Resection
-from local_site.calibration.triangulation import epipolar_residual, fundamental_matrix, triangulate_many
+from local_site.calibration.triangulation import epipolar_residuals, fundamentals, triangulate_many
 
 
 def located(cameras: Sequence[PhysicalCamera], pixels: Sequence[Array]) -> Array:
@@ -47,10 +47,37 @@ def rms(values: Array) -> Array | None:
     return np.sqrt(np.mean(finite**2, axis=0)) if len(finite) else None
 
 
-def epipolar_residuals(cameras: Sequence[PhysicalCamera], pixels: Sequence[Array]) -> Array:
-    """Epipolar residuals (M,) in px of all points that the first two cameras both saw."""
-    fundamental = fundamental_matrix(cameras[0].projection, cameras[1].projection)
-    first, second = (c.lens.undistort_pixels(p) for c, p in zip(cameras[:2], pixels[:2], strict=True))
-    pairs = zip(first, second, strict=True)
-    values = [epipolar_residual(fundamental, a, b) for a, b in pairs if np.isfinite(a[0]) and np.isfinite(b[0])]
-    return np.array(values)
+def median_epipolar_px(cameras: Sequence[PhysicalCamera], pixels: Sequence[Array]) -> float | None:
+    """The median epipolar residual in px of all points that the first two cameras both saw; None without any."""
+    straight = np.stack([c.lens.undistort_pixels(p) for c, p in zip(cameras[:2], pixels[:2], strict=True)], axis=1)
+    residuals = epipolar_residuals(fundamentals([camera.projection for camera in cameras[:2]]), straight)
+    seen = residuals[np.isfinite(residuals)]
+    return float(np.median(seen)) if len(seen) else None
+
+
+MIN_CORNERS = 4
+
+
+def board_errors(
+    cameras_of_pose: Sequence[Sequence[PhysicalCamera]], corners: Array, pixels_of_pose: Sequence[Sequence[Array]]
+) -> Array:
+    """Located corners less the print laid upon them (N, 3), m, in the cameras' frame.
+
+    Corners (C, 3) on the print in m; for each pose its cameras, and each camera's pixels (C, 2), NaN where unseen.
+    """
+    parts = [np.zeros((0, 3))]
+    for cameras, pixels in zip(cameras_of_pose, pixels_of_pose, strict=True):
+        places = located(cameras, pixels)
+        known = np.isfinite(places[:, 0])
+        if np.sum(known) >= MIN_CORNERS:
+            parts.append(places[known] - laid_upon(corners[known], places[known]))
+    return np.concatenate(parts)
+
+
+def laid_upon(shape: Array, places: Array) -> Array:
+    """A rigid shape (N, 3) moved as near as it gets to places (N, 3) (Kabsch)."""
+    shape_middle, places_middle = shape.mean(axis=0), places.mean(axis=0)
+    u, _, vt = np.linalg.svd((shape - shape_middle).T @ (places - places_middle))
+    proper = np.diag([1.0, 1.0, np.sign(np.linalg.det(u @ vt))])
+    result: Array = (shape - shape_middle) @ u @ proper @ vt + places_middle
+    return result

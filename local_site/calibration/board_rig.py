@@ -8,14 +8,21 @@ import numpy as np
 from common.errors import CalibrationError
 from common.geometry import Array
 from local_site.calibration import accuracy, checks
-from local_site.calibration.board_errors import board_errors
-from local_site.calibration.board_start import UNSOLVABLE, Views, observations, starting_scene
+from local_site.calibration.accuracy import board_errors
 from local_site.calibration.boards import Board
-from local_site.calibration.bundle import Adjusted, BundleScene, Observations, adjust
+from local_site.calibration.bundle import (
+    UNSOLVABLE,
+    Adjusted,
+    BundleScene,
+    Observations,
+    Views,
+    adjust,
+    observations,
+    starting_scene,
+)
 from local_site.calibration.control_points import ControlPoints, Size
-from local_site.calibration.model_choice import choose_model
 from local_site.calibration.physical_camera import ASPECT, BASE, K1, K2, PhysicalCamera
-from local_site.calibration.resection import folds
+from local_site.calibration.resection import choose_model, folds
 from local_site.calibration.rig import Rig
 from local_site.calibration.solve import camera_calibration, vector
 
@@ -171,7 +178,6 @@ def _rig(
     error_rms, left_out = errors
     if error_rms is None:
         raise CalibrationError("no corner of the board is seen by two cameras; let their views overlap")
-    epipolar = accuracy.epipolar_residuals(cameras, control.pixels)
     return Rig(
         cameras=tuple(
             camera_calibration(name, camera, _rms_px(fitted, seen, k), control.sizes[k])
@@ -182,6 +188,6 @@ def _rig(
         error_rms=vector(error_rms),
         created=created,
         leave_one_out_rms=None if left_out is None else vector(left_out),
-        epipolar_px=float(np.median(epipolar)) if len(epipolar) else None,
+        epipolar_px=accuracy.median_epipolar_px(cameras, control.pixels),
         lens_choice=(why,) * len(cameras),
     )

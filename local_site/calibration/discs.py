@@ -8,12 +8,13 @@ from numpy.typing import NDArray
 
 from common.cameras.camera import Image
 from common.geometry import Array
+from local_site.kernels.pictures import as_grey
 
 GROUND_PART = 7
 MIN_AREA_PX = 8
 MIN_CONTRAST = 12.0
 MAX_DISCS = 200
-CORE_PX, EDGE_PX, RING_PX = 1, 2, 4
+EDGE_PX, RING_PX = 2, 4
 ELLIPSE_SLACK = 0.35
 
 
@@ -38,11 +39,6 @@ def find_discs(picture: Image) -> list[Disc]:
     large.sort(key=lambda k: -int(stats[k, cv2.CC_STAT_AREA]))
     found = [_measure(grey, labels, stats[k], k) for k in large[:MAX_DISCS]]
     return [disc for disc in found if disc is not None]
-
-
-def as_grey(picture: Image) -> Image:
-    """The picture (H, W) in grey."""
-    return picture if picture.ndim == 2 else np.asarray(cv2.cvtColor(picture, cv2.COLOR_BGR2GRAY), dtype=np.uint8)
 
 
 def _measure(grey: Image, labels: cv2.typing.MatLike, stats: cv2.typing.MatLike, label: int) -> Disc | None:

@@ -6,8 +6,8 @@ import msgspec
 
 from common.errors import CalibrationError
 from common.whole_file import write_whole
+from local_site.calibration.checks import rig_mistakes
 from local_site.calibration.rig import Rig
-from local_site.calibration.rig_checks import rig_mistakes
 
 
 def load_rig(path: Path) -> Rig:

@@ -95,7 +95,6 @@ def _rig(control: ControlPoints, solved: list[_Solved], created: str) -> Rig:
     if error_rms is None:
         raise CalibrationError(f"{control.source}: no point is seen by two cameras; let their views overlap")
     without = accuracy.rms(accuracy.leave_one_out_errors(resections, control.points, control.pixels))
-    epipolar = accuracy.epipolar_residuals(cameras, control.pixels)
     return Rig(
         cameras=tuple(
             camera_calibration(name, resection.camera, resection.rms_px, size)
@@ -106,20 +105,19 @@ def _rig(control: ControlPoints, solved: list[_Solved], created: str) -> Rig:
         error_rms=vector(error_rms),
         created=created,
         leave_one_out_rms=None if without is None else vector(without),
-        epipolar_px=float(np.median(epipolar)) if len(epipolar) else None,
+        epipolar_px=accuracy.median_epipolar_px(cameras, control.pixels),
         lens_choice=tuple(one.why for one in solved),
     )
 
 
 def camera_calibration(name: str, camera: PhysicalCamera, rms_px: float, size: Size | None) -> CameraCalibration:
     """What the rig keeps of a fitted camera; a straight lens is not kept, so that nobody straightens for nothing."""
-    bent = camera.lens.k1 != 0.0 or camera.lens.k2 != 0.0
     rows = [_row(row) for row in camera.projection]
     return CameraCalibration(
         name=name,
         projection=(rows[0], rows[1], rows[2]),
         reprojection_rms_px=rms_px,
-        lens=camera.lens if bent else None,
+        lens=camera.lens if camera.lens.is_distorted else None,
         size_px=size,
     )
 

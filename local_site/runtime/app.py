@@ -44,6 +44,8 @@ from local_site.config import LocalConfig
 from local_site.preview.picture_files import write_picture
 from local_site.preview.preview import Preview
 from local_site.preview.process import PreviewProcess
+from local_site.runtime.joint_clicks import JointClicks
+from local_site.runtime.profile_file import ProfileKeeper
 from local_site.runtime.warm_up import warm_up
 from local_site.samples.gesture import OpenHand, observe
 from local_site.samples.intent import IntentMerge
@@ -53,9 +55,7 @@ from local_site.simulation.calibrated import calibrate_simulated
 from local_site.simulation.source import SimulatedCameras
 from local_site.tracking.annotate import annotate
 from local_site.tracking.choice import TrackingConfig, make_tracker, profile_of
-from local_site.tracking.drift_watch import DriftWatch
-from local_site.tracking.joint_clicks import JointClicks
-from local_site.tracking.profile_file import ProfileKeeper
+from local_site.tracking.drift import DriftWatch
 from local_site.tracking.silhouette.operator_profile import OperatorProfile
 from local_site.tracking.tracker import ArmEstimate, Views
 

@@ -12,9 +12,8 @@ from local_site.simulation.hazel import film_camera
 from local_site.simulation.operator import SimulatedOperator
 from local_site.simulation.textured_operator import TexturedOperator, first_joints_px
 from local_site.tracking.choice import TrackingConfig, make_tracker
-from local_site.tracking.monocular.config import MonocularConfig, StartBy, StartConfig
+from local_site.tracking.config import MonocularConfig, SilhouetteConfig, StartBy, StartConfig
 from local_site.tracking.monocular.monocular_tracker import MonocularTracker
-from local_site.tracking.silhouette.config import SilhouetteConfig
 from local_site.tracking.tracker import View, Views
 
 INSTANTS = 3

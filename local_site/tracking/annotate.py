@@ -9,6 +9,8 @@ from numpy.typing import NDArray
 from common.cameras.camera import Image
 from common.geometry import Array
 from common.messages.hand import TrackingStatus
+from local_site.calibration.triangulation import image_of
+from local_site.kernels.pictures import as_colour
 from local_site.tracking.tracker import ArmEstimate, Overlay
 
 Colour = tuple[int, int, int]
@@ -42,8 +44,7 @@ def annotate(image: Image, estimate: ArmEstimate, view: int, projection: Array |
 
     With the camera's `projection` (3, 4), an ellipse of two sigma surrounds every point that has a covariance.
     """
-    coloured = cv2.cvtColor(image, cv2.COLOR_GRAY2BGR) if image.ndim == 2 else image[..., :3].copy()
-    canvas: Image = np.ascontiguousarray(coloured, dtype=np.uint8)
+    canvas: Image = np.array(as_colour(image)[..., :3], dtype=np.uint8, order="C")
     if view < len(estimate.overlays):
         _draw_shape(canvas, estimate.overlays[view])
         for name in POINTS:
@@ -88,10 +89,8 @@ def sigma_outline(projection: Array, place: Array, covariance: Array) -> Array:
 
     The covariance (3, 3) in m² goes through the slope of the projection (3, 4).
     """
-    homogeneous = projection @ np.append(place, 1.0)
-    pixel = homogeneous[:2] / homogeneous[2]
-    slope = (projection[:2, :3] - np.outer(pixel, projection[2, :3])) / homogeneous[2]
-    values, directions = np.linalg.eigh(slope @ covariance @ slope.T)
+    _, jacobian, _ = image_of(projection, place)
+    values, directions = np.linalg.eigh(jacobian @ covariance @ jacobian.T)
     turn = np.linspace(0.0, 2.0 * np.pi, 36, endpoint=False)
     circle = np.column_stack([np.cos(turn), np.sin(turn)])
     outline: Array = SIGMAS * (circle * np.sqrt(np.maximum(values, 0.0))) @ directions.T

@@ -6,12 +6,9 @@ import msgspec
 from msgspec import Meta, field
 
 from local_site.calibration.rig import Rig
-from local_site.tracking.markers.config import MarkersConfig
+from local_site.tracking.config import MarkersConfig, Method, MonocularConfig, SilhouetteConfig
 from local_site.tracking.markers.marker_tracker import MarkerTracker
-from local_site.tracking.method import Method
-from local_site.tracking.monocular.config import MonocularConfig
 from local_site.tracking.monocular.monocular_tracker import MonocularTracker
-from local_site.tracking.silhouette.config import SilhouetteConfig
 from local_site.tracking.silhouette.operator_profile import OperatorProfile
 from local_site.tracking.silhouette.silhouette_tracker import SilhouetteTracker
 from local_site.tracking.tracker import Tracker

@@ -7,15 +7,13 @@ import numpy as np
 from common.geometry import Array
 from common.messages.hand import TrackingStatus
 from local_site.calibration.rig import Rig
-from local_site.tracking.markers.config import MarkersConfig
+from local_site.tracking.config import MarkersConfig
 from local_site.tracking.markers.correspondence import Candidates, correspond
 from local_site.tracking.markers.identity import NOBODY, ROLES, MarkerIdentity, first_identity, next_identity
-from local_site.tracking.markers.learned import Learning, MarkedHand, is_open
+from local_site.tracking.markers.learned import Learning, MarkedHand, Memory, is_open
 from local_site.tracking.markers.measuring import MarkerMeter, Sighting
-from local_site.tracking.markers.memory import Memory
 from local_site.tracking.markers.quality import OUT_OF_SYNC, Quality
-from local_site.tracking.markers.spot_finder import SpotFinder
-from local_site.tracking.markers.spots import NO_SPOTS, Spots
+from local_site.tracking.markers.spots import NO_SPOTS, SpotFinder, Spots
 from local_site.tracking.tracker import ArmEstimate, Overlay, Views
 
 FORGET_AFTER = 60

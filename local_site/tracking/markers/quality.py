@@ -6,8 +6,8 @@ from collections.abc import Sequence
 import numpy as np
 
 from common.geometry import Array
-from local_site.calibration.drift import fundamentals, pair_residuals
 from local_site.calibration.rig import Rig
+from local_site.calibration.triangulation import epipolar_residuals, fundamentals
 from local_site.tracking.markers.identity import NOBODY, ROLES, MarkerIdentity
 from local_site.tracking.markers.measuring import Sighting
 from local_site.tracking.markers.spots import Spots
@@ -17,7 +17,6 @@ GATE = 10.0
 REFUSED = 6.0
 DOUBTED = 2.5
 MAX_SIGMA_M = 0.015
-VOLUME_MARGIN = 0.15
 OUT_OF_SYNC = "the views do not fit together: they are out of sync, or a camera has moved since calibration"
 
 
@@ -25,13 +24,10 @@ class Quality:
     """Judges by the residuals that are usual with this rig, and by the volume that it was calibrated in."""
 
     def __init__(self, rig: Rig) -> None:
-        self._names = [camera.name for camera in rig.cameras]
+        self._rig = rig
         usual = float(np.mean([camera.reprojection_rms_px for camera in rig.cameras]))
         self._of_pairs = fundamentals(rig.matrices)
         self._usual_px = float(np.hypot(LEAST_RESIDUAL_PX, usual))
-        low, high = np.array(rig.volume_min), np.array(rig.volume_max)
-        margin = VOLUME_MARGIN * (high - low)
-        self._low, self._high = low - margin, high + margin
 
     @property
     def gate_px(self) -> float:
@@ -51,7 +47,7 @@ class Quality:
         seen = [_pixels(sighting, spots) for sighting in sightings if sighting is not None]
         if not seen:
             return None
-        return math.sqrt(float(np.nanmean(np.square(pair_residuals(self._of_pairs, np.array(seen))))))
+        return math.sqrt(float(np.nanmean(np.square(epipolar_residuals(self._of_pairs, np.array(seen))))))
 
     def remarks(
         self, sightings: Sequence[Sighting | None], identity: MarkerIdentity, spots: Sequence[Spots]
@@ -60,9 +56,9 @@ class Quality:
         told = [self._remark(*it) for it in zip(ROLES, sightings, identity.chosen, identity.doubtful, strict=True)]
         if self._residual_px(sightings) > DOUBTED * self._usual_px:
             told.append("the views fit badly: they may be out of sync")
-        for k, name in enumerate(self._names):
+        for k, camera in enumerate(self._rig.cameras):
             if len(spots[k]) and all(s is None or s.spots[k] == NOBODY for s in sightings):
-                told.append(f"{name}: what this camera sees does not fit the others")
+                told.append(f"{camera.name}: the spots of this camera do not fit those of the others")
         return [remark for remark in told if remark]
 
     def _remark(self, name: str, sighting: Sighting | None, chosen: int, doubtful: bool) -> str:
@@ -72,8 +68,7 @@ class Quality:
             return f"the {name} marker cannot be told from {'another bright place' if doubtful else 'its surroundings'}"
         if not sighting.is_whole:
             return f"the {name} marker is partly hidden"
-        point = sighting.fix.point
-        inside = np.all(point > self._low) and np.all(point < self._high)
+        inside = self._rig.contains(sighting.fix.point)
         return "" if inside else f"the {name} marker is outside the calibrated volume"
 
     def _residual_px(self, sightings: Sequence[Sighting | None]) -> float:

@@ -1,14 +1,18 @@
 """The bright spots of one picture, each with its intensity-weighted centroid to a fraction of a pixel."""
 
 import math
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import NamedTuple
 
 import cv2
 import numpy as np
+from scipy.optimize import linear_sum_assignment
 
-from common.cameras.camera import Image
+from common.cameras.camera import Frame, Image
 from common.geometry import Array
+from local_site.calibration.rig import CameraCalibration
+from local_site.kernels.pictures import as_grey
+from local_site.tracking.tracker import FrameCache, View
 
 Outline = cv2.typing.MatLike
 
@@ -51,7 +55,7 @@ def find_spots(image: Image, min_contrast: float) -> Spots | str:
     """The marker-like spots of a picture (H, W) or (H, W, 3), or a sentence that says why there are none."""
     if image.dtype != np.uint8 or image.ndim not in (2, 3) or 0 in image.shape or image.shape[2:] not in ((), (3,)):
         return "the picture is empty or of a wrong kind"
-    grey = image if image.ndim == 2 else np.asarray(cv2.cvtColor(image, cv2.COLOR_BGR2GRAY), dtype=np.uint8)
+    grey = as_grey(image)
     background, peak = _levels(grey)
     if peak - background < min_contrast:
         return "nothing stands out brightly: no marker in view, or too little light on them"
@@ -133,3 +137,50 @@ def _quantile(values: Array, share: float) -> float:
     """One of the values (N,), that with this share of them below it."""
     rank = int(share * (len(values) - 1))
     return float(np.partition(values, rank)[rank])
+
+
+MAX_STEP_PX = 80.0
+# A spot that speeds up or turns between two exposures leaves the straight line by this share of its way at most.
+BENDING = 0.02
+
+
+class SpotFinder:
+    """Finds the spots of one camera, undistorts them, and interpolates them between two exposures."""
+
+    def __init__(self, camera: CameraCalibration, min_contrast: float) -> None:
+        self._camera = camera
+        self._min_contrast = min_contrast
+        self._frames = FrameCache(interpolated)
+
+    def spots(self, view: View) -> Spots | str:
+        """The spots at the view's instant, or a sentence, with the camera's name, that says why there are none."""
+        return self._frames.at(view, self._search)
+
+    def _search(self, frame: Frame) -> Spots | str:
+        found = find_spots(frame.image, self._min_contrast)
+        if isinstance(found, str):
+            return f"{self._camera.name}: {found}"
+        return replace(found, pixels=self._camera.undistort_pixels(found.in_picture))
+
+
+def interpolated(before: Spots, now: Spots, weight: float) -> Spots:
+    """The spots that both frames show, at (1 - weight) * before + weight * now.
+
+    They are paired so that the sum of squared steps is least, which a step common to all of them does not change.
+    """
+    steps2 = np.sum((before.pixels[:, None] - now.pixels[None]) ** 2, axis=2)
+    rows, columns = linear_sum_assignment(steps2)
+    near = steps2[rows, columns] <= MAX_STEP_PX**2
+    a, b = rows[near], columns[near]
+    bent = 4.0 * weight * (1.0 - weight) * BENDING * np.sqrt(steps2[a, b])
+    noise2 = ((1.0 - weight) * before.sigmas[a]) ** 2 + (weight * now.sigmas[b]) ** 2
+
+    def between(start: Array, end: Array) -> Array:
+        return (1.0 - weight) * start + weight * end
+
+    return Spots(
+        in_picture=between(before.in_picture[a], now.in_picture[b]),
+        pixels=between(before.pixels[a], now.pixels[b]),
+        sigmas=np.sqrt(noise2 + bent**2),
+        areas=between(before.areas[a], now.areas[b]),
+    )

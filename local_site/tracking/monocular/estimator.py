@@ -15,10 +15,11 @@ from local_site.tracking.monocular.equations import (
     UPPER_LIGHT,
     UPPER_TURN,
     Equations,
+    Surface,
     combined,
     step,
+    summed,
 )
-from local_site.tracking.monocular.kernels import Surface, summed
 from local_site.tracking.monocular.picture import PyramidLevel
 from local_site.tracking.monocular.pose import ArmPose
 
@@ -90,13 +91,13 @@ class EstimatorScene:
 
     def equations(self, state: EstimatorState, free: slice) -> Equations:
         """The equations of the links that the free unknowns belong to."""
-        pose, view = state.pose, self.level.arrays
+        pose, level = state.pose, self.level
         uses_upper, uses_forearm = free.start == ALL.start, free.stop == ALL.stop
         upper = (pose.shoulder, pose.upper_arm, state.upper_light)
         forearm = (pose.elbow, pose.forearm, state.forearm_light)
         return combined(
-            summed(self.upper, upper, view, self.variances, HUBER) if uses_upper else None,
-            summed(self.forearm, forearm, view, self.variances, HUBER) if uses_forearm else None,
+            summed(self.upper, upper, level, self.variances, HUBER) if uses_upper else None,
+            summed(self.forearm, forearm, level, self.variances, HUBER) if uses_forearm else None,
             pose.elbow - pose.shoulder,
         )
 

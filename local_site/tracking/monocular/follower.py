@@ -8,9 +8,10 @@ from numpy.typing import NDArray
 from common.cameras.camera import Image
 from common.geometry import Array
 from local_site.calibration.lens import Lens
-from local_site.tracking.monocular.arm_mesh import MM, forearm_mesh, upper_arm_mesh
-from local_site.tracking.monocular.arm_view import ArmView, Depths, Patch
-from local_site.tracking.monocular.config import MonocularConfig
+from local_site.kernels.pictures import greys_at
+from local_site.tracking.config import MonocularConfig
+from local_site.tracking.monocular.arm_model import MM, ArmView, Depths, Patch, forearm_mesh, upper_arm_mesh
+from local_site.tracking.monocular.equations import Surface
 from local_site.tracking.monocular.estimator import (
     ACCURATE,
     COARSE,
@@ -21,7 +22,6 @@ from local_site.tracking.monocular.estimator import (
     MotionFit,
     fit_arm,
 )
-from local_site.tracking.monocular.kernels import Surface, samples
 from local_site.tracking.monocular.picture import Box, PyramidLevel, coarse_level, fine_level, in_coarse_px
 from local_site.tracking.monocular.pose import ArmPose, predicted
 from local_site.tracking.monocular.skin import Skin
@@ -138,7 +138,7 @@ class ArmFollower:
 
 def _surface(skin: Skin, numbers: NDArray[np.intp], reflectances: Array) -> Surface:
     """The points of these numbers."""
-    return skin.points[numbers], skin.normals[numbers], reflectances[numbers]
+    return Surface(skin.points[numbers], skin.normals[numbers], reflectances[numbers])
 
 
 def _learn_patch(
@@ -150,5 +150,5 @@ def _learn_patch(
     rows, columns, normals = patch.rows[new], patch.columns[new], patch.normals[new]
     lit = light[0] + normals @ rotation.T @ light[1:]
     grey = fine.grey[rows, columns].astype(np.float64)
-    rough = samples(coarse.grey, in_coarse_px(columns), in_coarse_px(rows))
+    rough = greys_at(coarse.grey, in_coarse_px(columns), in_coarse_px(rows))
     skin.learn(patch.points[new], normals, grey / lit, rough / lit)

@@ -3,21 +3,21 @@
 import cv2
 import numpy as np
 
-from common.cameras.camera import Frame, Image
+from common.cameras.camera import Image
 from common.errors import CalibrationError
 from common.geometry import Array
 from common.messages.hand import TrackingStatus
-from local_site.calibration.lens import Maps
+from local_site.calibration.lens import Undistorter
 from local_site.calibration.physical_camera import decomposed
-from local_site.calibration.rig import CameraCalibration, Rig
-from local_site.tracking.monocular.arm_mesh import MM
-from local_site.tracking.monocular.config import MonocularConfig, Pixel
+from local_site.calibration.rig import Rig
+from local_site.kernels.pictures import as_grey
+from local_site.tracking.config import MonocularConfig, Pixel
+from local_site.tracking.monocular.arm_model import MM
 from local_site.tracking.monocular.estimator import EstimatorState, MotionFit
 from local_site.tracking.monocular.follower import ArmFollower
 from local_site.tracking.monocular.pose import ArmPose
 from local_site.tracking.monocular.quality import Judgement, Refusal, covariances, judged
-from local_site.tracking.monocular.silhouette_start import SilhouetteStart
-from local_site.tracking.monocular.start import starting_pose
+from local_site.tracking.monocular.start import SilhouetteStart, starting_pose
 from local_site.tracking.tracker import ArmEstimate, Overlay, View, Views
 
 NOT_GIVEN = (
@@ -43,9 +43,9 @@ class MonocularTracker:
         if self._config.camera >= len(rig.cameras):
             raise CalibrationError(f"there is no camera {self._config.camera}: the rig has {len(rig.cameras)}, from 0")
         self.camera, self._cameras = self._config.camera, len(rig.cameras)
-        calibrated = rig.cameras[self.camera]
-        self._undistorted = _Undistorted(calibrated)
-        camera = decomposed(self._undistorted.projection)
+        self._calibrated = rig.cameras[self.camera]
+        self._undistorter = Undistorter(self._calibrated.lens, cv2.BORDER_CONSTANT)
+        camera = decomposed(self._calibrated.matrix)
         if camera is None:
             raise CalibrationError("the camera's projection is mirrored; calibrate again")
         self._camera = camera
@@ -53,7 +53,7 @@ class MonocularTracker:
         given = np.array([start.shoulder_px, start.elbow_px, start.wrist_px])
         self._by_silhouette: SilhouetteStart | None = None
         if start.by == "silhouette":
-            self._by_silhouette = SilhouetteStart(calibrated, camera.lens, self._config)
+            self._by_silhouette = SilhouetteStart(self._calibrated, camera.lens, self._config)
         self._joints_px: Array | None = given if start.is_given else None
         self._forget()
 
@@ -73,7 +73,7 @@ class MonocularTracker:
         if len(views.views) != self._cameras:
             return self._lost(views.t_ns, f"{len(views.views)} views for {self._cameras} calibrated cameras")
         view = views.views[self.camera]
-        image = self._undistorted.picture(view.current)
+        image = self._undistorter.undistorted(as_grey(view.current.image))
         if self._start is None or (self._by_silhouette is not None and self._lost_for >= LOST_LONG):
             problem = self._begin(view, image, views.t_ns)
             if problem and self._start is None:
@@ -96,7 +96,7 @@ class MonocularTracker:
             return self._begin_by(self._by_silhouette, view, image, t_ns)
         if self._joints_px is None:
             return NOT_GIVEN
-        pose = starting_pose(self._camera.lens, self._config, self._undistorted.straight(self._joints_px))
+        pose = starting_pose(self._camera.lens, self._config, self._calibrated.undistort_pixels(self._joints_px))
         if isinstance(pose, str):
             return pose
         if not self._follower.begin(image, pose):
@@ -154,7 +154,7 @@ class MonocularTracker:
         if camera != self.camera:
             return Overlay()
         wrist = pose.on_forearm(np.array([0.0, 0.0, MM * self._config.forearm.length_mm]))
-        shoulder, elbow, hand = self._undistorted.pixels(
+        shoulder, elbow, hand = self._calibrated.distort_pixels(
             np.array([self._camera.lens.matrix @ p / p[2] for p in (pose.shoulder, pose.elbow, wrist)])[:, :2]
         )
         return Overlay(
@@ -164,30 +164,3 @@ class MonocularTracker:
     def _in_operator(self, in_camera: Array) -> Array:
         point: Array = self._camera.camera_R_operator.T @ (in_camera - self._camera.translation)
         return point
-
-
-class _Undistorted:
-    """A camera's frames as a pinhole would have taken them, grey."""
-
-    def __init__(self, camera: CameraCalibration) -> None:
-        self.projection = camera.matrix
-        self._lens = camera.lens
-        self._maps: Maps | None = None
-
-    def picture(self, frame: Frame) -> Image:
-        """The frame's grey levels (H, W)."""
-        image = frame.image
-        grey = np.asarray(cv2.cvtColor(image, cv2.COLOR_BGR2GRAY) if image.ndim == 3 else image, dtype=np.uint8)
-        if self._lens is None:
-            return grey
-        if self._maps is None or self._maps[0].shape[:2] != grey.shape:
-            self._maps = self._lens.undistortion_maps(grey.shape[1], grey.shape[0])
-        return np.asarray(cv2.remap(grey, *self._maps, cv2.INTER_LINEAR), dtype=np.uint8)
-
-    def straight(self, pixels: Array) -> Array:
-        """Pixels (N, 2) in the pinhole's picture, of pixels (N, 2) in the frame."""
-        return pixels if self._lens is None else self._lens.undistort_pixels(pixels)
-
-    def pixels(self, pinhole: Array) -> Array:
-        """Pixels (N, 2) in the frame, of pixels (N, 2) in the pinhole's picture."""
-        return pinhole if self._lens is None else self._lens.distort_pixels(pinhole)

@@ -14,14 +14,51 @@ from scipy.optimize import least_squares
 
 from common.geometry import Array
 from local_site.calibration.lens import Lens
-from local_site.tracking.monocular.arm_mesh import MM, Mesh, Profile, forearm_mesh, upper_arm_mesh
-from local_site.tracking.monocular.config import MonocularConfig
-from local_site.tracking.monocular.kernels import Picture, samples
-from local_site.tracking.monocular.outline import Sides, sides_of
-from local_site.tracking.monocular.pose import ArmPose
-from local_site.tracking.monocular.start import facing
-from local_site.tracking.silhouette.contour import Silhouette
-from local_site.tracking.silhouette.features import Features
+from local_site.kernels.pictures import Levels, greys_at
+from local_site.tracking.config import MonocularConfig
+from local_site.tracking.features.features import Features
+from local_site.tracking.features.silhouette import Silhouette
+from local_site.tracking.monocular.arm_model import MM, Mesh, Profile, forearm_mesh, upper_arm_mesh
+from local_site.tracking.monocular.pose import ArmPose, Link, facing
+
+INSIDE_PX = 1.0
+
+
+@dataclass(frozen=True, slots=True)
+class Sides:
+    """Both sides of a link's outline: pixels (2, N, 2) of its sections, in order along the link."""
+
+    pixels: Array
+
+    @property
+    def polygon(self) -> NDArray[np.float32]:
+        """All of it once round (2N, 1, 2), as contours are told."""
+        ring = np.concatenate([self.pixels[0], self.pixels[1, ::-1]])
+        return ring.astype(np.float32)[:, None]
+
+    def hides(self, points: Array) -> NDArray[np.bool_]:
+        """Which pixels (..., 2) lie well inside of it."""
+        polygon, places = self.polygon, points.reshape(-1, 2).tolist()
+        inside = [cv2.pointPolygonTest(polygon, (x, y), True) > INSIDE_PX for x, y in places]
+        return np.array(inside).reshape(points.shape[:-1])
+
+
+def sides_of(profile: Profile, link: Link, lens: Lens) -> Sides:
+    """Where the lines of sight touch a link's elliptic sections; a link seen from within has NaN.
+
+    What the link's taper shifts these points along its skin moves the outline by less than a tenth of a pixel.
+    """
+    joint, rotation = link
+    x, y, _ = (-rotation.T @ joint).tolist()
+    across, deep = x / profile.across, y / profile.deep
+    with np.errstate(invalid="ignore"):
+        half = np.arccos(1.0 / np.hypot(across, deep))
+    turns = np.arctan2(deep, across) + np.array([[-1.0], [1.0]]) * half
+    along = np.broadcast_to(profile.along, turns.shape)
+    points = np.stack([profile.across * np.cos(turns), profile.deep * np.sin(turns), along], axis=-1)
+    in_camera = points @ rotation.T + joint
+    return Sides(in_camera[..., :2] / in_camera[..., 2:] * (lens.fx, lens.fy) + (lens.cx, lens.cy))
+
 
 TILT_SIGMA, FREE_TILT_SIGMA = math.radians(8.0), math.radians(25.0)
 GIRTH_SIGMA, TURN_SIGMA = 0.04, 1.0
@@ -65,7 +102,7 @@ class _Target:
     """What the outline is laid on: features, px by which each pixel (H, W) is within the edge, tilts' sigma in rad."""
 
     features: Features
-    distances: Picture
+    distances: Levels
     tilt_sigma: float
 
 
@@ -167,7 +204,7 @@ class OutlineFitter:
 
     def _shoulder_off(self, unknowns: Array, features: Features) -> float:
         """How far the upper arm's end is from where the silhouette ends, along it; nothing where the border cuts it."""
-        if features.shoulder_cropped or features.upper_arm is None:
+        if features.silhouette.at_border or features.upper_arm is None:
             return 0.0
         cap = 0.5 * float(self._profiles[0].deep[0])
         end = self._pose(unknowns).on_upper_arm(np.array([0.0, 0.0, -cap]))
@@ -206,7 +243,7 @@ def _up_to(mesh: Mesh, end: float) -> Profile:
     return Profile(of.along[kept], of.across[kept], of.deep[kept])
 
 
-def _distances(silhouette: Silhouette) -> Picture:
+def _distances(silhouette: Silhouette) -> Levels:
     """How far each pixel (H, W) is within the silhouette's edge, px; negative outside."""
     filled = np.zeros(silhouette.grey.shape, np.uint8)
     cv2.drawContours(filled, [silhouette.contour.astype(np.int32)], -1, 255, cv2.FILLED)
@@ -215,9 +252,9 @@ def _distances(silhouette: Silhouette) -> Picture:
     return inward.astype(np.float32)
 
 
-def _looked_up(distances: Picture, pixels: Array) -> Array:
+def _looked_up(distances: Levels, pixels: Array) -> Array:
     x, y = np.nan_to_num(pixels).reshape(-1, 2).T.copy()
-    return samples(distances, x, y).reshape(pixels.shape[:-1])
+    return greys_at(distances, x, y).reshape(pixels.shape[:-1])
 
 
 def _inside(sides: Sides, shape: tuple[int, ...]) -> Mask:

@@ -12,8 +12,7 @@ from numpy.typing import NDArray
 
 from common.geometry import Array
 from local_site.kernels.compiled import compiled
-from local_site.tracking.monocular.arm_mesh import Mesh
-from local_site.tracking.monocular.arm_view import Depths
+from local_site.tracking.monocular.arm_model import Depths, Mesh
 from local_site.tracking.monocular.pose import Link
 
 Mask = NDArray[np.bool_]

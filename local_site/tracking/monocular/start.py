@@ -4,11 +4,18 @@ import math
 
 import numpy as np
 
-from common.geometry import Array, rotation_from_vector
+from common.clock import NS_PER_S
+from common.geometry import Array
 from local_site.calibration.lens import Lens
-from local_site.tracking.monocular.arm_mesh import MM
-from local_site.tracking.monocular.config import MonocularConfig
-from local_site.tracking.monocular.pose import ArmPose
+from local_site.calibration.rig import CameraCalibration
+from local_site.tracking.config import MonocularConfig
+from local_site.tracking.features.features import Features
+from local_site.tracking.features.view_meter import ViewMeter
+from local_site.tracking.monocular.arm_model import MM
+from local_site.tracking.monocular.outline_fit import OutlineFit, OutlineFitter
+from local_site.tracking.monocular.pose import ArmPose, facing
+from local_site.tracking.reasons import TrackingReason
+from local_site.tracking.tracker import View
 
 MOST_UNEQUAL = 1.15
 
@@ -31,13 +38,67 @@ def starting_pose(lens: Lens, config: MonocularConfig, pixels: Array) -> ArmPose
     return ArmPose(places[0], upper_arm, forearm, float(lengths[0]))
 
 
-def facing(along: Array, turn: float) -> Array:
-    """`camera_R_link` of a link along a direction (3,), its palm flat before the camera but for a turn about it in rad.
+TRY_EVERY_NS = NS_PER_S
+MAX_SIGMA_M = 0.032
+# What the pose would be if the links were not taken to be nearly parallel to the picture must not be far from it.
+MAX_TILT, MAX_MOVE_M = math.radians(15.0), 0.025
+# An arm's outline is laid on to a third of a pixel; what is no arm, or held otherwise, is off by more than this.
+MAX_APART_PX, MAX_APART = 0.4, 0.022  # the least that is allowed, and more with half the arm's width, as a share of it
+LEAST_PLACES = 12
 
-    A link that points at the camera has no such rotation.
-    """
-    z = along / np.linalg.norm(along)
-    deep = np.array([0.0, 0.0, 1.0]) - z[2] * z
-    deep /= np.linalg.norm(deep)
-    rotation: Array = np.column_stack([np.cross(deep, z), deep, z]) @ rotation_from_vector(np.array([0.0, 0.0, turn]))
-    return rotation
+
+class SilhouetteStart:
+    """Proposes the pose in a camera's picture from the bare arm's silhouette, at most once a second."""
+
+    def __init__(self, camera: CameraCalibration, lens: Lens, config: MonocularConfig) -> None:
+        """`lens` is the pinhole's, in whose picture the camera's frames are read."""
+        self._meter = ViewMeter(camera)
+        self._fitter = OutlineFitter(lens, config)
+        self._due_ns = 0
+        self._problem = ""
+
+    def pose(self, view: View, t_ns: int) -> ArmPose | str:
+        """The pose in this picture, or a sentence why there is none; between trials the last sentence again."""
+        if t_ns < self._due_ns:
+            return self._problem
+        self._due_ns = t_ns + TRY_EVERY_NS
+        found = self._tried(view)
+        return self.refuse(found) if isinstance(found, str) else found
+
+    def refuse(self, reason: str) -> str:
+        """What speaks against the picture tried last, as it is told until the next trial."""
+        self._problem = f"no arm to start from yet: {reason}"
+        return self._problem
+
+    def _tried(self, view: View) -> ArmPose | str:
+        self._meter.forget()
+        features = self._meter.features(View(view.current), None)
+        if isinstance(features, str):
+            return features
+        if features.upper_arm is None:
+            return TrackingReason.NO_UPPER_ARM
+        fit = self._fitter.fit(features)
+        return problem_of(fit, features) or fit.pose
+
+
+def problem_of(fit: OutlineFit, features: Features) -> str:
+    """Why a pose is not to be started from, as a sentence with its cure, or nothing."""
+    if min(fit.places) < LEAST_PLACES:
+        return "too little of the arm's outline shows to start: bring upper arm, forearm and hand into the picture"
+    if fit.apart_px > max(MAX_APART_PX, MAX_APART * features.half_width):
+        return (
+            f"the silhouette is not that of an arm of these lengths and girths (off by {fit.apart_px:.1f} px): hold "
+            "both links parallel to the picture, bare the arm, stretch the hand, thumb laid to it, or measure again"
+        )
+    if abs(fit.free_tilts).max() > MAX_TILT or fit.free_moves[1:].max() > MAX_MOVE_M:
+        upper, lower = (abs(math.degrees(tilt)) for tilt in fit.free_tilts)
+        return (
+            f"the arm seems to be turned to or from the camera (upper arm by {upper:.0f} deg, forearm by {lower:.0f}): "
+            "hold both links parallel to the picture"
+        )
+    if fit.sigmas[1:].max() > MAX_SIGMA_M:
+        return (
+            f"the silhouette leaves the arm's place open by {1e3 * fit.sigmas[1:].max():.0f} mm: come nearer, "
+            "show more of the upper arm, or bend the elbow by about a right angle"
+        )
+    return ""

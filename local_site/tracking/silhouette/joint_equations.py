@@ -5,6 +5,7 @@ import math
 import numpy as np
 
 from common.geometry import Array
+from local_site.calibration.triangulation import image_of
 from local_site.kernels.compiled import compiled
 from local_site.tracking.silhouette.limbs import Limbs, SilhouetteLimb
 
@@ -54,7 +55,7 @@ def _add_view(view: SilhouetteLimb, shifts: Array, state: Array, information: Ar
     The elbow's expected place along the forearm weighs next to nothing, except where nothing else fixes it. Where the
     arm looks nearly straight, a small offset of the upper arm's line would move the meeting point far along the arm.
     """
-    elbow, wrist = _image_of(view.projection, state, ELBOW), _image_of(view.projection, state, WRIST)
+    elbow, wrist = image_of(view.projection, state[:3]), image_of(view.projection, state[3:])
     ahead, width = view.forearm[1], view.half_width
     root = _across(view.root[0], view.root[1], shifts[0])
     squares = _add_line(elbow, root, ROOT_SIGMA * width, ELBOW, information, pull)
@@ -73,21 +74,8 @@ def _add_view(view: SilhouetteLimb, shifts: Array, state: Array, information: Ar
 
 
 @compiled
-def _image_of(projection: Array, state: Array, first: int) -> tuple[float, float, Array, Array]:
-    """A joint in the view, x and y in px, and how each moves with the joint (3,), px per m.
-
-    The joint is three numbers of the state from `first` on.
-    """
-    h = projection[:, 3].copy()
-    for d in range(3):
-        h += projection[:, d] * state[first + d]
-    x, y = h[0] / h[2], h[1] / h[2]
-    return x, y, (projection[0, :3] - x * projection[2, :3]) / h[2], (projection[1, :3] - y * projection[2, :3]) / h[2]
-
-
-@compiled
 def _add_line(
-    image: tuple[float, float, Array, Array],
+    image: tuple[Array, Array, float],
     line: tuple[float, float, float],
     sigma: float,
     joint: int,
@@ -95,7 +83,7 @@ def _add_line(
     pull: Array,
 ) -> float:
     """Add an image line through a joint: normal x and y, and offset in px."""
-    x, y, slope_x, slope_y = image
+    (x, y), (slope_x, slope_y), _ = image
     nx, ny, offset = line
     residual = (nx * x + ny * y - offset) / sigma
     for p in range(3):
@@ -103,7 +91,7 @@ def _add_line(
         pull[joint + p] += row * residual
         for q in range(3):
             information[joint + p, joint + q] += row * (nx * slope_x[q] + ny * slope_y[q]) / sigma
-    return residual * residual
+    return float(residual * residual)
 
 
 @compiled

@@ -13,10 +13,9 @@ import numpy as np
 from common.geometry import Array
 from local_site.calibration.triangulation import reprojection_residual, triangulate
 from local_site.kernels.compiled import compiled
-from local_site.tracking.silhouette.elbow_depth import elbow_shifts, image_motion, unit
-from local_site.tracking.silhouette.features import Features
+from local_site.tracking.features.features import Features
 from local_site.tracking.silhouette.joint_equations import descend
-from local_site.tracking.silhouette.limbs import Limbs
+from local_site.tracking.silhouette.limbs import Limbs, elbow_shifts, image_motion, px_per_m, unit
 
 LENGTH_SIGMA = 0.015
 SLEEVE_SIGMA = 0.1
@@ -92,7 +91,7 @@ def _solve(views: Limbs, links: Array, elbow: Array, wrist: Array, far_end: Arra
 
 def sleeve_end(projections: Sequence[Array], features: Sequence[Features]) -> Array | None:
     """Where the upper arm ends in all views (3,) in m; None where the image border cuts it or the views disagree."""
-    if any(f.shoulder_cropped or f.upper_arm is None for f in features):
+    if any(f.silhouette.at_border or f.upper_arm is None for f in features):
         return None
     pixels = [f.guess.shoulder_end for f in features]
     point = triangulate(projections, pixels)
@@ -146,3 +145,49 @@ def plane_normal(projection: Array, line: Array) -> Array:
     point, direction = line[0], line[1]
     ahead = projection[1, :3] * direction[0] - projection[0, :3] * direction[1]
     return unit(ahead - (point[1] * direction[0] - point[0] * direction[1]) * projection[2, :3])
+
+
+# variances of the limbs' lines as shares of those that balance them in the least squares
+ELBOW_LINES, WRIST_LINES = 0.3, 0.5
+# half a limb's width that is bone and skin in everybody; the rest is flesh, in which the elbow's axis lies
+BONE_M = 0.015
+AXIS_SHARE, STRAIGHT_SHARE = 0.13, 0.2  # of the flesh: in the arm's plane; along the forearm, times cot(bend)
+MAX_COTANGENT = 2.0
+NECK_SIGMA_M = 0.0025  # where the palm begins, along the forearm
+PLANE_SINE = 0.05
+
+
+def elbow_covariance(joints: Joints, views: Limbs) -> Array:
+    """The elbow's covariance (3, 3) in m²: the limbs' lines, and where in the flesh its axis lies.
+
+    Flesh moves the axis in the plane in which the arm bends, the farther along the forearm the straighter the arm is.
+    """
+    flesh = _flesh(views, joints.elbow, joints.wrist, joints.upper_arm)
+    result: Array = ELBOW_LINES * joints.covariance[:3, :3] + flesh
+    return result
+
+
+def wrist_covariance(joints: Joints) -> Array:
+    """The wrist's covariance (3, 3) in m²: the limbs' lines, and where the palm begins."""
+    forearm = unit(joints.wrist - joints.elbow)
+    result: Array = WRIST_LINES * joints.covariance[3:, 3:] + NECK_SIGMA_M**2 * np.outer(forearm, forearm)
+    return result
+
+
+@compiled
+def _flesh(views: Limbs, elbow: Array, wrist: Array, upper_arm: Array) -> Array:
+    """What the flesh adds (3, 3); `upper_arm` (3,) is a unit vector from the elbow, zero where it is not known."""
+    half_width = 0.0
+    for k in range(len(views)):
+        half_width += views[k].half_width / px_per_m(views[k], elbow) / len(views)
+    forearm = unit(wrist - elbow)
+    cosine = np.sum(forearm * upper_arm)
+    hinge = np.cross(forearm, upper_arm)
+    sine = np.sqrt(np.sum(hinge**2))
+    plane = np.eye(3)
+    if sine > PLANE_SINE:
+        plane -= np.outer(hinge, hinge) / sine**2
+    cotangent = min(abs(cosine) / max(sine, 1e-9), MAX_COTANGENT)
+    shares = AXIS_SHARE**2 * plane + (STRAIGHT_SHARE * cotangent) ** 2 * np.outer(forearm, forearm)
+    covariance: Array = max(half_width - BONE_M, 0.0) ** 2 * shares
+    return covariance

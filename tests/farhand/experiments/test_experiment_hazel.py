@@ -7,7 +7,7 @@ from common.errors import InterruptionError
 from farhand.experiments import drift_experiment, hazel_experiment
 from farhand.experiments.hazel_figures import REPORT_C, REPORT_S, joint_errors
 from farhand.experiments.hazel_filming import occluded, watch
-from local_site.tracking.monocular.config import MonocularConfig
+from local_site.tracking.config import MonocularConfig
 
 FRAMES = 4
 DISTURBED = (

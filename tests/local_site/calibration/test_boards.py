@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from common.errors import CalibrationError, ConfigError
-from local_site.calibration.board_errors import laid_upon
+from local_site.calibration.accuracy import laid_upon
 from local_site.calibration.board_rig import BoardPictures, solve_boards
 from local_site.calibration.boards import Board, BoardFinder, BoardView
 from local_site.calibration.triangulation import triangulate

@@ -2,7 +2,7 @@
 
 from common.cameras.camera import Frame
 from local_site.simulation.hazel import Swing, film_camera, film_pixel, hazel_film
-from local_site.tracking.monocular.config import MonocularConfig, StartConfig
+from local_site.tracking.config import MonocularConfig, StartConfig
 from local_site.tracking.monocular.monocular_tracker import MonocularTracker
 from local_site.tracking.tracker import View, Views
 
