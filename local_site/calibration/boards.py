@@ -78,7 +78,7 @@ class BoardFinder:
         return view if view is not None and len(view.ids) >= MIN_CORNERS else None
 
     def finds_mirrored(self, picture: Image) -> bool:
-        """Whether the board is seen in the mirrored picture: then the camera mirrors. Chessboards do not tell."""
+        """Whether the board is seen in the mirrored picture: then the camera mirrors. A chessboard does not show it."""
         flipped = np.ascontiguousarray(as_grey(picture)[:, ::-1])
         return self._board.kind == "charuco" and self.find(picture) is None and self.find(flipped) is not None
 
@@ -118,7 +118,7 @@ def _sharpened(corners: NDArray[np.float32], reach_px: float, grey: Image) -> Ar
 def _ordered(grid: Array, grey: Image) -> Array:
     """Corners (rows, columns, 2) named as on the print: not mirrored, and its first inner square black.
 
-    On a board whose columns and rows are both even or both odd the squares do not tell its two ends apart; then rows
+    On a board whose columns and rows are both even or both odd the squares do not distinguish its two ends; then rows
     run to the right of the picture.
     """
     across, down = grid[0, -1] - grid[0, 0], grid[-1, 0] - grid[0, 0]
@@ -145,7 +145,7 @@ MIN_CAMERAS = 2
 
 
 class PoseGate:
-    """Is shown what all cameras see at an instant, and says when that is a pose to keep."""
+    """Selects the poses to keep from what all cameras see at each instant."""
 
     def __init__(self, still_px: float = STILL_PX, still_frames: int = STILL_FRAMES, new_px: float = NEW_PX) -> None:
         self._still_px, self._still_frames, self._new_px = still_px, still_frames, new_px

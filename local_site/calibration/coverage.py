@@ -45,7 +45,7 @@ def _volume_warnings(control: ControlPoints) -> list[str]:
     sentences = []
     if len(common) < MIN_COMMON:
         sentences.append(
-            f"only {len(common)} points are seen by two cameras; {MIN_COMMON} or more tell more of the error"
+            f"only {len(common)} points are seen by two cameras; show {MIN_COMMON} or more to estimate the error"
         )
     whole = np.maximum(np.ptp(control.points, axis=0), 1e-9)
     parts = np.ptp(common, axis=0) / whole if len(common) else np.zeros(3)
@@ -85,9 +85,9 @@ CROSS, NAME = (60, 220, 60), (60, 200, 255)
 def draw_found(picture: Image, pixels: Array, names: Sequence[str]) -> Image:
     """The picture in colour (H, W, 3) with a cross and a name at each of the pixels (N, 2), joined in their order."""
     canvas = as_colour(picture).copy()
-    places = [(round(float(u)), round(float(v))) for u, v in pixels]
-    cv2.polylines(canvas, [np.array(places, dtype=np.int32).reshape(-1, 1, 2)], False, NAME, 1, cv2.LINE_AA)
-    for place, name in zip(places, names, strict=True):
-        cv2.drawMarker(canvas, place, CROSS, cv2.MARKER_CROSS, 9, 1, cv2.LINE_AA)
-        cv2.putText(canvas, name, (place[0] + 5, place[1] - 5), cv2.FONT_HERSHEY_SIMPLEX, 0.35, NAME, 1, cv2.LINE_AA)
+    centres = [(round(float(u)), round(float(v))) for u, v in pixels]
+    cv2.polylines(canvas, [np.array(centres, dtype=np.int32).reshape(-1, 1, 2)], False, NAME, 1, cv2.LINE_AA)
+    for centre, name in zip(centres, names, strict=True):
+        cv2.drawMarker(canvas, centre, CROSS, cv2.MARKER_CROSS, 9, 1, cv2.LINE_AA)
+        cv2.putText(canvas, name, (centre[0] + 5, centre[1] - 5), cv2.FONT_HERSHEY_SIMPLEX, 0.35, NAME, 1, cv2.LINE_AA)
     return canvas

@@ -7,7 +7,7 @@ import numpy as np
 from msgspec import Meta
 
 from common.geometry import Array
-from local_site.calibration.lens import Lens
+from local_site.calibration.physical_camera import Lens
 
 Row4 = tuple[float, float, float, float]
 Vector3 = tuple[float, float, float]

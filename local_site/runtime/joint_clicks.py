@@ -1,4 +1,4 @@
-"""Where the operator says that the joints are: the console's clicks reach the tracker that needs them."""
+"""Passes the joints that the operator clicks on the console to the monocular tracker."""
 
 from typing import Protocol
 
@@ -22,7 +22,7 @@ class Handle(Protocol):
 
 
 class JointClicks:
-    """Lets the tracker of one camera begin anew where the joints were clicked; no other tracker needs to be told."""
+    """Restarts the monocular tracker at the clicked joints; other trackers need no joints."""
 
     def __init__(self, clicks: Clicks, tracker: Tracker) -> None:
         self._clicks, self._tracker = clicks, tracker
@@ -34,7 +34,7 @@ class JointClicks:
         self._clicks.poll(now_ns, self.begin)
 
     def begin(self, request: JointsRequest) -> Reply:
-        """Done where the tracker begins with the next picture; whether it finds the arm there, its status tells."""
+        """Start with the next picture; whether the arm is found there, the tracker's status shows."""
         if not isinstance(self._tracker, MonocularTracker):
             return _refusal(request, "no_joints", "this tracker finds the arm by itself, without clicks")
         if self._views is None:

@@ -1,4 +1,4 @@
-"""The operators' profiles on disk: a file for each name, a help that is never needed."""
+"""The operators' profiles on disk, a file for each name; tracking works without them."""
 
 from collections.abc import Callable
 from pathlib import Path
@@ -11,7 +11,7 @@ from common.whole_file import write_whole
 from local_site.tracking.silhouette.operator_profile import OperatorProfile, profile_mistakes
 
 SAVE_EVERY_NS = 60 * NS_PER_S
-CURE = "delete it, and it is learned anew"
+CURE = "delete it, and it is learned again"
 
 Learned = Callable[[], OperatorProfile | None]
 """Asks a tracker for what it has learned of the operator so far."""
@@ -34,7 +34,7 @@ def load_profile(path: Path) -> OperatorProfile | None:
 
 
 def save_profile(profile: OperatorProfile, path: Path) -> None:
-    """Write a profile, readable by a person; an earlier one gives way only to a whole one. ConfigError if it cannot."""
+    """Write a readable profile; an earlier one is replaced only by a complete one. ConfigError if it fails."""
     text = msgspec.json.format(msgspec.json.encode(profile), indent=2) + b"\n"
     try:
         path.parent.mkdir(parents=True, exist_ok=True)
@@ -46,7 +46,7 @@ def save_profile(profile: OperatorProfile, path: Path) -> None:
 class ProfileKeeper:
     """Keeps the profile of one operator in a folder, or nothing where no folder is given.
 
-    What is wrong with a file is told once, by `warn`; the file then stays as it is, and the run goes on without.
+    If a file is wrong, `warn` is called once with the reason; it stays unchanged, and the run continues without.
     """
 
     def __init__(self, folder: str, operator: str, warn: Callable[[str], None]) -> None:

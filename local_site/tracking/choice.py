@@ -32,7 +32,7 @@ class TrackingConfig(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_f
 
 
 def make_tracker(rig: Rig, config: TrackingConfig, profile: OperatorProfile | None = None) -> Tracker:
-    """The tracker that the configuration asks for, with what is known of the operator."""
+    """The tracker that the configuration asks for, with the operator's profile, if there is one."""
     if config.method == "markers":
         return MarkerTracker(rig, config.markers)
     if config.method == "monocular":
@@ -41,5 +41,5 @@ def make_tracker(rig: Rig, config: TrackingConfig, profile: OperatorProfile | No
 
 
 def profile_of(tracker: Tracker) -> OperatorProfile | None:
-    """What a tracker has learned of the operator; markers tell nothing of a body."""
+    """The operator's profile as a tracker has learned it; None for trackers that learn none."""
     return tracker.profile if isinstance(tracker, SilhouetteTracker) else None

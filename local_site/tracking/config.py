@@ -9,13 +9,13 @@ Method = Literal["silhouette", "markers", "monocular"]
 
 
 class SilhouetteConfig(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
-    """How the silhouette tracker starts, and what it takes for granted about a body."""
+    """How the silhouette tracker learns a body, and which arm it tracks."""
 
     initial_pairs: Annotated[
         int, Meta(ge=1, le=1000, description="pairs of images from which body lengths are learned, thesis 3.1")
     ] = 10
     right_arm: Annotated[
-        bool, Meta(description="which arm is tracked; it tells on which side of the hand the index is")
+        bool, Meta(description="which arm is tracked; it decides on which side of the hand the index finger is")
     ] = True
 
 
@@ -33,7 +33,7 @@ class MarkersConfig(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fi
         Meta(
             gt=1,
             le=3,
-            description="the hand is open when the distance index to thumb over that of wrist to thumb is so many "
+            description="the hand is open when the distance index to thumb over that of wrist to thumb is this many "
             "times what was learned",
         ),
     ] = 1.12
@@ -59,12 +59,12 @@ class ForearmConfig(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fi
 
     length_mm: Annotated[LengthMm, Meta(description="elbow joint to wrist, mm")] = 255.0
     elbow_girth_mm: Annotated[GirthMm, Meta(description="girth just below the elbow, mm")] = 245.0
-    belly_girth_mm: Annotated[GirthMm, Meta(description="girth a quarter of the way, mm")] = 260.0
+    belly_girth_mm: Annotated[GirthMm, Meta(description="girth at a quarter of the length, mm")] = 260.0
     wrist_girth_mm: Annotated[GirthMm, Meta(description="girth at the wrist, mm")] = 170.0
     palm_length_mm: Annotated[LengthMm, Meta(description="wrist to knuckles, mm")] = 95.0
     palm_width_mm: Annotated[LengthMm, Meta(description="across the knuckles, mm")] = 82.0
     palm_thickness_mm: Annotated[LengthMm, Meta(description="palm to back of the hand, mm")] = 30.0
-    palm_point_mm: Annotated[LengthMm, Meta(description="wrist to the palm's point that is told, mm")] = 60.0
+    palm_point_mm: Annotated[LengthMm, Meta(description="wrist to the reported point of the palm, mm")] = 60.0
 
 
 class StartConfig(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
@@ -86,12 +86,12 @@ class StartConfig(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fiel
 
     @property
     def is_given(self) -> bool:
-        """Whether the joints are places of their own."""
+        """Whether the joints are given: they are distinct."""
         return self.elbow_px not in (self.shoulder_px, self.wrist_px)
 
 
 class NoiseConfig(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
-    """What the maximum likelihood takes for granted of the errors (section 2.3)."""
+    """The error model of the maximum likelihood estimate (section 2.3)."""
 
     grey: Annotated[float, Meta(gt=0, le=50, description="camera noise, grey levels")] = 2.0
     position_mm: Annotated[float, Meta(ge=0, le=20, description="error of a surface point along each axis, mm")] = 0.5

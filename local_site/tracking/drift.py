@@ -1,4 +1,4 @@
-"""Drift: whether tracked points still satisfy the epipolar constraint as well as they did, or a camera has moved."""
+"""Drift: detects from the epipolar residuals of tracked points that a camera has moved since calibration."""
 
 import math
 from collections import deque
@@ -16,7 +16,7 @@ from local_site.tracking.tracker import ArmEstimate
 
 
 class DriftConfig(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
-    """When residuals are taken for a camera that has moved."""
+    """From which residuals on a camera counts as moved."""
 
     learn_s: Annotated[float, Meta(gt=0, le=60, description="first seconds of tracking, whose level is normal")] = 5.0
     window_s: Annotated[float, Meta(gt=0, le=600, description="over which the median is taken")] = 10.0
@@ -29,10 +29,10 @@ class DriftConfig(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fiel
 
 
 class DriftAlarm:
-    """Is fed residuals in px as they come, and says when the cameras should be calibrated again.
+    """Compares the median residual of a time window with that of the first seconds, as the calibration drifts.
 
-    `calibrated_px` is the rig's own median residual. Tracked points are noisier than a plate's, so that the median of a
-    window is compared with the level of the first seconds; a level that is far off from the start is told at once.
+    `calibrated_px` is the rig's own median residual. Tracked points are noisier than a plate's, so the normal level is
+    learned from the first seconds; if that itself is far too high, the alarm is raised at once.
     """
 
     def __init__(self, calibrated_px: float | None, config: DriftConfig | None = None) -> None:
@@ -50,7 +50,7 @@ class DriftAlarm:
         return self._normal_px
 
     def feed(self, residuals_px: Iterable[float], time_ns: int) -> str | None:
-        """Residuals of one instant; a sentence while the cameras seem to have moved, else None. NaN is left out."""
+        """Take the residuals of one instant, ignoring NaN; a sentence while a camera seems to have moved, else None."""
         self._residuals.extend((time_ns, value) for value in residuals_px if math.isfinite(value))
         if self._first_ns is None and self._residuals:
             self._first_ns = time_ns
@@ -72,11 +72,11 @@ class DriftAlarm:
             self._normal_px = median
             self._residuals.clear()
         if self._normal_px > self._calibrated_px + self._config.start_px:
-            return self._say(median, "from the start")
+            return self._describe(median, "from the start")
         limit = max(self._config.factor * self._normal_px, self._normal_px + self._config.margin_px)
-        return self._say(median, f"{self._normal_px:.1f} px at the start") if median > limit else None
+        return self._describe(median, f"{self._normal_px:.1f} px at the start") if median > limit else None
 
-    def _say(self, median: float, before: str) -> str:
+    def _describe(self, median: float, before: str) -> str:
         return (
             f"tracked points miss their epipolar lines by {median:.1f} px ({before}, {self._calibrated_px:.1f} px at "
             "calibration): a camera has moved or the views are out of step; calibrate again"
@@ -84,19 +84,19 @@ class DriftAlarm:
 
 
 class DriftWatch:
-    """Feeds the drift alarm with what the views of each instant miss each other by; `tell` hears of it once."""
+    """Feeds the drift alarm with the residual of each estimate; `warn` is called once with its sentence."""
 
-    def __init__(self, rig: Rig, config: DriftConfig, tell: Callable[[str], None]) -> None:
+    def __init__(self, rig: Rig, config: DriftConfig, warn: Callable[[str], None]) -> None:
         self._alarm = DriftAlarm(rig.epipolar_px, config)
-        self._tell: Callable[[str], None] | None = tell
+        self._warn: Callable[[str], None] | None = warn
 
     def judge(self, estimate: ArmEstimate) -> ArmEstimate:
-        """The estimate; while the alarm rings, with its sentence at the end of the reason."""
+        """The estimate; during an alarm with its sentence at the end of the reason."""
         residuals_px = () if estimate.residual_px is None else (estimate.residual_px,)
         sentence = self._alarm.feed(residuals_px, estimate.t_ns)
         if sentence is None:
             return estimate
-        if self._tell is not None:
-            self._tell(sentence)
-            self._tell = None
+        if self._warn is not None:
+            self._warn(sentence)
+            self._warn = None
         return replace(estimate, reason="; ".join(filter(None, (estimate.reason, sentence))))

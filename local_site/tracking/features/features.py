@@ -6,8 +6,7 @@ from dataclasses import dataclass, field, replace
 import numpy as np
 
 from common.geometry import Array
-from local_site.kernels.compiled import compiled
-from local_site.tracking.features.limb_width import last_clean, limb_span, mean_between, palm_begin, share_seen, widest
+from local_site.tracking.features.limb_width import limb_span, mean_between, palm_begin
 from local_site.tracking.features.medial import Edges, MedialLine, limb_sides, line_through, medial_line, scan_edges
 from local_site.tracking.features.posture import Posture, find_posture
 from local_site.tracking.features.silhouette import Silhouette
@@ -56,7 +55,7 @@ class Features:
 
 
 def measure(silhouette: Silhouette, guess: Posture | None) -> Features | None:
-    """The features of a silhouette near a guess, or found afresh; None where it shows no arm with a forearm."""
+    """The features of a silhouette near a guess, or else found without one; None if it shows no arm with a forearm."""
     near = _measure_near(silhouette, guess) if guess is not None else None
     if near is not None and near.upper_arm is not None:
         return near
@@ -75,7 +74,7 @@ def _measure_near(silhouette: Silhouette, guess: Posture) -> Features | None:
     if forearm is None:
         return None
     line, edges, length = forearm
-    width = 0.5 * widest(*edges.rows, FOREARM_RANGE[0] * length, FOREARM_RANGE[1] * length)
+    width = 0.5 * edges.widest(FOREARM_RANGE[0] * length, FOREARM_RANGE[1] * length)
     palm = palm_begin(*edges.rows, length, width)
     seen = not math.isnan(palm)
     wrist = line.at(palm if seen else length)
@@ -103,24 +102,24 @@ def _root(edges: Edges, length: float, wrist: Array, crease: float) -> MedialLin
     Muscle bends the medial axis; the bone's axis is straight, and the wrist lies on both.
     """
     low = max(ROOT_START * length, min(crease, 0.5 * length))
-    rows, place, middle = mean_between(*edges.rows, low, low + ROOT_LENGTH * length)
+    rows, position, middle = mean_between(*edges.rows, low, low + ROOT_LENGTH * length)
     if rows < MIN_ROOT_ROWS:
         return None
-    return line_through(edges.axis.at(place) + middle * edges.axis.normal, wrist)
+    return line_through(edges.axis.at(position) + middle * edges.axis.normal, wrist)
 
 
-def _sides(silhouette: Silhouette, limb: MedialLine | None, guess: Posture, shares: tuple[float, float]) -> Array:
-    """The skin (2, 2) in px on both sides of a limb, between two shares of the half width from the elbow."""
+def _sides(silhouette: Silhouette, limb: MedialLine | None, guess: Posture, half_widths: tuple[float, float]) -> Array:
+    """The skin (2, 2) in px on both sides of a limb, between two distances in half widths from the elbow."""
     if limb is None:
         return np.full((2, 2), np.nan)
-    near, far = (share * guess.half_width for share in shares)
+    near, far = (distance * guess.half_width for distance in half_widths)
     offsets = limb_sides(silhouette, limb, near, far, 2.2 * guess.half_width)
     result: Array = limb.at(0.5 * (near + far)) + offsets[:, None] * limb.normal
     return result
 
 
 def _forearm(silhouette: Silhouette, guess: Posture) -> tuple[MedialLine, Edges, float] | None:
-    """The forearm's medial line from the elbow's foot, its edges beyond the wrist, and elbow to wrist in px."""
+    """The forearm's medial line from the elbow's foot on it, its edges to beyond the wrist, and its length in px."""
     first = line_through(guess.elbow, guess.wrist)
     if first is None:
         return None
@@ -135,11 +134,11 @@ def _forearm(silhouette: Silhouette, guess: Posture) -> tuple[MedialLine, Edges,
         axis = MedialLine(line.at(line.along(guess.elbow)), line.direction)
     length = axis.along(guess.wrist)
     edges = scan_edges(silhouette, axis, 0.0, length + 2 * guess.half_width, 2.2 * guess.half_width)
-    return (axis, edges, length) if share_seen(edges.t, edges.lower, low, high) >= MIN_VALID else None
+    return (axis, edges, length) if edges.fraction_seen(low, high) >= MIN_VALID else None
 
 
 def _crease(guess: Posture) -> float:
-    """How far from the elbow, in px, forearm and upper arm part: the sharper the bend, the farther."""
+    """The distance in px from the elbow to the crease, where forearm and upper arm separate; it grows with the bend."""
     (ex, ey), (wx, wy), (sx, sy) = guess.elbow.tolist(), guess.wrist.tolist(), guess.shoulder_end.tolist()
     product = math.hypot(wx - ex, wy - ey) * math.hypot(sx - ex, sy - ey)
     cosine = ((wx - ex) * (sx - ex) + (wy - ey) * (sy - ey)) / product if product > 0 else -1.0
@@ -147,41 +146,21 @@ def _crease(guess: Posture) -> float:
     return guess.half_width / math.tan(half_angle) if half_angle < 0.5 * math.pi - 1e-6 else 0.0
 
 
-def _hand(silhouette: Silhouette, edges: Edges, place: float) -> Array | None:
-    """The contour (M, 2) beyond a place along the forearm's axis, in order."""
-    ends = _row_ends(edges, place)
+def _hand(silhouette: Silhouette, edges: Edges, position: float) -> Array | None:
+    """The contour (M, 2) beyond a position along the forearm's axis, in order."""
+    ends = edges.ends_before(position)
     if ends is None:
         return None
     contour, (dx, dy) = silhouette.contour, edges.axis.direction
-    low, high = sorted(_nearest(contour, *end) for end in ends)
+    low, high = sorted(int(np.argmin(np.sum((contour - end) ** 2, axis=1))) for end in ends)
     step = contour[min(low + HAND_PROBE, high)] - contour[low]
     inner = float(step[0] * dx + step[1] * dy) > 0
     part = contour[low : high + 1] if inner else np.concatenate([contour[high:], contour[: low + 1]])
     return part if len(part) >= MIN_HAND_PIXELS else None
 
 
-def _row_ends(edges: Edges, place: float) -> list[list[float]] | None:
-    """The pixels of both edges on the last clean row up to a place."""
-    k = last_clean(edges.t, edges.lower, place)
-    if k < 0:
-        return None
-    middle, normal = edges.axis.at(float(edges.t[k])), edges.axis.normal
-    return [(middle + side[k] * normal).tolist() for side in (edges.lower, edges.upper)]
-
-
-@compiled
-def _nearest(contour: Array, x: float, y: float) -> int:
-    """The number of the contour pixel nearest to a place."""
-    best, nearest = math.inf, 0
-    for k in range(len(contour)):
-        square = (contour[k, 0] - x) ** 2 + (contour[k, 1] - y) ** 2
-        if square < best:
-            best, nearest = square, k
-    return nearest
-
-
 def _upper_arm(silhouette: Silhouette, guess: Posture) -> tuple[MedialLine | None, Array]:
-    """The upper arm's medial line, None where too little of it shows, and the middle of its far end."""
+    """The upper arm's medial line, None if too little of it is seen, and the middle of its far end."""
     axis = line_through(guess.elbow, guess.shoulder_end)
     if axis is None:
         return None, guess.shoulder_end

@@ -1,6 +1,6 @@
-"""What the width of a limb along its axis tells: where it is thick, where the palm begins, where the limb ends.
+"""Landmarks from the width of a limb along its axis: its middle, where the palm begins, where the limb ends.
 
-Rows are places t (R,) px along the axis and the edges' offsets (R,) across it, NaN where an edge is not seen.
+Rows are positions t (R,) in px along the axis and the edges' offsets (R,) across it, NaN where an edge is not seen.
 """
 
 import math
@@ -21,53 +21,21 @@ SURE_PX = 3.0
 
 
 @compiled
-def widest(t: Array, lower: Array, upper: Array, start: float, end: float) -> float:
-    """The largest width in px between two places, NaN where no row is clean."""
-    result = math.nan
-    for k in range(len(t)):
-        width = upper[k] - lower[k]
-        if start < t[k] < end and not width <= result and not math.isnan(width):
-            result = width
-    return result
-
-
-@compiled
-def share_seen(t: Array, lower: Array, start: float, end: float) -> float:
-    """The share of the rows between two places that show both edges."""
-    rows, seen = 0, 0
-    for k in range(len(t)):
-        if start <= t[k] <= end:
-            rows += 1
-            seen += not math.isnan(lower[k])
-    return seen / rows if rows else 0.0
-
-
-@compiled
-def last_clean(t: Array, lower: Array, end: float) -> int:
-    """The last row up to a place that shows both edges, -1 without any."""
-    found = -1
-    for k in range(len(t)):
-        if t[k] <= end and not math.isnan(lower[k]):
-            found = k
-    return found
-
-
-@compiled
 def mean_between(t: Array, lower: Array, upper: Array, start: float, end: float) -> tuple[int, float, float]:
-    """Of the clean rows between two places: their number, mean place and mean middle in px."""
-    rows, place, middle = 0, 0.0, 0.0
+    """Of the clean rows between two positions: their number, mean position and mean middle in px."""
+    rows, position, middle = 0, 0.0, 0.0
     for k in range(len(t)):
         if start <= t[k] <= end and not math.isnan(lower[k]):
-            rows, place = rows + 1, place + t[k]
+            rows, position = rows + 1, position + t[k]
             middle += 0.5 * (upper[k] + lower[k])
-    return rows, place / max(rows, 1), middle / max(rows, 1)
+    return rows, position / max(rows, 1), middle / max(rows, 1)
 
 
 @compiled
 def palm_begin(t: Array, lower: Array, upper: Array, length: float, half_width: float) -> float:
-    """Where along the axis the wrist is, told by where the palm begins to widen beyond the narrowest place.
+    """The position of the wrist along the axis, from where the palm widens beyond the neck; NaN if it does not.
 
-    The joint lies a small share of the forearm's length before that; NaN where nothing widens.
+    The joint lies a small fraction of the forearm's length before that.
     """
     smooth = _smooth_width(lower, upper, 4 * half_width)
     first, last = -1, -1
@@ -101,9 +69,9 @@ def _smooth_width(lower: Array, upper: Array, unseen: float) -> Array:
 
 @compiled
 def limb_span(t: Array, lower: Array, upper: Array, start: float, half_width: float) -> tuple[float, float]:
-    """From where to where along its axis, after `start`, the limb keeps its width.
+    """The first and last position along its axis, after `start`, between which the limb keeps its width.
 
-    Where it parts from the other limb at the crease, rows are wider than the limb.
+    Near the crease, where it meets the other limb, rows are wider than the limb.
     """
     first = -1
     for k in range(len(t)):

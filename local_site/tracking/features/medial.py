@@ -1,4 +1,4 @@
-"""Medial lines of limbs: total least squares through the midpoints of the two edges (thesis 3.1.6, 3.1.7)."""
+"""A limb's edges, and its medial line: total least squares through their midpoints (thesis 3.1.6, 3.1.7)."""
 
 import math
 from dataclasses import dataclass
@@ -14,7 +14,7 @@ from local_site.tracking.features.silhouette import Silhouette
 MIN_ROWS = 6
 WIDTH_TOLERANCE = 1.4
 EDGE_REACH = 3
-STRIDE = 4  # px; nothing within a limb is darker than the level, so the way to its edge may be leapt along
+STRIDE = 4  # px; nothing within a limb is darker than the level, so its edge may be searched for in strides
 
 
 @dataclass(frozen=True, slots=True)
@@ -58,76 +58,81 @@ class Edges:
 
     @property
     def rows(self) -> tuple[Array, Array, Array]:
-        """Places along the axis and the offsets of both edges."""
+        """Positions along the axis and the offsets of both edges."""
         return self.t, self.lower, self.upper
+
+    def widest(self, start: float, end: float) -> float:
+        """The largest width in px between two positions along the axis, NaN if no row is clean."""
+        inside = (self.t > start) & (self.t < end)
+        return float(np.fmax.reduce(self.upper[inside] - self.lower[inside], initial=np.nan))
+
+    def fraction_seen(self, start: float, end: float) -> float:
+        """The fraction of the rows between two positions that show both edges."""
+        seen = ~np.isnan(self.lower[(self.t >= start) & (self.t <= end)])
+        return float(seen.mean()) if len(seen) else 0.0
+
+    def ends_before(self, position: float) -> list[list[float]] | None:
+        """The pixels of both edges on the last clean row up to a position; None without any."""
+        clean = np.flatnonzero((self.t <= position) & ~np.isnan(self.lower))
+        if not len(clean):
+            return None
+        middle, normal = self.axis.at(float(self.t[clean[-1]])), self.axis.normal
+        return [(middle + side[clean[-1]] * normal).tolist() for side in (self.lower, self.upper)]
 
 
 def line_through(start: Array, end: Array) -> MedialLine | None:
-    """The line from one pixel to another, or None where they coincide."""
+    """The line from one pixel to another, or None if they coincide."""
     length = math.hypot(*(end - start))
     return MedialLine(start, (end - start) / length) if length > 1e-6 else None
 
 
 def scan_edges(silhouette: Silhouette, axis: MedialLine, start: float, end: float, reach: float) -> Edges:
-    """The edges of the limb around an axis, to a fraction of a pixel, on scan lines 1 px apart from start to end.
+    """The edges of the limb around an axis, with subpixel precision, on scan lines 1 px apart from start to end.
 
     Each scan line is followed from the axis to both sides until the grey value falls below the threshold.
     """
     first, rows = math.floor(start), max(math.ceil(end) + 1 - math.floor(start), 0)
-    (x, y), (dx, dy) = axis.at(first).tolist(), axis.direction.tolist()
-    t, lower, upper = _scan(silhouette.grey, silhouette.level, (x, y, dx, dy), rows, max(2, math.ceil(reach)))
-    t += first
-    return Edges(axis, t, lower, upper)
+    lower, upper = _scanned(silhouette, axis, first, rows, reach)
+    half_seen = np.isnan(lower) | np.isnan(upper)
+    lower[half_seen] = upper[half_seen] = np.nan
+    return Edges(axis, np.arange(first, first + rows, dtype=np.float64), lower, upper)
 
 
 def limb_sides(silhouette: Silhouette, axis: MedialLine, start: float, end: float, reach: float) -> Array:
-    """Typical offsets (2,) in px along an axis's normal of the limb's two edges between two places, the lower first.
+    """Upper median offsets (2,) in px along an axis's normal of the limb's two edges between two positions.
 
-    Each side stands for itself, NaN where most of it is not seen: beside a bent elbow only the arm's back has an edge.
+    Each side on its own, NaN if most of it is not seen: beside a bent elbow only the arm's back has an edge.
     """
-    (x, y), (dx, dy) = axis.at(start).tolist(), axis.direction.tolist()
     rows = max(math.ceil(end - start), 1)
-    lower, upper = _sides(silhouette.grey, silhouette.level, (x, y, dx, dy), rows, max(2, math.ceil(reach)))
-    return np.array([lower, upper])
+    sides = []
+    for sign, offsets in zip((-1.0, 1.0), _scanned(silhouette, axis, start, rows, reach), strict=True):
+        seen = np.sort(np.abs(offsets[np.isfinite(offsets)]))
+        sides.append(sign * seen[len(seen) // 2] if 2 * len(seen) > rows else math.nan)
+    return np.array(sides)
 
 
-@compiled
-def _sides(
-    grey: NDArray[np.uint8], level: float, axis: tuple[float, float, float, float], rows: int, reach: int
-) -> tuple[float, float]:
-    """The upper medians of where rows at 0, 1, ... px along an axis fall off on each side of it, NaN without most."""
-    x, y, dx, dy = axis
-    values, found = np.empty(reach + 1), np.empty(rows)
-    typical = np.empty(2)
-    for k, side in enumerate((-1.0, 1.0)):
-        for row in range(rows):
-            found[row] = _edge(grey, level, (x + row * dx, y + row * dy, -side * dy, side * dx), values)
-        seen = np.sort(found[np.isfinite(found)])
-        typical[k] = side * seen[len(seen) // 2] if 2 * len(seen) > rows else math.nan
-    return typical[0], typical[1]
+def _scanned(silhouette: Silhouette, axis: MedialLine, start: float, rows: int, reach: float) -> tuple[Array, Array]:
+    """Offsets (R,) in px of both edges on scan lines 1 px apart, each NaN where it is not found within reach."""
+    (x, y), (dx, dy) = axis.at(start).tolist(), axis.direction.tolist()
+    return _scan(silhouette.grey, silhouette.level, (x, y, dx, dy), rows, max(2, math.ceil(reach)))
 
 
 @compiled
 def _scan(
     grey: NDArray[np.uint8], level: float, axis: tuple[float, float, float, float], rows: int, reach: int
-) -> tuple[Array, Array, Array]:
-    """Where rows at 0, 1, ... px along an axis fall off on both sides of it, px from there; NaN where one does not."""
+) -> tuple[Array, Array]:
     x, y, dx, dy = axis
-    t, lower, upper = np.empty(rows), np.full(rows, np.nan), np.full(rows, np.nan)
-    values = np.empty(reach + 1)
+    lower, upper, values = np.empty(rows), np.empty(rows), np.empty(reach + 1)
     for row in range(rows):
-        t[row] = row
-        before = _edge(grey, level, (x + row * dx, y + row * dy, dy, -dx), values)
-        after = _edge(grey, level, (x + row * dx, y + row * dy, -dy, dx), values)
-        if not (math.isnan(before) or math.isnan(after)):
-            lower[row], upper[row] = -before, after
-    return t, lower, upper
+        lower[row] = -_edge(grey, level, (x + row * dx, y + row * dy, dy, -dx), values)
+        upper[row] = _edge(grey, level, (x + row * dx, y + row * dy, -dy, dx), values)
+    return lower, upper
 
 
 @compiled
 def _edge(grey: NDArray[np.uint8], level: float, ray: tuple[float, float, float, float], values: Array) -> float:
-    """Px along a ray (x, y and a unit step) to the edge: found where the values first drop below the level, placed
-    where they fall most, which also holds for skin in shadow. `values` is room for those along the ray."""
+    """Px along a ray (x, y and a unit step) to the edge: found where the values first drop below the level, located
+    where they fall most, which is right also for skin in shadow. `values` is a buffer for those along the ray."""
     x, y, step_x, step_y = ray
     reach = len(values) - 1
     beyond = 0
@@ -142,31 +147,31 @@ def _edge(grey: NDArray[np.uint8], level: float, ray: tuple[float, float, float,
     if first == 0 or first > reach:
         return math.nan
     last = min(first + EDGE_REACH, reach)
-    total, place = 0.0, 0.0
+    total, position = 0.0, 0.0
     for k in range(max(first - EDGE_REACH, 0), last):
         fall = values[k] - values[k + 1]
         if fall > 0:
             total += fall * fall
-            place += fall * fall * (k + 0.5)
-    return place / total if total > 0 else math.nan
+            position += fall * fall * (k + 0.5)
+    return position / total if total > 0 else math.nan
 
 
 def medial_line(edges: Edges, start: float, end: float) -> MedialLine | None:
     """The medial line of the limb between start and end along the scan axis, or None with too few clean rows.
 
     All P x R midpoints of upper and lower edge have the mean (a + b) / 2 and the covariance (Ca + Cb) / 4, so the line
-    costs O(P + R); both edges cover the same rows, which keeps a taper from tilting it.
+    costs O(P + R); both edges cover the same rows, so that a taper does not tilt it.
     """
-    count, place, middle, along, across = _middle(*edges.rows, start, end)
+    count, position, middle, along, across = _middle(*edges.rows, start, end)
     if count < MIN_ROWS:
         return None
     axis = edges.axis
-    return MedialLine(axis.at(place) + middle * axis.normal, along * axis.direction + across * axis.normal)
+    return MedialLine(axis.at(position) + middle * axis.normal, along * axis.direction + across * axis.normal)
 
 
 @compiled
 def _middle(t: Array, lower: Array, upper: Array, start: float, end: float) -> tuple[int, float, float, float, float]:
-    """How many rows are clean, their mean along the scan axis and across, and the line's direction along and across."""
+    """The number of clean rows, their mean along the scan axis and across, the line's direction along and across."""
     typical = typical_width(t, lower, upper, start, end)
     count, a, u, v = 0, 0.0, 0.0, 0.0
     for k in range(len(t)):
@@ -186,7 +191,7 @@ def _middle(t: Array, lower: Array, upper: Array, start: float, end: float) -> t
 
 @compiled
 def typical_width(t: Array, lower: Array, upper: Array, start: float, end: float) -> float:
-    """The upper median of the widths in px between two places along the scan axis, NaN where no row is clean."""
+    """The upper median of the widths in px between two positions along the scan axis, NaN if no row is clean."""
     widths, count = np.empty(len(t)), 0
     for k in range(len(t)):
         if start <= t[k] <= end and not math.isnan(lower[k]):

@@ -1,4 +1,4 @@
-"""Where shoulder end, elbow, wrist and finger tips lie in a silhouette, roughly and without any memory.
+"""Rough positions of shoulder end, elbow, wrist and finger tips in a silhouette, from this image alone.
 
 Distances are geodesic: layers of equal distance from the shoulder end cross the arm, so that their centroids are its
 medial axis in any pose, and the largest distance to the background within a layer is the arm's half width there.
@@ -47,7 +47,7 @@ class _Axis:
 
 
 def find_posture(silhouette: Silhouette) -> Posture | None:
-    """The posture of an arm with hand and shoulder end in view, or None where the blob is no such shape."""
+    """The posture of an arm with hand and shoulder end in view, or None if the blob has no such shape."""
     mask, scale, origin = _working_mask(silhouette)
     radii = np.asarray(cv2.distanceTransform(mask, cv2.DIST_L2, 3), dtype=np.float64)
     ends = _ends(mask, radii)
@@ -70,7 +70,7 @@ def find_posture(silhouette: Silhouette) -> Posture | None:
 
 
 def _working_mask(silhouette: Silhouette) -> tuple[NDArray[np.uint8], float, Array]:
-    """The filled blob at working size with a black rim, the px per working px, and the px of its corner."""
+    """The filled blob at working size with a black border, the px per working px, and the px of its corner."""
     contour = silhouette.contour.astype(np.int32)
     x, y, width, height = cv2.boundingRect(contour)
     filled = np.zeros((height, width), dtype=np.uint8)
@@ -94,9 +94,9 @@ def _border_pixel(silhouette: Silhouette, scale: float, origin: Array) -> tuple[
 
 @compiled
 def _layers(mask: NDArray[np.uint8], start: tuple[int, int]) -> NDArray[np.int32]:
-    """Steps within the mask from a pixel (x, y) to each, -1 where there is no way; the mask's rim is 0.
+    """Geodesic distance in steps within the mask from a pixel (x, y), -1 where unreachable; the mask's border is 0.
 
-    Steps lead by turns to four and to eight neighbours, so that layers of equal distance are nearly round.
+    Steps go alternately to four and to eight neighbours, so that layers of equal distance are nearly round.
     """
     layer = np.full(mask.shape, -1, np.int32)
     queue = np.empty((mask.size, 2), np.int32)
@@ -104,7 +104,7 @@ def _layers(mask: NDArray[np.uint8], start: tuple[int, int]) -> NDArray[np.int32
         return layer
     layer[start[1], start[0]] = 0
     queue[0] = start
-    # pixels of the last round, from `fresh` on, and of the round before it, whose corners were left to a later step
+    # `fresh` starts the pixels of the last round, `old` those of the round before, whose diagonal steps are still due
     old, fresh, count, rounds = 0, 0, 1, 0
     while old < count:
         rounds += 1
@@ -136,7 +136,7 @@ def _ends(mask: NDArray[np.uint8], radii: Array) -> tuple[tuple[int, int], tuple
 
 
 def _blunt(ends: tuple[tuple[int, int], tuple[int, int]], radii: Array) -> tuple[int, int]:
-    """The end where the arm is as wide as a limb: the cut by sleeve or shoulder; fingers are narrow."""
+    """The end where the arm is as wide as a limb, at sleeve or shoulder; fingers are narrow."""
     reach = END_REACH * float(radii.max())
     y, x = np.indices(radii.shape)
     widest = [float(radii[np.hypot(x - ex, y - ey) < reach].max(initial=0.0)) for ex, ey in ends]

@@ -9,7 +9,6 @@ from numpy.typing import NDArray
 
 from common.cameras.camera import Image
 from common.geometry import Array
-from local_site.kernels.compiled import compiled
 
 MIN_AREA_FRACTION = 1e-3
 MIN_CONTOUR_POINTS = 40
@@ -19,7 +18,7 @@ MIN_CONTOUR_POINTS = 40
 class Silhouette:
     """The arm's blob: smoothed grey image (H, W), threshold level, ordered outer contour (N, 2) and area in px.
 
-    Shadows within the contour are lifted above the level, so that they do not look like the arm's edge.
+    Shadows within the contour are raised above the level, so that they do not look like the arm's edge.
     """
 
     grey: NDArray[np.uint8]
@@ -29,22 +28,14 @@ class Silhouette:
 
     def touches_border(self, points: Array) -> NDArray[np.bool_]:
         """Which pixels (N, 2) lie on the image border, (N,)."""
-        return _on_border(points, *self.grey.shape)
+        height, width = self.grey.shape
+        touching: NDArray[np.bool_] = np.any((points <= 1) | (points >= (width - 2, height - 2)), axis=1)
+        return touching
 
     @property
     def at_border(self) -> bool:
         """Whether the image border cuts the arm."""
         return bool(self.touches_border(self.contour).any())
-
-
-@compiled
-def _on_border(points: Array, height: int, width: int) -> NDArray[np.bool_]:
-    """Which pixels (N, 2) lie on the border of a picture of this size, (N,)."""
-    touching = np.empty(len(points), np.bool_)
-    for k in range(len(points)):
-        x, y = points[k]
-        touching[k] = x <= 1 or y <= 1 or x >= width - 2 or y >= height - 2
-    return touching
 
 
 def to_grey(image: Image) -> NDArray[np.uint8]:
@@ -118,7 +109,7 @@ def _otsu(histogram: Array) -> int:
 
 
 def _robust(histogram: Array, levels: Array) -> tuple[float, float]:
-    """Median and spread of a class: folds and a gradient of the cloth widen the spread, a few arm pixels do not."""
+    """Median and spread (half the 16th to 84th percentile) of a class, which a few arm pixels hardly change."""
     cumulative = np.cumsum(histogram) / histogram.sum()
     low, middle, high = (float(levels[np.searchsorted(cumulative, q)]) for q in (0.16, 0.5, 0.84))
     return middle, max(0.5 * (high - low), 0.5)

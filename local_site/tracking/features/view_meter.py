@@ -9,7 +9,7 @@ import numpy as np
 
 from common.cameras.camera import Frame, Image
 from common.geometry import Array
-from local_site.calibration.lens import Undistorter
+from local_site.calibration.physical_camera import Undistorter
 from local_site.calibration.rig import CameraCalibration
 from local_site.calibration.triangulation import project
 from local_site.tracking.features.features import Features, measure

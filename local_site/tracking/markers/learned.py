@@ -1,4 +1,4 @@
-"""What is learned of a marked hand: the distances between its markers, their sizes, and when it counts as open."""
+"""What is known of a marked hand: distances and sizes of its markers, when it counts as open, the last positions."""
 
 from collections import deque
 from dataclasses import dataclass
@@ -33,7 +33,7 @@ class Learning:
         return len(self._lengths)
 
     def forget(self) -> None:
-        """Start anew."""
+        """Discard all instants."""
         self._lengths.clear()
         self._sizes.clear()
 
@@ -63,7 +63,7 @@ def is_open(points: Array, spans: Spans, open_ratio: float, was_open: bool) -> b
     """Whether the markers (3, 3) are those of an open hand; where index or thumb is missing, as it was.
 
     When the fingers spread, the thumb goes away from the index and nearer to the radial side of the wrist. So the
-    ratio of its distances from both is compared with the learned one; it stays open until half of the way back.
+    ratio of its distances from both is compared with the learned one, with hysteresis.
     """
     if not np.isfinite(points[[WRIST, INDEX, THUMB]]).all():
         return was_open

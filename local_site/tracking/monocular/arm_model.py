@@ -1,4 +1,4 @@
-"""The arm as two closed triangular meshes, scaled to lengths and girths (section 2.1.1 of the report)."""
+"""The arm as two closed triangular meshes, scaled to lengths and girths (section 2.1.1 of the report), and rendered."""
 
 import math
 from dataclasses import dataclass
@@ -8,7 +8,7 @@ from numpy.typing import NDArray
 from scipy.interpolate import PchipInterpolator
 
 from common.geometry import Array
-from local_site.calibration.lens import Lens
+from local_site.calibration.physical_camera import Lens
 from local_site.kernels.rasterising import NOTHING, Raster, Triangles, rasterise
 from local_site.tracking.config import ForearmConfig, UpperArmConfig
 from local_site.tracking.monocular.picture import Box
@@ -18,11 +18,13 @@ MM = 1e-3
 RINGS, SECTORS = 24, 48
 CAP_RINGS = 4
 TURN = 2.0 * math.pi
+MARGIN_PX = 24
+DEPTH_STEP_PX = 2
 
 
 @dataclass(frozen=True, slots=True)
 class Profile:
-    """Half axes (N,) in m of the elliptic sections, across (x) and deep (y), at places (N,) along the link in m."""
+    """Half axes (N,) in m of the elliptic sections, across (x) and deep (y), at positions (N,) along the link in m."""
 
     along: Array
     across: Array
@@ -33,8 +35,8 @@ class Profile:
 class Mesh:
     """A link in its own frame: vertices (V, 3) in m, outward unit normals (V, 3), triangles (T, 3).
 
-    The joint is the origin, z runs along the link, x across the palm. `length` in m is from joint to joint; `sections`
-    are those between the caps.
+    The joint is the origin, z points along the link, x across the palm. `length` in m is from joint to joint;
+    `sections` are those between the caps.
     """
 
     vertices: Array
@@ -53,7 +55,7 @@ def upper_arm_mesh(config: UpperArmConfig) -> Mesh:
 
 
 def forearm_mesh(config: ForearmConfig) -> Mesh:
-    """The forearm's mesh, round, which goes over into the flat palm."""
+    """The forearm's mesh, round at the elbow and flat at the palm."""
     girths = (config.elbow_girth_mm, config.belly_girth_mm, config.wrist_girth_mm)
     radii = MM * np.array(girths) / TURN
     length, palm = MM * config.length_mm, MM * config.palm_length_mm
@@ -66,34 +68,24 @@ def forearm_mesh(config: ForearmConfig) -> Mesh:
 
 def _mesh(profile: Profile, length: float) -> Mesh:
     """Rings along the link, and round caps that close it."""
-    sections = _sections(profile)
-    body = list(zip(sections.along.tolist(), sections.across.tolist(), sections.deep.tolist(), strict=True))
-    rings = [*_cap(profile, at_end=False), *body, *_cap(profile, at_end=True)]
+    positions = np.linspace(profile.along[0], profile.along[-1], RINGS)
+    halves = (PchipInterpolator(profile.along, half)(positions) for half in (profile.across, profile.deep))
+    sections = Profile(positions, *halves)
+    body = np.column_stack([sections.along, sections.across, sections.deep])
+    first, *_, last = np.column_stack([profile.along, profile.across, profile.deep])
+    rings = np.concatenate([_cap(first, -1.0)[::-1], body, _cap(last, 1.0)])
     turn = np.linspace(0.0, TURN, SECTORS, endpoint=False)
-    circle = np.column_stack([np.cos(turn), np.sin(turn)])
-    z = np.array([ring[0] for ring in rings])
-    halves = np.array([ring[1:] for ring in rings])
-    across = halves[:, None, :] * circle[None]
-    vertices = np.concatenate([across, np.broadcast_to(z[:, None, None], (*across.shape[:2], 1))], axis=2)
-    points, triangles = vertices.reshape(-1, 3), _triangles(len(rings))
+    across = rings[:, None, 1:] * np.column_stack([np.cos(turn), np.sin(turn)])
+    along = np.broadcast_to(rings[:, None, :1], (*across.shape[:2], 1))
+    points, triangles = np.concatenate([across, along], axis=2).reshape(-1, 3), _triangles(len(rings))
     return Mesh(points, _normals(points, triangles), triangles, length, sections)
 
 
-def _sections(profile: Profile) -> Profile:
-    places = np.linspace(profile.along[0], profile.along[-1], RINGS)
-    return Profile(places, *(PchipInterpolator(profile.along, half)(places) for half in (profile.across, profile.deep)))
-
-
-def _cap(profile: Profile, at_end: bool) -> list[tuple[float, float, float]]:
-    """Half an ellipsoid beyond an end of the body, half as long as the section is deep."""
-    k, way = (-1, 1.0) if at_end else (0, -1.0)
+def _cap(end: Array, sense: float) -> Array:
+    """Rings (CAP_RINGS, 3), position and half axes in m, of half an ellipsoid beyond an end ring (3,) of the body."""
     angles = np.linspace(0.0, 0.5 * math.pi, CAP_RINGS + 1)[1:]
-    narrowing, reach = np.maximum(np.cos(angles), 1e-3), way * 0.5 * profile.deep[k] * np.sin(angles)
-    rings = [
-        (float(profile.along[k] + r), float(profile.across[k] * n), float(profile.deep[k] * n))
-        for n, r in zip(narrowing, reach, strict=True)
-    ]
-    return rings if at_end else rings[::-1]
+    narrowing, reach = np.maximum(np.cos(angles), 1e-3), sense * 0.5 * end[2] * np.sin(angles)
+    return np.column_stack([end[0] + reach, end[1] * narrowing, end[2] * narrowing])
 
 
 def _triangles(rings: int) -> Triangles:
@@ -117,10 +109,6 @@ def _normals(points: Array, triangles: Triangles) -> Array:
     return normals
 
 
-MARGIN_PX = 24
-DEPTH_STEP_PX = 2
-
-
 @dataclass(frozen=True, slots=True)
 class Depths:
     """1 / depth (H, W) in 1/m in every DEPTH_STEP_PX-th pixel; focal lengths and principal point (2,) in its px."""
@@ -132,8 +120,8 @@ class Depths:
 
 @dataclass(frozen=True, slots=True)
 class Patch:
-    """What of one link shows in a part of the picture: pixels (N,) by row and column, points (N, 3) in m and normals
-    (N, 3) in the link's frame, and how far each faces the camera (N,), -n.v."""
+    """The visible part of one link in a part of the picture: pixels (N,) by row and column, points (N, 3) in m and
+    normals (N, 3) in the link's frame, and the cosine (N,) of each normal to the line of sight, -n.v."""
 
     rows: NDArray[np.intp]
     columns: NDArray[np.intp]
@@ -143,7 +131,7 @@ class Patch:
 
 
 class ArmView:
-    """Two meshes before a pinhole camera."""
+    """Renders both meshes for a pinhole camera."""
 
     def __init__(self, lens: Lens, upper_arm: Mesh, forearm: Mesh) -> None:
         self._focal, self._principal = np.array([lens.fx, lens.fy]), np.array([lens.cx, lens.cy])
@@ -154,7 +142,7 @@ class ArmView:
         self._normals = np.vstack([mesh.normals for mesh in self._meshes])
 
     def box(self, pose: ArmPose, width: int, height: int) -> Box | None:
-        """The part of a picture of this size that holds the arm with a margin; None where it is out of the picture."""
+        """The part of a picture of this size that contains the arm with a margin; None if it is out of the picture."""
         x, y, z = self._in_camera(pose).T.copy()
         if not (np.isfinite(z).all() and z.min() > 0):
             return None
@@ -164,7 +152,7 @@ class ArmView:
         return (left, top, right, bottom) if min(right - left, bottom - top) >= 2 * MARGIN_PX else None
 
     def depths(self, pose: ArmPose, box: Box) -> Depths:
-        """How deep the picture is, for telling what is hidden."""
+        """The depth map, for occlusion tests."""
         in_camera, step = self._in_camera(pose), DEPTH_STEP_PX
         pixels = (self._pixels(in_camera) - box[:2] + 0.5) / step - 0.5
         size = (box[2] - box[0]) // step, (box[3] - box[1]) // step
@@ -172,7 +160,7 @@ class ArmView:
         return Depths(raster.inverse_depth, self._focal / step, (self._principal - box[:2] + 0.5) / step - 0.5)
 
     def patches(self, pose: ArmPose, box: Box) -> tuple[Patch, Patch]:
-        """What of both links shows in every pixel of a part of the picture."""
+        """The visible part of both links, in every pixel of a part of the picture."""
         in_camera = self._in_camera(pose)
         pixels = self._pixels(in_camera) - box[:2]
         size = box[2] - box[0], box[3] - box[1]
@@ -194,8 +182,8 @@ class ArmView:
 
     def _patch(self, mine: NDArray[np.bool_], raster: Raster, link: Link) -> Patch:
         rows, columns = np.nonzero(mine)
-        corners, shares = self._triangles[raster.triangle[mine]], raster.shares[mine]
-        points, normals = (np.einsum("nk,nkd->nd", shares, of[corners]) for of in (self._vertices, self._normals))
+        corners, weights = self._triangles[raster.triangle[mine]], raster.shares[mine]
+        points, normals = (np.einsum("nk,nkd->nd", weights, of[corners]) for of in (self._vertices, self._normals))
         normals /= np.linalg.norm(normals, axis=1, keepdims=True)
         joint, rotation = link
         in_camera = points @ rotation.T + joint

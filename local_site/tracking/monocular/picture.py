@@ -8,7 +8,7 @@ from numpy.typing import NDArray
 
 from common.cameras.camera import Image
 from common.geometry import Array
-from local_site.calibration.lens import Lens
+from local_site.calibration.physical_camera import Lens
 from local_site.kernels.pictures import Levels
 
 FINE_BLUR_PX, COARSE_BLUR_PX = 0.8, 1.0

@@ -142,9 +142,9 @@ class HandTracker:
     def _second_opinion(self, views: Sequence[HandView], arm: LimbEvidence, person: Person) -> HandFit:
         """From a start near the last pose, different each time: tracking may stay in a local minimum otherwise."""
         self._opinions += 1
-        axis, way = divmod(self._opinions % (2 * len(OPINIONS)), 2)
+        axis, positive = divmod(self._opinions % (2 * len(OPINIONS)), 2)
         turn, change = OPINIONS[axis]
-        sign = 1.0 if way else -1.0
+        sign = 1.0 if positive else -1.0
         belief = self._belief()
         start = self._carried(arm)
         posture = belief.posture.copy()

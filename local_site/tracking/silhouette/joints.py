@@ -1,4 +1,4 @@
-"""Elbow and wrist in 3D: the least-squares meeting of medial lines, wrist necks and the forearm's length.
+"""Elbow and wrist in 3D with covariances: least squares of medial lines, wrist necks and the forearm's length.
 
 The planes through the medial lines of both views bound the elbow (thesis 3.2.8, 3.2.9) and the forearm's axis; the neck
 seen at the wrist and the known forearm length (thesis 3.2.10) take over where the planes leave a direction open.
@@ -15,7 +15,16 @@ from local_site.calibration.triangulation import reprojection_residual, triangul
 from local_site.kernels.compiled import compiled
 from local_site.tracking.features.features import Features
 from local_site.tracking.silhouette.joint_equations import descend
-from local_site.tracking.silhouette.limbs import Limbs, elbow_shifts, image_motion, px_per_m, unit
+from local_site.tracking.silhouette.limbs import (
+    ELBOW,
+    SHOULDER_END,
+    WRIST,
+    Limbs,
+    elbow_shifts,
+    image_motion,
+    px_per_m,
+    unit,
+)
 
 LENGTH_SIGMA = 0.015
 SLEEVE_SIGMA = 0.1
@@ -58,9 +67,9 @@ class Joints:
 
 
 def solve_joints(views: Limbs, features: Sequence[Features], body: Body) -> Joints | None:
-    """Elbow and wrist from what two or more views show; None where the least squares do not converge."""
+    """Elbow and wrist from two or more views; None if the least squares do not converge."""
     projections = list(views["projection"])
-    start = [triangulate(projections, list(views[joint])) for joint in ("elbow", "wrist", "shoulder_end")]
+    start = [triangulate(projections, list(views["guess"][:, joint])) for joint in (ELBOW, WRIST, SHOULDER_END)]
     links = _links(body, sleeve_end(projections, features))
     state, information, misfit, upper_arm = _solve(views, links, *start)
     if math.isnan(misfit):
@@ -73,7 +82,7 @@ def solve_joints(views: Limbs, features: Sequence[Features], body: Body) -> Join
 def _solve(views: Limbs, links: Array, elbow: Array, wrist: Array, far_end: Array) -> tuple[Array, Array, float, Array]:
     """The state (6,) with its information and misfit, and the upper arm's direction (3,), zero where it is not known.
 
-    In rounds, as the elbow's place in the limbs depends on the bend.
+    Iterated, because the position of the elbow's axis in the limbs depends on the bend.
     """
     shifts, upper_arm = np.zeros((len(views), 2)), np.zeros(3)
     state, information, misfit = descend(views, links, shifts, np.concatenate((elbow, wrist)))
@@ -90,7 +99,7 @@ def _solve(views: Limbs, links: Array, elbow: Array, wrist: Array, far_end: Arra
 
 
 def sleeve_end(projections: Sequence[Array], features: Sequence[Features]) -> Array | None:
-    """Where the upper arm ends in all views (3,) in m; None where the image border cuts it or the views disagree."""
+    """The upper arm's end (3,) in m; None if the image border cuts it or the views disagree."""
     if any(f.silhouette.at_border or f.upper_arm is None for f in features):
         return None
     pixels = [f.guess.shoulder_end for f in features]
@@ -111,11 +120,11 @@ def _links(body: Body, sleeve: Array | None) -> Array:
 
 @compiled
 def upper_arm_direction(views: Limbs, elbow: Array, far_end: Array) -> tuple[bool, Array]:
-    """Whether it is known, and the unit vector (3,) from the elbow to the shoulder, where the planes of the upper arm's
-    lines meet.
+    """Whether it is known, and the unit vector (3,) from the elbow to the shoulder: the intersection of the planes of
+    the upper arm's lines.
 
-    Where the planes nearly coincide, as for an upper arm parallel to the baseline, it leads in their common plane to
-    its far end (3,) in m.
+    If the planes nearly coincide, as for an upper arm parallel to the baseline, it is the direction in their common
+    plane to the far end (3,) in m.
     """
     spread, seen = np.zeros((3, 3)), 0
     for k in range(len(views)):
@@ -147,11 +156,11 @@ def plane_normal(projection: Array, line: Array) -> Array:
     return unit(ahead - (point[1] * direction[0] - point[0] * direction[1]) * projection[2, :3])
 
 
-# variances of the limbs' lines as shares of those that balance them in the least squares
+# variances of the limbs' lines relative to those that weight them in the least squares
 ELBOW_LINES, WRIST_LINES = 0.3, 0.5
 # half a limb's width that is bone and skin in everybody; the rest is flesh, in which the elbow's axis lies
 BONE_M = 0.015
-AXIS_SHARE, STRAIGHT_SHARE = 0.13, 0.2  # of the flesh: in the arm's plane; along the forearm, times cot(bend)
+AXIS_SIGMA, STRAIGHT_SIGMA = 0.13, 0.2  # of the flesh: in the arm's plane; along the forearm, times cot(bend)
 MAX_COTANGENT = 2.0
 NECK_SIGMA_M = 0.0025  # where the palm begins, along the forearm
 PLANE_SINE = 0.05
@@ -188,6 +197,6 @@ def _flesh(views: Limbs, elbow: Array, wrist: Array, upper_arm: Array) -> Array:
     if sine > PLANE_SINE:
         plane -= np.outer(hinge, hinge) / sine**2
     cotangent = min(abs(cosine) / max(sine, 1e-9), MAX_COTANGENT)
-    shares = AXIS_SHARE**2 * plane + (STRAIGHT_SHARE * cotangent) ** 2 * np.outer(forearm, forearm)
-    covariance: Array = max(half_width - BONE_M, 0.0) ** 2 * shares
+    relative = AXIS_SIGMA**2 * plane + (STRAIGHT_SIGMA * cotangent) ** 2 * np.outer(forearm, forearm)
+    covariance: Array = max(half_width - BONE_M, 0.0) ** 2 * relative
     return covariance

@@ -1,9 +1,8 @@
-"""When to doubt a measurement, and when to refuse it: report, never guess."""
+"""Whether two silhouettes show the same arm at the same instant, and when to doubt or refuse a measurement."""
 
 import math
 from collections.abc import Sequence
-from dataclasses import dataclass
-from typing import Self
+from itertools import combinations, permutations
 
 import numpy as np
 
@@ -17,59 +16,54 @@ from local_site.tracking.reasons import TrackingReason
 from local_site.tracking.silhouette.joints import Joints, plane_normal
 from local_site.tracking.silhouette.limbs import Limbs, unit
 
-
-@dataclass(frozen=True, slots=True)
-class _Epipolar:
-    """The fundamental matrix (3, 3) from one view to another, and where the first sees the other's centre (3,)."""
-
-    fundamental: Array
-    epipole: Array
-
-    @classmethod
-    def of(cls, first: Array, second: Array) -> Self:
-        fundamental = fundamental_matrix(first, second)
-        return cls(fundamental, np.linalg.svd(fundamental)[2][-1])
+MAX_MISFIT = 2.5
+MAX_ELBOW_SIGMA = 0.10
+MAX_WRIST_SIGMA = 0.06
+MIN_BEND_SINE = 0.25
+MIN_PLANE_SINE = 0.15
+MAX_FOLD_COSINE = 0.64
+MIN_FORESHORTENING = 0.5
 
 
 class Tangency:
-    """Compares the silhouettes of calibrated views (3, 4) pair by pair."""
+    """Compares the silhouettes of calibrated views (3, 4): their epipolar tangents must be the same lines.
+
+    A plane through both camera centres that touches the arm touches both silhouettes, so the outermost epipolar lines
+    of one view are those of the other, whatever the arm's shape. Views out of sync, a moved camera and exchanged
+    pictures violate this.
+    """
 
     def __init__(self, projections: Sequence[Array]) -> None:
-        self._of_pairs = {
-            (i, j): _Epipolar.of(projections[i], projections[j])
-            for i in range(len(projections))
-            for j in range(len(projections))
-            if i != j
-        }
+        self._of_pairs: dict[tuple[int, int], tuple[Array, Array]] = {}
+        for i, j in permutations(range(len(projections)), 2):
+            fundamental = fundamental_matrix(projections[i], projections[j])
+            self._of_pairs[i, j] = fundamental, np.linalg.svd(fundamental)[2][-1]
 
     def residual_px(self, seen: Sequence[int], silhouettes: Sequence[Silhouette]) -> float | None:
         """The largest over all pairs of views of the smaller misfit of both tangents, in px; None if none is in view.
 
-        The smaller one, because the arm ends at a sleeve or at the border, where its outline is not its own.
+        The smaller one, because at a sleeve or the image border the outline is not the arm's own.
         """
         residuals = []
-        for a, i in enumerate(seen):
-            for b, j in enumerate(seen):
-                if i < j:
-                    first, second = silhouettes[a], silhouettes[b]
-                    both = [
-                        *_misfits(self._of_pairs[i, j], first, second),
-                        *_misfits(self._of_pairs[j, i], second, first),
-                    ]
-                    residuals += [min(both)] if both else []
+        for (i, first), (j, second) in combinations(zip(seen, silhouettes, strict=True), 2):
+            both = [*_misfits(*self._of_pairs[i, j], first, second), *_misfits(*self._of_pairs[j, i], second, first)]
+            residuals += [min(both)] if both else []
         return max(residuals, default=None)
 
 
-def _misfits(views: _Epipolar, first: Silhouette, second: Silhouette) -> list[float]:
-    """How far, in px, the second outline is from the epipolar tangents of the first that lie within the picture."""
-    ends = first.contour[list(_outermost(first.contour, views.epipole))]
+def _misfits(fundamental: Array, epipole: Array, first: Silhouette, second: Silhouette) -> list[float]:
+    """The distances in px of the second outline from those epipolar tangents of the first that lie within the picture.
+
+    The fundamental matrix (3, 3) is from the first view to the second; the epipole (3,) is in the first.
+    """
+    ends = first.contour[list(_outermost(first.contour, epipole))]
     usable = ends[~first.touches_border(ends)]
-    return [_nearest_side(second.contour, views.fundamental @ np.array([*end, 1.0])) for end in usable]
+    return [_nearest_side(second.contour, fundamental @ np.array([*end, 1.0])) for end in usable]
 
 
 @compiled
 def _outermost(contour: Array, epipole: Array) -> tuple[int, int]:
-    """The outline's pixels (N, 2) through which the first and the last line from a pole (3,) run."""
+    """The outline's pixels (N, 2) on the first and the last line through an epipole (3,)."""
     x, y = 0.0, 0.0
     for k in range(len(contour)):
         x, y = x + contour[k, 0] / len(contour), y + contour[k, 1] / len(contour)
@@ -90,21 +84,12 @@ def _outermost(contour: Array, epipole: Array) -> tuple[int, int]:
 
 @compiled
 def _nearest_side(contour: Array, line: Array) -> float:
-    """How far an outline (N, 2) reaches beyond, or stays short of, a line (3,) that should touch it, in px."""
+    """The distance in px between an outline (N, 2) and a line (3,) that should be tangent to it."""
     low, high = math.inf, -math.inf
     for k in range(len(contour)):
         distance = contour[k, 0] * line[0] + contour[k, 1] * line[1] + line[2]
         low, high = min(low, distance), max(high, distance)
     return min(abs(low), abs(high)) / max(math.sqrt(line[0] ** 2 + line[1] ** 2), 1e-12)
-
-
-MAX_MISFIT = 2.5
-MAX_ELBOW_SIGMA = 0.10
-MAX_WRIST_SIGMA = 0.06
-MIN_BEND_SINE = 0.25
-MIN_PLANE_SINE = 0.15
-MAX_FOLD_COSINE = 0.64
-MIN_FORESHORTENING = 0.5
 
 
 def objection(joints: Joints | None) -> TrackingReason | None:
@@ -119,7 +104,7 @@ def objection(joints: Joints | None) -> TrackingReason | None:
 
 
 def doubts(rig: Rig, views: Limbs, features: Sequence[Features], joints: Joints) -> list[TrackingReason]:
-    """Why elbow and wrist are less sure than usual."""
+    """Why elbow and wrist are less certain than usual."""
     reasons = []
     if all(f.upper_arm is None for f in features):
         reasons.append(TrackingReason.NO_UPPER_ARM)
@@ -127,10 +112,10 @@ def doubts(rig: Rig, views: Limbs, features: Sequence[Features], joints: Joints)
         reasons.append(TrackingReason.NEARLY_STRAIGHT)
     elif any(_folded(f) for f in features):
         reasons.append(TrackingReason.FOLDED)
-    plane_sine, share_seen = _sights(views, joints.elbow, joints.wrist)
+    plane_sine, foreshortening = _sights(views, joints.elbow, joints.wrist)
     if plane_sine < MIN_PLANE_SINE:
         reasons.append(TrackingReason.PARALLEL_TO_BASELINE)
-    if share_seen < MIN_FORESHORTENING:
+    if foreshortening < MIN_FORESHORTENING:
         reasons.append(TrackingReason.FORESHORTENED)
     if not rig.contains(joints.wrist):
         reasons.append(TrackingReason.OUTSIDE_VOLUME)
@@ -153,12 +138,12 @@ def _sights(views: Limbs, elbow: Array, wrist: Array) -> tuple[float, float]:
     """The largest sine between the planes through the forearm's lines of two views, and the smallest between the
     forearm and a line of sight to the wrist."""
     planes, arm = np.empty((len(views), 3)), unit(wrist - elbow)
-    least_cosine, share = 1.0, 1.0
+    least_cosine, least_sine = 1.0, 1.0
     for k in range(len(views)):
         matrix = views[k].projection
         planes[k] = plane_normal(matrix, views[k].forearm)
         centre = -np.linalg.solve(np.ascontiguousarray(matrix[:, :3]), np.ascontiguousarray(matrix[:, 3]))
-        share = min(share, np.sqrt(max(0.0, 1 - np.sum(unit(wrist - centre) * arm) ** 2)))
+        least_sine = min(least_sine, np.sqrt(max(0.0, 1 - np.sum(unit(wrist - centre) * arm) ** 2)))
         for j in range(k):
             least_cosine = min(least_cosine, abs(np.sum(planes[k] * planes[j])))
-    return np.sqrt(max(0.0, 1 - least_cosine**2)), share
+    return np.sqrt(max(0.0, 1 - least_cosine**2)), least_sine

@@ -22,7 +22,7 @@ from local_site.tracking.silhouette.hand_tracker import HandEstimate
 from local_site.tracking.silhouette.hand_view import make_hand_view
 from local_site.tracking.silhouette.joints import Joints, elbow_covariance, sleeve_end, solve_joints, wrist_covariance
 from local_site.tracking.silhouette.learning import BodyLearning
-from local_site.tracking.silhouette.limbs import Limbs, limbs_of, unit
+from local_site.tracking.silhouette.limbs import Limbs, limbs_of
 from local_site.tracking.silhouette.operator_profile import OperatorProfile
 from local_site.tracking.silhouette.quality import Tangency, doubts, objection
 from local_site.tracking.tracker import ArmEstimate, Overlay, Views, extrapolation
@@ -168,11 +168,11 @@ class SilhouetteTracker:
         if last is None or before is None:
             return guesses
         factor = extrapolation(t_ns, last.t_ns, before.t_ns)
-        sure = max(last.joints.elbow_sigma, before.joints.elbow_sigma) < MAX_PREDICTED_SIGMA
-        elbow = last.joints.elbow + (factor * (last.joints.elbow - before.joints.elbow) if sure else 0.0)
+        predictable = max(last.joints.elbow_sigma, before.joints.elbow_sigma) < MAX_PREDICTED_SIGMA
+        elbow = last.joints.elbow + (factor * (last.joints.elbow - before.joints.elbow) if predictable else 0.0)
         wrist = last.wrist + factor * (last.wrist - before.wrist)
         for k, view in zip(last.seen, last.features, strict=True):
-            now, end, previous = project(self._projections[k], np.array([elbow, wrist, last.joints.elbow]))
+            now, end, previous = (project(self._projections[k], p) for p in (elbow, wrist, last.joints.elbow))
             shoulder_end = view.guess.shoulder_end + now - previous
             guesses[k] = replace(
                 view.guess, shoulder_end=shoulder_end, elbow=now, wrist=end, half_width=view.half_width
@@ -186,7 +186,8 @@ def _thumb_inferred(moment: _Moment) -> bool:
 
 def _wrist_prior(joints: Joints) -> Array:
     """The wrist's covariance (3, 3) in m² before the hand is fitted: it is less certain along the forearm's axis."""
-    axis = unit(joints.wrist - joints.elbow)
+    arm = joints.wrist - joints.elbow
+    axis = arm / max(float(np.linalg.norm(arm)), 1e-6)
     result: Array = ACROSS_SIGMA**2 * np.eye(3) + ALONG_SIGMA**2 * np.outer(axis, axis)
     return result
 

@@ -7,8 +7,7 @@ import numpy as np
 from scipy.spatial.transform import Rotation
 
 from local_site.calibration.boards import Board
-from local_site.calibration.lens import Lens
-from local_site.calibration.physical_camera import PhysicalCamera
+from local_site.calibration.physical_camera import Lens, PhysicalCamera
 
 SIZE = (640, 480)
 PX_PER_SQUARE = 48

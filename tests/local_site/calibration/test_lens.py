@@ -4,7 +4,7 @@ import cv2
 import numpy as np
 import pytest
 
-from local_site.calibration.lens import Lens
+from local_site.calibration.physical_camera import Lens
 
 BENT = Lens(fx=800.0, fy=790.0, cx=310.0, cy=245.0, k1=-0.1, k2=0.02)
 PIXELS = np.array([(u, v) for u in (0.0, 100.0, 310.0, 639.0) for v in (0.0, 245.0, 479.0)])

@@ -1,4 +1,4 @@
-"""Finds a hand of unknown pose, and tells a right hand from a left one, by fits from many starts."""
+"""Finds a hand of unknown pose, and distinguishes right from left hands, by fits from many starts."""
 
 import math
 from collections.abc import Sequence

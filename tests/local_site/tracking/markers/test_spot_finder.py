@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from common.cameras.camera import Frame
-from local_site.calibration.lens import Lens
+from local_site.calibration.physical_camera import Lens
 from local_site.calibration.triangulation import project
 from local_site.simulation.cameras import stereo_pair
 from local_site.simulation.config import StereoConfig

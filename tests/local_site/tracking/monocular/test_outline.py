@@ -5,7 +5,7 @@ import numpy as np
 import pytest
 
 from common.geometry import rotation_from_vector
-from local_site.calibration.lens import Lens
+from local_site.calibration.physical_camera import Lens
 from local_site.kernels.rasterising import NOTHING, rasterise
 from local_site.tracking.config import ForearmConfig, UpperArmConfig
 from local_site.tracking.monocular.arm_model import forearm_mesh, upper_arm_mesh
