@@ -130,9 +130,9 @@ def make_rig(
 
 def _calibration(name: str, camera: PhysicalCamera, rms_px: float, size: Size | None) -> CameraCalibration:
     """The calibration of a fitted camera; an undistorted lens is left out, so that its pictures are not resampled."""
-    projection: list[Row4] = camera.projection.tolist()
+    rows: list[Row4] = [(a, b, c, d) for a, b, c, d in camera.projection.tolist()]
     lens = camera.lens if camera.lens.is_distorted else None
-    return CameraCalibration(name, (projection[0], projection[1], projection[2]), rms_px, lens, size_px=size)
+    return CameraCalibration(name, (rows[0], rows[1], rows[2]), rms_px, lens, size_px=size)
 
 
 def _vector(values: Array) -> Vector3:

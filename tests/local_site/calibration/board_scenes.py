@@ -4,8 +4,11 @@ from functools import lru_cache
 
 import cv2
 import numpy as np
+from numpy.typing import NDArray
 from scipy.spatial.transform import Rotation
 
+from common.cameras.camera import Image
+from common.geometry import Array
 from local_site.calibration.boards import Board
 from local_site.calibration.physical_camera import Lens, PhysicalCamera
 
@@ -14,7 +17,7 @@ PX_PER_SQUARE = 48
 SAMPLES = 2
 
 
-def print_of(board):
+def print_of(board: Board) -> Image:
     """The print, PX_PER_SQUARE to a square, with a white margin of one square."""
     if board.kind == "charuco":
         dictionary = cv2.aruco.getPredefinedDictionary(getattr(cv2.aruco, f"DICT_{board.dictionary}"))
@@ -23,11 +26,11 @@ def print_of(board):
     else:
         black = np.indices((board.rows, board.columns)).sum(axis=0) % 2 == 0
         inner = np.kron(np.where(black, 0, 255), np.ones((PX_PER_SQUARE, PX_PER_SQUARE))).astype(np.uint8)
-    return cv2.copyMakeBorder(inner, *[PX_PER_SQUARE] * 4, cv2.BORDER_CONSTANT, value=255)
+    return np.pad(np.asarray(inner, dtype=np.uint8), PX_PER_SQUARE, constant_values=255)
 
 
 @lru_cache(maxsize=6)
-def rays_of(lens):
+def rays_of(lens: Lens) -> NDArray[np.float32]:
     """The ray (x/z, y/z, 1) of every sample of every pixel, (SAMPLES H, SAMPLES W, 3)."""
     ticks = [(np.arange(SAMPLES * n) + 0.5) / SAMPLES - 0.5 for n in SIZE]
     slopes = (lens.undistort_pixels(np.stack(np.meshgrid(*ticks), axis=-1)) - (lens.cx, lens.cy)) / (lens.fx, lens.fy)
@@ -42,7 +45,7 @@ class Renderer:
         self._random = np.random.default_rng(seed)
         self._rays = rays_of(camera.lens)
 
-    def picture(self, rotation, translation):
+    def picture(self, rotation: Array, translation: Array) -> Image:
         """The board at a pose (operator_R_board, translation in m) as a grey picture."""
         R = self._camera.camera_R_operator @ rotation
         t = self._camera.to_camera(translation)
@@ -53,20 +56,15 @@ class Renderer:
         homogeneous = (self._rays.reshape(-1, 3) @ print_H_ray.T.astype(np.float32)).reshape(self._rays.shape)
         where = homogeneous[..., :2] / homogeneous[..., 2:] * PX_PER_SQUARE - 0.5
         where[homogeneous[..., 2] <= 0] = -1e4
-        fine = cv2.remap(
-            self._print,
-            where.astype(np.float32),
-            None,
-            cv2.INTER_LINEAR,
-            borderMode=cv2.BORDER_CONSTANT,
-            borderValue=30,
-        )
+        x, y = (np.ascontiguousarray(where[..., k], dtype=np.float32) for k in (0, 1))
+        fine = cv2.remap(self._print, x, y, cv2.INTER_LINEAR, borderMode=cv2.BORDER_CONSTANT, borderValue=30)
         coarse = cv2.GaussianBlur(cv2.resize(fine, SIZE, interpolation=cv2.INTER_AREA), (0, 0), 0.7)
         noise = 2.0 * self._random.standard_normal(coarse.shape)
-        return np.clip(0.8 * coarse.astype(float) + 10 + noise, 0, 255).astype(np.uint8)
+        picture: Image = np.clip(0.8 * coarse.astype(float) + 10 + noise, 0, 255).astype(np.uint8)
+        return picture
 
 
-def looking_down(side, k1=0.0, k2=0.0, focal=800.0):
+def looking_down(side: float, k1: float = 0.0, k2: float = 0.0, focal: float = 800.0) -> PhysicalCamera:
     """A camera 0.9 m from the origin, on the left (-1) or right (1), that looks down at it."""
     turn = np.radians(20.0 * side)
     forward = np.array([-np.sin(turn), np.cos(turn), -0.8])
@@ -77,7 +75,7 @@ def looking_down(side, k1=0.0, k2=0.0, focal=800.0):
     return PhysicalCamera(Lens(focal, focal, 322.0, 236.0, k1, k2), rotation, rotation @ (0.9 * forward))
 
 
-def poses(board, count, seed=3):
+def poses(board: Board, count: int, seed: int = 3) -> list[tuple[Array, Array]]:
     """Poses of the board (operator_R_board, translation): first flat at the origin, then tilted here and there."""
     random = np.random.default_rng(seed)
     flat = np.diag([1.0, -1.0, -1.0])

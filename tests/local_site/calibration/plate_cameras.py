@@ -1,7 +1,10 @@
 """Cameras before a grid of control points, for the calibration's tests."""
 
+from collections.abc import Sequence
+
 import numpy as np
 
+from common.geometry import Array
 from local_site.calibration.control_points import ControlPoints
 from local_site.calibration.physical_camera import Lens, PhysicalCamera
 
@@ -9,7 +12,15 @@ TICKS = (0.0, 0.25, 0.5, 0.75, 1.0)
 GRID = np.array([[x, y, z] for z in (0.0, 0.5, 1.0) for y in TICKS for x in TICKS])
 
 
-def camera(angle_deg, focal=800.0, distance=2.0, k1=0.0, k2=0.0, aspect=1.0, drop=0.2):
+def camera(
+    angle_deg: float,
+    focal: float = 800.0,
+    distance: float = 2.0,
+    k1: float = 0.0,
+    k2: float = 0.0,
+    aspect: float = 1.0,
+    drop: float = 0.2,
+) -> PhysicalCamera:
     """A camera that looks at the middle of the grid, turned about z to the right, from above."""
     angle = np.radians(angle_deg)
     forward = np.array([np.sin(angle), np.cos(angle), -drop])
@@ -25,7 +36,9 @@ def camera(angle_deg, focal=800.0, distance=2.0, k1=0.0, k2=0.0, aspect=1.0, dro
 ANGLES = (25.0, -25.0)
 
 
-def control(cameras=None, points=GRID, noise=0.0, seed=0):
+def control(
+    cameras: Sequence[PhysicalCamera] | None = None, points: Array = GRID, noise: float = 0.0, seed: int = 0
+) -> ControlPoints:
     """Control points as these cameras see them."""
     random = np.random.default_rng(seed)
     cameras = [camera(angle) for angle in ANGLES] if cameras is None else cameras

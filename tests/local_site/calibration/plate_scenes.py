@@ -5,20 +5,25 @@ from functools import lru_cache
 import cv2
 import numpy as np
 
+from common.cameras.camera import Image
+from common.geometry import Array
+from local_site.calibration.physical_camera import Lens, PhysicalCamera
+from local_site.calibration.plate import Plate
+
 SIZE = (640, 480)
 SAMPLES = 2
 MARGIN = 0.08
 
 
 @lru_cache(maxsize=4)
-def _rays(lens):
+def _rays(lens: Lens) -> Array:
     ticks = [(np.arange(SAMPLES * n) + 0.5) / SAMPLES - 0.5 for n in SIZE]
     pixels = np.stack(np.meshgrid(*ticks), axis=-1)
     slopes = (lens.undistort_pixels(pixels) - (lens.cx, lens.cy)) / (lens.fx, lens.fy)
     return np.dstack([slopes, np.ones(slopes.shape[:2])])
 
 
-def plate_picture(plate, camera, height, seed=0, noise=3.0):
+def plate_picture(plate: Plate, camera: PhysicalCamera, height: float, seed: int = 0, noise: float = 3.0) -> Image:
     """The level plate at a height in m as a grey picture: bright discs, a dark plate, a black room."""
     width, rows = SIZE
     rays = _rays(camera.lens) @ camera.camera_R_operator
@@ -34,4 +39,5 @@ def plate_picture(plate, camera, height, seed=0, noise=3.0):
     fine = np.where(on_disc, 215.0, np.where(on_plate, 32.0, 10.0))
     coarse = fine.reshape(rows, SAMPLES, width, SAMPLES).mean(axis=(1, 3))
     soft = cv2.GaussianBlur(coarse, (0, 0), 0.8) + noise * np.random.default_rng(seed).standard_normal(coarse.shape)
-    return np.clip(soft, 0, 255).astype(np.uint8)
+    picture: Image = np.clip(soft, 0, 255).astype(np.uint8)
+    return picture

@@ -8,23 +8,24 @@ from tests.local_site.tracking.rendered_arm import (
     MOVING,
     PAIR,
     TURNING,
+    Sequence,
     render_sequence,
 )
 
 
 @pytest.fixture(scope="session")
-def moving():
+def moving() -> Sequence:
     """The arm on a figure of eight before two cameras."""
     return render_sequence(MOVING, 45)
 
 
 @pytest.fixture(scope="session")
-def turning():
+def turning() -> Sequence:
     """The hand turning about an axis before two cameras."""
     return render_sequence(TURNING, 75)
 
 
 @pytest.fixture(scope="session")
-def surrounded():
+def surrounded() -> Sequence:
     """The arm on a figure of eight before four cameras."""
     return render_sequence(MOVING, 20, (*PAIR, ABOVE, ASIDE))

@@ -1,17 +1,22 @@
 """Rendered sequences of the simulated arm before any number of cameras, and trackers fed with them."""
 
+from collections import abc
 from dataclasses import dataclass
 
 import numpy as np
 
-from common.cameras.camera import Frame
-from local_site.calibration.rig import CameraCalibration, Rig
-from local_site.simulation.body import ArmBody
-from local_site.simulation.cameras import stereo_pair
+from common.cameras.camera import Frame, Image
+from common.geometry import Array
+from local_site.calibration.rig import CameraCalibration, Rig, Row4
+from local_site.simulation.body import ArmBody, ArmTruth
+from local_site.simulation.cameras import PinholeCamera, stereo_pair
 from local_site.simulation.config import BodyConfig, MotionConfig, PictureConfig, StereoConfig
 from local_site.simulation.motion import Motion
 from local_site.simulation.rendering import Renderer
-from local_site.tracking.tracker import View, Views
+from local_site.tracking.tracker import ArmEstimate, Tracker, View, Views
+
+Pictures = tuple[Image, ...]
+Change = abc.Callable[[Pictures], abc.Iterable[Image]]
 
 PERIOD_S = 1 / 30
 STEREO = StereoConfig()
@@ -26,27 +31,34 @@ EVERYWHERE = 50.0
 class Sequence:
     """What cameras with these projections see: `pictures[k]` are those of all cameras at `times_s[k]`."""
 
-    projections: tuple
-    times_s: tuple
-    pictures: tuple
-    truths: tuple
+    projections: tuple[Array, ...]
+    times_s: tuple[float, ...]
+    pictures: tuple[Pictures, ...]
+    truths: tuple[ArmTruth, ...]
 
-    def views(self, k, change=tuple):
+    def views(self, k: int, change: Change = tuple) -> Views:
         """The views of the k-th instant, after a change to its pictures."""
         t_ns = round(self.times_s[k] * 1e9)
         return Views(t_ns, tuple(View(Frame(image, t_ns, k)) for image in change(self.pictures[k])))
 
-    def between(self, k, camera, late_s):
+    def between(self, k: int, camera: int, late_s: float) -> View:
         """The view at the k-th instant of a camera that exposes later, from its exposures before and after."""
         now, before = (Frame(self.pictures[n][camera], round((self.times_s[n] + late_s) * 1e9), n) for n in (k, k - 1))
         return View(now, before, weight=1 - late_s / PERIOD_S)
 
-    def tracked(self, tracker, change=tuple):
+    def tracked(self, tracker: Tracker, change: Change = tuple) -> list[ArmEstimate]:
         """The estimates of all instants."""
         return [tracker.track(self.views(k, change)) for k in range(len(self.times_s))]
 
 
-def render_sequence(motion, count, cameras=PAIR, body=None, late_s=0.0, since_s=0.0):
+def render_sequence(
+    motion: MotionConfig,
+    count: int,
+    cameras: abc.Sequence[PinholeCamera] = PAIR,
+    body: BodyConfig | None = None,
+    late_s: float = 0.0,
+    since_s: float = 0.0,
+) -> Sequence:
     """The arm at `count` instants a period apart; camera k exposes k times `late_s` later than the first."""
     body = body or BodyConfig()
     course, arm = Motion(motion, body, 1), ArmBody(body)
@@ -62,26 +74,30 @@ def render_sequence(motion, count, cameras=PAIR, body=None, late_s=0.0, since_s=
     )
 
 
-def rig_of(projections, reach_m=EVERYWHERE):
+def rig_of(projections: abc.Sequence[Array], reach_m: float = EVERYWHERE) -> Rig:
     """An exact rig whose volume reaches as far in all directions."""
-    cameras = tuple(
-        CameraCalibration(f"camera {k}", tuple(tuple(map(float, row)) for row in m), 0.0)
-        for k, m in enumerate(projections)
-    )
-    return Rig(cameras, (-reach_m,) * 3, (reach_m,) * 3, (0.0,) * 3, "exact, simulated")
+    cameras = tuple(CameraCalibration(f"camera {k}", rows_of(m), 0.0) for k, m in enumerate(projections))
+    low, high = (-reach_m, -reach_m, -reach_m), (reach_m, reach_m, reach_m)
+    return Rig(cameras, low, high, (0.0, 0.0, 0.0), "exact, simulated")
 
 
-def errors_m(estimates, truths, name):
+def rows_of(projection: Array) -> tuple[Row4, Row4, Row4]:
+    """A projection (3, 4) as a rig holds it."""
+    rows: list[Row4] = [(a, b, c, d) for a, b, c, d in projection.tolist()]
+    return rows[0], rows[1], rows[2]
+
+
+def errors_m(estimates: abc.Sequence[object], truths: abc.Sequence[object], name: str) -> Array:
     """Errors (N, 3) of a point in m; every estimate must have it."""
     return np.array([getattr(e, name) - getattr(t, name) for e, t in zip(estimates, truths, strict=True)])
 
 
-def apart_m(first, second, name):
+def apart_m(first: abc.Sequence[object], second: abc.Sequence[object], name: str) -> float:
     """The mean distance in m of a point between two runs."""
     return float(np.linalg.norm(errors_m(first, second, name), axis=1).mean())
 
 
-def motion_error_m(errors):
+def motion_error_m(errors: Array) -> float:
     """Mean distance in m of errors (N, 3) from their mean: what is left when a constant offset is taken away."""
     return float(np.linalg.norm(errors - errors.mean(axis=0), axis=1).mean())
 

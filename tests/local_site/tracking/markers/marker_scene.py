@@ -1,16 +1,19 @@
 """A hand with three markers before two to four cameras, drawn as antialiased discs: any pose, any of them hidden."""
 
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
+from typing import Any
 
 import numpy as np
 
-from common.cameras.camera import Frame
-from common.geometry import rotation_from_vector
+from common.cameras.camera import Frame, Image
+from common.geometry import Array, rotation_from_vector
 from local_site.calibration.rig import CameraCalibration, Rig
-from local_site.simulation.cameras import stereo_pair
+from local_site.simulation.cameras import PinholeCamera, stereo_pair
 from local_site.simulation.config import StereoConfig
 from local_site.tracking.markers.marker_tracker import MarkerTracker
-from local_site.tracking.tracker import View, Views
+from local_site.tracking.tracker import ArmEstimate, View, Views
+from tests.local_site.tracking.rendered_arm import rows_of
 
 NAMES = ("wrist", "index", "thumb")
 PERIOD_NS = 33_333_333
@@ -20,31 +23,38 @@ HAND = np.array([[0.0, 0.0, 0.0], [-0.155, -0.02, 0.085], [-0.125, -0.03, 0.0]])
 START = np.array([0.55, 0.45, 0.55])
 
 
-def four_cameras():
+def four_cameras() -> tuple[PinholeCamera, ...]:
     outer, inner = stereo_pair(StereoConfig()), stereo_pair(StereoConfig(half_angle_deg=9.0, elevation_deg=30.0))
     return (*outer, *inner)
 
 
-def rig_of(cameras, rms_px=0.3):
-    low, high = (-10.0,) * 3, (10.0,) * 3
-    calibrated = tuple(
-        CameraCalibration(f"camera {k}", tuple(tuple(map(float, row)) for row in c.projection), rms_px)
-        for k, c in enumerate(cameras)
-    )
-    return Rig(calibrated, low, high, (0.0,) * 3, "drawn")
+def rig_of(cameras: Sequence[PinholeCamera], rms_px: float = 0.3) -> Rig:
+    calibrated = tuple(CameraCalibration(f"camera {k}", rows_of(c.projection), rms_px) for k, c in enumerate(cameras))
+    return Rig(calibrated, (-10.0, -10.0, -10.0), (10.0, 10.0, 10.0), (0.0, 0.0, 0.0), "drawn")
 
 
-def hand_at(offset=(0.0, 0.0, 0.0), turn=(0.0, 0.0, 0.0), shape=HAND):
-    return START + np.asarray(offset) + shape @ rotation_from_vector(np.asarray(turn, dtype=float)).T
+def hand_at(
+    offset: Sequence[float] | Array = (0.0, 0.0, 0.0),
+    turn: Sequence[float] | Array = (0.0, 0.0, 0.0),
+    shape: Array = HAND,
+) -> Array:
+    hand: Array = START + np.asarray(offset) + shape @ rotation_from_vector(np.asarray(turn, dtype=float)).T
+    return hand
 
 
-def moving_hand(k):
+def moving_hand(k: float) -> Array:
     """A hand that travels and turns."""
     offset = (0.10 * np.sin(0.08 * k), 0.06 * np.sin(0.05 * k), 0.08 * np.sin(0.06 * k))
     return hand_at(offset, (0.0, 0.0, 0.4 * np.sin(0.05 * k)))
 
 
-def draw(camera, points, levels=(220.0,) * 3, noise=0.0, seed=0):
+def draw(
+    camera: PinholeCamera,
+    points: Array,
+    levels: Sequence[float] = (220.0,) * 3,
+    noise: float = 0.0,
+    seed: int = 0,
+) -> Image:
     """A picture of markers (N, 3) m of these brightnesses; NaN points are hidden."""
     height, width = 480, 640
     image = np.full((height, width), 10.0)
@@ -64,21 +74,22 @@ def draw(camera, points, levels=(220.0,) * 3, noise=0.0, seed=0):
         np.maximum(patch, 10.0 + coverage * (level - 10.0), out=patch)
     if noise:
         image += noise * np.random.default_rng(seed).standard_normal(image.shape)
-    return np.clip(np.rint(image), 0, 255).astype(np.uint8)
+    picture: Image = np.clip(np.rint(image), 0, 255).astype(np.uint8)
+    return picture
 
 
 @dataclass
 class Scene:
     """Cameras, the tracker before them, and the number of the instant."""
 
-    cameras: tuple = field(default_factory=lambda: four_cameras()[:2])
+    cameras: tuple[PinholeCamera, ...] = field(default_factory=lambda: four_cameras()[:2])
     tracker: MarkerTracker | None = None
     k: int = 0
 
-    def __post_init__(self):
+    def __post_init__(self) -> None:
         self.tracker = self.tracker or MarkerTracker(rig_of(self.cameras))
 
-    def step(self, points, per_view=None, **drawing):
+    def step(self, points: Array, per_view: Mapping[int, Array] | None = None, **drawing: Any) -> ArmEstimate:
         """Track one instant; `per_view` gives other points (N, 3) for some cameras."""
         t_ns = self.k * PERIOD_NS
         frames = [
@@ -86,20 +97,21 @@ class Scene:
             for i, camera in enumerate(self.cameras)
         ]
         self.k += 1
+        assert self.tracker is not None
         return self.tracker.track(Views(t_ns, tuple(View(frame) for frame in frames)))
 
-    def learn(self, points=None, **drawing):
+    def learn(self, points: Array | None = None, **drawing: Any) -> list[ArmEstimate]:
         """The instants in which the tracker learns the hand."""
         return [self.step(hand_at() if points is None else points, **drawing) for _ in range(10)]
 
 
-def error_mm(estimate, points):
+def error_mm(estimate: ArmEstimate, points: Array) -> Array:
     """The distance of every marker (3,) in mm, NaN where it is not given."""
     found = [getattr(estimate, name) for name in NAMES]
     return np.array([np.nan if p is None else 1e3 * np.linalg.norm(p - q) for p, q in zip(found, points, strict=True)])
 
 
-def without(points, *names):
+def without(points: Array, *names: str) -> Array:
     """The points with some markers hidden."""
     hidden = np.array([name in names for name in NAMES])
     return np.where(hidden[:, None], np.nan, points)

@@ -1,14 +1,19 @@
 """Hands in known poses as two cameras see them: capsules drawn with OpenCV and measured like pictures."""
 
+from collections.abc import Sequence
+
 import cv2
 import numpy as np
 
+from common.cameras.camera import Image
+from common.geometry import Array
 from local_site.simulation.cameras import stereo_pair
 from local_site.simulation.config import StereoConfig
 from local_site.tracking.features.features import Features
 from local_site.tracking.features.medial import MedialLine
 from local_site.tracking.features.posture import Posture
 from local_site.tracking.features.silhouette import find_silhouette, to_grey
+from local_site.tracking.silhouette.hand_model.fit import HandView
 from local_site.tracking.silhouette.hand_model.habits import GRIPPER, Belief, prior_information
 from local_site.tracking.silhouette.hand_model.skeleton import (
     CAPSULES,
@@ -40,19 +45,21 @@ CIRCLE = 2 * np.pi * np.arange(48) / 48
 MIRROR = np.diag([-1.0, 1.0, 1.0])
 
 
-def pose_of(turn=(0.0, 0.0, 0.0), posture=GRIPPER, wrist=WRIST):
+def pose_of(
+    turn: Sequence[float] | Array = (0.0, 0.0, 0.0), posture: Array = GRIPPER, wrist: Array = WRIST
+) -> HandPose:
     """A hand turned by a vector (3,) from the usual pointing."""
     return HandPose(np.array(wrist), turned(np.array(turn, dtype=float)) @ POINTING, np.array(posture))
 
 
-def circles_of(pose, person, projection):
+def circles_of(pose: HandPose, person: Person, projection: Array) -> tuple[Array, Array]:
     """Centres (S, 2) and radii (S,) in px of the hand's spheres in a view."""
     placed = place(pose, person)
     seen = placed.centres @ projection[:, :3].T + projection[:, 3]
     return seen[:, :2] / seen[:, 2:], placed.radii * STEREO.focal_px / seen[:, 2]
 
 
-def mask_of(centres, radii, scale):
+def mask_of(centres: Array, radii: Array, scale: int) -> Image:
     """The union of the capsules, (scale * H, scale * W), 255 inside; pixel (0, 0) is centred at (0, 0)."""
     mask = np.zeros((scale * SIZE[1], scale * SIZE[0]), np.uint8)
     circle = np.column_stack([np.cos(CIRCLE), np.sin(CIRCLE)])
@@ -64,7 +71,7 @@ def mask_of(centres, radii, scale):
     return mask
 
 
-def picture_of(pose, person, projection):
+def picture_of(pose: HandPose, person: Person, projection: Array) -> tuple[Image, Array, Array]:
     """A grey picture (H, W) of a hand and the end of its forearm, and the pixels of wrist and forearm (2,)."""
     centres, radii = circles_of(pose, person, projection)
     grey = cv2.resize(mask_of(centres, radii, FINE), SIZE, interpolation=cv2.INTER_AREA)
@@ -72,10 +79,11 @@ def picture_of(pose, person, projection):
     return picture, centres[FOREARM - 2 : FOREARM].mean(axis=0), centres[FOREARM:].mean(axis=0)
 
 
-def hand_view(pose, person, projection):
+def hand_view(pose: HandPose, person: Person, projection: Array) -> HandView:
     """One view of a hand whose outline begins a little before the wrist."""
     picture, wrist, forearm = picture_of(pose, person, projection)
     silhouette = find_silhouette(to_grey(picture), LEVEL)
+    assert silhouette is not None
     contour = silhouette.contour
     kept = (contour - wrist) @ (forearm - wrist) < 0.4 * float(np.sum((forearm - wrist) ** 2))
     first = int(np.flatnonzero(kept & ~np.roll(kept, 1))[0])
@@ -91,23 +99,26 @@ def hand_view(pose, person, projection):
         silhouette=silhouette,
         guess=Posture(forearm, forearm, wrist, wrist, 20.0),
     )
-    return make_hand_view(projection, features, pose.wrist)
+    view = make_hand_view(projection, features, pose.wrist)
+    assert view is not None
+    return view
 
 
-def hand_views(pose, person=PERSON, projections=PROJECTIONS):
+def hand_views(pose: HandPose, person: Person = PERSON, projections: Sequence[Array] = PROJECTIONS) -> list[HandView]:
     return [hand_view(pose, person, projection) for projection in projections]
 
 
-def far_end(pose, person=PERSON):
+def far_end(pose: HandPose, person: Person = PERSON) -> Array:
     """The middle finger's tip, about the far end of the outline."""
-    return place(pose, person).centres[MIDDLE_TIP]
+    tip: Array = place(pose, person).centres[MIDDLE_TIP]
+    return tip
 
 
-def known(belief: Belief, turn_known):
-    """The information (16, 16) about a hand of which the limbs tell the wrist."""
+def known(belief: Belief, turn_known: bool) -> Array:
+    """The information (16, 16) about a hand whose wrist is known from the limbs."""
     return prior_information(WRIST_COVARIANCE, belief.information, turn_known)
 
 
-def angle_deg(first, second):
+def angle_deg(first: Array, second: Array) -> float:
     """The angle between two rotations (3, 3)."""
     return float(np.degrees(np.arccos(np.clip(0.5 * (np.trace(first @ second.T) - 1), -1, 1))))
