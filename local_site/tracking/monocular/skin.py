@@ -72,12 +72,7 @@ class Skin:
 
 @compiled
 def _in_view(
-    points: Array,
-    normals: Array,
-    link: tuple[Array, Array],
-    view: tuple[Array, Array, Array],
-    least: float,
-    every: int,
+    points: Array, normals: Array, link: tuple[Array, Array], view: tuple[Array, Array, Array], least: float, every: int
 ) -> Mask:
     """Which points, of each `every`-th, are visible by the map of 1 / depth (H, W) in 1/m; outside it none is."""
     joint, rotation = link
