@@ -1,4 +1,4 @@
-"""Time: monotonic nanoseconds, one clock for all processes of a host, the offset between two, a fake for tests."""
+"""Time: monotonic nanoseconds shared by all processes of a host, the offset between two hosts, a fake for tests."""
 
 import time
 from collections import deque
@@ -9,11 +9,11 @@ NS_PER_MS = 1_000_000
 NS_PER_S = 1_000_000_000
 
 KEPT_NS = 4 * NS_PER_S
-DRIFT = 10_000  # two clocks part by at most one nanosecond in so many, 100 parts per million
+DRIFT = 10_000  # two clocks drift apart by at most one nanosecond in this many: 100 parts per million
 
 
 class Clock(Protocol):
-    """Anything that tells the time in monotonic nanoseconds and can wait."""
+    """A source of monotonic nanoseconds that can wait."""
 
     def now_ns(self) -> int: ...
 
@@ -21,7 +21,7 @@ class Clock(Protocol):
 
 
 class MonotonicClock:
-    """CLOCK_MONOTONIC, which every process of one host shares and wall-clock steps leave alone."""
+    """CLOCK_MONOTONIC, shared by every process of a host and unaffected by wall-clock steps."""
 
     def now_ns(self) -> int:
         return time.monotonic_ns()
@@ -34,7 +34,7 @@ class MonotonicClock:
 
 @dataclass
 class FakeClock:
-    """A clock that tests move by hand; sleeping moves it to the deadline."""
+    """A clock that tests advance; sleeping advances it to the deadline."""
 
     time_ns: int = 0
 
@@ -50,19 +50,19 @@ class FakeClock:
 
 @dataclass(frozen=True, slots=True)
 class ClockOffset:
-    """The other host's clock minus ours, with the bound of its error, both in nanoseconds."""
+    """The other host's clock minus ours and the bound of its error, both in nanoseconds."""
 
     offset_ns: int
     uncertainty_ns: int
 
     def age_ns(self, stamp_ns: int, now_ns: int) -> int:
-        """Upper bound of the age of a stamp made by the other host's clock."""
+        """Upper bound of the age of a time stamp by the other host's clock."""
         return now_ns - (stamp_ns - self.offset_ns) + self.uncertainty_ns
 
 
 @dataclass(frozen=True, slots=True)
 class RoundTrip:
-    """One question to the other host's clock: asked and heard by ours, received and answered by the other's, ns."""
+    """One query of the other host's clock: asked and heard by our clock, received and answered by the other, ns."""
 
     asked_ns: int
     received_ns: int
@@ -71,27 +71,27 @@ class RoundTrip:
 
     @property
     def duration_ns(self) -> int:
-        """How long the question and its answer were on their way."""
+        """The time that query and answer spent in transit."""
         return (self.heard_ns - self.asked_ns) - (self.answered_ns - self.received_ns)
 
     @property
     def offset_ns(self) -> int:
-        """The other clock minus ours, if both ways took as long; off by half the duration at most."""
+        """The other clock minus ours, assuming equal transit times; off by half the duration at most."""
         return ((self.received_ns - self.asked_ns) + (self.answered_ns - self.heard_ns)) // 2
 
     @property
     def possible(self) -> bool:
-        """Whether two clocks can have told these times."""
+        """Whether two monotonic clocks can have given these times."""
         return self.answered_ns >= self.received_ns and self.duration_ns >= 0
 
     def uncertainty_ns(self, now_ns: int) -> int:
-        """Half the duration, and what the clocks may have drifted since: which way was longer cannot be seen."""
+        """Half the duration, as transit times may differ, and the possible drift since."""
         return self.duration_ns // 2 + 1 + max(0, now_ns - self.heard_ns) // DRIFT
 
 
 @dataclass(frozen=True, slots=True)
 class ClockEstimate:
-    """The offset as known now, and when (by the other clock) it was measured."""
+    """The offset as known now, and the time of its measurement by the other clock."""
 
     offset: ClockOffset
     measured_ns: int
@@ -99,12 +99,12 @@ class ClockEstimate:
 
 @dataclass
 class OffsetEstimator:
-    """Keeps the quickest round trip of each of the last seconds; the surest of them is the estimate."""
+    """Keeps the shortest round trip of each of the last seconds; the most certain of them gives the estimate."""
 
     _best: deque[RoundTrip] = field(default_factory=deque)
 
     def add(self, trip: RoundTrip) -> None:
-        """Take a round trip; one that contradicts those before it shows that a clock was reset, and replaces them."""
+        """Add a round trip; one that contradicts those before it shows that a clock was reset, and replaces them."""
         if not trip.possible:
             return
         if self._contradicted(trip):
@@ -121,8 +121,8 @@ class OffsetEstimator:
             self._best.popleft()
         if not self._best:
             return None
-        surest = min(self._best, key=lambda trip: trip.uncertainty_ns(now_ns))
-        return ClockEstimate(ClockOffset(surest.offset_ns, surest.uncertainty_ns(now_ns)), surest.answered_ns)
+        best = min(self._best, key=lambda trip: trip.uncertainty_ns(now_ns))
+        return ClockEstimate(ClockOffset(best.offset_ns, best.uncertainty_ns(now_ns)), best.answered_ns)
 
     def _contradicted(self, trip: RoundTrip) -> bool:
         known = self.estimate(trip.heard_ns)

@@ -1,17 +1,4 @@
-"""The exception tree: everything Farhand raises on purpose.
-
-FarhandError
-├── ConfigError       a configuration file or setting is wrong; every mistake at once, each with its cure
-├── MessageError      bytes from the wire are not a valid message
-├── TransportError    a session cannot be opened, or a request had no answer
-│   └── RefusedError  the other side cannot speak with this one, and says why
-├── CameraError       a camera is missing, ended or gives no frames
-├── CalibrationError  control points, a plate or a rig file cannot give a calibration
-├── ModelError        a robot model is unusable
-├── DriverError       a robot driver refuses, fails or reports a fault
-├── ProcessError      a child process died or did not become ready
-└── InterruptionError a person ended the work before it was done
-"""
+"""The exception tree: everything Farhand raises on purpose."""
 
 
 class FarhandError(Exception):
@@ -35,7 +22,7 @@ class TransportError(FarhandError):
 
 
 class RefusedError(TransportError):
-    """The other side answered that it cannot understand this one, or this one cannot understand the answer."""
+    """Both sides cannot or may not talk to each other; the text says why."""
 
 
 class CameraError(FarhandError):
@@ -43,7 +30,7 @@ class CameraError(FarhandError):
 
 
 class CalibrationError(FarhandError):
-    """A calibration cannot be computed or read, and why."""
+    """A calibration cannot be computed or read."""
 
 
 class ModelError(FarhandError):
@@ -59,4 +46,4 @@ class ProcessError(FarhandError):
 
 
 class InterruptionError(FarhandError):
-    """A person ended the work before it was done; what was done is kept, and nothing has failed."""
+    """A person interrupted the work; what was done is kept, and nothing has failed."""

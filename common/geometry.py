@@ -48,20 +48,8 @@ def _quaternion(rotation: Array) -> tuple[float, float, float, float]:
     else:
         x, y, z, w = c + g, f + h, 1.0 + i - a - e, d - b
     length = math.sqrt(x * x + y * y + z * z + w * w)
-    share = -1.0 / length if w < 0 else 1.0 / length
-    return x * share, y * share, z * share, w * share
-
-
-def rotation_from_quaternion(quaternion: Array) -> Array:
-    """The 3 x 3 rotation of a quaternion (x, y, z, w) of any length but zero."""
-    x, y, z, w = quaternion / math.sqrt(float(quaternion @ quaternion))
-    return np.array(
-        [
-            [1 - 2 * (y * y + z * z), 2 * (x * y - z * w), 2 * (x * z + y * w)],
-            [2 * (x * y + z * w), 1 - 2 * (x * x + z * z), 2 * (y * z - x * w)],
-            [2 * (x * z - y * w), 2 * (y * z + x * w), 1 - 2 * (x * x + y * y)],
-        ]
-    )
+    scale = -1.0 / length if w < 0 else 1.0 / length
+    return x * scale, y * scale, z * scale, w * scale
 
 
 def rotation_from_vector(rotation_vector: Array) -> Array:
@@ -86,8 +74,8 @@ def vector_from_rotation(rotation: Array) -> Array:
     """The rotation vector (3,) in rad, of length at most pi, of a 3 x 3 rotation."""
     x, y, z, w = _quaternion(rotation)
     sine = math.sqrt(x * x + y * y + z * z)
-    share = 2.0 if sine < MIN_LENGTH else 2.0 * math.atan2(sine, w) / sine
-    return np.array([x * share, y * share, z * share])
+    scale = 2.0 if sine < MIN_LENGTH else 2.0 * math.atan2(sine, w) / sine
+    return np.array([x * scale, y * scale, z * scale])
 
 
 def angle_between(a_R_b: Array, a_R_c: Array) -> float:
@@ -97,7 +85,7 @@ def angle_between(a_R_b: Array, a_R_c: Array) -> float:
 
 
 def unwound(vector: Array, last: Array) -> Array:
-    """The rotation vector (3,) in rad of the same rotation, a whole turn more or less, that is nearest to the last."""
+    """The rotation vector (3,) in rad of the same rotation that is nearest to the last: a turn more or less."""
     angle = math.sqrt(float(vector @ vector))
     if angle < 1.0:
         return vector

@@ -10,7 +10,8 @@ import typer
 
 from common.config import load_config
 from common.errors import ConfigError, FarhandError, InterruptionError
-from common.process.service import LogFormat, StopFlag
+from common.process.log import LogFormat, finish_log
+from common.process.service import StopFlag
 from farhand.commands.calibrate import calibrate_app
 from farhand.commands.certificates import certificates_app
 from farhand.exit_codes import FAILED, INTERRUPTED, MISUSE
@@ -58,7 +59,10 @@ app.add_typer(driver_app, name="driver")
 def main() -> None:
     """Run the command line; errors that name their cure are printed without a traceback."""
     try:
-        app()
+        try:
+            app()
+        finally:
+            finish_log()
     except ConfigError as error:
         _fail(error, MISUSE)
     except InterruptionError as error:

@@ -5,9 +5,9 @@ import os
 from collections.abc import Iterable
 from pathlib import Path
 
+from common.atomic_file import write_atomically
 from common.cameras.images import IMAGE_SUFFIXES
 from common.errors import ConfigError
-from common.whole_file import write_whole
 
 
 def check_file(option: str, out: Path, inputs: Iterable[str | Path] = ()) -> None:
@@ -51,6 +51,6 @@ def make_folder(option: str, folder: Path) -> None:
 def write_result(path: Path, content: bytes) -> None:
     """Write a file of results whole; ConfigError, with the earlier one kept, if that fails."""
     try:
-        write_whole(path, content)
+        write_atomically(path, content)
     except OSError as error:
         raise ConfigError(f"cannot write {path}: {error.strerror}; choose a folder that can be written") from error

@@ -11,14 +11,10 @@ from common.link.config import LinkSecurity
 from common.link.credentials import Credentials, check_links
 from common.link.endpoints import check_endpoint
 from common.link.roles import Identity, Role
-from common.link.session_settings import Mode, Places, session_settings
+from common.link.session_settings import Mode, SessionEndpoints, session_settings
 from common.link.transport import open_router
-from common.process.service import (
-    LogFormat,
-    StopFlag,
-    notify,
-    start_log,
-)
+from common.process.log import LogFormat, start_log
+from common.process.service import StopFlag, notify
 
 BEAT_S = 0.2
 ROUTER = Identity(Role.ROUTER, None)
@@ -58,7 +54,7 @@ def zenohd_configuration(config: RouterConfig) -> str:
     listening = tuple(check_endpoint(endpoint, config) for endpoint in config.listen)
     credentials = Credentials(config.tls, ROUTER) if config.tls.is_given else None
     nested: dict[str, Any] = {"adminspace": {"enabled": False}}
-    for path, value in session_settings(Places(Mode.ROUTER, listening), credentials, config.cells).items():
+    for path, value in session_settings(SessionEndpoints(Mode.ROUTER, listening), credentials, config.cells).items():
         *parents, leaf = path.split("/")
         table = nested
         for parent in parents:

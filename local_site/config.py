@@ -8,7 +8,7 @@ from msgspec import Meta, field
 from common.cameras.sources import Source
 from common.link.channels import check_cell_name
 from common.link.config import LinkSecurity
-from common.process.metrics.config import MetricsConfig
+from common.process.config import MetricsConfig
 from local_site.acquisition.pairing import PairingConfig
 from local_site.authority.operator_name import host_operator
 from local_site.preview.config import PreviewConfig

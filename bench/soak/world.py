@@ -12,7 +12,6 @@ from bench.soak.robot import TroubledDriver
 from common.clock import NS_PER_MS, NS_PER_S, FakeClock
 from common.messages.requests import EngagementAction
 from common.messages.robot import SessionState
-from common.process.rate import Rate
 from remote_site.config import RemoteConfig
 from remote_site.drivers.driver import Driver
 from remote_site.drivers.link import DriverLink
@@ -23,6 +22,7 @@ from remote_site.drivers.supervisor.write_scheduler import LEAST_SHARE
 from remote_site.kinematics.limits import load_arm
 from remote_site.runtime.driven_pipeline import DrivenPipeline
 from remote_site.runtime.driver_process import Desk, grip_settings, setup_of
+from remote_site.runtime.rate import Rate
 from remote_site.session.config import EngagementConfig, EngagementMode
 from remote_site.session.lease import LeaseServer
 from remote_site.session.requests import SessionRequest

@@ -1,4 +1,4 @@
-"""What a camera is to Farhand: a source of frames, each stamped once with its exposure time."""
+"""The camera interface: a source of frames, each stamped once with its exposure time."""
 
 from dataclasses import dataclass
 from typing import Protocol
@@ -14,8 +14,8 @@ class Frame:
     """One exposure.
 
     `image` is (H, W) grey or (H, W, 3) BGR, uint8; `capture_ns` the exposure time on this host's monotonic clock
-    (for a recording: time from its start); `seq` counts the frames of this camera from 0; `capture_estimated` says that
-    the exposure time is the arrival less a configured latency, for want of a time stamp by the driver.
+    (for a recording: time from its start); `seq` counts the frames of this camera from 0. With `capture_estimated` the
+    exposure time is the arrival minus a configured latency, as the driver gives no time stamp.
     """
 
     image: Image

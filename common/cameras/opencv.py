@@ -18,7 +18,7 @@ def _as_image(array: object) -> Image:
 
 
 class LiveCamera:
-    """A device number, device path or URL, stamped with its arrival less a configured latency (and flagged so)."""
+    """A device number, device path or URL; frames are stamped with their arrival minus a configured latency."""
 
     def __init__(
         self, source: str, name: str, fps: float | None = None, latency_ms: float = DEFAULT_LATENCY_MS
@@ -39,11 +39,11 @@ class LiveCamera:
         return self._name
 
     def read(self) -> Frame | None:
-        """Wait for the newest frame; CameraError when the camera stops giving any."""
+        """Wait for the newest frame; CameraError when the camera delivers none."""
         ok, image = self._capture.read()
         arrival_ns = time.monotonic_ns()
         if not ok:
-            raise CameraError(f"camera {self._name}: {self._source} gives no more frames; was it unplugged?")
+            raise CameraError(f"camera {self._name}: {self._source} delivers no more frames; was it unplugged?")
         frame = Frame(_as_image(image), arrival_ns - self._latency_ns, self._seq, capture_estimated=True)
         self._seq += 1
         return frame
@@ -53,7 +53,7 @@ class LiveCamera:
 
 
 class VideoFile:
-    """A recording; frame k is stamped k / fps from the start, whatever the pace of reading."""
+    """A recording; frame k is stamped k / fps from the start, however fast it is read."""
 
     def __init__(self, path: Path, name: str, fps: float | None = None) -> None:
         self._name = name

@@ -1,4 +1,4 @@
-"""From what a person writes (device, URL, file, folder) to an open camera."""
+"""Opens a camera by device, URL, video file or folder of images."""
 
 import math
 from pathlib import Path
@@ -19,7 +19,7 @@ Source = Annotated[int, Meta(ge=0)] | Annotated[str, Meta(min_length=1)]
 def open_camera(source: Source, name: str, fps: float | None = None, latency_ms: float = DEFAULT_LATENCY_MS) -> Camera:
     """Open a device number or /dev path, a URL, a video file or a folder of images.
 
-    `fps` overrides the rate of a recording and is asked of a live camera. Raises CameraError with the cure.
+    `fps` overrides the rate of a recording and is requested from a live camera. Raises CameraError with the cure.
     """
     source = str(source)
     if fps is not None and not 0 < fps < math.inf:

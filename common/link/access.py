@@ -1,14 +1,9 @@
-"""Zenoh's access control, payload and rate caps, made of the table of channels; pure."""
+"""Zenoh's access control, payload and rate caps, built from the table of channels; pure."""
 
 from collections.abc import Iterator, Sequence
 from typing import Any, NamedTuple
 
-from common.link.channels import (
-    CHANNELS,
-    PROCEDURES,
-    Channel,
-    Procedure,
-)
+from common.link.channels import CHANNELS, PROCEDURES
 from common.link.endpoints import SECURED
 from common.link.roles import Identity, Role
 
@@ -16,6 +11,10 @@ Json = dict[str, Any]
 THIS_HOST = "this host"
 EVERY_CELL = "*"
 QUERY_ROOM_BYTES = 512  # around a payload: an error sentence, an attachment that nobody reads
+HEARING = ("ingress", "put"), ("egress", "declare_subscriber")
+SENDING = ("egress", "put"), ("ingress", "declare_subscriber")
+ANSWERING = ("ingress", "query"), ("egress", "reply"), ("egress", "declare_queryable")
+ASKING = ("egress", "query"), ("ingress", "reply"), ("ingress", "declare_queryable")
 
 
 class Grant(NamedTuple):
@@ -27,19 +26,19 @@ class Grant(NamedTuple):
 
 
 def access_control(own: Identity, cells: Sequence[str], *, plain: bool) -> Json:
-    """Everything is refused but what the table grants each role, by the common name of its certificate.
+    """Refuse everything except what the table grants each role, by the common name of its certificate.
 
-    `cells` are those that this session serves, one but for a router. `plain` says that there are links without
-    certificates too, on the loopback interface: who speaks there may do what every role may.
+    `cells` are those that this session serves; only a router serves several. With `plain` there are also links without
+    certificates, on the loopback interface, whose neighbours may do what any role may.
     """
     neighbours: list[tuple[Identity, tuple[str, ...]]] = [
         (Identity(role, cell), (cell,)) for cell in cells for role in Role if role is not Role.ROUTER
     ]
     neighbours.append((Identity(Role.ROUTER, None), tuple(cells)))
     rules, subjects, policies = [], [], []
-    for neighbour, theirs in neighbours:
+    for neighbour, served in neighbours:
         name = neighbour.common_name
-        granted = _rules(name, {g for cell in theirs for g in grants(own.role, neighbour.role, cell)})
+        granted = _rules(name, {g for cell in served for g in grants(own.role, neighbour.role, cell)})
         if granted:
             rules += granted
             subjects.append({"id": name, "cert_common_names": [name], "link_protocols": list(SECURED)})
@@ -60,33 +59,22 @@ def access_control(own: Identity, cells: Sequence[str], *, plain: bool) -> Json:
 
 
 def grants(own: Role, neighbour: Role, cell: str) -> Iterator[Grant]:
-    """What may pass between a session of one role and a neighbour of another; a router stands for every role."""
+    """What may pass between a session of one role and a neighbour of another; a router acts for every role."""
     for channel in CHANNELS:
-        yield from _channel_grants(channel, own, neighbour, cell)
+        if _is(neighbour, channel.sent_by) and _is(own, channel.heard_by):
+            yield from _granted(HEARING, channel.key_for(cell))
+        if _is(own, channel.sent_by) and _is(neighbour, channel.heard_by):
+            yield from _granted(SENDING, channel.key_for(cell))
     for procedure in PROCEDURES:
-        yield from _procedure_grants(procedure, own, neighbour, cell)
+        if _is(neighbour, procedure.asked_by) and _is(own, procedure.answered_by):
+            yield from _granted(ANSWERING, procedure.key_for(cell))
+        if _is(own, procedure.asked_by) and _is(neighbour, procedure.answered_by):
+            yield from _granted(ASKING, procedure.key_for(cell))
 
 
-def _channel_grants(channel: Channel[Any], own: Role, neighbour: Role, cell: str) -> Iterator[Grant]:
-    key = channel.key_for(cell)
-    if _is(neighbour, channel.sent_by) and _is(own, channel.heard_by):
-        yield Grant("ingress", "put", key)
-        yield Grant("egress", "declare_subscriber", key)
-    if _is(own, channel.sent_by) and _is(neighbour, channel.heard_by):
-        yield Grant("egress", "put", key)
-        yield Grant("ingress", "declare_subscriber", key)
-
-
-def _procedure_grants(procedure: Procedure[Any, Any], own: Role, neighbour: Role, cell: str) -> Iterator[Grant]:
-    key = procedure.key_for(cell)
-    if _is(neighbour, procedure.asked_by) and _is(own, procedure.answered_by):
-        yield Grant("ingress", "query", key)
-        yield Grant("egress", "reply", key)
-        yield Grant("egress", "declare_queryable", key)
-    if _is(own, procedure.asked_by) and _is(neighbour, procedure.answered_by):
-        yield Grant("egress", "query", key)
-        yield Grant("ingress", "reply", key)
-        yield Grant("ingress", "declare_queryable", key)
+def _granted(messages: tuple[tuple[str, str], ...], key: str) -> Iterator[Grant]:
+    for flow, message in messages:
+        yield Grant(flow, message, key)
 
 
 def _is(role: Role, allowed: frozenset[Role]) -> bool:
@@ -109,7 +97,7 @@ def _rules(name: str, granted: set[Grant]) -> list[Json]:
 
 
 def payload_caps() -> list[Json]:
-    """What is larger than its channel allows is dropped on arrival, before anybody keeps it, in all cells."""
+    """Messages larger than their channel allows are dropped on arrival, in all cells."""
     caps: list[tuple[tuple[str, ...], str, int]] = [
         (("put",), channel.key_for(EVERY_CELL), channel.max_bytes) for channel in CHANNELS
     ]
@@ -130,10 +118,10 @@ def payload_caps() -> list[Json]:
 
 
 def rate_caps() -> list[Json]:
-    """Questions that a neighbour asks faster than it may are dropped on arrival; who asked in earnest asks again.
+    """Questions that a neighbour asks too fast are dropped on arrival; an honest client asks again.
 
-    Samples are capped where they are taken instead (`Latest`): of those that delay has bunched Zenoh would let the
-    first pass and drop the newest, and the arm would wait for the next.
+    Samples are capped where they are taken instead (`Latest`): of a burst after a delay Zenoh would pass the first and
+    drop the newest, and the arm would wait for the next.
     """
     rules = [{"key_expr": procedure.key_for(EVERY_CELL), "freq": procedure.most_hz} for procedure in PROCEDURES]
     return [{"id": "questions", "flows": ["ingress"], "messages": ["query"], "rules": rules}]

@@ -1,4 +1,4 @@
-"""The one table of channels: key, message, who sends and who hears, rate, staleness, priority, size, session."""
+"""The one table of channels and procedures: key, messages, roles, session, priority, rate, staleness, size."""
 
 from dataclasses import dataclass
 from enum import StrEnum
@@ -6,14 +6,7 @@ from typing import Any, Generic, TypeVar
 
 from common.clock import NS_PER_MS
 from common.errors import ConfigError
-from common.link.roles import (
-    CELL_NAME,
-    EVERYBODY,
-    MAINTAINERS,
-    OPERATORS,
-    REMOTES,
-    Role,
-)
+from common.link.roles import CELL_NAME, EVERYBODY, MAINTAINERS, OPERATORS, REMOTES, Role
 from common.messages.base import Message
 from common.messages.hand import HandArm, OperatorIntent
 from common.messages.requests import (
@@ -34,13 +27,11 @@ from common.messages.video import VideoFrame, ViewsShown
 M = TypeVar("M", bound=Message)
 Q = TypeVar("Q", bound=Message)
 R = TypeVar("R", bound=Message)
-TIMES_ITS_RATE = 10.0  # far above what a sound sender sends, and little work
-OPERATORS_HZ = 1000.0  # a stop may follow another request at once
-EVERYBODYS_HZ = 200.0
+RATE_MARGIN = 10.0  # far above what a healthy sender sends, and little work
 
 
 class ChannelSession(StrEnum):
-    """Which of a site's two Zenoh sessions carries a channel: video never delays control."""
+    """Which of a site's two Zenoh sessions carries a channel, so that video never delays control."""
 
     CONTROL = "control"
     VIDEO = "video"
@@ -56,12 +47,11 @@ class Priority(StrEnum):
 
 @dataclass(frozen=True, slots=True)
 class Channel(Generic[M]):
-    """One channel; `key` may hold {cell} and {name}. Periodic channels drop under congestion, never block.
+    """One channel; `key` may contain {cell} and {name}. Under congestion messages are dropped, publishers never block.
 
-    `sent_by` and `heard_by` are what access control is made of, where there are certificates.
-    `best_effort`: the next message makes a lost one worthless; a picture of many packets would seldom arrive whole.
-    `depth` is how many of the newest messages wait for a receiver: 1 where several senders cannot push one another out.
-    Who looks now and then takes no more than these at a time; who waits for each, `most_hz`.
+    Access control is built from `sent_by` and `heard_by`, where there are certificates. `best_effort` means that the
+    next message makes a lost one worthless; a picture of many packets would seldom arrive complete. `depth` is how many
+    of the newest messages wait for a receiver, more than 1 where several senders could displace one another's.
     """
 
     key: str
@@ -78,8 +68,8 @@ class Channel(Generic[M]):
 
     @property
     def most_hz(self) -> float:
-        """How many messages a second are taken at most, beyond as many at once as may wait; of the newest."""
-        return TIMES_ITS_RATE * self.rate_hz
+        """The maximum number of messages taken per second, besides a burst of `depth`."""
+        return RATE_MARGIN * self.rate_hz
 
     def key_for(self, cell: str, name: str = "*") -> str:
         """The Zenoh key of this channel in a cell."""
@@ -96,7 +86,7 @@ HAND = Channel(
     rate_hz=30.0,
     stale_after_ns=100 * NS_PER_MS,
     max_bytes=4096,
-    depth=16,  # an operator without the lease must not push out the holder's samples, even with 3000 a second
+    depth=16,  # an operator without the lease must not displace the holder's samples, even with 3000 a second
 )
 STATE = Channel(
     key="farhand/{cell}/state",
@@ -143,7 +133,7 @@ SHOWN = Channel(
     rate_hz=10.0,
     stale_after_ns=1000 * NS_PER_MS,
     max_bytes=4096,
-    depth=4,  # a console without the lease must not push out what the operator's says
+    depth=4,  # a console without the lease must not displace the operator's messages
 )
 INTENT = Channel(
     key="farhand/{cell}/operator/{name}/intent",
@@ -160,93 +150,39 @@ INTENT = Channel(
 
 @dataclass(frozen=True, slots=True)
 class Procedure(Generic[Q, R]):
-    """Something asked by a query and answered by one site; `key` may hold {cell} and {name}.
+    """A query that one site answers, on the control session; `key` may contain {cell} and {name}.
 
-    `most_hz` is how often one neighbour may ask: what comes faster is dropped, where there is access control.
+    One neighbour may ask `most_hz` times a second; more is dropped, where there is access control.
     """
 
     key: str
     request: type[Q]
     reply: type[R]
-    max_bytes: int
     asked_by: frozenset[Role]
     answered_by: frozenset[Role]
-    most_hz: float
+    max_bytes: int = 1024
+    most_hz: float = 1000.0  # a stop may follow another request at once
 
     def key_for(self, cell: str, name: str = "*") -> str:
         """The Zenoh key of this procedure in a cell."""
         return self.key.format(cell=cell, name=name)
 
 
-ENGAGEMENT = Procedure(
-    "farhand/{cell}/rpc/engagement",
-    EngagementRequest,
-    Reply,
-    max_bytes=1024,
-    asked_by=OPERATORS,
-    answered_by=REMOTES,
-    most_hz=OPERATORS_HZ,
-)
-MAINTENANCE = Procedure(
-    "farhand/{cell}/rpc/maintenance",
-    EngagementRequest,
-    Reply,
-    max_bytes=1024,
-    asked_by=MAINTAINERS,
-    answered_by=REMOTES,
-    most_hz=OPERATORS_HZ,
-)
-LEASE = Procedure(
-    "farhand/{cell}/rpc/lease",
-    LeaseRequest,
-    LeaseReply,
-    max_bytes=2048,
-    asked_by=OPERATORS,
-    answered_by=REMOTES,
-    most_hz=OPERATORS_HZ,
-)
+ENGAGEMENT = Procedure("farhand/{cell}/rpc/engagement", EngagementRequest, Reply, OPERATORS, REMOTES)
+MAINTENANCE = Procedure("farhand/{cell}/rpc/maintenance", EngagementRequest, Reply, MAINTAINERS, REMOTES)
+LEASE = Procedure("farhand/{cell}/rpc/lease", LeaseRequest, LeaseReply, OPERATORS, REMOTES, max_bytes=2048)
 DESCRIBE = Procedure(
-    "farhand/{cell}/rpc/describe",
-    DescribeQuestion,
-    Description,
-    max_bytes=16384,
-    asked_by=EVERYBODY,
-    answered_by=REMOTES,
-    most_hz=EVERYBODYS_HZ,
+    "farhand/{cell}/rpc/describe", DescribeQuestion, Description, EVERYBODY, REMOTES, max_bytes=16384, most_hz=200.0
 )
-CLOCK = Procedure(
-    "farhand/{cell}/clock",
-    ClockQuestion,
-    ClockAnswer,
-    max_bytes=256,
-    asked_by=EVERYBODY,
-    answered_by=REMOTES,
-    most_hz=EVERYBODYS_HZ,
-)
-JOINTS = Procedure(
-    "farhand/{cell}/operator/{name}/joints",
-    JointsRequest,
-    Reply,
-    max_bytes=1024,
-    asked_by=OPERATORS,
-    answered_by=OPERATORS,
-    most_hz=OPERATORS_HZ,
-)
-OPERATE = Procedure(
-    "farhand/{cell}/operator/{name}/lease",
-    OperatorRequest,
-    Reply,
-    max_bytes=1024,
-    asked_by=OPERATORS,
-    answered_by=OPERATORS,
-    most_hz=OPERATORS_HZ,
-)
+CLOCK = Procedure("farhand/{cell}/clock", ClockQuestion, ClockAnswer, EVERYBODY, REMOTES, max_bytes=256, most_hz=200.0)
+JOINTS = Procedure("farhand/{cell}/operator/{name}/joints", JointsRequest, Reply, OPERATORS, OPERATORS)
+OPERATE = Procedure("farhand/{cell}/operator/{name}/lease", OperatorRequest, Reply, OPERATORS, OPERATORS)
 CHANNELS: tuple[Channel[Any], ...] = (HAND, STATE, CAMERA, PREVIEW, SHOWN, INTENT)
 PROCEDURES: tuple[Procedure[Any, Any], ...] = (ENGAGEMENT, MAINTENANCE, LEASE, DESCRIBE, CLOCK, JOINTS, OPERATE)
 
 
 def check_cell_name(cell: str, what: str = "cell") -> str:
-    """The cell's name (or another's, `what`) if it can stand in a key, else ConfigError."""
+    """The name of a cell (or of `what`) if it is valid in a key, else ConfigError."""
     if CELL_NAME.fullmatch(cell) is None:
         raise ConfigError(
             f"{what} {cell!r}: use 1 to 32 small letters, digits, '-' and '_', beginning with a letter or digit"

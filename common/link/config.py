@@ -1,4 +1,4 @@
-"""What protects a site's links: certificates, or words that cannot be missed."""
+"""How a site's links are protected: by certificates, or explicitly not at all."""
 
 from typing import Annotated
 

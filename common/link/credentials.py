@@ -1,4 +1,4 @@
-"""A site's certificates: whether they are any good, and whose they are; read by shaking hands with oneself."""
+"""A site's certificates: whether they are valid, and whose they are, by a TLS handshake with itself."""
 
 import ssl
 from collections.abc import Sequence
@@ -30,14 +30,14 @@ ROUNDS = 8
 
 @dataclass(frozen=True, slots=True)
 class Credentials:
-    """Files of a certificate that is good now, and whom it names."""
+    """Files of a certificate that is valid now, and its identity."""
 
     tls: TlsConfig
     identity: Identity
 
 
 def load_credentials(tls: TlsConfig) -> Credentials:
-    """The credentials after a handshake with themselves; TransportError says which file is no good, and why."""
+    """The credentials after a handshake with themselves; TransportError names the file that is invalid, and why."""
     for what, path in (("ca", tls.ca), ("certificate", tls.certificate), ("key", tls.key)):
         try:
             Path(path).read_bytes()
@@ -58,31 +58,31 @@ def load_credentials(tls: TlsConfig) -> Credentials:
     return Credentials(tls, identity)
 
 
-def check_links(places: Sequence[str], security: LinkSecurity, *bearers: Identity) -> None:
-    """ConfigError when a link may not go to one of the places, or its certificate is no good or another's."""
+def check_links(endpoints: Sequence[str], security: LinkSecurity, *bearers: Identity) -> None:
+    """ConfigError when an endpoint is not allowed, or the certificate is invalid or not one of `bearers`."""
     try:
-        for place in places:
-            check_endpoint(place, security)
+        for endpoint in endpoints:
+            check_endpoint(endpoint, security)
         bearer = load_credentials(security.tls).identity if security.tls.is_given else None
     except TransportError as error:
         raise ConfigError(str(error)) from error
     if bearer is None or bearer in bearers:
         return
     names = " or ".join(identity.common_name for identity in bearers)
-    told = f"links.tls.certificate: {security.tls.certificate} is for {bearer.common_name}, not for {names}"
+    mismatch = f"links.tls.certificate: {security.tls.certificate} is for {bearer.common_name}, not for {names}"
     of_role = bearer.cell and bearer.role in {identity.role for identity in bearers}
-    raise ConfigError(f'{told}; write cell = "{bearer.cell}", if it is that cell' if of_role else told)
+    raise ConfigError(f'{mismatch}; write cell = "{bearer.cell}", if it is that cell' if of_role else mismatch)
 
 
 class Validity:
-    """Whether the certificate that a site began with is still good: a link that is up may outlive it."""
+    """Whether the certificate that a site started with is still valid: an open link may outlive it."""
 
     def __init__(self, tls: TlsConfig) -> None:
         self._tls = tls
         self._contexts = (client_context(tls), _server_context(tls)) if tls.is_given else None
 
     def check(self) -> None:
-        """TransportError once it has expired; takes a handshake with oneself, about 2 ms."""
+        """TransportError once it has expired; takes about 2 ms."""
         if self._contexts is None:
             return
         try:
@@ -92,7 +92,7 @@ class Validity:
 
 
 def client_context(tls: TlsConfig) -> ssl.SSLContext:
-    """For who connects: the other side has to show a certificate of the same authority."""
+    """For a client: the server has to show a certificate of the same authority."""
     context = ssl.SSLContext(ssl.PROTOCOL_TLS_CLIENT)
     context.load_verify_locations(cafile=tls.ca)
     context.load_cert_chain(tls.certificate, tls.key)
@@ -100,7 +100,7 @@ def client_context(tls: TlsConfig) -> ssl.SSLContext:
 
 
 def common_name(certificate: Any) -> str:
-    """The common name of a certificate as `getpeercert` gives it, empty where there is none."""
+    """The common name of a certificate as `getpeercert` returns it, empty without one."""
     subject = (certificate or {}).get("subject", ())
     return next((value for group in subject for name, value in group if name == "commonName"), "")
 
@@ -119,7 +119,7 @@ def _server_context(tls: TlsConfig) -> ssl.SSLContext:
 
 
 def _shake_hands(client_side: ssl.SSLContext, server_side: ssl.SSLContext) -> Any:
-    """What the client shows, after both sides have accepted one another in memory."""
+    """The client's certificate, after both sides have accepted one another in memory."""
     client_side.check_hostname = False
     to_server, to_client = ssl.MemoryBIO(), ssl.MemoryBIO()
     client = client_side.wrap_bio(to_client, to_server)

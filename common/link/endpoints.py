@@ -1,4 +1,4 @@
-"""Endpoints: which are allowed, as protected as they are, and whether this host can listen there."""
+"""Endpoints: which are allowed with what protection, and whether this host can listen there."""
 
 import re
 import socket
@@ -16,7 +16,7 @@ EVERYWHERE = {"0.0.0.0": "127.0.0.1", "::": "::1"}  # noqa: S104  # recognised h
 
 @dataclass(frozen=True, slots=True)
 class Endpoint:
-    """A place to listen at or to connect to."""
+    """Where to listen or to connect to."""
 
     protocol: str
     host: str
@@ -24,30 +24,30 @@ class Endpoint:
 
     @property
     def is_loopback(self) -> bool:
-        """Whether what passes there stays on this host."""
+        """Whether its traffic stays on this host."""
         return self.host in LOOPBACK
 
     @property
     def is_secured(self) -> bool:
-        """Whether both sides show certificates there."""
+        """Whether both sides show certificates."""
         return self.protocol in SECURED
 
     @property
     def is_quic(self) -> bool:
-        """Whether what is best effort passes there in datagrams, so that nothing waits for what was lost before it."""
+        """Whether best-effort messages go in datagrams, so that none waits for a lost one before it."""
         return self.protocol == "quic"
 
     @property
-    def place(self) -> str:
-        """Host and port, as they stand in an endpoint."""
+    def address(self) -> str:
+        """Host and port, as an endpoint writes them."""
         return f"[{self.host}]:{self.port}" if ":" in self.host else f"{self.host}:{self.port}"
 
     def __str__(self) -> str:
-        return f"{self.protocol}/{self.place}"
+        return f"{self.protocol}/{self.address}"
 
 
 def check_endpoint(endpoint: str, security: LinkSecurity) -> Endpoint:
-    """The endpoint if what passes there is protected or stays on this host, else TransportError with the cure."""
+    """The endpoint if its traffic is protected or stays on this host, else TransportError with the cure."""
     match = ENDPOINT.fullmatch(endpoint)
     if match is None or not 0 < int(match[3]) <= LAST_PORT:
         raise TransportError(
@@ -70,23 +70,23 @@ def check_endpoint(endpoint: str, security: LinkSecurity) -> Endpoint:
 
 
 def check_free(endpoint: str, security: LinkSecurity) -> Endpoint:
-    """The endpoint if it is allowed and free; TransportError at once if not, where zenoh would try for seconds."""
-    place = check_endpoint(endpoint, security)
-    family = socket.AF_INET6 if ":" in place.host else socket.AF_INET
-    for kind in (socket.SOCK_STREAM, socket.SOCK_DGRAM) if place.is_quic else (socket.SOCK_STREAM,):
+    """The endpoint if it is allowed and free; TransportError at once if not, while Zenoh would try for seconds."""
+    checked = check_endpoint(endpoint, security)
+    family = socket.AF_INET6 if ":" in checked.host else socket.AF_INET
+    for kind in (socket.SOCK_STREAM, socket.SOCK_DGRAM) if checked.is_quic else (socket.SOCK_STREAM,):
         with socket.socket(family, kind) as probe:
             if kind is socket.SOCK_STREAM:
                 probe.setsockopt(socket.SOL_SOCKET, socket.SO_REUSEADDR, 1)
             try:
-                probe.bind((place.host, place.port))
+                probe.bind((checked.host, checked.port))
             except OSError as error:
                 why = f"cannot listen at {endpoint}: {error}; is the port taken by another site?"
                 raise TransportError(why) from error
-    return place
+    return checked
 
 
 def from_this_host(endpoint: str) -> str:
-    """Where a program of this host reaches who listens at an endpoint: everywhere includes the loopback interface."""
+    """Where a program of this host reaches a listener: one on all interfaces includes the loopback interface."""
     match = ENDPOINT.fullmatch(endpoint)
     if match is None:
         return endpoint

@@ -1,14 +1,9 @@
-"""Why nobody answers at an endpoint: a zenoh session opens in silence, so a handshake of our own finds it out."""
+"""Why nobody answers at an endpoint: Zenoh does not report why a session fails, so a handshake of our own finds out."""
 
 import socket
 import ssl
 
-from common.link.credentials import (
-    Credentials,
-    client_context,
-    common_name,
-    verdict,
-)
+from common.link.credentials import Credentials, client_context, common_name, verdict
 from common.link.endpoints import Endpoint
 from common.link.roles import Identity, Role, read_common_name
 
@@ -22,34 +17,34 @@ ALERTS = {
     "renew CELL",
     "UNKNOWN_CA": "says that it comes from another authority",
     "DECRYPT_ERROR": "says that it comes from another authority of the same name",
-    "BAD_CERTIFICATE": "says that it is no good: do both sites have certificates of one authority?",
-    "CERTIFICATE_UNKNOWN": "says that it is no good: do both sites have certificates of one authority?",
+    "BAD_CERTIFICATE": "says that it is invalid: do both sites have certificates of one authority?",
+    "CERTIFICATE_UNKNOWN": "says that it is invalid: do both sites have certificates of one authority?",
     "UNSUPPORTED_CERTIFICATE": "says that it is not made for this use",
 }
 
 
 def refusal(endpoint: Endpoint, credentials: Credentials | None) -> str | None:
-    """A sentence on why whoever listens there and this side refuse each other; None when they do not, or nobody does.
+    """Why the listener and this side refuse each other, a sentence; None when they do not, or nobody listens.
 
-    Takes a few round trips, at most some two seconds where the other side says nothing.
+    Takes a few round trips, up to two seconds when the listener is silent.
     """
     try:
-        speaks_tls = _speaks_tls(endpoint)
-        if endpoint.is_secured and credentials is not None and speaks_tls:
+        has_tls = _speaks_tls(endpoint)
+        if endpoint.is_secured and credentials is not None and has_tls:
             return _tls_refusal(endpoint, credentials)
     except OSError:
-        return None  # nobody is there, or is silent: that is no refusal
-    if endpoint.is_secured and speaks_tls is False:
-        return f"{endpoint} does not speak TLS: who listens there is without protection; nothing is sent to it"
-    if not endpoint.is_secured and speaks_tls:
+        return None  # nobody is there, or the listener is silent
+    if endpoint.is_secured and has_tls is False:
+        return f"{endpoint} does not speak TLS: the listener there has no protection; nothing is sent to it"
+    if not endpoint.is_secured and has_tls:
         return (
-            f"{endpoint} refuses plain tcp: who listens there speaks TLS only; write the endpoint as "
-            f"tls/{endpoint.place} and name certificates in the table [links.tls]"
+            f"{endpoint} refuses plain tcp: the listener there speaks TLS only; write the endpoint as "
+            f"tls/{endpoint.address} and name certificates in the table [links.tls]"
         )
     return None
 
 
-def answers(endpoint: Endpoint) -> bool:
+def speaks_tls(endpoint: Endpoint) -> bool:
     """Whether somebody speaks TLS at the port."""
     try:
         return _speaks_tls(endpoint) is True
@@ -58,22 +53,22 @@ def answers(endpoint: Endpoint) -> bool:
 
 
 def identity_refusal(shown: str, endpoint: str, own: Identity) -> str | None:
-    """Why who listens under this common name is not who should; None for a site of our cell, and for a router."""
+    """Why a listener with this common name is the wrong one; None for a site of our cell, and for a router."""
     identity = read_common_name(shown)
     if identity is not None and identity.role in LISTENERS and identity.cell in (own.cell, None):
         return None
     whose = f"the remote site of cell {own.cell}" if own.cell else "a site"
     return (
-        f"{endpoint} is not {whose}: who listens there shows the certificate of {shown or 'nobody'}; nothing is sent "
-        "to it. Is the endpoint right, or does somebody pass for that site?"
+        f"{endpoint} is not {whose}: the listener there shows the certificate of {shown or 'nobody'}; nothing is sent "
+        "to it. Is the endpoint right, or does somebody impersonate that site?"
     )
 
 
 def _speaks_tls(endpoint: Endpoint) -> bool | None:
-    """Whether a site takes bytes of no meaning for broken TLS or for a broken plain message; None when it is silent."""
-    with socket.create_connection((endpoint.host, endpoint.port), TIMEOUT_S) as wire:
-        wire.sendall(NO_MESSAGE)
-        first = wire.recv(1)
+    """Whether a site takes meaningless bytes for broken TLS or for a broken plain message; None when it is silent."""
+    with socket.create_connection((endpoint.host, endpoint.port), TIMEOUT_S) as connection:
+        connection.sendall(NO_MESSAGE)
+        first = connection.recv(1)
     return first == TLS_ALERT if first else None
 
 
@@ -81,8 +76,8 @@ def _tls_refusal(endpoint: Endpoint, credentials: Credentials) -> str | None:
     context = client_context(credentials.tls)
     try:
         with (
-            socket.create_connection((endpoint.host, endpoint.port), TIMEOUT_S) as wire,
-            context.wrap_socket(wire, server_hostname=endpoint.host) as secured,
+            socket.create_connection((endpoint.host, endpoint.port), TIMEOUT_S) as connection,
+            context.wrap_socket(connection, server_hostname=endpoint.host) as secured,
         ):
             shown = common_name(secured.getpeercert())
             impostor = identity_refusal(shown, str(endpoint), credentials.identity)
@@ -98,8 +93,8 @@ def _tls_refusal(endpoint: Endpoint, credentials: Credentials) -> str | None:
 
 
 def _alert(reason: str, endpoint: Endpoint, credentials: Credentials) -> str | None:
-    """What the other side says of our certificate; a link that only breaks off is no refusal."""
+    """What the other side's TLS alert means for our certificate; a broken connection is no refusal."""
     if "ALERT" not in reason:
         return None
-    told = next((sentence for name, sentence in ALERTS.items() if reason.endswith(name)), f"says {reason}")
-    return f"{endpoint} refuses the certificate {credentials.tls.certificate}: it {told}"
+    why = next((sentence for name, sentence in ALERTS.items() if reason.endswith(name)), f"says {reason}")
+    return f"{endpoint} refuses the certificate {credentials.tls.certificate}: it {why}"

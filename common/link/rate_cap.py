@@ -1,12 +1,12 @@
-"""How fast messages may be taken: so many a second, and a few at once where delay has bunched them; pure."""
+"""A rate limit with a burst, for messages that delay has bunched; pure."""
 
 from common.clock import NS_PER_S
 
 
 class RateCap:
-    """Lets `burst` messages pass at once and `hz` a second for good.
+    """Lets `burst` messages pass at once and `hz` per second in the long run.
 
-    `flooded` is true from a second of pauses on until as many messages have passed without one.
+    `flooded` is set after a second of pauses, and cleared once as many messages have passed without one.
     """
 
     def __init__(self, hz: float, burst: int) -> None:
@@ -17,7 +17,7 @@ class RateCap:
         self.flooded = False
 
     def pause_ns(self, now_ns: int) -> int:
-        """How long to wait before the next message is taken, ns; ask once for each."""
+        """How long to wait before taking the next message, ns; call once for each."""
         pause_ns = max(0, self._spent_until_ns - self._room_ns - now_ns)
         self._count(1 if pause_ns else -1)
         return pause_ns

@@ -1,4 +1,4 @@
-"""Who a certificate says its bearer is: a role at a cell, written as the certificate's common name; pure."""
+"""Identities: a role at a cell, written as a certificate's common name; pure."""
 
 import re
 from dataclasses import dataclass
@@ -6,7 +6,7 @@ from enum import StrEnum
 
 
 class Role(StrEnum):
-    """What somebody is to a cell; the table of channels says what each may do."""
+    """The role of a participant at a cell; the table of channels defines what each may do."""
 
     REMOTE = "remote"
     OPERATOR = "operator"
@@ -32,12 +32,12 @@ class Identity:
 
     @property
     def common_name(self) -> str:
-        """As it stands in the certificate: access control compares it letter by letter."""
+        """The certificate's common name, which access control compares literally."""
         return self.role.value if self.cell is None else f"{self.role.value}.{self.cell}"
 
 
 def read_common_name(name: str) -> Identity | None:
-    """Whom a common name names; None when it is none of Farhand's."""
+    """The identity of a common name; None when it is not one of Farhand's."""
     match = COMMON_NAME.fullmatch(name)
     if match is None or match[1] not in set(Role):
         return None

@@ -1,10 +1,11 @@
-"""The settings of a Zenoh session, key by key: places, short leases, caps, and who may do what; pure."""
+"""The settings of a Zenoh session, key by key: endpoints, short leases, caps, and who may do what; pure."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from enum import StrEnum
 from typing import Any
 
+from common.errors import TransportError
 from common.link.access import access_control, payload_caps, rate_caps
 from common.link.channels import CHANNELS
 from common.link.config import TlsConfig
@@ -15,9 +16,9 @@ LEASE_MS = 1000
 KEEP_ALIVES_PER_LEASE = 4
 OPEN_TIMEOUT_MS = 1000
 RETRY = {"period_init_ms": 100, "period_max_ms": 500, "period_increase_factor": 2}
-FOR_EVER = -1  # in the background; a client would wait for it
+FOR_EVER = -1  # in the background; a client would block
 CLIENT_TIMEOUT_MS = 500
-MAX_MESSAGE_BYTES = 2 * max(channel.max_bytes for channel in CHANNELS)  # what is gathered of one before it is judged
+MAX_MESSAGE_BYTES = 2 * max(channel.max_bytes for channel in CHANNELS)  # of fragments, before a check
 MAX_NEIGHBOURS, MAX_AT_ROUTER = 64, 1024
 
 
@@ -30,61 +31,74 @@ class Mode(StrEnum):
 
 
 @dataclass(frozen=True, slots=True)
-class Places:
-    """Where a session listens and where it connects to; `send_buffer_bytes` None is the system's choice."""
+class SessionEndpoints:
+    """Where a session listens and where it connects to; `send_buffer_bytes` None is the system's choice.
+
+    TransportError when QUIC is to have a bounded buffer.
+    """
 
     mode: Mode
     listen: tuple[Endpoint, ...] = ()
     connect: tuple[Endpoint, ...] = ()
     send_buffer_bytes: int | None = None
 
+    def __post_init__(self) -> None:
+        for endpoint in (*self.listen, *self.connect):
+            if endpoint.is_quic and self.send_buffer_bytes is not None:
+                raise TransportError(
+                    f"endpoint '{endpoint}' is refused: what waits in a connection of QUIC cannot be bounded, and old "
+                    f"pictures would wait there; write it as tls/{endpoint.address}"
+                )
+
     def __str__(self) -> str:
         return ", ".join(map(str, (*self.listen, *self.connect)))
 
 
-def session_settings(places: Places, credentials: Credentials | None, cells: Sequence[str]) -> dict[str, Any]:
-    """Zenoh's settings by path; without credentials nobody is refused, so that such places stay on one host.
+def session_settings(
+    endpoints: SessionEndpoints, credentials: Credentials | None, cells: Sequence[str]
+) -> dict[str, Any]:
+    """Zenoh's settings by path; without credentials nobody is refused.
 
-    `cells` are those that the session serves, by which its neighbours' certificates are told apart.
+    `cells` are those that the session serves, which distinguish its neighbours' certificates.
     """
-    listening = [locator for endpoint in places.listen for locator in _listening(endpoint)]
-    connecting = [_locator(endpoint) for endpoint in places.connect]
+    listening = [locator for endpoint in endpoints.listen for locator in _listening(endpoint)]
+    connecting = [_locator(endpoint) for endpoint in endpoints.connect]
     settings = {
-        "mode": places.mode.value,
+        "mode": endpoints.mode.value,
         "listen/endpoints": listening,
         "connect/endpoints": connecting,
         "connect/retry": RETRY,
-        "connect/timeout_ms": CLIENT_TIMEOUT_MS if places.mode is Mode.CLIENT else FOR_EVER,
+        "connect/timeout_ms": CLIENT_TIMEOUT_MS if endpoints.mode is Mode.CLIENT else FOR_EVER,
         "connect/exit_on_failure": False,
         "scouting/multicast/enabled": False,
         "scouting/gossip/enabled": False,
-        "transport/shared_memory/enabled": False,  # on one host pictures would pass the link, and all that limits it
+        "transport/shared_memory/enabled": False,  # on one host pictures would bypass the link and its limits
         "transport/link/protocols": sorted({locator.partition("/")[0] for locator in (*listening, *connecting)}),
-        "transport/link/tcp/so_sndbuf": places.send_buffer_bytes,
-        "transport/link/tls/so_sndbuf": places.send_buffer_bytes,
+        "transport/link/tcp/so_sndbuf": endpoints.send_buffer_bytes,
+        "transport/link/tls/so_sndbuf": endpoints.send_buffer_bytes,
         "transport/link/tx/lease": LEASE_MS,
         "transport/link/tx/keep_alive": KEEP_ALIVES_PER_LEASE,
         "transport/link/rx/max_message_size": MAX_MESSAGE_BYTES,
         "transport/unicast/open_timeout": OPEN_TIMEOUT_MS,
         "transport/unicast/accept_timeout": OPEN_TIMEOUT_MS,
-        "transport/unicast/max_sessions": MAX_AT_ROUTER if places.mode is Mode.ROUTER else MAX_NEIGHBOURS,
+        "transport/unicast/max_sessions": MAX_AT_ROUTER if endpoints.mode is Mode.ROUTER else MAX_NEIGHBOURS,
         "low_pass_filter": payload_caps(),
         "downsampling": rate_caps(),
     }
     if credentials is not None:
-        plain = not all(place.is_secured for place in (*places.listen, *places.connect))
+        plain = not all(endpoint.is_secured for endpoint in (*endpoints.listen, *endpoints.connect))
         settings["access_control"] = access_control(credentials.identity, cells, plain=plain)
         settings |= {f"transport/link/tls/{key}": value for key, value in _tls_settings(credentials.tls).items()}
     return settings
 
 
 def _locator(endpoint: Endpoint) -> str:
-    """Where QUIC is spoken, what is best effort goes in datagrams of the same connection."""
+    """With QUIC, best-effort messages go in datagrams of the same connection."""
     return f"{endpoint}?mixed_rel=1" if endpoint.is_quic else str(endpoint)
 
 
 def _listening(endpoint: Endpoint) -> tuple[str, ...]:
-    """Who listens for QUIC listens for TLS at the port of the same number: there it can be asked why it refuses."""
+    """A listener for QUIC also listens for TLS at the same port number, where it can be asked why it refuses."""
     return (_locator(endpoint), str(replace(endpoint, protocol="tls"))) if endpoint.is_quic else (str(endpoint),)
 
 

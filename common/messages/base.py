@@ -1,4 +1,4 @@
-"""What every message is made of: protocol version and field types; SI units, sender's monotonic nanoseconds."""
+"""Field types and base of all messages: SI units, the sender's monotonic nanoseconds, the protocol version."""
 
 from typing import Annotated
 

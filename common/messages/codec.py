@@ -12,7 +12,7 @@ from common.messages.base import PROTOCOL_VERSION, Message
 
 M = TypeVar("M", bound=Message)
 
-# In msgpack every infinity and NaN is a 0xca or 0xcb with an exponent of ones; so may other bytes be, by chance.
+# In msgpack every infinity and NaN is a 0xca or 0xcb with an exponent of ones; other bytes may look the same.
 MAYBE_NOT_FINITE = re.compile(rb"\xcb[\x7f\xff][\xf0-\xff]|\xca[\x7f\xff][\x80-\xff]")
 MAX_ITEMS = 64
 MAX_TEXT_BYTES = 4096
@@ -27,7 +27,7 @@ def encode(message: Message) -> bytes:
 
 
 def decode(payload: bytes, message: type[M], max_bytes: int) -> M:
-    """The message in `payload`; MessageError, with a reason to count by, for anything else.
+    """The message in `payload`; MessageError, with a reason for counting, for anything else.
 
     The size is capped before decoding; versions other than ours, unknown or missing fields, wrong types and numbers
     that are not finite are refused.

@@ -5,18 +5,11 @@ from typing import Annotated
 
 import msgspec
 
-from common.messages.base import (
-    Count,
-    Covariance,
-    Difference,
-    Message,
-    Text,
-    Vector3,
-)
+from common.messages.base import Count, Covariance, Difference, Message, Text, Vector3
 
 
 class TrackingStatus(StrEnum):
-    """How far a hand sample can be trusted."""
+    """How reliable a hand sample is."""
 
     INITIALISING = "initialising"
     TRACKED = "tracked"
@@ -25,7 +18,7 @@ class TrackingStatus(StrEnum):
 
 
 class PointCovariances(msgspec.Struct, frozen=True, forbid_unknown_fields=True, kw_only=True):
-    """How sure each point is: its covariance xx, xy, xz, yy, yz, zz in m² in the operator frame, None where unknown."""
+    """The covariance xx, xy, xz, yy, yz, zz of each point, m² in the operator frame, None where unknown."""
 
     elbow: Covariance | None = None
     wrist: Covariance | None = None
@@ -35,7 +28,7 @@ class PointCovariances(msgspec.Struct, frozen=True, forbid_unknown_fields=True, 
 
 
 class Locks(msgspec.Struct, frozen=True, forbid_unknown_fields=True, kw_only=True):
-    """Motions that the operator does not want copied: along the base's axes, and about the tool's."""
+    """Motions that the operator has locked: along the base's axes, and about the tool's."""
 
     x: bool = False
     y: bool = False
@@ -46,7 +39,7 @@ class Locks(msgspec.Struct, frozen=True, forbid_unknown_fields=True, kw_only=Tru
 
 
 class Intent(msgspec.Struct, frozen=True, forbid_unknown_fields=True, kw_only=True):
-    """What the operator wants; the defaults mean that nothing is held and nothing is asked for.
+    """What the operator wants; by default nothing is held and nothing requested.
 
     `hold` is the hold-to-run key or pedal. `clutch_count` rises by one each time the operator takes new origins; the
     scales multiply what the remote site has configured.
@@ -60,7 +53,7 @@ class Intent(msgspec.Struct, frozen=True, forbid_unknown_fields=True, kw_only=Tr
 
 
 class OperatorIntent(Message, frozen=True):
-    """The intent as a console or pedal tells it to the local site on its own host, at 20 Hz or more."""
+    """The intent as a console or pedal sends it to the local site on its own host, at 20 Hz or more."""
 
     sent_ns: Count
     intent: Intent
@@ -69,7 +62,7 @@ class OperatorIntent(Message, frozen=True):
 class ClockSync(msgspec.Struct, frozen=True, forbid_unknown_fields=True, kw_only=True):
     """The remote site's clock minus the local site's, as the local site measured it over the control session, ns.
 
-    `measured_ns` is by the remote site's clock, so that it can tell how old the measurement is.
+    `measured_ns` is by the remote site's clock, which so knows the age of the measurement.
     """
 
     remote_minus_local_ns: Difference
@@ -82,10 +75,10 @@ class HandArm(Message, frozen=True):
 
     Points are absolute in the operator frame (the calibration plate's), m, None where they could not be measured; the
     palm is a point of the hand as a rigid extension of the forearm, from the tracker of one camera alone.
-    `covariance` is of the single measurement, before any smoothing; None from a sender that does not know it.
+    `covariance` is of the single measurement, before smoothing; None from a sender that does not know it.
     `session` is a random number chosen at each start of the local site, `seq` rises by one each sample,
-    `gripper_toggles` counts the openings of the hand since the session began. `lease` is the number under which the
-    remote site lets this operator work, 0 without one; `clock` is None while the offset is not known.
+    `gripper_toggles` counts the openings of the hand since the session began. `lease` is the number of this operator's
+    lease, 0 without one; `clock` is None while the offset is not known.
     """
 
     session: Count

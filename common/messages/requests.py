@@ -1,25 +1,20 @@
-"""The messages of requests: what must happen once, and questions that may be asked again."""
+"""Requests of what must happen once, questions that may be asked again, and their answers."""
 
 from enum import StrEnum
 from typing import Annotated
 
 import msgspec
 
-from common.messages.base import (
-    Count,
-    Message,
-    Name,
-    Text,
-    Vector3,
-)
+from common.messages.base import Count, Message, Name, Text, Vector3
 from common.messages.robot import Pose
 
-Share = Annotated[float, msgspec.Meta(ge=0, le=1)]
-PictureShare = tuple[Share, Share]
+ACTIVATED = "activated"  # the code when an engagement first had to activate the robot: ask once more
+Fraction = Annotated[float, msgspec.Meta(ge=0, le=1)]
+PicturePoint = tuple[Fraction, Fraction]
 
 
 class Request(Message, frozen=True):
-    """What must happen once: retried with the same `id`, refused after `deadline_ns` by the server's clock."""
+    """What must happen once: repeated with the same `id`, refused after `deadline_ns` by the server's clock."""
 
     id: Count
     deadline_ns: Count
@@ -35,7 +30,7 @@ class Reply(Message, frozen=True):
 
 
 class EngagementAction(StrEnum):
-    """What is asked of the engagement; a stop bars the next one until it is reset."""
+    """What to do with the engagement; a stop bars the next one until it is reset."""
 
     ENGAGE = "engage"
     DISENGAGE = "disengage"
@@ -44,14 +39,14 @@ class EngagementAction(StrEnum):
 
 
 class EngagementRequest(Request, frozen=True):
-    """Engage, disengage, stop or reset the arm in an operator's name: anybody may stop it, the rest is the holder's."""
+    """Engage, disengage, stop or reset the arm for an operator; everybody may stop it, the rest is the holder's."""
 
     operator: Name
     action: EngagementAction
 
 
 class LeaseAction(StrEnum):
-    """What a local site asks of the remote site's lease."""
+    """What a local site does with the remote site's lease."""
 
     ACQUIRE = "acquire"
     RENEW = "renew"
@@ -60,7 +55,7 @@ class LeaseAction(StrEnum):
 
 
 class LeaseRequest(Request, frozen=True):
-    """A local site, known by its session and its operator's name, and the lease that it holds (0 without one)."""
+    """A local site, identified by its session and its operator's name, and the lease that it holds (0 without one)."""
 
     action: LeaseAction
     session: Count
@@ -69,7 +64,7 @@ class LeaseRequest(Request, frozen=True):
 
 
 class LeaseReply(Reply, frozen=True):
-    """The asker's lease, 0 without one, and how long it lasts from now, ns; `holder` is who holds the cell's."""
+    """The client's lease, 0 without one, and how long it lasts from now, ns; `holder` is who holds the cell's."""
 
     lease: Count = 0
     lasts_ns: Count = 0
@@ -77,7 +72,7 @@ class LeaseReply(Reply, frozen=True):
 
 
 class OperatorAction(StrEnum):
-    """What an operator does at the own local site: ask for the lease, hand it to who asks for it, give it back."""
+    """What an operator does at the own local site: ask for the lease, hand it over to who asks for it, release it."""
 
     TAKE = "take"
     GIVE = "give"
@@ -85,20 +80,20 @@ class OperatorAction(StrEnum):
 
 
 class OperatorRequest(Request, frozen=True):
-    """An explicit act of the operator, asked of the local site."""
+    """An explicit act of the operator, sent to the local site."""
 
     action: OperatorAction
 
 
 class JointsRequest(Request, frozen=True):
-    """Where an operator sees the joints in the picture of the one camera that is tracked, however large it is shown.
+    """The positions of the joints that an operator has clicked in the picture of the one camera that is tracked.
 
-    Each place is a share of the picture's width, from the left, and of its height, from the top.
+    Each is a fraction of the picture's width, from the left, and of its height, from the top.
     """
 
-    shoulder: PictureShare
-    elbow: PictureShare
-    wrist: PictureShare
+    shoulder: PicturePoint
+    elbow: PicturePoint
+    wrist: PicturePoint
 
 
 class ClockQuestion(Message, frozen=True):
@@ -133,10 +128,10 @@ class JointDescription(msgspec.Struct, frozen=True, forbid_unknown_fields=True):
 
 
 class ViewCalibration(msgspec.Struct, frozen=True, forbid_unknown_fields=True):
-    """Where a camera's picture shows a point: the 3 x 4 projection, row by row, from m to pixels of the full picture.
+    """A camera's 3 x 4 projection matrix, row by row, from m to pixels of the full picture.
 
-    The point is in the base's frame, or where the camera rides on the tool (`on_tool`) in the tool's; pixels count from
-    the picture's upper left corner.
+    It projects points of the base's frame, or of the tool's where the camera is mounted on the tool (`on_tool`); pixels
+    count from the picture's upper left corner.
     """
 
     projection: Annotated[tuple[float, ...], msgspec.Meta(min_length=12, max_length=12)]
@@ -156,9 +151,8 @@ class CameraDescription(msgspec.Struct, frozen=True, forbid_unknown_fields=True)
 class Description(Message, frozen=True):
     """The cell: its software, its robot with joints and limits, its cameras, and its rates in Hz.
 
-    `held`: the arm follows only while the operator holds key or pedal.
-    `last_T_tool` is the tool centre point in the last joint's frame; the workspace is the box, in the base's frame and
-    in m, that it stays in.
+    `held`: the arm follows only while the operator holds key or pedal (hold-to-run). `last_T_tool` is the tool centre
+    point in the last joint's frame; the workspace is a box in the base's frame, m.
     """
 
     cell: Name

@@ -6,15 +6,7 @@ from typing import Annotated, Self
 import msgspec
 
 from common.geometry import Array, quaternion_from_rotation
-from common.messages.base import (
-    Count,
-    Joints,
-    Message,
-    Name,
-    Quaternion,
-    Text,
-    Vector3,
-)
+from common.messages.base import Count, Joints, Message, Name, Quaternion, Text, Vector3
 from common.messages.hand import ClockSync
 
 
@@ -28,7 +20,7 @@ class SessionState(StrEnum):
 
 
 class GripperStatus(StrEnum):
-    """How far the gripper has come with what it was told; `holding` is closed short, on an object."""
+    """How far the gripper has executed its last command; `holding` is stopped by an object."""
 
     MOVING = "moving"
     OPEN = "open"
@@ -54,7 +46,7 @@ class Pose(msgspec.Struct, frozen=True, forbid_unknown_fields=True):
 class GripperState(msgspec.Struct, frozen=True, forbid_unknown_fields=True):
     """The gripper as measured: opening between the fingers in m, grip force in N, None where it is not measured.
 
-    `commanded_open` is the last command, `status` what has become of it.
+    `commanded_open` is the last command, `status` its progress.
     """
 
     opening: float
@@ -97,7 +89,7 @@ class Engagement(msgspec.Struct, frozen=True, forbid_unknown_fields=True):
 
 
 class LeaseState(msgspec.Struct, frozen=True, forbid_unknown_fields=True):
-    """Who may operate: the lease's number, its holder, until when by the remote clock, and who asks for it."""
+    """Who may operate: the lease's number, its holder, its end by the remote clock, and who asks for it."""
 
     number: Count
     holder: Name
@@ -107,7 +99,7 @@ class LeaseState(msgspec.Struct, frozen=True, forbid_unknown_fields=True):
 
 
 class Readiness(msgspec.Struct, frozen=True, forbid_unknown_fields=True):
-    """Whether the arm could be engaged now, and what the operator wants; the sentence says what is missing."""
+    """Whether the arm could be engaged now; the sentence says what is missing. `held`: key or pedal is held."""
 
     ready: bool
     code: Name
@@ -116,7 +108,7 @@ class Readiness(msgspec.Struct, frozen=True, forbid_unknown_fields=True):
 
 
 class LoopTiming(msgspec.Struct, frozen=True, forbid_unknown_fields=True):
-    """How well the control loop keeps its pace since it started."""
+    """The timing of the control loop since it started."""
 
     hz: float
     late_p99_us: float
@@ -129,11 +121,11 @@ class RobotState(Message, frozen=True):
     """The robot and its session at one instant, as measured and as commanded.
 
     `q` and `q_commanded` are in the order of `joints` (rad); `code` and `reason` say why the robot does what it does.
-    `rejected` counts refused hand samples by reason since the remote site started. `clock` is what the newest sample of
-    the lease's holder said of the clocks. `target` is where the hand wants the tool, inside box and leash, None unless
-    the arm follows. `min_distance` is the least between parts of the arm, and between them and
-    the cell's fixtures, in m; None where nothing is known that could be touched. `traced` is the newest sample that the
-    encoders have shown.
+    `rejected` counts refused hand samples by reason since the remote site started. `clock` is from the newest sample of
+    the lease's holder. `target` is the target pose of the tool, inside box and leash, None unless the
+    arm follows. `min_distance` is the least distance between parts of the arm, and between them and the cell's
+    fixtures, m; None where nothing is configured that could be touched. `traced` is the newest sample that the encoders
+    have shown.
     """
 
     session: Count

@@ -1,20 +1,15 @@
-"""Pictures of the cell, and what of them a console has received and shown; frozen structs."""
+"""Pictures of the cell, and which of them a console has received and shown; frozen structs."""
 
 from enum import StrEnum
 from typing import Annotated
 
 import msgspec
 
-from common.messages.base import (
-    Count,
-    Message,
-    Name,
-    Text,
-)
+from common.messages.base import Count, Message, Name, Text
 
 
 class CameraStatus(StrEnum):
-    """Whether a camera's picture shows the cell as it is now."""
+    """Whether a camera shows the cell as it is now."""
 
     LIVE = "live"
     DARK = "dark"
@@ -24,9 +19,9 @@ class CameraStatus(StrEnum):
 
 
 class VideoFrame(Message, frozen=True):
-    """One camera picture, or the word that there is none: `jpeg` is empty where `status` is frozen or missing.
+    """One camera picture, or the report that there is none: `jpeg` is empty where `status` is frozen or missing.
 
-    A dark or slow camera's pictures are sent too; `reason` says what is the matter with it.
+    Pictures of a dark or slow camera are sent too; `reason` states its problem.
     """
 
     camera: Name
@@ -41,7 +36,7 @@ class VideoFrame(Message, frozen=True):
 
 
 class ViewCame(msgspec.Struct, frozen=True, forbid_unknown_fields=True, kw_only=True):
-    """The newest picture of one camera that has come to the console's host, how old it was then, how many come."""
+    """The newest picture of one camera received by the console's host, its age then, and the rate of arrival."""
 
     seq: Count
     age_ms: Annotated[float, msgspec.Meta(ge=0)]
@@ -49,9 +44,9 @@ class ViewCame(msgspec.Struct, frozen=True, forbid_unknown_fields=True, kw_only=
 
 
 class ViewShown(msgspec.Struct, frozen=True, forbid_unknown_fields=True, kw_only=True):
-    """The newest picture of one camera that a console has painted, how old it was then, and how many it paints.
+    """The newest picture of one camera painted by a console, its age then, and the rate of painting.
 
-    `came` tells the link's share of that from the page's.
+    `came` distinguishes the link's part of the delay from the page's.
     """
 
     seq: Count
@@ -62,7 +57,7 @@ class ViewShown(msgspec.Struct, frozen=True, forbid_unknown_fields=True, kw_only
 
 
 class ViewsShown(Message, frozen=True):
-    """What the operator's console shows, at 10 Hz, so that the remote site sends as much as arrives in time.
+    """What the operator's console shows, at 10 Hz, so that the remote site sends only as much as arrives in time.
 
     `session` is a random number chosen at each start of the console, `lease` the number of its operator's lease, 0
     without one.

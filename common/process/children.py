@@ -16,6 +16,7 @@ import structlog
 
 from common.clock import NS_PER_S
 from common.errors import FarhandError, ProcessError
+from common.process.log import finish_log
 from common.process.service import StopFlag
 
 PR_SET_PDEATHSIG = 1
@@ -140,3 +141,5 @@ def _run(name: str, main: ChildMain, heartbeat: Heartbeat, parent_pid: int) -> N
     except FarhandError as error:
         structlog.get_logger().error(str(error))
         sys.exit(1)
+    finally:
+        finish_log()

@@ -7,7 +7,8 @@ import msgspec
 
 from common.clock import MonotonicClock
 from common.process.children import Children
-from common.process.service import StopFlag, ask_for_real_time, start_log
+from common.process.log import start_log
+from common.process.service import StopFlag, ask_for_real_time
 from remote_site.config import RemoteConfig
 from remote_site.drivers.config import EMULATED
 from remote_site.drivers.conformance.suite import run_checks

@@ -1,28 +1,23 @@
 """Asks the remote site to let the arm follow the hand, and, for maintenance, to stop or reset it."""
 
-import time
+from functools import partial
 
 from common.errors import TransportError
 from common.link.channels import ENGAGEMENT, MAINTENANCE, check_cell_name
 from common.link.config import ON_THIS_HOST, LinkSecurity
-from common.link.transport import Link, open_link
-from common.messages.requests import EngagementAction, EngagementRequest, Reply
-from farhand.commands.asking import ask_remote
+from common.link.remote_clock import RemoteClock
+from common.link.request_client import RequestClient
+from common.messages.requests import EngagementAction, EngagementRequest
+from farhand.commands.asking import link_to
 from local_site.authority.operator_name import host_operator
-
-SETTLE_S = 0.3
-AWAKE_AGAIN = "activated"
 
 
 def request_engage(cell: str, endpoint: str, operator: str = "", security: LinkSecurity = ON_THIS_HOST) -> str:
-    """What the remote site answers to an operator (this host's by default); TransportError when it refuses."""
-    check_cell_name(cell)
+    """The remote site's reply to an operator (this host's by default); TransportError when it refuses."""
     name = check_cell_name(operator or host_operator(), "operator")
-    with open_link(connect=(endpoint,), security=security) as link:
-        reply = _ask(link, cell, name)
-        if reply.code == AWAKE_AGAIN:
-            time.sleep(SETTLE_S)
-            reply = _ask(link, cell, name)
+    make = partial(EngagementRequest, operator=name, action=EngagementAction.ENGAGE)
+    with link_to(cell, endpoint, security) as link:
+        reply = RequestClient(link, cell, RemoteClock(link, cell)).ask(ENGAGEMENT, make)
     if not reply.done:
         raise TransportError(f"not engaged ({reply.code}): {reply.reason}")
     return f"engaged: {reply.reason}"
@@ -31,21 +26,10 @@ def request_engage(cell: str, endpoint: str, operator: str = "", security: LinkS
 def request_maintenance(
     cell: str, endpoint: str, action: EngagementAction, name: str, security: LinkSecurity = ON_THIS_HOST
 ) -> str:
-    """What the remote site answers to somebody of the maintenance; TransportError when it refuses."""
-
-    def request(number: int, deadline_ns: int) -> EngagementRequest:
-        return EngagementRequest(id=number, deadline_ns=deadline_ns, operator=name, action=action)
-
-    with open_link(connect=(endpoint,), security=security) as link:
-        reply = ask_remote(link, check_cell_name(cell), MAINTENANCE, request)
+    """The remote site's reply to somebody of the maintenance; TransportError when it refuses."""
+    make = partial(EngagementRequest, operator=name, action=action)
+    with link_to(cell, endpoint, security) as link:
+        reply = RequestClient(link, cell, RemoteClock(link, cell)).ask(MAINTENANCE, make)
     if not reply.done:
         raise TransportError(f"refused ({reply.code}): {reply.reason}")
     return reply.reason
-
-
-def _ask(link: Link, cell: str, operator: str) -> Reply:
-    def request(number: int, deadline_ns: int) -> EngagementRequest:
-        action = EngagementAction.ENGAGE
-        return EngagementRequest(id=number, deadline_ns=deadline_ns, operator=operator, action=action)
-
-    return ask_remote(link, cell, ENGAGEMENT, request)

@@ -1,21 +1,24 @@
-"""Who may operate a cell: shows the lease, and does what an operator decides about it at the own local site."""
+"""Shows who holds the lease of a cell, and carries out what an operator decides about it at the own local site."""
 
 import time
+from functools import partial
 
 from common.clock import NS_PER_S
 from common.errors import MessageError, TransportError
-from common.link.channels import OPERATE, STATE, check_cell_name
+from common.link.channels import OPERATE, STATE
 from common.link.config import ON_THIS_HOST, LinkSecurity
-from common.link.transport import Link, open_link
+from common.link.request_client import PATIENCE_NS, RequestClient
+from common.link.transport import Link
 from common.messages.requests import OperatorAction, OperatorRequest
 from common.messages.robot import RobotState
-from farhand.commands.asking import PATIENCE_NS, POLL_S, ask_local
+from farhand.commands.asking import link_to
+
+POLL_S = 0.05
 
 
 def show_lease(cell: str, endpoint: str, security: LinkSecurity = ON_THIS_HOST) -> str:
-    """Who holds the lease, for how long still, who asks for it, and how well the clocks are known."""
-    check_cell_name(cell)
-    with open_link(connect=(endpoint,), security=security) as link:
+    """Who holds the lease, how long it still lasts, who asks for it, and how accurately the clocks are known."""
+    with link_to(cell, endpoint, security) as link:
         return describe_lease(_state(link, cell))
 
 
@@ -27,7 +30,7 @@ def describe_lease(state: RobotState) -> str:
     left_s = (state.lease.expires_ns - state.t_ns) / NS_PER_S
     words = [f"{state.lease.holder} holds the lease, {left_s:.1f} s until it expires or is renewed"]
     if state.lease.asked_by is not None:
-        words.append(f"{state.lease.asked_by} asks for it; {state.lease.holder} consents by: farhand lease give")
+        words.append(f"{state.lease.asked_by} asks for it; {state.lease.holder} consents with: farhand lease give")
     if state.clock is not None:
         words.append(
             f"clocks: remote minus local {state.clock.remote_minus_local_ns / 1e6:.3f} ms, "
@@ -37,14 +40,9 @@ def describe_lease(state: RobotState) -> str:
 
 
 def act_on_lease(cell: str, endpoint: str, action: OperatorAction, security: LinkSecurity = ON_THIS_HOST) -> str:
-    """What came of the operator's act, as the local site at `endpoint` tells; TransportError with code when refused."""
-    check_cell_name(cell)
-
-    def request(number: int, deadline_ns: int) -> OperatorRequest:
-        return OperatorRequest(id=number, deadline_ns=deadline_ns, action=action)
-
-    with open_link(connect=(endpoint,), security=security) as link:
-        reply = ask_local(link, cell, OPERATE, request)
+    """The reply of the local site at `endpoint` to the operator's act; TransportError with its code when refused."""
+    with link_to(cell, endpoint, security) as link:
+        reply = RequestClient(link, cell).ask(OPERATE, partial(OperatorRequest, action=action))
     if not reply.done:
         raise TransportError(f"refused ({reply.code}): {reply.reason}")
     return reply.reason
@@ -61,5 +59,4 @@ def _state(link: Link, cell: str) -> RobotState:
         if state is not None:
             return state
         time.sleep(POLL_S)
-    link.check_connected()
-    raise TransportError(f"nobody tells a state: is the remote site of cell {cell} running?")
+    raise TransportError(f"nobody publishes a state: is the remote site of cell {cell} running?")

@@ -9,7 +9,8 @@ from typing import TypeVar
 import simplejpeg
 
 from common.link.channels import CAMERA, HAND, STATE
-from common.link.transport import Latest, Link
+from common.link.pubsub import Latest
+from common.link.transport import Link
 from common.messages.base import Message
 from common.messages.hand import HandArm
 from common.messages.robot import RobotState

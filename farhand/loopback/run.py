@@ -16,6 +16,7 @@ from common.clock import NS_PER_MS, NS_PER_S
 from common.config import load_config
 from common.errors import InterruptionError, ProcessError
 from common.geometry import Array
+from common.link.channels import ChannelSession
 from common.link.transport import open_link
 from common.messages.robot import Engagement, SessionState
 from common.process.service import StopFlag
@@ -166,7 +167,7 @@ class Loopback:
             stack.callback(self._end)
             self._start("remote", self._plan.remote, ["--config", str(self._plan.arm)] if self._plan.arm else [])
             control = stack.enter_context(open_link(connect=self._plan.control))
-            video = stack.enter_context(open_link(connect=self._plan.video))
+            video = stack.enter_context(open_link(connect=self._plan.video, sessions=[ChannelSession.VIDEO]))
             self.record = Recorder(control, video, CELL, tuple(c.name for c in remote.video.cameras)).record
             self._wait("the remote site to start", START_TIMEOUT_S, lambda: bool(self.record.states))
             if self._should_stop():

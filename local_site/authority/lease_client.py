@@ -1,18 +1,20 @@
-"""The local site's standing with the remote one, kept in a thread of its own: lease, clock offset, protocol."""
+"""Keeps the lease and the clock offset in a thread, and ends the site before a cell of another protocol."""
 
 import contextvars
-import secrets
 import threading
 import time
 from dataclasses import dataclass
+from functools import partial
 from types import TracebackType
 from typing import Self
 
 import structlog
 
-from common.clock import NS_PER_MS, NS_PER_S, ClockEstimate, OffsetEstimator
+from common.clock import NS_PER_MS, NS_PER_S, ClockEstimate
 from common.errors import ProcessError, RefusedError, TransportError
 from common.link.channels import DESCRIBE, LEASE, OPERATE
+from common.link.remote_clock import RemoteClock
+from common.link.request_client import RequestClient
 from common.link.transport import Link
 from common.messages.hand import ClockSync
 from common.messages.requests import (
@@ -24,40 +26,39 @@ from common.messages.requests import (
     OperatorRequest,
     Reply,
 )
-from common.process.refusal_log import RefusalLog
-from local_site.authority.lease_policy import INSIST_NS, LeaseKeeper
+from common.process.log import RefusalLog
+from local_site.authority.lease_policy import INSIST_NS, LeasePolicy
 
 POLL_S = 0.02
 CLOCK_EVERY_NS = 200 * NS_PER_MS
 PATIENCE_NS = NS_PER_S
-REQUEST_BITS = 62
-ROUNDS_TO_DOUBT = 25  # of silence, until the reason is looked for: some six seconds
+ROUNDS_TO_DOUBT = 25  # of silence, until it looks for the reason: about six seconds
 ACTIONS = {OperatorAction.GIVE: LeaseAction.HAND_OVER, OperatorAction.RELEASE: LeaseAction.RELEASE}
 
 
 @dataclass(frozen=True, slots=True)
 class Standing:
-    """What goes into every sample: the lease's number (0 without one), and the clocks' offset where it is known."""
+    """What every sample carries: the lease's number (0 without one), and the clock offset where it is known."""
 
     lease: int = 0
     clock: ClockSync | None = None
 
 
 class Authority:
-    """Asks who this site is to the remote one, as long as the block around it lasts; gives the lease back at its end.
+    """Acquires and renews the lease while its block lasts, and releases it at the end.
 
     `session` is the number that this site's samples carry, `operator` the name shown to others.
     """
 
     def __init__(self, link: Link, cell: str, operator: str, session: int, *, automatic: bool) -> None:
         self.session = session
-        self._link, self._cell, self._operator = link, cell, operator
-        self._keeper = LeaseKeeper(operator, automatic=automatic)
-        self._estimator = OffsetEstimator()
-        self._server = link.serve(OPERATE, cell, RefusalLog("a message is refused").note, operator)
-        self._clock_due_ns = self._silent = 0
+        self._link, self._cell = link, cell
+        self._policy = LeasePolicy(operator, automatic=automatic)
+        self._remote_clock = RemoteClock(link, cell, ROUNDS_TO_DOUBT)
+        self._client = RequestClient(link, cell, self._remote_clock, patience_ns=PATIENCE_NS)
+        self._server = link.serve(OPERATE, cell, RefusalLog().note, operator)
+        self._clock_due_ns = 0
         self._described = False
-        self._clock: ClockSync | None = None
         self._refused: RefusedError | None = None
         self._stop = threading.Event()
         self._thread = threading.Thread(
@@ -75,18 +76,19 @@ class Authority:
         self._thread.join()
 
     def standing(self, now_ns: int) -> Standing:
-        """Lease and clock as known now; RefusedError when the remote site speaks another protocol."""
+        """Lease and clock as known now; RefusedError when both sites cannot or may not talk to each other."""
         if self._refused is not None:
             raise self._refused
         if not self._thread.is_alive():
             raise ProcessError("the thread that keeps the lease has died")
-        return Standing(self._keeper.held(now_ns), self._clock)
+        known = self._remote_clock.estimate(now_ns)
+        return Standing(self._policy.held(now_ns), _sync(known) if known is not None else None)
 
     def _run(self) -> None:
         try:
             while not self._stop.wait(POLL_S):
                 self._step(time.monotonic_ns())
-            if self._keeper.held(time.monotonic_ns()):
+            if self._policy.held(time.monotonic_ns()):
                 self._request(LeaseAction.RELEASE)
         except RefusedError as error:
             self._refused = error
@@ -94,30 +96,21 @@ class Authority:
     def _step(self, now_ns: int) -> None:
         if now_ns >= self._clock_due_ns:
             self._measure(now_ns)
-        action = self._keeper.due(now_ns)
+        action = self._policy.due(now_ns)
         if action is not None and (action is LeaseAction.RENEW or self._is_described()):
             self._request(action)
         self._server.poll(time.monotonic_ns(), self._operate)
 
     def _measure(self, now_ns: int) -> None:
         self._clock_due_ns = now_ns + CLOCK_EVERY_NS
-        trip = self._link.round_trip(self._cell)
-        self._silent = 0 if trip is not None else self._silent + 1
-        if trip is not None:
-            self._estimator.add(trip)
-        elif self._silent % ROUNDS_TO_DOUBT == 0:
-            self._link.check_connected()
-            if self._silent == ROUNDS_TO_DOUBT and not self._described:
-                structlog.get_logger().warning(
-                    "the remote site does not answer",
-                    cell=self._cell,
-                    cure="start it, and see that cell and endpoint are its",
-                )
-        known = self._estimator.estimate(time.monotonic_ns())
-        self._clock = _sync(known) if known is not None else None
+        self._remote_clock.measure()
+        if self._remote_clock.silent_rounds == ROUNDS_TO_DOUBT and not self._described:
+            structlog.get_logger().warning(
+                "the remote site does not answer", cell=self._cell, cure="start it, and check the cell and the endpoint"
+            )
 
     def _is_described(self) -> bool:
-        """Ask once per acquaintance what the cell is: another protocol is found out before anything moves."""
+        """Ask for the cell's description once, so that another protocol is noticed before anything moves."""
         if not self._described:
             cell = self._link.ask(DESCRIBE, self._cell, DescribeQuestion())
             if cell is None:
@@ -129,33 +122,24 @@ class Authority:
         return True
 
     def _request(self, action: LeaseAction) -> LeaseReply | None:
-        """Ask the remote site; None while its clock is not known or it does not answer."""
+        """Send a request; None while the remote clock is not known or nobody answers."""
         asked_ns = time.monotonic_ns()
-        known = self._estimator.estimate(asked_ns)
-        if known is None:
+        if self._remote_clock.estimate(asked_ns) is None:
             return None
-        give_up_ns = asked_ns + PATIENCE_NS
-        request = LeaseRequest(
-            id=secrets.randbits(REQUEST_BITS),
-            deadline_ns=give_up_ns + known.offset.offset_ns,
-            action=action,
-            session=self.session,
-            operator=self._operator,
-            lease=self._keeper.held(asked_ns),
-        )
-        had = request.lease
-        self._keeper.asked(asked_ns)
+        held = self._policy.held(asked_ns)
+        make = partial(LeaseRequest, action=action, session=self.session, operator=self._policy.operator, lease=held)
+        self._policy.asked(asked_ns)
         try:
-            reply = self._link.request(LEASE, self._cell, request, give_up_ns)
+            reply = self._client.ask(LEASE, make)
         except RefusedError:
             raise
         except TransportError:
             return None
-        self._keeper.heard(reply, asked_ns)
-        self._tell(had, reply)
+        self._policy.heard(reply, asked_ns)
+        self._log(held, reply)
         return reply
 
-    def _tell(self, had: int, reply: LeaseReply) -> None:
+    def _log(self, had: int, reply: LeaseReply) -> None:
         if reply.lease == had and reply.done:
             return
         self._described = self._described and reply.lease != 0
@@ -163,19 +147,19 @@ class Authority:
         (log.info if reply.done else log.warning)("lease", code=reply.code, reason=reply.reason)
 
     def _operate(self, request: OperatorRequest) -> Reply:
-        """An act of the operator: the remote site's own answer is passed on."""
+        """Carry out an act of the operator; the reply is the remote site's."""
         if request.action is OperatorAction.TAKE:
-            self._keeper.insist(time.monotonic_ns())
+            self._policy.insist(time.monotonic_ns())
             answer = self._request(LeaseAction.ACQUIRE) if self._is_described() else None
         else:
             answer = self._request(ACTIONS[request.action])
             if answer is not None and answer.done:
-                self._keeper.rest()
+                self._policy.rest()
         if answer is None:
             silent = "the remote site does not answer the local one"
             return Reply(id=request.id, done=False, code="silent", reason=silent)
         waits = request.action is OperatorAction.TAKE and not answer.done
-        reason = f"{answer.reason}; this site asks on for {INSIST_NS // NS_PER_S} s" if waits else answer.reason
+        reason = f"{answer.reason}; this site keeps asking for {INSIST_NS // NS_PER_S} s" if waits else answer.reason
         return Reply(id=request.id, done=answer.done, code=answer.code, reason=reason)
 
 

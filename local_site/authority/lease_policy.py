@@ -1,4 +1,4 @@
-"""What the local site does about the lease of the cell, and when; pure."""
+"""When the local site acquires and renews the lease of the cell; pure."""
 
 from dataclasses import dataclass
 
@@ -12,22 +12,22 @@ INSIST_NS = 60 * NS_PER_S
 
 @dataclass(frozen=True, slots=True)
 class HeldLease:
-    """The lease that this site holds, and until when by its own clock, counted from the asking: never too long."""
+    """The lease that this site holds; times by its own clock, counted from the request, so that it never ends late."""
 
     number: int
     expires_ns: int
     renew_ns: int
 
 
-class LeaseKeeper:
-    """Asks for the lease, renews it, and gives up when another operator has it, unless told to insist.
+class LeasePolicy:
+    """Decides when to acquire and renew the lease; gives up when another operator has it, unless `insist` was called.
 
-    `automatic` asks by itself whenever this site holds no lease. A refusal that names another operator ends that: who
-    waits must not become the operator only because the other's link was down for a few seconds.
+    With `automatic` it asks whenever this site holds no lease. A refusal that names another operator ends that: nobody
+    should become the operator only because the other's link was down for a few seconds.
     """
 
     def __init__(self, operator: str, *, automatic: bool) -> None:
-        self._operator = operator
+        self.operator = operator
         self._wanted = automatic
         self._insist_until_ns = 0
         self._asked_ns: int | None = None
@@ -39,7 +39,7 @@ class LeaseKeeper:
         return lease.number if lease is not None and now_ns < lease.expires_ns else 0
 
     def due(self, now_ns: int) -> LeaseAction | None:
-        """What to ask of the remote site now."""
+        """What to request from the remote site now; None for nothing."""
         if self._lease is not None and now_ns >= self._lease.expires_ns:
             self._lease = None
         if self._lease is not None:
@@ -49,29 +49,29 @@ class LeaseKeeper:
         return LeaseAction.ACQUIRE if wanted and rested else None
 
     def asked(self, now_ns: int) -> None:
-        """A request goes out now, whether or not it will be answered."""
+        """A request is sent now, whether or not it will be answered."""
         self._asked_ns = now_ns
         if self._lease is not None:
             renew_ns = now_ns + (self._lease.expires_ns - now_ns) // RENEWALS_PER_LEASE
             self._lease = HeldLease(self._lease.number, self._lease.expires_ns, renew_ns)
 
     def heard(self, reply: LeaseReply, asked_ns: int) -> None:
-        """Take the answer to a request that went out at `asked_ns`."""
+        """Take the reply to a request that was sent at `asked_ns`."""
         if reply.lease:
             step_ns = reply.lasts_ns // RENEWALS_PER_LEASE
             self._lease = HeldLease(reply.lease, asked_ns + reply.lasts_ns, asked_ns + step_ns)
             self._insist_until_ns = 0
             return
         self._lease = None
-        if reply.holder not in ("", self._operator):
+        if reply.holder not in ("", self.operator):
             self._wanted = False
 
     def insist(self, now_ns: int) -> None:
-        """The operator wants the lease: ask for it for a minute, so that its holder can consent."""
+        """The operator wants the lease: keep asking for a minute, so that its holder can consent."""
         self._insist_until_ns = now_ns + INSIST_NS
         self._asked_ns = None
 
     def rest(self) -> None:
-        """The operator gives the lease away: do not ask for it again by itself."""
+        """The operator gives the lease away: do not ask for it again automatically."""
         self._wanted = False
         self._insist_until_ns = 0

@@ -1,24 +1,45 @@
-"""What the local site hears of the remote one: whether it is there, and why the arm does what it does."""
+"""What the local site logs of the remote one: whether it is there, and why the arm does what it does."""
 
 from collections.abc import Callable
+from dataclasses import dataclass
 
 import structlog
 
 from common.clock import NS_PER_S
 from common.errors import MessageError
 from common.link.channels import STATE
-from common.link.transport import Latest
+from common.link.pubsub import Latest
 from common.messages.robot import RobotState
-from common.process.health import ChannelHealth
-from common.process.refusal_log import RefusalLog
+from common.process.log import RefusalLog
 
 CODES_APART_NS = NS_PER_S  # near a limit a reason comes and goes with every sample
+
+
+@dataclass
+class ChannelHealth:
+    """Whether a channel is alive: it falls silent `stale_after_ns` after its last message."""
+
+    stale_after_ns: int
+    last_ns: int | None = None
+    alive: bool = False
+
+    def seen(self, now_ns: int) -> None:
+        """A valid message came."""
+        self.last_ns = now_ns
+
+    def change(self, now_ns: int) -> bool | None:
+        """True when the channel has just come alive, False when it has just fallen silent, None without a change."""
+        alive = self.last_ns is not None and now_ns - self.last_ns <= self.stale_after_ns
+        if alive == self.alive:
+            return None
+        self.alive = alive
+        return alive
 
 
 class RemoteWatch:
     """Logs when the remote site comes, falls silent or changes its state, and who asks this site for the lease.
 
-    `engaged` is told the time of the hand's origin (ns) while the arm obeys this session or waits for it.
+    `engaged` gets the time of the hand's origin (ns) while the arm obeys this session or waits for it.
     """
 
     def __init__(self, states: Latest[RobotState], session: int, engaged: Callable[[int], None]) -> None:
@@ -27,12 +48,12 @@ class RemoteWatch:
         self._engaged = engaged
         self._asker: str | None = None
         self._health = ChannelHealth(STATE.stale_after_ns)
-        self._told: tuple[str, str] | None = None
-        self._told_ns = 0
+        self._logged: tuple[str, str] | None = None
+        self._logged_ns = 0
         self._refusals = RefusalLog("state refused")
 
     def look(self, now_ns: int) -> None:
-        """Take the newest state, and tell what has changed."""
+        """Take the newest state, and log what has changed."""
         try:
             state = self._states.take()
         except MessageError as error:
@@ -40,19 +61,19 @@ class RemoteWatch:
             return
         if state is not None:
             self._health.seen(now_ns)
-            self._tell(state, now_ns)
+            self._log(state, now_ns)
         alive = self._health.change(now_ns)
         if alive is False:
-            self._told = None
+            self._logged = None
             structlog.get_logger().warning("the remote site is silent", for_ms=STATE.stale_after_ns // 1_000_000)
         elif alive:
             structlog.get_logger().info("the remote site is there")
 
-    def _tell(self, state: RobotState, now_ns: int) -> None:
+    def _log(self, state: RobotState, now_ns: int) -> None:
         news = (state.state.value, state.code)
-        changed = self._told is None or news[0] != self._told[0]
-        if changed or (news != self._told and now_ns - self._told_ns >= CODES_APART_NS):
-            self._told, self._told_ns = news, now_ns
+        changed = self._logged is None or news[0] != self._logged[0]
+        if changed or (news != self._logged and now_ns - self._logged_ns >= CODES_APART_NS):
+            self._logged, self._logged_ns = news, now_ns
             structlog.get_logger().info("remote", state=state.state.value, code=state.code, reason=state.reason)
         lease = state.lease
         ours = lease is not None and lease.session == self._session

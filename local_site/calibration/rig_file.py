@@ -4,8 +4,8 @@ from pathlib import Path
 
 import msgspec
 
+from common.atomic_file import write_atomically
 from common.errors import CalibrationError
-from common.whole_file import write_whole
 from local_site.calibration.checks import rig_mistakes
 from local_site.calibration.rig import Rig
 
@@ -29,6 +29,6 @@ def save_rig(rig: Rig, path: Path) -> None:
     """Write a rig file, readable by a person; an earlier one is replaced only by a complete one."""
     text = msgspec.json.format(msgspec.json.encode(rig), indent=2) + b"\n"
     try:
-        write_whole(path.resolve(), text)
+        write_atomically(path.resolve(), text)
     except OSError as error:
         raise CalibrationError(f"cannot write the rig {path}: {error.strerror}; choose another path") from error

@@ -17,16 +17,13 @@ from common.link.channels import (
     INTENT,
     SHOWN,
     STATE,
+    ChannelSession,
 )
 from common.link.credentials import check_links
 from common.link.transport import Link, open_link
 from common.messages.requests import Description
-from common.process.service import (
-    LogFormat,
-    StopFlag,
-    notify,
-    start_log,
-)
+from common.process.log import LogFormat, start_log
+from common.process.service import StopFlag, notify
 from local_site.console.acts import Acts
 from local_site.console.cell_watch import CellWatch
 from local_site.console.config import ConsoleConfig
@@ -123,7 +120,9 @@ class ConsoleThread:
             links, listeners = self._config.links, Listeners(loop)
             stack.callback(listeners.join)
             control = stack.enter_context(open_link(connect=(links.control, links.local), security=links))
-            video = stack.enter_context(open_link(connect=(links.video,), security=links))
+            video = stack.enter_context(
+                open_link(connect=(links.video,), security=links, sessions=[ChannelSession.VIDEO])
+            )
             hub, desk = _wire(self._config, control, video, listeners, stack)
             self._server = make_server(hub, self._config.serve, self._port)
             async with asyncio.TaskGroup() as group:

@@ -1,27 +1,27 @@
-"""The console's acquaintance with the cell, kept in a thread of its own: the clocks' offset, and what the cell is."""
+"""Keeps the clock offset and the cell's description for the console, in a thread."""
 
 import threading
-import time
 from collections.abc import Callable
 from types import TracebackType
 from typing import Self
 
 import structlog
 
-from common.clock import NS_PER_MS, ClockEstimate, OffsetEstimator, RoundTrip
+from common.clock import NS_PER_MS, ClockEstimate
 from common.errors import RefusedError
 from common.link.channels import DESCRIBE
+from common.link.remote_clock import RemoteClock
 from common.link.transport import Link
 from common.messages.requests import DescribeQuestion, Description
 
 EVERY_S = 0.2
-ROUNDS_TO_DOUBT = 10  # of silence, until the reason is looked for
+ROUNDS_TO_DOUBT = 10  # of silence, until it looks for the reason
 
 
 class CellWatch:
-    """Asks the remote site's clock five times a second as long as the block lasts, and what it is after each silence.
+    """Measures the remote clock five times a second while its block lasts; asks for a description after each silence.
 
-    `described` hears the description, `refused` the sentence of a cell of another release; both in the thread.
+    `described` gets the description, `refused` the sentence of a cell of another release; both in the thread.
     """
 
     def __init__(
@@ -29,10 +29,8 @@ class CellWatch:
     ) -> None:
         self._link, self._cell = link, cell
         self._described, self._refused = described, refused
-        self._estimator = OffsetEstimator()
-        self._lock = threading.Lock()
+        self.clock = RemoteClock(link, cell, ROUNDS_TO_DOUBT)
         self._known: Description | None = None
-        self._silent = 0
         self._stop = threading.Event()
         self._thread = threading.Thread(target=self._run, name="cell", daemon=True)
         self.round_trip_ms: float | None = None
@@ -49,40 +47,25 @@ class CellWatch:
 
     def estimate(self, now_ns: int) -> ClockEstimate | None:
         """The remote clock minus ours; None while it is not known."""
-        with self._lock:
-            return self._estimator.estimate(now_ns)
-
-    def ask_now(self) -> ClockEstimate | None:
-        """Ask once at once, for what cannot wait for the next round."""
-        self._add(self._link.round_trip(self._cell))
-        return self.estimate(time.monotonic_ns())
+        return self.clock.estimate(now_ns)
 
     def _run(self) -> None:
-        told = ""
+        logged = ""
         while not self._stop.wait(EVERY_S):
             try:
                 self._look()
             except RefusedError as error:
-                if told != str(error):
-                    told = str(error)
-                    structlog.get_logger().error("the cell is refused", reason=told)
-                    self._refused(told)
+                if logged != str(error):
+                    logged = str(error)
+                    structlog.get_logger().error("the cell is refused", reason=logged)
+                    self._refused(logged)
 
     def _look(self) -> None:
-        trip = self._link.round_trip(self._cell)
-        self._add(trip)
-        self._silent = 0 if trip is not None else self._silent + 1
+        trip = self.clock.measure()
+        self.round_trip_ms = None if trip is None else trip.duration_ns / NS_PER_MS
         if trip is None:
             self._known = None
-            if self._silent % ROUNDS_TO_DOUBT == 0:
-                self._link.check_connected()
         elif self._known is None:
             self._known = self._link.ask(DESCRIBE, self._cell, DescribeQuestion())
             if self._known is not None:
                 self._described(self._known)
-
-    def _add(self, trip: RoundTrip | None) -> None:
-        self.round_trip_ms = None if trip is None else trip.duration_ns / NS_PER_MS
-        if trip is not None:
-            with self._lock:
-                self._estimator.add(trip)

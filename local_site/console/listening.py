@@ -1,4 +1,4 @@
-"""Brings messages from the links' threads into the event loop: the newest only, whatever the loop is doing."""
+"""Passes messages from the links' threads to the event loop: only the newest, however busy the loop is."""
 
 import asyncio
 import threading
@@ -7,9 +7,9 @@ from collections.abc import Callable
 from typing import Generic, TypeVar
 
 from common.errors import MessageError, TransportError
-from common.link.transport import Latest
+from common.link.pubsub import Latest
 from common.messages.base import Message
-from common.process.refusal_log import RefusalLog
+from common.process.log import RefusalLog
 
 M = TypeVar("M", bound=Message)
 
@@ -17,7 +17,7 @@ JOIN_S = 0.5
 
 
 class Handover(Generic[M]):
-    """Hands the newest message to `take` in the loop; one that the loop had no time for is replaced."""
+    """Passes the newest message to `take` in the loop; it replaces one that still waits."""
 
     def __init__(self, loop: asyncio.AbstractEventLoop, take: Callable[[M], None]) -> None:
         self._loop, self._take = loop, take
@@ -25,7 +25,7 @@ class Handover(Generic[M]):
         self._newest: M | None = None
 
     def put(self, message: M) -> None:
-        """Leave a message for the loop; call from any thread."""
+        """Queue a message for the loop; may be called from any thread."""
         with self._lock:
             scheduled, self._newest = self._newest is not None, message
         if not scheduled:
@@ -39,31 +39,31 @@ class Handover(Generic[M]):
 
 
 class Listeners:
-    """A thread for each subscription; they end when their links are closed."""
+    """One thread per subscription, until its link is closed."""
 
     def __init__(self, loop: asyncio.AbstractEventLoop) -> None:
         self._loop = loop
         self._threads: list[threading.Thread] = []
 
     def listen(self, latest: Latest[M], take: Callable[[M], None]) -> None:
-        """Hand over what comes, until the link or the loop is closed."""
+        """Pass on each message, until the link or the loop is closed."""
         thread = threading.Thread(target=_listen, args=(latest, Handover(self._loop, take)), name="listen", daemon=True)
         thread.start()
         self._threads.append(thread)
 
     def join(self) -> None:
-        """Wait for the threads once the links are closed: none may be left inside a link when the process ends."""
+        """Wait for the threads once the links are closed: none may still use a link when the process ends."""
         deadline = time.monotonic() + JOIN_S
         for thread in self._threads:
             thread.join(max(0.0, deadline - time.monotonic()))
 
 
 def _listen(latest: Latest[M], handover: Handover[M]) -> None:
-    refusals = RefusalLog("a message is refused")
+    refusals = RefusalLog()
     while True:
         try:
             handover.put(latest.wait())
         except MessageError as error:
             refusals.note(error)
-        except (TransportError, RuntimeError):  # the link, or the loop, is closed: the console ends
+        except (TransportError, RuntimeError):  # the link or the loop is closed
             return

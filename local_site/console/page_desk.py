@@ -14,7 +14,7 @@ from common.messages.hand import Intent, OperatorIntent
 from common.messages.requests import (
     EngagementAction,
     OperatorAction,
-    PictureShare,
+    PicturePoint,
     Reply,
 )
 from common.messages.video import VideoFrame, ViewsShown
@@ -47,7 +47,7 @@ class Acting(Protocol):
 
     def lease(self, action: OperatorAction) -> Reply: ...
 
-    def joints(self, shoulder: PictureShare, elbow: PictureShare, wrist: PictureShare) -> Reply: ...
+    def joints(self, shoulder: PicturePoint, elbow: PicturePoint, wrist: PicturePoint) -> Reply: ...
 
 
 @dataclass(frozen=True, slots=True)

@@ -9,7 +9,7 @@ from msgspec.structs import replace
 from common.errors import MessageError
 from common.messages.base import Count, Name
 from common.messages.hand import Intent
-from common.messages.requests import EngagementAction, OperatorAction, PictureShare
+from common.messages.requests import EngagementAction, OperatorAction, PicturePoint
 
 Milliseconds = Annotated[float, Meta(ge=0, le=1e15)]
 
@@ -63,9 +63,9 @@ class MarkJoints(PageMessage, frozen=True, tag="mark_joints"):
     """Where the joints are in the operator's picture, for a tracker of one camera; `id` comes back with the answer."""
 
     id: Count
-    shoulder: PictureShare
-    elbow: PictureShare
-    wrist: PictureShare
+    shoulder: PicturePoint
+    elbow: PicturePoint
+    wrist: PicturePoint
 
 
 class TakeSeat(PageMessage, frozen=True, tag="take_seat"):

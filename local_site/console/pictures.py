@@ -3,7 +3,7 @@
 import threading
 from collections.abc import Callable
 
-from common.link.channels import CAMERA, PREVIEW
+from common.link.channels import CAMERA, PREVIEW, ChannelSession
 from common.link.transport import open_link
 from common.messages.video import VideoFrame
 from local_site.calibration.control_points import CAMERAS
@@ -53,7 +53,8 @@ class Pictures:
     def _run(self) -> None:
         while self._wait_until(lambda: self._watched):
             names = self._names
-            with open_link(connect=(self._links.video, self._links.local), security=self._links) as link:
+            endpoints = self._links.video, self._links.local
+            with open_link(connect=endpoints, security=self._links, sessions=list(ChannelSession)) as link:
                 for name in names:
                     self._listeners.listen(link.latest(CAMERA, self._cell, name), self._camera)
                 for name in CAMERAS if link.may_hear(PREVIEW) else ():

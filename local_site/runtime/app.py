@@ -25,14 +25,8 @@ from common.link.roles import Identity, Role
 from common.link.transport import Link, open_link
 from common.messages.hand import TrackingStatus
 from common.process.children import Children, Heartbeat
-from common.process.refusal_log import RefusalLog
-from common.process.service import (
-    LogFormat,
-    StopFlag,
-    ask_for_real_time,
-    notify,
-    start_log,
-)
+from common.process.log import LogFormat, RefusalLog, start_log
+from common.process.service import StopFlag, ask_for_real_time, notify
 from local_site.acquisition.capture import Capture
 from local_site.acquisition.rig_cameras import of_one_camera, open_rig_cameras
 from local_site.authority.lease_client import Authority
@@ -126,7 +120,7 @@ def _run(config: LocalConfig, should_stop: StopFlag, save_views: Path | None) ->
 
 
 def _metrics(config: LocalConfig, should_stop: StopFlag, heartbeat: Heartbeat) -> None:
-    from common.process.metrics.serving import run_metrics  # noqa: PLC0415  # only who asks for figures waits for it
+    from common.process.metrics import run_metrics  # noqa: PLC0415  # only who asks for figures waits for it
     from local_site.runtime.figures import LocalFigures  # noqa: PLC0415  # the same
 
     port, links, beat = config.metrics.port, config.links, heartbeat.beat
@@ -192,7 +186,7 @@ class LocalSite:
         self._profiles = ProfileKeeper(config.tracking.profile_dir, config.authority.name, _warn_of_profile)
         self._tracker = make_tracker(operator.rig, operator.tracking, self._profiles.known)
         name = config.authority.name
-        refused = RefusalLog("a message is refused").note
+        refused = RefusalLog().note
         self._clicks = JointClicks(link.serve(JOINTS, config.cell, refused, name), self._tracker)
         self._drift = DriftWatch(operator.rig, config.drift, _warn_of_drift)
         self._smoother = make_smoother(config.smoothing)

@@ -7,7 +7,7 @@ from prometheus_client.core import CounterMetricFamily, Metric
 
 from common.clock import NS_PER_S
 from common.messages.hand import HandArm, TrackingStatus
-from common.process.metrics.families import gauge
+from common.process.metrics import gauge
 
 AGE_BUCKETS_S = (0.01, 0.02, 0.03, 0.04, 0.05, 0.06, 0.08, 0.1, 0.15, 0.2, 0.3, 0.5)
 

@@ -5,9 +5,9 @@ from pathlib import Path
 
 import msgspec
 
+from common.atomic_file import write_atomically
 from common.clock import NS_PER_S
 from common.errors import ConfigError
-from common.whole_file import write_whole
 from local_site.tracking.silhouette.operator_profile import OperatorProfile, profile_mistakes
 
 SAVE_EVERY_NS = 60 * NS_PER_S
@@ -38,7 +38,7 @@ def save_profile(profile: OperatorProfile, path: Path) -> None:
     text = msgspec.json.format(msgspec.json.encode(profile), indent=2) + b"\n"
     try:
         path.parent.mkdir(parents=True, exist_ok=True)
-        write_whole(path, text)
+        write_atomically(path, text)
     except OSError as error:
         raise ConfigError(f"cannot write the profile {path}: {error.strerror}; choose another profile_dir") from error
 

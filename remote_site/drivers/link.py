@@ -9,10 +9,10 @@ import numpy as np
 from common.clock import NS_PER_MS, NS_PER_S, Clock
 from common.geometry import Array
 from common.messages.robot import GripperState, GripperStatus
-from common.process.health import Silence
 from remote_site.drivers.driver import JointCommand
 from remote_site.drivers.faults import NOT_ACTIVATED, FaultCode, RobotFault
 from remote_site.drivers.memory import DriverMemory, DriverReport
+from remote_site.drivers.silence import Silence
 from remote_site.drivers.supervisor.supervisor import DEADLINE_NS, DriverOrder, late_call
 from remote_site.kinematics.joints import JointMotion
 from remote_site.kinematics.limits import JointLimits

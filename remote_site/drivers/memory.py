@@ -10,9 +10,9 @@ from typing import NamedTuple, Self
 import numpy as np
 
 from common.geometry import Array
-from common.process.shared_record import SharedRecord
 from remote_site.drivers.driver import JointCommand
 from remote_site.drivers.supervisor.supervisor import DriverOrder
+from remote_site.shared_record import SharedRecord
 
 ORDERS_KEPT = 64
 WORD_BYTES = 32

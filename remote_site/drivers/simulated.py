@@ -5,10 +5,10 @@ import numpy as np
 from common.clock import NS_PER_MS, Clock
 from common.errors import DriverError
 from common.geometry import Array
-from common.process.health import Silence
-from common.process.shared_record import Record
 from remote_site.drivers.driver import Capabilities, DriverSetup, GripperReading, JointCommand, RobotReading
 from remote_site.drivers.faults import NOT_ACTIVATED, STOPPED, FaultCode, RobotFault
+from remote_site.drivers.silence import Silence
+from remote_site.shared_record import Record
 from remote_site.simulation.controller import ControllerFault
 from remote_site.simulation.memory import CellMemory
 

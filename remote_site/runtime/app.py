@@ -7,19 +7,15 @@ import msgspec
 import structlog
 
 from common.errors import FarhandError
-from common.link.channels import CAMERA, SHOWN, STATE
+from common.link.channels import CAMERA, SHOWN, STATE, ChannelSession
 from common.link.credentials import Validity, check_links
 from common.link.endpoints import check_free
+from common.link.pubsub import Publisher
 from common.link.roles import Identity, Role
-from common.link.transport import Publisher
 from common.messages.video import VideoFrame
 from common.process.children import Children, Heartbeat
-from common.process.service import (
-    LogFormat,
-    StopFlag,
-    notify,
-    start_log,
-)
+from common.process.log import LogFormat, start_log
+from common.process.service import StopFlag, notify
 from remote_site.config import RemoteConfig
 from remote_site.drivers.memory import DriverMemory
 from remote_site.drivers.registry import check_driver
@@ -46,10 +42,10 @@ def run_remote(config: RemoteConfig, should_stop: StopFlag, log_format: LogForma
     start_log("remote", log_format)
     log = structlog.get_logger()
     _check_start(config)
-    mark = CrashMarker(config.cell, config.links.control)
-    stood = mark.set()
-    if stood and config.engagement.mode is EngagementMode.AUTOMATIC:
-        log.warning("the last run did not end in order: nothing engages by itself", cure="farhand engage")
+    marker = CrashMarker(config.cell, config.links.control)
+    crashed = marker.set()
+    if crashed and config.engagement.mode is EngagementMode.AUTOMATIC:
+        log.warning("the last run crashed or was killed: nothing engages automatically", cure="farhand engage")
         config = without_automatic_engagement(config)
     memory = (
         CellMemory.create(len(config.robot.start_deg))
@@ -64,9 +60,9 @@ def run_remote(config: RemoteConfig, should_stop: StopFlag, log_format: LogForma
             children.start("cell", partial(run_cell_child, config, memory))
         children.start("driver", partial(run_driver, config, driver_memory, memory))
         tally = VideoTally([camera.name for camera in config.video.cameras])
-        board = SharedLease()
-        children.start("video", partial(_video, config, memory, tally, board))
-        children.start("control", partial(run_control, config, driver_memory, memory, board))
+        shared_lease = SharedLease()
+        children.start("video", partial(_video, config, memory, tally, shared_lease))
+        children.start("control", partial(run_control, config, driver_memory, memory, shared_lease))
         if config.metrics.port:
             children.start("metrics", partial(_metrics, config, tally), vital=False)
         children.wait_ready(READY_TIMEOUT_S, should_stop)
@@ -75,10 +71,10 @@ def run_remote(config: RemoteConfig, should_stop: StopFlag, log_format: LogForma
             notify("READY=1")
             log.info("ready", cell=config.cell, driver=config.driver.name, control=config.links.heard_at)
         _watch(children, Validity(config.links.tls), should_stop)
-        mark.clear()
+        marker.clear()
     except FarhandError as error:
-        if not (ready or stood):
-            mark.clear()  # nothing has moved, and no other run is marked
+        if not (ready or crashed):
+            marker.clear()  # nothing has moved, and this run left the only mark
         log.error("ending", reason=str(error))
         raise
     finally:
@@ -87,7 +83,7 @@ def run_remote(config: RemoteConfig, should_stop: StopFlag, log_format: LogForma
 
 
 def _check_start(config: RemoteConfig) -> None:
-    """FarhandError for what would only be found out later, and by a process of the site."""
+    """FarhandError for what would otherwise fail later, in a process of the site."""
     links, served = config.links, (config.metrics.endpoint,) if config.metrics.port else ()
     check_links(links.places, links, Identity(Role.REMOTE, config.cell))
     for endpoint in (*links.listened, *served):
@@ -108,13 +104,13 @@ def _watch(children: Children, validity: Validity, should_stop: StopFlag) -> Non
 
 
 def without_automatic_engagement(config: RemoteConfig) -> RemoteConfig:
-    """The same configuration, in which only a request engages."""
+    """The configuration with engagement on request only."""
     engagement = msgspec.structs.replace(config.engagement, mode=EngagementMode.ON_REQUEST)
     return msgspec.structs.replace(config, engagement=engagement)
 
 
 def start_robot(config: RemoteConfig, children: Children) -> RemoteConfig:
-    """Start the emulated controller where one is asked for; the configuration then names its line."""
+    """Start the emulated controller if configured; the returned configuration names its serial line."""
     if not config.driver.emulate:
         return config
     from remote_site.drivers.c500c.emulation import Emulation, Terminal, run_emulation  # noqa: PLC0415  # as below
@@ -143,12 +139,12 @@ def _video(
     config: RemoteConfig,
     memory: CellMemory | None,
     tally: VideoTally,
-    board: SharedLease,
+    shared_lease: SharedLease,
     should_stop: StopFlag,
     heartbeat: Heartbeat,
 ) -> None:
     views = SimulatedViews(config.simulation, config.robot, memory) if memory is not None else None
-    with open_site_link(config.links, config.links.video, should_stop, VIDEO_SEND_BUFFER_BYTES) as link:
+    with open_site_link(config.links, ChannelSession.VIDEO, should_stop, VIDEO_SEND_BUFFER_BYTES) as link:
         publishers: dict[str, Publisher[VideoFrame]] = {
             camera.name: link.publisher(CAMERA, config.cell, camera.name) for camera in config.video.cameras
         }
@@ -157,12 +153,12 @@ def _video(
             publishers[frame.camera].put(frame)
             tally.note(frame)
 
-        wire = VideoWire(publish, link.latest(SHOWN, config.cell).take, lambda: board.number)
+        wire = VideoWire(publish, link.latest(SHOWN, config.cell).take, lambda: shared_lease.number)
         run_video(config.video, views, wire, should_stop, heartbeat.beat)
 
 
 def _metrics(config: RemoteConfig, tally: VideoTally, should_stop: StopFlag, heartbeat: Heartbeat) -> None:
-    from common.process.metrics.serving import run_metrics  # noqa: PLC0415  # only who asks for figures waits for it
+    from common.process.metrics import run_metrics  # noqa: PLC0415  # only who asks for figures waits for it
     from remote_site.runtime.figures import RemoteFigures  # noqa: PLC0415  # the same
 
     port, figures = config.metrics.port, RemoteFigures(tally)

@@ -7,12 +7,12 @@ from collections.abc import Callable
 
 from common.clock import NS_PER_S, MonotonicClock
 from common.errors import DriverError, MessageError
-from common.link.channels import ENGAGEMENT, HAND, MAINTENANCE, STATE
+from common.link.channels import ENGAGEMENT, HAND, MAINTENANCE, STATE, ChannelSession
 from common.link.transport import Link
 from common.messages.hand import HandArm
 from common.messages.requests import EngagementRequest, Reply
 from common.process.children import Heartbeat
-from common.process.rate import Rate
+from common.process.log import RefusalLog
 from common.process.service import StopFlag, ask_for_real_time
 from remote_site.config import RemoteConfig
 from remote_site.drivers.faults import FaultCode
@@ -22,7 +22,8 @@ from remote_site.drivers.supervisor.write_scheduler import LEAST_SHARE
 from remote_site.kinematics.limits import load_arm
 from remote_site.runtime.driven_pipeline import DrivenPipeline
 from remote_site.runtime.links import open_site_link
-from remote_site.runtime.reporting import Refusals, Reporter
+from remote_site.runtime.rate import Rate
+from remote_site.runtime.reporting import Reporter
 from remote_site.runtime.request_server import RequestServer, describe
 from remote_site.session.lease import LeaseServer
 from remote_site.session.requests import SessionRequest
@@ -53,7 +54,7 @@ def run_control(
     clock = MonotonicClock()
     model, limits = load_arm(config.robot)
     driver = DriverLink(driver_memory, limits, clock)
-    with open_site_link(config.links, config.links.control, should_stop) as link:
+    with open_site_link(config.links, ChannelSession.CONTROL, should_stop) as link:
         leases = LeaseServer(round(config.lease.seconds * NS_PER_S), 1 + secrets.randbits(LEASE_BITS))
         pipeline = TeleopPipeline(config, model, limits)
         real_time = ask_for_real_time(FIFO_PRIORITY)
@@ -65,7 +66,7 @@ def run_control(
         _activate(driver, config, should_stop)
         rate = Rate(config.control.rate_hz, clock, least_share=LEAST_SHARE)
         reporter = Reporter(link.publisher(STATE, config.cell), shared_lease, config, rate, real_time=real_time)
-        refusals = Refusals(reporter.log)
+        refusals = RefusalLog()
         server = RequestServer(link, description, leases, clock, refusals.note)
         driven, inbox = DrivenPipeline(pipeline, driver), Inbox(link, config.cell, refusals)
         loop = ControlLoop(driven, leases, inbox, reporter, server, mirror)
@@ -79,7 +80,7 @@ def run_control(
 class Inbox:
     """The hand channel and the requests about the engagement; payloads that are no message are counted."""
 
-    def __init__(self, link: Link, cell: str, refusals: Refusals) -> None:
+    def __init__(self, link: Link, cell: str, refusals: RefusalLog) -> None:
         self._hand = link.latest(HAND, cell)
         self._engagement = link.serve(ENGAGEMENT, cell, refusals.note)
         self._maintenance = link.serve(MAINTENANCE, cell, refusals.note)

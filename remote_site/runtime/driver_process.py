@@ -1,13 +1,9 @@
 """The process of the robot's driver: orders in, reports out, and the stop when control is gone."""
 
-import contextvars
 import gc
 import math
-import threading
-from queue import SimpleQueue
 
 import numpy as np
-import structlog
 
 from common.clock import NS_PER_MS, NS_PER_S, Clock, MonotonicClock
 from common.errors import DriverError
@@ -15,13 +11,14 @@ from common.process.children import Heartbeat
 from common.process.service import StopFlag, ask_for_real_time
 from remote_site.config import RemoteConfig
 from remote_site.drivers.driver import DriverSetup
-from remote_site.drivers.faults import STOPPED, FaultCode, RobotFault
+from remote_site.drivers.faults import STOPPED
 from remote_site.drivers.memory import DriverMemory, DriverReport
 from remote_site.drivers.registry import DriverHost, create_driver
 from remote_site.drivers.supervisor.grip import GripSettings, GripWatch
 from remote_site.drivers.supervisor.supervisor import DriverSupervisor
 from remote_site.kinematics.limits import JointLimits
 from remote_site.kinematics.model import ArmModel
+from remote_site.runtime.transition_log import FaultLog
 from remote_site.simulation.memory import CellMemory
 
 FIFO_PRIORITY = 45  # below control, above the simulated cell
@@ -130,26 +127,3 @@ class Desk:
                 motions=motions,
             )
         )
-
-
-class FaultLog:
-    """Writes every new fault to the log from a thread of its own: no turn waits for a log."""
-
-    def __init__(self) -> None:
-        self._queue: SimpleQueue[RobotFault] = SimpleQueue()
-        self._last: RobotFault | None = None
-        context = contextvars.copy_context()
-        threading.Thread(target=context.run, args=(self._write_for_ever,), name="log", daemon=True).start()
-
-    def note(self, fault: RobotFault | None) -> None:
-        """Note the fault of a turn."""
-        # whoever asked for what was refused is told, and asks again
-        if fault is not None and fault is not self._last and not fault.calm and fault.code is not FaultCode.REFUSED:
-            self._queue.put(fault)
-        self._last = fault
-
-    def _write_for_ever(self) -> None:
-        log = structlog.get_logger()
-        while True:
-            fault = self._queue.get()
-            log.warning("robot fault", code=fault.code.value, native=fault.native, reason=fault.sentence)

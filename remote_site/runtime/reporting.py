@@ -1,17 +1,10 @@
-"""What the remote site tells of itself: the robot's state, which hand sample it obeys, and when that moved it."""
+"""Publishes the robot's state: which hand sample it obeys, and when that sample moved it."""
 
-import contextvars
 import math
 import secrets
-import threading
-from collections import Counter
-from collections.abc import Callable, Mapping
-from queue import SimpleQueue
+from collections.abc import Mapping
 
-import structlog
-
-from common.errors import MessageError
-from common.link.transport import Publisher
+from common.link.pubsub import Publisher
 from common.messages.robot import (
     LeaseState,
     LoopTiming,
@@ -20,12 +13,12 @@ from common.messages.robot import (
     RobotState,
     SessionState,
 )
-from common.process.rate import Rate
 from remote_site.config import RemoteConfig
 from remote_site.kinematics.limits import load_arm
-from remote_site.reasons import Reason
 from remote_site.runtime.driven_pipeline import DrivenPipeline
+from remote_site.runtime.rate import Rate
 from remote_site.runtime.tracing import Tracing
+from remote_site.runtime.transition_log import TransitionLog
 from remote_site.safety.collision import CollisionModel
 from remote_site.session.lease import LeaseStatus
 from remote_site.session.shared_lease import NOBODY, SharedLease
@@ -34,46 +27,6 @@ from remote_site.teleop.cycle import Snapshot
 SESSION_BITS = 62
 LATE_PERCENTILE = 99.0
 STATES_PER_TIMING = 50  # ordering thousands of latenesses does not belong in every tick
-
-
-class TransitionLog:
-    """Writes every change of the session's state to the log from a thread of its own: no tick waits for a log."""
-
-    def __init__(self) -> None:
-        self._queue: SimpleQueue[Callable[[], object]] = SimpleQueue()
-        self._state: SessionState | None = None
-        context = contextvars.copy_context()
-        threading.Thread(target=context.run, args=(self._write_for_ever,), name="log", daemon=True).start()
-
-    def note(self, state: SessionState, reason: Reason) -> None:
-        """Note the state of a tick."""
-        if state is not self._state:
-            self._state = state
-            log = structlog.get_logger()
-            words = {"state": state.value, "code": reason.code.value, "reason": reason.sentence}
-            self._queue.put(lambda: log.info("session", **words))
-
-    def warn(self, event: str, sentence: str) -> None:
-        """Write a warning."""
-        self._queue.put(lambda: structlog.get_logger().warning(event, reason=sentence))
-
-    def _write_for_ever(self) -> None:
-        while True:
-            self._queue.get()()
-
-
-class Refusals:
-    """Counts payloads that were no message by reason, and tells the first of each in the log."""
-
-    def __init__(self, log: TransitionLog) -> None:
-        self.counts: Counter[str] = Counter()
-        self._log = log
-
-    def note(self, error: MessageError) -> None:
-        """Count one."""
-        if not self.counts[error.reason]:
-            self._log.warn("a message is refused", str(error))
-        self.counts[error.reason] += 1
 
 
 class Reporter:
@@ -100,11 +53,11 @@ class Reporter:
         self._seq = 0
         self._tracing = Tracing()
         self._timing = self._measured_timing()
-        self.log = TransitionLog()
+        self._log = TransitionLog()
 
     def note(self, snapshot: Snapshot, driven: DrivenPipeline) -> None:
         """Note the command that first obeys a sample, and the reading that first shows it in the robot's motion."""
-        self.log.note(snapshot.state, snapshot.reason)
+        self._log.note(snapshot.state, snapshot.reason)
         if snapshot.obeys is not None:
             self._tracing.obey(snapshot.obeys, driven.seq, snapshot.now_ns, driven.sent)
         self._tracing.see(driven.report)
@@ -131,7 +84,7 @@ class Reporter:
                 base_T_tool=Pose.from_transform(self._model.forward(report.q)),
                 gripper=report.gripper,
                 gripper_toggles_applied=snapshot.gripper_toggles,
-                obeyed=self._tracing.told(),
+                obeyed=self._tracing.reported(),
                 engagement=snapshot.engagement,
                 rejected={code.value: count for code, count in snapshot.rejected.items()} | dict(malformed),
                 timing=self._timing,

@@ -9,10 +9,10 @@ import numpy as np
 from common.clock import NS_PER_MS, NS_PER_S
 from common.errors import ModelError
 from common.geometry import Array
-from common.process.health import Silence
-from common.process.shared_record import Record
+from remote_site.drivers.silence import Silence
 from remote_site.kinematics.joints import JointMotion
 from remote_site.safety.stopping import JointStop, joint_stop
+from remote_site.shared_record import Record
 from remote_site.simulation.config import ServoConfig
 
 

@@ -5,7 +5,7 @@ from typing import Self
 
 import numpy as np
 
-from common.process.shared_record import SharedRecord
+from remote_site.shared_record import SharedRecord
 
 BLOCK_VALUES = 7
 FINGERS = 2

@@ -3,7 +3,7 @@
 import numpy as np
 
 from common.geometry import Array
-from common.process.shared_record import SharedRecord
+from remote_site.shared_record import SharedRecord
 from remote_site.simulation.config import CellConfig
 from remote_site.simulation.memory import FINGERS
 

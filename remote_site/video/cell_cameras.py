@@ -8,7 +8,7 @@ import numpy as np
 
 from common.cameras.camera import Frame, Image
 from common.errors import CameraError
-from common.process.shared_record import Record, SharedRecord
+from remote_site.shared_record import Record, SharedRecord
 from remote_site.simulation.cell import Cell
 from remote_site.simulation.scenery import ROOM_GROUP
 from remote_site.video.clock_strip import draw_clock

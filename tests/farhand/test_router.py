@@ -16,6 +16,7 @@ from common.errors import RefusedError, TransportError
 from common.link.channels import ENGAGEMENT, HAND, STATE
 from common.link.endpoints import SECURED
 from common.link.transport import Link, open_link, open_router
+from common.messages.requests import EngagementAction
 from farhand.certificates.folder import CertificateOrder, create
 from farhand.router import RouterConfig, zenohd_configuration
 from tests.common.link.secured_cell import (
@@ -26,7 +27,7 @@ from tests.common.link.secured_cell import (
     commands_arrive,
     dishonest,
     free_port,
-    request,
+    reply_to,
     secured,
     until,
 )
@@ -77,8 +78,7 @@ def test_sites_meet_and_meet_again_after_the_router_was_restarted(meeting: Meeti
             before = meeting.cell.hands
             until(state.take)
             until(lambda: hand.put(HAND_SAMPLE) or meeting.cell.hands > before)  # noqa: B023  # called here alone
-            give_up_ns = time.monotonic_ns() + 9_000_000_000
-            assert operator.request(ENGAGEMENT, CELL, request(), give_up_ns).done
+            assert reply_to(operator, ENGAGEMENT, EngagementAction.ENGAGE).done
             meeting.router.close()
             while state.take() is not None:
                 pass

@@ -1,6 +1,5 @@
 """A pair of sites as real processes: a scripted operator, a recording driver, and everything that is heard of them."""
 
-import secrets
 import shutil
 import struct
 import subprocess
@@ -10,6 +9,7 @@ import time
 from collections.abc import Callable
 from contextlib import ExitStack
 from datetime import UTC, datetime
+from functools import partial
 from pathlib import Path
 from typing import Any
 
@@ -22,6 +22,7 @@ from common.geometry import Array, vector_from_rotation
 from common.link.channels import ENGAGEMENT
 from common.link.config import ON_THIS_HOST, LinkSecurity, TlsConfig
 from common.link.endpoints import SECURED
+from common.link.request_client import RequestClient
 from common.link.transport import open_link
 from common.messages.requests import EngagementAction, EngagementRequest, Reply
 from common.messages.robot import RobotState, SessionState
@@ -154,10 +155,8 @@ class CellPair:
 
     def ask(self, action: EngagementAction) -> Reply:
         """Ask the remote site in the operator's name."""
-        give_up_ns = time.monotonic_ns() + 3 * NS_PER_S
-        number = secrets.randbits(60)
-        request = EngagementRequest(id=number, deadline_ns=give_up_ns, operator=OPERATOR, action=action)
-        return self.link.request(ENGAGEMENT, CELL, request, give_up_ns)
+        make = partial(EngagementRequest, operator=OPERATOR, action=action)
+        return RequestClient(self.link, CELL).ask(ENGAGEMENT, make)
 
     def engage(self) -> None:
         """Have the arm follow the hand, whatever had ended it, and lead it back to where it started."""

@@ -1,16 +1,17 @@
 """Hand samples that nobody's tracker has made, and payloads that are none, on the wire of a cell."""
 
 import math
-import os
 import secrets
 import time
+from functools import partial
 from random import Random
 
 import msgpack
 import msgspec
 
-from common.clock import NS_PER_MS, NS_PER_S
+from common.clock import NS_PER_MS
 from common.link.channels import HAND, LEASE
+from common.link.request_client import RequestClient
 from common.messages.codec import encode
 from common.messages.hand import ClockSync, HandArm, TrackingStatus
 from common.messages.requests import LeaseAction, LeaseReply, LeaseRequest
@@ -115,13 +116,6 @@ def flood(pair: CellPair, seconds: float) -> None:
 
 def ask_for_lease(pair: CellPair, operator: str) -> LeaseReply:
     """What another operator's site hears when it asks for the lease."""
-    give_up_ns = time.monotonic_ns() + 3 * NS_PER_S
-    request = LeaseRequest(
-        id=int.from_bytes(os.urandom(6), "big"),
-        deadline_ns=give_up_ns,
-        action=LeaseAction.ACQUIRE,
-        session=secrets.randbits(60),
-        operator=operator,
-        lease=0,
-    )
-    return pair.link.request(LEASE, CELL, request, give_up_ns)
+    session = secrets.randbits(60)
+    make = partial(LeaseRequest, action=LeaseAction.ACQUIRE, session=session, operator=operator, lease=0)
+    return RequestClient(pair.link, CELL).ask(LEASE, make)

@@ -11,9 +11,9 @@ from common.clock import NS_PER_MS, NS_PER_S, Clock
 from common.errors import DriverError
 from common.geometry import Array
 from common.messages.robot import GripperState
-from common.process.health import Silence
 from remote_site.drivers.driver import Driver, DriverSetup, JointCommand, RobotReading
 from remote_site.drivers.faults import NOT_ACTIVATED, STOPPED, FaultCode, RobotFault
+from remote_site.drivers.silence import Silence
 from remote_site.drivers.supervisor.grip import GripWatch
 from remote_site.drivers.supervisor.write_scheduler import WriteScheduler
 from remote_site.kinematics.joints import JointMotion

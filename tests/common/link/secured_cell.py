@@ -6,27 +6,18 @@ import threading
 import time
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
+from functools import partial
 from pathlib import Path
 
 import zenoh
 
 import tests.common.messages.golden_examples as golden
-from common.link.channels import (
-    CLOCK,
-    ENGAGEMENT,
-    HAND,
-    MAINTENANCE,
-    STATE,
-)
+from common.link.channels import CLOCK, ENGAGEMENT, HAND, MAINTENANCE, STATE, Procedure
 from common.link.config import LinkSecurity, TlsConfig
+from common.link.request_client import RequestClient
 from common.link.transport import Link
 from common.messages.codec import encode
-from common.messages.requests import (
-    ClockAnswer,
-    EngagementAction,
-    EngagementRequest,
-    Reply,
-)
+from common.messages.requests import ClockAnswer, EngagementAction, EngagementRequest, Reply
 from farhand.certificates.issuing import Issued
 
 HAND_SAMPLE, ROBOT_STATE = golden.HAND, golden.STATE
@@ -114,6 +105,12 @@ def dishonest(
 def request(action: EngagementAction = EngagementAction.ENGAGE) -> EngagementRequest:
     deadline_ns = time.monotonic_ns() + 5_000_000_000
     return EngagementRequest(id=1, deadline_ns=deadline_ns, operator="eve", action=action)
+
+
+def reply_to(link: Link, procedure: Procedure[EngagementRequest, Reply], action: EngagementAction) -> Reply:
+    """The cell's reply to an honest request."""
+    client = RequestClient(link, CELL, patience_ns=round(PATIENCE_S * 1e9))
+    return client.ask(procedure, partial(EngagementRequest, operator="eve", action=action))
 
 
 def commands_arrive(session: zenoh.Session, cell: Cell) -> bool:

@@ -12,7 +12,8 @@ from structlog.testing import capture_logs
 import tests.common.messages.golden_examples as golden
 from common.clock import NS_PER_S
 from common.link.channels import CHANNELS, HAND
-from common.link.transport import Latest, Link, open_link
+from common.link.pubsub import Latest
+from common.link.transport import Link, open_link
 from common.messages.hand import HandArm
 from tests.common.link.secured_cell import free_port, until
 

@@ -11,29 +11,16 @@ import pytest
 
 import tests.common.messages.golden_examples as golden
 from common.errors import MessageError, TransportError
-from common.link.channels import (
-    CLOCK,
-    ENGAGEMENT,
-    HAND,
-    PREVIEW,
-)
+from common.link.channels import CHANNELS, CLOCK, ENGAGEMENT, HAND, PREVIEW, ChannelSession
 from common.link.config import ON_THIS_HOST
 from common.link.endpoints import check_endpoint
-from common.link.transport import (
-    Latest,
-    Link,
-    Publisher,
-    open_link,
-)
+from common.link.pubsub import Latest, Publisher
+from common.link.remote_clock import RemoteClock
+from common.link.request_client import RequestClient
+from common.link.transport import Link, open_link
 from common.messages.codec import encode
 from common.messages.hand import HandArm
-from common.messages.requests import (
-    ClockAnswer,
-    ClockQuestion,
-    EngagementAction,
-    EngagementRequest,
-    Reply,
-)
+from common.messages.requests import ClockAnswer, ClockQuestion, EngagementAction, EngagementRequest, Reply
 
 WAIT_S = 9.0
 
@@ -117,13 +104,12 @@ def serve(link: Link, handled: list[int], stop: threading.Event, delay_s: float 
 
 
 def ask(link: Link, identity: int, seconds: float = WAIT_S) -> Reply:
-    deadline_ns = time.monotonic_ns() + round(seconds * 1e9)
-    return link.request(
-        ENGAGEMENT,
-        "lab",
-        EngagementRequest(id=identity, deadline_ns=deadline_ns, operator="anna", action=EngagementAction.ENGAGE),
-        deadline_ns,
-    )
+    """The reply to an engagement under this id, however often it is asked for."""
+
+    def make(*, id: int, deadline_ns: int) -> EngagementRequest:  # noqa: A002, ARG001  # the message's fields
+        return EngagementRequest(id=identity, deadline_ns=deadline_ns, operator="anna", action=EngagementAction.ENGAGE)
+
+    return RequestClient(link, "lab", patience_ns=round(seconds * 1e9)).ask(ENGAGEMENT, make)
 
 
 def test_a_request_repeated_with_its_id_happens_once(links: tuple[Link, Link]) -> None:
@@ -200,7 +186,7 @@ def test_one_neighbours_flood_of_questions_leaves_room_for_anothers() -> None:
         for thread in threads:
             thread.start()
         wait_until(lambda: answered[0] > 20)
-        heard = [polite.round_trip("lab") for _ in range(4) if not stop.wait(0.1)]
+        heard = [RemoteClock(polite, "lab").measure() for _ in range(4) if not stop.wait(0.1)]
         stop.set()
         for thread in threads:
             thread.join()
@@ -241,3 +227,27 @@ BEYOND_PORTS = ("tcp/127.0.0.1:0", "tcp/127.0.0.1:65536")
 def test_endpoints_beyond_loopback_are_refused(endpoint: str) -> None:
     with pytest.raises(TransportError, match="refused"):
         check_endpoint(endpoint, ON_THIS_HOST)
+
+
+@pytest.mark.parametrize("session", list(ChannelSession))
+def test_a_link_refuses_what_belongs_to_the_other_session(session: ChannelSession) -> None:
+    with open_link(listen=(free_endpoint(),), sessions=[session]) as link:
+        for channel in CHANNELS:
+            for declare in (link.publisher, link.latest):
+                if channel.session is session:
+                    declare(channel, "lab")
+                    continue
+                why = f"of the {session} session may not .*{channel.session} endpoint"
+                with pytest.raises(TransportError, match=why):
+                    declare(channel, "lab")
+        if session is ChannelSession.VIDEO:
+            with pytest.raises(TransportError, match=r"may not ask .*control endpoint"):
+                link.ask(CLOCK, "lab", ClockQuestion())
+            with pytest.raises(TransportError, match=r"may not answer .*control endpoint"):
+                link.answer(CLOCK, "lab", print)
+
+
+def test_a_link_of_both_sessions_carries_both() -> None:
+    with open_link(listen=(free_endpoint(),), sessions=list(ChannelSession)) as link:
+        for channel in CHANNELS:
+            link.latest(channel, "lab")

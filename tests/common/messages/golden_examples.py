@@ -7,15 +7,7 @@ import msgspec
 
 from common.messages.base import PROTOCOL_VERSION, Message
 from common.messages.codec import encode
-from common.messages.hand import (
-    ClockSync,
-    HandArm,
-    Intent,
-    Locks,
-    OperatorIntent,
-    PointCovariances,
-    TrackingStatus,
-)
+from common.messages.hand import ClockSync, HandArm, Intent, Locks, OperatorIntent, PointCovariances, TrackingStatus
 from common.messages.requests import (
     CameraDescription,
     ClockAnswer,
@@ -47,13 +39,7 @@ from common.messages.robot import (
     SessionState,
     Traced,
 )
-from common.messages.video import (
-    CameraStatus,
-    VideoFrame,
-    ViewCame,
-    ViewShown,
-    ViewsShown,
-)
+from common.messages.video import CameraStatus, VideoFrame, ViewCame, ViewShown, ViewsShown
 
 GOLDEN = Path(__file__).parents[2] / "golden"
 

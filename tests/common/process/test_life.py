@@ -1,20 +1,17 @@
-"""A daemon's life: pace, READY messages, children that die, hang or end."""
+"""A daemon's life: READY messages, children that die, hang or end."""
 
 import os
 import signal
 import socket
 import time
-from itertools import pairwise
 from pathlib import Path
 
 import pytest
 
 import common
-from common.clock import NS_PER_MS, ClockOffset, FakeClock
+from common.clock import ClockOffset
 from common.errors import ProcessError
 from common.process.children import Children, Heartbeat
-from common.process.health import ChannelHealth
-from common.process.rate import Rate, percentile_of
 from common.process.service import StopFlag, notify
 
 
@@ -22,50 +19,8 @@ def test_the_common_package_is_ours() -> None:
     assert Path(common.__file__).parent == Path(__file__).parents[3] / "common"
 
 
-def test_a_rate_keeps_absolute_deadlines_and_counts_what_it_missed() -> None:
-    clock = FakeClock()
-    rate = Rate(250.0, clock)
-    assert [rate.wait() for _ in range(3)] == [4 * NS_PER_MS, 8 * NS_PER_MS, 12 * NS_PER_MS]
-    clock.advance_ms(9.0)
-    rate.wait()
-    assert rate.missed == 1
-    assert rate.late_us(100) == pytest.approx(5000.0)
-    assert rate.wait() == 24 * NS_PER_MS
-
-
-def test_a_rate_keeps_its_distance_after_a_late_tick() -> None:
-    clock = FakeClock()
-    rate = Rate(250.0, clock, least_share=0.9)
-    rate.wait()
-    woken = []
-    for late_ms in (0.0, 0.3, 3.9, 0.0, 9.0, 0.0, 0.0):
-        rate_due_ns = rate.next_ns
-        clock.sleep_until_ns(rate_due_ns + round(late_ms * NS_PER_MS))
-        rate.wait()
-        woken.append(clock.now_ns())
-    spaces = [(later - sooner) / NS_PER_MS for sooner, later in pairwise(woken)]
-    assert spaces == pytest.approx([4.3, 7.6, 3.6, 13.0, 3.6, 4.0])
-    assert rate.missed == 2
-
-
-def test_percentiles_are_nearest_rank() -> None:
-    assert percentile_of([], 99) == 0.0
-    assert percentile_of([1.0, 2.0, 3.0, 4.0], 50) == 3.0
-    assert percentile_of([1.0, 2.0, 3.0, 4.0], 100) == 4.0
-
-
 def test_age_is_an_upper_bound_over_the_offset() -> None:
     assert ClockOffset(offset_ns=1000, uncertainty_ns=50).age_ns(stamp_ns=1500, now_ns=700) == 250
-
-
-def test_a_channel_comes_alive_and_falls_silent_once() -> None:
-    health = ChannelHealth(stale_after_ns=100)
-    assert health.change(0) is None
-    health.seen(10)
-    assert health.change(20) is True
-    assert health.change(110) is None
-    assert health.change(111) is False
-    assert health.change(500) is None
 
 
 def test_ready_reaches_the_socket_of_systemd(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:

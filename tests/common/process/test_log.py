@@ -1,4 +1,4 @@
-"""Log lines: text or JSON, and a priority where the journal reads them."""
+"""Log lines: text or JSON, a priority where the journal reads them, written without holding up who logs."""
 
 import json
 import os
@@ -6,10 +6,14 @@ import subprocess
 import sys
 
 import pytest
+from structlog.testing import capture_logs
+
+from common.errors import MessageError
+from common.process.log import RefusalLog
 
 PROGRAM = """
 import sys, os, structlog
-from common.process.service import LogFormat, start_log
+from common.process.log import LogFormat, start_log
 if sys.argv[2] == "journal":
     there = os.fstat(2)
     os.environ["JOURNAL_STREAM"] = f"{there.st_dev}:{there.st_ino}"
@@ -49,3 +53,59 @@ def test_the_journal_is_told_the_level_of_every_line(log_format: str) -> None:
     late, ready = lines(log_format, "journal")
     assert late.startswith("<4>")
     assert ready.startswith("<6>")
+
+
+MANY_LINES = """
+import structlog
+from common.process.log import start_log
+start_log("remote")
+for number in range(2000):
+    structlog.get_logger().info("line", number=number, padding=1000 * "x")
+print("done", flush=True)
+"""
+
+
+def test_nobody_who_logs_waits_for_a_reader_and_no_line_is_lost() -> None:
+    command = [sys.executable, "-c", MANY_LINES]
+    with subprocess.Popen(command, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True) as program:
+        assert program.stdout is not None
+        assert program.stdout.readline() == "done\n"  # with 2 MB in the log, of which a pipe holds 64 kB
+        assert program.stderr is not None
+        numbers = [int(line.partition("number=")[2].split()[0]) for line in program.stderr]
+    assert numbers == list(range(2000))
+
+
+FORKING = """
+import structlog
+from common.process.children import Children
+from common.process.log import start_log
+
+def worker(should_stop, heartbeat):
+    for number in range(200):
+        structlog.get_logger().info("child", number=number)
+
+start_log("remote")
+children = Children("remote")
+for _ in range(20):
+    structlog.get_logger().info("parent")
+    children.start("worker", worker).process.join()
+structlog.get_logger().info("end")
+"""
+
+
+def test_every_line_of_a_process_and_of_its_children_is_written_once() -> None:
+    done = subprocess.run([sys.executable, "-c", FORKING], check=True, capture_output=True, text=True)
+    events = [line.partition("event=")[2].split()[0] for line in done.stderr.splitlines()]
+    assert (events.count("parent"), events.count("child"), events.count("end")) == (20, 4000, 1)
+    assert len(events) == 4021
+
+
+def test_the_first_of_each_reason_is_logged_and_all_are_counted() -> None:
+    refusals = RefusalLog("intent refused")
+    with capture_logs() as log:
+        for _ in range(30):
+            refusals.note(MessageError("malformed", "no map"))
+            refusals.note(MessageError("version", "6"))
+    assert [(line["event"], line["log_level"]) for line in log] == [("intent refused", "warning")] * 2
+    assert "no map" in log[0]["reason"]
+    assert refusals.counts == {"malformed": 30, "version": 30}

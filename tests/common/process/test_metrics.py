@@ -14,7 +14,7 @@ from common.link.transport import open_link
 from common.messages.hand import TrackingStatus
 from common.messages.robot import SessionState
 from common.messages.video import CameraStatus
-from common.process.metrics.serving import AtScrape, MetricsSource, run_metrics
+from common.process.metrics import AtScrape, MetricsSource, run_metrics
 from common.process.service import StopFlag
 from farhand.loopback.run import free_ports
 from local_site.runtime.figures import LocalFigures
@@ -29,7 +29,7 @@ HEARD_NS = 5_000_000_000
 
 @pytest.fixture(autouse=True)
 def the_tests_do_not_give_way(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr("common.process.metrics.serving.be_nice", lambda _increment: None)
+    monkeypatch.setattr("common.process.metrics.be_nice", lambda _increment: None)
 
 
 def read(figures: MetricsSource, name: str, **labels: str) -> float | None:

@@ -34,7 +34,7 @@ def farhand(*arguments: str) -> subprocess.CompletedProcess[str]:
 def here(monkeypatch, capsys, tmp_path) -> Iterator[Callable[..., subprocess.CompletedProcess[str]]]:
     """Runs a command in this process, which is quicker, and tells how it ended: any exit is one without a traceback."""
     monkeypatch.chdir(tmp_path)
-    monkeypatch.setattr("farhand.commands.asking.PATIENCE_NS", 300 * NS_PER_MS)
+    monkeypatch.setattr("common.link.request_client.PATIENCE_NS", 300 * NS_PER_MS)
 
     def run(*arguments: str) -> subprocess.CompletedProcess[str]:
         monkeypatch.setattr(sys, "argv", ["farhand", *arguments])

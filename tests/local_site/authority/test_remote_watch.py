@@ -5,7 +5,7 @@ from types import SimpleNamespace
 from structlog.testing import capture_logs
 
 from common.clock import NS_PER_MS
-from local_site.authority.remote_watch import RemoteWatch
+from local_site.authority.remote_watch import ChannelHealth, RemoteWatch
 
 LEASE = SimpleNamespace(session=7, asked_by=None)
 
@@ -44,3 +44,13 @@ def test_reasons_that_come_and_go_are_logged_once_a_second_and_states_at_once():
         assert [line["event"] for line in logs].count("remote") == 2
         watch.look((len(flickering) + 1) * 33 * NS_PER_MS)
     assert logs[-1]["state"] == "holding"
+
+
+def test_a_channel_comes_alive_and_falls_silent_once() -> None:
+    health = ChannelHealth(stale_after_ns=100)
+    assert health.change(0) is None
+    health.seen(10)
+    assert health.change(20) is True
+    assert health.change(110) is None
+    assert health.change(111) is False
+    assert health.change(500) is None

@@ -7,8 +7,8 @@ import numpy as np
 import pytest
 
 from common.errors import CameraError
-from common.process.shared_record import SharedRecord
 from remote_site.kinematics.config import RobotConfig
+from remote_site.shared_record import SharedRecord
 from remote_site.simulation.cell import build_cell
 from remote_site.simulation.config import CellConfig
 from remote_site.simulation.memory import snapshot_dtype

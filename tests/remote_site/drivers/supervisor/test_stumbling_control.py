@@ -4,7 +4,6 @@ import numpy as np
 import pytest
 
 from common.clock import NS_PER_MS, FakeClock
-from common.process.rate import Rate
 from remote_site.config import RemoteConfig
 from remote_site.drivers.driver import Capabilities, JointCommand
 from remote_site.drivers.kinematic import KinematicDriver
@@ -16,6 +15,7 @@ from remote_site.drivers.supervisor.write_scheduler import LEAST_SHARE
 from remote_site.kinematics.joints import JointMotion
 from remote_site.motion.jerk_limited import JerkLimitedTracker
 from remote_site.runtime.driver_process import Desk, setup_of
+from remote_site.runtime.rate import Rate
 from tests.remote_site.remote_loop import arm
 
 _, LIMITS = arm()

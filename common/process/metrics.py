@@ -1,4 +1,4 @@
-"""Serves figures to Prometheus from a process of their own, which only listens: no loop waits for a scrape."""
+"""Serves metrics to Prometheus from a separate process that only listens, so that no loop waits for a scrape."""
 
 import threading
 import time
@@ -6,7 +6,7 @@ from collections.abc import Callable, Iterable
 from typing import Protocol, TypeVar
 
 from prometheus_client import CollectorRegistry, start_http_server
-from prometheus_client.core import Metric
+from prometheus_client.core import GaugeMetricFamily, Metric
 from prometheus_client.registry import Collector
 
 from common.errors import TransportError
@@ -25,23 +25,28 @@ BEAT_S = 0.2
 
 
 class MetricsSource(Protocol[Heard_contra]):
-    """What is made of a channel's messages."""
+    """Metrics derived from the messages of one channel."""
 
     def hear(self, message: Heard_contra, now_ns: int) -> None:
-        """Take a message that came at this time."""
+        """Take a message that arrived at this time."""
 
     def families(self, now_ns: int) -> Iterable[Metric]:
-        """All figures as they are at this time."""
+        """All metrics at this time."""
+
+
+def gauge(name: str, meaning: str, value: float) -> GaugeMetricFamily:
+    """A metric without labels that rises and falls."""
+    return GaugeMetricFamily(name, meaning, value=value)
 
 
 class AtScrape(Collector):
-    """Asks the figures when Prometheus asks."""
+    """Collects the metrics at each scrape."""
 
     def __init__(self, figures: MetricsSource[M]) -> None:
         self._figures = figures
 
     def collect(self) -> Iterable[Metric]:
-        """The figures of now."""
+        """The current metrics."""
         return self._figures.families(time.monotonic_ns())
 
 
@@ -55,7 +60,7 @@ def run_metrics(
     beat: Callable[[], None],
     security: LinkSecurity = ON_THIS_HOST,
 ) -> None:
-    """Listen to a channel at an endpoint and serve its figures on 127.0.0.1 until asked to stop."""
+    """Listen to a channel at an endpoint and serve its metrics on 127.0.0.1 until asked to stop."""
     be_nice(NICE)
     registry = CollectorRegistry()
     registry.register(AtScrape(figures))

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from common.errors import DriverError
-from common.process.shared_record import SharedRecord
+from remote_site.shared_record import SharedRecord
 from remote_site.simulation.memory import CellMemory, command_dtype
 
 FORK = multiprocessing.get_context("fork")
@@ -62,7 +62,7 @@ def test_a_record_that_is_never_whole_is_an_error_not_a_hang():
     record = SharedRecord(command_dtype(6))
     record._memory[70:90] = bytes(20)
     record._memory[64 + record._slot_bytes + 10] ^= 0xFF
-    with pytest.raises(DriverError, match="no whole record"):
+    with pytest.raises(DriverError, match="no complete record"):
         record.read()
 
 

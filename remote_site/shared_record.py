@@ -1,4 +1,4 @@
-"""Records that processes of one site share without waiting: one writer, any number of readers, never torn."""
+"""Records that processes of one site share without locks: one writer, any number of readers, never torn."""
 
 import mmap
 import zlib
@@ -15,11 +15,11 @@ Record = NDArray[np.void]
 
 
 class SharedRecord:
-    """One record in anonymous memory that a fork inherits, and its forerunners in the other slots.
+    """One record in anonymous memory that a fork inherits, with its predecessors in the other slots.
 
-    The writer fills the slot that no reader is sent to, then turns the counter; a writer killed half way leaves the
-    last whole record standing. A reader takes a slot only if the counter stood still meanwhile and the checksum agrees,
-    which also holds on processors that reorder writes.
+    The writer fills a slot that no reader uses, then increments the counter; a writer killed half way leaves the last
+    complete record in force. A reader accepts a slot only if the counter has not changed meanwhile and the checksum
+    matches, which also holds on processors that reorder writes.
     """
 
     def __init__(self, dtype: np.dtype[np.void], slots: int = 2) -> None:
@@ -32,7 +32,7 @@ class SharedRecord:
 
     @property
     def count(self) -> int:
-        """How often the record has been written."""
+        """The number of records written so far."""
         return self._counter[0]
 
     def write(self, record: Record) -> None:
@@ -47,7 +47,7 @@ class SharedRecord:
         self._counter[0] = count
 
     def read(self) -> Record:
-        """A copy of the newest record (0-d array); DriverError when no whole one is found in bounded tries."""
+        """A copy of the newest record (0-d array); DriverError when none is complete after READ_ATTEMPTS tries."""
         return np.frombuffer(self.read_bytes(), dtype=self.dtype).reshape(())
 
     def read_bytes(self) -> bytes:
@@ -56,17 +56,17 @@ class SharedRecord:
             data = self._try_read()
             if data is not None:
                 return data
-        raise DriverError(f"shared memory: no whole record in {READ_ATTEMPTS} tries; restart the remote site")
+        raise DriverError(f"shared memory: no complete record in {READ_ATTEMPTS} tries; restart the remote site")
 
     def at(self, count: int) -> bytes | None:
-        """The bytes of the record written as the so-many-eth, None once another has taken its slot."""
+        """The bytes of record number `count`, None once another has overwritten its slot."""
         return self._slot(count, self._slots - 2)
 
     def _try_read(self) -> bytes | None:
         return self._slot(self._counter[0], 0)
 
     def _slot(self, count: int, behind: int) -> bytes | None:
-        """The slot's content, if no more than `behind` records have been written since."""
+        """The content of the slot of record `count`, if at most `behind` records have been written since."""
         start = self._start(count)
         slot = self._memory[start : start + self._slot_bytes]
         if self._counter[0] - count > behind:

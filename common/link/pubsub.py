@@ -1,0 +1,88 @@
+"""Publishers and subscriptions of channels: the newest messages, capped in rate, typed."""
+
+import time
+from collections.abc import Callable
+from typing import Generic, TypeVar
+
+import structlog
+import zenoh
+
+from common.clock import NS_PER_S
+from common.errors import MessageError, TransportError
+from common.link.channels import Channel
+from common.link.rate_cap import RateCap
+from common.messages.base import Message
+from common.messages.codec import decode, encode
+
+M = TypeVar("M", bound=Message)
+
+
+class Publisher(Generic[M]):
+    """Publishes messages on one key; under congestion they are dropped, it never blocks."""
+
+    def __init__(self, publisher: zenoh.Publisher) -> None:
+        self._publisher = publisher
+
+    def put(self, message: M) -> None:
+        """Send a message; MessageError when it holds a number that is not finite."""
+        self._publisher.put(encode(message))
+
+    @property
+    def has_listener(self) -> bool:
+        """Whether anybody subscribes to this key now, as far as this session knows."""
+        return bool(self._publisher.matching_status.matching)  # type: ignore[attr-defined]  # its stub says bool
+
+
+class Latest(Generic[M]):
+    """A subscription that keeps the newest messages of one key, as many as the channel's depth."""
+
+    def __init__(
+        self, subscriber: "zenoh.Subscriber[zenoh.handlers.Handler[zenoh.Sample]]", channel: Channel[M]
+    ) -> None:
+        self._subscriber = subscriber
+        self._channel = channel
+        self._cap = RateCap(channel.most_hz, channel.depth + 1)
+
+    def take(self) -> M | None:
+        """The oldest message kept and not taken yet, None without one; MessageError for an invalid payload."""
+        sample = self._subscriber.try_recv()
+        return None if sample is None else self._decode(sample)
+
+    def wait(self) -> M:
+        """Block until a message comes; MessageError for an invalid payload, TransportError once the link is closed.
+
+        In a flood it pauses, so that it takes no more than the channel's `most_hz`; Zenoh keeps the newest meanwhile.
+        """
+        self._hold_back()
+        try:
+            sample = self._subscriber.recv()
+        except zenoh.ZError as error:
+            raise TransportError("the link was closed") from error
+        self._cap.passed(time.monotonic_ns())
+        return self._decode(sample)
+
+    def feed(self, take: Callable[[M, int], None]) -> None:
+        """Pass each message with its arrival time (ns) to `take` until the link is closed; ignore invalid payloads."""
+        while True:
+            try:
+                message = self.wait()
+            except MessageError:
+                continue
+            except TransportError:
+                return
+            take(message, time.monotonic_ns())
+
+    def _hold_back(self) -> None:
+        was_flooded, pause_ns = self._cap.flooded, self._cap.pause_ns(time.monotonic_ns())
+        if self._cap.flooded and not was_flooded:
+            self._warn()
+        if pause_ns:
+            time.sleep(pause_ns / NS_PER_S)
+
+    def _warn(self) -> None:
+        key, most_hz = str(self._subscriber.key_expr), self._channel.most_hz
+        sentence = f"somebody floods {key}: {most_hz:g} a second are taken, of the newest; the rest is dropped"
+        structlog.get_logger().warning("too many messages", reason=sentence)
+
+    def _decode(self, sample: zenoh.Sample) -> M:
+        return decode(sample.payload.to_bytes(), self._channel.message, self._channel.max_bytes)

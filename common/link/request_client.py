@@ -1,0 +1,110 @@
+"""Requests of what must happen once: sent again under the same id until they are answered or their deadline is over."""
+
+import secrets
+from collections.abc import Callable
+from typing import Protocol, TypeVar
+
+from common.clock import NS_PER_MS, NS_PER_S, Clock, MonotonicClock
+from common.errors import TransportError
+from common.link.channels import Procedure
+from common.link.remote_clock import RemoteClock
+from common.link.transport import Link
+from common.messages.requests import ACTIVATED, Reply, Request
+
+Requested = TypeVar("Requested", bound=Request)
+Requested_co = TypeVar("Requested_co", bound=Request, covariant=True)
+Replied = TypeVar("Replied", bound=Reply)
+
+PATIENCE_NS = 3 * NS_PER_S
+ATTEMPT_NS = 300 * NS_PER_MS
+SETTLE_NS = 300 * NS_PER_MS  # of a robot that has just been activated
+ID_BITS = 62
+
+
+class RequestMaker(Protocol[Requested_co]):
+    """Completes a request with its id and its deadline, by the clock of who is asked."""
+
+    def __call__(self, *, id: int, deadline_ns: int) -> Requested_co: ...  # noqa: A002  # the message's field
+
+
+class RequestSchedule:
+    """When a request is sent, sent again and given up; pure.
+
+    It is sent at `due_ns`, every ATTEMPT_NS under the same `id`, and given up at `give_up_ns`, `patience_ns` after its
+    start. When the reply is that the robot was activated, it is made once more, as a new request, SETTLE_NS later.
+    """
+
+    def __init__(self, draw_id: Callable[[], int], patience_ns: int, now_ns: int) -> None:
+        self._draw_id, self._patience_ns = draw_id, patience_ns
+        self._activated = False
+        self._begin(now_ns)
+
+    def _begin(self, now_ns: int) -> None:
+        self.id, self.due_ns, self.give_up_ns = self._draw_id(), now_ns, now_ns + self._patience_ns
+
+    def is_over(self, now_ns: int) -> bool:
+        """Whether the deadline has passed."""
+        return now_ns >= self.give_up_ns
+
+    def sent(self, now_ns: int) -> None:
+        """The request is being sent."""
+        self.due_ns = min(now_ns + ATTEMPT_NS, self.give_up_ns)
+
+    def accepts(self, reply: Reply, now_ns: int) -> bool:
+        """Whether this reply is the answer; otherwise a new request begins."""
+        if reply.code != ACTIVATED or self._activated:
+            return True
+        self._activated = True
+        self._begin(now_ns + SETTLE_NS)
+        return False
+
+
+class RequestClient:
+    """Asks one site of a cell; call it from a thread that may wait.
+
+    `remote_clock` is None where a site of this host is asked: deadlines are by the clock of who is asked. `name` is the
+    operator's in the procedure's key.
+    """
+
+    def __init__(
+        self,
+        link: Link,
+        cell: str,
+        remote_clock: RemoteClock | None = None,
+        *,
+        name: str = "*",
+        patience_ns: int | None = None,
+        clock: Clock | None = None,
+    ) -> None:
+        self._link, self._cell, self._name = link, cell, name
+        self._remote_clock = remote_clock
+        self._patience_ns = PATIENCE_NS if patience_ns is None else patience_ns
+        self._clock = clock or MonotonicClock()
+
+    def ask(self, procedure: Procedure[Requested, Replied], make: RequestMaker[Requested]) -> Replied:
+        """The reply; TransportError when nobody answers, RefusedError when the sites do not understand each other."""
+        clock = self._clock
+        schedule = RequestSchedule(lambda: secrets.randbits(ID_BITS), self._patience_ns, clock.now_ns())
+        while True:
+            clock.sleep_until_ns(schedule.due_ns)
+            now_ns = clock.now_ns()
+            if schedule.is_over(now_ns):
+                raise TransportError(f"nobody answered at cell {self._cell}: is the site that is asked running?")
+            schedule.sent(now_ns)
+            offset_ns = self._offset_ns(now_ns)
+            if offset_ns is None:
+                continue
+            request = make(id=schedule.id, deadline_ns=schedule.give_up_ns + offset_ns)
+            reply = self._link.ask(procedure, self._cell, request, self._name)
+            if reply is not None and schedule.accepts(reply, clock.now_ns()):
+                return reply
+
+    def _offset_ns(self, now_ns: int) -> int | None:
+        """The asked site's clock minus ours; None while it is not known."""
+        remote = self._remote_clock
+        if remote is None:
+            return 0
+        known = remote.estimate(now_ns)
+        if known is None and remote.measure() is not None:
+            known = remote.estimate(self._clock.now_ns())
+        return None if known is None else known.offset.offset_ns

@@ -1,0 +1,36 @@
+"""Changes of what the remote site does, in the log: each once, however many ticks they last."""
+
+import structlog
+
+from common.messages.robot import SessionState
+from remote_site.drivers.faults import FaultCode, RobotFault
+from remote_site.reasons import Reason
+
+
+class TransitionLog:
+    """Logs every change of the session's state."""
+
+    def __init__(self) -> None:
+        self._state: SessionState | None = None
+
+    def note(self, state: SessionState, reason: Reason) -> None:
+        """Note the state of a tick."""
+        if state is not self._state:
+            self._state = state
+            structlog.get_logger().info("session", state=state.value, code=reason.code.value, reason=reason.sentence)
+
+
+class FaultLog:
+    """Logs every new fault of the robot that somebody has to look after."""
+
+    def __init__(self) -> None:
+        self._last: RobotFault | None = None
+
+    def note(self, fault: RobotFault | None) -> None:
+        """Note the fault of a turn."""
+        # a refusal is reported to whoever asked, who asks again
+        if fault is not None and fault is not self._last and not fault.calm and fault.code is not FaultCode.REFUSED:
+            structlog.get_logger().warning(
+                "robot fault", code=fault.code.value, native=fault.native, reason=fault.sentence
+            )
+        self._last = fault

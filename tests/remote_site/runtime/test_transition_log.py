@@ -1,0 +1,32 @@
+"""Changes in the log: each state and each fault once, however many ticks it lasts."""
+
+from structlog.testing import capture_logs
+
+from common.messages.robot import SessionState
+from remote_site.drivers.faults import FaultCode, RobotFault
+from remote_site.reasons import Code, reason
+from remote_site.runtime.transition_log import FaultLog, TransitionLog
+
+
+def test_every_change_of_the_state_is_logged_once() -> None:
+    log = TransitionLog()
+    with capture_logs() as lines:
+        for state in (SessionState.DISENGAGED, SessionState.ENGAGED, SessionState.DISENGAGED):
+            for _ in range(250):
+                log.note(state, reason(Code.READY))
+    assert [(line["event"], line["state"], line["code"]) for line in lines] == [
+        ("session", "disengaged", "ready"),
+        ("session", "engaged", "ready"),
+        ("session", "disengaged", "ready"),
+    ]
+
+
+def test_every_new_fault_is_logged_once_but_no_refusal() -> None:
+    log = FaultLog()
+    limit, refused = RobotFault(FaultCode.LIMITS, "too far", "12"), RobotFault(FaultCode.REFUSED, "not now")
+    with capture_logs() as lines:
+        for fault in (limit, limit, None, refused, limit):
+            log.note(fault)
+    assert [(line["event"], line["native"], line["log_level"]) for line in lines] == [
+        ("robot fault", "12", "warning")
+    ] * 2
