@@ -11,12 +11,12 @@ from common.process.config import MetricsConfig
 from local_site.acquisition.pairing import PairingConfig
 from local_site.acquisition.rig_cameras import OperatorConfig
 from local_site.authority.config import AuthorityConfig
-from local_site.calibration.drift import DriftConfig
 from local_site.preview.drawing import PreviewConfig
 from local_site.samples.hand_sample import GestureConfig
 from local_site.samples.smoothing import SmoothingConfig
 from local_site.simulation.config import SimulationConfig
 from local_site.tracking.choice import TrackingConfig
+from local_site.tracking.drift import DriftConfig
 
 
 class LocalLinksConfig(LinkSecurity, frozen=True, kw_only=True, forbid_unknown_fields=True):

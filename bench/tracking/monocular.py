@@ -8,11 +8,11 @@ import cv2
 import numpy as np
 
 from common.cameras.camera import Image
-from local_site.calibration.lens import Lens
+from local_site.calibration.physical_camera import Lens
 from local_site.simulation.hazel import FOCAL_PX, FOREARM_M, PRINCIPAL_PX, UPPER_ARM_M, Swing, TrueArm, hazel_film
-from local_site.tracking.monocular.config import MonocularConfig
+from local_site.tracking.config import MonocularConfig
 from local_site.tracking.monocular.estimator import ACCURATE, LIVE, EstimatorSetting
-from local_site.tracking.monocular.follower import ArmFollower
+from local_site.tracking.monocular.frame_tracker import ArmFrameTracker
 from local_site.tracking.monocular.pose import ArmPose
 from local_site.tracking.monocular.quality import judged
 
@@ -36,7 +36,7 @@ def measure() -> dict[str, float]:
 
 def _measured(arms: Sequence[TrueArm], pictures: Sequence[Image], setting: EstimatorSetting) -> dict[str, float]:
     """Fit, judgement and learning timed; frames that are lost end the run."""
-    follower = ArmFollower(Lens(FOCAL_PX, FOCAL_PX, *PRINCIPAL_PX), MonocularConfig(), setting)
+    follower = ArmFrameTracker(Lens(FOCAL_PX, FOCAL_PX, *PRINCIPAL_PX), MonocularConfig(), setting)
     first = arms[0]
     follower.begin(pictures[0], ArmPose(first.shoulder, first.upper_arm, first.forearm, UPPER_ARM_M))
     errors, wall_ms, processor_ms = [], [], []

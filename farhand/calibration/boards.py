@@ -12,9 +12,8 @@ from common.geometry import Array
 from farhand.calibration.pictures import PictureJob, read_pictures, size_of, write_coverage, write_found
 from farhand.calibration.points import Calibrated, now, with_serials
 from local_site.calibration.board_rig import BoardPictures, solve_boards
-from local_site.calibration.boards import Board, BoardFinder, BoardKind, BoardView
+from local_site.calibration.boards import Board, BoardFinder, BoardKind, BoardView, PoseGate
 from local_site.calibration.coverage import coverage_warnings, picture_coverage
-from local_site.calibration.pose_gate import PoseGate
 from local_site.calibration.rig_file import save_rig
 
 Pictures = tuple[Image, ...]

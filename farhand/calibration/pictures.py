@@ -14,8 +14,7 @@ from common.cameras.sources import open_camera
 from common.errors import CameraError, ConfigError
 from common.geometry import Array
 from local_site.calibration.control_points import CAMERAS
-from local_site.calibration.coverage import coverage_map
-from local_site.calibration.found import draw_found
+from local_site.calibration.coverage import coverage_map, draw_found
 
 MAX_PICTURES = 500
 

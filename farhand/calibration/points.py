@@ -12,7 +12,7 @@ import numpy as np
 from msgspec.structs import replace
 
 from common.errors import CalibrationError, ConfigError
-from local_site.calibration.checks import odd_stance
+from local_site.calibration.checks import odd_orientation
 from local_site.calibration.control_points import ControlPoints, Size, read_control_points
 from local_site.calibration.coverage import coverage_warnings
 from local_site.calibration.physical_camera import decomposed
@@ -77,8 +77,8 @@ def _odd(calibrated: CameraCalibration) -> Iterator[str]:
     camera = decomposed(calibrated.matrix)
     if camera is None:
         return
-    if stance := odd_stance(camera):
-        yield f"{calibrated.name} camera {stance}"
+    if oddity := odd_orientation(camera):
+        yield f"{calibrated.name} camera {oddity}"
     stretch = camera.lens.fx / camera.lens.fy
     if abs(stretch - 1.0) > USUAL_STRETCH:
         yield (

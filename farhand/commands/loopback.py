@@ -6,7 +6,7 @@ from typing import Annotated
 import typer
 
 from farhand.commands.options import TRACKER_HELP, Settings, until_signal
-from local_site.tracking.method import Method
+from local_site.tracking.config import Method
 
 
 def loopback(

@@ -8,7 +8,7 @@ import typer
 from common.config import load_config
 from common.errors import ConfigError, InterruptionError
 from farhand.commands.options import TRACKER_HELP, Settings, until_signal
-from local_site.tracking.method import Method
+from local_site.tracking.config import Method
 
 
 def track(

@@ -22,7 +22,7 @@ from farhand.experiments.hazel_plots import hazel_plots
 from farhand.experiments.report import CsvTable, ExperimentReport, Figures
 from local_site.simulation.hazel import HAZEL_C_FRAMES, HAZEL_S_FRAMES, Swing, hazel_film, pointing_arm, pointing_film
 from local_site.simulation.textured_arm import Scenery
-from local_site.tracking.monocular.config import ForearmConfig, MonocularConfig, UpperArmConfig
+from local_site.tracking.config import ForearmConfig, MonocularConfig, UpperArmConfig
 
 QUICK_FRAMES = 40
 SEED_C = 11

@@ -13,7 +13,7 @@ from common.messages.hand import TrackingStatus
 from farhand.experiments.filming import Progress
 from local_site.simulation.hazel import TrueArm, film_camera, film_pixel
 from local_site.simulation.textured_arm import ArmFilm, LimbPose
-from local_site.tracking.monocular.config import MonocularConfig, StartConfig
+from local_site.tracking.config import MonocularConfig, StartConfig
 from local_site.tracking.monocular.monocular_tracker import MonocularTracker
 from local_site.tracking.monocular.pose import ArmPose
 from local_site.tracking.tracker import View, Views

@@ -28,7 +28,7 @@ from local_site.config import LocalConfig
 from local_site.samples.hand_sample import OpenHand
 from local_site.tracking.annotate import annotate
 from local_site.tracking.choice import make_tracker
-from local_site.tracking.drift_watch import DriftWatch
+from local_site.tracking.drift import DriftWatch
 from local_site.tracking.tracker import ArmEstimate, Views
 
 LEARNED_SO_FAR = re.compile(r" \(\d+ of \d+ pairs\)")

@@ -1,4 +1,4 @@
-"""A rig from pictures of a printed board in several poses: lenses and places of the cameras, and how exact they are."""
+"""A rig from pictures of a printed board in several poses: lenses and poses of the cameras, and their errors."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -8,16 +8,23 @@ import numpy as np
 from common.errors import CalibrationError
 from common.geometry import Array
 from local_site.calibration import accuracy, checks
-from local_site.calibration.board_errors import board_errors
-from local_site.calibration.board_start import UNSOLVABLE, Views, observations, starting_scene
+from local_site.calibration.accuracy import board_errors
 from local_site.calibration.boards import Board
-from local_site.calibration.bundle import Adjusted, BundleScene, Observations, adjust
+from local_site.calibration.bundle import (
+    UNSOLVABLE,
+    Adjusted,
+    BundleScene,
+    Observations,
+    Views,
+    adjust,
+    observations,
+    starting_scene,
+)
 from local_site.calibration.control_points import ControlPoints, Size
-from local_site.calibration.model_choice import choose_model
-from local_site.calibration.physical_camera import ASPECT, BASE, K1, K2, PhysicalCamera
-from local_site.calibration.resection import folds
+from local_site.calibration.physical_camera import ASPECT, BASE, K1, K2
+from local_site.calibration.resection import choose_model, folds
 from local_site.calibration.rig import Rig
-from local_site.calibration.solve import camera_calibration, vector
+from local_site.calibration.solve import make_rig
 
 MIN_POSES = 5
 MIN_TILT_DEG = 15.0
@@ -56,7 +63,8 @@ def solve_boards(
         raise CalibrationError(mistake)
     control = _control(pictures, views, board, (fitted.scene, old_R_new, old_t_new))
     errors = _error_rms(views, board, fitted, seen, old_R_new)
-    return _rig(control, cameras, fitted, seen, errors, why, created), control
+    rms_px = [_rms_px(fitted, seen, k) for k in range(len(cameras))]
+    return make_rig(control, cameras, rms_px, errors, (why,) * len(cameras), created), control
 
 
 def _common_views(views: Views) -> Views:
@@ -64,8 +72,8 @@ def _common_views(views: Views) -> Views:
     common = [i for i, pose in enumerate(zip(*views, strict=True)) if sum(view is not None for view in pose) >= 2]
     if len(common) < MIN_POSES:
         raise CalibrationError(
-            f"the board was seen by two cameras in {len(common)} poses, needs at least {MIN_POSES}; show it in more "
-            "places and at more angles, whole, well lit and still"
+            f"the board was seen by two cameras in {len(common)} poses, needs at least {MIN_POSES}; show it at more "
+            "positions and angles, whole, well lit and still"
         )
     return [[own[i] for i in common] for own in views]
 
@@ -76,7 +84,7 @@ def _refuse_similar_poses(scene: BundleScene) -> None:
     if tilt < MIN_TILT_DEG:
         raise CalibrationError(
             f"all poses of the board are within {tilt:.0f} degrees of each other; tilt it by {2 * MIN_TILT_DEG:.0f} "
-            "degrees or more, about both of its edges, or the focal lengths cannot be told from the distance"
+            "degrees or more, about both of its edges, or focal length and distance cannot be separated"
         )
 
 
@@ -85,8 +93,8 @@ def _fit(start: BundleScene, seen: Observations) -> tuple[Adjusted, str]:
         return adjust(chosen.scene, seen, free)
 
     def unreal(chosen: Adjusted) -> bool:
-        places = chosen.scene.places(seen)
-        return any(folds(camera, places[seen.camera == k]) for k, camera in enumerate(chosen.scene.cameras))
+        points = chosen.scene.points(seen)
+        return any(folds(camera, points[seen.camera == k]) for k, camera in enumerate(chosen.scene.cameras))
 
     try:
         return choose_model(adjust(start, seen, (*BASE, ASPECT, K1, K2)), refit, unreal)
@@ -157,31 +165,3 @@ def _error_rms(
     all_in = board_errors([fitted.scene.cameras] * len(poses), board.corners, pixels)
     left_out = board_errors([fitted.cameras_without(pose, seen) for pose in poses], board.corners, pixels)
     return accuracy.rms(all_in @ old_R_new), accuracy.rms(left_out @ old_R_new)
-
-
-def _rig(
-    control: ControlPoints,
-    cameras: Sequence[PhysicalCamera],
-    fitted: Adjusted,
-    seen: Observations,
-    errors: tuple[Array | None, Array | None],
-    why: str,
-    created: str,
-) -> Rig:
-    error_rms, left_out = errors
-    if error_rms is None:
-        raise CalibrationError("no corner of the board is seen by two cameras; let their views overlap")
-    epipolar = accuracy.epipolar_residuals(cameras, control.pixels)
-    return Rig(
-        cameras=tuple(
-            camera_calibration(name, camera, _rms_px(fitted, seen, k), control.sizes[k])
-            for k, (name, camera) in enumerate(zip(control.cameras, cameras, strict=True))
-        ),
-        volume_min=vector(control.points.min(axis=0)),
-        volume_max=vector(control.points.max(axis=0)),
-        error_rms=vector(error_rms),
-        created=created,
-        leave_one_out_rms=None if left_out is None else vector(left_out),
-        epipolar_px=float(np.median(epipolar)) if len(epipolar) else None,
-        lens_choice=(why,) * len(cameras),
-    )

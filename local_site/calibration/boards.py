@@ -1,5 +1,6 @@
 """Printed boards: ChArUco boards and chessboards, and their corners in a picture."""
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Literal
 
@@ -10,7 +11,7 @@ from numpy.typing import NDArray
 from common.cameras.camera import Image
 from common.errors import ConfigError
 from common.geometry import Array
-from local_site.calibration.discs import as_grey
+from local_site.kernels.pictures import as_grey
 
 BoardKind = Literal["charuco", "chessboard"]
 
@@ -77,7 +78,7 @@ class BoardFinder:
         return view if view is not None and len(view.ids) >= MIN_CORNERS else None
 
     def finds_mirrored(self, picture: Image) -> bool:
-        """Whether the board is seen in the mirrored picture: then the camera mirrors. Chessboards do not tell."""
+        """Whether the board is seen in the mirrored picture: then the camera mirrors. A chessboard does not show it."""
         flipped = np.ascontiguousarray(as_grey(picture)[:, ::-1])
         return self._board.kind == "charuco" and self.find(picture) is None and self.find(flipped) is not None
 
@@ -117,7 +118,7 @@ def _sharpened(corners: NDArray[np.float32], reach_px: float, grey: Image) -> Ar
 def _ordered(grid: Array, grey: Image) -> Array:
     """Corners (rows, columns, 2) named as on the print: not mirrored, and its first inner square black.
 
-    On a board whose columns and rows are both even or both odd the squares do not tell its two ends apart; then rows
+    On a board whose columns and rows are both even or both odd the squares do not distinguish its two ends; then rows
     run to the right of the picture.
     """
     across, down = grid[0, -1] - grid[0, 0], grid[-1, 0] - grid[0, 0]
@@ -133,3 +134,53 @@ def _square_grey(grey: Image, corners: Array) -> float:
     u, v = (round(float(value)) for value in corners.reshape(-1, 2).mean(axis=0))
     patch = grey[max(v - 1, 0) : v + 2, max(u - 1, 0) : u + 2]
     return float(patch.mean()) if patch.size else 0.0
+
+
+Pose = Sequence[BoardView | None]
+
+STILL_PX = 1.0
+STILL_FRAMES = 5
+NEW_PX = 30.0
+MIN_CAMERAS = 2
+
+
+class PoseGate:
+    """Selects the poses to keep from what all cameras see at each instant."""
+
+    def __init__(self, still_px: float = STILL_PX, still_frames: int = STILL_FRAMES, new_px: float = NEW_PX) -> None:
+        self._still_px, self._still_frames, self._new_px = still_px, still_frames, new_px
+        self._last: Pose = ()
+        self._still = 0
+        self._taken: list[Pose] = []
+
+    @property
+    def taken(self) -> list[Pose]:
+        """The poses kept so far."""
+        return list(self._taken)
+
+    def offer(self, pose: Pose) -> bool:
+        """Whether this pose is kept: seen by two cameras, still for some frames, and new to one of the cameras."""
+        seen = sum(view is not None for view in pose) >= MIN_CAMERAS
+        self._still = self._still + 1 if seen and self._unmoved(pose) else 0
+        self._last = pose if seen else ()
+        if self._still < self._still_frames or any(moved(pose, old) < self._new_px for old in self._taken):
+            return False
+        self._taken.append(pose)
+        self._still = 0
+        return True
+
+    def _unmoved(self, pose: Pose) -> bool:
+        return bool(self._last) and moved(pose, self._last) < self._still_px
+
+
+def moved(pose: Pose, other: Pose) -> float:
+    """How far the corners moved on average, px, in the camera where they moved most; infinite if none is in both."""
+    distances = [_distance(a, b) for a, b in zip(pose, other, strict=True) if a is not None and b is not None]
+    return max(distances, default=np.inf)
+
+
+def _distance(a: BoardView, b: BoardView) -> float:
+    _, mine, theirs = np.intersect1d(a.ids, b.ids, return_indices=True)
+    if len(mine) == 0:
+        return float(np.inf)
+    return float(np.mean(np.linalg.norm(a.pixels[mine] - b.pixels[theirs], axis=1)))

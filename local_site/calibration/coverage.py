@@ -1,11 +1,14 @@
 """Coverage: how much of the pictures and of the volume a calibration's points reach, as warnings and as a picture."""
 
+from collections.abc import Sequence
+
 import cv2
 import numpy as np
 
 from common.cameras.camera import Image
 from common.geometry import Array
 from local_site.calibration.control_points import ControlPoints, Size
+from local_site.kernels.pictures import as_colour
 
 MIN_PICTURE = 0.4
 MIN_AXIS = 0.6
@@ -42,7 +45,7 @@ def _volume_warnings(control: ControlPoints) -> list[str]:
     sentences = []
     if len(common) < MIN_COMMON:
         sentences.append(
-            f"only {len(common)} points are seen by two cameras; {MIN_COMMON} or more tell more of the error"
+            f"only {len(common)} points are seen by two cameras; show {MIN_COMMON} or more to estimate the error"
         )
     whole = np.maximum(np.ptp(control.points, axis=0), 1e-9)
     parts = np.ptp(common, axis=0) / whole if len(common) else np.zeros(3)
@@ -58,7 +61,7 @@ def _volume_warnings(control: ControlPoints) -> list[str]:
 def coverage_map(pixels: Array, size: Size, picture: Image | None = None) -> Image:
     """A picture (H, W, 3) of where points (N, 2) were seen: cells without a point are red, with one green."""
     width, height = size
-    canvas = np.zeros((height, width, 3), dtype=np.uint8) if picture is None else _as_bgr(picture)
+    canvas = np.zeros((height, width, 3), dtype=np.uint8) if picture is None else as_colour(picture)
     inside = pixels[np.isfinite(pixels[:, 0])]
     edges = [np.linspace(0, extent, count + 1) for extent, count in zip(size, CELLS, strict=True)]
     counts = np.histogram2d(inside[:, 0], inside[:, 1], bins=(edges[0], edges[1]))[0]
@@ -76,7 +79,15 @@ def _dots(canvas: cv2.typing.MatLike, pixels: Array) -> None:
         cv2.circle(canvas, (round(float(u)), round(float(v))), 2, DOT, cv2.FILLED, cv2.LINE_AA)
 
 
-def _as_bgr(picture: Image) -> Image:
-    if picture.ndim == 3:
-        return picture
-    return np.asarray(cv2.cvtColor(picture, cv2.COLOR_GRAY2BGR), dtype=np.uint8)
+CROSS, NAME = (60, 220, 60), (60, 200, 255)
+
+
+def draw_found(picture: Image, pixels: Array, names: Sequence[str]) -> Image:
+    """The picture in colour (H, W, 3) with a cross and a name at each of the pixels (N, 2), joined in their order."""
+    canvas = as_colour(picture).copy()
+    centres = [(round(float(u)), round(float(v))) for u, v in pixels]
+    cv2.polylines(canvas, [np.array(centres, dtype=np.int32).reshape(-1, 1, 2)], False, NAME, 1, cv2.LINE_AA)
+    for centre, name in zip(centres, names, strict=True):
+        cv2.drawMarker(canvas, centre, CROSS, cv2.MARKER_CROSS, 9, 1, cv2.LINE_AA)
+        cv2.putText(canvas, name, (centre[0] + 5, centre[1] - 5), cv2.FONT_HERSHEY_SIMPLEX, 0.35, NAME, 1, cv2.LINE_AA)
+    return canvas

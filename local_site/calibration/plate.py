@@ -10,9 +10,8 @@ from common.cameras.camera import Image
 from common.errors import CalibrationError
 from common.geometry import Array
 from local_site.calibration.control_points import CAMERAS, ControlPoints
-from local_site.calibration.discs import Disc, find_discs
-from local_site.calibration.dlt import reprojection_errors, solve_projection, unsolvable
-from local_site.calibration.lattice import Cell, Lattice, find_lattice
+from local_site.calibration.lattice import Cell, Disc, Lattice, find_discs, find_lattice
+from local_site.calibration.resection import reprojection_errors, solve_projection, unsolvable
 
 CLEARANCE = 1.5
 CLEAR_CELLS = 2
@@ -37,7 +36,7 @@ class Plate:
 
 @dataclass(frozen=True, slots=True)
 class PlateView:
-    """One picture's lattice, the discs found, and where in the plate the lattice may begin (first column and row)."""
+    """One picture's lattice, the discs found, and the plate's columns and rows at which the lattice may begin."""
 
     lattice: Lattice
     discs: tuple[Disc, ...]
@@ -68,17 +67,17 @@ def view_plate(picture: Image, plate: Plate, name: str) -> PlateView:
 def plate_control_points(views: Sequence[Sequence[PlateView]], heights: Sequence[float], plate: Plate) -> ControlPoints:
     """Control points from each camera's views of the plate, one per height in m.
 
-    Raises CalibrationError where the pictures do not tell which part of the plate they show.
+    Raises CalibrationError if the pictures do not show which part of the plate they see.
     """
     chosen = [_choose(name, seen, heights) for name, seen in zip(CAMERAS, views, strict=False)]
     cells = [(i, j, k) for k in range(len(heights)) for j in range(plate.rows) for i in range(plate.columns)]
-    place = {cell: index for index, cell in enumerate(cells)}
+    index_of = {cell: index for index, cell in enumerate(cells)}
     pixels = []
     for seen, beginnings in zip(views, chosen, strict=True):
         found = np.full((len(cells), 2), np.nan)
         for k, (view, begin) in enumerate(zip(seen, beginnings, strict=True)):
             for (i, j), pixel in zip((view.lattice.cells + begin).tolist(), view.lattice.pixels, strict=True):
-                found[place[i, j, k]] = pixel
+                found[index_of[i, j, k]] = pixel
         pixels.append(found)
     points = np.array([(i * plate.pitch, j * plate.pitch, heights[k]) for i, j, k in cells])
     labels = tuple(f"disc column {i + 1}, row {j + 1} at {1e3 * heights[k]:g} mm" for i, j, k in cells)
@@ -111,7 +110,7 @@ def _ellipse_offset(projection: Array, centre: Array, radius: float) -> Array:
 
 
 def _beginnings(lattice: Lattice, discs: Sequence[Disc], plate: Plate, size_px: tuple[int, int]) -> tuple[Cell, ...]:
-    """Where in the plate the lattice may begin: the plate ends where a next line of discs would be seen, and is not."""
+    """The plate's cells at which the lattice may begin: it ends where a further line of discs would be visible."""
     spans: list[list[int]] = []
     for axis, (extent, whole) in enumerate(zip(lattice.extent, plate.size, strict=True)):
         possible = set(range(whole - extent + 1))
@@ -134,14 +133,14 @@ def _ends(lattice: Lattice, discs: Sequence[Disc], axis: int, line: int, size_px
 
 
 def _choose(name: str, views: Sequence[PlateView], heights: Sequence[float]) -> tuple[Cell, ...]:
-    """Which beginnings make one camera of all heights."""
+    """The beginnings with which one camera explains all heights."""
     choices = list(islice(product(*(view.beginnings for view in views)), MAX_CHOICES + 1))
     if len(choices) == 1:
         return choices[0]
     ranked = sorted((_misfit(views, heights, choice), choice) for choice in choices[:MAX_CHOICES])
     if len(choices) > MAX_CHOICES or ranked[1][0] < AMBIGUOUS * ranked[0][0]:
         raise CalibrationError(
-            f"{name} camera: its pictures do not tell which of the plate's discs they show; let each height's picture "
+            f"{name} camera: its pictures do not determine which of the plate's discs they show; let each picture "
             "show an end of the plate's columns and an end of its rows"
         )
     return ranked[0][1]

@@ -7,19 +7,18 @@ import numpy as np
 from msgspec import Meta
 
 from common.geometry import Array
-from local_site.calibration.lens import Lens
+from local_site.calibration.physical_camera import Lens
 
 Row4 = tuple[float, float, float, float]
 Vector3 = tuple[float, float, float]
 Pixels = Annotated[int, Meta(ge=1)]
 
+VOLUME_MARGIN = 0.15
+
 
 class CameraCalibration(msgspec.Struct, frozen=True, forbid_unknown_fields=True):
-    """One camera: 3 x 4 projection from metres in the operator frame to pixels, its lens, its residual at calibration.
-
-    `projection` is a pure pinhole's. With a `lens` it holds for undistorted pixels only (`lens.undistort_pixels`);
-    without one it holds for the picture as it is.
-    """
+    """One camera: 3 x 4 projection from metres in the operator frame to undistorted pixels, its lens, its residual at
+    calibration. Without a `lens` the picture is not distorted."""
 
     name: str
     projection: tuple[Row4, Row4, Row4]
@@ -33,13 +32,21 @@ class CameraCalibration(msgspec.Struct, frozen=True, forbid_unknown_fields=True)
         """The projection as an array (3, 4)."""
         return np.array(self.projection)
 
+    def undistort_pixels(self, pixels: Array) -> Array:
+        """Pixels (..., 2) for which the projection holds, of pixels (..., 2) in the camera's picture."""
+        return pixels if self.lens is None else self.lens.undistort_pixels(pixels)
+
+    def distort_pixels(self, pixels: Array) -> Array:
+        """Pixels (..., 2) in the camera's picture, of pixels (..., 2) for which the projection holds."""
+        return pixels if self.lens is None else self.lens.distort_pixels(pixels)
+
 
 class Rig(msgspec.Struct, frozen=True, forbid_unknown_fields=True):
-    """The calibrated cameras, the box that the control points span (m), and how well they give their places back.
+    """The calibrated cameras, the bounding box of the control points (m), and the calibration's errors.
 
     `error_rms` is the 3D error per axis (rms, m) of the points that made the rig, `leave_one_out_rms` of each point by
-    a rig made without it; `epipolar_px` the median epipolar residual of the points; `lens_choice` why each lens was
-    taken as bent or straight.
+    a rig made without it; `epipolar_px` the median epipolar residual of the points; `lens_choice` why each lens has the
+    distortion terms it has.
     """
 
     cameras: tuple[CameraCalibration, ...]
@@ -55,3 +62,9 @@ class Rig(msgspec.Struct, frozen=True, forbid_unknown_fields=True):
     def matrices(self) -> tuple[Array, ...]:
         """The projections in camera order."""
         return tuple(camera.matrix for camera in self.cameras)
+
+    def contains(self, point: Array) -> bool:
+        """Whether a point (3,) in m lies in the box of the control points, extended by VOLUME_MARGIN of its sides."""
+        sides = zip(point.tolist(), self.volume_min, self.volume_max, strict=True)
+        margin = VOLUME_MARGIN
+        return all(low - margin * (high - low) < x < high + margin * (high - low) for x, low, high in sides)

@@ -6,8 +6,8 @@ import msgspec
 
 from common.atomic_file import write_atomically
 from common.errors import CalibrationError
+from local_site.calibration.checks import rig_mistakes
 from local_site.calibration.rig import Rig
-from local_site.calibration.rig_checks import rig_mistakes
 
 
 def load_rig(path: Path) -> Rig:
@@ -26,9 +26,9 @@ def load_rig(path: Path) -> Rig:
 
 
 def save_rig(rig: Rig, path: Path) -> None:
-    """Write a rig file, readable by a person; an earlier one gives way only to a whole one."""
+    """Write a rig file, readable by a person; an earlier one is replaced only by a complete one."""
     text = msgspec.json.format(msgspec.json.encode(rig), indent=2) + b"\n"
     try:
         write_atomically(path.resolve(), text)
     except OSError as error:
-        raise CalibrationError(f"cannot write the rig {path}: {error.strerror}; choose another place") from error
+        raise CalibrationError(f"cannot write the rig {path}: {error.strerror}; choose another path") from error

@@ -1,5 +1,6 @@
 """A rig from control points: linear cameras first, then physical ones with the least squared reprojection error."""
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -8,11 +9,18 @@ from numpy.typing import NDArray
 from common.errors import CalibrationError
 from common.geometry import Array
 from local_site.calibration import accuracy, checks
+from local_site.calibration.checks import likely_cause
 from local_site.calibration.control_points import ControlPoints, Size, refusal
-from local_site.calibration.dlt import agreeing, outlier_limit, reprojection_errors, solve_projection, unsolvable
-from local_site.calibration.likely_cause import likely_cause
 from local_site.calibration.physical_camera import PhysicalCamera, decomposed
-from local_site.calibration.resection import Resection, choose_camera
+from local_site.calibration.resection import (
+    Resection,
+    agreeing,
+    choose_camera,
+    outlier_limit,
+    reprojection_errors,
+    solve_projection,
+    unsolvable,
+)
 from local_site.calibration.rig import CameraCalibration, Rig, Row4, Vector3
 
 MANY_OUTLYING = 0.1
@@ -25,10 +33,10 @@ class _Solved:
 
 
 def solve_rig(control: ControlPoints, created: str) -> Rig:
-    """The rig of a set of control points, with its residuals, and its leave-one-out residuals.
+    """The rig of a set of control points, with its residuals and leave-one-out errors.
 
     Raises CalibrationError, with all mistakes of all cameras at once, for too few, coplanar, mirrored or grossly wrong
-    points, and for cameras that were exchanged or have nothing in common.
+    points, and for cameras that were exchanged or see no common point.
     """
     mistakes: list[str] = []
     solved: list[_Solved] = []
@@ -43,7 +51,12 @@ def solve_rig(control: ControlPoints, created: str) -> Rig:
         mistakes += filter(None, [checks.same_view(cameras, control.points) or checks.exchanged(cameras)])
     if mistakes:
         raise refusal(control.source, mistakes)
-    return _rig(control, solved, created)
+    resections = [one.resection for one in solved]
+    cameras = [resection.camera for resection in resections]
+    error_rms = accuracy.rms(accuracy.errors(cameras, control.points, control.pixels))
+    left_out = accuracy.rms(accuracy.leave_one_out_errors(resections, control.points, control.pixels))
+    rms_px = [resection.rms_px for resection in resections]
+    return make_rig(control, cameras, rms_px, (error_rms, left_out), tuple(one.why for one in solved), created)
 
 
 def _solve_camera(name: str, control: ControlPoints, all_pixels: Array) -> _Solved | list[str]:
@@ -66,7 +79,7 @@ def _solve_camera(name: str, control: ControlPoints, all_pixels: Array) -> _Solv
 def _refine(
     name: str, labels: NDArray[np.str_], measured: tuple[Array, Array, NDArray[np.bool_]], start: PhysicalCamera
 ) -> _Solved | list[str]:
-    """The physical camera from the points that a linear one agrees on, if all points agree with it."""
+    """The physical camera from the linear camera's inliers, if none of all points is an outlier of it."""
     points, pixels, kept = measured
     resection, why = choose_camera(points[kept], pixels[kept], start)
     lengths = np.linalg.norm(resection.camera.pixels(points) - pixels, axis=1)
@@ -88,48 +101,40 @@ def _outliers(camera: str, labels: NDArray[np.str_], lengths: Array) -> list[str
     ]
 
 
-def _rig(control: ControlPoints, solved: list[_Solved], created: str) -> Rig:
-    resections = [one.resection for one in solved]
-    cameras = [resection.camera for resection in resections]
-    error_rms = accuracy.rms(accuracy.errors(cameras, control.points, control.pixels))
+def make_rig(
+    control: ControlPoints,
+    cameras: Sequence[PhysicalCamera],
+    rms_px: Sequence[float],
+    errors: tuple[Array | None, Array | None],
+    lens_choice: tuple[str, ...],
+    created: str,
+) -> Rig:
+    """The rig of fitted cameras with their residuals; `errors` (3,) in m are its 3D error and the leave-one-out error.
+
+    Raises CalibrationError if there is no 3D error, because the views do not overlap.
+    """
+    error_rms, left_out = errors
     if error_rms is None:
         raise CalibrationError(f"{control.source}: no point is seen by two cameras; let their views overlap")
-    without = accuracy.rms(accuracy.leave_one_out_errors(resections, control.points, control.pixels))
-    epipolar = accuracy.epipolar_residuals(cameras, control.pixels)
     return Rig(
-        cameras=tuple(
-            camera_calibration(name, resection.camera, resection.rms_px, size)
-            for name, resection, size in zip(control.cameras, resections, control.sizes, strict=False)
-        ),
-        volume_min=vector(control.points.min(axis=0)),
-        volume_max=vector(control.points.max(axis=0)),
-        error_rms=vector(error_rms),
+        cameras=tuple(_calibration(*it) for it in zip(control.cameras, cameras, rms_px, control.sizes, strict=False)),
+        volume_min=_vector(control.points.min(axis=0)),
+        volume_max=_vector(control.points.max(axis=0)),
+        error_rms=_vector(error_rms),
         created=created,
-        leave_one_out_rms=None if without is None else vector(without),
-        epipolar_px=float(np.median(epipolar)) if len(epipolar) else None,
-        lens_choice=tuple(one.why for one in solved),
+        leave_one_out_rms=None if left_out is None else _vector(left_out),
+        epipolar_px=accuracy.median_epipolar_px(cameras, control.pixels),
+        lens_choice=lens_choice,
     )
 
 
-def camera_calibration(name: str, camera: PhysicalCamera, rms_px: float, size: Size | None) -> CameraCalibration:
-    """What the rig keeps of a fitted camera; a straight lens is not kept, so that nobody straightens for nothing."""
-    bent = camera.lens.k1 != 0.0 or camera.lens.k2 != 0.0
-    rows = [_row(row) for row in camera.projection]
-    return CameraCalibration(
-        name=name,
-        projection=(rows[0], rows[1], rows[2]),
-        reprojection_rms_px=rms_px,
-        lens=camera.lens if bent else None,
-        size_px=size,
-    )
+def _calibration(name: str, camera: PhysicalCamera, rms_px: float, size: Size | None) -> CameraCalibration:
+    """The calibration of a fitted camera; an undistorted lens is left out, so that its pictures are not resampled."""
+    rows: list[Row4] = [(a, b, c, d) for a, b, c, d in camera.projection.tolist()]
+    lens = camera.lens if camera.lens.is_distorted else None
+    return CameraCalibration(name, (rows[0], rows[1], rows[2]), rms_px, lens, size_px=size)
 
 
-def vector(values: Array) -> Vector3:
-    """Three numbers for a rig file."""
-    x, y, z = (float(value) for value in values)
+def _vector(values: Array) -> Vector3:
+    x, y, z = values.tolist()
     return x, y, z
-
-
-def _row(row: Array) -> Row4:
-    a, b, c, d = (float(value) for value in row)
-    return a, b, c, d

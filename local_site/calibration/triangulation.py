@@ -1,14 +1,17 @@
-"""Triangulation: pixels of one point in several cameras to its position, and back."""
+"""Projection and triangulation: points to pixels with Jacobians, pixels to points, and epipolar geometry."""
 
 import math
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
+from itertools import combinations
 
 import numpy as np
 
-from common.geometry import Array
+from common.geometry import Array, skew
 from local_site.kernels.compiled import compiled
 
 MIN_DETERMINANT = 1e-12
+
+Pair = tuple[int, int]
 
 
 def project(projection: Array, points: Array) -> Array:
@@ -18,6 +21,26 @@ def project(projection: Array, points: Array) -> Array:
     return pixels
 
 
+@compiled
+def image_of(projection: Array, point: Array) -> tuple[Array, Array, float]:
+    """The pixel (2,) of a point (3,) in m by a projection (3, 4), its Jacobian (2, 3) in px per m, the depth in m."""
+    h = projection[:, 3].copy()
+    for d in range(3):
+        h += projection[:, d] * point[d]
+    pixel, jacobian = h[:2] / h[2], np.empty((2, 3))
+    for d in range(2):
+        jacobian[d] = (projection[d, :3] - pixel[d] * projection[2, :3]) / h[2]
+    return pixel, jacobian, h[2]
+
+
+def images_of(projections: Array, point: Array) -> tuple[Array, Array]:
+    """As `image_of` in V views (V, 3, 4): pixels (V, 2) and Jacobians (V, 2, 3)."""
+    homogeneous = projections[:, :, :3] @ point + projections[:, :, 3]
+    pixels = homogeneous[:, :2] / homogeneous[:, 2:]
+    jacobians = projections[:, :2, :3] - pixels[..., None] * projections[:, 2:, :3]
+    return pixels, jacobians / homogeneous[:, 2:, None]
+
+
 def triangulate(projections: Sequence[Array], pixels: Sequence[Array]) -> Array:
     """The point (3,) in m seen at pixels (2,) by two or more cameras: linear least squares, thesis equation 3.25."""
     return _meeting(np.array(projections), np.array(pixels, dtype=np.float64))
@@ -25,7 +48,7 @@ def triangulate(projections: Sequence[Array], pixels: Sequence[Array]) -> Array:
 
 @compiled
 def _meeting(projections: Array, pixels: Array) -> Array:
-    """The point (3,) where sights of V views meet: projections (V, 3, 4), pixels (V, 2)."""
+    """The point (3,) nearest to the lines of sight of V views: projections (V, 3, 4), pixels (V, 2)."""
     normal, right = np.zeros((3, 3)), np.zeros(3)
     for k in range(len(projections)):
         for d in range(2):
@@ -58,17 +81,29 @@ def fundamental_matrix(first: Array, second: Array) -> Array:
     """The F (3, 3) with second_pixel^T F first_pixel = 0, of unit norm, from two projections (3, 4)."""
     centre = np.linalg.svd(first)[2][-1]
     epipole = second @ centre
-    cross = np.array([[0.0, -epipole[2], epipole[1]], [epipole[2], 0.0, -epipole[0]], [-epipole[1], epipole[0], 0.0]])
-    result: Array = cross @ second @ np.linalg.pinv(first)
+    result: Array = skew(epipole) @ second @ np.linalg.pinv(first)
     return result / float(np.linalg.norm(result))
 
 
-def epipolar_residual(fundamental: Array, first_pixel: Array, second_pixel: Array) -> float:
-    """Sampson distance in px of a pair of pixels (2,) from satisfying the epipolar constraint."""
-    a, b = np.append(first_pixel, 1.0), np.append(second_pixel, 1.0)
-    line_b, line_a = fundamental @ a, fundamental.T @ b
-    scale = math.sqrt(float(line_a[:2] @ line_a[:2] + line_b[:2] @ line_b[:2]))
-    return abs(float(b @ line_b)) / scale if scale > 0 else math.inf
+def fundamentals(projections: Sequence[Array]) -> dict[Pair, Array]:
+    """The fundamental matrix (3, 3) of every pair of views, from their projections (3, 4)."""
+    return {
+        (i, j): fundamental_matrix(projections[i], projections[j]) for i, j in combinations(range(len(projections)), 2)
+    }
+
+
+def epipolar_residuals(of_pairs: Mapping[Pair, Array], pixels: Array) -> Array:
+    """Epipolar residuals (N, pairs) in px of N points in V views, undistorted pixels (N, V, 2); NaN where unseen.
+
+    The Sampson distance, for every pair of `fundamentals`.
+    """
+    homogeneous = np.concatenate([pixels, np.ones((*pixels.shape[:2], 1))], axis=2)
+    columns = []
+    for (i, j), fundamental in of_pairs.items():
+        lines_j, lines_i = homogeneous[:, i] @ fundamental.T, homogeneous[:, j] @ fundamental
+        scale = np.sqrt(np.sum(lines_i[:, :2] ** 2, axis=1) + np.sum(lines_j[:, :2] ** 2, axis=1))
+        columns.append(np.abs(np.sum(homogeneous[:, j] * lines_j, axis=1)) / np.maximum(scale, 1e-300))
+    return np.column_stack(columns)
 
 
 def focal_length(projection: Array) -> float:

@@ -19,13 +19,13 @@ from local_site.authority.remote_watch import RemoteWatch
 from local_site.calibration.control_points import CAMERAS
 from local_site.config import LocalConfig
 from local_site.preview.preview import Preview
+from local_site.runtime.joint_clicks import JointClicks
+from local_site.runtime.profile_file import ProfileKeeper
 from local_site.samples.hand_sample import HandSampler, IntentMerge, OpenHand
 from local_site.samples.smoothing import make_smoother
 from local_site.tracking.annotate import annotate
 from local_site.tracking.choice import make_tracker, profile_of
-from local_site.tracking.drift_watch import DriftWatch
-from local_site.tracking.joint_clicks import JointClicks
-from local_site.tracking.profile_file import ProfileKeeper
+from local_site.tracking.drift import DriftWatch
 from local_site.tracking.silhouette.operator_profile import OperatorProfile
 from local_site.tracking.tracker import ArmEstimate, Views
 

@@ -12,9 +12,8 @@ from local_site.simulation.config import SimulationConfig
 from local_site.simulation.hazel import TexturedOperator, film_camera, first_joints_px
 from local_site.simulation.operator import Operator, SimulatedOperator
 from local_site.tracking.choice import TrackingConfig, make_tracker
-from local_site.tracking.monocular.config import MonocularConfig, StartBy, StartConfig
+from local_site.tracking.config import MonocularConfig, SilhouetteConfig, StartBy, StartConfig
 from local_site.tracking.monocular.monocular_tracker import MonocularTracker
-from local_site.tracking.silhouette.config import SilhouetteConfig
 from local_site.tracking.tracker import Tracker, View, Views
 
 INSTANTS = 3

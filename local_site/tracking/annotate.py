@@ -1,4 +1,4 @@
-"""What the tracker saw, drawn over a frame for people: contour, medial lines, joints, tips, sigmas, and its words."""
+"""Draws a tracker's result over a frame: contour, medial lines, joints, tips, sigmas, status and reason."""
 
 from collections.abc import Iterator
 
@@ -9,6 +9,8 @@ from numpy.typing import NDArray
 from common.cameras.camera import Image
 from common.geometry import Array
 from common.messages.hand import TrackingStatus
+from local_site.calibration.triangulation import image_of
+from local_site.kernels.pictures import as_colour
 from local_site.tracking.tracker import ArmEstimate, Overlay
 
 Colour = tuple[int, int, int]
@@ -42,8 +44,7 @@ def annotate(image: Image, estimate: ArmEstimate, view: int, projection: Array |
 
     With the camera's `projection` (3, 4), an ellipse of two sigma surrounds every point that has a covariance.
     """
-    coloured = cv2.cvtColor(image, cv2.COLOR_GRAY2BGR) if image.ndim == 2 else image[..., :3].copy()
-    canvas: Image = np.ascontiguousarray(coloured, dtype=np.uint8)
+    canvas: Image = np.array(as_colour(image)[..., :3], dtype=np.uint8, order="C")
     if view < len(estimate.overlays):
         _draw_shape(canvas, estimate.overlays[view])
         for name in POINTS:
@@ -63,7 +64,7 @@ def _draw_shape(canvas: Image, overlay: Overlay) -> None:
 
 
 def _draw_point(canvas: Image, name: str, estimate: ArmEstimate, overlay: Overlay, projection: Array | None) -> None:
-    """A dot, a ring where the place was inferred, and the ellipse of its sigma."""
+    """A dot, a ring if the point was inferred, and the ellipse of its sigma."""
     pixel: Array | None = getattr(overlay, name)
     if pixel is None:
         return
@@ -72,26 +73,24 @@ def _draw_point(canvas: Image, name: str, estimate: ArmEstimate, overlay: Overla
     for colour, more in ((DARK, 1 << SHIFT), (POINTS[name], 0)):
         thickness = (3 if more else 1) if inferred else cv2.FILLED
         cv2.circle(canvas, _fixed(pixel), radius + more * (not inferred), colour, thickness, cv2.LINE_AA, SHIFT)
-    place: Array | None = getattr(estimate, name)
+    point: Array | None = getattr(estimate, name)
     covariance = estimate.covariances.get(name)
-    if projection is None or place is None or covariance is None or not np.all(np.isfinite(covariance)):
+    if projection is None or point is None or covariance is None or not np.all(np.isfinite(covariance)):
         return
-    if projection[2, :3] @ place + projection[2, 3] > 0:
-        outline = sigma_outline(projection, place, covariance) + pixel
+    if projection[2, :3] @ point + projection[2, 3] > 0:
+        outline = sigma_outline(projection, point, covariance) + pixel
         cv2.polylines(
             canvas, [_all_fixed(outline)], isClosed=True, color=POINTS[name], lineType=cv2.LINE_AA, shift=SHIFT
         )
 
 
-def sigma_outline(projection: Array, place: Array, covariance: Array) -> Array:
-    """The ellipse of two sigma about the pixel of a place (3,) in m, as pixels (36, 2) from its middle.
+def sigma_outline(projection: Array, point: Array, covariance: Array) -> Array:
+    """The ellipse of two sigma about the image of a point (3,) in m, as pixels (36, 2) from its centre.
 
-    The covariance (3, 3) in m² goes through the slope of the projection (3, 4).
+    The covariance (3, 3) in m² is propagated through the Jacobian of the projection (3, 4).
     """
-    homogeneous = projection @ np.append(place, 1.0)
-    pixel = homogeneous[:2] / homogeneous[2]
-    slope = (projection[:2, :3] - np.outer(pixel, projection[2, :3])) / homogeneous[2]
-    values, directions = np.linalg.eigh(slope @ covariance @ slope.T)
+    _, jacobian, _ = image_of(projection, point)
+    values, directions = np.linalg.eigh(jacobian @ covariance @ jacobian.T)
     turn = np.linspace(0.0, 2.0 * np.pi, 36, endpoint=False)
     circle = np.column_stack([np.cos(turn), np.sin(turn)])
     outline: Array = SIGMAS * (circle * np.sqrt(np.maximum(values, 0.0))) @ directions.T
@@ -99,7 +98,7 @@ def sigma_outline(projection: Array, place: Array, covariance: Array) -> Array:
 
 
 def _write_status(canvas: Image, estimate: ArmEstimate) -> int:
-    """The status, and the reason in as many lines as it takes, at the top; how many rows (px) they take."""
+    """The status, and the reason in as many lines as it takes, at the top; their height in px."""
     text = estimate.status.value + (f": {estimate.reason}" if estimate.reason else "")
     lines = wrapped(text, canvas.shape[1] - 2 * MARGIN_PX)
     for row, line in enumerate(lines, start=1):

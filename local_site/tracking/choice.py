@@ -6,12 +6,9 @@ import msgspec
 from msgspec import Meta, field
 
 from local_site.calibration.rig import Rig
-from local_site.tracking.markers.config import MarkersConfig
+from local_site.tracking.config import MarkersConfig, Method, MonocularConfig, SilhouetteConfig
 from local_site.tracking.markers.marker_tracker import MarkerTracker
-from local_site.tracking.method import Method
-from local_site.tracking.monocular.config import MonocularConfig
 from local_site.tracking.monocular.monocular_tracker import MonocularTracker
-from local_site.tracking.silhouette.config import SilhouetteConfig
 from local_site.tracking.silhouette.operator_profile import OperatorProfile
 from local_site.tracking.silhouette.silhouette_tracker import SilhouetteTracker
 from local_site.tracking.tracker import Tracker
@@ -35,7 +32,7 @@ class TrackingConfig(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_f
 
 
 def make_tracker(rig: Rig, config: TrackingConfig, profile: OperatorProfile | None = None) -> Tracker:
-    """The tracker that the configuration asks for, with what is known of the operator."""
+    """The tracker that the configuration asks for, with the operator's profile, if there is one."""
     if config.method == "markers":
         return MarkerTracker(rig, config.markers)
     if config.method == "monocular":
@@ -44,5 +41,5 @@ def make_tracker(rig: Rig, config: TrackingConfig, profile: OperatorProfile | No
 
 
 def profile_of(tracker: Tracker) -> OperatorProfile | None:
-    """What a tracker has learned of the operator; markers tell nothing of a body."""
+    """The operator's profile as a tracker has learned it; None for trackers that learn none."""
     return tracker.profile if isinstance(tracker, SilhouetteTracker) else None

@@ -1,8 +1,8 @@
-"""What a tracker is: views of one instant in, the operator's arm with status and reason out."""
+"""The trackers' interface: views of one instant in, the operator's arm with status and reason out."""
 
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
-from typing import Protocol
+from typing import Generic, Protocol, TypeVar
 
 import numpy as np
 from numpy.typing import NDArray
@@ -11,13 +11,17 @@ from common.cameras.camera import Frame
 from common.geometry import Array
 from common.messages.hand import TrackingStatus
 
+MAX_PREDICTION_NS = 200_000_000
+
+Measured = TypeVar("Measured")
+
 
 @dataclass(frozen=True, slots=True)
 class View:
-    """What one camera contributes to an instant.
+    """One camera's frames for an instant.
 
-    With `weight` 1 (synchronised cameras, or the camera whose exposure is the instant) `current` alone counts;
-    otherwise the instant lies between the two exposures and the measurements are
+    With `weight` 1 (synchronised cameras, or the camera whose exposure is the instant) only `current` is used;
+    otherwise the instant lies between the two exposures and the measurements are interpolated as
     (1 - weight) * previous + weight * current.
     """
 
@@ -36,7 +40,7 @@ class Views:
 
 @dataclass(frozen=True, slots=True)
 class Overlay:
-    """What was seen in one view, for drawing: pixel coordinates, None where absent.
+    """What was found in one view, for drawing: pixel coordinates, None where absent.
 
     `contour` is (N, 2); the medial lines are (2, 2) end points; joints and tips are (2,).
     """
@@ -54,9 +58,9 @@ class Overlay:
 class ArmEstimate:
     """The arm at one instant: points (3,) in the operator frame in m, None where they could not be measured.
 
-    `covariances` (3, 3) in m² are by the name of the point, for every point that is there. `hand_open` is this
-    instant's observation, not yet debounced. `overlays` has an entry for each view. `residual_px` is the rms epipolar
-    residual of what both views show, px, None where nothing was compared; also given where it made the arm refused.
+    `covariances` (3, 3) in m² are by the name of the point, for every measured point. `hand_open` is this instant's
+    observation, not yet debounced. `overlays` has an entry for each view. `residual_px` is the rms epipolar residual
+    between views in px, None if nothing was compared; it is also given if it is the reason for a loss.
     """
 
     t_ns: int
@@ -78,3 +82,34 @@ class Tracker(Protocol):
     """Turns views of successive instants into arm estimates; causal, unsmoothed, never raises on an image."""
 
     def track(self, views: Views) -> ArmEstimate: ...
+
+
+class FrameCache(Generic[Measured]):
+    """Measures each frame of one camera once, and interpolates between two exposures."""
+
+    def __init__(self, blend: Callable[[Measured, Measured, float], Measured]) -> None:
+        """`blend` interpolates two measurements by the weight of the second."""
+        self._blend = blend
+        self._known: dict[tuple[int, int], Measured | str] = {}
+
+    def at(self, view: View, measure: Callable[[Frame], Measured | str]) -> Measured | str:
+        """The measurement at the view's instant, or a sentence that says why there is none."""
+        now = self._once(view.current, measure)
+        if view.previous is None or view.weight >= 1.0 or isinstance(now, str):
+            return now
+        before = self._once(view.previous, measure)
+        return before if isinstance(before, str) else self._blend(before, now, view.weight)
+
+    def _once(self, frame: Frame, measure: Callable[[Frame], Measured | str]) -> Measured | str:
+        key = (frame.seq, frame.capture_ns)
+        known = self._known.get(key)
+        if known is None:
+            known = measure(frame)
+            self._known = {**dict(list(self._known.items())[-1:]), key: known}
+        return known
+
+
+def extrapolation(t_ns: int, last_ns: int, before_ns: int) -> float:
+    """Time since the last instant in units of the interval before it; 0 if either exceeds MAX_PREDICTION_NS."""
+    ahead, interval = t_ns - last_ns, last_ns - before_ns
+    return ahead / interval if 0 < ahead <= MAX_PREDICTION_NS and 0 < interval <= MAX_PREDICTION_NS else 0.0

@@ -1,4 +1,4 @@
-"""Which spots of several views are the same marker: those whose lines of sight meet (epipolar geometry)."""
+"""Which spots of several views are the same marker: those with a small reprojection error of a common point."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -19,8 +19,8 @@ Members = NDArray[np.int64]
 
 @dataclass(frozen=True, slots=True)
 class Candidates:
-    """N places where a marker may be: points (N, 3) in m, the spot of each view (N, V), -1 where it shows none, and the
-    greatest distance in px of a spot from its projection (N,)."""
+    """N candidate markers: points (N, 3) in m, the spot of each view (N, V), -1 for none, and the largest reprojection
+    error in px (N,)."""
 
     points: Array
     members: Members
@@ -41,10 +41,10 @@ class Candidates:
 
 
 def correspond(projections: Sequence[Array], spots: Sequence[Spots], gate_px: float) -> Candidates:
-    """All places where the lines of sight of spots of two or more views meet within the gate.
+    """All points where spots of two or more views have a reprojection error within the gate.
 
-    A place that two views agree on is completed by the spots of the other views near its projection; of places
-    made from the same spots only the one with most views is kept, and of too many those with most views and least
+    A point from two views is completed by the spots of the other views near its projection; of points from the same
+    spots only the one with most views is kept, and of more than MAX_CANDIDATES those with most views and least
     residual.
     """
     pairs = _solved(projections, spots, _pairs([len(s) for s in spots]))

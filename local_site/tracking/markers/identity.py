@@ -1,4 +1,4 @@
-"""Which candidate is which marker: an assignment by the distances between the markers and where they were last."""
+"""Assigns candidates to markers, by the distances between the markers and their expected positions."""
 
 from dataclasses import dataclass
 
@@ -14,7 +14,7 @@ Triple = tuple[float, float, float]
 SPANS = ((WRIST, INDEX), (WRIST, THUMB), (INDEX, THUMB))
 NOBODY = -1
 
-# How much the distances of a hand in its U shape change, relatively, and between which shares of them no hand goes.
+# Relative standard deviations of the distances of a hand in its U shape, and the limits that no hand exceeds.
 LEARNED_SIGMAS = (0.02, 0.02, 0.03)
 LEARNED_LIMITS = ((0.75, 1.3), (0.65, 1.4), (0.2, 2.2))
 TYPICAL_M = (0.170, 0.130, 0.085)
@@ -34,8 +34,8 @@ SAME_PLACE_M = 0.010
 
 @dataclass(frozen=True, slots=True)
 class Spans:
-    """The distances in m wrist to index, wrist to thumb and index to thumb, with relative standard deviations and the
-    least and greatest share of each that is believed."""
+    """The distances in m wrist to index, wrist to thumb and index to thumb, with relative standard deviations and
+    relative lower and upper limits."""
 
     lengths: Triple
     sigmas: Triple = LEARNED_SIGMAS
@@ -47,15 +47,15 @@ TYPICAL = Spans(TYPICAL_M, TYPICAL_SIGMAS, TYPICAL_LIMITS)
 
 @dataclass(frozen=True, slots=True)
 class MarkerIdentity:
-    """The candidate of wrist, index and thumb (3,), NOBODY where there is none, and which of them could not be told
-    from another explanation that is nearly as likely (3,)."""
+    """The candidate of wrist, index and thumb (3,), NOBODY where there is none, and which of them are ambiguous (3,):
+    another assignment is nearly as likely."""
 
     chosen: NDArray[np.int64]
     doubtful: NDArray[np.bool_]
 
 
 def first_identity(candidates: Candidates, gate_px: float) -> MarkerIdentity:
-    """Who is who without any knowledge of this hand: all three must be there, with the distances of a human hand.
+    """The assignment without any knowledge of this hand: all three must be visible, at a human hand's distances.
 
     The wrist is the farthest from the other two, and the thumb is nearer to it than the index.
     """
@@ -63,14 +63,14 @@ def first_identity(candidates: Candidates, gate_px: float) -> MarkerIdentity:
 
 
 def next_identity(candidates: Candidates, learned: Spans, expected: Array, gate_px: float) -> MarkerIdentity:
-    """Who is who by the learned distances and the expected places (3, 3) in m, NaN where nothing is expected."""
+    """The assignment by the learned distances and the expected positions (3, 3) in m, NaN where none is expected."""
     return _cheapest(candidates, _costs(candidates, learned, expected, gate_px))
 
 
 def _costs(candidates: Candidates, spans: Spans, expected: Array | None, gate_px: float) -> Array:
     """The cost (N + 1, N + 1, N + 1) of each choice of wrist, index and thumb; the last choice is NOBODY.
 
-    Three markers at the right distances are believed wherever they are; fewer only near where they are expected.
+    Three markers at the right distances are accepted anywhere; fewer only near their expected positions.
     """
     shape = _shape_cost(candidates, spans)
     if expected is None:
@@ -84,7 +84,7 @@ def _costs(candidates: Candidates, spans: Spans, expected: Array | None, gate_px
 
 
 def _own_cost(candidates: Candidates, surprise: Array, gate_px: float) -> Array:
-    """What the choices cost apart from their distances; `surprise` (3, N) is by how much each is not where expected."""
+    """The cost of the choices apart from distances; `surprise` (3, N) is each one's squared deviation in sigmas."""
     own = np.full((3, len(candidates) + 1), ABSENCE_COST)
     unseen = (candidates.members < 0).sum(axis=1)
     own[:, :-1] = surprise + RESIDUAL_COST * (candidates.residuals / gate_px) ** 2 + UNSEEN_COST * unseen
@@ -93,7 +93,7 @@ def _own_cost(candidates: Candidates, surprise: Array, gate_px: float) -> Array:
 
 
 def _shape_cost(candidates: Candidates, spans: Spans) -> Array:
-    """What the distances between the markers cost."""
+    """The cost of the distances between the markers."""
     wrist_index, wrist_thumb, index_thumb = (
         _span_cost(candidates, *it) for it in zip(spans.lengths, spans.sigmas, spans.limits, strict=True)
     )
@@ -102,16 +102,16 @@ def _shape_cost(candidates: Candidates, spans: Spans) -> Array:
 
 
 def _span_cost(candidates: Candidates, length: float, sigma: float, limits: tuple[float, float]) -> Array:
-    """What the distance of two candidates (N + 1, N + 1) costs; infinite beyond belief, or where they share a spot.
+    """The cost of the distance of two candidates (N + 1, N + 1); infinite beyond the limits, or with a common spot.
 
-    It rises as the square near the known distance, then as a logarithm up to a limit: a hand that opens leaves its
-    shape, but as long as it keeps it, small differences tell its markers apart.
+    It grows quadratically near the known distance, then logarithmically up to a maximum (Cauchy): an opening hand
+    changes its shape, but while it keeps it, small differences identify its markers.
     """
     count = len(candidates)
-    share = _distances(candidates.points) / length
+    relative = _distances(candidates.points) / length
     cost = np.zeros((count + 1, count + 1))
-    impossible = candidates.rivals() | (share < limits[0]) | (share > limits[1])
-    deviation = np.minimum(2.0 * np.log1p(0.5 * ((share - 1.0) / sigma) ** 2), MAX_DEVIATION)
+    impossible = candidates.rivals() | (relative < limits[0]) | (relative > limits[1])
+    deviation = np.minimum(2.0 * np.log1p(0.5 * ((relative - 1.0) / sigma) ** 2), MAX_DEVIATION)
     cost[:count, :count] = np.where(impossible, np.inf, deviation)
     return cost
 
@@ -128,7 +128,7 @@ def _order_cost(points: Array) -> Array:
 
 
 def _cheapest(candidates: Candidates, costs: Array) -> MarkerIdentity:
-    """The choice of least cost, and where a choice that costs little more places a marker elsewhere."""
+    """The choice of least cost; a marker that a choice of little more cost puts elsewhere is doubtful."""
     count = len(candidates)
     best = np.unravel_index(int(np.argmin(costs)), costs.shape)
     least = float(costs[best])

@@ -1,4 +1,4 @@
-"""What is learned of a marked hand: the distances between its markers, their sizes, and when it counts as open."""
+"""What is known of a marked hand: distances and sizes of its markers, when it counts as open, the last positions."""
 
 from collections import deque
 from dataclasses import dataclass
@@ -7,6 +7,7 @@ import numpy as np
 
 from common.geometry import Array
 from local_site.tracking.markers.identity import INDEX, SPANS, THUMB, WRIST, Spans
+from local_site.tracking.tracker import MAX_PREDICTION_NS, extrapolation
 
 MAX_SPREAD = 0.08
 
@@ -32,7 +33,7 @@ class Learning:
         return len(self._lengths)
 
     def forget(self) -> None:
-        """Start anew."""
+        """Discard all instants."""
         self._lengths.clear()
         self._sizes.clear()
 
@@ -62,7 +63,7 @@ def is_open(points: Array, spans: Spans, open_ratio: float, was_open: bool) -> b
     """Whether the markers (3, 3) are those of an open hand; where index or thumb is missing, as it was.
 
     When the fingers spread, the thumb goes away from the index and nearer to the radial side of the wrist. So the
-    ratio of its distances from both is compared with the learned one; it stays open until half of the way back.
+    ratio of its distances from both is compared with the learned one, with hysteresis.
     """
     if not np.isfinite(points[[WRIST, INDEX, THUMB]]).all():
         return was_open
@@ -70,3 +71,28 @@ def is_open(points: Array, spans: Spans, open_ratio: float, was_open: bool) -> b
     _, learned_wrist_thumb, learned_index_thumb = spans.lengths
     ratio = float(index_thumb / max(wrist_thumb, 1e-9)) * learned_wrist_thumb / learned_index_thumb
     return ratio > (0.5 * (1.0 + open_ratio) if was_open else open_ratio)
+
+
+class Memory:
+    """The last two positions of every marker, and their extrapolation at constant velocity for up to 0.2 s."""
+
+    def __init__(self, markers: int = 3) -> None:
+        self._seen: list[list[tuple[int, Array]]] = [[] for _ in range(markers)]
+
+    def keep(self, t_ns: int, points: Array) -> None:
+        """Take the markers (N, 3) of an instant in m, NaN where one is not seen."""
+        for seen, point in zip(self._seen, points, strict=True):
+            if np.isfinite(point).all():
+                seen.append((t_ns, point))
+                del seen[:-2]
+
+    def expected(self, t_ns: int) -> Array:
+        """The expected positions (N, 3) of the markers in m, NaN for those that were not seen lately."""
+        return np.array([_extrapolated(seen, t_ns) for seen in self._seen])
+
+
+def _extrapolated(seen: list[tuple[int, Array]], t_ns: int) -> Array:
+    if not seen or not 0 < t_ns - seen[-1][0] <= MAX_PREDICTION_NS:
+        return np.full(3, np.nan)
+    (before_ns, before), (last_ns, last) = seen[0], seen[-1]
+    return last + extrapolation(t_ns, last_ns, before_ns) * (last - before)

@@ -1,4 +1,4 @@
-"""The marker tracker: three bright markers on wrist, index and thumb before two to four cameras to their places."""
+"""The marker tracker: three bright markers on wrist, index and thumb in two to four views to their positions."""
 
 from collections.abc import Sequence
 
@@ -7,15 +7,13 @@ import numpy as np
 from common.geometry import Array
 from common.messages.hand import TrackingStatus
 from local_site.calibration.rig import Rig
-from local_site.tracking.markers.config import MarkersConfig
+from local_site.tracking.config import MarkersConfig
 from local_site.tracking.markers.correspondence import Candidates, correspond
 from local_site.tracking.markers.identity import NOBODY, ROLES, MarkerIdentity, first_identity, next_identity
-from local_site.tracking.markers.learned import Learning, MarkedHand, is_open
+from local_site.tracking.markers.learned import Learning, MarkedHand, Memory, is_open
 from local_site.tracking.markers.measuring import MarkerMeter, Sighting
-from local_site.tracking.markers.memory import Memory
 from local_site.tracking.markers.quality import OUT_OF_SYNC, Quality
-from local_site.tracking.markers.spot_finder import SpotFinder
-from local_site.tracking.markers.spots import NO_SPOTS, Spots
+from local_site.tracking.markers.spots import NO_SPOTS, SpotFinder, Spots
 from local_site.tracking.tracker import ArmEstimate, Overlay, Views
 
 FORGET_AFTER = 60
@@ -24,8 +22,8 @@ FORGET_AFTER = 60
 class MarkerTracker:
     """Tracks three bright markers against a dark hand (thesis section 5.2, after its reference [2, 3]).
 
-    Every instant is measured on its own; only who is who comes from the last instants and from the distances between
-    the markers, which are learned at the start. The points are the markers' centres. Markers say nothing of the elbow.
+    Every instant is measured on its own; only the assignment uses the last instants and the distances between the
+    markers, which are learned at the start. The points are the markers' centres. The elbow is not measured.
     """
 
     def __init__(self, rig: Rig, config: MarkersConfig | None = None) -> None:
@@ -41,7 +39,7 @@ class MarkerTracker:
         self._open = False
 
     def track(self, views: Views) -> ArmEstimate:
-        """The markers at the views' instant; a frame that cannot be tracked says why."""
+        """The markers at the views' instant; a frame that cannot be tracked gives the reason."""
         if len(views.views) != len(self._finders) or len(self._finders) < 2:
             return _lost(views.t_ns, f"{len(views.views)} views for {len(self._finders)} calibrated cameras")
         searched = [finder.spots(view) for finder, view in zip(self._finders, views.views, strict=True)]
@@ -77,7 +75,7 @@ class MarkerTracker:
         return sighting if self._quality.is_sure(sighting) else None
 
     def _nobody(self, t_ns: int, candidates: int, spots: Sequence[Spots]) -> ArmEstimate:
-        """Bright places that are not the markers of this hand; if it stays so, another hand is to be learned."""
+        """Bright spots that are not the markers of this hand; after FORGET_AFTER instants another hand is learned."""
         if candidates < len(ROLES) <= min(len(found) for found in spots):
             return _lost(t_ns, OUT_OF_SYNC)
         if self._hand is None:
@@ -87,7 +85,7 @@ class MarkerTracker:
         self._strange = self._strange + 1 if candidates >= len(ROLES) else 0
         if self._strange >= FORGET_AFTER:
             self._hand, self._strange, self._open = None, 0, False
-        return _lost(t_ns, "the bright places have not the distances of the markers that were learned")
+        return _lost(t_ns, "the bright spots do not have the distances of the learned markers")
 
     def _found(
         self, t_ns: int, sightings: list[Sighting | None], remarks: list[str], spots: Sequence[Spots]
@@ -115,7 +113,7 @@ class MarkerTracker:
         )
 
     def _learn(self, points: Array, sightings: Sequence[Sighting | None], doubts: str) -> str:
-        """Take one instant of a hand that is not known yet; how far the learning is, as a sentence."""
+        """Learn from one instant of a hand that is not known yet; returns the progress as a sentence."""
         if doubts:
             return doubts
         self._learning.add(points, np.array([np.nan if s is None else s.size for s in sightings]))

@@ -1,4 +1,4 @@
-"""When to doubt what the markers say, and when to refuse it: report, never guess."""
+"""When to doubt or refuse the measured markers."""
 
 import math
 from collections.abc import Sequence
@@ -6,8 +6,8 @@ from collections.abc import Sequence
 import numpy as np
 
 from common.geometry import Array
-from local_site.calibration.drift import fundamentals, pair_residuals
 from local_site.calibration.rig import Rig
+from local_site.calibration.triangulation import epipolar_residuals, fundamentals
 from local_site.tracking.markers.identity import NOBODY, ROLES, MarkerIdentity
 from local_site.tracking.markers.measuring import Sighting
 from local_site.tracking.markers.spots import Spots
@@ -17,33 +17,29 @@ GATE = 10.0
 REFUSED = 6.0
 DOUBTED = 2.5
 MAX_SIGMA_M = 0.015
-VOLUME_MARGIN = 0.15
 OUT_OF_SYNC = "the views do not fit together: they are out of sync, or a camera has moved since calibration"
 
 
 class Quality:
-    """Judges by the residuals that are usual with this rig, and by the volume that it was calibrated in."""
+    """Judges by the residuals usual for this rig, and by its calibrated volume."""
 
     def __init__(self, rig: Rig) -> None:
-        self._names = [camera.name for camera in rig.cameras]
+        self._rig = rig
         usual = float(np.mean([camera.reprojection_rms_px for camera in rig.cameras]))
         self._of_pairs = fundamentals(rig.matrices)
         self._usual_px = float(np.hypot(LEAST_RESIDUAL_PX, usual))
-        low, high = np.array(rig.volume_min), np.array(rig.volume_max)
-        margin = VOLUME_MARGIN * (high - low)
-        self._low, self._high = low - margin, high + margin
 
     @property
     def gate_px(self) -> float:
-        """How far spots of one marker may be from its projection so that it is found at all, px."""
+        """The largest reprojection error in px at which spots are taken for one marker."""
         return GATE * self._usual_px
 
     def is_sure(self, sighting: Sighting) -> bool:
-        """Whether a marker's place is sure enough to be told."""
+        """Whether a marker's position is certain enough to be reported."""
         return sighting.sigma_m <= MAX_SIGMA_M
 
     def out_of_sync(self, sightings: Sequence[Sighting | None]) -> bool:
-        """Whether the lines of sight miss each other by too much for one instant and one calibration."""
+        """Whether the reprojection errors are too large for one instant and one calibration."""
         return self._residual_px(sightings) > REFUSED * self._usual_px
 
     def epipolar_px(self, sightings: Sequence[Sighting | None], spots: Sequence[Spots]) -> float | None:
@@ -51,29 +47,28 @@ class Quality:
         seen = [_pixels(sighting, spots) for sighting in sightings if sighting is not None]
         if not seen:
             return None
-        return math.sqrt(float(np.nanmean(np.square(pair_residuals(self._of_pairs, np.array(seen))))))
+        return math.sqrt(float(np.nanmean(np.square(epipolar_residuals(self._of_pairs, np.array(seen))))))
 
     def remarks(
         self, sightings: Sequence[Sighting | None], identity: MarkerIdentity, spots: Sequence[Spots]
     ) -> list[str]:
-        """Why a result is less sure than usual, or not complete, a sentence each."""
-        told = [self._remark(*it) for it in zip(ROLES, sightings, identity.chosen, identity.doubtful, strict=True)]
+        """Why a result is less certain than usual, or incomplete, a sentence each."""
+        remarks = [self._remark(*it) for it in zip(ROLES, sightings, identity.chosen, identity.doubtful, strict=True)]
         if self._residual_px(sightings) > DOUBTED * self._usual_px:
-            told.append("the views fit badly: they may be out of sync")
-        for k, name in enumerate(self._names):
+            remarks.append("the views fit badly: they may be out of sync")
+        for k, camera in enumerate(self._rig.cameras):
             if len(spots[k]) and all(s is None or s.spots[k] == NOBODY for s in sightings):
-                told.append(f"{name}: what this camera sees does not fit the others")
-        return [remark for remark in told if remark]
+                remarks.append(f"{camera.name}: the spots of this camera do not fit those of the others")
+        return [remark for remark in remarks if remark]
 
     def _remark(self, name: str, sighting: Sighting | None, chosen: int, doubtful: bool) -> str:
         if sighting is None:
             if chosen == NOBODY:
                 return f"the {name} marker is hidden"
-            return f"the {name} marker cannot be told from {'another bright place' if doubtful else 'its surroundings'}"
+            return f"the {name} marker cannot be distinguished from {'another spot' if doubtful else 'its background'}"
         if not sighting.is_whole:
             return f"the {name} marker is partly hidden"
-        point = sighting.fix.point
-        inside = np.all(point > self._low) and np.all(point < self._high)
+        inside = self._rig.contains(sighting.fix.point)
         return "" if inside else f"the {name} marker is outside the calibrated volume"
 
     def _residual_px(self, sightings: Sequence[Sighting | None]) -> float:

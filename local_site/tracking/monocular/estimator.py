@@ -15,24 +15,25 @@ from local_site.tracking.monocular.equations import (
     UPPER_LIGHT,
     UPPER_TURN,
     Equations,
+    Surface,
     combined,
     step,
+    summed,
 )
-from local_site.tracking.monocular.kernels import Surface, summed
 from local_site.tracking.monocular.picture import PyramidLevel
 from local_site.tracking.monocular.pose import ArmPose
 
 HUBER = 1.5
 HALVINGS = 3
-FIRST_CHANGE = 0.3  # grey², while one link is moved alone
-RISE = 1e-3  # of the mean square: the gradients, and with them the weights, change a little with every step
+FIRST_CHANGE = 0.3  # grey², while one link is fitted alone
+RISE = 1e-3  # of the mean square: the gradients, and with them the weights, change slightly with every step
 
 
 @dataclass(frozen=True, slots=True)
 class EstimatorSetting:
-    """How much is spent on a frame: points per link, the least change of the mean square in grey², iterations.
+    """The computing effort for a frame: points per link, the least change of the mean square in grey², iterations.
 
-    With `both_first` the links are estimated one by one only where both at once do not come to rest.
+    With `both_first` the links are estimated one by one only if estimating both at once does not converge.
     """
 
     points: int
@@ -48,7 +49,7 @@ COARSE = EstimatorSetting(points=200, least_change=1e-1, iterations=8)
 
 @dataclass(frozen=True, slots=True)
 class EstimatorState:
-    """What is estimated: the pose, and the light (4,) on upper arm and forearm, level and slope along the normal."""
+    """The estimated state: the pose, and the light (4,) on upper arm and forearm, level and gradient by the normal."""
 
     pose: ArmPose
     upper_light: Array
@@ -67,9 +68,9 @@ class EstimatorState:
 
 @dataclass(frozen=True, slots=True)
 class MotionFit:
-    """A state with the equations there, whether its mean square has come to rest, and in how many iterations.
+    """A state with the equations there, whether its mean square has converged, and in how many iterations.
 
-    `finite` is False where the next step had no solution.
+    `finite` is False if the next step had no solution.
     """
 
     state: EstimatorState
@@ -81,7 +82,7 @@ class MotionFit:
 
 @dataclass(frozen=True, slots=True)
 class EstimatorScene:
-    """What a fit looks at: a level of the frame, both links' points in view, and the variances of section 2.3."""
+    """The data of a fit: a level of the frame, both links' visible points, and the variances of section 2.3."""
 
     level: PyramidLevel
     upper: Surface
@@ -90,19 +91,19 @@ class EstimatorScene:
 
     def equations(self, state: EstimatorState, free: slice) -> Equations:
         """The equations of the links that the free unknowns belong to."""
-        pose, view = state.pose, self.level.arrays
+        pose, level = state.pose, self.level
         uses_upper, uses_forearm = free.start == ALL.start, free.stop == ALL.stop
         upper = (pose.shoulder, pose.upper_arm, state.upper_light)
         forearm = (pose.elbow, pose.forearm, state.forearm_light)
         return combined(
-            summed(self.upper, upper, view, self.variances, HUBER) if uses_upper else None,
-            summed(self.forearm, forearm, view, self.variances, HUBER) if uses_forearm else None,
+            summed(self.upper, upper, level, self.variances, HUBER) if uses_upper else None,
+            summed(self.forearm, forearm, level, self.variances, HUBER) if uses_forearm else None,
             pose.elbow - pose.shoulder,
         )
 
 
 def fit_arm(scene: EstimatorScene, start: EstimatorState, setting: EstimatorSetting) -> MotionFit:
-    """Root link, lower arm, then what remains of both at once; or at once, where that is enough."""
+    """Fit the upper arm, the forearm, then both at once; or only both at once, if that converges."""
     if setting.both_first:
         direct = settled(scene, start, ALL, setting)
         if direct.converged:
@@ -115,9 +116,9 @@ def fit_arm(scene: EstimatorScene, start: EstimatorState, setting: EstimatorSett
 
 
 def settled(scene: EstimatorScene, start: EstimatorState, free: slice, setting: EstimatorSetting) -> MotionFit:
-    """Steps until the mean square changes by less than the setting asks for, or nothing moves any more.
+    """Gauss-Newton until the mean square changes by less than the setting's `least_change`.
 
-    A step that makes the mean square rise is halved; one that still does so is not taken, and the fit not converged.
+    A step that increases the mean square is halved; if it still does after HALVINGS, the fit has not converged.
     """
     best = MotionFit(start, scene.equations(start, free), False, 0)
     by, halvings = step(best.equations, free), 0

@@ -3,21 +3,20 @@
 import cv2
 import numpy as np
 
-from common.cameras.camera import Frame, Image
+from common.cameras.camera import Image
 from common.errors import CalibrationError
 from common.geometry import Array
 from common.messages.hand import TrackingStatus
-from local_site.calibration.lens import Maps
-from local_site.calibration.physical_camera import decomposed
-from local_site.calibration.rig import CameraCalibration, Rig
-from local_site.tracking.monocular.arm_mesh import MM
-from local_site.tracking.monocular.config import MonocularConfig, Pixel
+from local_site.calibration.physical_camera import Undistorter, decomposed
+from local_site.calibration.rig import Rig
+from local_site.kernels.pictures import as_grey
+from local_site.tracking.config import MonocularConfig, Pixel
+from local_site.tracking.monocular.arm_model import MM
 from local_site.tracking.monocular.estimator import EstimatorState, MotionFit
-from local_site.tracking.monocular.follower import ArmFollower
+from local_site.tracking.monocular.frame_tracker import ArmFrameTracker
 from local_site.tracking.monocular.pose import ArmPose
 from local_site.tracking.monocular.quality import Judgement, Refusal, covariances, judged
-from local_site.tracking.monocular.silhouette_start import SilhouetteStart
-from local_site.tracking.monocular.start import starting_pose
+from local_site.tracking.monocular.start import SilhouetteStart, starting_pose
 from local_site.tracking.tracker import ArmEstimate, Overlay, View, Views
 
 NOT_GIVEN = (
@@ -29,13 +28,12 @@ NO_TIPS = "index and thumb are not measured by this tracker"
 
 
 class MonocularTracker:
-    """Follows a textured arm from a known place in the first picture, frame by frame.
+    """Tracks a textured arm from a known pose in the first picture, frame by frame.
 
-    `camera` is the number of the one that it looks through; `pose` is the arm in that camera's frame as it was told
-    last, None while it is lost.
-    After a loss it looks for the arm where it was seen last and where it started, in turn; nothing is extrapolated. One
-    that finds its start by itself also begins anew then, once it has been lost for LOST_LONG pictures.
-    Raises CalibrationError when the rig has no such camera.
+    `camera` is the number of its camera in the rig; `pose` is the last estimate in that camera's frame, None while the
+    arm is lost. After a loss it searches alternately at the last pose and at the start; nothing is extrapolated. With a
+    start by silhouette it also restarts after LOST_LONG lost pictures.
+    Raises CalibrationError if the rig has no such camera.
     """
 
     def __init__(self, rig: Rig, config: MonocularConfig | None = None) -> None:
@@ -43,9 +41,9 @@ class MonocularTracker:
         if self._config.camera >= len(rig.cameras):
             raise CalibrationError(f"there is no camera {self._config.camera}: the rig has {len(rig.cameras)}, from 0")
         self.camera, self._cameras = self._config.camera, len(rig.cameras)
-        calibrated = rig.cameras[self.camera]
-        self._undistorted = _Undistorted(calibrated)
-        camera = decomposed(self._undistorted.projection)
+        self._calibrated = rig.cameras[self.camera]
+        self._undistorter = Undistorter(self._calibrated.lens, cv2.BORDER_CONSTANT)
+        camera = decomposed(self._calibrated.matrix)
         if camera is None:
             raise CalibrationError("the camera's projection is mirrored; calibrate again")
         self._camera = camera
@@ -53,27 +51,27 @@ class MonocularTracker:
         given = np.array([start.shoulder_px, start.elbow_px, start.wrist_px])
         self._by_silhouette: SilhouetteStart | None = None
         if start.by == "silhouette":
-            self._by_silhouette = SilhouetteStart(calibrated, camera.lens, self._config)
+            self._by_silhouette = SilhouetteStart(self._calibrated, camera.lens, self._config)
         self._joints_px: Array | None = given if start.is_given else None
         self._forget()
 
     def start_at(self, shoulder_px: Pixel, elbow_px: Pixel, wrist_px: Pixel) -> None:
-        """Begin anew where the joints are in the camera's next picture, px of its own; all else is forgotten."""
+        """Restart from the joints in the camera's next picture, px of its own; everything learned is discarded."""
         self._joints_px, self._by_silhouette = np.array([shoulder_px, elbow_px, wrist_px]), None
         self._forget()
 
     def _forget(self) -> None:
-        self._follower = ArmFollower(self._camera.lens, self._config)
+        self._tracker = ArmFrameTracker(self._camera.lens, self._config)
         self._start: EstimatorState | None = None
         self._lost_for = 0
         self.pose: ArmPose | None = None
 
     def track(self, views: Views) -> ArmEstimate:
-        """The arm at the views' instant; a frame that cannot be tracked says why."""
+        """The arm at the views' instant; a frame that cannot be tracked gives the reason."""
         if len(views.views) != self._cameras:
             return self._lost(views.t_ns, f"{len(views.views)} views for {self._cameras} calibrated cameras")
         view = views.views[self.camera]
-        image = self._undistorted.picture(view.current)
+        image = self._undistorter.undistorted(as_grey(view.current.image))
         if self._start is None or (self._by_silhouette is not None and self._lost_for >= LOST_LONG):
             problem = self._begin(view, image, views.t_ns)
             if problem and self._start is None:
@@ -84,48 +82,48 @@ class MonocularTracker:
             self._lost_for += 1
             return self._lost(views.t_ns, judgement.reason)
         if judgement.status is TrackingStatus.TRACKED:
-            self._follower.keep(image, fit)
+            self._tracker.keep(image, fit)
         else:
-            self._follower.move_to(fit.state)
+            self._tracker.move_to(fit.state)
         self._lost_for = 0
         return self._found(views.t_ns, fit.state.pose, judgement, judgement.spread)
 
     def _begin(self, view: View, image: Image, t_ns: int) -> str:
-        """Start in this picture; why not, or nothing."""
+        """Start in this picture; the reason if it cannot, or an empty string."""
         if self._by_silhouette is not None:
             return self._begin_by(self._by_silhouette, view, image, t_ns)
         if self._joints_px is None:
             return NOT_GIVEN
-        pose = starting_pose(self._camera.lens, self._config, self._undistorted.straight(self._joints_px))
+        pose = starting_pose(self._camera.lens, self._config, self._calibrated.undistort_pixels(self._joints_px))
         if isinstance(pose, str):
             return pose
-        if not self._follower.begin(image, pose):
+        if not self._tracker.begin(image, pose):
             return Refusal.OUT_OF_VIEW
-        self._start = self._follower.last
+        self._start = self._tracker.last
         return ""
 
     def _begin_by(self, silhouette: SilhouetteStart, view: View, image: Image, t_ns: int) -> str:
-        """Start where the silhouette shows the arm, if the estimator takes it; why not, or nothing."""
+        """Start from the silhouette's pose, if the estimator accepts it; otherwise the reason."""
         pose = silhouette.pose(view, t_ns)
         if isinstance(pose, str):
             return pose
-        follower = ArmFollower(self._camera.lens, self._config)
-        begun = follower.begin(image, pose)
-        state = follower.last
-        judgement = judged(follower.fit(image, state) if begun and state is not None else None)
+        tracker = ArmFrameTracker(self._camera.lens, self._config)
+        begun = tracker.begin(image, pose)
+        state = tracker.last
+        judgement = judged(tracker.fit(image, state) if begun and state is not None else None)
         if judgement.spread is None:
             return silhouette.refuse(judgement.reason)
-        self._follower, self._start, self._lost_for = follower, state, 0
+        self._tracker, self._start, self._lost_for = tracker, state, 0
         return ""
 
     def _fit(self, image: Image) -> MotionFit | None:
-        """From the expected place; after a loss from the last one and from the start by turns."""
-        if self._lost_for and self._start is not None and self._follower.last is not None:
-            self._follower.rest_at(self._follower.last)
-            tried = self._start if self._lost_for % 2 else self._follower.last
-            return self._follower.fit(image, tried)
-        expected = self._follower.expected()
-        return None if expected is None else self._follower.fit(image, expected)
+        """Fit from the predicted state; after a loss alternately from the last state and from the start."""
+        if self._lost_for and self._start is not None and self._tracker.last is not None:
+            self._tracker.rest_at(self._tracker.last)
+            tried = self._start if self._lost_for % 2 else self._tracker.last
+            return self._tracker.fit(image, tried)
+        expected = self._tracker.expected()
+        return None if expected is None else self._tracker.fit(image, expected)
 
     def _lost(self, t_ns: int, reason: str) -> ArmEstimate:
         self.pose = None
@@ -150,11 +148,11 @@ class MonocularTracker:
         )
 
     def _overlay(self, pose: ArmPose, camera: int) -> Overlay:
-        """The links as lines in the camera's own picture; nothing in the others."""
+        """The links as lines in the camera's own picture; empty for the others."""
         if camera != self.camera:
             return Overlay()
         wrist = pose.on_forearm(np.array([0.0, 0.0, MM * self._config.forearm.length_mm]))
-        shoulder, elbow, hand = self._undistorted.pixels(
+        shoulder, elbow, hand = self._calibrated.distort_pixels(
             np.array([self._camera.lens.matrix @ p / p[2] for p in (pose.shoulder, pose.elbow, wrist)])[:, :2]
         )
         return Overlay(
@@ -164,30 +162,3 @@ class MonocularTracker:
     def _in_operator(self, in_camera: Array) -> Array:
         point: Array = self._camera.camera_R_operator.T @ (in_camera - self._camera.translation)
         return point
-
-
-class _Undistorted:
-    """A camera's frames as a pinhole would have taken them, grey."""
-
-    def __init__(self, camera: CameraCalibration) -> None:
-        self.projection = camera.matrix
-        self._lens = camera.lens
-        self._maps: Maps | None = None
-
-    def picture(self, frame: Frame) -> Image:
-        """The frame's grey levels (H, W)."""
-        image = frame.image
-        grey = np.asarray(cv2.cvtColor(image, cv2.COLOR_BGR2GRAY) if image.ndim == 3 else image, dtype=np.uint8)
-        if self._lens is None:
-            return grey
-        if self._maps is None or self._maps[0].shape[:2] != grey.shape:
-            self._maps = self._lens.undistortion_maps(grey.shape[1], grey.shape[0])
-        return np.asarray(cv2.remap(grey, *self._maps, cv2.INTER_LINEAR), dtype=np.uint8)
-
-    def straight(self, pixels: Array) -> Array:
-        """Pixels (N, 2) in the pinhole's picture, of pixels (N, 2) in the frame."""
-        return pixels if self._lens is None else self._lens.undistort_pixels(pixels)
-
-    def pixels(self, pinhole: Array) -> Array:
-        """Pixels (N, 2) in the frame, of pixels (N, 2) in the pinhole's picture."""
-        return pinhole if self._lens is None else self._lens.distort_pixels(pinhole)

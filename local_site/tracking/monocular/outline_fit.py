@@ -1,7 +1,7 @@
-"""The arm's pose from one silhouette: the meshes' outline laid on the picture's, by least squares.
+"""The arm's pose from one silhouette: the meshes' outline fitted to the picture's by least squares.
 
-Lengths and place in the picture give the distance, which way a limb grows narrower the sense of its tilt. A tilt is
-told to some degrees only, so that the links are taken to be nearly parallel to the picture until it says otherwise.
+Lengths and positions in the picture give the distance; the direction in which a limb tapers gives the sign of its tilt.
+A tilt is observable to some degrees only, hence the prior that the links are nearly parallel to the picture.
 """
 
 import math
@@ -13,27 +13,64 @@ from numpy.typing import NDArray
 from scipy.optimize import least_squares
 
 from common.geometry import Array
-from local_site.calibration.lens import Lens
-from local_site.tracking.monocular.arm_mesh import MM, Mesh, Profile, forearm_mesh, upper_arm_mesh
-from local_site.tracking.monocular.config import MonocularConfig
-from local_site.tracking.monocular.kernels import Picture, samples
-from local_site.tracking.monocular.outline import Sides, sides_of
-from local_site.tracking.monocular.pose import ArmPose
-from local_site.tracking.monocular.start import facing
-from local_site.tracking.silhouette.contour import Silhouette
-from local_site.tracking.silhouette.features import Features
+from local_site.calibration.physical_camera import Lens
+from local_site.kernels.pictures import Levels, greys_at
+from local_site.tracking.config import MonocularConfig
+from local_site.tracking.features.features import Features
+from local_site.tracking.features.silhouette import Silhouette
+from local_site.tracking.monocular.arm_model import MM, Mesh, Profile, forearm_mesh, upper_arm_mesh
+from local_site.tracking.monocular.pose import ArmPose, Link, facing
+
+INSIDE_PX = 1.0
+
+
+@dataclass(frozen=True, slots=True)
+class Sides:
+    """Both sides of a link's outline: pixels (2, N, 2) of its sections, in order along the link."""
+
+    pixels: Array
+
+    @property
+    def polygon(self) -> NDArray[np.float32]:
+        """The closed outline (2N, 1, 2), as an OpenCV contour."""
+        ring = np.concatenate([self.pixels[0], self.pixels[1, ::-1]])
+        return ring.astype(np.float32)[:, None]
+
+    def hides(self, points: Array) -> NDArray[np.bool_]:
+        """Which pixels (..., 2) lie well inside it."""
+        polygon, pixels = self.polygon, points.reshape(-1, 2).tolist()
+        inside = [cv2.pointPolygonTest(polygon, (x, y), True) > INSIDE_PX for x, y in pixels]
+        return np.array(inside).reshape(points.shape[:-1])
+
+
+def sides_of(profile: Profile, link: Link, lens: Lens) -> Sides:
+    """The points where lines of sight are tangent to a link's elliptic sections; NaN for a link seen from inside.
+
+    The taper, which is neglected, moves the outline by less than a tenth of a pixel.
+    """
+    joint, rotation = link
+    x, y, _ = (-rotation.T @ joint).tolist()
+    across, deep = x / profile.across, y / profile.deep
+    with np.errstate(invalid="ignore"):
+        half = np.arccos(1.0 / np.hypot(across, deep))
+    turns = np.arctan2(deep, across) + np.array([[-1.0], [1.0]]) * half
+    along = np.broadcast_to(profile.along, turns.shape)
+    points = np.stack([profile.across * np.cos(turns), profile.deep * np.sin(turns), along], axis=-1)
+    in_camera = points @ rotation.T + joint
+    return Sides(in_camera[..., :2] / in_camera[..., 2:] * (lens.fx, lens.fy) + (lens.cx, lens.cy))
+
 
 TILT_SIGMA, FREE_TILT_SIGMA = math.radians(8.0), math.radians(25.0)
 GIRTH_SIGMA, TURN_SIGMA = 0.04, 1.0
-# Neighbouring sections share what the shape is off by, so that each counts less than its pixels would.
+# The shape's errors at neighbouring sections are correlated, so that each has less weight than its pixels would give.
 EDGE_SIGMA_PX = 2.0
-SHOULDER_SIGMA = 0.05  # of the upper arm's length: how well its end shows where the joint is
-PALM_SHARE = 0.75
+SHOULDER_SIGMA = 0.05  # of the upper arm's length: the error of the joint's position relative to its end
+PALM_FRACTION = 0.75
 BORDER_PX = 3
-# The silhouette begins where a blurred edge (0.8 px) has risen by 15 %, which is outside of where it is steepest.
+# The silhouette begins where a blurred edge (0.8 px) has risen by 15 %, which is outside its steepest point.
 EDGE_OUTSIDE_PX = 0.8
 ROUNDS, EVALUATIONS = 3, 6
-# Slopes of the elbow's line of sight, log of its depth, angle and tilt of both links, turn of the palm, girths' error.
+# Slopes of the elbow's line of sight, log of its depth, angle and tilt of both links, palm rotation, girths' error.
 SCALES = np.array([0.01, 0.01, 0.03, 0.05, 0.1, 0.05, 0.1, 0.2, 0.03, 0.03])
 ELBOW, DEPTH, UPPER, FOREARM, TURN, GIRTHS = slice(0, 2), 2, slice(3, 5), slice(5, 7), 7, slice(8, 10)
 TILTS = [4, 6]
@@ -45,49 +82,49 @@ Mask = NDArray[np.bool_]
 
 @dataclass(frozen=True, slots=True)
 class OutlineFit:
-    """A pose, and what it is worth.
+    """A pose, and its quality.
 
-    Standard deviations (3,) in m of shoulder, elbow and wrist; the root mean square in px by which the outlines part,
-    and how many of its places are seen of each link. Were the links not taken to be nearly parallel to the picture,
-    their tilts out of it (2,) in rad, and by how much shoulder, elbow and wrist (3,) would move, m.
+    Standard deviations (3,) in m of shoulder, elbow and wrist; the rms residual of the outline in px, and the number of
+    its points seen of each link. Without the prior that the links are nearly parallel to the picture: their tilts out
+    of it (2,) in rad, and the change (3,) in m of shoulder, elbow and wrist.
     """
 
     pose: ArmPose
     sigmas: Array
-    apart_px: float
-    places: tuple[int, int]
+    rms_px: float
+    points: tuple[int, int]
     free_tilts: Array
     free_moves: Array
 
 
 @dataclass(frozen=True, slots=True)
 class _Target:
-    """What the outline is laid on: features, px by which each pixel (H, W) is within the edge, tilts' sigma in rad."""
+    """The target of the fit: features, signed distance in px of each pixel (H, W) to the edge, tilts' sigma in rad."""
 
     features: Features
-    distances: Picture
+    distances: Levels
     tilt_sigma: float
 
 
 class OutlineFitter:
-    """Both links' shapes before a pinhole camera."""
+    """Fits both links' outline in a pinhole camera."""
 
     def __init__(self, lens: Lens, config: MonocularConfig) -> None:
         self._lens, self._palm_turn = lens, math.radians(config.start.palm_turn_deg)
         self._upper_arm, self._forearm = upper_arm_mesh(config.upper_arm), forearm_mesh(config.forearm)
         self._wrist = np.array([0.0, 0.0, self._forearm.length])
-        knuckles = self._forearm.length + PALM_SHARE * MM * config.forearm.palm_length_mm
+        knuckles = self._forearm.length + PALM_FRACTION * MM * config.forearm.palm_length_mm
         self._profiles = self._upper_arm.sections, _up_to(self._forearm, knuckles)
 
     def fit(self, features: Features) -> OutlineFit:
-        """The pose whose outline lies nearest to the silhouette's, near what its features say."""
+        """The pose whose outline is nearest to the silhouette's, starting from its features."""
         near = _Target(features, _distances(features.silhouette), TILT_SIGMA)
         free = self._freely(replace(near, tilt_sigma=FREE_TILT_SIGMA))
         unknowns, jacobian, _ = self._solved(free, near)
-        return self._told(unknowns, jacobian, near, free)
+        return self._result(unknowns, jacobian, near, free)
 
     def _freely(self, target: _Target) -> Array:
-        """The likeliest unknowns (10,) from every sense of the tilts: each has a minimum of its own."""
+        """The best unknowns (10,) from starts with every sign of the tilts: each has its own local minimum."""
         first, solutions = self._first(target.features), []
         for tilts in TRIED_TILTS:
             tilted = first.copy()
@@ -96,9 +133,9 @@ class OutlineFitter:
         return min(solutions, key=lambda solution: solution[2])[0]
 
     def _solved(self, unknowns: Array, target: _Target) -> tuple[Array, Array, float]:
-        """The unknowns (10,), the residuals' slopes (R, 10) there, and half the sum of their squares.
+        """The unknowns (10,), the residuals' Jacobian (R, 10) there, and half the sum of their squares.
 
-        What is hidden is looked up between rounds.
+        Occlusion is updated between rounds.
         """
         jacobian, cost = np.zeros((0, len(unknowns))), math.inf
         for _ in range(ROUNDS):
@@ -111,7 +148,7 @@ class OutlineFitter:
     def _first(self, features: Features) -> Array:
         """Both links parallel to the picture."""
         guess = features.guess
-        shoulder, elbow, wrist = (self._slope(place) for place in (guess.shoulder_end, guess.elbow, guess.wrist))
+        shoulder, elbow, wrist = (self._slope(pixel) for pixel in (guess.shoulder_end, guess.elbow, guess.wrist))
         upper, lower = elbow - shoulder, wrist - elbow
         depth = self._forearm.length / float(np.linalg.norm(lower))
         angles = (math.atan2(along[1], along[0]) for along in (upper, lower))
@@ -144,14 +181,14 @@ class OutlineFitter:
         return upper, forearm
 
     def _seen(self, unknowns: Array, shape: tuple[int, ...]) -> tuple[Mask, Mask]:
-        """Which places of both links' outlines lie in the picture and not within the other link."""
+        """Which points of both links' outlines lie in the picture and not inside the other link."""
         upper, forearm = self._sides(unknowns)
         return _inside(upper, shape) & ~forearm.hides(upper.pixels), _inside(forearm, shape) & ~upper.hides(
             forearm.pixels
         )
 
     def _residuals(self, unknowns: Array, target: _Target, seen: tuple[Mask, Mask]) -> Array:
-        """By how much each place is off the silhouette's edge, robustly, and each unknown off what is expected."""
+        """The robust distance of each outline point from the silhouette's edge, and the priors' residuals."""
         pairs = zip(self._sides(unknowns), seen, strict=True)
         off = np.concatenate(
             [np.where(mask, _looked_up(target.distances, of.pixels), 0.0).ravel() for of, mask in pairs]
@@ -166,8 +203,8 @@ class OutlineFitter:
         return np.concatenate([_robust(off / EDGE_SIGMA_PX), expected])
 
     def _shoulder_off(self, unknowns: Array, features: Features) -> float:
-        """How far the upper arm's end is from where the silhouette ends, along it; nothing where the border cuts it."""
-        if features.shoulder_cropped or features.upper_arm is None:
+        """The residual of the upper arm's end from the silhouette's, along it; 0 if the border cuts it."""
+        if features.silhouette.at_border or features.upper_arm is None:
             return 0.0
         cap = 0.5 * float(self._profiles[0].deep[0])
         end = self._pose(unknowns).on_upper_arm(np.array([0.0, 0.0, -cap]))
@@ -176,7 +213,7 @@ class OutlineFitter:
         length_px = self._lens.fx * self._upper_arm.length / end[2]
         return float(off_px @ features.upper_arm.direction / (SHOULDER_SIGMA * length_px))
 
-    def _told(self, unknowns: Array, jacobian: Array, target: _Target, free: Array) -> OutlineFit:
+    def _result(self, unknowns: Array, jacobian: Array, target: _Target, free: Array) -> OutlineFit:
         seen = self._seen(unknowns, target.distances.shape)
         pairs = zip(self._sides(unknowns), seen, strict=True)
         off = np.concatenate([_looked_up(target.distances, of.pixels)[mask] for of, mask in pairs])
@@ -200,14 +237,14 @@ def _direction(angle: float, tilt: float) -> Array:
 
 
 def _up_to(mesh: Mesh, end: float) -> Profile:
-    """A link's sections up to a place along it, m."""
+    """A link's sections up to a position along it, m."""
     of = mesh.sections
     kept = of.along <= end
     return Profile(of.along[kept], of.across[kept], of.deep[kept])
 
 
-def _distances(silhouette: Silhouette) -> Picture:
-    """How far each pixel (H, W) is within the silhouette's edge, px; negative outside."""
+def _distances(silhouette: Silhouette) -> Levels:
+    """The distance of each pixel (H, W) to the silhouette's edge, px; negative outside."""
     filled = np.zeros(silhouette.grey.shape, np.uint8)
     cv2.drawContours(filled, [silhouette.contour.astype(np.int32)], -1, 255, cv2.FILLED)
     within, beyond = (cv2.distanceTransform(mask, cv2.DIST_L2, 5) for mask in (filled, 255 - filled))
@@ -215,9 +252,9 @@ def _distances(silhouette: Silhouette) -> Picture:
     return inward.astype(np.float32)
 
 
-def _looked_up(distances: Picture, pixels: Array) -> Array:
+def _looked_up(distances: Levels, pixels: Array) -> Array:
     x, y = np.nan_to_num(pixels).reshape(-1, 2).T.copy()
-    return samples(distances, x, y).reshape(pixels.shape[:-1])
+    return greys_at(distances, x, y).reshape(pixels.shape[:-1])
 
 
 def _inside(sides: Sides, shape: tuple[int, ...]) -> Mask:
@@ -228,6 +265,6 @@ def _inside(sides: Sides, shape: tuple[int, ...]) -> Mask:
 
 
 def _robust(off: Array) -> Array:
-    """Residuals whose squares grow linearly where they are large, smoothly."""
+    """Pseudo-Huber residuals: their squares grow linearly where they are large."""
     result: Array = np.sign(off) * np.sqrt(2.0 * (np.sqrt(1.0 + off * off) - 1.0))
     return result

@@ -1,6 +1,6 @@
-"""A frame as the estimator reads it: the part around the arm, smoothed, with its gradients, fine and coarse."""
+"""An image pyramid of two levels around the arm: smoothed grey levels and gradients, fine and coarse."""
 
-from dataclasses import dataclass
+from typing import NamedTuple
 
 import cv2
 import numpy as np
@@ -8,8 +8,8 @@ from numpy.typing import NDArray
 
 from common.cameras.camera import Image
 from common.geometry import Array
-from local_site.calibration.lens import Lens
-from local_site.tracking.monocular.kernels import Picture
+from local_site.calibration.physical_camera import Lens
+from local_site.kernels.pictures import Levels
 
 FINE_BLUR_PX, COARSE_BLUR_PX = 0.8, 1.0
 COARSE = 4
@@ -17,21 +17,15 @@ COARSE = 4
 Box = tuple[int, int, int, int]
 
 
-@dataclass(frozen=True, slots=True)
-class PyramidLevel:
-    """A part of the frame at some resolution: grey levels and their gradients per its px (H, W), focal lengths (2,) and
-    principal point (2,) in its px."""
+class PyramidLevel(NamedTuple):
+    """A part of the frame at some resolution: grey levels and their gradients per px of the level (H, W), focal lengths
+    (2,) and principal point (2,) in its px."""
 
-    grey: Picture
-    along_x: Picture
-    along_y: Picture
+    grey: Levels
+    along_x: Levels
+    along_y: Levels
     focal: Array
     principal: Array
-
-    @property
-    def arrays(self) -> tuple[Picture, Picture, Picture, Array, Array]:
-        """All of it, as the kernels take it."""
-        return self.grey, self.along_x, self.along_y, self.focal, self.principal
 
 
 def fine_level(image: Image, lens: Lens, box: Box) -> PyramidLevel:
@@ -54,7 +48,7 @@ def coarse_level(image: Image, lens: Lens, box: Box) -> PyramidLevel:
 
 
 def _level(grey: cv2.typing.MatLike, focal: Array, principal: Array) -> PyramidLevel:
-    """Gradients by Sobel's operator, whose sums are eight times the slope."""
+    """Gradients by Sobel's operator, whose sums are eight times the gradient."""
     picture = np.asarray(grey, dtype=np.float32)
     along_x, along_y = (
         np.asarray(cv2.Sobel(picture, cv2.CV_32F, dx, dy, scale=0.125), dtype=np.float32) for dx, dy in ((1, 0), (0, 1))
@@ -62,7 +56,7 @@ def _level(grey: cv2.typing.MatLike, focal: Array, principal: Array) -> PyramidL
     return PyramidLevel(picture, along_x, along_y, focal, principal)
 
 
-def in_coarse_px(places: Array | NDArray[np.intp]) -> Array:
-    """Places (N,) of a part of the frame along rows or columns, in px of its coarse level."""
-    coarse: Array = (places + 0.5) / COARSE - 0.5
+def in_coarse_px(pixels: Array | NDArray[np.intp]) -> Array:
+    """Coordinates (N,) in px of a part of the frame, in px of its coarse level."""
+    coarse: Array = (pixels + 0.5) / COARSE - 0.5
     return coarse

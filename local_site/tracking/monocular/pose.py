@@ -1,6 +1,8 @@
-"""Where the arm is in the camera's frame: two links, one joint between them, and how they move from frame to frame."""
+"""The arm's pose in the camera's frame: two links joined at the elbow, and their motion between frames."""
 
 from dataclasses import dataclass
+
+import numpy as np
 
 from common.geometry import Array, rotation_from_vector, vector_from_rotation
 
@@ -40,10 +42,8 @@ class ArmPose:
         return result
 
     def moved(self, translation: Array, upper_turn: Array, forearm_turn: Array) -> "ArmPose":
-        """The pose after a translation (3,) in m of the shoulder and small turns (3,) in rad of both links (eq. 1-4).
-
-        The elbow follows the upper arm; the turns are about the camera's axes.
-        """
+        """The pose after a translation (3,) in m of the shoulder and small rotations (3,) in rad of both links, about
+        the camera's axes (eq. 1-4)."""
         return ArmPose(
             self.shoulder + translation,
             rotation_from_vector(upper_turn) @ self.upper_arm,
@@ -52,10 +52,20 @@ class ArmPose:
         )
 
 
-def predicted(before: ArmPose, last: ArmPose, damping: float = DAMPING) -> ArmPose:
-    """The next pose when the last motion goes on, damped."""
+def predicted(before: ArmPose, last: ArmPose) -> ArmPose:
+    """The next pose if the last motion continues, damped."""
     return last.moved(
-        damping * (last.shoulder - before.shoulder),
-        damping * vector_from_rotation(last.upper_arm @ before.upper_arm.T),
-        damping * vector_from_rotation(last.forearm @ before.forearm.T),
+        DAMPING * (last.shoulder - before.shoulder),
+        DAMPING * vector_from_rotation(last.upper_arm @ before.upper_arm.T),
+        DAMPING * vector_from_rotation(last.forearm @ before.forearm.T),
     )
+
+
+def facing(along: Array, turn: float) -> Array:
+    """`camera_R_link` of a link along a direction (3,) with its palm parallel to the image, rotated about it by `turn`
+    in rad; undefined for a link along the optical axis."""
+    z = along / np.linalg.norm(along)
+    deep = np.array([0.0, 0.0, 1.0]) - z[2] * z
+    deep /= np.linalg.norm(deep)
+    rotation: Array = np.column_stack([np.cross(deep, z), deep, z]) @ rotation_from_vector(np.array([0.0, 0.0, turn]))
+    return rotation

@@ -1,4 +1,4 @@
-"""Whether a fit is to be believed, and how sure its points are: report, never guess."""
+"""Whether to accept a fit, and the covariance of its points."""
 
 import math
 from collections.abc import Mapping
@@ -19,9 +19,9 @@ WORST_CONDITION = 1e4
 LEAST_NEAR, DOUBTED_NEAR = 0.75, 0.9
 MOST_SCALED = 3.0
 MAX_SIGMA_M, DOUBTED_SIGMA_M = 0.015, 0.006
-# Neighbouring points share their errors, so that several tell as much as one.
-ALIKE = 4.0
-LEARNED_SIGMA_M = 3e-4  # along each axis, of what was learned at a pose that was itself an estimate
+# The errors of neighbouring points are correlated: several carry the information of one.
+CORRELATED = 4.0
+LEARNED_SIGMA_M = 3e-4  # along each axis, of points that were learned at an estimated pose
 
 
 class Refusal(StrEnum):
@@ -29,17 +29,17 @@ class Refusal(StrEnum):
 
     OUT_OF_VIEW = "the arm is out of the picture"
     FEW_POINTS = "fewer than 100 points of a link are in view: turn the arm, or give it light"
-    ILL_CONDITIONED = "what is in view leaves the arm's motion open"
+    ILL_CONDITIONED = "the visible points do not determine the arm's motion"
     NOT_FINITE = "the motion cannot be computed from this picture"
-    UNCONVERGED = "the differences to the picture do not come to rest"
+    UNCONVERGED = "the fit to the picture does not converge"
     UNLIKE = "the picture does not look like the arm as it was learned"
     HIDDEN = "a part of the arm is hidden, or does not look as it was learned"
-    UNSURE = "the arm's place is not sure enough"
+    UNSURE = "the arm's position is too uncertain"
 
 
 @dataclass(frozen=True, slots=True)
 class Judgement:
-    """What a fit is worth: status, reason, and the covariance (9, 9) of its motions, None where it is lost."""
+    """The verdict on a fit: status, reason, and the covariance (9, 9) of its motions, None if the arm is lost."""
 
     status: TrackingStatus
     reason: str
@@ -47,14 +47,14 @@ class Judgement:
 
 
 def judged(fit: MotionFit | None) -> Judgement:
-    """Whether a fit is to be believed; None stands for an arm out of the picture."""
+    """The verdict on a fit; None stands for an arm out of the picture."""
     if fit is None:
         return Judgement(TrackingStatus.LOST, Refusal.OUT_OF_VIEW)
     refusal = _refusal(fit)
     if refusal is not None:
         return Judgement(TrackingStatus.LOST, refusal)
     inverse = np.asarray(np.linalg.inv(information(fit.equations.matrix)), dtype=np.float64)
-    spread: Array = ALIKE * max(float(fit.equations.scaled.max()), 1.0) * inverse
+    spread: Array = CORRELATED * max(float(fit.equations.scaled.max()), 1.0) * inverse
     reach = np.array([0.0, 0.0, fit.state.pose.upper_arm_length])
     sigma_m = math.sqrt(float(np.trace(covariances(fit.state.pose, spread, {"end": reach})["end"])))
     if sigma_m > MAX_SIGMA_M:
@@ -87,17 +87,10 @@ def _refusal(fit: MotionFit) -> Refusal | None:
 def covariances(pose: ArmPose, spread: Array, on_forearm: Mapping[str, Array]) -> dict[str, Array]:
     """Covariances (3, 3) in m² of the elbow and of named points of the forearm's frame (3,), in the camera's frame.
 
-    `spread` (9, 9) is from the normal matrix, with what the points miss the picture by, and for errors they share.
+    `spread` (9, 9) is the covariance of the motions. A point carried by both links moves by the translation and by
+    each rotation's lever arm (3,).
     """
     upper = pose.elbow - pose.shoulder
-    result = {"elbow": _carried(spread, upper, np.zeros(3))}
-    for name, point in on_forearm.items():
-        result[name] = _carried(spread, upper, pose.forearm @ point)
-    return result
-
-
-def _carried(spread: Array, upper: Array, lower: Array) -> Array:
-    """The covariance of a point that both links carry: translation, then what the turns do to their arms (3,)."""
-    by = np.hstack([np.eye(3), -skew(upper), -skew(lower)])
-    result: Array = by @ spread @ by.T + LEARNED_SIGMA_M**2 * np.eye(3)
-    return result
+    arms = {"elbow": np.zeros(3)} | {name: pose.forearm @ point for name, point in on_forearm.items()}
+    jacobians = {name: np.hstack([np.eye(3), -skew(upper), -skew(lower)]) for name, lower in arms.items()}
+    return {name: by @ spread @ by.T + LEARNED_SIGMA_M**2 * np.eye(3) for name, by in jacobians.items()}

@@ -1,8 +1,8 @@
-"""The observation points of one link: learned from pictures where the mesh faces the camera, and kept while it turns.
+"""The observation points of one link: learned from pictures where the mesh faces the camera, and kept.
 
-The report takes them once, from the first picture. Here a link that has turned on learns the part of it that came into
-view, from the picture and the pose of that moment, so that it is not lost after half a turn; what it learned before
-stays as it was, and takes any drift back when it comes into view again.
+The report takes them once, from the first picture. Here a link that rotates learns the part that comes into view, from
+the picture and the estimated pose, so that it is not lost after half a turn. Earlier points stay unchanged, and correct
+any drift when they come into view again.
 """
 
 import math
@@ -12,15 +12,15 @@ from numpy.typing import NDArray
 
 from common.geometry import Array
 from local_site.kernels.compiled import compiled
-from local_site.tracking.monocular.arm_mesh import Mesh
-from local_site.tracking.monocular.arm_view import Depths
+from local_site.tracking.monocular.arm_model import Depths, Mesh
+from local_site.tracking.monocular.equations import Surface
 from local_site.tracking.monocular.pose import Link
 
 Mask = NDArray[np.bool_]
 
 CELL_M = 0.0018
 HIDDEN_BY_M = 0.006
-LOOKED_AT = 6
+SAMPLED = 6
 
 
 class Skin:
@@ -36,22 +36,26 @@ class Skin:
         self.fine, self.coarse = np.empty(0), np.empty(0)
 
     def in_view(self, link: Link, depths: Depths, facing: float, most: int) -> NDArray[np.intp]:
-        """The numbers of points that face the camera by more than `facing`, -n.v, and are not hidden, `most` of them.
+        """The numbers of at most `most` points that face the camera (-n.v > `facing`) and are not occluded.
 
-        They lie spread over all that is in view; where there are many more, not every one is looked at.
+        They are spread over the visible part; if there are many more, only a regular sample is tested.
         """
         view = depths.focal, depths.principal, depths.inverse
-        every = max(len(self.points) // (LOOKED_AT * most), 1)
+        every = max(len(self.points) // (SAMPLED * most), 1)
         seen = np.flatnonzero(_in_view(self.points, self.normals, link, view, facing, every))
         return seen[:: max(len(seen) // most, 1)][:most]
 
+    def surface(self, numbers: NDArray[np.intp], is_coarse: bool) -> Surface:
+        """The points of these numbers, with their reflectances at the coarse or fine level."""
+        return Surface(self.points[numbers], self.normals[numbers], (self.coarse if is_coarse else self.fine)[numbers])
+
     def unknown(self, points: Array) -> Mask:
-        """Which places (N, 3) of the link, m, are not learned yet."""
+        """Which points (N, 3) in m of the link are not learned yet."""
         result: Mask = ~self._known[self._cells(points)]
         return result
 
     def learn(self, points: Array, normals: Array, fine: Array, coarse: Array) -> None:
-        """Take new points with their reflectances, in random order so that any first part is spread evenly."""
+        """Add new points with their reflectances, in random order so that any first part is spread evenly."""
         self._known[self._cells(points)] = True
         order = self._random.permutation(len(points))
         self.points = np.concatenate([self.points, points[order]])
@@ -68,26 +72,21 @@ class Skin:
 
 @compiled
 def _in_view(
-    points: Array,
-    normals: Array,
-    link: tuple[Array, Array],
-    view: tuple[Array, Array, Array],
-    least: float,
-    every: int,
+    points: Array, normals: Array, link: tuple[Array, Array], view: tuple[Array, Array, Array], least: float, every: int
 ) -> Mask:
-    """Which of each so manyth point are in view; what lies outside of the raster of 1 / depth (H, W) in 1/m is not."""
+    """Which points, of each `every`-th, are visible by the map of 1 / depth (H, W) in 1/m; outside it none is."""
     joint, rotation = link
     focal, principal, inverse_depth = view
     height, width = inverse_depth.shape
     seen = np.zeros(len(points), np.bool_)
-    place, normal = np.empty(3), np.empty(3)
+    point, normal = np.empty(3), np.empty(3)
     for n in range(0, len(points), every):
         for k in range(3):
-            place[k], normal[k] = joint[k], 0.0
+            point[k], normal[k] = joint[k], 0.0
             for i in range(3):
-                place[k] += rotation[k, i] * points[n, i]
+                point[k] += rotation[k, i] * points[n, i]
                 normal[k] += rotation[k, i] * normals[n, i]
-        x, y, z = place[0], place[1], place[2]
+        x, y, z = point[0], point[1], point[2]
         towards = -(normal[0] * x + normal[1] * y + normal[2] * z)
         if z <= 0.0 or towards <= least * math.sqrt(x * x + y * y + z * z):
             continue

@@ -1,4 +1,4 @@
-"""The hand from instant to instant: predicted, fitted, found again; index and thumb with their covariance."""
+"""Tracks the hand between instants: predicts, fits and finds it again; index and thumb with their covariance."""
 
 import math
 from collections import deque
@@ -9,18 +9,11 @@ from statistics import median
 import numpy as np
 
 from common.geometry import Array
-from local_site.tracking.silhouette.hand_model.fit import HandFit, HandView, Prior, contact, fit_hand
-from local_site.tracking.silhouette.hand_model.habits import (
-    Belief,
-    Habits,
-    near_last,
-    posture_information,
-    prior_information,
-)
-from local_site.tracking.silhouette.hand_model.placement import POSE, HandPose, Person, rotation_vector, turned
+from local_site.tracking.silhouette.hand_model.fit import HandFit, HandView, fit_hand
+from local_site.tracking.silhouette.hand_model.habits import Belief, Habits, LimbEvidence, near_last
 from local_site.tracking.silhouette.hand_model.search import Effort, search_hand
-from local_site.tracking.silhouette.hand_model.skeleton import TYPICAL_FOREARM
-from local_site.tracking.silhouette.tips import INDEX, THUMB, Tip, find_tip
+from local_site.tracking.silhouette.hand_model.skeleton import HandPose, Person, rotation_vector, turned
+from local_site.tracking.silhouette.tips import INDEX, THUMB, Tip, find_tips
 
 ITERATIONS = 4
 REFIT_ITERATIONS, OPINION_ITERATIONS = 8, 6
@@ -35,7 +28,7 @@ WORSE_FACTOR, WORSE_MARGIN = 1.4, 0.05
 BAD_FACTOR, BAD_MARGIN = 1.7, 0.08
 MAX_COST = 1.2
 CLEARLY_BETTER = 0.95
-# turns about the hand's own axes, rad, each with a change of the first posture angles
+# Rotations about the hand's own axes, rad, each with a change of the first posture angles.
 OPINIONS = (
     ((0.4, 0.0, 0.0), (0.0, 0.0, 0.0, 0.2)),
     ((0.0, 0.3, 0.0), (-0.3, 0.0, 0.0, 0.0)),
@@ -56,23 +49,13 @@ class HandEstimate:
     hand_open: bool
 
 
-@dataclass(frozen=True, slots=True)
-class LimbEvidence:
-    """What the limbs say of the hand: wrist (3,) in m with covariance (3, 3), elbow (3,), far end of the hand (3,)."""
-
-    wrist: Array
-    wrist_covariance: Array
-    elbow: Array
-    far_end: Array
-
-
 class HandTracker:
-    """Follows a hand with the hand model; its habits are those of one operator and last through losses."""
+    """Tracks a hand with the hand model; the habits learned are one operator's and are kept through losses."""
 
     def __init__(
         self, initial_pairs: int, right_arm: bool, own: Belief | None = None, scale: float | None = None
     ) -> None:
-        """`own` and `scale` are the habits and the size against the average hand that an earlier run has learned."""
+        """`own` and `scale`, the size relative to the average hand, were learned in an earlier run."""
         self._initial_pairs = initial_pairs
         self._right_arm = right_arm
         self._habits = Habits(own)
@@ -98,8 +81,9 @@ class HandTracker:
         self._last, self._turn, self._open = None, np.zeros(3), False
 
     def track(self, views: Sequence[HandView], arm: LimbEvidence) -> HandEstimate | None:
-        """The hand seen in the views; None where the model cannot explain the outlines."""
-        person = self._person(arm)
+        """The hand seen in the views; None if the model cannot explain the outlines."""
+        person = arm.person(self._right_arm, self._scale)
+        self._scale = person.scale
         fit = self._fit(views, arm, person)
         if fit.cost > MAX_COST:
             self.forget()
@@ -109,23 +93,9 @@ class HandTracker:
         self._last = fit, arm.wrist
         self._costs.append(fit.cost)
         if self._habits.is_closed(fit.pose.posture) or not self.known:
-            self._learn(fit)
+            self._habits.learn_fit(fit)
         self._open = self._habits.is_open(fit.pose.posture, self._open)
         return _estimate(views, fit, self._open)
-
-    def _learn(self, fit: HandFit) -> None:
-        prior = fit.prior
-        told = fit.information - prior.information
-        told[:3, :3] += prior.information[:3, :3]
-        belief = Belief(prior.posture, prior.information[POSE:, POSE:])
-        self._habits.learn(fit.pose.posture, belief, posture_information(told))
-
-    def _person(self, arm: LimbEvidence) -> Person:
-        to_elbow = arm.elbow - arm.wrist
-        length = max(float(np.linalg.norm(to_elbow)), 1e-6)
-        if self._scale is None:
-            self._scale = length / TYPICAL_FOREARM
-        return Person(self._scale, self._right_arm, to_elbow / length)
 
     def _fit(self, views: Sequence[HandView], arm: LimbEvidence, person: Person) -> HandFit:
         if self._last is None:
@@ -142,69 +112,64 @@ class HandTracker:
         return fit if fit.cost <= MAX_COST else min(fit, self._searched(views, arm, person), key=_cost)
 
     def _first_search(self, views: Sequence[HandView], arm: LimbEvidence, person: Person) -> HandFit:
-        """All around at first and now and then; between, in case it is no hand that is shown, from a few rotations."""
+        """From all rotations every FIRST_SEARCH_EVERY times; otherwise from a few, to bound the time taken."""
         step, thorough = self._searches % len(AGAIN_OFFSETS), self._searches % FIRST_SEARCH_EVERY == 0
         self._searches += 1
         effort = FIRST_SEARCH if thorough else replace(QUICK_SEARCH, offset=AGAIN_OFFSETS[step])
-        return search_hand(views, arm.far_end, self._prior(arm, self._habits.closed), person, effort)
+        return search_hand(views, arm.far_end, arm.prior(self._habits.closed), person, effort)
 
     def _searched(self, views: Sequence[HandView], arm: LimbEvidence, person: Person) -> HandFit:
         """The better of two searches, one of them for an opened hand."""
         return min(self._search(views, arm, person), self._search(views, arm, person), key=_cost)
 
     def _search(self, views: Sequence[HandView], arm: LimbEvidence, person: Person) -> HandFit:
-        """From a few rotations, others each time, so that no instant takes long; by turns opened and as usual."""
+        """From a few rotations, different each time, to bound the time taken; alternately opened and as usual."""
         self._searches += 1
         turn, opened = divmod(self._searches, 2)
         belief = self._habits.opened if opened else self._habits.closed
         effort = Effort(AGAIN_ROLLS, AGAIN_KEPT, (0.0,), AGAIN_OFFSETS[turn % len(AGAIN_OFFSETS)])
-        return search_hand(views, arm.far_end, self._prior(arm, belief), person, effort)
+        return search_hand(views, arm.far_end, arm.prior(belief), person, effort)
 
     def _followed(self, views: Sequence[HandView], arm: LimbEvidence, person: Person) -> HandFit:
-        """From the last pose, moved along with the wrist and turning on."""
+        """From the last pose, moved with the wrist, at constant angular velocity."""
         start = self._carried(arm)
         size = float(np.linalg.norm(self._turn))
         rotation = turned(self._turn * min(1.0, MAX_TURN_AHEAD / max(size, 1e-9))) @ start.rotation
-        start = replace(start, rotation=rotation)
-        prior = self._prior(arm, near_last(self._belief(), start.posture), start)
+        start = start._replace(rotation=rotation)
+        prior = arm.prior(near_last(self._belief(), start.posture), start)
         return fit_hand(views, start, prior, person, ITERATIONS)
 
     def _second_opinion(self, views: Sequence[HandView], arm: LimbEvidence, person: Person) -> HandFit:
-        """From beside the last pose, elsewhere each time: what is followed may be the second best for long."""
+        """From a start near the last pose, different each time: tracking may stay in a local minimum otherwise."""
         self._opinions += 1
-        axis, way = divmod(self._opinions % (2 * len(OPINIONS)), 2)
+        axis, positive = divmod(self._opinions % (2 * len(OPINIONS)), 2)
         turn, change = OPINIONS[axis]
-        sign = 1.0 if way else -1.0
+        sign = 1.0 if positive else -1.0
         belief = self._belief()
         start = self._carried(arm)
         posture = belief.posture.copy()
         posture[: len(change)] += sign * np.array(change)
-        start = replace(start, rotation=start.rotation @ turned(sign * np.array(turn)), posture=posture)
-        return fit_hand(views, start, self._prior(arm, belief, start), person, OPINION_ITERATIONS)
+        start = start._replace(rotation=start.rotation @ turned(sign * np.array(turn)), posture=posture)
+        return fit_hand(views, start, arm.prior(belief, start), person, OPINION_ITERATIONS)
 
     def _belief(self) -> Belief:
         return self._habits.opened if self._open else self._habits.closed
 
     def _the_other_way(self, views: Sequence[HandView], arm: LimbEvidence, person: Person) -> HandFit:
-        """From the last rotation with the fingers opened if they were not, or held as usual if they were."""
+        """From the last rotation with the fingers opened if they were closed, or as usual if they were open."""
         belief = self._habits.closed if self._open else self._habits.opened
-        start = replace(self._carried(arm), posture=belief.posture)
-        return fit_hand(views, start, self._prior(arm, belief, start), person, REFIT_ITERATIONS)
+        start = self._carried(arm)._replace(posture=belief.posture)
+        return fit_hand(views, start, arm.prior(belief, start), person, REFIT_ITERATIONS)
 
     def _carried(self, arm: LimbEvidence) -> HandPose:
         if self._last is None:
-            raise RuntimeError("no hand to carry on")
+            raise RuntimeError("no hand to track")
         fit, wrist = self._last
-        return replace(fit.pose, wrist=fit.pose.wrist + arm.wrist - wrist)
-
-    def _prior(self, arm: LimbEvidence, belief: Belief, near: HandPose | None = None) -> Prior:
-        information = prior_information(arm.wrist_covariance, belief.information, turn_known=near is not None)
-        return Prior(arm.wrist, belief.posture, information, near)
+        return fit.pose._replace(wrist=fit.pose.wrist + arm.wrist - wrist)
 
 
 def _estimate(views: Sequence[HandView], fit: HandFit, hand_open: bool) -> HandEstimate:
-    contacts = [contact(view, fit.placed, view.outline) for view in views]
-    index, thumb = (find_tip(views, contacts, fit.placed, finger) for finger in (INDEX, THUMB))
+    index, thumb = find_tips(views, fit.placed, (INDEX, THUMB))
     return HandEstimate(fit.pose.wrist, index, thumb, hand_open)
 
 

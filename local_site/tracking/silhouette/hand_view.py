@@ -1,4 +1,4 @@
-"""The hand's part of a silhouette, made ready for fitting: its outline to a fraction of a pixel, its distance field."""
+"""The hand's part of a silhouette, prepared for fitting: its outline with subpixel precision, its distance field."""
 
 import math
 
@@ -9,10 +9,10 @@ from numpy.typing import NDArray
 from common.geometry import Array
 from local_site.calibration.triangulation import focal_length
 from local_site.kernels.compiled import compiled
-from local_site.tracking.silhouette.contour import Silhouette
-from local_site.tracking.silhouette.features import Features
+from local_site.kernels.pictures import grey_at
+from local_site.tracking.features.features import Features
+from local_site.tracking.features.silhouette import Silhouette
 from local_site.tracking.silhouette.hand_model.fit import HandView
-from local_site.tracking.silhouette.pixels import grey_at
 
 MIN_PIXELS = 24
 MARGIN_PX = 16
@@ -25,7 +25,7 @@ MODEL_SIGMA_M = 0.005
 
 
 def make_hand_view(projection: Array, view: Features, wrist: Array) -> HandView | None:
-    """The hand of one view with the wrist (3,) in m; None where too little of it shows."""
+    """The hand of one view with the wrist (3,) in m; None if too little of it is visible."""
     contour, silhouette = view.hand, view.silhouette
     if contour is None or len(contour) < MIN_PIXELS:
         return None
@@ -35,17 +35,8 @@ def make_hand_view(projection: Array, view: Features, wrist: Array) -> HandView 
     sigma = math.hypot(PIXEL_SIGMA, MODEL_SIGMA_M * focal_px / max(depth, 1e-6))
     outline = _refined(silhouette.grey, contour) + view.hand_shift
     step = max(1, round(len(outline) / PIXELS_WANTED))
-    return HandView(
-        projection=projection,
-        focal_px=focal_px,
-        pixels=np.ascontiguousarray(outline[::step]),
-        field=field,
-        origin=origin + view.hand_shift,
-        sigma=sigma,
-        outline=outline,
-        grey=silhouette.grey,
-        shift=view.hand_shift,
-    )
+    pixels, origin = np.ascontiguousarray(outline[::step]), origin + view.hand_shift
+    return HandView(projection, focal_px, pixels, field, origin, sigma, outline, silhouette.grey, view.hand_shift)
 
 
 def _distance_field(silhouette: Silhouette, contour: Array) -> tuple[np.ndarray, Array]:
@@ -59,24 +50,23 @@ def _distance_field(silhouette: Silhouette, contour: Array) -> tuple[np.ndarray,
 
 @compiled
 def _refined(grey: NDArray[np.uint8], contour: Array) -> Array:
-    """The pixels of a contour (M, 2) but the outermost, moved along its normal to where the grey falls most.
+    """The pixels of a contour (M, 2), without those at its ends, moved along its normal to the steepest fall of grey.
 
-    That place is the edge itself also where the skin lies in shadow, and does not depend on the threshold.
+    That is the edge also where the skin lies in shadow, and it does not depend on the threshold.
     """
     refined = np.empty((len(contour) - 2 * TANGENT_REACH, 2))
     values = np.empty(PROBES + 1)
     for n in range(len(refined)):
         k = n + TANGENT_REACH
         x, y = contour[k]
-        # OpenCV walks outer contours so that the shape lies to the left in an image with y down
-        nx, ny = (
-            contour[k - TANGENT_REACH, 1] - contour[k + TANGENT_REACH, 1],
-            contour[k + TANGENT_REACH, 0] - contour[k - TANGENT_REACH, 0],
-        )
+        before, after = contour[k - TANGENT_REACH], contour[k + TANGENT_REACH]
+        # OpenCV orders outer contours so that the shape is on the left in an image with y down.
+        nx, ny = before[1] - after[1], after[0] - before[0]
         length = max(math.sqrt(nx * nx + ny * ny), 1e-9)
         nx, ny = nx / length, ny / length
         for j in range(PROBES + 1):
-            values[j] = grey_at(grey, x + (j * PROBE_STEP - PROBE_REACH) * nx, y + (j * PROBE_STEP - PROBE_REACH) * ny)
+            along = j * PROBE_STEP - PROBE_REACH
+            values[j] = grey_at(grey, x + along * nx, y + along * ny)
         shift = _steepest(values)
         refined[n] = x + shift * nx, y + shift * ny
     return refined
@@ -84,10 +74,10 @@ def _refined(grey: NDArray[np.uint8], contour: Array) -> Array:
 
 @compiled
 def _steepest(values: Array) -> float:
-    """Where values probed across an edge fall most, px from the middle."""
-    total, place = 0.0, 0.0
+    """The mean position in px from the middle of values probed across an edge, weighted by their squared fall."""
+    total, position = 0.0, 0.0
     for j in range(len(values) - 1):
         fall = max(values[j] - values[j + 1], 0.0) ** 2
         total += fall
-        place += fall * ((j + 0.5) * PROBE_STEP - PROBE_REACH)
-    return min(max(place / total, -MAX_SHIFT_PX), MAX_SHIFT_PX) if total > 1.0 else 0.0
+        position += fall * ((j + 0.5) * PROBE_STEP - PROBE_REACH)
+    return min(max(position / total, -MAX_SHIFT_PX), MAX_SHIFT_PX) if total > 1.0 else 0.0

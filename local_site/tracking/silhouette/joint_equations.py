@@ -1,12 +1,13 @@
-"""The equations between elbow, wrist and what the views show of them, in standard deviations; compiled."""
+"""Gauss-Newton for elbow and wrist: residuals in standard deviations of the lines in the views; compiled."""
 
 import math
 
 import numpy as np
 
 from common.geometry import Array
+from local_site.calibration.triangulation import image_of
 from local_site.kernels.compiled import compiled
-from local_site.tracking.silhouette.limbs import Limbs, SilhouetteLimb
+from local_site.tracking.silhouette.limbs import ELBOW, WRIST, Limbs, SilhouetteLimb
 
 FOREARM_SIGMA = 0.06
 ROOT_SIGMA, UPPER_ARM_SIGMA = 0.08, 0.1
@@ -19,7 +20,7 @@ MIN_LENGTH = 1e-6
 TINY = 1e-40
 ITERATIONS = 12
 CONVERGED_M = 1e-5
-ELBOW, WRIST = 0, 3
+OF_ELBOW, OF_WRIST = 0, 3  # of the joints in the state
 
 
 @compiled
@@ -27,8 +28,7 @@ def descend(views: Limbs, links: Array, shifts: Array, state: Array) -> tuple[Ar
     """Gauss-Newton from a state (6,), elbow then wrist: the state, its information (6, 6), the rms of the residuals.
 
     `links` (N, 5) are known distances of the elbow: anchor, NaN for the wrist, length and standard deviation, in m;
-    `shifts` (V, 2) how far in px beside a view's lines the elbow's axis lies. The rms is NaN where it
-    does not converge.
+    `shifts` (V, 2) the offsets in px of the elbow's axis from a view's lines. The rms is NaN if it does not converge.
     """
     for _ in range(ITERATIONS):
         information, pull = np.zeros((6, 6)), np.zeros(6)
@@ -49,45 +49,32 @@ def descend(views: Limbs, links: Array, shifts: Array, state: Array) -> tuple[Ar
 
 @compiled
 def _add_view(view: SilhouetteLimb, shifts: Array, state: Array, information: Array, pull: Array) -> float:
-    """Add the lines that a view lays down; its sigmas are shares of the limb's half width, so they scale with distance.
+    """Add the lines of a view; the sigmas are fractions of the limb's half width, so that they scale with the distance.
 
-    The elbow's expected place along the forearm weighs next to nothing, except where nothing else fixes it. Where the
-    arm looks nearly straight, a small offset of the upper arm's line would move the meeting point far along the arm.
+    The elbow's expected position along the forearm has little weight, for when nothing else determines it. If the arm
+    looks nearly straight, a small offset of the upper arm's line would move the intersection far along the arm.
     """
-    elbow, wrist = _image_of(view.projection, state, ELBOW), _image_of(view.projection, state, WRIST)
+    elbow, wrist = image_of(view.projection, state[:3]), image_of(view.projection, state[3:])
     ahead, width = view.forearm[1], view.half_width
     root = _across(view.root[0], view.root[1], shifts[0])
-    squares = _add_line(elbow, root, ROOT_SIGMA * width, ELBOW, information, pull)
+    squares = _add_line(elbow, root, ROOT_SIGMA * width, OF_ELBOW, information, pull)
     axis = _across(view.forearm[0], ahead, 0.0)
-    squares += _add_line(wrist, axis, FOREARM_SIGMA * width, WRIST, information, pull)
-    squares += _add_line(elbow, _at(view.elbow, ahead), EXPECTED_SIGMA * width, ELBOW, information, pull)
+    squares += _add_line(wrist, axis, FOREARM_SIGMA * width, OF_WRIST, information, pull)
+    squares += _add_line(elbow, _at(view.guess[ELBOW], ahead), EXPECTED_SIGMA * width, OF_ELBOW, information, pull)
     neck = NECK_SIGMA if view.has_wrist else ROUGH_SIGMA
-    squares += _add_line(wrist, _at(view.wrist, ahead), neck * width, WRIST, information, pull)
+    squares += _add_line(wrist, _at(view.guess[WRIST], ahead), neck * width, OF_WRIST, information, pull)
     if view.has_upper_arm:
         upper = view.upper_arm[1]
         bend = max(abs(upper[0] * ahead[1] - upper[1] * ahead[0]), MIN_BEND_SINE)
         sigma = UPPER_ARM_SIGMA * max(1.0, CLEAR_BEND_SINE / bend) ** 2 * width
         line = _across(view.upper_arm[0], upper, shifts[1])
-        squares += _add_line(elbow, line, sigma, ELBOW, information, pull)
+        squares += _add_line(elbow, line, sigma, OF_ELBOW, information, pull)
     return squares
 
 
 @compiled
-def _image_of(projection: Array, state: Array, first: int) -> tuple[float, float, Array, Array]:
-    """A joint in the view, x and y in px, and how each moves with the joint (3,), px per m.
-
-    The joint is three numbers of the state from `first` on.
-    """
-    h = projection[:, 3].copy()
-    for d in range(3):
-        h += projection[:, d] * state[first + d]
-    x, y = h[0] / h[2], h[1] / h[2]
-    return x, y, (projection[0, :3] - x * projection[2, :3]) / h[2], (projection[1, :3] - y * projection[2, :3]) / h[2]
-
-
-@compiled
 def _add_line(
-    image: tuple[float, float, Array, Array],
+    image: tuple[Array, Array, float],
     line: tuple[float, float, float],
     sigma: float,
     joint: int,
@@ -95,7 +82,7 @@ def _add_line(
     pull: Array,
 ) -> float:
     """Add an image line through a joint: normal x and y, and offset in px."""
-    x, y, slope_x, slope_y = image
+    (x, y), (slope_x, slope_y), _ = image
     nx, ny, offset = line
     residual = (nx * x + ny * y - offset) / sigma
     for p in range(3):
@@ -103,7 +90,7 @@ def _add_line(
         pull[joint + p] += row * residual
         for q in range(3):
             information[joint + p, joint + q] += row * (nx * slope_x[q] + ny * slope_y[q]) / sigma
-    return residual * residual
+    return float(residual * residual)
 
 
 @compiled

@@ -1,4 +1,4 @@
-"""Elbow and wrist in 3D: the least-squares meeting of medial lines, wrist necks and the forearm's length.
+"""Elbow and wrist in 3D with covariances: least squares of medial lines, wrist necks and the forearm's length.
 
 The planes through the medial lines of both views bound the elbow (thesis 3.2.8, 3.2.9) and the forearm's axis; the neck
 seen at the wrist and the known forearm length (thesis 3.2.10) take over where the planes leave a direction open.
@@ -13,10 +13,18 @@ import numpy as np
 from common.geometry import Array
 from local_site.calibration.triangulation import reprojection_residual, triangulate
 from local_site.kernels.compiled import compiled
-from local_site.tracking.silhouette.elbow_depth import elbow_shifts, image_motion, unit
-from local_site.tracking.silhouette.features import Features
+from local_site.tracking.features.features import Features
 from local_site.tracking.silhouette.joint_equations import descend
-from local_site.tracking.silhouette.limbs import Limbs
+from local_site.tracking.silhouette.limbs import (
+    ELBOW,
+    SHOULDER_END,
+    WRIST,
+    Limbs,
+    elbow_shifts,
+    image_motion,
+    px_per_m,
+    unit,
+)
 
 LENGTH_SIGMA = 0.015
 SLEEVE_SIGMA = 0.1
@@ -59,9 +67,9 @@ class Joints:
 
 
 def solve_joints(views: Limbs, features: Sequence[Features], body: Body) -> Joints | None:
-    """Elbow and wrist from what two or more views show; None where the least squares do not converge."""
+    """Elbow and wrist from two or more views; None if the least squares do not converge."""
     projections = list(views["projection"])
-    start = [triangulate(projections, list(views[joint])) for joint in ("elbow", "wrist", "shoulder_end")]
+    start = [triangulate(projections, list(views["guess"][:, joint])) for joint in (ELBOW, WRIST, SHOULDER_END)]
     links = _links(body, sleeve_end(projections, features))
     state, information, misfit, upper_arm = _solve(views, links, *start)
     if math.isnan(misfit):
@@ -74,7 +82,7 @@ def solve_joints(views: Limbs, features: Sequence[Features], body: Body) -> Join
 def _solve(views: Limbs, links: Array, elbow: Array, wrist: Array, far_end: Array) -> tuple[Array, Array, float, Array]:
     """The state (6,) with its information and misfit, and the upper arm's direction (3,), zero where it is not known.
 
-    In rounds, as the elbow's place in the limbs depends on the bend.
+    Iterated, because the position of the elbow's axis in the limbs depends on the bend.
     """
     shifts, upper_arm = np.zeros((len(views), 2)), np.zeros(3)
     state, information, misfit = descend(views, links, shifts, np.concatenate((elbow, wrist)))
@@ -91,8 +99,8 @@ def _solve(views: Limbs, links: Array, elbow: Array, wrist: Array, far_end: Arra
 
 
 def sleeve_end(projections: Sequence[Array], features: Sequence[Features]) -> Array | None:
-    """Where the upper arm ends in all views (3,) in m; None where the image border cuts it or the views disagree."""
-    if any(f.shoulder_cropped or f.upper_arm is None for f in features):
+    """The upper arm's end (3,) in m; None if the image border cuts it or the views disagree."""
+    if any(f.silhouette.at_border or f.upper_arm is None for f in features):
         return None
     pixels = [f.guess.shoulder_end for f in features]
     point = triangulate(projections, pixels)
@@ -112,11 +120,11 @@ def _links(body: Body, sleeve: Array | None) -> Array:
 
 @compiled
 def upper_arm_direction(views: Limbs, elbow: Array, far_end: Array) -> tuple[bool, Array]:
-    """Whether it is known, and the unit vector (3,) from the elbow to the shoulder, where the planes of the upper arm's
-    lines meet.
+    """Whether it is known, and the unit vector (3,) from the elbow to the shoulder: the intersection of the planes of
+    the upper arm's lines.
 
-    Where the planes nearly coincide, as for an upper arm parallel to the baseline, it leads in their common plane to
-    its far end (3,) in m.
+    If the planes nearly coincide, as for an upper arm parallel to the baseline, it is the direction in their common
+    plane to the far end (3,) in m.
     """
     spread, seen = np.zeros((3, 3)), 0
     for k in range(len(views)):
@@ -146,3 +154,49 @@ def plane_normal(projection: Array, line: Array) -> Array:
     point, direction = line[0], line[1]
     ahead = projection[1, :3] * direction[0] - projection[0, :3] * direction[1]
     return unit(ahead - (point[1] * direction[0] - point[0] * direction[1]) * projection[2, :3])
+
+
+# variances of the limbs' lines relative to those that weight them in the least squares
+ELBOW_LINES, WRIST_LINES = 0.3, 0.5
+# half a limb's width that is bone and skin in everybody; the rest is flesh, in which the elbow's axis lies
+BONE_M = 0.015
+AXIS_SIGMA, STRAIGHT_SIGMA = 0.13, 0.2  # of the flesh: in the arm's plane; along the forearm, times cot(bend)
+MAX_COTANGENT = 2.0
+NECK_SIGMA_M = 0.0025  # where the palm begins, along the forearm
+PLANE_SINE = 0.05
+
+
+def elbow_covariance(joints: Joints, views: Limbs) -> Array:
+    """The elbow's covariance (3, 3) in m²: the limbs' lines, and where in the flesh its axis lies.
+
+    Flesh moves the axis in the plane in which the arm bends, the farther along the forearm the straighter the arm is.
+    """
+    flesh = _flesh(views, joints.elbow, joints.wrist, joints.upper_arm)
+    result: Array = ELBOW_LINES * joints.covariance[:3, :3] + flesh
+    return result
+
+
+def wrist_covariance(joints: Joints) -> Array:
+    """The wrist's covariance (3, 3) in m²: the limbs' lines, and where the palm begins."""
+    forearm = unit(joints.wrist - joints.elbow)
+    result: Array = WRIST_LINES * joints.covariance[3:, 3:] + NECK_SIGMA_M**2 * np.outer(forearm, forearm)
+    return result
+
+
+@compiled
+def _flesh(views: Limbs, elbow: Array, wrist: Array, upper_arm: Array) -> Array:
+    """What the flesh adds (3, 3); `upper_arm` (3,) is a unit vector from the elbow, zero where it is not known."""
+    half_width = 0.0
+    for k in range(len(views)):
+        half_width += views[k].half_width / px_per_m(views[k], elbow) / len(views)
+    forearm = unit(wrist - elbow)
+    cosine = np.sum(forearm * upper_arm)
+    hinge = np.cross(forearm, upper_arm)
+    sine = np.sqrt(np.sum(hinge**2))
+    plane = np.eye(3)
+    if sine > PLANE_SINE:
+        plane -= np.outer(hinge, hinge) / sine**2
+    cotangent = min(abs(cosine) / max(sine, 1e-9), MAX_COTANGENT)
+    relative = AXIS_SIGMA**2 * plane + (STRAIGHT_SIGMA * cotangent) ** 2 * np.outer(forearm, forearm)
+    covariance: Array = max(half_width - BONE_M, 0.0) ** 2 * relative
+    return covariance

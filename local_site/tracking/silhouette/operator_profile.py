@@ -1,4 +1,4 @@
-"""What is kept of an operator's body from one run to the next: the hand's sizes and habits, the forearm's length."""
+"""An operator's body as kept between runs: the hand's sizes and habits, the forearm's length."""
 
 import math
 from typing import Annotated
@@ -30,11 +30,11 @@ class OperatorProfile(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_
 
     @property
     def habits(self) -> Belief:
-        """How the hand is held, and how sure that is."""
+        """How the hand is held, with its information."""
         return Belief(np.array(self.posture), np.array(self.information))
 
     def is_of(self, forearm_length_m: float) -> bool:
-        """Whether a forearm measured anew can be the same operator's."""
+        """Whether a newly measured forearm can be the same operator's."""
         return abs(forearm_length_m / self.forearm_length_m - 1) < OTHER_BODY_SHARE
 
     def length_with(self, forearm_length_m: float, pairs: int) -> float:
@@ -55,7 +55,7 @@ def make_profile(scale: float, habits: Belief, forearm_length_m: float, pairs: i
 
 
 def profile_mistakes(profile: OperatorProfile) -> list[str]:
-    """What of a profile cannot be a hand; msgspec has checked types, lengths and sizes."""
+    """What is wrong with a profile; msgspec has checked types, lengths and sizes."""
     mistakes = []
     angles, sizes = profile.posture[:PALM], profile.posture[PALM:]
     if not all(abs(angle) < MAX_ANGLE for angle in angles) or not all(abs(size) < MAX_LOG_SIZE for size in sizes):

@@ -1,28 +1,47 @@
-"""Finger tips on their own: a fitted tip moved to where its outline really lies, as no hand is quite the model."""
+"""Finger tips: a fitted tip moved to the edges around it, as no hand is exactly the model, with its covariance."""
 
+import math
 from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
+from numpy.typing import NDArray
 
 from common.geometry import Array
-from local_site.tracking.silhouette.hand_model.fit import MAX_VIEWS, MIN_VIEWS, Contact, HandView
-from local_site.tracking.silhouette.hand_model.placement import Placed
-from local_site.tracking.silhouette.hand_model.skeleton import CAPSULES, INDEX_TIP, THUMB_TIP
-from local_site.tracking.silhouette.tip_edges import settle
+from local_site.calibration.triangulation import image_of
+from local_site.kernels.compiled import compiled
+from local_site.kernels.pictures import grey_at
+from local_site.tracking.silhouette.hand_model.fit import MAX_VIEWS, MIN_VIEWS, HandView, contact, padded
+from local_site.tracking.silhouette.hand_model.skeleton import CAPSULES, INDEX_TIP, THUMB_TIP, HandSpheres
 
 FREEDOM_M = 0.008
 SHAPE_SIGMA_M = 0.001
-MISFIT_SHARE = 0.1
-NO_EDGES = (np.eye(3, 4), 1.0, np.empty((0, 2)), np.empty(0, np.intp), np.empty((0, 0), np.uint8), np.zeros(2))
+MISFIT_WEIGHT = 0.1
+PIXEL_SIGMA = 1.4
+REACH_PX = 3.0
+CAP_BACK = 0.3
+AHEAD = 0.7
+EDGE_SIGMA = 2.5
+EDGE_ANGLES = np.radians(np.arange(-75.0, 76.0, 15.0))
+EDGE_STEPS = 12
+MIN_EDGE = 0.08
+MIN_DISTANCE_PX = 1e-6
+MIN_PIXELS, END_RADII = 3, 0.7  # outline pixels ahead of the tip: at least, and in units of its radius
+STEPS = 3
+
+TipSphere = tuple[Array, Array, float]
+"""Centre of the tip's sphere (3,), of the joint before it (3,), and its radius, in m."""
+
+Circle = tuple[Array, float, Array, Array]
+"""A tip in a view: centre (2,) and radius in px, direction of the finger (2,), px per m (2, 3)."""
 
 
 @dataclass(frozen=True, slots=True)
 class Finger:
-    """A finger by the number of its last sphere, and from what its tip errs.
+    """A finger by the number of its last sphere, and the error model of its tip.
 
-    `edges` is the share of the variance that its edges tell, `depth_sigma_m` how deep in its round end the tip lies,
-    `hidden_sigmas_m` what the model adds where no view and where one shows the end in outline.
+    `edges` weights the covariance from its edges, `depth_sigma_m` is how deep in its round end the tip lies,
+    `hidden_sigmas_m` is the model's error where no view and where one view shows the end in outline.
     """
 
     sphere: int
@@ -31,8 +50,8 @@ class Finger:
     hidden_sigmas_m: tuple[float, float]
 
 
-# The index's end is seldom hidden by more than another finger, before which its edges of grey show; the thumb
-# vanishes behind the hand, where nothing but habit says where it is.
+# The index's end is seldom hidden by more than another finger, in front of which its grey edges are visible; the thumb
+# disappears behind the hand, where only habit predicts it.
 INDEX = Finger(INDEX_TIP, 1.0, 0.0, (0.0025, 0.0025))
 THUMB = Finger(THUMB_TIP, 0.35, 0.0045, (0.019, 0.0095))
 
@@ -46,28 +65,28 @@ class Tip:
     views: int
 
 
-def find_tip(views: Sequence[HandView], contacts: Sequence[Contact], placed: Placed, finger: Finger) -> Tip:
-    """The tip of a finger of a fitted hand.
+def find_tips(views: Sequence[HandView], placed: HandSpheres, fingers: Sequence[Finger]) -> list[Tip]:
+    """The tips of a fitted hand's fingers.
 
-    `contacts` are where the outlines of the views touch the hand. The tip's sphere may leave its place in the model by
-    a few millimetres towards the outline pixels around it.
+    A tip's sphere may leave its position in the model by a few millimetres towards the outline pixels around it.
     """
-    sphere = finger.sphere
-    edges = [
-        (v.projection, v.focal_px, v.outline, c.capsule, v.grey, v.shift) for v, c in zip(views, contacts, strict=True)
-    ]
-    padded = (*edges, *[NO_EDGES] * (MAX_VIEWS - len(edges)))
-    tip = (placed.centres[sphere], placed.centres[sphere - 1], float(placed.radii[sphere]))
-    shift, spread, seen = settle(padded, CAPSULES[:, 1] == sphere, tip, FREEDOM_M)
-    point = placed.tip(sphere) + shift
-    sight = np.mean([_sight(v.projection, point) for v in views], axis=0)
-    return Tip(point, _covariance(finger, shift, spread, seen, sight), seen)
+    capsules = [contact(view, placed, view.outline).capsule for view in views]
+    capsules += [np.empty(0, np.intp)] * (MAX_VIEWS - len(views))
+    tips = []
+    for finger in fingers:
+        sphere = finger.sphere
+        tip = (placed.centres[sphere], placed.centres[sphere - 1], float(placed.radii[sphere]))
+        shift, spread, seen = _settle(padded(views), tuple(capsules), CAPSULES[:, 1] == sphere, tip)
+        point = placed.tip(sphere) + shift
+        sight = np.mean([_sight(v.projection, point) for v in views], axis=0)
+        tips.append(Tip(point, _covariance(finger, shift, spread, seen, sight), seen))
+    return tips
 
 
 def _covariance(finger: Finger, shift: Array, spread: Array, seen: int, sight: Array) -> Array:
-    """What the edges leave open (3, 3), and what no edge tells: shape, depth, what is hidden, and how far the hand
-    differs from its model just here."""
-    variance = SHAPE_SIGMA_M**2 + MISFIT_SHARE * float(shift @ shift) / 3
+    """The covariance (3, 3) from the edges, and from what no edge shows: shape, depth, occlusion, and the deviation
+    of this hand from its model."""
+    variance = SHAPE_SIGMA_M**2 + MISFIT_WEIGHT * float(shift @ shift) / 3
     if seen < MIN_VIEWS:
         variance += finger.hidden_sigmas_m[seen] ** 2
     depth = finger.depth_sigma_m**2 * np.outer(sight, sight)
@@ -80,3 +99,98 @@ def _sight(projection: Array, point: Array) -> Array:
     ahead = point + np.linalg.solve(projection[:, :3], projection[:, 3])
     result: Array = ahead / np.linalg.norm(ahead)
     return result
+
+
+@compiled
+def _settle(
+    views: tuple[HandView, ...], capsules: tuple[NDArray[np.intp], ...], owned: NDArray[np.bool_], tip: TipSphere
+) -> tuple[Array, Array, int]:
+    """Move a tip to its edges: its shift (3,), the covariance (3, 3) of that, and how many views show it in outline.
+
+    `capsules` (M,) are those that each outline pixel of a view touches; `owned` marks those (K,) that end in the tip.
+    """
+    shift, information, seen = np.zeros(3), np.eye(3), 0
+    for _ in range(STEPS):
+        information, pull, seen = np.eye(3) / FREEDOM_M**2, shift / FREEDOM_M**2, 0
+        moved = (tip[0] + shift, tip[1] + shift, tip[2])
+        for k in range(len(views)):
+            view = views[k]
+            if view.grey.size == 0:
+                continue
+            circle = _circle(view, moved)
+            ahead = _add_outline(circle, view.outline, owned, capsules[k], information, pull)
+            if ahead >= max(MIN_PIXELS, END_RADII * circle[1]):
+                seen += 1
+            else:
+                _add_grey_edges(circle, view, information, pull)
+        shift = shift - np.linalg.solve(information, pull)
+    return shift, np.linalg.inv(information).astype(np.float64), seen
+
+
+@compiled
+def _circle(view: HandView, tip: TipSphere) -> Circle:
+    """The tip in the view."""
+    centre, gradient, depth = image_of(view.projection, tip[0])
+    ahead = centre - image_of(view.projection, tip[1])[0]
+    ahead /= max(math.sqrt(ahead[0] ** 2 + ahead[1] ** 2), MIN_DISTANCE_PX)
+    return centre, tip[2] * view.focal_px / depth, ahead, gradient
+
+
+@compiled
+def _add(
+    gradient: Array, nx: float, ny: float, residual_px: float, sigma: float, information: Array, pull: Array
+) -> None:
+    row = -(nx * gradient[0] + ny * gradient[1]) / sigma
+    for p in range(3):
+        pull[p] += row[p] * residual_px / sigma
+        for q in range(3):
+            information[p, q] += row[p] * row[q]
+
+
+@compiled
+def _add_outline(
+    circle: Circle,
+    outline: Array,
+    owned: NDArray[np.bool_],
+    capsules: NDArray[np.intp],
+    information: Array,
+    pull: Array,
+) -> int:
+    """Add the tip's own outline pixels near its end to information (3, 3) and pull (3,).
+
+    Returns how many lie ahead of it: an outline that only passes beside a tip does not show where it ends.
+    """
+    centre, radius, ahead, gradient = circle
+    count = 0
+    for n in range(len(outline)):
+        if not owned[capsules[n]]:
+            continue
+        x, y = outline[n, 0] - centre[0], outline[n, 1] - centre[1]
+        distance = max(math.sqrt(x * x + y * y), MIN_DISTANCE_PX)
+        forward = x * ahead[0] + y * ahead[1]
+        if abs(distance - radius) < REACH_PX and forward > -CAP_BACK * radius:
+            count += forward > AHEAD * distance
+            _add(gradient, x / distance, y / distance, distance - radius, PIXEL_SIGMA, information, pull)
+    return count
+
+
+@compiled
+def _add_grey_edges(circle: Circle, view: HandView, information: Array, pull: Array) -> None:
+    """Add the strongest grey edges on rays from the tip's centre, where it ends before or beside another finger."""
+    centre, radius, ahead, gradient = circle
+    values = np.empty(EDGE_STEPS + 1)
+    for angle in EDGE_ANGLES:
+        nx = math.cos(angle) * ahead[0] - math.sin(angle) * ahead[1]
+        ny = math.sin(angle) * ahead[0] + math.cos(angle) * ahead[1]
+        for k in range(EDGE_STEPS + 1):
+            along = radius - REACH_PX + 2 * REACH_PX * k / EDGE_STEPS
+            x, y = centre[0] + along * nx, centre[1] + along * ny
+            values[k] = grey_at(view.grey, x - view.shift[0], y - view.shift[1])
+        best, strongest = 0, 0.0
+        for k in range(1, EDGE_STEPS):
+            change = abs(values[k + 1] - values[k - 1])
+            if change > strongest:
+                best, strongest = k, change
+        if strongest > MIN_EDGE * max(values.max(), 1.0):
+            residual = -REACH_PX + 2 * REACH_PX * best / EDGE_STEPS
+            _add(gradient, nx, ny, residual, EDGE_SIGMA, information, pull)

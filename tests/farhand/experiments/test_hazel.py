@@ -6,7 +6,7 @@ import pytest
 from farhand.experiments import drift, hazel
 from farhand.experiments.hazel_figures import REPORT_C, REPORT_S, arm_figures, errors_mm
 from farhand.experiments.hazel_filming import occluded, watch
-from local_site.tracking.monocular.config import MonocularConfig
+from local_site.tracking.config import MonocularConfig
 
 FRAMES = 4
 DISTURBED = (

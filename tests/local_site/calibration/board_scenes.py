@@ -10,8 +10,7 @@ from scipy.spatial.transform import Rotation
 from common.cameras.camera import Image
 from common.geometry import Array
 from local_site.calibration.boards import Board
-from local_site.calibration.lens import Lens
-from local_site.calibration.physical_camera import PhysicalCamera
+from local_site.calibration.physical_camera import Lens, PhysicalCamera
 
 SIZE = (640, 480)
 PX_PER_SQUARE = 48
@@ -27,7 +26,7 @@ def print_of(board: Board) -> Image:
     else:
         black = np.indices((board.rows, board.columns)).sum(axis=0) % 2 == 0
         inner = np.kron(np.where(black, 0, 255), np.ones((PX_PER_SQUARE, PX_PER_SQUARE))).astype(np.uint8)
-    return np.pad(np.asarray(inner, np.uint8), PX_PER_SQUARE, constant_values=255)
+    return np.pad(np.asarray(inner, dtype=np.uint8), PX_PER_SQUARE, constant_values=255)
 
 
 @lru_cache(maxsize=6)
@@ -57,17 +56,12 @@ class Renderer:
         homogeneous = (self._rays.reshape(-1, 3) @ print_H_ray.T.astype(np.float32)).reshape(self._rays.shape)
         where = homogeneous[..., :2] / homogeneous[..., 2:] * PX_PER_SQUARE - 0.5
         where[homogeneous[..., 2] <= 0] = -1e4
-        fine = cv2.remap(
-            self._print,
-            where.astype(np.float32)[..., 0],
-            where.astype(np.float32)[..., 1],
-            cv2.INTER_LINEAR,
-            borderMode=cv2.BORDER_CONSTANT,
-            borderValue=30,
-        )
+        x, y = (np.ascontiguousarray(where[..., k], dtype=np.float32) for k in (0, 1))
+        fine = cv2.remap(self._print, x, y, cv2.INTER_LINEAR, borderMode=cv2.BORDER_CONSTANT, borderValue=30)
         coarse = cv2.GaussianBlur(cv2.resize(fine, SIZE, interpolation=cv2.INTER_AREA), (0, 0), 0.7)
         noise = 2.0 * self._random.standard_normal(coarse.shape)
-        return np.clip(0.8 * coarse.astype(float) + 10 + noise, 0, 255).astype(np.uint8)
+        picture: Image = np.clip(0.8 * coarse.astype(float) + 10 + noise, 0, 255).astype(np.uint8)
+        return picture
 
 
 def looking_down(side: float, k1: float = 0.0, k2: float = 0.0, focal: float = 800.0) -> PhysicalCamera:

@@ -6,8 +6,7 @@ import numpy as np
 
 from common.geometry import Array
 from local_site.calibration.control_points import ControlPoints
-from local_site.calibration.lens import Lens
-from local_site.calibration.physical_camera import PhysicalCamera
+from local_site.calibration.physical_camera import Lens, PhysicalCamera
 
 TICKS = (0.0, 0.25, 0.5, 0.75, 1.0)
 GRID = np.array([[x, y, z] for z in (0.0, 0.5, 1.0) for y in TICKS for x in TICKS])

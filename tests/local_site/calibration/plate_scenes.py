@@ -7,8 +7,7 @@ import numpy as np
 
 from common.cameras.camera import Image
 from common.geometry import Array
-from local_site.calibration.lens import Lens
-from local_site.calibration.physical_camera import PhysicalCamera
+from local_site.calibration.physical_camera import Lens, PhysicalCamera
 from local_site.calibration.plate import Plate
 
 SIZE = (640, 480)

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from common.errors import CalibrationError, ConfigError
-from local_site.calibration.board_errors import laid_upon
+from local_site.calibration.accuracy import laid_upon
 from local_site.calibration.board_rig import BoardPictures, solve_boards
 from local_site.calibration.boards import Board, BoardFinder, BoardView
 from local_site.calibration.triangulation import triangulate
@@ -165,7 +165,7 @@ def test_one_mirrored_camera_before_a_chessboard_is_refused():
 
 def test_few_poses_and_parallel_poses_are_refused():
     cameras, placed = [looking_down(side) for side in (-1, 1)], poses(CHESS, 8)
-    with pytest.raises(CalibrationError, match="in 4 poses, needs at least 5; show it in more"):
+    with pytest.raises(CalibrationError, match="in 4 poses, needs at least 5; show it at more"):
         solve_boards(pictures(exact_views(CHESS, cameras, placed[:4])), CHESS, "now")
     flat = placed[0][0]
     level = [(flat, np.array([0.02 * k, 0.01 * k, 0.01 * k]) - flat @ CHESS.middle) for k in range(-4, 4)]

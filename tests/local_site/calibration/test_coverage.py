@@ -5,8 +5,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from local_site.calibration.coverage import EMPTY, GOOD, coverage_map, coverage_warnings, picture_coverage
-from local_site.calibration.found import draw_found
+from local_site.calibration.coverage import EMPTY, GOOD, coverage_map, coverage_warnings, draw_found, picture_coverage
 from tests.local_site.calibration.plate_cameras import ANGLES, camera, control
 
 SIZE = (640, 480)

@@ -4,7 +4,7 @@ import numpy as np
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from local_site.calibration.dlt import agreeing, solve_projection, unsolvable
+from local_site.calibration.resection import agreeing, solve_projection, unsolvable
 from local_site.calibration.triangulation import project
 from tests.local_site.calibration.plate_cameras import GRID, camera
 

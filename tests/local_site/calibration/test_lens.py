@@ -1,10 +1,10 @@
-"""A lens: bending and straightening undo each other, agree with OpenCV, and the maps straighten a picture."""
+"""A lens: distortion and undistortion are inverse, agree with OpenCV, and a picture is undistorted."""
 
 import cv2
 import numpy as np
 import pytest
 
-from local_site.calibration.lens import Lens
+from local_site.calibration.physical_camera import Lens, Undistorter
 
 BENT = Lens(fx=800.0, fy=790.0, cx=310.0, cy=245.0, k1=-0.1, k2=0.02)
 PIXELS = np.array([(u, v) for u in (0.0, 100.0, 310.0, 639.0) for v in (0.0, 245.0, 479.0)])
@@ -23,14 +23,12 @@ def test_bending_is_opencvs():
     assert BENT.distort_pixels(PIXELS) == pytest.approx(expected[:, 0], abs=1e-9)
 
 
-def test_the_maps_put_every_dot_where_a_pinhole_sees_it():
+def test_undistortion_puts_every_dot_where_a_pinhole_sees_it():
     picture = np.zeros((480, 640), dtype=np.uint8)
     straight = np.array([(60.0, 60.0), (320.0, 240.0), (590.0, 430.0)])
     for u, v in BENT.distort_pixels(straight):
         cv2.circle(picture, (round(16 * u), round(16 * v)), 16 * 6, 255, -1, cv2.LINE_AA, 4)
-    maps = BENT.undistortion_maps(640, 480)
-    assert maps[0].dtype == np.int16
-    found = cv2.remap(picture, *maps, cv2.INTER_LINEAR)
+    found = Undistorter(BENT, cv2.BORDER_CONSTANT).undistorted(picture)
     for u, v in straight.astype(int):
         moments = cv2.moments(found[v - 15 : v + 16, u - 15 : u + 16])
         assert moments["m10"] / moments["m00"] == pytest.approx(15, abs=0.15)

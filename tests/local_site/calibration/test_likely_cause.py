@@ -8,8 +8,8 @@ import pytest
 
 from common.errors import CalibrationError
 from farhand.calibration.points import doubts
+from local_site.calibration.checks import likely_cause
 from local_site.calibration.control_points import read_control_points
-from local_site.calibration.likely_cause import likely_cause
 from local_site.calibration.solve import solve_rig
 from tests.local_site.calibration.plate_cameras import (
     ANGLES,

@@ -9,8 +9,7 @@ import pytest
 
 from common.errors import CalibrationError
 from local_site.calibration.control_points import read_control_points
-from local_site.calibration.discs import find_discs
-from local_site.calibration.lattice import find_lattice
+from local_site.calibration.lattice import find_discs, find_lattice
 from local_site.calibration.plate import Plate, plate_control_points, view_plate, without_perspective_bias
 from local_site.calibration.solve import solve_rig
 from local_site.calibration.triangulation import triangulate
@@ -160,7 +159,7 @@ def test_a_plate_without_any_end_in_view_is_refused():
     c = camera(0.0, drop=1.0, distance=1.5)
     inner = [view_plate(plate_picture(plate, c, h), plate, "left") for h in (-0.7, -0.35, 0.0)]
     middle = [replace_beginnings(view) for view in inner]
-    with pytest.raises(CalibrationError, match="do not tell which of the plate's discs"):
+    with pytest.raises(CalibrationError, match="do not determine which of the plate's discs"):
         plate_control_points([middle, middle], (-0.7, -0.35, 0.0), plate)
 
 

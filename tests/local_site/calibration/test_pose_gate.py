@@ -2,8 +2,7 @@
 
 import numpy as np
 
-from local_site.calibration.boards import BoardView
-from local_site.calibration.pose_gate import STILL_FRAMES, PoseGate, moved
+from local_site.calibration.boards import STILL_FRAMES, BoardView, PoseGate, moved
 
 IDS = np.arange(12)
 GRID = np.stack(np.meshgrid(np.arange(4.0), np.arange(3.0)), axis=-1).reshape(-1, 2) * 40.0

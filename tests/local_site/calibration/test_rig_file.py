@@ -90,7 +90,10 @@ def test_a_rig_file_that_was_cut_is_refused(refused, kept):
         (turned([[-1, 0, 640], [0, 1, 0], [0, 0, 1]]), "left camera: its projection is mirrored"),
         (turned([[3, 0, 0], [0, 1, 0], [0, 0, 1]]), "left camera: its projection is no camera's"),
         (turned([[1, 0.3, 0], [0, 1, 0], [0, 0, 1]]), "left camera: its projection is no camera's"),
-        (with_cameras((0, 1, 2), lens={"fx": 800, "fy": 800, "cx": 320, "cy": 240, "k1": 50}), "beyond sense"),
+        (
+            with_cameras((0, 1, 2), lens={"fx": 800, "fy": 800, "cx": 320, "cy": 240, "k1": 50}),
+            "distorts the picture implausibly",
+        ),
     ],
 )
 def test_a_rig_file_that_was_edited_is_refused_with_what_is_wrong(refused, change, said):
@@ -121,8 +124,8 @@ def test_a_camera_that_looks_elsewhere_is_refused(refused):
 
 def test_a_rig_is_saved_whole_or_not_at_all(rig, tmp_path):
     (tmp_path / "rig.json").mkdir()
-    with pytest.raises(CalibrationError, match="choose another place"):
+    with pytest.raises(CalibrationError, match="choose another path"):
         save_rig(rig, tmp_path / "rig.json")
-    with pytest.raises(CalibrationError, match="choose another place"):
+    with pytest.raises(CalibrationError, match="choose another path"):
         save_rig(rig, tmp_path / "absent" / "rig.json")
     assert [path.name for path in tmp_path.iterdir()] == ["rig.json"]

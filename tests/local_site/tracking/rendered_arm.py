@@ -1,20 +1,22 @@
 """Rendered sequences of the simulated arm before any number of cameras, and trackers fed with them."""
 
-from collections.abc import Callable, Iterable
+from collections import abc
 from dataclasses import dataclass
-from typing import Any
 
 import numpy as np
 
 from common.cameras.camera import Frame, Image
 from common.geometry import Array
-from local_site.calibration.rig import CameraCalibration, Rig
+from local_site.calibration.rig import CameraCalibration, Rig, Row4
 from local_site.simulation.body import ArmBody, ArmTruth
 from local_site.simulation.cameras import PinholeCamera, stereo_pair
 from local_site.simulation.config import BodyConfig, MotionConfig, PictureConfig, StereoConfig
 from local_site.simulation.motion import Motion
 from local_site.simulation.rendering import Renderer
 from local_site.tracking.tracker import ArmEstimate, Tracker, View, Views
+
+Pictures = tuple[Image, ...]
+Change = abc.Callable[[Pictures], abc.Iterable[Image]]
 
 PERIOD_S = 1 / 30
 STEREO = StereoConfig()
@@ -23,7 +25,6 @@ ABOVE = stereo_pair(StereoConfig(half_angle_deg=8.0, elevation_deg=45.0))[1]
 ASIDE = stereo_pair(StereoConfig(half_angle_deg=45.0, elevation_deg=5.0))[0]
 POINTS = ("elbow", "wrist", "index", "thumb")
 EVERYWHERE = 50.0
-Pictures = tuple[Image, ...]
 
 
 @dataclass(frozen=True)
@@ -35,7 +36,7 @@ class Sequence:
     pictures: tuple[Pictures, ...]
     truths: tuple[ArmTruth, ...]
 
-    def views(self, k: int, change: Callable[[Pictures], Iterable[Image]] = tuple) -> Views:
+    def views(self, k: int, change: Change = tuple) -> Views:
         """The views of the k-th instant, after a change to its pictures."""
         t_ns = round(self.times_s[k] * 1e9)
         return Views(t_ns, tuple(View(Frame(image, t_ns, k)) for image in change(self.pictures[k])))
@@ -45,7 +46,7 @@ class Sequence:
         now, before = (Frame(self.pictures[n][camera], round((self.times_s[n] + late_s) * 1e9), n) for n in (k, k - 1))
         return View(now, before, weight=1 - late_s / PERIOD_S)
 
-    def tracked(self, tracker: Tracker, change: Callable[[Pictures], Iterable[Image]] = tuple) -> list[ArmEstimate]:
+    def tracked(self, tracker: Tracker, change: Change = tuple) -> list[ArmEstimate]:
         """The estimates of all instants."""
         return [tracker.track(self.views(k, change)) for k in range(len(self.times_s))]
 
@@ -53,7 +54,7 @@ class Sequence:
 def render_sequence(
     motion: MotionConfig,
     count: int,
-    cameras: Iterable[PinholeCamera] = PAIR,
+    cameras: abc.Sequence[PinholeCamera] = PAIR,
     body: BodyConfig | None = None,
     late_s: float = 0.0,
     since_s: float = 0.0,
@@ -73,24 +74,25 @@ def render_sequence(
     )
 
 
-def calibrated(name: str, projection: Array, rms_px: float = 0.0) -> CameraCalibration:
-    """A camera with this projection (3, 4)."""
-    rows: Any = tuple(tuple(row) for row in projection.tolist())
-    return CameraCalibration(name, rows, rms_px)
-
-
-def rig_of(projections: Iterable[Array], reach_m: float = EVERYWHERE) -> Rig:
+def rig_of(projections: abc.Sequence[Array], reach_m: float = EVERYWHERE) -> Rig:
     """An exact rig whose volume reaches as far in all directions."""
-    cameras = tuple(calibrated(f"camera {k}", m) for k, m in enumerate(projections))
-    return Rig(cameras, (-reach_m,) * 3, (reach_m,) * 3, (0.0,) * 3, "exact, simulated")
+    cameras = tuple(CameraCalibration(f"camera {k}", rows_of(m), 0.0) for k, m in enumerate(projections))
+    low, high = (-reach_m, -reach_m, -reach_m), (reach_m, reach_m, reach_m)
+    return Rig(cameras, low, high, (0.0, 0.0, 0.0), "exact, simulated")
 
 
-def errors_m(estimates: Iterable[object], truths: Iterable[object], name: str) -> Array:
+def rows_of(projection: Array) -> tuple[Row4, Row4, Row4]:
+    """A projection (3, 4) as a rig holds it."""
+    rows: list[Row4] = [(a, b, c, d) for a, b, c, d in projection.tolist()]
+    return rows[0], rows[1], rows[2]
+
+
+def errors_m(estimates: abc.Sequence[object], truths: abc.Sequence[object], name: str) -> Array:
     """Errors (N, 3) of a point in m; every estimate must have it."""
     return np.array([getattr(e, name) - getattr(t, name) for e, t in zip(estimates, truths, strict=True)])
 
 
-def apart_m(first: Iterable[object], second: Iterable[object], name: str) -> float:
+def apart_m(first: abc.Sequence[object], second: abc.Sequence[object], name: str) -> float:
     """The mean distance in m of a point between two runs."""
     return float(np.linalg.norm(errors_m(first, second, name), axis=1).mean())
 

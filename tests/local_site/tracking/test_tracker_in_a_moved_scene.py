@@ -5,7 +5,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from local_site.tracking.silhouette.hand_model.placement import turned
+from local_site.tracking.silhouette.hand_model.skeleton import turned
 from local_site.tracking.silhouette.silhouette_tracker import SilhouetteTracker
 from tests.local_site.tracking.rendered_arm import (
     MOVING,

@@ -7,7 +7,7 @@ from common.cameras.camera import Frame
 from local_site.simulation.cameras import calibrate_simulated
 from local_site.simulation.config import MotionConfig, SimulationConfig, StereoConfig
 from local_site.simulation.operator import SimulatedOperator
-from local_site.tracking.silhouette.config import SilhouetteConfig
+from local_site.tracking.config import SilhouetteConfig
 from local_site.tracking.silhouette.silhouette_tracker import SilhouetteTracker
 from local_site.tracking.tracker import View, Views
 

@@ -1,30 +1,53 @@
-"""Fits the hand model to outlines in all views at once, held by what is known beforehand."""
+"""Fits the hand model to outlines in all views at once by Gauss-Newton, regularised by a prior.
+
+The iteration is compiled from end to end, so that many starts can be tried.
+"""
 
 from collections.abc import Sequence
 from dataclasses import dataclass
-from functools import cached_property
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
 from common.geometry import Array
-from local_site.tracking.silhouette.hand_model.descent import descend
-from local_site.tracking.silhouette.hand_model.kernels import capsule_frames, project_spheres, touch
-from local_site.tracking.silhouette.hand_model.placement import HandPose, Person, Placed, place
-from local_site.tracking.silhouette.hand_model.skeleton import CAPSULES, FOREARM_SPHERE_DISTANCE
+from local_site.kernels.compiled import compiled
+from local_site.tracking.silhouette.hand_model.outline_equations import (
+    Contact,
+    add_outline,
+    add_outside,
+    project_spheres,
+    touch,
+)
+from local_site.tracking.silhouette.hand_model.skeleton import (
+    POSE,
+    STATE,
+    HandPose,
+    HandSpheres,
+    Person,
+    place,
+    rotation_vector,
+    turned,
+)
 
 MIN_VIEWS = 2
-# one number of views for all, so that the descent is compiled once
+# The compiled functions take one number of views, so that they are compiled once.
 MAX_VIEWS = 4
-NO_VIEW = (np.zeros((3, 4)), 1.0, np.empty((0, 2)), np.zeros((4, 4), dtype=np.float32), np.zeros(2), 1.0)
+ROBUST_SIGMAS = 1.5
+OUTSIDE = (3.0, 2.0)
+MAX_TURN = 0.35
+SMALL_STEP = 0.01
+CONTAINED = 20
 
 
-@dataclass(frozen=True, slots=True)
-class HandView:
-    """The hand in one view: projection (3, 4) and its focal length, outline pixels (N, 2), distance field (H, W) in px,
-    positive inside the silhouette, whose first pixel is at `origin` (2,), and the standard deviation in px of an
-    outline pixel from the model, which differs more from a real hand than the pixel is uncertain; all of the outline
-    (M, 2), of which the pixels are some, the picture, and the shift (2,) that takes it to the instant measured."""
+class HandView(NamedTuple):
+    """The hand in one view.
+
+    Projection (3, 4) and its focal length in px; outline pixels (N, 2); the silhouette's distance field (H, W) in px,
+    positive inside, whose first pixel is at `origin` (2,); the standard deviation in px of an outline pixel from the
+    model, which includes the model's own error; the whole outline (M, 2), from which `pixels` are sampled; the grey
+    picture, empty where there is no view, and the shift (2,) that takes it to the instant measured.
+    """
 
     projection: Array
     focal_px: float
@@ -37,28 +60,30 @@ class HandView:
     shift: Array
 
 
-@dataclass(frozen=True, slots=True)
-class Contact:
-    """Where N outline pixels touch the model: signed distance (N,) in px, the capsule (N,), and the share (N,) of its
-    length."""
+NO_PIXELS = np.empty((0, 2))
+NO_VIEW = HandView(
+    np.eye(3, 4),
+    1.0,
+    NO_PIXELS,
+    np.zeros((4, 4), np.float32),
+    np.zeros(2),
+    1.0,
+    NO_PIXELS,
+    np.empty((0, 0), np.uint8),
+    np.zeros(2),
+)
 
-    distance: Array
-    capsule: NDArray[np.intp]
-    share: Array
 
-
-@dataclass(frozen=True, slots=True)
-class Prior:
-    """What is known before looking: wrist (3,) in m, posture (10,), a pose near which the rotation is expected, and the
-    information matrix (16, 16) about them."""
+class Prior(NamedTuple):
+    """The prior: wrist (3,) in m, rotation (3, 3), posture (10,), and the information matrix (16, 16) about them."""
 
     wrist: Array
+    rotation: Array
     posture: Array
     information: Array
-    near: HandPose | None = None
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, slots=True)
 class HandFit:
     """A fitted hand with the information (16, 16) about it, the prior's included, and the cost per outline pixel in
     squared standard deviations."""
@@ -69,24 +94,65 @@ class HandFit:
     information: Array
     cost: float
 
-    @cached_property
-    def placed(self) -> Placed:
-        """Where its parts are."""
+    @property
+    def placed(self) -> HandSpheres:
+        """Its spheres."""
         return place(self.pose, self.person)
 
 
+def padded(views: Sequence[HandView]) -> tuple[HandView, ...]:
+    """The views as the compiled functions take them: always MAX_VIEWS."""
+    return (*views, *[NO_VIEW] * (MAX_VIEWS - len(views)))
+
+
 def fit_hand(views: Sequence[HandView], start: HandPose, prior: Prior, person: Person, iterations: int) -> HandFit:
-    """Improve a hand from a start; the prior decides what the outlines leave open."""
-    near = start.rotation if prior.near is None else prior.near.rotation
-    known = (prior.wrist, near, prior.posture, prior.information)
-    body = (person.scale, person.right_arm, person.scale * FOREARM_SPHERE_DISTANCE * person.to_elbow)
-    arrays = [(v.projection, v.focal_px, v.pixels, v.field, v.origin, v.sigma) for v in views]
-    padded = (*arrays, *[NO_VIEW] * (MAX_VIEWS - len(arrays)))
-    state = descend(padded, start.wrist, start.rotation, start.posture, known, body, iterations)
-    return HandFit(HandPose(*state[:3]), prior, person, state[3] + prior.information, state[4])
+    """Improve a hand from a start; the prior decides what the outlines leave undetermined."""
+    pose, information, cost = _descend(padded(views), start, prior, person, iterations)
+    return HandFit(pose, prior, person, information + prior.information, cost)
 
 
-def contact(view: HandView, placed: Placed, pixels: Array) -> Contact:
-    """Where pixels (N, 2) of a view touch a hand."""
-    places, circles, _, _ = project_spheres(view.projection, view.focal_px, *placed.arrays)
-    return Contact(*touch(pixels, places, circles, CAPSULES, capsule_frames(places, circles, CAPSULES)))
+def contact(view: HandView, placed: HandSpheres, pixels: Array) -> Contact:
+    """The contacts of pixels (N, 2) of a view with a hand."""
+    return touch(pixels, project_spheres(view.projection, view.focal_px, placed))
+
+
+@compiled
+def _descend(
+    views: tuple[HandView, ...], start: HandPose, prior: Prior, person: Person, iterations: int
+) -> tuple[HandPose, Array, float]:
+    """The improved hand, the outlines' information (16, 16), and the cost per outline pixel."""
+    wrist, rotation, posture = start
+    information, gradient = np.zeros((STATE, STATE)), np.zeros(STATE)
+    cost, strain = 0.0, np.zeros(STATE)
+    for _ in range(iterations):
+        information[:], gradient[:] = 0.0, 0.0
+        cost = _add_views(views, place(HandPose(wrist, rotation, posture), person), information, gradient)
+        information += np.tril(information, -1).T
+        strain[:3] = wrist - prior.wrist
+        strain[3:POSE] = rotation_vector(rotation @ prior.rotation.T)
+        strain[POSE:] = posture - prior.posture
+        step = np.linalg.solve(information + prior.information, -gradient - prior.information @ strain)
+        turn = max(np.sqrt(np.sum(step[3:POSE] ** 2)), np.abs(step[POSE:]).max())
+        step = step * min(1.0, MAX_TURN / max(turn, 1e-9))
+        wrist, rotation, posture = wrist + step[:3], turned(step[3:POSE]) @ rotation, posture + step[POSE:]
+        if max(turn, 10 * np.sqrt(np.sum(step[:3] ** 2))) < SMALL_STEP:
+            break
+    count = 0
+    for view in views:
+        count += len(view.pixels)
+    strained = float(strain @ prior.information @ strain)
+    return HandPose(wrist, rotation, posture), information, (cost + strained) / max(count, 1)
+
+
+@compiled
+def _add_views(views: tuple[HandView, ...], spheres: HandSpheres, information: Array, gradient: Array) -> float:
+    """Add the outlines of all views to the normal equations; returns their cost."""
+    cost = 0.0
+    for view in views:
+        if len(view.pixels) == 0:
+            continue
+        circles, sigma = project_spheres(view.projection, view.focal_px, spheres), view.sigma
+        contact = touch(view.pixels, circles)
+        cost += add_outline(view.pixels, contact, circles, sigma, ROBUST_SIGMAS, information, gradient)
+        cost += add_outside(view.field, view.origin, circles, CONTAINED, sigma, OUTSIDE, information, gradient)
+    return cost

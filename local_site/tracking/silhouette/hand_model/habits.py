@@ -1,12 +1,21 @@
-"""What hands look like before a particular one is known, and what is learned of the operator's while it is tracked."""
+"""Priors of the hand's posture: of any hand before it is known, and of the operator's as learned during tracking."""
 
 from dataclasses import dataclass
 
 import numpy as np
 
 from common.geometry import Array
-from local_site.tracking.silhouette.hand_model.placement import POSE, STATE
-from local_site.tracking.silhouette.hand_model.skeleton import MCP_CURL, PARAMETERS, PIP_CURL
+from local_site.tracking.silhouette.hand_model.fit import HandFit, Prior
+from local_site.tracking.silhouette.hand_model.skeleton import (
+    MCP_CURL,
+    PARAMETERS,
+    PIP_CURL,
+    POSE,
+    STATE,
+    TYPICAL_FOREARM,
+    HandPose,
+    Person,
+)
 
 GRIPPER = np.array([0.6, 0.4, 0.1, 0.03, 0.85, 0.57, -0.1, 0.0, 0.0, 0.0])
 GRIPPER_SIGMA = np.array([0.35, 0.35, 0.1, 0.08, 0.3, 0.3, 0.25, 0.08, 0.10, 0.12])
@@ -15,8 +24,8 @@ OPEN = np.array([0.03, 0.1, 0.0, 0.25, 1.0, 0.0, 0.0])
 OPEN_SIGMA = np.array([0.2, 0.2, 0.05, 0.15, 0.25, 0.25, 0.2, 0.02, 0.02, 0.02])
 STEP_SIGMA = np.array([0.06, 0.06, 0.02, 0.03, 0.05, 0.05, 0.05, 0.004, 0.004, 0.004])
 TURN_SIGMA = 0.5
-OPEN_SHARE, STILL_OPEN_SHARE, CLOSED_SHARE = 0.6, 0.75, 0.85
-FRAME_SHARE = 0.15
+OPEN_CURL, STILL_OPEN_CURL, CLOSED_CURL = 0.6, 0.75, 0.85  # fractions of the usual curl
+FRAME_WEIGHT = 0.15
 MEMORY = 0.998
 
 
@@ -28,66 +37,89 @@ class Belief:
     information: Array
 
 
+@dataclass(frozen=True, slots=True)
+class LimbEvidence:
+    """What the limbs say of the hand: wrist (3,) in m with covariance (3, 3), elbow (3,), far end of the hand (3,)."""
+
+    wrist: Array
+    wrist_covariance: Array
+    elbow: Array
+    far_end: Array
+
+    def person(self, right_arm: bool, scale: float | None = None) -> Person:
+        """The person of this arm; without a known `scale` the forearm's length gives it."""
+        to_elbow = self.elbow - self.wrist
+        length = max(float(np.linalg.norm(to_elbow)), 1e-6)
+        return Person(length / TYPICAL_FOREARM if scale is None else scale, right_arm, to_elbow / length)
+
+    def prior(self, belief: Belief, near: HandPose | None = None) -> Prior:
+        """The prior of a hand on this arm; with a pose `near` it also constrains the rotation."""
+        information = prior_information(self.wrist_covariance, belief.information, turn_known=near is not None)
+        return Prior(self.wrist, np.eye(3) if near is None else near.rotation, belief.posture, information)
+
+
 class Habits:
-    """How the operator holds the hand as a gripper, and its sizes: at first an average hand's, then more and more the
-    operator's own, as motion shows it from all sides."""
+    """How the operator holds the hand as a gripper, and its sizes: at first those of an average hand, then increasingly
+    the operator's own, as motion shows the hand from all sides."""
 
     def __init__(self, own: Belief | None = None) -> None:
-        """`own` is what an earlier run has learned."""
-        own = own or Belief(GRIPPER, np.diag(1 / GRIPPER_SIGMA**2))
-        self._mean = own.posture.copy()
-        self._information = own.information.copy()
+        """`own` was learned in an earlier run."""
+        self.own = own or Belief(GRIPPER, np.diag(1 / GRIPPER_SIGMA**2))
         self.learned = 0
-
-    @property
-    def own(self) -> Belief:
-        """How this operator usually holds the hand, as far as it is known."""
-        return Belief(self._mean, self._information)
 
     @property
     def closed(self) -> Belief:
         """The hand held like a gripper."""
-        spread = np.linalg.inv(self._information) + np.diag(HABIT_SIGMA**2)
-        return Belief(self._mean, np.linalg.inv(spread).astype(np.float64))
+        spread = np.linalg.inv(self.own.information) + np.diag(HABIT_SIGMA**2)
+        return Belief(self.own.posture, np.linalg.inv(spread).astype(np.float64))
 
     @property
     def opened(self) -> Belief:
         """The hand with its fingers stretched and spread."""
-        posture = self._mean.copy()
+        posture = self.own.posture.copy()
         posture[: len(OPEN)] = OPEN
         return Belief(posture, np.diag(1 / OPEN_SIGMA**2))
 
     def learn(self, seen: Array, prior: Belief, information: Array) -> None:
-        """Take in a fitted posture (10,), with the prior it was fitted under and what the outlines told (10, 10).
+        """Learn a fitted posture (10,), given the prior of its fit and the outlines' information (10, 10).
 
-        The fit is undone of its prior, and a frame counts by a share only: neighbouring frames err alike.
+        The prior is removed from the fit, and a frame is weighted down: the errors of neighbouring frames correlate.
         """
         alone = (prior.information + information) @ (seen - prior.posture)
-        alone += information @ (prior.posture - self._mean)
+        alone += information @ (prior.posture - self.own.posture)
         damped = np.linalg.inv(np.eye(PARAMETERS) + information @ np.diag(HABIT_SIGMA**2))
-        self._information = MEMORY * self._information + FRAME_SHARE * damped @ information
-        self._information = 0.5 * (self._information + self._information.T)
-        self._mean = self._mean + np.linalg.solve(self._information, FRAME_SHARE * damped @ alone)
+        total = MEMORY * self.own.information + FRAME_WEIGHT * damped @ information
+        total = 0.5 * (total + total.T)
+        self.own = Belief(self.own.posture + np.linalg.solve(total, FRAME_WEIGHT * damped @ alone), total)
         self.learned += 1
+
+    def learn_fit(self, fit: HandFit) -> None:
+        """Learn the posture of a fit, with all that its outlines say of it."""
+        prior = fit.prior
+        shown = fit.information - prior.information
+        shown[:3, :3] += prior.information[:3, :3]
+        belief = Belief(prior.posture, prior.information[POSE:, POSE:])
+        self.learn(fit.pose.posture, belief, posture_information(shown))
 
     def is_open(self, posture: Array, was_open: bool = False) -> bool:
         """Whether the fingers are stretched well beyond their usual curl (thesis 4.2).
 
-        A hand that was open stays so until the fingers are nearly curled as usual, lest it opens twice in one move.
+        A hand that was open stays open until the fingers are nearly curled as usual (hysteresis).
         """
-        return self._curl_share(posture) < (STILL_OPEN_SHARE if was_open else OPEN_SHARE)
+        return self._curl(posture) < (STILL_OPEN_CURL if was_open else OPEN_CURL)
 
     def is_closed(self, posture: Array) -> bool:
         """Whether the fingers are curled as usual."""
-        return self._curl_share(posture) > CLOSED_SHARE
+        return self._curl(posture) > CLOSED_CURL
 
-    def _curl_share(self, posture: Array) -> float:
-        usual = float(self._mean[MCP_CURL] + self._mean[PIP_CURL])
+    def _curl(self, posture: Array) -> float:
+        """The curl of the fingers relative to the usual one."""
+        usual = float(self.own.posture[MCP_CURL] + self.own.posture[PIP_CURL])
         return float(posture[MCP_CURL] + posture[PIP_CURL]) / max(usual, 1e-3)
 
 
 def near_last(belief: Belief, last: Array) -> Belief:
-    """A belief that also knows the last posture (10,), from which a hand changes little in a frame."""
+    """A belief that includes the last posture (10,), from which a hand changes little in a frame."""
     near = np.diag(1 / STEP_SIGMA**2)
     information = belief.information + near
     mean = np.linalg.solve(information, belief.information @ belief.posture + near @ last)
@@ -95,7 +127,7 @@ def near_last(belief: Belief, last: Array) -> Belief:
 
 
 def prior_information(wrist_covariance: Array, posture_information: Array, turn_known: bool) -> Array:
-    """The information matrix (16, 16) of a prior."""
+    """The information matrix (16, 16) of a prior, from the wrist's covariance (3, 3) in m² and a posture's."""
     information = np.zeros((STATE, STATE))
     information[:3, :3] = np.linalg.inv(wrist_covariance)
     if turn_known:
@@ -105,7 +137,7 @@ def prior_information(wrist_covariance: Array, posture_information: Array, turn_
 
 
 def posture_information(information: Array) -> Array:
-    """What an information matrix (16, 16) says of the posture alone (10, 10), whatever the pose."""
+    """The information (10, 10) about the posture with the pose marginalised out of (16, 16): a Schur complement."""
     cross = information[:POSE, POSE:]
     result: Array = information[POSE:, POSE:] - cross.T @ np.linalg.solve(information[:POSE, :POSE], cross)
     return result

@@ -1,26 +1,27 @@
-"""Finds a hand whose pose is unknown: starts all around the line from the wrist to the far end of the outline."""
+"""Finds a hand of unknown pose, and distinguishes right from left hands, by fits from many starts."""
 
 import math
 from collections.abc import Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 
 import numpy as np
 
 from common.geometry import Array
 from local_site.tracking.silhouette.hand_model.fit import HandFit, HandView, Prior, fit_hand
-from local_site.tracking.silhouette.hand_model.placement import HandPose, Person, place, turned
-from local_site.tracking.silhouette.hand_model.skeleton import MIDDLE_TIP
+from local_site.tracking.silhouette.hand_model.habits import Habits, LimbEvidence
+from local_site.tracking.silhouette.hand_model.skeleton import MIDDLE_TIP, HandPose, Person, place, turned
 
 FIRST_ITERATIONS = 6
 LAST_ITERATIONS = 8
 COARSE_STEP = 2
 PARALLEL = 1e-6
+CLEARLY_WORSE = 1.2
 
 
 @dataclass(frozen=True, slots=True)
 class Effort:
-    """How widely to search: `rolls` starts around the line to the far end, turned by `offset` of a step, each tilted by
-    `tilts` in rad; the best `kept` are improved fully."""
+    """The extent of a search: `rolls` starts around the line to the far end, turned by `offset` of a step, each tilted
+    by `tilts` in rad; the best `kept` are fitted fully."""
 
     rolls: int
     kept: int
@@ -28,15 +29,32 @@ class Effort:
     offset: float = 0.0
 
 
+HANDEDNESS_EFFORT = Effort(rolls=12, kept=4)
+
+
 def search_hand(views: Sequence[HandView], far_end: Array, prior: Prior, person: Person, effort: Effort) -> HandFit:
     """The best fit from starts with the middle finger's tip towards `far_end` (3,) in m.
 
-    All starts are improved a little on some of the outline's pixels, the best fully on all.
+    All starts are fitted for a few iterations on some of the outline's pixels, the best fully on all.
     """
-    coarse = [replace(view, pixels=np.ascontiguousarray(view.pixels[::COARSE_STEP])) for view in views]
+    coarse = [view._replace(pixels=np.ascontiguousarray(view.pixels[::COARSE_STEP])) for view in views]
     starts = _starts(far_end, prior, person, effort)
     rough = sorted((fit_hand(coarse, start, prior, person, FIRST_ITERATIONS) for start in starts), key=_cost)
     return min((fit_hand(views, fit.pose, prior, person, LAST_ITERATIONS) for fit in rough[: effort.kept]), key=_cost)
+
+
+def looks_like_the_other_arm(views: Sequence[HandView], arm: LimbEvidence, right_arm: bool) -> bool:
+    """Whether an average hand of the other arm explains the outlines clearly better than one of this arm.
+
+    In exchanged and mirrored pictures a right arm looks like a left one. Both are searched for with the same effort.
+    Thumb and index look alike on both arms: the curled fingers on the palm's side decide.
+    """
+    prior = arm.prior(Habits().closed)
+    own, other = (
+        search_hand(views, arm.far_end, prior, arm.person(side), HANDEDNESS_EFFORT).cost
+        for side in (right_arm, not right_arm)
+    )
+    return own > CLEARLY_WORSE * other
 
 
 def _starts(far_end: Array, prior: Prior, person: Person, effort: Effort) -> list[HandPose]:
@@ -50,7 +68,7 @@ def _starts(far_end: Array, prior: Prior, person: Person, effort: Effort) -> lis
 
 
 def _frame(first: Array, second: Array) -> Array:
-    """The rotation (3, 3) with its first axis along one vector (3,) and the second as near to another as it can be."""
+    """The rotation (3, 3) with its first axis along one vector (3,) and the second as close as possible to another."""
     x = first / max(float(np.linalg.norm(first)), 1e-9)
     y = second - x * float(x @ second)
     if float(np.linalg.norm(y)) < PARALLEL:

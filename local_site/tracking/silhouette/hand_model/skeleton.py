@@ -1,4 +1,4 @@
-"""The hand as spheres joined to tapered capsules: sizes of a grown hand, and where the spheres lie for a posture.
+"""The hand as spheres joined to tapered capsules: the sizes of a grown hand, and the spheres' positions and Jacobians.
 
 Local frame: origin at the wrist's centre of rotation, x to the knuckle of the middle finger, y to the thumb's side,
 z out of the back of the hand. Lengths of metacarpals and phalanges are the averages of grown hands; all else scales
@@ -6,6 +6,7 @@ with them.
 """
 
 import math
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -104,3 +105,100 @@ def _place_thumb(centres: Array, posture: Array, sizes: Array, length: float) ->
         angle = j * posture[THUMB_FLEXION]
         step = math.cos(angle) * out + math.sin(angle) * inwards
         centres[THUMB + j + 1] = centres[THUMB + j] + length * _THUMB_LENGTHS[j] * step
+
+
+POSE = 6
+STATE = POSE + PARAMETERS
+DIFFERENCE = 1e-4
+
+
+class HandPose(NamedTuple):
+    """A hand: wrist (3,) in m, `operator_R_hand` (3, 3), posture (10,).
+
+    Its state (16,) is the wrist's translation, a small rotation in the operator frame, and the posture.
+    """
+
+    wrist: Array
+    rotation: Array
+    posture: Array
+
+
+class Person(NamedTuple):
+    """What a fit does not estimate: size relative to the average hand, side, unit vector (3,) from wrist to elbow."""
+
+    scale: float
+    right_arm: bool
+    to_elbow: Array
+
+
+class HandSpheres(NamedTuple):
+    """Spheres in the operator frame: centres (24, 3) and radii (24,) in m, with Jacobians (24, 3, 16) and (24, 16) by
+    the hand's state."""
+
+    centres: Array
+    radii: Array
+    centre_jacobian: Array
+    radius_jacobian: Array
+
+    def tip(self, sphere: int) -> Array:
+        """The skin at the end of a finger (3,) in m, by the number of its last sphere."""
+        spine = self.centres[sphere] - self.centres[sphere - 1]
+        tip: Array = self.centres[sphere] + self.radii[sphere] / math.sqrt(float(spine @ spine)) * spine
+        return tip
+
+
+@compiled
+def place(pose: HandPose, person: Person) -> HandSpheres:
+    """The spheres of a hand; the Jacobian by the posture is a finite difference."""
+    wrist, rotation, posture = pose
+    local, radii = pose_spheres(posture, person.scale, person.right_arm)
+    centres, moving, growing = np.empty((SPHERES, 3)), np.zeros((SPHERES, 3, STATE)), np.zeros((SPHERES, STATE))
+    for s in range(SPHERES):
+        x, y, z = _rotated(rotation, local[s])
+        centres[s] = wrist[0] + x, wrist[1] + y, wrist[2] + z
+        moving[s, 0, 0] = moving[s, 1, 1] = moving[s, 2, 2] = 1.0
+        moving[s, 0, 4], moving[s, 0, 5] = z, -y
+        moving[s, 1, 3], moving[s, 1, 5] = -z, x
+        moving[s, 2, 3], moving[s, 2, 4] = y, -x
+    centres[FOREARM:] += person.scale * FOREARM_SPHERE_DISTANCE * person.to_elbow
+    for p in range(PARAMETERS):
+        changed = posture.copy()
+        changed[p] += DIFFERENCE
+        other, other_radii = pose_spheres(changed, person.scale, person.right_arm)
+        for s in range(SPHERES):
+            x, y, z = _rotated(rotation, (other[s] - local[s]) / DIFFERENCE)
+            moving[s, 0, POSE + p], moving[s, 1, POSE + p], moving[s, 2, POSE + p] = x, y, z
+            growing[s, POSE + p] = (other_radii[s] - radii[s]) / DIFFERENCE
+    return HandSpheres(centres, radii, moving, growing)
+
+
+@compiled
+def _rotated(rotation: Array, v: Array) -> tuple[float, float, float]:
+    r = rotation
+    return (
+        r[0, 0] * v[0] + r[0, 1] * v[1] + r[0, 2] * v[2],
+        r[1, 0] * v[0] + r[1, 1] * v[1] + r[1, 2] * v[2],
+        r[2, 0] * v[0] + r[2, 1] * v[1] + r[2, 2] * v[2],
+    )
+
+
+@compiled
+def turned(vector: Array) -> Array:
+    """The rotation (3, 3) of a rotation vector (3,) in rad; compiled, unlike `common.geometry.rotation_from_vector`."""
+    angle = math.sqrt(vector[0] ** 2 + vector[1] ** 2 + vector[2] ** 2)
+    if angle < 1e-9:
+        return np.eye(3)
+    x, y, z = vector / angle
+    k = np.array([[0.0, -z, y], [z, 0.0, -x], [-y, x, 0.0]])
+    result: Array = np.eye(3) + math.sin(angle) * k + (1 - math.cos(angle)) * (k @ k)
+    return result
+
+
+@compiled
+def rotation_vector(rotation: Array) -> Array:
+    """The rotation vector (3,) in rad of a rotation (3, 3) by less than pi."""
+    r = rotation
+    v = 0.5 * np.array([r[2, 1] - r[1, 2], r[0, 2] - r[2, 0], r[1, 0] - r[0, 1]])
+    sine = math.sqrt(v[0] ** 2 + v[1] ** 2 + v[2] ** 2)
+    cosine = 0.5 * (r[0, 0] + r[1, 1] + r[2, 2] - 1)
+    return v * (math.atan2(sine, cosine) / sine) if sine > 1e-9 else v

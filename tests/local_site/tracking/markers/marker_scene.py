@@ -1,20 +1,19 @@
 """A hand with three markers before two to four cameras, drawn as antialiased discs: any pose, any of them hidden."""
 
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from typing import Any
 
 import numpy as np
-from numpy.typing import ArrayLike
 
 from common.cameras.camera import Frame, Image
 from common.geometry import Array, rotation_from_vector
-from local_site.calibration.rig import Rig
+from local_site.calibration.rig import CameraCalibration, Rig
 from local_site.simulation.cameras import PinholeCamera, stereo_pair
 from local_site.simulation.config import StereoConfig
 from local_site.tracking.markers.marker_tracker import MarkerTracker
 from local_site.tracking.tracker import ArmEstimate, View, Views
-from tests.local_site.tracking.rendered_arm import calibrated
+from tests.local_site.tracking.rendered_arm import rows_of
 
 NAMES = ("wrist", "index", "thumb")
 PERIOD_NS = 33_333_333
@@ -29,18 +28,21 @@ def four_cameras() -> tuple[PinholeCamera, ...]:
     return (*outer, *inner)
 
 
-def rig_of(cameras: Iterable[PinholeCamera], rms_px: float = 0.3) -> Rig:
-    low, high = (-10.0,) * 3, (10.0,) * 3
-    views = tuple(calibrated(f"camera {k}", c.projection, rms_px) for k, c in enumerate(cameras))
-    return Rig(views, low, high, (0.0,) * 3, "drawn")
+def rig_of(cameras: Sequence[PinholeCamera], rms_px: float = 0.3) -> Rig:
+    calibrated = tuple(CameraCalibration(f"camera {k}", rows_of(c.projection), rms_px) for k, c in enumerate(cameras))
+    return Rig(calibrated, (-10.0, -10.0, -10.0), (10.0, 10.0, 10.0), (0.0, 0.0, 0.0), "drawn")
 
 
-def hand_at(offset: ArrayLike = (0.0, 0.0, 0.0), turn: ArrayLike = (0.0, 0.0, 0.0), shape: Array = HAND) -> Array:
-    points: Array = START + np.asarray(offset) + shape @ rotation_from_vector(np.asarray(turn, dtype=float)).T
-    return points
+def hand_at(
+    offset: Sequence[float] | Array = (0.0, 0.0, 0.0),
+    turn: Sequence[float] | Array = (0.0, 0.0, 0.0),
+    shape: Array = HAND,
+) -> Array:
+    hand: Array = START + np.asarray(offset) + shape @ rotation_from_vector(np.asarray(turn, dtype=float)).T
+    return hand
 
 
-def moving_hand(k: int) -> Array:
+def moving_hand(k: float) -> Array:
     """A hand that travels and turns."""
     offset = (0.10 * np.sin(0.08 * k), 0.06 * np.sin(0.05 * k), 0.08 * np.sin(0.06 * k))
     return hand_at(offset, (0.0, 0.0, 0.4 * np.sin(0.05 * k)))
@@ -81,7 +83,7 @@ class Scene:
     """Cameras, the tracker before them, and the number of the instant."""
 
     cameras: tuple[PinholeCamera, ...] = field(default_factory=lambda: four_cameras()[:2])
-    tracker: MarkerTracker = None  # type: ignore[assignment]  # __post_init__ makes one
+    tracker: MarkerTracker | None = None
     k: int = 0
 
     def __post_init__(self) -> None:
@@ -95,6 +97,7 @@ class Scene:
             for i, camera in enumerate(self.cameras)
         ]
         self.k += 1
+        assert self.tracker is not None
         return self.tracker.track(Views(t_ns, tuple(View(frame) for frame in frames)))
 
     def learn(self, points: Array | None = None, **drawing: Any) -> list[ArmEstimate]:

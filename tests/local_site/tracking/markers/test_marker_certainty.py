@@ -7,8 +7,7 @@ import pytest
 from scipy.spatial.transform import Rotation
 
 from common.messages.hand import TrackingStatus
-from local_site.calibration.drift import DriftConfig
-from local_site.tracking.drift_watch import DriftWatch
+from local_site.tracking.drift import DriftConfig, DriftWatch
 from local_site.tracking.markers.marker_tracker import MarkerTracker
 from tests.local_site.tracking.markers.marker_scene import (
     Scene,

@@ -6,7 +6,7 @@ import pytest
 from common.cameras.camera import Frame
 from common.geometry import rotation_from_vector, transform
 from common.messages.hand import TrackingStatus
-from local_site.tracking.markers.config import MarkersConfig
+from local_site.tracking.config import MarkersConfig
 from local_site.tracking.markers.marker_tracker import MarkerTracker
 from local_site.tracking.tracker import View, Views
 from tests.local_site.tracking.markers.marker_scene import (

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from local_site.calibration.triangulation import project
-from local_site.tracking.markers.uncertainty import fix_marker, magnifications
+from local_site.tracking.markers.measuring import fix_marker, magnifications
 from tests.local_site.tracking.markers.marker_scene import START, four_cameras
 
 PROJECTIONS = np.array([camera.projection for camera in four_cameras()])

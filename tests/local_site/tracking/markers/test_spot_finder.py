@@ -4,12 +4,11 @@ import numpy as np
 import pytest
 
 from common.cameras.camera import Frame
-from local_site.calibration.lens import Lens
+from local_site.calibration.physical_camera import Lens
 from local_site.calibration.triangulation import project
 from local_site.simulation.cameras import stereo_pair
 from local_site.simulation.config import StereoConfig
-from local_site.tracking.markers.spot_finder import SpotFinder, interpolated
-from local_site.tracking.markers.spots import Spots
+from local_site.tracking.markers.spots import SpotFinder, Spots, interpolated
 from local_site.tracking.tracker import View
 from tests.local_site.tracking.markers.marker_scene import (
     PERIOD_NS,

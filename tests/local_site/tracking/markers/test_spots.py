@@ -64,12 +64,12 @@ def test_markers_of_different_brightness_are_all_found():
 @pytest.mark.parametrize(
     ("image", "reason"),
     [
-        (np.full(SIZE, 10, np.uint8), "nothing stands out"),
-        (np.full(SIZE, 255, np.uint8), "nothing stands out"),
+        (np.full(SIZE, 10, np.uint8), "nothing is bright enough"),
+        (np.full(SIZE, 255, np.uint8), "nothing is bright enough"),
         (np.zeros(SIZE), "wrong kind"),
         (np.empty((0, 5), np.uint8), "wrong kind"),
         (np.zeros((20, 20, 4), np.uint8), "wrong kind"),
-        (np.random.default_rng(1).integers(0, 256, (200, 200), dtype=np.uint8), "full of bright places"),
+        (np.random.default_rng(1).integers(0, 256, (200, 200), dtype=np.uint8), "full of bright spots"),
         (cv2.rectangle(np.full(SIZE, 10, np.uint8), (80, 20), (150, 100), 200, cv2.FILLED), "dark glove"),
     ],
 )

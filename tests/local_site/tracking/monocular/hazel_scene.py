@@ -1,12 +1,12 @@
 """A few frames of the textured arm before one camera, and a tracker that starts where it is."""
 
-from collections.abc import Iterable
-from typing import Any
+from collections.abc import Sequence
+from typing import Literal
 
 from common.cameras.camera import Frame, Image
 from local_site.simulation.hazel import Swing, TrueArm, film_camera, film_pixel, hazel_film
 from local_site.simulation.textured_arm import Scenery
-from local_site.tracking.monocular.config import MonocularConfig, StartConfig
+from local_site.tracking.config import MonocularConfig, StartConfig
 from local_site.tracking.monocular.monocular_tracker import MonocularTracker
 from local_site.tracking.tracker import View, Views
 
@@ -19,14 +19,14 @@ def arms(count: int, swing: Swing | None = None) -> list[TrueArm]:
     return [(swing or Swing()).arm(k) for k in range(count)]
 
 
-def pictures(shown: Iterable[TrueArm], scenery: Scenery | None = None) -> list[Image]:
+def pictures(shown: Sequence[TrueArm], scenery: Scenery | None = None) -> list[Image]:
     """Their pictures."""
     film = hazel_film(scenery)
     return [film.render(arm.limb_poses()) for arm in shown]
 
 
-def tracker_for(arm: TrueArm, setting: Any = "live") -> MonocularTracker:
-    """A tracker that is told where the joints are in the first picture."""
+def tracker_for(arm: TrueArm, setting: Literal["live", "accurate"] = "live") -> MonocularTracker:
+    """A tracker with the joints in the first picture."""
     start = StartConfig(
         shoulder_px=film_pixel(arm.shoulder), elbow_px=film_pixel(arm.elbow), wrist_px=film_pixel(arm.wrist)
     )

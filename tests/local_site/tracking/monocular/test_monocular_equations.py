@@ -4,8 +4,18 @@ import numpy as np
 import pytest
 
 from common.geometry import rotation_from_vector
-from local_site.tracking.monocular.equations import ALL, LIGHT_SIGMA, LIGHTS, UNKNOWNS, combined, condition, step
-from local_site.tracking.monocular.kernels import MOTION, fill_observation, summed
+from local_site.tracking.monocular.equations import (
+    ALL,
+    LIGHT_SIGMA,
+    LIGHTS,
+    MOTION,
+    UNKNOWNS,
+    combined,
+    condition,
+    fill_observation,
+    step,
+    summed,
+)
 from local_site.tracking.monocular.pose import ArmPose
 
 FOCAL, PRINCIPAL = np.array([655.0, 640.0]), np.array([100.0, 90.0])

@@ -6,7 +6,7 @@ import pytest
 from common.errors import CalibrationError
 from common.messages.hand import TrackingStatus
 from local_site.simulation.hazel import Swing
-from local_site.tracking.monocular.config import MonocularConfig, StartConfig
+from local_site.tracking.config import MonocularConfig, StartConfig
 from local_site.tracking.monocular.monocular_tracker import MonocularTracker
 from local_site.tracking.tracker import Views
 from tests.local_site.tracking.monocular.hazel_scene import (

@@ -5,12 +5,12 @@ import numpy as np
 import pytest
 
 from common.geometry import rotation_from_vector
-from local_site.calibration.lens import Lens
+from local_site.calibration.physical_camera import Lens
 from local_site.kernels.rasterising import NOTHING, rasterise
-from local_site.tracking.monocular.arm_mesh import forearm_mesh, upper_arm_mesh
-from local_site.tracking.monocular.config import ForearmConfig, UpperArmConfig
-from local_site.tracking.monocular.outline import sides_of
-from local_site.tracking.monocular.start import facing
+from local_site.tracking.config import ForearmConfig, UpperArmConfig
+from local_site.tracking.monocular.arm_model import forearm_mesh, upper_arm_mesh
+from local_site.tracking.monocular.outline_fit import sides_of
+from local_site.tracking.monocular.pose import facing
 
 LENS = Lens(655.0, 650.0, 319.5, 239.5)
 JOINT = np.array([-0.12, -0.04, 1.2])

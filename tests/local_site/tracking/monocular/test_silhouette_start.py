@@ -22,9 +22,9 @@ from local_site.simulation.hazel import (
     link,
 )
 from local_site.simulation.textured_arm import ArmFilm, Scenery
-from local_site.tracking.monocular.config import MonocularConfig, StartConfig
+from local_site.tracking.config import MonocularConfig, StartConfig
 from local_site.tracking.monocular.monocular_tracker import LOST_LONG, MonocularTracker
-from local_site.tracking.monocular.silhouette_start import TRY_EVERY_NS
+from local_site.tracking.monocular.start import TRY_EVERY_NS
 from tests.local_site.tracking.monocular.hazel_scene import (
     PERIOD_NS,
     RIG,

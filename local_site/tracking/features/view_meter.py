@@ -1,0 +1,130 @@
+"""One camera's part in tracking: frames in, features out, and the overlay of what was found."""
+
+from collections.abc import Sequence
+from dataclasses import replace
+from functools import partial
+
+import cv2
+import numpy as np
+
+from common.cameras.camera import Frame, Image
+from common.geometry import Array
+from local_site.calibration.physical_camera import Undistorter
+from local_site.calibration.rig import CameraCalibration
+from local_site.calibration.triangulation import project
+from local_site.tracking.features.features import Features, measure
+from local_site.tracking.features.medial import MedialLine
+from local_site.tracking.features.posture import Posture
+from local_site.tracking.features.silhouette import find_silhouette, find_threshold, to_grey
+from local_site.tracking.tracker import FrameCache, Overlay, View
+
+MIN_SIDE_PX = 32
+UPDATE_EVERY = 15
+UPDATE_GAIN = 0.3
+
+
+class ViewMeter:
+    """Measures the frames of one camera with a threshold that follows slow changes of the light."""
+
+    def __init__(self, camera: CameraCalibration) -> None:
+        self._camera = camera
+        self._undistorter = Undistorter(camera.lens, cv2.BORDER_REPLICATE)
+        self._frames = FrameCache(blend)
+        self._level: float | None = None
+        self._since = 0
+
+    def features(self, view: View, guess: Posture | None) -> Features | str:
+        """The features at the view's instant, or a sentence that says why there are none."""
+        found = self._frames.at(view, partial(self._measure, guess=guess))
+        return f"{self._camera.name}: {found}" if isinstance(found, str) else found
+
+    def forget(self) -> None:
+        """Find the threshold again with the next frame."""
+        self._level = None
+
+    def overlay(self, view: Features, points: Sequence[Array]) -> Overlay:
+        """The overlay of a view; points (3,) in m are elbow and wrist, and index and thumb where they are known."""
+        camera, upper = self._camera, view.upper_arm
+        elbow, wrist, index, thumb, *_ = (*camera.distort_pixels(project(camera.matrix, np.array(points))), None, None)
+        forearm_line = np.array([view.forearm.at(0.0), view.guess.wrist])
+        upper_line = None if upper is None else np.array([upper.at(0.0), view.guess.shoulder_end])
+        return Overlay(
+            contour=np.rint(camera.distort_pixels(view.silhouette.contour)).astype(np.int32),
+            forearm_line=camera.distort_pixels(forearm_line),
+            upper_arm_line=None if upper_line is None else camera.distort_pixels(upper_line),
+            elbow=elbow,
+            wrist=wrist,
+            index=index,
+            thumb=thumb,
+        )
+
+    def _measure(self, frame: Frame, guess: Posture | None) -> Features | str:
+        image = frame.image
+        is_picture = image.dtype == np.uint8 and image.ndim in (2, 3) and min(image.shape) > 0
+        if not is_picture or min(image.shape[:2]) < MIN_SIDE_PX:
+            return "the picture is too small or of a wrong kind"
+        height, width = image.shape[:2]
+        if self._camera.size_px not in (None, (width, height)):
+            expected = "{}x{}".format(*self._camera.size_px or ())
+            return f"the picture is {width}x{height}, but was calibrated at {expected}"
+        grey = self._undistorter.undistorted(to_grey(image))
+        level = self._threshold(grey)
+        if isinstance(level, str):
+            return level
+        silhouette = find_silhouette(grey, level)
+        if silhouette is None:
+            return "no arm in the picture"
+        features = measure(silhouette, guess)
+        if features is None:
+            return "no forearm can be made out; hold the arm bent and across the view"
+        return "the hand is cropped by the border" if features.hand_cropped else features
+
+    def _threshold(self, grey: Image) -> float | str:
+        """The threshold, updated every few frames by a low-pass filter, or why there is none yet.
+
+        A later picture without two clear modes changes nothing: the arm may just have left it.
+        """
+        self._since += 1
+        if self._level is not None and self._since < UPDATE_EVERY:
+            return self._level
+        self._since = 0
+        found = find_threshold(grey)
+        if self._level is None:
+            if isinstance(found, str):
+                return found
+            self._level = found
+        elif not isinstance(found, str):
+            self._level += UPDATE_GAIN * (found - self._level)
+        return self._level
+
+
+def blend(before: Features, now: Features, weight: float) -> Features:
+    """The features at a fraction `weight` of the time from one frame of a camera to its next.
+
+    The hand's outline is that of the later frame, to be moved back with the hand.
+    """
+
+    def mix(a: Array, b: Array) -> Array:
+        result: Array = (1 - weight) * a + weight * b
+        return result
+
+    def line(a: MedialLine, b: MedialLine) -> MedialLine:
+        direction = mix(a.direction, b.direction)
+        return MedialLine(mix(a.point, b.point), direction / max(float(np.linalg.norm(direction)), 1e-9))
+
+    shift = np.zeros(2)
+    if before.hand is not None and now.hand is not None:
+        shift = (1 - weight) * (before.hand.mean(axis=0) - now.hand.mean(axis=0))
+    pairs = zip(before.guess.points, now.guess.points, strict=True)
+    shoulder_end, elbow, wrist, hand_end = (mix(a, b) for a, b in pairs)
+    return replace(
+        now,
+        forearm=line(before.forearm, now.forearm),
+        root=line(before.root, now.root),
+        forearm_sides=mix(before.forearm_sides, now.forearm_sides),
+        upper_arm=line(before.upper_arm, now.upper_arm) if before.upper_arm and now.upper_arm else None,
+        upper_arm_sides=mix(before.upper_arm_sides, now.upper_arm_sides),
+        wrist=None if before.wrist is None or now.wrist is None else mix(before.wrist, now.wrist),
+        hand_shift=shift,
+        guess=Posture(shoulder_end, elbow, wrist, hand_end, now.guess.half_width),
+    )

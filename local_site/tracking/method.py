@@ -1,5 +1,0 @@
-"""The trackers by name."""
-
-from typing import Literal
-
-Method = Literal["silhouette", "markers", "monocular"]
