@@ -24,10 +24,9 @@ from local_site.tracking.tracker import ArmEstimate
 from remote_site.config import RemoteConfig
 from remote_site.drivers.driver import DriverSetup, JointCommand
 from remote_site.drivers.kinematic import KinematicDriver
-from remote_site.kinematics.inverse import SphericalWristInverse
+from remote_site.kinematics.inverse import Solution, SphericalWristInverse
 from remote_site.kinematics.limits import JointLimits
 from remote_site.kinematics.model import ArmModel
-from remote_site.kinematics.solution import Solution
 from remote_site.reasons import Code
 from remote_site.session.lease import Holder, LeaseServer
 from remote_site.teleop.mapping import Mapping

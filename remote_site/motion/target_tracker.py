@@ -11,10 +11,9 @@ from common.errors import ModelError
 from common.geometry import Array, transform, unwound
 from remote_site.config import RemoteConfig
 from remote_site.kinematics.differential import DifferentialInverse, Move
-from remote_site.kinematics.inverse import SphericalWristInverse
+from remote_site.kinematics.inverse import Solution, SphericalWristInverse
 from remote_site.kinematics.limits import JointLimits
 from remote_site.kinematics.model import ArmModel
-from remote_site.kinematics.solution import Solution
 from remote_site.motion.target_predictor import JointTargetPredictor, TargetPredictor
 from remote_site.reasons import Code, Reason, reason
 from remote_site.safety.config import FULL_SPEED_MS
@@ -140,5 +139,5 @@ def choose_target_tracker(config: RemoteConfig, model: ArmModel, limits: JointLi
         if wanted == "closed":
             raise ModelError(f'robot.kinematics = "closed": {error}; or set it to "general"') from error
         return DifferentialTracker(config, model, limits)
-    inverse.check_stance(config.robot.start)
+    inverse.check_branch(config.robot.start)
     return ClosedFormTracker(inverse, JointTargetPredictor(limits, config.control))

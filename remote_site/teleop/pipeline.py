@@ -149,7 +149,7 @@ class TeleopPipeline:
         if self._unjudged > aimed:  # once per sample, in the tick after its own, which has enough to do
             self._slowing, self._unjudged = self._dexterity.slowing(self.sent.q, q_target), 0
         self._obstacle = aside.reason or self._slowing.reason
-        proposed = self._follower.track(aside.q, aside.dq, aside.speed * self._slowing.share * self._speed())
+        proposed = self._follower.track(aside.q, aside.dq, aside.speed * self._slowing.fraction * self._speed())
         if isinstance(proposed, Reason):
             self._hindrance = proposed
             return self._guard.stop(self.sent)
