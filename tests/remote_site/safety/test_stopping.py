@@ -72,11 +72,11 @@ def test_no_stop_goes_further_or_faster_than_it_says(v, a):
 
 @settings(max_examples=500, deadline=None, derandomize=True)
 @given(states, st.sampled_from([100.0, 1000.0]))
-def test_a_stop_lies_within_its_span_and_turns_round_only_when_it_says_so(state, jerk):
+def test_a_stop_lies_within_its_span_and_reverses_only_when_it_says_so(state, jerk):
     stop = joint_stop(state, 10.0, jerk)
     middle, reach = span(state, 10.0, jerk)
     low, high = stop.extent()
     assert middle - reach - 1e-9 <= low
     assert high <= middle + reach + 1e-9
-    if not stop.turns_round:
+    if not stop.reverses:
         assert high - low == pytest.approx(abs(stop.end - stop.q), abs=1e-9)
