@@ -14,9 +14,9 @@ from common.messages.video import (
     ViewShown,
     ViewsShown,
 )
-from remote_site.video.adaptation import Adaptation
 from remote_site.video.config import VideoConfig
-from remote_site.video.setting import StreamSetting
+from remote_site.video.streaming.adaptation import Adaptation
+from remote_site.video.streaming.setting import StreamSetting
 
 TICK_NS = NS_PER_MS
 REPORT_NS = 100 * NS_PER_MS

@@ -20,8 +20,8 @@ class BranchConfig(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fie
     shoulder: Annotated[Literal["keep", "front", "back"], Meta(description="the wrist before or behind joint 1")] = (
         "keep"
     )
-    elbow: Annotated[Literal["keep", "forward", "backward"], Meta(description="which way the elbow bends")] = "keep"
-    wrist: Annotated[Literal["keep", "forward", "backward"], Meta(description="which way joint 5 bends")] = "keep"
+    elbow: Annotated[Literal["keep", "forward", "backward"], Meta(description="side to which the elbow bends")] = "keep"
+    wrist: Annotated[Literal["keep", "forward", "backward"], Meta(description="side to which joint 5 bends")] = "keep"
 
 
 class SingularityConfig(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):

@@ -40,7 +40,7 @@ class Dexterity:
         return float(sigma[0]) / least if not failed and least > TINY else math.inf
 
     def slowing(self, q: Array, q_target: Array) -> Slowing:
-        """For an arm at `q` (n,) rad on its way to `q_target` (n,) rad, both finite."""
+        """For an arm at `q` (n,) rad that moves towards `q_target` (n,) rad, both finite."""
         condition = self.condition(q)
         begins = self._config.slow_condition
         if condition <= begins or self.condition(q_target) < condition:

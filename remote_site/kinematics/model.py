@@ -30,8 +30,8 @@ class LinkGeometry:
 class ArmModel:
     """A serial arm of one-degree joints; one instance serves one thread, since its workspace is reused.
 
-    `joint_names` is the order of every joint vector; `lower`, `upper` (rad), `velocity` (rad/s) and `effort` (N·m) are
-    the URDF's limits, each (n,); so is `acceleration` (rad/s²), inf where the URDF gives none.
+    `joint_names` is the order of every joint vector; `lower`, `upper` (rad) and `velocity` (rad/s) are the
+    URDF's limits, each (n,); so is `acceleration` (rad/s²), inf where the URDF gives none.
     """
 
     def __init__(self, model: pin.Model, tcp_frame: int, acceleration: Array) -> None:
@@ -41,7 +41,6 @@ class ArmModel:
         self.lower: Array = np.array(model.lowerPositionLimit)
         self.upper: Array = np.array(model.upperPositionLimit)
         self.velocity: Array = np.array(model.velocityLimit)
-        self.effort: Array = np.array(model.effortLimit)
         self._data = model.createData()
         self.tcp_frame = tcp_frame
 

@@ -12,7 +12,7 @@ Row3 = tuple[float, float, float]
 
 
 class FixtureConfig(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
-    """A box that stands still in the cell, along the axes of the base frame: table, wall, fixture."""
+    """A fixed box in the cell, along the axes of the base frame: table, wall, fixture."""
 
     name: Annotated[str, Meta(min_length=1, max_length=64, description="its name in refusals")]
     min_m: Annotated[Row3, Meta(description="lower corner in the base frame, m")]

@@ -1,4 +1,4 @@
-"""The jerk-limited stop of every joint, in closed form: the quickest way to rest within acceleration and jerk."""
+"""The jerk-limited stop of every joint in closed form: the time-optimal motion to rest."""
 
 import math
 from typing import NamedTuple
@@ -38,11 +38,6 @@ class JointStop(NamedTuple):
     def fastest(self) -> float:
         """An upper bound of the speed until rest."""
         return abs(self.v) + self.a * self.a / abs(2 * self.jerk or 1.0)
-
-    @property
-    def travel(self) -> float:
-        """An upper bound of the travel: once the acceleration has turned, the speed falls below the line to rest."""
-        return self.fastest * (self.first + (self.cruise + self.last) / 2)
 
     @property
     def end(self) -> float:
@@ -102,7 +97,9 @@ def joint_stop(state: JointState, acceleration: float, jerk: float) -> JointStop
 def span(state: JointState, acceleration: float, jerk: float) -> Span:
     """A middle and a reach that bound all positions of a joint's stop; quicker to compute than the stop itself.
 
-    The travel is `JointStop.travel` with the longest possible phases; unless the stop reverses, it is all to one side.
+    The travel is at most the greatest speed times the first phase and half of the others, with the longest possible
+    phases: once the acceleration has turned, the speed falls below the line to rest. Unless the stop reverses, it is
+    all to one side.
     """
     q, v, a = state
     fastest = abs(v) + a * a / (2 * jerk)
