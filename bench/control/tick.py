@@ -13,13 +13,10 @@ from common.link.channels import HAND
 from common.messages.codec import decode, encode
 from common.messages.hand import ClockSync, HandArm, TrackingStatus
 from remote_site.config import RemoteConfig
-from remote_site.drivers.driver import DriverSetup, JointCommand
-from remote_site.drivers.kinematic import KinematicDriver
 from remote_site.kinematics.config import RobotConfig
-from remote_site.kinematics.limits import JointLimits
 from remote_site.kinematics.model import ArmModel
-from remote_site.session.lease import Holder, LeaseServer
-from remote_site.teleop.pipeline import TeleopPipeline
+from remote_site.runtime.kinematic_loop import KinematicLoop
+from remote_site.session.lease import Holder, Lease, LeaseStatus
 
 TICKS = 4000
 TICK_NS = 4 * NS_PER_MS
@@ -32,36 +29,25 @@ LEASE = 1
 
 
 class Bench:
-    """One arm's chain and driver behind encoded samples of a swaying hand, tick by tick."""
+    """One arm's pipeline and driver behind encoded samples of a swaying hand, tick by tick."""
 
     def __init__(self, config: RemoteConfig) -> None:
-        robot = config.robot
-        self.model = ArmModel.from_urdf(robot.urdf, robot.tool_frame, robot.tool_T_tcp)
-        limits = JointLimits.from_model(self.model, robot)
-        leases = LeaseServer(TICKS * TICK_NS, LEASE)
-        leases.acquire(Holder(1, "bench"), 0)
-        self.chain = TeleopPipeline(config, self.model, limits, robot.start, leases)
         self._clock = FakeClock(TICK_NS)
-        self._driver = KinematicDriver(self._clock)
-        self._driver.configure(DriverSetup(self.model.joint_names, limits, TICK_NS / NS_PER_S, 50 * NS_PER_MS))
-        self._driver.activate(robot.start)
+        self.loop = KinematicLoop(config, self._clock)
+        self._lease = LeaseStatus(Lease(LEASE, Holder(1, "bench"), TICKS * TICK_NS))
         self.targets: dict[int, Array] = {}
         self.spent: dict[str, list[int]] = {"with a new sample": [], "between samples": [], "all": []}
 
     def tick(self, k: int) -> None:
-        """Decode, intake, map, inverse kinematics, collision, Ruckig, guard, write; timed after the warm-up."""
+        """Decode, validate, map, inverse kinematics, collision, Ruckig, guard, write; timed after the warm-up."""
         self._clock.advance_ms(TICK_NS / NS_PER_MS)
-        now_ns, new = self._clock.now_ns(), k % TICKS_PER_SAMPLE == 0
-        payload = encode(_swaying_hand(k, now_ns - TICK_NS)) if new else b""
-        chain, begin_ns = self.chain, time.perf_counter_ns()
-        chain.measured = self._driver.read().q
-        if payload:
-            chain.receive(decode(payload, HandArm, HAND.max_bytes), now_ns)
-        motion = chain.tick(now_ns, chain.robot(None)).motion
-        command = JointCommand(k, now_ns, motion.q, motion.dq, motion.ddq, chain.gripper.is_open)
-        chain.sent = self._driver.write(command).motion
+        new = k % TICKS_PER_SAMPLE == 0
+        payload = encode(_swaying_hand(k, self._clock.now_ns() - TICK_NS)) if new else b""
+        begin_ns = time.perf_counter_ns()
+        samples = (decode(payload, HandArm, HAND.max_bytes),) if payload else ()
+        command = self.loop.cycle(self._lease, samples)
         spent_ns = time.perf_counter_ns() - begin_ns
-        self.targets[k] = chain.target
+        self.targets[k] = command.snapshot.target
         if k > WARM_UP:
             self.spent["all"].append(spent_ns)
             self.spent["with a new sample" if new else "between samples"].append(spent_ns)
@@ -71,7 +57,7 @@ def measure() -> dict[str, float]:
     """p50 and p99 in µs: our whole tick with the closed form, with the general solver, and Pink's solution alone."""
     general = RemoteConfig(robot=RobotConfig(kinematics="general"))
     benches = {"closed form": Bench(RemoteConfig()), "general solver": Bench(general)}
-    pink, why = _pink(benches["closed form"].model, RemoteConfig().robot.start)
+    pink, why = _pink(benches["closed form"].loop.model, RemoteConfig().robot.start)
     theirs: list[int] = []
     gc.disable()
     try:

@@ -72,7 +72,7 @@ class RandomOperator:
     """Samples of a random hand as they come off the wire, the wrong ones among them; `happened` counts those."""
 
     def __init__(self, luck: Random, leases: LeaseServer, now_ns: int) -> None:
-        self._luck, self._leases = luck, leases
+        self._luck, self.leases = luck, leases
         self._hand = RandomHand(luck)
         self._wire: list[tuple[int, int, HandArm]] = []
         self._capture_ns = now_ns
@@ -98,7 +98,7 @@ class RandomOperator:
             self.happened[kind] += 1
         self._steer(kinds)
         if "handed over" in kinds:
-            self._leases.release(self._lease.number, self._lease.holder.session, t_ns)
+            self.leases.release(self._lease.number, self._lease.holder.session, t_ns)
             self._lease = self._acquire(self._lease.holder.session + 1, t_ns)
         for kind in {"lost", "silent", "jump", "open"}.intersection(kinds):
             self._bad, self._until_ns = kind, t_ns + round(self._luck.uniform(30, 900) * NS_PER_MS)
@@ -174,7 +174,7 @@ class RandomOperator:
         heapq.heappush(self._wire, (arrival_ns, self._sent, sample))
 
     def _acquire(self, session: int, now_ns: int) -> Lease:
-        lease = self._leases.acquire(Holder(session, f"operator {session}"), now_ns)
+        lease = self.leases.acquire(Holder(session, f"operator {session}"), now_ns)
         if not isinstance(lease, Lease):
             raise TypeError(lease.sentence)  # nobody else holds one
         return lease

@@ -62,7 +62,7 @@ def soak(make: MakeRobot, seconds: float, seed: int = SEED) -> dict[str, float]:
     world = World(make, seed)
     world.run(seconds)
     log = Log.of(world)
-    engagements, states = world.chain.session.engagements, world.ticks.states
+    engagements, states = world.ticks.engagements, world.ticks.states
     return {
         "simulated s": seconds,
         "commands": float(len(log.t_ns)),

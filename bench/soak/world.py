@@ -1,4 +1,4 @@
-"""Chain, keeper and driver on stepped time: control every 4 ms unless it stumbles, the driver's process beside it."""
+"""Pipeline, supervisor and driver on stepped time: control ticks every 4 ms unless it stumbles."""
 
 from collections import Counter
 from collections.abc import Callable
@@ -10,23 +10,25 @@ import msgspec
 from bench.soak.operator import RandomOperator
 from bench.soak.robot import TroubledDriver
 from common.clock import NS_PER_MS, NS_PER_S, FakeClock
+from common.messages.requests import EngagementAction
 from common.messages.robot import SessionState
 from common.process.rate import Rate
 from remote_site.config import RemoteConfig
-from remote_site.drivers.driver import Driver, JointCommand
-from remote_site.drivers.link import DriverLink, RobotReport
+from remote_site.drivers.driver import Driver
+from remote_site.drivers.link import DriverLink
 from remote_site.drivers.memory import DriverMemory
 from remote_site.drivers.supervisor.grip import GripWatch
 from remote_site.drivers.supervisor.supervisor import DriverSupervisor
 from remote_site.drivers.supervisor.write_scheduler import LEAST_SHARE
-from remote_site.kinematics.limits import JointLimits
-from remote_site.kinematics.model import ArmModel
+from remote_site.kinematics.limits import load_arm
+from remote_site.runtime.driven_pipeline import DrivenPipeline
 from remote_site.runtime.driver_process import Desk, grip_settings, setup_of
 from remote_site.session.config import EngagementConfig, EngagementMode
-from remote_site.session.fault_latch import FaultLatch
 from remote_site.session.lease import LeaseServer
+from remote_site.session.requests import SessionRequest
 from remote_site.session.state_machine import FOLLOWING
-from remote_site.teleop.pipeline import Step, TeleopPipeline
+from remote_site.teleop.cycle import Snapshot
+from remote_site.teleop.pipeline import TeleopPipeline
 
 CONFIG = msgspec.structs.replace(RemoteConfig(), engagement=EngagementConfig(mode=EngagementMode.ON_REQUEST, frames=10))
 TURN_NS = 2 * NS_PER_MS
@@ -48,6 +50,7 @@ class Ticks:
     born_ns: list[int] = field(default_factory=list)
     faults: Counter[str] = field(default_factory=Counter)
     stumbles: int = 0
+    engagements: int = 0
 
 
 class World:
@@ -57,22 +60,19 @@ class World:
         self._luck = Random(seed)  # noqa: S311  # what goes wrong is no secret
         self.clock, driver = make(CONFIG)
         robot, begin_ns = CONFIG.robot, self.clock.now_ns()
-        self.model = ArmModel.from_urdf(robot.urdf, robot.tool_frame, robot.tool_T_tcp)
-        self.limits = JointLimits.from_model(self.model, robot)
+        self.model, self.limits = load_arm(robot)
         self.driver = TroubledDriver(driver, self._luck, self.clock, self._only_control)
         setup, memory = setup_of(CONFIG), DriverMemory.create(len(robot.start_deg))
         self.driver.configure(setup)
         self._keeper = DriverSupervisor(self.driver, setup, self.clock, memory.busy, GripWatch(grip_settings(CONFIG)))
-        self._desk, self._link = Desk(self._keeper, memory, self.clock), DriverLink(memory, self.limits, self.clock)
-        leases = LeaseServer(FOR_EVER_NS, 1)
-        self.operator = RandomOperator(self._luck, leases, begin_ns)
-        self.chain = TeleopPipeline(CONFIG, self.model, self.limits, robot.start, leases)
-        self._latch = FaultLatch(self.chain.session)
-        self.ticks, self._seq, self._last_fault = Ticks(), 0, ""
+        self._desk, link = Desk(self._keeper, memory, self.clock), DriverLink(memory, self.limits, self.clock)
+        self.operator = RandomOperator(self._luck, LeaseServer(FOR_EVER_NS, 1), begin_ns)
+        self._driven = DrivenPipeline(TeleopPipeline(CONFIG, self.model, self.limits), link)
+        self.ticks, self._last_fault = Ticks(), ""
         self._rate = Rate(CONFIG.control.rate_hz, self.clock, least_share=LEAST_SHARE)
         self._control_ns = self._rate.next_ns
         self._turn_ns, self._ask_ns = begin_ns, begin_ns + ASK_NS
-        self._link.activate(robot.start)
+        link.activate(robot.start)
 
     def run(self, seconds: float) -> None:
         """Let so much time pass."""
@@ -107,46 +107,25 @@ class World:
         return round(self._luck.uniform(*(LONG_STUMBLE_MS if long else STUMBLE_MS)) * NS_PER_MS)
 
     def _tick(self, now_ns: int) -> None:
-        chain, report = self.chain, self._link.read()
-        chain.measured = report.q
-        if not report.ready:
-            chain.sent = report.sent
-        if self._latch.note(report.fault, now_ns, resting=chain.sent.resting):
-            self._wake(report)
-        for sample in self.operator.arrived(now_ns):
-            chain.receive(sample, now_ns)
-        self._ask(now_ns, report)
-        step = chain.tick(now_ns, chain.robot(report.fault))
-        if report.ready:
-            self._seq += 1
-            motion = step.motion
-            command = JointCommand(self._seq, now_ns, motion.q, motion.dq, motion.ddq, chain.gripper.is_open)
-            chain.sent = self._link.write(command).motion
-        self._note(now_ns, step, report)
+        leases = self.operator.leases
+        samples = self.operator.arrived(now_ns)
+        self._note(now_ns, self._driven.cycle(now_ns, leases.status(now_ns), samples, self._requests(now_ns)))
 
-    def _ask(self, now_ns: int, report: RobotReport) -> None:
-        """The operator asks now and then: for a reset, to wake the robot, to engage."""
-        session = self.chain.session
-        if session.state in FOLLOWING or now_ns < self._ask_ns:
-            return
+    def _requests(self, now_ns: int) -> list[SessionRequest]:
+        """Now and then somebody resets the arm, and the lease's holder asks to engage."""
+        lease = self.operator.leases.current(now_ns)
+        if (self.ticks.states and self.ticks.states[-1] in FOLLOWING) or now_ns < self._ask_ns or lease is None:
+            return []
         self._ask_ns = now_ns + ASK_NS + round(self._luck.uniform(0, 500) * NS_PER_MS)
-        session.reset()
-        if not report.ready:
-            self._wake(report)
-            return
-        session.request_engage(now_ns, self.chain.robot(None))
+        actions = (EngagementAction.RESET, EngagementAction.ENGAGE)
+        return [SessionRequest(action, lease.holder.name) for action in actions]
 
-    def _wake(self, report: RobotReport) -> None:
-        """Have the robot take commands again where it stands."""
-        q = report.q if report.t_ns else self.chain.sent.q
-        self._link.activate(q)
-        self.chain.restart_from(q)
-
-    def _note(self, now_ns: int, step: Step, report: RobotReport) -> None:
-        ticks, fault = self.ticks, report.fault
+    def _note(self, now_ns: int, snapshot: Snapshot) -> None:
+        ticks, fault = self.ticks, self._driven.report.fault
         ticks.t_ns.append(now_ns)
-        ticks.states.append(step.state)
-        ticks.born_ns.append(step.obeys.born_ns if step.obeys is not None else 0)
+        ticks.states.append(snapshot.state)
+        ticks.born_ns.append(snapshot.obeys.born_ns if snapshot.obeys is not None else 0)
+        ticks.engagements = snapshot.engagements
         code = fault.code.value if fault is not None and not fault.calm else ""
         if code and code != self._last_fault:
             ticks.faults[code] += 1

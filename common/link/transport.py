@@ -134,20 +134,35 @@ class Answers(Generic[Q, R]):
         self._procedure = procedure
         self._refused = refused
 
-    def poll(self, answer: Callable[[Q], R]) -> None:
-        """Answer one waiting question, if there is one; never blocks. `refused` hears what could not be understood."""
+    def take(self) -> tuple[Q, Callable[[R], None]] | None:
+        """A waiting question and what answers it, None without one; never blocks.
+
+        `refused` is called for what could not be understood.
+        """
         query = self._queryable.try_recv()
         if query is None:
-            return
-        with query:
-            try:
-                payload = query.payload.to_bytes() if query.payload is not None else b""
-                question = decode(payload, self._procedure.request, self._procedure.max_bytes)
-            except MessageError as error:
-                self._refused(error)
+            return None
+        try:
+            payload = query.payload.to_bytes() if query.payload is not None else b""
+            question = decode(payload, self._procedure.request, self._procedure.max_bytes)
+        except MessageError as error:
+            self._refused(error)
+            with query:
                 query.reply_err(REFUSAL + str(error).encode())
-                return
-            query.reply(self._key, encode(answer(question)))
+            return None
+
+        def reply(answer: R) -> None:
+            with query:
+                query.reply(self._key, encode(answer))
+
+        return question, reply
+
+    def poll(self, answer: Callable[[Q], R]) -> None:
+        """Answer one waiting question, if there is one; never blocks."""
+        waiting = self.take()
+        if waiting is not None:
+            question, reply = waiting
+            reply(answer(question))
 
 
 class Link:
@@ -208,7 +223,7 @@ class Link:
         self, procedure: Procedure[Requested, Replied], cell: str, refused: Refused, name: str = "*"
     ) -> Server[Requested, Replied]:
         """Answer requests that must happen once, by polling; `refused` hears of queries that are none."""
-        return Server(self.answer(procedure, cell, refused, name).poll, procedure.reply)
+        return Server(self.answer(procedure, cell, refused, name).take, procedure.reply)
 
     def ask(self, procedure: Procedure[Q, R], cell: str, question: Q, name: str = "*") -> R | None:
         """Ask once; None when nobody answers in time, RefusedError when the sites do not understand each other."""

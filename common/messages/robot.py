@@ -1,10 +1,11 @@
 """The robot's state as the remote site publishes it; frozen structs."""
 
 from enum import StrEnum
-from typing import Annotated
+from typing import Annotated, Self
 
 import msgspec
 
+from common.geometry import Array, quaternion_from_rotation
 from common.messages.base import (
     Count,
     Joints,
@@ -41,6 +42,13 @@ class Pose(msgspec.Struct, frozen=True, forbid_unknown_fields=True):
 
     position: Vector3
     orientation: Quaternion
+
+    @classmethod
+    def from_transform(cls, base_T_frame: Array) -> Self:
+        """The pose that a rigid transform (4 x 4) describes."""
+        x, y, z = base_T_frame[:3, 3].tolist()
+        qx, qy, qz, qw = quaternion_from_rotation(base_T_frame[:3, :3]).tolist()
+        return cls((x, y, z), (qx, qy, qz, qw))
 
 
 class GripperState(msgspec.Struct, frozen=True, forbid_unknown_fields=True):

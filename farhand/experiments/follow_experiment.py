@@ -20,7 +20,7 @@ from farhand.experiments.follow import (
     seconds,
     tool_rows,
 )
-from farhand.experiments.following import ToolPath, follow_by_chain, follow_by_mean
+from farhand.experiments.following import ToolPath, follow_by_mean, follow_by_pipeline
 from farhand.experiments.plots import Way, follow_plots
 from farhand.experiments.report import Data, ExperimentReport
 from local_site.samples.smoothing import SmoothingConfig
@@ -64,7 +64,7 @@ def follow_report(quick: bool, progress: Progress) -> ExperimentReport:
     slow = film(setup.simulation, tracking, THESIS_FPS, setup.seconds, progress)
     fast = film(setup.simulation, tracking, FARHAND_FPS, setup.seconds, progress)
     by_mean = follow_by_mean(slow, THESIS_SMOOTHING, setup.remote)
-    by_chain = follow_by_chain(fast, own, setup.remote, LATENCY_MS)
+    by_chain = follow_by_pipeline(fast, own, setup.remote, LATENCY_MS)
     ways = {
         "mean_5fps": _way("9-frame mean at 5 fps", slow, by_mean, setup),
         "farhand_30fps": _way("Farhand at 30 fps", fast, by_chain, setup),

@@ -1,4 +1,4 @@
-"""The two ways from a film to the tool's motion: as in the thesis, and through Farhand's own chain; no clock runs."""
+"""The two ways from a film to the tool's motion: the thesis's, and Farhand's own pipeline; on stepped time."""
 
 from collections import Counter
 from dataclasses import dataclass, field
@@ -22,18 +22,15 @@ from local_site.samples.publisher import HandPublisher
 from local_site.samples.smoothing import SmoothingConfig, make_smoother
 from local_site.tracking.tracker import ArmEstimate
 from remote_site.config import RemoteConfig
-from remote_site.drivers.driver import DriverSetup, JointCommand
-from remote_site.drivers.kinematic import KinematicDriver
 from remote_site.kinematics.inverse import Solution, SphericalWristInverse
-from remote_site.kinematics.limits import JointLimits
-from remote_site.kinematics.model import ArmModel
+from remote_site.kinematics.limits import load_arm
 from remote_site.reasons import Code
-from remote_site.session.lease import Holder, LeaseServer
+from remote_site.runtime.kinematic_loop import KinematicLoop
+from remote_site.session.lease import Holder, Lease, LeaseStatus
+from remote_site.teleop.cycle import Command
 from remote_site.teleop.mapping import Mapping
-from remote_site.teleop.pipeline import Step, TeleopPipeline
 
 SESSION, LEASE, FOR_EVER_NS = 1, 1, 3600 * NS_PER_S
-STOP_WITHIN_NS = 50 * NS_PER_MS
 NOT_USED = (TrackingStatus.LOST, TrackingStatus.INITIALISING)
 
 
@@ -41,7 +38,7 @@ NOT_USED = (TrackingStatus.LOST, TrackingStatus.INITIALISING)
 class ToolPath:
     """Where the tool was: `base_T_tool` (4 x 4) at times in ns, since both origins were taken at `engaged_ns`.
 
-    `hindered` counts, by code, what kept the tool from its target: samples as in the thesis, ticks in the chain.
+    `hindered` counts, by code, what kept the tool from its target: samples as in the thesis, ticks in the pipeline.
     """
 
     engaged_ns: int = -1
@@ -61,7 +58,7 @@ def follow_by_mean(film: Film, smoothing: SmoothingConfig, remote: RemoteConfig)
     Origins are taken once the mean holds only frames since the arm was learnt. The robot's own lag and the time of
     tracking are left out. ProcessError when the hand is never tracked for so long.
     """
-    model, limits = _arm(remote)
+    model, limits = load_arm(remote.robot)
     mapping, smoother = Mapping(remote.mapping), make_smoother(smoothing)
     inverse = SphericalWristInverse(model, limits, remote.robot.stance)
     q, path, tracked = remote.robot.start, ToolPath(), 0
@@ -83,8 +80,8 @@ def follow_by_mean(film: Film, smoothing: SmoothingConfig, remote: RemoteConfig)
     return _engaged(path)
 
 
-def follow_by_chain(film: Film, smoothing: SmoothingConfig, remote: RemoteConfig, latency_ms: float) -> ToolPath:
-    """Farhand's way: smooth, send, and follow in the whole chain with a robot that does what it is told.
+def follow_by_pipeline(film: Film, smoothing: SmoothingConfig, remote: RemoteConfig, latency_ms: float) -> ToolPath:
+    """Farhand's way: smooth, send, and follow through the whole pipeline with a robot that does what it is told.
 
     Samples come `latency_ms` after their exposure. ProcessError when the arm is never engaged.
     """
@@ -96,67 +93,47 @@ def follow_by_chain(film: Film, smoothing: SmoothingConfig, remote: RemoteConfig
 
 
 class FollowingArm:
-    """The remote site's chain around the kinematic driver, on a clock that is moved tick by tick."""
+    """The remote site's pipeline around the kinematic driver, on a clock that is moved tick by tick."""
 
     def __init__(self, remote: RemoteConfig) -> None:
-        self._model, limits = _arm(remote)
         self._tick_ns = round(NS_PER_S / remote.control.rate_hz)
         self._clock = FakeClock()
-        leases = LeaseServer(FOR_EVER_NS, LEASE)
-        leases.acquire(Holder(SESSION, "operator"), 0)
-        start = remote.robot.start
-        self._chain = TeleopPipeline(remote, self._model, limits, start, leases)
-        self._driver = KinematicDriver(self._clock)
-        dt_s = 1.0 / remote.control.rate_hz
-        self._driver.configure(DriverSetup(self._model.joint_names, limits, dt_s, STOP_WITHIN_NS))
-        self._driver.activate(start)
+        self._loop = KinematicLoop(remote, self._clock)
+        self._lease = LeaseStatus(Lease(LEASE, Holder(SESSION, "operator"), FOR_EVER_NS))
         self._sender = HandPublisher(self, SESSION)
-        self._heard: list[HandArm] = []
-        self._seq = 0
+        self._received: list[HandArm] = []
         self.path = ToolPath()
 
+    @property
+    def q(self) -> Array:
+        """The newest commanded posture (n,) in rad."""
+        return self._loop.sent.q
+
     def send(self, estimate: ArmEstimate) -> None:
-        """Let an estimate come with the next tick, as the local site sends it."""
+        """Let an estimate arrive with the next tick, as the local site sends it."""
         clock = ClockSync(remote_minus_local_ns=0, uncertainty_ns=0, measured_ns=estimate.t_ns)
         self._sender.publish(estimate, OpenHand(), Standing(LEASE, clock), Intent())
 
     def put(self, message: HandArm) -> None:
         """Take a sample off the wire."""
-        self._heard.append(message)
+        self._received.append(message)
 
     def run_until(self, end_ns: int) -> None:
         """Tick until the next tick would be at `end_ns` or later."""
         while self._clock.now_ns() + self._tick_ns < end_ns:
             self._clock.sleep_until_ns(self._clock.now_ns() + self._tick_ns)
-            self._tick(self._clock.now_ns())
+            samples, self._received = self._received, []
+            self._note(self._loop.cycle(self._lease, samples))
 
-    def _tick(self, now_ns: int) -> None:
-        chain = self._chain
-        chain.measured = self._driver.read().q
-        while self._heard:
-            chain.receive(self._heard.pop(0), now_ns)
-        step = chain.tick(now_ns, chain.robot(None))
-        self._note(step, now_ns)
-        motion = step.motion
-        self._seq += 1
-        command = JointCommand(self._seq, now_ns, motion.q, motion.dq, motion.ddq, chain.gripper.is_open)
-        chain.sent = self._driver.write(command).motion
-
-    def _note(self, step: Step, now_ns: int) -> None:
-        engagement = self._chain.engagement
-        if engagement is None:
+    def _note(self, command: Command) -> None:
+        snapshot = command.snapshot
+        if snapshot.engagement is None:
             return
         if self.path.engaged_ns < 0:
-            self.path.engaged_ns = engagement.hand_capture_ns
-        if step.state is not SessionState.ENGAGED or step.reason.code is not Code.OK:
-            self.path.hindered[step.reason.code.value] += 1
-        self.path.add(now_ns, self._model.forward(step.motion.q))
-
-
-def _arm(remote: RemoteConfig) -> tuple[ArmModel, JointLimits]:
-    robot = remote.robot
-    model = ArmModel.from_urdf(robot.urdf, robot.tool_frame, robot.tool_T_tcp)
-    return model, JointLimits.from_model(model, robot)
+            self.path.engaged_ns = snapshot.engagement.hand_capture_ns
+        if snapshot.state is not SessionState.ENGAGED or snapshot.reason.code is not Code.OK:
+            self.path.hindered[snapshot.reason.code.value] += 1
+        self.path.add(snapshot.now_ns, self._loop.model.forward(command.motion.q))
 
 
 def _orientation(estimate: ArmEstimate) -> Array | None:

@@ -26,8 +26,9 @@ STARTING = RobotFault(FaultCode.NOT_ACTIVATED, "the driver has measured nothing 
 class RobotReport(NamedTuple):
     """The robot as its driver's process tells it; `fault` is None while it takes commands.
 
-    `t_ns` is when `q`, `dq` (rad, rad/s) were measured, 0 before anything was. `sent` is the motion that was sent last,
-    in a stop where it is now, and rest where an activation was asked for until it is answered.
+    `t_ns` is when `q`, `dq` (rad, rad/s) were measured, 0 before anything was. `sent` is the motion to plan from: the
+    last command while the robot takes commands; otherwise what the driver was given last, in a stop where it is now,
+    and rest where an activation was requested until it is answered.
     `obeyed_seq` is the newest command that has reached the robot's motion. `answered`: the last activation was decided.
     """
 
@@ -70,6 +71,8 @@ class DriverLink:
         elif raw.at_ns and silent_ns > SILENT_NS:
             late = f"the driver's process is silent for {silent_ns / NS_PER_MS:.0f} ms"
             report = report._replace(fault=RobotFault(FaultCode.PROCESS, late))
+        if report.ready and self._last is not None:
+            report = report._replace(sent=self._last.motion)
         self._report = report
         return report
 

@@ -78,6 +78,12 @@ def _positions(model: ArmModel, config: RobotConfig) -> tuple[Array, Array]:
     return lower, upper
 
 
+def load_arm(config: RobotConfig) -> tuple[ArmModel, JointLimits]:
+    """The configured arm and its limits; ModelError or ConfigError where either cannot be built."""
+    model = ArmModel.from_urdf(config.urdf, config.tool_frame, config.tool_T_tcp)
+    return model, JointLimits.from_model(model, config)
+
+
 def _accelerations(model: ArmModel, config: RobotConfig) -> Array:
     given, joints = config.acceleration_rad_s2, len(model.joint_names)
     if len(given) not in (1, joints):

@@ -13,6 +13,7 @@ from remote_site.kinematics.limits import JointLimits
 from remote_site.kinematics.model import ArmModel
 from remote_site.motion.target_tracker import choose_target_tracker
 from remote_site.safety.collision import CollisionModel
+from remote_site.teleop.config import prediction
 from remote_site.teleop.mapping import make_mapping
 
 T = TypeVar("T")
@@ -76,7 +77,7 @@ def _load_with(model: ArmModel, config: RemoteConfig, loading: _Loading) -> None
     if start is None:
         return
     solvers = "correct robot.kinematics, robot.stance and [control.solver]"
-    loading.load("kinematics", solvers, lambda: choose_target_tracker(config, model, limits))
+    loading.load("kinematics", solvers, lambda: choose_target_tracker(robot, prediction(config), model, limits))
     if config.cell_is_simulated or config.views_are_simulated:
         loading.load("simulated cell", "correct [simulation], or that URDF", lambda: _build_simulation(config))
 

@@ -15,17 +15,21 @@ from common.link.transport import Publisher
 from common.messages.robot import (
     LeaseState,
     LoopTiming,
+    Pose,
     Readiness,
     RobotState,
     SessionState,
 )
 from common.process.rate import Rate
-from remote_site.drivers.link import RobotReport
-from remote_site.kinematics.model import ArmModel
+from remote_site.config import RemoteConfig
+from remote_site.kinematics.limits import load_arm
 from remote_site.reasons import Reason
+from remote_site.runtime.driven_pipeline import DrivenPipeline
 from remote_site.runtime.tracing import Tracing
+from remote_site.safety.collision import CollisionModel
+from remote_site.session.lease import LeaseStatus
 from remote_site.session.shared_lease import NOBODY, SharedLease
-from remote_site.teleop.pipeline import Step, TeleopPipeline, pose_of
+from remote_site.teleop.cycle import Snapshot
 
 SESSION_BITS = 62
 LATE_PERCENTILE = 99.0
@@ -73,14 +77,23 @@ class Refusals:
 
 
 class Reporter:
-    """Keeps the times of the obeyed samples, publishes RobotState, and shows on a board whose lease is in force."""
+    """Publishes RobotState with the times of the obeyed samples, and shares which lease is in force."""
 
     def __init__(
-        self, publisher: Publisher[RobotState], board: SharedLease, model: ArmModel, rate: Rate, *, real_time: bool
+        self,
+        publisher: Publisher[RobotState],
+        shared_lease: SharedLease,
+        config: RemoteConfig,
+        rate: Rate,
+        *,
+        real_time: bool,
     ) -> None:
         self._publisher = publisher
-        self._board = board
-        self._model = model
+        self._shared_lease = shared_lease
+        self._model, _ = load_arm(config.robot)
+        robot = config.robot
+        # of its own: what is measured for a report must not touch what the pipeline has cached
+        self._collision = CollisionModel.from_urdf(robot.urdf, self._model, robot.capsules, config.safety.collision)
         self._rate = rate
         self._real_time = real_time
         self._session = secrets.randbits(SESSION_BITS)
@@ -89,46 +102,44 @@ class Reporter:
         self._timing = self._measured_timing()
         self.log = TransitionLog()
 
-    def note(self, step: Step, command_seq: int, command_ns: int, reading: RobotReport) -> None:
+    def note(self, snapshot: Snapshot, driven: DrivenPipeline) -> None:
         """Note the command that first obeys a sample, and the reading that first shows it in the robot's motion."""
-        self.log.note(step.state, step.reason)
-        if step.obeys is not None:
-            self._tracing.obey(step.obeys, command_seq, command_ns, step.motion)
-        self._tracing.see(reading)
+        self.log.note(snapshot.state, snapshot.reason)
+        if snapshot.obeys is not None:
+            self._tracing.obey(snapshot.obeys, driven.seq, snapshot.now_ns, driven.sent)
+        self._tracing.see(driven.report)
 
-    def publish(
-        self, step: Step, chain: TeleopPipeline, reading: RobotReport, malformed: Mapping[str, int], now_ns: int
-    ) -> None:
+    def publish(self, snapshot: Snapshot, driven: DrivenPipeline, malformed: Mapping[str, int]) -> None:
         """Send the robot's state as measured and commanded."""
         self._seq += 1
         if self._seq % STATES_PER_TIMING == 0:
             self._timing = self._measured_timing()
-        lease = _lease(chain, now_ns)
-        self._board.show(lease.number if lease is not None else NOBODY)
-        rejected = {code.value: count for code, count in chain.intake.rejected.items()} | dict(malformed)
+        lease, report = _lease(snapshot.lease), driven.report
+        self._shared_lease.show(lease.number if lease is not None else NOBODY)
+        answer = snapshot.readiness
         self._publisher.put(
             RobotState(
                 session=self._session,
                 seq=self._seq,
-                t_ns=reading.t_ns,
-                state=step.state,
-                code=step.reason.code.value,
-                reason=step.reason.sentence,
+                t_ns=report.t_ns,
+                state=snapshot.state,
+                code=snapshot.reason.code.value,
+                reason=snapshot.reason.sentence,
                 joints=self._model.joint_names,
-                q=tuple(reading.q.tolist()),
-                q_commanded=tuple(chain.sent.q.tolist()),
-                base_T_tool=pose_of(self._model.forward(reading.q)),
-                gripper=reading.gripper,
-                gripper_toggles_applied=chain.gripper.applied,
+                q=tuple(report.q.tolist()),
+                q_commanded=tuple(driven.sent.q.tolist()),
+                base_T_tool=Pose.from_transform(self._model.forward(report.q)),
+                gripper=report.gripper,
+                gripper_toggles_applied=snapshot.gripper_toggles,
                 obeyed=self._tracing.told(),
-                engagement=chain.engagement,
-                rejected=rejected,
+                engagement=snapshot.engagement,
+                rejected={code.value: count for code, count in snapshot.rejected.items()} | dict(malformed),
                 timing=self._timing,
                 lease=lease,
-                clock=chain.intake.clock,
-                readiness=_readiness(chain, reading, now_ns),
-                min_distance=_finite(chain.collision.distance(reading.q)),
-                target=pose_of(chain.target) if step.state is SessionState.ENGAGED else None,
+                clock=snapshot.clock,
+                readiness=Readiness(answer.done, answer.reason.code.value, answer.reason.sentence, snapshot.held),
+                min_distance=_finite(self._collision.distance(report.q)),
+                target=Pose.from_transform(snapshot.target) if snapshot.state is SessionState.ENGAGED else None,
                 traced=self._tracing.traced,
             )
         )
@@ -139,17 +150,12 @@ class Reporter:
         return LoopTiming(rate.hz, late_us, rate.missed, rate.ticks, self._real_time)
 
 
-def _lease(chain: TeleopPipeline, now_ns: int) -> LeaseState | None:
-    lease, asker = chain.leases.current(now_ns), chain.leases.asker(now_ns)
+def _lease(status: LeaseStatus) -> LeaseState | None:
+    lease, asker = status.lease, status.asker
     if lease is None:
         return None
     holder = lease.holder
     return LeaseState(lease.number, holder.name, holder.session, lease.expires_ns, asker.name if asker else None)
-
-
-def _readiness(chain: TeleopPipeline, reading: RobotReport, now_ns: int) -> Readiness:
-    answer = chain.session.readiness(now_ns, chain.robot(reading.fault))
-    return Readiness(answer.done, answer.reason.code.value, answer.reason.sentence, chain.session.held)
 
 
 def _finite(distance: float) -> float | None:

@@ -17,13 +17,13 @@ from common.messages.requests import (
     LeaseReply,
     LeaseRequest,
 )
+from common.messages.robot import Pose
 from remote_site.config import RemoteConfig
 from remote_site.kinematics.limits import JointLimits
 from remote_site.kinematics.model import ArmModel
 from remote_site.reasons import Code, Reason, reason
+from remote_site.session.engagement_intent import INPUTS
 from remote_site.session.lease import Holder, Lease, LeaseServer
-from remote_site.session.state_machine import INPUTS
-from remote_site.teleop.pipeline import pose_of
 from remote_site.video.calibration import calibration_of
 
 
@@ -111,7 +111,7 @@ def describe(config: RemoteConfig, model: ArmModel, limits: JointLimits, state_h
         robot=config.robot.model,
         driver=config.driver.name,
         joints=tuple(
-            JointDescription(*row, pose_of(link.parent_T_joint), link.axis, link.slides)
+            JointDescription(*row, Pose.from_transform(link.parent_T_joint), link.axis, link.slides)
             for row, link in zip(bounds, links, strict=True)
         ),
         cameras=tuple(
@@ -121,7 +121,7 @@ def describe(config: RemoteConfig, model: ArmModel, limits: JointLimits, state_h
         held=config.engagement.mode in INPUTS,
         control_hz=config.control.rate_hz,
         state_hz=state_hz,
-        last_T_tool=pose_of(last_T_tool),
+        last_T_tool=Pose.from_transform(last_T_tool),
         workspace_min=config.safety.workspace_min_m,
         workspace_max=config.safety.workspace_max_m,
     )

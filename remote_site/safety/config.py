@@ -103,3 +103,8 @@ class SafetyConfig(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fie
         corners = zip(self.workspace_min_m, self.workspace_max_m, strict=True)
         if not all(math.isfinite(low) and math.isfinite(high) and low < high for low, high in corners):
             raise ValueError("workspace_min_m must be below workspace_max_m on every axis")
+
+    @property
+    def speed_scale(self) -> float:
+        """The fraction of full speed that the age limit of the samples leaves."""
+        return min(1.0, FULL_SPEED_MS / self.t_soft_ms)

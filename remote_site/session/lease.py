@@ -22,6 +22,14 @@ class Lease:
     expires_ns: int
 
 
+@dataclass(frozen=True, slots=True)
+class LeaseStatus:
+    """The lease in force, and who waits for the holder's consent to take it over; None for nobody."""
+
+    lease: Lease | None = None
+    asker: Holder | None = None
+
+
 class LeaseServer:
     """Grants, renews, ends and hands over the one lease; time comes in as nanoseconds of the remote site's clock.
 
@@ -43,6 +51,10 @@ class LeaseServer:
     def asker(self, now_ns: int) -> Holder | None:
         """Who was refused in the last seconds because another holds the lease, and so waits for consent."""
         return self._asker if self.current(now_ns) is not None and now_ns < self._asked_until_ns else None
+
+    def status(self, now_ns: int) -> LeaseStatus:
+        """The lease in force and who asks for it."""
+        return LeaseStatus(self.current(now_ns), self.asker(now_ns))
 
     def acquire(self, asker: Holder, now_ns: int) -> Lease | Reason:
         """A new lease if nobody else holds one; the holder's own is renewed. A refusal names the holder."""
@@ -76,12 +88,7 @@ class LeaseServer:
 
     def in_force(self, number: int, session: int, now_ns: int) -> Lease | Reason:
         """The lease that a local site refers to if it is in force, or why what is sent under it is refused."""
-        current = self.current(now_ns)
-        if current is not None and (number, session) == (current.number, current.holder.session):
-            return current
-        if number != 0:
-            return reason(Code.OLD_LEASE, number=number)
-        return reason(Code.NO_LEASE) if current is None else reason(Code.NOT_HOLDER, holder=current.holder.name)
+        return checked(self.current(now_ns), number, session)
 
     def _grant(self, holder: Holder, now_ns: int) -> Lease:
         self._lease = Lease(self._next_number, holder, now_ns + self.duration_ns)
@@ -92,3 +99,12 @@ class LeaseServer:
     def _extend(self, lease: Lease, now_ns: int) -> Lease:
         self._lease = Lease(lease.number, lease.holder, now_ns + self.duration_ns)
         return self._lease
+
+
+def checked(current: Lease | None, number: int, session: int) -> Lease | Reason:
+    """The lease in force if a local site's number and session refer to it; else why what it sends is refused."""
+    if current is not None and (number, session) == (current.number, current.holder.session):
+        return current
+    if number != 0:
+        return reason(Code.OLD_LEASE, number=number)
+    return reason(Code.NO_LEASE) if current is None else reason(Code.NOT_HOLDER, holder=current.holder.name)

@@ -1,9 +1,15 @@
 """The parameters of the mapping from hand to tool."""
 
-from typing import Annotated, Literal
+from typing import Annotated, Literal, Protocol
 
 import msgspec
 from msgspec import Meta, field
+from msgspec.structs import replace
+
+from remote_site.kinematics.config import RobotConfig
+from remote_site.motion.config import ControlConfig
+from remote_site.safety.config import FULL_SPEED_MS, SafetyConfig
+from remote_site.session.config import EngagementConfig
 
 Row3 = tuple[float, float, float]
 HandPoint = Literal["wrist", "palm"]
@@ -39,3 +45,29 @@ class MappingConfig(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fi
         Meta(description="rotation from the operator frame to the robot's base frame, row by row"),
     ] = ((0.0, -1.0, 0.0), (1.0, 0.0, 0.0), (0.0, 0.0, 1.0))
     locks: LocksConfig = field(default_factory=LocksConfig)
+
+
+class PipelineConfig(Protocol):
+    """The tables of the configuration that the pipeline needs."""
+
+    @property
+    def robot(self) -> RobotConfig: ...
+    @property
+    def mapping(self) -> MappingConfig: ...
+    @property
+    def safety(self) -> SafetyConfig: ...
+    @property
+    def control(self) -> ControlConfig: ...
+    @property
+    def engagement(self) -> EngagementConfig: ...
+
+
+def prediction(config: PipelineConfig) -> ControlConfig:
+    """The control parameters with `predict_ms` as it applies to this mapping and speed.
+
+    An incremental target moves with the arm: predicted beyond its sample it would run away. Any other is predicted for
+    longer, in proportion, where a long T_soft has made the arm slower.
+    """
+    incremental = config.mapping.command == "incremental"
+    predict_ms = 0.0 if incremental else config.control.predict_ms * max(config.safety.t_soft_ms / FULL_SPEED_MS, 1.0)
+    return replace(config.control, predict_ms=predict_ms)

@@ -2,13 +2,14 @@
 
 import math
 from dataclasses import dataclass
-from typing import Protocol
+from typing import Protocol, Self
 
 import numpy as np
 
 from common.errors import ConfigError
 from common.geometry import Array, rotation_from_vector, transform, unwound, vector_from_rotation
 from common.messages.base import Vector3
+from common.messages.hand import Intent
 from remote_site.teleop.config import LocksConfig, MappingConfig
 
 PROPER = 1e-6
@@ -43,6 +44,11 @@ class Steering:
     scale: float = 1.0
     rotation_scale: float = 1.0
     locks: AppliedLocks = NO_LOCKS
+
+    @classmethod
+    def of(cls, intent: Intent) -> Self:
+        """What the operator's intent says."""
+        return cls(intent.clutch_count, intent.scale, intent.rotation_scale, intent.locks)
 
 
 class Mapping:

@@ -14,6 +14,7 @@ from common.messages.robot import (
     LeaseState,
     LoopTiming,
     Obeyed,
+    Pose,
     Readiness,
     RobotState,
     SessionState,
@@ -23,7 +24,6 @@ from remote_site.config import RemoteConfig
 from remote_site.kinematics.limits import JointLimits
 from remote_site.kinematics.model import ArmModel
 from remote_site.runtime.request_server import describe
-from remote_site.teleop.pipeline import pose_of
 from remote_site.video.config import VideoConfig
 from remote_site.video.streaming.pictures import encode_jpeg
 
@@ -53,7 +53,7 @@ def state(word: SessionState, code: str, reason: str, **changes: object) -> Robo
         joints=MODEL.joint_names,
         q=tuple(q.tolist()),
         q_commanded=tuple((q + 0.1).tolist()),
-        base_T_tool=pose_of(MODEL.forward(q)),
+        base_T_tool=Pose.from_transform(MODEL.forward(q)),
         gripper=GripperState(opening=0.05, force=12.0, commanded_open=False, status=GripperStatus.HOLDING),
         gripper_toggles_applied=1,
         obeyed=Obeyed(7, now_ns, now_ns - 60 * NS_PER_MS, now_ns - 25 * NS_PER_MS, now_ns - 20 * NS_PER_MS),
@@ -64,7 +64,7 @@ def state(word: SessionState, code: str, reason: str, **changes: object) -> Robo
         clock=ClockSync(remote_minus_local_ns=0, uncertainty_ns=NS_PER_MS, measured_ns=now_ns),
         readiness=Readiness(True, "ok", "ready", True),
         min_distance=0.21,
-        target=pose_of(MODEL.forward(q + 0.1)) if word is SessionState.ENGAGED else None,
+        target=Pose.from_transform(MODEL.forward(q + 0.1)) if word is SessionState.ENGAGED else None,
     )
     return msgspec.structs.replace(known, **changes)
 

@@ -1,23 +1,26 @@
-"""The pure chain of the remote site, tick by tick, with every command that the driver received."""
+"""The pipeline of the remote site, tick by tick, with every command that the driver received."""
+
+from functools import cached_property
 
 import numpy as np
 
 from common.clock import NS_PER_MS, FakeClock
 from common.messages.hand import ClockSync, HandArm, TrackingStatus
+from common.messages.requests import EngagementAction
 from common.messages.robot import SessionState
 from remote_site.config import RemoteConfig
-from remote_site.drivers.driver import DriverSetup, JointCommand
-from remote_site.drivers.kinematic import KinematicDriver
 from remote_site.kinematics.joints import JointMotion
-from remote_site.kinematics.limits import JointLimits
+from remote_site.kinematics.limits import JointLimits, load_arm
 from remote_site.kinematics.model import ArmModel
 from remote_site.reasons import Code
+from remote_site.runtime.kinematic_loop import KinematicLoop
 from remote_site.safety.clearance import ClearanceCheck, Workspace
 from remote_site.safety.collision import CollisionModel
 from remote_site.safety.guard import Guard, Passed
-from remote_site.session.lease import Holder, LeaseServer
-from remote_site.session.state_machine import Robot, Session
-from remote_site.teleop.pipeline import TeleopPipeline
+from remote_site.session.lease import Holder, Lease, LeaseServer
+from remote_site.session.requests import SessionRequest
+from remote_site.session.state_machine import Answer, Robot, Session
+from remote_site.teleop.cycle import Snapshot
 
 TICK_NS = 4 * NS_PER_MS
 REFUSALS = {
@@ -30,7 +33,7 @@ REFUSALS = {
     Code.COLLISION,
     Code.NO_TRAJECTORY,
 }
-TICKS_PER_JUDGEMENT = 5  # the chain has a guard of its own; another whole one doubles the time
+TICKS_PER_JUDGEMENT = 5  # the pipeline has a guard of its own; another whole one doubles the time
 START_NS = 10_000 * NS_PER_MS
 FOR_EVER_NS = 10**15
 LEASE = 41
@@ -38,9 +41,7 @@ LEASE = 41
 
 def arm(config: RemoteConfig | None = None) -> tuple[ArmModel, JointLimits]:
     """The configured arm and its limits."""
-    robot = (config or RemoteConfig()).robot
-    model = ArmModel.from_urdf(robot.urdf, robot.tool_frame, robot.tool_T_tcp)
-    return model, JointLimits.from_model(model, robot)
+    return load_arm((config or RemoteConfig()).robot)
 
 
 def workspace(config: RemoteConfig | None = None) -> Workspace:
@@ -53,16 +54,19 @@ def guard_of(config: RemoteConfig | None = None, box: Workspace | None = None) -
     """The guard of the configured arm, with another box if one is given."""
     config = config or RemoteConfig()
     _, limits = arm(config)
-    return Guard(limits, surroundings(config, box), TICK_NS / 1e9)
+    return Guard(limits, clearance(config, box), TICK_NS / 1e9)
 
 
-def surroundings(config: RemoteConfig | None = None, box: Workspace | None = None) -> ClearanceCheck:
-    """The configured arm's surroundings, with another box if one is given."""
+def clearance(config: RemoteConfig | None = None, box: Workspace | None = None) -> ClearanceCheck:
+    """The configured arm's clearance check, with another box if one is given."""
     config = config or RemoteConfig()
-    model, _ = arm(config)
+    return ClearanceCheck(arm(config)[0], box or workspace(config), collision_model(config))
+
+
+def collision_model(config: RemoteConfig) -> CollisionModel:
+    """The configured arm's distances."""
     robot = config.robot
-    collision = CollisionModel.from_urdf(robot.urdf, model, robot.capsules, config.safety.collision)
-    return ClearanceCheck(model, box or workspace(config), collision)
+    return CollisionModel.from_urdf(robot.urdf, arm(config)[0], robot.capsules, config.safety.collision)
 
 
 def hand(seq, capture_ns, wrist=(0.0, 0.0, 0.3), session=7, status=TrackingStatus.TRACKED, **changes) -> HandArm:
@@ -84,24 +88,20 @@ def hand(seq, capture_ns, wrist=(0.0, 0.0, 0.3), session=7, status=TrackingStatu
 
 
 class RemoteLoop:
-    """The chain around a kinematic robot, on a fake clock."""
+    """The pipeline around a kinematic robot on a fake clock; every command is judged once more, and logged."""
 
     def __init__(self, config: RemoteConfig | None = None) -> None:
         self.config = config or RemoteConfig()
-        self.model, self.limits = arm(self.config)
         self.clock = FakeClock(START_NS)
         self.leases = LeaseServer(FOR_EVER_NS, LEASE)
         self.grant(7)
-        self.chain = TeleopPipeline(self.config, self.model, self.limits, self.config.robot.start, self.leases)
+        self._loop = KinematicLoop(self.config, self.clock)
+        self.pipeline, self.model, self.limits = self._loop.pipeline, self._loop.model, self._loop.limits
         self.guard = guard_of(self.config)
-        self.driver = KinematicDriver(self.clock)
-        setup = DriverSetup(self.model.joint_names, self.limits, TICK_NS / 1e9, 50 * NS_PER_MS)
-        self.driver.configure(setup)
-        self.driver.activate(self.config.robot.start)
         self.log: list[JointMotion] = [self.sent]
-        self.states = []
-        self.refusals = self.saturated = 0
-        self.seq = 0
+        self.states: list[SessionState] = []
+        self.refusals = self.saturated = self.hand_seq = 0
+        self.snapshot: Snapshot
 
     def grant(self, session: int) -> None:
         """Give the lease to a local site, whoever has it."""
@@ -109,45 +109,53 @@ class RemoteLoop:
         held = self.leases.current(now_ns)
         if held is not None:
             self.leases.release(held.number, held.holder.session, now_ns)
-        self.lease = self.leases.acquire(Holder(session, f"operator-{session}"), now_ns).number
+        granted = self.leases.acquire(Holder(session, f"operator-{session}"), now_ns)
+        assert isinstance(granted, Lease)
+        self.lease = granted.number
 
     @property
     def sent(self) -> JointMotion:
         """What was really sent last."""
-        return self.chain.sent
+        return self._loop.sent
+
+    @cached_property
+    def _collision(self) -> CollisionModel:
+        return collision_model(self.config)
+
+    def distance(self) -> float:
+        """How near the commanded arm is to anything, in m."""
+        return self._collision.distance(self.sent.q)
 
     @property
     def session(self) -> Session:
-        """The chain's session."""
-        return self.chain.session
+        """The pipeline's session."""
+        return self.pipeline._session
 
     @property
     def robot(self) -> Robot:
         """What the session sees of the robot."""
-        return self.chain.robot(None)
+        return Robot(ready=True, reason="", resting=self.sent.resting)
 
-    def tick(self, *samples: HandArm) -> None:
-        """One control tick: the samples that have come, then a decision, then a command."""
+    def ask(self, action: EngagementAction) -> Answer:
+        """One tick with a request of the lease's holder, and what is answered."""
+        lease = self.leases.current(self.clock.now_ns())
+        self.tick(requests=(SessionRequest(action, lease.holder.name if lease is not None else "nobody"),))
+        return self.snapshot.answers[0]
+
+    def tick(self, *samples: HandArm, requests: tuple[SessionRequest, ...] = ()) -> None:
+        """One control tick: the samples and requests that have arrived, then a decision, then a command."""
         self.clock.advance_ms(TICK_NS / NS_PER_MS)
-        now_ns = self.clock.now_ns()
-        for sample in samples:
-            self.chain.receive(sample, now_ns)
-        step = self.chain.tick(now_ns, self.robot)
-        self.refusals += step.state is SessionState.ENGAGED and step.reason.code in REFUSALS
-        self.saturated += step.reason.code is Code.SATURATED
-        self.write(step.motion, now_ns)
-        self.states.append(step.state)
-
-    def write(self, motion: JointMotion, now_ns: int) -> None:
-        """Judge the motion, now and then, once more, then the driver; every command is logged as sent."""
-        self.seq += 1
-        if self.seq % TICKS_PER_JUDGEMENT == 0:
-            verdict = self.guard.check(motion, self.sent)
+        before = self.sent
+        command = self._loop.cycle(self.leases.status(self.clock.now_ns()), samples, requests)
+        self.snapshot = snapshot = command.snapshot
+        if len(self.log) % TICKS_PER_JUDGEMENT == 0:
+            verdict = self.guard.check(command.motion, before)
             assert isinstance(verdict, Passed), verdict
-        command = JointCommand(self.seq, now_ns, motion.q, motion.dq, motion.ddq, self.chain.gripper.is_open)
-        self.chain.sent = self.driver.write(command).motion
-        assert self.sent.q is motion.q  # the driver's own limits had nothing to object to
+        assert self.sent.q is command.motion.q  # the driver's own limits had nothing to object to
+        self.refusals += snapshot.state is SessionState.ENGAGED and snapshot.reason.code in REFUSALS
+        self.saturated += snapshot.reason.code is Code.SATURATED
         self.log.append(self.sent)
+        self.states.append(snapshot.state)
 
     def run(self, ticks: int, wrist=None, every: int = 8, session: int = 7, **changes) -> None:
         """Run with a sample every so many ticks, captured a tick before it comes; `wrist(t_ns)` in m."""
@@ -155,7 +163,7 @@ class RemoteLoop:
             samples = []
             if wrist is not None and k % every == 0:
                 capture_ns = self.clock.now_ns()
-                self.hand_seq = getattr(self, "hand_seq", 0) + 1
+                self.hand_seq += 1
                 fields = {"session": session, "lease": self.lease} | changes
                 samples = [hand(self.hand_seq, capture_ns, wrist(capture_ns), **fields)]
             self.tick(*samples)

@@ -11,11 +11,12 @@ from remote_site.config import RemoteConfig
 from remote_site.kinematics.joints import JointMotion
 from remote_site.motion.config import ControlConfig
 from remote_site.motion.jerk_limited import JerkLimitedTracker, leash
-from remote_site.motion.target_predictor import JointTargetPredictor, TargetPredictor
-from remote_site.motion.target_tracker import choose_target_tracker
+from remote_site.motion.target_predictor import TargetPredictor, joint_target_predictor
+from remote_site.motion.target_tracker import ToolSample, choose_target_tracker
 from remote_site.reasons import Code, Reason
 from remote_site.safety.config import SafetyConfig
 from remote_site.safety.guard import JointGuard, Passed
+from remote_site.teleop.config import prediction
 from tests.remote_site.arms_followed import figure_of_eight
 from tests.remote_site.remote_loop import TICK_NS, arm
 
@@ -25,20 +26,20 @@ START = np.radians([0.0, 0.0, -45.0, 0.0, -45.0, 0.0])
 EXACT = ControlConfig(position_gain=1.0, velocity_gain=1.0)
 
 
-def follow(course, samples, seconds, latency_s=0.0):
-    """A follower whose course gets `samples` {t_s: q}: its motions, and how often the guard demanded the stop."""
+def follow(predictor, samples, seconds, latency_s=0.0):
+    """A follower whose predictor gets `samples` {t_s: q}: its motions, and how often the guard demanded the stop."""
     follower, guard = JerkLimitedTracker(LIMITS, DT), JointGuard(LIMITS, DT)
     follower.reset(JointMotion.at_rest(START))
-    course.reset(0, START)
+    predictor.reset(0, START)
     pending = sorted(samples.items())
     history, refusals = [], 0
     for k in range(round(seconds / DT)):
         now_ns = round(k * DT * NS_PER_S)
         while pending and pending[0][0] + latency_s <= k * DT:
             t, q = pending.pop(0)
-            course.aim(round(t * NS_PER_S), q, now_ns)
+            predictor.aim(round(t * NS_PER_S), q, now_ns)
         before = follower.motion
-        motion = follower.track(*course.at(now_ns))
+        motion = follower.track(*predictor.at(now_ns))
         assert isinstance(motion, JointMotion)
         if not isinstance(guard.check(motion, before), Passed):
             refusals += 1
@@ -55,7 +56,7 @@ def ramp(speed, seconds, fps=30.0):
 
 @pytest.mark.parametrize("latency_s", [0.015, 0.045, 0.09])
 def test_a_steady_target_is_followed_without_lag_or_stutter(latency_s):
-    history, refusals = follow(JointTargetPredictor(LIMITS, EXACT), ramp(0.5, 2.0), 1.9, latency_s=latency_s)
+    history, refusals = follow(joint_target_predictor(LIMITS, EXACT), ramp(0.5, 2.0), 1.9, latency_s=latency_s)
     assert refusals == 0
     times = np.arange(1, len(history) + 1) * DT
     settled = times > 1.0
@@ -82,13 +83,13 @@ def test_the_speed_scale_slows_the_follower():
 
 
 def test_a_sample_that_comes_after_the_course_has_ended_counts_as_any_other():
-    course, way = JointTargetPredictor(LIMITS, EXACT), np.eye(6)[0]
-    course.reset(0, START)
-    course.aim(40 * NS_PER_MS, START + 0.04 * way, 100 * NS_PER_MS)
-    place, speed = course.at(250 * NS_PER_MS)
+    predictor, way = joint_target_predictor(LIMITS, EXACT), np.eye(6)[0]
+    predictor.reset(0, START)
+    predictor.aim(40 * NS_PER_MS, START + 0.04 * way, 100 * NS_PER_MS)
+    place, speed = predictor.at(250 * NS_PER_MS)
     assert (place[0], speed[0]) == (pytest.approx(0.16, abs=0.02), pytest.approx(0.0, abs=0.5))  # it ended at 160 ms
-    course.aim(80 * NS_PER_MS, START + 0.08 * way, 255 * NS_PER_MS)
-    place, speed = course.at(314 * NS_PER_MS)
+    predictor.aim(80 * NS_PER_MS, START + 0.08 * way, 255 * NS_PER_MS)
+    place, speed = predictor.at(314 * NS_PER_MS)
     assert place[0] > 0.2  # on its way to 0.314
     assert speed[0] > 1.0
 
@@ -96,37 +97,41 @@ def test_a_sample_that_comes_after_the_course_has_ended_counts_as_any_other():
 @pytest.mark.parametrize(("t_soft_ms", "carried"), [(100, False), (400, True)])
 def test_an_arm_that_a_long_t_soft_makes_slower_is_carried_on_for_longer(t_soft_ms, carried):
     config = RemoteConfig(safety=SafetyConfig(t_soft_ms=t_soft_ms))
-    pursuit, target, at_ms = choose_target_tracker(config, MODEL, LIMITS), MODEL.forward(START), 0
-    pursuit.reset(0, START)
+    tracker, target, at_ms = (
+        choose_target_tracker(config.robot, prediction(config), MODEL, LIMITS),
+        MODEL.forward(START),
+        0,
+    )
+    tracker.reset(0, START)
     for at_ms in range(33, 600, 33):
         target = transform(target[:3, :3], target[:3, 3] + [0.0, 0.002, 0.0])
-        pursuit.aim(at_ms * NS_PER_MS, target, None, START, at_ms * NS_PER_MS, leashed=False)
-    earlier, later = (pursuit.at((at_ms + ms) * NS_PER_MS, START)[0][0] for ms in (160, 230))
+        tracker.aim(ToolSample(at_ms * NS_PER_MS, at_ms * NS_PER_MS, target, None, None), START)
+    earlier, later = (tracker.at((at_ms + ms) * NS_PER_MS, START)[0][0] for ms in (160, 230))
     assert bool(later - earlier > 0.003) is carried
 
 
 def test_a_course_ends_after_its_prediction_and_comes_to_rest_there():
-    course = JointTargetPredictor(LIMITS, ControlConfig(position_gain=1.0, velocity_gain=1.0, predict_ms=60.0))
-    course.reset(0, START)
+    predictor = joint_target_predictor(LIMITS, ControlConfig(position_gain=1.0, velocity_gain=1.0, predict_ms=60.0))
+    predictor.reset(0, START)
     for k in range(1, 31):
-        course.aim(k * 33 * NS_PER_MS, START + 0.01 * k, k * 33 * NS_PER_MS)
+        predictor.aim(k * 33 * NS_PER_MS, START + 0.01 * k, k * 33 * NS_PER_MS)
     last_ns = 30 * 33 * NS_PER_MS
-    q, dq = course.at(last_ns + 1000 * NS_PER_MS)
+    q, dq = predictor.at(last_ns + 1000 * NS_PER_MS)
     assert dq == pytest.approx(np.zeros(6), abs=1e-6)
     assert q == pytest.approx(START + 0.3 + 0.01 * 60 / 33, abs=1e-3)
 
 
 def test_a_course_has_no_jumps():
     rng = np.random.default_rng(2)
-    course = JointTargetPredictor(LIMITS, ControlConfig())
-    course.reset(0, START)
+    predictor = joint_target_predictor(LIMITS, ControlConfig())
+    predictor.reset(0, START)
     step_ns = NS_PER_MS // 4
-    before = course.at(0)
+    before = predictor.at(0)
     for k in range(1, 2400):
         now_ns = k * step_ns
         if k % 132 == 0:
-            course.aim(now_ns - 15 * NS_PER_MS, START + rng.normal(0, 0.02, 6), now_ns)
-        here = course.at(now_ns)
+            predictor.aim(now_ns - 15 * NS_PER_MS, START + rng.normal(0, 0.02, 6), now_ns)
+        here = predictor.at(now_ns)
         assert np.abs(here[0] - before[0]).max() < 1e-3
         assert np.abs(here[1] - before[1]).max() < 0.05
         before = here
@@ -134,19 +139,19 @@ def test_a_course_has_no_jumps():
 
 def test_a_course_begins_to_move_no_harder_than_the_joints_can():
     """Joints that cannot keep to it would catch up one after the other, and swing the tool off the way."""
-    course, way, hardest = (
-        JointTargetPredictor(LIMITS, ControlConfig()),
+    predictor, way, hardest = (
+        joint_target_predictor(LIMITS, ControlConfig()),
         np.array([0.1, 0.05, -0.1, 0.1, 0.1, 0.1]),
         0.0,
     )
-    course.reset(0, START)
+    predictor.reset(0, START)
     before = np.zeros(6)
     for k in range(1, 500):
         t = k * TICK_NS / NS_PER_S
         if k % 8 == 0:
             share = min(max((t - 0.5) / 0.6, 0.0), 1.0)
-            course.aim(k * TICK_NS, START + way * share**3 * (10 - 15 * share + 6 * share**2), k * TICK_NS)
-        speed = course.at(k * TICK_NS)[1]
+            predictor.aim(k * TICK_NS, START + way * share**3 * (10 - 15 * share + 6 * share**2), k * TICK_NS)
+        speed = predictor.at(k * TICK_NS)[1]
         hardest, before = max(hardest, np.max(np.abs(speed - before) / DT / LIMITS.acceleration)), speed
     assert hardest < 1.0
 
@@ -154,34 +159,34 @@ def test_a_course_begins_to_move_no_harder_than_the_joints_can():
 def test_noise_at_rest_is_damped_and_a_hand_that_moves_is_followed():
     """Noise of 1 mm on each axis is 1.73 mm in all; a hand that starts to move is followed within 2 mm all the same."""
     rng, noise = np.random.default_rng(6), []
-    course = TargetPredictor(3, ControlConfig())
+    predictor = TargetPredictor(3, ControlConfig())
     for k in range(5000):
         if k % 8 == 0:
-            course.aim(k * TICK_NS, rng.normal(0, 1e-3, 3), k * TICK_NS)
-        noise.append(course.at(k * TICK_NS)[0])
+            predictor.aim(k * TICK_NS, rng.normal(0, 1e-3, 3), k * TICK_NS)
+        noise.append(predictor.at(k * TICK_NS)[0])
     assert np.sqrt(np.mean(np.sum(np.square(noise[250:]), axis=1))) < 1.25e-3
-    course, off = TargetPredictor(3, ControlConfig()), []
+    predictor, off = TargetPredictor(3, ControlConfig()), []
     for k in range(1500):
         place, _ = figure_of_eight(k * TICK_NS / NS_PER_S)
         if k % 8 == 0:
-            course.aim(k * TICK_NS, place, k * TICK_NS)
-        off.append(np.linalg.norm(course.at(k * TICK_NS)[0] - place))
+            predictor.aim(k * TICK_NS, place, k * TICK_NS)
+        off.append(np.linalg.norm(predictor.at(k * TICK_NS)[0] - place))
     assert np.mean(off) < 0.7e-3
     assert max(off) < 2.2e-3
 
 
 def test_old_samples_and_samples_at_once_do_not_upset_a_course():
-    course = JointTargetPredictor(LIMITS, EXACT)
-    course.reset(100, START)
-    course.aim(100, START + 1.0, 200)
-    assert course.at(300)[0] == pytest.approx(START)
-    course.aim(101, START + 0.01, 200)
-    assert np.abs(course.at(200)[1]).max() <= 1.0 + 1e-9
+    predictor = joint_target_predictor(LIMITS, EXACT)
+    predictor.reset(100, START)
+    predictor.aim(100, START + 1.0, 200)
+    assert predictor.at(300)[0] == pytest.approx(START)
+    predictor.aim(101, START + 0.01, 200)
+    assert np.abs(predictor.at(200)[1]).max() <= 1.0 + 1e-9
 
 
 def test_a_target_outside_the_limits_ends_at_the_limit_slowly_enough():
     samples = {t: START + np.eye(6)[4] * 3.0 * t for t in np.arange(1, 60) / 30}
-    history, _ = follow(JointTargetPredictor(LIMITS, EXACT), samples, 2.0)
+    history, _ = follow(joint_target_predictor(LIMITS, EXACT), samples, 2.0)
     q5 = np.array([motion.q[4] for motion in history])
     assert q5.max() <= LIMITS.upper[4] + 1e-9
     assert q5[-1] == pytest.approx(LIMITS.upper[4], abs=1e-3)

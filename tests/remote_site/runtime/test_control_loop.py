@@ -1,15 +1,17 @@
 """Control around an activation: a robot that answers within a tick is commanded from where it was activated."""
 
-from types import SimpleNamespace
+from types import MappingProxyType
 
 import numpy as np
 
-from common.messages.requests import EngagementAction, EngagementRequest
+from common.messages.requests import EngagementAction
 from common.messages.robot import SessionState
 from remote_site.drivers.faults import STOPPED, FaultCode, RobotFault
 from remote_site.drivers.link import RobotReport
 from remote_site.kinematics.joints import JointMotion
 from remote_site.runtime.control import ControlLoop
+from remote_site.runtime.driven_pipeline import DrivenPipeline
+from remote_site.session.requests import SessionRequest
 from tests.remote_site.remote_loop import TICK_NS, RemoteLoop
 
 
@@ -31,56 +33,67 @@ class QuickRobot:
         return command
 
 
+class NoReport:
+    """A reporter, a request server and a refusal count that nobody reads."""
+
+    counts = MappingProxyType({})
+
+    def note(self, *_given):
+        """Nothing."""
+
+    publish = poll = note
+
+
+class Requests:
+    """An inbox without samples, in which one request after the other waits; `answers` are the replies."""
+
+    def __init__(self, operator, actions, *, maintenance=False):
+        self._waiting = [SessionRequest(action, operator, maintenance) for action in actions]
+        self.answers, self.refusals = [], NoReport()
+
+    def samples(self):
+        """No hand sample."""
+        return []
+
+    def requests(self, _now_ns):
+        """The next request, if one waits."""
+        return [(self._waiting.pop(0), self.answers.append)] if self._waiting else []
+
+
+def run_control(loop, robot, inbox, ticks):
+    """Tick the control loop of a robot."""
+    driven = DrivenPipeline(loop.pipeline, robot)
+    control = ControlLoop(driven, loop.leases, inbox, NoReport(), NoReport(), None)
+    for k in range(1, ticks + 1):
+        control.tick(loop.clock.now_ns() + k * TICK_NS)
+
+
 def test_control_that_stumbled_at_rest_wakes_the_robot_again():
     loop = RemoteLoop()
     robot = QuickRobot(loop.config.robot.start, loop.config.robot.start)
     robot.fault = RobotFault(FaultCode.COMMAND_TIMEOUT, "no command for 102 ms")
-    nothing = SimpleNamespace(note=lambda *_: None, publish=lambda *_: None, poll=lambda *_: None, counts={})
-    inbox = SimpleNamespace(take=list, engagement=nothing, maintenance=nothing, refusals=nothing)
-    control = ControlLoop(loop.chain, robot, nothing, inbox, nothing, None)
-    for k in range(1, 4):
-        control.tick(loop.clock.now_ns() + k * TICK_NS)
+    run_control(loop, robot, Requests("nobody", []), 3)
     assert len(robot.written) == 2
 
 
 def test_maintenance_stops_and_resets_without_the_lease_but_never_engages():
     loop = RemoteLoop()
-    start, stopped = loop.config.robot.start, SessionState.DISENGAGED
-    robot = QuickRobot(start, start)
+    start = loop.config.robot.start
     actions = [EngagementAction.ENGAGE, EngagementAction.DISENGAGE, EngagementAction.STOP, EngagementAction.RESET]
-    answers = []
-
-    def poll(_now_ns, answer):
-        if actions:
-            answers.append(answer(EngagementRequest(id=1, deadline_ns=0, operator="mechanic", action=actions.pop(0))))
-
-    nothing = SimpleNamespace(note=lambda *_: None, publish=lambda *_: None, poll=lambda *_: None, counts={})
-    maintenance = SimpleNamespace(poll=poll)
-    inbox = SimpleNamespace(take=list, engagement=nothing, maintenance=maintenance, refusals=nothing)
-    control = ControlLoop(loop.chain, robot, nothing, inbox, nothing, None)
-    for k in range(1, 6):
-        control.tick(loop.clock.now_ns() + k * TICK_NS)
-    assert [answer.code for answer in answers] == ["operators_only", "operators_only", "stopped", "reset"]
-    assert "stopped by mechanic" in answers[2].reason
-    assert loop.session.state is stopped
+    inbox = Requests("mechanic", actions, maintenance=True)
+    run_control(loop, QuickRobot(start, start), inbox, 5)
+    codes = [answer.reason.code.value for answer in inbox.answers]
+    assert codes == ["operators_only", "operators_only", "stopped", "reset"]
+    assert "stopped by mechanic" in inbox.answers[2].reason.sentence
+    assert loop.session.state is SessionState.DISENGAGED
 
 
 def test_a_robot_that_is_awake_within_a_tick_is_commanded_from_where_it_was_activated():
     loop = RemoteLoop()
     start = loop.config.robot.start
     robot = QuickRobot(start, start + 2e-5)
-    requests = [EngagementRequest(id=1, deadline_ns=0, operator="operator-7", action=EngagementAction.ENGAGE)]
-    answers = []
-
-    def poll(_now_ns, answer):
-        while requests:
-            answers.append(answer(requests.pop()))
-
-    nothing = SimpleNamespace(note=lambda *_: None, publish=lambda *_: None, poll=lambda *_: None, counts={})
-    inbox = SimpleNamespace(take=list, engagement=SimpleNamespace(poll=poll), maintenance=nothing, refusals=nothing)
-    control = ControlLoop(loop.chain, robot, nothing, inbox, nothing, None)
-    for k in range(1, 4):
-        control.tick(loop.clock.now_ns() + k * TICK_NS)
-    assert [answer.code for answer in answers] == ["activated"]
+    inbox = Requests("operator-7", [EngagementAction.ENGAGE])
+    run_control(loop, robot, inbox, 3)
+    assert [answer.reason.code.value for answer in inbox.answers] == ["activated"]
     assert len(robot.written) == 2
     assert all((command.q == robot.q).all() for command in robot.written)

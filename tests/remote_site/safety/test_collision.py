@@ -1,4 +1,4 @@
-"""Distances, collision avoidance and clearance: never nearer than the margin, never 'far' for NaN, always a retreat."""
+"""Distances, collision avoidance and clearance: never within the margin, never far for NaN, always a way back."""
 
 import math
 
@@ -22,8 +22,8 @@ from tests.remote_site.remote_loop import (
     RemoteLoop,
     arm,
     assert_within_limits,
+    clearance,
     hand,
-    surroundings,
 )
 
 MODEL, LIMITS = arm()
@@ -135,7 +135,7 @@ def test_ignored_pairs_may_touch():
 def test_a_way_to_rest_through_an_obstacle_is_not_clear_though_both_ends_are():
     post = FixtureConfig(name="post", min_m=(0.4, 0.10, 0.0), max_m=(0.5, 0.11, 1.2))
     safety = SafetyConfig(collision=CollisionConfig(margin_m=0.005, slow_m=0.02, fixtures=(post,)))
-    around = surroundings(RemoteConfig(safety=safety))
+    around = clearance(RemoteConfig(safety=safety))
     motion = JointMotion.at_rest(ROBOT.start)
     motion.dq[0] = 3.0
     ends = stops(motion, LIMITS)
@@ -162,7 +162,7 @@ def wandering(loop, legs, seed, reach):
             sample = hand(loop.hand_seq, loop.clock.now_ns(), tuple(wrist.tolist()), **points)
             for k in range(8):
                 loop.tick(*([sample] if k == 0 else []))
-                nearest.append(loop.chain.collision.distance(loop.sent.q))
+                nearest.append(loop.distance())
     return np.array(nearest)
 
 
@@ -184,7 +184,7 @@ def inside_the_margin():
     safety = SafetyConfig(**WIDE, collision=CollisionConfig(margin_m=0.04, slow_m=0.1, fixtures=(table,)))
     loop = RemoteLoop(RemoteConfig(safety=safety))
     loop.run(8 * 31, lambda _t_ns: (0.0, 0.0, 0.3))
-    assert loop.chain.collision.distance(loop.sent.q) < 0.02
+    assert loop.distance() < 0.02
     return loop
 
 
@@ -196,15 +196,15 @@ def moving(loop, speed_z, seconds=1.2):
         loop.hand_seq += 1
         sample = hand(loop.hand_seq, loop.clock.now_ns(), (0.0, 0.0, 0.3 + speed_z * t))
         loop.tick(*([sample] if k % 8 == 0 else []))
-        found.append(loop.chain.collision.distance(loop.sent.q))
+        found.append(loop.distance())
     return np.array(found)
 
 
 def test_an_arm_that_starts_inside_the_margin_only_retreats():
     loop = inside_the_margin()
-    start = loop.chain.collision.distance(loop.sent.q)
+    start = loop.distance()
     assert moving(loop, -0.1, 0.6).min() >= start - 1e-4
-    assert loop.chain._obstacle.code is Code.OBSTACLE
+    assert loop.snapshot.reason.code is Code.OBSTACLE
     away = moving(loop, 0.15, 1.5)
     assert away[-1] > 0.04
     assert away.min() >= start - 1e-4
@@ -224,4 +224,4 @@ def test_an_approach_becomes_slow_and_ends_without_starting_again():
     _, dq, _ = loop.arrays()
     assert loop.clock.now_ns() > bottom
     assert np.abs(dq[resting + 100 :]).max() < 0.02
-    assert loop.chain.collision.distance(loop.sent.q) >= 0.01
+    assert loop.distance() >= 0.01

@@ -6,7 +6,10 @@ from common.messages.hand import TrackingStatus
 from common.messages.robot import SessionState
 from remote_site.reasons import Code
 from remote_site.safety.config import SafetyConfig
+from remote_site.session import lease as lease_module
+from remote_site.session.engagement_intent import EngagementIntent
 from remote_site.session.fault_latch import FaultLatch
+from remote_site.session.hand_signal import HandSignal
 from remote_site.session.lease import LeaseServer
 from remote_site.session.state_machine import Session
 from remote_site.teleop import sample_validator as intake_module
@@ -115,26 +118,26 @@ CONDITIONS = [
         "age_ns > OFFSET_VALID_NS",
         intake(of_intake.test_a_clock_offset_counts_for_five_seconds),
     ),
-    (TeleopPipeline, "receive", "not isinstance(lease, Lease)", others_move_nothing),
+    (TeleopPipeline, "_receive", "not isinstance(held, Lease)", others_move_nothing),
     (Session, "tick", "self.state is SessionState.FAULT", of_session.test_a_fault_stays_until_reset),
     (Session, "tick", "not robot.ready", ended(lambda rig: rig.wait(4, of_session.DEAD))),
     (
         Session,
         "tick",
-        "self._age_ns(now_ns) > self._latch_ns",
+        "(too_old := self._hand.too_old(now_ns)) is not None",
         of_session.test_age_holds_beyond_soft_and_latches_beyond_latch,
     ),
     (
         Session,
         "tick",
-        "paused_ns > self._soft_ns",
+        "paused_ns > self._hand.soft_ns",
         of_session.test_control_that_stood_still_holds_and_catches_nothing_up,
     ),
-    (Session, "_engaged", "unwell is not None", of_session.test_age_holds_beyond_soft_and_latches_beyond_latch),
+    (Session, "_engaged", "unfit is not None", of_session.test_age_holds_beyond_soft_and_latches_beyond_latch),
     (
         Session,
         "_engaged",
-        "self._good < self._engagement.resume_frames",
+        "(collecting := self._hand.collecting(self._engagement.resume_frames)) is not None",
         of_session.test_holding_resumes_with_new_origins_after_fresh_frames_at_rest,
     ),
     (
@@ -146,9 +149,7 @@ CONDITIONS = [
     (Session, "_unready", "self._lease is None", refused(Code.NO_LEASE)),
     (Session, "_unready", "not robot.ready", refused(Code.ROBOT_NOT_READY)),
     (Session, "_unready", "not robot.resting", refused(Code.MOVING)),
-    (Session, "_unready", "(unwell := self._unwell(now_ns)) is not None", refused(Code.STALE)),
-    (Session, "_unready", "self._good < self._engagement.frames", refused(Code.COLLECTING)),
-    (Session, "_unwell", "self._trouble is not None", refused(Code.LOST)),
+    (HandSignal, "unfit", "self._trouble is not None", refused(Code.LOST)),
     (
         Session,
         "sample",
@@ -158,20 +159,22 @@ CONDITIONS = [
     (
         Session,
         "sample",
-        "result.latch and self.state in FOLLOWING",
+        "isinstance(result, Rejected) and result.latch and self.state in FOLLOWING",
         ended(lambda rig: rig.session.sample(of_session.JUMPS)),
     ),
-    (Session, "sample", "result.hand_lost or result.reason.code in CLOCK_TROUBLE", refused(Code.NO_OFFSET)),
+    (HandSignal, "take", "result.hand_lost or result.reason.code in CLOCK_TROUBLE", refused(Code.NO_OFFSET)),
     (Session, "authorise", "self.state in FOLLOWING", of_session.test_a_lost_lease_latches_and_names_its_holder),
     (
         Session,
         "_see_intent",
-        "held is not None and self._hold.see(held) and self._input is not None and self.state in FOLLOWING",
+        "held is not None and self._intent.released(held) and self.state in FOLLOWING",
         of_session.test_letting_go_for_a_single_sample_is_a_clutch,
     ),
 ]
 # Any other text, and what stands there instead.
 TEXTS = [
+    (Session, "_unready", "self._hand.unfit(now_ns) or ", "", refused(Code.STALE)),
+    (Session, "_unready", " or self._hand.collecting(self._engagement.frames)", "", refused(Code.COLLECTING)),
     (
         SampleValidator,
         "_order",
@@ -224,8 +227,8 @@ TEXTS = [
         lease(of_lease.test_who_asks_first_gets_it_and_the_other_is_refused_with_the_holders_name),
     ),
     (
-        LeaseServer,
-        "in_force",
+        lease_module,
+        "checked",
         "(number, session) == (current.number, current.holder.session)",
         "session == current.holder.session",
         lease(
@@ -236,8 +239,8 @@ TEXTS = [
         ),
     ),
     (
-        LeaseServer,
-        "in_force",
+        lease_module,
+        "checked",
         "(number, session) == (current.number, current.holder.session)",
         "number == current.number",
         lease(
@@ -269,16 +272,16 @@ TEXTS = [
         of_session.test_a_stop_bars_every_engagement_until_it_is_reset,
     ),
     (
-        Session,
-        "_leave",
-        "self._armed = self._requested = False",
+        EngagementIntent,
+        "end",
+        "self.armed = self.requested = False",
         "pass",
         of_session.test_disengaging_before_the_first_engagement_disarms_the_automatic_one,
     ),
     (
-        Session,
-        "_unwanted",
-        "self._input is None or self._hold.held",
+        EngagementIntent,
+        "lacking",
+        "self.input is None or self.hold.held",
         "True",
         of_session.test_an_input_that_was_never_seen_let_go_engages_nothing,
     ),

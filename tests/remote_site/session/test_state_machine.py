@@ -264,7 +264,7 @@ def test_a_key_pressed_anew_does_not_engage_while_stopped():
 
 @pytest.mark.parametrize(("soft", "scale"), [(50.0, 1.0), (100.0, 1.0), (200.0, 0.5), (400.0, 0.25)])
 def test_a_longer_soft_limit_slows_the_arm_in_proportion(soft, scale):
-    assert Session(SafetyConfig(t_soft_ms=soft), EngagementConfig()).speed_scale == scale
+    assert SafetyConfig(t_soft_ms=soft).speed_scale == scale
 
 
 def test_a_lost_lease_latches_and_names_its_holder():

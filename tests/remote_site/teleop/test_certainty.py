@@ -78,7 +78,7 @@ def test_a_poor_wrist_holds_the_arm_with_its_reason_and_good_ones_resume():
     loop = engaged()
     running(loop, 0.1, points(41.0))
     assert loop.states[-1] is SessionState.HOLDING
-    assert loop.chain.intake.rejected[Code.UNCERTAIN] > 0
+    assert loop.snapshot.rejected[Code.UNCERTAIN] > 0
     running(loop, 0.5, points())
     assert loop.states[-1] is SessionState.ENGAGED
 

@@ -24,10 +24,10 @@ def swaying(t_ns):
 def test_a_change_of_steering_in_motion_is_no_jump_of_the_target(intent):
     loop = RemoteLoop()
     loop.run(600, swaying)
-    held = loop.chain.target.copy()
+    held = loop.snapshot.target.copy()
     loop.run(1, swaying, intent=intent)
-    assert loop.chain._latest is loop.chain._aimed
-    jump_mm = np.linalg.norm(loop.chain.target[:3, 3] - held[:3, 3]) * 1e3
+    assert loop.pipeline._latest is loop.pipeline._aimed
+    jump_mm = np.linalg.norm(loop.snapshot.target[:3, 3] - held[:3, 3]) * 1e3
     assert jump_mm <= 0.01
     loop.run(300, swaying, intent=intent)
     assert_within_limits(loop)

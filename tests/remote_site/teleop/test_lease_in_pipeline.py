@@ -6,6 +6,7 @@ import pytest
 
 from common.clock import NS_PER_MS, NS_PER_S
 from common.messages.hand import ClockSync
+from common.messages.requests import EngagementAction
 from common.messages.robot import SessionState
 from remote_site.reasons import Code
 from remote_site.session.lease import Holder
@@ -28,17 +29,17 @@ def loop():
 
 
 def test_a_second_operators_samples_are_counted_and_change_nothing(loop):
-    before = loop.chain._latest
+    before = loop.pipeline._latest
     for k in range(40):
         now_ns = loop.clock.now_ns()
         others = hand(9000 + k, now_ns, (0.3, 0.3, 0.1), session=8, lease=k % 2 * loop.lease)
         own = hand(5000 + k, now_ns - NS_PER_MS, swaying(now_ns))
         loop.tick(others, own)
-        assert loop.chain._latest.sample.session == 7
+        assert loop.pipeline._latest.sample.session == 7
     assert loop.states[-1] is SessionState.ENGAGED
-    assert loop.chain._latest is not before
-    assert loop.chain.intake.rejected[Code.NOT_HOLDER] == 20
-    assert loop.chain.intake.rejected[Code.OLD_LEASE] == 20
+    assert loop.pipeline._latest is not before
+    assert loop.snapshot.rejected[Code.NOT_HOLDER] == 20
+    assert loop.snapshot.rejected[Code.OLD_LEASE] == 20
 
 
 def test_a_late_sample_under_an_old_lease_is_fenced_though_it_is_young_and_in_order(loop):
@@ -47,9 +48,9 @@ def test_a_late_sample_under_an_old_lease_is_fenced_though_it_is_young_and_in_or
     late = hand(10_000, loop.clock.now_ns(), swaying(loop.clock.now_ns()), lease=old)
     loop.tick(late)
     assert loop.states[-1] is SessionState.DISENGAGED
-    assert loop.chain.intake.rejected[Code.OLD_LEASE] == 1
+    assert loop.snapshot.rejected[Code.OLD_LEASE] == 1
     loop.tick(msgspec.structs.replace(late, lease=loop.lease))
-    assert loop.chain._latest.sample.lease == loop.lease
+    assert loop.pipeline._latest.sample.lease == loop.lease
 
 
 def test_a_lease_that_expires_in_motion_stops_and_latches(loop):
@@ -63,7 +64,7 @@ def test_a_lease_that_expires_in_motion_stops_and_latches(loop):
     loop.grant(7)
     loop.run(TICKS_PER_SAMPLE * 60, swaying)
     assert loop.states[-1] is SessionState.DISENGAGED
-    assert loop.session.request_engage(loop.clock.now_ns(), loop.robot).done
+    assert loop.ask(EngagementAction.ENGAGE).done
 
 
 def test_an_operator_who_takes_back_the_lease_is_heard_again(loop):
@@ -71,7 +72,7 @@ def test_an_operator_who_takes_back_the_lease_is_heard_again(loop):
     loop.run(TICKS_PER_SAMPLE * 40, swaying, session=8)
     loop.grant(7)
     loop.run(TICKS_PER_SAMPLE * 40, swaying)
-    assert loop.session.request_engage(loop.clock.now_ns(), loop.robot).done
+    assert loop.ask(EngagementAction.ENGAGE).done
     loop.run(2, swaying)
     assert loop.states[-1] is SessionState.ENGAGED
 
@@ -86,13 +87,13 @@ def test_two_hosts_whose_clocks_differ_work_as_one(apart_s):
         sample = hand(k, theirs_ns, swaying(now_ns), clock=clock)
         loop.tick(*([sample] if k % TICKS_PER_SAMPLE == 0 else []))
     assert loop.states[-1] is SessionState.ENGAGED
-    assert not loop.chain.intake.rejected
-    assert loop.chain.intake.clock.remote_minus_local_ns == apart_s * NS_PER_S
+    assert not loop.snapshot.rejected
+    assert loop.snapshot.clock.remote_minus_local_ns == apart_s * NS_PER_S
 
 
 def test_without_clock_offset_nothing_engages():
     loop = RemoteLoop()
     loop.run(TICKS_PER_SAMPLE * 60, swaying, clock=None)
     assert loop.states[-1] is SessionState.DISENGAGED
-    answer = loop.session.request_engage(loop.clock.now_ns(), loop.robot)
+    answer = loop.ask(EngagementAction.ENGAGE)
     assert (answer.done, answer.reason.code) == (False, Code.NO_OFFSET)

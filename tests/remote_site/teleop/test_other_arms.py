@@ -9,8 +9,9 @@ from common.geometry import vector_from_rotation
 from remote_site.config import RemoteConfig
 from remote_site.kinematics.config import BranchConfig, RobotConfig, SolverConfig
 from remote_site.motion.config import ControlConfig
-from remote_site.motion.target_tracker import ClosedFormTracker, DifferentialTracker, choose_target_tracker
+from remote_site.motion.target_tracker import ClosedFormTracker, DifferentialTracker, ToolSample, choose_target_tracker
 from remote_site.reasons import Code
+from remote_site.teleop.config import prediction
 from tests.remote_site.arms_followed import (
     A465,
     OFFSET_WRIST,
@@ -128,7 +129,7 @@ def test_a_wrist_swept_through_its_singularity_keeps_every_limit_and_backs_out()
 
 
 def chosen(config):
-    return choose_target_tracker(config, *arm(config))
+    return choose_target_tracker(config.robot, prediction(config), *arm(config))
 
 
 def test_the_closed_form_is_taken_where_it_fits_and_the_solver_elsewhere():
@@ -153,11 +154,11 @@ def test_a_chosen_stance_must_be_that_of_the_start_and_is_kept():
     with pytest.raises(ModelError, match=r"robot\.stance\.elbow"):
         chosen(RemoteConfig(robot=RobotConfig(stance=BranchConfig(elbow="backward"))))
     config = RemoteConfig(robot=RobotConfig(stance=BranchConfig(elbow="forward", wrist="forward")))
-    pursuit, (model, _) = chosen(config), arm(config)
+    tracker, (model, _) = chosen(config), arm(config)
     q = config.robot.start.copy()
     q[4] = 0.2  # bent backward
-    pursuit.reset(0, config.robot.start)
-    assert pursuit.aim(10**8, model.forward(q), None, q, 10**8, leashed=False).code is Code.STANCE
+    tracker.reset(0, config.robot.start)
+    assert tracker.aim(ToolSample(10**8, 10**8, model.forward(q), None, None), q).code is Code.STANCE
 
 
 def test_swivel_joints_that_the_arm_has_not_are_refused():
@@ -169,17 +170,17 @@ def test_swivel_joints_that_the_arm_has_not_are_refused():
 
 @pytest.mark.parametrize("value", [np.nan, np.inf])
 def test_a_target_that_is_not_finite_moves_nothing(value):
-    pursuit, (model, _) = chosen(SEVEN_AXES), arm(SEVEN_AXES)
+    tracker, (model, _) = chosen(SEVEN_AXES), arm(SEVEN_AXES)
     start = SEVEN_AXES.robot.start
-    pursuit.reset(0, start)
+    tracker.reset(0, start)
     pose = model.forward(start)
     pose[0, 3] = value
-    assert pursuit.aim(10**8, pose, None, start, 10**8, leashed=False).code is Code.NOT_A_POSE
+    assert tracker.aim(ToolSample(10**8, 10**8, pose, None, None), start).code is Code.NOT_A_POSE
     assert (
-        pursuit.aim(10**8, model.forward(start), np.array([value, 0.0, 0.0]), start, 10**8, leashed=False).code
+        tracker.aim(ToolSample(10**8, 10**8, model.forward(start), np.array([value, 0.0, 0.0]), None), start).code
         is Code.NOT_A_POSE
     )
-    q, dq = pursuit.at(2 * 10**8, start)
+    q, dq = tracker.at(2 * 10**8, start)
     assert np.abs(q - start).max() < 1e-9
     assert np.abs(dq).max() < 1e-6
 
@@ -188,12 +189,12 @@ def test_a_joint_outside_its_limits_is_brought_back_and_none_goes_out():
     model, limits = arm(SEVEN_AXES)
     start = SEVEN_AXES.robot.start.copy()
     start[5] = limits.upper[5] + 0.2
-    pursuit = chosen(SEVEN_AXES)
-    pursuit.reset(0, start)
-    pursuit.aim(4 * 10**6, model.forward(start), None, start, 4 * 10**6, leashed=False)
+    tracker = chosen(SEVEN_AXES)
+    tracker.reset(0, start)
+    tracker.aim(ToolSample(4 * 10**6, 4 * 10**6, model.forward(start), None, None), start)
     q = start
     for k in range(400):
-        q, dq = pursuit.at((k + 2) * 4 * 10**6, q)
+        q, dq = tracker.at((k + 2) * 4 * 10**6, q)
         assert np.isfinite(q).all()
         assert (np.abs(dq) <= limits.velocity).all()
         assert q[5] <= start[5] + 1e-12

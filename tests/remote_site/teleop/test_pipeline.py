@@ -7,6 +7,7 @@ from hypothesis import strategies as st
 
 from common.clock import NS_PER_MS
 from common.messages.hand import TrackingStatus
+from common.messages.requests import EngagementAction
 from common.messages.robot import SessionState
 from remote_site.safety.stopping import stop_time
 from tests.remote_site.remote_loop import (
@@ -60,7 +61,7 @@ def test_the_tool_follows_the_hand_within_limits():
 def test_silence_stops_the_arm_by_the_soft_limit_and_the_stop_time_then_latches(phase_ticks):
     loop = engaged_loop(swaying)
     loop.run(100 + phase_ticks, swaying)
-    born_ns = loop.chain._latest.born_ns
+    born_ns = loop.pipeline._latest.born_ns
     onset = None
     for _ in range(200):
         loop.tick()
@@ -83,7 +84,7 @@ def test_a_link_that_comes_back_after_the_latch_never_moves_the_arm():
     loop.run(1000, swaying)
     assert loop.states[-1] is SessionState.DISENGAGED
     assert np.array_equal(loop.sent.q, at_rest)
-    assert loop.session.request_engage(loop.clock.now_ns(), loop.robot).done
+    assert loop.ask(EngagementAction.ENGAGE).done
     loop.run(100, swaying)
     assert loop.states[-1] is SessionState.ENGAGED
     assert not np.array_equal(loop.sent.q, at_rest)
@@ -118,7 +119,7 @@ def test_a_new_local_session_stops_the_arm_until_engaged_anew():
     loop.run(1000, swaying, session=8)
     assert loop.states[-1] is SessionState.DISENGAGED
     assert loop.sent.resting
-    assert loop.session.request_engage(loop.clock.now_ns(), loop.robot).done
+    assert loop.ask(EngagementAction.ENGAGE).done
 
 
 def test_a_jump_of_the_wrist_moves_nothing_and_three_latch():
@@ -218,7 +219,7 @@ def test_no_sequence_of_events_breaks_the_invariant(sequence):
             "old": {"seq": seq - 3},
         }.get(kind, {})
         if kind == "engage":
-            loop.session.request_engage(now_ns, loop.robot)
+            loop.ask(EngagementAction.ENGAGE)
         fields = {"seq": seq, "capture_ns": now_ns, "wrist": place, "session": session, "lease": loop.lease} | changes
         samples = [] if kind in ("nothing", "engage") else [hand(**fields)]
         state = loop.states[-1]

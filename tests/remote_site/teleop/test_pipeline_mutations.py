@@ -18,15 +18,16 @@ from remote_site.safety.collision import ClearanceCache, CollisionModel
 from remote_site.safety.config import CollisionConfig, FixtureConfig, SafetyConfig
 from remote_site.safety.guard import Guard, JointGuard, Passed
 from remote_site.safety.stopping import stops
+from remote_site.session.hand_signal import HandSignal
 from remote_site.session.state_machine import Session
 from remote_site.teleop.sample_validator import SampleValidator
 from tests.remote_site.mutation import Mutation
 from tests.remote_site.remote_loop import (
     RemoteLoop,
     arm,
+    clearance,
     guard_of,
     hand,
-    surroundings,
     workspace,
 )
 from tests.remote_site.safety import test_collision, test_guard
@@ -295,22 +296,22 @@ def a_late_sample_is_not_taken():
     loop = engaged()
     late = hand(5000, loop.clock.now_ns() - 150 * NS_PER_MS)
     loop.tick(late)
-    assert loop.chain.intake.rejected[Code.STALE] == 1
+    assert loop.snapshot.rejected[Code.STALE] == 1
 
 
 def an_older_number_is_not_taken():
     loop = engaged()
-    before = loop.chain._latest
+    before = loop.pipeline._latest
     loop.tick(hand(before.sample.seq - 3, loop.clock.now_ns(), (0.05, 0.0, 0.3)))
-    assert loop.chain._latest is before
+    assert loop.pipeline._latest is before
 
 
 def staying_armed(self, why):
-    self.state, self._reason, self._armed = SessionState.DISENGAGED, why, True
+    self.state, self._reason, self._intent.armed = SessionState.DISENGAGED, why, True
 
 
 SESSION = [
-    (Session, "_unwell", lambda *_: None, silence_holds),
+    (HandSignal, "unfit", lambda *_: None, silence_holds),
     (Session, "_leave", staying_armed, a_link_regained_does_not_resume),
     (SampleValidator, "_jump", lambda *_: None, a_jump_moves_nothing),
     (SampleValidator, "_time", lambda *_: None, a_late_sample_is_not_taken),
@@ -334,7 +335,7 @@ broken = st.sampled_from([NAN, float("inf"), 1e6])
 @given(st.lists(st.tuples(jerks, st.integers(1, 12), st.none() | broken), max_size=12))
 def test_whatever_is_proposed_the_driver_receives_what_can_stop_where_it_may_be(sequence):
     """The invariant on every command: finite, limits kept, and its jerk-limited stop inside joints, box and margins."""
-    guard, around, sent = guard_of(), surroundings(), JointMotion.at_rest(START)
+    guard, around, sent = guard_of(), clearance(), JointMotion.at_rest(START)
     margin = around.collision.margin
     for values, ticks, spoilt in sequence:
         for _ in range(ticks):

@@ -1,0 +1,76 @@
+"""The next joint motion towards the tool's target: collision-free, jerk-limited, guarded; pure."""
+
+from common.geometry import Array
+from remote_site.kinematics.dexterity import FULL, Dexterity
+from remote_site.kinematics.joints import JointMotion
+from remote_site.motion.jerk_limited import JerkLimitedTracker
+from remote_site.motion.target_tracker import TargetTracker, ToolSample
+from remote_site.reasons import Reason
+from remote_site.safety.collision_avoidance import CollisionAvoidance
+from remote_site.safety.guard import Guard, Refused
+
+
+class MotionPlanner:
+    """Plans one tick at a time from the motion that was really sent; whatever it returns, the guard has passed it."""
+
+    def __init__(
+        self,
+        tracker: TargetTracker,
+        dexterity: Dexterity,
+        avoidance: CollisionAvoidance,
+        jerk_limited: JerkLimitedTracker,
+        guard: Guard,
+    ) -> None:
+        self._tracker = tracker
+        self._dexterity = dexterity
+        self._avoidance = avoidance
+        self._jerk_limited = jerk_limited
+        self._guard = guard
+        self._hindrance: Reason | None = None
+        self._obstacle: Reason | None = None
+        self._slowing = FULL
+        self._unjudged = 0
+
+    @property
+    def hindrance(self) -> Reason | None:
+        """Why the arm does not follow the target fully, None while it does."""
+        return self._hindrance or self._obstacle
+
+    def reset(self, t_ns: int, q: Array) -> None:
+        """Start again from a target that rests at `q` (n,) rad since `t_ns`."""
+        self._tracker.reset(t_ns, q)
+        self._hindrance, self._slowing, self._unjudged = None, FULL, 0
+
+    def aim(self, target: ToolSample, q: Array) -> None:
+        """Take a new target of the tool, for an arm at `q` (n,) rad."""
+        unreached = self._tracker.aim(target, q)
+        self._hindrance = target.leashed or unreached
+        self._unjudged += 1
+
+    def stop(self, sent: JointMotion) -> JointMotion:
+        """The motion one tick into the stop."""
+        return self._guard.stop(sent)
+
+    def follow(self, now_ns: int, sent: JointMotion, speed_scale: float, *, aimed: bool) -> JointMotion:
+        """The motion one tick on towards the target, or into the stop if the target must not be followed.
+
+        `speed_scale` is the fraction of full speed that is allowed, `aimed` whether a target came in this tick.
+        """
+        self._jerk_limited.reset(sent)
+        q_target, dq_target = self._tracker.at(now_ns, sent.q)
+        aside = self._avoidance.turn_aside(sent.q, q_target, dq_target)
+        if self._unjudged > aimed:  # deferred by one tick to bound tick time: aiming is the expensive one
+            self._slowing, self._unjudged = self._dexterity.slowing(sent.q, q_target), 0
+        self._obstacle = aside.reason or self._slowing.reason
+        proposed = self._jerk_limited.track(aside.q, aside.dq, aside.speed * self._slowing.fraction * speed_scale)
+        if isinstance(proposed, Reason):
+            self._hindrance = proposed
+            return self.stop(sent)
+        tempered = self._avoidance.temper(proposed, sent, aside.near) if aside.near else proposed
+        if tempered is None:
+            return self.stop(sent)
+        verdict = self._guard.check(tempered, sent)
+        if isinstance(verdict, Refused):
+            self._hindrance = verdict.reason
+            return self.stop(sent)
+        return tempered

@@ -1,0 +1,41 @@
+"""The pipeline and the driver together: one cycle reads the robot, decides, and commands it."""
+
+from collections.abc import Iterable
+
+from common.messages.hand import HandArm
+from remote_site.drivers.link import DriverLink, RobotReport
+from remote_site.session.lease import LeaseStatus
+from remote_site.session.requests import SessionRequest
+from remote_site.teleop.cycle import CycleInput, RobotObservation, Snapshot
+from remote_site.teleop.pipeline import TeleopPipeline
+
+
+class DrivenPipeline:
+    """Runs the pipeline on what the driver's process reports; `report` is the newest, `sent` what it was given last."""
+
+    def __init__(self, pipeline: TeleopPipeline, driver: DriverLink) -> None:
+        self._pipeline = pipeline
+        self._driver = driver
+        self.report: RobotReport = driver.read()
+        self.sent = self.report.sent
+        self.seq = 0
+
+    def cycle(
+        self,
+        now_ns: int,
+        lease: LeaseStatus,
+        samples: Iterable[HandArm] = (),
+        requests: Iterable[SessionRequest] = (),
+    ) -> Snapshot:
+        """One control tick; the driver is activated, or commanded if it takes commands."""
+        report = self.report = self._driver.read()
+        robot = RobotObservation(report.q, report.fault, report.sent)
+        command = self._pipeline.cycle(CycleInput(now_ns, robot, lease, tuple(samples), tuple(requests)))
+        self.sent = report.sent
+        if command.activate_at is not None:
+            self._driver.activate(command.activate_at)
+            self.sent = command.motion
+        elif report.ready:
+            self.seq += 1
+            self.sent = self._driver.write(command.joints(self.seq, now_ns)).motion
+        return command.snapshot

@@ -1,0 +1,43 @@
+"""The pipeline around the kinematic driver on stepped time: for experiments, benchmarks and tests."""
+
+from collections.abc import Iterable
+
+from common.clock import NS_PER_MS, Clock
+from common.messages.hand import HandArm
+from remote_site.config import RemoteConfig
+from remote_site.drivers.driver import DriverSetup
+from remote_site.drivers.kinematic import KinematicDriver
+from remote_site.kinematics.joints import JointMotion
+from remote_site.kinematics.limits import load_arm
+from remote_site.session.lease import LeaseStatus
+from remote_site.session.requests import SessionRequest
+from remote_site.teleop.cycle import Command, CycleInput, RobotObservation
+from remote_site.teleop.pipeline import TeleopPipeline
+
+STOP_WITHIN_NS = 50 * NS_PER_MS
+
+
+class KinematicLoop:
+    """An arm that does at once what it is told, and the pipeline that commands it; `sent` is the newest command."""
+
+    def __init__(self, config: RemoteConfig, clock: Clock) -> None:
+        self.model, self.limits = load_arm(config.robot)
+        self.pipeline = TeleopPipeline(config, self.model, self.limits)
+        self.sent = JointMotion.at_rest(config.robot.start)
+        self._clock = clock
+        self._driver = KinematicDriver(clock)
+        dt = 1.0 / config.control.rate_hz
+        self._driver.configure(DriverSetup(self.model.joint_names, self.limits, dt, STOP_WITHIN_NS))
+        self._driver.activate(config.robot.start)
+        self._seq = 0
+
+    def cycle(
+        self, lease: LeaseStatus, samples: Iterable[HandArm] = (), requests: Iterable[SessionRequest] = ()
+    ) -> Command:
+        """One control tick at the clock's time."""
+        now_ns = self._clock.now_ns()
+        robot = RobotObservation(self._driver.read().q, None, self.sent)
+        command = self.pipeline.cycle(CycleInput(now_ns, robot, lease, tuple(samples), tuple(requests)))
+        self._seq += 1
+        self.sent = self._driver.write(command.joints(self._seq, now_ns)).motion
+        return command

@@ -1,0 +1,63 @@
+"""What operators and maintenance ask of the session: stop, reset, engage, disengage; pure."""
+
+from dataclasses import dataclass
+
+from common.messages.requests import EngagementAction
+from remote_site.reasons import Code, Reason, reason
+from remote_site.session.lease import Lease
+from remote_site.session.state_machine import Answer, Robot, Session
+
+
+@dataclass(frozen=True, slots=True)
+class SessionRequest:
+    """A request as it arrived: the action, who asks for it, and whether it came with maintenance's certificate."""
+
+    action: EngagementAction
+    operator: str
+    maintenance: bool = False
+
+
+@dataclass(frozen=True, slots=True)
+class Outcome:
+    """The answer to a request, and whether the robot has to be activated again for it."""
+
+    answer: Answer
+    activate: bool = False
+
+
+class RequestHandler:
+    """Carries out requests: anybody may stop the arm; maintenance may also reset it; the rest is the lease holder's."""
+
+    def __init__(self, session: Session) -> None:
+        self._session = session
+
+    def handle(self, request: SessionRequest, lease: Lease | None, robot: Robot, now_ns: int) -> Outcome:
+        """Carry out one request under the lease in force."""
+        action = request.action
+        if action is EngagementAction.STOP:
+            return Outcome(self._session.stop(request.operator))
+        refused = _refusal(request, lease)
+        if refused is not None:
+            return Outcome(Answer(False, refused))
+        if action is EngagementAction.DISENGAGE:
+            return Outcome(self._session.request_disengage())
+        if action is EngagementAction.RESET:
+            return Outcome(self._session.reset(), activate=not robot.ready)
+        return self._engage(robot, now_ns)
+
+    def _engage(self, robot: Robot, now_ns: int) -> Outcome:
+        """Clear a fault; activate a robot that has stopped, or ask the session to engage."""
+        self._session.clear_fault()
+        if not robot.ready:
+            return Outcome(Answer(False, reason(Code.ACTIVATED)), activate=True)
+        return Outcome(self._session.request_engage(now_ns, robot))
+
+
+def _refusal(request: SessionRequest, lease: Lease | None) -> Reason | None:
+    """Why this request is not carried out; None for the lease's holder, and for a reset by maintenance."""
+    if request.maintenance:
+        return None if request.action is EngagementAction.RESET else reason(Code.OPERATORS_ONLY)
+    if lease is None:
+        return reason(Code.NO_LEASE)
+    holder = lease.holder.name
+    return None if holder == request.operator else reason(Code.NOT_HOLDER, holder=holder)

@@ -1,0 +1,89 @@
+"""Both sites as real processes for 20 s, with requests and faults: every command comes again when it is replayed."""
+
+import os
+import signal
+import subprocess
+import sys
+import time
+from pathlib import Path
+
+import pytest
+
+from common.config import load_config
+from common.messages.requests import EngagementAction
+from common.messages.robot import SessionState
+from farhand.commands.engage import request_engage, request_maintenance
+from remote_site.config import RemoteConfig
+from tests.integration.sites import CELL, LIGHT_REMOTE, PATIENT, Sites, descendants, name_of, running_sites
+from tests.remote_site.teleop.cycle_log import first_difference, read_cycles
+
+SECONDS = 20.0
+OPERATOR = "anna"
+SCRIPT = Path(__file__).with_name("recording_remote.py")
+SETTINGS = (f"cell={CELL}", "driver.name=kinematic", *LIGHT_REMOTE, *PATIENT)
+
+
+def paused(pid: int, seconds: float) -> None:
+    """Stop a process for a while."""
+    os.kill(pid, signal.SIGSTOP)
+    time.sleep(seconds)
+    os.kill(pid, signal.SIGCONT)
+
+
+def maintain(sites: Sites, action: EngagementAction) -> None:
+    request_maintenance(CELL, sites.control, action, "mechanic")
+
+
+def engage(sites: Sites) -> None:
+    """Ask until the arm follows."""
+    sites.wait("readiness", lambda: sites.state.readiness.ready or not sites.is_in(SessionState.DISENGAGED))
+    request_engage(CELL, sites.control, OPERATOR)
+    sites.wait("the arm to be engaged", lambda: sites.is_in(SessionState.ENGAGED))
+
+
+def operate(sites: Sites, remote: int, local: int) -> None:
+    """Follow the hand; then a stop, a driver that is silent, and a hand that is gone for a while."""
+    sites.wait("the arm to be engaged", lambda: sites.is_in(SessionState.ENGAGED))
+    time.sleep(3.0)
+    maintain(sites, EngagementAction.STOP)
+    sites.wait("the stop", lambda: sites.is_in(SessionState.DISENGAGED))
+    maintain(sites, EngagementAction.RESET)
+    engage(sites)
+    time.sleep(2.0)
+    paused(next(pid for pid in descendants(remote) if name_of(pid) == "farhand-driver"), 0.5)
+    sites.wait("the fault", lambda: sites.is_in(SessionState.FAULT))
+    maintain(sites, EngagementAction.RESET)
+    engage(sites)
+    time.sleep(2.0)
+    paused(local, 0.8)
+    sites.wait("the hand again", lambda: sites.is_in(SessionState.ENGAGED))
+
+
+@pytest.mark.long
+def test_every_command_of_a_run_comes_again_bit_for_bit(tmp_path: Path) -> None:
+    log = tmp_path / "cycles"
+    with running_sites() as sites:
+        settings = (*SETTINGS, f"links.control={sites.control}", f"links.video={sites.video}")
+        arguments = [part for setting in settings for part in ("--set", setting)]
+        environment = os.environ | {"PYTHONPATH": os.pathsep.join(sys.path), "STATE_DIRECTORY": str(tmp_path)}
+        remote = subprocess.Popen([sys.executable, str(SCRIPT), str(log), *arguments], env=environment)
+        try:
+            local = sites.local(f"authority.operator={OPERATOR}")
+            sites.wait_for_states()
+            began_s = time.monotonic()
+            operate(sites, remote.pid, local.pid)
+            time.sleep(max(SECONDS - (time.monotonic() - began_s), 0.0))
+        finally:
+            remote.terminate()
+            remote.wait(10)
+    with log.open("rb") as stream:
+        cycles = list(read_cycles(stream))
+    assert len(cycles) > SECONDS * 125 / 2
+    states = {command.snapshot.state for _, command in cycles}
+    assert states == set(SessionState)
+    assert {request.action for given, _ in cycles for request in given.requests} == {
+        EngagementAction.STOP,
+        EngagementAction.RESET,
+        EngagementAction.ENGAGE,
+    }
+    assert first_difference(load_config(RemoteConfig, None, settings), cycles) == ""
