@@ -31,7 +31,7 @@ $(READY): constraints.txt pyproject.toml
 	@$(PYTHON) -c 'import ensurepip' 2>/dev/null || { echo 'Python lacks its venv module; on Debian: apt-get install python3-venv'; exit 1; }
 	@echo 'Setting up .venv (once) ...'
 	@$(PYTHON) -m venv .venv
-	@$(BIN)/python -m pip install --quiet --disable-pip-version-check --constraint constraints.txt --editable '.[sim,dev]'
+	@$(BIN)/python -m pip install --quiet --disable-pip-version-check --constraint constraints.txt --editable '.[sim,experiments,dev]'
 	@echo 'Compiling the tracker (once, up to a minute) ...'
 	@$(BIN)/python -m local_site.runtime.warm_up
 	@touch $@

@@ -1,4 +1,19 @@
-"""Runs every measurement, prints one table each, and writes build/bench.json: {benchmark: {figure: value}}."""
+"""Runs every measurement, prints one table each, and writes build/bench.json: {benchmark: {figure: value}}.
+
+    python -m bench [NAME ...]
+
+cells      how many cells one router carries: age and fraction of hands and pictures, processor time and memory
+control    what a control tick costs, from decoding to writing, beside Pink's inverse kinematics on the same targets
+fuzz       a million hostile payloads for the codec: the reasons of the refusals, payloads per second, growth of memory
+monocular  the monocular tracker: error against the number of points per link, and time per frame
+page       the operator's page in Chromium: glass-to-glass latency, narrow links, from the stop key to rest
+rendering  time to render a stereo pair of the simulated operator
+soak       ten minutes of simulated time in which everything goes wrong: the worst that each driver received
+tracking   the silhouette tracker beside MediaPipe Hands: time, gaps, errors, and whether its covariances are honest
+video      the four views: processor time, bytes, and what arrives through links of 20 and 5 Mbit/s
+
+Pink and MediaPipe are installed below build/ when they are first needed, and skipped where that fails.
+"""
 
 import json
 import sys
@@ -27,18 +42,18 @@ BENCHMARKS: dict[str, Callable[[], dict[str, float]]] = {
     "tracking": tracking.measure,
     "video": video.measure,
 }
-SHOW_THEIR_OWN = {"tracking"}
+SHOW_THEMSELVES = {"tracking"}
 RESULTS = Path("build") / "bench.json"
 
 
 def main(names: list[str]) -> None:
-    """Run the named benchmarks, all without names."""
+    """Run the named benchmarks; without names, all."""
     unknown = set(names) - set(BENCHMARKS)
     if unknown:
         sys.exit(f"no such benchmark: {', '.join(sorted(unknown))}; there are {', '.join(BENCHMARKS)}")
     results = {name: BENCHMARKS[name]() for name in names or BENCHMARKS}
     for name, figures in results.items():
-        if name not in SHOW_THEIR_OWN:
+        if name not in SHOW_THEMSELVES:
             _show(name, figures)
     RESULTS.parent.mkdir(exist_ok=True)
     RESULTS.write_text(json.dumps(results, indent=2) + "\n", encoding="utf-8")

@@ -1,6 +1,5 @@
 """How many cells one router carries: 1, 2, 4, 8, 16 at once, with hands and scaled video: latency, CPU, memory."""
 
-import os
 import subprocess
 import sys
 import threading
@@ -8,15 +7,16 @@ import time
 from collections.abc import Callable, Sequence
 from contextlib import ExitStack
 from functools import partial
-from pathlib import Path
 
 import numpy as np
 
+from bench.processes import cpu_s, memory_mb
+from bench.video.frames import live_frame
 from common.clock import NS_PER_MS
 from common.link.channels import CAMERA, HAND
-from common.link.transport import Link, open_link
+from common.link.transport import open_link
 from common.messages.hand import HandArm, TrackingStatus
-from common.messages.video import CameraStatus, VideoFrame
+from common.messages.video import VideoFrame
 from farhand.loopback.run import free_ports
 
 COUNTS = (1, 2, 4, 8, 16)
@@ -26,15 +26,14 @@ START_S = 30.0
 RATE_HZ = 30.0
 VIEWS = ("front_high", "front_low", "side", "gripper")
 TICKS_PER_PICTURE = 2
-PICTURE_BYTES = 2_800  # larger ones would pass by shared memory on one host; this makes 1.4 Mbit/s a cell
-KB_PER_MB = 1024
-TICKS_PER_S = os.sysconf("SC_CLK_TCK")
+PICTURE_BYTES = 2_800  # larger ones would take shared memory on one host; this makes 1.4 Mbit/s per cell
+PICTURE_PX = (320, 240)
 
 Figures = dict[str, float]
 
 
 def measure(counts: Sequence[int] = COUNTS, seconds: float = SECONDS) -> Figures:
-    """For each number of cells: the hand's and the pictures' age on arrival, the share that came, the router's load."""
+    """For each number of cells: age of hands and pictures on arrival, the fraction that arrived, the router's load."""
     return {f"{name}_{count}": value for count in counts for name, value in run(count, seconds).items()}
 
 
@@ -50,17 +49,17 @@ def run(count: int, seconds: float) -> Figures:
             _play(played, SETTLE_S)
             for cell in played:
                 cell.forget()
-            used_s, began = _used_s(router.pid), time.monotonic()
+            used_s, began = cpu_s(router.pid), time.monotonic()
             _play(played, seconds)
-            load = (_used_s(router.pid) - used_s) / (time.monotonic() - began)
-            return _figures(played) | {"router_cpu": load, "router_mb": _memory_mb(router.pid)}
+            load = (cpu_s(router.pid) - used_s) / (time.monotonic() - began)
+            return _figures(played) | {"router_cpu": load, "router_mb": memory_mb(router.pid)}
     finally:
         router.terminate()
         router.wait(START_S)
 
 
 class LinkedCell:
-    """Both sites of a cell: one sends the hand and hears the pictures, the other the other way round."""
+    """Both sites of a cell: the local one sends the hand and receives the pictures, the remote one the reverse."""
 
     def __init__(self, name: str, endpoint: str, stack: ExitStack) -> None:
         remote, video = (
@@ -68,18 +67,12 @@ class LinkedCell:
         )
         local = stack.enter_context(open_link(connect=(endpoint,)))
         self._hand = local.publisher(HAND, name)
-        self._cameras = [video.publisher(CAMERA, name, view) for view in VIEWS]
-        self.hand_ages_ms: list[float] = []
-        self.picture_ages_ms: list[float] = []
-        self.sent_hands = self.sent_pictures = 0
-        self._listen(remote, name)
-        for view in VIEWS:
-            pictures = local.latest(CAMERA, name, view)
-            _begin(partial(pictures.feed, self._take_picture))
-
-    def _listen(self, remote: Link, name: str) -> None:
-        hands = remote.latest(HAND, name)
-        _begin(partial(hands.feed, self._take_hand))
+        self._cameras = {view: video.publisher(CAMERA, name, view) for view in VIEWS}
+        self.forget()
+        feeds: list[Callable[[], None]] = [partial(remote.latest(HAND, name).feed, self._take_hand)]
+        feeds += [partial(local.latest(CAMERA, name, view).feed, self._take_picture) for view in VIEWS]
+        for feed in feeds:
+            threading.Thread(target=feed, daemon=True).start()
 
     def _take_hand(self, hand: HandArm, now_ns: int) -> None:
         self.hand_ages_ms.append((now_ns - hand.capture_ns) / NS_PER_MS)
@@ -88,8 +81,9 @@ class LinkedCell:
         self.picture_ages_ms.append((now_ns - frame.capture_ns) / NS_PER_MS)
 
     def forget(self) -> None:
-        """What came while the sites found each other does not count."""
-        self.hand_ages_ms, self.picture_ages_ms = [], []
+        """Count again from here: what arrived while the sites found each other does not count."""
+        self.hand_ages_ms: list[float] = []
+        self.picture_ages_ms: list[float] = []
         self.sent_hands = self.sent_pictures = 0
 
     def tick(self, number: int) -> None:
@@ -98,8 +92,8 @@ class LinkedCell:
         self._hand.put(_hand(number))
         if number % TICKS_PER_PICTURE == 0:
             self.sent_pictures += len(self._cameras)
-            for view, camera in zip(VIEWS, self._cameras, strict=True):
-                camera.put(_picture(view, number))
+            for view, camera in self._cameras.items():
+                camera.put(live_frame(view, number, time.monotonic_ns(), bytes(PICTURE_BYTES), PICTURE_PX))
 
 
 def _play(cells: list[LinkedCell], seconds: float) -> None:
@@ -124,10 +118,6 @@ def _figures(cells: list[LinkedCell]) -> Figures:
     }
 
 
-def _begin(listen: Callable[[], None]) -> None:
-    threading.Thread(target=listen, daemon=True).start()
-
-
 def _hand(number: int) -> HandArm:
     point = (0.1, 0.2, 0.3)
     return HandArm(
@@ -144,27 +134,3 @@ def _hand(number: int) -> HandArm:
         hand_open=False,
         gripper_toggles=0,
     )
-
-
-def _picture(view: str, number: int) -> VideoFrame:
-    return VideoFrame(
-        camera=view,
-        seq=number,
-        capture_ns=time.monotonic_ns(),
-        capture_estimated=False,
-        status=CameraStatus.LIVE,
-        reason="",
-        width=320,
-        height=240,
-        jpeg=bytes(PICTURE_BYTES),
-    )
-
-
-def _used_s(pid: int) -> float:
-    fields = Path(f"/proc/{pid}/stat").read_text().rpartition(")")[2].split()
-    return (int(fields[11]) + int(fields[12])) / TICKS_PER_S
-
-
-def _memory_mb(pid: int) -> float:
-    lines = Path(f"/proc/{pid}/status").read_text().splitlines()
-    return next(float(line.split()[1]) for line in lines if line.startswith("VmRSS")) / KB_PER_MB

@@ -1,4 +1,4 @@
-"""Feeds the codec a million hostile payloads: what is no message is refused, nothing else is raised, nothing grows."""
+"""Feeds the codec a million hostile payloads: it refuses what is no message, raises nothing else, does not grow."""
 
 import random
 import resource
@@ -37,7 +37,7 @@ def seeds() -> list[tuple[bytes, Target]]:
 
 
 def verdict(payload: bytes, target: Target) -> str:
-    """ "valid", or the reason of the refusal; any other exception is what is looked for."""
+    """ "valid", or the reason of the refusal; any other exception is a defect."""
     try:
         decode(payload, *target)
     except MessageError as error:
@@ -71,16 +71,11 @@ def repeated(luck: random.Random, payload: bytes) -> bytes:
 
 def typed(luck: random.Random, payload: bytes) -> bytes:
     """One byte replaced by the head of another type: extensions, infinities, and sizes that nobody sends."""
-    heads = [
-        b"\xc7\xff\x05",
-        b"\xd4\x2a\x00",
-        b"\xdf\xff\xff\xff\xff",
-        b"\xdd\xff\xff\xff\xff",
-        b"\xdb\x7f\xff\xff\xff",
-    ]
+    heads = [b"\xc7\xff\x05", b"\xd4\x2a\x00"]
+    heads += [b"\xdf\xff\xff\xff\xff", b"\xdd\xff\xff\xff\xff", b"\xdb\x7f\xff\xff\xff"]
     heads += [b"\xc6\xff\xff\xff\xff", b"\xcb\x7f\xf0" + bytes(6), b"\xca\x7f\xc0\x00\x00", b"\xcf" + b"\xff" * 8]
-    place = luck.randrange(len(payload))
-    return payload[:place] + luck.choice(heads) + payload[place + 1 :]
+    k = luck.randrange(len(payload))
+    return payload[:k] + luck.choice(heads) + payload[k + 1 :]
 
 
 def nested(luck: random.Random, payload: bytes) -> bytes:
@@ -97,7 +92,7 @@ MUTATIONS: tuple[Mutation, ...] = (noise, changed, changed, changed, cut, repeat
 
 
 def fuzz(payloads: int, seed: int) -> Counter[str]:
-    """The verdicts of so many payloads; whatever but MessageError ends it."""
+    """The verdicts of this many payloads; any exception other than MessageError ends it."""
     luck = random.Random(seed)  # noqa: S311  # which payloads come is no secret
     known, verdicts = seeds(), Counter[str]()
     for _ in range(payloads):
@@ -107,7 +102,7 @@ def fuzz(payloads: int, seed: int) -> Counter[str]:
 
 
 def measure(payloads: int = PAYLOADS) -> dict[str, float]:
-    """Payloads, verdicts, payloads a second, and by how much the process has grown (MB)."""
+    """Payloads, verdicts, payloads per second, and the growth of the process, MB."""
     fuzz(WARM_UP, seed=0)
     before_mb = most_memory_mb()
     began = time.perf_counter()
@@ -116,10 +111,10 @@ def measure(payloads: int = PAYLOADS) -> dict[str, float]:
     growth_mb = most_memory_mb() - before_mb
     if growth_mb > MOST_GROWTH_MB:
         sys.exit(f"the process grew by {growth_mb:.0f} MB")
-    told = {f"{reason}": float(count) for reason, count in sorted(verdicts.items())}
-    return {"payloads": float(payloads), **told, "per_second": payloads / seconds, "growth_mb": growth_mb}
+    counts = {reason: float(count) for reason, count in sorted(verdicts.items())}
+    return {"payloads": float(payloads), **counts, "per_second": payloads / seconds, "growth_mb": growth_mb}
 
 
 def most_memory_mb() -> float:
-    """The most that this process has ever occupied, MB."""
+    """The peak memory of this process, MB."""
     return resource.getrusage(resource.RUSAGE_SELF).ru_maxrss / KB_PER_MB

@@ -19,7 +19,7 @@ from remote_site.video.config import VideoConfig
 
 
 class RemoteConfig(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
-    """Everything the remote site can be told."""
+    """The whole configuration of the remote site."""
 
     cell: Annotated[str, Meta(description="name of this cell; both sites must agree on it")] = "cell"
     links: RemoteLinksConfig = field(default_factory=RemoteLinksConfig)

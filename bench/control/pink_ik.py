@@ -1,7 +1,6 @@
 """Pink with daqp beside our inverse kinematics: installed into a folder of its own, without what it needs already."""
 
 import importlib
-import subprocess
 import sys
 from pathlib import Path
 from typing import Any
@@ -9,16 +8,12 @@ from typing import Any
 import numpy as np
 import pinocchio as pin
 
+from bench.installing import PIP, UnavailableError, run_quietly
 from common.geometry import Array
 
 FOLDER = Path("build") / "pink"
 PACKAGES = ("pin-pink==4.4.0", "qpsolvers", "loop-rate-limiters")
-PIP = ("-m", "pip", "install", "--quiet", "--disable-pip-version-check", "--no-input", "--no-deps", "--only-binary")
 INSTALL_S = 120.0
-
-
-class UnavailableError(Exception):
-    """Pink cannot be measured here; the text says why."""
 
 
 class Pink:
@@ -48,14 +43,7 @@ class Pink:
 
 def _import() -> tuple[Any, Any]:
     if not FOLDER.exists():
-        command = [sys.executable, *PIP, ":all:", "--target", str(FOLDER), *PACKAGES]
-        try:
-            done = subprocess.run(command, capture_output=True, text=True, timeout=INSTALL_S, check=False)  # noqa: S603 - our own words
-        except (OSError, subprocess.TimeoutExpired) as error:
-            raise UnavailableError(str(error)) from error
-        if done.returncode:
-            lines = [line for line in done.stderr.splitlines() if line.strip()]
-            raise UnavailableError(lines[-1] if lines else f"pip ended with {done.returncode}")
+        run_quietly([sys.executable, *PIP, "--no-deps", "--target", str(FOLDER), *PACKAGES], INSTALL_S)
     if str(FOLDER) not in sys.path:
         sys.path.append(str(FOLDER))
     try:

@@ -6,7 +6,8 @@ import time
 
 import numpy as np
 
-from bench.control.pink_ik import Pink, UnavailableError
+from bench.control.pink_ik import Pink
+from bench.installing import UnavailableError
 from common.clock import NS_PER_MS, NS_PER_S, FakeClock
 from common.geometry import Array
 from common.link.channels import HAND

@@ -11,12 +11,7 @@ import uvicorn
 
 from common.clock import NS_PER_MS, NS_PER_S, ClockEstimate, ClockOffset
 from common.messages.hand import OperatorIntent
-from common.messages.requests import (
-    EngagementAction,
-    OperatorAction,
-    PictureShare,
-    Reply,
-)
+from common.messages.requests import EngagementAction, OperatorAction, PictureShare, Reply
 from common.messages.video import ViewsShown
 from local_site.console.config import ServeConfig
 from local_site.console.history import History
@@ -26,14 +21,14 @@ from local_site.console.page_desk import Outlets, PageDesk
 from local_site.console.seat import Seat
 from local_site.console.server import bind, make_server
 
-TELL_S = 0.06
+PERIOD_S = 0.06
 START_S = 10.0
 UNCERTAINTY_NS = NS_PER_MS // 10
 OPERATOR = "anna"
 
 
 class OneClock:
-    """Both sites on one clock, which is nearly sure."""
+    """Both sites on one clock, known almost exactly."""
 
     round_trip_ms: float | None = 0.4
 
@@ -68,7 +63,7 @@ class Agreeable:
 
 
 class BareConsole:
-    """Serves the page at `address` as long as the block lasts; `shown` and `intents` are what it has said."""
+    """Serves the page at `address` while the block lasts; `shown` and `intents` are what it has sent."""
 
     def __init__(self, port: int = 0) -> None:
         """`port` is where it serves, 0 any that is free."""
@@ -87,7 +82,7 @@ class BareConsole:
         self._thread.start()
         deadline = time.monotonic() + START_S
         while not (self._server is not None and self._server.started) and time.monotonic() < deadline:
-            time.sleep(TELL_S)
+            time.sleep(PERIOD_S)
         return self
 
     def __exit__(
@@ -98,7 +93,7 @@ class BareConsole:
         self._thread.join(START_S)
 
     def feed(self, give: Callable[[Hub], object]) -> None:
-        """Give something to the hub, in its own thread."""
+        """Pass something to the hub, in its own thread."""
         if self._loop is not None and self._hub is not None:
             self._loop.call_soon_threadsafe(give, self._hub)
 
@@ -115,13 +110,13 @@ class BareConsole:
             port = listening.getsockname()[1]
             self.address = f"http://127.0.0.1:{port}/"
             self._server = make_server(self._hub, serve, port)
-            beat = asyncio.create_task(self._tell(self._hub, desk))
+            beat = asyncio.create_task(self._update(self._hub, desk))
             await self._server.serve(sockets=[listening])
             beat.cancel()
         desk.close()
 
-    async def _tell(self, hub: Hub, desk: PageDesk) -> None:
+    async def _update(self, hub: Hub, desk: PageDesk) -> None:
         while True:
             hub.tell()
             desk.tell_intent()
-            await asyncio.sleep(TELL_S)
+            await asyncio.sleep(PERIOD_S)

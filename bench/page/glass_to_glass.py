@@ -1,4 +1,4 @@
-"""The page as it is: glass to glass by the painted clock, narrow links, the stop, and what the open page costs."""
+"""The page as it is: glass-to-glass latency by the painted clock, narrow links, the stop, the open page's cost."""
 
 import threading
 import time
@@ -12,25 +12,15 @@ import numpy as np
 
 from bench.page.bare_console import BareConsole
 from bench.page.narrow_link import NarrowLink
-from bench.page.painted_clock import (
-    PageClock,
-    ages_ms,
-    compare,
-    watch,
-)
-from bench.page.stand import (
-    PageStand,
-    browsing,
-    child_of,
-    cpu_s,
-    opened,
-    wait,
-)
+from bench.page.painted_clock import PageClock, ages_ms, compare, watch
+from bench.page.stand import PageStand, browsing, opened, wait
+from bench.processes import child_of, cpu_s
+from bench.video.frames import live_frame
 from common.cameras.camera import Image
 from common.clock import NS_PER_MS, NS_PER_S
 from common.messages.requests import Description
 from common.messages.robot import RobotState, SessionState
-from common.messages.video import CameraStatus, VideoFrame
+from common.messages.video import VideoFrame
 from farhand.loopback.run import free_ports
 from local_site.console.hub import Hub
 from remote_site.config import RemoteConfig
@@ -115,22 +105,11 @@ def exposed_now(name: str, seq: int, image: Image) -> VideoFrame:
     """A picture with the clock of this instant in it."""
     now_ns = time.monotonic_ns()
     draw_clock(image, now_ns)
-    height, width = image.shape[:2]
-    return VideoFrame(
-        camera=name,
-        seq=seq,
-        capture_ns=now_ns,
-        capture_estimated=False,
-        status=CameraStatus.LIVE,
-        reason="",
-        width=width,
-        height=height,
-        jpeg=encode_jpeg(image, 80),
-    )
+    return live_frame(name, seq, now_ns, encode_jpeg(image, 80), (image.shape[1], image.shape[0]))
 
 
 def whole_figures(browser: Any) -> Figures:
-    """Both sites and the page: the pictures' ages, the page's costs, and the stop."""
+    """Both sites and the page: the pictures' ages, processor time, and the stop."""
     with ExitStack() as stack:
         stand = PageStand(stack)
         console, address = stand.console(stand.video_port)
@@ -170,7 +149,7 @@ def levels(ages: dict[str, list[float]]) -> Figures:
 
 
 def stop_figures(stand: PageStand, page: Any) -> Figures:
-    """From the key to the session's end, and to an arm that stands, while it moves; medians and the most."""
+    """From the stop key, pressed while the arm moves, to the session's end and to rest; medians and maxima."""
     clock = compare(page)
     page.evaluate(NOTE_ESCAPE)
     ended, stood = [], []
@@ -183,7 +162,7 @@ def stop_figures(stand: PageStand, page: Any) -> Figures:
         ended.append(_first_ms(since, pressed_ns, lambda _, now: now.code == "stopped"))
         stood.append(
             _first_ms(
-                since, pressed_ns, lambda before, now: now.code == "stopped" and before.q_commanded == now.q_commanded
+                since, pressed_ns, lambda last, now: now.code == "stopped" and last.q_commanded == now.q_commanded
             )
         )
     return {
@@ -209,13 +188,13 @@ def _moves(stand: PageStand, page: Any) -> bool:
 
 
 def _rests(stand: PageStand) -> bool:
-    """Stopped, and commanded to stand for a fifth of a second."""
+    """Stopped, and commanded the same posture for a fifth of a second."""
     states = stand.record.states[-10:]
     return all(state.code == "stopped" and state.q_commanded == states[-1].q_commanded for state in states)
 
 
 def narrow_figures() -> Figures:
-    """What the page shows through links that cannot carry all, with pictures as large as they get."""
+    """What the page shows through links that are too narrow, with pictures at full quality."""
     figures: Figures = {}
     with browsing() as browser, ExitStack() as stack:
         stand, port = PageStand(stack, "video.quality=100"), free_ports(1)[0]

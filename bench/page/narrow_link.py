@@ -1,4 +1,4 @@
-"""A link of so many bits a second between two programs of this host: a TCP proxy that lets through no more."""
+"""A link of limited bandwidth between two programs of this host: a TCP proxy."""
 
 import asyncio
 import contextlib
@@ -11,14 +11,14 @@ from typing import Self
 from common.clock import NS_PER_S, MonotonicClock
 
 CHUNK_BYTES = 4096
-BUFFER_BYTES = 32768  # as little as possible waits here: what a link carries late is the sender's to find out
+BUFFER_BYTES = 32768  # little waits here, so that the sender notices soon how much the link carries
 START_S = 5.0
 
 
 class NarrowLink:
-    """Listens at `port` and hands on to another as long as the block lasts; only what comes back is limited.
+    """Forwards connections from `port` to another while the block lasts; only the way back is limited.
 
-    `mbit_s` may be changed while it runs; `carried_bytes` counts what came back.
+    `mbit_s` may be changed while it runs; `carried_bytes` counts what was carried back.
     """
 
     def __init__(self, port: int, to_port: int, mbit_s: float) -> None:
@@ -54,7 +54,10 @@ class NarrowLink:
         with contextlib.suppress(OSError), contextlib.closing(near_out):  # one side is gone, and so is the connection
             far_in, far_out = await asyncio.open_connection(sock=await self._far_side(), limit=BUFFER_BYTES)
             with contextlib.closing(far_out):
-                await asyncio.gather(self._hand_on(near_in, far_out), self._hand_back(far_in, near_out))
+                near_out.transport.set_write_buffer_limits(high=BUFFER_BYTES)
+                await asyncio.gather(
+                    self._pump(near_in, far_out, limited=False), self._pump(far_in, near_out, limited=True)
+                )
 
     async def _far_side(self) -> socket.socket:
         far = socket.socket()
@@ -67,23 +70,17 @@ class NarrowLink:
             raise
         return far
 
-    async def _hand_on(self, source: asyncio.StreamReader, sink: asyncio.StreamWriter) -> None:
+    async def _pump(self, source: asyncio.StreamReader, sink: asyncio.StreamWriter, *, limited: bool) -> None:
         while data := await source.read(CHUNK_BYTES):
-            sink.write(data)
-            await sink.drain()
-        sink.close()
-
-    async def _hand_back(self, source: asyncio.StreamReader, sink: asyncio.StreamWriter) -> None:
-        sink.transport.set_write_buffer_limits(high=BUFFER_BYTES)
-        while data := await source.read(CHUNK_BYTES):
-            await self._wait_for_room(len(data))
-            self.carried_bytes += len(data)
+            if limited:
+                await self._wait_for_room(len(data))
+                self.carried_bytes += len(data)
             sink.write(data)
             await sink.drain()
         sink.close()
 
     async def _wait_for_room(self, size: int) -> None:
-        """Until the link has sent what came before, and this."""
+        """Wait until the link has carried everything before this, and this."""
         now_ns = self._clock.now_ns()
         self._free_ns = max(self._free_ns, now_ns) + round(8e-6 * size / self.mbit_s * NS_PER_S)
         await asyncio.sleep((self._free_ns - now_ns) / NS_PER_S)

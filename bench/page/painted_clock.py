@@ -1,4 +1,4 @@
-"""When each picture that the browser paints was exposed, by the clock that stands in the picture itself."""
+"""When each picture that the browser paints was exposed, read from the clock drawn into the picture."""
 
 import time
 from collections import defaultdict
@@ -19,10 +19,10 @@ ROWS = 20
 
 @dataclass(frozen=True, slots=True)
 class PageClock:
-    """The page's `performance.now()` against this process's monotonic clock, ms, and how sure that is."""
+    """The page's `performance.now()` against this process's monotonic clock, with its uncertainty, ms."""
 
     offset_ms: float
-    unsure_ms: float
+    uncertainty_ms: float
 
 
 def compare(page: Any) -> PageClock:
@@ -32,18 +32,18 @@ def compare(page: Any) -> PageClock:
         before_ms = time.monotonic_ns() / NS_PER_MS
         page_ms = float(page.evaluate("performance.now()"))
         after_ms = time.monotonic_ns() / NS_PER_MS
-        if (after_ms - before_ms) / 2 < best.unsure_ms:
+        if (after_ms - before_ms) / 2 < best.uncertainty_ms:
             best = PageClock((before_ms + after_ms) / 2 - page_ms, (after_ms - before_ms) / 2)
     return best
 
 
 def watch(page: Any) -> None:
-    """Begin to note what each view shows at every frame of the browser."""
+    """Start to record what each view shows at every frame of the browser."""
     page.evaluate(f"({WATCH.strip().rstrip(';')})()")
 
 
 def ages_ms(page: Any, clock: PageClock) -> dict[str, list[float]]:
-    """What was noted since the last call: the ages of the pictures of each view when they were first seen, ms."""
+    """Recorded since the last call: the ages of the pictures of each view when they were first seen, ms."""
     found = defaultdict(list)
     for view, page_ms, cells in page.evaluate("window.paintedClocks.splice(0)"):
         exposed_ms = _read(cells)
@@ -53,6 +53,6 @@ def ages_ms(page: Any, clock: PageClock) -> dict[str, list[float]]:
 
 
 def _read(cells: str) -> int | None:
-    """The milliseconds that the cells of a strip say; None where they say none."""
+    """The milliseconds in the cells of a strip; None where they cannot be read."""
     levels = np.array([{"1": 255, "0": 0, "?": 127}[cell] for cell in cells], dtype=np.uint8)
     return read_clock(np.tile(np.repeat(levels, CELL_PIXELS), (ROWS, 1)))

@@ -1,6 +1,5 @@
-"""Both sites and a console as processes, and a browser with the page open, for measurements of the whole way."""
+"""Both sites and a console as processes, and a browser with the page open, for end-to-end measurements."""
 
-import os
 import tempfile
 import time
 from collections.abc import Callable, Iterator
@@ -42,7 +41,7 @@ def opened(browser: Any, address: str) -> Any:
 
 
 def wait(what: str, is_so: Callable[[], bool], pause: Callable[[], object] = lambda: time.sleep(0.05)) -> None:
-    """Wait until something is so; ProcessError when it never is."""
+    """Wait until a condition holds; ProcessError when it does not within PATIENCE_S."""
     deadline = time.monotonic() + PATIENCE_S
     while not is_so():
         if time.monotonic() > deadline:
@@ -51,7 +50,7 @@ def wait(what: str, is_so: Callable[[], bool], pause: Callable[[], object] = lam
 
 
 class PageStand:
-    """The sites with the simulated arm following, and what is heard of them; `video_port` is where they stream."""
+    """The sites with the simulated arm following, and a record of their messages; they stream at `video_port`."""
 
     def __init__(self, stack: ExitStack, *settings: str) -> None:
         control, self.video_port, local = free_ports(3)
@@ -73,7 +72,7 @@ class PageStand:
         wait("the lease", lambda: self.record.states[-1].lease is not None)
 
     def console(self, video_port: int) -> tuple[SiteProcess, str]:
-        """A console that gets its pictures at this port, and its page's address."""
+        """A console that takes its pictures from this port, and its page's address."""
         port = free_ports(1)[0]
         process = self._start(
             "console",
@@ -90,19 +89,3 @@ class PageStand:
         process = SiteProcess(name, arguments, self._runtime)
         self._stack.callback(process.end)
         return process
-
-
-def cpu_s(pid: int) -> float:
-    """The processor time that a process has used so far, without its children, s."""
-    fields = Path(f"/proc/{pid}/stat").read_text(encoding="utf-8").rpartition(")")[2].split()
-    return (int(fields[11]) + int(fields[12])) / os.sysconf("SC_CLK_TCK")
-
-
-def child_of(pid: int, name: str) -> int:
-    """The child process of this name; ProcessError without one."""
-    for entry in Path("/proc").iterdir():
-        if entry.name.isdecimal():
-            fields = (entry / "stat").read_text(encoding="utf-8").rpartition(")")
-            if fields[2].split()[1] == str(pid) and fields[0].endswith(f"({name}"):
-                return int(entry.name)
-    raise ProcessError(f"process {pid} has no child {name}")

@@ -1,27 +1,19 @@
 """The silhouette tracker beside MediaPipe Hands on the same pictures: time per pair, gaps, errors, honest sigmas."""
 
+import math
 import time
 from collections.abc import Mapping
 from contextlib import ExitStack
 
 import cv2
 import numpy as np
-from rich.console import Console
+from rich.console import Console, Group
+from rich.table import Table
 
-from bench.tracking.figures import (
-    SETTLED,
-    Found,
-    flat,
-    judge,
-)
-from bench.tracking.mediapipe_hands import MediaPipeHands, UnavailableError, install
-from bench.tracking.scenes import (
-    RECORDINGS,
-    TrackingScene,
-    recorded_scenes,
-    simulated_scenes,
-)
-from bench.tracking.table import shown
+from bench.installing import UnavailableError
+from bench.tracking.figures import NORMALISED, RANK, SETTLED, Found, TrackingFigures, flat, judge
+from bench.tracking.mediapipe_hands import MediaPipeHands, install
+from bench.tracking.scenes import RECORDINGS, TrackingScene, recorded_scenes, simulated_scenes
 from common.geometry import Array
 from local_site.samples.gesture import OpenHand, observe
 from local_site.simulation.body import ArmTruth
@@ -32,6 +24,17 @@ NAMES = ("elbow", "wrist", "index", "thumb")
 OURS = "silhouette"
 TABLE_WIDTH = 120
 RESULT = ("elbow", "wrist", "index")
+COLUMNS = {  # heading: figure, decimals
+    "frames": ("frames", 0),
+    "mean": ("mean mm", 1),
+    "p95": ("p95 mm", 1),
+    "max": ("max mm", 1),
+    "bias x": ("bias x mm", 1),
+    "y": ("bias y mm", 1),
+    "z mm": ("bias z mm", 1),
+    "NEES (3)": (NORMALISED, 2),
+    "rank": (RANK, 2),
+}
 
 
 class SilhouetteContender:
@@ -152,3 +155,26 @@ def measure() -> dict[str, float]:
         totals = comparison.totals()
     console.print("\n".join(f"{figure}: {value:.1f}" for figure, value in totals.items()))
     return totals | figures
+
+
+def shown(scene: str, by_tracker: Mapping[str, TrackingFigures], notes: tuple[str, ...]) -> Group:
+    """A recording's figures for people: errors in mm by tracker and point, then a line for each tracker, and notes."""
+    table = Table(title=scene, title_justify="left")
+    table.add_column("tracker")
+    table.add_column("point")
+    for column in COLUMNS:
+        table.add_column(column, justify="right")
+    for name, figures in by_tracker.items():
+        for point, values in figures.points.items():
+            shown_values = ((values[figure], decimals) for figure, decimals in COLUMNS.values())
+            cells = ("-" if math.isnan(value) else f"{value:.{decimals}f}" for value, decimals in shown_values)
+            table.add_row(name, point, *cells)
+        table.add_section()
+    return Group(table, *(f"{name}: {_in_words(figures.whole)}" for name, figures in by_tracker.items()), *notes, "")
+
+
+def _in_words(whole: Mapping[str, float]) -> str:
+    wall = f"median {whole['median ms per pair']:.1f}, p95 {whole['p95 ms per pair']:.1f} ms a pair"
+    gaps = f"{whole['frames without result']:.0f} of {whole['frames']:.0f} frames without result"
+    toggles = f"; {whole['toggles']:.0f} toggles of {whole['true toggles']:.0f}" if "toggles" in whole else ""
+    return f"{wall} (processor {whole['median processor ms per pair']:.1f}); {gaps}{toggles}"

@@ -11,6 +11,7 @@ from local_site.simulation.body import ArmTruth
 
 SETTLED = 10
 POINTS = ("elbow", "wrist", "index", "thumb seen", "thumb inferred")
+NORMALISED, RANK = "normalised error squared (3)", "rank correlation of sigma and error"
 
 
 @dataclass(frozen=True, slots=True)
@@ -30,49 +31,38 @@ class Found:
 
 
 @dataclass(frozen=True, slots=True)
-class PointFigures:
-    """One point over a recording: errors in mm, bias (3,) in mm; the last two are NaN without covariances.
+class TrackingFigures:
+    """One tracker on one recording, after the first frames: figures of the whole, and of each point, by name.
 
-    `normalised` is the mean of e^T C^-1 e, 3 where the covariances are honest; `rank` how well sigma ranks the errors.
+    `points` has the points that were found at least once: errors in mm, NORMALISED, which is 3 where the covariances
+    are honest, and RANK, how well sigma ranks the errors; the last two are NaN without covariances.
     """
 
-    frames: int
-    mean: float
-    p95: float
-    largest: float
-    bias: Array
-    normalised: float
-    rank: float
-
-
-@dataclass(frozen=True, slots=True)
-class TrackingFigures:
-    """One tracker on one recording, after the first frames; `points` has those that were found at least once."""
-
-    frames: int
-    median_ms: float
-    p95_ms: float
-    processor_ms: float
-    without_result: int
-    toggles: int | None
-    true_toggles: int
-    points: Mapping[str, PointFigures]
+    whole: Mapping[str, float]
+    points: Mapping[str, Mapping[str, float]]
 
 
 def judge(found: Sequence[Found], truth: Sequence[ArmTruth], needed: Sequence[str]) -> TrackingFigures:
     """The figures of a recording; a frame without any of the points `needed` is one without result."""
     after = found[SETTLED:]
     wall = [f.wall_ms for f in after]
-    return TrackingFigures(
-        frames=len(after),
-        median_ms=float(np.median(wall)),
-        p95_ms=float(np.percentile(wall, 95)),
-        processor_ms=float(np.median([f.processor_ms for f in after])),
-        without_result=sum(any(name not in f.points for name in needed) for f in after),
-        toggles=found[-1].toggles,
-        true_toggles=openings(truth),
-        points={p: figures for p in POINTS if (figures := _judge_point(p, after, truth[SETTLED:])) is not None},
-    )
+    whole = {
+        "median ms per pair": float(np.median(wall)),
+        "p95 ms per pair": float(np.percentile(wall, 95)),
+        "median processor ms per pair": float(np.median([f.processor_ms for f in after])),
+        "frames": float(len(after)),
+        "frames without result": float(sum(any(name not in f.points for name in needed) for f in after)),
+    }
+    if found[-1].toggles is not None:
+        whole |= {"toggles": float(found[-1].toggles), "true toggles": float(openings(truth))}
+    points = {point: _judge_point(point, after, truth[SETTLED:]) for point in POINTS}
+    return TrackingFigures(whole, {point: figures for point, figures in points.items() if figures})
+
+
+def flat(figures: TrackingFigures) -> dict[str, float]:
+    """All figures by name, without those that are not a number."""
+    of_points = {f"{point}, {name}": value for point, of in figures.points.items() for name, value in of.items()}
+    return {name: value for name, value in {**figures.whole, **of_points}.items() if np.isfinite(value)}
 
 
 def openings(truth: Sequence[ArmTruth]) -> int:
@@ -81,7 +71,7 @@ def openings(truth: Sequence[ArmTruth]) -> int:
     return sum(now and not before for before, now in zip([False, *is_open], is_open, strict=False))
 
 
-def _judge_point(point: str, found: Sequence[Found], truth: Sequence[ArmTruth]) -> PointFigures | None:
+def _judge_point(point: str, found: Sequence[Found], truth: Sequence[ArmTruth]) -> dict[str, float]:
     name, _, kind = point.partition(" ")
     chosen = [
         (f, t)
@@ -89,20 +79,21 @@ def _judge_point(point: str, found: Sequence[Found], truth: Sequence[ArmTruth]) 
         if name in f.points and (not kind or f.thumb_inferred == (kind == "inferred"))
     ]
     if not chosen:
-        return None
+        return {}
     errors = np.array([f.points[name] - getattr(t, name) for f, t in chosen])
     sizes_mm = 1e3 * np.linalg.norm(errors, axis=1)
     known = [k for k, (f, _) in enumerate(chosen) if name in f.covariances]
     covariances = np.array([chosen[k][0].covariances[name] for k in known]).reshape(-1, 3, 3)
-    return PointFigures(
-        frames=len(chosen),
-        mean=float(np.mean(sizes_mm)),
-        p95=float(np.percentile(sizes_mm, 95)),
-        largest=float(np.max(sizes_mm)),
-        bias=1e3 * np.mean(errors, axis=0),
-        normalised=normalised_square(errors[known], covariances),
-        rank=rank_correlation(np.trace(covariances, axis1=1, axis2=2), sizes_mm[known]),
-    )
+    bias_mm = 1e3 * np.mean(errors, axis=0)
+    return {
+        "frames": float(len(chosen)),
+        "mean mm": float(np.mean(sizes_mm)),
+        "p95 mm": float(np.percentile(sizes_mm, 95)),
+        "max mm": float(np.max(sizes_mm)),
+        **{f"bias {axis} mm": float(value) for axis, value in zip("xyz", bias_mm, strict=True)},
+        NORMALISED: normalised_square(errors[known], covariances),
+        RANK: rank_correlation(np.trace(covariances, axis1=1, axis2=2), sizes_mm[known]),
+    }
 
 
 def normalised_square(errors: Array, covariances: Array) -> float:
@@ -118,34 +109,3 @@ def rank_correlation(first: Array, second: Array) -> float:
     if len(first) < 3 or np.ptp(first) == 0 or np.ptp(second) == 0:
         return float("nan")
     return float(np.corrcoef(rankdata(first), rankdata(second))[0, 1])
-
-
-def flat(figures: TrackingFigures) -> dict[str, float]:
-    """All figures by name, without those that could not be had."""
-    result = {
-        "median ms per pair": figures.median_ms,
-        "p95 ms per pair": figures.p95_ms,
-        "median processor ms per pair": figures.processor_ms,
-        "frames": float(figures.frames),
-        "frames without result": float(figures.without_result),
-    }
-    if figures.toggles is not None:
-        result |= {"toggles": float(figures.toggles), "true toggles": float(figures.true_toggles)}
-    for name, point in figures.points.items():
-        result |= {f"{name}, {figure}": value for figure, value in _flat_point(point).items() if np.isfinite(value)}
-    return result
-
-
-def _flat_point(point: PointFigures) -> dict[str, float]:
-    x, y, z = (float(value) for value in point.bias)
-    return {
-        "frames": float(point.frames),
-        "mean mm": point.mean,
-        "p95 mm": point.p95,
-        "max mm": point.largest,
-        "bias x mm": x,
-        "bias y mm": y,
-        "bias z mm": z,
-        "normalised error squared (3)": point.normalised,
-        "rank correlation of sigma and error": point.rank,
-    }

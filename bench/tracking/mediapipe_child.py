@@ -1,7 +1,7 @@
 """MediaPipe Hands as a child process with libraries of its own: pictures come by standard input, landmarks go back.
 
 A request is a line of JSON {"scene", "shapes"} and the pictures' bytes after it; the answer a line {"wall_ms",
-"processor_ms", "hands"} with, for each picture, 21 landmarks [x, y] as shares of width and height, or null.
+"processor_ms", "hands"} with, for each picture, 21 landmarks [x, y] as fractions of width and height, or null.
 """
 
 import json

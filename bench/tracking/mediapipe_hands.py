@@ -14,6 +14,7 @@ from typing import Self
 import msgspec
 import numpy as np
 
+from bench.installing import PIP, UnavailableError, run_quietly
 from bench.tracking.figures import Found
 from common.geometry import Array
 from local_site.calibration.rig import Rig
@@ -33,17 +34,12 @@ NEEDED = (
     "opencv-python-headless<4.12",
     "protobuf>=4.25.3,<5",
 )
-QUIET, PATIENT = ("--quiet", "--disable-pip-version-check", "--no-input"), ("--retries", "1", "--timeout", "15")
-PIP = ("-I", "-m", "pip", "install", *QUIET, *PATIENT, "--only-binary", ":all:")
+INSTALL = ("-I", *PIP, "--retries", "1", "--timeout", "15")
 INSTALL_S = 300.0
 ANSWER_S = 60.0
 LANDMARKS = {"wrist": 0, "thumb": 4, "index": 8}
 
 Hand = tuple[tuple[float, float], ...]
-
-
-class UnavailableError(Exception):
-    """MediaPipe cannot be measured here; the text says why."""
 
 
 class _Answer(msgspec.Struct, frozen=True):
@@ -57,40 +53,20 @@ def install(environment: Path = ENVIRONMENT) -> Path:
     python, ready = environment / "bin/python", environment / f"ready-{VERSION}"
     if not ready.exists():
         shutil.rmtree(environment, ignore_errors=True)
-        _run(environment, [sys.executable, "-m", "venv", str(environment)])
-        _run(environment, [str(python), *PIP, "--no-deps", *ALONE])
-        _run(environment, [str(python), *PIP, *NEEDED])
-        _run(environment, [str(python), "-I", "-c", "import mediapipe"])
+        for command in (
+            [sys.executable, "-m", "venv", str(environment)],
+            [str(python), *INSTALL, "--no-deps", *ALONE],
+            [str(python), *INSTALL, *NEEDED],
+            [str(python), "-I", "-c", "import mediapipe"],
+        ):
+            run_quietly(command, INSTALL_S, _variables(environment))
         ready.touch()
     return python
-
-
-def _run(environment: Path, command: Sequence[str]) -> None:
-    try:
-        done = subprocess.run(  # noqa: S603 - our own words
-            command,
-            capture_output=True,
-            text=True,
-            timeout=INSTALL_S,
-            check=False,
-            env=_variables(environment),
-        )
-    except (OSError, subprocess.TimeoutExpired) as error:
-        raise UnavailableError(str(error)) from error
-    if done.returncode:
-        raise UnavailableError(last_words(done.stderr) or f"{command[0]} ended with {done.returncode}")
 
 
 def _variables(environment: Path) -> dict[str, str]:
     """Quiet logs, and nothing written outside the environment."""
     return {**os.environ, "GLOG_minloglevel": "2", "MPLCONFIGDIR": str((environment / "matplotlib").resolve())}
-
-
-def last_words(text: str) -> str:
-    """The line that says what went wrong: the last one that names an error, else the last."""
-    lines = [line.strip() for line in text.splitlines() if line.strip()]
-    errors = [line for line in lines if "error" in line.lower()]
-    return (errors or lines or [""])[-1]
 
 
 class MediaPipeHands:
@@ -125,7 +101,7 @@ class MediaPipeHands:
         header = json.dumps({"scene": scene, "shapes": [picture.shape for picture in pictures]}).encode() + b"\n"
         answer = self._ask(header + b"".join(picture.tobytes() for picture in pictures))
         sizes = [(picture.shape[1], picture.shape[0]) for picture in pictures]
-        points = place_landmarks(rig, answer.hands, sizes)
+        points = triangulate_landmarks(rig, answer.hands, sizes)
         return Found(points, answer.wall_ms, answer.processor_ms, covariances={})
 
     def _ask(self, request: bytes) -> _Answer:
@@ -145,8 +121,8 @@ class MediaPipeHands:
         return msgspec.json.decode(line, type=_Answer)
 
 
-def place_landmarks(rig: Rig, hands: Sequence[Hand | None], sizes: Sequence[tuple[int, int]]) -> dict[str, Array]:
-    """Points (3,) in m of the landmarks that all views show, given as shares of the pictures' (width, height)."""
+def triangulate_landmarks(rig: Rig, hands: Sequence[Hand | None], sizes: Sequence[tuple[int, int]]) -> dict[str, Array]:
+    """Points (3,) in m of the landmarks in all views, given as fractions of the pictures' (width, height)."""
     if any(hand is None for hand in hands):
         return {}
     points = {}

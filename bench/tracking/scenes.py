@@ -1,12 +1,12 @@
 """What trackers are measured on: the simulated operator's motions and bodies, and recordings of an arm with truth."""
 
+import json
 from collections.abc import Callable, Iterator
 from contextlib import closing
 from dataclasses import dataclass
 from itertools import zip_longest
 from pathlib import Path
 
-import msgspec
 import numpy as np
 
 from common.cameras.camera import Frame
@@ -59,21 +59,11 @@ class Instant:
 
 @dataclass(frozen=True, slots=True)
 class TrackingScene:
-    """A run of instants before a calibrated rig; every call of `instants` begins anew."""
+    """A run of instants before a calibrated rig; every call of `instants` starts again."""
 
     name: str
     rig: Rig
     instants: Callable[[], Iterator[Instant]]
-
-
-class _TruthLine(msgspec.Struct, frozen=True):
-    """The part of a line of truth.jsonl that is measured against; m in the operator frame."""
-
-    elbow: tuple[float, float, float]
-    wrist: tuple[float, float, float]
-    index: tuple[float, float, float]
-    thumb: tuple[float, float, float]
-    hand_open: bool
 
 
 def simulated_scenes() -> list[TrackingScene]:
@@ -90,7 +80,7 @@ def simulated_scenes() -> list[TrackingScene]:
 
 
 def simulated(name: str, config: SimulationConfig, seconds: float) -> TrackingScene:
-    """So many seconds of the simulated operator, as exactly calibrated cameras see him."""
+    """The simulated operator for `seconds`, as exactly calibrated cameras see him."""
 
     def instants() -> Iterator[Instant]:
         operator = SimulatedOperator(config)
@@ -116,7 +106,7 @@ def recorded(folder: Path) -> TrackingScene:
     """A recording: left.avi, right.avi, control_points.csv and truth.jsonl; CameraError when pairs and truth differ."""
     rig = solve_rig(read_control_points(folder / "control_points.csv"), created="for measuring")
     lines = (folder / "truth.jsonl").read_bytes().splitlines()
-    truths = [_arm_truth(msgspec.json.decode(line, type=_TruthLine)) for line in lines]
+    truths = [_arm_truth(line) for line in lines]
 
     def instants() -> Iterator[Instant]:
         with (
@@ -131,6 +121,8 @@ def recorded(folder: Path) -> TrackingScene:
     return TrackingScene(folder.name, rig, instants)
 
 
-def _arm_truth(line: _TruthLine) -> ArmTruth:
-    elbow, wrist, index, thumb = (np.array(point) for point in (line.elbow, line.wrist, line.index, line.thumb))
-    return ArmTruth(elbow, wrist, index, thumb, line.hand_open)
+def _arm_truth(line: bytes) -> ArmTruth:
+    """The part of a line of truth.jsonl that is measured against; m in the operator frame."""
+    truth = json.loads(line)
+    elbow, wrist, index, thumb = (np.array(truth[name]) for name in ("elbow", "wrist", "index", "thumb"))
+    return ArmTruth(elbow, wrist, index, thumb, truth["hand_open"])

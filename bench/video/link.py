@@ -1,4 +1,4 @@
-"""A link of so many bits a second, first in, first out, and behind it a viewer that reports what it shows."""
+"""A simulated link of limited bandwidth, first in, first out, and a viewer at its end that reports what it shows."""
 
 import itertools
 import math
@@ -6,14 +6,9 @@ from collections import deque
 from collections.abc import Callable
 from dataclasses import dataclass, field
 
+from bench.video.frames import live_frame
 from common.clock import NS_PER_MS, NS_PER_S
-from common.messages.video import (
-    CameraStatus,
-    VideoFrame,
-    ViewCame,
-    ViewShown,
-    ViewsShown,
-)
+from common.messages.video import VideoFrame, ViewCame, ViewShown, ViewsShown
 from remote_site.video.config import VideoConfig
 from remote_site.video.streaming.adaptation import Adaptation
 from remote_site.video.streaming.setting import StreamSetting
@@ -39,7 +34,7 @@ class Arrival:
 
 @dataclass
 class SimulatedLink:
-    """A queue of so many bytes, beyond which a picture is lost; `mbit_s` may change while it runs."""
+    """A queue of `holds_bytes`, beyond which a picture is lost; `mbit_s` may change while it runs."""
 
     mbit_s: float
     holds_bytes: float = math.inf
@@ -47,12 +42,12 @@ class SimulatedLink:
     credit_bits: float = 0.0
 
     def put(self, frame: VideoFrame, ready_ns: int) -> None:
-        """A picture comes to the queue, to be sent not before it is ready."""
+        """Queue a picture, to be sent no earlier than `ready_ns`."""
         if sum(len(waiting.jpeg) for _, waiting in self.queue) + len(frame.jpeg) <= self.holds_bytes:
             self.queue.append((ready_ns, frame))
 
     def tick(self, now_ns: int) -> list[VideoFrame]:
-        """What has come through by now, a tick after the last call."""
+        """The pictures that arrive by now, one tick after the last call."""
         through = []
         if self.queue and self.queue[0][0] <= now_ns:
             self.credit_bits += self.mbit_s * 1e6 * TICK_NS / NS_PER_S
@@ -85,13 +80,13 @@ class Viewer:
         self._views: dict[str, _SentView] = {}
 
     def take(self, frame: VideoFrame, now_ns: int) -> None:
-        """A picture has come; one that still waited is passed over."""
+        """A picture has arrived; it replaces one that still waits."""
         view = self._views.setdefault(frame.camera, _SentView(frame, frame))
         view.came = view.waiting = frame
         view.came_ns.append(now_ns)
 
     def paint(self, now_ns: int) -> None:
-        """Paint what waits, where it is time."""
+        """Paint the pictures that wait, where the paint rate allows."""
         for camera, view in self._views.items():
             busy = view.painted and now_ns - view.painted[-1].t_ns < NS_PER_S / self.paints_fps
             if view.waiting is not None and not busy:
@@ -102,11 +97,11 @@ class Viewer:
                 view.shown = frame
 
     def shown(self, now_ns: int) -> dict[str, ViewShown]:
-        """What its console tells."""
-        return {camera: _told(view, now_ns) for camera, view in self._views.items()}
+        """What its console reports."""
+        return {camera: _view_shown(view, now_ns) for camera, view in self._views.items()}
 
 
-def _told(view: _SentView, now_ns: int) -> ViewShown:
+def _view_shown(view: _SentView, now_ns: int) -> ViewShown:
     came, shown, since_ns = view.came, view.shown, now_ns - NS_PER_S
     return ViewShown(
         seq=shown.seq,
@@ -121,7 +116,7 @@ def _told(view: _SentView, now_ns: int) -> ViewShown:
     )
 
 
-class Run:
+class StreamRun:
     """Cameras, adaptation, link and viewer in simulated time; `picture` makes the bytes of (camera, number, setting).
 
     `reports` is whether the viewer is a console, which reports. Pictures that wait in the link go to it late, as they
@@ -140,7 +135,7 @@ class Run:
         self._sent_ns = dict.fromkeys(self._numbers, -NS_PER_S)
 
     def run(self, seconds: float) -> list[Arrival]:
-        """Let time pass; what came meanwhile."""
+        """Let time pass; the pictures painted meanwhile."""
         before, end_ns = len(self.viewer.painted), self.now_ns + round(seconds * NS_PER_S)
         while self.now_ns < end_ns:
             self.now_ns += TICK_NS
@@ -150,8 +145,8 @@ class Run:
             self.viewer.paint(self.now_ns)
             shown = self.viewer.shown(self.now_ns)
             if self._reports and self.now_ns % REPORT_NS == 0 and shown:
-                told = ViewsShown(session=1, lease=0, sent_ns=self.now_ns, views=shown)
-                self.adaptation.hear(told, self.now_ns)
+                report = ViewsShown(session=1, lease=0, sent_ns=self.now_ns, views=shown)
+                self.adaptation.hear(report, self.now_ns)
         return self.viewer.painted[before:]
 
     def _expose(self) -> None:
@@ -166,16 +161,6 @@ class Run:
 
     def _send(self, camera: str, setting: StreamSetting) -> None:
         seq = next(self._numbers[camera])
-        frame = VideoFrame(
-            camera=camera,
-            seq=seq,
-            capture_ns=self.now_ns,
-            capture_estimated=False,
-            status=CameraStatus.LIVE,
-            reason="",
-            width=1,
-            height=1,
-            jpeg=self._picture(camera, seq, setting),
-        )
+        frame = live_frame(camera, seq, self.now_ns, self._picture(camera, seq, setting))
         self.adaptation.sent(frame, self.now_ns)
         self.link.put(frame, self.now_ns + DELAY_NS)

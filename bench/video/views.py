@@ -1,4 +1,4 @@
-"""What the four views cost in processor time and bytes, and what of them comes through links of 20 and 5 Mbit/s."""
+"""What the four views cost in processor time and bytes, and what arrives through links of 20 and 5 Mbit/s."""
 
 import statistics
 import time
@@ -9,7 +9,7 @@ from functools import partial
 import cv2
 import numpy as np
 
-from bench.video.link import Arrival, Run
+from bench.video.link import Arrival, StreamRun
 from common.cameras.camera import Image
 from common.geometry import Array
 from remote_site.kinematics.config import RobotConfig
@@ -53,7 +53,7 @@ def measure() -> dict[str, float]:
         pictures[camera.name] = filmed(partial(renderer.render, view), posture)
     renderer.close()
     per_round = sum(value for name, value in figures.items() if name.endswith("_ms"))
-    figures["core_share_percent"] = round(per_round * config.fps / 10.0, 1)
+    figures["core_percent"] = round(per_round * config.fps / 10.0, 1)
     for mbit_s in LINKS_MBIT_S:
         figures |= carried(config, pictures, mbit_s)
     return figures
@@ -91,7 +91,7 @@ def carried(config: VideoConfig, pictures: Pictures, mbit_s: float) -> dict[str,
         images = pictures[camera]
         return encode_jpeg(shrunk(images[seq % len(images)], setting.scale), setting.quality)
 
-    run, as_it_is = (Run(config, picture, mbit_s, reports=reports) for reports in (True, False))
+    run, as_it_is = (StreamRun(config, picture, mbit_s, reports=reports) for reports in (True, False))
     run.run(SETTLE_S)
     arrivals, unadapted = run.run(SECONDS), as_it_is.run(SETTLE_S)
     total = Counter[str]()

@@ -2,8 +2,6 @@
 
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import ExitStack
-from dataclasses import dataclass
-from pathlib import Path
 
 import numpy as np
 
@@ -11,28 +9,15 @@ from common.cameras.camera import Camera, Image
 from common.cameras.sources import open_camera
 from common.errors import CalibrationError, ConfigError, InterruptionError
 from common.geometry import Array
-from farhand.calibration.pictures import read_pictures
+from farhand.calibration.pictures import PictureJob, read_pictures, size_of, write_coverage, write_found
 from farhand.calibration.points import Calibrated, now, with_serials
 from local_site.calibration.board_rig import BoardPictures, solve_boards
 from local_site.calibration.boards import Board, BoardFinder, BoardKind, BoardView
-from local_site.calibration.coverage import coverage_map, coverage_warnings, picture_coverage
-from local_site.calibration.found import draw_found
+from local_site.calibration.coverage import coverage_warnings, picture_coverage
 from local_site.calibration.pose_gate import PoseGate
 from local_site.calibration.rig_file import save_rig
-from local_site.preview.picture_files import write_picture
 
 Pictures = tuple[Image, ...]
-
-
-@dataclass(frozen=True, slots=True)
-class BoardJob:
-    """The board, whether its first pose stands, the cameras' sources by name, and where results go."""
-
-    board: Board
-    standing: bool
-    sources: Mapping[str, str]
-    out: Path
-    pictures: Path | None = None
 
 
 def make_board(kind: str, squares: tuple[int, int], square_mm: float, marker_mm: float, dictionary: str) -> Board:
@@ -46,67 +31,65 @@ def make_board(kind: str, squares: tuple[int, int], square_mm: float, marker_mm:
 class _Album:
     """The poses that were kept: what each camera saw of them, and the last picture of each camera."""
 
-    def __init__(self, job: BoardJob) -> None:
-        self._job = job
-        self._names = tuple(job.sources)
-        self._views: list[list[BoardView | None]] = [[] for _ in self._names]
+    def __init__(self, job: PictureJob, board: Board, standing: bool) -> None:
+        self._job, self._board, self._standing = job, board, standing
+        self._views: dict[str, list[BoardView | None]] = {name: [] for name in job.sources}
         self._last: Pictures = ()
 
     def keep(self, pictures: Pictures, pose: Sequence[BoardView | None]) -> str:
-        """Keep a pose, write what was found in it, and tell in a line what it adds."""
+        """Keep a pose, write what was found in it, and describe in a line what it adds."""
         self._last = pictures
-        told = []
-        for name, picture, view, own in zip(self._names, pictures, pose, self._views, strict=True):
+        described = []
+        for (name, own), picture, view in zip(self._views.items(), pictures, pose, strict=True):
             own.append(view)
-            told.append(f"{name} {0 if view is None else len(view.ids)} corners, {self._covered(own, picture):.0f} %")
+            covered = 100 * picture_coverage(_pixels(own), size_of(picture))
+            described.append(f"{name} {0 if view is None else len(view.ids)} corners, {covered:.0f} %")
             if self._job.pictures is not None and view is not None:
-                found = draw_found(picture, view.pixels, [str(i) for i in view.ids])
-                write_picture(self._job.pictures, f"{name}_{len(own)}", found)
-                write_picture(
-                    self._job.pictures, f"{name}_coverage", coverage_map(_pixels(own), _size(picture), picture)
-                )
-        return f"pose {len(self._views[0])}: {'; '.join(told)} of the picture covered"
+                found = view.pixels, [str(i) for i in view.ids]
+                write_found(self._job.pictures, name, len(own), picture, found)
+                write_coverage(self._job.pictures, name, picture, _pixels(own))
+        return f"pose {len(own)}: {'; '.join(described)} of the picture covered"
 
-    def solve(self, serials: Sequence[str]) -> Calibrated:
+    def solve(self) -> Calibrated:
         """The rig of the poses kept, written to its file."""
-        sizes = tuple(_size(picture) for picture in self._last)
-        board_pictures = BoardPictures(self._views, sizes, self._names)
-        rig, control = solve_boards(board_pictures, self._job.board, now(), self._job.standing)
-        rig = with_serials(rig, serials)
+        sizes = tuple(size_of(picture) for picture in self._last)
+        board_pictures = BoardPictures(list(self._views.values()), sizes, tuple(self._views))
+        rig, control = solve_boards(board_pictures, self._board, now(), self._standing)
+        rig = with_serials(rig, self._job.serials)
         save_rig(rig, self._job.out)
         return Calibrated(rig, self._job.out, coverage_warnings(control))
 
-    def _covered(self, views: Sequence[BoardView | None], picture: Image) -> float:
-        return 100 * picture_coverage(_pixels(views), _size(picture))
 
+def calibrate_board_pictures(job: PictureJob, board: Board, standing: bool) -> Calibrated:
+    """The rig from pictures of a board, the n-th of each camera taken at one instant.
 
-def calibrate_board_pictures(job: BoardJob, serials: Sequence[str] = ()) -> Calibrated:
-    """The rig from pictures of a board, the n-th of each camera taken at one instant."""
+    `standing` is whether the board stands upright in its first pose.
+    """
     pictures = {name: read_pictures(source, name) for name, source in job.sources.items()}
-    counts = {name: len(own) for name, own in pictures.items()}
-    if len(set(counts.values())) > 1:
-        told = ", ".join(f"{name} {count}" for name, count in counts.items())
-        raise CalibrationError(f"the cameras have different numbers of pictures ({told}); give one each per instant")
-    finder, album = BoardFinder(job.board), _Album(job)
-    seen = dict.fromkeys(pictures, 0)
+    if len({len(own) for own in pictures.values()}) > 1:
+        counts = ", ".join(f"{name} {len(own)}" for name, own in pictures.items())
+        raise CalibrationError(f"the cameras have different numbers of pictures ({counts}); give one each per instant")
+    finder, album = BoardFinder(board), _Album(job, board, standing)
+    unseen = set(pictures)
     for instant in zip(*pictures.values(), strict=True):
         _refuse_new_size(instant, [own[0] for own in pictures.values()], list(pictures))
         pose = [finder.find(picture) for picture in instant]
-        seen = {name: count + (view is not None) for (name, count), view in zip(seen.items(), pose, strict=True)}
+        unseen -= {name for name, view in zip(pictures, pose, strict=True) if view is not None}
         album.keep(instant, pose)
-    _refuse_unseen(finder, {name: pictures[name] for name, count in seen.items() if count == 0})
-    return album.solve(serials)
+    _refuse_unseen(finder, {name: own for name, own in pictures.items() if name in unseen})
+    return album.solve()
 
 
 def calibrate_live(
-    job: BoardJob,
+    job: PictureJob,
+    board: Board,
+    standing: bool,
     poses: int,
     should_stop: Callable[[], bool],
     say: Callable[[str], None],
-    serials: Sequence[str] = (),
 ) -> Calibrated:
     """The rig from running cameras: keeps each new pose of the board that is held still, until there are enough."""
-    finder, album, gate = BoardFinder(job.board), _Album(job), PoseGate()
+    finder, album, gate = BoardFinder(board), _Album(job, board, standing), PoseGate()
     with ExitStack() as stack:
         cameras: list[Camera] = []
         for name, source in job.sources.items():
@@ -125,7 +108,7 @@ def calibrate_live(
             "no board was seen still by two cameras; hold it still for a moment where both see it, and check --squares "
             "and --dictionary against the print"
         )
-    return album.solve(serials)
+    return album.solve()
 
 
 def _instants(cameras: Sequence[Camera], should_stop: Callable[[], bool]) -> Iterator[Pictures]:
@@ -155,7 +138,3 @@ def _refuse_unseen(finder: BoardFinder, pictures: Mapping[str, Sequence[Image]])
 
 def _pixels(views: Sequence[BoardView | None]) -> Array:
     return np.concatenate([np.zeros((0, 2)), *(view.pixels for view in views if view is not None)])
-
-
-def _size(picture: Image) -> tuple[int, int]:
-    return picture.shape[1], picture.shape[0]

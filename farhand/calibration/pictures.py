@@ -1,7 +1,8 @@
-"""Pictures for a calibration, read from folders, patterns and videos."""
+"""Pictures for a calibration: read from folders, patterns and videos, and written with what was found in them."""
 
 import glob
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
 from pathlib import Path
 
 import cv2
@@ -11,9 +12,23 @@ from common.cameras.camera import Image
 from common.cameras.images import IMAGE_SUFFIXES
 from common.cameras.sources import open_camera
 from common.errors import CameraError, ConfigError
+from common.geometry import Array
 from local_site.calibration.control_points import CAMERAS
+from local_site.calibration.coverage import coverage_map
+from local_site.calibration.found import draw_found
+from local_site.preview.picture_files import write_picture
 
 MAX_PICTURES = 500
+
+
+@dataclass(frozen=True, slots=True)
+class PictureJob:
+    """The cameras' sources by name, the rig file to write, a folder for found pictures, serial numbers NAME=NUMBER."""
+
+    sources: Mapping[str, str]
+    out: Path
+    pictures: Path | None = None
+    serials: Sequence[str] = ()
 
 
 def by_name(sources: Sequence[str | None]) -> dict[str, str]:
@@ -33,10 +48,6 @@ def read_pictures(source: str, name: str) -> list[Image]:
         raise CameraError(f"camera {name}: no file matches {source}; put the pattern in quotes and check the folder")
     if not paths[0].exists():
         raise CameraError(f"camera {name}: {source} does not exist; give a folder of pictures, a pattern or a video")
-    return _all_frames(source, name)
-
-
-def _all_frames(source: str, name: str) -> list[Image]:
     camera = open_camera(source, name)
     pictures: list[Image] = []
     try:
@@ -52,3 +63,18 @@ def _read(path: Path, name: str) -> Image:
     if picture is None:
         raise CameraError(f"camera {name}: {path} is not an image that can be read; remove or replace it")
     return np.asarray(picture, dtype=np.uint8)
+
+
+def write_found(folder: Path, name: str, number: int, picture: Image, found: tuple[Array, Sequence[str]]) -> None:
+    """Write a camera's picture of this number with what was found in it: pixels (N, 2) and their names."""
+    write_picture(folder, f"{name}_{number}", draw_found(picture, *found))
+
+
+def write_coverage(folder: Path, name: str, picture: Image, pixels: Array) -> None:
+    """Write which parts of a camera's picture all its pixels (N, 2) cover."""
+    write_picture(folder, f"{name}_coverage", coverage_map(pixels, size_of(picture), picture))
+
+
+def size_of(picture: Image) -> tuple[int, int]:
+    """Width and height, px."""
+    return picture.shape[1], picture.shape[0]

@@ -1,4 +1,4 @@
-"""Calibration from control points: a CSV file in, a rig file out, and what a person wants to know of it."""
+"""Calibration from control points: a CSV file in, a rig file out, and a summary for people."""
 
 import math
 from collections.abc import Iterator, Sequence
@@ -28,7 +28,7 @@ USUAL_SPAN_M = (0.05, 20.0)
 
 @dataclass(frozen=True, slots=True)
 class Calibrated:
-    """A new rig, where it was written, and what is to be said against it."""
+    """A new rig, where it was written, and warnings."""
 
     rig: Rig
     out: Path
@@ -41,7 +41,7 @@ def calibrate_points(csv: Path, out: Path, size: Size | None = None, serials: Se
 
 
 def calibrate_control(control: ControlPoints, out: Path, serials: Sequence[str] = ()) -> Calibrated:
-    """Solve the rig of control points, however they were found, and write it."""
+    """Solve the rig of control points and write it."""
     rig = with_serials(solve_rig(control, created=now()), serials)
     save_rig(rig, out)
     return Calibrated(rig, out, coverage_warnings(control))
@@ -73,7 +73,7 @@ def doubts(rig: Rig) -> list[str]:
 
 
 def _odd(calibrated: CameraCalibration) -> Iterator[str]:
-    """What is odd about a camera's place and its pixels."""
+    """What is odd about a camera's position and its pixels."""
     camera = decomposed(calibrated.matrix)
     if camera is None:
         return
@@ -114,7 +114,7 @@ def parse_pair(text: str, option: str) -> tuple[int, int]:
 
 
 def describe(calibrated: Calibrated) -> str:
-    """What a person wants to know of a new rig: reprojection per camera, 3D error per axis, lenses, warnings."""
+    """A new rig in words: reprojection error per camera, 3D error per axis, lenses, warnings."""
     rig = calibrated.rig
     cameras = ", ".join(f"{camera.name} {camera.reprojection_rms_px:.3f} px" for camera in rig.cameras)
     lines = [f"reprojection rms: {cameras}", f"3D error rms: {_axes(rig.error_rms)}"]

@@ -1,6 +1,5 @@
 """The folder of an authority: its own certificate and key, and a folder per cell with a pair of files per role."""
 
-import os
 import re
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -14,6 +13,7 @@ from cryptography.hazmat.primitives.asymmetric import ec
 from common.errors import ConfigError
 from common.link.channels import check_cell_name
 from common.link.roles import Identity, Role
+from common.whole_file import write_whole
 from farhand.certificates.issuing import CA_DAYS, Issued, issue, make_authority
 
 LOOPBACK_HOSTS = ("127.0.0.1", "::1", "localhost")
@@ -24,9 +24,9 @@ HOST = re.compile(r"[0-9a-zA-Z.:-]{1,253}")
 
 @dataclass(frozen=True, slots=True)
 class CertificateOrder:
-    """What is asked for: hosts beside the loopback interface under which the sites are reached, and for how long.
+    """A request for certificates: hosts beside the loopback interface under which the sites are reached, and days.
 
-    ConfigError for what is no name of a cell, or no host: before anything is written.
+    ConfigError for an invalid name of a cell or host, before anything is written.
     """
 
     cell: str
@@ -45,8 +45,8 @@ def create(folder: Path, order: CertificateOrder, now: datetime) -> list[Path]:
     theirs = folder / order.cell
     if theirs.exists():
         raise ConfigError(
-            f"{theirs} is there already and stays as it is; to make new certificates for the same sites: farhand "
-            f"certificates renew {order.cell} --dir {folder}; to begin anew, take {theirs} away first"
+            f"{theirs} exists already and is not changed; to make new certificates for the same sites: farhand "
+            f"certificates renew {order.cell} --dir {folder}; to start again, delete {theirs} first"
         )
     authority = load_authority(folder) if (folder / f"{AUTHORITY}.key").exists() else _new_authority(folder, now)
     return _issue_all(folder, authority, order, now)
@@ -57,7 +57,7 @@ def renew(folder: Path, order: CertificateOrder, now: datetime) -> list[Path]:
     known = folder / order.cell / f"{Role.REMOTE.value}.pem"
     if not known.exists():
         raise ConfigError(
-            f"{known} is not there: make it first: farhand certificates create {order.cell} --dir {folder}"
+            f"{known} does not exist; make it first: farhand certificates create {order.cell} --dir {folder}"
         )
     hosts = tuple(dict.fromkeys((*hosts_of(read_certificate(known)), *order.hosts)))
     return _issue_all(folder, load_authority(folder), CertificateOrder(order.cell, hosts, order.days), now)
@@ -71,9 +71,9 @@ def load_authority(folder: Path) -> Issued:
     except OSError as error:
         raise ConfigError(f"cannot read {path}: {error.strerror}; it stays where the certificates were made") from error
     except (ValueError, TypeError) as error:
-        raise ConfigError(f"{path} is no private key: take {folder} away and create all certificates anew") from error
+        raise ConfigError(f"{path} is no private key: delete {folder} and create all certificates again") from error
     if not isinstance(key, ec.EllipticCurvePrivateKey) or key.public_key() != certificate.public_key():
-        raise ConfigError(f"{path} is not the key of {folder / AUTHORITY}.pem: bring back the one that is")
+        raise ConfigError(f"{path} is not the key of {folder / AUTHORITY}.pem: restore the one that is")
     return Issued(certificate, key)
 
 
@@ -114,37 +114,26 @@ def _issue_all(folder: Path, authority: Issued, order: CertificateOrder, now: da
 
 
 def _valid(authority: Issued, now: datetime, days: int) -> timedelta:
-    """As long as asked, but not beyond the authority's own end."""
+    """The requested days, but not beyond the authority's own end."""
     left = authority.certificate.not_valid_after_utc - now
     if left <= timedelta(0):
-        raise ConfigError("the authority has expired: take its folder away and create all certificates anew")
+        raise ConfigError("the authority has expired: delete its folder and create all certificates again")
     return min(timedelta(days=days), left)
 
 
 def _write(stem: Path, issued: Issued) -> None:
-    """The key first: a certificate is of no use without it."""
-    _write_whole(stem.with_name(f"{stem.name}.key"), issued.key_pem, PRIVATE)
-    _write_whole(stem.with_name(f"{stem.name}.pem"), issued.certificate_pem, PUBLIC)
-
-
-def _write_whole(path: Path, content: bytes, mode: int) -> None:
-    """Nobody reads a key before it has its mode, and nobody a file that is half written."""
-    partial = path.with_name(f".{path.name}.partial")
-    partial.unlink(missing_ok=True)
-    descriptor = os.open(partial, os.O_WRONLY | os.O_CREAT | os.O_EXCL, mode)
-    with os.fdopen(descriptor, "wb") as file:
-        os.fchmod(file.fileno(), mode)
-        file.write(content)
-    partial.replace(path)
+    """Write the key first: a certificate is useless without it."""
+    write_whole(stem.with_name(f"{stem.name}.key"), issued.key_pem, PRIVATE)
+    write_whole(stem.with_name(f"{stem.name}.pem"), issued.certificate_pem, PUBLIC)
 
 
 def guidance(folder: Path, cell: str, hosts: Sequence[str]) -> str:
-    """What to do with what was made."""
+    """What to do with the new files."""
     theirs = folder / cell
     where = hosts[0] if hosts else "127.0.0.1"
     return (
         f"made in {theirs}: a certificate and key each for {', '.join(role.value for role in Role)}\n"
-        f"keep {folder / AUTHORITY}.key to yourself: who has it can make itself an operator\n"
+        f"keep {folder / AUTHORITY}.key secret: whoever has it can become an operator\n"
         "give each host ca.pem and its own pair, keys for the service's user only, for the robot's side:\n"
         f'  cell = "{cell}"\n'
         "  [links]\n"

@@ -12,7 +12,7 @@ from cryptography.x509.oid import ExtendedKeyUsageOID, NameOID
 
 from common.link.roles import Identity
 
-EARLY = timedelta(minutes=5)  # two hosts' clocks may disagree by so much
+EARLY = timedelta(minutes=5)  # two hosts' clocks may differ by this
 CA_DAYS = 3650
 
 
@@ -30,7 +30,7 @@ class Issued:
 
     @property
     def key_pem(self) -> bytes:
-        """The key as PEM, not enciphered: a daemon that starts by itself has nobody to ask for a word."""
+        """The key as PEM, not encrypted: a daemon that starts by itself has nobody to ask for a password."""
         return self.key.private_bytes(
             serialization.Encoding.PEM, serialization.PrivateFormat.PKCS8, serialization.NoEncryption()
         )
@@ -69,7 +69,7 @@ def issue(authority: Issued, identity: Identity, hosts: Sequence[str], now: date
 
 
 def general_name(host: str) -> x509.GeneralName:
-    """An address or a host name as a certificate names it; ValueError for what is neither."""
+    """An address or a host name as a certificate names it."""
     try:
         return x509.IPAddress(ipaddress.ip_address(host))
     except ValueError:

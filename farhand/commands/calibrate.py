@@ -70,9 +70,9 @@ def calibrate_images_command(
 
     Example: farhand calibrate images --left 'left_*.png' --right 'right_*.png' --heights-mm 0,497,994
     """
-    from farhand.calibration.boards import BoardJob, calibrate_board_pictures, make_board
-    from farhand.calibration.pictures import by_name
-    from farhand.calibration.plate import PlateJob, calibrate_plate, parse_heights
+    from farhand.calibration.boards import calibrate_board_pictures, make_board
+    from farhand.calibration.pictures import PictureJob, by_name
+    from farhand.calibration.plate import calibrate_plate, parse_heights
     from farhand.calibration.points import describe, parse_pair, solvable
     from farhand.outputs import check_file, check_folder
     from local_site.calibration.plate import Plate
@@ -80,16 +80,16 @@ def calibrate_images_command(
     sources = by_name((left, right, third, fourth))
     check_file("--out", out, sources.values())
     check_folder("--pictures", pictures, sources.values())
+    job = PictureJob(sources, out, pictures, serial or ())
     if board == "plate":
         plate = Plate(*parse_pair(discs, "--discs"), pitch_mm / 1000, disc_mm / 1000)
-        job = PlateJob(plate, parse_heights(heights_mm), sources, out, pictures)
+        heights = parse_heights(heights_mm)
         with solvable():
-            typer.echo(describe(calibrate_plate(job, serial or ())))
+            typer.echo(describe(calibrate_plate(job, plate, heights)))
         return
     printed = make_board(board, parse_pair(squares, "--squares"), square_mm, marker_mm, dictionary)
-    boards = BoardJob(printed, standing, sources, out, pictures)
     with solvable():
-        typer.echo(describe(calibrate_board_pictures(boards, serial or ())))
+        typer.echo(describe(calibrate_board_pictures(job, printed, standing)))
 
 
 @calibrate_app.command("live")
@@ -113,8 +113,8 @@ def calibrate_live_command(
 
     Example: farhand calibrate live --left 0 --right 1 --board charuco --squares 8x6 --square-mm 30 --marker-mm 22
     """
-    from farhand.calibration.boards import BoardJob, calibrate_live, make_board
-    from farhand.calibration.pictures import by_name
+    from farhand.calibration.boards import calibrate_live, make_board
+    from farhand.calibration.pictures import PictureJob, by_name
     from farhand.calibration.points import describe, parse_pair
     from farhand.outputs import check_file, check_folder
 
@@ -122,7 +122,7 @@ def calibrate_live_command(
     check_file("--out", out, sources.values())
     check_folder("--pictures", pictures, sources.values())
     printed = make_board(board, parse_pair(squares, "--squares"), square_mm, marker_mm, dictionary)
-    job = BoardJob(printed, standing, sources, out, pictures)
+    job = PictureJob(sources, out, pictures, serial or ())
     should_stop = StopFlag()
     should_stop.install()
-    typer.echo(describe(calibrate_live(job, poses, should_stop, typer.echo, serial or ())))
+    typer.echo(describe(calibrate_live(job, printed, standing, poses, should_stop, typer.echo)))

@@ -1,4 +1,4 @@
-"""What a check has found: how bad it is, a sentence, the cure; told to a person or as JSON."""
+"""What a check has found: its severity, a sentence, the cure; as text for people and as JSON for programs."""
 
 from collections.abc import Sequence
 from enum import StrEnum
@@ -15,7 +15,7 @@ class Severity(StrEnum):
 
 
 class Finding(msgspec.Struct, frozen=True):
-    """What one check says; `cure` is empty where there is nothing to do."""
+    """The result of one check; `cure` is empty where there is nothing to do."""
 
     check: str
     level: Severity
@@ -58,5 +58,5 @@ def as_text(findings: Sequence[Finding]) -> str:
 
 def as_json(findings: Sequence[Finding]) -> str:
     """An object with the worst level and every finding."""
-    told = {"worst": worst(findings), "findings": list(findings)}
-    return msgspec.json.format(msgspec.json.encode(told), indent=2).decode()
+    report = {"worst": worst(findings), "findings": list(findings)}
+    return msgspec.json.format(msgspec.json.encode(report), indent=2).decode()

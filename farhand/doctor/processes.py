@@ -1,4 +1,4 @@
-"""Who listens on a port and who holds a device, as /proc tells it; processes of other users may stay unknown."""
+"""Who listens on a port and who holds a device, from /proc; processes of other users may remain unknown."""
 
 from collections.abc import Iterator
 from contextlib import suppress
@@ -9,7 +9,7 @@ LISTENING = "0A"
 
 
 def listener_on(port: int) -> str:
-    """Name and number of the process that listens on a TCP port of this host; empty when it is not to be seen."""
+    """Name and number of the process that listens on a TCP port of this host; empty if none is visible."""
     inodes = {f"socket:[{inode}]" for inode in _listening_inodes(port)}
     return _holder_of(inodes)
 

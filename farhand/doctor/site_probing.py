@@ -1,19 +1,22 @@
-"""Looks at what a configuration names: robot, cameras, rig, ports, the remote site's clock."""
+"""Probes what a configuration names: robot, cameras, rig, ports, the remote site's clock, certificates."""
 
 import threading
 import time
-from collections.abc import Sequence
 from datetime import UTC, datetime
 from pathlib import Path
 
+from cryptography import x509
+
 from common.cameras.sources import Source, open_camera
 from common.clock import NS_PER_S, OffsetEstimator
-from common.errors import CalibrationError, CameraError, DriverError, RefusedError, TransportError
-from common.link.config import ON_THIS_HOST, LinkSecurity
+from common.errors import CalibrationError, CameraError, ConfigError, DriverError, RefusedError, TransportError
+from common.link.config import ON_THIS_HOST, LinkSecurity, TlsConfig
+from common.link.credentials import load_credentials
 from common.link.endpoints import check_endpoint, check_free
 from common.link.transport import open_link
+from farhand.certificates.folder import read_certificate
 from farhand.doctor.processes import holder_of_device, listener_on
-from farhand.doctor.site import CameraFacts, ClockFacts, PortFacts, RigFacts, RobotFacts
+from farhand.doctor.site import CameraFacts, CertificateFacts, ClockFacts, PortFacts, RigFacts
 from local_site.calibration.rig_file import load_rig
 from remote_site.config import RemoteConfig
 
@@ -22,12 +25,12 @@ CLOCK_PATIENCE_NS = 2 * NS_PER_S
 TRIPS = 20
 TRIP_EVERY_S = 0.05
 SECONDS_PER_DAY = 86400.0
+MODE_BITS = 0o777
 
 
-def probe_robot(config: RemoteConfig) -> RobotFacts:
-    """Load of the arm what the remote site loads, and look up its driver."""
-    mistakes = (*_try_driver(config.driver.name), *_try_arm(config))
-    return RobotFacts(config.robot.model, config.driver.name, mistakes)
+def probe_robot(config: RemoteConfig) -> list[tuple[str, str, str]]:
+    """Look up the driver and load the arm as the remote site does; part, sentence and cure of each mistake."""
+    return [*_try_driver(config.driver.name), *_try_arm(config)]
 
 
 def _try_driver(name: str) -> list[tuple[str, str, str]]:
@@ -42,9 +45,9 @@ def _try_driver(name: str) -> list[tuple[str, str, str]]:
 
 def _try_arm(config: RemoteConfig) -> list[tuple[str, str, str]]:
     try:
-        from remote_site.runtime.checks import find_mistakes  # noqa: PLC0415  # the doctor also looks at hosts without its libraries
+        from remote_site.runtime.checks import find_mistakes  # noqa: PLC0415  # the doctor also examines hosts without its libraries
     except ImportError as error:
-        return [("robot", f"the arm cannot be loaded: {error}", "install Farhand anew: pip install -e '.[sim]'")]
+        return [("robot", f"the arm cannot be loaded: {error}", "install Farhand again: pip install -e '.[sim]'")]
     return [(mistake.part, mistake.sentence, mistake.cure) for mistake in find_mistakes(config)]
 
 
@@ -55,7 +58,7 @@ def probe_camera(name: str, source: Source, fps: float) -> CameraFacts:
     if holder:
         return CameraFacts(name, str(source), holder=holder)
     found: list[CameraFacts] = []
-    # A stream may hang for as long as it likes: whoever waits for it is not waited for.
+    # Opening a stream may hang: its thread is then left behind.
     thread = threading.Thread(target=lambda: found.append(_first_picture(name, source, fps)), daemon=True)
     thread.start()
     thread.join(PICTURE_TIMEOUT_S)
@@ -79,28 +82,22 @@ def _first_picture(name: str, source: Source, fps: float) -> CameraFacts:
 
 
 def probe_rig(path: str, now: datetime) -> RigFacts:
-    """Read a rig file and tell its age."""
+    """Read a rig file, its age and its cameras' picture sizes."""
     try:
         rig = load_rig(Path(path))
     except CalibrationError as error:
         return RigFacts(path, problem=str(error))
+    sizes = tuple(camera.size_px for camera in rig.cameras)
     try:
         created = datetime.fromisoformat(rig.created)
     except ValueError:
-        created = None
-    sizes = tuple(camera.size_px for camera in rig.cameras)
-    if created is None:
         return RigFacts(path, sizes_px=sizes)
     aware = created if created.tzinfo else created.replace(tzinfo=UTC)
     return RigFacts(path, (now - aware).total_seconds() / SECONDS_PER_DAY, sizes)
 
 
-def probe_ports(endpoints: Sequence[tuple[str, str]], security: LinkSecurity) -> list[PortFacts]:
-    """Whether each place (purpose, endpoint) is free to listen at."""
-    return [_probe_port(purpose, endpoint, security) for purpose, endpoint in endpoints]
-
-
-def _probe_port(purpose: str, endpoint: str, security: LinkSecurity) -> PortFacts:
+def probe_port(purpose: str, endpoint: str, security: LinkSecurity) -> PortFacts:
+    """Whether an endpoint is free to listen at, else who does."""
     try:
         check_endpoint(endpoint, security)
     except TransportError as error:
@@ -113,7 +110,7 @@ def _probe_port(purpose: str, endpoint: str, security: LinkSecurity) -> PortFact
 
 
 def probe_clock(cell: str, endpoint: str, security: LinkSecurity = ON_THIS_HOST) -> ClockFacts:
-    """Ask the remote site's clock some twenty times within a second or two."""
+    """Ask the remote site's clock TRIPS times, for CLOCK_PATIENCE_NS at most."""
     estimator = OffsetEstimator()
     try:
         with open_link(connect=(endpoint,), security=security) as link:
@@ -127,10 +124,24 @@ def probe_clock(cell: str, endpoint: str, security: LinkSecurity = ON_THIS_HOST)
     except RefusedError as error:
         return ClockFacts(endpoint, problem=str(error))
     except TransportError:
-        return ClockFacts(endpoint)  # what is wrong with the endpoint, the ports tell
+        return ClockFacts(endpoint)  # the check of the links reports what is wrong with the endpoint
     known = estimator.estimate(time.monotonic_ns())
-    return (
-        ClockFacts(endpoint)
-        if known is None
-        else ClockFacts(endpoint, known.offset.offset_ns, known.offset.uncertainty_ns)
-    )
+    if known is None:
+        return ClockFacts(endpoint)
+    return ClockFacts(endpoint, known.offset.offset_ns, known.offset.uncertainty_ns)
+
+
+def probe_certificate(tls: TlsConfig, now: datetime) -> CertificateFacts:
+    """Load the files as a link would, then read dates and modes."""
+    try:
+        identity = load_credentials(tls).identity
+        certificate, authority = read_certificate(Path(tls.certificate)), read_certificate(Path(tls.ca))
+    except (TransportError, ConfigError) as error:
+        return CertificateFacts(tls.certificate, problem=str(error))
+    key_mode = Path(tls.key).stat().st_mode & MODE_BITS
+    days = _days_left(certificate, now), _days_left(authority, now)
+    return CertificateFacts(tls.certificate, identity.common_name, *days, key_mode)
+
+
+def _days_left(certificate: x509.Certificate, now: datetime) -> float:
+    return (certificate.not_valid_after_utc - now).total_seconds() / SECONDS_PER_DAY

@@ -7,14 +7,13 @@ import cv2
 
 from common.cameras.camera import Frame
 from common.clock import NS_PER_S
-from common.errors import InterruptionError
 from local_site.simulation.calibrated import calibrate_simulated
 from local_site.simulation.config import SimulationConfig
 from local_site.simulation.operator import SimulatedOperator
 from local_site.tracking.choice import TrackingConfig, make_tracker
 from local_site.tracking.tracker import ArmEstimate, View, Views
 
-Progress = Callable[[], bool]
+Progress = Callable[[], object]  # called after every frame; may raise, as InterruptionError when a person ends the work
 
 
 @dataclass(frozen=True, slots=True)
@@ -27,10 +26,7 @@ class Film:
 
 
 def film(config: SimulationConfig, tracking: TrackingConfig, fps: float, seconds: float, progress: Progress) -> Film:
-    """Render and track all frames of so many seconds; deterministic by the configuration's seed.
-
-    `progress` is called after every frame; when it says False, InterruptionError.
-    """
+    """Render and track all frames of `seconds`; deterministic by the configuration's seed."""
     cv2.setNumThreads(1)
     operator = SimulatedOperator(config)
     tracker = make_tracker(calibrate_simulated(config), tracking)
@@ -39,6 +35,5 @@ def film(config: SimulationConfig, tracking: TrackingConfig, fps: float, seconds
         t_ns = round(k * NS_PER_S / fps)
         views = tuple(View(Frame(picture, t_ns, k)) for picture in operator.render(t_ns / NS_PER_S))
         estimates.append(tracker.track(Views(t_ns, views)))
-        if not progress():
-            raise InterruptionError("interrupted before the experiment was done; nothing was written")
+        progress()
     return Film(operator, fps, tuple(estimates))

@@ -1,139 +1,204 @@
-"""Hand against tool, per frame, as in the thesis's figures 6.15 and 6.16: the curves, the lag, what is left; pure."""
+"""The experiment "follow": one hand motion, followed as in the thesis and as Farhand does it, side by side."""
 
-from collections.abc import Callable
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
-from typing import Any
 
 import numpy as np
 
-from common.clock import NS_PER_MS, NS_PER_S
+from common.clock import NS_PER_S
 from common.geometry import Array
-from remote_site.teleop.mapping import thesis_angles
+from common.messages.hand import TrackingStatus
+from farhand.experiments.filming import Film, Progress, film
+from farhand.experiments.follow_figures import (
+    COLUMNS,
+    GRID_NS,
+    Curves,
+    follow_figures,
+    hand_rows,
+    pointing,
+    rows_at,
+    tool_rows,
+)
+from farhand.experiments.following import ToolPath, follow_by_mean, follow_by_pipeline
+from farhand.experiments.plotting import describe_panel, panels, png, widen
+from farhand.experiments.report import CsvTable, ExperimentReport, Figures
+from local_site.samples.smoothing import SmoothingConfig
+from local_site.simulation.config import MotionConfig, SimulationConfig
+from local_site.tracking.choice import TrackingConfig
+from local_site.tracking.tracker import ArmEstimate
+from remote_site.config import RemoteConfig
 
-COLUMNS = ("x_mm", "y_mm", "z_mm", "xy_deg", "xz_deg")
-PLACE, ANGLES = slice(0, 3), slice(3, 5)
-LAGS_MS = np.arange(0.0, 2001.0, 2.0)
-GRID_NS = 10 * NS_PER_MS
-
-Figures = dict[str, Any]
-Points = Callable[[int], tuple[Array, Array, Array]]
+STILL_S = 4.0  # at 5 fps the tracker learns the arm for two seconds, and the mean fills for as long
+STILL_NS = round(STILL_S * NS_PER_S)
+MOVES_S, QUICK_MOVES_S = 32.0, 4.5
+THESIS_FPS, FARHAND_FPS = 5.0, 30.0
+LATENCY_MS = 10.0
+THESIS_SMOOTHING = SmoothingConfig(method="mean", mean_frames=9, max_gap_s=1.0)
+SIMULATION = SimulationConfig(motion=MotionConfig(name="reach_and_adjust", still_s=STILL_S))
+TEXT = (
+    "A simulated hand reaches, adjusts and carries as in figures 6.15 and 6.16 of the thesis. Two cameras film it, the "
+    "tracker measures it, and the tool follows: once by the mean of nine frames at 5 frames per second, mapped onto an "
+    "arm that is at once where its model reaches, and once by Farhand's own settings through its whole pipeline. Lag "
+    "is the delay at which hand and tool fit best; the residual is the distance that remains at that delay."
+)
+HAND_MEASURED = {"label": "hand, measured", "color": "#64b4eb", "linewidth": 3.4}
+HAND_TRUE = {"label": "hand, true", "color": "#282828", "linewidth": 0.9}
+TOOL = {"label": "tool", "color": "#d72828", "linewidth": 1.6}
+LABELS = ("X, mm", "Y, mm", "Z, mm", "XY plane, deg", "XZ plane, deg")
+LEAST_MM, LEAST_DEG = 10.0, 4.0
 
 
 @dataclass(frozen=True, slots=True)
-class Curves:
-    """Motion since the origin in the operator's axes: places in mm, directions in the XY and XZ plane in degrees.
+class Variant:
+    """One way to follow the hand: its name, its frames per second, its curves and figures."""
 
-    One row of COLUMNS for each of `frames_ns`: the hand as it truly was, as it was measured (NaN where it was not), and
-    the tool. `truth` (M, 5) are the true rows at `truth_ns`, close enough together to be interpolated.
-    """
-
-    frames_ns: Array
-    hand_true: Array
-    hand_measured: Array
-    tool: Array
-    truth_ns: Array
-    truth: Array
+    name: str
+    fps: float
+    curves: Curves
+    figures: Figures
 
 
-def pointing(wrist: Array, index: Array, thumb: Array) -> Array:
-    """Where the hand points (3,): from the wrist to the middle between the tips (thesis section 4.2)."""
-    return 0.5 * (index + thumb) - wrist
+def frame_count(quick: bool) -> int:
+    """How many frames are filmed, for a progress bar."""
+    return sum(round(_filmed_s(quick) * fps) + 1 for fps in (THESIS_FPS, FARHAND_FPS))
 
 
-def hand_rows(wrists: Array, directions: Array, origin: Array, ahead: Array) -> Array:
-    """Rows of COLUMNS from wrists (N, 3) in m and directions (N, 3), since an origin and the direction there."""
-    return np.column_stack([1e3 * (wrists - origin), _angles(directions) - _angles(ahead[None])])
+def follow_report(quick: bool, progress: Progress) -> ExperimentReport:
+    """Run the experiment; always the same for the same settings. ProcessError when the arm was never engaged."""
+    filmed_s, remote = _filmed_s(quick), RemoteConfig()
+    slow, fast = (film(SIMULATION, TrackingConfig(), fps, filmed_s, progress) for fps in (THESIS_FPS, FARHAND_FPS))
+    by_mean = follow_by_mean(slow, THESIS_SMOOTHING, remote)
+    by_pipeline = follow_by_pipeline(fast, SmoothingConfig(), remote, LATENCY_MS)
+    variants = {
+        "mean_5fps": _variant("9-frame mean at 5 fps", slow, by_mean, remote),
+        "farhand_30fps": _variant("Farhand at 30 fps", fast, by_pipeline, remote),
+    }
+    settings = {
+        "quick": quick,
+        "seed": SIMULATION.seed,
+        "motion": SIMULATION.motion.name,
+        "still_s": STILL_S,
+        "seconds": filmed_s,
+        "robot": remote.robot.model,
+        "mean_frames": THESIS_SMOOTHING.mean_frames,
+        "mean_latency_ms": 0.0,
+        "farhand_latency_ms": LATENCY_MS,
+    }
+    figures = {name: variant.figures for name, variant in variants.items()}
+    return ExperimentReport(
+        title="Hand against tool: the thesis's mean and Farhand's pipeline",
+        text=TEXT,
+        summary="\n".join(
+            f"{variant.name}, behind the {hand} hand: {_in_words(variant.figures[f'tool_behind_{hand}_hand'])}"
+            for variant in variants.values()
+            for hand in ("true", "measured")
+        ),
+        figures={"experiment": "follow", "settings": settings, **figures},
+        compared={variant.name: variant.figures for variant in variants.values()},
+        plots=_plots(tuple(variants.values())),
+        data={f"follow_{name}": _table(variant) for name, variant in variants.items()},
+    )
 
 
-def tool_rows(poses: Array, base_R_operator: Array, scale: float, ahead: Array) -> Array:
-    """Rows of COLUMNS from poses (N, 4, 4), turned into the operator's axes.
-
-    The tool's turn since the first pose is told as the direction of a hand that turned so from `ahead`.
-    """
-    moved = (poses[:, :3, 3] - poses[0, :3, 3]) @ base_R_operator / scale
-    turned = poses[:, :3, :3] @ poses[0, :3, :3].T
-    directions = base_R_operator.T @ (turned @ (base_R_operator @ ahead))[..., None]
-    return hand_rows(moved, directions[..., 0], np.zeros(3), ahead)
+def _filmed_s(quick: bool) -> float:
+    return STILL_S + (QUICK_MOVES_S if quick else MOVES_S)
 
 
-def rows_at(times_ns: Array, known_ns: Array, rows: Array) -> Array:
-    """Rows (N, 5) at other times, interpolated; what is not a number is left out."""
-    sure = np.isfinite(rows).all(axis=1)
-    return np.column_stack([np.interp(times_ns, known_ns[sure], rows[sure, k]) for k in range(rows.shape[1])])
+def _variant(name: str, filmed: Film, path: ToolPath, remote: RemoteConfig) -> Variant:
+    curves = _curves(filmed, path, remote)
+    figures = {
+        "fps": filmed.fps,
+        "engaged_s": path.engaged_ns / NS_PER_S,
+        **follow_figures(curves, STILL_NS),
+        "hindered": dict(path.hindered),
+    }
+    return Variant(name, filmed.fps, curves, figures)
 
 
-def follow_figures(curves: Curves, from_ns: int) -> Figures:
-    """Lag and residual of the tool behind the true and behind the measured hand, over the frames since `from_ns`."""
-    true = curves.truth_ns, curves.truth
-    measured = curves.frames_ns.astype(float), curves.hand_measured
-    moving = curves.frames_ns >= from_ns
-    frames_ns, tool = curves.frames_ns[moving], curves.tool[moving]
-    seen = np.isfinite(curves.hand_measured).all(axis=1) & moving
-    tracked = curves.hand_measured[seen] - curves.hand_true[seen]
+def _curves(filmed: Film, path: ToolPath, remote: RemoteConfig) -> Curves:
+    """Hand and tool at every frame since the engagement."""
+    mapping = remote.mapping
+    frames = [e for e in filmed.estimates if e.t_ns >= path.engaged_ns]
+    frames_ns = np.array([e.t_ns for e in frames])
+    truth_ns = np.arange(0, frames_ns[-1] + GRID_NS, GRID_NS)
+    truths = [filmed.operator.truth(t_ns / NS_PER_S) for t_ns in truth_ns]
+    directions = np.array([pointing(t.wrist, t.index, t.thumb) for t in truths])
+    ahead = directions[0]
+    truth = hand_rows(np.array([t.wrist for t in truths]), directions, truths[0].wrist, ahead)
+    tool = tool_rows(np.array(path.poses), np.array(mapping.base_R_operator), mapping.scale, ahead)
+    return Curves(
+        frames_ns=frames_ns,
+        hand_true=rows_at(frames_ns, truth_ns, truth),
+        hand_measured=_measured(filmed.estimates)[-len(frames) :],
+        tool=rows_at(frames_ns, np.array(path.times_ns), tool),
+        truth_ns=truth_ns,
+        truth=truth,
+    )
+
+
+def _measured(estimates: tuple[ArmEstimate, ...]) -> Array:
+    """The measured hand's rows, NaN where it was not measured, since its mean pose while it was tracked and still."""
+    points = np.array([[_known(e.wrist), _known(e.index), _known(e.thumb)] for e in estimates])
+    wrists, directions = points[:, 0], pointing(points[:, 0], points[:, 1], points[:, 2])
+    still = np.array([e.t_ns <= STILL_NS and e.status is TrackingStatus.TRACKED for e in estimates])
+    return hand_rows(wrists, directions, np.nanmean(wrists[still], axis=0), np.nanmean(directions[still], axis=0))
+
+
+def _known(point: Array | None) -> Array:
+    return np.full(3, np.nan) if point is None else point
+
+
+def _table(variant: Variant) -> CsvTable:
+    curves, time_s = variant.curves, variant.curves.frames_ns / NS_PER_S
+    kinds = {"hand_true": curves.hand_true, "hand_measured": curves.hand_measured, "tool": curves.tool}
+    names = [f"{kind}_{column}" for kind in kinds for column in COLUMNS]
+    frames = np.round(time_s * variant.fps)
+    return CsvTable(("frame", "t_s", *names), np.column_stack([frames, time_s, *kinds.values()]))
+
+
+def _in_words(behind: Figures) -> str:
+    xy, xz = (behind["residual_deg"][plane]["mean"] for plane in ("xy_deg", "xz_deg"))
+    return (
+        f"lag {behind['lag_ms']:.0f} ms, residual {behind['residual_mm']['mean']:.1f} mm; "
+        f"angles {behind['angle_lag_ms']:.0f} ms, {xy:.1f} deg (XY), {xz:.1f} deg (XZ)"
+    )
+
+
+def _plots(variants: Sequence[Variant]) -> Mapping[str, bytes]:
+    """Positions (figure 6.15) and directions (figure 6.16), as PNG, all variants side by side."""
+    since = "of hand and tool since engagement, operator frame"
     return {
-        "frames": int(moving.sum()),
-        "frames_without_hand": int(moving.sum() - seen.sum()),
-        "tool_behind_true_hand": _behind(frames_ns, tool, *true),
-        "tool_behind_measured_hand": _behind(frames_ns, tool, *measured),
-        "measured_against_true_hand": {"mm": _spread(_distance(tracked)), **_by_angle(tracked)},
+        "positions": _plot(f"Position {since} (figure 6.15)", variants, (0, 1, 2)),
+        "orientations": _plot(f"Direction {since} (figure 6.16)", variants, (3, 4)),
     }
 
 
-def _behind(frames_ns: Array, tool: Array, hand_ns: Array, hand: Array) -> Figures:
-    """The lags at which the curves are most alike, for place and angles; how far they are apart there, and without.
-
-    A constant offset, as of the tracker's measuring, makes no lag: it is left out of the search, not of the residual.
-    """
-
-    def off(lag_ms: float) -> Array:
-        difference: Array = tool - rows_at(frames_ns - lag_ms * NS_PER_MS, hand_ns, hand)
-        return difference
-
-    every = [off(float(lag)) for lag in LAGS_MS]
-    shapes = [rows - rows.mean(axis=0) for rows in every]
-    place = int(np.argmin([_distance(rows).mean() for rows in shapes]))
-    turn = int(np.argmin([np.hypot(*rows[:, ANGLES].T).mean() for rows in shapes]))
-    return {
-        "lag_ms": float(LAGS_MS[place]),
-        "residual_mm": _spread(_distance(every[place])),
-        "residual_by_axis_mm": {axis: _rounded(np.abs(every[place][:, k]).mean()) for k, axis in enumerate("xyz")},
-        "angle_lag_ms": float(LAGS_MS[turn]),
-        "residual_deg": _by_angle(every[turn]),
-        "apart_at_the_same_instant": {"mm": _spread(_distance(every[0])), **_by_angle(every[0])},
-    }
+def _plot(title: str, variants: Sequence[Variant], columns: Sequence[int]) -> bytes:
+    figure, axes = panels(title, len(columns), len(variants), sharex=True, sharey="row")
+    for row, column in zip(axes, columns, strict=True):
+        for panel, variant in zip(row, variants, strict=True):
+            curves = variant.curves
+            time_s = curves.frames_ns / NS_PER_S
+            panel.plot(time_s, curves.hand_measured[:, column], **HAND_MEASURED)
+            panel.plot(time_s, curves.hand_true[:, column], **HAND_TRUE)
+            panel.plot(time_s, curves.tool[:, column], **TOOL)
+            describe_panel(panel, f"{variant.name}\n{_lag_and_residual(variant.figures, column)}", LABELS[column])
+        widen(row[0], LEAST_MM if column < 3 else LEAST_DEG)
+    return png(figure, axes, "time, s")
 
 
-def _angles(directions: Array) -> Array:
-    """Directions (N, 3) as angles (N, 2) in degrees in the XY and the XZ plane, without jumps at half a turn."""
-    origin = np.zeros(3)
-    angles = np.array([thesis_angles(origin, ahead, ahead)[:2] for ahead in directions])
-    # The simulated hand points along -x, where the angles have their seam: there they are counted from -x.
-    from_seam: Array = np.degrees(np.mod(angles, 2.0 * np.pi))
-    return from_seam
+def _lag_and_residual(figures: Figures, column: int) -> str:
+    """Lag and residual of one column behind the true and, in brackets, behind the measured hand."""
+    lag_ms, residual = _behind(figures["tool_behind_true_hand"], column)
+    measured_lag_ms, measured_residual = _behind(figures["tool_behind_measured_hand"], column)
+    unit = "mm" if column < 3 else "deg"
+    return (
+        f"lag {lag_ms:.0f} ms, residual {residual:.1f} {unit} "
+        f"(behind the measured hand: {measured_lag_ms:.0f} ms, {measured_residual:.1f} {unit})"
+    )
 
 
-def _distance(rows: Array) -> Array:
-    distance: Array = np.linalg.norm(rows[:, PLACE], axis=1)
-    return distance
-
-
-def _by_angle(rows: Array) -> Figures:
-    return {name: _spread(np.abs(rows[:, k])) for k, name in ((3, "xy_deg"), (4, "xz_deg"))}
-
-
-def _spread(values: Array) -> Figures:
-    return {
-        "mean": _rounded(values.mean()),
-        "p95": _rounded(np.percentile(values, 95)),
-        "max": _rounded(values.max()),
-    }
-
-
-def _rounded(value: float | np.floating[Any]) -> float:
-    return round(float(value), 3)
-
-
-def seconds(times_ns: Array) -> Array:
-    """Times in s."""
-    in_s: Array = times_ns / NS_PER_S
-    return in_s
+def _behind(figures: Figures, column: int) -> tuple[float, float]:
+    if column < 3:
+        return figures["lag_ms"], figures["residual_by_axis_mm"]["xyz"[column]]
+    return figures["angle_lag_ms"], figures["residual_deg"][("xy_deg", "xz_deg")[column - 3]]["mean"]

@@ -1,21 +1,21 @@
 """The errors of the monocular tracker in figures, with those of the ROBONAUT report beside them; pure."""
 
+from collections.abc import Sequence
 from itertools import pairwise
-from typing import Any
 
 import numpy as np
 
 from common.geometry import Array, vector_from_rotation
 from common.messages.hand import TrackingStatus
-from farhand.experiments.hazel_filming import Tracked, joints
-from local_site.simulation.hazel import FINGER_M, FOCAL_PX, FOREARM_M, PALM_M
+from farhand.experiments.hazel_filming import Tracked
+from farhand.experiments.report import Figures, rounded
+from local_site.simulation.hazel import FINGER_M, FOCAL_PX, FOREARM_M, PALM_M, TrueArm
+from local_site.tracking.monocular.pose import ArmPose
 
 MM = 1e3
 JOINTS = ("shoulder", "elbow", "wrist")
-FINGER_REACH_M = FOREARM_M + PALM_M + FINGER_M
+FROM_ELBOW_M = {"elbow": 0.0, "wrist": FOREARM_M, "finger_tip": FOREARM_M + PALM_M + FINGER_M}  # along the forearm
 LOST_ABOVE_MM = 50.0
-
-Figures = dict[str, Any]
 
 REPORT_S: Figures = {
     "frames": 400,
@@ -32,22 +32,22 @@ REPORT_C: Figures = {
 
 def arm_figures(tracked: Tracked) -> Figures:
     """Errors of all joints, how many frames were lost, and the largest error of a frame that was called tracked."""
-    errors = {name: joint_errors(tracked, name) for name in JOINTS}
+    errors = {name: lengths(errors_mm(tracked, name)) for name in JOINTS}
     sure = np.array([status is TrackingStatus.TRACKED for status in tracked.statuses])
-    worst = np.nanmax([np.max(lengths(e)[sure], initial=0.0) for e in errors.values()])
+    worst = np.nanmax([np.max(error[sure], initial=0.0) for error in errors.values()])
     return {
         "frames": len(tracked.poses),
-        **{f"{name}_mm": _spread(lengths(e)) for name, e in errors.items()},
+        **{f"{name}_mm": _spread(error) for name, error in errors.items()},
         "lost": sum(pose is None for pose in tracked.poses),
         "degraded": sum(status is TrackingStatus.DEGRADED for status in tracked.statuses),
-        "largest_called_tracked_mm": round(float(worst), 3),
-        "called_tracked_over_50_mm": int(sum(np.any([lengths(e) > LOST_ABOVE_MM for e in errors.values()], 0) & sure)),
+        "largest_called_tracked_mm": rounded(worst),
+        "called_tracked_over_50_mm": int(sum(np.any([e > LOST_ABOVE_MM for e in errors.values()], 0) & sure)),
     }
 
 
 def finger_figures(tracked: Tracked) -> Figures:
     """Errors of the finger tip in space and in the picture."""
-    true, measured = (joints(arms, "", FINGER_REACH_M) for arms in (tracked.arms, tracked.poses))
+    true, measured = (positions(arms, "finger_tip") for arms in (tracked.arms, tracked.poses))
     off_px = FOCAL_PX * (measured[:, :2] / measured[:, 2:] - true[:, :2] / true[:, 2:])
     return {
         "frames": len(true),
@@ -57,15 +57,27 @@ def finger_figures(tracked: Tracked) -> Figures:
     }
 
 
-def joint_errors(tracked: Tracked, name: str) -> Array:
-    """Measured less true place (N, 3) of a joint, mm, NaN where lost."""
-    true, measured = (joints(arms, name, FOREARM_M) for arms in (tracked.arms, tracked.poses))
+def positions(arms: Sequence[TrueArm | ArmPose | None], name: str) -> Array:
+    """The positions (N, 3) of a joint or the finger tip in the camera's frame, m; NaN where the arm was lost."""
+    return np.array([np.full(3, np.nan) if arm is None else _position(arm, name) for arm in arms])
+
+
+def _position(arm: TrueArm | ArmPose, name: str) -> Array:
+    return arm.shoulder if name == "shoulder" else arm.elbow + FROM_ELBOW_M[name] * arm.forearm[:, 2]
+
+
+def errors_mm(tracked: Tracked, name: str) -> Array:
+    """Measured less true positions (N, 3) of a joint or the finger tip, mm; NaN where the arm was lost."""
+    true, measured = (positions(arms, name) for arms in (tracked.arms, tracked.poses))
     return MM * (measured - true)
 
 
 def motions(tracked: Tracked) -> tuple[Array, Array]:
-    """True and measured motion from frame to frame (N - 1, 9): shoulder in mm, turns of both links in deg."""
-    return _motions(tracked.arms), _motions(tracked.poses)
+    """True and measured motion from frame to frame (N - 1, 9): shoulder in mm, rotations of both links in deg."""
+    true, measured = (
+        np.array([_motion(before, after) for before, after in pairwise(arms)]) for arms in (tracked.arms, tracked.poses)
+    )
+    return true, measured
 
 
 def lengths(vectors: Array) -> Array:
@@ -74,24 +86,18 @@ def lengths(vectors: Array) -> Array:
     return result
 
 
-def _motions(arms: tuple[Any, ...]) -> Array:
-    rows = []
-    for before, after in pairwise(arms):
-        if before is None or after is None:
-            rows.append(np.full(9, np.nan))
-            continue
-        turns = [
-            vector_from_rotation(b @ a.T)
-            for a, b in ((before.upper_arm, after.upper_arm), (before.forearm, after.forearm))
-        ]
-        rows.append(np.concatenate([MM * (after.shoulder - before.shoulder), *np.degrees(turns)]))
-    return np.array(rows)
+def _motion(before: TrueArm | ArmPose | None, after: TrueArm | ArmPose | None) -> Array:
+    if before is None or after is None:
+        return np.full(9, np.nan)
+    links = ((before.upper_arm, after.upper_arm), (before.forearm, after.forearm))
+    turns = [vector_from_rotation(b @ a.T) for a, b in links]
+    return np.concatenate([MM * (after.shoulder - before.shoulder), *np.degrees(turns)])
 
 
 def _spread(values: Array) -> Figures:
-    """Mean, variance, least and largest, where there is something."""
+    """Mean, variance, least and largest, without NaN; empty where nothing is left."""
     known = values[np.isfinite(values)]
     if not len(known):
         return {}
     figures = {"mean": known.mean(), "variance": known.var(), "least": known.min(), "largest": known.max()}
-    return {name: round(float(value), 3) for name, value in figures.items()}
+    return {name: rounded(value) for name, value in figures.items()}

@@ -1,110 +1,87 @@
 """The plots of figures 10, 11, 12, 15 and 16 of the ROBONAUT report."""
 
 from collections.abc import Mapping
+from typing import TYPE_CHECKING
 
 import numpy as np
 
-from common.cameras.camera import Image
 from common.geometry import Array
-from farhand.experiments.charts import Line, Panel, common_range, figure
-from farhand.experiments.hazel_figures import FINGER_REACH_M, JOINTS, MM, joint_errors, lengths, motions
-from farhand.experiments.hazel_filming import Tracked, joints
-from local_site.simulation.hazel import FOREARM_M
+from farhand.experiments.hazel_figures import JOINTS, MM, errors_mm, lengths, motions, positions
+from farhand.experiments.hazel_filming import Tracked
+from farhand.experiments.plotting import MEASURED, TRUE, describe_panel, panels, plot_frames, png, widen
 
-TRUE, MEASURED = (40, 40, 40), (40, 40, 215)
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+
 FIRST_FRAMES = 100
-MOTIONS = (
-    *(f"shoulder, {axis}, mm" for axis in "xyz"),
-    *(f"{link} turn about {axis}, deg" for link in ("upper arm", "forearm") for axis in "xyz"),
-)
+LEAST_MM, LEAST_DEG, LEAST_TIP_MM = 1.0, 1.0, 10.0
+MOTIONS = (("shoulder moves", "along", "mm"), ("upper arm turns", "about", "deg"), ("forearm turns", "about", "deg"))
+ERROR, MEAN = {**MEASURED, "label": "error"}, {"label": "mean", "color": "#6e6e6e", "linestyle": "--", "linewidth": 0.9}
 
 
-def hazel_plots(synthetic: Tracked, pointing: Tracked) -> Mapping[str, Image]:
-    """All plots by the name of their file."""
+def hazel_plots(synthetic: Tracked, pointing: Tracked) -> Mapping[str, bytes]:
+    """All plots, as PNG, by the name of their file."""
     return {
         "figure_10_motion": _motion_plot(synthetic),
         "figure_11_positions": _position_plot(synthetic),
-        "figure_12_errors": _error_plot(synthetic),
+        "figure_12_errors": _error_plot(
+            "Position errors (figure 12)", {name: lengths(errors_mm(synthetic, name)) for name in JOINTS}
+        ),
         "figure_15_finger_tip": _finger_plot(pointing),
         "figure_16_finger_errors": _finger_error_plot(pointing),
     }
 
 
-def _motion_plot(tracked: Tracked) -> Image:
+def _motion_plot(tracked: Tracked) -> bytes:
     true, measured = motions(tracked)
-    panels = [_panel(name, "frame", name, true[:, k], measured[:, k]) for k, name in enumerate(MOTIONS)]
-    return figure("Motion from frame to frame (figure 10)", [panels[k : k + 3] for k in (0, 3, 6)])
+    figure, axes = panels("Motion from frame to frame (figure 10)", 3, 3, sharex=True)
+    for k, panel in enumerate(axes.flat):
+        what, preposition, unit = MOTIONS[k // 3]
+        _compare(panel, true[:, k], measured[:, k], LEAST_MM if unit == "mm" else LEAST_DEG)
+        describe_panel(panel, f"{what} {preposition} {'xyz'[k % 3]}", f"{unit} per frame")
+    return png(figure, axes, "frame")
 
 
-def _position_plot(tracked: Tracked) -> Image:
-    rows = []
-    for name in JOINTS:
-        true, measured = (MM * joints(arms, name, FOREARM_M)[:FIRST_FRAMES] for arms in (tracked.arms, tracked.poses))
-        rows.append(
-            [
-                _panel(f"{name}, {axis}", "frame", f"{axis}, mm", true[:, k], measured[:, k])
-                for k, axis in enumerate("xyz")
-            ]
-        )
-    return figure("Positions in the first 100 frames (figure 11)", rows)
+def _position_plot(tracked: Tracked) -> bytes:
+    figure, axes = panels(f"Positions in the first {FIRST_FRAMES} frames (figure 11)", 3, 3, sharex=True)
+    for name, row in zip(JOINTS, axes, strict=True):
+        true, measured = (MM * positions(arms, name)[:FIRST_FRAMES] for arms in (tracked.arms, tracked.poses))
+        for k, panel in enumerate(row):
+            _compare(panel, true[:, k], measured[:, k], LEAST_MM)
+            describe_panel(panel, f"{name}, {'xyz'[k]}", "mm")
+    return png(figure, axes, "frame")
 
 
-def _error_plot(tracked: Tracked) -> Image:
-    panels = [_errors(name, lengths(joint_errors(tracked, name))) for name in JOINTS]
-    return figure("Position errors (figure 12)", [[panel] for panel in panels])
+def _finger_plot(tracked: Tracked) -> bytes:
+    true, measured = (MM * positions(arms, "finger_tip") for arms in (tracked.arms, tracked.poses))
+    figure, axes = panels("The finger tip on its rectangle (figure 15)", 2, sharex=True)
+    for panel, k, title in zip(axes.flat, (1, 2), ("seen by the camera", "seen from above"), strict=True):
+        panel.plot(true[:, 0], true[:, k], **TRUE)
+        panel.plot(measured[:, 0], measured[:, k], **MEASURED)
+        describe_panel(panel, title, f"{'xyz'[k]}, mm")
+        widen(panel, LEAST_TIP_MM)
+    axes[0, 0].invert_yaxis()  # the camera's y points down
+    return png(figure, axes, "x, mm")
 
 
-def _finger_plot(tracked: Tracked) -> Image:
-    true, measured = (MM * joints(arms, "", FINGER_REACH_M) for arms in (tracked.arms, tracked.poses))
-    # The picture's y runs down.
-    views = (("y", -true[:, 1], -measured[:, 1]), ("z", true[:, 2], measured[:, 2]))
-    panels = [
-        Panel(
-            title=f"finger tip, x and {axis}",
-            x_label="x, mm",
-            y_label=f"{'-' if axis == 'y' else ''}{axis}, mm",
-            lines=_lines(true[:, 0], down, measured[:, 0], found),
-            x_range=common_range([true[:, 0], measured[:, 0]], 10.0),
-            y_range=common_range([down, found], 10.0),
-        )
-        for axis, down, found in views
-    ]
-    return figure("The finger tip on its rectangle (figure 15)", [[panel] for panel in panels])
+def _finger_error_plot(tracked: Tracked) -> bytes:
+    off = errors_mm(tracked, "finger_tip")
+    errors = {f"along {axis}": np.abs(off[:, k]) for k, axis in enumerate("xyz")}
+    return _error_plot("Errors of the finger tip (figure 16)", errors | {"distance": lengths(off)})
 
 
-def _finger_error_plot(tracked: Tracked) -> Image:
-    true, measured = (MM * joints(arms, "", FINGER_REACH_M) for arms in (tracked.arms, tracked.poses))
-    off = measured - true
-    panels = [_errors(f"finger tip along {axis}", np.abs(off[:, k])) for k, axis in enumerate("xyz")]
-    return figure(
-        "Errors of the finger tip (figure 16)", [panels[:2], [panels[2], _errors("finger tip", lengths(off))]]
-    )
+def _error_plot(title: str, errors: Mapping[str, Array]) -> bytes:
+    figure, axes = panels(title, len(errors), sharex=True, sharey=True)
+    for panel, (name, values) in zip(axes.flat, errors.items(), strict=True):
+        mean = float(np.nanmean(values))
+        plot_frames(panel, values, **ERROR)
+        panel.axhline(mean, **MEAN)
+        describe_panel(panel, f"{name}: mean {mean:.2f} mm, largest {float(np.nanmax(values)):.2f} mm", "error, mm")
+    axes[0, 0].set_ylim(0.0, max(axes[0, 0].get_ylim()[1], LEAST_MM))
+    return png(figure, axes, "frame")
 
 
-def _panel(title: str, x_label: str, y_label: str, true: Array, measured: Array) -> Panel:
-    frames = np.arange(len(true), dtype=np.float64)
-    return Panel(
-        title=title,
-        x_label=x_label,
-        y_label=y_label,
-        lines=_lines(frames, true, frames, measured),
-        x_range=(0.0, float(len(true))),
-        y_range=common_range([true, measured], 1.0),
-    )
-
-
-def _lines(true_x: Array, true_y: Array, measured_x: Array, measured_y: Array) -> tuple[Line, ...]:
-    return Line("true", TRUE, 3, true_x, true_y), Line("measured", MEASURED, 1, measured_x, measured_y)
-
-
-def _errors(name: str, errors_mm: Array) -> Panel:
-    frames = np.arange(len(errors_mm), dtype=np.float64)
-    mean = float(np.nanmean(errors_mm))
-    return Panel(
-        title=f"{name}: mean {mean:.2f} mm",
-        x_label="frame",
-        y_label="error, mm",
-        lines=(Line("error", MEASURED, 1, frames, errors_mm),),
-        x_range=(0.0, float(len(errors_mm))),
-        y_range=(0.0, max(1.05 * float(np.nanmax(errors_mm)), 1.0)),
-    )
+def _compare(panel: "Axes", true: Array, measured: Array, least: float) -> None:
+    plot_frames(panel, true, **TRUE)
+    plot_frames(panel, measured, **MEASURED)
+    widen(panel, least)

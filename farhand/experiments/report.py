@@ -7,10 +7,8 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
-import cv2
 import numpy as np
 
-from common.cameras.camera import Image
 from common.geometry import Array
 from farhand.outputs import write_result
 
@@ -20,9 +18,11 @@ STYLE = (
     "text-align:right}td:first-child,th:first-child{text-align:left}"
 )
 
+Figures = dict[str, Any]  # numbers and further figures by name
+
 
 @dataclass(frozen=True, slots=True)
-class Data:
+class CsvTable:
     """One CSV: the names of its columns, and its rows (N, columns), NaN where there is nothing."""
 
     columns: tuple[str, ...]
@@ -31,29 +31,38 @@ class Data:
 
 @dataclass(frozen=True, slots=True)
 class ExperimentReport:
-    """A finished experiment. `figures` are all of them by name; `compared` those to be shown side by side."""
+    """A finished experiment: `figures` are all of them, `compared` those shown side by side, `summary` a few lines.
+
+    `plots` are PNG files and `data` CSV files, by name without ending.
+    """
 
     title: str
     text: str
-    figures: Mapping[str, Any]
-    compared: Mapping[str, Mapping[str, Any]]
-    plots: Mapping[str, Image]
-    data: Mapping[str, Data]
+    summary: str
+    figures: Figures
+    compared: Mapping[str, Figures]
+    plots: Mapping[str, bytes]
+    data: Mapping[str, CsvTable]
+
+
+def rounded(value: float | np.floating[Any]) -> float:
+    """A figure to three decimals."""
+    return round(float(value), 3)
 
 
 def write_report(report: ExperimentReport, folder: Path) -> None:
     """Write all files, each whole or not at all; ConfigError when the folder cannot be written."""
-    for name, data in report.data.items():
-        write_result(folder / f"{name}.csv", _csv(data).encode())
+    for name, table in report.data.items():
+        write_result(folder / f"{name}.csv", _csv(table).encode())
     for name, plot in report.plots.items():
-        write_result(folder / f"{name}.png", cv2.imencode(".png", plot)[1].tobytes())
+        write_result(folder / f"{name}.png", plot)
     write_result(folder / "report.json", (json.dumps(report.figures, indent=2) + "\n").encode())
     write_result(folder / "report.html", _page(report).encode())
 
 
-def _csv(data: Data) -> str:
-    lines = [",".join(data.columns)]
-    lines += [",".join("" if np.isnan(value) else f"{value:.10g}" for value in row) for row in data.rows.round(4)]
+def _csv(table: CsvTable) -> str:
+    lines = [",".join(table.columns)]
+    lines += [",".join("" if np.isnan(value) else f"{value:.10g}" for value in row) for row in table.rows.round(4)]
     return "\n".join(lines) + "\n"
 
 
@@ -73,11 +82,11 @@ def _page(report: ExperimentReport) -> str:
     )
 
 
-def _flat(figures: Mapping[str, Any], before: str = "") -> Iterator[tuple[str, Any]]:
+def _flat(figures: Figures, before: str = "") -> Iterator[tuple[str, Any]]:
     """Nested figures as pairs of a name in words and a value."""
     for name, value in figures.items():
         words = f"{before}{name.replace('_', ' ')}"
-        if isinstance(value, Mapping):
+        if isinstance(value, dict):
             yield from _flat(value, f"{words}, ")
         else:
             yield words, value

@@ -1,4 +1,4 @@
-"""Runs an experiment by its name, shows how far it is, and writes its folder."""
+"""Runs an experiment by its name, shows its progress, and writes its folder."""
 
 from collections.abc import Callable
 from dataclasses import dataclass
@@ -7,8 +7,9 @@ from pathlib import Path
 from rich.console import Console
 from rich.progress import Progress
 
-from common.errors import ConfigError
-from farhand.experiments import drift_experiment, follow_experiment, hazel_experiment
+from common.errors import ConfigError, InterruptionError
+from farhand.experiments import drift, filming, follow, hazel
+from farhand.experiments.plotting import require_matplotlib
 from farhand.experiments.report import ExperimentReport, write_report
 from farhand.outputs import check_folder, make_folder
 from farhand.preparing import prepare_tracker
@@ -17,38 +18,40 @@ from local_site.tracking.choice import TrackingConfig
 
 @dataclass(frozen=True, slots=True)
 class Experiment:
-    """How many steps it has, how it is run (quick or not, told of every step), and its figures in words."""
+    """An experiment, quick or in full: how many frames it makes, and how it is run, reporting each frame."""
 
-    steps: Callable[[bool], int]
-    run: Callable[[bool, Callable[[], bool]], ExperimentReport]
-    describe: Callable[[ExperimentReport], str]
+    frame_count: Callable[[bool], int]
+    run: Callable[[bool, filming.Progress], ExperimentReport]
 
 
 EXPERIMENTS = {
-    "drift": Experiment(drift_experiment.frames_of, drift_experiment.drift_report, drift_experiment.describe),
-    "follow": Experiment(follow_experiment.frames_of, follow_experiment.follow_report, follow_experiment.describe),
-    "hazel": Experiment(hazel_experiment.frames_of, hazel_experiment.hazel_report, hazel_experiment.describe),
+    "drift": Experiment(drift.frame_count, drift.drift_report),
+    "follow": Experiment(follow.frame_count, follow.follow_report),
+    "hazel": Experiment(hazel.frame_count, hazel.hazel_report),
 }
 
 
 def run_experiment(name: str, out: Path, quick: bool, should_stop: Callable[[], bool] = lambda: False) -> str:
-    """Run an experiment, write its report, and sum it up in words.
+    """Run an experiment, write its report, and summarise it in words.
 
-    ConfigError for an unknown name or a folder that cannot be written, before any work; InterruptionError when stopped.
+    Before any work, ConfigError for an unknown name or a folder that cannot be written, and FarhandError without
+    matplotlib; InterruptionError when stopped.
     """
     if name not in EXPERIMENTS:
         raise ConfigError(f"there is no experiment {name!r}; choose one of: {', '.join(sorted(EXPERIMENTS))}")
+    require_matplotlib()
     experiment = EXPERIMENTS[name]
     check_folder("--out", out)
     make_folder("--out", out)
     prepare_tracker(TrackingConfig())
     with Progress(console=Console(stderr=True)) as progress:
-        task = progress.add_task(name, total=experiment.steps(quick))
+        task = progress.add_task(name, total=experiment.frame_count(quick))
 
-        def step() -> bool:
+        def step() -> None:
             progress.advance(task)
-            return not should_stop()
+            if should_stop():
+                raise InterruptionError("interrupted before the experiment was done; nothing was written")
 
         report = experiment.run(quick, step)
     write_report(report, out)
-    return f"{experiment.describe(report)}\nwritten to {out / 'report.html'}"
+    return f"{report.summary}\nwritten to {out / 'report.html'}"

@@ -1,4 +1,4 @@
-"""Two to four recordings brought to common instants, and what of them is left out."""
+"""Two to four recordings interpolated to common instants, and what of them is left out."""
 
 from collections import deque
 from collections.abc import Iterator, Sequence
@@ -15,9 +15,9 @@ def refuse_other_rates(cameras: Sequence[Camera]) -> None:
     """ConfigError if recordings state frame rates that differ by more than a per cent."""
     rates = {camera.name: rate for camera in cameras if (rate := recorded_fps(camera)) is not None}
     if rates and max(rates.values()) > MAX_RATE_RATIO * min(rates.values()):
-        told = ", ".join(f"{name} {rate:g}" for name, rate in rates.items())
+        stated = ", ".join(f"{name} {rate:g}" for name, rate in rates.items())
         raise ConfigError(
-            f"the recordings differ in frames per second ({told}), so that they cannot have been exposed together; "
+            f"the recordings differ in frames per second ({stated}), so that they cannot have been exposed together; "
             "give those of one session, or with --fps the rate that all were really taken at"
         )
 
@@ -26,29 +26,29 @@ class RecordedPairs:
     """Views at the instants of the left camera's frames, until any camera ends.
 
     The other cameras' measurements are interpolated between the two exposures around the instant. After the last
-    views, `left_out` says which camera went on, empty where none did.
+    views, `left_out` names the cameras that went on; empty where none did.
     """
 
     def __init__(self, left: Camera, *others: Camera) -> None:
         self._left = left
-        self._followers = [_Follower(camera) for camera in others]
+        self._others = [_InterpolatedCamera(camera) for camera in others]
         self.left_out = ""
 
     def __iter__(self) -> Iterator[Views]:
         times_ns: deque[int] = deque(maxlen=2)
         pairs = 0
         while (frame := self._left.read()) is not None:
-            found = [follower.at(frame.capture_ns) for follower in self._followers]
+            found = [other.at(frame.capture_ns) for other in self._others]
             views = [view for view in found if view is not None]
             if len(views) < len(found):
-                ended = [f.name for f, view in zip(self._followers, found, strict=True) if view is None]
+                ended = [f.name for f, view in zip(self._others, found, strict=True) if view is None]
                 self.left_out = _left_out(ended, [self._left.name], pairs)
                 return
             times_ns.append(frame.capture_ns)
             pairs += 1
             yield Views(frame.capture_ns, (View(frame), *views))
         next_ns = times_ns[-1] + max(times_ns[-1] - times_ns[0], 1) if times_ns else 0
-        going_on = [f.name for f in self._followers if f.at(next_ns) is not None]
+        going_on = [f.name for f in self._others if f.at(next_ns) is not None]
         self.left_out = _left_out([self._left.name], going_on, pairs) if going_on else ""
 
 
@@ -57,8 +57,8 @@ def _left_out(ended: Sequence[str], going_on: Sequence[str], pairs: int) -> str:
     return f"{first} ended after {pairs} pairs while {others} went on; what came later was left out"
 
 
-class _Follower:
-    """A camera that is read as far as the instants of another ask for."""
+class _InterpolatedCamera:
+    """A camera that is read up to the instants of another."""
 
     def __init__(self, camera: Camera) -> None:
         self._camera = camera

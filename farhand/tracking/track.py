@@ -36,7 +36,7 @@ POINTS = ("elbow", "wrist", "index", "thumb")
 
 
 class TrackLine(msgspec.Struct, frozen=True, kw_only=True):
-    """One pair of a recording: points (m, operator frame) and how sure they are, null where unknown.
+    """One pair of a recording: points (m, operator frame) and their uncertainty, null where unknown.
 
     `sigma` in m is the root of the covariance's trace: the rms length of the point's 3D error, not of one axis.
     """
@@ -59,10 +59,10 @@ class TrackLine(msgspec.Struct, frozen=True, kw_only=True):
 
 @dataclass
 class Summary:
-    """What a recording gave: pairs, how many of each status, how often each point was found, toggles, ms per pair.
+    """A recording's result: pairs, how many of each status, how often each point was found, toggles, ms per pair.
 
-    `drift` is the sentence of the drift alarm when it rang first, if it did; `left_out` says what was not tracked
-    because a camera ended before another.
+    `drift` is the sentence of the first drift alarm, if there was one; `left_out` names what was not tracked because a
+    camera ended before another.
     """
 
     pairs: int = 0
@@ -85,7 +85,7 @@ class Summary:
         self.ms.append(line.ms)
 
     def warn_of_drift(self, sentence: str) -> None:
-        """Keep what the drift alarm says."""
+        """Keep the drift alarm's sentence."""
         self.drift = sentence
 
 
@@ -102,8 +102,8 @@ def track_recording(
     """Track all pairs of two cameras, write a line each to `out` and, if asked, annotated pairs as PNG.
 
     `others` are the cameras beside the left one, none to three, in the rig's order. Of the local site's configuration,
-    tracking, drift alarm and gesture count. `progress` is called with the number of pairs done. Raises CameraError when
-    no pair comes, a picture has the wrong size, or a file cannot be written.
+    tracking, drift alarm and gesture are used. `progress` is called with the number of pairs done. Raises CameraError
+    when no pair comes, a picture has the wrong size, or a file cannot be written.
     """
     recording = _Recording(rig, site or LocalConfig(), annotate_dir)
     try:
@@ -113,7 +113,7 @@ def track_recording(
                 recording.track(views, lines)
                 progress(recording.summary.pairs)
     except OSError as error:
-        raise CameraError(f"cannot write the track: {error}; choose a place that can be written") from error
+        raise CameraError(f"cannot write the track: {error}; choose a folder that can be written") from error
     summary = recording.summary
     if not summary.pairs and not should_stop():
         why = pairs.left_out.partition(";")[0] or "no camera gave a frame"
@@ -154,16 +154,16 @@ class _Recording:
             expected = self._sizes[k] or (width, height)
             self._sizes[k] = expected
             if (width, height) != expected:
-                first = "calibrated at" if camera.size_px else "begun with"
+                expectation = "it was calibrated at" if camera.size_px else "its first was"
                 raise CameraError(
-                    f"camera {camera.name}: its picture {view.current.seq} is {width}x{height}, but it was {first} "
+                    f"camera {camera.name}: its picture {view.current.seq} is {width}x{height}, but {expectation} "
                     "{}x{}; give pictures of one size, that of the calibration".format(*expected)
                 )
 
 
 @contextmanager
 def _written_at_end(out: Path) -> Iterator[TextIO]:
-    """A file that takes its place once something is in it, so that a failure leaves an earlier track alone."""
+    """A file that replaces an earlier one once it has a line, so that a failure leaves the earlier track alone."""
     if out.exists() and not out.is_file():
         with out.open("w", encoding="utf-8") as lines:
             yield lines
@@ -181,7 +181,7 @@ def _written_at_end(out: Path) -> Iterator[TextIO]:
 
 
 def _whole_lines(part: Path) -> int:
-    """Cut a last line that was not written to its end, as on a full disk; how many bytes are left."""
+    """Cut an incomplete last line, as of a full disk; the bytes left."""
     text = part.read_bytes() if part.exists() else b""
     whole = text.rfind(b"\n") + 1
     if whole < len(text):
@@ -195,16 +195,12 @@ def _write(lines: TextIO, frame: int, estimate: ArmEstimate, hand: OpenHand, ms:
         t_ns=estimate.t_ns,
         status=estimate.status,
         reason=estimate.reason,
-        elbow=_vector(estimate.elbow),
-        wrist=_vector(estimate.wrist),
-        index=_vector(estimate.index),
-        thumb=_vector(estimate.thumb),
         sigma={name: _sigma(estimate, name) for name in POINTS},
         thumb_inferred=estimate.thumb_inferred,
         hand_open=hand.is_open,
         gripper_toggles=hand.toggles,
         ms=round(ms, 3),
-        palm=_vector(estimate.palm),
+        **{name: _vector(getattr(estimate, name)) for name in (*POINTS, "palm")},
     )
     lines.write(msgspec.json.encode(line).decode() + "\n")
     return line
@@ -227,8 +223,8 @@ def _vector(point: Array | None) -> Vector3 | None:
 
 def _annotated(rig: Rig, views: Views, estimate: ArmEstimate) -> Image:
     """All views side by side with what was found in them."""
-    in_camera_order = enumerate(zip(views.views, rig.matrices, strict=True))
-    pictures = [annotate(view.current.image, estimate, k, matrix) for k, (view, matrix) in in_camera_order]
+    cameras = enumerate(zip(views.views, rig.matrices, strict=True))
+    pictures = [annotate(view.current.image, estimate, k, matrix) for k, (view, matrix) in cameras]
     height = max(picture.shape[0] for picture in pictures)
     padded = [np.pad(p, ((0, height - p.shape[0]), (0, 0), (0, 0))) for p in pictures]
     return np.hstack(padded)

@@ -1,4 +1,4 @@
-"""The parameters of the control loop, and of the target between hand samples."""
+"""The parameters of the control loop and of target prediction."""
 
 from typing import Annotated
 
@@ -15,13 +15,15 @@ class ControlConfig(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fi
     leash_m: Annotated[float, Meta(gt=0, le=1, description="how far the target may run ahead of the tool, m")] = 0.2
     leash_deg: Annotated[float, Meta(gt=0, le=180, description="how far it may turn ahead of the tool, deg")] = 60.0
     position_gain: Annotated[
-        float, Meta(gt=0, le=1, description="share of a sample's deviation that moves the target estimate, at rest")
+        float, Meta(gt=0, le=1, description="fraction of a sample's deviation that moves the target estimate, at rest")
     ] = 0.6
     velocity_gain: Annotated[
-        float, Meta(ge=0, le=1, description="share of a sample's deviation that changes its speed estimate, at rest")
+        float,
+        Meta(ge=0, le=1, description="fraction of a sample's deviation that changes its velocity estimate, at rest"),
     ] = 0.2
     glide_rad_s: Annotated[
-        float, Meta(ge=1, le=200, description="how fast the target glides onto a new course, at rest: bandwidth, rad/s")
+        float,
+        Meta(ge=1, le=200, description="how fast the target converges to a new estimate, at rest: bandwidth, rad/s"),
     ] = 20.0
     moving_position_gain: Annotated[
         float, Meta(gt=0, le=1, description="position_gain once samples deviate to one side: the hand moves")
@@ -37,8 +39,8 @@ class ControlConfig(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fi
         Meta(
             ge=0,
             le=200,
-            description="how long a target is carried on after its sample has come, ms; 0: never; in proportion longer "
-            "where t_soft_ms is above 100",
+            description="how long a target is extrapolated after its sample has arrived, ms; 0: never; "
+            "proportionally longer where t_soft_ms is above 100",
         ),
     ] = 60.0
     solver: SolverConfig = field(default_factory=SolverConfig)

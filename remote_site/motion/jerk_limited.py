@@ -1,4 +1,4 @@
-"""Jerk-limited motion: the leash that holds the target, the joints that follow it, and their stop."""
+"""Jerk-limited motion: the leash that limits the target's lead, and the joints that track it; pure."""
 
 import math
 
@@ -17,8 +17,8 @@ PLANNED = (Result.Working, Result.Finished)
 class JerkLimitedTracker:
     """Follows a moving joint target as quickly as velocity, acceleration and jerk allow, one tick of `dt` s at a time.
 
-    Time-optimal motion to rest is planned (by Ruckig) in the frame that moves with the target: there the target stands
-    still, so the joints neither run up to it backwards nor overshoot it, and follow a steady one without lag.
+    Time-optimal motion to rest is planned (by Ruckig) in the frame that moves with the target: there the target is
+    at rest, so the joints neither start backwards nor overshoot, and follow a steady target without lag.
     """
 
     def __init__(self, limits: JointLimits, dt: float) -> None:
@@ -36,7 +36,7 @@ class JerkLimitedTracker:
         self.motion = JointMotion.at_rest(np.zeros(n))
 
     def reset(self, motion: JointMotion) -> None:
-        """Go on from what was really sent."""
+        """Continue from what was really sent."""
         self.motion = motion
 
     def track(self, q_target: Array, dq_target: Array, speed_scale: float = 1.0) -> JointMotion | Reason:
@@ -88,11 +88,11 @@ def leash(base_T_target: Array, base_T_tool: Array, distance_m: float, angle_rad
     """The target drawn towards the tool until it is no further than both limits, and why if it was drawn."""
     distance = math.dist(base_T_target[:3, 3].tolist(), base_T_tool[:3, 3].tolist())
     angle = angle_between(base_T_target[:3, :3], base_T_tool[:3, :3])
-    share = min(1.0, distance_m / max(distance, distance_m), angle_rad / max(angle, angle_rad))
-    if share >= 1.0:
+    fraction = min(1.0, distance_m / max(distance, distance_m), angle_rad / max(angle, angle_rad))
+    if fraction >= 1.0:
         return base_T_target, None
     ahead = base_T_target[:3, 3] - base_T_tool[:3, 3]
     turn = vector_from_rotation(base_T_tool[:3, :3].T @ base_T_target[:3, :3])
-    rotation = base_T_tool[:3, :3] @ rotation_from_vector(share * turn)
-    why = reason(Code.SATURATED, distance_mm=distance * 1e3, limit_mm=share * distance * 1e3)
-    return transform(rotation, base_T_tool[:3, 3] + share * ahead), why
+    rotation = base_T_tool[:3, :3] @ rotation_from_vector(fraction * turn)
+    why = reason(Code.SATURATED, distance_mm=distance * 1e3, limit_mm=fraction * distance * 1e3)
+    return transform(rotation, base_T_tool[:3, 3] + fraction * ahead), why

@@ -46,10 +46,10 @@ def run_remote(config: RemoteConfig, should_stop: StopFlag, log_format: LogForma
     start_log("remote", log_format)
     log = structlog.get_logger()
     _check_start(config)
-    mark = CrashMarker(config.cell, config.links.control)
-    stood = mark.set()
-    if stood and config.engagement.mode is EngagementMode.AUTOMATIC:
-        log.warning("the last run did not end in order: nothing engages by itself", cure="farhand engage")
+    marker = CrashMarker(config.cell, config.links.control)
+    crashed = marker.set()
+    if crashed and config.engagement.mode is EngagementMode.AUTOMATIC:
+        log.warning("the last run crashed or was killed: nothing engages automatically", cure="farhand engage")
         config = without_automatic_engagement(config)
     memory = (
         CellMemory.create(len(config.robot.start_deg))
@@ -64,9 +64,9 @@ def run_remote(config: RemoteConfig, should_stop: StopFlag, log_format: LogForma
             children.start("cell", partial(run_cell_child, config, memory))
         children.start("driver", partial(run_driver, config, driver_memory, memory))
         tally = VideoTally([camera.name for camera in config.video.cameras])
-        board = SharedLease()
-        children.start("video", partial(_video, config, memory, tally, board))
-        children.start("control", partial(run_control, config, driver_memory, memory, board))
+        shared_lease = SharedLease()
+        children.start("video", partial(_video, config, memory, tally, shared_lease))
+        children.start("control", partial(run_control, config, driver_memory, memory, shared_lease))
         if config.metrics.port:
             children.start("metrics", partial(_metrics, config, tally), vital=False)
         children.wait_ready(READY_TIMEOUT_S, should_stop)
@@ -75,10 +75,10 @@ def run_remote(config: RemoteConfig, should_stop: StopFlag, log_format: LogForma
             notify("READY=1")
             log.info("ready", cell=config.cell, driver=config.driver.name, control=config.links.heard_at)
         _watch(children, Validity(config.links.tls), should_stop)
-        mark.clear()
+        marker.clear()
     except FarhandError as error:
-        if not (ready or stood):
-            mark.clear()  # nothing has moved, and no other run is marked
+        if not (ready or crashed):
+            marker.clear()  # nothing has moved, and this run left the only mark
         log.error("ending", reason=str(error))
         raise
     finally:
@@ -87,7 +87,7 @@ def run_remote(config: RemoteConfig, should_stop: StopFlag, log_format: LogForma
 
 
 def _check_start(config: RemoteConfig) -> None:
-    """FarhandError for what would only be found out later, and by a process of the site."""
+    """FarhandError for what would otherwise fail later, in a process of the site."""
     links, served = config.links, (config.metrics.endpoint,) if config.metrics.port else ()
     check_links(links.places, links, Identity(Role.REMOTE, config.cell))
     for endpoint in (*links.listened, *served):
@@ -108,13 +108,13 @@ def _watch(children: Children, validity: Validity, should_stop: StopFlag) -> Non
 
 
 def without_automatic_engagement(config: RemoteConfig) -> RemoteConfig:
-    """The same configuration, in which only a request engages."""
+    """The configuration with engagement on request only."""
     engagement = msgspec.structs.replace(config.engagement, mode=EngagementMode.ON_REQUEST)
     return msgspec.structs.replace(config, engagement=engagement)
 
 
 def start_robot(config: RemoteConfig, children: Children) -> RemoteConfig:
-    """Start the emulated controller where one is asked for; the configuration then names its line."""
+    """Start the emulated controller if configured; the returned configuration names its serial line."""
     if not config.driver.emulate:
         return config
     from remote_site.drivers.c500c.emulation import Emulation, Terminal, run_emulation  # noqa: PLC0415  # as below
@@ -143,7 +143,7 @@ def _video(
     config: RemoteConfig,
     memory: CellMemory | None,
     tally: VideoTally,
-    board: SharedLease,
+    shared_lease: SharedLease,
     should_stop: StopFlag,
     heartbeat: Heartbeat,
 ) -> None:
@@ -157,7 +157,7 @@ def _video(
             publishers[frame.camera].put(frame)
             tally.note(frame)
 
-        wire = VideoWire(publish, link.latest(SHOWN, config.cell).take, lambda: board.number)
+        wire = VideoWire(publish, link.latest(SHOWN, config.cell).take, lambda: shared_lease.number)
         run_video(config.video, views, wire, should_stop, heartbeat.beat)
 
 

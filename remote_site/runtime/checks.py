@@ -1,4 +1,4 @@
-"""What must be right before the remote site starts a process: all that its processes load of the arm loads once."""
+"""Checks before the remote site starts a process: everything that its processes load of the arm is loaded once."""
 
 import math
 from collections.abc import Callable
@@ -21,7 +21,7 @@ T = TypeVar("T")
 
 @dataclass(frozen=True, slots=True)
 class StartupMistake:
-    """What part of the robot's side cannot be built, the sentence that says why, and which keys cure it."""
+    """The part of the robot's side that cannot be built, why, and which keys cure it."""
 
     part: str
     sentence: str
@@ -46,7 +46,7 @@ class _Loading:
 
 
 def check_robot(config: RemoteConfig) -> None:
-    """ConfigError with every mistake for which the arm cannot be built, or cannot start where it is told to."""
+    """ConfigError with every mistake for which the arm cannot be built, or cannot start at the configured posture."""
     mistakes = find_mistakes(config)
     if mistakes:
         raise ConfigError("\n".join(mistake.sentence for mistake in mistakes))

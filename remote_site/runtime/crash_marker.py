@@ -1,4 +1,4 @@
-"""A mark on disk while the remote site runs: what ended without taking it away did not end in order."""
+"""A marker file while the remote site runs: a start that finds one follows a crash or a kill."""
 
 import os
 import tempfile
@@ -6,9 +6,9 @@ from pathlib import Path
 
 
 class CrashMarker:
-    """The mark of one site, told apart by cell and port, in the service's state folder or else the user's run-time one.
+    """The marker of one site, named by cell and port, in the service's state folder or else the user's run-time folder.
 
-    The first outlasts a power cut, the second does not: who starts a site by hand is there.
+    The first survives a power cut; the second does not, but then a person has started the site by hand.
     """
 
     def __init__(self, cell: str, control_endpoint: str) -> None:
@@ -17,15 +17,15 @@ class CrashMarker:
         self._path = folder / f"farhand-{os.getuid()}-{cell}-{port}.running"
 
     def set(self) -> bool:
-        """Set the mark so that no power cut can take it; True when one stood, so that the last run did not end well."""
-        stood = self._path.exists()
+        """Create the marker on disk; True when one was there, so the last run crashed or was killed."""
+        was_there = self._path.exists()
         self._path.touch()
         _sync(self._path)
         _sync(self._path.parent)
-        return stood
+        return was_there
 
     def clear(self) -> None:
-        """The site ends in order."""
+        """Remove the marker: the site ends in order."""
         self._path.unlink(missing_ok=True)
 
 

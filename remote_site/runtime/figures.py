@@ -14,7 +14,7 @@ LATENCY_BUCKETS_S = (0.01, 0.02, 0.03, 0.04, 0.05, 0.06, 0.08, 0.1, 0.15, 0.2, 0
 
 
 class RemoteFigures:
-    """Hears every state of the cell; one thread hears, another asks."""
+    """Takes every state of the cell; one thread writes, another reads."""
 
     def __init__(self, video: VideoTally) -> None:
         self._video = video
@@ -47,7 +47,9 @@ class RemoteFigures:
         state = self._state
         if state is None:
             return
-        yield gauge("farhand_state_age_seconds", "Since control told its state last", (now_ns - self._heard_ns) / 1e9)
+        yield gauge(
+            "farhand_state_age_seconds", "Since control last published its state", (now_ns - self._heard_ns) / 1e9
+        )
         yield from self._of_session(state)
         yield from _of_control(state)
         yield from _of_lease(state)
@@ -59,7 +61,7 @@ class RemoteFigures:
         for name, count in self._entered.items():
             now.add_metric([name.value], float(state.state is name))
             entered.add_metric([name.value], count)
-        why = GaugeMetricFamily("farhand_session_reason", "1 for the code that says why", labels=["code"])
+        why = GaugeMetricFamily("farhand_session_reason", "1 for the code of the state's reason", labels=["code"])
         why.add_metric([state.code], 1.0)
         rejected = CounterMetricFamily("farhand_hand_rejected", "Hand samples refused", labels=["reason"])
         for reason, count in state.rejected.items():
@@ -82,7 +84,7 @@ class RemoteFigures:
 
 def _of_control(state: RobotState) -> Iterator[Metric]:
     timing = state.timing
-    yield CounterMetricFamily("farhand_states", "States told by control", value=state.seq)
+    yield CounterMetricFamily("farhand_states", "States published by control", value=state.seq)
     yield gauge("farhand_control_rate_hertz", "Ticks per second since the start", timing.hz)
     yield gauge("farhand_control_late_p99_seconds", "Lateness of ticks, 99th percentile", timing.late_p99_us / 1e6)
     yield CounterMetricFamily("farhand_control_ticks", "Ticks of control", value=timing.ticks)

@@ -18,7 +18,7 @@ STOP_WITHIN_NS = 50 * NS_PER_MS
 
 
 class KinematicLoop:
-    """An arm that does at once what it is told, and the pipeline that commands it; `sent` is the newest command."""
+    """An arm that follows commands perfectly, and the pipeline that commands it; `sent` is the newest command."""
 
     def __init__(self, config: RemoteConfig, clock: Clock) -> None:
         self.model, self.limits = load_arm(config.robot)

@@ -1,4 +1,4 @@
-"""Where the remote site is heard: at its own endpoints, or by way of a router."""
+"""Opens the remote site's sessions: listening at its own endpoints, or connected to a router."""
 
 from collections.abc import Callable
 

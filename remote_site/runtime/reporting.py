@@ -1,4 +1,4 @@
-"""What the remote site tells of itself: the robot's state, which hand sample it obeys, and when that moved it."""
+"""Publishes the robot's state: which hand sample it obeys, and when that sample moved it."""
 
 import contextvars
 import math
@@ -131,7 +131,7 @@ class Reporter:
                 base_T_tool=Pose.from_transform(self._model.forward(report.q)),
                 gripper=report.gripper,
                 gripper_toggles_applied=snapshot.gripper_toggles,
-                obeyed=self._tracing.told(),
+                obeyed=self._tracing.reported(),
                 engagement=snapshot.engagement,
                 rejected={code.value: count for code, count in snapshot.rejected.items()} | dict(malformed),
                 timing=self._timing,

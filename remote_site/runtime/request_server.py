@@ -1,4 +1,4 @@
-"""The remote site's front desk: answers who may operate, what time it is, and what this cell is."""
+"""Answers requests about the lease, questions about the clock, and the description of this cell."""
 
 from collections.abc import Callable
 from importlib.metadata import version
@@ -28,10 +28,10 @@ from remote_site.video.calibration import calibration_of
 
 
 class RequestServer:
-    """Polled by the control loop after each command is written, so that no answer delays one.
+    """Polled by the control loop after each command is written, so no answer delays a command.
 
-    The clock is read at the poll, not when a question arrives: waiting for the poll only makes that round trip longer,
-    and of each second the quickest counts.
+    The clock is read at the poll, not when a question arrives: waiting only lengthens that round trip,
+    and the quickest of each second counts.
     """
 
     def __init__(
@@ -69,12 +69,12 @@ def answer_lease(leases: LeaseServer, request: LeaseRequest, now_ns: int) -> Lea
     outcome = _act(leases, request, now_ns)
     current = leases.current(now_ns)
     own = current if current is not None and current.holder.session == request.session else None
-    told = outcome if isinstance(outcome, Reason) else _done(request.action, current)
+    answer = outcome if isinstance(outcome, Reason) else _done(request.action, current)
     return LeaseReply(
         id=request.id,
         done=isinstance(outcome, Lease),
-        code=told.code.value,
-        reason=told.sentence,
+        code=answer.code.value,
+        reason=answer.sentence,
         lease=own.number if own is not None else 0,
         lasts_ns=own.expires_ns - now_ns if own is not None else 0,
         holder=current.holder.name if current is not None else "",

@@ -1,4 +1,4 @@
-"""Follows each obeyed hand sample from its first command to the robot's encoders; pure."""
+"""Traces each obeyed hand sample from its first command to the robot's encoders; pure."""
 
 from collections import deque
 from dataclasses import dataclass
@@ -15,7 +15,7 @@ from remote_site.session.samples import Accepted
 
 UNDER_WAY = 64  # samples at most: two seconds of them
 GIVEN_UP_NS = NS_PER_S
-LEAST_SPEED_RAD_S = 0.005  # of an arm that stands, encoders cannot tell which command it follows
+LEAST_SPEED_RAD_S = 0.005  # of an arm at rest, encoders cannot show which command it follows
 
 
 @dataclass(slots=True)
@@ -24,7 +24,7 @@ class _UnderWay:
 
     obeyed: Obeyed
     command_seq: int
-    along: Array | None  # joint speeds (n,) of its command, None where they are too slow to be told from rest
+    along: Array | None  # joint speeds (n,) of its command, None where they cannot be distinguished from rest
     reach: float  # of the command's joints (n,) along them
 
 
@@ -53,9 +53,9 @@ class Tracing:
         reach = 0.0 if along is None else float(motion.q @ along)
         self._under_way.append(_UnderWay(self._newest, command_seq, along, reach))
 
-    def told(self) -> Obeyed | None:
-        """What the next state says: a sample whose command has become known to have reached the robot, once; otherwise
-        the newest that is obeyed. A slow robot lags behind by several.
+    def reported(self) -> Obeyed | None:
+        """The sample for the next state: once, one whose command is newly known to have reached the robot; else the
+        newest that is obeyed. A slow robot lags by several samples.
         """
         moved, self._moved = self._moved, None
         return moved or self._newest
@@ -92,7 +92,7 @@ def _is_over(one: _UnderWay, reading: RobotReport) -> bool:
 
 
 def _shown(one: _UnderWay, reading: RobotReport) -> Traced | None:
-    """The sample's whole way once the measured joints are as far as its command, along that command's motion."""
+    """The sample's whole path once the measured joints are as far as its command, along that command's motion."""
     obeyed = one.obeyed
     if obeyed.motion_ns is None or one.along is None or float(reading.q @ one.along) < one.reach:
         return None

@@ -1,22 +1,27 @@
-"""A robot's fault latches the session, and what only ran out while nothing was engaged is mended; pure."""
+"""A robot's fault latches the session; timeouts while disengaged and at rest recover automatically; pure."""
 
 from common.clock import NS_PER_MS
 from common.messages.robot import SessionState
 from remote_site.drivers.faults import FaultCode, RobotFault
 from remote_site.session.state_machine import Session
 
-SILENCES = (FaultCode.COMMAND_TIMEOUT, FaultCode.WATCHDOG, FaultCode.PROCESS, FaultCode.SILENT)  # on the way to and fro
+SILENCES = (
+    FaultCode.COMMAND_TIMEOUT,
+    FaultCode.WATCHDOG,
+    FaultCode.PROCESS,
+    FaultCode.SILENT,
+)  # between control, driver process and robot
 ASLEEP = (FaultCode.COMMAND_TIMEOUT, FaultCode.WATCHDOG, FaultCode.REFUSED)  # the last while the stop is ending
 
 RETRY_NS = 100 * NS_PER_MS  # between activations that are refused one after the other
 
 
 class FaultLatch:
-    """Hands every new fault of the robot to the session, once; waiting to be activated is none.
+    """Passes every new fault of the robot to the session, once; waiting to be activated is not a fault.
 
-    Nor is a silence between control, the driver's process and the robot that found the arm at rest and nobody engaged:
-    one of them stumbled, as on a machine that starts everything at once, and nothing was taken from anybody. While it
-    lasts the robot is not ready, so that nobody can engage.
+    Nor is a silence between control, the driver's process and the robot that found the arm at rest and nobody engaged,
+    as on a machine that starts everything at once: no motion was interrupted. While it lasts the robot is not ready, so
+    nobody can engage.
     """
 
     def __init__(self, session: Session) -> None:
@@ -26,9 +31,9 @@ class FaultLatch:
         self._asked_ns: int | None = None
 
     def note(self, fault: RobotFault | None, now_ns: int, *, resting: bool) -> bool:
-        """The fault of a tick's report, None while the robot takes commands; True asks to activate it anew.
+        """Take the fault of a tick's report, None while the robot takes commands; True if it must be activated again.
 
-        `resting` is whether the commanded arm rests. A robot that refuses is asked again ten times a second.
+        `resting` is whether the commanded arm is at rest. A robot that refuses is asked again ten times a second.
         """
         code = fault.code if fault is not None else None
         if fault is not None and not fault.calm and code is not self._last and not self._lapses(fault, resting):

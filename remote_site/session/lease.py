@@ -7,7 +7,7 @@ from remote_site.reasons import Code, Reason, reason
 
 @dataclass(frozen=True, slots=True)
 class Holder:
-    """A local site: the session of its start, and its operator's name."""
+    """A local site: the session number of its start, and its operator's name."""
 
     session: int
     name: str
@@ -49,7 +49,7 @@ class LeaseServer:
         return self._lease if self._lease is not None and now_ns < self._lease.expires_ns else None
 
     def asker(self, now_ns: int) -> Holder | None:
-        """Who was refused in the last seconds because another holds the lease, and so waits for consent."""
+        """Who was refused in the last seconds because another holds the lease, and waits for consent."""
         return self._asker if self.current(now_ns) is not None and now_ns < self._asked_until_ns else None
 
     def status(self, now_ns: int) -> LeaseStatus:
@@ -67,7 +67,7 @@ class LeaseServer:
         return reason(Code.NOT_HOLDER, holder=current.holder.name)
 
     def renew(self, number: int, session: int, now_ns: int) -> Lease | Reason:
-        """The same lease for another while; an ended one has to be acquired anew."""
+        """Extend the same lease; one that has ended has to be acquired again."""
         held = self.in_force(number, session, now_ns)
         return self._extend(held, now_ns) if isinstance(held, Lease) else held
 

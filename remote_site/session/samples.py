@@ -1,4 +1,4 @@
-"""What became of a hand sample: accepted, or rejected with the reason; pure."""
+"""The outcome of validation: a hand sample is accepted, or rejected with the reason; pure."""
 
 from dataclasses import dataclass
 
@@ -9,16 +9,16 @@ from remote_site.reasons import Reason
 
 @dataclass(frozen=True, slots=True)
 class Accepted:
-    """A sample to act on: the hand's place (3,) in the operator frame in m, its orientation (3 x 3) if it shows one.
+    """A sample to follow: the hand's position (3,) in the operator frame in m, its orientation (3 x 3) if it shows one.
 
-    The place is the wrist's or the palm's, as the mapping asks for.
+    The position is the wrist's or the palm's, as configured for the mapping.
     `born_ns` is its capture on our clock, the earliest it can be; the age counts from there. The orientation is None
     while a fingertip is missing, inferred or poorly known, the hand is open or turns too fast to be meant.
-    `speed` is the share of full speed that the wrist's covariance allows.
+    `speed` is the fraction of full speed that the wrist's covariance allows.
     """
 
     sample: HandArm
-    place: Array
+    position: Array
     operator_R_hand: Array | None
     born_ns: int
     new_session: bool
@@ -27,7 +27,7 @@ class Accepted:
 
 @dataclass(frozen=True, slots=True)
 class Rejected:
-    """A sample not to act on; `hand_lost` when the tracker says so, `latch` when the engagement must end.
+    """A sample not to follow; `hand_lost` when the tracker lost the hand, `latch` when the engagement must end.
 
     `held` is the operator's intent in it, None where the sample is not to be believed at all.
     """

@@ -1,4 +1,4 @@
-"""How much a hand sample's covariance lets the arm do: position and orientation judged apart; pure."""
+"""How far a hand sample's covariance slows the arm: position and orientation judged separately; pure."""
 
 import math
 from dataclasses import dataclass
@@ -10,7 +10,7 @@ from remote_site.safety.config import CertaintyConfig
 
 @dataclass(frozen=True, slots=True)
 class Certainty:
-    """The shares of full speed for position and turning, 0 where the sample is too poor; the wrist's sigma in mm."""
+    """The fractions of full speed for position and rotation, 0 for too poor a sample; the wrist's sigma in mm."""
 
     position: float
     orientation: float
@@ -18,14 +18,14 @@ class Certainty:
 
 
 def certainty_of(covariance: PointCovariances | None, config: CertaintyConfig) -> Certainty:
-    """Judge the points' covariances; a point without one counts as sure, since its sender does not know better."""
+    """Judge the points' covariances; a point without one counts as certain."""
     if covariance is None:
         return Certainty(1.0, 1.0, 0.0)
     wrist = _sigma_mm(covariance.wrist)
     tips = max(_sigma_mm(covariance.index), _sigma_mm(covariance.thumb), wrist)
     return Certainty(
-        _share(wrist, config.wrist_sure_mm, config.wrist_poor_mm, config.slowest),
-        _share(tips, config.tips_sure_mm, config.tips_poor_mm, config.slowest),
+        _fraction(wrist, config.wrist_sure_mm, config.wrist_poor_mm, config.slowest),
+        _fraction(tips, config.tips_sure_mm, config.tips_poor_mm, config.slowest),
         wrist,
     )
 
@@ -38,7 +38,7 @@ def _sigma_mm(covariance: Covariance | None) -> float:
     return 1e3 * math.sqrt(trace) if 0.0 <= trace < math.inf else math.inf
 
 
-def _share(sigma_mm: float, sure_mm: float, poor_mm: float, slowest: float) -> float:
+def _fraction(sigma_mm: float, sure_mm: float, poor_mm: float, slowest: float) -> float:
     if sigma_mm > poor_mm:
         return 0.0
     beyond = max(sigma_mm - sure_mm, 0.0) / (poor_mm - sure_mm)

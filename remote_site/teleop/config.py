@@ -32,12 +32,12 @@ class MappingConfig(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fi
     command: Annotated[
         Literal["relative", "incremental"],
         Meta(
-            description="relative: the tool's origin and the hand's way since its own; incremental: where the tool is "
-            "and the hand's way since the last sample, as in the ROBONAUT report, which drifts"
+            description="relative: the tool's origin plus the hand's motion since its own; incremental: the tool's "
+            "position plus the hand's motion since the last sample, as in the ROBONAUT report, which drifts"
         ),
     ] = "relative"
     point: Annotated[
-        HandPoint, Meta(description="what the tool copies; the palm is told by the tracker of one camera alone")
+        HandPoint, Meta(description="what the tool copies; only the tracker of one camera measures the palm")
     ] = "wrist"
     scale: Annotated[float, Meta(gt=0, le=5, description="tool motion per hand motion")] = 1.0
     base_R_operator: Annotated[

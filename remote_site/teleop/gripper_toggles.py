@@ -2,7 +2,7 @@
 
 
 class GripperToggles:
-    """Turns the count in the hand samples into open and closed; counts made while not engaged are never applied."""
+    """Turns the count in the hand samples into open and closed; toggles made while not engaged are never applied."""
 
     def __init__(self, *, is_open: bool) -> None:
         self.is_open = is_open

@@ -1,4 +1,4 @@
-"""From the hand's motion to the tool's target: since both origins, or from where the tool is, sample by sample."""
+"""From the hand's motion to the tool's target: relative to both origins, or incremental from sample to sample; pure."""
 
 import math
 from dataclasses import dataclass
@@ -74,13 +74,13 @@ class Mapping:
     def steer(
         self, steering: Steering, hand_in_operator: Array, operator_R_hand: Array | None, base_T_target: Array
     ) -> None:
-        """Take what the operator wants; a change takes both origins anew, the tool's from the target as it is held."""
+        """Take what the operator wants; a change takes both origins again, the tool's from the present target."""
         if steering != self._steering:
             self._apply(steering)
             self.engage(hand_in_operator, operator_R_hand, base_T_target)
 
     def target(self, hand_in_operator: Array, operator_R_hand: Array | None) -> Array:
-        """The tool's target `base_T_tool` (4 x 4) for the hand's place (3,) in m and orientation, if it shows one."""
+        """The target `base_T_tool` (4 x 4) for the hand's position (3,) in m and orientation, None if it shows none."""
         self._turn(operator_R_hand)
         turned = self._turned
         if self._turn_locked:
@@ -127,10 +127,10 @@ class Mapping:
 
 
 class IncrementalMapping(Mapping):
-    """The tool's present place and the hand's way since the last sample (the ROBONAUT report, section 3, steps 2-5).
+    """The tool's present position and the hand's motion since the last sample (ROBONAUT report, section 3, steps 2-5).
 
-    What is sent is the hand's place, the sum of all displacements, so that a lost sample loses nothing of it. What the
-    arm had left to go when the next sample came is lost, however: the tool drifts. Its turn counts from the reference.
+    Samples carry the hand's position, the sum of all displacements, so a lost sample loses no motion. But the distance
+    that the arm had left when the next sample arrived is lost: the tool drifts. Rotation counts from the reference.
     """
 
     def engage(self, hand_in_operator: Array, operator_R_hand: Array | None, base_T_tool: Array) -> None:

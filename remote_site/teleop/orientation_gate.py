@@ -1,4 +1,4 @@
-"""When the hand's orientation may turn the tool: while it is seen, closed and turns as a hand can; pure."""
+"""The orientation gate: the hand turns the tool only while it is seen, closed, and turns as a hand can; pure."""
 
 import math
 from collections import deque
@@ -15,8 +15,8 @@ class OrientationGate:
     """Withholds the orientation while the hand opens, is open or closes, and after any turn too fast to be meant.
 
     A tip taken for another and an opening hand both look like a sudden turn, and begin as a slow one: so the first
-    answer of a hold is the orientation of `TAKEN_BACK_NS` before. What is withheld is never caught up: the mapping
-    takes the orientation up from where it is once it has been calm for `turn_settle_ms`.
+    answer of a hold is the orientation of `TAKEN_BACK_NS` before. Rotation during a hold is discarded: the mapping
+    continues from the present orientation once it has been calm for `turn_settle_ms`.
     """
 
     def __init__(self, config: SafetyConfig) -> None:
@@ -26,15 +26,15 @@ class OrientationGate:
         self._calm_since_ns = 0
         self._acted: deque[tuple[int, Array]] = deque(maxlen=ACTED_KEPT)
 
-    def judge(self, operator_R_hand: Array | None, born_ns: int, share: float = 1.0) -> Array | None:
+    def judge(self, operator_R_hand: Array | None, born_ns: int, believed: float = 1.0) -> Array | None:
         """The orientation (3 x 3) if it may act, None otherwise; `born_ns` rises from call to call.
 
-        `share` is the part of the fastest turn that is believed of so uncertain an orientation.
+        `believed` is the fraction of the fastest turn that is accepted of an uncertain orientation.
         """
         if operator_R_hand is None:
             self._last = None
             return self._take_back(born_ns)
-        fastest = share * self._fastest_rad_s
+        fastest = believed * self._fastest_rad_s
         if self._last is None or self._speed_rad_s(operator_R_hand, self._last, born_ns) > fastest:
             self._calm_since_ns = born_ns
         self._last = operator_R_hand, born_ns

@@ -1,4 +1,4 @@
-"""The intake of hand samples: in order, young, finite and plausible, or refused with the reason; pure."""
+"""Validation of hand samples: in order, young, finite and plausible, or rejected with the reason; pure."""
 
 import math
 from collections import Counter
@@ -16,13 +16,13 @@ from remote_site.teleop.certainty import certainty_of
 from remote_site.teleop.config import HandPoint
 from remote_site.teleop.orientation_gate import OrientationGate
 
-OFFSET_VALID_NS = 5 * NS_PER_S  # an older measurement of the clocks says nothing any more
+OFFSET_VALID_NS = 5 * NS_PER_S  # an older measurement of the clocks no longer counts
 
 
 class SampleValidator:
-    """Judges samples one by one; `rejected` counts refusals by code, `clock` is what the newest one said of the clocks.
+    """Judges samples one by one; `rejected` counts refusals by code, `clock` is the newest clock offset.
 
-    What comes here was sent under the lease in force, so that no former session or site can be among it.
+    Every sample here was sent under the lease in force, so none is of a former session or another site.
     """
 
     def __init__(self, config: SafetyConfig, point: HandPoint = "wrist") -> None:
@@ -39,7 +39,7 @@ class SampleValidator:
         self._gate = OrientationGate(config)
 
     def accept(self, sample: HandArm, now_ns: int) -> Accepted | Rejected:
-        """Accepted, or Rejected with the first rule that was broken; only samples that exist in time are remembered."""
+        """Accepted, or Rejected with the first rule that was broken; only samples with a valid time are remembered."""
         offset = clock_offset(sample.clock, now_ns)
         if isinstance(offset, Reason):
             return self.refuse(offset)
@@ -68,14 +68,14 @@ class SampleValidator:
             limit_mm = self._config.certainty.wrist_poor_mm
             poor = reason(Code.UNCERTAIN, sigma_mm=certainty.wrist_mm, limit_mm=limit_mm)
             return self.refuse(poor, hand_lost=True)
-        place = np.array(shown_at)
+        position = np.array(shown_at)
         if not math.isfinite(sum(shown_at)):
             return self.refuse(reason(Code.NOT_FINITE, what=self._point))
-        if (jump := self._jump(place, sample.capture_ns)) is not None:
+        if (jump := self._jump(position, sample.capture_ns)) is not None:
             return self._jumped(jump)
         shown = _orientation(sample) if certainty.orientation else None
         orientation = self._gate.judge(shown, born_ns, certainty.orientation)
-        return Accepted(sample, place, orientation, born_ns, new_session, certainty.position)
+        return Accepted(sample, position, orientation, born_ns, new_session, certainty.position)
 
     def _order(self, sample: HandArm) -> Reason | None:
         if sample.session != self._session or sample.seq > self._seq:
@@ -95,21 +95,21 @@ class SampleValidator:
         return None
 
     def _remember(self, sample: HandArm) -> bool:
-        """Note the sample's place in the order; True when it opens a new local session after another."""
+        """Note the sample's position in the sequence; True when it opens a new local session after another."""
         new_session = self._session is not None and sample.session != self._session
         if new_session:
             self._last, self._jumps = None, 0
         self._session, self._seq, self._capture_ns = sample.session, sample.seq, sample.capture_ns
         return new_session
 
-    def _jump(self, place: Array, capture_ns: int) -> Reason | None:
+    def _jump(self, position: Array, capture_ns: int) -> Reason | None:
         if self._last is None:
             return None
         # by the sender's own clock: what is known of its offset changes with every measurement on a bad link
         interval_ns = capture_ns - self._last.sample.capture_ns
         if interval_ns > self._latch_ns:
             return None
-        distance = math.dist(place.tolist(), self._last.place.tolist())
+        distance = math.dist(position.tolist(), self._last.position.tolist())
         if distance <= self._config.hand_speed_m_s * interval_ns / NS_PER_S + self._config.hand_noise_m:
             return None
         return reason(Code.JUMP, distance_mm=distance * 1e3, interval_ms=interval_ns / NS_PER_MS)
@@ -124,7 +124,7 @@ class SampleValidator:
 
 
 def clock_offset(clock: ClockSync | None, now_ns: int) -> ClockOffset | Reason:
-    """The local clock minus ours as a sample tells it, or why that cannot be used."""
+    """The local clock minus ours, as the sample states it, or why that cannot be used."""
     if clock is None or clock.measured_ns > now_ns:
         return reason(Code.NO_OFFSET)
     age_ns = now_ns - clock.measured_ns

@@ -30,17 +30,17 @@ class ToolTarget:
     def capture(self, sample: Accepted, q: Array, engagements: int) -> None:
         """Take both origins, the hand's from the sample and the tool's at `q` (n,) rad: earlier motion is discarded."""
         base_T_tool = self.base_T_tool = self._model.forward(q)
-        self._mapping.steer(Steering.of(sample.sample.intent), sample.place, sample.operator_R_hand, base_T_tool)
-        self._mapping.engage(sample.place, sample.operator_R_hand, base_T_tool)
+        self._mapping.steer(Steering.of(sample.sample.intent), sample.position, sample.operator_R_hand, base_T_tool)
+        self._mapping.engage(sample.position, sample.operator_R_hand, base_T_tool)
         self.engagement = Engagement(engagements, sample.sample.capture_ns, Pose.from_transform(base_T_tool))
 
     def aim(self, sample: Accepted, q_measured: Array, now_ns: int) -> ToolSample:
         """The target for the newest sample, inside the workspace box and within the leash from the measured arm."""
-        place, operator_R_hand = sample.place, sample.operator_R_hand
-        self._mapping.steer(Steering.of(sample.sample.intent), place, operator_R_hand, self.base_T_tool)
+        position, operator_R_hand = sample.position, sample.operator_R_hand
+        self._mapping.steer(Steering.of(sample.sample.intent), position, operator_R_hand, self.base_T_tool)
         measured = self._model.forward(q_measured)
         self._mapping.read(measured)
-        target = self._mapping.target(place, operator_R_hand)
+        target = self._mapping.target(position, operator_R_hand)
         target[:3, 3] = self._workspace.clamp(target[:3, 3])
         self.base_T_tool, leashed = leash(target, measured, *self._leash)
         elbow = self._mapping.elbow(sample.sample.wrist, sample.sample.elbow)

@@ -1,17 +1,12 @@
-"""MediaPipe's way back into space: landmarks of both views to points, the child's answers, and why there are none."""
+"""MediaPipe's landmarks in space: those of both views to points, the child's answers, and why there are none."""
 
 import sys
 
 import numpy as np
 import pytest
 
-from bench.tracking.mediapipe_hands import (
-    MediaPipeHands,
-    UnavailableError,
-    install,
-    last_words,
-    place_landmarks,
-)
+from bench.installing import UnavailableError, reason
+from bench.tracking.mediapipe_hands import MediaPipeHands, install, triangulate_landmarks
 from common.cameras.camera import Frame
 from local_site.calibration.triangulation import project
 from local_site.simulation.cameras import exact_rig
@@ -25,7 +20,7 @@ NUMBERS = {"wrist": 0, "thumb": 4, "index": 8}
 
 
 def hands():
-    """Both views' landmarks of PLACES, as shares of the picture."""
+    """Both views' landmarks of PLACES, as fractions of the picture."""
     views = []
     for matrix in RIG.matrices:
         marks = np.full((21, 2), 0.5)
@@ -48,12 +43,12 @@ def child(tmp_path, body):
 
 
 def test_landmarks_are_triangulated_by_the_rig():
-    points = place_landmarks(RIG, hands(), [SIZE, SIZE])
+    points = triangulate_landmarks(RIG, hands(), [SIZE, SIZE])
     assert {name: pytest.approx(place, abs=1e-6) for name, place in PLACES.items()} == points
 
 
 def test_a_hand_in_one_view_only_is_no_result():
-    assert place_landmarks(RIG, [hands()[0], None], [SIZE, SIZE]) == {}
+    assert triangulate_landmarks(RIG, [hands()[0], None], [SIZE, SIZE]) == {}
 
 
 def test_the_pictures_go_to_the_child_and_landmarks_come_back(tmp_path):
@@ -83,6 +78,6 @@ def test_an_environment_that_cannot_be_made_says_why(tmp_path):
 
 def test_the_words_of_an_installer_that_tell_most():
     text = "WARNING: slow\nERROR: No matching distribution found for mediapipe==0.10.21\n\nhint: nothing\n"
-    assert last_words(text) == "ERROR: No matching distribution found for mediapipe==0.10.21"
-    assert last_words("first\nsecond\n") == "second"
-    assert last_words("") == ""
+    assert reason(text) == "ERROR: No matching distribution found for mediapipe==0.10.21"
+    assert reason("first\nsecond\n") == "second"
+    assert reason("") == ""

@@ -7,10 +7,11 @@ import numpy as np
 import pytest
 from rich.console import Console
 
+from bench.installing import UnavailableError
 from bench.tracking import comparison as tracking
 from bench.tracking.comparison import Comparison
 from bench.tracking.figures import Found
-from bench.tracking.mediapipe_hands import MediaPipeHands, UnavailableError
+from bench.tracking.mediapipe_hands import MediaPipeHands
 from bench.tracking.scenes import simulated
 from local_site.simulation.config import MotionConfig, SimulationConfig
 

@@ -7,16 +7,8 @@ import numpy as np
 import pytest
 from rich.console import Console
 
-from bench.tracking.figures import (
-    SETTLED,
-    Found,
-    flat,
-    judge,
-    normalised_square,
-    openings,
-    rank_correlation,
-)
-from bench.tracking.table import shown
+from bench.tracking.comparison import shown
+from bench.tracking.figures import SETTLED, Found, flat, judge, normalised_square, openings, rank_correlation
 from local_site.simulation.body import ArmTruth
 
 ELBOW, WRIST, INDEX, THUMB = np.eye(4, 3)
@@ -36,32 +28,33 @@ def test_errors_are_those_after_the_first_frames():
     early = [found({"wrist": WRIST + 1.0}, ms=99.0)] * SETTLED
     figures = judge([*early, *[found({"wrist": WRIST + OFF})] * 5], truth(SETTLED + 5), ("wrist",))
     wrist = figures.points["wrist"]
-    assert (wrist.frames, figures.frames) == (5, 5)
-    assert (wrist.mean, wrist.p95, wrist.largest) == pytest.approx((5.0, 5.0, 5.0))
-    assert wrist.bias == pytest.approx([0.0, 3.0, -4.0])
-    assert (figures.median_ms, figures.p95_ms, figures.processor_ms) == pytest.approx((2.0, 2.0, 1.0))
-    assert figures.points["elbow"].largest == 0.0
+    assert (wrist["frames"], figures.whole["frames"]) == (5, 5)
+    assert [wrist[f"{name} mm"] for name in ("mean", "p95", "max")] == pytest.approx([5.0, 5.0, 5.0])
+    assert [wrist[f"bias {axis} mm"] for axis in "xyz"] == pytest.approx([0.0, 3.0, -4.0])
+    times = ("median ms per pair", "p95 ms per pair", "median processor ms per pair")
+    assert [figures.whole[name] for name in times] == pytest.approx([2.0, 2.0, 1.0])
+    assert figures.points["elbow"]["max mm"] == 0.0
 
 
 def test_a_frame_without_a_needed_point_is_one_without_result():
     blind = Found({"wrist": WRIST}, 1.0, 1.0, covariances={})
     figures = judge([found()] * SETTLED + [blind, found(), blind], truth(SETTLED + 3), ("wrist", "index"))
-    assert figures.without_result == 2
-    assert figures.points["wrist"].frames == 3
-    assert figures.points["index"].frames == 1
+    assert figures.whole["frames without result"] == 2
+    assert figures.points["wrist"]["frames"] == 3
+    assert figures.points["index"]["frames"] == 1
 
 
 def test_a_thumb_that_was_inferred_is_counted_apart():
     inferred = found({"thumb": THUMB + OFF}, thumb_inferred=True)
     figures = judge([found()] * (SETTLED + 2) + [inferred], truth(SETTLED + 3), ())
-    assert (figures.points["thumb seen"].frames, figures.points["thumb seen"].mean) == (2, 0.0)
-    assert figures.points["thumb inferred"].mean == pytest.approx(5.0)
+    assert (figures.points["thumb seen"]["frames"], figures.points["thumb seen"]["mean mm"]) == (2, 0.0)
+    assert figures.points["thumb inferred"]["mean mm"] == pytest.approx(5.0)
 
 
 def test_points_never_found_have_no_figures():
     figures = judge([Found({}, 1.0, 1.0, covariances={})] * (SETTLED + 1), truth(SETTLED + 1), ("wrist",))
     assert figures.points == {}
-    assert figures.without_result == 1
+    assert figures.whole["frames without result"] == 1
 
 
 def test_openings_are_rising_edges():

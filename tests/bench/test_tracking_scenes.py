@@ -8,12 +8,7 @@ import cv2
 import numpy as np
 import pytest
 
-from bench.tracking.scenes import (
-    recorded,
-    recorded_scenes,
-    simulated,
-    simulated_scenes,
-)
+from bench.tracking.scenes import recorded, recorded_scenes, simulated, simulated_scenes
 from common.errors import CameraError
 from local_site.calibration.triangulation import project
 from local_site.simulation.cameras import control_point_rows

@@ -198,7 +198,7 @@ def test_the_age_that_the_page_tells_is_that_of_the_clock_in_its_picture(told: T
     told.until("the figures", lambda: bool(page.evaluate("window.paintedClocks.length > 40")))
     painted = ages_ms(page, clock)
     assert set(painted) == set(scene.CAMERAS)
-    assert min(min(ages) for ages in painted.values()) >= told.age_ms - clock.unsure_ms - 2
+    assert min(min(ages) for ages in painted.values()) >= told.age_ms - clock.uncertainty_ms - 2
     told_ms = float(told.page.words("[data-stretch=picture] td:nth-of-type(2)"))
     read_ms = float(np.median(np.concatenate(list(painted.values()))))
     assert told_ms == pytest.approx(read_ms, abs=50.0 + 0.5 * read_ms)

@@ -10,14 +10,9 @@ from scipy.spatial.transform import Rotation
 from typer.testing import CliRunner
 
 from common.errors import CalibrationError, ConfigError, FarhandError, InterruptionError
-from farhand.calibration.boards import (
-    BoardJob,
-    calibrate_board_pictures,
-    calibrate_live,
-    make_board,
-)
-from farhand.calibration.pictures import by_name, read_pictures
-from farhand.calibration.plate import PlateJob, calibrate_plate, parse_heights
+from farhand.calibration.boards import calibrate_board_pictures, calibrate_live, make_board
+from farhand.calibration.pictures import PictureJob, by_name, read_pictures
+from farhand.calibration.plate import calibrate_plate, parse_heights
 from farhand.calibration.points import calibrate_points, describe, parse_pair
 from farhand.cli import app
 from local_site.calibration.boards import BoardFinder
@@ -111,9 +106,9 @@ def test_pictures_of_the_recorded_plate_give_a_rig(tmp_path):
 def test_exchanged_and_miscounted_pictures_of_a_plate_are_refused(tmp_path):
     left, right = (f"{DATA}/calib_{side}_*.png" for side in ("left", "right"))
     with pytest.raises(CalibrationError, match="exchange the two"):
-        calibrate_plate(PlateJob(Plate(), (0.0, 0.497, 0.994), {"left": right, "right": left}, tmp_path / "rig.json"))
+        calibrate_plate(PictureJob({"left": right, "right": left}, tmp_path / "rig.json"), Plate(), (0.0, 0.497, 0.994))
     with pytest.raises(CalibrationError, match="3 pictures for 2 heights"):
-        calibrate_plate(PlateJob(Plate(), (0.0, 0.497), {"left": left, "right": right}, tmp_path / "rig.json"))
+        calibrate_plate(PictureJob({"left": left, "right": right}, tmp_path / "rig.json"), Plate(), (0.0, 0.497))
 
 
 @RECORDED
@@ -124,7 +119,7 @@ def test_mirrored_pictures_of_a_plate_are_refused(tmp_path):
             cv2.imwrite(str(tmp_path / f"{side}_{k}.png"), picture[:, ::-1])
     sources = {side: str(tmp_path / f"{side}_*.png") for side in ("left", "right")}
     with pytest.raises(CalibrationError, match="mirroring of both"):
-        calibrate_plate(PlateJob(Plate(), (0.0, 0.497, 0.994), sources, tmp_path / "rig.json"))
+        calibrate_plate(PictureJob(sources, tmp_path / "rig.json"), Plate(), (0.0, 0.497, 0.994))
 
 
 def board_picture(pose, side):
@@ -167,8 +162,8 @@ def test_a_live_board_is_taken_once_per_pose_drawn_and_solved(tmp_path, monkeypa
 
     monkeypatch.setattr(BoardFinder, "find", find_once)
     sources, found, said = board_folders(tmp_path, repeats=6), tmp_path / "found", []
-    job = BoardJob(BOARD, True, sources, tmp_path / "rig.json", found)
-    rig = calibrate_live(job, len(POSES), lambda: False, said.append).rig
+    job = PictureJob(sources, tmp_path / "rig.json", found)
+    rig = calibrate_live(job, BOARD, True, len(POSES), lambda: False, said.append).rig
     assert load_rig(tmp_path / "rig.json") == rig
     assert np.linalg.norm(rig.error_rms) < 0.0005
     centres = [-np.linalg.solve(m[:, :3], m[:, 3]) for m in rig.matrices]
@@ -184,11 +179,11 @@ def test_a_live_run_without_a_board_or_stopped_at_once_says_so(tmp_path):
     (tmp_path / "dark").mkdir()
     cv2.imwrite(str(tmp_path / "dark" / "0.png"), np.zeros((48, 64), np.uint8))
     sources = {"left": str(tmp_path / "dark"), "right": str(tmp_path / "dark")}
-    job = BoardJob(BOARD, False, sources, tmp_path / "r.json")
+    job = PictureJob(sources, tmp_path / "r.json")
     with pytest.raises(CalibrationError, match="hold it still for a moment"):
-        calibrate_live(job, 5, lambda: False, print)
+        calibrate_live(job, BOARD, False, 5, lambda: False, print)
     with pytest.raises(InterruptionError, match="before a pose"):
-        calibrate_live(job, 5, lambda: True, print)
+        calibrate_live(job, BOARD, False, 5, lambda: True, print)
 
 
 def test_pictures_without_the_board_are_refused_by_their_camera(tmp_path):
@@ -196,9 +191,9 @@ def test_pictures_without_the_board_are_refused_by_their_camera(tmp_path):
     (tmp_path / "dark").mkdir()
     for k in range(len(POSES)):
         cv2.imwrite(str(tmp_path / "dark" / f"{k}.png"), np.zeros((480, 640), np.uint8))
-    job = BoardJob(BOARD, False, {**sources, "right": str(tmp_path / "dark")}, tmp_path / "rig.json")
+    job = PictureJob({**sources, "right": str(tmp_path / "dark")}, tmp_path / "rig.json")
     with pytest.raises(CalibrationError, match=r"camera right: none of its 6 pictures shows the board; check --board"):
-        calibrate_board_pictures(job)
+        calibrate_board_pictures(job, BOARD, False)
 
 
 def test_unequal_counts_and_sizes_of_pictures_are_refused(tmp_path):
@@ -206,10 +201,10 @@ def test_unequal_counts_and_sizes_of_pictures_are_refused(tmp_path):
     first = tmp_path / "right" / "000.png"
     cv2.imwrite(str(first), np.zeros((48, 64), np.uint8))
     with pytest.raises(CalibrationError, match="camera right: its pictures differ in size"):
-        calibrate_board_pictures(BoardJob(BOARD, False, sources, tmp_path / "rig.json"))
+        calibrate_board_pictures(PictureJob(sources, tmp_path / "rig.json"), BOARD, False)
     first.unlink()
     with pytest.raises(CalibrationError, match=r"different numbers of pictures.*left 6, right 5"):
-        calibrate_board_pictures(BoardJob(BOARD, False, sources, tmp_path / "rig.json"))
+        calibrate_board_pictures(PictureJob(sources, tmp_path / "rig.json"), BOARD, False)
 
 
 def test_sources_are_named_in_order_and_missing_ones_refused(tmp_path):

@@ -15,9 +15,9 @@ from common.link.credentials import Validity, check_links, load_credentials
 from common.link.roles import Identity, Role, read_common_name
 from farhand.certificates.folder import CertificateOrder, create, hosts_of, load_authority, read_certificate, renew
 from farhand.certificates.issuing import issue
-from farhand.doctor.certificate_probing import probe_certificate
-from farhand.doctor.certificates import CertificateFacts, check_certificate
 from farhand.doctor.findings import Severity, worst
+from farhand.doctor.site import CertificateFacts, check_certificate
+from farhand.doctor.site_probing import probe_certificate
 
 NOW = datetime.now(UTC)
 ORDER = CertificateOrder("lab", ("robot.example.org", "10.0.0.3"), 90)
@@ -48,7 +48,7 @@ def test_keys_are_for_their_owner_only(folder: Path) -> None:
     keys = sorted(folder.rglob("*.key"))
     assert len(keys) == 1 + len(Role)
     assert {stat.S_IMODE(key.stat().st_mode) for key in keys} == {0o600}
-    assert list(folder.rglob("*.partial")) == []
+    assert list(folder.rglob("*.part")) == []
 
 
 def test_nothing_is_written_over_what_is_there(folder: Path) -> None:

@@ -23,7 +23,7 @@ from common.messages.requests import ClockAnswer
 from farhand.cli import app
 from farhand.doctor.processes import holder_of_device, listener_on
 from farhand.doctor.run import examine, which_site
-from farhand.doctor.site_probing import probe_camera, probe_clock, probe_ports, probe_rig
+from farhand.doctor.site_probing import probe_camera, probe_clock, probe_port, probe_rig
 from farhand.loopback.run import free_ports
 from farhand.router import RouterConfig
 from local_site.calibration.rig_file import save_rig
@@ -39,16 +39,16 @@ NOW = datetime(2026, 3, 1, tzinfo=UTC)
 def test_a_port_tells_who_listens() -> None:
     with socket.create_server(("127.0.0.1", 0)) as server:
         port = server.getsockname()[1]
-        (taken,) = probe_ports([("control", f"tcp/127.0.0.1:{port}")], ON_THIS_HOST)
+        taken = probe_port("control", f"tcp/127.0.0.1:{port}", ON_THIS_HOST)
         assert not taken.free
         assert f"(process {os.getpid()})" in taken.holder == listener_on(port)
-    (free,) = probe_ports([("control", f"tcp/127.0.0.1:{port}")], ON_THIS_HOST)
+    free = probe_port("control", f"tcp/127.0.0.1:{port}", ON_THIS_HOST)
     assert free.free
     assert listener_on(port) == ""
 
 
 def test_an_endpoint_beyond_this_host_is_told() -> None:
-    (port,) = probe_ports([("control", "tcp/192.168.1.2:7447")], ON_THIS_HOST)
+    port = probe_port("control", "tcp/192.168.1.2:7447", ON_THIS_HOST)
     assert "would let anybody move the arm" in port.problem
 
 
@@ -126,7 +126,7 @@ def test_the_cells_consoles_and_routers_files_are_examined_too(tmp_path: Path) -
     path = tmp_path / "router.toml"
     path.write_text("cells = ['lab']\nlisten = ['tls/0.0.0.0:7450']\n")
     found = [finding for finding in examine(path, ()) if finding.check in ("configuration", "links")]
-    assert found[0].sentence.endswith("of the router is without mistakes")
+    assert found[0].sentence.endswith("of the router has no mistakes")
     assert "tls needs certificates" in found[1].sentence
     path.write_text("[links]\nrouter = 'tls/meet:7450'\n")
     assert any("tls needs certificates" in finding.sentence for finding in examine(path, ()))

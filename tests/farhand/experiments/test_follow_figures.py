@@ -1,11 +1,11 @@
-"""Lag and residual of curves that are known, and the way from poses to curves."""
+"""Lag and residual of curves that are known, and how poses become curves."""
 
 import numpy as np
 import pytest
 
 from common.clock import NS_PER_MS, NS_PER_S
 from common.geometry import rotation_from_vector, transform
-from farhand.experiments.follow import Curves, follow_figures, hand_rows, rows_at, tool_rows
+from farhand.experiments.follow_figures import Curves, follow_figures, hand_rows, rows_at, tool_rows
 
 BASE_R_OPERATOR = np.array([[0.0, -1.0, 0.0], [1.0, 0.0, 0.0], [0.0, 0.0, 1.0]])
 AHEAD = np.array([-0.12, 0.0, 0.08])

@@ -134,7 +134,7 @@ def test_recordings_of_different_rates_are_refused_unless_the_rate_is_given(tmp_
 def test_a_picture_of_another_size_is_named_and_what_was_tracked_is_kept(tmp_path):
     left = folder(tmp_path, "left", [(48, 64), (48, 64), (24, 32)])
     right = folder(tmp_path, "right", [(48, 64)] * 3)
-    with pytest.raises(CameraError, match="camera left: its picture 2 is 32x24, but it was begun with 64x48"):
+    with pytest.raises(CameraError, match="camera left: its picture 2 is 32x24, but its first was 64x48"):
         run_track(sources(tmp_path, left, right), tmp_path / "track.jsonl", None)
     assert len((tmp_path / "track.jsonl").read_text().splitlines()) == 2
 

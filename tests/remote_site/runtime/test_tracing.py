@@ -63,7 +63,7 @@ def test_samples_that_come_faster_than_the_arm_follows_are_traced_all_the_same()
 def test_an_arm_that_stands_shows_nothing():
     tracing, traced = run(0.0)
     assert not traced
-    obeyed = tracing.told()
+    obeyed = tracing.reported()
     assert obeyed is not None
     assert obeyed.motion_ns is not None
 
@@ -80,13 +80,13 @@ def test_a_robot_that_never_comes_as_far_is_given_up():
 def at(tracing: Tracing, t_ms: int, obeyed_seq: int | None) -> tuple[int, int | None]:
     """What is told once the robot is seen: the sample's number, and when its command reached the robot, ms."""
     tracing.see(reading(t_ms, 0.0, obeyed_seq))
-    told = tracing.told()
+    told = tracing.reported()
     return told.seq, None if told.motion_ns is None else told.motion_ns // NS_PER_MS
 
 
 def test_a_quick_robots_sample_is_told_first_without_its_motion_and_then_with_it():
     tracing = Tracing()
-    assert tracing.told() is None
+    assert tracing.reported() is None
     tracing.obey(accepted(1, 100), 10, 120 * NS_PER_MS, commanded(120, 0.0))
     assert [at(tracing, 125, 9), at(tracing, 130, 10), at(tracing, 134, 11)] == [(1, None), (1, 130), (1, 130)]
 

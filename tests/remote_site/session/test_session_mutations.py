@@ -109,7 +109,7 @@ CONDITIONS = [
     (
         SampleValidator,
         "_judge",
-        "(jump := self._jump(place, sample.capture_ns)) is not None",
+        "(jump := self._jump(position, sample.capture_ns)) is not None",
         intake(of_intake.test_a_jump_is_refused_and_three_in_a_row_latch),
     ),
     (

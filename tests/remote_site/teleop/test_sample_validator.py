@@ -53,7 +53,7 @@ def test_a_good_sample_is_accepted_with_wrist_orientation_and_time_of_birth(inta
         result = accept(intake, sample)
     assert isinstance(result, Accepted)
     assert result.born_ns == sample.capture_ns
-    assert result.place.tolist() == list(sample.wrist)
+    assert result.position.tolist() == list(sample.wrist)
     assert np.array_equal(
         result.operator_R_hand, hand_rotation(*map(np.array, (sample.wrist, sample.index, sample.thumb)))
     )

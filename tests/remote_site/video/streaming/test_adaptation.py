@@ -5,7 +5,7 @@ from collections import Counter
 import numpy as np
 import pytest
 
-from bench.video.link import REPORT_NS, Run
+from bench.video.link import REPORT_NS, StreamRun
 from common.messages.video import (
     CameraStatus,
     VideoFrame,
@@ -57,7 +57,7 @@ def settings(run):
 
 @pytest.mark.parametrize("mbit", [20.0, 5.0])
 def test_pictures_stay_young_and_cameras_equal(mbit):
-    run = Run(CONFIG, pictures(), mbit)
+    run = StreamRun(CONFIG, pictures(), mbit)
     run.run(5.0)
     arrivals = run.run(30.0)
     ages, total = ages_ms(arrivals), shares(arrivals)
@@ -70,12 +70,12 @@ def test_pictures_stay_young_and_cameras_equal(mbit):
 
 
 def test_without_adaptation_the_same_link_makes_pictures_old():
-    run = Run(CONFIG, pictures(), 20.0, reports=False)
+    run = StreamRun(CONFIG, pictures(), 20.0, reports=False)
     assert ages_ms(run.run(5.0)).max() > 1000.0
 
 
 def test_a_free_link_carries_full_quality():
-    run = Run(CONFIG, pictures(), 100.0)
+    run = StreamRun(CONFIG, pictures(), 100.0)
     run.run(1.0)
     for _ in range(100):
         run.run(0.1)
@@ -83,7 +83,7 @@ def test_a_free_link_carries_full_quality():
 
 
 def test_a_link_that_becomes_narrow_is_followed_within_seconds():
-    run = Run(CONFIG, pictures(), 20.0)
+    run = StreamRun(CONFIG, pictures(), 20.0)
     run.run(10.0)
     run.link.mbit_s = 5.0
     worst = ages_ms(run.run(2.0)).max()
@@ -94,7 +94,7 @@ def test_a_link_that_becomes_narrow_is_followed_within_seconds():
 
 @pytest.mark.parametrize("mbit", [5.0, 20.0])
 def test_a_link_that_becomes_free_again_carries_full_quality_within_seconds(mbit):
-    run = Run(CONFIG, pictures(), mbit)
+    run = StreamRun(CONFIG, pictures(), mbit)
     run.run(10.0)
     assert settings(run) != [FULL] * 4
     run.link.mbit_s = 1000.0
@@ -103,7 +103,7 @@ def test_a_link_that_becomes_free_again_carries_full_quality_within_seconds(mbit
 
 
 def test_a_link_that_was_full_before_the_console_reported_is_emptied():
-    run = Run(CONFIG, pictures(), 20.0)
+    run = StreamRun(CONFIG, pictures(), 20.0)
     run._reports = False
     run.run(2.0)
     run._reports = True
@@ -211,7 +211,7 @@ def test_pictures_that_are_late_for_a_moment_though_all_arrive_are_not_the_links
 
 @pytest.mark.parametrize("paints_fps", [8.0, 15.0, 22.0])
 def test_a_page_that_is_too_slow_gets_fewer_pictures_but_good_ones_and_all_again_when_it_is_quick(paints_fps):
-    run = Run(CONFIG, pictures(), 100.0)
+    run = StreamRun(CONFIG, pictures(), 100.0)
     run.viewer.paints_fps = paints_fps
     run.run(12.0)
     rates, painted = [], len(run.run(20.0)) / 20.0 / 4
@@ -235,7 +235,7 @@ def test_a_page_that_paints_late_gets_fewer_pictures():
 
 @pytest.mark.parametrize("holds_bytes", [400_000, 200_000])
 def test_a_link_that_loses_what_it_cannot_hold_is_adapted_to_as_well(holds_bytes):
-    run = Run(CONFIG, pictures(), 5.0)
+    run = StreamRun(CONFIG, pictures(), 5.0)
     run.link.holds_bytes = holds_bytes
     run.run(5.0)
     arrivals = run.run(20.0)

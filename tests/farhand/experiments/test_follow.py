@@ -8,13 +8,13 @@ import pytest
 
 from common.errors import ConfigError, InterruptionError
 from farhand.experiments.filming import film
-from farhand.experiments.plots import MEASURED, TOOL
+from farhand.experiments.follow import HAND_MEASURED, TOOL
 from farhand.experiments.run import run_experiment
 from farhand.outputs import write_result
 from local_site.simulation.config import MotionConfig, SimulationConfig
 from local_site.tracking.choice import TrackingConfig
 
-WAYS = {"mean_5fps": 5, "farhand_30fps": 30}
+VARIANTS = {"mean_5fps": 5, "farhand_30fps": 30}
 
 
 @pytest.fixture(scope="module")
@@ -33,35 +33,37 @@ def report(folder):
 
 
 def test_the_folder_holds_report_plots_and_data_beside_what_was_there(folder):
-    plots, data = {"positions.png", "orientations.png"}, {f"follow_{way}.csv" for way in WAYS}
+    plots, data = {"positions.png", "orientations.png"}, {f"follow_{variant}.csv" for variant in VARIANTS}
     assert {p.name for p in folder.iterdir()} == {"notes.txt", "report.json", "report.html"} | plots | data
     assert (folder / "notes.txt").read_text() == "mine"
     page = (folder / "report.html").read_text()
     assert all(name in page for name in plots | data)
     for name in plots:
         picture = cv2.imread(str(folder / name))
-        assert all((picture == colour).all(axis=2).sum() > 500 for colour in (TOOL, MEASURED))
+        for curve in (TOOL, HAND_MEASURED):
+            blue_green_red = [int(curve["color"][k : k + 2], 16) for k in (5, 3, 1)]
+            assert (picture == blue_green_red).all(axis=2).sum() > 500
 
 
-@pytest.mark.parametrize(("way", "fps"), WAYS.items())
-def test_the_data_has_a_row_for_every_frame(way, fps, folder, report):
-    table = np.genfromtxt(folder / f"follow_{way}.csv", delimiter=",", names=True)
+@pytest.mark.parametrize(("variant", "fps"), VARIANTS.items())
+def test_the_data_has_a_row_for_every_frame(variant, fps, folder, report):
+    table = np.genfromtxt(folder / f"follow_{variant}.csv", delimiter=",", names=True)
     assert len(table.dtype.names) == 2 + 3 * 5
     assert (np.diff(table["frame"]) == 1).all()
     np.testing.assert_allclose(table["t_s"], table["frame"] / fps, atol=1e-3)
-    assert table["t_s"][0] == pytest.approx(report[way]["engaged_s"], abs=1e-3)
+    assert table["t_s"][0] == pytest.approx(report[variant]["engaged_s"], abs=1e-3)
     assert table["tool_z_mm"].min() < -40.0
 
 
 def test_the_mean_lags_by_half_its_window_and_farhand_far_less(report):
-    mean, own = (report[way]["tool_behind_true_hand"] for way in WAYS)
+    mean, own = (report[variant]["tool_behind_true_hand"] for variant in VARIANTS)
     assert mean["lag_ms"] == pytest.approx(800.0, abs=50.0)
     assert own["lag_ms"] < 0.2 * mean["lag_ms"]
     assert own["residual_mm"]["mean"] < 4.0
     assert own["residual_deg"]["xy_deg"]["mean"] < 3.0
     measured = report["farhand_30fps"]["tool_behind_measured_hand"]
     assert measured["residual_mm"]["mean"] < 1.5
-    assert [report[way]["hindered"] for way in WAYS] == [{}, {}]
+    assert [report[variant]["hindered"] for variant in VARIANTS] == [{}, {}]
 
 
 def test_the_same_film_is_measured_twice():
@@ -71,9 +73,10 @@ def test_the_same_film_is_measured_twice():
     np.testing.assert_array_equal(first[-1].wrist, second[-1].wrist)
 
 
-def test_an_interrupted_experiment_writes_nothing(tmp_path):
+@pytest.mark.parametrize("name", ["drift", "follow", "hazel"])
+def test_an_interrupted_experiment_writes_nothing(name, tmp_path):
     with pytest.raises(InterruptionError, match="nothing was written"):
-        run_experiment("follow", tmp_path, quick=True, should_stop=lambda: True)
+        run_experiment(name, tmp_path, quick=True, should_stop=lambda: True)
     assert list(tmp_path.iterdir()) == []
 
 

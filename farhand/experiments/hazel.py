@@ -1,0 +1,120 @@
+"""The experiment "hazel": the ROBONAUT report's synthetic arm and finger rectangle, tracked by one camera."""
+
+import math
+from collections.abc import Iterable, Mapping
+
+import numpy as np
+from msgspec.structs import asdict, replace
+
+from farhand.experiments.filming import Progress
+from farhand.experiments.hazel_figures import (
+    JOINTS,
+    MM,
+    REPORT_C,
+    REPORT_S,
+    arm_figures,
+    errors_mm,
+    finger_figures,
+    positions,
+)
+from farhand.experiments.hazel_filming import Footage, Tracked, occluded, shoot, watch
+from farhand.experiments.hazel_plots import hazel_plots
+from farhand.experiments.report import CsvTable, ExperimentReport, Figures
+from local_site.simulation.hazel import HAZEL_C_FRAMES, HAZEL_S_FRAMES, Swing, hazel_film, pointing_arm, pointing_film
+from local_site.simulation.textured_arm import Scenery
+from local_site.tracking.monocular.config import ForearmConfig, MonocularConfig, UpperArmConfig
+
+QUICK_FRAMES = 40
+SEED_C = 11
+OCCLUDER_PX, OCCLUDED, OCCLUDER_LEVEL = (330, 250, 365, 285), range(20, 110), 90
+CLICK_PX = 1.0
+SWINGS: Mapping[str, Swing] = {
+    "turned by 149 deg in the picture": Swing(in_plane=math.radians(149.0)),
+    "3 x speed": Swing(speed=3.0),
+}
+LIVE, ACCURATE = MonocularConfig(setting="live"), MonocularConfig(setting="accurate")
+NOT_THICKNESS = ("length_mm", "palm_length_mm", "palm_point_mm")
+TEXT = (
+    "A textured arm swings in front of one camera, as in HAZEL-S of the report Teleoperating ROBONAUT (2002), and a "
+    "finger follows a known rectangle, as in HAZEL-C. The tracker knows neither skin, light, background nor noise; it "
+    "is given lengths, girths and the joints in the first picture, in HAZEL-C as clicks on whole pixels. The report's "
+    "own figures are listed for comparison; they are of its own pictures, which are not available."
+)
+
+
+def frame_count(quick: bool) -> int:
+    """How many pictures are rendered, for a progress bar."""
+    return sum(QUICK_FRAMES if quick else n for n in (*[HAZEL_S_FRAMES] * (2 + len(SWINGS)), HAZEL_C_FRAMES))
+
+
+def hazel_report(quick: bool, progress: Progress) -> ExperimentReport:
+    """Run the experiment; always the same for the same installation."""
+    frames = QUICK_FRAMES if quick else HAZEL_S_FRAMES
+    swing = _swing(Swing(), frames, Scenery(), progress)
+    accurate, live = watch(swing, ACCURATE, 0.0), watch(swing, LIVE, 0.0)
+    compared = {"report, HAZEL-S": REPORT_S, "accurate": arm_figures(accurate), "live": arm_figures(live)}
+    for name, tracked in _disturbed(swing, frames, progress):
+        compared[f"live, {name}"] = arm_figures(tracked)
+    pointing = _pointing(QUICK_FRAMES if quick else HAZEL_C_FRAMES, progress)
+    compared |= {"report, HAZEL-C": REPORT_C, "rectangle, live": finger_figures(pointing)}
+    return ExperimentReport(
+        title="One camera, a maximum-likelihood arm",
+        text=TEXT,
+        summary="\n".join(f"{name}: {_means(figures)}" for name, figures in compared.items()),
+        figures={"experiment": "hazel", "quick": quick, "runs": compared},
+        compared=compared,
+        plots=hazel_plots(accurate, pointing),
+        data={
+            "hazel_s_accurate": _joint_table(accurate),
+            "hazel_s_live": _joint_table(live),
+            "hazel_c": _tip_table(pointing),
+        },
+    )
+
+
+def resized(config: MonocularConfig, factor: float) -> MonocularConfig:
+    """The configuration of an arm with all its girths wrong by a factor."""
+
+    def scaled(part: UpperArmConfig | ForearmConfig) -> dict[str, float]:
+        return {name: mm if name in NOT_THICKNESS else factor * mm for name, mm in asdict(part).items()}
+
+    upper_arm, forearm = UpperArmConfig(**scaled(config.upper_arm)), ForearmConfig(**scaled(config.forearm))
+    return replace(config, upper_arm=upper_arm, forearm=forearm)
+
+
+def _means(figures: Figures) -> str:
+    """The mean errors in words."""
+    spreads = {name: value for name, value in figures.items() if name.endswith("_mm") and isinstance(value, dict)}
+    means = (f"{name.removesuffix('_mm')} {value['mean']} mm" for name, value in spreads.items() if value)
+    return ", ".join(means)
+
+
+def _disturbed(swing: Footage, frames: int, progress: Progress) -> Iterable[tuple[str, Tracked]]:
+    """The same arm with a wrong shape, with noise, turned, faster, and behind something small."""
+    yield "radius - 5 %", watch(swing, resized(LIVE, 0.95), 0.0)
+    yield "radius + 5 %", watch(swing, resized(LIVE, 1.05), 0.0)
+    yield "grey noise 6", watch(_swing(Swing(), frames, Scenery(noise=6.0), progress), LIVE, 0.0)
+    for name, other in SWINGS.items():
+        yield name, watch(_swing(other, frames, Scenery(), progress), LIVE, 0.0)
+    yield "small occluder", watch(occluded(swing, OCCLUDER_PX, OCCLUDED, OCCLUDER_LEVEL), LIVE, 0.0)
+
+
+def _swing(swing: Swing, frames: int, scenery: Scenery, progress: Progress) -> Footage:
+    return shoot(hazel_film(scenery), map(swing.arm, range(frames)), False, progress)
+
+
+def _pointing(frames: int, progress: Progress) -> Tracked:
+    scenery = Scenery(noise=3.0, light=(0.6, -0.5, -0.6), ambient=0.5, seed=SEED_C)
+    return watch(shoot(pointing_film(scenery), map(pointing_arm, range(frames)), True, progress), LIVE, CLICK_PX)
+
+
+def _joint_table(tracked: Tracked) -> CsvTable:
+    columns = tuple(f"{name}_{axis}_error_mm" for name in JOINTS for axis in "xyz")
+    rows = np.hstack([errors_mm(tracked, name) for name in JOINTS])
+    return CsvTable(("frame", *columns), np.column_stack([np.arange(len(rows)), rows]))
+
+
+def _tip_table(tracked: Tracked) -> CsvTable:
+    rows = [MM * positions(arms, "finger_tip") for arms in (tracked.arms, tracked.poses)]
+    columns = tuple(f"{what}_{axis}_mm" for what in ("true", "measured") for axis in "xyz")
+    return CsvTable(("frame", *columns), np.column_stack([np.arange(len(rows[0])), *rows]))
