@@ -90,7 +90,7 @@ class CollisionModel:
         if not math.isfinite(sum(q.tolist())):
             return -math.inf
         bounds, least = self._bounds(q), math.inf
-        self._move_to(q)
+        pin.updateGeometryPlacements(self._pin_model, self._data, self._shapes, self._distances, q)
         for k in np.argsort(bounds).tolist():
             if bounds[k] >= least:
                 break
@@ -145,11 +145,8 @@ class CollisionModel:
 
     def _measure(self, q: Array, pairs: Pairs) -> Array:
         """The distances of pairs at finite `q`, with their nearest points."""
-        self._move_to(q)
-        return np.array([self._exact(k) for k in pairs.tolist()])
-
-    def _move_to(self, q: Array) -> None:
         pin.updateGeometryPlacements(self._pin_model, self._data, self._shapes, self._distances, q)
+        return np.array([self._exact(k) for k in pairs.tolist()])
 
     def _exact(self, k: int) -> float:
         """A pair's distance where its shapes are now; -inf if it is unknown."""
