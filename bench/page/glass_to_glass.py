@@ -29,8 +29,8 @@ from remote_site.kinematics.model import ArmModel
 from remote_site.runtime.request_server import describe
 from remote_site.simulation.cell import build_cell
 from remote_site.video.cell_cameras import CellRenderer
-from remote_site.video.clock_strip import draw_clock
-from remote_site.video.encode import encode_jpeg
+from remote_site.video.streaming.clock_strip import draw_clock
+from remote_site.video.streaming.pictures import encode_jpeg
 
 SETTLE_S, SECONDS = 6.0, 15.0
 LINK_SETTLE_S = 10.0

@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 
 from common.clock import NS_PER_MS
-from remote_site.video.clock_strip import WRAP_MS, read_clock
+from remote_site.video.streaming.clock_strip import WRAP_MS, read_clock
 
 WATCH = (Path(__file__).parent / "painted_clock.js").read_text(encoding="utf-8").partition("\n")[2]
 TRIPS = 40

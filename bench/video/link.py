@@ -9,9 +9,9 @@ from dataclasses import dataclass, field
 from bench.video.frames import live_frame
 from common.clock import NS_PER_MS, NS_PER_S
 from common.messages.video import VideoFrame, ViewCame, ViewShown, ViewsShown
-from remote_site.video.adaptation import Adaptation
 from remote_site.video.config import VideoConfig
-from remote_site.video.setting import StreamSetting
+from remote_site.video.streaming.adaptation import Adaptation
+from remote_site.video.streaming.setting import StreamSetting
 
 TICK_NS = NS_PER_MS
 REPORT_NS = 100 * NS_PER_MS

@@ -17,8 +17,8 @@ from remote_site.simulation.cell import build_cell
 from remote_site.simulation.config import CellConfig
 from remote_site.video.cell_cameras import CellRenderer
 from remote_site.video.config import VideoConfig
-from remote_site.video.encode import encode_jpeg, shrunk
-from remote_site.video.setting import StreamSetting
+from remote_site.video.streaming.pictures import encode_jpeg, shrunk
+from remote_site.video.streaming.setting import StreamSetting
 
 REPEATS = 60
 POSTURES = 10

@@ -40,7 +40,7 @@ def probe_rendering() -> str | None:
     try:
         import mujoco  # noqa: PLC0415  # an installation for a real cell may be without it
 
-        from remote_site.video.offscreen import OffScreen  # noqa: PLC0415  # the same
+        from remote_site.video.cell_cameras import OffScreen  # noqa: PLC0415  # the same
     except ImportError as error:
         return f"simulated views need MuJoCo ({error})"
     try:

@@ -20,9 +20,8 @@ from local_site.samples.hand_sample import HandSampler, OpenHand
 from local_site.samples.smoothing import SmoothingConfig, make_smoother
 from local_site.tracking.tracker import ArmEstimate
 from remote_site.config import RemoteConfig
-from remote_site.kinematics.inverse import SphericalWristInverse
+from remote_site.kinematics.inverse import Solution, SphericalWristInverse
 from remote_site.kinematics.limits import load_arm
-from remote_site.kinematics.solution import Solution
 from remote_site.reasons import Code
 from remote_site.runtime.kinematic_loop import KinematicLoop
 from remote_site.session.lease import Holder, Lease, LeaseStatus

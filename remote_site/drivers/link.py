@@ -12,11 +12,11 @@ from common.messages.robot import GripperState, GripperStatus
 from remote_site.drivers.driver import JointCommand
 from remote_site.drivers.faults import NOT_ACTIVATED, FaultCode, RobotFault
 from remote_site.drivers.memory import DriverMemory, DriverReport
-from remote_site.drivers.silence import Silence
 from remote_site.drivers.supervisor.orders import DriverOrder
 from remote_site.drivers.supervisor.watched_driver import DEADLINE_NS, late_call
 from remote_site.kinematics.joints import JointMotion
 from remote_site.kinematics.limits import JointLimits
+from remote_site.safety.silence import Silence
 from remote_site.safety.stopping import stopping
 
 SILENT_NS = 100 * NS_PER_MS

@@ -7,7 +7,7 @@ from common.errors import DriverError
 from common.geometry import Array
 from remote_site.drivers.driver import Capabilities, DriverSetup, GripperReading, JointCommand, RobotReading
 from remote_site.drivers.faults import APART, NOT_ACTIVATED, STOPPED, FaultCode, RobotFault
-from remote_site.drivers.silence import Silence
+from remote_site.safety.silence import Silence
 from remote_site.shared_record import Record
 from remote_site.simulation.controller import ControllerFault
 from remote_site.simulation.memory import CellMemory

@@ -14,48 +14,50 @@ MODELS = Path(__file__).parents[1] / "models"
 Row3 = tuple[float, float, float]
 
 
-class StanceConfig(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
-    """Which of the closed form's eight postures is taken; `keep` stays in the one the arm is in."""
+class BranchConfig(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
+    """Which of the closed form's eight IK configurations (branches) is taken; `keep` stays in the one the arm is in."""
 
     shoulder: Annotated[Literal["keep", "front", "back"], Meta(description="the wrist before or behind joint 1")] = (
         "keep"
     )
-    elbow: Annotated[Literal["keep", "forward", "backward"], Meta(description="which way the elbow bends")] = "keep"
-    wrist: Annotated[Literal["keep", "forward", "backward"], Meta(description="which way joint 5 bends")] = "keep"
+    elbow: Annotated[Literal["keep", "forward", "backward"], Meta(description="side to which the elbow bends")] = "keep"
+    wrist: Annotated[Literal["keep", "forward", "backward"], Meta(description="side to which joint 5 bends")] = "keep"
 
 
 class SingularityConfig(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
-    """What happens near singular postures, told by the condition number of the Jacobian."""
+    """What happens near singular postures, by the condition number of the Jacobian."""
 
-    radius_m: Annotated[float, Meta(gt=0, le=2, description="what a turn of 1 rad counts as, beside a way in m")] = 0.3
-    damp_condition: Annotated[float, Meta(ge=5, le=1e4, description="beyond, lost directions are damped")] = 60.0
-    slow_condition: Annotated[float, Meta(ge=5, le=1e4, description="beyond, going on that way is slowed")] = 100.0
-    slowest: Annotated[float, Meta(gt=0, le=1, description="share of the speed left in the singular posture")] = 0.3
+    radius_m: Annotated[float, Meta(gt=0, le=2, description="distance that a turn of 1 rad counts as, m")] = 0.3
+    damp_condition: Annotated[float, Meta(ge=5, le=1e4, description="beyond it, lost directions are damped")] = 60.0
+    slow_condition: Annotated[float, Meta(ge=5, le=1e4, description="beyond it, motion into the singularity slows")] = (
+        100.0
+    )
+    slowest: Annotated[float, Meta(gt=0, le=1, description="fraction of the speed left in the singular posture")] = 0.3
 
 
 class SolverConfig(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
     """The general solver: one step of differential inverse kinematics per tick."""
 
-    gain_s: Annotated[float, Meta(gt=0, le=200, description="how fast an error of the tool is taken back, 1/s")] = 60.0
+    gain_s: Annotated[float, Meta(gt=0, le=200, description="how fast an error of the tool decays, 1/s")] = 60.0
     posture_gain_s: Annotated[
-        float, Meta(ge=0, le=20, description="how fast free joints return to the start posture, 1/s")
+        float, Meta(ge=0, le=20, description="how fast the null space returns to the start posture, 1/s")
     ] = 0.5
     swivel_gain_s: Annotated[
-        float, Meta(ge=0, le=50, description="how fast the elbow of seven axes follows the operator's, 1/s")
+        float, Meta(ge=0, le=50, description="how fast the elbow of a seven-axis arm follows the operator's, 1/s")
     ] = 6.0
-    swivel_speed_rad_s: Annotated[float, Meta(gt=0, le=5, description="fastest turn of that elbow, rad/s")] = 1.5
+    swivel_speed_rad_s: Annotated[float, Meta(gt=0, le=5, description="maximum speed of that elbow, rad/s")] = 1.5
     swivel_joints: Annotated[
         tuple[str, str, str] | None,
-        Meta(description="joints in shoulder, elbow and wrist of seven axes; without, the second, fourth and sixth"),
+        Meta(description="joints in shoulder, elbow and wrist of seven axes; by default the second, fourth and sixth"),
     ] = None
     swivel_about: Annotated[
         Literal["forward", "arm"],
         Meta(
-            description="the line about which the operator's elbow is seen to turn: the base's x, along which the arm "
+            description="axis about which the operator's elbow angle is measured: the base's x, along which the arm "
             "reaches, or, for a robot of the operator's shape, the line from its own shoulder to its wrist"
         ),
     ] = "forward"
-    lead_rad: Annotated[float, Meta(gt=0, le=2, description="how far the target runs ahead of a joint, rad")] = 0.3
+    lead_rad: Annotated[float, Meta(gt=0, le=2, description="maximum lead of the target over a joint, rad")] = 0.3
 
 
 class CapsuleConfig(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
@@ -90,7 +92,7 @@ class RobotConfig(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fiel
         Literal["auto", "closed", "general"],
         Meta(description="closed form, general solver, or the closed form if it fits the URDF"),
     ] = "auto"
-    stance: StanceConfig = field(default_factory=StanceConfig)
+    stance: BranchConfig = field(default_factory=BranchConfig)
     start_deg: Annotated[
         tuple[float, ...], Meta(min_length=1, max_length=16, description="posture at the start, joint by joint, deg")
     ] = (0.0, 0.0, -45.0, 0.0, -45.0, 0.0)
@@ -100,7 +102,7 @@ class RobotConfig(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fiel
     position_margin_deg: Annotated[
         float, Meta(ge=0, le=20, description="distance kept from every joint limit, deg")
     ] = 1.0
-    speed: Annotated[float, Meta(gt=0, le=1, description="share of every joint's own maximum speed")] = 1.0
+    speed: Annotated[float, Meta(gt=0, le=1, description="fraction of every joint's own maximum speed")] = 1.0
     acceleration_rad_s2: Annotated[
         tuple[Annotated[float, Meta(gt=0, le=25)], ...],
         Meta(min_length=1, max_length=16, description="acceleration joint by joint, or one for all, rad/s²"),
@@ -113,8 +115,8 @@ class RobotConfig(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fiel
     @property
     def urdf(self) -> Path:
         """The model's file."""
-        housed = MODELS / self.model / f"{self.model}.urdf"
-        return housed if housed.exists() else Path(self.model)
+        built_in = MODELS / self.model / f"{self.model}.urdf"
+        return built_in if built_in.exists() else Path(self.model)
 
     @property
     def tool_T_tcp(self) -> Array:

@@ -1,4 +1,4 @@
-"""Inverse kinematics of any serial arm, one step at a time: damped least squares inside a box of joint speeds."""
+"""Inverse kinematics of any serial arm, one step at a time: damped least squares within bounds of joint speeds."""
 
 import math
 from dataclasses import dataclass
@@ -15,10 +15,10 @@ from remote_site.kinematics.limits import TARGET_SPEED, JointLimits, stoppable
 from remote_site.kinematics.model import ArmModel
 from remote_site.kinematics.swivel import Swivel
 
-BRAKE_M_S2, BRAKE_RAD_S2 = 1.5, 5.0  # an error is taken back no faster than the arm can stop at its end
-MISSED = 0.5  # damping by the square of what is missed: before what is out of reach the arm comes to rest
-FREE_WEIGHT = 1e-4  # of motion that the tool does not feel, when a joint's speed has to give way
-ACCELERATE = 0.8  # of a joint's acceleration: the follower must be quicker than its target to catch it
+BRAKE_M_S2, BRAKE_RAD_S2 = 1.5, 5.0  # an error decays no faster than the arm can stop at its end
+ERROR_DAMPING = 0.5  # damping by the squared error: the arm comes to rest before a target out of reach
+FREE_WEIGHT = 1e-4  # of null-space motion, when a joint's speed has to be reduced
+ACCELERATE = 0.8  # of a joint's acceleration: the tracker must be quicker than its target to catch up
 NEAR_LIMITS = 0.7  # of the speed from which a joint could just stop
 RETURN_S = 10.0  # 1/s: the speed of a joint beside its limit by its distance
 SOLVED = 1
@@ -36,12 +36,12 @@ class Move:
 
 
 class DifferentialInverse:
-    """Follows a moving pose, joints inside their limits and speeds, with what is free left to elbow or posture.
+    """Follows a moving pose, joints within their limits and speeds; the null space serves the elbow or the posture.
 
     Directions that a nearly singular posture has lost are damped one by one, the others stay exact while the tool is
-    where it shall be; the further it is off, the more all are damped (Levenberg-Marquardt after Sugihara). Where one
-    would be too fast or beyond its limit, a quadratic program (by daqp) finds the speeds nearest to those wanted, as
-    felt at the tool. A joint outside its limit returns at its speed.
+    on its target; the larger its error, the more all are damped (Levenberg-Marquardt after Sugihara). Where a joint
+    would be too fast or beyond its limit, a quadratic program (daqp) finds the speeds nearest to those wanted, as
+    weighted at the tool. A joint outside its limit returns at its own speed.
     """
 
     def __init__(
@@ -64,18 +64,18 @@ class DifferentialInverse:
     def step(self, last: Move, base_T_target: Array, twist: Array, dt: float, elbow: Array | None) -> Move:
         """From the last step towards a finite pose (4 x 4) that moves with `twist` (6,) in m/s and rad/s, for `dt` s.
 
-        `elbow` (3,) is the operator's, from the wrist, in the base's axes, None if it never was seen.
+        `elbow` (3,) in m is the operator's, from the wrist, in the base's axes; None if it was never seen.
         """
         q = last.q
         pose, jacobian = self._kinematics(q)
         off = np.concatenate(
             [base_T_target[:3, 3] - pose.translation, pin.log3(base_T_target[:3, :3] @ pose.rotation.T)]
         )
-        way, turn = math.sqrt(float(off[:3] @ off[:3])), math.sqrt(float(off[3:] @ off[3:]))
-        back = (off - dt * twist) * min(self._gain, _rate(way, BRAKE_M_S2), _rate(turn, BRAKE_RAD_S2))
-        missed = self._weights[:, 0] * off
-        dq = self._speeds(last, jacobian, twist + back, float(missed @ missed), dt, elbow)
-        return Move(q + dt * dq, dq, way, turn)
+        off_m, off_rad = math.sqrt(float(off[:3] @ off[:3])), math.sqrt(float(off[3:] @ off[3:]))
+        back = (off - dt * twist) * min(self._gain, _rate(off_m, BRAKE_M_S2), _rate(off_rad, BRAKE_RAD_S2))
+        error = self._weights[:, 0] * off
+        dq = self._speeds(last, jacobian, twist + back, float(error @ error), dt, elbow)
+        return Move(q + dt * dq, dq, off_m, off_rad)
 
     def _kinematics(self, q: Array) -> tuple[pin.SE3, Array]:
         model, data, frame = self._model.pin_model, self._data, self._model.tcp_frame
@@ -84,27 +84,26 @@ class DifferentialInverse:
         return pose, pin.getFrameJacobian(model, data, frame, pin.ReferenceFrame.LOCAL_WORLD_ALIGNED)
 
     def _speeds(
-        self, last: Move, jacobian: Array, wanted: Array, missed: float, dt: float, elbow: Array | None
+        self, last: Move, jacobian: Array, wanted: Array, error_square: float, dt: float, elbow: Array | None
     ) -> Array:
         weighted = self._weights * jacobian
         u, sigma, vt, failed = lapack.dgesdd(weighted)
         if failed:
             return np.zeros(len(last.q))
         least = sigma[0] / self._damp
-        damping = np.maximum(least**2 - sigma**2, 0.0) + MISSED * missed
+        damping = np.maximum(least**2 - sigma**2, 0.0) + ERROR_DAMPING * error_square
         squares = sigma**2 + damping
         rows = vt[: len(sigma)]
-        dq = ((u.T @ (self._weights[:, 0] * wanted))[: len(sigma)] * sigma / squares) @ rows
+        dq: Array = ((u.T @ (self._weights[:, 0] * wanted))[: len(sigma)] * sigma / squares) @ rows
         dq += self._free(last.q, vt, rows, sigma**2 / squares, elbow, dt)
         lowest, highest = self._box(last, dt)
         if (dq < lowest).any() or (dq > highest).any():
             weights = np.concatenate([squares, np.full(len(last.q) - len(sigma), FREE_WEIGHT)])
             dq = self._nearest_inside(dq, (vt.T * weights) @ vt, lowest, highest)
-        speeds: Array = dq
-        return speeds
+        return dq
 
     def _free(self, q: Array, vt: Array, rows: Array, taken: Array, elbow: Array | None, dt: float) -> Array:
-        """What the joints do besides: the operator's elbow followed, or back to the posture, as far as it is free."""
+        """Null-space speeds (n,): the operator's elbow followed, or back to the posture."""
         if elbow is not None and self.swivel is not None:
             free = vt[-1]
             along: Array = free * self.swivel.rate(self._data, self._data.J, free, elbow, self._fastest, dt)
@@ -114,9 +113,9 @@ class DifferentialInverse:
         return rest
 
     def _box(self, last: Move, dt: float) -> tuple[Array, Array]:
-        """The lowest and highest speeds (n,): what a joint can reach, what leaves it time to stop before its limit.
+        """The lowest and highest speeds (n,) that a joint can reach and that let it stop before its limit.
 
-        Outside its limit a joint only comes back.
+        Outside its limit a joint only returns.
         """
         lowest, highest = [], []
         for q, dq, joint in zip(last.q.tolist(), last.dq.tolist(), self._joints, strict=True):
@@ -129,24 +128,19 @@ class DifferentialInverse:
         return np.array(lowest), np.array(highest)
 
     def _nearest_inside(self, dq: Array, weight: Array, lowest: Array, highest: Array) -> Array:
-        """The speeds inside the box nearest to `dq` as `weight` (n x n) measures it."""
+        """The speeds within the bounds nearest to `dq`, weighted by `weight` (n x n)."""
         found, _, status, _ = daqp.solve(weight, -weight @ dq, self._no_rows, highest, lowest, self._sense)
-        return _between(lowest, found if status == SOLVED else dq, highest)
+        inside: Array = np.minimum(np.maximum(found if status == SOLVED else dq, lowest), highest)
+        return inside
 
 
 def _gently(room: float, fastest: float, acceleration: float, jerk: float) -> float:
-    """The speed towards its limit at which a joint with `room` rad is never late in stopping; negative beyond it."""
+    """The highest speed towards its limit from which a joint with `room` rad left can stop; negative beyond it."""
     if room <= 0.0:
         return max(RETURN_S * room, -fastest)
     return min(NEAR_LIMITS * stoppable(room, acceleration, jerk), RETURN_S * room, fastest)
 
 
 def _rate(off: float, braking: float) -> float:
-    """The share of an error that is taken back in a second, when all of it is done at constant braking."""
+    """The decay rate in 1/s of an error that is removed at constant braking."""
     return math.sqrt(2 * braking / max(off, TINY))
-
-
-def _between(lowest: Array, values: Array, highest: Array) -> Array:
-    """The values (n,) moved between two bounds."""
-    inside: Array = np.minimum(np.maximum(values, lowest), highest)
-    return inside

@@ -1,61 +1,73 @@
 """Closed-form inverse kinematics of an upright arm with parallel shoulder and elbow and a spherical wrist."""
 
 import math
-from collections.abc import Iterator
+from dataclasses import dataclass
 
 import numpy as np
 
 from common.errors import ModelError
-from common.geometry import Array, inverse
-from remote_site.kinematics.config import StanceConfig
+from common.geometry import Array
+from remote_site.kinematics.config import BranchConfig
 from remote_site.kinematics.limits import JointLimits
 from remote_site.kinematics.model import ArmModel
-from remote_site.kinematics.solution import Solution, Stance, Unreachable
-from remote_site.kinematics.spherical import (
+from remote_site.kinematics.upright_arm import (
+    RIGID,
     TURN,
-    ArmSolution,
+    ArmAngles,
+    Branch,
     Matrix,
     Point,
-    Target,
-    apart,
-    dot,
+    UprightArm,
+    WristTarget,
     in_forearm,
-    minus,
     pitch_and_twist,
 )
-from remote_site.kinematics.upright import UprightGeometry
 from remote_site.reasons import Code, Reason, reason
 
-REACH = 1e-12  # of the cosine of the elbow: rounding at full stretch
 WRIST_ZONE = 0.35  # rad of joint 5: nearer to straight, joint 4 is damped
-WRIST_RATE = 60.0  # 1/s: how fast joint 4 goes to its place at the border of that zone
+WRIST_RATE = 60.0  # 1/s: how fast joint 4 goes to its goal at the border of that zone
 ROLL_SPEED = 1.5  # of joint 4's own speed: how far its target runs ahead of it
-UNWIND = 0.5  # per rad: how much joint 4 in that zone prefers the place nearer to its middle
+UNWIND = 0.5  # per rad: how much joint 4 in that zone prefers the goal nearer to its middle
 LOST_MOST = 0.8  # rad of orientation that joints 4 and 6 may lose at their limits
 SAMPLE_S = 1 / 30
-SHOULDER_HOLD = 1e-3  # m from the axis of joint 1: nearer, joint 1 keeps its place (at most as much position is lost)
-STANCE_CHANGE = 1.0  # rad: a solution in another stance is taken only if no joint moves further
-PASSES = 20  # of bringing the arm after a tool whose wrist is turned otherwise
-SETTLED = 1e-8  # m: when that is done
+BRANCH_CHANGE = 1.0  # rad: a solution in another branch is taken only if no joint moves further
+PASSES = 20  # most iterations of `_compensated`
+SETTLED = 1e-8  # m: when they have converged
 ROUNDING = 1e-9  # rad: what it may put a joint beyond its limit
 SIDES = {"keep": 0, "front": 1, "back": -1, "forward": 1, "backward": -1}
 BRANCHES = 8
 TRIED = 16  # postures at which the closed form is compared with the model
-RIGID = 1e-6  # how far a target's rotation may be from orthonormal
+KEEP = BranchConfig()
 
 
-KEEP = StanceConfig()
+@dataclass(frozen=True, slots=True)
+class Solution:
+    """Joint positions (6,) in rad that reach the target, and their branch.
+
+    The position of the tool is always reached, but for a millimetre where `held` is set; `lost_rad` of its orientation
+    is not, while joint 4 is damped or too slow, or joint 4 or 6 at its limit.
+    """
+
+    q: Array
+    branch: Branch
+    held: bool = False
+    lost_rad: float = 0.0
+
+
+@dataclass(frozen=True, slots=True)
+class Unreachable:
+    """There is no acceptable solution, and why."""
+
+    reason: Reason
 
 
 class SphericalWristInverse:
-    """Inverse kinematics within limits, in a chosen stance or the arm's; ModelError if the arm is of another kind."""
+    """Inverse kinematics within limits, in a chosen branch or the arm's; ModelError if the arm is of another kind."""
 
-    def __init__(self, model: ArmModel, limits: JointLimits, stance: StanceConfig = KEEP) -> None:
+    def __init__(self, model: ArmModel, limits: JointLimits, branch: BranchConfig = KEEP) -> None:
         self._model = model
-        self._chosen = Stance(SIDES[stance.shoulder], SIDES[stance.elbow], SIDES[stance.wrist])
-        self._arm = UprightGeometry.from_model(model)
-        self._tcp_T_wrist = inverse(self._arm.wrist_T_tcp)
-        self._offset = tuple(self._arm.wrist_T_tcp[:3, 3].tolist())
+        self._chosen = Branch(SIDES[branch.shoulder], SIDES[branch.elbow], SIDES[branch.wrist])
+        self._arm = UprightArm.from_model(model)
         self._roll_speed = ROLL_SPEED * float(limits.velocity[3])
         self._limits = limits
         self._bounds = list(zip(limits.lower.tolist(), limits.upper.tolist(), strict=True))
@@ -73,152 +85,101 @@ class SphericalWristInverse:
             if len(found) != BRANCHES or max(off) > RIGID:
                 raise ModelError("the closed form does not lead back to poses of this arm")
 
-    def check_stance(self, q: Array) -> None:
-        """ModelError if the arm at `q` (6,) rad is in another stance than the chosen one."""
-        current = self._stance_of(tuple(q.tolist()))
-        for name, wanted, here in zip(Stance._fields, self._chosen, current, strict=True):
+    def check_branch(self, q: Array) -> None:
+        """ModelError if the arm at `q` (6,) rad is in another branch than the chosen one."""
+        current = self._arm.branch_of(tuple(q.tolist()))
+        for name, wanted, here in zip(Branch._fields, self._chosen, current, strict=True):
             if wanted not in (0, here):
                 raise ModelError(f"robot.stance.{name} is not that of robot.start_deg; change one of them")
 
     def solutions(self, base_T_tool: Array) -> list[Solution]:
         """All eight solutions in (-pi, pi], without regard to limits; empty out of reach or if not a rigid pose."""
-        target = self._target(base_T_tool)
+        target = self._arm.target(base_T_tool)
         if target is None:
             return []
         found = []
-        for arm in self._arms(self._centre(target), None):
+        for arm in self._arm.arms_to(self._arm.centre(target), None):
             m = in_forearm(target.rotation, arm.angles)
             roll = math.atan2(m[1][2], m[0][2])
             for angle in (roll, roll + math.pi):
                 angles = (*arm.angles, angle, *pitch_and_twist(m, angle))
-                stance = Stance(arm.shoulder, arm.elbow, 1 if angles[4] >= 0 else -1)
-                found.append(Solution(np.array(self._joints(angles)), stance))
+                branch = Branch(arm.shoulder, arm.elbow, 1 if angles[4] >= 0 else -1)
+                found.append(Solution(np.array(self._arm.joints(angles)), branch))
         return found
 
     def nearest(self, base_T_tool: Array, q_current: Array, elapsed_s: float = SAMPLE_S) -> Solution | Unreachable:
         """The solution within limits nearest to `q_current` (6,), the posture last commanded, each joint unwrapped.
 
-        It keeps the stance, unless another one is near, as when a singularity is crossed. Joint 4 goes to the nearer of
-        its two places, no faster than it can in `elapsed_s`, and the slower the straighter the wrist is, where it would
+        It keeps the branch, unless another one is near, as when a singularity is crossed. Joint 4 goes to the nearer of
+        its two goals, no faster than it can in `elapsed_s`, and the slower the straighter the wrist is, where it would
         spin for nothing; meanwhile the tool keeps its position and loses some orientation. Above the shoulder joint 1
-        keeps its place.
+        keeps its angle.
         """
-        target = self._target(base_T_tool)
+        target = self._arm.target(base_T_tool)
         current: tuple[float, ...] = tuple(q_current.tolist())
         if target is None or not math.isfinite(sum(current)):
             return Unreachable(reason(Code.NOT_A_POSE))
-        best: tuple[float, Solution] | None = None
-        worst: tuple[float, Reason] | None = None
+        best: Solution | None = None
+        least, refusal = math.inf, None
         arms = [
-            (apart(self._unwrapped(arm.angles, current), current), arm)
-            for arm in self._arms(self._centre(target), current)
+            (_apart(self._arm.unwrapped(arm.angles, current), current), arm)
+            for arm in self._arm.arms_to(self._arm.centre(target), current[0])
             if self._chosen.shoulder in (0, arm.shoulder) and self._chosen.elbow in (0, arm.elbow)
         ]
         for arm_cost, arm in sorted(arms):
-            if best is not None and arm_cost >= best[0]:
+            if arm_cost >= least:
                 break
-            found = self._placed(target, arm, current, elapsed_s)
+            found = self._completed(target, arm, current, elapsed_s)
             if isinstance(found, Solution):
-                way = apart(found.q.tolist(), current)
-                best = (way, found) if best is None or way < best[0] else best
-            elif worst is None:
-                worst = arm_cost, found
-        if best is not None:
-            return best[1]
-        return Unreachable(self._out_of_reach(target, worst[1] if worst is not None else None))
+                cost = _apart(found.q.tolist(), current)
+                best, least = (found, cost) if cost < least else (best, least)
+            else:
+                refusal = refusal or found
+        return best or Unreachable(self._out_of_reach(target, refusal))
 
-    def _target(self, base_T_tool: Array) -> Target | None:
-        """The target of tool and wrist, or None if it is not a finite rigid pose."""
-        (a, b, c, _), (d, e, f, _), (g, h, i, _), _ = (base_T_tool @ self._tcp_T_wrist).tolist()
-        off = (
-            abs(a * a + b * b + c * c - 1)
-            + abs(d * d + e * e + f * f - 1)
-            + abs(b * f - c * e - g)
-            + abs(c * d - a * f - h)
-            + abs(a * e - b * d - i)
-        )
-        x, y, z = base_T_tool[:3, 3].tolist()
-        if not (off < RIGID and math.isfinite(x + y + z)):
-            return None
-        return Target((x, y, z), ((a, b, c), (d, e, f), (g, h, i)))
-
-    def _centre(self, target: Target) -> Point:
-        """The wrist centre, when the wrist is turned as it shall be."""
-        (x, y, z), ((a, b, c), (d, e, f), (g, h, i)) = target
-        u, v, w = self._offset
-        return x - a * u - b * v - c * w, y - d * u - e * v - f * w, z - g * u - h * v - i * w
-
-    def _arms(self, centre: Point, current: tuple[float, ...] | None) -> Iterator[ArmSolution]:
-        """Joints 1 to 3 that bring the wrist centre to its place."""
-        for shoulder in (1, -1):
-            for elbow in (1, -1):
-                arm = self._arm_with(centre, shoulder, elbow, current)
-                if arm is None:
-                    return
-                yield arm
-
-    def _arm_with(
-        self, centre: Point, shoulder: int, elbow: int, current: tuple[float, ...] | None
-    ) -> ArmSolution | None:
-        """The arm of this shoulder and elbow, or None out of reach."""
-        x, y, z = centre
-        arm, h = self._arm, z - self._arm.shoulder_height
-        turn, held = math.atan2(y, x), False
-        if current is not None and math.hypot(x, y) < SHOULDER_HOLD:
-            turn, held = arm.signs[0] * current[0], True
-        if shoulder < 0:
-            turn += math.pi
-        r = math.cos(turn) * x + math.sin(turn) * y
-        cosine = (r * r + h * h - arm.upper_arm**2 - arm.forearm**2) / (2 * arm.upper_arm * arm.forearm)
-        if abs(cosine) > 1 + REACH:
-            return None
-        cosine = min(max(cosine, -1.0), 1.0)
-        sine = math.sqrt(1.0 - cosine * cosine)
-        inner = math.atan2(arm.forearm * sine, arm.upper_arm + arm.forearm * cosine)
-        return ArmSolution((turn, math.atan2(r, h) - elbow * inner, elbow * math.acos(cosine)), shoulder, elbow, held)
-
-    def _placed(
-        self, target: Target, arm: ArmSolution, current: tuple[float, ...], elapsed_s: float
+    def _completed(
+        self, target: WristTarget, arm: ArmAngles, current: tuple[float, ...], elapsed_s: float
     ) -> Solution | Reason:
-        """Joints 4 to 6 for an arm; while joint 4 is not at its place, the arm moves so that the tool is."""
+        """Joints 4 to 6 for an arm; while joint 4 is not at its goal, the arm compensates so that the tool is."""
         m = in_forearm(target.rotation, arm.angles)
-        roll, rest = self._roll(m, current, elapsed_s)
+        roll, lags = self._roll(m, current, elapsed_s)
         pitch, twist, over = self._limited(pitch_and_twist(m, roll), current)
         lost = 0.0
-        if rest or over:
-            moved = self._moved(target, arm, roll, current)
-            if moved is None:
+        if lags or over:
+            compensated = self._compensated(target, arm, roll, current)
+            if compensated is None:
                 return self._out_of_reach(target, self._at_limit(3, current[3]))
-            arm = moved
+            arm = compensated
             m = in_forearm(target.rotation, arm.angles)
             pitch, twist, over = self._limited(pitch_and_twist(m, roll), current)
             beside = math.asin(min(abs(math.cos(roll) * m[1][2] - math.sin(roll) * m[0][2]), 1.0))
             lost = math.hypot(beside, over)
-        q = self._unwrapped((*arm.angles, roll, pitch, twist), current)
-        stance = Stance(arm.shoulder, arm.elbow, 1 if pitch >= 0 else -1)
-        refusal = self._refusal(q, current, stance, lost)
-        return refusal if refusal is not None else Solution(np.array(q), stance, arm.held, lost)
+        q = self._arm.unwrapped((*arm.angles, roll, pitch, twist), current)
+        branch = Branch(arm.shoulder, arm.elbow, 1 if pitch >= 0 else -1)
+        return self._refusal(q, current, branch, lost) or Solution(np.array(q), branch, arm.held, lost)
 
-    def _moved(self, target: Target, arm: ArmSolution, roll: float, current: tuple[float, ...]) -> ArmSolution | None:
+    def _compensated(
+        self, target: WristTarget, arm: ArmAngles, roll: float, current: tuple[float, ...]
+    ) -> ArmAngles | None:
         """The arm that brings the tool to its position though joint 4 is at `roll`; None if there is none.
 
         A fixed point of the wrist centre, found by Anderson's acceleration with one step of memory.
         """
-        centre = self._centre(target)
+        centre = self._arm.centre(target)
         last_off, last_next = (0.0, 0.0, 0.0), centre
         for k in range(PASSES):
             m = in_forearm(target.rotation, arm.angles)
             pitch, twist, _ = self._limited(pitch_and_twist(m, roll), current)
-            wanted = self._centre_of(target, (*arm.angles, roll, pitch, twist))
-            off = minus(wanted, centre)
-            if dot(off, off) < SETTLED**2:
+            wanted = self._arm.centre_at(target, (*arm.angles, roll, pitch, twist))
+            off = _minus(wanted, centre)
+            if _dot(off, off) < SETTLED**2:
                 return arm
-            change = minus(off, last_off)
-            share = dot(off, change) / dot(change, change) if k else 0.0
-            step = minus(wanted, last_next)
+            change = _minus(off, last_off)
+            mixed = _dot(off, change) / _dot(change, change) if k else 0.0
+            step = _minus(wanted, last_next)
             last_off, last_next = off, wanted
-            centre = (wanted[0] - share * step[0], wanted[1] - share * step[1], wanted[2] - share * step[2])
-            next_arm = self._arm_with(centre, arm.shoulder, arm.elbow, current)
+            centre = (wanted[0] - mixed * step[0], wanted[1] - mixed * step[1], wanted[2] - mixed * step[2])
+            next_arm = self._arm.arm_to(centre, arm.shoulder, arm.elbow, current[0])
             if next_arm is None:
                 return None
             arm = next_arm
@@ -233,73 +194,44 @@ class SphericalWristInverse:
         return pitch, sign * inside, abs(q - inside)
 
     def _roll(self, m: Matrix, current: tuple[float, ...], elapsed_s: float) -> tuple[float, bool]:
-        """Joint 4's angle for now, and whether its place is elsewhere."""
+        """Joint 4's angle for now, and whether its goal is elsewhere."""
         sign, (lower, upper) = self._arm.signs[3], self._bounds[3]
         here = sign * current[3]
         bend = math.hypot(m[0][2], m[1][2])
-        way = math.remainder(math.atan2(m[1][2], m[0][2]) - here, math.pi)
-        other = way - math.copysign(math.pi, way)
-        if bend < WRIST_ZONE and abs(other) + UNWIND * abs(here + other) < abs(way) + UNWIND * abs(here + way):
-            way = other
-        step = way * _share(bend, elapsed_s) if m[2][2] > 0 else way
+        turn = math.remainder(math.atan2(m[1][2], m[0][2]) - here, math.pi)
+        other = turn - math.copysign(math.pi, turn)
+        if bend < WRIST_ZONE and abs(other) + UNWIND * abs(here + other) < abs(turn) + UNWIND * abs(here + turn):
+            turn = other
+        step = turn * _damped_fraction(bend, elapsed_s) if m[2][2] > 0 else turn
         most = self._roll_speed * elapsed_s
         step = min(max(step, -most), most)
         roll = sign * min(max(sign * (here + step), lower), upper)
-        return roll, roll != here + way
+        return roll, roll != here + turn
 
-    def _centre_of(self, target: Target, angles: tuple[float, ...]) -> Point:
-        """The wrist centre that brings the tool to its position, when the joints turn it as they do."""
-        yaw, lean, bend, roll, pitch, twist = angles
-        x, y, z = self._offset
-        c, s = math.cos(twist), math.sin(twist)
-        x, y = c * x - s * y, s * x + c * y
-        c, s = math.cos(pitch), math.sin(pitch)
-        x, z = c * x + s * z, c * z - s * x
-        c, s = math.cos(roll), math.sin(roll)
-        x, y = c * x - s * y, s * x + c * y
-        c, s = math.cos(lean + bend), math.sin(lean + bend)
-        x, z = c * x + s * z, c * z - s * x
-        c, s = math.cos(yaw), math.sin(yaw)
-        x, y = c * x - s * y, s * x + c * y
-        return target.tcp[0] - x, target.tcp[1] - y, target.tcp[2] - z
-
-    def _joints(self, angles: tuple[float, ...]) -> list[float]:
-        return [sign * math.remainder(angle, TURN) for sign, angle in zip(self._arm.signs, angles, strict=True)]
-
-    def _unwrapped(self, angles: tuple[float, ...], current: tuple[float, ...]) -> list[float]:
-        """The joints by whole turns nearest to `current`; a joint at its limit never turns back all the way round."""
-        return [
-            sign * angle + TURN * round((here - sign * angle) / TURN)
-            for sign, angle, here in zip(self._arm.signs, angles, current, strict=False)
-        ]
-
-    def _refusal(self, q: list[float], current: tuple[float, ...], stance: Stance, lost: float) -> Reason | None:
+    def _refusal(self, q: list[float], current: tuple[float, ...], branch: Branch, lost: float) -> Reason | None:
         for i, (value, (lower, upper)) in enumerate(zip(q, self._bounds, strict=True)):
             at_limit = i in (3, 5) and value in (lower, upper)
             if not lower - ROUNDING <= value <= upper + ROUNDING or (at_limit and lost > LOST_MOST):
                 return self._at_limit(i, value)
-        if self._chosen.wrist not in (0, stance.wrist):
-            return reason(Code.STANCE, joint=self._limits.names[4], move_deg=math.degrees(abs(q[4])))
+        if self._chosen.wrist not in (0, branch.wrist):
+            return self._other_branch(4, abs(q[4]))
         moves = [abs(a - b) for a, b in zip(q, current, strict=True)]
         move = max(moves)
-        if move <= STANCE_CHANGE or stance == self._stance_of(current):
+        if move <= BRANCH_CHANGE or branch == self._arm.branch_of(current):
             return None
-        return reason(Code.STANCE, joint=self._limits.names[moves.index(move)], move_deg=math.degrees(move))
+        return self._other_branch(moves.index(move), move)
+
+    def _other_branch(self, joint: int, move_rad: float) -> Reason:
+        return reason(Code.STANCE, joint=self._limits.names[joint], move_deg=math.degrees(move_rad))
 
     def _at_limit(self, joint: int, value: float) -> Reason:
-        lower, upper = self._bounds[joint]
-        place = {"value_deg": value, "lower_deg": lower, "upper_deg": upper}
-        degrees = {key: math.degrees(v) for key, v in place.items()}
-        return reason(Code.IK_LIMIT, joint=self._limits.names[joint], **degrees)
+        value_deg, lower_deg, upper_deg = (math.degrees(v) for v in (value, *self._bounds[joint]))
+        name = self._limits.names[joint]
+        return reason(Code.IK_LIMIT, joint=name, value_deg=value_deg, lower_deg=lower_deg, upper_deg=upper_deg)
 
-    def _stance_of(self, current: tuple[float, ...]) -> Stance:
-        _, lean, bend, _, pitch, _ = (s * q for s, q in zip(self._arm.signs, current, strict=True))
-        r = self._arm.upper_arm * math.sin(lean) + self._arm.forearm * math.sin(lean + bend)
-        return Stance(1 if r >= 0 else -1, 1 if bend >= 0 else -1, 1 if pitch >= 0 else -1)
-
-    def _out_of_reach(self, target: Target, refusal: Reason | None) -> Reason:
-        """Why no solution will do: the wrist's distance if that is it, otherwise the nearest solution's refusal."""
-        x, y, z = self._centre(target)
+    def _out_of_reach(self, target: WristTarget, refusal: Reason | None) -> Reason:
+        """Why there is no solution: the wrist's distance if that is it, otherwise the nearest solution's refusal."""
+        x, y, z = self._arm.centre(target)
         distance = math.hypot(x, y, z - self._arm.shoulder_height)
         if refusal is not None and distance >= self._least:
             return refusal
@@ -307,8 +239,21 @@ class SphericalWristInverse:
         return reason(Code.OUT_OF_REACH, distance_mm=distance * 1e3, least_mm=self._least * 1e3, most_mm=most * 1e3)
 
 
-def _share(bend: float, elapsed_s: float) -> float:
-    """How much of its way joint 4 goes in `elapsed_s`, when the wrist is bent by the sine `bend`."""
+def _damped_fraction(bend: float, elapsed_s: float) -> float:
+    """The fraction of its turn that joint 4 makes in `elapsed_s`, when the wrist is bent by the sine `bend`."""
     if bend >= WRIST_ZONE:
         return 1.0
     return -math.expm1(-elapsed_s * WRIST_RATE * (bend / WRIST_ZONE) ** 2) if bend > 0.0 else 0.0
+
+
+def _apart(q: list[float], current: tuple[float, ...]) -> float:
+    """The squared distance in joint space, of as many joints as there are."""
+    return sum((a - b) ** 2 for a, b in zip(q, current, strict=False))
+
+
+def _minus(a: Point, b: Point) -> Point:
+    return a[0] - b[0], a[1] - b[1], a[2] - b[2]
+
+
+def _dot(a: Point, b: Point) -> float:
+    return a[0] * b[0] + a[1] * b[1] + a[2] * b[2]

@@ -13,7 +13,7 @@ from common.errors import ModelError
 from common.geometry import Array
 
 BOUNDED_JOINTS = ("JointModelR", "JointModelP")
-BOUNDED = ("revolute", "prismatic")  # as a URDF names what must have limits
+BOUNDED = ("revolute", "prismatic")  # URDF joint types that must have limits
 MOVING = (*BOUNDED, "continuous")
 AXES = 3
 
@@ -28,10 +28,10 @@ class LinkGeometry:
 
 
 class ArmModel:
-    """A serial arm of one-degree joints; one instance serves one thread, since its work space is reused.
+    """A serial arm of one-degree joints; one instance serves one thread, since its workspace is reused.
 
-    `joint_names` is the order of every joint vector; `lower`, `upper` (rad), `velocity` (rad/s) and `effort` (N·m) are
-    the URDF's limits, each (n,); so is `acceleration` (rad/s²), inf where the URDF gives none.
+    `joint_names` is the order of every joint vector; `lower`, `upper` (rad) and `velocity` (rad/s) are the
+    URDF's limits, each (n,); so is `acceleration` (rad/s²), inf where the URDF gives none.
     """
 
     def __init__(self, model: pin.Model, tcp_frame: int, acceleration: Array) -> None:
@@ -41,13 +41,12 @@ class ArmModel:
         self.lower: Array = np.array(model.lowerPositionLimit)
         self.upper: Array = np.array(model.upperPositionLimit)
         self.velocity: Array = np.array(model.velocityLimit)
-        self.effort: Array = np.array(model.effortLimit)
         self._data = model.createData()
         self.tcp_frame = tcp_frame
 
     @classmethod
     def from_urdf(cls, path: Path, tool_frame: str, tool_T_tcp: Array) -> Self:
-        """Read a URDF; ModelError says what makes it unusable and how to cure it."""
+        """Read a URDF; ModelError states what makes it unusable and how to cure it."""
         written = _read_joints(path)
         try:
             model = pin.buildModelFromUrdf(str(path))
@@ -66,7 +65,7 @@ class ArmModel:
         return pose
 
     def geometry(self) -> tuple[list[LinkGeometry], Array]:
-        """Every joint's place and axis, and the tool centre point in the last joint's frame (4 x 4): enough to draw."""
+        """Every joint's frame and axis, and the tool centre point in the last joint's frame (4 x 4): enough to draw."""
         model, links = self.pin_model, []
         for k in range(1, model.njoints):
             joint, data = model.joints[k], model.joints[k].createData()
@@ -92,10 +91,10 @@ class ArmModel:
         return jacobian
 
     def levers(self, inner: int, outer: int, corners: Array) -> list[float]:
-        """How far a body can move at most per rad (or m) of each joint, m, as seen from the link of joint `inner`.
+        """The most that a body can move per rad (or m) of each joint, m, as seen from the link of joint `inner`.
 
-        `corners` (m x 3) span it in the frame of joint `outer` (from 1; 0 is the base). A turn moves nothing further
-        than its distance from the axis: exact for the outermost joint, all lengths beyond the next one for the others.
+        `corners` (m x 3) span it in the frame of joint `outer` (from 1; 0 is the base). A rotation moves a point by no
+        more than its distance from the axis: exact for the outermost joint, a sum of link lengths for the others.
         """
         links, _ = self.geometry()
         levers, about, beyond = [0.0] * len(links), corners, 0.0
@@ -122,7 +121,7 @@ class ArmModel:
 
 
 def _read_joints(path: Path) -> dict[str, ElementTree.Element]:
-    """The joints as they are written, by name; ModelError names one that pinocchio would refuse without its name."""
+    """The joint elements by name; ModelError names a joint that pinocchio would refuse without naming it."""
     try:
         root = ElementTree.parse(path).getroot()  # noqa: S314  # the robot model is the site's own
     except (OSError, ElementTree.ParseError) as error:
@@ -164,7 +163,7 @@ def _number(text: str) -> float:
 
 
 def _accelerations(written: dict[str, ElementTree.Element], names: tuple[str, ...]) -> Array:
-    """The joints' own limits of acceleration (n,), an attribute of <limit> that not every reader of URDF knows."""
+    """The acceleration limits (n,), an attribute of <limit> that pinocchio does not read."""
     limits = [written[name].find("limit") for name in names]
     return np.array([math.inf if limit is None else float(limit.get("acceleration", "inf")) for limit in limits])
 

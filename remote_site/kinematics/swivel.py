@@ -1,4 +1,4 @@
-"""The elbow of a seven-axis arm, turned about the line from shoulder to wrist as the operator's is."""
+"""The elbow of a seven-axis arm, which turns about the line from shoulder to wrist as the operator's does."""
 
 import math
 
@@ -10,25 +10,24 @@ from common.geometry import Array
 from remote_site.kinematics.config import SolverConfig
 from remote_site.kinematics.model import ArmModel
 
-LEAST_RADIUS = 0.03  # m: an elbow nearer to the line has no direction
+LEAST_RADIUS = 0.03  # m: an elbow nearer to the line has no swivel angle
 LEAST_TURNING = 0.05  # rad/s of the elbow per rad/s of the joints
-SHARE = 0.7  # of the joints' speeds: the tool goes first
+SPEED_FRACTION = 0.7  # of the joints' speeds: the tool has priority
 ACCELERATION = 8.0  # rad/s² of the elbow
-FORWARD = np.array([1.0, 0.0, 0.0])  # of the base: along it the operator's arm reaches, too
+FORWARD = np.array([1.0, 0.0, 0.0])  # of the base: along it the operator's arm reaches too
 SEVEN = 7
 
 
 class Swivel:
     """Turns the robot's elbow about its line from shoulder to wrist by as much as the operator's has turned.
 
-    The operator's shoulder is not seen. Since the wrist lies on the operator's line too, the elbow's offset from the
-    wrist, across the direction in which the arm reaches, is its direction about that line: across the base's x, or,
-    where the robot is of the operator's shape and stands as he does, across its own line. Both angles count from where
-    they were when following began; the zeros are carried along as the lines move.
+    The operator's shoulder is not seen. Since the wrist lies on the operator's line too, the component of wrist to
+    elbow across the direction in which the arm reaches gives the swivel angle: across the base's x, or, for a robot of
+    the operator's shape and pose, across its own line. Both angles count from where they were when following began;
+    the zero directions are projected along as the lines move.
     """
 
-    def __init__(self, model: pin.Model, joints: tuple[int, int, int], config: SolverConfig) -> None:
-        self._model = model
+    def __init__(self, joints: tuple[int, int, int], config: SolverConfig) -> None:
         self._shoulder, self._elbow, self._wrist = joints
         self._gain, self._fastest = config.swivel_gain_s, config.swivel_speed_rad_s
         self._alike = config.swivel_about == "arm"
@@ -40,17 +39,17 @@ class Swivel:
         names = model.joint_names
         chosen = config.swivel_joints
         if chosen is None:
-            return cls(model.pin_model, (2, 4, 6), config) if len(names) == SEVEN else None
+            return cls((2, 4, 6), config) if len(names) == SEVEN else None
         unknown = [name for name in chosen if name not in names]
         if unknown:
             raise ConfigError(f"swivel_joints: no joint {', '.join(unknown)}; the joints are {', '.join(names)}")
         first, second, third = (names.index(name) + 1 for name in chosen)
         if not first < second < third:
-            raise ConfigError("swivel_joints: give shoulder, elbow and wrist in the order of the chain")
-        return cls(model.pin_model, (first, second, third), config)
+            raise ConfigError("swivel_joints: give shoulder, elbow and wrist in the order of the joints")
+        return cls((first, second, third), config)
 
     def forget(self) -> None:
-        """Take both elbows as they are at the next call."""
+        """Take both swivel angles as zero at the next call."""
         self._zero: Array | None = None
         self._theirs: Array | None = None
         self._speed = 0.0
@@ -58,10 +57,10 @@ class Swivel:
     def rate(
         self, data: pin.Data, jacobian: Array, free: Array, wrist_to_elbow: Array, fastest: Array, dt: float
     ) -> float:
-        """How fast (1/s) to move along the free direction (n,) of the joints, that leaves the tool in its place.
+        """The rate (1/s) along the null-space direction `free` (n,) of the joints, which leaves the tool where it is.
 
-        `data` holds the placements, `jacobian` (6 x n) is the world's; the operator's wrist to elbow (3,) is in the
-        base's axes; `fastest` (n,) in rad/s bounds the joints. Zero while either elbow has no direction.
+        `data` holds the placements, `jacobian` (6 x n) is the world's; the operator's wrist to elbow (3,) in m is in
+        the base's axes; `fastest` (n,) in rad/s bounds the joints. Zero while either elbow has no swivel angle.
         """
         shoulder, elbow = data.oMi[self._shoulder].translation, data.oMi[self._elbow].translation
         axis = data.oMi[self._wrist].translation - shoulder
@@ -81,7 +80,7 @@ class Swivel:
         twist = jacobian[:, : self._elbow - 1] @ free[: self._elbow - 1]
         velocity = twist[:3] + pin.skew(twist[3:]) @ elbow
         turning = float((pin.skew(axis) @ mine) @ velocity) / float(mine @ mine)
-        most = SHARE / float((np.abs(free) / fastest).max())
+        most = SPEED_FRACTION / float((np.abs(free) / fastest).max())
         if abs(turning) < LEAST_TURNING:
             return 0.0
         return min(max(self._speed / turning, -most), most)

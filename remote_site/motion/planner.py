@@ -62,7 +62,7 @@ class MotionPlanner:
         if self._unjudged > aimed:  # deferred by one tick to bound tick time: aiming is the expensive one
             self._slowing, self._unjudged = self._dexterity.slowing(sent.q, q_target), 0
         self._obstacle = aside.reason or self._slowing.reason
-        proposed = self._jerk_limited.track(aside.q, aside.dq, aside.speed * self._slowing.share * speed_scale)
+        proposed = self._jerk_limited.track(aside.q, aside.dq, aside.speed * self._slowing.fraction * speed_scale)
         if isinstance(proposed, Reason):
             self._hindrance = proposed
             return self.stop(sent)

@@ -10,10 +10,9 @@ from common.errors import ModelError
 from common.geometry import Array, transform, unwound
 from remote_site.kinematics.config import RobotConfig
 from remote_site.kinematics.differential import DifferentialInverse, Move
-from remote_site.kinematics.inverse import SphericalWristInverse
+from remote_site.kinematics.inverse import Solution, SphericalWristInverse
 from remote_site.kinematics.limits import JointLimits
 from remote_site.kinematics.model import ArmModel
-from remote_site.kinematics.solution import Solution
 from remote_site.motion.config import ControlConfig
 from remote_site.motion.target_predictor import TargetPredictor, joint_target_predictor
 from remote_site.reasons import Code, Reason, reason
@@ -141,5 +140,5 @@ def choose_target_tracker(
         if wanted == "closed":
             raise ModelError(f'robot.kinematics = "closed": {error}; or set it to "general"') from error
         return DifferentialTracker(robot, control, model, limits)
-    inverse.check_stance(robot.start)
+    inverse.check_branch(robot.start)
     return ClosedFormTracker(inverse, joint_target_predictor(limits, control))

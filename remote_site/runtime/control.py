@@ -30,7 +30,7 @@ from remote_site.session.requests import SessionRequest
 from remote_site.session.shared_lease import SharedLease
 from remote_site.session.state_machine import Answer
 from remote_site.simulation.memory import CellMemory
-from remote_site.simulation.mirror import PostureMirror
+from remote_site.simulation.views import PostureMirror
 from remote_site.teleop.pipeline import TeleopPipeline
 
 FIFO_PRIORITY = 50

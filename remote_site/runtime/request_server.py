@@ -103,7 +103,7 @@ def _done(action: LeaseAction, current: Lease | None) -> Reason:
 def describe(config: RemoteConfig, model: ArmModel, limits: JointLimits, state_hz: float) -> Description:
     """What a local site has to know of this cell; limits are those in force."""
     bounds = zip(limits.names, limits.lower.tolist(), limits.upper.tolist(), limits.velocity.tolist(), strict=True)
-    video = config.video
+    video, cell, tool_T_tcp = config.video, config.simulation, config.robot.tool_T_tcp
     links, last_T_tool = model.geometry()
     return Description(
         cell=config.cell,
@@ -115,7 +115,7 @@ def describe(config: RemoteConfig, model: ArmModel, limits: JointLimits, state_h
             for row, link in zip(bounds, links, strict=True)
         ),
         cameras=tuple(
-            CameraDescription(c.name, video.width, video.height, video.fps, calibration_of(c, config))
+            CameraDescription(c.name, video.width, video.height, video.fps, calibration_of(c, video, cell, tool_T_tcp))
             for c in video.cameras
         ),
         held=config.engagement.mode in INPUTS,

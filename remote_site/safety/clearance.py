@@ -1,4 +1,4 @@
-"""Where the arm may be: the tool in its box, everything far enough from everything else, on all the way to rest."""
+"""Whether the arm keeps clear on all its path to rest: the tool in its box, every pair of bodies apart."""
 
 import math
 
@@ -8,18 +8,17 @@ from common.geometry import Array
 from remote_site.kinematics.joints import JointMotion
 from remote_site.kinematics.model import ArmModel
 from remote_site.reasons import Code, Reason, reason
-from remote_site.safety.clearance_cache import ClearanceCache
-from remote_site.safety.collision import CollisionModel, Pairs
+from remote_site.safety.collision import ClearanceCache, CollisionModel, Pairs
 from remote_site.safety.stopping import JointStop
 
 POSITION = 1e-9  # m: what rounding may add to a position
-TOLERANCE = 5e-4  # m: what moves no further from a posture that is looked at counts as there
-NOISE = 1e-6  # m: how exactly a distance is found
-RETREAT_LOOKS = 12  # instants of a retreat
-HALF_WAY = 0.3  # of the time of a stop: after it about half the way is left
-MOST_LOOKS = 100  # parts of one way to rest; a way that needs more is not clear
-Kinds = Pairs  # of room: 0 is the tool's in its box, 1 that between the first pair
-NO_KINDS: Kinds = np.zeros(0, dtype=np.intp)
+TOLERANCE = 5e-4  # m: a body that moves no further from a checked posture counts as checked
+NOISE = 1e-6  # m: accuracy of a distance
+RETREAT_CHECKS = 12  # instants of a retreat
+HALF_WAY = 0.3  # of the duration of a stop: about half the distance is left
+MOST_PARTS = 100  # of one path to rest; a path that needs more is not clear
+Indices = Pairs  # of clearances: 0 is the tool's depth in its box, 1 the clearance of the first pair
+NONE: Indices = np.zeros(0, dtype=np.intp)
 
 
 class Workspace:
@@ -49,61 +48,60 @@ class Workspace:
 
 
 class ClearanceCheck:
-    """Judges the way to rest of the whole arm, not only its ends.
+    """Judges the whole arm's path to rest, not only its ends.
 
-    Nothing moves further than its joints' levers let it; where there is room for that around the middle of a part of
-    the way, nothing else of it has to be looked at. Distances count beyond the margin.
+    Nothing moves further than its joints' levers allow; where the clearances in the middle of a part of the path leave
+    room for that, nothing else of the part has to be checked. Clearances count beyond the margin.
     """
 
     def __init__(self, model: ArmModel, workspace: Workspace, collision: CollisionModel) -> None:
         self._model = model
         self._workspace = workspace
         self.collision = collision
-        self._tool = np.array(model.tcp_levers)
-        self._levers = np.vstack([self._tool, collision.levers])
-        self._every: Kinds = np.arange(len(self._levers))
-        self._slack = ClearanceCache(self._levers)
+        self._levers = np.vstack([np.array(model.tcp_levers), collision.levers])
+        self._every: Indices = np.arange(len(self._levers))
+        self._cache = ClearanceCache(self._levers)
         self._kept = collision.margin + TOLERANCE
 
-    def in_doubt(self, q: list[float], reach: list[float]) -> Kinds:
-        """Which kinds of room may end in postures that no joint is further than `reach` (n,) from `q` (n,)."""
-        if self._slack.covers(q, reach):
-            return NO_KINDS
+    def in_doubt(self, q: list[float], reach: list[float]) -> Indices:
+        """Which clearances may end in postures of which no joint is further than `reach` (n,) from `q` (n,)."""
+        if self._cache.covers(q, reach):
+            return NONE
         return self._look(np.array(q), np.array(reach))
 
-    def _look(self, q: Array, reach: Array) -> Kinds:
-        """The same, when nothing that was noted covers it: depth and distances are looked at, and noted."""
-        rooms = np.concatenate([[self._depth(q)], self.collision.rooms(q, reach, self._kept)])
-        self._slack.note(q.tolist(), rooms)
-        return np.flatnonzero(~(rooms >= self._levers.dot(reach)))
+    def _look(self, q: Array, reach: Array) -> Indices:
+        """The same where the cache does not cover it: depth and distances are measured, and noted."""
+        clearances = np.concatenate([[self._depth(q)], self.collision.clearances(q, reach, self._kept)])
+        self._cache.note(q.tolist(), clearances)
+        return np.flatnonzero(~(clearances >= self._levers.dot(reach)))
 
-    def clear(self, ends: list[JointStop], kinds: Kinds | None = None) -> bool:
-        """Whether the arm stays where it may be until all stops have ended, if only some kinds of room may end.
+    def clear(self, ends: list[JointStop], doubtful: Indices | None = None) -> bool:
+        """Whether the arm stays clear until all stops have ended, if only some clearances are in doubt.
 
-        Ever shorter parts of the way are looked at, each only for what was in doubt before, until nothing is.
+        Ever shorter parts of the path are checked, each only for what was in doubt before, until nothing is.
         """
-        kinds = self._every if kinds is None else kinds
+        doubtful = self._every if doubtful is None else doubtful
         duration = max(stop.duration for stop in ends)
         first, last = _at(ends, 0.0), _at(ends, duration)
-        if not (self._rooms(last, kinds) >= -POSITION).all():
+        if not (self._clearances(last, doubtful) >= -POSITION).all():
             return False
-        parts = [(0.0, first, duration, last, kinds)]
-        for _ in range(MOST_LOOKS):
+        parts = [(0.0, first, duration, last, doubtful)]
+        for _ in range(MOST_PARTS):
             if not parts:
                 return True
-            begin, first, end, last, kinds = parts.pop()
-            doubtful = self._doubtful(*_within(ends, first, last, end - begin), kinds)
-            if doubtful is None:
+            begin, first, end, last, doubtful = parts.pop()
+            left = self._doubtful(*_within(ends, first, last, end - begin), doubtful)
+            if left is None:
                 return False
-            if len(doubtful):
+            if len(left):
                 half = begin + (HALF_WAY if end == duration else 0.5) * (end - begin)
                 between = _at(ends, half)
-                parts += [(begin, first, half, between, doubtful), (half, between, end, last, doubtful)]
+                parts += [(begin, first, half, between, left), (half, between, end, last, left)]
         return False
 
     def retreats(self, ends: list[JointStop], q: Array) -> bool:
-        """Whether an arm that is where it may not be, at `q` (n,) rad, gets into nothing worse until all stops end."""
-        here = self._rooms(q, self._every)
+        """Whether an arm at `q` (n,) rad that is not clear makes no clearance worse until all stops end."""
+        here = self._clearances(q, self._every)
         if here.min() >= -NOISE:
             return False
         allowed = np.minimum(here, 0.0)
@@ -111,7 +109,7 @@ class ClearanceCheck:
         return bool((self._worst(ends) >= allowed - POSITION).all())
 
     def why(self, motion: JointMotion, ends: list[JointStop]) -> Reason:
-        """What is wrong with a motion's way to rest."""
+        """What is wrong with a motion's path to rest."""
         worst = self._worst(ends)
         if worst[0] < -POSITION:
             return reason(Code.WORKSPACE, excess_mm=-worst[0] * 1e3)
@@ -122,38 +120,38 @@ class ClearanceCheck:
             Code.COLLISION, first=first, second=second, distance_mm=distance * 1e3, limit_mm=self.collision.margin * 1e3
         )
 
-    def _doubtful(self, q: Array, reach: Array, kinds: Kinds) -> Kinds | None:
-        """Which kinds of room may end in postures within `reach` (n,) of `q`; None if one surely does."""
-        ways = self._levers[kinds] @ reach
-        rooms = self._rooms(q, kinds)
-        enough = rooms >= ways - np.minimum(ways, TOLERANCE) - POSITION
-        if (~enough & ((ways <= TOLERANCE) | (rooms < -ways))).any():
+    def _doubtful(self, q: Array, reach: Array, indices: Indices) -> Indices | None:
+        """Which of some clearances may end in postures within `reach` (n,) of `q`; None if one certainly does."""
+        travel = self._levers[indices] @ reach
+        clearances = self._clearances(q, indices)
+        enough = clearances >= travel - np.minimum(travel, TOLERANCE) - POSITION
+        if (~enough & ((travel <= TOLERANCE) | (clearances < -travel))).any():
             return None
-        return kinds[~enough]
+        return indices[~enough]
 
-    def _rooms(self, q: Array, kinds: Kinds) -> Array:
-        """The room of some kinds: 0 is the box, 1 the first pair beyond what it keeps, m."""
-        rooms: Array = self.collision.distances(q, kinds[kinds > 0] - 1) - self._kept
-        return rooms if len(rooms) == len(kinds) else np.concatenate([[self._depth(q)], rooms])
+    def _clearances(self, q: Array, indices: Indices) -> Array:
+        """Some clearances in m; 0 is the tool's depth in the box, 1 the first pair's beyond what it keeps."""
+        pairs: Array = self.collision.distances(q, indices[indices > 0] - 1) - self._kept
+        return pairs if len(pairs) == len(indices) else np.concatenate([[self._depth(q)], pairs])
 
     def _depth(self, q: Array) -> float:
         return self._workspace.depth(self._model.position(q))
 
     def _worst(self, ends: list[JointStop]) -> Array:
-        """The least room of each kind on the way to rest."""
+        """The least of each clearance on the path to rest."""
         duration = max(stop.duration for stop in ends)
-        instants = np.linspace(0.0, duration, RETREAT_LOOKS) if duration else (0.0,)
-        rooms: Array = np.min([self._rooms(_at(ends, t), self._every) for t in instants], axis=0)
-        return rooms
+        instants = np.linspace(0.0, duration, RETREAT_CHECKS) if duration else (0.0,)
+        least: Array = np.min([self._clearances(_at(ends, t), self._every) for t in instants], axis=0)
+        return least
 
 
 def _within(ends: list[JointStop], first: Array, last: Array, seconds: float) -> tuple[Array, Array]:
-    """A middle (n,) and a reach (n,) of all postures on a part of the way, from those at its ends."""
-    ways = [
-        stop.fastest * seconds if stop.turns_round else abs(b - a)
+    """A middle (n,) and a reach (n,) of all postures on a part of the path, from those at its ends."""
+    travel = [
+        stop.fastest * seconds if stop.reverses else abs(b - a)
         for stop, a, b in zip(ends, first.tolist(), last.tolist(), strict=True)
     ]
-    return (first + last) / 2, np.array(ways) / 2
+    return (first + last) / 2, np.array(travel) / 2
 
 
 def _at(ends: list[JointStop], t: float) -> Array:

@@ -1,4 +1,4 @@
-"""The parameters of what the arm must not touch, and of how sure a hand sample must be."""
+"""The parameters of collision avoidance, of the workspace, and of the certainty that a hand sample needs."""
 
 import math
 from typing import Annotated
@@ -12,7 +12,7 @@ Row3 = tuple[float, float, float]
 
 
 class FixtureConfig(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
-    """A box that stands still in the cell, along the axes of the base frame: table, wall, fixture."""
+    """A fixed box in the cell, along the axes of the base frame: table, wall, fixture."""
 
     name: Annotated[str, Meta(min_length=1, max_length=64, description="its name in refusals")]
     min_m: Annotated[Row3, Meta(description="lower corner in the base frame, m")]
@@ -29,11 +29,11 @@ PEDESTAL = FixtureConfig(name="pedestal", min_m=(-0.15, -0.15, -0.45), max_m=(0.
 
 
 class CollisionConfig(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
-    """How near the arm may come to itself and to what stands around it."""
+    """How near the arm may come to itself and to the fixtures of its cell."""
 
     margin_m: Annotated[float, Meta(ge=0.001, le=0.2, description="distance that is always kept, m")] = 0.01
     slow_m: Annotated[float, Meta(gt=0, le=0.5, description="nearer, the arm approaches more slowly, m")] = 0.04
-    slowest: Annotated[float, Meta(gt=0, le=1, description="share of the speed left at the margin")] = 0.1
+    slowest: Annotated[float, Meta(gt=0, le=1, description="fraction of the speed left at the margin")] = 0.1
     fixtures: Annotated[tuple[FixtureConfig, ...], Meta(description="boxes in the cell")] = (TABLE, PEDESTAL)
     ignored_pairs: Annotated[
         tuple[tuple[str, str], ...], Meta(description="links or fixtures that are allowed to touch, by name")
@@ -57,7 +57,7 @@ class CertaintyConfig(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_
     tips_poor_mm: Annotated[
         float, Meta(gt=0, le=500, description="tip sigma beyond which the tool keeps its orientation, mm")
     ] = 50.0
-    slowest: Annotated[float, Meta(gt=0, le=1, description="share of the speed left just before the hold")] = 0.2
+    slowest: Annotated[float, Meta(gt=0, le=1, description="fraction of the speed left just before the hold")] = 0.2
 
     def __post_init__(self) -> None:
         for sure, poor, name in (

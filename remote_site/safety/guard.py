@@ -34,9 +34,9 @@ class JointGuard:
     """Judges each proposed motion against the one really sent before it, one tick of `dt` seconds ago.
 
     Always: finite; velocity (also the one that remains when the acceleration is taken back), acceleration and jerk
-    within limits; position, velocity and acceleration consistent with a jerk within limits during the tick; and from
-    where it is it can come to rest within the position limits, or at least no further outside than the last motion
-    would. So the stop from the last motion always passes, and an arm outside can retreat.
+    within limits; position, velocity and acceleration consistent with a jerk within limits during the tick; and its
+    stop ends within the position limits, or at least no further outside than the last motion's would. So the stop from
+    the last motion always passes, and an arm outside can retreat.
     """
 
     def __init__(self, limits: JointLimits, dt: float) -> None:
@@ -56,14 +56,14 @@ class JointGuard:
         return self.check_finite(proposed, sent, self.spans(proposed))
 
     def check_finite(self, proposed: JointMotion, sent: JointMotion, spans: list[Span]) -> Passed | Refused:
-        """The same for finite motions, when it is known what the proposed one's way to rest lies within."""
+        """The same for finite motions; `spans` bound the proposed one's path to rest."""
         broken = self._dynamics(proposed, sent)
         if broken is None:
-            broken = self._place(proposed, sent, spans)
+            broken = self._position(proposed, sent, spans)
         return Passed(proposed) if broken is None else Refused(broken)
 
     def spans(self, motion: JointMotion) -> list[Span]:
-        """What the way to rest of every joint lies within: a middle and a reach in rad."""
+        """Bounds of every joint's path to rest: a middle and a reach in rad."""
         return [span(state, *most) for state, most in zip(_states(motion), self._most, strict=True)]
 
     def stop(self, sent: JointMotion) -> JointMotion:
@@ -101,7 +101,7 @@ class JointGuard:
                 return reason(Code.INCONSISTENT, joint=self.limits.names[i])
         return None
 
-    def _place(self, proposed: JointMotion, sent: JointMotion, spans: list[Span]) -> Reason | None:
+    def _position(self, proposed: JointMotion, sent: JointMotion, spans: list[Span]) -> Reason | None:
         for i, ((middle, reach), (lower, upper)) in enumerate(zip(spans, self._range, strict=True)):
             if lower + reach <= middle <= upper - reach:
                 continue  # so it rests inside
@@ -113,7 +113,7 @@ class JointGuard:
         return None
 
     def _excess(self, motion: JointMotion, joint: int) -> float:
-        """How far outside its limits a joint is on the way to rest, rad; negative inside."""
+        """How far outside its limits a joint gets on its path to rest, rad; negative inside."""
         low, high = self._extent(motion, joint)
         lower, upper = self._range[joint]
         excess: float = max(lower - low, high - upper)
@@ -127,13 +127,13 @@ class JointGuard:
 
 
 class Guard:
-    """The joints' guard, and the surroundings: on the way to rest the tool stays in its box, and nothing comes nearer
-    to anything than the margin; an arm that is where it may not be only retreats.
+    """The joints' guard and the clearance check: on the path to rest the tool stays in its box, and every pair of
+    bodies keeps the margin; an arm that is not clear may only retreat.
     """
 
-    def __init__(self, limits: JointLimits, surroundings: ClearanceCheck, dt: float) -> None:
+    def __init__(self, limits: JointLimits, clearance: ClearanceCheck, dt: float) -> None:
         self._joints = JointGuard(limits, dt)
-        self._surroundings = surroundings
+        self._clearance = clearance
 
     def check(self, proposed: JointMotion, sent: JointMotion) -> Passed | Refused:
         """Passed, or Refused with the first rule that was broken."""
@@ -143,15 +143,15 @@ class Guard:
         verdict = self._joints.check_finite(proposed, sent, spans)
         if isinstance(verdict, Refused):
             return verdict
-        doubtful = self._surroundings.in_doubt([middle for middle, _ in spans], [reach for _, reach in spans])
+        doubtful = self._clearance.in_doubt([middle for middle, _ in spans], [reach for _, reach in spans])
         if not len(doubtful):
             return verdict
         ends = stops(proposed, self._joints.limits)
-        if self._surroundings.clear(ends, doubtful) or self._joints.is_stop(proposed, sent):
+        if self._clearance.clear(ends, doubtful) or self._joints.is_stop(proposed, sent):
             return verdict
-        if self._surroundings.retreats(ends, sent.q):
+        if self._clearance.retreats(ends, sent.q):
             return verdict
-        return Refused(self._surroundings.why(proposed, ends))
+        return Refused(self._clearance.why(proposed, ends))
 
     def stop(self, sent: JointMotion) -> JointMotion:
         """The motion one tick into the stop from what was really sent; it always passes."""

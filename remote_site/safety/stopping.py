@@ -1,4 +1,4 @@
-"""The jerk-limited stop of every joint, in closed form: the quickest way to rest within acceleration and jerk."""
+"""The jerk-limited stop of every joint in closed form: the time-optimal motion to rest."""
 
 import math
 from typing import NamedTuple
@@ -30,19 +30,14 @@ class JointStop(NamedTuple):
         return self.first + self.cruise + self.last
 
     @property
-    def turns_round(self) -> bool:
-        """Whether it moves to both sides before it rests."""
+    def reverses(self) -> bool:
+        """Whether it reverses before it rests."""
         return self.v * self.jerk > 0.0
 
     @property
     def fastest(self) -> float:
-        """A speed that is not exceeded on the way to rest."""
+        """An upper bound of the speed until rest."""
         return abs(self.v) + self.a * self.a / abs(2 * self.jerk or 1.0)
-
-    @property
-    def travel(self) -> float:
-        """A way that is not exceeded: once the acceleration has turned, the speed falls below the line to rest."""
-        return self.fastest * (self.first + (self.cruise + self.last) / 2)
 
     @property
     def end(self) -> float:
@@ -63,7 +58,7 @@ class JointStop(NamedTuple):
         return state[0], 0.0, 0.0
 
     def extent(self) -> tuple[float, float]:
-        """The lowest and the highest position on the way to rest."""
+        """The lowest and the highest position until rest."""
         state = (self.q, self.v, self.a)
         low = high = self.q
         for jerk, duration in self._phases():
@@ -100,18 +95,19 @@ def joint_stop(state: JointState, acceleration: float, jerk: float) -> JointStop
 
 
 def span(state: JointState, acceleration: float, jerk: float) -> Span:
-    """A middle and a reach that all positions of a joint's stop lie within; quicker to know than the stop itself.
+    """A middle and a reach that bound all positions of a joint's stop; quicker to compute than the stop itself.
 
-    The way is `JointStop.travel` with the longest its phases can be; unless the stop first turns round, it goes all to
-    one side.
+    The travel is at most the greatest speed times the first phase and half of the others, with the longest possible
+    phases: once the acceleration has turned, the speed falls below the line to rest. Unless the stop reverses, it is
+    all to one side.
     """
     q, v, a = state
     fastest = abs(v) + a * a / (2 * jerk)
-    way = fastest * ((abs(a) + acceleration) / jerk + fastest / (2 * acceleration))
+    travel = fastest * ((abs(a) + acceleration) / jerk + fastest / (2 * acceleration))
     coasting = v + a * abs(a) / (2 * jerk)
     if v * coasting < 0.0:
-        return q, way
-    return q + math.copysign(way / 2, v + coasting), way / 2
+        return q, travel
+    return q + math.copysign(travel / 2, v + coasting), travel / 2
 
 
 def stops(motion: JointMotion, limits: JointLimits) -> list[JointStop]:

@@ -12,8 +12,7 @@ from common.geometry import Array
 from remote_site.kinematics.config import RobotConfig
 from remote_site.simulation.config import ArmConfig, CellConfig
 from remote_site.simulation.gripper import GRIP, THINGS, TOUCHES_ROBOT, add_gripper
-from remote_site.simulation.scenery import add_block, add_light, add_room, add_table, add_target
-from remote_site.simulation.views import add_view
+from remote_site.simulation.scenery import add_block, add_light, add_room, add_table, add_target, add_view
 
 
 @dataclass(frozen=True, slots=True)
@@ -27,7 +26,7 @@ class Cell:
     start_q: Array
 
     def start(self) -> mujoco.MjData:
-        """The cell at rest in its start posture, gripper open, block at its place."""
+        """The cell at rest in its start posture, gripper open, block at its start position."""
         data = mujoco.MjData(self.model)
         data.qpos[self.arm] = self.start_q
         mujoco.mj_forward(self.model, data)
@@ -73,7 +72,7 @@ def _read_arm(urdf: Path) -> mujoco.MjSpec:
 
 
 def _leave_out_hulls(robot: ElementTree.Element) -> None:
-    """Take out the collision elements of links that have a shape to be seen: those are hulls that keep a distance."""
+    """Remove the collision elements of links with a visual: they are hulls for clearance, not for contact."""
     for link in robot.findall("link"):
         if link.find("visual") is not None:
             for hull in link.findall("collision"):

@@ -42,19 +42,19 @@ class ServoConfig(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fiel
     """The simulated robot controller; its limits are the robot's own, wider than those of the guard."""
 
     bandwidth_hz: Annotated[float, Meta(gt=0, le=30, description="of the joint position servo")] = 15.0
-    follow_hz: Annotated[float, Meta(gt=0, le=30, description="how fast a jump of the setpoints is followed")] = 8.0
-    extrapolation_ms: Annotated[float, Meta(ge=0, le=50, description="a late setpoint is extended this long")] = 20.0
+    follow_hz: Annotated[float, Meta(gt=0, le=30, description="bandwidth after a jump of the setpoints")] = 8.0
+    extrapolation_ms: Annotated[float, Meta(ge=0, le=50, description="longest extrapolation of a setpoint")] = 20.0
     watchdog_ms: Annotated[float, Meta(ge=10, le=1000, description="silence after which the arm is stopped")] = 100.0
     max_velocity_rad_s: Annotated[Positive, Meta(description="of every joint")] = 2.98
-    max_acceleration_rad_s2: Annotated[PerJoint, Meta(description="what the motors can do")] = (12.5,) * 3 + (25.0,) * 3
+    max_acceleration_rad_s2: Annotated[PerJoint, Meta(description="of every joint")] = (12.5,) * 3 + (25.0,) * 3
     stop_acceleration_rad_s2: Annotated[Positive, Meta(description="of the watchdog's stop")] = 10.0
     stop_jerk_rad_s3: Annotated[Positive, Meta(description="of the watchdog's stop")] = 1000.0
-    following_error_rad: Annotated[Positive, Meta(description="lagging this far, the arm is blocked: it holds")] = 0.1
-    activation_tolerance_rad: Annotated[Positive, Meta(description="how near the arm an activation must be")] = 0.02
+    following_error_rad: Annotated[Positive, Meta(description="an arm that lags further is blocked: it holds")] = 0.1
+    activation_tolerance_rad: Annotated[Positive, Meta(description="from the arm to where it is activated")] = 0.02
 
 
 class BlockConfig(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
-    """The foam block of thesis section 5.3 and where it stands, in the base frame."""
+    """The foam block of thesis section 5.3 and its start position, in the base frame."""
 
     size_m: Annotated[Point, Meta(description="depth (x), thickness (y), height (z)")] = (0.100, 0.050, 0.200)
     mass_kg: Annotated[float, Meta(gt=0, le=2.0, description="plastic foam; the arm carries 2 kg at most")] = 0.12
@@ -95,7 +95,7 @@ VIEWS = (
 
 
 class CellConfig(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
-    """The simulated cell; its four cameras stand as in thesis section 4.1.3."""
+    """The simulated cell; its four cameras are placed as in thesis section 4.1.3."""
 
     step_ms: Annotated[float, Meta(ge=0.5, le=2.0, description="physics and control period, ms")] = 2.0
     arm: ArmConfig = ArmConfig()

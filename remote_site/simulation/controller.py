@@ -1,7 +1,7 @@
-"""The simulated robot controller's mind: which joint motion to follow now, and its own command watchdog. Pure."""
+"""The simulated robot controller's decisions: which joint motion to follow now, and its own command watchdog; pure."""
 
 import math
-from dataclasses import dataclass
+from dataclasses import dataclass, field, replace
 from enum import IntEnum
 
 import numpy as np
@@ -9,9 +9,10 @@ import numpy as np
 from common.clock import NS_PER_MS, NS_PER_S
 from common.errors import ModelError
 from common.geometry import Array
-from remote_site.drivers.silence import Silence
 from remote_site.kinematics.joints import JointMotion
-from remote_site.safety.stopping import JointStop, joint_stop
+from remote_site.kinematics.limits import JointLimits
+from remote_site.safety.silence import Silence
+from remote_site.safety.stopping import stopping
 from remote_site.shared_record import Record
 from remote_site.simulation.config import ServoConfig
 
@@ -26,141 +27,44 @@ class ControllerFault(IntEnum):
     BLOCKED = 4
 
 
-@dataclass(frozen=True, slots=True)
-class ArmLimits:
-    """The robot's own limits, each (n,): positions in rad, velocity in rad/s."""
-
-    lower: Array
-    upper: Array
-    velocity: Array
-
-
 @dataclass(slots=True)
-class _Stop:
-    joints: list[JointStop]
-    elapsed_s: float = 0.0
+class SetpointWatch:
+    """Which setpoint was obeyed last and when, and the watchdog of their arrival; `obeyed_ns` is 0 before the first."""
 
-    def advance(self, dt: float) -> JointMotion:
-        self.elapsed_s += dt
-        q, dq, ddq = zip(*(joint.at(self.elapsed_s) for joint in self.joints), strict=True)
-        return JointMotion(np.array(q), np.array(dq), np.array(ddq))
+    timeout_ns: int
+    seq: int = -1
+    obeyed_seq: int = 0
+    obeyed_ns: int = 0
+    _silence: Silence = field(init=False)
+
+    def __post_init__(self) -> None:
+        self._silence = Silence(self.timeout_ns // 2)
+
+    def obey(self, seq: int, now_ns: int) -> None:
+        """Take a new setpoint."""
+        self.seq = self.obeyed_seq = seq
+        self.obeyed_ns = now_ns
+
+    def expired(self, now_ns: int) -> bool:
+        """Whether setpoints have ceased; to be asked at every tick."""
+        return self._silence.of(self.obeyed_ns, now_ns) > self.timeout_ns and self.obeyed_ns != 0
+
+    def age_s(self, now_ns: int) -> float:
+        """The age of the setpoint, s; 0 before the first."""
+        return max(now_ns - self.obeyed_ns, 0) / NS_PER_S if self.obeyed_ns else 0.0
 
 
-class SimulatedController:
-    """Turns setpoints into the motion that the servo follows.
+class MotionLimiter:
+    """Follows a setpoint within the robot's own positions, speeds and accelerations, though it may jump."""
 
-    Setpoints are extended by their velocity and acceleration until the next arrives; what jumps is followed within the
-    robot's acceleration. Silence, a stop, or a setpoint that is not finite end in a jerk-limited stop, after which only
-    a new activation moves the arm.
-    """
-
-    def __init__(self, config: ServoConfig, limits: ArmLimits, q0: Array) -> None:
-        self._config = config
+    def __init__(self, limits: JointLimits, follow_hz: float) -> None:
         self._limits = limits
-        self._follow = 2.0 * math.pi * config.follow_hz
-        self._timeout_ns = round(config.watchdog_ms * NS_PER_MS)
-        self._top = np.array(config.max_acceleration_rad_s2)
-        if len(self._top) != len(q0):
-            raise ModelError(f"simulation.servo.max_acceleration_rad_s2 needs {len(q0)} values, one for each joint")
-        self._stop_acceleration = np.full(len(q0), config.stop_acceleration_rad_s2)
-        self._stop_jerk = np.full(len(q0), config.stop_jerk_rad_s3)
-        self._stop: _Stop | None = None
-        self._arrival_ns = 0
-        self._silence = Silence(self._timeout_ns // 2)
-        self._seq = -1
-        self.motion = JointMotion.at_rest(q0)
-        self.activation = 0
-        self.active = False
-        self.fault = ControllerFault.NONE
-        self.gripper_open = True
-        self.obeyed_seq = 0
-        self.obeyed_ns = 0
+        self._follow = 2.0 * math.pi * follow_hz
 
-    @property
-    def resting(self) -> bool:
-        """No motion is under way or asked for."""
-        return not self.active and self._stop is None
-
-    def asked(self, command: Record) -> bool:
-        """Whether the driver asks for an activation that can now be given."""
-        return self.resting and int(command["activation"]) != self.activation
-
-    def tick(self, command: Record, measured_q: Array, now_ns: int, dt: float) -> JointMotion:
-        """The motion to follow `dt` seconds after the last, at `now_ns`; the command as in `shared_memory`."""
-        if not self.resting and np.abs(self.motion.q - measured_q).max() > self._config.following_error_rad:
-            self._hold_blocked(measured_q)
-        if self.active:
-            self._take(command, now_ns)
-        if self.active:
-            self.motion = self._towards(self._setpoint(command, now_ns), dt)
-        elif self._stop is not None:
-            self.motion = self._stop.advance(dt)
-            if self.motion.resting:
-                self._stop = None
-        return self.motion
-
-    def stop(self) -> None:
-        """Begin the jerk-limited stop, unless one is under way or the arm rests; setpoints are taken no more."""
-        self.active = False
-        if self._stop is None and not self.motion.resting:
-            most = self._stop_acceleration
-            ddq = np.clip(self.motion.ddq, -most, most)
-            states = zip(self.motion.q.tolist(), self.motion.dq.tolist(), ddq.tolist(), strict=True)
-            limits = zip(most.tolist(), self._stop_jerk.tolist(), strict=True)
-            self._stop = _Stop([joint_stop(s, *limit) for s, limit in zip(states, limits, strict=True)])
-
-    def activate(self, setup: Record, command: Record) -> None:
-        """Take setpoints from rest at the command's posture, or say in `fault` that the arm is not there."""
-        self.activation = int(command["activation"])
-        apart = np.abs(command["q"] - self.motion.q).max()
-        if not apart <= self._config.activation_tolerance_rad:
-            self.fault = ControllerFault.APART
-            return
-        self._timeout_ns = min(round(self._config.watchdog_ms * NS_PER_MS), int(setup["timeout_ns"]))
-        self._silence = Silence(self._timeout_ns // 2)
-        self._stop_acceleration = np.minimum(setup["acceleration"], self._config.stop_acceleration_rad_s2)
-        self._stop_jerk = np.minimum(setup["jerk"], self._config.stop_jerk_rad_s3)
-        self.active, self.fault = True, ControllerFault.NONE
-        self._seq = int(command["seq"])
-        self.obeyed_seq, self.obeyed_ns = 0, 0
-
-    def _take(self, command: Record, now_ns: int) -> None:
-        silent_ns = self._silence.of(self._arrival_ns, now_ns)
-        if int(command["activation"]) != self.activation or not command["run"]:
-            self.stop()
-        elif int(command["seq"]) != self._seq:
-            self._obey(command, now_ns)
-        elif self.obeyed_ns and silent_ns > self._timeout_ns:
-            self._fail(ControllerFault.WATCHDOG)
-
-    def _obey(self, command: Record, now_ns: int) -> None:
-        if not JointMotion(command["q"], command["dq"], command["ddq"]).finite:
-            self._fail(ControllerFault.NOT_FINITE)
-            return
-        self._seq = self.obeyed_seq = int(command["seq"])
-        self._arrival_ns = self.obeyed_ns = now_ns
-        self.gripper_open = bool(command["gripper_open"])
-
-    def _hold_blocked(self, measured_q: Array) -> None:
-        self.active, self._stop, self.fault = False, None, ControllerFault.BLOCKED
-        self.motion = JointMotion.at_rest(measured_q)
-
-    def _fail(self, fault: ControllerFault) -> None:
-        self.fault = fault
-        self.stop()
-
-    def _setpoint(self, command: Record, now_ns: int) -> JointMotion:
-        age = max(now_ns - self._arrival_ns, 0) / NS_PER_S if self.obeyed_ns else 0.0
-        curved = min(age, self._config.extrapolation_ms / 1000.0)
-        q, dq, ddq = command["q"], command["dq"], command["ddq"]
-        velocity = dq + curved * ddq
-        position = q + curved * dq + 0.5 * curved * curved * ddq + (age - curved) * velocity
-        return JointMotion(position, velocity, ddq if age == curved else np.zeros(len(q)))
-
-    def _towards(self, wanted: JointMotion, dt: float) -> JointMotion:
-        now, follow, limits = self.motion, self._follow, self._limits
-        target = _within(wanted.q, limits.lower, limits.upper)
-        error, top = target - now.q, self._top
+    def towards(self, wanted: JointMotion, now: JointMotion, dt: float) -> JointMotion:
+        """The motion `dt` seconds after `now`."""
+        follow, limits, top = self._follow, self._limits, self._limits.acceleration
+        error = _within(wanted.q, limits.lower, limits.upper) - now.q
         # Critically damped near by; from far, no faster than half the acceleration can brake.
         catch_up = np.copysign(np.minimum(0.5 * follow * np.abs(error), np.sqrt(top * np.abs(error))), error)
         ddq = wanted.ddq + 2.0 * follow * (wanted.dq + catch_up - now.dq)
@@ -168,5 +72,109 @@ class SimulatedController:
         return JointMotion(now.q + 0.5 * dt * (now.dq + dq), dq, (dq - now.dq) / dt)
 
 
-def _within(values: Array, lower: Array | float, upper: Array | float) -> Array:
+class SimulatedController:
+    """Turns setpoints into the motion that the servo follows.
+
+    Setpoints are extrapolated by their velocity and acceleration until the next arrives; a jump is followed within the
+    robot's acceleration. Silence, a stop, or a setpoint that is not finite end in a jerk-limited stop, after which only
+    a new activation moves the arm.
+    """
+
+    def __init__(self, config: ServoConfig, limits: JointLimits, q0: Array) -> None:
+        self._config = config
+        self._limiter = MotionLimiter(limits, config.follow_hz)
+        accelerations = np.full(len(q0), config.stop_acceleration_rad_s2)
+        self._stop_limits = replace(limits, acceleration=accelerations)
+        self._stop_from: JointMotion | None = None
+        self._stop_s = 0.0
+        self.setpoints = SetpointWatch(round(config.watchdog_ms * NS_PER_MS))
+        self.motion = JointMotion.at_rest(q0)
+        self.activation = 0
+        self.active = False
+        self.fault = ControllerFault.NONE
+        self.gripper_open = True
+
+    @property
+    def resting(self) -> bool:
+        """No motion is under way or requested."""
+        return not self.active and self._stop_from is None
+
+    def asked(self, command: Record) -> bool:
+        """Whether the driver asks for an activation that can now be given."""
+        return self.resting and int(command["activation"]) != self.activation
+
+    def tick(self, command: Record, measured_q: Array, now_ns: int, dt: float) -> JointMotion:
+        """The motion to follow `dt` seconds after the last, at `now_ns`; the command as in `simulation.memory`."""
+        if not self.resting and np.abs(self.motion.q - measured_q).max() > self._config.following_error_rad:
+            self.active, self._stop_from, self.fault = False, None, ControllerFault.BLOCKED
+            self.motion = JointMotion.at_rest(measured_q)
+        if self.active:
+            self._take(command, now_ns)
+        if self.active:
+            self.motion = self._limiter.towards(self._setpoint(command, now_ns), self.motion, dt)
+        elif self._stop_from is not None:
+            self._stop_s += dt
+            self.motion = stopping(self._stop_from, self._stop_limits, self._stop_s)
+            if self.motion.resting:
+                self._stop_from = None
+        return self.motion
+
+    def stop(self, fault: ControllerFault | None = None) -> None:
+        """Begin the jerk-limited stop, unless one is under way or the arm rests; setpoints are taken no more."""
+        self.active = False
+        self.fault = self.fault if fault is None else fault
+        if self._stop_from is None and not self.motion.resting:
+            most = self._stop_limits.acceleration
+            self._stop_from = replace(self.motion, ddq=np.clip(self.motion.ddq, -most, most))
+            self._stop_s = 0.0
+
+    def activate(self, setup: Record, command: Record) -> None:
+        """Take setpoints from rest at the command's posture, or set `fault` if the arm is not there."""
+        self.activation = int(command["activation"])
+        config = self._config
+        if not np.abs(command["q"] - self.motion.q).max() <= config.activation_tolerance_rad:
+            self.fault = ControllerFault.APART
+            return
+        timeout_ns = min(round(config.watchdog_ms * NS_PER_MS), int(setup["timeout_ns"]))
+        self.setpoints = SetpointWatch(timeout_ns, int(command["seq"]))
+        self._stop_limits = replace(
+            self._stop_limits,
+            acceleration=np.minimum(setup["acceleration"], config.stop_acceleration_rad_s2),
+            jerk=np.minimum(setup["jerk"], config.stop_jerk_rad_s3),
+        )
+        self.active, self.fault = True, ControllerFault.NONE
+
+    def _take(self, command: Record, now_ns: int) -> None:
+        expired = self.setpoints.expired(now_ns)
+        if int(command["activation"]) != self.activation or not command["run"]:
+            self.stop()
+        elif int(command["seq"]) != self.setpoints.seq:
+            if not JointMotion(command["q"], command["dq"], command["ddq"]).finite:
+                self.stop(ControllerFault.NOT_FINITE)
+                return
+            self.setpoints.obey(int(command["seq"]), now_ns)
+            self.gripper_open = bool(command["gripper_open"])
+        elif expired:
+            self.stop(ControllerFault.WATCHDOG)
+
+    def _setpoint(self, command: Record, now_ns: int) -> JointMotion:
+        """The command's setpoint, extrapolated to now."""
+        age = self.setpoints.age_s(now_ns)
+        curved = min(age, self._config.extrapolation_ms / 1000.0)
+        q, dq, ddq = command["q"], command["dq"], command["ddq"]
+        velocity = dq + curved * ddq
+        position = q + curved * dq + 0.5 * curved * curved * ddq + (age - curved) * velocity
+        return JointMotion(position, velocity, ddq if age == curved else np.zeros(len(q)))
+
+
+def controller_limits(config: ServoConfig, names: tuple[str, ...], lower: Array, upper: Array) -> JointLimits:
+    """The robot's own limits; ModelError when the servo's configuration is for another number of joints."""
+    n = len(names)
+    if len(config.max_acceleration_rad_s2) != n:
+        raise ModelError(f"simulation.servo.max_acceleration_rad_s2 needs {n} values, one for each joint")
+    velocity, jerk = np.full(n, config.max_velocity_rad_s), np.full(n, config.stop_jerk_rad_s3)
+    return JointLimits(names, lower, upper, velocity, np.array(config.max_acceleration_rad_s2), jerk)
+
+
+def _within(values: Array, lower: Array, upper: Array) -> Array:
     return np.minimum(np.maximum(values, lower), upper)  # np.clip costs five times as much for six joints

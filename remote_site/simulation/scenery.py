@@ -1,9 +1,11 @@
-"""What stands around the arm: room, pedestal, table, target paper and the block of thesis section 5.3."""
+"""Everything around the arm: room, pedestal, table, target paper, the block of thesis section 5.3, and the cameras."""
 
 import mujoco
 
-from remote_site.simulation.config import BlockConfig, SceneConfig
+from common.geometry import quaternion_from_rotation
+from remote_site.simulation.config import BlockConfig, SceneConfig, ViewConfig
 from remote_site.simulation.gripper import THINGS, TOUCHES_ROBOT
+from remote_site.simulation.views import parent_R_camera
 
 BOX = mujoco.mjtGeom.mjGEOM_BOX
 BLOCK = "block"
@@ -21,6 +23,7 @@ LEG = (0.36, 0.38, 0.42, 1.0)
 PAPER = (0.97, 0.97, 0.95, 1.0)
 MARK = (0.85, 0.12, 0.14, 1.0)
 FOAM = (0.25, 0.55, 0.80, 1.0)
+CASE = (0.12, 0.13, 0.15, 1.0)
 
 
 def add_light(spec: mujoco.MjSpec) -> None:
@@ -112,6 +115,21 @@ def add_block(spec: mujoco.MjSpec, block: BlockConfig, table_z_m: float) -> None
     stripe = MARK_WIDTH_M / 2
     corner = (depth / 2 - stripe + 0.0005, -thickness / 2 + stripe - 0.0005, 0.0)
     _visual_box(body, (stripe, stripe, height / 2), corner, MARK)
+
+
+def add_view(body: mujoco.MjsBody, view: ViewConfig) -> None:
+    """Add a camera to the world or to the tool; MuJoCo's cameras look along -z with y up."""
+    x, y, z, w = quaternion_from_rotation(parent_R_camera(view))
+    if view.frame == "tool":
+        _add_mount(body, view)
+    body.add_camera(name=view.name, pos=list(view.position_m), quat=[w, x, y, z], fovy=view.fovy_deg)
+
+
+def _add_mount(tool: mujoco.MjsBody, view: ViewConfig) -> None:
+    """The camera's case and its bracket, too near for the camera to see, or out of its view."""
+    x, y, z = view.position_m
+    _visual_box(tool, (0.018, 0.022, 0.014), (x, y, z - 0.015), CASE)
+    _visual_box(tool, (abs(x) / 2, 0.008, 0.004), (x / 2, y, z - 0.025), CASE)
 
 
 def _visual_box(

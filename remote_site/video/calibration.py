@@ -1,28 +1,28 @@
-"""Which views of the cell are calibrated, and how they see it."""
+"""Which views of the cell are calibrated, and their projections."""
 
 import numpy as np
 
+from common.geometry import Array
 from common.messages.requests import ViewCalibration
-from remote_site.config import RemoteConfig
-from remote_site.simulation import projection
-from remote_site.simulation.config import SIMULATED
-from remote_site.video.config import CameraConfig
+from remote_site.simulation.config import SIMULATED, CellConfig
+from remote_site.simulation.views import simulated_calibration
+from remote_site.video.config import CameraConfig, VideoConfig
 
 
-def calibration_of(camera: CameraConfig, config: RemoteConfig) -> ViewCalibration | None:
-    """How this camera sees the cell, from the configuration or as it is simulated; None where that is not known."""
+def calibration_of(
+    camera: CameraConfig, video: VideoConfig, cell: CellConfig, tool_T_tcp: Array
+) -> ViewCalibration | None:
+    """A camera's calibration, configured or simulated; None where it is unknown.
+
+    Simulated views ride on the tool frame, `tool_T_tcp` (4 x 4) takes them to the tool centre point.
+    """
     if camera.projection is not None:
         return ViewCalibration(camera.projection, camera.on_tool)
-    if camera.source != SIMULATED or not config.video.calibrated:
+    view = next((view for view in cell.views if view.name == camera.name), None)
+    if camera.source != SIMULATED or not video.calibrated or view is None:
         return None
-    view = next((view for view in config.simulation.views if view.name == camera.name), None)
-    if view is None:
-        return None
-    seen = projection.calibration_of(view, config.video.width, config.video.height)
-    return _from_tool_centre(seen, config) if seen.on_tool else seen
-
-
-def _from_tool_centre(seen: ViewCalibration, config: RemoteConfig) -> ViewCalibration:
-    """Simulated views ride on the flange; what others know of the tool is its centre point."""
-    moved = np.reshape(seen.projection, (3, 4)) @ config.robot.tool_T_tcp
+    seen = simulated_calibration(view, video.width, video.height)
+    if not seen.on_tool:
+        return seen
+    moved = np.reshape(seen.projection, (3, 4)) @ tool_T_tcp
     return ViewCalibration(tuple(moved.ravel().tolist()), on_tool=True)

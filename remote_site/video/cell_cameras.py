@@ -1,6 +1,8 @@
-"""Views of the simulated cell, rendered off screen from its snapshot, so that the physics never waits for a picture."""
+"""Views of the simulated cell, rendered off screen through EGL from its snapshot: the physics never waits for them."""
 
+import os
 from collections.abc import Sequence
+from typing import Any
 
 import cv2
 import mujoco
@@ -11,12 +13,12 @@ from common.errors import CameraError
 from remote_site.shared_record import Record, SharedRecord
 from remote_site.simulation.cell import Cell
 from remote_site.simulation.scenery import ROOM_GROUP
-from remote_site.video.clock_strip import draw_clock
 from remote_site.video.config import VideoConfig
-from remote_site.video.offscreen import OffScreen
+from remote_site.video.streaming.clock_strip import draw_clock
 
 MAX_GEOMS = 500
 WORLD = 0
+CURE = "on Debian and Ubuntu: apt-get install libegl1 libopengl0 libgl1-mesa-dri"
 EFFECTS = (
     mujoco.mjtRndFlag.mjRND_SHADOW,
     mujoco.mjtRndFlag.mjRND_REFLECTION,
@@ -25,10 +27,36 @@ EFFECTS = (
 )
 
 
-class CellRenderer:
-    """Renders every view on one context; made and used by one process, after its fork.
+class OffScreen:
+    """A picture of `width` x `height` pixels to draw scenes into; CameraError with the cure where EGL is missing."""
 
-    A camera that stands still draws the room once and keeps it as its background: the room is behind everything.
+    def __init__(self, model: mujoco.MjModel, width: int, height: int) -> None:
+        model.vis.global_.offwidth, model.vis.global_.offheight = width, height
+        self._gl, self._context, self._functions = _open_egl(model, width, height)
+        mujoco.mjr_setBuffer(mujoco.mjtFramebuffer.mjFB_OFFSCREEN, self._context)
+        self._area = mujoco.MjrRect(0, 0, width, height)
+        self._pixels: Image = np.empty((height, width, 4), dtype=np.uint8)
+
+    def draw(self, scene: mujoco.MjvScene) -> Image:
+        """The scene as (height, width, 4) RGBA, bottom row first, alpha 0 where nothing is; valid until the next."""
+        mujoco.mjr_render(self._area, scene, self._context)
+        # mjr_readPixels gives RGB alone, which takes the software renderer ten times as long.
+        gl, (height, width, _) = self._functions, self._pixels.shape
+        gl.glReadPixels(0, 0, width, height, gl.GL_RGBA, gl.GL_UNSIGNED_BYTE, self._pixels)
+        return self._pixels
+
+    def close(self) -> None:
+        """Give the context back; further calls do nothing."""
+        if self._gl is not None:
+            self._context.free()
+            self._gl.free()
+            self._gl = None
+
+
+class CellRenderer:
+    """Renders every view on one EGL context; made and used by one process, after its fork.
+
+    A fixed camera draws the room once and keeps it as its background: the room is behind everything.
     """
 
     def __init__(self, cell: Cell, width: int, height: int) -> None:
@@ -87,7 +115,7 @@ class CellRenderer:
 class CellCamera:
     """One simulated view; a frame is stamped with the instant of the posture that it shows.
 
-    With `clock` it also shows this instant, on this host's monotonic clock, to who can read it (clock_strip).
+    With `clock` it also shows this instant on this host's monotonic clock, machine-readable (clock_strip).
     """
 
     noise_free = True
@@ -132,3 +160,17 @@ def _bgr(rgba: Image) -> Image:
 
 def _image(array: object) -> Image:
     return np.asarray(array, dtype=np.uint8)
+
+
+def _open_egl(model: mujoco.MjModel, width: int, height: int) -> tuple[Any, mujoco.MjrContext, Any]:
+    # Mesa's software renderer would spread a small picture over threads, at more processor time than it saves.
+    os.environ.setdefault("LP_NUM_THREADS", "0")
+    try:
+        from mujoco.egl import GLContext  # noqa: PLC0415  # EGL loads only in the process that renders
+        from OpenGL import GL  # noqa: PLC0415  # after mujoco.egl, which makes it use EGL
+
+        gl = GLContext(width, height)
+        gl.make_current()
+        return gl, mujoco.MjrContext(model, mujoco.mjtFontScale.mjFONTSCALE_50), GL
+    except Exception as error:  # PyOpenGL fails with many kinds where a library is missing
+        raise CameraError(f"simulated views need EGL, which does not start here ({error}); {CURE}") from error

@@ -22,7 +22,7 @@ class CameraConfig(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fie
     latency_ms: Annotated[float, Meta(ge=0, le=1000, description="exposure to arrival of a live camera")] = 30.0
     projection: Annotated[
         tuple[float, ...] | None,
-        Meta(description="of a calibrated camera: 3 x 4, row by row, from the base's frame (m) to pixels"),
+        Meta(description="of a calibrated camera: 3 x 4, row by row, from the base frame (m) to pixels"),
     ] = None
     on_tool: Annotated[bool, Meta(description="the camera rides on the tool: projection is from the tool's frame")] = (
         False
@@ -48,15 +48,17 @@ class VideoConfig(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fiel
         bool, Meta(description="a machine-readable clock in simulated views, to measure how old they are when seen")
     ] = False
     calibrated: Annotated[
-        bool, Meta(description="simulated views tell how they see the cell, so that the page can draw over them")
+        bool, Meta(description="publish the projection of simulated views, so that the page can draw over them")
     ] = False
     fps: Annotated[
         float, Meta(gt=0, le=120, description="frames per second of each camera; under half of it is slow")
     ] = 30.0
     quality: Annotated[int, Meta(ge=10, le=100, description="JPEG quality, while the operator's link carries it")] = 80
     dark_level: Annotated[
-        float, Meta(ge=0, le=255, description="a picture is dark whose brightness is nearly all below this, 0 to 255")
+        float, Meta(ge=0, le=255, description="a picture is dark if its brightness is nearly all below this, 0 to 255")
     ] = 32.0
     frozen_ms: Annotated[float, Meta(ge=50, le=5000, description="without a new picture a camera is frozen")] = 500.0
-    status_hz: Annotated[float, Meta(gt=0, le=30, description="how often a frozen or missing camera is told of")] = 5.0
-    nice: Annotated[int, Meta(ge=0, le=19, description="how far the video gives way to control")] = 5
+    status_hz: Annotated[
+        float, Meta(gt=0, le=30, description="rate of the status of a frozen or missing camera, Hz")
+    ] = 5.0
+    nice: Annotated[int, Meta(ge=0, le=19, description="niceness of the video process")] = 5

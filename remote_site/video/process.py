@@ -11,39 +11,35 @@ from common.clock import NS_PER_MS, NS_PER_S
 from common.errors import CameraError, MessageError
 from common.messages.video import VideoFrame, ViewsShown
 from common.process.service import be_nice
-from remote_site.session.shared_lease import NOBODY
-from remote_site.video.adaptation import Adaptation
 from remote_site.video.config import VideoConfig
-from remote_site.video.setting import StreamSetting
-from remote_site.video.sources import SimulatedViews, Source, open_sources
-from remote_site.video.stream import CameraStream
+from remote_site.video.sources import FrameSource, SimulatedViews, open_sources
+from remote_site.video.streaming.adaptation import Adaptation
+from remote_site.video.streaming.setting import StreamSetting
+from remote_site.video.streaming.stream import CameraStream
 
 LIVE_POLL_NS = 5 * NS_PER_MS
 
 
 @dataclass(frozen=True, slots=True)
 class VideoWire:
-    """Where pictures go, what consoles say of them (each word once, None without news), and the lease in force."""
+    """Where pictures go, what consoles report of them (each report once), and the lease in force (0 without one)."""
 
     publish: Callable[[VideoFrame], None]
     shown: Callable[[], ViewsShown | None] = lambda: None
-    lease: Callable[[], int] = lambda: NOBODY
+    lease: Callable[[], int] = lambda: 0
 
 
 @dataclass(slots=True)
 class _Slot:
-    source: Source
+    source: FrameSource
     stream: CameraStream
     period_ns: int
     due_ns: int
 
     def serve(self, setting: StreamSetting, now_ns: int) -> VideoFrame | None:
-        """The message due now, if any; deadlines already gone are skipped, not caught up.
-
-        What is drawn only when asked for is not drawn for nothing.
-        """
-        drawn = self.source.noise_free
-        period_ns = max(self.period_ns, round(NS_PER_S / setting.fps)) if drawn else self.period_ns
+        """The message due now, if any; missed deadlines are skipped. A rendered view is rendered only to be sent."""
+        rendered = self.source.noise_free
+        period_ns = max(self.period_ns, round(NS_PER_S / setting.fps)) if rendered else self.period_ns
         self.due_ns += period_ns * max(1, (now_ns - self.due_ns) // period_ns + 1)
         try:
             return self.stream.take(self.source.newest(), setting, now_ns)
@@ -53,10 +49,10 @@ class _Slot:
 
 @dataclass(slots=True)
 class _Console:
-    """The operator's console as it is heard, and what follows from that; words that are none are told once.
+    """The reports of the operator's console, and the settings that follow; invalid ones are logged once.
 
-    While somebody holds the lease only the holder's console counts: who merely watches over a narrow link must not
-    make the operator's pictures poor. While nobody does, any may.
+    While somebody holds the lease only the holder's console counts: a viewer on a narrow link must not make the
+    operator's pictures poor. While nobody does, any may.
     """
 
     wire: VideoWire
@@ -68,10 +64,10 @@ class _Console:
             shown = self.wire.shown()
         except MessageError as error:
             if not self.refused:
-                structlog.get_logger().warning("what a console shows is refused", reason=str(error))
+                structlog.get_logger().warning("a console's report of its views is refused", reason=str(error))
             self.refused = True
             return
-        if shown is not None and self.wire.lease() in (NOBODY, shown.lease):
+        if shown is not None and self.wire.lease() in (0, shown.lease):
             self.adaptation.hear(shown, now_ns)
 
 
@@ -112,7 +108,7 @@ def _serve_next(slots: Sequence[_Slot], console: _Console, wire: VideoWire) -> N
         console.adaptation.sent(message, now_ns)
 
 
-def _open_slots(config: VideoConfig, sources: Sequence[Source]) -> list[_Slot]:
+def _open_slots(config: VideoConfig, sources: Sequence[FrameSource]) -> list[_Slot]:
     now_ns, frame_ns = time.monotonic_ns(), round(NS_PER_S / config.fps)
     slots = []
     for k, source in enumerate(sources):

@@ -1,21 +1,27 @@
-"""From the configuration to the cameras of the cell: real ones, each with a thread of its own, and simulated views."""
+"""The cameras of the cell from the configuration: real ones, each with a thread of its own, and simulated views."""
 
-from dataclasses import dataclass
+import threading
+import time
+from collections.abc import Callable
+from dataclasses import dataclass, replace
 from functools import partial
 from typing import Protocol
 
-from common.cameras.camera import Frame
+from common.cameras.camera import Camera, Frame
+from common.cameras.opencv import LiveCamera
 from common.cameras.sources import open_camera
-from common.errors import ConfigError
+from common.clock import NS_PER_S
+from common.errors import CameraError, ConfigError
 from remote_site.kinematics.config import RobotConfig
 from remote_site.simulation.config import SIMULATED, CellConfig
 from remote_site.simulation.memory import CellMemory
 from remote_site.video.config import CameraConfig, VideoConfig
-from remote_site.video.live_camera import ThreadedCamera
+
+REOPEN_S = 2.0
 
 
-class Source(Protocol):
-    """Where pictures come from: the newest frame at once, or CameraError when there is none to be had."""
+class FrameSource(Protocol):
+    """A camera of the cell: its newest frame at once, None before the first, or CameraError while it fails."""
 
     name: str
     noise_free: bool
@@ -34,7 +40,56 @@ class SimulatedViews:
     memory: CellMemory
 
 
-def open_sources(config: VideoConfig, views: SimulatedViews | None) -> list[Source]:
+class ThreadedCamera:
+    """A real camera, or a recording in its place: a thread keeps its newest frame, and reopens it when it fails."""
+
+    noise_free = False
+
+    def __init__(self, name: str, open_it: Callable[[], Camera]) -> None:
+        self.name = name
+        self._open_it = open_it
+        self._frame: Frame | None = None
+        self._failure = ""
+        self._ended = threading.Event()
+        self._thread = threading.Thread(target=self._run, name=f"camera-{name}", daemon=True)
+        self._thread.start()
+
+    def newest(self) -> Frame | None:
+        """The newest frame, None before the first; CameraError while the camera fails."""
+        if self._failure:
+            raise CameraError(self._failure)
+        return self._frame
+
+    def close(self) -> None:
+        """Stop reading; a read that hangs is left to its daemon thread."""
+        self._ended.set()
+        self._thread.join(timeout=0.2)
+
+    def _run(self) -> None:
+        while not self._ended.is_set():
+            try:
+                camera = self._open_it()
+                self._failure = ""
+                self._read(camera)
+            except CameraError as error:
+                self._failure = str(error)
+            self._ended.wait(REOPEN_S)
+
+    def _read(self, camera: Camera) -> None:
+        start_ns = 0 if isinstance(camera, LiveCamera) else time.monotonic_ns()
+        try:
+            while not self._ended.is_set():
+                frame = camera.read()
+                if frame is None:
+                    raise CameraError(f"camera {self.name}: the recording has ended")
+                capture_ns = start_ns + frame.capture_ns
+                self._ended.wait(max(0.0, (capture_ns - time.monotonic_ns()) / NS_PER_S))
+                self._frame = replace(frame, capture_ns=capture_ns)
+        finally:
+            camera.close()
+
+
+def open_sources(config: VideoConfig, views: SimulatedViews | None) -> list[FrameSource]:
     """All cameras in the order of the configuration.
 
     Raises ConfigError for a simulated camera without a cell, CameraError when views cannot be rendered here.
@@ -43,7 +98,7 @@ def open_sources(config: VideoConfig, views: SimulatedViews | None) -> list[Sour
     return [simulated.get(camera.name) or _open_live(camera, config.fps) for camera in config.cameras]
 
 
-def _open_simulated(config: VideoConfig, views: SimulatedViews | None) -> dict[str, Source]:
+def _open_simulated(config: VideoConfig, views: SimulatedViews | None) -> dict[str, FrameSource]:
     names = [camera.name for camera in config.cameras if camera.source == SIMULATED]
     if not names:
         return {}
@@ -56,5 +111,5 @@ def _open_simulated(config: VideoConfig, views: SimulatedViews | None) -> dict[s
     return {camera.name: camera for camera in open_cell_cameras(names, cell, snapshot, config)}
 
 
-def _open_live(camera: CameraConfig, fps: float) -> Source:
+def _open_live(camera: CameraConfig, fps: float) -> FrameSource:
     return ThreadedCamera(camera.name, partial(open_camera, camera.source, camera.name, fps, camera.latency_ms))

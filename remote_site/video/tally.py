@@ -1,4 +1,4 @@
-"""What the video process has sent, camera by camera, in memory that it shares with whoever forked it."""
+"""What the video process has sent, camera by camera, in memory that it shares with the process that forked it."""
 
 import mmap
 from collections.abc import Sequence
@@ -24,7 +24,7 @@ class CameraTally:
 
 
 class VideoTally:
-    """Counts of every camera; one process notes, others read. Create it before the fork."""
+    """Counts of every camera; one process writes, others read. Create it before the fork."""
 
     def __init__(self, cameras: Sequence[str]) -> None:
         self.cameras = tuple(cameras)

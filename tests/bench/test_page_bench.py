@@ -4,7 +4,7 @@ import numpy as np
 
 from bench.page.painted_clock import PageClock, ages_ms
 from common.clock import NS_PER_MS
-from remote_site.video.clock_strip import draw_clock
+from remote_site.video.streaming.clock_strip import draw_clock
 
 EXPOSED_MS = 4_000_000
 

@@ -25,7 +25,7 @@ from remote_site.kinematics.limits import JointLimits
 from remote_site.kinematics.model import ArmModel
 from remote_site.runtime.request_server import describe
 from remote_site.video.config import VideoConfig
-from remote_site.video.encode import encode_jpeg
+from remote_site.video.streaming.pictures import encode_jpeg
 
 CONFIG = RemoteConfig(video=VideoConfig(calibrated=True))
 MODEL = ArmModel.from_urdf(CONFIG.robot.urdf, CONFIG.robot.tool_frame, CONFIG.robot.tool_T_tcp)

@@ -13,8 +13,8 @@ from bench.page.painted_clock import ages_ms, compare, watch
 from common.clock import NS_PER_MS
 from common.messages.robot import LeaseState, Readiness, SessionState
 from common.messages.video import CameraStatus, VideoFrame
-from remote_site.video.clock_strip import draw_clock
-from remote_site.video.encode import encode_jpeg
+from remote_site.video.streaming.clock_strip import draw_clock
+from remote_site.video.streaming.pictures import encode_jpeg
 from tests.browser import scene
 from tests.browser.opened_page import OpenedPage
 from tests.browser.told import Told

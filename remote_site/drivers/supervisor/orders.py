@@ -5,8 +5,8 @@ from dataclasses import dataclass
 from common.clock import NS_PER_MS, NS_PER_S
 from remote_site.drivers.driver import DriverSetup, JointCommand
 from remote_site.drivers.faults import FaultCode, RobotFault
-from remote_site.drivers.silence import Silence
 from remote_site.reasons import Code, reason
+from remote_site.safety.silence import Silence
 
 GRACE_TICKS = 3  # a command later than this finds the stop begun, and continues from within it
 

@@ -1,4 +1,4 @@
-"""Inverse kinematics: every branch leads back to the target, and the nearest one keeps the arm's stance."""
+"""Inverse kinematics: every branch leads back to the target, and the nearest one keeps the arm's branch."""
 
 import numpy as np
 import pytest
@@ -6,8 +6,8 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from common.geometry import rotation_from_vector, transform, vector_from_rotation
-from remote_site.kinematics.inverse import SHOULDER_HOLD, SphericalWristInverse
-from remote_site.kinematics.solution import Solution, Unreachable
+from remote_site.kinematics.inverse import Solution, SphericalWristInverse, Unreachable
+from remote_site.kinematics.upright_arm import SHOULDER_HOLD
 from remote_site.reasons import Code
 from tests.remote_site.remote_loop import arm
 
@@ -30,7 +30,7 @@ def test_all_eight_branches_lead_back_to_the_pose(q):
     pose = MODEL.forward(q)
     solutions = INVERSE.solutions(pose)
     assert len(solutions) == 8
-    assert len({solution.stance for solution in solutions}) >= 4
+    assert len({solution.branch for solution in solutions}) >= 4
     for solution in solutions:
         assert off(solution.q, pose) < 1e-9
 
@@ -227,6 +227,6 @@ def test_any_target_gets_an_answer_without_nan(values):
         assert np.isfinite(result.q).all()
         assert (result.q >= LIMITS.lower - 1e-9).all()
         assert (result.q <= LIMITS.upper + 1e-9).all()
-        assert np.abs(result.q - START).max() <= 1.0 or result.stance == (1, 1, 1)
+        assert np.abs(result.q - START).max() <= 1.0 or result.branch == (1, 1, 1)
         if not result.held:
             assert np.abs(MODEL.forward(result.q)[:3, 3] - pose[:3, 3]).max() < 1e-5

@@ -14,8 +14,7 @@ from remote_site.config import RemoteConfig
 from remote_site.kinematics.config import CapsuleConfig, RobotConfig
 from remote_site.kinematics.joints import JointMotion
 from remote_site.reasons import Code
-from remote_site.safety.clearance_cache import ClearanceCache
-from remote_site.safety.collision import CollisionModel
+from remote_site.safety.collision import ClearanceCache, CollisionModel
 from remote_site.safety.config import CollisionConfig, FixtureConfig, SafetyConfig
 from remote_site.safety.stopping import stops
 from tests.remote_site.arms_followed import INDEX, THUMB
@@ -69,7 +68,7 @@ def test_joints_that_are_not_finite_are_never_far_from_anything(value, joint):
     for model in (collision(), collision(CollisionConfig(fixtures=()))):
         model.distance(ROBOT.start)
         assert model.distance(q) == -math.inf
-        assert not (model.rooms(q, np.zeros(6), 0.0) >= 0.0).any()
+        assert not (model.clearances(q, np.zeros(6), 0.0) >= 0.0).any()
         assert (model.distances(q) == -math.inf).all()
 
 
@@ -83,41 +82,41 @@ def test_what_an_earlier_measurement_leaves_is_never_more_than_the_distance():
         assert (left <= model.distances(near) + 1e-5).all()
         travel = np.abs(near - q)
         used = model.levers @ travel
-        assert (model.rooms(q, travel, left.min() - 1e-9) >= used).all()
-        assert not (model.rooms(q, travel, left.min() + 1e-6) >= used).all()
+        assert (model.clearances(q, travel, left.min() - 1e-9) >= used).all()
+        assert not (model.clearances(q, travel, left.min() + 1e-6) >= used).all()
 
 
-def test_slack_is_used_up_by_the_way_from_where_it_was_noted():
-    slack = ClearanceCache(np.array([[1.0, 0.5], [0.2, 1.0]]))
-    slack.note([0.1, 0.2], np.array([0.3, 0.4]))
-    assert slack.covers([0.1, 0.2], [0.0, 0.0])
-    assert slack.covers([0.2, 0.2], [0.15, 0.0])
-    assert not slack.covers([0.2, 0.2], [0.25, 0.0])
-    assert not slack.covers([0.45, 0.2], [0.0, 0.0])
+def test_a_clearance_is_used_up_by_the_travel_from_where_it_was_noted():
+    cache = ClearanceCache(np.array([[1.0, 0.5], [0.2, 1.0]]))
+    cache.note([0.1, 0.2], np.array([0.3, 0.4]))
+    assert cache.covers([0.1, 0.2], [0.0, 0.0])
+    assert cache.covers([0.2, 0.2], [0.15, 0.0])
+    assert not cache.covers([0.2, 0.2], [0.25, 0.0])
+    assert not cache.covers([0.45, 0.2], [0.0, 0.0])
 
 
-@pytest.mark.parametrize("room", [0.0, -0.01, np.nan, -np.inf])
-def test_what_has_no_room_or_is_not_finite_is_never_covered(room):
-    slack = ClearanceCache(np.array([[1.0, 0.5], [0.2, 1.0]]))
-    assert not slack.covers([0.0, 0.0], [0.0, 0.0])
-    slack.note([0.0, 0.0], np.array([0.3, room]))
-    assert not slack.covers([0.0, 0.0], [0.0, 0.0])
-    slack.note([0.0, 0.0], np.array([0.3, 0.4]))
-    assert not slack.covers([np.nan, 0.0], [0.0, 0.0])
-    assert not slack.covers([0.0, 0.0], [np.inf, 0.0])
+@pytest.mark.parametrize("clearance", [0.0, -0.01, np.nan, -np.inf])
+def test_what_has_no_clearance_or_is_not_finite_is_never_covered(clearance):
+    cache = ClearanceCache(np.array([[1.0, 0.5], [0.2, 1.0]]))
+    assert not cache.covers([0.0, 0.0], [0.0, 0.0])
+    cache.note([0.0, 0.0], np.array([0.3, clearance]))
+    assert not cache.covers([0.0, 0.0], [0.0, 0.0])
+    cache.note([0.0, 0.0], np.array([0.3, 0.4]))
+    assert not cache.covers([np.nan, 0.0], [0.0, 0.0])
+    assert not cache.covers([0.0, 0.0], [np.inf, 0.0])
 
 
 @settings(max_examples=50, deadline=None, derandomize=True)
 @given(st.integers(0, 2**32 - 1))
-def test_slack_never_covers_what_a_lever_does_not(seed):
+def test_the_cache_never_covers_what_a_lever_does_not(seed):
     rng = np.random.default_rng(seed)
-    levers, rooms = rng.uniform(0, 1, (5, 3)) * rng.integers(0, 2, (5, 3)), rng.uniform(1e-4, 0.5, 5)
-    slack = ClearanceCache(levers)
-    slack.note([0.0, 0.0, 0.0], rooms)
+    levers, clearances = rng.uniform(0, 1, (5, 3)) * rng.integers(0, 2, (5, 3)), rng.uniform(1e-4, 0.5, 5)
+    cache = ClearanceCache(levers)
+    cache.note([0.0, 0.0, 0.0], clearances)
     for _ in range(20):
         q, travel = rng.uniform(-0.5, 0.5, 3), rng.uniform(0, 0.2, 3)
-        if slack.covers(q.tolist(), travel.tolist()):
-            assert (levers @ (np.abs(q) + travel) <= rooms + 1e-12).all()
+        if cache.covers(q.tolist(), travel.tolist()):
+            assert (levers @ (np.abs(q) + travel) <= clearances + 1e-12).all()
 
 
 def test_unknown_links_are_refused_by_name():

@@ -8,7 +8,7 @@ from common.errors import ModelError
 from remote_site.kinematics.config import RobotConfig
 from remote_site.simulation.cell import build_cell
 from remote_site.simulation.config import ArmConfig, CellConfig
-from remote_site.simulation.projection import look_at
+from remote_site.simulation.views import look_at
 from tests.remote_site.simulation.cell_motion import arm_model
 
 ROBOT = RobotConfig()
@@ -39,7 +39,9 @@ def test_the_tool_is_where_pinocchio_says(cell):
 def test_joints_bear_the_names_and_limits_of_the_urdf(cell):
     model = arm_model(ROBOT)
     assert cell.joints == model.joint_names
-    for name, lower, upper, effort in zip(cell.joints, model.lower, model.upper, model.effort, strict=True):
+    for name, lower, upper, effort in zip(
+        cell.joints, model.lower, model.upper, model.pin_model.effortLimit, strict=True
+    ):
         assert cell.model.joint(name).range == pytest.approx([lower, upper])
         torque_range = cell.model.jnt_actfrcrange[cell.model.joint(name).id]
         assert torque_range == pytest.approx([-effort, effort])

@@ -4,12 +4,13 @@ import numpy as np
 import pytest
 
 from remote_site.simulation.config import ServoConfig
-from remote_site.simulation.controller import ArmLimits, ControllerFault, SimulatedController
+from remote_site.simulation.controller import ControllerFault, SimulatedController, controller_limits
 from remote_site.simulation.memory import command_dtype, setup_dtype
 
 DT, STEP_NS = 0.002, 2_000_000
 Q0 = np.array([0.0, 0.0, -0.8, 0.0, -0.8, 0.0])
-LIMITS = ArmLimits(np.full(6, -1.5), np.full(6, 1.5), np.full(6, 2.98))
+NAMES = tuple(f"joint_{k}" for k in range(1, 7))
+LIMITS = controller_limits(ServoConfig(), NAMES, np.full(6, -1.5), np.full(6, 1.5))
 
 
 class Desk:

@@ -7,7 +7,7 @@ import pytest
 from common.errors import ModelError
 from common.geometry import vector_from_rotation
 from remote_site.config import RemoteConfig
-from remote_site.kinematics.config import RobotConfig, SolverConfig, StanceConfig
+from remote_site.kinematics.config import BranchConfig, RobotConfig, SolverConfig
 from remote_site.motion.config import ControlConfig
 from remote_site.motion.target_tracker import ClosedFormTracker, DifferentialTracker, ToolSample, choose_target_tracker
 from remote_site.reasons import Code
@@ -152,8 +152,8 @@ def test_a_closed_form_asked_of_an_arm_that_it_does_not_fit_is_refused():
 
 def test_a_chosen_stance_must_be_that_of_the_start_and_is_kept():
     with pytest.raises(ModelError, match=r"robot\.stance\.elbow"):
-        chosen(RemoteConfig(robot=RobotConfig(stance=StanceConfig(elbow="backward"))))
-    config = RemoteConfig(robot=RobotConfig(stance=StanceConfig(elbow="forward", wrist="forward")))
+        chosen(RemoteConfig(robot=RobotConfig(stance=BranchConfig(elbow="backward"))))
+    config = RemoteConfig(robot=RobotConfig(stance=BranchConfig(elbow="forward", wrist="forward")))
     tracker, (model, _) = chosen(config), arm(config)
     q = config.robot.start.copy()
     q[4] = 0.2  # bent backward

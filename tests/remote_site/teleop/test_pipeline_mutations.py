@@ -14,8 +14,7 @@ from remote_site.kinematics import limits as limits_module
 from remote_site.kinematics.joints import JointMotion
 from remote_site.reasons import Code
 from remote_site.safety.clearance import ClearanceCheck
-from remote_site.safety.clearance_cache import ClearanceCache
-from remote_site.safety.collision import CollisionModel
+from remote_site.safety.collision import ClearanceCache, CollisionModel
 from remote_site.safety.config import CollisionConfig, FixtureConfig, SafetyConfig
 from remote_site.safety.guard import Guard, JointGuard, Passed
 from remote_site.safety.stopping import stops
@@ -110,11 +109,11 @@ def nothing_comes_near_unseen():
 
 
 def what_was_noted_elsewhere_does_not_count():
-    test_collision.test_slack_is_used_up_by_the_way_from_where_it_was_noted()
+    test_collision.test_a_clearance_is_used_up_by_the_travel_from_where_it_was_noted()
 
 
 def no_room_covers_nothing():
-    test_collision.test_what_has_no_room_or_is_not_finite_is_never_covered(-0.01)
+    test_collision.test_what_has_no_clearance_or_is_not_finite_is_never_covered(-0.01)
 
 
 def configuration_never_widens():
@@ -150,7 +149,7 @@ MUTATIONS = [
         lambda: test_guard.test_position_and_velocity_must_follow_from_the_last_command(guard_of(), 0, 0.0, 1e-5),
     ),
     (
-        Mutation(CollisionModel, "rooms", "if not math.isfinite(sum(q.tolist())):", "if False:"),
+        Mutation(CollisionModel, "clearances", "if not math.isfinite(sum(q.tolist())):", "if False:"),
         broken_joints_are_near_everything,
     ),
     (
@@ -159,16 +158,19 @@ MUTATIONS = [
     ),
     (Mutation(ClearanceCache, "covers", "return used <= 1.0", "return True"), no_tool_leaves_its_box),
     (Mutation(ClearanceCache, "covers", "(abs(here - there) + more)", "more"), what_was_noted_elsewhere_does_not_count),
-    (Mutation(ClearanceCache, "note", "if rooms.min(initial=math.inf) > 0.0:", "if True:"), no_room_covers_nothing),
     (
-        Mutation(JointGuard, "check_finite", "broken = self._place(proposed, sent, spans)", "broken = None"),
+        Mutation(ClearanceCache, "note", "if clearances.min(initial=math.inf) > 0.0:", "if True:"),
+        no_room_covers_nothing,
+    ),
+    (
+        Mutation(JointGuard, "check_finite", "broken = self._position(proposed, sent, spans)", "broken = None"),
         no_joint_runs_into_its_limit,
     ),
     (
-        Mutation(JointGuard, "_place", " and excess > self._excess(sent, i) + POSITION", ""),
+        Mutation(JointGuard, "_position", " and excess > self._excess(sent, i) + POSITION", ""),
         lambda: test_guard.test_an_arm_outside_its_limits_may_only_retreat(guard_of()),
     ),
-    (Mutation(Guard, "check", "self._surroundings.clear(ends, doubtful)", "True"), no_tool_leaves_its_box),
+    (Mutation(Guard, "check", "self._clearance.clear(ends, doubtful)", "True"), no_tool_leaves_its_box),
     (
         Mutation(Guard, "check", "if not len(doubtful):", "if True:"),
         no_tool_leaves_its_box,
@@ -178,23 +180,25 @@ MUTATIONS = [
         no_tool_leaves_its_box,
     ),
     (
-        Mutation(ClearanceCheck, "_look", "self.collision.rooms(q, reach, self._kept)", "self._levers[1:, 0] + 1.0"),
+        Mutation(
+            ClearanceCheck, "_look", "self.collision.clearances(q, reach, self._kept)", "self._levers[1:, 0] + 1.0"
+        ),
         nothing_is_hit_at_rest,
     ),
     (
-        Mutation(ClearanceCheck, "clear", "if not (self._rooms(last, kinds) >= -POSITION).all():", "if False:"),
+        Mutation(ClearanceCheck, "clear", "if not (self._clearances(last, doubtful) >= -POSITION).all():", "if False:"),
         nothing_is_hit_at_rest,
     ),
     (
-        Mutation(JointGuard, "_place", "if lower + reach <= middle <= upper - reach:", "if True:"),
+        Mutation(JointGuard, "_position", "if lower + reach <= middle <= upper - reach:", "if True:"),
         no_joint_runs_into_its_limit,
     ),
     (
         Mutation(
             ClearanceCheck,
-            "_rooms",
-            "self.collision.distances(q, kinds[kinds > 0] - 1) - self._kept",
-            "self.collision.distances(q, kinds[kinds > 0] - 1) + 1.0",
+            "_clearances",
+            "self.collision.distances(q, indices[indices > 0] - 1) - self._kept",
+            "self.collision.distances(q, indices[indices > 0] - 1) + 1.0",
         ),
         nothing_is_hit_at_rest,
     ),
@@ -206,8 +210,8 @@ MUTATIONS = [
         Mutation(
             ClearanceCheck,
             "_doubtful",
-            "kinds[~enough]",
-            "kinds[:0]",
+            "indices[~enough]",
+            "indices[:0]",
         ),
         nothing_is_hit_on_the_way_to_rest,
     ),
@@ -215,8 +219,8 @@ MUTATIONS = [
         Mutation(
             ClearanceCheck,
             "_doubtful",
-            "rooms >= ways - np.minimum(ways, TOLERANCE) - POSITION",
-            "rooms >= -1.0",
+            "clearances >= travel - np.minimum(travel, TOLERANCE) - POSITION",
+            "clearances >= -1.0",
         ),
         nothing_is_hit_on_the_way_to_rest,
     ),
@@ -227,7 +231,7 @@ MUTATIONS = [
         an_arm_too_near_does_not_come_nearer,
     ),
     (
-        Mutation(Guard, "check", "if self._surroundings.retreats(ends, sent.q):", "if False:"),
+        Mutation(Guard, "check", "if self._clearance.retreats(ends, sent.q):", "if False:"),
         an_arm_too_near_does_not_come_nearer,
     ),
     (

@@ -12,10 +12,10 @@ from remote_site.shared_record import SharedRecord
 from remote_site.simulation.cell import build_cell
 from remote_site.simulation.config import CellConfig
 from remote_site.simulation.memory import snapshot_dtype
-from remote_site.simulation.projection import calibration_of
+from remote_site.simulation.views import simulated_calibration
 from remote_site.video.cell_cameras import CellRenderer, open_cell_cameras
-from remote_site.video.clock_strip import read_clock
 from remote_site.video.config import VideoConfig
+from remote_site.video.streaming.clock_strip import read_clock
 
 VIDEO = VideoConfig(width=320, height=240)
 VIEWS = ["front_high", "front_low", "side", "gripper"]
@@ -78,7 +78,7 @@ def test_a_calibrated_view_shows_the_block_where_it_projects_it(cell, renderer, 
     qpos = posture(cell, -0.1)
     image = renderer.render(renderer.view_id(view.name), qpos).astype(int)
     foam = (image[:, :, 0] > 70) & (image[:, :, 0] - image[:, :, 2] > 40)
-    told = calibration_of(view, 320, 240)
+    told = simulated_calibration(view, 320, 240)
     data = cell.start()
     data.qpos[:] = qpos
     mujoco.mj_kinematics(cell.model, data)

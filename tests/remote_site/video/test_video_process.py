@@ -24,8 +24,8 @@ from common.messages.video import (
 )
 from remote_site.video import process, sources
 from remote_site.video.config import CameraConfig, VideoConfig
-from remote_site.video.live_camera import ThreadedCamera
 from remote_site.video.process import VideoWire, run_video
+from remote_site.video.sources import ThreadedCamera
 
 SIMULATED_RUN = """
 import json, time
@@ -125,7 +125,7 @@ class Flaky:
 
 
 def test_a_camera_that_fails_says_so_and_is_opened_again(monkeypatch):
-    monkeypatch.setattr("remote_site.video.live_camera.REOPEN_S", 0.01)
+    monkeypatch.setattr("remote_site.video.sources.REOPEN_S", 0.01)
     openings = []
 
     def open_it() -> Flaky:
@@ -169,7 +169,7 @@ def test_a_camera_that_hangs_delays_no_other_and_is_told_as_frozen(monkeypatch):
     released = threading.Event()
     cameras = {"side": Endless("side", None), "front": Endless("front", released)}
     monkeypatch.setattr(sources, "open_camera", lambda _source, name, *_: cameras[name])
-    monkeypatch.setattr("remote_site.video.live_camera.LiveCamera", Endless)
+    monkeypatch.setattr("remote_site.video.sources.LiveCamera", Endless)
     config = VideoConfig(cameras=(CameraConfig(name="front", source="0"), CameraConfig(name="side", source="1")))
 
     def enough(seen) -> bool:
@@ -203,7 +203,7 @@ class Narrow:
 
 def test_what_the_console_shows_late_is_sent_smaller(monkeypatch):
     monkeypatch.setattr(sources, "open_camera", lambda _source, name, *_: Endless(name, None))
-    monkeypatch.setattr("remote_site.video.live_camera.LiveCamera", Endless)
+    monkeypatch.setattr("remote_site.video.sources.LiveCamera", Endless)
     console, deadline = Narrow(lease=41), time.monotonic() + 10
     wire = VideoWire(console.seen.append, console.shown, lambda: 41)
     config = VideoConfig(cameras=(CameraConfig(name="side", source="0"),))
@@ -220,7 +220,7 @@ def test_what_the_console_shows_late_is_sent_smaller(monkeypatch):
 
 def test_who_merely_watches_over_a_narrow_link_takes_nothing_from_the_operator(monkeypatch):
     monkeypatch.setattr(sources, "open_camera", lambda _source, name, *_: Endless(name, None))
-    monkeypatch.setattr("remote_site.video.live_camera.LiveCamera", Endless)
+    monkeypatch.setattr("remote_site.video.sources.LiveCamera", Endless)
     console = Narrow(lease=40)
     wire = VideoWire(console.seen.append, console.shown, lambda: 41)
     run_video(
@@ -235,7 +235,7 @@ def test_who_merely_watches_over_a_narrow_link_takes_nothing_from_the_operator(m
 
 def test_a_console_of_another_release_is_told_once_and_delays_nothing(monkeypatch):
     monkeypatch.setattr(sources, "open_camera", lambda _source, name, *_: Endless(name, None))
-    monkeypatch.setattr("remote_site.video.live_camera.LiveCamera", Endless)
+    monkeypatch.setattr("remote_site.video.sources.LiveCamera", Endless)
 
     def refuse() -> None:
         raise MessageError("version", "version 1, this side speaks 4")
@@ -244,5 +244,5 @@ def test_a_console_of_another_release_is_told_once_and_delays_nothing(monkeypatc
     config = VideoConfig(cameras=(CameraConfig(name="side", source="0"),))
     with capture_logs() as logs:
         run_video(config, None, VideoWire(seen.append, refuse), lambda: len(seen) > 5, int)
-    assert [entry["event"] for entry in logs] == ["what a console shows is refused"]
+    assert [entry["event"] for entry in logs] == ["a console's report of its views is refused"]
     assert {m.status for m in seen} == {CameraStatus.LIVE}

@@ -13,10 +13,10 @@ from common.messages.video import (
     ViewShown,
     ViewsShown,
 )
-from remote_site.video.adaptation import Adaptation, fair_share
 from remote_site.video.config import VideoConfig
-from remote_site.video.ledger import Ledger
-from remote_site.video.setting import StreamSetting, fit
+from remote_site.video.streaming.adaptation import Adaptation, fair_limit
+from remote_site.video.streaming.link_rate import SentPictures
+from remote_site.video.streaming.setting import StreamSetting, fit
 
 MS = 1_000_000
 FULL = StreamSetting(80, 1.0, 30.0)
@@ -245,12 +245,12 @@ def test_a_link_that_loses_what_it_cannot_hold_is_adapted_to_as_well(holds_bytes
 
 
 @pytest.mark.parametrize(
-    ("wanted", "budget", "share"),
+    ("wanted", "budget", "limit"),
     [([10, 10], 10, 5), ([1, 10, 10], 9, 4), ([1, 2, 30], 12, 9), ([1, 1], 10, 8), ([], 5, 5)],
 )
-def test_what_one_camera_does_not_need_goes_to_the_others(wanted, budget, share):
-    assert fair_share(wanted, budget) >= share
-    assert sum(min(wants, fair_share(wanted, budget)) for wants in wanted) == pytest.approx(min(sum(wanted), budget))
+def test_what_one_camera_does_not_need_goes_to_the_others(wanted, budget, limit):
+    assert fair_limit(wanted, budget) >= limit
+    assert sum(min(wants, fair_limit(wanted, budget)) for wants in wanted) == pytest.approx(min(sum(wanted), budget))
 
 
 @pytest.mark.parametrize("full", [FULL, StreamSetting(95, 1.0, 60.0), StreamSetting(30, 1.0, 10.0)])
@@ -269,11 +269,11 @@ def test_fewer_bytes_never_give_a_better_picture_and_are_kept_to(full):
     assert setting == full
 
 
-def test_a_ledger_counts_what_came_and_what_waits():
-    ledger = Ledger()
+def test_sent_pictures_are_counted_as_what_came_and_what_waits():
+    sent = SentPictures()
     for seq in range(5):
-        ledger.send(seq, 1000 + seq, 1.0, 0)
-    news = ledger.come(ViewCame(seq=2, age_ms=40.0, fps=30.0), 0)
+        sent.send(seq, 1000 + seq, 1.0, 0)
+    news = sent.come(ViewCame(seq=2, age_ms=40.0, fps=30.0), 0)
     assert (news.sent_bytes, news.carried_bytes, news.waiting_bytes, news.delay_ms) == (5010, 3003, 2007, 0.0)
-    assert ledger.come(ViewCame(seq=2, age_ms=90.0, fps=30.0), 0) is None
-    assert ledger.come(ViewCame(seq=4, age_ms=90.0, fps=30.0), 0).delay_ms == 50.0
+    assert sent.come(ViewCame(seq=2, age_ms=90.0, fps=30.0), 0) is None
+    assert sent.come(ViewCame(seq=4, age_ms=90.0, fps=30.0), 0).delay_ms == 50.0

@@ -9,9 +9,9 @@ import simplejpeg
 from common.cameras.camera import Frame
 from common.messages.video import CameraStatus
 from remote_site.video.config import VideoConfig
-from remote_site.video.looks import is_dark
-from remote_site.video.setting import StreamSetting
-from remote_site.video.stream import CameraStream
+from remote_site.video.streaming.pictures import is_dark
+from remote_site.video.streaming.setting import StreamSetting
+from remote_site.video.streaming.stream import CameraStream
 
 MS = 1_000_000
 STEP_NS = 5 * MS

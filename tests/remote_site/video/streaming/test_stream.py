@@ -10,9 +10,9 @@ from common.cameras.camera import Frame
 from common.messages.codec import encode
 from common.messages.video import CameraStatus
 from remote_site.video.config import VideoConfig
-from remote_site.video.encode import encode_jpeg
-from remote_site.video.setting import StreamSetting
-from remote_site.video.stream import CameraStream
+from remote_site.video.streaming.pictures import encode_jpeg
+from remote_site.video.streaming.setting import StreamSetting
+from remote_site.video.streaming.stream import CameraStream
 
 MS = 1_000_000
 CONFIG = VideoConfig(frozen_ms=500.0, status_hz=5.0)

@@ -7,8 +7,8 @@ import simplejpeg
 from hypothesis import given
 from hypothesis import strategies as st
 
-from remote_site.video.clock_strip import CELLS, WRAP_MS, draw_clock, read_clock
-from remote_site.video.encode import encode_jpeg, shrunk
+from remote_site.video.streaming.clock_strip import CELLS, WRAP_MS, draw_clock, read_clock
+from remote_site.video.streaming.pictures import encode_jpeg, shrunk
 
 MS = 1_000_000
 RNG = np.random.default_rng(3)

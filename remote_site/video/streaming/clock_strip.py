@@ -1,7 +1,7 @@
-"""A clock in a picture that machines read, to measure how old it is: black and white cells along its top. Pure.
+"""A machine-readable clock in a picture, to measure how old it is: black and white cells along its top.
 
 The strip has 44 cells over the whole width: white, black; the milliseconds in 32 bits, highest first; a checksum of
-8 bits; black, white. So it is found in a picture of any size, and a picture without one is told from one with it.
+8 bits; black, white. So it is found in a picture of any size, and is not seen in a picture without one.
 """
 
 import zlib
@@ -12,15 +12,13 @@ from numpy.typing import NDArray
 from common.cameras.camera import Image
 from common.clock import NS_PER_MS
 
-MS_BITS, CHECK_BITS = 32, 8
-WRAP_MS = 1 << MS_BITS
+MS_BYTES = 4
+WRAP_MS = 1 << 8 * MS_BYTES
 HEAD, TAIL = (True, False), (False, True)
-CELLS = len(HEAD) + MS_BITS + CHECK_BITS + len(TAIL)
-HEIGHT_SHARE = 1 / 20
+CELLS = len(HEAD) + 8 * (MS_BYTES + 1) + len(TAIL)
+HEIGHT_FRACTION = 1 / 20
 BLACK, WHITE = 0, 255
 CLEARLY_BLACK, CLEARLY_WHITE = 90.0, 165.0
-
-Bits = NDArray[np.bool_]
 
 
 def draw_clock(image: Image, t_ns: int) -> None:
@@ -47,26 +45,17 @@ def read_clock(image: Image) -> int | None:
     levels = np.array([middle[a:b].mean() for a, b in zip(first, last, strict=True)])
     if np.any((levels > CLEARLY_BLACK) & (levels < CLEARLY_WHITE)):
         return None
-    return _value(levels >= CLEARLY_WHITE)
-
-
-def _height(image: Image) -> int:
-    return max(1, round(int(image.shape[0]) * HEIGHT_SHARE))
-
-
-def _cells(ms: int) -> Bits:
-    return np.concatenate([HEAD, _bits(ms, MS_BITS), _bits(_check(ms), CHECK_BITS), TAIL])
-
-
-def _value(cells: Bits) -> int | None:
-    """The milliseconds that the cells say; None where frame or checksum are wrong."""
-    ms = int("".join("01"[int(cell)] for cell in cells[len(HEAD) : len(HEAD) + MS_BITS]), 2)
+    cells = levels >= CLEARLY_WHITE
+    ms = int.from_bytes(np.packbits(cells[len(HEAD) : -len(TAIL)]).tobytes()[:MS_BYTES], "big")
     return ms if np.array_equal(cells, _cells(ms)) else None
 
 
-def _bits(value: int, count: int) -> Bits:
-    return np.array([bool(value >> k & 1) for k in reversed(range(count))])
+def _height(image: Image) -> int:
+    return max(1, round(int(image.shape[0]) * HEIGHT_FRACTION))
 
 
-def _check(ms: int) -> int:
-    return zlib.crc32(ms.to_bytes(4, "big")) & 0xFF
+def _cells(ms: int) -> NDArray[np.bool_]:
+    """The cells that show a time, its checksum included."""
+    data = ms.to_bytes(MS_BYTES, "big")
+    bits = np.unpackbits(np.frombuffer(data + bytes([zlib.crc32(data) & 0xFF]), dtype=np.uint8))
+    return np.concatenate([HEAD, bits.astype(bool), TAIL])

@@ -1,4 +1,4 @@
-"""How many pictures a second the operator's page can paint, from what it paints of those that come. Pure."""
+"""How many pictures a second the operator's page can paint, from what it paints of those that come."""
 
 import statistics
 from collections.abc import Sequence
@@ -9,17 +9,17 @@ from common.messages.video import ViewShown
 PAINTS = 0.85  # of what comes: a page that paints less is behind
 BEHIND_MS = 100.0  # and so is one that paints so much later than the pictures come
 BEHIND_REPORTS = 3
-SHARE = 0.9  # of what it paints while it is behind
+REDUCED = 0.9  # of what it paints while it is behind
 SETTLE_NS = 1500 * NS_PER_MS  # rates are counted over a second
 CAUTION = 0.8, 1.3  # of the rate at which it last fell behind: between these the rate grows slowly
 GROWTH_PER_S, CAUTIOUS_GROWTH_PER_S = 1.6, 1.06
 LEAST_FPS = 5.0
 
 
-class PagePace:
+class PageRate:
     """A limit of the rate of every camera; None while the page keeps up with all.
 
-    A page that cannot keep up passes pictures over, and each of them has cost the host that draws it processor time.
+    A page that cannot keep up skips pictures, and each of them has cost the host that draws it processor time.
     """
 
     def __init__(self) -> None:
@@ -40,10 +40,10 @@ class PagePace:
             return
         if self._behind_reports >= BEHIND_REPORTS:
             self._too_much_fps = self.fps or full_fps
-            self.fps = min(max(LEAST_FPS, SHARE * painted), self._too_much_fps)
+            self.fps = min(max(LEAST_FPS, REDUCED * painted), self._too_much_fps)
             self._settled_ns = now_ns + SETTLE_NS
         elif not behind and self.fps is not None:
-            low, high = (share * self._too_much_fps for share in CAUTION)
+            low, high = (fraction * self._too_much_fps for fraction in CAUTION)
             growth = CAUTIOUS_GROWTH_PER_S if low < self.fps < high else GROWTH_PER_S
             more = self.fps * growth ** (passed_ns / NS_PER_S)
             self.fps = more if more < full_fps else None

@@ -1,7 +1,7 @@
 """Who falls silent is told from who was not listened to."""
 
 from common.clock import NS_PER_MS
-from remote_site.drivers.silence import Silence
+from remote_site.safety.silence import Silence
 
 
 def heard(looks_ms, last_ms=0):

@@ -1,11 +1,11 @@
-"""How a camera's pictures are sent: quality, size and rate, and the best of them for so many bytes a second. Pure."""
+"""How a camera's pictures are sent: quality, size and rate, and the best of them within a byte rate."""
 
 from dataclasses import dataclass
 
 import numpy as np
 
-# Sizes of JPEG pictures beside those of quality 80, a mean of rendered views with and without a camera's noise. What a
-# camera really gives is measured; the table only has to tell where to go from there.
+# Sizes of JPEG pictures relative to those of quality 80, a mean of rendered views with and without a camera's noise.
+# What a camera really gives is measured; the table only extrapolates from there.
 QUALITIES = (10.0, 20.0, 30.0, 40.0, 50.0, 60.0, 70.0, 80.0, 90.0, 100.0)
 SIZES = (0.38, 0.45, 0.51, 0.56, 0.61, 0.67, 0.77, 1.0, 1.6, 4.0)
 SCALE_EXPONENT = 1.6  # half the width and height takes a third of the bytes
@@ -18,7 +18,7 @@ ROOM_TO_RISE = 1.15  # so that a camera at the border of two rungs does not go u
 
 @dataclass(frozen=True, slots=True)
 class StreamSetting:
-    """JPEG quality (1 to 100), size as a share of the camera's own width and height, pictures a second."""
+    """JPEG quality (1 to 100), size as a fraction of the camera's own width and height, pictures a second."""
 
     quality: int
     scale: float
@@ -26,7 +26,7 @@ class StreamSetting:
 
     @property
     def relative_bytes(self) -> float:
-        """A picture's bytes beside one of quality 80 at full size, roughly."""
+        """A picture's bytes relative to one of quality 80 at full size, roughly."""
         return _size(self.quality) * _area(self.scale)
 
 
@@ -50,7 +50,7 @@ def fit(bytes_per_s: float, reference_bytes: float, full: StreamSetting, now: St
 
 
 def _allowed(bytes_per_s: float, reference_bytes: float, scale: float, fps: float) -> float:
-    """How large a picture may be at this size and rate, beside one of quality 80."""
+    """How large a picture may be at this size and rate, relative to one of quality 80."""
     return bytes_per_s / (fps * reference_bytes * _area(scale))
 
 

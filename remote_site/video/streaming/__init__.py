@@ -1,0 +1,1 @@
+"""Pure decisions about each camera's stream: status, quality, size and rate."""
