@@ -1,4 +1,4 @@
-"""A site's certificates: whether they are valid, and whose they are, by a TLS handshake with itself."""
+"""A site's certificates: whether they are valid, and for which identity, by a TLS handshake of the site with itself."""
 
 import ssl
 from collections.abc import Sequence
@@ -12,7 +12,7 @@ from common.link.endpoints import check_endpoint
 from common.link.roles import Identity, read_common_name
 
 RENEW = "where the authority is kept: farhand certificates renew CELL"
-VERDICTS = {
+VERIFY_ERRORS = {  # by OpenSSL's X509_V_ERR code
     2: "comes from another authority",
     7: "comes from another authority of the same name",
     9: "is not valid yet: are the clocks of both hosts right?",
@@ -25,19 +25,19 @@ VERDICTS = {
     62: f"is for other hosts; renew it with this one {RENEW} --host NAME",
     64: f"is for other hosts; renew it with this one {RENEW} --host ADDRESS",
 }
-ROUNDS = 8
+MAX_HANDSHAKE_ROUNDS = 8
 
 
 @dataclass(frozen=True, slots=True)
 class Credentials:
-    """Files of a certificate that is valid now, and its identity."""
+    """The files of a certificate that was valid when it was loaded, and its identity."""
 
     tls: TlsConfig
     identity: Identity
 
 
 def load_credentials(tls: TlsConfig) -> Credentials:
-    """The credentials after a handshake with themselves; TransportError names the file that is invalid, and why."""
+    """Check certificates by a handshake with themselves; TransportError names the file that is invalid, and why."""
     for what, path in (("ca", tls.ca), ("certificate", tls.certificate), ("key", tls.key)):
         try:
             Path(path).read_bytes()
@@ -59,7 +59,7 @@ def load_credentials(tls: TlsConfig) -> Credentials:
 
 
 def check_links(endpoints: Sequence[str], security: LinkSecurity, *bearers: Identity) -> None:
-    """ConfigError when an endpoint is not allowed, or the certificate is invalid or not one of `bearers`."""
+    """ConfigError when an endpoint is not allowed, or the certificate is invalid or for none of `bearers`."""
     try:
         for endpoint in endpoints:
             check_endpoint(endpoint, security)
@@ -71,18 +71,20 @@ def check_links(endpoints: Sequence[str], security: LinkSecurity, *bearers: Iden
     names = " or ".join(identity.common_name for identity in bearers)
     mismatch = f"links.tls.certificate: {security.tls.certificate} is for {bearer.common_name}, not for {names}"
     of_role = bearer.cell and bearer.role in {identity.role for identity in bearers}
-    raise ConfigError(f'{mismatch}; write cell = "{bearer.cell}", if it is that cell' if of_role else mismatch)
+    raise ConfigError(
+        f'{mismatch}; set cell = "{bearer.cell}" if this site belongs to that cell' if of_role else mismatch
+    )
 
 
-class Validity:
-    """Whether the certificate that a site started with is still valid: an open link may outlive it."""
+class CertificateValidity:
+    """Rechecks that a site's certificate is still valid, as an open link would outlive it."""
 
     def __init__(self, tls: TlsConfig) -> None:
         self._tls = tls
         self._contexts = (client_context(tls), _server_context(tls)) if tls.is_given else None
 
     def check(self) -> None:
-        """TransportError once it has expired; takes about 2 ms."""
+        """TransportError once the certificate has expired; takes about 2 ms."""
         if self._contexts is None:
             return
         try:
@@ -92,7 +94,7 @@ class Validity:
 
 
 def client_context(tls: TlsConfig) -> ssl.SSLContext:
-    """For a client: the server has to show a certificate of the same authority."""
+    """The context of a client that accepts only servers with a certificate of the same authority."""
     context = ssl.SSLContext(ssl.PROTOCOL_TLS_CLIENT)
     context.load_verify_locations(cafile=tls.ca)
     context.load_cert_chain(tls.certificate, tls.key)
@@ -107,7 +109,7 @@ def common_name(certificate: Any) -> str:
 
 def verdict(error: ssl.SSLCertVerificationError) -> str:
     """What is wrong with a certificate, as the end of a sentence."""
-    return VERDICTS.get(error.verify_code, f"is refused: {error.verify_message}")
+    return VERIFY_ERRORS.get(error.verify_code, f"is refused: {error.verify_message}")
 
 
 def _server_context(tls: TlsConfig) -> ssl.SSLContext:
@@ -118,14 +120,14 @@ def _server_context(tls: TlsConfig) -> ssl.SSLContext:
     return context
 
 
-def _shake_hands(client_side: ssl.SSLContext, server_side: ssl.SSLContext) -> Any:
-    """The client's certificate, after both sides have accepted one another in memory."""
-    client_side.check_hostname = False
+def _shake_hands(client_ssl: ssl.SSLContext, server_ssl: ssl.SSLContext) -> Any:
+    """The client's certificate as `getpeercert` returns it, once both sides have accepted each other, in memory."""
+    client_ssl.check_hostname = False  # the server is this process: there is no host name to compare
     to_server, to_client = ssl.MemoryBIO(), ssl.MemoryBIO()
-    client = client_side.wrap_bio(to_client, to_server)
-    server = server_side.wrap_bio(to_server, to_client, server_side=True)
+    client = client_ssl.wrap_bio(to_client, to_server)
+    server = server_ssl.wrap_bio(to_server, to_client, server_side=True)
     done: set[ssl.SSLObject] = set()
-    for _ in range(ROUNDS):
+    for _ in range(MAX_HANDSHAKE_ROUNDS):
         for side in (client, server):
             try:
                 side.do_handshake()

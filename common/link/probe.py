@@ -1,39 +1,38 @@
-"""Why nobody answers at an endpoint: Zenoh does not report why a session fails, so a handshake of our own finds out."""
+"""Why a listener refuses a connection: Zenoh does not report it, so a handshake of our own finds out."""
 
 import socket
 import ssl
 
-from common.link.credentials import Credentials, client_context, common_name, verdict
+from common.link.credentials import RENEW, Credentials, client_context, common_name, verdict
 from common.link.endpoints import Endpoint
 from common.link.roles import Identity, Role, read_common_name
 
 TIMEOUT_S = 0.9
-NO_MESSAGE = bytes(8)  # zenoh hangs up on an empty message; within TLS, once it has accepted our certificate
-TLS_ALERT = b"\x15"
-LISTENERS = (Role.REMOTE, Role.OPERATOR, Role.ROUTER)
+EMPTY_MESSAGE = bytes(8)  # Zenoh hangs up on it; within TLS, only once it has accepted our certificate
+TLS_ALERT = b"\x15"  # the first byte of an alert record
+LISTENING_ROLES = (Role.REMOTE, Role.OPERATOR, Role.ROUTER)
 ALERTS = {
     "CERTIFICATE_REQUIRED": "asks for a certificate",
-    "CERTIFICATE_EXPIRED": "says that it has expired; renew it where the authority is kept: farhand certificates "
-    "renew CELL",
-    "UNKNOWN_CA": "says that it comes from another authority",
-    "DECRYPT_ERROR": "says that it comes from another authority of the same name",
-    "BAD_CERTIFICATE": "says that it is invalid: do both sites have certificates of one authority?",
-    "CERTIFICATE_UNKNOWN": "says that it is invalid: do both sites have certificates of one authority?",
-    "UNSUPPORTED_CERTIFICATE": "says that it is not made for this use",
+    "CERTIFICATE_EXPIRED": f"reports that it has expired; renew it {RENEW}",
+    "UNKNOWN_CA": "reports that it comes from another authority",
+    "DECRYPT_ERROR": "reports that it comes from another authority of the same name",
+    "BAD_CERTIFICATE": "reports that it is invalid: do both sites have certificates of one authority?",
+    "CERTIFICATE_UNKNOWN": "reports that it is invalid: do both sites have certificates of one authority?",
+    "UNSUPPORTED_CERTIFICATE": "reports that it is not made for this use",
 }
 
 
 def refusal(endpoint: Endpoint, credentials: Credentials | None) -> str | None:
-    """Why the listener and this side refuse each other, a sentence; None when they do not, or nobody listens.
+    """A sentence on why the listener and this side refuse each other; None when they do not, or when nobody listens.
 
-    Takes a few round trips, up to two seconds when the listener is silent.
+    Takes a few round trips, up to two seconds when the listener does not answer.
     """
     try:
-        has_tls = _speaks_tls(endpoint)
+        has_tls = _probe_tls(endpoint)
         if endpoint.is_secured and credentials is not None and has_tls:
             return _tls_refusal(endpoint, credentials)
     except OSError:
-        return None  # nobody is there, or the listener is silent
+        return None  # nobody listens, or the listener does not answer
     if endpoint.is_secured and has_tls is False:
         return f"{endpoint} does not speak TLS: the listener there has no protection; nothing is sent to it"
     if not endpoint.is_secured and has_tls:
@@ -47,15 +46,15 @@ def refusal(endpoint: Endpoint, credentials: Credentials | None) -> str | None:
 def speaks_tls(endpoint: Endpoint) -> bool:
     """Whether somebody speaks TLS at the port."""
     try:
-        return _speaks_tls(endpoint) is True
+        return _probe_tls(endpoint) is True
     except OSError:
         return False
 
 
 def identity_refusal(shown: str, endpoint: str, own: Identity) -> str | None:
-    """Why a listener with this common name is the wrong one; None for a site of our cell, and for a router."""
+    """Why a listener whose certificate has the common name `shown` is the wrong one; None for our cell or a router."""
     identity = read_common_name(shown)
-    if identity is not None and identity.role in LISTENERS and identity.cell in (own.cell, None):
+    if identity is not None and identity.role in LISTENING_ROLES and identity.cell in (own.cell, None):
         return None
     whose = f"the remote site of cell {own.cell}" if own.cell else "a site"
     return (
@@ -64,10 +63,10 @@ def identity_refusal(shown: str, endpoint: str, own: Identity) -> str | None:
     )
 
 
-def _speaks_tls(endpoint: Endpoint) -> bool | None:
-    """Whether a site takes meaningless bytes for broken TLS or for a broken plain message; None when it is silent."""
+def _probe_tls(endpoint: Endpoint) -> bool | None:
+    """Whether the listener answers invalid bytes with a TLS alert; None when it closes without an answer."""
     with socket.create_connection((endpoint.host, endpoint.port), TIMEOUT_S) as connection:
-        connection.sendall(NO_MESSAGE)
+        connection.sendall(EMPTY_MESSAGE)
         first = connection.recv(1)
     return first == TLS_ALERT if first else None
 
@@ -83,18 +82,18 @@ def _tls_refusal(endpoint: Endpoint, credentials: Credentials) -> str | None:
             impostor = identity_refusal(shown, str(endpoint), credentials.identity)
             if impostor is not None:
                 return impostor
-            secured.sendall(NO_MESSAGE)
+            secured.sendall(EMPTY_MESSAGE)
             secured.recv(1)
     except ssl.SSLCertVerificationError as error:
         return f"{endpoint} is refused: the certificate shown there {verdict(error)}"
     except ssl.SSLError as error:
-        return _alert(error.reason or "", endpoint, credentials)
+        return _alert_refusal(error.reason or "", endpoint, credentials)
     return None
 
 
-def _alert(reason: str, endpoint: Endpoint, credentials: Credentials) -> str | None:
+def _alert_refusal(reason: str, endpoint: Endpoint, credentials: Credentials) -> str | None:
     """What the other side's TLS alert means for our certificate; a broken connection is no refusal."""
     if "ALERT" not in reason:
         return None
-    why = next((sentence for name, sentence in ALERTS.items() if reason.endswith(name)), f"says {reason}")
-    return f"{endpoint} refuses the certificate {credentials.tls.certificate}: it {why}"
+    why = next((sentence for name, sentence in ALERTS.items() if reason.endswith(name)), f"reports {reason}")
+    return f"{endpoint} refuses the certificate {credentials.tls.certificate}: the listener {why}"

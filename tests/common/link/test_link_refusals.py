@@ -72,7 +72,7 @@ def test_quic_where_only_tls_comes_through_says_what_is_blocked(pki: Path) -> No
 
 
 def test_quic_that_has_been_there_is_not_said_to_be_blocked(pki: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr("common.link.transport.QUIC_PATIENCE_S", 0.2)
+    monkeypatch.setattr("common.link.transport.QUIC_GRACE_S", 0.2)
     with ExitStack() as stack:
         with running(secured(pki, "remote"), "quic") as cell:
             link = stack.enter_context(open_link(connect=(cell.endpoint,), security=secured(pki, "operator")))
@@ -104,7 +104,7 @@ def test_a_certificate_that_expires_ends_the_link_and_says_so(pki: Path, cell: C
     )
     with open_link(connect=(cell.endpoint,), security=secured(pki, "brief")) as link:
         assert link._session.info.links()
-        until(lambda: "says that it has expired; renew it" in told(link))
+        until(lambda: "reports that it has expired; renew it" in told(link))
         until(lambda: not link._session.info.links())
 
 
