@@ -71,7 +71,7 @@ def check_links(endpoints: Sequence[str], security: LinkSecurity, *bearers: Iden
     names = " or ".join(identity.common_name for identity in bearers)
     mismatch = f"links.tls.certificate: {security.tls.certificate} is for {bearer.common_name}, not for {names}"
     is_other_cell = bearer.cell and bearer.role in {identity.role for identity in bearers}
-    raise ConfigError(f'{mismatch}; write cell = "{bearer.cell}", if it is that cell' if is_other_cell else mismatch)
+    raise ConfigError(f'{mismatch}; set cell = "{bearer.cell}" if this site belongs to that cell' if is_other_cell else mismatch)
 
 
 class CertificateValidity:

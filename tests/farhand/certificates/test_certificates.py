@@ -64,7 +64,7 @@ def test_another_cell_shares_the_authority_and_not_the_names(folder: Path) -> No
     assert (folder / "ca.pem").read_bytes() == authority
     assert load_credentials(files(folder, "operator", "other")).identity == Identity(Role.OPERATOR, "other")
     theirs = LinkSecurity(tls=files(folder, "operator", "other"))
-    with pytest.raises(ConfigError, match=r"is for operator\.other, not for operator\.lab; write cell = \"other\""):
+    with pytest.raises(ConfigError, match=r"is for operator\.other, not for operator\.lab; set cell = \"other\""):
         check_links((), theirs, Identity(Role.OPERATOR, "lab"))
     with pytest.raises(ConfigError, match=r"is for operator\.other, not for viewer\.other$"):
         check_links((), theirs, Identity(Role.VIEWER, "other"))
