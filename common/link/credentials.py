@@ -71,7 +71,8 @@ def check_links(endpoints: Sequence[str], security: LinkSecurity, *bearers: Iden
     names = " or ".join(identity.common_name for identity in bearers)
     mismatch = f"links.tls.certificate: {security.tls.certificate} is for {bearer.common_name}, not for {names}"
     is_other_cell = bearer.cell and bearer.role in {identity.role for identity in bearers}
-    raise ConfigError(f'{mismatch}; set cell = "{bearer.cell}" if this site belongs to that cell' if is_other_cell else mismatch)
+    cure = f'; set cell = "{bearer.cell}" if this site belongs to that cell' if is_other_cell else ""
+    raise ConfigError(mismatch + cure)
 
 
 class CertificateValidity:
