@@ -1,4 +1,4 @@
-"""Why nobody answers at an endpoint: Zenoh does not report why a session fails, so a handshake of our own finds out."""
+"""Why no site answers at an endpoint: Zenoh does not report why a session fails; a handshake of our own finds out."""
 
 import socket
 import ssl
@@ -13,18 +13,18 @@ TLS_ALERT = b"\x15"
 LISTENERS = (Role.REMOTE, Role.OPERATOR, Role.ROUTER)
 ALERTS = {
     "CERTIFICATE_REQUIRED": "asks for a certificate",
-    "CERTIFICATE_EXPIRED": "says that it has expired; renew it where the authority is kept: farhand certificates "
+    "CERTIFICATE_EXPIRED": "reports that it has expired; renew it where the authority is kept: farhand certificates "
     "renew CELL",
-    "UNKNOWN_CA": "says that it comes from another authority",
-    "DECRYPT_ERROR": "says that it comes from another authority of the same name",
-    "BAD_CERTIFICATE": "says that it is invalid: do both sites have certificates of one authority?",
-    "CERTIFICATE_UNKNOWN": "says that it is invalid: do both sites have certificates of one authority?",
-    "UNSUPPORTED_CERTIFICATE": "says that it is not made for this use",
+    "UNKNOWN_CA": "reports that it comes from another authority",
+    "DECRYPT_ERROR": "reports that it comes from another authority of the same name",
+    "BAD_CERTIFICATE": "reports that it is invalid: do both sites have certificates of one authority?",
+    "CERTIFICATE_UNKNOWN": "reports that it is invalid: do both sites have certificates of one authority?",
+    "UNSUPPORTED_CERTIFICATE": "reports that it is not made for this use",
 }
 
 
 def refusal(endpoint: Endpoint, credentials: Credentials | None) -> str | None:
-    """Why the listener and this side refuse each other, a sentence; None when they do not, or nobody listens.
+    """Why the listener and this side refuse each other, a sentence; None when they do not, or no site listens.
 
     Takes a few round trips, up to two seconds when the listener is silent.
     """
@@ -33,7 +33,7 @@ def refusal(endpoint: Endpoint, credentials: Credentials | None) -> str | None:
         if endpoint.is_secured and credentials is not None and has_tls:
             return _tls_refusal(endpoint, credentials)
     except OSError:
-        return None  # nobody is there, or the listener is silent
+        return None  # nothing listens there, or the listener is silent
     if endpoint.is_secured and has_tls is False:
         return f"{endpoint} does not speak TLS: the listener there has no protection; nothing is sent to it"
     if not endpoint.is_secured and has_tls:
@@ -96,5 +96,5 @@ def _alert(reason: str, endpoint: Endpoint, credentials: Credentials) -> str | N
     """What the other side's TLS alert means for our certificate; a broken connection is no refusal."""
     if "ALERT" not in reason:
         return None
-    why = next((sentence for name, sentence in ALERTS.items() if reason.endswith(name)), f"says {reason}")
+    why = next((sentence for name, sentence in ALERTS.items() if reason.endswith(name)), f"reports {reason}")
     return f"{endpoint} refuses the certificate {credentials.tls.certificate}: it {why}"

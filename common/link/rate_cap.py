@@ -4,7 +4,7 @@ from common.clock import NS_PER_S
 
 
 class RateCap:
-    """Lets `burst` messages pass at once and `hz` per second in the long run.
+    """Lets `burst` messages pass immediately and `hz` per second in the long run.
 
     `flooded` is set after a second of pauses, and cleared once as many messages have passed without one.
     """

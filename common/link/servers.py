@@ -1,4 +1,4 @@
-"""Servers of procedures, polled: of questions that may be asked again, and of requests that must happen once."""
+"""Servers of procedures, polled: of questions that may be asked again, and of requests that must take effect once."""
 
 from collections.abc import Callable
 from typing import Generic, TypeVar
@@ -32,7 +32,7 @@ class QuestionServer(Generic[Q, R]):
         procedure: Procedure[Q, R],
         refused: Refused,
     ) -> None:
-        """`refused` hears of every query that was refused."""
+        """`refused` is called for every query that was refused."""
         self._queryable = queryable
         self._key = key
         self._procedure = procedure

@@ -89,12 +89,12 @@ class Link:
     def latest(self, channel: Channel[M], cell: str, name: str = "*") -> Latest[M]:
         """A subscription that keeps only the newest messages of one key, as many as the channel's depth."""
         key = channel.key_for(cell, name)
-        self._check(channel.session, channel.heard_by, cell, f"hear {key}")
+        self._check(channel.session, channel.received_by, cell, f"receive {key}")
         handler: zenoh.handlers.RingChannel[zenoh.Sample] = zenoh.handlers.RingChannel(channel.depth)
         return Latest(self._session.declare_subscriber(key, handler), channel)
 
     def answer(self, procedure: Procedure[Q, R], cell: str, refused: Refused, name: str = "*") -> QuestionServer[Q, R]:
-        """A server of questions in a cell; `refused` hears of queries that cannot be understood."""
+        """A server of questions in a cell; `refused` is called for queries that cannot be understood."""
         key = procedure.key_for(cell, name)
         self._check(ChannelSession.CONTROL, procedure.answered_by, cell, f"answer {key}")
         # Where questions pile up the oldest is dropped: a full queue would hold up everything else of its link.
@@ -104,11 +104,11 @@ class Link:
     def serve(
         self, procedure: Procedure[Requested, Replied], cell: str, refused: Refused, name: str = "*"
     ) -> IdempotentServer[Requested, Replied]:
-        """A server of requests that must happen once; `refused` hears of queries that cannot be understood."""
+        """A server of requests that must take effect once; `refused` is called for what cannot be understood."""
         return IdempotentServer(self.answer(procedure, cell, refused, name), procedure.reply)
 
     def ask(self, procedure: Procedure[Q, R], cell: str, question: Q, name: str = "*") -> R | None:
-        """Ask once; None when nobody answers in time, RefusedError when the sites do not understand each other."""
+        """Ask once; None without an answer in time, RefusedError when the sites do not understand each other."""
         key = procedure.key_for(cell, name)
         self._check(ChannelSession.CONTROL, procedure.asked_by, cell, f"ask {key}")
         for reply in self._session.get(key, payload=encode(question), timeout=REQUEST_TIMEOUT_S):
@@ -119,14 +119,14 @@ class Link:
                 raise RefusedError(f"the other site {why.decode(errors='replace')}")
         return None
 
-    def may_hear(self, channel: Channel[M]) -> bool:
-        """Whether our certificate lets us; everybody may where there are none."""
-        return self._credentials is None or self._credentials.identity.role in channel.heard_by
+    def may_receive(self, channel: Channel[M]) -> bool:
+        """Whether our certificate allows it; without certificates every site may."""
+        return self._credentials is None or self._credentials.identity.role in channel.received_by
 
     def check_connected(self) -> None:
         """RefusedError with a sentence when one of our endpoints and this side refuse each other; nothing otherwise.
 
-        Where nobody listens yet, that is no refusal. Takes up to two seconds.
+        A site that does not listen yet is no refusal. Takes up to two seconds.
         """
         links = self._session.info.links()
         for endpoint in self._outgoing:
@@ -196,10 +196,10 @@ def open_link(
     """Open a session at explicit endpoints; TransportError when one is not allowed or cannot be opened.
 
     `sessions` are those that the endpoints belong to; the link carries their channels only. `send_buffer_bytes` is how
-    much may wait in each connection, None for the system's choice, which is megabytes. Listening fails at once when the
-    port is taken; connecting goes on in the background until the other side is there, but a side that is there and
-    refuses us, or that we refuse, is a RefusedError. `through_router` is for a site that nobody can reach: everything
-    goes by the router at `connect`, waited for until `given_up`.
+    much may wait in each connection, None for the system's choice, which is megabytes. Listening fails immediately when
+    the port is taken; connecting continues in the background until the other side is there, but a side that is there
+    and refuses us, or that we refuse, is a RefusedError. `through_router` is for a site that others cannot reach: all
+    messages pass the router at `connect`, waited for until `given_up`.
     """
     listening = tuple(check_free(endpoint, security) for endpoint in listen)
     outgoing = tuple(check_endpoint(endpoint, security) for endpoint in connect)

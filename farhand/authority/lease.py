@@ -59,4 +59,4 @@ def _state(link: Link, cell: str) -> RobotState:
         if state is not None:
             return state
         time.sleep(POLL_S)
-    raise TransportError(f"nobody publishes a state: is the remote site of cell {cell} running?")
+    raise TransportError(f"no state is published: is the remote site of cell {cell} running?")

@@ -133,7 +133,7 @@ def guidance(folder: Path, cell: str, hosts: Sequence[str]) -> str:
     where = hosts[0] if hosts else "127.0.0.1"
     return (
         f"made in {theirs}: a certificate and key each for {', '.join(role.value for role in Role)}\n"
-        f"keep {folder / AUTHORITY}.key secret: whoever has it can become an operator\n"
+        f"keep {folder / AUTHORITY}.key secret: anybody who has it can become an operator\n"
         "give each host ca.pem and its own pair, keys for the service's user only, for the robot's side:\n"
         f'  cell = "{cell}"\n'
         "  [links]\n"

@@ -41,7 +41,7 @@ def give(cell: CellName = "", at: LocalEndpoint = "", config: LinksFile = None) 
 
 @lease_app.command("release")
 def release(cell: CellName = "", at: LocalEndpoint = "", config: LinksFile = None) -> None:
-    """Give the lease back, for whoever asks first. The arm stops.
+    """Release the lease, so that any operator may take it. The arm stops.
 
     Example: farhand lease release
     """

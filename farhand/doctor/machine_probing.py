@@ -16,7 +16,7 @@ REQUIREMENT_NAME = re.compile(r"[A-Za-z0-9._-]+")
 TCP = Path("/proc/sys/net/ipv4")
 STATE = Path("/var/lib/farhand")
 SERVICE_CACHE = Path("/var/cache/farhand/numba")
-SHARED_MEMORY = Path("/dev/shm")  # noqa: S108  # looked at, not written to
+SHARED_MEMORY = Path("/dev/shm")  # noqa: S108  # only its free space is read
 VIEW_PX = (64, 48)
 
 

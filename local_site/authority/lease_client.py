@@ -32,12 +32,12 @@ from local_site.authority.lease_policy import INSIST_NS, LeasePolicy
 POLL_S = 0.02
 CLOCK_EVERY_NS = 200 * NS_PER_MS
 PATIENCE_NS = NS_PER_S
-ROUNDS_TO_DOUBT = 25  # of silence, until it looks for the reason: about six seconds
+ROUNDS_TO_DOUBT = 25  # of silence, until it probes for the reason: about six seconds
 ACTIONS = {OperatorAction.GIVE: LeaseAction.HAND_OVER, OperatorAction.RELEASE: LeaseAction.RELEASE}
 
 
 @dataclass(frozen=True, slots=True)
-class Standing:
+class LeaseAndClock:
     """What every sample carries: the lease's number (0 without one), and the clock offset where it is known."""
 
     lease: int = 0
@@ -75,14 +75,14 @@ class Authority:
         self._stop.set()
         self._thread.join()
 
-    def standing(self, now_ns: int) -> Standing:
+    def lease_and_clock(self, now_ns: int) -> LeaseAndClock:
         """Lease and clock as known now; RefusedError when both sites cannot or may not talk to each other."""
         if self._refused is not None:
             raise self._refused
         if not self._thread.is_alive():
             raise ProcessError("the thread that keeps the lease has died")
         known = self._remote_clock.estimate(now_ns)
-        return Standing(self._policy.held(now_ns), _sync(known) if known is not None else None)
+        return LeaseAndClock(self._policy.held(now_ns), _sync(known) if known is not None else None)
 
     def _run(self) -> None:
         try:
@@ -122,7 +122,7 @@ class Authority:
         return True
 
     def _request(self, action: LeaseAction) -> LeaseReply | None:
-        """Send a request; None while the remote clock is not known or nobody answers."""
+        """Send a request; None while the remote clock is not known or without an answer."""
         asked_ns = time.monotonic_ns()
         if self._remote_clock.estimate(asked_ns) is None:
             return None
@@ -135,7 +135,7 @@ class Authority:
             raise
         except TransportError:
             return None
-        self._policy.heard(reply, asked_ns)
+        self._policy.take_reply(reply, asked_ns)
         self._log(held, reply)
         return reply
 

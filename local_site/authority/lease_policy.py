@@ -20,9 +20,9 @@ class HeldLease:
 
 
 class LeasePolicy:
-    """Decides when to acquire and renew the lease; gives up when another operator has it, unless `insist` was called.
+    """Decides when to acquire and renew the lease; gives up when another operator holds it, unless `insist` was called.
 
-    With `automatic` it asks whenever this site holds no lease. A refusal that names another operator ends that: nobody
+    With `automatic` it asks whenever this site holds no lease. A refusal that names another operator ends that: no site
     should become the operator only because the other's link was down for a few seconds.
     """
 
@@ -55,7 +55,7 @@ class LeasePolicy:
             renew_ns = now_ns + (self._lease.expires_ns - now_ns) // RENEWALS_PER_LEASE
             self._lease = HeldLease(self._lease.number, self._lease.expires_ns, renew_ns)
 
-    def heard(self, reply: LeaseReply, asked_ns: int) -> None:
+    def take_reply(self, reply: LeaseReply, asked_ns: int) -> None:
         """Take the reply to a request that was sent at `asked_ns`."""
         if reply.lease:
             step_ns = reply.lasts_ns // RENEWALS_PER_LEASE
@@ -72,6 +72,6 @@ class LeasePolicy:
         self._asked_ns = None
 
     def rest(self) -> None:
-        """The operator gives the lease away: do not ask for it again automatically."""
+        """The operator hands the lease over: do not ask for it again automatically."""
         self._wanted = False
         self._insist_until_ns = 0

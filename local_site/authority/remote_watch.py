@@ -1,4 +1,4 @@
-"""What the local site logs of the remote one: whether it is there, and why the arm does what it does."""
+"""What the local site logs of the remote one: whether it is there, and the arm's state with its reason."""
 
 from collections.abc import Callable
 from dataclasses import dataclass

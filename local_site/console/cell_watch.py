@@ -15,7 +15,7 @@ from common.link.transport import Link
 from common.messages.requests import DescribeQuestion, Description
 
 EVERY_S = 0.2
-ROUNDS_TO_DOUBT = 10  # of silence, until it looks for the reason
+ROUNDS_TO_DOUBT = 10  # of silence, until it probes for the reason
 
 
 class CellWatch:
