@@ -91,7 +91,7 @@ class RoundTrip:
 
 @dataclass(frozen=True, slots=True)
 class ClockEstimate:
-    """The offset as known now, and the time of its measurement by the other clock."""
+    """The newest estimate of the offset, and the time of its measurement by the other clock."""
 
     offset: ClockOffset
     measured_ns: int

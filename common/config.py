@@ -105,7 +105,7 @@ def _read(path: Path) -> str:
 
 
 def apply_setting(table: dict[str, Any], setting: str) -> KeyPath:
-    """Put a `table.key=value` setting into the tables, and give its key; ConfigError where it is no setting."""
+    """Put a `table.key=value` setting into the tables, and return its key; ConfigError for an invalid setting."""
     key, separator, raw = setting.partition("=")
     path = tuple(part.strip() for part in key.split("."))
     if not separator or not all(path):

@@ -45,7 +45,7 @@ def refusal(endpoint: Endpoint, credentials: Credentials | None) -> str | None:
 
 
 def speaks_tls(endpoint: Endpoint) -> bool:
-    """Whether somebody speaks TLS at the port."""
+    """Whether a listener at the port speaks TLS."""
     try:
         return _speaks_tls(endpoint) is True
     except OSError:

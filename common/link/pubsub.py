@@ -29,7 +29,7 @@ class Publisher(Generic[M]):
 
     @property
     def has_listener(self) -> bool:
-        """Whether anybody subscribes to this key now, as far as this session knows."""
+        """Whether this key has a subscriber now, as far as this session knows."""
         return bool(self._publisher.matching_status.matching)  # type: ignore[attr-defined]  # its stub says bool
 
 
@@ -81,7 +81,9 @@ class Latest(Generic[M]):
 
     def _warn(self) -> None:
         key, max_hz = str(self._subscriber.key_expr), self._channel.max_hz
-        sentence = f"somebody floods {key}: {max_hz:g} a second are taken, of the newest; the rest is dropped"
+        sentence = (
+            f"{key} is flooded: at most {max_hz:g} of the newest messages a second are taken; the rest is dropped"
+        )
         structlog.get_logger().warning("too many messages", reason=sentence)
 
     def _decode(self, sample: zenoh.Sample) -> M:

@@ -43,7 +43,7 @@ class Link:
     """One Zenoh session; a context manager, so that nothing is left open.
 
     What belongs to another of the site's sessions than its own `sessions` is a TransportError. With credentials, what
-    their role may not do is a RefusedError here; the other side refuses it besides.
+    their role may not do is a RefusedError here; the other side refuses it too.
     """
 
     def __init__(
@@ -126,7 +126,7 @@ class Link:
     def check_connected(self) -> None:
         """RefusedError with a sentence when one of our endpoints and this side refuse each other; nothing otherwise.
 
-        A site that does not listen yet is no refusal. Takes up to two seconds.
+        A site that does not listen yet does not count as a refusal. Takes up to two seconds.
         """
         links = self._session.info.links()
         for endpoint in self._outgoing:

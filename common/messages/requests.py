@@ -39,7 +39,7 @@ class EngagementAction(StrEnum):
 
 
 class EngagementRequest(Request, frozen=True):
-    """Engage, disengage, stop or reset the arm for an operator; everybody may stop it, the rest is the holder's."""
+    """Engage, disengage, stop or reset the arm for an operator; anybody may stop it, the rest is for the holder."""
 
     operator: Name
     action: EngagementAction
@@ -72,7 +72,7 @@ class LeaseReply(Reply, frozen=True):
 
 
 class OperatorAction(StrEnum):
-    """What an operator does at the own local site: ask for the lease, hand it over to another operator, release it."""
+    """What an operator requests of the local site: ask for the lease, hand it over to another operator, release it."""
 
     TAKE = "take"
     GIVE = "give"

@@ -1,4 +1,4 @@
-"""Shows who holds the lease of a cell, and carries out what an operator decides about it at the own local site."""
+"""Shows who holds the lease of a cell, and sends the operator's requests about it to their own local site."""
 
 import time
 from functools import partial

@@ -38,7 +38,7 @@ def _is_missing(name: str) -> bool:
 def probe_rendering() -> str | None:
     """Why nothing can be rendered off screen; None when it works."""
     try:
-        import mujoco  # noqa: PLC0415  # an installation for a real cell may be without it
+        import mujoco  # noqa: PLC0415  # an installation for a real cell may not have it
 
         from remote_site.video.cell_cameras import OffScreen  # noqa: PLC0415  # the same
     except ImportError as error:

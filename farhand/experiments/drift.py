@@ -1,4 +1,4 @@
-"""The experiment "drift": the ROBONAUT report's incremental command beside the relative one, on the humanoid arm."""
+"""The experiment "drift": the ROBONAUT report's incremental command against the relative one, on the humanoid arm."""
 
 from collections.abc import Mapping
 

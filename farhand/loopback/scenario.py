@@ -31,7 +31,7 @@ def arm_file(arm: str | None) -> Path | None:
 
 
 def operator_settings(tracker: str) -> tuple[str, ...]:
-    """The local site's settings for an operator whom this tracker can follow, and who waits for the engagement."""
+    """The local site's settings for an operator that this tracker can follow, who starts to move at the engagement."""
     settings = "simulation.motion.begins=when_engaged", f"simulation.markers={str(tracker == MARKERS).lower()}"
     return (*settings, "simulation.textured=true") if tracker == MONOCULAR else settings
 

@@ -27,7 +27,7 @@ from common.messages.requests import (
     Reply,
 )
 from common.process.log import RefusalLog
-from local_site.authority.lease_policy import INSIST_NS, LeasePolicy
+from local_site.authority.lease_policy import KEEP_ASKING_NS, LeasePolicy
 
 POLL_S = 0.02
 CLOCK_EVERY_NS = 200 * NS_PER_MS
@@ -76,7 +76,7 @@ class Authority:
         self._thread.join()
 
     def lease_and_clock(self, now_ns: int) -> LeaseAndClock:
-        """Lease and clock as known now; RefusedError when both sites cannot or may not talk to each other."""
+        """The current lease and clock offset; RefusedError when both sites cannot or may not talk to each other."""
         if self._refused is not None:
             raise self._refused
         if not self._thread.is_alive():
@@ -149,17 +149,19 @@ class Authority:
     def _operate(self, request: OperatorRequest) -> Reply:
         """Carry out an act of the operator; the reply is the remote site's."""
         if request.action is OperatorAction.TAKE:
-            self._policy.insist(time.monotonic_ns())
+            self._policy.keep_asking(time.monotonic_ns())
             answer = self._request(LeaseAction.ACQUIRE) if self._is_described() else None
         else:
             answer = self._request(ACTIONS[request.action])
             if answer is not None and answer.done:
-                self._policy.rest()
+                self._policy.stop_asking()
         if answer is None:
             silent = "the remote site does not answer the local one"
             return Reply(id=request.id, done=False, code="silent", reason=silent)
         waits = request.action is OperatorAction.TAKE and not answer.done
-        reason = f"{answer.reason}; this site keeps asking for {INSIST_NS // NS_PER_S} s" if waits else answer.reason
+        reason = (
+            f"{answer.reason}; this site keeps asking for {KEEP_ASKING_NS // NS_PER_S} s" if waits else answer.reason
+        )
         return Reply(id=request.id, done=answer.done, code=answer.code, reason=reason)
 
 

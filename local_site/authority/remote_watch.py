@@ -52,7 +52,7 @@ class RemoteWatch:
         self._logged_ns = 0
         self._refusals = RefusalLog("state refused")
 
-    def look(self, now_ns: int) -> None:
+    def poll(self, now_ns: int) -> None:
         """Take the newest state, and log what has changed."""
         try:
             state = self._states.take()

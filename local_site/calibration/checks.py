@@ -127,7 +127,7 @@ def _camera_mistakes(calibrated: CameraCalibration, middle: Array) -> Iterator[s
         yield "its projection is mirrored, or looks away from the volume"
         return
     if not _is_a_cameras(matrix, camera):
-        yield "its projection is no camera's: its pixels are not nearly square"
+        yield "its projection is not that of a camera: its pixels are not nearly square"
     width, height = calibrated.size_px or (2 * camera.lens.cx, 2 * camera.lens.cy)
     pixel = camera.pixels(middle)
     if not np.all(np.abs(pixel / (width, height) - 0.5) <= 0.5 + ASIDE):

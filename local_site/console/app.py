@@ -16,7 +16,6 @@ from common.link.transport import Link, open_link
 from common.messages.requests import Description
 from common.process.log import LogFormat, start_log
 from common.process.service import StopFlag, notify
-from local_site.console.acts import Acts
 from local_site.console.cell_watch import CellWatch
 from local_site.console.config import ConsoleConfig
 from local_site.console.hub import Hub
@@ -27,6 +26,7 @@ from local_site.console.model.latency import Latencies
 from local_site.console.model.seat import Seat
 from local_site.console.pictures import Pictures
 from local_site.console.server import bind, make_server
+from local_site.console.site_requests import SiteRequests
 
 SITUATION_S = 0.06
 INTENT_S = 0.02
@@ -101,8 +101,8 @@ def _connect(
     outlets = None
     if config.operate:
         outlets = Outlets(control.publisher(INTENT, cell, name).put, video.publisher(SHOWN, cell, name).put)
-    acts, session = Acts(control, watch, cell, name), secrets.randbits(SESSION_BITS)
-    handler = PageMessageHandler(Seat(open_=config.operate), outlets, acts, latencies, history, session)
+    requests, session = SiteRequests(control, watch, cell, name), secrets.randbits(SESSION_BITS)
+    handler = PageMessageHandler(Seat(open_=config.operate), outlets, requests, latencies, history, session)
     hub = Hub(handler, watch, latencies, history, watched, name, operate=config.operate)
     pictures = Pictures(config.links, cell, listeners, hub.camera, hub.preview)
     stack.callback(pictures.close)

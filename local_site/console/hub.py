@@ -25,7 +25,7 @@ OWN_CLOCK = ClockOffset(0, 0)
 
 
 class CellClock(Protocol):
-    """The remote clock as known now, and how long its last question took."""
+    """The current estimate of the remote clock, and how long its last question took."""
 
     round_trip_ms: float | None
 
@@ -84,8 +84,8 @@ class Hub:
         self._newest = replace(self._newest, state=state, state_ns=now_ns)
         lease = state.lease
         self._handler.lease = lease.number if lease is not None and lease.holder == self._operator else NO_LEASE
-        self._history.learn(state, now_ns)
-        self._latencies.learn(state, now_ns)
+        self._history.add_state(state, now_ns)
+        self._latencies.add_state(state, now_ns)
 
     def hand(self, hand: HandArm) -> None:
         """A hand sample has come."""
@@ -117,7 +117,7 @@ class Hub:
         """Send the situation to every page."""
         now_ns = time.monotonic_ns()
         clock = self._watch.estimate(now_ns), self._watch.round_trip_ms
-        self._latencies.learn_clock(*clock, now_ns)
+        self._latencies.add_clock(*clock, now_ns)
         if not self._pages:
             return
         seat, intent = self._handler.seat, self._handler.intent

@@ -35,7 +35,7 @@ from local_site.console.page import Page
 NO_LEASE = 0
 
 
-class Acting(Protocol):
+class Requests(Protocol):
     """Asks the sites and waits for the answer."""
 
     def engagement(self, action: EngagementAction) -> Reply: ...
@@ -61,11 +61,17 @@ class PageMessageHandler:
     """
 
     def __init__(
-        self, seat: Seat, outlets: Outlets | None, acts: Acting, latencies: Latencies, history: History, session: int
+        self,
+        seat: Seat,
+        outlets: Outlets | None,
+        requests: Requests,
+        latencies: Latencies,
+        history: History,
+        session: int,
     ) -> None:
         self.seat, self.intent = seat, Intent()
         self.lease = NO_LEASE
-        self._outlets, self._acts = outlets, acts
+        self._outlets, self._requests = outlets, requests
         self._latencies, self._history = latencies, history
         self._shown = ShownViews(session)
         self._tasks: set[asyncio.Task[None]] = set()
@@ -101,11 +107,11 @@ class PageMessageHandler:
                 self._ask(page, message, now_ns)
             case AskLease():
                 self._if_operating(
-                    page, message.id, lambda: self._acts.lease(message.action), f"lease: {message.action.value}"
+                    page, message.id, lambda: self._requests.lease(message.action), f"lease: {message.action.value}"
                 )
             case MarkJoints():
                 joints = message.shoulder, message.elbow, message.wrist
-                self._if_operating(page, message.id, lambda: self._acts.joints(*joints), "joints")
+                self._if_operating(page, message.id, lambda: self._requests.joints(*joints), "joints")
             case TakeSeat():
                 self._answer_seat(page, message.id, self.seat.take(page.visitor, now_ns), now_ns)
             case LeaveSeat():
@@ -139,11 +145,13 @@ class PageMessageHandler:
 
     def _ask(self, page: Page, message: Ask, now_ns: int) -> None:
         if message.action is not EngagementAction.STOP:
-            self._if_operating(page, message.id, lambda: self._acts.engagement(message.action), message.action.value)
+            self._if_operating(
+                page, message.id, lambda: self._requests.engagement(message.action), message.action.value
+            )
             return
         self.seat.interrupt()
         self._history.note("stop", f"stop asked by {page.visitor}", now_ns)
-        self._later(page, message.id, self._stopping, lambda: self._acts.engagement(message.action), "stop")
+        self._later(page, message.id, self._stopping, lambda: self._requests.engagement(message.action), "stop")
 
     def _if_operating(self, page: Page, number: int, act: Callable[[], Reply], what: str) -> None:
         if page.visitor == self.seat.occupant:

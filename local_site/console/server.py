@@ -29,7 +29,7 @@ POLICY_VIOLATION = 1008
 
 
 def bind(serve: ServeConfig) -> socket.socket:
-    """A listening socket; TransportError when the address cannot be had."""
+    """A listening socket; TransportError when the address cannot be bound."""
     try:
         return socket.create_server((serve.host, serve.port), family=_family(serve.host), backlog=64)
     except socket.gaierror as error:

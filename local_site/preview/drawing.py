@@ -24,7 +24,7 @@ class PreviewConfig(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fi
 
 
 class PictureInfo(msgspec.Struct, frozen=True):
-    """What is known of a picture beside its pixels."""
+    """The metadata of a picture."""
 
     shape: tuple[int, ...]
     capture_ns: int

@@ -97,7 +97,7 @@ class SampleSender:
         self._send(self._smoother.smooth(estimate))
 
     def send_lost(self, reason: str) -> None:
-        """Send that there are no views, and why."""
+        """Send a LOST sample with the reason why there are no views."""
         self._send(ArmEstimate(self._clock.now_ns(), TrackingStatus.LOST, reason))
 
     def _send(self, estimate: ArmEstimate) -> None:
@@ -139,7 +139,7 @@ class LocalSite:
             estimate = self._tracking.track(views)
             self._sender.send_tracked(estimate)
             self._log_status(estimate.status, estimate.reason)
-            self._watch.look(self._clock.now_ns())
+            self._watch.poll(self._clock.now_ns())
             self._preview.show(views, estimate)
         else:
             reason = self._capture.problem() or "no new views of the operator"
@@ -147,7 +147,7 @@ class LocalSite:
             self._log_status(TrackingStatus.LOST, reason)
             if self._capture.ended:
                 raise CameraError(reason)
-            self._watch.look(self._clock.now_ns())
+            self._watch.poll(self._clock.now_ns())
             self._preview.show_reason(reason, self._clock.now_ns())
         self._tracking.attend(views, self._clock.now_ns())
 

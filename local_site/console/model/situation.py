@@ -36,7 +36,7 @@ def situation_json(
     latencies: Latencies,
     history: History,
 ) -> str:
-    """Everything a page shows besides pictures; `clock` is the remote one as known now, if at all."""
+    """Everything a page shows besides pictures; `clock` is the current estimate of the remote one, if there is one."""
     situation = {
         "type": "situation",
         "now_ms": now_ns / NS_PER_MS,

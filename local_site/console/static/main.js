@@ -72,10 +72,10 @@ function disconnected() {
 
 setInterval(beat, BEAT_MS);
 setInterval(() => {
-  views.look();
+  views.refresh();
   joints.offer(views.isOneCamera);
   if (panel.isSilent) disconnected();
-  stop.look();
+  stop.refresh();
   connection.send({ type: "shown", views: views.painted() });
 }, LOOK_MS);
 connection.open();

@@ -25,7 +25,7 @@ export class Orbit {
     canvas.addEventListener("keydown", (event) => this.#key(event) && (event.preventDefault(), changed()));
   }
 
-  /** Look at a box (m) and the base beside it, the first time that it is known. */
+  /** Frame a box (m) and the base, the first time that it is known. */
   show(low, high) {
     if (this.#known) return;
     this.#known = true;

@@ -1,4 +1,4 @@
-// The console's clock as the page knows it: the quickest echo of the last seconds counts.
+// The console's clock as the page knows it: by the echo with the shortest round trip of the last seconds.
 const SLOTS = 4;
 const SLOT_MS = 1000;
 

@@ -31,11 +31,11 @@ export class StopButton {
       this.#pressedMs = null;
       this.#asked.clear();
     }
-    this.look();
+    this.refresh();
   }
 
   /** Repeat a stop that was not acknowledged, and show that. */
-  look() {
+  refresh() {
     if (this.#pressedMs === null) return;
     if (performance.now() - this.#askedMs > AGAIN_MS) this.#send();
     if (performance.now() - this.#pressedMs < PATIENT_MS && this.#why === "") return;
@@ -68,7 +68,7 @@ export class StopButton {
     this.#why = "";
     this.#alert.show("stop", "bad", "Stop sent, not acknowledged yet");
     this.#send();
-    this.look();
+    this.refresh();
   }
 
   #send() {

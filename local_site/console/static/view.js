@@ -36,7 +36,7 @@ export class View {
     this.#mark.className = "mark";
     this.#mark.append(this.#title, this.#words);
     this.element.append(this.#canvas, this.#overlay, this.#mark, label, this.#fresh);
-    this.look();
+    this.refresh();
   }
 
   get picture() {
@@ -84,7 +84,7 @@ export class View {
   }
 
   /** Mark how current the picture is now. */
-  look() {
+  refresh() {
     const { mark, title, words: why, ageMs, isOld } = judge(this.#newest, this.#header, this.#clock.now());
     setMark(this.element, "data-mark", mark);
     setMark(this.element, "data-useless", ageMs === null || ageMs > USELESS_MS);

@@ -67,8 +67,8 @@ export class Views {
     return left && !right;
   }
 
-  look() {
-    for (const view of this.#views.values()) view.look();
+  refresh() {
+    for (const view of this.#views.values()) view.refresh();
   }
 
   /** What is shown of the cell, for the console. */

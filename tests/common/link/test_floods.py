@@ -74,7 +74,7 @@ def test_who_listens_takes_no_more_than_the_cap_is_told_of_the_flood_and_hears_t
             until(lambda: [line for line in log if line["event"] == "too many messages"])
         most = (time.monotonic_ns() - begun_ns) / NS_PER_S * HAND.max_hz + HAND.depth + 1
         assert len(times_ns) <= most
-    assert [line["reason"].split(":")[0] for line in log] == [f"somebody floods {HAND.key_for(CELL)}"]
+    assert [line["reason"].split(":")[0] for line in log] == [f"{HAND.key_for(CELL)} is flooded"]
     sender.publisher(HAND, CELL).put(sample(golden.HAND.seq + 1))
     until(lambda: seqs[-1] == golden.HAND.seq + 1)
 

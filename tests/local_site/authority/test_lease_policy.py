@@ -78,7 +78,7 @@ def test_a_restarted_site_waits_for_its_own_former_lease_to_expire():
 def test_it_insists_for_a_minute_when_the_operator_says_so():
     policy = LeasePolicy("anna", automatic=False)
     assert policy.due(0) is None
-    policy.insist(0)
+    policy.keep_asking(0)
     for k in range(60):
         assert policy.due(k * S) is LeaseAction.ACQUIRE
         policy.asked(k * S)
@@ -89,5 +89,5 @@ def test_it_insists_for_a_minute_when_the_operator_says_so():
 def test_what_the_operator_gave_away_is_not_asked_for_again():
     policy = holding()
     policy.take_reply(refused("ben"), S)
-    policy.rest()
+    policy.stop_asking()
     assert policy.due(50 * S) is None

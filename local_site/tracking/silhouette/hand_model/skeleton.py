@@ -55,7 +55,7 @@ def pose_spheres(posture: Array, scale: float, right_arm: bool) -> tuple[Array, 
     """Centres (24, 3) in the local frame and radii (24,) in m, for a posture (10,).
 
     The posture is angles in rad, then the logarithms of three sizes; `scale` is the person's. The forearm's spheres
-    coincide with the wrist's: their distance along the forearm is no part of the hand.
+    coincide with the wrist's: their distance along the forearm is not part of the hand.
     """
     centres, radii = np.empty((SPHERES, 3)), np.empty(SPHERES)
     length = scale * math.exp(posture[FINGERS])
