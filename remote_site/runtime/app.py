@@ -24,8 +24,8 @@ from remote_site.runtime.control import run_control
 from remote_site.runtime.crash_marker import CrashMarker
 from remote_site.runtime.driver_process import run_driver
 from remote_site.runtime.links import open_site_link
+from remote_site.runtime.shared_lease import SharedLease
 from remote_site.session.config import EngagementMode
-from remote_site.session.shared_lease import SharedLease
 from remote_site.simulation.memory import CellMemory
 from remote_site.video.process import VideoWire, run_video
 from remote_site.video.sources import SimulatedViews
