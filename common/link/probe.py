@@ -25,7 +25,7 @@ ALERTS = {  # by the end of OpenSSL's reason
 
 
 def refusal(endpoint: Endpoint, credentials: Credentials | None) -> str | None:
-    """Why the listener and this side refuse each other, as a sentence; None when they do not, or nobody listens.
+    """Why the listener and this side refuse each other, as a sentence; None when they do not, or no site listens.
 
     Takes a few round trips, and up to two seconds when the listener does not answer.
     """
@@ -34,7 +34,7 @@ def refusal(endpoint: Endpoint, credentials: Credentials | None) -> str | None:
         if endpoint.is_secured and credentials is not None and has_tls:
             return _tls_refusal(endpoint, credentials)
     except OSError:
-        return None  # nobody listens, or the listener does not answer
+        return None  # no site listens, or the listener does not answer
     if endpoint.is_secured and has_tls is False:
         return f"{endpoint} does not speak TLS: the listener there has no protection; nothing is sent to it"
     if not endpoint.is_secured and has_tls:
@@ -46,7 +46,7 @@ def refusal(endpoint: Endpoint, credentials: Credentials | None) -> str | None:
 
 
 def speaks_tls(endpoint: Endpoint) -> bool:
-    """Whether the listener at the endpoint speaks TLS, False if nobody listens."""
+    """Whether the listener at the endpoint speaks TLS, False if no site listens."""
     try:
         return _detect_tls(endpoint) is True
     except OSError:
@@ -68,7 +68,7 @@ def identity_refusal(listener_name: str, endpoint: str, own: Identity) -> str | 
 def _detect_tls(endpoint: Endpoint) -> bool | None:
     """Whether the listener answers invalid bytes with a TLS alert; None when it hangs up without an answer.
 
-    OSError when nobody listens, or no answer comes in time.
+    OSError when no site listens, or no answer comes in time.
     """
     with socket.create_connection((endpoint.host, endpoint.port), TIMEOUT_S) as connection:
         connection.sendall(EMPTY_MESSAGE)

@@ -4,7 +4,7 @@ from common.clock import NS_PER_S
 
 
 class RateCap:
-    """Lets `burst` messages pass at once and `hz` per second in the long run: the generic cell rate algorithm (GCRA).
+    """Lets `burst` messages pass immediately and `hz` per second in the long run (generic cell rate algorithm).
 
     `flooded` is set when a second's worth of messages (`hz`) had to wait, and cleared when as many passed undelayed.
     """

@@ -89,7 +89,7 @@ class Link:
     def latest(self, channel: Channel[M], cell: str, name: str = "*") -> Latest[M]:
         """A subscription that keeps only the newest messages of one key, as many as the channel's depth."""
         key = channel.key_for(cell, name)
-        self._check(channel.session, channel.heard_by, cell, f"hear {key}")
+        self._check(channel.session, channel.received_by, cell, f"receive {key}")
         handler: zenoh.handlers.RingChannel[zenoh.Sample] = zenoh.handlers.RingChannel(channel.depth)
         return Latest(self._session.declare_subscriber(key, handler), channel)
 
@@ -106,11 +106,11 @@ class Link:
     def serve(
         self, procedure: Procedure[Requested, Replied], cell: str, on_refused: OnRefused, name: str = "*"
     ) -> IdempotentServer[Requested, Replied]:
-        """A server of requests that must happen once; `on_refused` is called for queries that cannot be decoded."""
+        """A server of requests that must take effect once; `on_refused` is called for what cannot be decoded."""
         return IdempotentServer(self.answer(procedure, cell, on_refused, name), procedure.reply)
 
     def ask(self, procedure: Procedure[Q, R], cell: str, question: Q, name: str = "*") -> R | None:
-        """Ask once; None when nobody answers in time, RefusedError when one site cannot decode the other's message."""
+        """Ask once; None without an answer in time, RefusedError when one site cannot decode the other's message."""
         key = procedure.key_for(cell, name)
         self._check(ChannelSession.CONTROL, procedure.asked_by, cell, f"ask {key}")
         for reply in self._session.get(key, payload=encode(question), timeout=REQUEST_TIMEOUT_S):
@@ -121,14 +121,14 @@ class Link:
                 raise RefusedError(f"the other site {why.decode(errors='replace')}")
         return None
 
-    def may_hear(self, channel: Channel[M]) -> bool:
-        """Whether our certificate's role may subscribe to the channel; without certificates everybody may."""
-        return self._credentials is None or self._credentials.identity.role in channel.heard_by
+    def may_receive(self, channel: Channel[M]) -> bool:
+        """Whether our certificate's role may subscribe to the channel; without certificates every site may."""
+        return self._credentials is None or self._credentials.identity.role in channel.received_by
 
     def check_connected(self) -> None:
         """RefusedError with the reason when this side and the listener at one of our endpoints refuse each other.
 
-        An endpoint where nobody listens yet is no error. Takes about two seconds for each one that does not answer.
+        An endpoint where no site listens yet is no error. Takes about two seconds for each one that does not answer.
         """
         links = self._session.info.links()
         for endpoint in self._outgoing:
@@ -202,7 +202,7 @@ def open_link(
     """Open a session at explicit endpoints; TransportError when one is not allowed or cannot be opened.
 
     `sessions` are those that the endpoints belong to; the link carries their channels only. `send_buffer_bytes` is the
-    size of each connection's send buffer, None for the system's choice, which is megabytes. Listening fails at once
+    size of each connection's send buffer, None for the system's choice, which is megabytes. Listening fails immediately
     when the port is taken. Connecting continues in the background until the other side listens; RefusedError when it
     does but refuses us, or we refuse it. `through_router` is for a site that no other can connect to: all messages go
     through the router at `connect`, which is awaited for ROUTER_PATIENCE_S, or until `should_stop`.
