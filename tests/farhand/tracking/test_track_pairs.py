@@ -1,4 +1,4 @@
-"""Pairing two recordings by exposure time, and what an empty or unwritable track says."""
+"""Pairing two recordings by capture time, and what an empty or unwritable track says."""
 
 import dataclasses
 import json
