@@ -11,8 +11,8 @@ from remote_site.kinematics.joints import JointMotion
 from remote_site.reasons import Code
 from remote_site.safety.clearance import Workspace
 from remote_site.safety.guard import JointGuard, Passed, Refused
-from remote_site.safety.stopping import stop_time
-from tests.remote_site.remote_loop import arm, guard_of, workspace
+from remote_site.safety.stopping import stop_time, stops
+from tests.remote_site.remote_loop import arm, clearance, guard_of, workspace
 
 DT = 0.004
 MODEL, LIMITS = arm()
@@ -39,6 +39,11 @@ def after(motion, jerk=0.0, joint=0, dt=DT):
         motion.dq + dt * motion.ddq + dt**2 / 2 * jerks,
         motion.ddq + dt * jerks,
     )
+
+
+def a_wall():
+    """A workspace that ends right beside the tool, to the left."""
+    return Workspace(workspace().lower, np.array([0.80, 0.01, 1.25]))
 
 
 def code(verdict):
@@ -137,8 +142,7 @@ def test_a_tool_outside_the_workspace_may_only_retreat():
 
 
 def test_a_tool_that_could_not_stop_inside_the_workspace_is_refused():
-    wall = Workspace(np.array([0.15, -0.55, 0.25]), np.array([0.80, 0.01, 1.25]))
-    guard = guard_of(box=wall)
+    guard = guard_of(box=a_wall())
     left = moving(velocity=0.6)
     assert code(guard.check(after(left), left)) is Code.WORKSPACE
     assert isinstance(guard.check(guard.stop(left), left), Passed)
@@ -190,3 +194,46 @@ def test_whatever_jerks_are_proposed_the_sent_motion_stays_within_every_limit(se
             assert (sent.q >= LIMITS.lower - 1e-6).all()
             assert (sent.q <= LIMITS.upper + 1e-6).all()
             assert workspace().excess(MODEL.forward(sent.q)[:3, 3]) < 0.001
+
+
+jerks = st.lists(st.floats(-1400, 1400), min_size=6, max_size=6)
+broken = st.sampled_from([np.nan, np.inf, 1e6])
+
+
+@settings(max_examples=25, deadline=None, derandomize=True)
+@given(st.lists(st.tuples(jerks, st.integers(1, 12), st.none() | broken), max_size=12))
+def test_whatever_is_proposed_the_driver_receives_what_can_stop_where_it_may_be(sequence):
+    """The invariant on every command: finite, limits kept, and its jerk-limited stop inside joints, box and margins."""
+    guard, around, sent = guard_of(), clearance(), JointMotion.at_rest(START)
+    margin = around.collision.margin
+    for values, ticks, spoilt in sequence:
+        for _ in range(ticks):
+            jerk = np.array(values)
+            proposed = after(sent)
+            ddq = sent.ddq + DT * jerk
+            q, dq = proposed.q + DT**3 / 6 * jerk, proposed.dq + DT**2 / 2 * jerk
+            if spoilt is not None:
+                q[0] = spoilt
+            proposed = JointMotion(q, dq, ddq)
+            previous = sent
+            sent = proposed if isinstance(guard.check(proposed, sent), Passed) else guard.stop(sent)
+            assert sent.finite
+            assert (np.abs(sent.dq) <= LIMITS.velocity * 1.00001).all()
+            assert (np.abs(sent.ddq) <= LIMITS.acceleration * 1.00001).all()
+            assert (np.abs(sent.ddq - previous.ddq) <= LIMITS.jerk * DT * 1.00001).all()
+    ends = stops(sent, LIMITS)
+    for t in np.linspace(0.0, max(end.duration for end in ends), 25):
+        q = np.array([end.at(t)[0] for end in ends])
+        assert (q >= LIMITS.lower - 1e-6).all()
+        assert (q <= LIMITS.upper + 1e-6).all()
+        assert workspace().excess(MODEL.forward(q)[:3, 3]) < 0.001
+        assert around.collision.distance(q) >= margin
+
+
+def test_a_stop_that_is_replaced_by_another_motion_is_refused():
+    """Only the stop from what was sent is let through without looking at the surroundings."""
+    guard, left = guard_of(box=a_wall()), moving(velocity=0.8)
+    stop = guard.stop(left)
+    assert isinstance(guard.check(stop, left), Passed)
+    other = replace(stop, ddq=stop.ddq + 0.5)
+    assert guard.check(other, left).reason.code in (Code.WORKSPACE, Code.INCONSISTENT)

@@ -1,256 +1,144 @@
-"""Every check between the wire and the driver is needed: with any one taken away, the test named beside it fails."""
-
-from dataclasses import replace
+"""Every check of validator and pipeline is needed: with any one taken away, the test named beside it fails."""
 
 import numpy as np
 import pytest
-from hypothesis import given, settings
-from hypothesis import strategies as st
 
 from common.clock import NS_PER_MS
+from common.messages.hand import TrackingStatus
 from common.messages.robot import SessionState
-from remote_site.config import RemoteConfig
-from remote_site.kinematics import limits as limits_module
-from remote_site.kinematics.joints import JointMotion
 from remote_site.reasons import Code
-from remote_site.safety.clearance import ClearanceCheck
-from remote_site.safety.collision import ClearanceCache, CollisionModel
-from remote_site.safety.config import CollisionConfig, FixtureConfig, SafetyConfig
-from remote_site.safety.guard import Guard, JointGuard, Passed
-from remote_site.safety.stopping import stops
+from remote_site.safety.config import SafetyConfig
 from remote_site.session.hand_signal import HandSignal
 from remote_site.session.state_machine import Session
+from remote_site.teleop import sample_validator as validator_module
+from remote_site.teleop.pipeline import TeleopPipeline
 from remote_site.teleop.sample_validator import SampleValidator
 from tests.remote_site.mutation import Mutation
-from tests.remote_site.remote_loop import (
-    RemoteLoop,
-    arm,
-    clearance,
-    guard_of,
-    hand,
-    workspace,
-)
-from tests.remote_site.safety import test_collision, test_guard
+from tests.remote_site.remote_loop import RemoteLoop, hand
+from tests.remote_site.teleop import test_certainty as of_certainty
+from tests.remote_site.teleop import test_lease_in_pipeline as of_lease
+from tests.remote_site.teleop import test_sample_validator as of_validator
 
-MODEL, LIMITS = arm()
-START = RemoteConfig().robot.start
-DT = 0.004
 NAN = float("nan")
 
 
-def a_wall():
-    """Surroundings whose tool box ends right beside the tool, to the left."""
-    box = workspace()
-    return type(box)(box.lower, np.array([0.80, 0.01, 1.25]))
+def validator(test, *arguments):
+    return lambda: test(SampleValidator(SafetyConfig()), *arguments)
 
 
-def a_post(thickness=0.01):
-    """Surroundings with a thin post between two places that are clear."""
-    post = FixtureConfig(name="post", min_m=(0.4, 0.10, 0.0), max_m=(0.5, 0.10 + thickness, 1.2))
-    collision = CollisionConfig(margin_m=0.005, slow_m=0.02, fixtures=(post,))
-    return RemoteConfig(safety=SafetyConfig(collision=collision))
+def not_tracked(status, expected):
+    test = of_validator.test_a_hand_that_is_not_tracked_is_refused_with_the_trackers_reason
+    return validator(test, {"status": status}, expected)
 
 
-def coasting(velocity, joint=0):
-    return test_guard.moving(velocity=velocity, joint=joint)
+def no_orientation(**changes):
+    test = of_validator.test_no_orientation_while_a_tip_is_missing_or_inferred_or_the_hand_is_open
+    return validator(test, changes)
 
 
-def nan_never_passes():
-    guard = guard_of()
-    for field in ("q", "dq", "ddq"):
-        test_guard.test_nothing_that_is_not_finite_passes(guard, field, NAN, 0)
+def others_move_nothing():
+    loop = RemoteLoop()
+    loop.run(of_lease.TICKS_PER_SAMPLE * 40, of_lease.swaying)
+    assert loop.states[-1] is SessionState.ENGAGED
+    of_lease.test_a_second_operators_samples_are_counted_and_change_nothing(loop)
 
 
-def no_velocity_is_due_beyond_its_limit():
-    """Slow enough now, but the acceleration cannot be taken back in time."""
-    rising = test_guard.moving(velocity=LIMITS.velocity[0] - 0.042, acceleration=9.0)
-    assert test_guard.code(guard_of().check(test_guard.after(rising), rising)) is Code.VELOCITY
-
-
-def no_joint_runs_into_its_limit():
-    test_guard.test_a_joint_that_could_not_stop_before_its_limit_is_refused(0, 1)
-
-
-def no_tool_leaves_its_box():
-    guard, left = guard_of(box=a_wall()), coasting(0.6)
-    assert not isinstance(guard.check(test_guard.after(left), left), Passed)
-
-
-def nothing_is_hit_on_the_way_to_rest():
-    guard, fast = guard_of(a_post()), coasting(3.0)
-    assert not isinstance(guard.check(test_guard.after(fast), fast), Passed)
-
-
-def nothing_is_hit_at_rest():
-    guard, slow = guard_of(a_post(thickness=0.4)), coasting(1.2)
-    assert not isinstance(guard.check(test_guard.after(slow), slow), Passed)
-
-
-def an_arm_too_near_does_not_come_nearer():
-    """The gripper is 0.28 m above the table, which wants 0.3 m; joint 2 forward lowers it."""
-    table = FixtureConfig(name="table", min_m=(0.3, -1.0, 0.0), max_m=(1.0, 1.0, 0.558))
-    collision = CollisionConfig(margin_m=0.19, slow_m=0.2, fixtures=(replace_top(table, 0.7),))
-    guard = guard_of(RemoteConfig(safety=SafetyConfig(collision=collision)))
-    rest = JointMotion.at_rest(START)
-    assert not isinstance(guard.check(test_guard.after(rest, -300.0, 1), rest), Passed)
-    assert isinstance(guard.check(test_guard.after(rest, 300.0, 1), rest), Passed)
-
-
-def replace_top(fixture, top):
-    return FixtureConfig(name=fixture.name, min_m=fixture.min_m, max_m=(*fixture.max_m[:2], top))
-
-
-def broken_joints_are_near_everything():
-    test_collision.test_joints_that_are_not_finite_are_never_far_from_anything(NAN, 0)
-
-
-def nothing_comes_near_unseen():
-    test_collision.test_what_an_earlier_measurement_leaves_is_never_more_than_the_distance()
-
-
-def what_was_noted_elsewhere_does_not_count():
-    test_collision.test_a_clearance_is_used_up_by_the_travel_from_where_it_was_noted()
-
-
-def no_room_covers_nothing():
-    test_collision.test_what_has_no_clearance_or_is_not_finite_is_never_covered(-0.01)
-
-
-def configuration_never_widens():
-    from tests.remote_site.kinematics.test_arm_model import test_an_attempt_to_widen_names_every_joint_and_value as body
-
-    body()
-
-
-MUTATIONS = [
-    (Mutation(Guard, "check", "if not (proposed.finite and sent.finite):", "if False:"), nan_never_passes),
+# A condition that stands after `if`, and never is so any more.
+CONDITIONS = [
     (
-        Mutation(JointGuard, "_dynamics", "speed = max(abs(v), abs(v + a * abs(a) / (2 * jerk)))", "speed = 0.0"),
-        lambda: test_guard.test_too_fast_is_refused(guard_of(), 0, 1),
+        SampleValidator,
+        "_time",
+        "age_ns < 0",
+        validator(of_validator.test_a_sample_from_the_future_is_refused_and_does_not_block_the_next),
     ),
     (
-        Mutation(JointGuard, "_dynamics", "max(abs(v), abs(v + a * abs(a) / (2 * jerk)))", "abs(v)"),
-        no_velocity_is_due_beyond_its_limit,
+        SampleValidator,
+        "_time",
+        "age_ns > self._soft_ns",
+        validator(of_validator.test_age_counts_from_capture_with_the_offset_and_its_uncertainty),
     ),
     (
-        Mutation(JointGuard, "_dynamics", "if not -acceleration <= a <= acceleration:", "if False:"),
-        lambda: test_guard.test_too_much_acceleration_is_refused(guard_of(), 0, 1),
+        SampleValidator,
+        "_time",
+        "sample.session == self._session and sample.capture_ns <= self._capture_ns",
+        validator(of_validator.test_a_later_number_on_the_same_picture_is_refused),
     ),
     (
-        Mutation(JointGuard, "_dynamics", "if not -step <= a - a0 <= step:", "if False:"),
-        lambda: test_guard.test_too_much_jerk_is_refused(guard_of(), 0, 1),
+        SampleValidator,
+        "_judge",
+        "certainty.position == 0.0",
+        of_certainty.test_a_poor_wrist_holds_the_arm_with_its_reason_and_good_ones_resume,
     ),
     (
-        Mutation(JointGuard, "_dynamics", "abs(v - v0 - half * (a + a0)) > velocity_off + POSITION", "False"),
-        lambda: test_guard.test_velocity_must_follow_from_the_acceleration_even_if_the_position_fits(guard_of(), 0),
+        SampleValidator,
+        "_judge",
+        "not math.isfinite(sum(shown_at))",
+        validator(of_validator.test_a_wrist_that_is_not_finite_is_refused, NAN),
     ),
     (
-        Mutation(JointGuard, "_dynamics", "abs(q - q0 - half * (v + v0)) > position_off + POSITION", "False"),
-        lambda: test_guard.test_position_and_velocity_must_follow_from_the_last_command(guard_of(), 0, 0.0, 1e-5),
+        SampleValidator,
+        "_judge",
+        "(jump := self._jump(position, sample.capture_ns)) is not None",
+        validator(of_validator.test_a_jump_is_refused_and_three_in_a_row_latch),
     ),
     (
-        Mutation(CollisionModel, "clearances", "if not math.isfinite(sum(q.tolist())):", "if False:"),
-        broken_joints_are_near_everything,
+        validator_module,
+        "clock_offset",
+        "age_ns > OFFSET_VALID_NS",
+        validator(of_validator.test_a_clock_offset_counts_for_five_seconds),
+    ),
+    (TeleopPipeline, "_receive", "not isinstance(held, Lease)", others_move_nothing),
+]
+# Any other text, and what stands there instead.
+TEXTS = [
+    (
+        SampleValidator,
+        "_order",
+        "sample.seq > self._seq",
+        "True",
+        validator(of_validator.test_duplicates_and_older_samples_are_refused),
     ),
     (
-        Mutation(CollisionModel, "_bounds", "np.vecdot(self.levers, np.abs(q - self._at))", "0.0"),
-        nothing_comes_near_unseen,
-    ),
-    (Mutation(ClearanceCache, "covers", "return used <= 1.0", "return True"), no_tool_leaves_its_box),
-    (Mutation(ClearanceCache, "covers", "(abs(here - there) + more)", "more"), what_was_noted_elsewhere_does_not_count),
-    (
-        Mutation(ClearanceCache, "note", "if clearances.min(initial=math.inf) > 0.0:", "if True:"),
-        no_room_covers_nothing,
+        SampleValidator,
+        "_remember",
+        "and sample.session != self._session",
+        "and False",
+        validator(of_validator.test_a_new_session_is_noticed),
     ),
     (
-        Mutation(JointGuard, "check_finite", "broken = self._position(proposed, sent, spans)", "broken = None"),
-        no_joint_runs_into_its_limit,
+        SampleValidator,
+        "_judge",
+        " or sample.status in (TrackingStatus.LOST, TrackingStatus.INITIALISING)",
+        "",
+        not_tracked(TrackingStatus.LOST, Code.LOST),
     ),
     (
-        Mutation(JointGuard, "_position", " and excess > self._excess(sent, i) + POSITION", ""),
-        lambda: test_guard.test_an_arm_outside_its_limits_may_only_retreat(guard_of()),
+        SampleValidator,
+        "_judge",
+        " if certainty.orientation else None",
+        "",
+        validator(of_validator.test_the_orientation_of_tips_that_are_poorly_known_never_acts_however_calm),
     ),
-    (Mutation(Guard, "check", "self._clearance.clear(ends, doubtful)", "True"), no_tool_leaves_its_box),
+    (validator_module, "_orientation", "or sample.hand_open", "", no_orientation(hand_open=True)),
+    (validator_module, "_orientation", "or sample.thumb_inferred", "", no_orientation(thumb_inferred=True)),
     (
-        Mutation(Guard, "check", "if not len(doubtful):", "if True:"),
-        no_tool_leaves_its_box,
-    ),
-    (
-        Mutation(ClearanceCheck, "_look", "[self._depth(q)]", "[1.0]"),
-        no_tool_leaves_its_box,
-    ),
-    (
-        Mutation(
-            ClearanceCheck, "_look", "self.collision.clearances(q, reach, self._kept)", "self._levers[1:, 0] + 1.0"
-        ),
-        nothing_is_hit_at_rest,
-    ),
-    (
-        Mutation(ClearanceCheck, "clear", "if not (self._clearances(last, doubtful) >= -POSITION).all():", "if False:"),
-        nothing_is_hit_at_rest,
-    ),
-    (
-        Mutation(JointGuard, "_position", "if lower + reach <= middle <= upper - reach:", "if True:"),
-        no_joint_runs_into_its_limit,
-    ),
-    (
-        Mutation(
-            ClearanceCheck,
-            "_clearances",
-            "self.collision.distances(q, indices[indices > 0] - 1) - self._kept",
-            "self.collision.distances(q, indices[indices > 0] - 1) + 1.0",
-        ),
-        nothing_is_hit_at_rest,
-    ),
-    (
-        Mutation(ClearanceCheck, "_depth", "return ", "return 1.0 + "),
-        no_tool_leaves_its_box,
-    ),
-    (
-        Mutation(
-            ClearanceCheck,
-            "_doubtful",
-            "indices[~enough]",
-            "indices[:0]",
-        ),
-        nothing_is_hit_on_the_way_to_rest,
-    ),
-    (
-        Mutation(
-            ClearanceCheck,
-            "_doubtful",
-            "clearances >= travel - np.minimum(travel, TOLERANCE) - POSITION",
-            "clearances >= -1.0",
-        ),
-        nothing_is_hit_on_the_way_to_rest,
-    ),
-    (
-        Mutation(
-            ClearanceCheck, "retreats", "return bool((self._worst(ends) >= allowed - POSITION).all())", "return True"
-        ),
-        an_arm_too_near_does_not_come_nearer,
-    ),
-    (
-        Mutation(Guard, "check", "if self._clearance.retreats(ends, sent.q):", "if False:"),
-        an_arm_too_near_does_not_come_nearer,
-    ),
-    (
-        Mutation(CollisionModel, "distances", "if not math.isfinite(sum(q.tolist())):", "if False:"),
-        broken_joints_are_near_everything,
-    ),
-    (
-        Mutation(limits_module, "_widening", "if own[0] <= wanted[0] and wanted[1] <= own[1]:", "if True:"),
-        configuration_never_widens,
+        validator_module,
+        "clock_offset",
+        " or clock.measured_ns > now_ns",
+        "",
+        validator(of_validator.test_a_clock_offset_from_the_future_of_our_clock_is_none),
     ),
 ]
-IDS = [f"{m.function}: {m.check}" for m, _ in MUTATIONS]
+MUTATIONS = [(Mutation(o, f, f"if {c}:", "if False:"), body) for o, f, c, body in CONDITIONS]
+MUTATIONS += [(Mutation(o, f, text, instead), body) for o, f, text, instead, body in TEXTS]
+IDS = [f"{m.function}: {m.check} -> {m.instead}" for m, _ in MUTATIONS]
 
 
 @pytest.mark.parametrize(("mutation", "body"), MUTATIONS, ids=IDS)
-def test_no_check_of_the_guard_can_be_taken_away(mutation, body, monkeypatch):
+def test_no_check_before_the_arm_can_be_taken_away(mutation, body, monkeypatch):
     body()
     mutation.apply(monkeypatch)
-    with pytest.raises((AssertionError, ValueError, pytest.fail.Exception)):
+    with pytest.raises((AssertionError, AttributeError, ValueError)):
         body()
 
 
@@ -325,46 +213,3 @@ def test_no_check_of_intake_and_session_can_be_taken_away(owner, check, instead,
     monkeypatch.setattr(owner, check, instead)
     with pytest.raises(AssertionError):
         body()
-
-
-jerks = st.lists(st.floats(-1400, 1400), min_size=6, max_size=6)
-broken = st.sampled_from([NAN, float("inf"), 1e6])
-
-
-@settings(max_examples=25, deadline=None, derandomize=True)
-@given(st.lists(st.tuples(jerks, st.integers(1, 12), st.none() | broken), max_size=12))
-def test_whatever_is_proposed_the_driver_receives_what_can_stop_where_it_may_be(sequence):
-    """The invariant on every command: finite, limits kept, and its jerk-limited stop inside joints, box and margins."""
-    guard, around, sent = guard_of(), clearance(), JointMotion.at_rest(START)
-    margin = around.collision.margin
-    for values, ticks, spoilt in sequence:
-        for _ in range(ticks):
-            jerk = np.array(values)
-            proposed = test_guard.after(sent)
-            ddq = sent.ddq + DT * jerk
-            q, dq = proposed.q + DT**3 / 6 * jerk, proposed.dq + DT**2 / 2 * jerk
-            if spoilt is not None:
-                q[0] = spoilt
-            proposed = JointMotion(q, dq, ddq)
-            previous = sent
-            sent = proposed if isinstance(guard.check(proposed, sent), Passed) else guard.stop(sent)
-            assert sent.finite
-            assert (np.abs(sent.dq) <= LIMITS.velocity * 1.00001).all()
-            assert (np.abs(sent.ddq) <= LIMITS.acceleration * 1.00001).all()
-            assert (np.abs(sent.ddq - previous.ddq) <= LIMITS.jerk * DT * 1.00001).all()
-    ends = stops(sent, LIMITS)
-    for t in np.linspace(0.0, max(end.duration for end in ends), 25):
-        q = np.array([end.at(t)[0] for end in ends])
-        assert (q >= LIMITS.lower - 1e-6).all()
-        assert (q <= LIMITS.upper + 1e-6).all()
-        assert workspace().excess(MODEL.forward(q)[:3, 3]) < 0.001
-        assert around.collision.distance(q) >= margin
-
-
-def test_a_stop_that_is_replaced_by_another_motion_is_refused():
-    """Only the stop from what was sent is let through without looking at the surroundings."""
-    guard, left = guard_of(box=a_wall()), coasting(0.8)
-    stop = guard.stop(left)
-    assert isinstance(guard.check(stop, left), Passed)
-    other = replace(stop, ddq=stop.ddq + 0.5)
-    assert guard.check(other, left).reason.code in (Code.WORKSPACE, Code.INCONSISTENT)

@@ -1,0 +1,111 @@
+"""Engagement has to be earned: good samples in a row, everything ready, and a request where one is needed."""
+
+import pytest
+
+from common.messages.robot import SessionState
+from remote_site.reasons import Code, reason
+from remote_site.session.config import EngagementMode
+from remote_site.session.samples import Rejected
+from remote_site.session.state_machine import Action
+from tests.remote_site.session.session_rig import (
+    DEAD,
+    JUMPS,
+    LOST,
+    MOVING,
+    NO_OFFSET,
+    OLD_OFFSET,
+    OTHERS,
+    READY,
+    SessionRig,
+    good,
+)
+
+
+def test_thirty_good_frames_engage_once_and_capture():
+    rig = SessionRig()
+    decision = rig.frames(29)
+    assert (decision.state, decision.action) == (SessionState.DISENGAGED, Action.STOP)
+    assert decision.reason.code is Code.COLLECTING
+    decision = rig.frames(1)
+    assert (decision.state, decision.action) == (SessionState.ENGAGED, Action.CAPTURE)
+    assert rig.frames(1).action is Action.FOLLOW
+
+
+def test_manual_engagement_waits_to_be_asked():
+    rig = SessionRig(mode=EngagementMode.ON_REQUEST)
+    assert rig.frames(60).state is SessionState.DISENGAGED
+    assert rig.session.request_engage(rig.now_ns, READY).done
+    assert rig.wait(4).action is Action.CAPTURE
+
+
+@pytest.mark.parametrize(
+    ("prepare", "robot", "expected"),
+    [
+        (lambda rig: rig.wait(4), READY, Code.NO_HAND),
+        (lambda rig: rig.frames(12), READY, Code.COLLECTING),
+        (lambda rig: rig.frames(30, DEAD), DEAD, Code.ROBOT_NOT_READY),
+        (lambda rig: rig.frames(30, MOVING), MOVING, Code.MOVING),
+        (lambda rig: (rig.frames(40), rig.wait(101)), READY, Code.STALE),
+        (lambda rig: (rig.frames(40), rig.session.sample(LOST)), READY, Code.LOST),
+        (lambda rig: rig.session.fault("driver died"), READY, Code.FAULT),
+        (lambda rig: (rig.frames(40), rig.session.authorise(None)), READY, Code.NO_LEASE),
+        (lambda rig: (rig.frames(40), rig.session.sample(NO_OFFSET)), READY, Code.NO_OFFSET),
+        (lambda rig: (rig.frames(40), rig.session.sample(OLD_OFFSET)), READY, Code.OLD_OFFSET),
+    ],
+)
+def test_engaging_is_refused_with_the_reason(prepare, robot, expected):
+    rig = SessionRig(mode=EngagementMode.ON_REQUEST)
+    prepare(rig)
+    answer = rig.session.request_engage(rig.now_ns, robot)
+    assert not answer.done
+    assert answer.reason.code is expected
+    assert rig.wait(0, robot).state is not SessionState.ENGAGED
+
+
+def test_a_gap_between_good_frames_counts_them_anew():
+    rig = SessionRig()
+    rig.frames(29)
+    rig.wait(101)
+    assert rig.frames(29).state is SessionState.DISENGAGED
+    assert rig.frames(1).state is SessionState.ENGAGED
+
+
+def test_a_lost_frame_counts_anew_but_a_duplicate_does_not():
+    rig = SessionRig()
+    rig.frames(20)
+    rig.session.sample(Rejected(reason(Code.DUPLICATE, seq=3)))
+    assert rig.frames(10).state is SessionState.ENGAGED
+    rig = SessionRig()
+    rig.frames(20)
+    rig.session.sample(LOST)
+    assert rig.frames(29).state is SessionState.DISENGAGED
+
+
+def test_a_new_session_before_the_first_engagement_disarms_the_automatic_one():
+    rig = SessionRig()
+    rig.frames(10)
+    rig.session.sample(good(rig.now_ns, new_session=True))
+    assert rig.frames(100).state is SessionState.DISENGAGED
+
+
+def test_disengaging_before_the_first_engagement_disarms_the_automatic_one():
+    rig = SessionRig()
+    rig.frames(10)
+    rig.session.request_disengage()
+    assert rig.frames(100).state is SessionState.DISENGAGED
+
+
+def test_jumps_before_the_first_engagement_only_count_anew():
+    rig = SessionRig()
+    rig.frames(10)
+    rig.session.sample(JUMPS)
+    assert rig.frames(29).state is SessionState.DISENGAGED
+    assert rig.frames(1).state is SessionState.ENGAGED
+
+
+def test_what_one_operator_has_shown_does_not_count_for_the_next():
+    rig = SessionRig(mode=EngagementMode.ON_REQUEST)
+    rig.frames(40)
+    rig.session.authorise(OTHERS)
+    answer = rig.session.request_engage(rig.now_ns, READY)
+    assert (answer.done, answer.reason.code) == (False, Code.NO_HAND)

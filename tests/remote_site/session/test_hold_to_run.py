@@ -1,0 +1,121 @@
+"""Hold-to-run: the arm follows while a key or pedal is held, and only after a press of its own."""
+
+import pytest
+
+from common.messages.robot import SessionState
+from remote_site.reasons import Code, reason
+from remote_site.session.config import EngagementMode
+from remote_site.session.samples import Rejected
+from remote_site.session.state_machine import Action
+from tests.remote_site.session.session_rig import (
+    DEAD,
+    JUMPS,
+    LEASE,
+    READY,
+    SessionRig,
+    engaged,
+    good,
+    held,
+)
+
+HELD_DOWN = [(EngagementMode.HOLD_TO_RUN, "key"), (EngagementMode.PEDAL, "pedal")]
+
+
+def test_a_key_pressed_anew_does_not_engage_while_stopped():
+    rig = held()
+    rig.session.stop("ben")
+    rig.frames(40)
+    assert rig.frames(40, held=True).state is SessionState.DISENGAGED
+    rig.session.reset()
+    assert rig.frames(1, held=True).action is Action.CAPTURE
+
+
+@pytest.mark.parametrize(("mode", "name"), HELD_DOWN)
+def test_the_arm_follows_while_the_input_is_held_and_stops_when_it_is_let_go(mode, name):
+    rig = held(mode)
+    assert rig.frames(20, held=True).action is Action.FOLLOW
+    decision = rig.frames(1)
+    assert (decision.state, decision.action, decision.reason.code) == (
+        SessionState.DISENGAGED,
+        Action.STOP,
+        Code.LET_GO,
+    )
+    assert name in decision.reason.sentence
+    assert rig.frames(50).state is SessionState.DISENGAGED
+    assert rig.frames(1, held=True).action is Action.CAPTURE
+
+
+def test_letting_go_for_a_single_sample_is_a_clutch():
+    rig = held()
+    assert rig.frames(1).state is SessionState.DISENGAGED
+    assert rig.frames(1, held=True).action is Action.CAPTURE
+
+
+def test_an_input_held_before_all_is_ready_counts_when_it_is():
+    rig = SessionRig(mode=EngagementMode.HOLD_TO_RUN)
+    rig.frames(1)
+    assert rig.frames(28, held=True).state is SessionState.DISENGAGED
+    assert rig.frames(1, held=True).action is Action.CAPTURE
+
+
+def test_an_input_that_was_never_seen_let_go_engages_nothing():
+    rig = SessionRig(mode=EngagementMode.HOLD_TO_RUN)
+    assert rig.frames(90, held=True).state is SessionState.DISENGAGED
+    answer = rig.session.request_engage(rig.now_ns, READY)
+    assert (answer.done, answer.reason.code) == (False, Code.LET_GO_FIRST)
+    rig.frames(1)
+    assert rig.session.request_engage(rig.now_ns, READY).reason.code is Code.NOT_HELD
+
+
+@pytest.mark.parametrize(
+    "end",
+    [
+        lambda rig: rig.wait(501),
+        lambda rig: rig.session.sample(JUMPS),
+        lambda rig: (rig.session.authorise(None), rig.session.authorise(LEASE)),
+        lambda rig: rig.session.sample(good(rig.now_ns, new_session=True, held=True)),
+        lambda rig: rig.wait(4, DEAD),
+        lambda rig: (rig.session.fault("x"), rig.session.reset()),
+        lambda rig: rig.session.request_disengage(),
+    ],
+)
+def test_an_input_still_held_after_the_end_of_an_engagement_has_to_be_pressed_anew(end):
+    rig = held()
+    end(rig)
+    assert rig.frames(90, held=True).state is not SessionState.ENGAGED
+    rig.frames(1)
+    assert rig.frames(1, held=True).action is Action.CAPTURE
+
+
+def test_an_input_held_while_the_hand_was_away_has_to_be_pressed_anew():
+    rig = SessionRig(mode=EngagementMode.HOLD_TO_RUN)
+    rig.frames(5)
+    rig.frames(5, held=True)
+    rig.wait(600)
+    assert rig.frames(90, held=True).state is SessionState.DISENGAGED
+
+
+def test_letting_go_counts_even_in_a_sample_whose_hand_is_lost():
+    rig = held()
+    rig.session.sample(Rejected(reason(Code.LOST, reason="gone"), hand_lost=True, held=False))
+    assert rig.wait(4).reason.code is Code.LET_GO
+
+
+def test_the_key_means_nothing_where_engagement_is_automatic():
+    rig = engaged()
+    rig.frames(5, held=True)
+    assert rig.frames(5).action is Action.FOLLOW
+
+
+def test_readiness_is_told_apart_from_what_the_operator_wants():
+    rig = SessionRig(mode=EngagementMode.HOLD_TO_RUN)
+    rig.frames(10)
+    assert rig.session.readiness(rig.now_ns, READY).reason.code is Code.COLLECTING
+    rig.frames(20)
+    assert rig.session.readiness(rig.now_ns, READY).reason.code is Code.READY
+    assert not rig.session.held
+    rig.frames(1, held=True)
+    assert rig.session.held
+    rig.session.fault("x")
+    answer = rig.session.readiness(rig.now_ns, READY)
+    assert (answer.done, answer.reason.code) == (False, Code.FAULT)
