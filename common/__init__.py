@@ -1,1 +1,1 @@
-"""What both sites have in common: messages, time, geometry, links, configuration, a daemon's life."""
+"""What both sites have in common: messages, time, geometry, links, configuration, a daemon's lifecycle."""

@@ -62,22 +62,22 @@ class ClockOffset:
 
 @dataclass(frozen=True, slots=True)
 class RoundTrip:
-    """One query of the other host's clock: asked and heard by our clock, received and answered by the other, ns."""
+    """One query of the other host's clock, ns: `asked_ns` and `reply_ns` by our clock, the other two by the other's."""
 
     asked_ns: int
     received_ns: int
     answered_ns: int
-    heard_ns: int
+    reply_ns: int
 
     @property
     def duration_ns(self) -> int:
         """The time that query and answer spent in transit."""
-        return (self.heard_ns - self.asked_ns) - (self.answered_ns - self.received_ns)
+        return (self.reply_ns - self.asked_ns) - (self.answered_ns - self.received_ns)
 
     @property
     def offset_ns(self) -> int:
         """The other clock minus ours, assuming equal transit times; off by half the duration at most."""
-        return ((self.received_ns - self.asked_ns) + (self.answered_ns - self.heard_ns)) // 2
+        return ((self.received_ns - self.asked_ns) + (self.answered_ns - self.reply_ns)) // 2
 
     @property
     def possible(self) -> bool:
@@ -86,12 +86,12 @@ class RoundTrip:
 
     def uncertainty_ns(self, now_ns: int) -> int:
         """Half the duration, as transit times may differ, and the possible drift since."""
-        return self.duration_ns // 2 + 1 + max(0, now_ns - self.heard_ns) // DRIFT
+        return self.duration_ns // 2 + 1 + max(0, now_ns - self.reply_ns) // DRIFT
 
 
 @dataclass(frozen=True, slots=True)
 class ClockEstimate:
-    """The offset as known now, and the time of its measurement by the other clock."""
+    """The newest estimate of the offset, and the time of its measurement by the other clock."""
 
     offset: ClockOffset
     measured_ns: int
@@ -109,7 +109,7 @@ class OffsetEstimator:
             return
         if self._contradicted(trip):
             self._best.clear()
-        if self._best and self._best[-1].heard_ns // NS_PER_S == trip.heard_ns // NS_PER_S:
+        if self._best and self._best[-1].reply_ns // NS_PER_S == trip.reply_ns // NS_PER_S:
             if trip.duration_ns >= self._best[-1].duration_ns:
                 return
             self._best.pop()
@@ -117,7 +117,7 @@ class OffsetEstimator:
 
     def estimate(self, now_ns: int) -> ClockEstimate | None:
         """The other clock minus ours; None without a round trip in the last four seconds."""
-        while self._best and now_ns - self._best[0].heard_ns > KEPT_NS:
+        while self._best and now_ns - self._best[0].reply_ns > KEPT_NS:
             self._best.popleft()
         if not self._best:
             return None
@@ -125,8 +125,8 @@ class OffsetEstimator:
         return ClockEstimate(ClockOffset(best.offset_ns, best.uncertainty_ns(now_ns)), best.answered_ns)
 
     def _contradicted(self, trip: RoundTrip) -> bool:
-        known = self.estimate(trip.heard_ns)
+        known = self.estimate(trip.reply_ns)
         if known is None:
             return False
         apart_ns = abs(trip.offset_ns - known.offset.offset_ns)
-        return apart_ns > known.offset.uncertainty_ns + trip.uncertainty_ns(trip.heard_ns)
+        return apart_ns > known.offset.uncertainty_ns + trip.uncertainty_ns(trip.reply_ns)

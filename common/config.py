@@ -1,4 +1,4 @@
-"""From TOML and --set to a checked struct: every mistake at once, each with its line and its cure."""
+"""From TOML and --set to a checked struct: all mistakes in one error, each with its line and its cure."""
 
 import codecs
 import difflib
@@ -32,7 +32,7 @@ class ConfigMistake:
 def load_config(struct: type[S], path: Path | None, settings: Sequence[str] = ()) -> S:
     """Read a TOML file (None for the defaults), apply `key=value` settings over it, and check it all.
 
-    Raises ConfigError with every mistake of the file and the settings, a line each: place, what is wrong, cure.
+    Raises ConfigError with every mistake of the file and the settings, one per line: source, what is wrong, cure.
     """
     table = read_tables(path)
     set_paths = {apply_setting(table, setting) for setting in settings}
@@ -86,7 +86,7 @@ def _value(expected: Any, value: Any, path: KeyPath, mistakes: list[ConfigMistak
         bare = get_args(expected)[0] if get_origin(expected) is Annotated else expected
         choices = ", ".join(map(str, get_args(bare))) if get_origin(bare) is Literal else ""
         cure = f"choose one of {choices}" if choices else str(error)
-        mistakes.append(ConfigMistake(path, f"{value!r} will not do: {cure}"))
+        mistakes.append(ConfigMistake(path, f"{value!r} is not allowed: {cure}"))
         return None
 
 
@@ -115,7 +115,7 @@ def _read(path: Path) -> str:
 
 
 def apply_setting(table: dict[str, Any], setting: str) -> KeyPath:
-    """Put a `table.key=value` setting into the tables, and give its key; ConfigError where it is no setting."""
+    """Put a `table.key=value` setting into the tables, and return its key; ConfigError for an invalid setting."""
     key, separator, raw = setting.partition("=")
     path = tuple(part.strip() for part in key.split("."))
     if not separator or not all(path):
@@ -158,5 +158,5 @@ def _describe(mistake: ConfigMistake, path: Path | None, lines: Mapping[KeyPath,
     if mistake.path in set_paths:
         return f"--set {key}: {mistake.text}"
     line = next((lines[mistake.path[:n]] for n in range(len(mistake.path), 0, -1) if mistake.path[:n] in lines), None)
-    place = str(path) if path is not None else "configuration"
-    return f"{place}:{line}: {key}: {mistake.text}" if line else f"{place}: {key}: {mistake.text}"
+    source = str(path) if path is not None else "configuration"
+    return f"{source}:{line}: {key}: {mistake.text}" if line else f"{source}: {key}: {mistake.text}"

@@ -22,7 +22,7 @@ class TransportError(FarhandError):
 
 
 class RefusedError(TransportError):
-    """Both sides cannot or may not talk to each other; the text says why."""
+    """Both sides cannot or may not talk to each other; the text gives the reason."""
 
 
 class CameraError(FarhandError):

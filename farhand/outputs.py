@@ -1,4 +1,4 @@
-"""Files and folders of results: writable, and never over what they are made from."""
+"""Files and folders of results: writable, and never over their inputs."""
 
 import glob
 import os
@@ -44,7 +44,7 @@ def _refuse_inputs(option: str, out: Path, inputs: Iterable[str | Path]) -> None
 
 
 def make_folder(option: str, folder: Path) -> None:
-    """Make a folder of results if need be; ConfigError, before any work, if it cannot be made or written."""
+    """Create a folder of results if it is missing; ConfigError, before any work, if it cannot be made or written."""
     try:
         folder.mkdir(parents=True, exist_ok=True)
     except OSError as error:

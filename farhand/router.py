@@ -28,7 +28,7 @@ class RouterConfig(LinkSecurity, frozen=True, kw_only=True, forbid_unknown_field
         tuple[EndpointName, ...], Meta(min_length=1, max_length=8, description="endpoints for the sites of all cells")
     ] = ("tcp/127.0.0.1:7450",)
     cells: Annotated[
-        tuple[str, ...], Meta(min_length=1, max_length=64, description="the cells whose sites meet here")
+        tuple[str, ...], Meta(min_length=1, max_length=64, description="the cells whose sites connect here")
     ] = ("cell",)
 
     def __post_init__(self) -> None:

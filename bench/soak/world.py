@@ -1,4 +1,4 @@
-"""Pipeline, supervisor and driver on stepped time: control ticks every 4 ms unless it stumbles."""
+"""Pipeline, supervisor and driver on stepped time: control ticks every 4 ms unless it stalls."""
 
 from collections import Counter
 from collections.abc import Callable
@@ -8,7 +8,7 @@ from random import Random
 import msgspec
 
 from bench.soak.operator import RandomOperator
-from bench.soak.robot import TroubledDriver
+from bench.soak.robot import FaultInjectingDriver
 from common.clock import NS_PER_MS, NS_PER_S, FakeClock
 from common.messages.requests import EngagementAction
 from common.messages.robot import SessionState
@@ -33,9 +33,9 @@ from remote_site.teleop.pipeline import TeleopPipeline
 CONFIG = msgspec.structs.replace(RemoteConfig(), engagement=EngagementConfig(mode=EngagementMode.ON_REQUEST, frames=10))
 TURN_NS = 2 * NS_PER_MS
 ASK_NS = 300 * NS_PER_MS
-TICKS_PER_STUMBLE = 400  # on the average
-STUMBLE_MS, LONG_STUMBLE_MS = (1, 150), (300, 900)
-LONG_SHARE = 0.25
+TICKS_PER_STALL = 400  # on average
+STALL_MS, LONG_STALL_MS = (1, 150), (300, 900)
+LONG_FRACTION = 0.25
 FOR_EVER_NS = 10**15
 
 MakeRobot = Callable[[RemoteConfig], tuple[FakeClock, Driver]]
@@ -49,7 +49,7 @@ class Ticks:
     states: list[SessionState] = field(default_factory=list)
     born_ns: list[int] = field(default_factory=list)
     faults: Counter[str] = field(default_factory=Counter)
-    stumbles: int = 0
+    stalls: int = 0
     engagements: int = 0
 
 
@@ -61,7 +61,7 @@ class World:
         self.clock, driver = make(CONFIG)
         robot, begin_ns = CONFIG.robot, self.clock.now_ns()
         self.model, self.limits = load_arm(robot)
-        self.driver = TroubledDriver(driver, self._luck, self.clock, self._only_control)
+        self.driver = FaultInjectingDriver(driver, self._luck, self.clock, self._only_control)
         setup, memory = setup_of(CONFIG), DriverMemory.create(len(robot.start_deg))
         self.driver.configure(setup)
         self._supervisor = DriverSupervisor(
@@ -100,16 +100,16 @@ class World:
             self.clock.sleep_until_ns(self._control_ns)
             self._rate.wait()
             self._tick(self.clock.now_ns())
-            self._control_ns = self._rate.next_ns + self._stumble_ns()
+            self._control_ns = self._rate.next_ns + self._stall_ns()
         self.clock.sleep_until_ns(until_ns)
 
-    def _stumble_ns(self) -> int:
+    def _stall_ns(self) -> int:
         """How late control will be for its next deadline."""
-        if self._luck.random() * TICKS_PER_STUMBLE > 1.0:
+        if self._luck.random() * TICKS_PER_STALL > 1.0:
             return 0
-        self.ticks.stumbles += 1
-        long = self._luck.random() < LONG_SHARE
-        return round(self._luck.uniform(*(LONG_STUMBLE_MS if long else STUMBLE_MS)) * NS_PER_MS)
+        self.ticks.stalls += 1
+        long = self._luck.random() < LONG_FRACTION
+        return round(self._luck.uniform(*(LONG_STALL_MS if long else STALL_MS)) * NS_PER_MS)
 
     def _tick(self, now_ns: int) -> None:
         leases = self.operator.leases

@@ -61,7 +61,7 @@ class SimulatedLink:
 
 
 @dataclass
-class _SentView:
+class _LinkedView:
     """What a viewer knows of one camera: when its pictures came, the one that waits, and those that were painted."""
 
     came: VideoFrame
@@ -77,11 +77,11 @@ class Viewer:
     def __init__(self) -> None:
         self.paints_fps = math.inf
         self.painted: list[Arrival] = []
-        self._views: dict[str, _SentView] = {}
+        self._views: dict[str, _LinkedView] = {}
 
     def take(self, frame: VideoFrame, now_ns: int) -> None:
         """A picture has arrived; it replaces one that still waits."""
-        view = self._views.setdefault(frame.camera, _SentView(frame, frame))
+        view = self._views.setdefault(frame.camera, _LinkedView(frame, frame))
         view.came = view.waiting = frame
         view.came_ns.append(now_ns)
 
@@ -101,7 +101,7 @@ class Viewer:
         return {camera: _view_shown(view, now_ns) for camera, view in self._views.items()}
 
 
-def _view_shown(view: _SentView, now_ns: int) -> ViewShown:
+def _view_shown(view: _LinkedView, now_ns: int) -> ViewShown:
     came, shown, since_ns = view.came, view.shown, now_ns - NS_PER_S
     return ViewShown(
         seq=shown.seq,

@@ -28,7 +28,7 @@ class ImageFolder:
         return self._name
 
     def read(self) -> Frame | None:
-        """The next image, None after the last; CameraError names a file that is no image."""
+        """The next image, None after the last; CameraError names a file that is not an image."""
         if self._seq >= len(self._paths):
             return None
         path = self._paths[self._seq]
@@ -44,7 +44,7 @@ class ImageFolder:
 
 
 def write_image(folder: Path, name: str, image: Image) -> None:
-    """Write NAME.png into a folder, which is made if need be; CameraError if it cannot be written."""
+    """Write NAME.png into a folder, which is created if missing; CameraError if it cannot be written."""
     try:
         folder.mkdir(parents=True, exist_ok=True)
         # Not cv2.imwrite, which leaves a truncated picture on a full disk without an error.

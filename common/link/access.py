@@ -10,7 +10,7 @@ from common.link.roles import Identity, Role
 Json = dict[str, Any]
 THIS_HOST = "this host"
 EVERY_CELL = "*"
-QUERY_ROOM_BYTES = 512  # around a payload: an error sentence, an attachment that nobody reads
+QUERY_ROOM_BYTES = 512  # around a payload: an error sentence, an attachment that is never read
 HEARING = ("ingress", "put"), ("egress", "declare_subscriber")
 SENDING = ("egress", "put"), ("ingress", "declare_subscriber")
 ANSWERING = ("ingress", "query"), ("egress", "reply"), ("egress", "declare_queryable")
@@ -61,9 +61,9 @@ def access_control(own: Identity, cells: Sequence[str], *, plain: bool) -> Json:
 def grants(own: Role, neighbour: Role, cell: str) -> Iterator[Grant]:
     """What may pass between a session of one role and a neighbour of another; a router acts for every role."""
     for channel in CHANNELS:
-        if _is(neighbour, channel.sent_by) and _is(own, channel.heard_by):
+        if _is(neighbour, channel.sent_by) and _is(own, channel.received_by):
             yield from _granted(HEARING, channel.key_for(cell))
-        if _is(own, channel.sent_by) and _is(neighbour, channel.heard_by):
+        if _is(own, channel.sent_by) and _is(neighbour, channel.received_by):
             yield from _granted(SENDING, channel.key_for(cell))
     for procedure in PROCEDURES:
         if _is(neighbour, procedure.asked_by) and _is(own, procedure.answered_by):
@@ -118,10 +118,10 @@ def payload_caps() -> list[Json]:
 
 
 def rate_caps() -> list[Json]:
-    """Questions that a neighbour asks too fast are dropped on arrival; an honest client asks again.
+    """Questions that a neighbour asks too fast are dropped on arrival; a legitimate client asks again.
 
     Samples are capped where they are taken instead (`Latest`): of a burst after a delay Zenoh would pass the first and
     drop the newest, and the arm would wait for the next.
     """
-    rules = [{"key_expr": procedure.key_for(EVERY_CELL), "freq": procedure.most_hz} for procedure in PROCEDURES]
+    rules = [{"key_expr": procedure.key_for(EVERY_CELL), "freq": procedure.max_hz} for procedure in PROCEDURES]
     return [{"id": "questions", "flows": ["ingress"], "messages": ["query"], "rules": rules}]

@@ -49,7 +49,7 @@ class Priority(StrEnum):
 class Channel(Generic[M]):
     """One channel; `key` may contain {cell} and {name}. Under congestion messages are dropped, publishers never block.
 
-    Access control is built from `sent_by` and `heard_by`, where there are certificates. `best_effort` means that the
+    Access control is built from `sent_by` and `received_by`, where there are certificates. `best_effort` means that the
     next message makes a lost one worthless; a picture of many packets would seldom arrive complete. `depth` is how many
     of the newest messages wait for a receiver, more than 1 where several senders could displace one another's.
     """
@@ -57,7 +57,7 @@ class Channel(Generic[M]):
     key: str
     message: type[M]
     sent_by: frozenset[Role]
-    heard_by: frozenset[Role]
+    received_by: frozenset[Role]
     session: ChannelSession
     priority: Priority
     rate_hz: float
@@ -67,7 +67,7 @@ class Channel(Generic[M]):
     best_effort: bool = True
 
     @property
-    def most_hz(self) -> float:
+    def max_hz(self) -> float:
         """The maximum number of messages taken per second, besides a burst of `depth`."""
         return RATE_MARGIN * self.rate_hz
 
@@ -80,7 +80,7 @@ HAND = Channel(
     key="farhand/{cell}/hand",
     message=HandArm,
     sent_by=OPERATORS,
-    heard_by=OPERATORS | REMOTES,
+    received_by=OPERATORS | REMOTES,
     session=ChannelSession.CONTROL,
     priority=Priority.REAL_TIME,
     rate_hz=30.0,
@@ -92,7 +92,7 @@ STATE = Channel(
     key="farhand/{cell}/state",
     message=RobotState,
     sent_by=REMOTES,
-    heard_by=EVERYBODY,
+    received_by=EVERYBODY,
     session=ChannelSession.CONTROL,
     priority=Priority.INTERACTIVE,
     rate_hz=100.0,
@@ -103,7 +103,7 @@ CAMERA = Channel(
     key="farhand/{cell}/camera/{name}",
     message=VideoFrame,
     sent_by=REMOTES,
-    heard_by=EVERYBODY,
+    received_by=EVERYBODY,
     session=ChannelSession.VIDEO,
     priority=Priority.DATA,
     rate_hz=30.0,
@@ -115,7 +115,7 @@ PREVIEW = Channel(
     key="farhand/{cell}/preview/{name}",
     message=VideoFrame,
     sent_by=OPERATORS,
-    heard_by=OPERATORS,
+    received_by=OPERATORS,
     session=ChannelSession.CONTROL,
     priority=Priority.DATA,
     rate_hz=12.0,
@@ -127,7 +127,7 @@ SHOWN = Channel(
     key="farhand/{cell}/shown/{name}",
     message=ViewsShown,
     sent_by=OPERATORS,
-    heard_by=REMOTES,
+    received_by=REMOTES,
     session=ChannelSession.VIDEO,
     priority=Priority.INTERACTIVE,
     rate_hz=10.0,
@@ -139,7 +139,7 @@ INTENT = Channel(
     key="farhand/{cell}/operator/{name}/intent",
     message=OperatorIntent,
     sent_by=OPERATORS,
-    heard_by=OPERATORS,
+    received_by=OPERATORS,
     session=ChannelSession.CONTROL,
     priority=Priority.INTERACTIVE,
     rate_hz=20.0,
@@ -152,7 +152,7 @@ INTENT = Channel(
 class Procedure(Generic[Q, R]):
     """A query that one site answers, on the control session; `key` may contain {cell} and {name}.
 
-    One neighbour may ask `most_hz` times a second; more is dropped, where there is access control.
+    One neighbour may ask `max_hz` times a second; more is dropped, where there is access control.
     """
 
     key: str
@@ -161,7 +161,7 @@ class Procedure(Generic[Q, R]):
     asked_by: frozenset[Role]
     answered_by: frozenset[Role]
     max_bytes: int = 1024
-    most_hz: float = 1000.0  # a stop may follow another request at once
+    max_hz: float = 1000.0  # a stop may follow another request immediately
 
     def key_for(self, cell: str, name: str = "*") -> str:
         """The Zenoh key of this procedure in a cell."""
@@ -172,9 +172,9 @@ ENGAGEMENT = Procedure("farhand/{cell}/rpc/engagement", EngagementRequest, Reply
 MAINTENANCE = Procedure("farhand/{cell}/rpc/maintenance", EngagementRequest, Reply, MAINTAINERS, REMOTES)
 LEASE = Procedure("farhand/{cell}/rpc/lease", LeaseRequest, LeaseReply, OPERATORS, REMOTES, max_bytes=2048)
 DESCRIBE = Procedure(
-    "farhand/{cell}/rpc/describe", DescribeQuestion, Description, EVERYBODY, REMOTES, max_bytes=16384, most_hz=200.0
+    "farhand/{cell}/rpc/describe", DescribeQuestion, Description, EVERYBODY, REMOTES, max_bytes=16384, max_hz=200.0
 )
-CLOCK = Procedure("farhand/{cell}/clock", ClockQuestion, ClockAnswer, EVERYBODY, REMOTES, max_bytes=256, most_hz=200.0)
+CLOCK = Procedure("farhand/{cell}/clock", ClockQuestion, ClockAnswer, EVERYBODY, REMOTES, max_bytes=256, max_hz=200.0)
 JOINTS = Procedure("farhand/{cell}/operator/{name}/joints", JointsRequest, Reply, OPERATORS, OPERATORS)
 OPERATE = Procedure("farhand/{cell}/operator/{name}/lease", OperatorRequest, Reply, OPERATORS, OPERATORS)
 CHANNELS: tuple[Channel[Any], ...] = (HAND, STATE, CAMERA, PREVIEW, SHOWN, INTENT)

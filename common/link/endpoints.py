@@ -70,7 +70,7 @@ def check_endpoint(endpoint: str, security: LinkSecurity) -> Endpoint:
 
 
 def check_free(endpoint: str, security: LinkSecurity) -> Endpoint:
-    """The endpoint if it is allowed and free; TransportError at once if not, while Zenoh would try for seconds."""
+    """The endpoint if it is allowed and free; TransportError immediately if not; Zenoh would try for seconds."""
     checked = check_endpoint(endpoint, security)
     family = socket.AF_INET6 if ":" in checked.host else socket.AF_INET
     for kind in (socket.SOCK_STREAM, socket.SOCK_DGRAM) if checked.is_quic else (socket.SOCK_STREAM,):

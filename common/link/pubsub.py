@@ -29,7 +29,7 @@ class Publisher(Generic[M]):
 
     @property
     def has_listener(self) -> bool:
-        """Whether anybody subscribes to this key now, as far as this session knows."""
+        """Whether this key has a subscriber now, as far as this session knows."""
         return bool(self._publisher.matching_status.matching)  # type: ignore[attr-defined]  # its stub says bool
 
 
@@ -41,7 +41,7 @@ class Latest(Generic[M]):
     ) -> None:
         self._subscriber = subscriber
         self._channel = channel
-        self._cap = RateCap(channel.most_hz, channel.depth + 1)
+        self._cap = RateCap(channel.max_hz, channel.depth + 1)
 
     def take(self) -> M | None:
         """The oldest message kept and not taken yet, None without one; MessageError for an invalid payload."""
@@ -51,7 +51,7 @@ class Latest(Generic[M]):
     def wait(self) -> M:
         """Block until a message comes; MessageError for an invalid payload, TransportError once the link is closed.
 
-        In a flood it pauses, so that it takes no more than the channel's `most_hz`; Zenoh keeps the newest meanwhile.
+        In a flood it pauses, so that it takes no more than the channel's `max_hz`; Zenoh keeps the newest meanwhile.
         """
         self._hold_back()
         try:
@@ -80,8 +80,10 @@ class Latest(Generic[M]):
             time.sleep(pause_ns / NS_PER_S)
 
     def _warn(self) -> None:
-        key, most_hz = str(self._subscriber.key_expr), self._channel.most_hz
-        sentence = f"somebody floods {key}: {most_hz:g} a second are taken, of the newest; the rest is dropped"
+        key, max_hz = str(self._subscriber.key_expr), self._channel.max_hz
+        sentence = (
+            f"{key} is flooded: at most {max_hz:g} of the newest messages a second are taken; the rest is dropped"
+        )
         structlog.get_logger().warning("too many messages", reason=sentence)
 
     def _decode(self, sample: zenoh.Sample) -> M:

@@ -12,7 +12,7 @@ from common.messages.requests import ClockQuestion
 class RemoteClock:
     """Measures the offset of the remote site's clock whenever asked to; may be read from any thread.
 
-    After every `rounds_to_doubt` rounds of silence it looks for the reason; 0 never does.
+    After every `rounds_to_doubt` rounds of silence it probes for the reason; never with 0.
     """
 
     def __init__(self, link: Link, cell: str, rounds_to_doubt: int = 0) -> None:
@@ -22,7 +22,7 @@ class RemoteClock:
         self.silent_rounds = 0
 
     def measure(self) -> RoundTrip | None:
-        """One round trip, None when nobody answers in time; RefusedError where both sides refuse each other."""
+        """One round trip, None without an answer in time; RefusedError where both sides refuse each other."""
         asked_ns = time.monotonic_ns()
         answer = self._link.ask(CLOCK, self._cell, ClockQuestion())
         if answer is None:

@@ -1,4 +1,4 @@
-"""Requests of what must happen once: sent again under the same id until they are answered or their deadline is over."""
+"""Requests that must take effect once: resent under the same id until they are answered or their deadline is over."""
 
 import secrets
 from collections.abc import Callable
@@ -22,7 +22,7 @@ ID_BITS = 62
 
 
 class RequestMaker(Protocol[Requested_co]):
-    """Completes a request with its id and its deadline, by the clock of who is asked."""
+    """Completes a request with its id and its deadline, by the server's clock."""
 
     def __call__(self, *, id: int, deadline_ns: int) -> Requested_co: ...  # noqa: A002  # the message's field
 
@@ -62,7 +62,7 @@ class RequestSchedule:
 class RequestClient:
     """Asks one site of a cell; call it from a thread that may wait.
 
-    `remote_clock` is None where a site of this host is asked: deadlines are by the clock of who is asked. `name` is the
+    `remote_clock` is None where a site of this host is asked: deadlines are by the server's clock. `name` is the
     operator's in the procedure's key.
     """
 
@@ -82,7 +82,7 @@ class RequestClient:
         self._clock = clock or MonotonicClock()
 
     def ask(self, procedure: Procedure[Requested, Replied], make: RequestMaker[Requested]) -> Replied:
-        """The reply; TransportError when nobody answers, RefusedError when the sites do not understand each other."""
+        """The reply; TransportError without an answer, RefusedError when the sites do not understand each other."""
         clock = self._clock
         schedule = RequestSchedule(lambda: secrets.randbits(ID_BITS), self._patience_ns, clock.now_ns())
         while True:

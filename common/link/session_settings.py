@@ -57,7 +57,7 @@ class SessionEndpoints:
 def session_settings(
     endpoints: SessionEndpoints, credentials: Credentials | None, cells: Sequence[str]
 ) -> dict[str, Any]:
-    """Zenoh's settings by path; without credentials nobody is refused.
+    """Zenoh's settings by path; without credentials no neighbour is refused.
 
     `cells` are those that the session serves, which distinguish its neighbours' certificates.
     """

@@ -1,4 +1,4 @@
-"""Requests of what must happen once, questions that may be asked again, and their answers."""
+"""Requests that must take effect once, questions that may be asked again, and their answers."""
 
 from enum import StrEnum
 from typing import Annotated
@@ -14,7 +14,7 @@ PicturePoint = tuple[Fraction, Fraction]
 
 
 class Request(Message, frozen=True):
-    """What must happen once: repeated with the same `id`, refused after `deadline_ns` by the server's clock."""
+    """What must take effect once: repeated with the same `id`, refused after `deadline_ns` by the server's clock."""
 
     id: Count
     deadline_ns: Count
@@ -39,7 +39,7 @@ class EngagementAction(StrEnum):
 
 
 class EngagementRequest(Request, frozen=True):
-    """Engage, disengage, stop or reset the arm for an operator; everybody may stop it, the rest is the holder's."""
+    """Engage, disengage, stop or reset the arm for an operator; anybody may stop it, the rest is for the holder."""
 
     operator: Name
     action: EngagementAction
@@ -72,7 +72,7 @@ class LeaseReply(Reply, frozen=True):
 
 
 class OperatorAction(StrEnum):
-    """What an operator does at the own local site: ask for the lease, hand it over to who asks for it, release it."""
+    """What an operator requests of the local site: ask for the lease, hand it over to another operator, release it."""
 
     TAKE = "take"
     GIVE = "give"

@@ -99,7 +99,7 @@ class LeaseState(msgspec.Struct, frozen=True, forbid_unknown_fields=True):
 
 
 class Readiness(msgspec.Struct, frozen=True, forbid_unknown_fields=True):
-    """Whether the arm could be engaged now; the sentence says what is missing. `held`: key or pedal is held."""
+    """Whether the arm could be engaged now; the sentence states what is missing. `held`: key or pedal is held."""
 
     ready: bool
     code: Name
@@ -120,7 +120,7 @@ class LoopTiming(msgspec.Struct, frozen=True, forbid_unknown_fields=True):
 class RobotState(Message, frozen=True):
     """The robot and its session at one instant, as measured and as commanded.
 
-    `q` and `q_commanded` are in the order of `joints` (rad); `code` and `reason` say why the robot does what it does.
+    `q` and `q_commanded` are in the order of `joints` (rad); `code` and `reason` explain its state.
     `rejected` counts refused hand samples by reason since the remote site started. `clock` is from the newest sample of
     the lease's holder. `target` is the target pose of the tool, inside box and leash, None unless the
     arm follows. `min_distance` is the least distance between parts of the arm, and between them and the cell's

@@ -1,1 +1,1 @@
-"""A process of a site: its life, its children, its pace, what it shares and measures."""
+"""A process of a site: its lifecycle, its children, its scheduling, its metrics."""

@@ -36,7 +36,7 @@ class Heartbeat:
         self._time_ns = np.frombuffer(mmap.mmap(-1, 8), dtype=np.int64)
 
     def beat(self) -> None:
-        """Say that the loop has come round; the first beat says that the child is ready."""
+        """Report that the loop has completed a round; the first beat reports that the child is ready."""
         self._time_ns[0] = time.monotonic_ns()
 
     @property
@@ -45,7 +45,7 @@ class Heartbeat:
 
 
 class EndReason:
-    """Why a child ended by itself, in memory shared across a fork; empty until it says so."""
+    """Why a child ended by itself, in memory shared across a fork; empty until then."""
 
     def __init__(self) -> None:
         self._memory = mmap.mmap(-1, REASON_BYTES)
@@ -75,7 +75,7 @@ class Child:
 
 @dataclass
 class Children:
-    """The children of one site; `check` tells when one has died or hangs."""
+    """The children of one site; `check` raises when one has died or hangs."""
 
     site: str
     children: list[Child] = field(default_factory=list)
@@ -83,7 +83,7 @@ class Children:
     def start(self, name: str, main: ChildMain, *, vital: bool = True) -> Child:
         """Fork a child that runs `main`, shown by `ps` and `top` as farhand-NAME; SIGTERM comes when its parent dies.
 
-        Fork before opening any session. What is not vital may die: that is said once, and the others go on.
+        Fork before opening any session. What is not vital may die: that is logged once, and the others continue.
         """
         heartbeat, reason = Heartbeat(), EndReason()
         context = multiprocessing.get_context("fork")
@@ -124,7 +124,7 @@ class Children:
                 why = f": {reason}" if reason else f"; {CURE}"
                 raise ProcessError(f"{self.site}: process {child.name} died (exit code {code}){why}")
             self.children.remove(child)
-            structlog.get_logger().error("died; the site goes on without it", process=child.name)
+            structlog.get_logger().error("died; the site continues without it", process=child.name)
 
     def end(self) -> None:
         """End the children in order of their start, so that each still finds what it needs while it ends."""
@@ -141,7 +141,7 @@ class Children:
 
 
 def die_with_parent(parent_pid: int, number: signal.Signals = signal.SIGTERM) -> None:
-    """Ask the kernel for this signal when the parent dies; exit at once if it is dead already."""
+    """Ask the kernel for this signal when the parent dies; exit immediately if it is dead already."""
     ctypes.CDLL(None).prctl(PR_SET_PDEATHSIG, number)
     if os.getppid() != parent_pid:
         os._exit(1)

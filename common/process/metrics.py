@@ -18,16 +18,16 @@ from common.messages.base import Message
 from common.process.service import StopFlag, be_nice
 
 M = TypeVar("M", bound=Message)
-Heard_contra = TypeVar("Heard_contra", bound=Message, contravariant=True)
+Message_contra = TypeVar("Message_contra", bound=Message, contravariant=True)
 
 NICE = 10
 BEAT_S = 0.2
 
 
-class MetricsSource(Protocol[Heard_contra]):
+class MetricsSource(Protocol[Message_contra]):
     """Metrics derived from the messages of one channel."""
 
-    def hear(self, message: Heard_contra, now_ns: int) -> None:
+    def observe(self, message: Message_contra, now_ns: int) -> None:
         """Take a message that arrived at this time."""
 
     def families(self, now_ns: int) -> Iterable[Metric]:
@@ -66,7 +66,7 @@ def run_metrics(
     registry.register(AtScrape(figures))
     with open_link(connect=(from_this_host(endpoint),), security=security) as link:
         latest = link.latest(channel, cell)
-        threading.Thread(target=latest.feed, args=(figures.hear,), name="listen", daemon=True).start()
+        threading.Thread(target=latest.feed, args=(figures.observe,), name="listen", daemon=True).start()
         try:
             server, _ = start_http_server(port, addr="127.0.0.1", registry=registry)
         except OSError as error:

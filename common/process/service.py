@@ -1,4 +1,4 @@
-"""A daemon's life: stop signals, READY and WATCHDOG to systemd, scheduling."""
+"""A daemon's lifecycle: stop signals, READY and WATCHDOG to systemd, scheduling."""
 
 import os
 import signal

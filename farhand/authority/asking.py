@@ -11,7 +11,7 @@ from common.link.transport import Link, open_link
 
 @contextmanager
 def link_to(cell: str, endpoint: str, security: LinkSecurity) -> Iterator[Link]:
-    """A link to a site; where nobody answers, the TransportError gives the reason if one can be found."""
+    """A link to a site; without an answer, the TransportError gives the reason if one can be found."""
     check_cell_name(cell)
     with open_link(connect=(endpoint,), security=security) as link:
         try:

@@ -26,7 +26,7 @@ def request_engage(cell: str, endpoint: str, operator: str = "", security: LinkS
 def request_maintenance(
     cell: str, endpoint: str, action: EngagementAction, name: str, security: LinkSecurity = ON_THIS_HOST
 ) -> str:
-    """The remote site's reply to somebody of the maintenance; TransportError when it refuses."""
+    """The remote site's reply to a maintenance request; TransportError when it refuses."""
     make = partial(EngagementRequest, operator=name, action=action)
     with link_to(cell, endpoint, security) as link:
         reply = RequestClient(link, cell, RemoteClock(link, cell)).ask(MAINTENANCE, make)

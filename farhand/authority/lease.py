@@ -1,4 +1,4 @@
-"""Shows who holds the lease of a cell, and carries out what an operator decides about it at the own local site."""
+"""Shows who holds the lease of a cell, and sends the operator's requests about it to their own local site."""
 
 import time
 from functools import partial
@@ -59,4 +59,4 @@ def _state(link: Link, cell: str) -> RobotState:
         if state is not None:
             return state
         time.sleep(POLL_S)
-    raise TransportError(f"nobody publishes a state: is the remote site of cell {cell} running?")
+    raise TransportError(f"no state is published: is the remote site of cell {cell} running?")

@@ -1,4 +1,4 @@
-"""Calibration from pictures of a printed board, taken before or taken now."""
+"""Calibration from pictures of a printed board: recorded ones, or those of running cameras."""
 
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import ExitStack
@@ -62,7 +62,7 @@ class _Album:
 def calibrate_board_pictures(job: PictureJob, board: Board, standing: bool) -> Calibrated:
     """The rig from pictures of a board, the n-th of each camera taken at one instant.
 
-    `standing` is whether the board stands upright in its first pose.
+    `standing` is whether the board is upright in its first pose.
     """
     pictures = {name: read_pictures(source, name) for name, source in job.sources.items()}
     if len({len(own) for own in pictures.values()}) > 1:
@@ -85,7 +85,7 @@ def calibrate_live(
     standing: bool,
     poses: int,
     should_stop: Callable[[], bool],
-    say: Callable[[str], None],
+    echo: Callable[[str], None],
 ) -> Calibrated:
     """The rig from running cameras: keeps each new pose of the board that is held still, until there are enough."""
     finder, album, gate = BoardFinder(board), _Album(job, board, standing), PoseGate()
@@ -97,7 +97,7 @@ def calibrate_live(
         for pictures in _instants(cameras, should_stop):
             pose = [finder.find(picture) for picture in pictures]
             if gate.offer(pose):
-                say(f"{album.keep(pictures, pose)}; {poses - len(gate.taken)} to go, move the board")
+                echo(f"{album.keep(pictures, pose)}; {poses - len(gate.taken)} to go, move the board")
             if len(gate.taken) >= poses:
                 break
     if not gate.taken:

@@ -58,7 +58,7 @@ def solvable() -> Iterator[None]:
 
 
 def doubts(rig: Rig) -> list[str]:
-    """What looks wrong with a rig that could be solved all the same."""
+    """What looks wrong with a rig although it could be solved."""
     sentences = [
         f"{camera.name} is off by {camera.reprojection_rms_px:.1f} px, far more than usual: "
         "check the plate's sizes and heights, and whether a point is wrong"

@@ -1,1 +1,1 @@
-"""Certificates for the links: a certificate authority of one's own, and what it issues for each role at a cell."""
+"""Certificates for the links: a private certificate authority, and what it issues for each role at a cell."""

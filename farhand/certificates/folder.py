@@ -24,7 +24,7 @@ HOST = re.compile(r"[0-9a-zA-Z.:-]{1,253}")
 
 @dataclass(frozen=True, slots=True)
 class CertificateOrder:
-    """A request for certificates: hosts beside the loopback interface under which the sites are reached, and days.
+    """A request for certificates: the hosts besides loopback under which sites are reached, and days of validity.
 
     ConfigError for an invalid name of a cell or host, before anything is written.
     """
@@ -71,7 +71,7 @@ def load_authority(folder: Path) -> Issued:
     except OSError as error:
         raise ConfigError(f"cannot read {path}: {error.strerror}; it stays where the certificates were made") from error
     except (ValueError, TypeError) as error:
-        raise ConfigError(f"{path} is no private key: delete {folder} and create all certificates again") from error
+        raise ConfigError(f"{path} is not a private key: delete {folder} and create all certificates again") from error
     if not isinstance(key, ec.EllipticCurvePrivateKey) or key.public_key() != certificate.public_key():
         raise ConfigError(f"{path} is not the key of {folder / AUTHORITY}.pem: restore the one that is")
     return Issued(certificate, key)
@@ -84,7 +84,7 @@ def read_certificate(path: Path) -> x509.Certificate:
     except OSError as error:
         raise ConfigError(f"cannot read {path}: {error.strerror}") from error
     except ValueError as error:
-        raise ConfigError(f"{path} is no certificate (PEM)") from error
+        raise ConfigError(f"{path} is not a certificate (PEM)") from error
 
 
 def hosts_of(certificate: x509.Certificate) -> list[str]:
@@ -133,7 +133,7 @@ def guidance(folder: Path, cell: str, hosts: Sequence[str]) -> str:
     where = hosts[0] if hosts else "127.0.0.1"
     return (
         f"made in {theirs}: a certificate and key each for {', '.join(role.value for role in Role)}\n"
-        f"keep {folder / AUTHORITY}.key secret: whoever has it can become an operator\n"
+        f"keep {folder / AUTHORITY}.key secret: anybody who has it can become an operator\n"
         "give each host ca.pem and its own pair, keys for the service's user only, for the robot's side:\n"
         f'  cell = "{cell}"\n'
         "  [links]\n"

@@ -30,7 +30,7 @@ class Issued:
 
     @property
     def key_pem(self) -> bytes:
-        """The key as PEM, not encrypted: a daemon that starts by itself has nobody to ask for a password."""
+        """The key as PEM, not encrypted: a daemon that starts by itself cannot ask for a password."""
         return self.key.private_bytes(
             serialization.Encoding.PEM, serialization.PrivateFormat.PKCS8, serialization.NoEncryption()
         )

@@ -15,7 +15,7 @@ Squares = Annotated[str, typer.Option(help="Board: columns x rows of squares (no
 SquareMm = Annotated[float, typer.Option(help="Board: side of a square, measured on the print.", min=1)]
 MarkerMm = Annotated[float, typer.Option(help="Board: side of a marker (charuco).", min=1)]
 Dictionary = Annotated[str, typer.Option(help="Board: its markers' dictionary (charuco).")]
-Standing = Annotated[bool, typer.Option("--standing", help="The first pose stands upright instead of lying flat.")]
+Standing = Annotated[bool, typer.Option("--standing", help="The board is upright in the first pose, not flat.")]
 FoundPictures = Annotated[Path | None, typer.Option(help="Folder for what was found and covered, as PNG.")]
 
 calibrate_app = typer.Typer(help="Compute a rig from measurements.", no_args_is_help=True)

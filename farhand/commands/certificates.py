@@ -10,7 +10,7 @@ DAYS = 397
 
 CellToCertify = Annotated[str, typer.Argument(help="Name of the cell.")]
 Folder = Annotated[Path, typer.Option("--dir", help="Where the authority and its certificates are kept.")]
-Days = Annotated[int, typer.Option(help="How long the certificates are good for.", min=1, max=3650)]
+Days = Annotated[int, typer.Option(help="How long the certificates are valid.", min=1, max=3650)]
 Hosts = Annotated[
     list[str] | None, typer.Option("--host", help="Name or address under which a site is reached; may be repeated.")
 ]

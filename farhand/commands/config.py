@@ -22,7 +22,9 @@ def show(
 
 
 @config_app.command("init")
-def init(folder: Annotated[Path, typer.Argument(metavar="DIR", help="Folder to write to; made if need be.")]) -> None:
+def init(
+    folder: Annotated[Path, typer.Argument(metavar="DIR", help="Folder to write to; created if missing.")],
+) -> None:
     """Write every configuration and the systemd units to a folder; a file that exists is kept.
 
     Example: farhand config init my-cell

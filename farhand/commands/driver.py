@@ -8,7 +8,7 @@ from common.config import load_config
 from farhand.commands.options import ConfigFile, Settings
 from farhand.exit_codes import FAILED
 
-driver_app = typer.Typer(help="Look after robot drivers.", no_args_is_help=True)
+driver_app = typer.Typer(help="Check robot drivers.", no_args_is_help=True)
 
 
 @driver_app.command("test")

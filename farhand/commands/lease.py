@@ -6,12 +6,14 @@ import typer
 
 from farhand.commands.options import CellName, LinksFile, LocalEndpoint, RemoteEndpoint, console_config
 
-lease_app = typer.Typer(help="Show who may operate a cell, take the lease, give it away.", no_args_is_help=True)
+lease_app = typer.Typer(
+    help="Show who may operate a cell; take the lease, hand it over, release it.", no_args_is_help=True
+)
 
 
 @lease_app.command("show")
 def show(cell: CellName = "", at: RemoteEndpoint = "", config: LinksFile = None) -> None:
-    """Show who holds the lease of a cell, who asks for it, and what engaging still lacks.
+    """Show who holds the lease of a cell, who asks for it, and what is still missing to engage.
 
     Example: farhand lease show --cell cell
     """
@@ -41,7 +43,7 @@ def give(cell: CellName = "", at: LocalEndpoint = "", config: LinksFile = None) 
 
 @lease_app.command("release")
 def release(cell: CellName = "", at: LocalEndpoint = "", config: LinksFile = None) -> None:
-    """Give the lease back, for whoever asks first. The arm stops.
+    """Release the lease, so that any operator may take it. The arm stops.
 
     Example: farhand lease release
     """

@@ -1,1 +1,1 @@
-"""Checks a machine and a configuration, and says what to do: facts are probed, findings are made of facts."""
+"""Checks a machine and a configuration, and states the cures: facts are probed, findings are derived from facts."""

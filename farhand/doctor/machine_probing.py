@@ -16,7 +16,7 @@ REQUIREMENT_NAME = re.compile(r"[A-Za-z0-9._-]+")
 TCP = Path("/proc/sys/net/ipv4")
 STATE = Path("/var/lib/farhand")
 SERVICE_CACHE = Path("/var/cache/farhand/numba")
-SHARED_MEMORY = Path("/dev/shm")  # noqa: S108  # looked at, not written to
+SHARED_MEMORY = Path("/dev/shm")  # noqa: S108  # only its free space is read
 VIEW_PX = (64, 48)
 
 
@@ -38,7 +38,7 @@ def _is_missing(name: str) -> bool:
 def probe_rendering() -> str | None:
     """Why nothing can be rendered off screen; None when it works."""
     try:
-        import mujoco  # noqa: PLC0415  # an installation for a real cell may be without it
+        import mujoco  # noqa: PLC0415  # an installation for a real cell may not have it
 
         from remote_site.video.cell_cameras import OffScreen  # noqa: PLC0415  # the same
     except ImportError as error:

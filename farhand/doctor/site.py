@@ -113,7 +113,7 @@ def check_sizes(rig: RigFacts, cameras: Sequence[CameraFacts]) -> list[Finding]:
 
 
 def check_robot(model: str, driver: str, mistakes: Sequence[tuple[str, str, str]]) -> list[Finding]:
-    """Whatever the remote site loads of its robot can be loaded; each mistake (part, sentence, cure) is a finding."""
+    """All that the remote site loads of its robot can be loaded; each mistake (part, sentence, cure) is a finding."""
     if not mistakes:
         return [ok("robot", f"the model {model} loads, its start posture is valid; driver {driver}")]
     return [error(part, sentence, cure) for part, sentence, cure in mistakes]
@@ -146,7 +146,7 @@ def check_clock(facts: ClockFacts) -> Finding:
 
 
 def check_certificate(facts: CertificateFacts, expected: str) -> list[Finding]:
-    """It is valid now and for a while, it is for this site (`expected`), and nobody else can read its key."""
+    """It is valid now and for a while, it is for this site (`expected`), and no other user can read its key."""
     if facts.problem:
         return [error("certificate", facts.problem, RENEW)]
     findings = [_check_expiry("certificate", f"{facts.path} of {facts.names}", facts.days_left, RENEW)]

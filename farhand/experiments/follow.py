@@ -38,7 +38,7 @@ SIMULATION = SimulationConfig(motion=MotionConfig(name="reach_and_adjust", still
 TEXT = (
     "A simulated hand reaches, adjusts and carries as in figures 6.15 and 6.16 of the thesis. Two cameras film it, the "
     "tracker measures it, and the tool follows: once by the mean of nine frames at 5 frames per second, mapped onto an "
-    "arm that is at once where its model reaches, and once by Farhand's own settings through its whole pipeline. Lag "
+    "arm that reaches each target without delay, and once by Farhand's own settings through its whole pipeline. Lag "
     "is the delay at which hand and tool fit best; the residual is the distance that remains at that delay."
 )
 HAND_MEASURED = {"label": "hand, measured", "color": "#64b4eb", "linewidth": 3.4}
@@ -50,7 +50,7 @@ LEAST_MM, LEAST_DEG = 10.0, 4.0
 
 @dataclass(frozen=True, slots=True)
 class Variant:
-    """One way to follow the hand: its name, its frames per second, its curves and figures."""
+    """One method to follow the hand: its name, its frames per second, its curves and figures."""
 
     name: str
     fps: float

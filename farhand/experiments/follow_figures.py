@@ -44,7 +44,7 @@ def hand_rows(wrists: Array, directions: Array, origin: Array, ahead: Array) -> 
 def tool_rows(poses: Array, base_R_operator: Array, scale: float, ahead: Array) -> Array:
     """Rows of COLUMNS from poses (N, 4, 4), turned into the operator's axes.
 
-    The tool's rotation since the first pose is given as the direction of a hand that turned likewise from `ahead`.
+    The tool's rotation since the first pose is given as a direction: `ahead`, turned by the same rotation.
     """
     moved = (poses[:, :3, 3] - poses[0, :3, 3]) @ base_R_operator / scale
     turned = poses[:, :3, :3] @ poses[0, :3, :3].T

@@ -1,4 +1,4 @@
-"""The two ways from a film to the tool's motion: the thesis's, and Farhand's own pipeline; on stepped time."""
+"""The two methods from a film to the tool's motion: the thesis's, and Farhand's own pipeline; on stepped time."""
 
 from collections import Counter
 from dataclasses import dataclass, field
@@ -51,10 +51,10 @@ class ToolPath:
 
 
 def follow_by_mean(film: Film, smoothing: SmoothingConfig, remote: RemoteConfig) -> ToolPath:
-    """The thesis's way: smooth, map, and be at once where the arm's model reaches, frame by frame.
+    """The thesis's method: smooth, map, and reach each target without delay, frame by frame.
 
     Origins are taken once the mean holds only frames since the arm was learnt. The robot's own lag and the time of
-    tracking are left out. ProcessError when the hand is never tracked for so long.
+    tracking are left out. ProcessError when the hand is never tracked that long.
     """
     model, limits = load_arm(remote.robot)
     mapping, smoother = Mapping(remote.mapping), make_smoother(smoothing)
@@ -79,7 +79,7 @@ def follow_by_mean(film: Film, smoothing: SmoothingConfig, remote: RemoteConfig)
 
 
 def follow_by_pipeline(film: Film, smoothing: SmoothingConfig, remote: RemoteConfig, latency_ms: float) -> ToolPath:
-    """Farhand's way: smooth, send, and follow through the whole pipeline with a robot that does what it is told.
+    """Farhand's method: smooth, send, and follow through the whole pipeline with a robot that follows exactly.
 
     Samples come `latency_ms` after their exposure. ProcessError when the arm is never engaged.
     """

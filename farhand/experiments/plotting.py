@@ -34,7 +34,7 @@ MEASURED = {"label": "measured", "color": "#d72828", "linewidth": 0.9}
 
 
 def require_matplotlib() -> None:
-    """FarhandError says what to install where matplotlib is missing."""
+    """FarhandError states what to install where matplotlib is missing."""
     if importlib.util.find_spec("matplotlib") is None:
         raise FarhandError(
             "experiments draw with matplotlib, which is not installed: pip install 'farhand[experiments]'"
@@ -65,7 +65,7 @@ def plot_frames(axes: "Axes", values: Array, **style: Any) -> None:
 
 
 def widen(axes: "Axes", least: float) -> None:
-    """Have the y axis span at least so much, so that noise does not look like motion."""
+    """Have the y axis span at least `least`, so that noise does not look like motion."""
     low, high = axes.get_ylim()
     missing = max(least - (high - low), 0.0)
     axes.set_ylim(low - 0.5 * missing, high + 0.5 * missing)

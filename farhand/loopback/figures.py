@@ -157,7 +157,7 @@ def all_figures(record: Record, truth: Truth, expectation: Expectation) -> Figur
         "control": control_figures(states),
         "engagements": states[-1].engagement.number if states and states[-1].engagement else 0,
         "holds": _holds(states),
-        "followed_share": _followed_share(states),
+        "followed_share": _followed_fraction(states),
     }
 
 
@@ -179,7 +179,7 @@ def session_events(states: Sequence[RobotState]) -> list[str]:
     ]
 
 
-def _followed_share(states: Sequence[RobotState]) -> float:
+def _followed_fraction(states: Sequence[RobotState]) -> float:
     """The fraction of the time since the first engagement in which the arm followed."""
     since = [s.state is SessionState.ENGAGED for s in states if s.engagement is not None]
     return _rounded(np.mean(since)) if since else 0.0

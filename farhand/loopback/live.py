@@ -33,7 +33,7 @@ class LiveSummary:
     ) -> None:
         self._progress.stop()
 
-    def say(self, sentence: str) -> None:
+    def print(self, sentence: str) -> None:
         """Print a sentence that stays above the bar."""
         self._progress.console.print(sentence, markup=False, highlight=False, soft_wrap=True)
 

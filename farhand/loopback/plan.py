@@ -15,7 +15,7 @@ import msgspec
 from common.config import apply_setting, load_config, read_tables
 from common.errors import ConfigError
 from farhand.deployment.kinds import KINDS, Configuration, known_keys, likeliest
-from farhand.loopback.casting import MONOCULAR, arm_file, arm_settings, check_cast, operator_settings
+from farhand.loopback.scenario import MONOCULAR, arm_file, arm_settings, check_scenario, operator_settings
 from farhand.loopback.site_process import free_ports
 from local_site.config import LocalConfig
 from local_site.console.config import ConsoleConfig
@@ -106,7 +106,7 @@ def plan_of(options: LoopbackOptions) -> Plan:
     given_local = _local_needs(given_local)
     given_remote = _remote_needs(given_remote, given_local.load().tracking.method)
     local, remote = given_local.load(), given_remote.load()
-    check_cast(local.tracking.method, options.arm, local.simulation.motion.name, remote.driver.name)
+    check_scenario(local.tracking.method, options.arm, local.simulation.motion.name, remote.driver.name)
     check_driver(remote.driver.name)
     *ports, page = free_ports(4)
     control, video, listen = (f"tcp/127.0.0.1:{port}" for port in ports)
@@ -158,7 +158,7 @@ def _kind_of(path: Path) -> type[Configuration]:
     kinds = likeliest(table, tuple(KINDS))
     if len(kinds) > 1:
         raise ConfigError(
-            f"{path}: {_list(table) or 'an empty file'} does not say which site this is for; give it a table of the "
+            f"{path}: {_list(table) or 'an empty file'} does not show which site it is for; give it a table of the "
             f"remote site ({_list(only_remote)}) or of the local site ({_list(only_local)})"
         )
     if kinds[0] not in (RemoteConfig, LocalConfig):

@@ -18,11 +18,11 @@ from common.link.channels import ChannelSession
 from common.link.transport import Link, open_link
 from common.messages.robot import Engagement, SessionState
 from common.process.service import StopFlag
-from farhand.loopback.casting import operator_views
 from farhand.loopback.figures import Expectation, Figures, all_figures, session_events
 from farhand.loopback.live import LiveSummary, print_table
 from farhand.loopback.plan import LoopbackOptions, plan_of
 from farhand.loopback.recorder import Record, Recorder
+from farhand.loopback.scenario import operator_views
 from farhand.loopback.site_process import SiteProcess, listens, start_site
 from farhand.loopback.views import save_camera_views, save_overview
 from farhand.outputs import check_file, check_folder
@@ -77,7 +77,7 @@ class RunningSites:
         self.record = self._recorder.record
 
     def check(self) -> None:
-        """ProcessError, with its own last words, when a process has ended."""
+        """ProcessError, with its last error, when a process has ended."""
         for site in self._sites:
             if site.exit_code is not None:
                 raise ProcessError(f"the {site.name} process ended (exit code {site.exit_code}): {site.last_error()}")
@@ -85,11 +85,11 @@ class RunningSites:
     def check_silence(self) -> None:
         """ProcessError when a site has sent nothing for two seconds."""
         now_ns = time.monotonic_ns()
-        for name, heard_ns in (("local", self.record.last_hand_ns), ("remote", self.record.last_state_ns)):
-            if now_ns - heard_ns > SILENT_NS:
-                raise ProcessError(f"the {name} site has been silent for 2 s: {self.last_words()}")
+        for name, received_ns in (("local", self.record.last_hand_ns), ("remote", self.record.last_state_ns)):
+            if now_ns - received_ns > SILENT_NS:
+                raise ProcessError(f"the {name} site has been silent for 2 s: {self.last_errors()}")
 
-    def last_words(self) -> str:
+    def last_errors(self) -> str:
         """The newest state's reason, and the last error or line of each process."""
         reasons = [self.record.states[-1].reason] if self.record.states else []
         return "; ".join([*reasons, *(f"{site.name}: {site.last_error()}" for site in self._sites)])
@@ -125,11 +125,11 @@ class Loopback:
         return operator_views(self._local.tracking.method)
 
     def run(self) -> Figures:
-        """Start, wait for the arm to follow, measure, end; ProcessError says what went wrong."""
+        """Start, wait for the arm to follow, measure, end; ProcessError states what went wrong."""
         prepare_tracker(self._local.tracking)
         with ExitStack() as stack, LiveSummary(self._options.seconds) as live:
             for note in self._plan.notes:
-                live.say(note)
+                live.print(note)
             runtime = Path(stack.enter_context(tempfile.TemporaryDirectory(prefix="farhand-")))
             stack.callback(self._sites.end)
             self._start_remote(runtime, stack)
@@ -162,7 +162,7 @@ class Loopback:
         port = self._plan.console.load().serve.port
         self._sites.start("console", self._plan.console.arguments, runtime)
         self._wait("the operator's page", START_TIMEOUT_S, lambda: listens(port))
-        live.say(f"the operator's page: http://127.0.0.1:{port}/")
+        live.print(f"the operator's page: http://127.0.0.1:{port}/")
 
     @property
     def _engagement(self) -> Engagement | None:
@@ -174,7 +174,7 @@ class Loopback:
         while not is_so() and not self._should_stop():
             self._sites.check()
             if time.monotonic() > deadline:
-                raise ProcessError(f"waited {timeout_s:g} s in vain for {what}: {self._sites.last_words()}")
+                raise ProcessError(f"waited {timeout_s:g} s without success for {what}: {self._sites.last_errors()}")
             time.sleep(POLL_S)
 
     def _watch(self, live: LiveSummary) -> None:

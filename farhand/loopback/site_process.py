@@ -16,7 +16,7 @@ from common.process.children import die_with_parent
 LINES_KEPT = 200
 END_TIMEOUT_S = 6.0
 CONNECT_TIMEOUT_S = 0.05
-VOICE = "farhand:"  # begins the sentence with which a command ends
+ERROR_PREFIX = "farhand:"  # of the error with which a command ends
 
 
 class SiteProcess:
@@ -63,15 +63,15 @@ class SiteProcess:
         self._listener.join(END_TIMEOUT_S)
 
     def last_error(self) -> str:
-        """Why it ended, in the words with which it ended; else its last error, else its last line."""
+        """Why it ended: the error that it printed last; else its last logged error, else its last line."""
         if self.exit_code is not None:
             self._listener.join(END_TIMEOUT_S)
         lines = list(self.lines)
-        ends = [k for k, line in enumerate(lines) if line.startswith(VOICE)]
+        ends = [k for k, line in enumerate(lines) if line.startswith(ERROR_PREFIX)]
         if ends:
-            return "\n".join(lines[ends[-1] :]).removeprefix(VOICE).strip()
+            return "\n".join(lines[ends[-1] :]).removeprefix(ERROR_PREFIX).strip()
         errors = [line for line in lines if line.startswith("level=error")]
-        return (errors or lines or ["it said nothing"])[-1]
+        return (errors or lines or ["it printed nothing"])[-1]
 
     def _listen(self, stream: IO[str]) -> None:
         with stream:
@@ -87,7 +87,7 @@ def start_site(name: str, arguments: Sequence[str], runtime: Path) -> SiteProces
 
 
 def free_ports(count: int) -> list[int]:
-    """Ports of the loopback interface that nobody listens on now."""
+    """Free ports of the loopback interface."""
     with ExitStack() as stack:
         probes = [stack.enter_context(socket.socket()) for _ in range(count)]
         for probe in probes:
@@ -96,7 +96,7 @@ def free_ports(count: int) -> list[int]:
 
 
 def listens(port: int) -> bool:
-    """Whether somebody listens on a port of the loopback interface."""
+    """Whether a process listens on a port of the loopback interface."""
     with socket.socket() as probe:
         probe.settimeout(CONNECT_TIMEOUT_S)
         return probe.connect_ex(("127.0.0.1", port)) == 0

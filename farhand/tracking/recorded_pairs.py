@@ -1,4 +1,4 @@
-"""Two to four recordings interpolated to common instants, and what of them is left out."""
+"""Two to four recordings interpolated to common instants, and what is left out of them."""
 
 from collections import deque
 from collections.abc import Iterator, Sequence
@@ -26,7 +26,7 @@ class RecordedPairs:
     """Views at the instants of the left camera's frames, until any camera ends.
 
     The other cameras' measurements are interpolated between the two exposures around the instant. After the last
-    views, `left_out` names the cameras that went on; empty where none did.
+    views, `left_out` names the cameras that continued; empty where none did.
     """
 
     def __init__(self, left: Camera, *others: Camera) -> None:
@@ -54,7 +54,7 @@ class RecordedPairs:
 
 def _left_out(ended: Sequence[str], going_on: Sequence[str], pairs: int) -> str:
     first, others = " and ".join(ended), " and ".join(going_on)
-    return f"{first} ended after {pairs} pairs while {others} went on; what came later was left out"
+    return f"{first} ended after {pairs} pairs while {others} continued; what came later was left out"
 
 
 class _InterpolatedCamera:

@@ -101,7 +101,7 @@ def track_recording(
 ) -> Summary:
     """Track all pairs of two cameras, write a line each to `out` and, if asked, annotated pairs as PNG.
 
-    `others` are the cameras beside the left one, none to three, in the rig's order. Of the local site's configuration,
+    `others` are the cameras besides the left one, none to three, in the rig's order. Of the local site's configuration,
     tracking, drift alarm and gesture are used. `progress` is called with the number of pairs done. Raises CameraError
     when no pair comes, a picture has the wrong size, or a file cannot be written.
     """

@@ -24,7 +24,7 @@ class PairingConfig(Struct, frozen=True, kw_only=True, forbid_unknown_fields=Tru
     max_skew_ms: Annotated[
         float, Meta(gt=0, le=500, description="newest exposures further apart are refused; about 1.5 frame periods")
     ] = 50.0
-    stale_ms: Annotated[float, Meta(gt=0, le=5000, description="a camera without a frame for so long is stale")] = 500.0
+    stale_ms: Annotated[float, Meta(gt=0, le=5000, description="a camera silent for this long is stale")] = 500.0
     frozen_frames: Annotated[
         int, Meta(ge=1, le=100, description="this many repeats of one picture are a frozen camera")
     ] = 5

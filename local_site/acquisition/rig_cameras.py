@@ -32,7 +32,7 @@ class OperatorConfig(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_f
         tuple[Source, ...], Meta(max_length=2, description="a third and a fourth camera, in the rig's order")
     ] = ()
     alone: Annotated[
-        bool, Meta(description='left is the only camera, for tracking.method = "monocular"; right does not count')
+        bool, Meta(description='left is the only camera, for tracking.method = "monocular"; right is ignored')
     ] = False
     rig: Annotated[str, Meta(description="rig file from 'farhand calibrate'; simulated cameras bring their own")] = ""
     fps: Annotated[float, Meta(gt=0, le=240, description="frames per second asked of the cameras")] = 30.0

@@ -59,7 +59,7 @@ class SimulatedCameras:
         )
 
     def begin(self, t_ns: int) -> None:
-        """The operator who waited begins to move; for one who moves already nothing changes."""
+        """Start the motion of an operator that waits for it; no effect on one that already moves."""
         self._beginning.set(t_ns)
 
     def close(self) -> None:

@@ -22,9 +22,9 @@ class AuthorityConfig(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_
     """How this operator obtains the right to operate the cell."""
 
     operator: Annotated[str, Meta(description="name shown to others at the cell; empty: this host's name")] = ""
-    automatic: Annotated[
-        bool, Meta(description="ask for the lease whenever nobody holds it; otherwise: farhand lease take")
-    ] = True
+    automatic: Annotated[bool, Meta(description="ask for the lease whenever it is free; else: farhand lease take")] = (
+        True
+    )
 
     def __post_init__(self) -> None:
         check_cell_name(self.name, "operator")

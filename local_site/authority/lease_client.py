@@ -27,17 +27,17 @@ from common.messages.requests import (
     Reply,
 )
 from common.process.log import RefusalLog
-from local_site.authority.lease_policy import INSIST_NS, LeasePolicy
+from local_site.authority.lease_policy import KEEP_ASKING_NS, LeasePolicy
 
 POLL_S = 0.02
 CLOCK_EVERY_NS = 200 * NS_PER_MS
 PATIENCE_NS = NS_PER_S
-ROUNDS_TO_DOUBT = 25  # of silence, until it looks for the reason: about six seconds
+ROUNDS_TO_DOUBT = 25  # of silence, until it probes for the reason: about six seconds
 ACTIONS = {OperatorAction.GIVE: LeaseAction.HAND_OVER, OperatorAction.RELEASE: LeaseAction.RELEASE}
 
 
 @dataclass(frozen=True, slots=True)
-class Standing:
+class LeaseAndClock:
     """What every sample carries: the lease's number (0 without one), and the clock offset where it is known."""
 
     lease: int = 0
@@ -75,14 +75,14 @@ class Authority:
         self._stop.set()
         self._thread.join()
 
-    def standing(self, now_ns: int) -> Standing:
-        """Lease and clock as known now; RefusedError when both sites cannot or may not talk to each other."""
+    def lease_and_clock(self, now_ns: int) -> LeaseAndClock:
+        """The current lease and clock offset; RefusedError when both sites cannot or may not talk to each other."""
         if self._refused is not None:
             raise self._refused
         if not self._thread.is_alive():
             raise ProcessError("the thread that keeps the lease has died")
         known = self._remote_clock.estimate(now_ns)
-        return Standing(self._policy.held(now_ns), _sync(known) if known is not None else None)
+        return LeaseAndClock(self._policy.held(now_ns), _sync(known) if known is not None else None)
 
     def _run(self) -> None:
         try:
@@ -122,7 +122,7 @@ class Authority:
         return True
 
     def _request(self, action: LeaseAction) -> LeaseReply | None:
-        """Send a request; None while the remote clock is not known or nobody answers."""
+        """Send a request; None while the remote clock is not known or without an answer."""
         asked_ns = time.monotonic_ns()
         if self._remote_clock.estimate(asked_ns) is None:
             return None
@@ -135,7 +135,7 @@ class Authority:
             raise
         except TransportError:
             return None
-        self._policy.heard(reply, asked_ns)
+        self._policy.take_reply(reply, asked_ns)
         self._log(held, reply)
         return reply
 
@@ -149,17 +149,19 @@ class Authority:
     def _operate(self, request: OperatorRequest) -> Reply:
         """Carry out an act of the operator; the reply is the remote site's."""
         if request.action is OperatorAction.TAKE:
-            self._policy.insist(time.monotonic_ns())
+            self._policy.keep_asking(time.monotonic_ns())
             answer = self._request(LeaseAction.ACQUIRE) if self._is_described() else None
         else:
             answer = self._request(ACTIONS[request.action])
             if answer is not None and answer.done:
-                self._policy.rest()
+                self._policy.stop_asking()
         if answer is None:
             silent = "the remote site does not answer the local one"
             return Reply(id=request.id, done=False, code="silent", reason=silent)
         waits = request.action is OperatorAction.TAKE and not answer.done
-        reason = f"{answer.reason}; this site keeps asking for {INSIST_NS // NS_PER_S} s" if waits else answer.reason
+        reason = (
+            f"{answer.reason}; this site keeps asking for {KEEP_ASKING_NS // NS_PER_S} s" if waits else answer.reason
+        )
         return Reply(id=request.id, done=answer.done, code=answer.code, reason=reason)
 
 

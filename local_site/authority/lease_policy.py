@@ -7,7 +7,7 @@ from common.messages.requests import LeaseAction, LeaseReply
 
 ASK_EVERY_NS = NS_PER_S
 RENEWALS_PER_LEASE = 5
-INSIST_NS = 60 * NS_PER_S
+KEEP_ASKING_NS = 60 * NS_PER_S
 
 
 @dataclass(frozen=True, slots=True)
@@ -20,16 +20,16 @@ class HeldLease:
 
 
 class LeasePolicy:
-    """Decides when to acquire and renew the lease; gives up when another operator has it, unless `insist` was called.
+    """Decides when to acquire and renew the lease; gives up when another operator holds it, except after `keep_asking`.
 
-    With `automatic` it asks whenever this site holds no lease. A refusal that names another operator ends that: nobody
+    With `automatic` it asks whenever this site holds no lease. A refusal that names another operator ends that: no site
     should become the operator only because the other's link was down for a few seconds.
     """
 
     def __init__(self, operator: str, *, automatic: bool) -> None:
         self.operator = operator
         self._wanted = automatic
-        self._insist_until_ns = 0
+        self._ask_until_ns = 0
         self._asked_ns: int | None = None
         self._lease: HeldLease | None = None
 
@@ -44,7 +44,7 @@ class LeasePolicy:
             self._lease = None
         if self._lease is not None:
             return LeaseAction.RENEW if now_ns >= self._lease.renew_ns else None
-        wanted = self._wanted or now_ns < self._insist_until_ns
+        wanted = self._wanted or now_ns < self._ask_until_ns
         rested = self._asked_ns is None or now_ns - self._asked_ns >= ASK_EVERY_NS
         return LeaseAction.ACQUIRE if wanted and rested else None
 
@@ -55,23 +55,23 @@ class LeasePolicy:
             renew_ns = now_ns + (self._lease.expires_ns - now_ns) // RENEWALS_PER_LEASE
             self._lease = HeldLease(self._lease.number, self._lease.expires_ns, renew_ns)
 
-    def heard(self, reply: LeaseReply, asked_ns: int) -> None:
+    def take_reply(self, reply: LeaseReply, asked_ns: int) -> None:
         """Take the reply to a request that was sent at `asked_ns`."""
         if reply.lease:
             step_ns = reply.lasts_ns // RENEWALS_PER_LEASE
             self._lease = HeldLease(reply.lease, asked_ns + reply.lasts_ns, asked_ns + step_ns)
-            self._insist_until_ns = 0
+            self._ask_until_ns = 0
             return
         self._lease = None
         if reply.holder not in ("", self.operator):
             self._wanted = False
 
-    def insist(self, now_ns: int) -> None:
+    def keep_asking(self, now_ns: int) -> None:
         """The operator wants the lease: keep asking for a minute, so that its holder can consent."""
-        self._insist_until_ns = now_ns + INSIST_NS
+        self._ask_until_ns = now_ns + KEEP_ASKING_NS
         self._asked_ns = None
 
-    def rest(self) -> None:
-        """The operator gives the lease away: do not ask for it again automatically."""
+    def stop_asking(self) -> None:
+        """The operator hands the lease over: do not ask for it again automatically."""
         self._wanted = False
-        self._insist_until_ns = 0
+        self._ask_until_ns = 0

@@ -1,4 +1,4 @@
-"""What the local site logs of the remote one: whether it is there, and why the arm does what it does."""
+"""What the local site logs of the remote one: whether it is there, and the arm's state with its reason."""
 
 from collections.abc import Callable
 from dataclasses import dataclass
@@ -52,7 +52,7 @@ class RemoteWatch:
         self._logged_ns = 0
         self._refusals = RefusalLog("state refused")
 
-    def look(self, now_ns: int) -> None:
+    def poll(self, now_ns: int) -> None:
         """Take the newest state, and log what has changed."""
         try:
             state = self._states.take()

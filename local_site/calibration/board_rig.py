@@ -47,8 +47,8 @@ def solve_boards(
 
     The first pose that two cameras saw sets the operator frame: origin in the middle of the print, x along the edge of
     the print that runs to the right in the left camera's picture. If the board lies, z points out of the print and y
-    away from the cameras; if it stands, y points into the print and z up. Raises CalibrationError for too few or too
-    similar poses, cameras that do not agree, and exchanged cameras.
+    away from the cameras; if it is upright, y points into the print and z up. Raises CalibrationError for too few or
+    too similar poses, cameras that do not agree, and exchanged cameras.
     """
     views = _common_views(pictures.views)
     seen = observations(views, board)
@@ -136,10 +136,10 @@ def _pixels(views: Views, pose: int, count: int) -> list[Array]:
 
 
 def _control(
-    pictures: BoardPictures, views: Views, board: Board, placed: tuple[BundleScene, Array, Array]
+    pictures: BoardPictures, views: Views, board: Board, solved: tuple[BundleScene, Array, Array]
 ) -> ControlPoints:
     """The corners of all poses as points in the operator frame, with the pixels that were measured."""
-    scene, old_R_new, old_t_new = placed
+    scene, old_R_new, old_t_new = solved
     count = len(board.corners)
     poses = range(len(views[0]))
     points = np.einsum("pij,cj->pci", scene.rotations, board.corners) + scene.translations[:, None]

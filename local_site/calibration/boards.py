@@ -33,7 +33,7 @@ class Board:
 
     def __post_init__(self) -> None:
         if min(self.columns, self.rows) < 3 or max(self.columns, self.rows) > MAX_SQUARES:
-            raise ConfigError(f"--squares must be 3 to {MAX_SQUARES} each way, not {self.columns}x{self.rows}")
+            raise ConfigError(f"--squares must be 3 to {MAX_SQUARES} per side, not {self.columns}x{self.rows}")
         if self.kind == "charuco" and not 0 < self.marker < self.square:
             raise ConfigError(
                 "--marker-mm must be larger than 0 and smaller than --square-mm; measure both on the print"

@@ -32,15 +32,15 @@ SAME_VIEW = (
     "pictures are its own, and move the cameras apart"
 )
 EXCHANGED = (
-    "the left camera stands to the right of the right one, as both see it; exchange the two, or switch off the "
+    "the left camera is to the right of the right one, as both see it; exchange the two, or switch off the "
     "mirroring of both pictures"
 )
 
 UPSIDE_DOWN = (
-    "stands upside down: turn it, or its picture, by 180 degrees and calibrate again, unless it hangs so on purpose"
+    "is upside down: turn it, or its picture, by 180 degrees and calibrate again, unless it hangs so on purpose"
 )
 TURNED_AXES = (
-    "sees X_mm run to the left, so that the hand would move the robot the wrong way: give the control points with x to "
+    "sees X_mm run to the left, so that the robot would move against the hand: give the control points with x to "
     "the right as the cameras see it, y away and z up, or adapt mapping.base_R_operator"
 )
 
@@ -82,7 +82,7 @@ def odd_orientation(camera: PhysicalCamera) -> str:
 
 
 def exchanged(cameras: Sequence[PhysicalCamera]) -> str:
-    """What to do if the left camera stands to the right of the right one, as both see it; empty if all is well."""
+    """What to do if the left camera is to the right of the right one, as both see it; empty if all is well."""
     left, right = cameras[:2]
     baseline = right.centre - left.centre
     sideways = baseline / max(float(np.linalg.norm(baseline)), 1e-12)
@@ -127,7 +127,7 @@ def _camera_mistakes(calibrated: CameraCalibration, middle: Array) -> Iterator[s
         yield "its projection is mirrored, or looks away from the volume"
         return
     if not _is_a_cameras(matrix, camera):
-        yield "its projection is no camera's: its pixels are not nearly square"
+        yield "its projection is not that of a camera: its pixels are not nearly square"
     width, height = calibrated.size_px or (2 * camera.lens.cx, 2 * camera.lens.cy)
     pixel = camera.pixels(middle)
     if not np.all(np.abs(pixel / (width, height) - 0.5) <= 0.5 + ASIDE):
@@ -180,13 +180,13 @@ def likely_cause(points: Array, pixels: Array) -> str:
         projection = solve_projection(repair.points, repair.pixels)
         residuals = reprojection_errors(projection, repair.points, repair.pixels)
         camera = decomposed(projection)
-        if camera is not None and _stands_right(camera) and not fits_no_camera(residuals, repair.pixels):
+        if camera is not None and _is_on_the_right(camera) and not fits_no_camera(residuals, repair.pixels):
             below = bool(camera.centre[2] < repair.points[:, 2].mean())
             found.append((below, round(float(np.median(residuals)), 3), repair.mistake))
     return min(found)[2] if found else ""
 
 
-def _stands_right(camera: PhysicalCamera) -> bool:
+def _is_on_the_right(camera: PhysicalCamera) -> bool:
     to_the_right, _, ahead = camera.camera_R_operator
     return float(to_the_right[0]) > MIN_TO_THE_RIGHT and float(ahead[1]) > MIN_AWAY
 

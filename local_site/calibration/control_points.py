@@ -25,7 +25,7 @@ Size = tuple[int, int]
 class ControlPoints:
     """N points (N, 3) in m in the operator frame, their pixels (N, 2) in each camera (NaN where unseen), their names.
 
-    `labels` says where a person finds each point (a line of a file, a disc of a plate); `sizes` is the width and height
+    `labels` state where a person finds each point (a line of a file, a disc of a plate); `sizes` are width and height
     of each camera's picture in px, where known.
     """
 

@@ -33,7 +33,7 @@ class Lens(msgspec.Struct, frozen=True, forbid_unknown_fields=True):
 
     @property
     def is_distorted(self) -> bool:
-        """Whether it is no pinhole."""
+        """Whether it differs from a pinhole."""
         return self.k1 != 0.0 or self.k2 != 0.0
 
     def distort_pixels(self, pixels: Array) -> Array:

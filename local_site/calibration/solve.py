@@ -35,7 +35,7 @@ class _Solved:
 def solve_rig(control: ControlPoints, created: str) -> Rig:
     """The rig of a set of control points, with its residuals and leave-one-out errors.
 
-    Raises CalibrationError, with all mistakes of all cameras at once, for too few, coplanar, mirrored or grossly wrong
+    Raises CalibrationError, with all mistakes of all cameras together, for too few, coplanar, mirrored or grossly wrong
     points, and for cameras that were exchanged or see no common point.
     """
     mistakes: list[str] = []

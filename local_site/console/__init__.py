@@ -1,1 +1,1 @@
-"""The operator's page: what the cell shows and says, and the operator's intent and brakes."""
+"""The operator's page: the cell's views and state, and the operator's intent and stop."""

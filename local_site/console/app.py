@@ -16,7 +16,6 @@ from common.link.transport import Link, open_link
 from common.messages.requests import Description
 from common.process.log import LogFormat, start_log
 from common.process.service import StopFlag, notify
-from local_site.console.acts import Acts
 from local_site.console.cell_watch import CellWatch
 from local_site.console.config import ConsoleConfig
 from local_site.console.hub import Hub
@@ -27,6 +26,7 @@ from local_site.console.model.latency import Latencies
 from local_site.console.model.seat import Seat
 from local_site.console.pictures import Pictures
 from local_site.console.server import bind, make_server
+from local_site.console.site_requests import SiteRequests
 
 SITUATION_S = 0.06
 INTENT_S = 0.02
@@ -37,15 +37,15 @@ SESSION_BITS = 62
 def run_console(
     config: ConsoleConfig,
     should_stop: StopFlag,
-    tell: Callable[[str], object],
+    announce: Callable[[str], object],
     log_format: LogFormat = LogFormat.TEXT,
 ) -> None:
-    """Serve the page until asked to stop; `tell` gets the address. FarhandError when it cannot start."""
+    """Serve the page until asked to stop; `announce` gets the address. FarhandError when it cannot start."""
     start_log("console", log_format)
     check_links(config.links.endpoints, config.links, *config.bearers)
     try:
         with bind(config.serve) as listening:
-            asyncio.run(_serve(config, listening, should_stop, tell))
+            asyncio.run(_serve(config, listening, should_stop, announce))
     except FarhandError as error:
         structlog.get_logger().error("ending", reason=str(error))
         raise
@@ -55,7 +55,7 @@ def run_console(
 
 
 async def _serve(
-    config: ConsoleConfig, listening: socket.socket, should_stop: StopFlag, tell: Callable[[str], object]
+    config: ConsoleConfig, listening: socket.socket, should_stop: StopFlag, announce: Callable[[str], object]
 ) -> None:
     """Open the links, serve pages until asked to stop, close the links."""
     port = listening.getsockname()[1]
@@ -71,7 +71,7 @@ async def _serve(
             tasks = [
                 group.create_task(_every(SITUATION_S, hub.send_situation)),
                 group.create_task(_every(INTENT_S, handler.send_intent)),
-                group.create_task(_watch(server, should_stop, lambda: _report_ready(config, port, tell))),
+                group.create_task(_watch(server, should_stop, lambda: _report_ready(config, port, announce))),
             ]
             await server.serve(sockets=[listening])
             notify("STOPPING=1")
@@ -101,13 +101,13 @@ def _connect(
     outlets = None
     if config.operate:
         outlets = Outlets(control.publisher(INTENT, cell, name).put, video.publisher(SHOWN, cell, name).put)
-    acts, session = Acts(control, watch, cell, name), secrets.randbits(SESSION_BITS)
-    handler = PageMessageHandler(Seat(open_=config.operate), outlets, acts, latencies, history, session)
+    requests, session = SiteRequests(control, watch, cell, name), secrets.randbits(SESSION_BITS)
+    handler = PageMessageHandler(Seat(open_=config.operate), outlets, requests, latencies, history, session)
     hub = Hub(handler, watch, latencies, history, watched, name, operate=config.operate)
     pictures = Pictures(config.links, cell, listeners, hub.camera, hub.preview)
     stack.callback(pictures.close)
     listeners.listen(control.latest(STATE, cell), hub.state)
-    if control.may_hear(HAND):
+    if control.may_receive(HAND):
         listeners.listen(control.latest(HAND, cell), hub.hand)
     stack.enter_context(watch)
     return hub, handler
@@ -130,7 +130,7 @@ async def _watch(server: uvicorn.Server, should_stop: StopFlag, ready: Callable[
     server.should_exit = True
 
 
-def _report_ready(config: ConsoleConfig, port: int, tell: Callable[[str], object]) -> None:
+def _report_ready(config: ConsoleConfig, port: int, announce: Callable[[str], object]) -> None:
     serve = config.serve
     name = serve.names[0] if serve.names and not serve.is_loopback else serve.host
     host = f"[{name}]" if ":" in name else name
@@ -138,4 +138,4 @@ def _report_ready(config: ConsoleConfig, port: int, tell: Callable[[str], object
     page = f"{serve.scheme}://{host}:{port}/ ({reach})"
     notify("READY=1")
     structlog.get_logger().info("ready", cell=config.cell, page=page)
-    tell(f"console of cell {config.cell}: {page}")
+    announce(f"console of cell {config.cell}: {page}")

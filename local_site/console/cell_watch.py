@@ -15,7 +15,7 @@ from common.link.transport import Link
 from common.messages.requests import DescribeQuestion, Description
 
 EVERY_S = 0.2
-ROUNDS_TO_DOUBT = 10  # of silence, until it looks for the reason
+ROUNDS_TO_DOUBT = 10  # of silence, until it probes for the reason
 
 
 class CellWatch:
@@ -53,14 +53,14 @@ class CellWatch:
         logged = ""
         while not self._stop.wait(EVERY_S):
             try:
-                self._look()
+                self._measure()
             except RefusedError as error:
                 if logged != str(error):
                     logged = str(error)
                     structlog.get_logger().error("the cell is refused", reason=logged)
                     self._refused(logged)
 
-    def _look(self) -> None:
+    def _measure(self) -> None:
         trip = self.clock.measure()
         self.round_trip_ms = None if trip is None else trip.duration_ns / NS_PER_MS
         if trip is None:

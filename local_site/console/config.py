@@ -81,7 +81,7 @@ class ConsoleConfig(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fi
 
     @property
     def bearers(self) -> tuple[Identity, ...]:
-        """Whose certificates the console may use; any that may watch, where nobody operates."""
+        """Whose certificates the console may use; any that may watch, where no page operates."""
         roles = (Role.OPERATOR,) if self.operate else (Role.OPERATOR, Role.VIEWER, Role.MAINTENANCE)
         return tuple(Identity(role, self.cell) for role in roles)
 

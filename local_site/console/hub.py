@@ -18,14 +18,14 @@ from local_site.console.model.history import History
 from local_site.console.model.latency import Latencies
 from local_site.console.model.page_messages import parse
 from local_site.console.model.shown import CAMERA_VIEW
-from local_site.console.model.situation import Heard, situation_json
+from local_site.console.model.situation import NewestMessages, situation_json
 from local_site.console.page import Page
 
 OWN_CLOCK = ClockOffset(0, 0)
 
 
 class CellClock(Protocol):
-    """The remote clock as known now, and how long its last question took."""
+    """The current estimate of the remote clock, and how long its last question took."""
 
     round_trip_ms: float | None
 
@@ -52,7 +52,7 @@ class Hub:
         self._handler, self._watch = handler, watch
         self._latencies, self._history = latencies, history
         self._operate, self._operator, self._watched = operate, operator, watched
-        self._heard = Heard()
+        self._newest = NewestMessages()
         self._cell: Description | None = None
         self._pages: list[Page] = []
 
@@ -74,22 +74,22 @@ class Hub:
             self._handler.seat.leave(page.visitor)
             self._history.note("seat", f"{page.visitor} is gone, nobody operates", time.monotonic_ns())
 
-    def hear(self, page: Page, text: str) -> None:
+    def receive(self, page: Page, text: str) -> None:
         """A message has come from a page; MessageError when it is none that is known."""
-        self._handler.hear(page, parse(text), time.monotonic_ns())
+        self._handler.handle(page, parse(text), time.monotonic_ns())
 
     def state(self, state: RobotState) -> None:
         """The robot's state has come."""
         now_ns = time.monotonic_ns()
-        self._heard = replace(self._heard, state=state, state_ns=now_ns)
+        self._newest = replace(self._newest, state=state, state_ns=now_ns)
         lease = state.lease
         self._handler.lease = lease.number if lease is not None and lease.holder == self._operator else NO_LEASE
-        self._history.learn(state, now_ns)
-        self._latencies.learn(state, now_ns)
+        self._history.add_state(state, now_ns)
+        self._latencies.add_state(state, now_ns)
 
     def hand(self, hand: HandArm) -> None:
         """A hand sample has come."""
-        self._heard = replace(self._heard, hand=hand, hand_ns=time.monotonic_ns())
+        self._newest = replace(self._newest, hand=hand, hand_ns=time.monotonic_ns())
 
     def camera(self, frame: VideoFrame) -> None:
         """A picture of the cell has come."""
@@ -117,11 +117,11 @@ class Hub:
         """Send the situation to every page."""
         now_ns = time.monotonic_ns()
         clock = self._watch.estimate(now_ns), self._watch.round_trip_ms
-        self._latencies.learn_clock(*clock, now_ns)
+        self._latencies.add_clock(*clock, now_ns)
         if not self._pages:
             return
         seat, intent = self._handler.seat, self._handler.intent
-        situation = situation_json(now_ns, self._heard, *clock, seat, intent, self._latencies, self._history)
+        situation = situation_json(now_ns, self._newest, *clock, seat, intent, self._latencies, self._history)
         for page in self._pages:
             page.situation(situation)
 

@@ -1,4 +1,4 @@
-"""Does what pages ask: who operates, the operator's intent, and requests to the sites."""
+"""Handles the pages' messages: who operates, the operator's intent, and requests to the sites."""
 
 import asyncio
 import time
@@ -35,7 +35,7 @@ from local_site.console.page import Page
 NO_LEASE = 0
 
 
-class Acting(Protocol):
+class Requests(Protocol):
     """Asks the sites and waits for the answer."""
 
     def engagement(self, action: EngagementAction) -> Reply: ...
@@ -56,16 +56,22 @@ class Outlets:
 class PageMessageHandler:
     """Lives in the event loop; every method is called there. Any page may stop the arm, the rest is the operator's.
 
-    `lease` is the number of the lease that this console's operator holds, as last heard. Without outlets, where pages
+    `lease` is the number of the lease that this console's operator last held. Without outlets, where pages
     only watch, nothing is sent to the sites.
     """
 
     def __init__(
-        self, seat: Seat, outlets: Outlets | None, acts: Acting, latencies: Latencies, history: History, session: int
+        self,
+        seat: Seat,
+        outlets: Outlets | None,
+        requests: Requests,
+        latencies: Latencies,
+        history: History,
+        session: int,
     ) -> None:
         self.seat, self.intent = seat, Intent()
         self.lease = NO_LEASE
-        self._outlets, self._acts = outlets, acts
+        self._outlets, self._requests = outlets, requests
         self._latencies, self._history = latencies, history
         self._shown = ShownViews(session)
         self._tasks: set[asyncio.Task[None]] = set()
@@ -73,7 +79,7 @@ class PageMessageHandler:
         self._asking = ThreadPoolExecutor(2, "ask")
 
     def close(self) -> None:
-        """Begin nothing more, and wait for the requests under way: their link is closed, so that is soon."""
+        """Begin nothing more, and wait for the requests under way: their link is closed, so it is short."""
         for pool in (self._stopping, self._asking):
             pool.shutdown(cancel_futures=True)
 
@@ -89,59 +95,63 @@ class PageMessageHandler:
         """A frame of the cell goes to the pages under this name of its view; `clock` is the remote one, if known."""
         self._shown.remember(view, frame, now_ns, clock.offset_ns if clock is not None else None)
 
-    def hear(self, page: Page, said: AnyPageMessage, now_ns: int) -> None:
-        """Do what a page asks."""
-        match said:
+    def handle(self, page: Page, message: AnyPageMessage, now_ns: int) -> None:
+        """Carry out what a page asks for."""
+        match message:
             case Beat():
-                self.seat.beat(page.visitor, now_ns, down=said.down)
-                page.send(type="echo", page_ms=said.page_ms, server_ms=now_ns / NS_PER_MS)
+                self.seat.beat(page.visitor, now_ns, down=message.down)
+                page.send(type="echo", page_ms=message.page_ms, server_ms=now_ns / NS_PER_MS)
             case FrameTaken():
-                page.taken(said.view)
+                page.taken(message.view)
             case Ask():
-                self._ask(page, said, now_ns)
+                self._ask(page, message, now_ns)
             case AskLease():
-                self._if_operating(page, said.id, lambda: self._acts.lease(said.action), f"lease: {said.action.value}")
+                self._if_operating(
+                    page, message.id, lambda: self._requests.lease(message.action), f"lease: {message.action.value}"
+                )
             case MarkJoints():
-                joints = said.shoulder, said.elbow, said.wrist
-                self._if_operating(page, said.id, lambda: self._acts.joints(*joints), "joints")
+                joints = message.shoulder, message.elbow, message.wrist
+                self._if_operating(page, message.id, lambda: self._requests.joints(*joints), "joints")
             case TakeSeat():
-                self._answer_seat(page, said.id, self.seat.take(page.visitor, now_ns), now_ns)
+                self._answer_seat(page, message.id, self.seat.take(page.visitor, now_ns), now_ns)
             case LeaveSeat():
-                self._answer_seat(page, said.id, self.seat.leave(page.visitor), now_ns)
+                self._answer_seat(page, message.id, self.seat.leave(page.visitor), now_ns)
             case Shown() | Clutch() | Steer():
                 if page.visitor == self.seat.occupant:
-                    self._operate(said, now_ns)
+                    self._operate(message, now_ns)
             case _:
-                assert_never(said)
+                assert_never(message)
 
-    def _operate(self, said: Shown | Clutch | Steer, now_ns: int) -> None:
-        match said:
+    def _operate(self, message: Shown | Clutch | Steer, now_ns: int) -> None:
+        match message:
             case Clutch():
                 self.intent = replace(self.intent, clutch_count=self.intent.clutch_count + 1)
                 self._history.note("operator", "new origins taken (clutch)", now_ns)
             case Steer():
-                self.intent = said.apply(self.intent)
+                self.intent = message.apply(self.intent)
             case Shown():
-                self._report(said, now_ns)
+                self._report(message, now_ns)
             case _:
-                assert_never(said)
+                assert_never(message)
 
-    def _report(self, said: Shown, now_ns: int) -> None:
-        message = self._shown.message(said.views, self.lease, now_ns)
-        if message is None:
+    def _report(self, message: Shown, now_ns: int) -> None:
+        shown = self._shown.message(message.views, self.lease, now_ns)
+        if shown is None:
             return
-        for camera, view in message.views.items():
+        for camera, view in shown.views.items():
             self._latencies.painted(camera, view.capture_ns, view.age_ms, now_ns)
         if self._outlets is not None:
-            self._outlets.shown(message)
+            self._outlets.shown(shown)
 
-    def _ask(self, page: Page, said: Ask, now_ns: int) -> None:
-        if said.action is not EngagementAction.STOP:
-            self._if_operating(page, said.id, lambda: self._acts.engagement(said.action), said.action.value)
+    def _ask(self, page: Page, message: Ask, now_ns: int) -> None:
+        if message.action is not EngagementAction.STOP:
+            self._if_operating(
+                page, message.id, lambda: self._requests.engagement(message.action), message.action.value
+            )
             return
         self.seat.interrupt()
         self._history.note("stop", f"stop asked by {page.visitor}", now_ns)
-        self._later(page, said.id, self._stopping, lambda: self._acts.engagement(said.action), "stop")
+        self._later(page, message.id, self._stopping, lambda: self._requests.engagement(message.action), "stop")
 
     def _if_operating(self, page: Page, number: int, act: Callable[[], Reply], what: str) -> None:
         if page.visitor == self.seat.occupant:

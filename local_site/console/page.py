@@ -14,7 +14,7 @@ MOST_MESSAGES = 64
 
 
 class Page:
-    """The sending side of one connection; `write` runs as a task beside the reader."""
+    """The sending side of one connection; `write` runs as a task parallel to the reader."""
 
     def __init__(self, visitor: Visitor, socket: WebSocket) -> None:
         self.visitor = visitor

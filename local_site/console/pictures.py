@@ -57,7 +57,7 @@ class Pictures:
             with open_link(connect=endpoints, security=self._links, sessions=list(ChannelSession)) as link:
                 for name in names:
                     self._listeners.listen(link.latest(CAMERA, self._cell, name), self._camera)
-                for name in CAMERAS if link.may_hear(PREVIEW) else ():
+                for name in CAMERAS if link.may_receive(PREVIEW) else ():
                     self._listeners.listen(link.latest(PREVIEW, self._cell, name), self._preview)
                 self._wait_until(lambda: not self._watched or self._names != names)  # noqa: B023  # called here alone
 

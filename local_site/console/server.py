@@ -24,12 +24,12 @@ from local_site.console.page import Page
 
 STATIC = Path(__file__).parent / "static"
 MAX_MESSAGE_BYTES = 16384
-END_S = 0  # pages are told that the server ends; it waits for none
+END_S = 0  # pages get a close message; the server waits for none
 POLICY_VIOLATION = 1008
 
 
 def bind(serve: ServeConfig) -> socket.socket:
-    """A listening socket; TransportError when the address cannot be had."""
+    """A listening socket; TransportError when the address cannot be bound."""
     try:
         return socket.create_server((serve.host, serve.port), family=_family(serve.host), backlog=64)
     except socket.gaierror as error:
@@ -112,7 +112,7 @@ async def _serve_page(hub: Hub, page: Page, connection: WebSocket) -> None:
     writing = asyncio.create_task(page.write())
     try:
         async for text in connection.iter_text():
-            hub.hear(page, text)
+            hub.receive(page, text)
     except MessageError as error:
         await connection.close(POLICY_VIOLATION, str(error)[:100])
     except (WebSocketDisconnect, WebSocketDisconnected):  # noticed while reading, or while writing

@@ -1,4 +1,4 @@
-"""Draws the operator's views with what was found in them; what that takes, as bytes for the process that draws."""
+"""Draws the operator's views with what was found in them; the drawing order is encoded for the process that draws."""
 
 from collections.abc import Sequence
 from typing import Annotated
@@ -16,7 +16,7 @@ from local_site.tracking.tracker import ArmEstimate, Views
 
 
 class PreviewConfig(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
-    """Pictures of the operator with what was found in them; made only while a console looks at them."""
+    """Pictures of the operator with what was found in them; made only while a console shows them."""
 
     fps: Annotated[float, Meta(gt=0, le=60, description="pictures per second of each view, at most")] = 12.0
     width: Annotated[int, Meta(ge=160, le=3840, description="pixels; a narrower view stays as it is")] = 640
@@ -24,7 +24,7 @@ class PreviewConfig(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fi
 
 
 class PictureInfo(msgspec.Struct, frozen=True):
-    """What is known of a picture beside its pixels."""
+    """The metadata of a picture."""
 
     shape: tuple[int, ...]
     capture_ns: int

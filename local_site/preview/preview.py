@@ -88,7 +88,7 @@ def _draw_orders(
 
 
 class PreviewSink(Protocol):
-    """Where one view's pictures go, and whether anybody listens."""
+    """Where one view's pictures go, and whether there is a subscriber."""
 
     @property
     def has_listener(self) -> bool: ...
@@ -134,7 +134,7 @@ class Preview:
         self._due_ns = 0
 
     def show(self, views: Views, estimate: ArmEstimate) -> None:
-        """Send what has been drawn, and have this instant drawn if it is time and somebody listens."""
+        """Send what has been drawn, and have this instant drawn if it is due and there is a subscriber."""
         for view, drawn in zip(self._views, self._drawing.take(), strict=False):
             view.taken = drawn.taken
             view.send(CameraStatus.LIVE, "", drawn.width, drawn.height, drawn.jpeg)

@@ -13,11 +13,11 @@ AGE_BUCKETS_S = (0.01, 0.02, 0.03, 0.04, 0.05, 0.06, 0.08, 0.1, 0.15, 0.2, 0.3, 
 
 
 class LocalFigures:
-    """Counts every hand sample of this site; one thread calls `hear`, another `families`."""
+    """Counts every hand sample of this site; one thread calls `observe`, another `families`."""
 
     def __init__(self) -> None:
         self._sample: HandArm | None = None
-        self._heard_ns = 0
+        self._received_ns = 0
         self._samples = dict.fromkeys(TrackingStatus, 0)
         self._age = Histogram(
             "farhand_capture_to_publish_seconds",
@@ -26,11 +26,11 @@ class LocalFigures:
             buckets=AGE_BUCKETS_S,
         )
 
-    def hear(self, sample: HandArm, now_ns: int) -> None:
+    def observe(self, sample: HandArm, now_ns: int) -> None:
         """Take a sample received at this time."""
         self._samples[sample.status] += 1
         self._age.observe((now_ns - sample.capture_ns) / NS_PER_S)
-        self._sample, self._heard_ns = sample, now_ns
+        self._sample, self._received_ns = sample, now_ns
 
     def families(self, now_ns: int) -> Iterator[Metric]:
         """All figures at this time; none before the first sample."""
@@ -42,7 +42,7 @@ class LocalFigures:
             samples.add_metric([status.value], count)
         yield samples
         yield from self._age.collect()
-        since_s = (now_ns - self._heard_ns) / NS_PER_S
+        since_s = (now_ns - self._received_ns) / NS_PER_S
         yield gauge("farhand_hand_age_seconds", "Since the newest hand sample was published", since_s)
         toggles = sample.gripper_toggles
         yield CounterMetricFamily("farhand_gripper_toggles", "Openings of the hand that counted", value=toggles)

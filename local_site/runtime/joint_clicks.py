@@ -29,7 +29,7 @@ class JointClicks:
         self._views: Views | None = None
 
     def poll(self, views: Views | None, now_ns: int) -> None:
-        """Answer one request, if one waits; never blocks. The newest views say how large the picture is."""
+        """Answer one request, if one waits; never blocks. The newest views give the picture's size."""
         self._views = views or self._views
         self._clicks.poll(now_ns, self.begin)
 
@@ -38,7 +38,7 @@ class JointClicks:
         if not isinstance(self._tracker, MonocularTracker):
             return _refusal(request, "no_joints", "this tracker finds the arm by itself, without clicks")
         if self._views is None:
-            return _refusal(request, "no_picture", "no picture has come yet; look at the camera, then click again")
+            return _refusal(request, "no_picture", "no picture has come yet; check the camera, then click again")
         height, width = self._views.views[self._tracker.camera].current.image.shape[:2]
         joints = request.shoulder, request.elbow, request.wrist
         self._tracker.start_at(*((across * width, down * height) for across, down in joints))

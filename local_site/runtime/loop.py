@@ -20,7 +20,7 @@ from local_site.calibration.control_points import CAMERAS
 from local_site.config import LocalConfig
 from local_site.preview.preview import Preview
 from local_site.runtime.joint_clicks import JointClicks
-from local_site.runtime.profile_file import ProfileKeeper
+from local_site.runtime.profile_file import ProfileStore
 from local_site.samples.hand_sample import HandSampler, IntentMerge, OpenHand
 from local_site.samples.smoothing import make_smoother
 from local_site.tracking.annotate import annotate
@@ -37,7 +37,7 @@ class ArmTracking:
 
     def __init__(self, config: LocalConfig, operator: OperatorRig, link: Link) -> None:
         name = config.authority.name
-        self._profiles = ProfileKeeper(config.tracking.profile_dir, name, _warning("operator's profile"))
+        self._profiles = ProfileStore(config.tracking.profile_dir, name, _warning("operator's profile"))
         self._tracker = make_tracker(operator.rig, operator.tracking, self._profiles.known)
         self._drift = DriftWatch(operator.rig, config.drift, _warning("drift"))
         refused = RefusalLog().note
@@ -97,7 +97,7 @@ class SampleSender:
         self._send(self._smoother.smooth(estimate))
 
     def send_lost(self, reason: str) -> None:
-        """Send that there are no views, and why."""
+        """Send a LOST sample with the reason why there are no views."""
         self._send(ArmEstimate(self._clock.now_ns(), TrackingStatus.LOST, reason))
 
     def _send(self, estimate: ArmEstimate) -> None:
@@ -108,9 +108,9 @@ class SampleSender:
             self._refusals.note(error)
         else:
             if received is not None:
-                self._intent.hear(received, now_ns)
-        standing, intent = self._authority.standing(now_ns), self._intent.at(now_ns)
-        self._publisher.put(self._sampler.sample(estimate, self._hand, standing.lease, standing.clock, intent))
+                self._intent.receive(received, now_ns)
+        held, intent = self._authority.lease_and_clock(now_ns), self._intent.at(now_ns)
+        self._publisher.put(self._sampler.sample(estimate, self._hand, held.lease, held.clock, intent))
 
 
 class LocalSite:
@@ -139,7 +139,7 @@ class LocalSite:
             estimate = self._tracking.track(views)
             self._sender.send_tracked(estimate)
             self._log_status(estimate.status, estimate.reason)
-            self._watch.look(self._clock.now_ns())
+            self._watch.poll(self._clock.now_ns())
             self._preview.show(views, estimate)
         else:
             reason = self._capture.problem() or "no new views of the operator"
@@ -147,7 +147,7 @@ class LocalSite:
             self._log_status(TrackingStatus.LOST, reason)
             if self._capture.ended:
                 raise CameraError(reason)
-            self._watch.look(self._clock.now_ns())
+            self._watch.poll(self._clock.now_ns())
             self._preview.show_reason(reason, self._clock.now_ns())
         self._tracking.attend(views, self._clock.now_ns())
 

@@ -43,7 +43,7 @@ def save_profile(profile: OperatorProfile, path: Path) -> None:
         raise ConfigError(f"cannot write the profile {path}: {error.strerror}; choose another profile_dir") from error
 
 
-class ProfileKeeper:
+class ProfileStore:
     """Keeps the profile of one operator in a folder, or nothing where no folder is given.
 
     If a file is wrong, `warn` is called once with the reason; it stays unchanged, and the run continues without.

@@ -42,7 +42,7 @@ def warm_up(tracking: TrackingConfig) -> None:
 
 
 def _monocular(rig: Rig, by: StartBy) -> Tracker:
-    """A tracker of the swinging arm, started as configured: each way to start has inner loops of its own."""
+    """A tracker of the swinging arm, started as configured: each start method has inner loops of its own."""
     shoulder, elbow, wrist = first_joints_px().values()
     start = StartConfig(by=by, shoulder_px=shoulder, elbow_px=elbow, wrist_px=wrist)
     return MonocularTracker(rig, MonocularConfig(start=start))

@@ -61,7 +61,7 @@ class IntentMerge:
         self._last: OperatorIntent | None = None
         self._released = False
 
-    def hear(self, received: OperatorIntent, now_ns: int) -> None:
+    def receive(self, received: OperatorIntent, now_ns: int) -> None:
         """Take an intent; one that is older than the last, or from the future, is ignored."""
         if received.sent_ns > now_ns or (self._last is not None and received.sent_ns <= self._last.sent_ns):
             return

@@ -82,7 +82,7 @@ class SimulationConfig(Struct, frozen=True, kw_only=True, forbid_unknown_fields=
         bool,
         Meta(
             description="a textured arm before one camera, which swings as in HAZEL-S of the ROBONAUT report; body, "
-            "stereo, picture and the motion's name do not count then"
+            "stereo, picture and the motion's name are ignored then"
         ),
     ] = False
     seed: Annotated[int, Meta(ge=0, lt=2**32)] = 1

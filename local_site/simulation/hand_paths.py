@@ -81,7 +81,7 @@ def _rotation(axis: int) -> Callable[[float], tuple[Array, Array]]:
 
 # Down before forward, so that a tool a little off pushes the block aside instead of pressing on it from above; release
 # 3 cm above the table, since this operator does not see the block. The hand opens while the wrist rests between two
-# equal waypoints. What was carried over is carried back, so that it is not in the way later.
+# equal waypoints. What was carried over is carried back, so that it is no obstacle later.
 _PICK_AND_PLACE = (
     (0.0, 0.0, 0.0, 0.0, 0.0, 0.0),
     (0.8, 0.0, 0.0, 0.0, 0.0, 0.0),

@@ -148,7 +148,7 @@ def film_pixel(point: Array) -> tuple[float, float]:
 
 
 class TexturedOperator:
-    """Stands still for `still_s`, then swings; the camera's frame is the operator's."""
+    """Keeps still for `still_s`, then swings; the camera's frame is the operator's."""
 
     def __init__(self, still_s: float) -> None:
         self._film = hazel_film(Scenery(noise=0.0, wall=DARK_WALL, wall_relief=DARK_RELIEF), LIVE_FINE)

@@ -18,7 +18,7 @@ SUB_FRAMES = 3
 
 
 class Operator(Protocol):
-    """Somebody who moves before cameras; times are s since the start of the motion.
+    """An operator who moves in front of cameras; times are s since the start of the motion.
 
     `points` are those that a tracker measures, by name, (3,) in m in the operator frame.
     """

@@ -120,7 +120,7 @@ class ArmFilm:
 
     def _shaded(self, normals: Array, skin_px: Array) -> Array:
         """Grey levels (N,) of diffuse skin."""
-        albedo = _looked_up(self._skin, skin_px)
+        albedo = _bilinear(self._skin, skin_px)
         facing = np.maximum(normals @ self._light, 0.0) / np.linalg.norm(normals, axis=1)
         result: Array = albedo * (self._scenery.ambient + (1.0 - self._scenery.ambient) * facing)
         return result
@@ -143,7 +143,7 @@ class _LimbSurface:
 
 
 @compiled
-def _looked_up(skin: Picture, positions: Array) -> Array:
+def _bilinear(skin: Picture, positions: Array) -> Array:
     """The skin at positions (N, 2) in its px, bilinear."""
     levels = np.empty(len(positions))
     for n in range(len(positions)):

@@ -78,8 +78,8 @@ class StartConfig(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fiel
         ),
     ] = "joints"
     shoulder_px: Annotated[Pixel, Meta(description="shoulder joint, px of the camera's own picture")] = (0.0, 0.0)
-    elbow_px: Annotated[Pixel, Meta(description="elbow joint, likewise")] = (0.0, 0.0)
-    wrist_px: Annotated[Pixel, Meta(description="wrist, likewise")] = (0.0, 0.0)
+    elbow_px: Annotated[Pixel, Meta(description="elbow joint, in the same px")] = (0.0, 0.0)
+    wrist_px: Annotated[Pixel, Meta(description="wrist, in the same px")] = (0.0, 0.0)
     palm_turn_deg: Annotated[
         float, Meta(ge=-180, le=180, description="turn of the palm about the forearm, 0: flat before the camera")
     ] = 0.0

@@ -20,7 +20,7 @@ class DriftConfig(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fiel
 
     learn_s: Annotated[float, Meta(gt=0, le=60, description="first seconds of tracking, whose level is normal")] = 5.0
     window_s: Annotated[float, Meta(gt=0, le=600, description="over which the median is taken")] = 10.0
-    min_residuals: Annotated[int, Meta(ge=10, le=10_000, description="fewer in a window say nothing")] = 100
+    min_residuals: Annotated[int, Meta(ge=10, le=10_000, description="fewer in a window give no verdict")] = 100
     factor: Annotated[float, Meta(gt=1, le=20, description="a median this many times the normal level, and")] = 2.0
     margin_px: Annotated[float, Meta(gt=0, le=50, description="at least this much above it, is drift, px")] = 1.5
     start_px: Annotated[
@@ -32,7 +32,7 @@ class DriftAlarm:
     """Compares the median residual of a time window with that of the first seconds, as the calibration drifts.
 
     `calibrated_px` is the rig's own median residual. Tracked points are noisier than a plate's, so the normal level is
-    learned from the first seconds; if that itself is far too high, the alarm is raised at once.
+    learned from the first seconds; if that itself is far too high, the alarm is raised immediately.
     """
 
     def __init__(self, calibrated_px: float | None, config: DriftConfig | None = None) -> None:

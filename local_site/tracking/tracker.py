@@ -32,7 +32,7 @@ class View:
 
 @dataclass(frozen=True, slots=True)
 class Views:
-    """One to n views of the same instant, in the order of the rig's cameras; `t_ns` is the common exposure time."""
+    """One to n views of the same instant, in the order of the rig's cameras; `t_ns` is their common capture time."""
 
     t_ns: int
     views: tuple[View, ...]
@@ -93,7 +93,7 @@ class FrameCache(Generic[Measured]):
         self._known: dict[tuple[int, int], Measured | str] = {}
 
     def at(self, view: View, measure: Callable[[Frame], Measured | str]) -> Measured | str:
-        """The measurement at the view's instant, or a sentence that says why there is none."""
+        """The measurement at the view's instant, or a sentence with the reason why there is none."""
         now = self._once(view.current, measure)
         if view.previous is None or view.weight >= 1.0 or isinstance(now, str):
             return now

@@ -142,8 +142,8 @@ def test_the_page_tells_latency_and_the_clock(page) -> None:
     assert median_of(page, "uncertainty") < 1000
 
 
-def median_of(page: OpenedPage, stretch: str) -> float:
-    told = page.words(f"[data-stretch={stretch}] td:nth-of-type(2)")
+def median_of(page: OpenedPage, interval: str) -> float:
+    told = page.words(f"[data-interval={interval}] td:nth-of-type(2)")
     return float(told) if told not in ("", "–") else -1.0
 
 

@@ -131,7 +131,7 @@ def test_one_sample_is_told_from_its_exposure_to_its_painted_picture(told: Told)
     assert float(words.rpartition("painted ")[2]) > 48
     grown = "(stages) => stages.map((stage) => Number(stage.style.flexGrow))"
     assert told.page.page.eval_on_selector_all("#trace-bar span", grown)[:3] == pytest.approx([21, 5, 22], abs=0.1)
-    assert told.page.words("[data-stretch=encoder] td:nth-of-type(2)") == "27"
+    assert told.page.words("[data-interval=encoder] td:nth-of-type(2)") == "27"
 
 
 def test_the_arm_is_looked_at_from_elsewhere_by_mouse_and_by_keys(told: Told) -> None:
@@ -199,7 +199,7 @@ def test_the_age_that_the_page_tells_is_that_of_the_clock_in_its_picture(told: T
     painted = ages_ms(page, clock)
     assert set(painted) == set(scene.CAMERAS)
     assert min(min(ages) for ages in painted.values()) >= told.age_ms - clock.uncertainty_ms - 2
-    told_ms = float(told.page.words("[data-stretch=picture] td:nth-of-type(2)"))
+    told_ms = float(told.page.words("[data-interval=picture] td:nth-of-type(2)"))
     read_ms = float(np.median(np.concatenate(list(painted.values()))))
     assert told_ms == pytest.approx(read_ms, abs=50.0 + 0.5 * read_ms)
 

@@ -33,7 +33,7 @@ def test_the_error_never_exceeds_the_uncertainty_however_uneven_the_ways(offset_
     for there_ns, back_ns in ways:
         one = trip(now_ns, offset_ns, there_ns, back_ns)
         estimator.add(one)
-        now_ns = one.heard_ns + 100 * NS_PER_MS
+        now_ns = one.reply_ns + 100 * NS_PER_MS
         known = estimator.estimate(now_ns)
         assert abs(known.offset.offset_ns - offset_ns) <= known.offset.uncertainty_ns
 

@@ -18,7 +18,7 @@ def test_figures_are_served_and_the_site_goes_on_when_they_die(pair: Pair) -> No
     process, sites = pair.remote(), pair.sites
     sites.wait("figures of control and video", lambda: figures_at(pair.metrics_port) >= FIGURES, 20)
     os.kill(child_of(process, "farhand-metrics"), signal.SIGKILL)
-    sites.wait("the site to say so", lambda: any("goes on without it" in line for line in process.lines))
+    sites.wait("the site to say so", lambda: any("continues without it" in line for line in process.lines))
     told = len(sites.record.states)
     sites.wait("control to go on", lambda: len(sites.record.states) > told + 25)
     assert process.exit_code is None

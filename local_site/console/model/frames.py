@@ -8,13 +8,13 @@ import msgspec
 from common.clock import NS_PER_MS, ClockOffset
 from common.messages.video import VideoFrame
 
-IN_FLIGHT = 2  # one on its way while the other is painted; more would be a queue
+IN_FLIGHT = 2  # one in transit while the other is painted; more would be a queue
 LENGTH = struct.Struct("<H")
 
 
 @dataclass(frozen=True, slots=True)
 class ViewFrame:
-    """One picture on its way to a page: its view, its number, and the bytes as they are sent."""
+    """One picture to be sent to a page: its view, its number, and the bytes as they are sent."""
 
     view: str
     seq: int

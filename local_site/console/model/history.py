@@ -21,7 +21,7 @@ class Event:
 
 
 class History:
-    """Keeps the last events; a repetition is no event."""
+    """Keeps the last events; a repetition is not noted."""
 
     def __init__(self) -> None:
         self.events: deque[Event] = deque(maxlen=KEPT)
@@ -40,15 +40,15 @@ class History:
             self._last[topic] = text
             self.note(kind, text, now_ns)
 
-    def learn(self, state: RobotState, now_ns: int) -> None:
+    def add_state(self, state: RobotState, now_ns: int) -> None:
         """Note a change of state, of its code, or of who holds the lease."""
-        self._learn_session(state, now_ns)
+        self._note_session(state, now_ns)
         holder = f"{state.lease.holder} holds the lease" if state.lease is not None else "nobody holds the lease"
         self.note_change("lease", "lease", holder, now_ns)
         if state.lease is not None and state.lease.asked_by is not None:
             self.note_change("asked", "lease", f"{state.lease.asked_by} asks for the lease", now_ns)
 
-    def _learn_session(self, state: RobotState, now_ns: int) -> None:
+    def _note_session(self, state: RobotState, now_ns: int) -> None:
         same_state = self._last.get("state") == state.state.value
         if same_state and (self._last.get("code") == state.code or now_ns - self._noted_ns < QUIET_NS):
             return

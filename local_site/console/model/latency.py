@@ -55,7 +55,7 @@ class Trace:
 
 
 class Latencies:
-    """Learns from states what the command and the motion took, and from the page what the pictures took."""
+    """Computes from states what the command and the motion took, and from the page what the pictures took."""
 
     NAMES = ("command", "motion", "encoder", "picture", "round_trip", "uncertainty", "hand_to_eye")
 
@@ -68,7 +68,7 @@ class Latencies:
         self._commanded = self._moved = self._measured = (0, -1)
         self._unseen: tuple[Traced, int] | None = None  # the sample not seen yet, and its exposure by the remote clock
 
-    def learn(self, state: RobotState, now_ns: int) -> None:
+    def add_state(self, state: RobotState, now_ns: int) -> None:
         """Take a state; each obeyed sample counts once, and only where the clocks' offset is known."""
         obeyed, clock = state.obeyed, state.clock
         if obeyed is None or clock is None:
@@ -96,7 +96,7 @@ class Latencies:
         if self._unseen is None and not old:
             self._unseen = (traced, traced.capture_ns + remote_minus_local_ns)
 
-    def learn_clock(self, known: ClockEstimate | None, round_trip_ms: float | None, now_ns: int) -> None:
+    def add_clock(self, known: ClockEstimate | None, round_trip_ms: float | None, now_ns: int) -> None:
         """Take how well the remote clock is known, and how long its last question took."""
         if known is not None:
             self.windows["uncertainty"].add(now_ns, known.offset.uncertainty_ns / NS_PER_MS)

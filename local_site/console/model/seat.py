@@ -31,7 +31,7 @@ class Seat:
     """Gives the seat to the first page, and to another only when it is given up, closed or silent for 5 s.
 
     Holding counts while the operating page beats at least every 200 ms. After any silence, a stop or a change of the
-    page it counts only once the key was seen released. Where `open_` is false nobody ever operates.
+    page it counts only once the key was seen released. Where `open_` is false no page ever operates.
     """
 
     def __init__(self, *, open_: bool) -> None:
@@ -42,7 +42,7 @@ class Seat:
         self.occupant: Visitor | None = None
 
     def arrive(self, visitor: Visitor, now_ns: int) -> None:
-        """A page has connected; it operates if nobody does."""
+        """A page has connected; it operates if no other page does."""
         if self.occupant is None:
             self.take(visitor, now_ns)
 

@@ -17,7 +17,7 @@ NOT_FOR_PAGES = ("version", "session", "clock", "obeyed", "traced")
 
 
 @dataclass(frozen=True, slots=True)
-class Heard:
+class NewestMessages:
     """The newest messages of both sites and when they came (ns), None and 0 before the first."""
 
     state: RobotState | None = None
@@ -28,7 +28,7 @@ class Heard:
 
 def situation_json(
     now_ns: int,
-    heard: Heard,
+    newest: NewestMessages,
     clock: ClockEstimate | None,
     round_trip_ms: float | None,
     seat: Seat,
@@ -36,12 +36,12 @@ def situation_json(
     latencies: Latencies,
     history: History,
 ) -> str:
-    """Everything a page shows besides pictures; `clock` is the remote one as known now, if at all."""
+    """Everything a page shows besides pictures; `clock` is the current estimate of the remote one, if there is one."""
     situation = {
         "type": "situation",
         "now_ms": now_ns / NS_PER_MS,
-        "robot": _robot_fields(heard.state, heard.state_ns, now_ns) if heard.state is not None else None,
-        "hand": _hand_fields(heard.hand, heard.hand_ns, now_ns) if heard.hand is not None else None,
+        "robot": _robot_fields(newest.state, newest.state_ns, now_ns) if newest.state is not None else None,
+        "hand": _hand_fields(newest.hand, newest.hand_ns, now_ns) if newest.hand is not None else None,
         "clock": _clock_fields(clock, round_trip_ms),
         "seat": {
             "page": seat.occupant.number if seat.occupant is not None else None,
@@ -59,19 +59,19 @@ def situation_json(
     return msgspec.json.encode(situation).decode()
 
 
-def _robot_fields(state: RobotState, heard_ns: int, now_ns: int) -> dict[str, Any]:
-    """The robot's state, with how long ago it was heard."""
+def _robot_fields(state: RobotState, received_ns: int, now_ns: int) -> dict[str, Any]:
+    """The robot's state, with its age since it was received."""
     fields: dict[str, Any] = msgspec.to_builtins(state)
     for name in NOT_FOR_PAGES:
         del fields[name]
     return fields | {
-        "heard_ms": (now_ns - heard_ns) / NS_PER_MS,
-        "silent": now_ns - heard_ns > STATE.stale_after_ns,
+        "heard_ms": (now_ns - received_ns) / NS_PER_MS,
+        "silent": now_ns - received_ns > STATE.stale_after_ns,
         "lease_left_ms": (state.lease.expires_ns - state.t_ns) / NS_PER_MS if state.lease is not None else None,
     }
 
 
-def _hand_fields(hand: HandArm, heard_ns: int, now_ns: int) -> dict[str, Any]:
+def _hand_fields(hand: HandArm, received_ns: int, now_ns: int) -> dict[str, Any]:
     return {
         "status": hand.status.value,
         "reason": hand.reason,
@@ -79,7 +79,7 @@ def _hand_fields(hand: HandArm, heard_ns: int, now_ns: int) -> dict[str, Any]:
         "toggles": hand.gripper_toggles,
         "thumb_inferred": hand.thumb_inferred,
         "age_ms": (now_ns - hand.capture_ns) / NS_PER_MS,
-        "silent": now_ns - heard_ns > 5 * HAND.stale_after_ns,
+        "silent": now_ns - received_ns > 5 * HAND.stale_after_ns,
     }
 
 

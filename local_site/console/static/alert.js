@@ -3,8 +3,8 @@ export class Alert {
   #line = document.getElementById("alert");
   #owner = null;
 
-  /** Say something in somebody's name; kind is good or bad. */
-  say(owner, kind, words) {
+  /** Show an owner's message; kind is good or bad. */
+  show(owner, kind, words) {
     if (this.#owner === "stop" && owner !== "stop" && this.#line.dataset.kind === "bad") return;
     this.#owner = owner;
     this.#line.hidden = false;
@@ -12,7 +12,7 @@ export class Alert {
     this.#line.textContent = words;
   }
 
-  /** Take back what was said in somebody's name, all of it or one kind. */
+  /** Remove an owner's message, of any kind or of one. */
   clear(owner, kind = this.#line.dataset.kind) {
     if (this.#owner !== owner || this.#line.dataset.kind !== kind) return;
     this.#owner = null;

@@ -11,7 +11,7 @@ const GROUND_M = 0.8;
 export class ArmRoom {
   #canvas = document.getElementById("arm");
   #words = document.getElementById("arm-words");
-  #brush = this.#canvas.getContext("2d");
+  #context = this.#canvas.getContext("2d");
   #orbit = new Orbit(this.#canvas, () => this.#ask());
   #cell = null;
   #robot = null;
@@ -30,7 +30,7 @@ export class ArmRoom {
 
   show(robot) {
     this.#robot = robot;
-    if (this.#cell !== null && robot !== null) this.#say();
+    if (this.#cell !== null && robot !== null) this.#describe();
     this.#ask();
   }
 
@@ -41,7 +41,7 @@ export class ArmRoom {
     });
   }
 
-  #say() {
+  #describe() {
     const robot = this.#robot;
     const tool = origin(frames(this.#cell, robot.q).at(-1));
     const words = [`tool at ${tool.map((v) => (v * 1000).toFixed(0)).join(", ")} mm`];
@@ -52,48 +52,48 @@ export class ArmRoom {
   }
 
   #draw() {
-    const { width, height } = sized(this.#canvas, this.#brush);
-    this.#brush.clearRect(0, 0, width, height);
+    const { width, height } = sized(this.#canvas, this.#context);
+    this.#context.clearRect(0, 0, width, height);
     const cell = this.#cell;
     if (cell === null) return;
     const tone = tones("measured", "commanded", "target", "box", "edge");
-    const pen = new Pen(this.#brush, this.#orbit.projection(width, height));
+    const pen = new Pen(this.#context, this.#orbit.projection(width, height));
     drawGround(pen, tone.edge);
     drawBox(pen, cell.workspace_min, cell.workspace_max, tone.box);
     if (this.#robot === null) return;
-    this.#brush.globalAlpha = 0.4;
+    this.#context.globalAlpha = 0.4;
     pen.line(frames(cell, this.#robot.q_commanded).map(origin), tone.commanded, 14);
-    this.#brush.globalAlpha = this.#robot.silent ? 0.4 : 1;
+    this.#context.globalAlpha = this.#robot.silent ? 0.4 : 1;
     drawArm(pen, frames(cell, this.#robot.q), tone.measured, 7);
     if (this.#robot.target !== null) drawTarget(pen, fromPose(this.#robot.target), tone.target);
-    this.#brush.globalAlpha = 1;
+    this.#context.globalAlpha = 1;
   }
 }
 
 class Pen {
-  constructor(brush, project) {
-    this.brush = brush;
+  constructor(context, project) {
+    this.context = context;
     this.project = project;
   }
 
   line(points, tone, width) {
     const seen = points.map(this.project);
     if (seen.includes(null)) return;
-    this.brush.strokeStyle = tone;
-    this.brush.lineWidth = width;
-    this.brush.lineCap = this.brush.lineJoin = "round";
-    this.brush.beginPath();
-    seen.forEach(([x, y], k) => (k === 0 ? this.brush.moveTo(x, y) : this.brush.lineTo(x, y)));
-    this.brush.stroke();
+    this.context.strokeStyle = tone;
+    this.context.lineWidth = width;
+    this.context.lineCap = this.context.lineJoin = "round";
+    this.context.beginPath();
+    seen.forEach(([x, y], k) => (k === 0 ? this.context.moveTo(x, y) : this.context.lineTo(x, y)));
+    this.context.stroke();
   }
 
   disc(point, tone, radius) {
     const seen = this.project(point);
     if (seen === null) return;
-    this.brush.fillStyle = tone;
-    this.brush.beginPath();
-    this.brush.arc(seen[0], seen[1], radius, 0, 2 * Math.PI);
-    this.brush.fill();
+    this.context.fillStyle = tone;
+    this.context.beginPath();
+    this.context.arc(seen[0], seen[1], radius, 0, 2 * Math.PI);
+    this.context.fill();
   }
 }
 

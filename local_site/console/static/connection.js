@@ -22,7 +22,7 @@ export class Connection {
     this.#socket = socket;
   }
 
-  /** Send a message now; false when there is no connection that would take it at once. */
+  /** Send a message now; false when there is no connection that would take it immediately. */
   send(message) {
     const socket = this.#socket;
     if (socket?.readyState !== WebSocket.OPEN || socket.bufferedAmount > MOST_WAITING) return false;
@@ -30,7 +30,7 @@ export class Connection {
     return true;
   }
 
-  /** Ask something that is answered; its number, or null without a connection. */
+  /** Send a request; its number, or null without a connection. */
   ask(message) {
     const id = ++this.#numbers;
     return this.send({ ...message, id }) ? id : null;

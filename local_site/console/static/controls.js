@@ -29,7 +29,7 @@ export class Controls {
     addEventListener("keydown", (event) => this.#key(event));
   }
 
-  /** In a cell without a held key nothing looks like one. */
+  /** A cell without hold-to-run shows no hold button. */
   describe(cell) {
     element("hold").hidden = !cell.held;
     element("unheld").hidden = cell.held;
@@ -42,14 +42,14 @@ export class Controls {
     this.#isBack = this.#intent !== null;
   }
 
-  /** Show an answer where nothing else tells it, until the next, or until the state is another. */
-  hear({ what, done, reason }) {
+  /** Show a reply that is shown nowhere else, until the next one or until the state changes. */
+  onReply({ what, done, reason }) {
     if (what === "stop") return;
     if (done) this.#alert.clear("controls");
     else this.#complain(`${what}: ${reason}`);
   }
 
-  /** Without a connection nothing of this does anything. */
+  /** Without a connection all controls are disabled. */
   disconnected() {
     this.#alert.clear("controls");
     this.#operates = false;
@@ -81,7 +81,7 @@ export class Controls {
 
   #complain(words) {
     this.#refusedIn = null;
-    this.#alert.say("controls", "bad", words);
+    this.#alert.show("controls", "bad", words);
   }
 
   #showIntent(intent) {
@@ -144,7 +144,7 @@ function gripperWords(gripper) {
   return `${gripper.status.replace("_", " ")}, ${(gripper.opening * 1000).toFixed(0)} mm${force}`;
 }
 
-/** What this operator can do about the lease: take it, ask its holder for it, or hand it to who asks; or nothing. */
+/** What this operator can do about the lease: take it, ask its holder for it, or hand it to the operator who asks; or nothing. */
 function leaseAct(lease, operator) {
   if (lease === null) return { action: "take", words: "Take the lease" };
   if (lease.holder === operator) {

@@ -8,37 +8,37 @@ const NEAREST_M = 0.03; // what is nearer to the camera, or behind it, is clippe
 
 export class Ghost {
   #canvas;
-  #brush;
+  #context;
   #camera;
 
-  /** Over a canvas's picture, of a camera as the cell describes it. */
+  /** Draws over a canvas's picture; `camera` is its description by the cell. */
   constructor(canvas, camera) {
     this.#canvas = canvas;
-    this.#brush = canvas.getContext("2d");
+    this.#context = canvas.getContext("2d");
     this.#camera = camera;
   }
 
   draw(cell, robot) {
-    const { width, height } = sized(this.#canvas, this.#brush);
+    const { width, height } = sized(this.#canvas, this.#context);
     this.clear();
     const lines = ghostLines(cell, robot, this.#camera).map((line) => line.map((pixel) => fitted(pixel, this.#camera, width, height)));
     for (const [tone, thick] of STROKES) {
-      this.#brush.strokeStyle = tone;
-      this.#brush.lineWidth = thick;
-      this.#brush.lineCap = this.#brush.lineJoin = "round";
+      this.#context.strokeStyle = tone;
+      this.#context.lineWidth = thick;
+      this.#context.lineCap = this.#context.lineJoin = "round";
       for (const line of lines) this.#line(line);
     }
   }
 
   clear() {
-    this.#brush.clearRect(0, 0, this.#canvas.width, this.#canvas.height);
+    this.#context.clearRect(0, 0, this.#canvas.width, this.#canvas.height);
   }
 
   #line([from, to]) {
-    this.#brush.beginPath();
-    this.#brush.moveTo(...from);
-    this.#brush.lineTo(...to);
-    this.#brush.stroke();
+    this.#context.beginPath();
+    this.#context.moveTo(...from);
+    this.#context.lineTo(...to);
+    this.#context.stroke();
   }
 }
 
@@ -64,13 +64,13 @@ function projected(p, [x, y, z]) {
   return [0, 4, 8].map((row) => p[row] * x + p[row + 1] * y + p[row + 2] * z + p[row + 3]);
 }
 
-/** The part of a line that is before the camera, in pixels; null where none is. */
+/** The part of a line that is in front of the camera, in pixels; null where none is. */
 function clipped([a, b]) {
   if (a[2] < NEAREST_M && b[2] < NEAREST_M) return null;
   const cut = (from, to) => {
     if (from[2] >= NEAREST_M) return from;
-    const share = (NEAREST_M - from[2]) / (to[2] - from[2]);
-    return from.map((v, k) => v + share * (to[k] - v));
+    const fraction = (NEAREST_M - from[2]) / (to[2] - from[2]);
+    return from.map((v, k) => v + fraction * (to[k] - v));
   };
   return [cut(a, b), cut(b, a)].map(([u, v, w]) => [u / w, v / w]);
 }

@@ -11,24 +11,24 @@ const TONE = "#ffd479";
 export class JointMarks {
   #connection;
   #view;
-  #brush;
+  #context;
   #row = document.getElementById("joints-row");
   #button = document.getElementById("joints");
   #words = document.getElementById("joints-words");
   #marks = null;
   #at = MIDDLE;
 
-  /** In a view of the operator: its element, its picture and the overlay to draw on. */
+  /** `view` is a view of the operator: its element, its picture and the overlay to draw on. */
   constructor(connection, view) {
     this.#connection = connection;
     this.#view = view;
-    this.#brush = view.overlay.getContext("2d");
+    this.#context = view.overlay.getContext("2d");
     this.#button.addEventListener("click", () => this.#toggle());
     view.element.addEventListener("click", (event) => this.#click(event));
     addEventListener("keydown", (event) => this.#key(event));
   }
 
-  /** Only where one camera sees the operator there is anything to mark. */
+  /** Offer marking; it is wanted only where a single camera sees the operator. */
   offer(isWanted) {
     this.#row.hidden = !isWanted;
     if (!isWanted && this.#marks !== null) this.#toggle();
@@ -44,7 +44,7 @@ export class JointMarks {
   #click(event) {
     if (this.#marks === null || event.detail === 0) return; // a click by a key has no position
     const { left, top, width, height } = this.#view.picture.getBoundingClientRect();
-    const { across, down, wide, tall } = this.#place(width, height);
+    const { across, down, wide, tall } = this.#layout(width, height);
     this.#set([(event.clientX - left - across) / wide, (event.clientY - top - down) / tall]);
   }
 
@@ -60,10 +60,10 @@ export class JointMarks {
     this.#show();
   }
 
-  /** Take a place, if it is in the picture; after the last joint all are sent. */
-  #set(place) {
-    if (place.some((v) => !(v >= 0 && v <= 1))) return;
-    this.#marks.push(place);
+  /** Take a position, if it is in the picture; after the last joint all are sent. */
+  #set(position) {
+    if (position.some((v) => !(v >= 0 && v <= 1))) return;
+    this.#marks.push(position);
     if (this.#marks.length === JOINTS.length) {
       const [shoulder, elbow, wrist] = this.#marks;
       this.#connection.ask({ type: "mark_joints", shoulder, elbow, wrist });
@@ -75,26 +75,26 @@ export class JointMarks {
   #show() {
     const marking = this.#marks !== null;
     put(this.#words, marking ? `click the ${JOINTS[this.#marks.length]}, or move the cross with arrow keys and press Enter` : "");
-    const { width, height } = sized(this.#view.overlay, this.#brush);
-    this.#brush.clearRect(0, 0, width, height);
+    const { width, height } = sized(this.#view.overlay, this.#context);
+    this.#context.clearRect(0, 0, width, height);
     if (!marking) return;
-    const { across, down, wide, tall } = this.#place(width, height);
+    const { across, down, wide, tall } = this.#layout(width, height);
     const seen = ([u, v]) => [across + u * wide, down + v * tall];
-    this.#brush.strokeStyle = this.#brush.fillStyle = TONE;
-    this.#brush.lineWidth = 2;
-    this.#brush.beginPath();
+    this.#context.strokeStyle = this.#context.fillStyle = TONE;
+    this.#context.lineWidth = 2;
+    this.#context.beginPath();
     const [x, y] = seen(this.#at);
     for (const [dx, dy] of [[9, 0], [0, 9]]) {
-      this.#brush.moveTo(x - dx, y - dy);
-      this.#brush.lineTo(x + dx, y + dy);
+      this.#context.moveTo(x - dx, y - dy);
+      this.#context.lineTo(x + dx, y + dy);
     }
-    this.#marks.map(seen).forEach(([u, v], k) => this.#brush[k === 0 ? "moveTo" : "lineTo"](u, v));
-    this.#brush.stroke();
-    for (const [u, v] of this.#marks.map(seen)) this.#brush.fillRect(u - 3, v - 3, 6, 6);
+    this.#marks.map(seen).forEach(([u, v], k) => this.#context[k === 0 ? "moveTo" : "lineTo"](u, v));
+    this.#context.stroke();
+    for (const [u, v] of this.#marks.map(seen)) this.#context.fillRect(u - 3, v - 3, 6, 6);
   }
 
-  /** Where the picture lies in its canvas, which it fills in one direction. */
-  #place(width, height) {
+  /** The picture's offset and size in its canvas, which it fills in one direction. */
+  #layout(width, height) {
     const { width: full, height: high } = this.#view.picture;
     const scale = Math.min(width / full, height / high);
     return { across: (width - scale * full) / 2, down: (height - scale * high) / 2, wide: scale * full, tall: scale * high };

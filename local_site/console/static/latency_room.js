@@ -3,7 +3,7 @@ import { sized, tones } from "./surface.js";
 import { put } from "./words.js";
 
 const MINUTE_MS = 60_000;
-const STRETCHES = {
+const INTERVALS = {
   command: ["exposure → command", "accent"],
   motion: ["command → motion", "commanded"],
   encoder: ["command → encoder", "encoder"],
@@ -18,17 +18,17 @@ const DRAWN_MS = 250;
 
 export class LatencyRoom {
   #canvas = document.getElementById("latency");
-  #brush = this.#canvas.getContext("2d");
+  #context = this.#canvas.getContext("2d");
   #trace = document.getElementById("trace");
   #bar = document.getElementById("trace-bar");
   #cells = new Map();
-  #points = new Map(Object.keys(STRETCHES).map((name) => [name, []]));
+  #points = new Map(Object.keys(INTERVALS).map((name) => [name, []]));
   #drawnMs = 0;
   #highest = [];
 
   constructor() {
     const body = document.getElementById("latency-figures");
-    for (const [name, [label, tone]] of Object.entries(STRETCHES)) body.append(this.#row(name, label, tone));
+    for (const [name, [label, tone]] of Object.entries(INTERVALS)) body.append(this.#row(name, label, tone));
   }
 
   #row(name, label, tone) {
@@ -38,7 +38,7 @@ export class LatencyRoom {
     head.textContent = label;
     head.style.setProperty("--tone", `var(--${tone})`);
     const cells = ["newest", "p50", "p95"].map(() => document.createElement("td"));
-    row.dataset.stretch = name;
+    row.dataset.interval = name;
     row.append(head, ...cells);
     this.#cells.set(name, cells);
     return row;
@@ -66,17 +66,17 @@ export class LatencyRoom {
   #follow(trace) {
     put(this.#trace, traceWords(trace));
     const ends = Object.keys(STAGES).map((name) => trace[`${name}_ms`]);
-    if (this.#bar.children.length === 0) this.#bar.append(...STAGE_TONES.map(stretchOfBar));
+    if (this.#bar.children.length === 0) this.#bar.append(...STAGE_TONES.map(barSegment));
     ends.forEach((end, k) => this.#bar.children[k].style.setProperty("flex-grow", Math.max(0, end - (ends[k - 1] ?? 0))));
   }
 
   #draw(nowMs) {
-    const { width, height } = sized(this.#canvas, this.#brush);
-    const tone = tones("edge", "faint", ...Object.values(STRETCHES).map(([, name]) => name));
+    const { width, height } = sized(this.#canvas, this.#context);
+    const tone = tones("edge", "faint", ...Object.values(INTERVALS).map(([, name]) => name));
     const most = niceCeiling(Math.max(10, ...this.#highest));
-    this.#brush.clearRect(0, 0, width, height);
+    this.#context.clearRect(0, 0, width, height);
     this.#scale(width, height, most, tone);
-    for (const [name, [, colour]] of Object.entries(STRETCHES)) {
+    for (const [name, [, colour]] of Object.entries(INTERVALS)) {
       this.#line(this.#points.get(name), ([t, value]) => [
         width * (1 - (nowMs - t) / MINUTE_MS), height - 2 - Math.min(1, value / most) * (height - 14),
       ], tone[colour]);
@@ -84,24 +84,24 @@ export class LatencyRoom {
   }
 
   #scale(width, height, most, tone) {
-    this.#brush.fillStyle = tone.faint;
-    this.#brush.strokeStyle = tone.edge;
-    this.#brush.lineWidth = 1;
-    this.#brush.font = "10px sans-serif";
-    this.#brush.fillText(`${most} ms`, 2, 9);
-    this.#brush.strokeRect(0.5, 11.5, width - 1, height - 12);
+    this.#context.fillStyle = tone.faint;
+    this.#context.strokeStyle = tone.edge;
+    this.#context.lineWidth = 1;
+    this.#context.font = "10px sans-serif";
+    this.#context.fillText(`${most} ms`, 2, 9);
+    this.#context.strokeRect(0.5, 11.5, width - 1, height - 12);
   }
 
-  #line(points, place, tone) {
-    this.#brush.strokeStyle = tone;
-    this.#brush.lineWidth = 1.5;
-    this.#brush.beginPath();
+  #line(points, toCanvas, tone) {
+    this.#context.strokeStyle = tone;
+    this.#context.lineWidth = 1.5;
+    this.#context.beginPath();
     let broken = true;
     for (const point of points) {
-      if (point[1] !== null) this.#brush[broken ? "moveTo" : "lineTo"](...place(point));
+      if (point[1] !== null) this.#context[broken ? "moveTo" : "lineTo"](...toCanvas(point));
       broken = point[1] === null;
     }
-    this.#brush.stroke();
+    this.#context.stroke();
   }
 }
 
@@ -110,13 +110,13 @@ function niceCeiling(value) {
   return [1, 2, 5, 10].map((step) => step * power).find((step) => step >= value);
 }
 
-function stretchOfBar(tone) {
-  const stretch = document.createElement("span");
-  stretch.style.setProperty("--tone", `var(--${tone})`);
-  return stretch;
+function barSegment(tone) {
+  const segment = document.createElement("span");
+  segment.style.setProperty("--tone", `var(--${tone})`);
+  return segment;
 }
 
-/** One sample's way in words, each stage in ms after the hand's exposure. */
+/** One sample's path in words, each stage in ms after the hand's exposure. */
 function traceWords({ seq, ...stages }) {
   const words = Object.entries(STAGES).map(([name, word]) => `${word} ${stages[`${name}_ms`].toFixed(0)}`);
   return `sample ${seq}, ms after exposure: ${words.join(", ")}`;

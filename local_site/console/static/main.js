@@ -31,7 +31,7 @@ function beat() {
   connection.send({ type: "beat", page_ms: performance.now(), down: hold.down });
 }
 
-const hearers = {
+const handlers = {
   hello: (message) => controls.hello(message),
   echo: (message) => clock.add(message.page_ms, message.server_ms, performance.now()),
   cell: (message) => {
@@ -48,21 +48,21 @@ const hearers = {
     arm.show(message.robot);
     views.haunt(message.robot);
     latency.show(message);
-    views.sayWhyNoPreview(message.hand);
+    views.showWhyNoPreview(message.hand);
   },
   answer: (message) => {
-    stop.hear(message);
-    controls.hear(message);
+    stop.onReply(message);
+    controls.onReply(message);
   },
 };
 
-connection.onText = (message) => hearers[message.type](message);
-connection.onPicture = (bytes) => views.hear(bytes);
+connection.onText = (message) => handlers[message.type](message);
+connection.onPicture = (bytes) => views.receive(bytes);
 connection.onChange = (open) => {
   if (!open) disconnected();
 };
 
-/** What is shown besides pictures, which tell their own age, is no longer so. */
+/** Mark everything besides the pictures, which show their own age, as outdated. */
 function disconnected() {
   mark(document.body, "data-connected", false);
   panel.disconnected();
@@ -72,10 +72,10 @@ function disconnected() {
 
 setInterval(beat, BEAT_MS);
 setInterval(() => {
-  views.look();
+  views.refresh();
   joints.offer(views.isOneCamera);
   if (panel.isSilent) disconnected();
-  stop.look();
+  stop.refresh();
   connection.send({ type: "shown", views: views.painted() });
 }, LOOK_MS);
 connection.open();

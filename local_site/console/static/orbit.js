@@ -1,7 +1,7 @@
 // The camera of the 3D view: turned by mouse, touch or arrow keys; projects points to the canvas.
 const STEP = 0.12;
 const ZOOM = 1.1;
-const ROOM = 1.55; // distance of the eye beside the size of what it looks at
+const ROOM = 1.55; // distance of the eye relative to the size of the scene
 
 export class Orbit {
   #yaw = -0.9;
@@ -25,7 +25,7 @@ export class Orbit {
     canvas.addEventListener("keydown", (event) => this.#key(event) && (event.preventDefault(), changed()));
   }
 
-  /** Look at a box (m) and the base beside it, the first time that it is known. */
+  /** Frame a box (m) and the base, the first time that it is known. */
   show(low, high) {
     if (this.#known) return;
     this.#known = true;

@@ -1,13 +1,13 @@
-// The console's clock as the page knows it: the quickest echo of the last seconds counts.
+// The console's clock as the page knows it: by the echo with the shortest round trip of the last seconds.
 const SLOTS = 4;
 const SLOT_MS = 1000;
 
 export class ServerClock {
   #best = [];
 
-  /** An echo: sent and heard by the page's clock, answered by the console's, all in ms. */
-  add(sentMs, answeredMs, heardMs) {
-    const trip = { tookMs: heardMs - sentMs, offsetMs: answeredMs - (sentMs + heardMs) / 2, slot: Math.floor(heardMs / SLOT_MS) };
+  /** Add an echo: sent and received by the page's clock, answered by the console's, all in ms. */
+  add(sentMs, answeredMs, receivedMs) {
+    const trip = { tookMs: receivedMs - sentMs, offsetMs: answeredMs - (sentMs + receivedMs) / 2, slot: Math.floor(receivedMs / SLOT_MS) };
     const last = this.#best.at(-1);
     if (last?.slot !== trip.slot) this.#best.push(trip);
     else if (trip.tookMs < last.tookMs) this.#best[this.#best.length - 1] = trip;

@@ -10,7 +10,7 @@ export class StatePanel {
   #reason = document.getElementById("reason");
   #cell = document.getElementById("cell");
   #events = document.getElementById("events");
-  #heardMs = null;
+  #receivedMs = null;
   #connected = false;
 
   describe(cell) {
@@ -19,31 +19,31 @@ export class StatePanel {
 
   disconnected() {
     this.#connected = false;
-    this.#say("silent", "no connection", "the console does not answer: the held key has no effect, and the arm may be moving");
+    this.#set("silent", "no connection", "the console does not answer: the held key has no effect, and the arm may be moving");
   }
 
   /** Whether the console has fallen silent with its connection open. */
   get isSilent() {
-    return this.#connected && performance.now() - this.#heardMs > SILENT_MS;
+    return this.#connected && performance.now() - this.#receivedMs > SILENT_MS;
   }
 
   show({ robot, events }) {
     this.#connected = true;
-    this.#heardMs = performance.now();
-    this.#sayOf(robot);
+    this.#receivedMs = performance.now();
+    this.#showRobot(robot);
     this.#list(events);
   }
 
-  #sayOf(robot) {
-    if (robot === null) this.#say("silent", "no robot", "no state has come from the remote site yet");
-    else if (robot.silent) this.#say("silent", "silent", `the remote site has been silent for ${ageWords(robot.heard_ms)}`);
-    else if (robot.readiness.code === "stopped") this.#say("stopped", "stopped", robot.reason);
+  #showRobot(robot) {
+    if (robot === null) this.#set("silent", "no robot", "no state has come from the remote site yet");
+    else if (robot.silent) this.#set("silent", "silent", `the remote site has been silent for ${ageWords(robot.heard_ms)}`);
+    else if (robot.readiness.code === "stopped") this.#set("stopped", "stopped", robot.reason);
     else if (robot.state === "disengaged" && robot.readiness.reason !== robot.reason) {
-      this.#say(robot.state, robot.state, `${robot.reason} · ${robot.readiness.reason}`);
-    } else this.#say(robot.state, robot.state, robot.reason);
+      this.#set(robot.state, robot.state, `${robot.reason} · ${robot.readiness.reason}`);
+    } else this.#set(robot.state, robot.state, robot.reason);
   }
 
-  #say(state, word, reason) {
+  #set(state, word, reason) {
     mark(this.#state, "data-state", state);
     put(this.#word, word);
     put(this.#reason, reason);

@@ -23,24 +23,24 @@ export class StopButton {
   }
 
   /** An answer of the console, to a stop or to something else. */
-  hear({ id, what, done, reason }) {
+  onReply({ id, what, done, reason }) {
     if (what !== "stop" || !this.#asked.delete(id) || this.#pressedMs === null) return;
     this.#why = done ? "" : reason.replace(/[.?!]$/, "");
     if (done) {
-      this.#alert.say("stop", "good", `Stop acknowledged by the remote site after ${Math.round(performance.now() - this.#pressedMs)} ms`);
+      this.#alert.show("stop", "good", `Stop acknowledged by the remote site after ${Math.round(performance.now() - this.#pressedMs)} ms`);
       this.#pressedMs = null;
       this.#asked.clear();
     }
-    this.look();
+    this.refresh();
   }
 
-  /** Send again what was not acknowledged, and say so. */
-  look() {
+  /** Repeat a stop that was not acknowledged, and show that. */
+  refresh() {
     if (this.#pressedMs === null) return;
     if (performance.now() - this.#askedMs > AGAIN_MS) this.#send();
     if (performance.now() - this.#pressedMs < PATIENT_MS && this.#why === "") return;
     const why = this.#why || "no answer yet";
-    this.#alert.say("stop", "bad", `STOP NOT ACKNOWLEDGED: ${why}. Use the emergency stop. The stop is repeated until it is acknowledged.`);
+    this.#alert.show("stop", "bad", `STOP NOT ACKNOWLEDGED: ${why}. Use the emergency stop. The stop is repeated until it is acknowledged.`);
   }
 
   /** Once the stop is reset, its acknowledgement has been read. */
@@ -50,7 +50,7 @@ export class StopButton {
     this.#stopped = stopped;
   }
 
-  /** What was acknowledged says nothing of now. */
+  /** Remove an acknowledgement that is outdated. */
   disconnected() {
     this.#alert.clear("stop", "good");
   }
@@ -66,9 +66,9 @@ export class StopButton {
     this.#pressedMs = performance.now();
     this.#asked.clear();
     this.#why = "";
-    this.#alert.say("stop", "bad", "Stop sent, not acknowledged yet");
+    this.#alert.show("stop", "bad", "Stop sent, not acknowledged yet");
     this.#send();
-    this.look();
+    this.refresh();
   }
 
   #send() {

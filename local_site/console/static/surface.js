@@ -7,7 +7,7 @@ const observer = new ResizeObserver((entries) => {
 });
 
 /** The canvas's size in CSS pixels, with its pixels brought to the screen's. */
-export function sized(canvas, brush) {
+export function sized(canvas, context) {
   if (!sizes.has(canvas)) {
     sizes.set(canvas, { width: canvas.clientWidth, height: canvas.clientHeight });
     observer.observe(canvas);
@@ -18,7 +18,7 @@ export function sized(canvas, brush) {
     canvas.width = Math.round(width * ratio);
     canvas.height = Math.round(height * ratio);
   }
-  brush.setTransform(ratio, 0, 0, ratio, 0, 0);
+  context.setTransform(ratio, 0, 0, ratio, 0, 0);
   return { width, height };
 }
 

@@ -11,7 +11,7 @@ export class View {
   why = "";
   #clock;
   #canvas = document.createElement("canvas");
-  #brush = this.#canvas.getContext("2d", { alpha: false, desynchronized: true });
+  #context = this.#canvas.getContext("2d", { alpha: false, desynchronized: true });
   #fresh = document.createElement("span");
   #mark = document.createElement("div");
   #title = document.createElement("b");
@@ -36,7 +36,7 @@ export class View {
     this.#mark.className = "mark";
     this.#mark.append(this.#title, this.#words);
     this.element.append(this.#canvas, this.#overlay, this.#mark, label, this.#fresh);
-    this.look();
+    this.refresh();
   }
 
   get picture() {
@@ -47,7 +47,7 @@ export class View {
     return this.#overlay;
   }
 
-  /** A calibrated camera's picture bears the ghost; its full picture has this size. */
+  /** The ghost is drawn over a calibrated camera's picture; its full picture has this size. */
   describe(camera) {
     this.#ghost = camera.calibration === null ? null : new Ghost(this.#overlay, camera);
   }
@@ -59,8 +59,8 @@ export class View {
     else this.#ghost.clear();
   }
 
-  /** Take a message of this view; resolves when it is painted or passed over. */
-  async hear(bytes) {
+  /** Take a message of this view; resolves when it is painted or skipped. */
+  async receive(bytes) {
     const { header, jpeg } = parsePicture(bytes);
     this.#header = header;
     if (jpeg.length === 0) return;
@@ -76,15 +76,15 @@ export class View {
       this.#canvas.width = bitmap.width;
       this.#canvas.height = bitmap.height;
     }
-    this.#brush.drawImage(bitmap, 0, 0);
+    this.#context.drawImage(bitmap, 0, 0);
     const nowMs = this.#clock.now();
     const ageMs = nowMs === null || header.capture_ms === null ? null : nowMs - header.capture_ms;
     this.#newest = { seq: header.seq, captureMs: header.capture_ms, unsureMs: header.unsure_ms ?? 0, ageMs };
     this.#times.push(performance.now());
   }
 
-  /** Mark the picture by what it is worth now. */
-  look() {
+  /** Mark how current the picture is now. */
+  refresh() {
     const { mark, title, words: why, ageMs, isOld } = judge(this.#newest, this.#header, this.#clock.now());
     setMark(this.element, "data-mark", mark);
     setMark(this.element, "data-useless", ageMs === null || ageMs > USELESS_MS);

@@ -14,7 +14,7 @@ export class Views {
   #robot = null;
   #asked = null;
   #haunted = true;
-  #heard = new Set();
+  #received = new Set();
   #ghostButton = document.getElementById("ghost");
 
   constructor(clock, send) {
@@ -45,30 +45,30 @@ export class Views {
     });
   }
 
-  /** Take a picture, and tell the console when the next may come. */
-  async hear(bytes) {
+  /** Take a picture, and report to the console when the next may come. */
+  async receive(bytes) {
     const name = parsePicture(bytes).header.view;
-    this.#heard.add(name);
+    this.#received.add(name);
     try {
-      await this.#views.get(name)?.hear(bytes);
+      await this.#views.get(name)?.receive(bytes);
     } finally {
       this.#send({ type: "taken", view: name });
     }
   }
 
-  /** The operator's left view, or his only one. */
+  /** The operator's left view, or the only one. */
   get ofOperator() {
     return this.#views.get(`preview/${PREVIEWS[0]}`);
   }
 
   /** Whether one camera sees the operator. */
   get isOneCamera() {
-    const [left, right] = PREVIEWS.map((name) => this.#heard.has(`preview/${name}`));
+    const [left, right] = PREVIEWS.map((name) => this.#received.has(`preview/${name}`));
     return left && !right;
   }
 
-  look() {
-    for (const view of this.#views.values()) view.look();
+  refresh() {
+    for (const view of this.#views.values()) view.refresh();
   }
 
   /** What is shown of the cell, for the console. */
@@ -77,7 +77,7 @@ export class Views {
     return Object.fromEntries(shown.filter(([name, painted]) => painted !== null && name.startsWith("camera/")));
   }
 
-  sayWhyNoPreview(hand) {
+  showWhyNoPreview(hand) {
     const silent = hand === null || hand.silent;
     const why = silent ? "no preview: the local site is silent" : "no preview: the local site sends none";
     for (const name of PREVIEWS) this.#views.get(`preview/${name}`).why = why;

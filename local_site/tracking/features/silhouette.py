@@ -77,8 +77,8 @@ MAX_VALLEY = 0.6
 def find_threshold(grey: NDArray[np.uint8]) -> float | str:
     """The grey level above which a pixel of an image (H, W) is arm; a sentence if the histogram has no two modes.
 
-    It is the fraction RISE of the way from the background's level to the arm's: half would be the unbiased edge but
-    loses skin in the shadow of the hand.
+    It is the background's level plus the fraction RISE of the difference to the arm's: half would be the unbiased
+    edge but loses skin in the shadow of the hand.
     """
     histogram = np.bincount(grey[::STRIDE, ::STRIDE].ravel(), minlength=256).astype(float)
     total = float(histogram.sum())

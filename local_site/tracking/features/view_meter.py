@@ -34,7 +34,7 @@ class ViewMeter:
         self._since = 0
 
     def features(self, view: View, guess: Posture | None) -> Features | str:
-        """The features at the view's instant, or a sentence that says why there are none."""
+        """The features at the view's instant, or a sentence with the reason why there are none."""
         found = self._frames.at(view, partial(self._measure, guess=guess))
         return f"{self._camera.name}: {found}" if isinstance(found, str) else found
 

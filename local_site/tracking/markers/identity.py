@@ -12,7 +12,7 @@ WRIST, INDEX, THUMB = 0, 1, 2
 ROLES = ("wrist", "index", "thumb")
 Triple = tuple[float, float, float]
 SPANS = ((WRIST, INDEX), (WRIST, THUMB), (INDEX, THUMB))
-NOBODY = -1
+NO_CANDIDATE = -1
 
 # Relative standard deviations of the distances of a hand in its U shape, and the limits that no hand exceeds.
 LEARNED_SIGMAS = (0.02, 0.02, 0.03)
@@ -47,7 +47,7 @@ TYPICAL = Spans(TYPICAL_M, TYPICAL_SIGMAS, TYPICAL_LIMITS)
 
 @dataclass(frozen=True, slots=True)
 class MarkerIdentity:
-    """The candidate of wrist, index and thumb (3,), NOBODY where there is none, and which of them are ambiguous (3,):
+    """The candidate of wrist, index and thumb (3,), or NO_CANDIDATE, and which of them are ambiguous (3,):
     another assignment is nearly as likely."""
 
     chosen: NDArray[np.int64]
@@ -68,7 +68,7 @@ def next_identity(candidates: Candidates, learned: Spans, expected: Array, gate_
 
 
 def _costs(candidates: Candidates, spans: Spans, expected: Array | None, gate_px: float) -> Array:
-    """The cost (N + 1, N + 1, N + 1) of each choice of wrist, index and thumb; the last choice is NOBODY.
+    """The cost (N + 1, N + 1, N + 1) of each choice of wrist, index and thumb; the last choice is NO_CANDIDATE.
 
     Three markers at the right distances are accepted anywhere; fewer only near their expected positions.
     """
@@ -133,7 +133,7 @@ def _cheapest(candidates: Candidates, costs: Array) -> MarkerIdentity:
     best = np.unravel_index(int(np.argmin(costs)), costs.shape)
     least = float(costs[best])
     if not np.isfinite(least):
-        return MarkerIdentity(np.full(3, NOBODY), np.zeros(3, dtype=bool))
+        return MarkerIdentity(np.full(3, NO_CANDIDATE), np.zeros(3, dtype=bool))
     chosen = np.array(best, dtype=np.int64)
     doubtful = np.zeros(3, dtype=bool)
     for role in np.flatnonzero(chosen < count):
@@ -142,7 +142,7 @@ def _cheapest(candidates: Candidates, costs: Array) -> MarkerIdentity:
         apart = np.linalg.norm(candidates.points - candidates.points[chosen[role]], axis=1)
         elsewhere[:count] = apart > SAME_PLACE_M
         doubtful[role] = bool(np.any(costs.min(axis=others)[elsewhere] < least + DOUBT))
-    return MarkerIdentity(np.where(chosen < count, chosen, NOBODY), doubtful)
+    return MarkerIdentity(np.where(chosen < count, chosen, NO_CANDIDATE), doubtful)
 
 
 def _distances(points: Array) -> Array:

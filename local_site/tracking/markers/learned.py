@@ -87,7 +87,7 @@ class Memory:
                 del seen[:-2]
 
     def expected(self, t_ns: int) -> Array:
-        """The expected positions (N, 3) of the markers in m, NaN for those that were not seen lately."""
+        """The expected positions (N, 3) of the markers in m, NaN for those that were not seen recently."""
         return np.array([_extrapolated(seen, t_ns) for seen in self._seen])
 
 

@@ -9,7 +9,7 @@ from common.messages.hand import TrackingStatus
 from local_site.calibration.rig import Rig
 from local_site.tracking.config import MarkersConfig
 from local_site.tracking.markers.correspondence import Candidates, correspond
-from local_site.tracking.markers.identity import NOBODY, ROLES, MarkerIdentity, first_identity, next_identity
+from local_site.tracking.markers.identity import NO_CANDIDATE, ROLES, MarkerIdentity, first_identity, next_identity
 from local_site.tracking.markers.learned import Learning, MarkedHand, Memory, is_open
 from local_site.tracking.markers.measuring import MarkerMeter, Sighting
 from local_site.tracking.markers.quality import OUT_OF_SYNC, Quality
@@ -55,7 +55,7 @@ class MarkerTracker:
         if self._quality.out_of_sync(sightings):
             return _lost(views.t_ns, OUT_OF_SYNC, self._quality.epipolar_px(sightings, spots))
         if not any(sightings):
-            return self._nobody(views.t_ns, len(candidates), spots)
+            return self._no_markers(views.t_ns, len(candidates), spots)
         self._strange = 0
         return self._found(views.t_ns, sightings, [*silent, *self._quality.remarks(sightings, identity, spots)], spots)
 
@@ -68,13 +68,13 @@ class MarkerTracker:
         self, candidates: Candidates, identity: MarkerIdentity, role: int, spots: Sequence[Spots]
     ) -> Sighting | None:
         which = int(identity.chosen[role])
-        if which == NOBODY or identity.doubtful[role]:
+        if which == NO_CANDIDATE or identity.doubtful[role]:
             return None
         size = None if self._hand is None else float(self._hand.sizes[role])
         sighting = self._meter.measure(candidates, which, spots, size)
         return sighting if self._quality.is_sure(sighting) else None
 
-    def _nobody(self, t_ns: int, candidates: int, spots: Sequence[Spots]) -> ArmEstimate:
+    def _no_markers(self, t_ns: int, candidates: int, spots: Sequence[Spots]) -> ArmEstimate:
         """Bright spots that are not the markers of this hand; after FORGET_AFTER instants another hand is learned."""
         if candidates < len(ROLES) <= min(len(found) for found in spots):
             return _lost(t_ns, OUT_OF_SYNC)
@@ -139,6 +139,6 @@ def _points(sightings: Sequence[Sighting | None]) -> Array:
 def _overlay(spots: Spots, view: int, sightings: Sequence[Sighting | None]) -> Overlay:
     """The spots of one view that were taken for markers."""
     wrist, index, thumb = (
-        None if s is None or s.spots[view] == NOBODY else spots.in_picture[s.spots[view]] for s in sightings
+        None if s is None or s.spots[view] == NO_CANDIDATE else spots.in_picture[s.spots[view]] for s in sightings
     )
     return Overlay(wrist=wrist, index=index, thumb=thumb)

@@ -8,7 +8,7 @@ import numpy as np
 from common.geometry import Array
 from local_site.calibration.rig import Rig
 from local_site.calibration.triangulation import epipolar_residuals, fundamentals
-from local_site.tracking.markers.identity import NOBODY, ROLES, MarkerIdentity
+from local_site.tracking.markers.identity import NO_CANDIDATE, ROLES, MarkerIdentity
 from local_site.tracking.markers.measuring import Sighting
 from local_site.tracking.markers.spots import Spots
 
@@ -57,13 +57,13 @@ class Quality:
         if self._residual_px(sightings) > DOUBTED * self._usual_px:
             remarks.append("the views fit badly: they may be out of sync")
         for k, camera in enumerate(self._rig.cameras):
-            if len(spots[k]) and all(s is None or s.spots[k] == NOBODY for s in sightings):
+            if len(spots[k]) and all(s is None or s.spots[k] == NO_CANDIDATE for s in sightings):
                 remarks.append(f"{camera.name}: the spots of this camera do not fit those of the others")
         return [remark for remark in remarks if remark]
 
     def _remark(self, name: str, sighting: Sighting | None, chosen: int, doubtful: bool) -> str:
         if sighting is None:
-            if chosen == NOBODY:
+            if chosen == NO_CANDIDATE:
                 return f"the {name} marker is hidden"
             return f"the {name} marker cannot be distinguished from {'another spot' if doubtful else 'its background'}"
         if not sighting.is_whole:
@@ -79,4 +79,6 @@ class Quality:
 def _pixels(sighting: Sighting, spots: Sequence[Spots]) -> Array:
     """Where each view shows a marker (V, 2), NaN where it does not."""
     unseen = np.full(2, np.nan)
-    return np.array([unseen if k == NOBODY else view.pixels[k] for k, view in zip(sighting.spots, spots, strict=True)])
+    return np.array(
+        [unseen if k == NO_CANDIDATE else view.pixels[k] for k, view in zip(sighting.spots, spots, strict=True)]
+    )

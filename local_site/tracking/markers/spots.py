@@ -52,7 +52,7 @@ NO_SPOTS = Spots(np.empty((0, 2)), np.empty((0, 2)), np.empty(0), np.empty(0))
 
 
 def find_spots(image: Image, min_contrast: float) -> Spots | str:
-    """The marker-like spots of a picture (H, W) or (H, W, 3), or a sentence that says why there are none."""
+    """The marker-like spots of a picture (H, W) or (H, W, 3), or a sentence with the reason why there are none."""
     if image.dtype != np.uint8 or image.ndim not in (2, 3) or 0 in image.shape or image.shape[2:] not in ((), (3,)):
         return "the picture is empty or of a wrong kind"
     grey = as_grey(image)
@@ -153,7 +153,7 @@ class SpotFinder:
         self._frames = FrameCache(interpolated)
 
     def spots(self, view: View) -> Spots | str:
-        """The spots at the view's instant, or a sentence, with the camera's name, that says why there are none."""
+        """The spots at the view's instant, or a sentence with the camera's name and the reason why there are none."""
         return self._frames.at(view, self._search)
 
     def _search(self, frame: Frame) -> Spots | str:

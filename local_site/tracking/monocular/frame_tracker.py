@@ -44,7 +44,7 @@ class ArmFrameTracker:
         self._setting = setting or (ACCURATE if config.setting == "accurate" else LIVE)
         self._variances = np.array([config.noise.grey**2, *[(MM * config.noise.position_mm) ** 2] * 3])
         self._learned_from = [np.zeros(3), np.zeros(3)]
-        self._looked_at: tuple[Box, PyramidLevel] | None = None
+        self._last_level: tuple[Box, PyramidLevel] | None = None
         self._before: EstimatorState | None = None
         self._last: EstimatorState | None = None
 
@@ -80,7 +80,7 @@ class ArmFrameTracker:
         if box is None:
             return None
         fine, depths = fine_level(image, self._lens, box), self._view.depths(start.pose, box)
-        self._looked_at = box, fine
+        self._last_level = box, fine
         direct = fit_arm(self._scene(fine, start, depths, False), start, self._setting)
         if direct.equations.near.min() >= ENOUGH_NEAR:
             return direct
@@ -117,9 +117,9 @@ class ArmFrameTracker:
         box = self._box(image, state.pose)
         if box is None:
             return False
-        if self._looked_at is None:
-            self._looked_at = box, fine_level(image, self._lens, box)
-        box, fine = self._looked_at  # around the expected arm: its margin covers the motion since
+        if self._last_level is None:
+            self._last_level = box, fine_level(image, self._lens, box)
+        box, fine = self._last_level  # around the expected arm: its margin covers the motion since
         coarse = coarse_level(image, self._lens, box)
         patches = self._view.patches(state.pose, box)
         for k in due:

@@ -191,7 +191,7 @@ class OutlineFitter:
         """The robust distance of each outline point from the silhouette's edge, and the priors' residuals."""
         pairs = zip(self._sides(unknowns), seen, strict=True)
         off = np.concatenate(
-            [np.where(mask, _looked_up(target.distances, of.pixels), 0.0).ravel() for of, mask in pairs]
+            [np.where(mask, _distances_at(target.distances, of.pixels), 0.0).ravel() for of, mask in pairs]
         )
         expected = np.concatenate(
             [
@@ -216,7 +216,7 @@ class OutlineFitter:
     def _result(self, unknowns: Array, jacobian: Array, target: _Target, free: Array) -> OutlineFit:
         seen = self._seen(unknowns, target.distances.shape)
         pairs = zip(self._sides(unknowns), seen, strict=True)
-        off = np.concatenate([_looked_up(target.distances, of.pixels)[mask] for of, mask in pairs])
+        off = np.concatenate([_distances_at(target.distances, of.pixels)[mask] for of, mask in pairs])
         joints = self._joints(unknowns)
         moves = np.column_stack([(self._joints(unknowns + h) - joints) / STEP for h in STEP * np.eye(len(SCALES))])
         spread = moves @ np.linalg.pinv(jacobian.T @ jacobian) @ moves.T
@@ -252,7 +252,7 @@ def _distances(silhouette: Silhouette) -> Levels:
     return inward.astype(np.float32)
 
 
-def _looked_up(distances: Levels, pixels: Array) -> Array:
+def _distances_at(distances: Levels, pixels: Array) -> Array:
     x, y = np.nan_to_num(pixels).reshape(-1, 2).T.copy()
     return greys_at(distances, x, y).reshape(pixels.shape[:-1])
 

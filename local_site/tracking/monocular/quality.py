@@ -47,7 +47,7 @@ class Judgement:
 
 
 def judged(fit: MotionFit | None) -> Judgement:
-    """The verdict on a fit; None stands for an arm out of the picture."""
+    """The verdict on a fit; None is an arm out of the picture."""
     if fit is None:
         return Judgement(TrackingStatus.LOST, Refusal.OUT_OF_VIEW)
     refusal = _refusal(fit)

@@ -106,7 +106,7 @@ class HandTracker:
             fit = other
         usual = median(self._costs)
         if fit.cost > WORSE_FACTOR * usual + WORSE_MARGIN:
-            fit = min(fit, self._the_other_way(views, arm, person), key=_cost)
+            fit = min(fit, self._with_fingers_toggled(views, arm, person), key=_cost)
         if fit.cost > BAD_FACTOR * usual + BAD_MARGIN and self._opinions % SEARCH_EVERY == 0:
             fit = min(fit, self._search(views, arm, person), key=_cost)
         return fit if fit.cost <= MAX_COST else min(fit, self._searched(views, arm, person), key=_cost)
@@ -155,7 +155,7 @@ class HandTracker:
     def _belief(self) -> Belief:
         return self._habits.opened if self._open else self._habits.closed
 
-    def _the_other_way(self, views: Sequence[HandView], arm: LimbEvidence, person: Person) -> HandFit:
+    def _with_fingers_toggled(self, views: Sequence[HandView], arm: LimbEvidence, person: Person) -> HandFit:
         """From the last rotation with the fingers opened if they were closed, or as usual if they were open."""
         belief = self._habits.closed if self._open else self._habits.opened
         start = self._carried(arm)._replace(posture=belief.posture)
@@ -169,7 +169,7 @@ class HandTracker:
 
 
 def _estimate(views: Sequence[HandView], fit: HandFit, hand_open: bool) -> HandEstimate:
-    index, thumb = find_tips(views, fit.placed, (INDEX, THUMB))
+    index, thumb = find_tips(views, fit.spheres, (INDEX, THUMB))
     return HandEstimate(fit.pose.wrist, index, thumb, hand_open)
 
 

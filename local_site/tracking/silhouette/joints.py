@@ -158,7 +158,7 @@ def plane_normal(projection: Array, line: Array) -> Array:
 
 # variances of the limbs' lines relative to those that weight them in the least squares
 ELBOW_LINES, WRIST_LINES = 0.3, 0.5
-# half a limb's width that is bone and skin in everybody; the rest is flesh, in which the elbow's axis lies
+# half a limb's width that is bone and skin in every person; the rest is flesh, in which the elbow's axis lies
 BONE_M = 0.015
 AXIS_SIGMA, STRAIGHT_SIGMA = 0.13, 0.2  # of the flesh: in the arm's plane; along the forearm, times cot(bend)
 MAX_COTANGENT = 2.0

@@ -1,4 +1,4 @@
-"""Learns the operator's body from the first pairs of images: the arm's lengths, the hand, and whose they are."""
+"""Learns the operator's body from the first pairs of images: the arm's lengths, the hand, and the operator."""
 
 import math
 from collections.abc import Sequence

@@ -65,19 +65,19 @@ class Tip:
     views: int
 
 
-def find_tips(views: Sequence[HandView], placed: HandSpheres, fingers: Sequence[Finger]) -> list[Tip]:
+def find_tips(views: Sequence[HandView], spheres: HandSpheres, fingers: Sequence[Finger]) -> list[Tip]:
     """The tips of a fitted hand's fingers.
 
     A tip's sphere may leave its position in the model by a few millimetres towards the outline pixels around it.
     """
-    capsules = [contact(view, placed, view.outline).capsule for view in views]
+    capsules = [contact(view, spheres, view.outline).capsule for view in views]
     capsules += [np.empty(0, np.intp)] * (MAX_VIEWS - len(views))
     tips = []
     for finger in fingers:
         sphere = finger.sphere
-        tip = (placed.centres[sphere], placed.centres[sphere - 1], float(placed.radii[sphere]))
+        tip = (spheres.centres[sphere], spheres.centres[sphere - 1], float(spheres.radii[sphere]))
         shift, spread, seen = _settle(padded(views), tuple(capsules), CAPSULES[:, 1] == sphere, tip)
-        point = placed.tip(sphere) + shift
+        point = spheres.tip(sphere) + shift
         sight = np.mean([_sight(v.projection, point) for v in views], axis=0)
         tips.append(Tip(point, _covariance(finger, shift, spread, seen, sight), seen))
     return tips

@@ -51,7 +51,7 @@ def test_a_viewer_hears_and_asks_the_time_but_commands_nothing(pki: Path, cell: 
             link.publisher(HAND, CELL)
         with pytest.raises(RefusedError, match=r"may not ask .*engagement"):
             link.ask(ENGAGEMENT, CELL, request())
-        with pytest.raises(RefusedError, match=r"may not hear .*/hand"):
+        with pytest.raises(RefusedError, match=r"may not receive .*/hand"):
             link.latest(HAND, CELL)
     with dishonest(cell.endpoint, pki, "viewer") as session:
         assert not commands_arrive(session, cell)

@@ -49,7 +49,7 @@ def test_the_remote_site_tells_state_reasons_and_late_ticks() -> None:
     assert read(figures, "farhand_state_age_seconds") is None
     engaged = with_(TOLD, state=SessionState.ENGAGED, rejected={"stale": 3})
     for state in (engaged, with_(engaged, state=SessionState.HOLDING), engaged):
-        figures.hear(state, HEARD_NS)
+        figures.observe(state, HEARD_NS)
     assert read(figures, "farhand_state_age_seconds") == pytest.approx(2.0)
     assert read(figures, "farhand_session_state", state="engaged") == 1
     assert read(figures, "farhand_session_state", state="holding") == 0
@@ -67,7 +67,7 @@ def test_latency_is_told_in_one_clock_and_once_per_sample() -> None:
     capture_ns = 9_000_000_000_000
     obeyed = with_(TOLD.obeyed, capture_ns=capture_ns, command_ns=capture_ns + offset_ns + 45_000_000)
     for _ in range(3):
-        figures.hear(with_(TOLD, obeyed=obeyed), HEARD_NS)
+        figures.observe(with_(TOLD, obeyed=obeyed), HEARD_NS)
     assert read(figures, "farhand_capture_to_command_seconds_count") == 1
     assert read(figures, "farhand_capture_to_command_seconds_sum") == pytest.approx(0.045)
 
@@ -90,8 +90,8 @@ def test_the_local_site_tells_of_its_samples() -> None:
     figures = LocalFigures()
     assert read(figures, "farhand_hand_age_seconds") is None
     tracked = with_(HAND, status=TrackingStatus.TRACKED, capture_ns=HEARD_NS - 40_000_000, lease=7)
-    figures.hear(tracked, HEARD_NS)
-    figures.hear(with_(tracked, status=TrackingStatus.LOST, lease=0), HEARD_NS)
+    figures.observe(tracked, HEARD_NS)
+    figures.observe(with_(tracked, status=TrackingStatus.LOST, lease=0), HEARD_NS)
     assert read(figures, "farhand_hand_samples_total", status="tracked") == 1
     assert read(figures, "farhand_hand_samples_total", status="lost") == 1
     assert read(figures, "farhand_lease_held") == 0

@@ -101,13 +101,13 @@ def local_site(cell, name, session, automatic=True):
 
 
 def lease_of(authority):
-    return authority.standing(time.monotonic_ns()).lease
+    return authority.lease_and_clock(time.monotonic_ns()).lease
 
 
 def test_the_clock_offset_is_found_and_its_error_lies_within_its_uncertainty(stack, cell):
     authority, _ = stack.enter_context(local_site(cell, "anna", 7))
-    until(lambda: authority.standing(time.monotonic_ns()).clock is not None, "the clock")
-    clock = authority.standing(time.monotonic_ns()).clock
+    until(lambda: authority.lease_and_clock(time.monotonic_ns()).clock is not None, "the clock")
+    clock = authority.lease_and_clock(time.monotonic_ns()).clock
     assert abs(clock.remote_minus_local_ns - 3600 * NS_PER_S) <= clock.uncertainty_ns < 200 * NS_PER_MS
     assert 0 <= cell.clock.now_ns() - clock.measured_ns < 5 * NS_PER_S
 
@@ -204,7 +204,7 @@ def test_a_cell_of_another_version_ends_the_local_site_with_a_sentence(stack):
 
     def refused():
         try:
-            authority.standing(time.monotonic_ns())
+            authority.lease_and_clock(time.monotonic_ns())
         except RefusedError as error:
             return "install the same release" in str(error)
         return False
@@ -217,8 +217,8 @@ def test_nobody_there_is_no_lease_and_no_clock():
     with local_site(cell, "anna", 7) as (authority, listen):
         with pytest.raises(TransportError, match="silent"):
             act_on_lease(CELL, listen, OperatorAction.TAKE)
-        assert authority.standing(time.monotonic_ns()).lease == 0
-        assert authority.standing(time.monotonic_ns()).clock is None
+        assert authority.lease_and_clock(time.monotonic_ns()).lease == 0
+        assert authority.lease_and_clock(time.monotonic_ns()).clock is None
 
 
 def test_a_site_that_is_refused_while_it_runs_ends_with_the_reason(stack, monkeypatch):
@@ -231,7 +231,7 @@ def test_a_site_that_is_refused_while_it_runs_ends_with_the_reason(stack, monkey
 
     def ended() -> bool:
         try:
-            authority.standing(time.monotonic_ns())
+            authority.lease_and_clock(time.monotonic_ns())
         except RefusedError as error:
             told.append(str(error))
         return bool(told)

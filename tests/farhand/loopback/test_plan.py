@@ -89,9 +89,9 @@ def test_what_the_loopback_needs_follows_the_tracker_and_the_driver_of_a_file(fi
 @pytest.mark.parametrize(
     ("text", "cure"),
     [
-        ("", "an empty file does not say which site this is for; give it a table of the remote site (control, driver"),
-        ('cell = "lab"\n', "cell does not say which site"),
-        ("[drvier]\nname = 1\n", "drvier does not say which site"),
+        ("", "an empty file does not show which site it is for; give it a table of the remote site (control, driver"),
+        ('cell = "lab"\n', "cell does not show which site"),
+        ("[drvier]\nname = 1\n", "drvier does not show which site"),
         ("[driver]\n[tracking]\n", "driver is the remote site's, tracking the local site's; use a file for each"),
         ("[serve]\nport = 1\n", "is for the console; the loopback takes files of the remote and the local site"),
         ("listen = []\ncells = []\n", "is for the router"),

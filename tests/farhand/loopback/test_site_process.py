@@ -44,7 +44,7 @@ def test_an_ended_process_gives_its_reason(text: str, error: str) -> None:
 def test_a_silent_process_is_reported_as_such() -> None:
     process = SiteProcess("test", [sys.executable, "-c", ""], {})
     until(lambda: process.exit_code is not None)
-    assert process.last_error() == "it said nothing"
+    assert process.last_error() == "it printed nothing"
 
 
 def test_only_what_is_more_than_information_is_an_event() -> None:

@@ -1,4 +1,4 @@
-"""Pairing two recordings by exposure time, and what an empty or unwritable track says."""
+"""Pairing two recordings by capture time, and what an empty or unwritable track says."""
 
 import dataclasses
 import json
@@ -70,12 +70,12 @@ def test_a_third_camera_is_brought_to_the_lefts_instants_and_ends_with_its_recor
     ("counts", "said"),
     [
         ((3, 3), ""),
-        ((3, 4), "left ended after 3 pairs while right went on"),
-        ((4, 3), "right ended after 3 pairs while left went on"),
-        ((1, 2), "left ended after 1 pairs while right went on"),
-        ((0, 2), "left ended after 0 pairs while right went on"),
-        ((3, 2, 5), "right ended after 2 pairs while left went on"),
-        ((2, 2, 5), "left ended after 2 pairs while third went on"),
+        ((3, 4), "left ended after 3 pairs while right continued"),
+        ((4, 3), "right ended after 3 pairs while left continued"),
+        ((1, 2), "left ended after 1 pairs while right continued"),
+        ((0, 2), "left ended after 0 pairs while right continued"),
+        ((3, 2, 5), "right ended after 2 pairs while left continued"),
+        ((2, 2, 5), "left ended after 2 pairs while third continued"),
         ((0, 0), ""),
     ],
 )
@@ -91,7 +91,7 @@ def test_a_recording_that_goes_on_is_told(counts, said):
 def test_what_was_left_out_stands_in_the_summary(tmp_path):
     left, right = Recording(0, 10, name="left"), Recording(0, 10, 20, name="right")
     summary = track_recording(exact_rig(StereoConfig()), left, [right], tmp_path / "a.jsonl", None, lambda _: None)
-    assert "warning: left ended after 2 pairs while right went on" in describe(summary, tmp_path)
+    assert "warning: left ended after 2 pairs while right continued" in describe(summary, tmp_path)
 
 
 def folder(tmp_path, name, sizes):

@@ -21,7 +21,7 @@ def holding():
     policy = LeasePolicy("anna", automatic=True)
     assert policy.due(0) is LeaseAction.ACQUIRE
     policy.asked(0)
-    policy.heard(granted(), 0)
+    policy.take_reply(granted(), 0)
     return policy
 
 
@@ -32,7 +32,7 @@ def test_it_renews_every_second_and_holds_from_the_asking_for_five():
     assert policy.due(S) is LeaseAction.RENEW
     policy.asked(S)
     assert policy.due(S + 1) is None
-    policy.heard(granted(), S)
+    policy.take_reply(granted(), S)
     assert policy.held(6 * S - 1) == 41
     assert policy.held(6 * S) == 0
 
@@ -56,7 +56,7 @@ def test_unanswered_renewals_are_repeated_until_it_expires_and_is_asked_for_anew
 def test_a_refused_renewal_leads_to_a_new_lease():
     policy = holding()
     policy.asked(S)
-    policy.heard(refused(), S)
+    policy.take_reply(refused(), S)
     assert policy.held(S) == 0
     assert policy.due(2 * S) is LeaseAction.ACQUIRE
 
@@ -64,30 +64,30 @@ def test_a_refused_renewal_leads_to_a_new_lease():
 def test_who_is_refused_for_another_does_not_wait_for_the_others_link_to_fail():
     policy = LeasePolicy("anna", automatic=True)
     policy.asked(0)
-    policy.heard(refused("ben"), 0)
+    policy.take_reply(refused("ben"), 0)
     assert policy.due(100 * S) is None
 
 
 def test_a_restarted_site_waits_for_its_own_former_lease_to_expire():
     policy = LeasePolicy("anna", automatic=True)
     policy.asked(0)
-    policy.heard(refused("anna"), 0)
+    policy.take_reply(refused("anna"), 0)
     assert policy.due(S) is LeaseAction.ACQUIRE
 
 
 def test_it_insists_for_a_minute_when_the_operator_says_so():
     policy = LeasePolicy("anna", automatic=False)
     assert policy.due(0) is None
-    policy.insist(0)
+    policy.keep_asking(0)
     for k in range(60):
         assert policy.due(k * S) is LeaseAction.ACQUIRE
         policy.asked(k * S)
-        policy.heard(refused("ben"), k * S)
+        policy.take_reply(refused("ben"), k * S)
     assert policy.due(61 * S) is None
 
 
 def test_what_the_operator_gave_away_is_not_asked_for_again():
     policy = holding()
-    policy.heard(refused("ben"), S)
-    policy.rest()
+    policy.take_reply(refused("ben"), S)
+    policy.stop_asking()
     assert policy.due(50 * S) is None

@@ -29,9 +29,9 @@ def test_who_waits_is_told_of_the_hands_origin_under_the_own_lease_alone():
         heard = []
         states = States(state(), state(SimpleNamespace(hand_capture_ns=123)))
         watch = RemoteWatch(states, session, heard.append)
-        watch.look(1)
+        watch.poll(1)
         assert heard == []
-        watch.look(2)
+        watch.poll(2)
         assert heard == told
 
 
@@ -40,9 +40,9 @@ def test_reasons_that_come_and_go_are_logged_once_a_second_and_states_at_once():
     watch = RemoteWatch(States(*flickering, state(word="holding", code="stale")), LEASE.session, lambda _: None)
     with capture_logs() as logs:
         for k in range(len(flickering)):
-            watch.look(k * 33 * NS_PER_MS)
+            watch.poll(k * 33 * NS_PER_MS)
         assert [line["event"] for line in logs].count("remote") == 2
-        watch.look((len(flickering) + 1) * 33 * NS_PER_MS)
+        watch.poll((len(flickering) + 1) * 33 * NS_PER_MS)
     assert logs[-1]["state"] == "holding"
 
 

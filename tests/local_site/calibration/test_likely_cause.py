@@ -95,11 +95,11 @@ def test_a_camera_upside_down_is_told_and_does_not_pass_for_an_exchanged_one():
     good = control(noise=0.3)
     both = solve_rig(replace(good, pixels=tuple(turned(own) for own in good.pixels)), "now")
     assert [sentence.partition(":")[0] for sentence in doubts(both)] == [
-        "left camera stands upside down",
-        "right camera stands upside down",
+        "left camera is upside down",
+        "right camera is upside down",
     ]
     one = solve_rig(replace(good, pixels=(good.pixels[0], turned(good.pixels[1]))), "now")
-    assert [sentence.partition(":")[0] for sentence in doubts(one)] == ["right camera stands upside down"]
+    assert [sentence.partition(":")[0] for sentence in doubts(one)] == ["right camera is upside down"]
     exchanged = tuple(turned(own) for own in good.pixels[::-1])
     assert "exchange the two" in refused(replace(good, pixels=exchanged))
 

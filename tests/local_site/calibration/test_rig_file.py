@@ -88,8 +88,8 @@ def test_a_rig_file_that_was_cut_is_refused(refused, kept):
         (lambda c: c | {"volume_min": c["volume_max"], "volume_max": c["volume_min"]}, "has no size"),
         (turned([[0, 0, 0], [0, 1, 0], [0, 0, 1]]), "left camera: its projection is singular"),
         (turned([[-1, 0, 640], [0, 1, 0], [0, 0, 1]]), "left camera: its projection is mirrored"),
-        (turned([[3, 0, 0], [0, 1, 0], [0, 0, 1]]), "left camera: its projection is no camera's"),
-        (turned([[1, 0.3, 0], [0, 1, 0], [0, 0, 1]]), "left camera: its projection is no camera's"),
+        (turned([[3, 0, 0], [0, 1, 0], [0, 0, 1]]), "left camera: its projection is not that of a camera"),
+        (turned([[1, 0.3, 0], [0, 1, 0], [0, 0, 1]]), "left camera: its projection is not that of a camera"),
         (
             with_cameras((0, 1, 2), lens={"fx": 800, "fy": 800, "cx": 320, "cy": 240, "k1": 50}),
             "distorts the picture implausibly",

@@ -62,7 +62,7 @@ class Room:
         )
 
     def say(self, page: Told, **said: object) -> None:
-        self.handler.hear(page, parse(msgspec.json.encode(said).decode()), NS_PER_S)
+        self.handler.handle(page, parse(msgspec.json.encode(said).decode()), NS_PER_S)
 
     async def wait_for_answers(self, page: Told, count: int) -> list[dict]:
         for _ in range(500):

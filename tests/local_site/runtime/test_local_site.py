@@ -9,7 +9,7 @@ from common.cameras.camera import Frame
 from common.clock import NS_PER_S, FakeClock
 from common.messages.hand import TrackingStatus
 from local_site.acquisition.rig_cameras import OperatorRig
-from local_site.authority.lease_client import Standing
+from local_site.authority.lease_client import LeaseAndClock
 from local_site.authority.remote_watch import RemoteWatch
 from local_site.calibration.rig import Rig
 from local_site.config import LocalConfig
@@ -69,8 +69,8 @@ class Alone:
 
     session = 1
 
-    def standing(self, _now_ns):
-        return Standing()
+    def lease_and_clock(self, _now_ns):
+        return LeaseAndClock()
 
 
 class NoDrawing:

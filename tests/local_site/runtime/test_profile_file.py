@@ -7,7 +7,7 @@ import pytest
 from common.errors import ConfigError
 from local_site.runtime.profile_file import (
     SAVE_EVERY_NS,
-    ProfileKeeper,
+    ProfileStore,
     load_profile,
     save_profile,
 )
@@ -63,15 +63,15 @@ def test_half_a_file_is_refused_with_the_cure(content, tmp_path):
 def test_each_operator_has_a_profile_of_their_own(tmp_path):
     save_profile(PROFILE, tmp_path / "anna.json")
     before = (tmp_path / "anna.json").read_bytes()
-    keeper = ProfileKeeper(str(tmp_path), "berta", refusing)
+    keeper = ProfileStore(str(tmp_path), "berta", refusing)
     assert keeper.known is None
     keeper.save(lambda: LATER)
     assert (tmp_path / "anna.json").read_bytes() == before
-    assert ProfileKeeper(str(tmp_path), "berta", refusing).known == LATER
+    assert ProfileStore(str(tmp_path), "berta", refusing).known == LATER
 
 
 def test_it_is_saved_every_minute(tmp_path):
-    keeper, path = ProfileKeeper(str(tmp_path), "anna", refusing), tmp_path / "anna.json"
+    keeper, path = ProfileStore(str(tmp_path), "anna", refusing), tmp_path / "anna.json"
     for t_ns in (5, SAVE_EVERY_NS):
         keeper.keep(lambda: PROFILE, t_ns)
         assert not path.exists()
@@ -84,7 +84,7 @@ def test_it_is_saved_every_minute(tmp_path):
 def test_a_damaged_profile_is_told_once_and_left_as_it_is(tmp_path):
     path, told = tmp_path / "anna.json", []
     path.write_bytes(b"{")
-    keeper = ProfileKeeper(str(tmp_path), "anna", told.append)
+    keeper = ProfileStore(str(tmp_path), "anna", told.append)
     keeper.save(lambda: PROFILE)
     assert keeper.known is None
     assert path.read_bytes() == b"{"
@@ -93,7 +93,7 @@ def test_a_damaged_profile_is_told_once_and_left_as_it_is(tmp_path):
 
 def test_a_folder_that_cannot_be_written_is_told_once(tmp_path):
     told = []
-    keeper = ProfileKeeper(str(tmp_path / "folder"), "anna", told.append)
+    keeper = ProfileStore(str(tmp_path / "folder"), "anna", told.append)
     (tmp_path / "folder").write_bytes(b"")
     keeper.save(lambda: PROFILE)
     keeper.save(lambda: PROFILE)
@@ -103,5 +103,5 @@ def test_a_folder_that_cannot_be_written_is_told_once(tmp_path):
 
 def test_without_a_folder_nothing_is_kept(tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)
-    ProfileKeeper("", "anna", refusing).save(lambda: PROFILE)
+    ProfileStore("", "anna", refusing).save(lambda: PROFILE)
     assert not list(tmp_path.iterdir())

@@ -17,7 +17,7 @@ def told(at_ms, hold, **changes):
 def merge(*messages):
     made = IntentMerge()
     for message in messages:
-        made.hear(message, message.sent_ns)
+        made.receive(message, message.sent_ns)
     return made
 
 
@@ -40,10 +40,10 @@ def test_after_a_silence_the_key_has_to_be_let_go_first(looked):
     made = merge(told(0, False), told(50, True))
     if looked:
         assert not made.at(START + 300 * MS).hold
-    made.hear(told(400, True), START + 400 * MS)
+    made.receive(told(400, True), START + 400 * MS)
     assert not made.at(START + 400 * MS).hold
-    made.hear(told(450, False), START + 450 * MS)
-    made.hear(told(500, True), START + 500 * MS)
+    made.receive(told(450, False), START + 450 * MS)
+    made.receive(told(500, True), START + 500 * MS)
     assert made.at(START + 500 * MS).hold
 
 
@@ -53,8 +53,8 @@ def test_a_key_that_is_down_from_the_start_is_not_held():
 
 def test_what_comes_late_or_from_the_future_is_left_out():
     made = merge(told(0, False), told(100, True))
-    made.hear(told(50, False), START + 110 * MS)
-    made.hear(told(900, False), START + 110 * MS)
+    made.receive(told(50, False), START + 110 * MS)
+    made.receive(told(900, False), START + 110 * MS)
     assert made.at(START + 120 * MS).hold
 
 

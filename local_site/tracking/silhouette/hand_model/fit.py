@@ -25,7 +25,7 @@ from local_site.tracking.silhouette.hand_model.skeleton import (
     HandPose,
     HandSpheres,
     Person,
-    place,
+    hand_spheres,
     rotation_vector,
     turned,
 )
@@ -95,9 +95,9 @@ class HandFit:
     cost: float
 
     @property
-    def placed(self) -> HandSpheres:
+    def spheres(self) -> HandSpheres:
         """Its spheres."""
-        return place(self.pose, self.person)
+        return hand_spheres(self.pose, self.person)
 
 
 def padded(views: Sequence[HandView]) -> tuple[HandView, ...]:
@@ -111,9 +111,9 @@ def fit_hand(views: Sequence[HandView], start: HandPose, prior: Prior, person: P
     return HandFit(pose, prior, person, information + prior.information, cost)
 
 
-def contact(view: HandView, placed: HandSpheres, pixels: Array) -> Contact:
+def contact(view: HandView, spheres: HandSpheres, pixels: Array) -> Contact:
     """The contacts of pixels (N, 2) of a view with a hand."""
-    return touch(pixels, project_spheres(view.projection, view.focal_px, placed))
+    return touch(pixels, project_spheres(view.projection, view.focal_px, spheres))
 
 
 @compiled
@@ -126,7 +126,7 @@ def _descend(
     cost, strain = 0.0, np.zeros(STATE)
     for _ in range(iterations):
         information[:], gradient[:] = 0.0, 0.0
-        cost = _add_views(views, place(HandPose(wrist, rotation, posture), person), information, gradient)
+        cost = _add_views(views, hand_spheres(HandPose(wrist, rotation, posture), person), information, gradient)
         information += np.tril(information, -1).T
         strain[:3] = wrist - prior.wrist
         strain[3:POSE] = rotation_vector(rotation @ prior.rotation.T)

@@ -39,7 +39,7 @@ class Belief:
 
 @dataclass(frozen=True, slots=True)
 class LimbEvidence:
-    """What the limbs say of the hand: wrist (3,) in m with covariance (3, 3), elbow (3,), far end of the hand (3,)."""
+    """The hand as the limbs show it: wrist (3,) in m with covariance (3, 3), elbow (3,), far end of the hand (3,)."""
 
     wrist: Array
     wrist_covariance: Array
@@ -94,7 +94,7 @@ class Habits:
         self.learned += 1
 
     def learn_fit(self, fit: HandFit) -> None:
-        """Learn the posture of a fit, with all that its outlines say of it."""
+        """Learn the posture of a fit, with all the information of its outlines."""
         prior = fit.prior
         shown = fit.information - prior.information
         shown[:3, :3] += prior.information[:3, :3]

@@ -126,7 +126,7 @@ def add_outside(
     """Add those of the first `count` spheres that lie partly outside the silhouette, by its distance field (H, W) in px
     with its first pixel at `origin` (2,); returns their cost.
 
-    Each has the first weight, and less beyond as many standard deviations as the second says.
+    Each has the first weight, and less beyond the second, a number of standard deviations.
     """
     centres, radii, moved, growth = circles
     cost, row = 0.0, np.empty(len(gradient))

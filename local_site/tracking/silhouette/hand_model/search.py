@@ -9,7 +9,7 @@ import numpy as np
 from common.geometry import Array
 from local_site.tracking.silhouette.hand_model.fit import HandFit, HandView, Prior, fit_hand
 from local_site.tracking.silhouette.hand_model.habits import Habits, LimbEvidence
-from local_site.tracking.silhouette.hand_model.skeleton import MIDDLE_TIP, HandPose, Person, place, turned
+from local_site.tracking.silhouette.hand_model.skeleton import MIDDLE_TIP, HandPose, Person, hand_spheres, turned
 
 FIRST_ITERATIONS = 6
 LAST_ITERATIONS = 8
@@ -58,7 +58,7 @@ def looks_like_the_other_arm(views: Sequence[HandView], arm: LimbEvidence, right
 
 
 def _starts(far_end: Array, prior: Prior, person: Person, effort: Effort) -> list[HandPose]:
-    local = place(HandPose(np.zeros(3), np.eye(3), prior.posture), person).centres[MIDDLE_TIP]
+    local = hand_spheres(HandPose(np.zeros(3), np.eye(3), prior.posture), person).centres[MIDDLE_TIP]
     ahead = _frame(far_end - prior.wrist, -person.to_elbow)
     aligned = ahead @ _frame(local, np.array([0.0, 0.0, 1.0])).T
     angles = [2 * math.pi * (k + effort.offset) / effort.rolls for k in range(effort.rolls)]

@@ -55,16 +55,16 @@ def pose_spheres(posture: Array, scale: float, right_arm: bool) -> tuple[Array, 
     """Centres (24, 3) in the local frame and radii (24,) in m, for a posture (10,).
 
     The posture is angles in rad, then the logarithms of three sizes; `scale` is the person's. The forearm's spheres
-    coincide with the wrist's: their distance along the forearm is no part of the hand.
+    coincide with the wrist's: their distance along the forearm is not part of the hand.
     """
     centres, radii = np.empty((SPHERES, 3)), np.empty(SPHERES)
     length = scale * math.exp(posture[FINGERS])
     sizes = np.array([scale * math.exp(posture[PALM]), scale * math.exp(posture[BREADTH]), 0.0])
     sizes[2] = sizes[1]
     for finger in range(4):
-        _place_finger(centres, finger, posture, sizes, length)
+        _fill_finger(centres, finger, posture, sizes, length)
         radii[4 * finger : 4 * finger + 4] = sizes[1] * _FINGER_RADII[finger]
-    _place_thumb(centres, posture, sizes, length)
+    _fill_thumb(centres, posture, sizes, length)
     radii[THUMB : THUMB + 4] = sizes[1] * _THUMB_RADII
     for k in range(4):
         centres[WRIST + k] = sizes * _WRIST[k % 2]
@@ -75,7 +75,7 @@ def pose_spheres(posture: Array, scale: float, right_arm: bool) -> tuple[Array, 
 
 
 @compiled
-def _place_finger(centres: Array, finger: int, posture: Array, sizes: Array, length: float) -> None:
+def _fill_finger(centres: Array, finger: int, posture: Array, sizes: Array, length: float) -> None:
     """Knuckle, two joints and tip's centre."""
     turn = _REST_SPREAD[finger] + posture[SPREAD] * _SPREAD_OF[finger]
     extra = posture[EXTRA_CURL] * _EXTRA_OF[finger]
@@ -91,7 +91,7 @@ def _place_finger(centres: Array, finger: int, posture: Array, sizes: Array, len
 
 
 @compiled
-def _place_thumb(centres: Array, posture: Array, sizes: Array, length: float) -> None:
+def _fill_thumb(centres: Array, posture: Array, sizes: Array, length: float) -> None:
     """Base, two joints and tip's centre.
 
     The thumb points away from the palm's plane by the opposition, away from the index by the abduction, and bends
@@ -148,7 +148,7 @@ class HandSpheres(NamedTuple):
 
 
 @compiled
-def place(pose: HandPose, person: Person) -> HandSpheres:
+def hand_spheres(pose: HandPose, person: Person) -> HandSpheres:
     """The spheres of a hand; the Jacobian by the posture is a finite difference."""
     wrist, rotation, posture = pose
     local, radii = pose_spheres(posture, person.scale, person.right_arm)

@@ -58,7 +58,7 @@ def test_a_sample_counts_once_by_the_clocks_offset() -> None:
     latencies = Latencies()
     for seq, command_ms in enumerate((20.0, 30.0, 40.0)):
         for motion_ms in (None, 5.0, 5.0):
-            latencies.learn(obeying(seq, NOW_NS, command_ms, motion_ms), NOW_NS)
+            latencies.add_state(obeying(seq, NOW_NS, command_ms, motion_ms), NOW_NS)
     told = latencies.summary(NOW_NS)
     assert (told["command"]["count"], told["command"]["p50"], told["command"]["newest"]) == (3, 30.0, 40.0)
     assert (told["motion"]["count"], told["motion"]["p50"]) == (3, 5.0)
@@ -66,13 +66,13 @@ def test_a_sample_counts_once_by_the_clocks_offset() -> None:
 
 def test_without_a_clock_nothing_is_told() -> None:
     latencies = Latencies()
-    latencies.learn(msgspec.structs.replace(obeying(1, NOW_NS, 20.0, 5.0), clock=None), NOW_NS)
+    latencies.add_state(msgspec.structs.replace(obeying(1, NOW_NS, 20.0, 5.0), clock=None), NOW_NS)
     assert latencies.summary(NOW_NS)["command"]["p50"] is None
 
 
 def test_only_the_last_minute_counts_and_only_the_last_second_is_now() -> None:
     latencies = Latencies()
-    latencies.learn_clock(ClockEstimate(ClockOffset(0, 2 * NS_PER_MS), 0), 7.0, NOW_NS)
+    latencies.add_clock(ClockEstimate(ClockOffset(0, 2 * NS_PER_MS), 0), 7.0, NOW_NS)
     assert latencies.summary(NOW_NS)["uncertainty"]["newest"] == 2.0
     later = latencies.summary(NOW_NS + 2 * NS_PER_S)["round_trip"]
     assert (later["newest"], later["p95"]) == (None, 7.0)
@@ -84,7 +84,7 @@ def test_the_hand_is_seen_in_the_first_picture_taken_after_the_encoders_showed_i
     moved_ns = NOW_NS + APART_NS + 50 * NS_PER_MS
     traced = Traced(1, 7, NOW_NS, moved_ns - 30 * NS_PER_MS, moved_ns - 20 * NS_PER_MS, moved_ns)
     for _ in range(3):
-        latencies.learn(msgspec.structs.replace(obeying(8, NOW_NS, 25.0, None), traced=traced), NOW_NS)
+        latencies.add_state(msgspec.structs.replace(obeying(8, NOW_NS, 25.0, None), traced=traced), NOW_NS)
     told = latencies.summary(NOW_NS)["encoder"]
     assert (told["count"], told["newest"]) == (1, 30.0)
     latencies.painted("side", moved_ns - 1, 50.0, NOW_NS)
@@ -102,7 +102,7 @@ def test_a_change_of_state_is_an_event_and_its_repetition_is_none() -> None:
     history = History()
     holding = msgspec.structs.replace(STATE, state=SessionState.HOLDING, code="stale", reason="too old")
     for k, state in enumerate((STATE, STATE, holding, holding, STATE)):
-        history.learn(state, NOW_NS + k)
+        history.add_state(state, NOW_NS + k)
     told = [event.text for event in history.events if event.kind != "lease"]
     assert told == ["engaged: the arm follows the hand", "holding: too old", "engaged: the arm follows the hand"]
 
@@ -111,7 +111,7 @@ def test_what_hinders_an_engaged_arm_is_told_once_a_second_at_most() -> None:
     history = History()
     for k in range(200):
         code = ("saturated", "ok")[k % 2]
-        history.learn(msgspec.structs.replace(STATE, code=code, reason=code), NOW_NS + k * 20 * NS_PER_MS)
+        history.add_state(msgspec.structs.replace(STATE, code=code, reason=code), NOW_NS + k * 20 * NS_PER_MS)
     assert 2 <= sum(event.kind == "engaged" for event in history.events) <= 5
 
 

@@ -7,7 +7,7 @@ import pytest
 
 from local_site.calibration.triangulation import project
 from local_site.tracking.markers.correspondence import Candidates, correspond
-from local_site.tracking.markers.identity import NOBODY, Spans, first_identity, next_identity
+from local_site.tracking.markers.identity import NO_CANDIDATE, Spans, first_identity, next_identity
 from local_site.tracking.markers.learned import span_lengths
 from local_site.tracking.markers.spots import Spots
 from tests.local_site.tracking.markers.marker_scene import HAND, four_cameras, hand_at
@@ -34,7 +34,7 @@ def candidates(points, views=2, order=None):
 
 
 def places(found, identity):
-    return np.array([np.full(3, np.nan) if k == NOBODY else found.points[k] for k in identity.chosen])
+    return np.array([np.full(3, np.nan) if k == NO_CANDIDATE else found.points[k] for k in identity.chosen])
 
 
 @pytest.mark.parametrize("views", [2, 3, 4])
@@ -81,7 +81,7 @@ def test_at_the_start_geometry_tells_who_is_who_in_any_order(turn):
 )
 def test_what_is_no_hand_or_not_clear_is_nobody(shape):
     identity = first_identity(candidates(hand_at(shape=shape)), GATE_PX)
-    assert (identity.chosen == NOBODY).all()
+    assert (identity.chosen == NO_CANDIDATE).all()
 
 
 def test_learned_distances_tell_who_is_who_without_a_past():
@@ -95,7 +95,7 @@ def test_of_two_markers_the_past_tells_which(hidden):
     points = hand_at((0.01, 0.0, 0.005))
     found = candidates(np.delete(points, hidden, axis=0))
     identity = next_identity(found, LEARNED, hand_at(), GATE_PX)
-    assert identity.chosen[hidden] == NOBODY
+    assert identity.chosen[hidden] == NO_CANDIDATE
     rest = np.delete(np.arange(3), hidden)
     assert places(found, identity)[rest] == pytest.approx(points[rest])
     assert not identity.doubtful[rest].any()
@@ -104,14 +104,14 @@ def test_of_two_markers_the_past_tells_which(hidden):
 def test_two_markers_without_a_past_are_not_guessed():
     found = candidates(hand_at()[:2])
     identity = next_identity(found, LEARNED, NOTHING, GATE_PX)
-    assert np.all((identity.chosen == NOBODY) | identity.doubtful)
+    assert np.all((identity.chosen == NO_CANDIDATE) | identity.doubtful)
 
 
 def test_a_stray_light_is_not_taken_for_a_hidden_marker():
     points = np.vstack([hand_at()[:2], hand_at()[2] + [0.05, 0.05, -0.08]])
     found = candidates(points)
     identity = next_identity(found, LEARNED, hand_at(), GATE_PX)
-    assert identity.chosen[2] == NOBODY or identity.doubtful[2]
+    assert identity.chosen[2] == NO_CANDIDATE or identity.doubtful[2]
     assert places(found, identity)[:2] == pytest.approx(points[:2])
 
 

@@ -21,7 +21,7 @@ from local_site.tracking.silhouette.hand_model.skeleton import (
     MIDDLE_TIP,
     HandPose,
     Person,
-    place,
+    hand_spheres,
     turned,
 )
 from local_site.tracking.silhouette.hand_view import make_hand_view
@@ -54,9 +54,9 @@ def pose_of(
 
 def circles_of(pose: HandPose, person: Person, projection: Array) -> tuple[Array, Array]:
     """Centres (S, 2) and radii (S,) in px of the hand's spheres in a view."""
-    placed = place(pose, person)
-    seen = placed.centres @ projection[:, :3].T + projection[:, 3]
-    return seen[:, :2] / seen[:, 2:], placed.radii * STEREO.focal_px / seen[:, 2]
+    spheres = hand_spheres(pose, person)
+    seen = spheres.centres @ projection[:, :3].T + projection[:, 3]
+    return seen[:, :2] / seen[:, 2:], spheres.radii * STEREO.focal_px / seen[:, 2]
 
 
 def mask_of(centres: Array, radii: Array, scale: int) -> Image:
@@ -110,7 +110,7 @@ def hand_views(pose: HandPose, person: Person = PERSON, projections: Sequence[Ar
 
 def far_end(pose: HandPose, person: Person = PERSON) -> Array:
     """The middle finger's tip, about the far end of the outline."""
-    tip: Array = place(pose, person).centres[MIDDLE_TIP]
+    tip: Array = hand_spheres(pose, person).centres[MIDDLE_TIP]
     return tip
 
 

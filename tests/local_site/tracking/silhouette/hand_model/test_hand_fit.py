@@ -10,7 +10,7 @@ from local_site.tracking.silhouette.hand_model.skeleton import (
     THUMB_TIP,
     HandPose,
     Person,
-    place,
+    hand_spheres,
     turned,
 )
 from tests.local_site.tracking.silhouette.hand_model.posed_hands import (
@@ -48,13 +48,13 @@ def disturbed(pose, turn_deg, shift_mm, random):
 
 def tip_error_m(fit, truth):
     return max(
-        np.linalg.norm(fit.placed.tip(INDEX_TIP) - truth.tip(INDEX_TIP)),
-        np.linalg.norm(fit.placed.tip(THUMB_TIP) - truth.tip(THUMB_TIP)),
+        np.linalg.norm(fit.spheres.tip(INDEX_TIP) - truth.tip(INDEX_TIP)),
+        np.linalg.norm(fit.spheres.tip(THUMB_TIP) - truth.tip(THUMB_TIP)),
     )
 
 
 def outline_px(fit, views):
-    return max(float(np.abs(contact(v, fit.placed, v.pixels).distance).mean()) for v in views)
+    return max(float(np.abs(contact(v, fit.spheres, v.pixels).distance).mean()) for v in views)
 
 
 @pytest.mark.parametrize(("turn_deg", "shift_mm", "share"), RETURNS)
@@ -64,7 +64,7 @@ def test_a_hand_is_given_back_or_its_cost_says_no(turn_deg, shift_mm, share):
         pose = pose_of(0.3 * random.normal(size=3))
         views = hand_views(pose)
         fit = fit_hand(views, disturbed(pose, turn_deg, shift_mm, random), prior_of(pose), PERSON, ITERATIONS)
-        close = tip_error_m(fit, place(pose, PERSON)) < TIP_M
+        close = tip_error_m(fit, hand_spheres(pose, PERSON)) < TIP_M
         assert close == (fit.cost < GOOD_COST) == (outline_px(fit, views) < OUTLINE_PX)
         back.append(close)
     assert np.mean(back) >= share
@@ -75,7 +75,7 @@ def test_a_fit_that_begins_at_the_truth_stays_there(turn):
     pose = pose_of(turn)
     views = hand_views(pose)
     fit = fit_hand(views, pose, prior_of(pose), PERSON, ITERATIONS)
-    truth = place(pose, PERSON)
+    truth = hand_spheres(pose, PERSON)
     assert tip_error_m(fit, truth) < 0.0015
     assert np.linalg.norm(fit.pose.wrist - pose.wrist) < 0.0015
     assert outline_px(fit, views) < 0.15
@@ -119,8 +119,8 @@ def test_a_left_hand_is_a_right_one_in_the_mirror(turn):
     left_start = HandPose(MIRROR @ start.wrist, MIRROR @ start.rotation @ side, start.posture)
     prior = Prior(MIRROR @ pose.wrist, np.eye(3), GRIPPER, prior_of(pose).information)
     left = fit_hand(mirrored, left_start, prior, person, ITERATIONS)
-    np.testing.assert_allclose(left.placed.tip(INDEX_TIP), MIRROR @ right.placed.tip(INDEX_TIP), atol=1e-6)
-    np.testing.assert_allclose(left.placed.tip(THUMB_TIP), MIRROR @ right.placed.tip(THUMB_TIP), atol=1e-6)
+    np.testing.assert_allclose(left.spheres.tip(INDEX_TIP), MIRROR @ right.spheres.tip(INDEX_TIP), atol=1e-6)
+    np.testing.assert_allclose(left.spheres.tip(THUMB_TIP), MIRROR @ right.spheres.tip(THUMB_TIP), atol=1e-6)
     assert left.cost == pytest.approx(right.cost, rel=1e-6)
 
 

@@ -14,7 +14,7 @@ from local_site.tracking.silhouette.hand_model.skeleton import (
     POSE,
     STATE,
     HandPose,
-    place,
+    hand_spheres,
     rotation_vector,
     turned,
 )
@@ -45,20 +45,24 @@ def differences(function, pose):
 @pytest.mark.parametrize("turn", POSES)
 def test_spheres_move_as_said(turn):
     pose = pose_of(turn)
-    placed = place(pose, PERSON)
+    spheres = hand_spheres(pose, PERSON)
     near = {"rtol": 2e-3, "atol": 2e-5}
-    np.testing.assert_allclose(placed.centre_jacobian, differences(lambda p: place(p, PERSON).centres, pose), **near)
-    np.testing.assert_allclose(placed.radius_jacobian, differences(lambda p: place(p, PERSON).radii, pose), **near)
+    np.testing.assert_allclose(
+        spheres.centre_jacobian, differences(lambda p: hand_spheres(p, PERSON).centres, pose), **near
+    )
+    np.testing.assert_allclose(
+        spheres.radius_jacobian, differences(lambda p: hand_spheres(p, PERSON).radii, pose), **near
+    )
 
 
 @pytest.mark.parametrize("turn", POSES)
 def test_outline_rows_are_changes_of_the_distances(turn):
     truth, off = pose_of(turn), pose_of(np.array(turn) + 0.05)
     for view in hand_views(truth):
-        placed = place(off, PERSON)
-        now = contact(view, placed, view.pixels)
-        circles = project_spheres(view.projection, view.focal_px, placed)
-        expected = differences(lambda p, v=view: contact(v, place(p, PERSON), v.pixels).distance, off)
+        spheres = hand_spheres(off, PERSON)
+        now = contact(view, spheres, view.pixels)
+        circles = project_spheres(view.projection, view.focal_px, spheres)
+        expected = differences(lambda p, v=view: contact(v, hand_spheres(p, PERSON), v.pixels).distance, off)
         steady = _steady(view, off, now.capsule)
         assert np.mean(steady) > 0.8
         for n in np.flatnonzero(steady & (np.abs(now.distance) > 0.2)):
@@ -80,7 +84,7 @@ def _steady(view, pose, capsule):
         for sign in (-2 * STEP, 2 * STEP):
             step = np.zeros(STATE)
             step[p] = sign
-            same &= contact(view, place(moved(pose, step), PERSON), view.pixels).capsule == capsule
+            same &= contact(view, hand_spheres(moved(pose, step), PERSON), view.pixels).capsule == capsule
     return same
 
 
@@ -89,7 +93,7 @@ def test_spheres_outside_the_silhouette_are_drawn_in():
     view = hand_views(truth)[0]
 
     def added(pose):
-        circles = project_spheres(view.projection, view.focal_px, place(pose, PERSON))
+        circles = project_spheres(view.projection, view.focal_px, hand_spheres(pose, PERSON))
         information, gradient = np.zeros((STATE, STATE)), np.zeros(STATE)
         cost = add_outside(view.field, view.origin, circles, HAND, view.sigma, (1.0, 1e6), information, gradient)
         return cost, information, gradient

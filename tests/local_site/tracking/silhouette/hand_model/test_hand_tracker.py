@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from local_site.tracking.silhouette.hand_model.habits import GRIPPER, Habits, LimbEvidence
-from local_site.tracking.silhouette.hand_model.skeleton import INDEX_TIP, THUMB_TIP, TYPICAL_FOREARM, place
+from local_site.tracking.silhouette.hand_model.skeleton import INDEX_TIP, THUMB_TIP, TYPICAL_FOREARM, hand_spheres
 from local_site.tracking.silhouette.hand_tracker import HandTracker
 from tests.local_site.tracking.silhouette.hand_model.posed_hands import (
     PERSON,
@@ -54,7 +54,7 @@ def test_a_moving_hand_is_learned_and_followed():
     for k in range(12):
         pose = course(k)
         assert tracker.known == (k >= PAIRS)
-        hand, truth = track(tracker, pose), place(pose, PERSON)
+        hand, truth = track(tracker, pose), hand_spheres(pose, PERSON)
         assert hand is not None
         assert np.linalg.norm(hand.index.point - truth.tip(INDEX_TIP)) < INDEX_M
         assert np.linalg.norm(hand.thumb.point - truth.tip(THUMB_TIP)) < THUMB_M
@@ -87,7 +87,7 @@ def test_a_hand_that_turned_out_of_sight_is_found_again(jump):
     pose = pose_of(jump[0] * pose_of().rotation[:, 0] + np.array([0.0, jump[1], jump[2]]), wrist=course(k).wrist)
     hand = track(tracker, pose)
     assert hand is not None
-    assert np.linalg.norm(hand.index.point - place(pose, PERSON).tip(INDEX_TIP)) < INDEX_M
+    assert np.linalg.norm(hand.index.point - hand_spheres(pose, PERSON).tip(INDEX_TIP)) < INDEX_M
     assert tracker.known
 
 

@@ -15,10 +15,10 @@ USUAL_MOTION = "pick_and_place"
 FROM_THE_RIGHT = "[[1.0, 0.0, 0.0], [0.0, 0.0, 1.0], [0.0, -1.0, 0.0]]"
 
 
-def check_cast(tracker: str, arm: str | None, motion: str, driver: str) -> None:
-    """ConfigError for an arm that this driver cannot move, and for a motion that nobody makes."""
+def check_scenario(tracker: str, arm: str | None, motion: str, driver: str) -> None:
+    """ConfigError for an arm that this driver cannot move, and for a motion that the simulated operator cannot make."""
     if tracker == MONOCULAR and motion != USUAL_MOTION:
-        raise ConfigError("the textured arm before one camera swings in its own way; leave --motion out")
+        raise ConfigError("the textured arm before one camera has a motion of its own; leave --motion out")
     if arm == HUMANOID and driver == EMULATED:
         raise ConfigError(f"the driver {EMULATED} is the A465's; use simulated or kinematic for the {arm} arm")
 
@@ -31,7 +31,7 @@ def arm_file(arm: str | None) -> Path | None:
 
 
 def operator_settings(tracker: str) -> tuple[str, ...]:
-    """The local site's settings for an operator whom this tracker can follow, and who waits for the engagement."""
+    """The local site's settings for an operator that this tracker can follow, who starts to move at the engagement."""
     settings = "simulation.motion.begins=when_engaged", f"simulation.markers={str(tracker == MARKERS).lower()}"
     return (*settings, "simulation.textured=true") if tracker == MONOCULAR else settings
 

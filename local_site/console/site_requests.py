@@ -22,7 +22,7 @@ from local_site.console.cell_watch import CellWatch
 Asked = TypeVar("Asked", bound=Request)
 
 
-class Acts:
+class SiteRequests:
     """Asks and waits, so call it from a thread that may wait; a silent site gives a refusal with a sentence."""
 
     def __init__(self, link: Link, watch: CellWatch, cell: str, operator: str) -> None:
