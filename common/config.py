@@ -1,5 +1,6 @@
 """From TOML and --set to a checked struct: all mistakes in one error, each with its line and its cure."""
 
+import codecs
 import difflib
 import re
 import tomllib
@@ -16,6 +17,7 @@ S = TypeVar("S", bound=msgspec.Struct)
 KeyPath = tuple[str, ...]
 
 TABLE_LINE = re.compile(r"\s*\[+\s*([^\]]+?)\s*\]+")
+MAX_BYTES = 1_000_000  # a device such as /dev/zero never ends
 KEY_LINE = re.compile(r"\s*([A-Za-z0-9_.\"-]+)\s*=")
 
 
@@ -97,11 +99,19 @@ def _unknown(key: str, known: list[str]) -> str:
 
 def _read(path: Path) -> str:
     try:
-        return path.read_text(encoding="utf-8")
+        with path.open("rb") as file:
+            content = file.read(MAX_BYTES + 1)
     except OSError as error:
         raise ConfigError(f"cannot read the configuration {path}: {error.strerror}") from error
+    if len(content) > MAX_BYTES:
+        raise ConfigError(f"{path}: larger than {MAX_BYTES} bytes; give a TOML file")
+    if content.startswith(codecs.BOM_UTF8):
+        raise ConfigError(f"{path}:1: begins with a byte order mark; save the file as UTF-8 without one")
+    try:
+        return content.decode("utf-8")
     except UnicodeDecodeError as error:
-        raise ConfigError(f"{path}: not UTF-8 text: {error.reason}") from error
+        line = content.count(b"\n", 0, error.start) + 1
+        raise ConfigError(f"{path}:{line}: not UTF-8 text: {error.reason}; save the file as UTF-8") from error
 
 
 def apply_setting(table: dict[str, Any], setting: str) -> KeyPath:

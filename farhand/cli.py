@@ -1,5 +1,6 @@
 """The command line, assembled from its commands; errors that name their cure are printed without a traceback."""
 
+import errno
 import sys
 
 import typer
@@ -52,6 +53,11 @@ def main() -> None:
     except FarhandError as error:
         print(f"farhand: {error}", file=sys.stderr)  # noqa: T201  # the command line's own voice
         sys.exit(_exit_code(error))
+    except OSError as error:
+        if error.errno != errno.ENOSPC:
+            raise
+        print("farhand: no space is left to write to; free some, or write elsewhere", file=sys.stderr)  # noqa: T201  # as above
+        sys.exit(FAILED)
 
 
 def _exit_code(error: FarhandError) -> int:

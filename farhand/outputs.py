@@ -14,6 +14,8 @@ def check_file(option: str, out: Path, inputs: Iterable[str | Path] = ()) -> Non
     """ConfigError, before any work, if a file cannot be written there or is one that is read."""
     if out.is_dir() or not out.parent.is_dir():
         raise ConfigError(f"{option} {out}: give a file in a folder that exists")
+    if not any(os.access(path, os.W_OK) for path in (out, out.parent)):
+        raise ConfigError(f"{option} {out} cannot be written; choose another file")
     _refuse_inputs(option, out, inputs)
 
 
@@ -21,8 +23,11 @@ def check_folder(option: str, folder: Path | None, inputs: Iterable[str | Path] 
     """ConfigError, before any work, if a folder of results cannot be made there or is one that is read."""
     if folder is None:
         return
-    if folder.exists() and not folder.is_dir():
-        raise ConfigError(f"{option} {folder} is a file; give a folder")
+    existing = next(path for path in (folder, *folder.absolute().parents) if os.access(path, os.F_OK))
+    if not existing.is_dir():
+        raise ConfigError(f"{option} {existing} is a file; give a folder")
+    if not os.access(existing, os.W_OK | os.X_OK):
+        raise ConfigError(f"{option} {folder} cannot be written; choose another folder")
     _refuse_inputs(option, folder, [_folder_of_pictures(Path(given)) for given in inputs])
 
 

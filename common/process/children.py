@@ -160,7 +160,7 @@ def _run(name: str, main: ChildMain, heartbeat: Heartbeat, reason: EndReason, pa
         structlog.get_logger().error(str(error))
         reason.leave(str(error))
         sys.exit(1)
-    except Exception as error:
+    except (Exception, SystemExit) as error:  # a robot's library may exit
         reason.leave(f"{type(error).__name__}: {error}")
         raise  # multiprocessing prints the traceback
     finally:

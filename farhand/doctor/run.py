@@ -5,7 +5,7 @@ from datetime import UTC, datetime
 from pathlib import Path
 
 from common.cameras.sources import Source
-from common.config import load_config, read_tables
+from common.config import apply_setting, load_config, read_tables
 from common.errors import ConfigError, TransportError
 from common.link.config import LinkSecurity
 from common.link.endpoints import check_endpoint
@@ -27,9 +27,10 @@ SITES: tuple[type[Site], ...] = (RemoteConfig, LocalConfig)
 def examine(path: Path | None, settings: Sequence[str]) -> list[Finding]:
     """All findings; without a file, those of both sites' default configurations."""
     findings = examine_machine()
-    for kind in SITES if path is None else which_site(path):
+    kinds = SITES if path is None else which_site(path)
+    for kind in kinds:
         try:
-            config = load_config(kind, path, settings)
+            config = load_config(kind, path, [setting for setting in settings if kind in _sites_of(setting, kinds)])
         except ConfigError as wrong:
             findings += [error("configuration", line, "correct that line") for line in str(wrong).splitlines()]
             continue
@@ -37,6 +38,13 @@ def examine(path: Path | None, settings: Sequence[str]) -> list[Finding]:
         findings.append(ok("configuration", f"{name} of the {KINDS[kind]} has no mistakes"))
         findings += examine_config(config)
     return findings
+
+
+def _sites_of(setting: str, kinds: Sequence[type[Configuration]]) -> list[type[Configuration]]:
+    """Whose a setting is: of several sites, those that know its key, all where none does."""
+    table: dict[str, object] = {}
+    apply_setting(table, setting)
+    return likeliest(table, kinds)
 
 
 def which_site(path: Path) -> list[type[Configuration]]:

@@ -12,7 +12,7 @@ import numpy as np
 from rich.console import Console
 
 from common.clock import NS_PER_MS, NS_PER_S
-from common.errors import InterruptionError, ProcessError
+from common.errors import ConfigError, InterruptionError, ProcessError
 from common.geometry import Array
 from common.link.channels import ChannelSession
 from common.link.transport import Link, open_link
@@ -227,13 +227,21 @@ def run_loopback(options: LoopbackOptions, should_stop: StopFlag) -> None:
     figures = loop.run()
     print_table(figures, Console())
     if options.report is not None:
-        options.report.write_text(json.dumps(figures, indent=2) + "\n", encoding="utf-8")
+        write_report(options.report, figures)
     if options.save_views is not None:
         save_camera_views(loop.record.cameras, options.save_views)
         save_overview((*loop.record.cameras, *loop.operator_views), options.save_views)
     if should_stop() and (options.seconds or not figures["engagements"]):
         raise InterruptionError("interrupted")
     check_followed(figures)
+
+
+def write_report(path: Path, figures: Figures) -> None:
+    """Write all figures as JSON, also to a device or through a link; ConfigError when that fails."""
+    try:
+        path.write_text(json.dumps(figures, indent=2) + "\n", encoding="utf-8")
+    except OSError as error:
+        raise ConfigError(f"cannot write --report {path}: {error.strerror}; choose another file") from error
 
 
 def check_followed(figures: Figures) -> None:

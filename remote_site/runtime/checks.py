@@ -3,6 +3,7 @@
 import math
 from collections.abc import Callable
 from dataclasses import dataclass, field
+from pathlib import Path
 from typing import TypeVar
 
 from common.errors import ConfigError, ModelError
@@ -85,7 +86,10 @@ def _load_with(model: ArmModel, config: RemoteConfig, loading: _Loading) -> None
 def _model(robot: RobotConfig) -> ArmModel:
     if not robot.urdf.is_file():
         built_in = ", ".join(sorted(path.name for path in MODELS.iterdir() if path.is_dir()))
-        raise ModelError(f"robot.model {robot.model!r} is neither a built-in model ({built_in}) nor the file of a URDF")
+        raise ModelError(
+            f"robot.model {robot.model!r} is neither a built-in model ({built_in}) nor the file of a URDF; "
+            f"give its absolute path, or one as seen from {Path.cwd()}"
+        )
     return ArmModel.from_urdf(robot.urdf, robot.tool_frame, robot.tool_T_tcp)
 
 

@@ -70,3 +70,26 @@ def test_bad_toml_and_missing_files_are_named(tmp_path: Path) -> None:
 def test_a_value_in_place_of_a_table_is_told(tmp_path: Path) -> None:
     with pytest.raises(ConfigError, match=r"must be a table: \[inner\]"):
         load_config(Outer, write(tmp_path, "inner = 3\n"))
+
+
+@pytest.mark.parametrize(
+    ("content", "cure"),
+    [
+        (b"count = 5\n# f\xfcr\n", r"site\.toml:2: not UTF-8 text: .*; save the file as UTF-8"),
+        (b"\xef\xbb\xbfcount = 5\n", r"site\.toml:1: .* byte order mark; save the file as UTF-8 without one"),
+        (b"#" * 1_000_001, "larger than 1000000 bytes; give a TOML file"),
+    ],
+)
+def test_a_file_in_another_encoding_or_of_another_kind_is_refused_with_its_cure(
+    content: bytes, cure: str, tmp_path: Path
+) -> None:
+    path = tmp_path / "site.toml"
+    path.write_bytes(content)
+    with pytest.raises(ConfigError, match=cure):
+        load_config(Outer, path)
+
+
+def test_a_file_with_the_line_ends_of_windows_is_read(tmp_path: Path) -> None:
+    path = tmp_path / "site.toml"
+    path.write_bytes(b"count = 5\r\n[inner]\r\nspeed = 0.25\r\n")
+    assert load_config(Outer, path) == Outer(count=5, inner=Inner(speed=0.25))

@@ -1,5 +1,7 @@
 """Results never replace what they come from, and a failure leaves earlier results alone."""
 
+import os
+
 import cv2
 import numpy as np
 import pytest
@@ -67,6 +69,22 @@ def test_drawn_pictures_never_go_where_pictures_are_read(tmp_path, source):
     check_folder("--annotate", tmp_path / "other", [tmp_path / source])
     with pytest.raises(ConfigError, match="is a file; give a folder"):
         check_folder("--annotate", tmp_path / "pictures" / "000000.png")
+
+
+def test_a_folder_below_a_file_is_refused_before_any_work(tmp_path):
+    (tmp_path / "file").touch()
+    with pytest.raises(ConfigError, match=r"--save-views .*file is a file; give a folder"):
+        check_folder("--save-views", tmp_path / "file" / "views" / "today")
+    check_folder("--save-views", tmp_path / "views" / "today")
+
+
+def test_what_the_file_system_refuses_is_refused_before_any_work(tmp_path, monkeypatch):
+    access = os.access
+    monkeypatch.setattr("os.access", lambda path, mode: mode == os.F_OK and access(path, mode))
+    with pytest.raises(ConfigError, match=r"--report .* cannot be written; choose another file"):
+        check_file("--report", tmp_path / "report.json")
+    with pytest.raises(ConfigError, match=r"--save-views .* cannot be written; choose another folder"):
+        check_folder("--save-views", tmp_path / "views")
 
 
 @pytest.mark.parametrize(("pictures", "kept"), [(0, True), (3, False)])

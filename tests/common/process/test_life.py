@@ -80,7 +80,18 @@ def failing(should_stop: StopFlag, heartbeat: Heartbeat) -> None:  # noqa: ARG00
     raise ValueError("x" * 5000)
 
 
-@pytest.mark.parametrize(("main", "reason"), [(refusing, "no arm answers at address 7"), (failing, "ValueError: xxx")])
+def leaving(should_stop: StopFlag, heartbeat: Heartbeat) -> None:  # noqa: ARG001
+    raise SystemExit("no licence")
+
+
+@pytest.mark.parametrize(
+    ("main", "reason"),
+    [
+        (refusing, "no arm answers at address 7"),
+        (failing, "ValueError: xxx"),
+        (leaving, "SystemExit: no licence"),
+    ],
+)
 def test_a_child_that_raises_leaves_its_reason(main: ChildMain, reason: str) -> None:
     children = Children("test")
     child = children.start("worker", main)

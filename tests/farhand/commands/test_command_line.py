@@ -126,6 +126,22 @@ def test_misuse_is_told_with_its_cure(arguments: list[str], code: int, words: st
     assert words in " ".join(done.stderr.split())
 
 
+@pytest.mark.parametrize("command", [["--help"], ["config", "show", "remote"], ["config", "init", "sites"]])
+def test_a_full_disk_ends_a_command_without_a_traceback(command: list[str], tmp_path: Path) -> None:
+    with Path("/dev/full").open("w") as full:
+        done = subprocess.run(
+            [sys.executable, "-m", "farhand", *command],
+            check=False,
+            stdout=full,
+            stderr=subprocess.PIPE,
+            text=True,
+            timeout=60,
+            cwd=tmp_path,
+        )
+    assert done.returncode == 1
+    assert done.stderr == "farhand: no space is left to write to; free some, or write elsewhere\n"
+
+
 @pytest.mark.parametrize(("site", "key"), [("local", "links.listen"), ("remote", "links.video")])
 def test_a_site_whose_port_is_taken_says_so(site: str, key: str, here) -> None:
     with socket.socket() as taken:

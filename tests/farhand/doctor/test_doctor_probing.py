@@ -173,6 +173,7 @@ def test_every_mistake_of_the_configuration_is_a_finding(tmp_path: Path) -> None
     ("setting", "found"),
     [
         ("robot.model=/none.urdf", "error    robot: robot.model '/none.urdf' is neither a built-in model"),
+        ("robot.model=arm.urdf", f"or one as seen from {Path.cwd()}"),
         ("robot.tool_frame=hook", "error    robot: "),
         ("robot.speed=0.5", "ok       robot: the model a465 loads"),
         ("robot.start_deg=[0, 0, 500, 0, 0, 0]", "error    start posture: robot.start_deg: joint_3"),
@@ -185,3 +186,12 @@ def test_the_robots_side_is_loaded_as_the_remote_site_would(setting: str, found:
     done = CliRunner().invoke(app, ["doctor", "--config", str(config), "--set", setting])
     assert found in done.output
     assert found.startswith("ok") or done.exit_code == 1
+
+
+@pytest.mark.parametrize(
+    ("setting", "wrong"),
+    [("driver.name=kinematic", 0), ("tracking.method=markers", 0), ("metrics.port=-1", 2), ("drivr.name=x", 2)],
+)
+def test_a_setting_without_a_file_goes_to_the_site_that_knows_it(setting: str, wrong: int) -> None:
+    found = [finding for finding in examine(None, (setting,)) if finding.check == "configuration"]
+    assert [finding.level for finding in found].count("error") == wrong, found

@@ -1,9 +1,12 @@
 """The loopback's figures from made-up records whose figures are known."""
 
+from pathlib import Path
+
 import msgspec
 import numpy as np
 import pytest
 
+from common.errors import ConfigError
 from common.messages.hand import HandArm, TrackingStatus
 from common.messages.robot import (
     Engagement,
@@ -25,6 +28,7 @@ from farhand.loopback.figures import (
     tracking_figures,
 )
 from farhand.loopback.recorder import CameraRecord
+from farhand.loopback.run import write_report
 
 MS = 1_000_000
 ROTATION = np.array([[0.0, -1.0, 0.0], [1.0, 0.0, 0.0], [0.0, 0.0, 1.0]])
@@ -147,3 +151,8 @@ def test_the_events_are_the_changes_of_the_session_since_it_first_followed():
     ]
     assert session_events(states) == ["1.0 s: holding, reason 3", "1.5 s: engaged, reason 4"]
     assert session_events(states[:1]) == []
+
+
+def test_a_report_that_finds_no_room_is_reported():
+    with pytest.raises(ConfigError, match="/dev/full: No space left on device; choose another file"):
+        write_report(Path("/dev/full"), {})
