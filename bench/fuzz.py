@@ -45,47 +45,47 @@ def verdict(payload: bytes, target: Target) -> str:
     return "valid"
 
 
-def noise(luck: random.Random, payload: bytes) -> bytes:
+def noise(rng: random.Random, payload: bytes) -> bytes:
     """Bytes of no meaning, as long as a payload or shorter."""
-    return luck.randbytes(luck.randint(0, len(payload)))
+    return rng.randbytes(rng.randint(0, len(payload)))
 
 
-def changed(luck: random.Random, payload: bytes) -> bytes:
+def changed(rng: random.Random, payload: bytes) -> bytes:
     """A few bytes changed."""
     spoilt = bytearray(payload)
-    for _ in range(luck.randint(1, 8)):
-        spoilt[luck.randrange(len(spoilt))] = luck.randrange(256)
+    for _ in range(rng.randint(1, 8)):
+        spoilt[rng.randrange(len(spoilt))] = rng.randrange(256)
     return bytes(spoilt)
 
 
-def cut(luck: random.Random, payload: bytes) -> bytes:
+def cut(rng: random.Random, payload: bytes) -> bytes:
     """Ended too early."""
-    return payload[: luck.randrange(len(payload))]
+    return payload[: rng.randrange(len(payload))]
 
 
-def repeated(luck: random.Random, payload: bytes) -> bytes:
+def repeated(rng: random.Random, payload: bytes) -> bytes:
     """A piece of it put in a second time."""
-    begin = luck.randrange(len(payload))
-    return payload[:begin] + payload[begin : begin + luck.randint(1, 64)] + payload[begin:]
+    begin = rng.randrange(len(payload))
+    return payload[:begin] + payload[begin : begin + rng.randint(1, 64)] + payload[begin:]
 
 
-def typed(luck: random.Random, payload: bytes) -> bytes:
+def typed(rng: random.Random, payload: bytes) -> bytes:
     """One byte replaced by the head of another type: extensions, infinities, and sizes that nobody sends."""
     heads = [b"\xc7\xff\x05", b"\xd4\x2a\x00"]
     heads += [b"\xdf\xff\xff\xff\xff", b"\xdd\xff\xff\xff\xff", b"\xdb\x7f\xff\xff\xff"]
     heads += [b"\xc6\xff\xff\xff\xff", b"\xcb\x7f\xf0" + bytes(6), b"\xca\x7f\xc0\x00\x00", b"\xcf" + b"\xff" * 8]
-    k = luck.randrange(len(payload))
-    return payload[:k] + luck.choice(heads) + payload[k + 1 :]
+    k = rng.randrange(len(payload))
+    return payload[:k] + rng.choice(heads) + payload[k + 1 :]
 
 
-def nested(luck: random.Random, payload: bytes) -> bytes:
+def nested(rng: random.Random, payload: bytes) -> bytes:
     """Lists or maps within one another, deeper than anybody sends."""
-    return luck.choice([b"\x91", b"\x81\xa1a", b"\xdc\x00\x01"]) * luck.randint(1, 600) + payload[:1]
+    return rng.choice([b"\x91", b"\x81\xa1a", b"\xdc\x00\x01"]) * rng.randint(1, 600) + payload[:1]
 
 
-def padded(luck: random.Random, payload: bytes) -> bytes:
+def padded(rng: random.Random, payload: bytes) -> bytes:
     """Far longer than it is."""
-    return payload + bytes(luck.choice([1, 1000, 100_000]))
+    return payload + bytes(rng.choice([1, 1000, 100_000]))
 
 
 MUTATIONS: tuple[Mutation, ...] = (noise, changed, changed, changed, cut, repeated, typed, typed, nested, padded)
@@ -93,11 +93,11 @@ MUTATIONS: tuple[Mutation, ...] = (noise, changed, changed, changed, cut, repeat
 
 def fuzz(payloads: int, seed: int) -> Counter[str]:
     """The verdicts of this many payloads; any exception other than MessageError ends it."""
-    luck = random.Random(seed)  # noqa: S311  # which payloads come is no secret
+    rng = random.Random(seed)  # noqa: S311  # which payloads come is no secret
     known, verdicts = seeds(), Counter[str]()
     for _ in range(payloads):
-        payload, target = luck.choice(known)
-        verdicts[verdict(luck.choice(MUTATIONS)(luck, payload), target)] += 1
+        payload, target = rng.choice(known)
+        verdicts[verdict(rng.choice(MUTATIONS)(rng, payload), target)] += 1
     return verdicts
 
 

@@ -76,8 +76,8 @@ class TroubledDriver:
     `block` lets time pass for the rest of the world while a call is under way.
     """
 
-    def __init__(self, driver: Driver, luck: Random, clock: FakeClock, block: Callable[[int], None]) -> None:
-        self._driver, self._luck, self._clock, self._block = driver, luck, clock, block
+    def __init__(self, driver: Driver, rng: Random, clock: FakeClock, block: Callable[[int], None]) -> None:
+        self._driver, self._rng, self._clock, self._block = driver, rng, clock, block
         self._fault_until_ns = 0
         self.received, self.activations = Received(), 0
         self.troubles = {"raises": 0, "late": 0, "fault": 0}
@@ -124,15 +124,15 @@ class TroubledDriver:
         self._driver.deactivate()
 
     def _suffer(self) -> None:
-        if self._luck.random() * CALLS_PER_TROUBLE > 1.0:
+        if self._rng.random() * CALLS_PER_TROUBLE > 1.0:
             return
-        trouble = self._luck.choices(list(self.troubles), [1, 8, 1])[0]
+        trouble = self._rng.choices(list(self.troubles), [1, 8, 1])[0]
         self.troubles[trouble] += 1
         if trouble == "late":
             since_ns = self._clock.now_ns()
-            self._block(since_ns + round(self._luck.uniform(1, 60) * NS_PER_MS))
+            self._block(since_ns + round(self._rng.uniform(1, 60) * NS_PER_MS))
             self.blocked.append((since_ns, self._clock.now_ns()))
         elif trouble == "fault":
-            self._fault_until_ns = self._clock.now_ns() + round(self._luck.uniform(1, 400) * NS_PER_MS)
+            self._fault_until_ns = self._clock.now_ns() + round(self._rng.uniform(1, 400) * NS_PER_MS)
         else:
-            raise self._luck.choice([DriverError("the line is cut"), ValueError("out of order"), KeyError("axis")])
+            raise self._rng.choice([DriverError("the line is cut"), ValueError("out of order"), KeyError("axis")])

@@ -69,7 +69,7 @@ def soak(make: MakeRobot, seconds: float, seed: int = SEED) -> dict[str, float]:
         "engagements": float(engagements),
         "share of time followed": states.count(SessionState.ENGAGED) / len(states),
         "robot faults seen": float(sum(world.ticks.faults.values())),
-        "stumbles of control": float(world.ticks.stumbles),
+        "stumbles of control": float(world.timer.stumbles),
         "late calls of the driver": float(world.driver.troubles["late"]),
         **{f"wire: {kind}": float(count) for kind, count in world.operator.happened.items()},
         **dynamics(world, log),

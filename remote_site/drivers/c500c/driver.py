@@ -80,7 +80,7 @@ class C500cDriver:
         self._activation = (state.activation + 1) & 0xFFFF
         self._running, self._obeyed, self._seqs = True, None, {}
         activation = Activation(self._activation, tuple(q0.tolist()), self._period_ms)
-        self._exchange.say(Kind.ACTIVATE, activation.payload)
+        self._exchange.send(Kind.ACTIVATE, activation.payload)
         self._pump()
 
     def read(self) -> RobotReading:
@@ -100,14 +100,14 @@ class C500cDriver:
         self._count = (self._count + 1) & 0xFFFF
         self._seqs[self._count] = command.seq
         joints, percent = tuple(command.q.tolist()), self._grip_percent(command)
-        self._exchange.say(Kind.SETPOINT, Setpoint(self._count, joints, command.gripper_open, percent).payload)
+        self._exchange.send(Kind.SETPOINT, Setpoint(self._count, joints, command.gripper_open, percent).payload)
         self._pump()
         return command
 
     def stop(self) -> None:
         """Halt the arm: it brakes and holds, and stays powered."""
         if self._running or self._exchange.state is None:
-            self._exchange.say(Kind.HALT)
+            self._exchange.send(Kind.HALT)
         self._running = False
         self._pump()
 
@@ -116,10 +116,10 @@ class C500cDriver:
         self.stop()
 
     def _pump(self) -> None:
-        exchange, before = self._exchange, self._exchange.heard_ns
+        exchange, before = self._exchange, self._exchange.received_ns
         exchange.pump(self._clock.now_ns())
-        if exchange.state is not None and exchange.heard_ns is not None and exchange.heard_ns != before:
-            self._note(exchange.state, exchange.heard_ns)
+        if exchange.state is not None and exchange.received_ns is not None and exchange.received_ns != before:
+            self._note(exchange.state, exchange.received_ns)
 
     def _note(self, state: ControllerState, t_ns: int) -> None:
         q, dq = np.array(state.joints), np.zeros(JOINTS)
@@ -145,8 +145,8 @@ class C500cDriver:
 
     @property
     def _silent(self) -> bool:
-        heard_ns = self._exchange.heard_ns
-        return heard_ns is None or self._clock.now_ns() - heard_ns > self._config.silent_ms * NS_PER_MS
+        received_ns = self._exchange.received_ns
+        return received_ns is None or self._clock.now_ns() - received_ns > self._config.silent_ms * NS_PER_MS
 
     def _silence(self) -> RobotFault:
         return RobotFault(
@@ -159,7 +159,7 @@ class C500cDriver:
         if not is_up(state):
             fault = _power_fault(state)
             return RobotFault(*FAULTS[fault], native=fault.name)
-        if self._exchange.waits(Kind.ACTIVATE) or state.activation != self._activation:
+        if self._exchange.is_pending(Kind.ACTIVATE) or state.activation != self._activation:
             return NOT_ACTIVATED
         if Flag.ACTIVE in state.flags and self._running:
             return None

@@ -25,7 +25,7 @@ class EmulatedLine:
 
     baud: int = 57600
     loss: float = 0.0
-    luck: Random = field(default_factory=lambda: Random(1))  # noqa: S311  # which bytes are lost is no secret
+    rng: Random = field(default_factory=lambda: Random(1))  # noqa: S311  # which bytes are lost is no secret
     _bytes: deque[tuple[int, int]] = field(default_factory=deque)
     _free_ns: int = 0
 
@@ -33,7 +33,7 @@ class EmulatedLine:
         """Bytes handed to the line."""
         for byte in data:
             self._free_ns = max(self._free_ns, now_ns) + NS_PER_S * BITS_PER_BYTE // self.baud
-            if self.luck.random() >= self.loss:
+            if self.rng.random() >= self.loss:
                 self._bytes.append((self._free_ns, byte))
 
     def pull(self, now_ns: int) -> bytes:

@@ -56,7 +56,7 @@ class Rig:
         self.link.activate(START)
         self.desk.turn()
         self.sent = JointMotion.at_rest(START)
-        self.rate = Rate(1 / setup.dt, self.clock, least_share=LEAST_FRACTION)
+        self.rate = Rate(1 / setup.dt, self.clock, least_fraction=LEAST_FRACTION)
 
     def tick(self, late_ms=0.0):
         wake_ns = self.rate.next_ns + round(late_ms * NS_PER_MS)
@@ -128,8 +128,8 @@ def test_a_slow_robot_goes_through_a_stumble_at_its_speeds_too(late_ms, ticks):
 
 
 def test_stumbles_one_after_the_other_never_end_in_a_fault():
-    rig, luck = Rig(1.2), np.random.default_rng(3)
-    for late_ms in luck.uniform(0, 60, 40):
+    rig, rng = Rig(1.2), np.random.default_rng(3)
+    for late_ms in rng.uniform(0, 60, 40):
         rig.tick(late_ms)
         rig.tick()
     for _ in range(400):
@@ -175,7 +175,7 @@ class LateRig:
         self.link.activate(START)
         self.desk.turn()
         self.sent, self.rang = JointMotion.at_rest(START), False
-        self.rate = Rate(1 / setup.dt, self.clock, least_share=LEAST_FRACTION)
+        self.rate = Rate(1 / setup.dt, self.clock, least_fraction=LEAST_FRACTION)
 
     def control_until(self, until_ns):
         while self.rate.next_ns <= until_ns:
