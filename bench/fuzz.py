@@ -1,4 +1,4 @@
-"""Feeds the codec a million hostile payloads: it refuses what is no message, raises nothing else, does not grow."""
+"""Feeds the codec a million hostile payloads: it refuses invalid ones, raises nothing else, and does not grow."""
 
 import random
 import resource
@@ -15,7 +15,7 @@ from common.messages.codec import decode
 
 GOLDEN = Path(__file__).parents[1] / "tests" / "golden" / "valid"
 PAYLOADS = 1_000_000
-WARM_UP = 20_000  # what is allocated once is no growth
+WARM_UP = 20_000  # one-time allocations are not growth
 MOST_GROWTH_MB = 64.0
 KB_PER_MB = 1024
 
@@ -46,7 +46,7 @@ def verdict(payload: bytes, target: Target) -> str:
 
 
 def noise(rng: random.Random, payload: bytes) -> bytes:
-    """Bytes of no meaning, as long as a payload or shorter."""
+    """Random bytes, as long as a payload or shorter."""
     return rng.randbytes(rng.randint(0, len(payload)))
 
 
@@ -59,18 +59,18 @@ def changed(rng: random.Random, payload: bytes) -> bytes:
 
 
 def cut(rng: random.Random, payload: bytes) -> bytes:
-    """Ended too early."""
+    """Truncated."""
     return payload[: rng.randrange(len(payload))]
 
 
 def repeated(rng: random.Random, payload: bytes) -> bytes:
-    """A piece of it put in a second time."""
+    """One piece of it duplicated."""
     begin = rng.randrange(len(payload))
     return payload[:begin] + payload[begin : begin + rng.randint(1, 64)] + payload[begin:]
 
 
 def typed(rng: random.Random, payload: bytes) -> bytes:
-    """One byte replaced by the head of another type: extensions, infinities, and sizes that nobody sends."""
+    """One byte replaced by the head of another type: extensions, infinities, and sizes that are never sent."""
     heads = [b"\xc7\xff\x05", b"\xd4\x2a\x00"]
     heads += [b"\xdf\xff\xff\xff\xff", b"\xdd\xff\xff\xff\xff", b"\xdb\x7f\xff\xff\xff"]
     heads += [b"\xc6\xff\xff\xff\xff", b"\xcb\x7f\xf0" + bytes(6), b"\xca\x7f\xc0\x00\x00", b"\xcf" + b"\xff" * 8]
@@ -79,12 +79,12 @@ def typed(rng: random.Random, payload: bytes) -> bytes:
 
 
 def nested(rng: random.Random, payload: bytes) -> bytes:
-    """Lists or maps within one another, deeper than anybody sends."""
+    """Lists or maps nested deeper than in any message."""
     return rng.choice([b"\x91", b"\x81\xa1a", b"\xdc\x00\x01"]) * rng.randint(1, 600) + payload[:1]
 
 
 def padded(rng: random.Random, payload: bytes) -> bytes:
-    """Far longer than it is."""
+    """Padded to far more than its length."""
     return payload + bytes(rng.choice([1, 1000, 100_000]))
 
 
@@ -93,7 +93,7 @@ MUTATIONS: tuple[Mutation, ...] = (noise, changed, changed, changed, cut, repeat
 
 def fuzz(payloads: int, seed: int) -> Counter[str]:
     """The verdicts of this many payloads; any exception other than MessageError ends it."""
-    rng = random.Random(seed)  # noqa: S311  # which payloads come is no secret
+    rng = random.Random(seed)  # noqa: S311  # the payloads need not be secret
     known, verdicts = seeds(), Counter[str]()
     for _ in range(payloads):
         payload, target = rng.choice(known)

@@ -24,7 +24,7 @@ class RemoteLinksConfig(LinkSecurity, frozen=True, kw_only=True, forbid_unknown_
         return self.router or self.control
 
     @property
-    def places(self) -> tuple[str, ...]:
+    def endpoints(self) -> tuple[str, ...]:
         """Every endpoint that this site uses."""
         return self.listened or (self.router,)
 

@@ -152,7 +152,7 @@ def stop_figures(stand: PageStand, page: Any) -> Figures:
     """From the stop key, pressed while the arm moves, to the session's end and to rest; medians and maxima."""
     clock = compare(page)
     page.evaluate(NOTE_ESCAPE)
-    ended, stood = [], []
+    ended, rested = [], []
     for _ in range(STOPS):
         wait("a moving arm", lambda: _moves(stand, page), lambda: page.wait_for_timeout(50))
         page.keyboard.press("Escape")
@@ -160,7 +160,7 @@ def stop_figures(stand: PageStand, page: Any) -> Figures:
         pressed_ns = round((page.evaluate("window.pressed") + clock.offset_ms) * NS_PER_MS)
         since = [state for state in list(stand.record.states) if state.t_ns > pressed_ns]
         ended.append(_first_ms(since, pressed_ns, lambda _, now: now.code == "stopped"))
-        stood.append(
+        rested.append(
             _first_ms(
                 since, pressed_ns, lambda last, now: now.code == "stopped" and last.q_commanded == now.q_commanded
             )
@@ -168,8 +168,8 @@ def stop_figures(stand: PageStand, page: Any) -> Figures:
     return {
         "stop_key_to_session_p50_ms": float(np.median(ended)),
         "stop_key_to_session_most_ms": max(ended),
-        "stop_key_to_rest_p50_ms": float(np.median(stood)),
-        "stop_key_to_rest_most_ms": max(stood),
+        "stop_key_to_rest_p50_ms": float(np.median(rested)),
+        "stop_key_to_rest_most_ms": max(rested),
     }
 
 

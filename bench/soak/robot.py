@@ -1,4 +1,4 @@
-"""The robots of the soak on stepped time, and what goes wrong with them: calls that raise or are late, faults."""
+"""The robots of the soak on stepped time, and what goes wrong with them: calls that raise or are late, and faults."""
 
 from collections.abc import Callable
 from dataclasses import dataclass, field, replace
@@ -21,18 +21,18 @@ from remote_site.simulation.memory import CellMemory
 from remote_site.simulation.process import SimulatedCell
 
 BEGIN_NS = 1000 * NS_PER_MS
-CALLS_PER_TROUBLE = 3000  # on the average; a robot is called about a thousand times a second
+CALLS_PER_TROUBLE = 3000  # on average; a robot is called about a thousand times a second
 
 
 class SteppedCellClock(FakeClock):
-    """A clock that takes a simulated cell along, on the cell's own steps."""
+    """A clock that steps a simulated cell as time passes."""
 
     def __init__(self, cell: SimulatedCell) -> None:
         super().__init__(BEGIN_NS)
         self._cell, self._stepped_ns, self._step_ns = cell, BEGIN_NS, round(cell.dt * 1e9)
 
     def sleep_until_ns(self, deadline_ns: int) -> None:
-        """Step the cell as often as it would have."""
+        """Step the cell as often as its period requires."""
         while self._stepped_ns + self._step_ns <= deadline_ns:
             self._stepped_ns += self._step_ns
             self.time_ns = max(self.time_ns, self._stepped_ns)
@@ -70,10 +70,10 @@ class Received:
     activations: list[int] = field(default_factory=list)
 
 
-class TroubledDriver:
-    """A `Driver` around another, with troubles at random; `received` keeps what the other was sent.
+class FaultInjectingDriver:
+    """A `Driver` around another, with random faults; `received` keeps the commands for the wrapped one.
 
-    `block` lets time pass for the rest of the world while a call is under way.
+    `block` lets time pass for the rest of the world while a call is late.
     """
 
     def __init__(self, driver: Driver, rng: Random, clock: FakeClock, block: Callable[[int], None]) -> None:
@@ -85,45 +85,45 @@ class TroubledDriver:
 
     @property
     def capabilities(self) -> Capabilities:
-        """The other's."""
+        """Those of the wrapped driver."""
         return self._driver.capabilities
 
     def configure(self, setup: DriverSetup) -> None:
-        """Hand it on."""
+        """Pass it on."""
         self._driver.configure(setup)
 
     def activate(self, q0: Array) -> None:
-        """Hand it on; commands from here on go on from `q0`."""
+        """Pass it on; commands continue from `q0`."""
         self._driver.activate(q0)
         self.activations += 1
 
     def read(self) -> RobotReading:
-        """The reading, or a trouble."""
-        self._suffer()
+        """The reading, or a fault."""
+        self._inject()
         reading = self._driver.read()
         if reading.fault is None and self._clock.now_ns() < self._fault_until_ns:
             return replace(reading, fault=RobotFault(FaultCode.EMERGENCY_STOP, "pressed"))
         return reading
 
     def write(self, command: JointCommand) -> JointCommand:
-        """Note the command at the call, and hand it on, unless there is trouble first."""
+        """Note the command at the call, and pass it on, unless a fault comes first."""
         received = self.received
         received.t_ns.append(self._clock.now_ns())
         received.motions.append(command.motion)
         received.activations.append(self.activations)
-        self._suffer()
+        self._inject()
         return self._driver.write(command)
 
     def stop(self) -> None:
-        """Hand it on; what comes then belongs to another motion."""
+        """Pass it on; later commands belong to another motion."""
         self.activations += 1
         self._driver.stop()
 
     def deactivate(self) -> None:
-        """Hand it on."""
+        """Pass it on."""
         self._driver.deactivate()
 
-    def _suffer(self) -> None:
+    def _inject(self) -> None:
         if self._rng.random() * CALLS_PER_TROUBLE > 1.0:
             return
         trouble = self._rng.choices(list(self.troubles), [1, 8, 1])[0]

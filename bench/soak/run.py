@@ -58,7 +58,7 @@ class Log:
 
 
 def soak(make: MakeRobot, seconds: float, seed: int = SEED) -> dict[str, float]:
-    """The figures of one driver; a share is of the limit, and 1 is the limit itself."""
+    """The figures of one driver; a share of 1 is the limit itself."""
     world = World(make, seed)
     world.run(seconds)
     log = Log.of(world)
@@ -73,7 +73,7 @@ def soak(make: MakeRobot, seconds: float, seed: int = SEED) -> dict[str, float]:
         "late calls of the driver": float(world.driver.troubles["late"]),
         **{f"wire: {kind}": float(count) for kind, count in world.operator.happened.items()},
         **dynamics(world, log),
-        **places(world, log),
+        **clearances(world, log),
         "moving commands after a latch": float(moving_after_latch(world, log)),
         "rest after the last good sample, ms beyond the bound": rest_beyond_bound_ms(world, log),
         "oldest sample obeyed, ms": oldest_obeyed_ms(world),
@@ -81,7 +81,7 @@ def soak(make: MakeRobot, seconds: float, seed: int = SEED) -> dict[str, float]:
 
 
 def dynamics(world: World, log: Log) -> dict[str, float]:
-    """The worst speed, acceleration and jerk as shares of the limits; what lies between commands by their times."""
+    """The worst speed, acceleration and jerk as fractions of the limits; differences of commands by their times."""
     limits = world.limits
     dt = np.maximum(np.diff(log.t_ns), EARLIEST_NS)[:, None] / NS_PER_S
     jerk = np.diff(log.ddq, axis=0) / dt / limits.jerk
@@ -95,8 +95,8 @@ def dynamics(world: World, log: Log) -> dict[str, float]:
     }
 
 
-def places(world: World, log: Log) -> dict[str, float]:
-    """How near the commanded arm came to anything, and how far out of its limits and its box."""
+def clearances(world: World, log: Log) -> dict[str, float]:
+    """The least distance of the commanded arm from anything, and how far it was outside its limits and its box."""
     limits, safety, robot = world.limits, CONFIG.safety, CONFIG.robot
     collision = CollisionModel.from_urdf(robot.urdf, world.model, robot.capsules, safety.collision)
     box = Workspace(np.array(safety.workspace_min_m), np.array(safety.workspace_max_m))
@@ -124,7 +124,7 @@ def further_than_at_first(outside: list[float], begins: Mask) -> float:
 
 
 def moving_after_latch(world: World, log: Log) -> int:
-    """Commands that move while nothing is engaged, once the stop of what was under way has had its time."""
+    """Commands that move while nothing is engaged, after the time that the stop of the motion before needs."""
     ticks, moving = world.ticks, 0
     for begin, end in _runs([state not in FOLLOWING for state in ticks.states]):
         until_ns = ticks.t_ns[end] if end < len(ticks.t_ns) else int(log.t_ns[-1])
@@ -154,9 +154,9 @@ def oldest_obeyed_ms(world: World) -> float:
 
 
 def _rest_ns(world: World, log: Log, onset_ns: int, motion_ns: int) -> int:
-    """When an arm has to rest that moved as it did at `motion_ns`: a driver that blocks is given its time.
+    """When an arm has to rest that moved as it did at `motion_ns`: the time in which a driver blocks is added.
 
-    A slow robot's motion is known from the command before, and it is given the period since then.
+    A slow robot's motion is known from the last command, and the period since then is added.
     """
     k = log.before(motion_ns)
     motion = JointMotion(log.q[k], log.dq[k], log.ddq[k])
@@ -172,8 +172,8 @@ def _runs(flags: list[bool]) -> list[tuple[int, int]]:
     return [(int(begin), int(end)) for begin, end in edges.reshape(-1, 2)]
 
 
-def _worst(shares: Array) -> float:
-    return float(np.abs(shares).max(initial=0.0))
+def _worst(fractions: Array) -> float:
+    return float(np.abs(fractions).max(initial=0.0))
 
 
 def measure() -> dict[str, float]:

@@ -8,7 +8,7 @@ from random import Random
 import msgspec
 
 from bench.soak.operator import RandomOperator
-from bench.soak.robot import TroubledDriver
+from bench.soak.robot import FaultInjectingDriver
 from common.clock import NS_PER_MS, NS_PER_S, FakeClock
 from common.messages.requests import EngagementAction
 from common.messages.robot import SessionState
@@ -34,7 +34,7 @@ from remote_site.teleop.pipeline import TeleopPipeline
 CONFIG = msgspec.structs.replace(RemoteConfig(), engagement=EngagementConfig(mode=EngagementMode.ON_REQUEST, frames=10))
 TURN_NS = 2 * NS_PER_MS
 ASK_NS = 300 * NS_PER_MS
-TICKS_PER_STUMBLE = 400  # on the average
+TICKS_PER_STUMBLE = 400  # on average
 STUMBLE_MS, LONG_STUMBLE_MS = (1, 150), (300, 900)
 LONG_FRACTION = 0.25
 FOR_EVER_NS = 10**15
@@ -123,7 +123,7 @@ class World:
         self.clock, driver = make(CONFIG)
         robot, begin_ns = CONFIG.robot, self.clock.now_ns()
         self.model, self.limits = load_arm(robot)
-        self.driver = TroubledDriver(driver, self._rng, self.clock, self._run_control)
+        self.driver = FaultInjectingDriver(driver, self._rng, self.clock, self._run_control)
         setup, memory = setup_of(CONFIG), DriverMemory.create(len(robot.start_deg))
         self.driver.configure(setup)
         self._process = SteppedDriverProcess(self.driver, setup, memory, self._rng, self.clock)

@@ -124,13 +124,13 @@ class Bell:
 
 
 class BusyMark:
-    """Since when a call of the driver is under way, in ns; 0 between calls."""
+    """When the driver call under way began, in ns; 0 between calls."""
 
     def __init__(self) -> None:
         self._since_ns = memoryview(mmap.mmap(-1, 8)).cast("q")
 
     def set(self, since_ns: int) -> None:
-        """Note the begin of a call, or its end by 0."""
+        """Note the start of a call, or its end by 0."""
         self._since_ns[0] = since_ns
 
     @property

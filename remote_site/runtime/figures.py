@@ -19,7 +19,7 @@ class RemoteFigures:
     def __init__(self, video: VideoTally) -> None:
         self._video = video
         self._state: RobotState | None = None
-        self._heard_ns = 0
+        self._received_ns = 0
         self._entered = dict.fromkeys(SessionState, 0)
         self._obeyed: Obeyed | None = None
         self._latency = Histogram(
@@ -30,7 +30,7 @@ class RemoteFigures:
         )
 
     def hear(self, state: RobotState, now_ns: int) -> None:
-        """Take a state that came at this time."""
+        """Take a state that arrived at this time."""
         before = self._state
         if before is None or before.state is not state.state:
             self._entered[state.state] += 1
@@ -39,16 +39,16 @@ class RemoteFigures:
             self._obeyed = obeyed
             latency_ns = obeyed.command_ns - obeyed.capture_ns - clock.remote_minus_local_ns
             self._latency.observe(latency_ns / NS_PER_S)
-        self._state, self._heard_ns = state, now_ns
+        self._state, self._received_ns = state, now_ns
 
     def families(self, now_ns: int) -> Iterator[Metric]:
-        """All figures as they are at this time; without a state, those of the video only."""
+        """All figures at this time; without a state, those of the video only."""
         yield from self._of_video(now_ns)
         state = self._state
         if state is None:
             return
         yield gauge(
-            "farhand_state_age_seconds", "Since control last published its state", (now_ns - self._heard_ns) / 1e9
+            "farhand_state_age_seconds", "Since control last published its state", (now_ns - self._received_ns) / 1e9
         )
         yield from self._of_session(state)
         yield from _of_control(state)

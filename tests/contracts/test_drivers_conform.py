@@ -37,14 +37,14 @@ def test_the_a465_passes_with_lost_bytes():
 
 
 class Hasty(KinematicDriver):
-    """Takes commands although nobody has activated it."""
+    """Takes commands without an activation."""
 
     def write(self, command: JointCommand) -> JointCommand:
         return command if self._sent is None else super().write(command)
 
 
 class AnyRobot(KinematicDriver):
-    """Says that it moves six joints, but takes any model."""
+    """Declares that it moves six joints, but takes any model."""
 
     @property
     def capabilities(self) -> Capabilities:
@@ -80,7 +80,7 @@ class Feeler(KinematicDriver):
 
 
 class Eager(KinematicDriver):
-    """Goes on ahead of what it was commanded, and so beyond its target."""
+    """Runs ahead of its commands, and so beyond its target."""
 
     def write(self, command: JointCommand) -> JointCommand:
         ahead = JointCommand(
@@ -104,7 +104,7 @@ class Racer(KinematicDriver):
 
 
 class Drifter(KinematicDriver):
-    """Goes on at its last speed when it should stop."""
+    """Keeps its last speed when it should stop."""
 
     def _motion(self, sent: JointCommand):
         motion = super()._motion(sent)
@@ -115,7 +115,7 @@ class Drifter(KinematicDriver):
 
 
 class Restarter(KinematicDriver):
-    """Begins its stop anew each time it is told."""
+    """Restarts its stop at every call."""
 
     def stop(self) -> None:
         if self._sent is not None:
@@ -123,7 +123,7 @@ class Restarter(KinematicDriver):
 
 
 class Sleepwalker(KinematicDriver):
-    """Takes no command slower than half a radian per second once it is faster, and goes on at its last speed."""
+    """Takes no command slower than half a radian per second once it is faster, and keeps its last speed."""
 
     def write(self, command: JointCommand) -> JointCommand:
         if self._sent is not None and abs(self._sent.dq[0]) > 0.5 > abs(command.dq[0]):
@@ -201,7 +201,7 @@ class Numb(KinematicDriver):
 
 
 class Mirrored(KinematicDriver):
-    """Moves every second joint the wrong way."""
+    """Moves every second joint in the wrong direction."""
 
     home = np.zeros(6)
 
@@ -217,7 +217,7 @@ class Mirrored(KinematicDriver):
 
 
 class Freezer(KinematicDriver):
-    """Stands still at once when it is stopped."""
+    """Comes to rest instantly when it is stopped."""
 
     def stop(self) -> None:
         if self._stop_ns is None and self._sent is not None:
@@ -226,7 +226,7 @@ class Freezer(KinematicDriver):
 
 
 class Skipper(KinematicDriver):
-    """Says that it takes 500 commands a second, and in motion passes on one in ten."""
+    """Declares 500 commands a second, and in motion passes on one in ten."""
 
     count = 0
 
@@ -299,7 +299,7 @@ class Ceased(KinematicDriver):
 
 
 class Portless(KinematicDriver):
-    """Finds no port, and says so."""
+    """Finds no port, and reports that."""
 
     def configure(self, setup: DriverSetup) -> None:  # noqa: ARG002  # as drivers are configured
         raise DriverError("the port is not there; plug it in")

@@ -1,4 +1,4 @@
-"""The driver of the A465's controller: setpoints at 15 Hz over a serial line, a halt on every trouble, never limp."""
+"""The driver of the A465's controller: setpoints at 15 Hz over a serial line, a halt on every fault, never limp."""
 
 import math
 
@@ -21,7 +21,7 @@ FAULTS = {
     Fault.WATCHDOG: (FaultCode.WATCHDOG, "nothing came over the line, the arm has halted; activate again"),
     Fault.UNDERRUN: (FaultCode.LINK, "the next setpoint came too late, the arm has halted; activate again"),
     Fault.APART: (FaultCode.APART, "the arm is not where it was activated; read it and activate there"),
-    Fault.BLOCKED: (FaultCode.BLOCKED, "a joint is blocked, the arm has halted; clear its way and activate again"),
+    Fault.BLOCKED: (FaultCode.BLOCKED, "a joint is blocked, the arm has halted; clear its path and activate again"),
     Fault.EMERGENCY_STOP: (FaultCode.EMERGENCY_STOP, "the emergency stop is pressed; release it, then reset"),
     Fault.ARM_POWER: (FaultCode.ARM_POWER, "the arm has no power; switch it on, then reset"),
 }
@@ -30,8 +30,8 @@ FAULTS = {
 class C500cDriver:
     """A `Driver` that talks to the server program on the controller; no call waits for the line.
 
-    Each call hears what has come and says what is due, so it must be called a hundred times a second or more. The
-    controller plays setpoints one period after the other and queues at most two.
+    Each call receives what has arrived and sends what is due, so it must be called a hundred times a second or more.
+    The controller plays setpoints one period after the other and queues at most two.
     """
 
     def __init__(self, config: C500cConfig, port: Port, clock: Clock) -> None:
@@ -84,7 +84,7 @@ class C500cDriver:
         self._pump()
 
     def read(self) -> RobotReading:
-        """The newest state heard; DriverError before the first."""
+        """The newest state received; DriverError before the first."""
         self._pump()
         state, measured = self._exchange.state, self._measured
         if state is None or measured is None:
@@ -93,7 +93,7 @@ class C500cDriver:
         return RobotReading(t_ns, q, dq, GripperReading(state.opening_m, None), self._fault(state), self._obeyed)
 
     def write(self, command: JointCommand) -> JointCommand:
-        """Have this setpoint said as soon as the controller has room for it; DriverError before activation."""
+        """Send this setpoint as soon as the controller has room for it; DriverError before activation."""
         state = self._exchange.state
         if not self._running or state is None:
             raise DriverError(STOPPED.sentence if state is not None else NOT_ACTIVATED.sentence)
@@ -112,7 +112,7 @@ class C500cDriver:
         self._pump()
 
     def deactivate(self) -> None:
-        """Halt, and say no more setpoints."""
+        """Halt, and send no more setpoints."""
         self.stop()
 
     def _pump(self) -> None:
@@ -134,7 +134,7 @@ class C500cDriver:
             self._seqs = {count: seq for count, seq in self._seqs.items() if seq >= self._obeyed}
 
     def _grip_percent(self, command: JointCommand) -> int:
-        """Full force only for so long: above 75 % the gripper gets hot."""
+        """Full force only for a limited time: above 75 % the gripper gets hot."""
         config = self._config
         if command.gripper_open:
             self._closed_ns = None

@@ -1,4 +1,4 @@
-"""Pairing two recordings by exposure time, and what an empty or unwritable track says."""
+"""Pairing two recordings by exposure time, and the errors for an empty or unwritable track."""
 
 import dataclasses
 import json

@@ -1,4 +1,4 @@
-"""Every check of intake, lease and session is needed: with any one taken away, the test named beside it fails."""
+"""Every check of validator, lease and session is needed: with any one taken away, the test named beside it fails."""
 
 import pytest
 
@@ -74,7 +74,7 @@ def stumble_in_motion_stays():
     assert session.state is SessionState.FAULT
 
 
-# A condition that stands after `if`, and never is so any more.
+# A condition after `if` that never holds any more.
 CONDITIONS = [
     (
         SampleValidator,
@@ -171,7 +171,7 @@ CONDITIONS = [
         of_session.test_letting_go_for_a_single_sample_is_a_clutch,
     ),
 ]
-# Any other text, and what stands there instead.
+# Any other text, and its replacement.
 TEXTS = [
     (Session, "_unready", "self._hand.unfit(now_ns) or ", "", refused(Code.STALE)),
     (Session, "_unready", " or self._hand.collecting(self._engagement.frames)", "", refused(Code.COLLECTING)),

@@ -47,7 +47,7 @@ class Rig:
         self.now_ns = 10_000 * NS_PER_MS
 
     def frames(self, count, robot=READY, held=False):
-        """So many good samples at the camera's pace, each followed by a tick."""
+        """This many good samples at the camera's rate, each followed by a tick."""
         for _ in range(count):
             self.now_ns += PERIOD
             self.session.sample(good(self.now_ns, held=held))

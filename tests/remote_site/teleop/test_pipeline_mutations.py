@@ -45,7 +45,7 @@ def a_wall():
 
 
 def a_post(thickness=0.01):
-    """Surroundings with a thin post between two places that are clear."""
+    """Obstacles with a thin post between two clear positions."""
     post = FixtureConfig(name="post", min_m=(0.4, 0.10, 0.0), max_m=(0.5, 0.10 + thickness, 1.2))
     collision = CollisionConfig(margin_m=0.005, slow_m=0.02, fixtures=(post,))
     return RemoteConfig(safety=SafetyConfig(collision=collision))

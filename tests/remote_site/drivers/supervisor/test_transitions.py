@@ -279,7 +279,7 @@ def test_chance_finds_no_transition_beside_the_table(monkeypatch: pytest.MonkeyP
 
 
 def wander(rig: Supervised, rng: Random) -> None:
-    """Ninety turns of commands, silence, troubles and activations by chance."""
+    """Ninety turns of commands, silence, faults and activations at random."""
     for _ in range(90):
         event = rng.random()
         rig.robot.trouble = PRESSED if event < 0.01 else None
