@@ -1,4 +1,4 @@
-"""The page as it is: glass-to-glass latency by the painted clock, narrow links, the stop, the open page's cost."""
+"""Benchmark of the console page: glass-to-glass latency, narrow links, stop latency, and the load of an open page."""
 
 import threading
 import time
@@ -32,16 +32,16 @@ from remote_site.video.cell_cameras import CellRenderer
 from remote_site.video.streaming.clock_strip import draw_clock
 from remote_site.video.streaming.pictures import encode_jpeg
 
-SETTLE_S, SECONDS = 6.0, 15.0
+SETTLE_S, MEASURE_S = 6.0, 15.0
 LINK_SETTLE_S = 10.0
-LATENESS_S = 17.0  # the control loop's own window
-LINKS_MBIT_S = (20.0, 5.0)
-OPEN_MBIT_S = 1e4
+LATENESS_S = 17.0  # the window over which the control loop takes its lateness percentile
+NARROW_MBIT_S = (20.0, 5.0)
+OPEN_MBIT_S = 1e4  # not limited
 NOTE_ESCAPE = (
     "() => addEventListener('keydown', (e) => { if (e.key === 'Escape') window.pressed = e.timeStamp; }, true)"
 )
-STOPS = 5
-LEAST_MOTION_RAD = 0.01  # in 80 ms
+STOP_TRIALS = 5
+MIN_MOTION_RAD = 0.01  # over four states, 80 ms
 Figures = dict[str, float]
 
 
@@ -58,19 +58,19 @@ def measure() -> Figures:
 
 
 def bare_figures(browser: Any) -> Figures:
-    """The same page and pictures without any site: this process draws the clock, encodes, and sends."""
+    """The baseline, without the sites: this process draws the clock into the same pictures, encodes and sends them."""
     config = RemoteConfig()
     model = ArmModel.from_urdf(config.robot.urdf, config.robot.tool_frame, config.robot.tool_T_tcp)
     cell = describe(config, model, JointLimits.from_model(model, config.robot), 50.0)
     with BareConsole() as console, feeding(console, cell, rendered(config)):
         page = opened(browser, console.address)
-        ages = painted_ages(page, SECONDS)
+        ages = painted_ages(page, MEASURE_S)
         page.close()
-    return {f"bare_{name}": value for name, value in levels(ages).items()}
+    return {f"bare_{name}": value for name, value in age_figures(ages).items()}
 
 
 def rendered(config: RemoteConfig) -> dict[str, Image]:
-    """A picture of every view."""
+    """A picture (H, W, 3) of every view, by the view's name."""
     cell = build_cell(config.simulation, config.robot)
     renderer = CellRenderer(cell, config.video.width, config.video.height)
     names = [camera.name for camera in config.video.cameras]
@@ -81,7 +81,7 @@ def rendered(config: RemoteConfig) -> dict[str, Image]:
 
 @contextmanager
 def feeding(console: BareConsole, cell: Description, pictures: dict[str, Image]) -> Iterator[None]:
-    """All views at 30 pictures a second, one after the other, while the block lasts."""
+    """Send pictures of all views in turn, 30 a second of each, while the block lasts."""
     ended = threading.Event()
 
     def feed() -> None:
@@ -102,14 +102,14 @@ def feeding(console: BareConsole, cell: Description, pictures: dict[str, Image])
 
 
 def exposed_now(name: str, seq: int, image: Image) -> VideoFrame:
-    """A picture with the clock of this instant in it."""
+    """A frame of a picture with the current time drawn into it, captured now."""
     now_ns = time.monotonic_ns()
     draw_clock(image, now_ns)
     return live_frame(name, seq, now_ns, encode_jpeg(image, 80), (image.shape[1], image.shape[0]))
 
 
 def whole_figures(browser: Any) -> Figures:
-    """Both sites and the page: the pictures' ages, processor time, and the stop."""
+    """With both sites and the page: the pictures' ages, processor load, control lateness, and stop latency."""
     with ExitStack() as stack:
         stand = PageStand(stack)
         console, address = stand.console(stand.video_port)
@@ -117,29 +117,29 @@ def whole_figures(browser: Any) -> Figures:
         closed_us = stand.record.states[-1].timing.late_p99_us
         page = opened(browser, address)
         video = child_of(stand.remote.pid, "farhand-video")
-        before = cpu_s(console.pid), cpu_s(video), time.monotonic()
+        console_s, video_s, began_s = cpu_s(console.pid), cpu_s(video), time.monotonic()
         ages = painted_ages(page, LATENESS_S)
-        passed_s = time.monotonic() - before[2]
-        figures = {f"glass_to_glass_{name}": value for name, value in levels(ages).items()}
-        figures["console_core_percent"] = 100 * (cpu_s(console.pid) - before[0]) / passed_s
-        figures["video_core_percent_per_stream"] = 100 * (cpu_s(video) - before[1]) / passed_s / max(1, len(ages))
+        passed_s = time.monotonic() - began_s
+        figures = {f"glass_to_glass_{name}": value for name, value in age_figures(ages).items()}
+        figures["console_core_percent"] = 100 * (cpu_s(console.pid) - console_s) / passed_s
+        figures["video_core_percent_per_stream"] = 100 * (cpu_s(video) - video_s) / passed_s / max(1, len(ages))
         figures["control_late_p99_us_page_closed"] = closed_us
         figures["control_late_p99_us_page_open"] = stand.record.states[-1].timing.late_p99_us
         return figures | stop_figures(stand, page)
 
 
 def painted_ages(page: Any, seconds: float) -> dict[str, list[float]]:
-    """The ages of each view's pictures as they are painted, after the page has settled."""
+    """The ages, ms, of each view's pictures when they are painted, over `seconds` once the page has settled."""
     clock = compare(page)
     watch(page)
     page.wait_for_timeout(1000 * SETTLE_S)
-    ages_ms(page, clock)
+    ages_ms(page, clock)  # discards what was painted meanwhile
     page.wait_for_timeout(1000 * seconds)
     return ages_ms(page, clock)
 
 
-def levels(ages: dict[str, list[float]]) -> Figures:
-    """Percentiles over all views, and how many pictures a second each shows."""
+def age_figures(ages: dict[str, list[float]]) -> Figures:
+    """Percentiles of the ages (ms) of all views' pictures together, and how many pictures there were."""
     together = np.concatenate([*ages.values(), []])
     return {
         "p50_ms": float(np.percentile(together, 50)),
@@ -149,27 +149,27 @@ def levels(ages: dict[str, list[float]]) -> Figures:
 
 
 def stop_figures(stand: PageStand, page: Any) -> Figures:
-    """From the stop key, pressed while the arm moves, to the session's end and to rest; medians and maxima."""
+    """From the stop key, pressed while the arm moves, to the end of the session and to rest: medians and maxima, ms."""
     clock = compare(page)
     page.evaluate(NOTE_ESCAPE)
-    ended, rested = [], []
-    for _ in range(STOPS):
-        wait("a moving arm", lambda: _moves(stand, page), lambda: page.wait_for_timeout(50))
+    ended_ms, rested_ms = [], []
+    for _ in range(STOP_TRIALS):
+        wait("a moving arm", lambda: _engage_until_moving(stand, page), lambda: page.wait_for_timeout(50))
         page.keyboard.press("Escape")
         wait("rest", lambda: _rests(stand), lambda: page.wait_for_timeout(50))
         pressed_ns = round((page.evaluate("window.pressed") + clock.offset_ms) * NS_PER_MS)
         since = [state for state in list(stand.record.states) if state.t_ns > pressed_ns]
-        ended.append(_first_ms(since, pressed_ns, lambda _, now: now.code == "stopped"))
-        rested.append(
+        ended_ms.append(_first_ms(since, pressed_ns, lambda _, now: now.code == "stopped"))
+        rested_ms.append(
             _first_ms(
                 since, pressed_ns, lambda last, now: now.code == "stopped" and last.q_commanded == now.q_commanded
             )
         )
     return {
-        "stop_key_to_session_p50_ms": float(np.median(ended)),
-        "stop_key_to_session_most_ms": max(ended),
-        "stop_key_to_rest_p50_ms": float(np.median(rested)),
-        "stop_key_to_rest_most_ms": max(rested),
+        "stop_key_to_session_end_p50_ms": float(np.median(ended_ms)),
+        "stop_key_to_session_end_max_ms": max(ended_ms),
+        "stop_key_to_rest_p50_ms": float(np.median(rested_ms)),
+        "stop_key_to_rest_max_ms": max(rested_ms),
     }
 
 
@@ -177,24 +177,24 @@ def _first_ms(states: list[RobotState], from_ns: int, is_so: Callable[[RobotStat
     return next((after.t_ns - from_ns) / NS_PER_MS for before, after in pairwise(states) if is_so(before, after))
 
 
-def _moves(stand: PageStand, page: Any) -> bool:
-    """Reset and engage until the arm moves."""
+def _engage_until_moving(stand: PageStand, page: Any) -> bool:
+    """Whether the arm moves; resets and engages it when it is disengaged."""
     state, before = stand.record.states[-1], stand.record.states[-5]
     if state.state is SessionState.DISENGAGED:
         for key in ("r", "e"):
             page.keyboard.press(key)
             page.wait_for_timeout(300)
-    return bool(np.abs(np.subtract(state.q_commanded, before.q_commanded)).max() > LEAST_MOTION_RAD)
+    return bool(np.abs(np.subtract(state.q_commanded, before.q_commanded)).max() > MIN_MOTION_RAD)
 
 
 def _rests(stand: PageStand) -> bool:
-    """Stopped, and commanded the same posture for a fifth of a second."""
+    """Whether the arm is stopped and its commanded joint positions have been the same for ten states, 0.2 s."""
     states = stand.record.states[-10:]
     return all(state.code == "stopped" and state.q_commanded == states[-1].q_commanded for state in states)
 
 
 def narrow_figures() -> Figures:
-    """What the page shows through links that are too narrow, with pictures at full quality."""
+    """The page's figures over links of too little bandwidth, with pictures at full quality."""
     figures: Figures = {}
     with browsing() as browser, ExitStack() as stack:
         stand, port = PageStand(stack, "video.quality=100"), free_ports(1)[0]
@@ -203,24 +203,24 @@ def narrow_figures() -> Figures:
         page = opened(browser, address)
         clock = compare(page)
         watch(page)
-        for mbit_s in (OPEN_MBIT_S, *LINKS_MBIT_S):
+        for mbit_s in (OPEN_MBIT_S, *NARROW_MBIT_S):
             link.mbit_s = mbit_s
             page.wait_for_timeout(1000 * LINK_SETTLE_S)
-            figures |= carried(page, clock, link, "open" if mbit_s == OPEN_MBIT_S else f"{mbit_s:g}_mbit_s")
+            figures |= link_figures(page, clock, link, "open" if mbit_s == OPEN_MBIT_S else f"{mbit_s:g}_mbit_s")
     return figures
 
 
-def carried(page: Any, clock: PageClock, link: NarrowLink, name: str) -> Figures:
-    """Ages, pictures a second of the best and the worst view, and what of the link was used."""
-    ages_ms(page, clock)
-    before, began_ns = link.carried_bytes, time.monotonic_ns()
-    page.wait_for_timeout(1000 * SECONDS)
+def link_figures(page: Any, clock: PageClock, link: NarrowLink, name: str) -> Figures:
+    """Ages, the frame rates of the slowest and the fastest view, and the bandwidth used."""
+    ages_ms(page, clock)  # discards what was painted before
+    before_bytes, began_ns = link.carried_bytes, time.monotonic_ns()
+    page.wait_for_timeout(1000 * MEASURE_S)
     ages, passed_s = ages_ms(page, clock), (time.monotonic_ns() - began_ns) / NS_PER_S
     rates = [len(values) / passed_s for values in ages.values()]
     return {
-        f"link_{name}_used_mbit_s": 8e-6 * (link.carried_bytes - before) / passed_s,
-        f"link_{name}_p50_ms": levels(ages)["p50_ms"],
-        f"link_{name}_p95_ms": levels(ages)["p95_ms"],
-        f"link_{name}_fps_least": min(rates),
-        f"link_{name}_fps_most": max(rates),
+        f"link_{name}_used_mbit_s": 8e-6 * (link.carried_bytes - before_bytes) / passed_s,
+        f"link_{name}_p50_ms": age_figures(ages)["p50_ms"],
+        f"link_{name}_p95_ms": age_figures(ages)["p95_ms"],
+        f"link_{name}_fps_min": min(rates),
+        f"link_{name}_fps_max": max(rates),
     }

@@ -1,4 +1,4 @@
-"""Pipeline, supervisor and driver on stepped time: control ticks every 4 ms unless it stumbles."""
+"""Pipeline, supervisor and driver on stepped time: control ticks every 4 ms unless it stalls."""
 
 from collections import Counter
 from collections.abc import Callable
@@ -34,8 +34,8 @@ from remote_site.teleop.pipeline import TeleopPipeline
 CONFIG = msgspec.structs.replace(RemoteConfig(), engagement=EngagementConfig(mode=EngagementMode.ON_REQUEST, frames=10))
 TURN_NS = 2 * NS_PER_MS
 ASK_NS = 300 * NS_PER_MS
-TICKS_PER_STUMBLE = 400  # on average
-STUMBLE_MS, LONG_STUMBLE_MS = (1, 150), (300, 900)
+TICKS_PER_STALL = 400  # on average
+STALL_MS, LONG_STALL_MS = (1, 150), (300, 900)
 LONG_FRACTION = 0.25
 FOR_EVER_NS = 10**15
 
@@ -65,14 +65,14 @@ class Ticks:
         self._last_fault = code
 
 
-class StumblingTimer:
-    """The deadlines of control's ticks: on time, but for pauses at random, counted in `stumbles`."""
+class StallingTimer:
+    """The deadlines of control's ticks: on time, but for pauses at random, counted in `stalls`."""
 
     def __init__(self, rng: Random, clock: FakeClock) -> None:
         self._rng, self._clock = rng, clock
         self._rate = Rate(CONFIG.control.rate_hz, clock, least_fraction=LEAST_FRACTION)
         self.due_ns = self._rate.next_ns
-        self.stumbles = 0
+        self.stalls = 0
 
     def wait(self) -> int:
         """Let time pass until the next tick; its time."""
@@ -82,15 +82,15 @@ class StumblingTimer:
 
     def schedule(self) -> None:
         """Choose when the next tick is due."""
-        self.due_ns = self._rate.next_ns + self._stumble_ns()
+        self.due_ns = self._rate.next_ns + self._stall_ns()
 
-    def _stumble_ns(self) -> int:
+    def _stall_ns(self) -> int:
         """How late control is for its next deadline."""
-        if self._rng.random() * TICKS_PER_STUMBLE > 1.0:
+        if self._rng.random() * TICKS_PER_STALL > 1.0:
             return 0
-        self.stumbles += 1
+        self.stalls += 1
         long = self._rng.random() < LONG_FRACTION
-        return round(self._rng.uniform(*(LONG_STUMBLE_MS if long else STUMBLE_MS)) * NS_PER_MS)
+        return round(self._rng.uniform(*(LONG_STALL_MS if long else STALL_MS)) * NS_PER_MS)
 
 
 class SteppedDriverProcess:
@@ -130,7 +130,7 @@ class World:
         link = DriverLink(memory, self.limits, self.clock)
         self.operator = RandomOperator(self._rng, LeaseServer(FOR_EVER_NS, 1), begin_ns)
         self._driven = DrivenPipeline(TeleopPipeline(CONFIG, self.model, self.limits), link)
-        self.ticks, self.timer = Ticks(), StumblingTimer(self._rng, self.clock)
+        self.ticks, self.timer = Ticks(), StallingTimer(self._rng, self.clock)
         self._ask_ns = begin_ns + ASK_NS
         link.activate(robot.start)
 

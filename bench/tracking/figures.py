@@ -1,4 +1,4 @@
-"""How well a tracker did against the truth: time, gaps, errors, and whether its sigmas are honest; pure."""
+"""How well a tracker did against the truth: time, gaps, errors, and whether its covariances are consistent; pure."""
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
@@ -11,7 +11,7 @@ from local_site.simulation.body import ArmTruth
 
 SETTLED = 10
 POINTS = ("elbow", "wrist", "index", "thumb seen", "thumb inferred")
-NORMALISED, RANK = "normalised error squared (3)", "rank correlation of sigma and error"
+NEES, RANK = "normalised error squared (3)", "rank correlation of sigma and error"
 
 
 @dataclass(frozen=True, slots=True)
@@ -34,8 +34,8 @@ class Found:
 class TrackingFigures:
     """One tracker on one recording, after the first frames: figures of the whole, and of each point, by name.
 
-    `points` has the points that were found at least once: errors in mm, NORMALISED, which is 3 where the covariances
-    are honest, and RANK, how well sigma ranks the errors; the last two are NaN without covariances.
+    `points` has the points that were found at least once: errors in mm, NEES, which is 3 where the covariances are
+    consistent with the errors, and RANK, how well sigma ranks the errors; the last two are NaN without covariances.
     """
 
     whole: Mapping[str, float]
@@ -91,13 +91,13 @@ def _judge_point(point: str, found: Sequence[Found], truth: Sequence[ArmTruth]) 
         "p95 mm": float(np.percentile(sizes_mm, 95)),
         "max mm": float(np.max(sizes_mm)),
         **{f"bias {axis} mm": float(value) for axis, value in zip("xyz", bias_mm, strict=True)},
-        NORMALISED: normalised_square(errors[known], covariances),
+        NEES: normalised_square(errors[known], covariances),
         RANK: rank_correlation(np.trace(covariances, axis1=1, axis2=2), sizes_mm[known]),
     }
 
 
 def normalised_square(errors: Array, covariances: Array) -> float:
-    """The mean of e^T C^-1 e over errors (N, 3) with covariances (N, 3, 3); NaN without any."""
+    """NEES, the mean of e^T C^-1 e over errors (N, 3) with covariances (N, 3, 3); NaN without any."""
     if not len(errors):
         return float("nan")
     weighted = np.linalg.solve(covariances, errors[..., None])[..., 0]

@@ -4,7 +4,7 @@ from common.messages.video import CameraStatus, VideoFrame
 
 
 def live_frame(camera: str, seq: int, capture_ns: int, jpeg: bytes, size_px: tuple[int, int] = (1, 1)) -> VideoFrame:
-    """A frame (width, height) whose exposure time is known."""
+    """A frame (width, height) whose capture time is known."""
     width, height = size_px
     return VideoFrame(
         camera=camera,

@@ -1,4 +1,4 @@
-"""The camera interface: a source of frames, each stamped once with its exposure time."""
+"""The camera interface: a source of frames, each stamped once with its capture time."""
 
 from dataclasses import dataclass
 from typing import Protocol
@@ -13,9 +13,9 @@ Image = NDArray[np.uint8]
 class Frame:
     """One exposure.
 
-    `image` is (H, W) grey or (H, W, 3) BGR, uint8; `capture_ns` the exposure time on this host's monotonic clock
-    (for a recording: time from its start); `seq` counts the frames of this camera from 0. With `capture_estimated` the
-    exposure time is the arrival minus a configured latency, as the driver gives no time stamp.
+    `image` is (H, W) grey or (H, W, 3) BGR, uint8; `capture_ns` the capture time on this host's monotonic clock
+    (in a recording, from its start); `seq` counts this camera's frames from 0. With `capture_estimated` the capture
+    time is the arrival minus a configured latency, as the camera's driver gives no time stamp.
     """
 
     image: Image
@@ -25,7 +25,7 @@ class Frame:
 
 
 class Camera(Protocol):
-    """A source of frames; the constructor opens it or raises CameraError with the cure."""
+    """A source of frames; the constructor opens it, or raises CameraError with the remedy."""
 
     @property
     def name(self) -> str: ...

@@ -9,7 +9,7 @@ PLAIN_TEXT_WORDS = "i accept that anybody on this network can move the arm"
 
 
 class TlsConfig(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
-    """Certificates for endpoints that begin with tls/, as 'farhand certificates create' writes them."""
+    """Certificates for endpoints that begin with tls/ or quic/, as 'farhand certificates create' writes them."""
 
     ca: Annotated[str, Meta(description="the authority's certificate, PEM file")] = ""
     certificate: Annotated[str, Meta(description="this site's own certificate, PEM file")] = ""
@@ -21,7 +21,7 @@ class TlsConfig(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields
 
     @property
     def is_given(self) -> bool:
-        """Whether there are certificates."""
+        """Whether certificates are configured."""
         return bool(self.ca)
 
 
@@ -38,4 +38,4 @@ class LinkSecurity(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fie
             raise ValueError(f'plain_text_beyond_loopback: leave it out, or write "{PLAIN_TEXT_WORDS}"')
 
 
-ON_THIS_HOST = LinkSecurity()
+ON_THIS_HOST = LinkSecurity()  # no certificates: only plain TCP on the loopback interface is allowed

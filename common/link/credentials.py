@@ -1,4 +1,4 @@
-"""A site's certificates: whether they are valid, and whose they are, by a TLS handshake with itself."""
+"""A site's certificate: whether it is valid, and which identity it has, found by a TLS handshake with itself."""
 
 import ssl
 from collections.abc import Sequence
@@ -12,7 +12,7 @@ from common.link.endpoints import check_endpoint
 from common.link.roles import Identity, read_common_name
 
 RENEW = "where the authority is kept: farhand certificates renew CELL"
-VERDICTS = {
+VERDICTS = {  # by OpenSSL's verification code, X509_V_ERR_*
     2: "comes from another authority",
     7: "comes from another authority of the same name",
     9: "is not valid yet: are the clocks of both hosts right?",
@@ -25,41 +25,41 @@ VERDICTS = {
     62: f"is for other hosts; renew it with this one {RENEW} --host NAME",
     64: f"is for other hosts; renew it with this one {RENEW} --host ADDRESS",
 }
-ROUNDS = 8
+HANDSHAKE_ROUNDS = 8  # more than any TLS handshake takes
 
 
 @dataclass(frozen=True, slots=True)
 class Credentials:
-    """Files of a certificate that is valid now, and its identity."""
+    """The files of a certificate that was valid when they were loaded, and its identity."""
 
     tls: TlsConfig
     identity: Identity
 
 
 def load_credentials(tls: TlsConfig) -> Credentials:
-    """The credentials after a handshake with themselves; TransportError names the file that is invalid, and why."""
+    """The credentials, checked by a TLS handshake with themselves; TransportError names the invalid file and why."""
     for what, path in (("ca", tls.ca), ("certificate", tls.certificate), ("key", tls.key)):
         try:
             Path(path).read_bytes()
         except OSError as error:
             raise TransportError(f"links.tls.{what}: cannot read {path}: {error.strerror}") from error
     try:
-        subject = _shake_hands(client_context(tls), _server_context(tls))
+        certificate = _shake_hands(client_context(tls), _server_context(tls))
     except ssl.SSLCertVerificationError as error:
         raise TransportError(f"links.tls.certificate: {tls.certificate} {verdict(error)}") from error
     except ssl.SSLError as error:
         raise TransportError(f"links.tls: {_unusable(error, tls)}") from error
-    identity = read_common_name(common_name(subject))
+    identity = read_common_name(common_name(certificate))
     if identity is None:
         raise TransportError(
-            f"links.tls.certificate: {tls.certificate} names {common_name(subject)!r}, which is no role at a cell; "
+            f"links.tls.certificate: {tls.certificate} names {common_name(certificate)!r}, which is no role at a cell; "
             "make one with: farhand certificates create CELL"
         )
     return Credentials(tls, identity)
 
 
 def check_links(endpoints: Sequence[str], security: LinkSecurity, *bearers: Identity) -> None:
-    """ConfigError when an endpoint is not allowed, or the certificate is invalid or not one of `bearers`."""
+    """ConfigError when an endpoint is not allowed, or the certificate is invalid or not that of one of `bearers`."""
     try:
         for endpoint in endpoints:
             check_endpoint(endpoint, security)
@@ -70,11 +70,12 @@ def check_links(endpoints: Sequence[str], security: LinkSecurity, *bearers: Iden
         return
     names = " or ".join(identity.common_name for identity in bearers)
     mismatch = f"links.tls.certificate: {security.tls.certificate} is for {bearer.common_name}, not for {names}"
-    of_role = bearer.cell and bearer.role in {identity.role for identity in bearers}
-    raise ConfigError(f'{mismatch}; write cell = "{bearer.cell}", if it is that cell' if of_role else mismatch)
+    is_other_cell = bearer.cell and bearer.role in {identity.role for identity in bearers}
+    cure = f'; set cell = "{bearer.cell}" if this site belongs to that cell' if is_other_cell else ""
+    raise ConfigError(mismatch + cure)
 
 
-class Validity:
+class CertificateValidity:
     """Whether the certificate that a site started with is still valid: an open link may outlive it."""
 
     def __init__(self, tls: TlsConfig) -> None:
@@ -82,7 +83,7 @@ class Validity:
         self._contexts = (client_context(tls), _server_context(tls)) if tls.is_given else None
 
     def check(self) -> None:
-        """TransportError once it has expired; takes about 2 ms."""
+        """TransportError once the certificate has expired; takes about 2 ms."""
         if self._contexts is None:
             return
         try:
@@ -92,7 +93,7 @@ class Validity:
 
 
 def client_context(tls: TlsConfig) -> ssl.SSLContext:
-    """For a client: the server has to show a certificate of the same authority."""
+    """A client's TLS context; it accepts only a server with a certificate of the same authority."""
     context = ssl.SSLContext(ssl.PROTOCOL_TLS_CLIENT)
     context.load_verify_locations(cafile=tls.ca)
     context.load_cert_chain(tls.certificate, tls.key)
@@ -100,7 +101,7 @@ def client_context(tls: TlsConfig) -> ssl.SSLContext:
 
 
 def common_name(certificate: Any) -> str:
-    """The common name of a certificate as `getpeercert` returns it, empty without one."""
+    """The common name of a certificate as `ssl.SSLSocket.getpeercert` returns it, empty if it has none."""
     subject = (certificate or {}).get("subject", ())
     return next((value for group in subject for name, value in group if name == "commonName"), "")
 
@@ -119,13 +120,13 @@ def _server_context(tls: TlsConfig) -> ssl.SSLContext:
 
 
 def _shake_hands(client_side: ssl.SSLContext, server_side: ssl.SSLContext) -> Any:
-    """The client's certificate, after both sides have accepted one another in memory."""
-    client_side.check_hostname = False
+    """The client's certificate as `getpeercert` returns it, after a handshake in memory; SSLError when it fails."""
+    client_side.check_hostname = False  # the certificate is for this site's hosts, and none is contacted
     to_server, to_client = ssl.MemoryBIO(), ssl.MemoryBIO()
     client = client_side.wrap_bio(to_client, to_server)
     server = server_side.wrap_bio(to_server, to_client, server_side=True)
     done: set[ssl.SSLObject] = set()
-    for _ in range(ROUNDS):
+    for _ in range(HANDSHAKE_ROUNDS):
         for side in (client, server):
             try:
                 side.do_handshake()

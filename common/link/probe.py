@@ -1,4 +1,4 @@
-"""Why nobody answers at an endpoint: Zenoh does not report why a session fails, so a handshake of our own finds out."""
+"""Why an endpoint refuses a session: Zenoh does not report it, so a TLS handshake of our own finds out."""
 
 import socket
 import ssl
@@ -8,32 +8,33 @@ from common.link.endpoints import Endpoint
 from common.link.roles import Identity, Role, read_common_name
 
 TIMEOUT_S = 0.9
-NO_MESSAGE = bytes(8)  # zenoh hangs up on an empty message; within TLS, once it has accepted our certificate
-TLS_ALERT = b"\x15"
+# Zenoh closes the connection on an empty message; within TLS that shows that it has accepted our certificate.
+EMPTY_MESSAGE = bytes(8)
+TLS_ALERT = b"\x15"  # the content type of a TLS record (RFC 8446, section 5.1)
 LISTENERS = (Role.REMOTE, Role.OPERATOR, Role.ROUTER)
-ALERTS = {
+ALERTS = {  # by the end of OpenSSL's reason
     "CERTIFICATE_REQUIRED": "asks for a certificate",
-    "CERTIFICATE_EXPIRED": "says that it has expired; renew it where the authority is kept: farhand certificates "
+    "CERTIFICATE_EXPIRED": "reports that it has expired; renew it where the authority is kept: farhand certificates "
     "renew CELL",
-    "UNKNOWN_CA": "says that it comes from another authority",
-    "DECRYPT_ERROR": "says that it comes from another authority of the same name",
-    "BAD_CERTIFICATE": "says that it is invalid: do both sites have certificates of one authority?",
-    "CERTIFICATE_UNKNOWN": "says that it is invalid: do both sites have certificates of one authority?",
-    "UNSUPPORTED_CERTIFICATE": "says that it is not made for this use",
+    "UNKNOWN_CA": "reports that it comes from another authority",
+    "DECRYPT_ERROR": "reports that it comes from another authority of the same name",
+    "BAD_CERTIFICATE": "reports that it is invalid: do both sites have certificates of one authority?",
+    "CERTIFICATE_UNKNOWN": "reports that it is invalid: do both sites have certificates of one authority?",
+    "UNSUPPORTED_CERTIFICATE": "reports that it is not made for this use",
 }
 
 
 def refusal(endpoint: Endpoint, credentials: Credentials | None) -> str | None:
-    """Why the listener and this side refuse each other, a sentence; None when they do not, or nobody listens.
+    """Why the listener and this side refuse each other, as a sentence; None when they do not, or nobody listens.
 
-    Takes a few round trips, up to two seconds when the listener is silent.
+    Takes a few round trips, and up to two seconds when the listener does not answer.
     """
     try:
-        has_tls = _speaks_tls(endpoint)
+        has_tls = _detect_tls(endpoint)
         if endpoint.is_secured and credentials is not None and has_tls:
             return _tls_refusal(endpoint, credentials)
     except OSError:
-        return None  # nobody is there, or the listener is silent
+        return None  # nobody listens, or the listener does not answer
     if endpoint.is_secured and has_tls is False:
         return f"{endpoint} does not speak TLS: the listener there has no protection; nothing is sent to it"
     if not endpoint.is_secured and has_tls:
@@ -45,29 +46,32 @@ def refusal(endpoint: Endpoint, credentials: Credentials | None) -> str | None:
 
 
 def speaks_tls(endpoint: Endpoint) -> bool:
-    """Whether somebody speaks TLS at the port."""
+    """Whether the listener at the endpoint speaks TLS, False if nobody listens."""
     try:
-        return _speaks_tls(endpoint) is True
+        return _detect_tls(endpoint) is True
     except OSError:
         return False
 
 
-def identity_refusal(shown: str, endpoint: str, own: Identity) -> str | None:
-    """Why a listener with this common name is the wrong one; None for a site of our cell, and for a router."""
-    identity = read_common_name(shown)
+def identity_refusal(listener_name: str, endpoint: str, own: Identity) -> str | None:
+    """Why a listener whose certificate has this common name is wrong; None for a site of our cell and for a router."""
+    identity = read_common_name(listener_name)
     if identity is not None and identity.role in LISTENERS and identity.cell in (own.cell, None):
         return None
     whose = f"the remote site of cell {own.cell}" if own.cell else "a site"
     return (
-        f"{endpoint} is not {whose}: the listener there shows the certificate of {shown or 'nobody'}; nothing is sent "
-        "to it. Is the endpoint right, or does somebody impersonate that site?"
+        f"{endpoint} is not {whose}: the listener there shows the certificate of {listener_name or 'nobody'}; "
+        "nothing is sent to it. Is the endpoint right, or does somebody impersonate that site?"
     )
 
 
-def _speaks_tls(endpoint: Endpoint) -> bool | None:
-    """Whether a site takes meaningless bytes for broken TLS or for a broken plain message; None when it is silent."""
+def _detect_tls(endpoint: Endpoint) -> bool | None:
+    """Whether the listener answers invalid bytes with a TLS alert; None when it hangs up without an answer.
+
+    OSError when nobody listens, or no answer comes in time.
+    """
     with socket.create_connection((endpoint.host, endpoint.port), TIMEOUT_S) as connection:
-        connection.sendall(NO_MESSAGE)
+        connection.sendall(EMPTY_MESSAGE)
         first = connection.recv(1)
     return first == TLS_ALERT if first else None
 
@@ -79,22 +83,22 @@ def _tls_refusal(endpoint: Endpoint, credentials: Credentials) -> str | None:
             socket.create_connection((endpoint.host, endpoint.port), TIMEOUT_S) as connection,
             context.wrap_socket(connection, server_hostname=endpoint.host) as secured,
         ):
-            shown = common_name(secured.getpeercert())
-            impostor = identity_refusal(shown, str(endpoint), credentials.identity)
-            if impostor is not None:
-                return impostor
-            secured.sendall(NO_MESSAGE)
+            listener_name = common_name(secured.getpeercert())
+            why = identity_refusal(listener_name, str(endpoint), credentials.identity)
+            if why is not None:
+                return why
+            secured.sendall(EMPTY_MESSAGE)
             secured.recv(1)
     except ssl.SSLCertVerificationError as error:
         return f"{endpoint} is refused: the certificate shown there {verdict(error)}"
     except ssl.SSLError as error:
-        return _alert(error.reason or "", endpoint, credentials)
+        return _alert_refusal(error.reason or "", endpoint, credentials)
     return None
 
 
-def _alert(reason: str, endpoint: Endpoint, credentials: Credentials) -> str | None:
-    """What the other side's TLS alert means for our certificate; a broken connection is no refusal."""
+def _alert_refusal(reason: str, endpoint: Endpoint, credentials: Credentials) -> str | None:
+    """Why the listener refuses our certificate, from its TLS alert; None for a connection that merely broke."""
     if "ALERT" not in reason:
         return None
-    why = next((sentence for name, sentence in ALERTS.items() if reason.endswith(name)), f"says {reason}")
+    why = next((sentence for name, sentence in ALERTS.items() if reason.endswith(name)), f"reports {reason}")
     return f"{endpoint} refuses the certificate {credentials.tls.certificate}: it {why}"

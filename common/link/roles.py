@@ -6,7 +6,7 @@ from enum import StrEnum
 
 
 class Role(StrEnum):
-    """The role of a participant at a cell; the table of channels defines what each may do."""
+    """The role of a participant at a cell; the table of channels (`channels.py`) defines what each may do."""
 
     REMOTE = "remote"
     OPERATOR = "operator"
@@ -15,7 +15,7 @@ class Role(StrEnum):
     ROUTER = "router"
 
 
-EVERYBODY = frozenset(Role) - {Role.ROUTER}
+EVERYBODY = frozenset(Role) - {Role.ROUTER}  # a router only passes messages on
 OPERATORS = frozenset({Role.OPERATOR})
 REMOTES = frozenset({Role.REMOTE})
 MAINTAINERS = frozenset({Role.MAINTENANCE})
@@ -25,7 +25,7 @@ COMMON_NAME = re.compile(rf"([a-z]+)(?:\.({CELL_NAME.pattern}))?")
 
 @dataclass(frozen=True, slots=True)
 class Identity:
-    """A role at a cell; a router serves every cell of its certificate authority, and has none."""
+    """A role at a cell; `cell` is None for a router, which serves every cell of its certificate authority."""
 
     role: Role
     cell: str | None
@@ -37,7 +37,7 @@ class Identity:
 
 
 def read_common_name(name: str) -> Identity | None:
-    """The identity of a common name; None when it is not one of Farhand's."""
+    """The identity that a common name denotes, None if it is not one of Farhand's."""
     match = COMMON_NAME.fullmatch(name)
     if match is None or match[1] not in set(Role):
         return None

@@ -1,4 +1,4 @@
-"""Servers of procedures, polled: of questions that may be asked again, and of requests that must happen once."""
+"""Polled servers of procedures: questions may be asked again, requests are carried out once."""
 
 from collections.abc import Callable
 from typing import Generic, TypeVar
@@ -16,30 +16,30 @@ Q = TypeVar("Q", bound=Message)
 R = TypeVar("R", bound=Message)
 Requested = TypeVar("Requested", bound=Request)
 Replied = TypeVar("Replied", bound=Reply)
-Refused = Callable[[MessageError], None]
+OnRefused = Callable[[MessageError], None]
 
-REFUSAL = b"refused: "  # begins our own error replies; zenoh has others, such as for a time-out
-MAX_DEADLINE_NS = 10 * NS_PER_S  # a request is remembered until its deadline, so that no repetition outlives it
+REFUSAL = b"refused: "  # prefix of our own error replies: Zenoh sends others, for example on a time-out
+MAX_DEADLINE_AHEAD_NS = 10 * NS_PER_S  # bounds how long a reply is kept for repetitions of its request
 
 
 class QuestionServer(Generic[Q, R]):
-    """Answers questions that may be asked again; what cannot be understood is refused with a sentence."""
+    """Answers questions that may be asked again; a query that cannot be decoded gets an error reply with the reason."""
 
     def __init__(
         self,
         queryable: "zenoh.Queryable[zenoh.handlers.Handler[zenoh.Query]]",
         key: str,
         procedure: Procedure[Q, R],
-        refused: Refused,
+        on_refused: OnRefused,
     ) -> None:
-        """`refused` hears of every query that was refused."""
+        """`on_refused` is called with the error of every query that cannot be decoded."""
         self._queryable = queryable
         self._key = key
         self._procedure = procedure
-        self._refused = refused
+        self._on_refused = on_refused
 
     def take(self) -> tuple[Q, Callable[[R], None]] | None:
-        """A waiting question and what answers it, None without one; never blocks."""
+        """A waiting question and the function that sends its answer, None if none waits; never blocks."""
         query = self._queryable.try_recv()
         if query is None:
             return None
@@ -47,7 +47,7 @@ class QuestionServer(Generic[Q, R]):
             payload = query.payload.to_bytes() if query.payload is not None else b""
             question = decode(payload, self._procedure.request, self._procedure.max_bytes)
         except MessageError as error:
-            self._refused(error)
+            self._on_refused(error)
             with query:
                 query.reply_err(REFUSAL + str(error).encode())
             return None
@@ -67,27 +67,30 @@ class QuestionServer(Generic[Q, R]):
 
 
 class IdempotentServer(Generic[Requested, Replied]):
-    """Hands out each request once: a repeated id gets the first reply, an expired request is refused."""
+    """Hands out each request once: a repeated id gets the first reply, an expired request is refused.
+
+    Times are in ns of this host's monotonic clock.
+    """
 
     def __init__(self, server: QuestionServer[Requested, Replied], reply: type[Replied]) -> None:
         self._server = server
         self._reply = reply
-        self._done: dict[int, tuple[int, Replied]] = {}
+        self._done: dict[int, tuple[int, Replied]] = {}  # request id: deadline in ns, reply
 
     def take(self, now_ns: int) -> tuple[Requested, Callable[[Replied], None]] | None:
-        """A request that waits to be carried out and what answers it, None without one; never blocks."""
+        """A request to carry out and the function that sends its reply, None if none waits; never blocks."""
         waiting = self._server.take()
         if waiting is None:
             return None
         request, answer = waiting
-        known = self._done.get(request.id)
-        refusal = known[1] if known is not None else self._refusal(request, now_ns)
-        if refusal is not None:
-            answer(refusal)
+        earlier = self._done.get(request.id)
+        known_reply = earlier[1] if earlier is not None else self._refusal(request, now_ns)
+        if known_reply is not None:
+            answer(known_reply)
             return None
 
         def reply(done: Replied) -> None:
-            self._done = {number: kept for number, kept in self._done.items() if kept[0] >= now_ns}
+            self._done = {key: kept for key, kept in self._done.items() if kept[0] >= now_ns}
             self._done[request.id] = (request.deadline_ns, done)
             answer(done)
 
@@ -102,10 +105,10 @@ class IdempotentServer(Generic[Requested, Replied]):
 
     def _refusal(self, request: Requested, now_ns: int) -> Replied | None:
         if now_ns > request.deadline_ns:
-            return self._refused(request, "expired", "the request came after its deadline; ask again")
-        if request.deadline_ns - now_ns > MAX_DEADLINE_NS:
-            return self._refused(request, "deadline", "the deadline is too far ahead: the clocks disagree; ask again")
+            return self._refuse(request, "expired", "the request came after its deadline; ask again")
+        if request.deadline_ns - now_ns > MAX_DEADLINE_AHEAD_NS:
+            return self._refuse(request, "deadline", "the deadline is too far ahead: the clocks disagree; ask again")
         return None
 
-    def _refused(self, request: Requested, code: str, reason: str) -> Replied:
+    def _refuse(self, request: Requested, code: str, reason: str) -> Replied:
         return self._reply(id=request.id, done=False, code=code, reason=reason)

@@ -16,7 +16,7 @@ from common.link.endpoints import Endpoint, check_endpoint, check_free
 from common.link.probe import identity_refusal, refusal, speaks_tls
 from common.link.pubsub import Latest, Publisher
 from common.link.roles import Role
-from common.link.servers import REFUSAL, IdempotentServer, QuestionServer, Refused, Replied, Requested
+from common.link.servers import REFUSAL, IdempotentServer, OnRefused, QuestionServer, Replied, Requested
 from common.link.session_settings import Mode, SessionEndpoints, session_settings
 from common.messages.base import Message
 from common.messages.codec import decode, encode
@@ -29,21 +29,21 @@ REQUEST_TIMEOUT_S = 0.3
 PENDING_REQUESTS = 16
 ROUTER_PATIENCE_S = 20.0
 ROUTER_POLL_S = 0.2
-QUIC_PATIENCE_S = 3.0  # of a side that has just come up, TLS answers first
+QUIC_PATIENCE_S = 3.0  # a site that has just started answers by TLS before it does by QUIC
 CONTROL = (ChannelSession.CONTROL,)
 PRIORITIES = {
     Priority.REAL_TIME: zenoh.Priority.REAL_TIME,
     Priority.INTERACTIVE: zenoh.Priority.INTERACTIVE_HIGH,
     Priority.DATA: zenoh.Priority.DATA,
 }
-RELIABILITY = {True: zenoh.Reliability.BEST_EFFORT, False: zenoh.Reliability.RELIABLE}
+RELIABILITY_IF_BEST_EFFORT = {True: zenoh.Reliability.BEST_EFFORT, False: zenoh.Reliability.RELIABLE}
 
 
 class Link:
-    """One Zenoh session; a context manager, so that nothing is left open.
+    """One Zenoh session, as a context manager that closes it.
 
-    What belongs to another of the site's sessions than its own `sessions` is a TransportError. With credentials, what
-    their role may not do is a RefusedError here; the other side refuses it besides.
+    TransportError for a channel or procedure that does not belong to one of `sessions`. With credentials, RefusedError
+    for what their role may not do; the other site refuses that too.
     """
 
     def __init__(
@@ -57,8 +57,8 @@ class Link:
         self._outgoing = outgoing
         self._credentials = credentials
         self._sessions = sessions
-        self._has_met = False
-        self._answering_since: float | None = None
+        self._was_answered = False
+        self._tls_answers_since_s: float | None = None
 
     def __enter__(self) -> Self:
         return self
@@ -74,7 +74,7 @@ class Link:
             self._session.close()  # type: ignore[no-untyped-call]  # zenoh leaves it unannotated
 
     def publisher(self, channel: Channel[M], cell: str, name: str = "*") -> Publisher[M]:
-        """A publisher of a channel in a cell (`name` for channels of several, as cameras)."""
+        """A publisher of a channel in a cell; `name` tells apart channels of one kind, such as cameras."""
         key = channel.key_for(cell, name)
         self._check(channel.session, channel.sent_by, cell, f"send {key}")
         return Publisher(
@@ -82,7 +82,7 @@ class Link:
                 key,
                 priority=PRIORITIES[channel.priority],
                 congestion_control=zenoh.CongestionControl.DROP,
-                reliability=RELIABILITY[channel.best_effort],
+                reliability=RELIABILITY_IF_BEST_EFFORT[channel.best_effort],
             )
         )
 
@@ -93,90 +93,96 @@ class Link:
         handler: zenoh.handlers.RingChannel[zenoh.Sample] = zenoh.handlers.RingChannel(channel.depth)
         return Latest(self._session.declare_subscriber(key, handler), channel)
 
-    def answer(self, procedure: Procedure[Q, R], cell: str, refused: Refused, name: str = "*") -> QuestionServer[Q, R]:
-        """A server of questions in a cell; `refused` hears of queries that cannot be understood."""
+    def answer(
+        self, procedure: Procedure[Q, R], cell: str, on_refused: OnRefused, name: str = "*"
+    ) -> QuestionServer[Q, R]:
+        """A server of questions in a cell; `on_refused` is called for queries that cannot be decoded."""
         key = procedure.key_for(cell, name)
         self._check(ChannelSession.CONTROL, procedure.answered_by, cell, f"answer {key}")
-        # Where questions pile up the oldest is dropped: a full queue would hold up everything else of its link.
+        # A ring drops the oldest question when it is full; a queue would then block everything else on the link.
         handler: zenoh.handlers.RingChannel[zenoh.Query] = zenoh.handlers.RingChannel(PENDING_REQUESTS)
-        return QuestionServer(self._session.declare_queryable(key, handler), key, procedure, refused)
+        return QuestionServer(self._session.declare_queryable(key, handler), key, procedure, on_refused)
 
     def serve(
-        self, procedure: Procedure[Requested, Replied], cell: str, refused: Refused, name: str = "*"
+        self, procedure: Procedure[Requested, Replied], cell: str, on_refused: OnRefused, name: str = "*"
     ) -> IdempotentServer[Requested, Replied]:
-        """A server of requests that must happen once; `refused` hears of queries that cannot be understood."""
-        return IdempotentServer(self.answer(procedure, cell, refused, name), procedure.reply)
+        """A server of requests that must happen once; `on_refused` is called for queries that cannot be decoded."""
+        return IdempotentServer(self.answer(procedure, cell, on_refused, name), procedure.reply)
 
     def ask(self, procedure: Procedure[Q, R], cell: str, question: Q, name: str = "*") -> R | None:
-        """Ask once; None when nobody answers in time, RefusedError when the sites do not understand each other."""
+        """Ask once; None when nobody answers in time, RefusedError when one site cannot decode the other's message."""
         key = procedure.key_for(cell, name)
         self._check(ChannelSession.CONTROL, procedure.asked_by, cell, f"ask {key}")
         for reply in self._session.get(key, payload=encode(question), timeout=REQUEST_TIMEOUT_S):
             if reply.ok is not None:
-                self._has_met = True
-                return _understood(reply.ok.payload.to_bytes(), procedure)
+                self._was_answered = True
+                return _decode_reply(reply.ok.payload.to_bytes(), procedure)
             if reply.err is not None and (why := reply.err.payload.to_bytes()).startswith(REFUSAL):
                 raise RefusedError(f"the other site {why.decode(errors='replace')}")
         return None
 
     def may_hear(self, channel: Channel[M]) -> bool:
-        """Whether our certificate lets us; everybody may where there are none."""
+        """Whether our certificate's role may subscribe to the channel; without certificates everybody may."""
         return self._credentials is None or self._credentials.identity.role in channel.heard_by
 
     def check_connected(self) -> None:
-        """RefusedError with a sentence when one of our endpoints and this side refuse each other; nothing otherwise.
+        """RefusedError with the reason when this side and the listener at one of our endpoints refuse each other.
 
-        Where nobody listens yet, that is no refusal. Takes up to two seconds.
+        An endpoint where nobody listens yet is no error. Takes about two seconds for each one that does not answer.
         """
         links = self._session.info.links()
         for endpoint in self._outgoing:
-            link, why = next((link for link in links if _leads_to(link, endpoint)), None), None
+            link = next((link for link in links if _leads_to(link, endpoint)), None)
+            why = None
             if link is None:
-                why = refusal(endpoint, self._credentials) or self._blocked(endpoint)
+                why = refusal(endpoint, self._credentials) or self._blocked_quic(endpoint)
             elif endpoint.is_secured and self._credentials is not None:
                 why = identity_refusal(link.auth_identifier or "", str(endpoint), self._credentials.identity)
             if why is not None:
                 raise RefusedError(why)
 
-    def _blocked(self, endpoint: Endpoint) -> str | None:
-        """Why there was never a link by QUIC though TLS has answered for a while; after an outage one comes back."""
-        if not endpoint.is_quic or self._has_met or not speaks_tls(endpoint):
-            self._answering_since = None
+    def _blocked_quic(self, endpoint: Endpoint) -> str | None:
+        """Why the endpoint answers by TLS for QUIC_PATIENCE_S but never by QUIC; None otherwise.
+
+        A link that has worked before comes back after an outage, so it is not counted as blocked.
+        """
+        if not endpoint.is_quic or self._was_answered or not speaks_tls(endpoint):
+            self._tls_answers_since_s = None
             return None
-        now = time.monotonic()
-        self._answering_since = self._answering_since or now
-        if now - self._answering_since < QUIC_PATIENCE_S:
+        now_s = time.monotonic()
+        self._tls_answers_since_s = self._tls_answers_since_s or now_s
+        if now_s - self._tls_answers_since_s < QUIC_PATIENCE_S:
             return None
         return (
             f"{endpoint} answers by TLS, but not by QUIC: let UDP through to port {endpoint.port}, or write the "
             f"endpoint as tls/{endpoint.address} at both sites"
         )
 
-    def _check(self, session: ChannelSession, allowed: frozenset[Role], cell: str, what: str) -> None:
+    def _check(self, session: ChannelSession, allowed: frozenset[Role], cell: str, action: str) -> None:
         if session not in self._sessions:
             ours = " and ".join(self._sessions)
             raise TransportError(
-                f"a link of the {ours} session may not {what}: that belongs to a link of the {session} session, opened "
-                f"at the site's {session} endpoint"
+                f"a link of the {ours} session may not {action}: that belongs to a link of the {session} session, "
+                f"opened at the site's {session} endpoint"
             )
         if self._credentials is None:
             return
         own, roles = self._credentials.identity, " or ".join(sorted(allowed))
         if own.role is not Role.ROUTER and own.cell != cell:
-            raise RefusedError(f"the certificate of {own.common_name} is for cell {own.cell}; it may not {what}")
+            raise RefusedError(f"the certificate of {own.common_name} is for cell {own.cell}; it may not {action}")
         if own.role not in allowed:
             raise RefusedError(
-                f"the certificate of {own.common_name} may not {what}: that takes one of {roles}, in [links.tls]"
+                f"the certificate of {own.common_name} may not {action}: that takes one of {roles}, in [links.tls]"
             )
 
 
 def _leads_to(link: zenoh.Link, endpoint: Endpoint) -> bool:
-    """By protocol and port: the host's name has become an address."""
+    """Whether protocol and port match; the host does not, as Zenoh reports its address instead of its name."""
     destination = link.dst.partition("?")[0]
     return destination.startswith(f"{endpoint.protocol}/") and destination.endswith(f":{endpoint.port}")
 
 
-def _understood(payload: bytes, procedure: Procedure[Q, R]) -> R:
+def _decode_reply(payload: bytes, procedure: Procedure[Q, R]) -> R:
     try:
         return decode(payload, procedure.reply, procedure.max_bytes)
     except MessageError as error:
@@ -191,15 +197,15 @@ def open_link(
     sessions: Collection[ChannelSession] = CONTROL,
     send_buffer_bytes: int | None = None,
     through_router: bool = False,
-    given_up: Callable[[], bool] = lambda: False,
+    should_stop: Callable[[], bool] = lambda: False,
 ) -> Link:
     """Open a session at explicit endpoints; TransportError when one is not allowed or cannot be opened.
 
-    `sessions` are those that the endpoints belong to; the link carries their channels only. `send_buffer_bytes` is how
-    much may wait in each connection, None for the system's choice, which is megabytes. Listening fails at once when the
-    port is taken; connecting goes on in the background until the other side is there, but a side that is there and
-    refuses us, or that we refuse, is a RefusedError. `through_router` is for a site that nobody can reach: everything
-    goes by the router at `connect`, waited for until `given_up`.
+    `sessions` are those that the endpoints belong to; the link carries their channels only. `send_buffer_bytes` is the
+    size of each connection's send buffer, None for the system's choice, which is megabytes. Listening fails at once
+    when the port is taken. Connecting continues in the background until the other side listens; RefusedError when it
+    does but refuses us, or we refuse it. `through_router` is for a site that no other can connect to: all messages go
+    through the router at `connect`, which is awaited for ROUTER_PATIENCE_S, or until `should_stop`.
     """
     listening = tuple(check_free(endpoint, security) for endpoint in listen)
     outgoing = tuple(check_endpoint(endpoint, security) for endpoint in connect)
@@ -208,7 +214,7 @@ def open_link(
     mode = Mode.CLIENT if through_router else Mode.PEER
     endpoints = SessionEndpoints(mode, listening, outgoing, send_buffer_bytes)
     if through_router:
-        session = _open_when_met(endpoints, credentials, cells, given_up)
+        session = _open_through_router(endpoints, credentials, cells, should_stop)
     else:
         session = _open(endpoints, credentials, cells)
     link = Link(session, outgoing, credentials, sessions)
@@ -221,7 +227,7 @@ def open_link(
 
 
 def open_router(*, listen: tuple[str, ...], cells: Sequence[str], security: LinkSecurity) -> Link:
-    """Open the meeting point of sites that cannot reach each other; it passes on what the cells' roles may send."""
+    """Open a router between sites that cannot reach each other; it passes on what the cells' roles may send."""
     listening = tuple(check_free(endpoint, security) for endpoint in listen)
     credentials = _credentials(listening, security)
     return Link(_open(SessionEndpoints(Mode.ROUTER, listening), credentials, cells))
@@ -231,11 +237,11 @@ def _credentials(endpoints: Sequence[Endpoint], security: LinkSecurity) -> Crede
     return load_credentials(security.tls) if any(endpoint.is_secured for endpoint in endpoints) else None
 
 
-def _open_when_met(
-    endpoints: SessionEndpoints, credentials: Credentials | None, cells: Sequence[str], given_up: Callable[[], bool]
+def _open_through_router(
+    endpoints: SessionEndpoints, credentials: Credentials | None, cells: Sequence[str], should_stop: Callable[[], bool]
 ) -> zenoh.Session:
-    """Open a client's session as soon as its router is there; TransportError when it does not come."""
-    give_up = time.monotonic() + ROUTER_PATIENCE_S
+    """Open a client's session as soon as its router answers; TransportError if it does not in time."""
+    deadline_s = time.monotonic() + ROUTER_PATIENCE_S
     while True:
         try:
             return _open(endpoints, credentials, cells)
@@ -243,7 +249,7 @@ def _open_when_met(
             why = next((why for endpoint in endpoints.connect if (why := refusal(endpoint, credentials))), None)
             if why is not None:
                 raise RefusedError(why) from error
-            if given_up() or time.monotonic() > give_up:
+            if should_stop() or time.monotonic() > deadline_s:
                 raise TransportError(
                     f"no router answers at {endpoints}: start it there with 'farhand router'"
                 ) from error
@@ -257,4 +263,5 @@ def _open(endpoints: SessionEndpoints, credentials: Credentials | None, cells: S
     try:
         return zenoh.open(config)
     except zenoh.ZError as error:
-        raise TransportError(f"cannot open {endpoints}: {str(error).partition(' at /')[0].strip(' .[')}") from error
+        why = str(error).partition(" at /")[0].strip(" .[")  # without the source location that Zenoh appends
+        raise TransportError(f"cannot open {endpoints}: {why}") from error

@@ -32,7 +32,7 @@ class View:
 
 @dataclass(frozen=True, slots=True)
 class Views:
-    """One to n views of the same instant, in the order of the rig's cameras; `t_ns` is the common exposure time."""
+    """One to n views of the same instant, in the order of the rig's cameras; `t_ns` is their common capture time."""
 
     t_ns: int
     views: tuple[View, ...]

@@ -109,7 +109,7 @@ class DriverLink:
         self._memory.bell.ring()
 
     def _decoded(self, raw: DriverReport) -> RobotReport:
-        answered = raw.answered == self._activation
+        answered = raw.activation == self._activation
         q, dq = raw.motions[:2]
         return RobotReport(
             t_ns=raw.t_ns,

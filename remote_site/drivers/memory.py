@@ -1,4 +1,4 @@
-"""The memory shared by control and the driver's process: orders, reports and a bell; neither waits for the other."""
+"""Memory shared by control and the driver's process: orders, reports and a bell; neither waits for the other."""
 
 import mmap
 import os
@@ -13,12 +13,12 @@ from remote_site.drivers.driver import JointCommand
 from remote_site.drivers.supervisor.orders import DriverOrder
 from remote_site.shared_record import Record, SharedRecord
 
-ORDERS_KEPT = 64
-WORD, SENTENCE = "S32", "S400"
+ORDER_SLOTS = 64
+WORD, SENTENCE = "S32", "S400"  # the longest code and the longest sentence of a fault, bytes
 
 
 def order_dtype(joints: int) -> np.dtype[np.void]:
-    """A `DriverOrder` with its command's fields."""
+    """The record of a `DriverOrder`, its `JointCommand` flattened; units as there."""
     numbers = [("activation", np.uint32), ("run", np.bool_), ("stop_count", np.uint32)]
     command = [("seq", np.uint64), ("t_ns", np.int64)]
     motion = [(name, np.float64, (joints,)) for name in ("q", "dq", "ddq")]
@@ -26,8 +26,8 @@ def order_dtype(joints: int) -> np.dtype[np.void]:
 
 
 def report_dtype(joints: int) -> np.dtype[np.void]:
-    """A `DriverReport`."""
-    times = [("at_ns", np.int64), ("answered", np.uint32), ("stop_count", np.uint32), ("onset_ns", np.int64)]
+    """The record of a `DriverReport`, in the order of its fields."""
+    times = [("at_ns", np.int64), ("activation", np.uint32), ("stop_count", np.uint32), ("onset_ns", np.int64)]
     robot = [("t_ns", np.int64), ("has_obeyed", np.bool_), ("obeyed_seq", np.uint64)]
     gripper = [("opening_m", np.float64), ("force_n", np.float64), ("gripper_open", np.bool_), ("grip", WORD)]
     fault = [("code", WORD), ("native", WORD), ("sentence", SENTENCE)]
@@ -35,10 +35,10 @@ def report_dtype(joints: int) -> np.dtype[np.void]:
 
 
 class OrderRing:
-    """The newest 64 orders; the reader gets each of them once, unless it sleeps for longer than they are kept."""
+    """The newest orders; the reader gets each of them once, unless it sleeps until they are overwritten."""
 
     def __init__(self, joints: int) -> None:
-        self._record = SharedRecord(order_dtype(joints), ORDERS_KEPT)
+        self._record = SharedRecord(order_dtype(joints), ORDER_SLOTS)
         self._written = np.zeros((), self._record.dtype)
         self._seen = self._record.count
 
@@ -52,7 +52,8 @@ class OrderRing:
     def take(self) -> list[DriverOrder]:
         """The orders written since the last call, oldest first; what was overwritten meanwhile is missing."""
         newest = self._record.count
-        first = max(self._seen, newest - ORDERS_KEPT + 1) + 1
+        oldest = newest - ORDER_SLOTS + 2  # one slot less: the writer may be filling it
+        first = max(self._seen + 1, oldest)
         self._seen = newest
         records = (self._record.at(count) for count in range(first, newest + 1))
         return [_order(record) for record in records if record is not None]
@@ -65,16 +66,18 @@ def _order(record: Record) -> DriverOrder:
 
 
 class DriverReport(NamedTuple):
-    """What the robot measured and what was last sent to it; `answered` is the last activation that was handled.
+    """What the robot measured and what was last sent to it; `activation` is the last one that was handled.
 
-    `at_ns` is when it was written, `t_ns` when it was measured, 0 before anything was. `obeyed_seq` is valid if
-    `has_obeyed`. `code` is empty while the robot takes commands, `grip` without a gripper, `force_n` NaN where no force
-    is measured. `motions` (5, n): q and dq as measured, then q, dq, ddq as commanded last, or at `onset_ns` of the stop
-    that has begun since; that is 0 without one.
+    `at_ns` is when the report was written, `t_ns` when the robot was measured, both of the monotonic clock and 0 before
+    the first time. `obeyed_seq` is valid only if `has_obeyed`. A fault is `code`, the robot's own code `native` and
+    `sentence`; `code` is empty while the robot takes commands. `opening_m`, `force_n` (NaN if it is not measured),
+    `gripper_open` as commanded and the status `grip` describe the gripper; `grip` is empty without one. `motions`
+    (5, n), rad, rad/s, rad/s²: q and dq as measured, then q, dq, ddq as last commanded, or those at the onset of the
+    stop in progress. `onset_ns` is the time of that onset, 0 without a stop.
     """
 
     at_ns: int
-    answered: int
+    activation: int
     stop_count: int
     onset_ns: int
     t_ns: int
@@ -103,7 +106,7 @@ class ReportRecord:
         self._record.write(self._written)
 
     def read(self) -> DriverReport:
-        """The newest one."""
+        """The newest report; DriverError when none is complete."""
         return DriverReport._make(self._record.read().item())
 
 
@@ -118,13 +121,14 @@ class Bell:
         os.eventfd_write(self._handle, 1)
 
     def wait(self, timeout_s: float) -> None:
-        """Wait for a ring, at most `timeout_s`; to the microsecond, which poll cannot."""
+        """Wait for a ring, at most `timeout_s`."""
+        # select takes microseconds, poll only milliseconds.
         if select.select([self._handle], [], [], timeout_s)[0]:
             os.eventfd_read(self._handle)
 
 
 class BusyMark:
-    """When the driver call under way began, in ns; 0 between calls."""
+    """When the current call of the driver began, ns of the monotonic clock; 0 between calls."""
 
     def __init__(self) -> None:
         self._since_ns = memoryview(mmap.mmap(-1, 8)).cast("q")

@@ -8,7 +8,7 @@ import structlog
 
 from common.errors import FarhandError
 from common.link.channels import CAMERA, SHOWN, STATE, ChannelSession
-from common.link.credentials import Validity, check_links
+from common.link.credentials import CertificateValidity, check_links
 from common.link.endpoints import check_free
 from common.link.pubsub import Publisher
 from common.link.roles import Identity, Role
@@ -24,8 +24,8 @@ from remote_site.runtime.control import run_control
 from remote_site.runtime.crash_marker import CrashMarker
 from remote_site.runtime.driver_process import run_driver
 from remote_site.runtime.links import open_site_link
+from remote_site.runtime.shared_lease import SharedLease
 from remote_site.session.config import EngagementMode
-from remote_site.session.shared_lease import SharedLease
 from remote_site.simulation.memory import CellMemory
 from remote_site.video.process import VideoWire, run_video
 from remote_site.video.sources import SimulatedViews
@@ -70,7 +70,7 @@ def run_remote(config: RemoteConfig, should_stop: StopFlag, log_format: LogForma
         if ready:
             notify("READY=1")
             log.info("ready", cell=config.cell, driver=config.driver.name, control=config.links.heard_at)
-        _watch(children, Validity(config.links.tls), should_stop)
+        _watch(children, CertificateValidity(config.links.tls), should_stop)
         marker.clear()
     except FarhandError as error:
         if not (ready or crashed):
@@ -92,7 +92,7 @@ def _check_start(config: RemoteConfig) -> None:
     check_robot(config)
 
 
-def _watch(children: Children, validity: Validity, should_stop: StopFlag) -> None:
+def _watch(children: Children, validity: CertificateValidity, should_stop: StopFlag) -> None:
     """Return when asked to stop; FarhandError when a process fails, or the site's certificate expires."""
     checks = 0
     while not should_stop.wait(CHECK_S):

@@ -25,9 +25,9 @@ from remote_site.runtime.links import open_site_link
 from remote_site.runtime.rate import Rate
 from remote_site.runtime.reporting import Reporter
 from remote_site.runtime.request_server import RequestServer, describe
+from remote_site.runtime.shared_lease import SharedLease
 from remote_site.session.lease import LeaseServer
 from remote_site.session.requests import SessionRequest
-from remote_site.session.shared_lease import SharedLease
 from remote_site.session.state_machine import Answer
 from remote_site.simulation.memory import CellMemory
 from remote_site.simulation.views import PostureMirror

@@ -112,7 +112,7 @@ class DriverLoop:
         self._memory.report.write(
             DriverReport(
                 at_ns=self._clock.now_ns(),
-                answered=supervisor.activation,
+                activation=supervisor.activation,
                 stop_count=supervisor.commanded.stop_count,
                 onset_ns=0 if stop is None else stop.onset_ns,
                 t_ns=reading.t_ns if reading is not None else 0,

@@ -10,7 +10,7 @@ from remote_site.link_config import RemoteLinksConfig
 def open_site_link(
     links: RemoteLinksConfig,
     session: ChannelSession,
-    given_up: Callable[[], bool],
+    should_stop: Callable[[], bool],
     send_buffer_bytes: int | None = None,
 ) -> Link:
     """One of the site's two sessions, listening at its endpoint unless there is a router; errors as `open_link`."""
@@ -21,7 +21,7 @@ def open_site_link(
             sessions=[session],
             send_buffer_bytes=send_buffer_bytes,
             through_router=True,
-            given_up=given_up,
+            should_stop=should_stop,
         )
     endpoint = links.video if session is ChannelSession.VIDEO else links.control
     return open_link(listen=(endpoint,), security=links, sessions=[session], send_buffer_bytes=send_buffer_bytes)

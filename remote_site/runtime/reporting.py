@@ -17,11 +17,11 @@ from remote_site.config import RemoteConfig
 from remote_site.kinematics.limits import load_arm
 from remote_site.runtime.driven_pipeline import DrivenPipeline
 from remote_site.runtime.rate import Rate
+from remote_site.runtime.shared_lease import NO_LEASE, SharedLease
 from remote_site.runtime.tracing import Tracing
 from remote_site.runtime.transition_log import TransitionLog
 from remote_site.safety.collision import CollisionModel
 from remote_site.session.lease import LeaseStatus
-from remote_site.session.shared_lease import NO_LEASE, SharedLease
 from remote_site.teleop.cycle import Snapshot
 
 SESSION_BITS = 62
@@ -30,7 +30,7 @@ STATES_PER_TIMING = 50  # ordering thousands of latenesses does not belong in ev
 
 
 class Reporter:
-    """Publishes RobotState with the times of the obeyed samples, and shares the number of the lease in force."""
+    """Publishes RobotState with the times of the obeyed samples, and shares which lease is in force."""
 
     def __init__(
         self,

@@ -2,9 +2,12 @@
 
 from dataclasses import dataclass
 from enum import Enum, auto
+from typing import NamedTuple
 
 from common.clock import NS_PER_MS
 from common.messages.robot import SessionState
+from remote_site.drivers.faults import RobotFault
+from remote_site.kinematics.joints import JointMotion
 from remote_site.reasons import Code, Reason, reason
 from remote_site.safety.config import SafetyConfig
 from remote_site.session.config import EngagementConfig
@@ -25,13 +28,26 @@ class Action(Enum):
     STOP = auto()  # the jerk-limited stop; at rest, stay
 
 
-@dataclass(frozen=True, slots=True)
-class Robot:
-    """What the session needs to know of the robot: can it take commands (why not), and does the commanded arm rest."""
+class Robot(NamedTuple):
+    """The robot as the session sees it: why it takes no commands, None while it does, and what it was sent last."""
 
-    ready: bool
-    reason: str
-    resting: bool
+    fault: RobotFault | None
+    sent: JointMotion
+
+    @property
+    def ready(self) -> bool:
+        """The robot takes commands."""
+        return self.fault is None
+
+    @property
+    def reason(self) -> str:
+        """Why it takes no commands, empty while it does."""
+        return str(self.fault or "")
+
+    @property
+    def resting(self) -> bool:
+        """The commanded arm is at rest."""
+        return self.sent.resting
 
 
 @dataclass(frozen=True, slots=True)

@@ -1,7 +1,7 @@
 """What goes into one control cycle and what comes out of it: frozen records, so that a cycle can be replayed."""
 
 from collections.abc import Mapping
-from dataclasses import dataclass
+from typing import NamedTuple
 
 from common.geometry import Array
 from common.messages.hand import ClockSync, HandArm
@@ -16,8 +16,7 @@ from remote_site.session.samples import Accepted
 from remote_site.session.state_machine import Answer, Robot
 
 
-@dataclass(frozen=True, slots=True)
-class RobotObservation:
+class RobotObservation(NamedTuple):
     """The robot as control sees it: measured joints `q` (n,) in rad, why it takes no commands, what was really sent.
 
     `fault` is None while the robot takes commands; it is also the outcome of an activation. `sent` is the motion that
@@ -33,13 +32,12 @@ class RobotObservation:
         """The robot takes commands."""
         return self.fault is None
 
-    def status(self, sent: JointMotion) -> Robot:
-        """What the session needs to know of the robot when `sent` is the motion it was given last."""
-        return Robot(ready=self.ready, reason=str(self.fault or ""), resting=sent.resting)
+    def after(self, sent: JointMotion) -> Robot:
+        """The robot as the session sees it, once `sent` is the motion it was given last."""
+        return Robot(self.fault, sent)
 
 
-@dataclass(frozen=True, slots=True)
-class CycleInput:
+class CycleInput(NamedTuple):
     """All that a control cycle depends on, besides the cycles before it; samples in order of arrival."""
 
     now_ns: int
@@ -49,8 +47,7 @@ class CycleInput:
     requests: tuple[SessionRequest, ...] = ()
 
 
-@dataclass(frozen=True, slots=True)
-class Snapshot:
+class Snapshot(NamedTuple):
     """The pipeline after a cycle, for reports and replies.
 
     `reason` explains the state, `obeys` is the sample that the motion follows, `target` the tool's target
@@ -73,8 +70,7 @@ class Snapshot:
     answers: tuple[Answer, ...]
 
 
-@dataclass(frozen=True, slots=True)
-class Command:
+class Command(NamedTuple):
     """What the driver is to do: be activated at rest at `activate_at` (n,) rad, or else follow `motion`.
 
     Only a robot that takes commands is given the motion; the guard has passed it in any case. The `snapshot` describes

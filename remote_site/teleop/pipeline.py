@@ -48,17 +48,18 @@ class TeleopPipeline:
     def cycle(self, given: CycleInput) -> Command:
         """One tick: take samples and requests, decide, and plan the next motion."""
         now_ns, robot, lease = given.now_ns, given.robot, given.lease.lease
-        activate = self._faults.note(robot.fault, now_ns, resting=robot.sent.resting)
+        resting = not robot.ready and robot.sent.resting  # it matters for a fault only
+        activate = self._faults.note(robot.fault, now_ns, resting=resting)
         sent = JointMotion.at_rest(robot.q) if activate else robot.sent
         for sample in given.samples:
             self._receive(sample, lease, now_ns)
         outcomes = []
         for request in given.requests:
-            outcome = self._requests.handle(request, lease, robot.status(sent), now_ns)
+            outcome = self._requests.handle(request, lease, robot.after(sent), now_ns)
             sent = JointMotion.at_rest(robot.q) if outcome.activate else sent
             outcomes.append(outcome)
         self._session.authorise(lease)
-        decision = self._session.tick(now_ns, robot.status(sent))
+        decision = self._session.tick(now_ns, robot.after(sent))
         motion = self._plan(decision, robot, sent, now_ns)
         snapshot = self._snapshot(given, decision, outcomes, motion if robot.ready else sent)
         activate = activate or any(outcome.activate for outcome in outcomes)
@@ -105,11 +106,11 @@ class TeleopPipeline:
             engagements=session.engagements,
             target=target.base_T_tool,
             gripper_toggles=self._gripper.applied,
-            readiness=session.readiness(now_ns, given.robot.status(sent)),
+            readiness=session.readiness(now_ns, given.robot.after(sent)),
             held=session.held,
             lease=given.lease,
             clock=self._validator.clock,
-            rejected=self._validator.rejected.copy(),
+            rejected=self._validator.rejected,
             answers=tuple(outcome.answer for outcome in outcomes),
         )
 

@@ -56,7 +56,7 @@ class SampleValidator:
 
     def refuse(self, why: Reason, *, hand_lost: bool = False, latch: bool = False) -> Rejected:
         """Refuse a sample, and count it."""
-        self.rejected[why.code] += 1
+        self.rejected = self.rejected + Counter((why.code,))  # a new one: snapshots keep the old
         return Rejected(why, hand_lost, latch)
 
     def _judge(self, sample: HandArm, born_ns: int, new_session: bool) -> Accepted | Rejected:

@@ -1,4 +1,4 @@
-"""Seconds in which everything goes wrong: no driver receives anything beyond a limit, however control stumbles."""
+"""Seconds in which everything goes wrong: no driver receives anything beyond a limit, however control stalls."""
 
 import pytest
 
@@ -16,17 +16,17 @@ def test_whatever_goes_wrong_the_driver_receives_nothing_beyond_a_limit(name, se
     figures = soak(ROBOTS[name], SECONDS, seed)
     assert figures["commands"] > 10 * SECONDS
     assert figures["engagements"] >= 2
-    assert figures["share of time followed"] > 0.2
-    assert figures["stumbles of control"] >= 2
+    assert figures["fraction of time engaged"] > 0.2
+    assert figures["control stalls"] >= 2
     assert figures["robot faults seen"] >= 1
-    assert figures["not finite"] == 0
-    assert figures["speed, share of limit"] <= ROUNDING
-    assert figures["acceleration, share of limit"] <= ROUNDING
-    assert figures["jerk by the times, share of limit"] <= ROUNDING / LEAST_FRACTION
-    assert figures["way by the times, share of the speed limit"] <= ROUNDING / LEAST_FRACTION
-    assert figures["least distance, mm"] >= figures["margin, mm"]
+    assert figures["values not finite"] == 0
+    assert figures["speed, fraction of limit"] <= ROUNDING
+    assert figures["acceleration, fraction of limit"] <= ROUNDING
+    assert figures["jerk between commands, fraction of limit"] <= ROUNDING / LEAST_FRACTION
+    assert figures["speed between commands, fraction of limit"] <= ROUNDING / LEAST_FRACTION
+    assert figures["minimum distance, mm"] >= figures["required distance, mm"]
     assert figures["joint beyond its limit, rad"] <= 1e-6
-    assert figures["tool further out than where it was activated, mm"] <= 1e3 * TOLERANCE
-    assert figures["moving commands after a latch"] == 0
-    assert figures["rest after the last good sample, ms beyond the bound"] <= 0
+    assert figures["tool further outside than when its segment began, mm"] <= 1e3 * TOLERANCE
+    assert figures["moving commands after disengagement"] == 0
+    assert figures["rest after the last obeyed sample, ms beyond the bound"] <= 0
     assert figures["oldest sample obeyed, ms"] <= 100

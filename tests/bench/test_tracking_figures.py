@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 from rich.console import Console
 
-from bench.tracking.comparison import shown
+from bench.tracking.comparison import as_table
 from bench.tracking.figures import SETTLED, Found, flat, judge, normalised_square, openings, rank_correlation
 from local_site.simulation.body import ArmTruth
 
@@ -95,7 +95,7 @@ def test_only_figures_that_could_be_had_are_written():
 def test_the_table_tells_both_trackers_and_why_one_is_missing():
     figures = judge([found({"index": INDEX + OFF}, toggles=1)] * (SETTLED + 4), truth(SETTLED + 4), ("index",))
     console = Console(width=120, record=True, file=io.StringIO())
-    console.print(shown("yz", {"ours": figures, "theirs": figures}, ("another skipped: no network",)))
+    console.print(as_table("yz", {"ours": figures, "theirs": figures}, ("another skipped: no network",)))
     text = console.export_text()
     assert "5.0" in text
     assert text.count("thumb seen") == 2

@@ -109,7 +109,7 @@ def test_who_is_asked_to_end_waits_for_no_router(pki: Path) -> None:
             connect=(endpoint,),
             security=secured(pki, "remote"),
             through_router=True,
-            given_up=lambda: time.monotonic() > began + 0.3,
+            should_stop=lambda: time.monotonic() > began + 0.3,
         )
     assert time.monotonic() - began < 5.0  # of 20
 

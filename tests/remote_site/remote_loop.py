@@ -145,7 +145,7 @@ class RemoteLoop:
     @property
     def robot(self) -> Robot:
         """What the session sees of the robot."""
-        return Robot(ready=True, reason="", resting=self.sent.resting)
+        return Robot(None, self.sent)
 
     def ask(self, action: EngagementAction) -> Answer:
         """One tick with a request of the lease's holder, and what is answered."""

@@ -104,7 +104,7 @@ def test_a_certificate_that_expires_ends_the_link_and_says_so(pki: Path, cell: C
     )
     with open_link(connect=(cell.endpoint,), security=secured(pki, "brief")) as link:
         assert link._session.info.links()
-        until(lambda: "says that it has expired; renew it" in told(link))
+        until(lambda: "reports that it has expired; renew it" in told(link))
         until(lambda: not link._session.info.links())
 
 

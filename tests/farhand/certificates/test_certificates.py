@@ -11,7 +11,7 @@ from cryptography.x509.oid import ExtendedKeyUsageOID
 
 from common.errors import ConfigError, TransportError
 from common.link.config import LinkSecurity, TlsConfig
-from common.link.credentials import Validity, check_links, load_credentials
+from common.link.credentials import CertificateValidity, check_links, load_credentials
 from common.link.roles import Identity, Role, read_common_name
 from farhand.certificates.folder import CertificateOrder, create, hosts_of, load_authority, read_certificate, renew
 from farhand.certificates.issuing import issue
@@ -64,7 +64,7 @@ def test_another_cell_shares_the_authority_and_not_the_names(folder: Path) -> No
     assert (folder / "ca.pem").read_bytes() == authority
     assert load_credentials(files(folder, "operator", "other")).identity == Identity(Role.OPERATOR, "other")
     theirs = LinkSecurity(tls=files(folder, "operator", "other"))
-    with pytest.raises(ConfigError, match=r"is for operator\.other, not for operator\.lab; write cell = \"other\""):
+    with pytest.raises(ConfigError, match=r"is for operator\.other, not for operator\.lab; set cell = \"other\""):
         check_links((), theirs, Identity(Role.OPERATOR, "lab"))
     with pytest.raises(ConfigError, match=r"is for operator\.other, not for viewer\.other$"):
         check_links((), theirs, Identity(Role.VIEWER, "other"))
@@ -80,14 +80,14 @@ def test_a_certificate_that_expires_while_a_site_runs_is_found(folder: Path) -> 
     for name, pem in (("soon.pem", soon.certificate_pem), ("soon.key", soon.key_pem)):
         (folder / name).write_bytes(pem)
     tls = TlsConfig(ca=str(folder / "ca.pem"), certificate=str(folder / "soon.pem"), key=str(folder / "soon.key"))
-    validity = Validity(tls)
+    validity = CertificateValidity(tls)
     validity.check()
     (folder / "soon.pem").write_bytes(b"being renewed")
     validity.check()
     time.sleep(3.1)  # a certificate is good for whole seconds
     with pytest.raises(TransportError, match=r"soon\.pem has expired; renew it"):
         validity.check()
-    Validity(TlsConfig()).check()
+    CertificateValidity(TlsConfig()).check()
 
 
 def test_renewing_keeps_authority_and_hosts_and_makes_new_keys(folder: Path) -> None:

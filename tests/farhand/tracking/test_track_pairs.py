@@ -1,4 +1,4 @@
-"""Pairing two recordings by exposure time, and the errors for an empty or unwritable track."""
+"""Pairing two recordings by capture time, and what an empty or unwritable track says."""
 
 import dataclasses
 import json

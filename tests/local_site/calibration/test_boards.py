@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from common.errors import CalibrationError, ConfigError
-from local_site.calibration.accuracy import laid_upon
+from local_site.calibration.accuracy import align_rigidly
 from local_site.calibration.board_rig import BoardPictures, solve_boards
 from local_site.calibration.boards import Board, BoardFinder, BoardView
 from local_site.calibration.triangulation import triangulate
@@ -225,11 +225,11 @@ def test_the_corners_are_opencvs():
     assert np.asarray(printed.getChessboardCorners()) == pytest.approx(CHARUCO.corners, abs=1e-7)
 
 
-def test_a_shape_is_laid_upon_its_moved_copy_exactly_and_never_mirrored():
+def test_a_shape_is_aligned_with_its_moved_copy_exactly_and_never_mirrored():
     random = np.random.default_rng(0)
     shape = random.uniform(-1, 1, (9, 3))
     turn = np.linalg.qr(random.standard_normal((3, 3)))[0]
     turn *= np.sign(np.linalg.det(turn))
-    assert laid_upon(shape, shape @ turn.T + 3.0) == pytest.approx(shape @ turn.T + 3.0)
+    assert align_rigidly(shape, shape @ turn.T + 3.0) == pytest.approx(shape @ turn.T + 3.0)
     mirrored = shape * (-1.0, 1.0, 1.0)
-    assert np.abs(laid_upon(shape, mirrored) - mirrored).max() > 0.1
+    assert np.abs(align_rigidly(shape, mirrored) - mirrored).max() > 0.1

@@ -90,7 +90,7 @@ class Rig:
         watcher = DriverLink(self.memory, LIMITS, CLOCK)
         deadline = time.monotonic() + seconds
         while time.monotonic() < deadline:
-            watcher._activation = self.memory.report.read().answered
+            watcher._activation = self.memory.report.read().activation
             report = watcher.read()
             self.log.append((time.monotonic(), report))
             if until(report):

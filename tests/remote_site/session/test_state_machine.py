@@ -1,5 +1,7 @@
 """The session machine: engagement has to be earned, and what ended never starts again by itself."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 from hypothesis import settings
@@ -9,6 +11,8 @@ from hypothesis.stateful import RuleBasedStateMachine, invariant, rule
 from common.clock import NS_PER_MS
 from common.messages.hand import Intent
 from common.messages.robot import SessionState
+from remote_site.drivers.faults import FaultCode, RobotFault
+from remote_site.kinematics.joints import JointMotion
 from remote_site.reasons import Code, reason
 from remote_site.safety.config import SafetyConfig
 from remote_site.session.config import EngagementConfig, EngagementMode
@@ -22,9 +26,10 @@ from remote_site.session.state_machine import (
 )
 from tests.remote_site.remote_loop import hand
 
-READY = Robot(ready=True, reason="", resting=True)
-MOVING = Robot(ready=True, reason="", resting=False)
-DEAD = Robot(ready=False, reason="brakes on", resting=True)
+REST = JointMotion.at_rest(np.zeros(6))
+READY = Robot(None, REST)
+MOVING = Robot(None, replace(REST, dq=np.ones(6)))
+DEAD = Robot(RobotFault(FaultCode.ROBOT, "brakes on"), REST)
 LEASE = Lease(41, Holder(7, "anna"), 10**18)
 OTHERS = Lease(42, Holder(8, "ben"), 10**18)
 PERIOD = 33 * NS_PER_MS

@@ -45,7 +45,7 @@ def test_every_command_comes_again_bit_for_bit(recorded):
 def changed(given: CycleInput) -> CycleInput:
     """The same cycle, a nanosecond later or with what was really sent a little elsewhere."""
     sent = given.robot.sent
-    return replace(given, robot=replace(given.robot, sent=replace(sent, q=sent.q + 1e-12)))
+    return given._replace(robot=given.robot._replace(sent=replace(sent, q=sent.q + 1e-12)))
 
 
 def test_a_cycle_that_began_otherwise_is_noticed(recorded):
