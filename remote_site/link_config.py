@@ -19,8 +19,8 @@ class RemoteLinksConfig(LinkSecurity, frozen=True, kw_only=True, forbid_unknown_
     ] = ""
 
     @property
-    def heard_at(self) -> str:
-        """Where others find hand, state and requests of this site."""
+    def control_endpoint(self) -> str:
+        """The endpoint at which others reach hand, state and requests of this site."""
         return self.router or self.control
 
     @property

@@ -69,7 +69,7 @@ def run_remote(config: RemoteConfig, should_stop: StopFlag, log_format: LogForma
         ready = not should_stop()
         if ready:
             notify("READY=1")
-            log.info("ready", cell=config.cell, driver=config.driver.name, control=config.links.heard_at)
+            log.info("ready", cell=config.cell, driver=config.driver.name, control=config.links.control_endpoint)
         _watch(children, CertificateValidity(config.links.tls), should_stop)
         marker.clear()
     except FarhandError as error:
@@ -163,4 +163,4 @@ def _metrics(config: RemoteConfig, tally: VideoTally, should_stop: StopFlag, hea
 
     port, figures = config.metrics.port, RemoteFigures(tally)
     links, beat = config.links, heartbeat.beat
-    run_metrics(port, links.heard_at, STATE, config.cell, figures, should_stop, beat, links)
+    run_metrics(port, links.control_endpoint, STATE, config.cell, figures, should_stop, beat, links)

@@ -30,7 +30,7 @@ STATES_PER_TIMING = 50  # ordering thousands of latenesses does not belong in ev
 
 
 class Reporter:
-    """Publishes RobotState with the times of the obeyed samples, and shares which lease is in force."""
+    """Publishes RobotState with the times of the obeyed samples, and shares the number of the lease in force."""
 
     def __init__(
         self,
