@@ -1,4 +1,4 @@
-"""Feeds the codec a million hostile payloads: it refuses what is no message, raises nothing else, does not grow."""
+"""Feeds the codec a million hostile payloads: it refuses invalid ones, raises nothing else, and does not grow."""
 
 import random
 import resource
@@ -15,7 +15,7 @@ from common.messages.codec import decode
 
 GOLDEN = Path(__file__).parents[1] / "tests" / "golden" / "valid"
 PAYLOADS = 1_000_000
-WARM_UP = 20_000  # what is allocated once is no growth
+WARM_UP = 20_000  # one-time allocations are not growth
 MOST_GROWTH_MB = 64.0
 KB_PER_MB = 1024
 
@@ -45,47 +45,47 @@ def verdict(payload: bytes, target: Target) -> str:
     return "valid"
 
 
-def noise(luck: random.Random, payload: bytes) -> bytes:
-    """Bytes of no meaning, as long as a payload or shorter."""
-    return luck.randbytes(luck.randint(0, len(payload)))
+def noise(rng: random.Random, payload: bytes) -> bytes:
+    """Random bytes, as long as a payload or shorter."""
+    return rng.randbytes(rng.randint(0, len(payload)))
 
 
-def changed(luck: random.Random, payload: bytes) -> bytes:
+def changed(rng: random.Random, payload: bytes) -> bytes:
     """A few bytes changed."""
     spoilt = bytearray(payload)
-    for _ in range(luck.randint(1, 8)):
-        spoilt[luck.randrange(len(spoilt))] = luck.randrange(256)
+    for _ in range(rng.randint(1, 8)):
+        spoilt[rng.randrange(len(spoilt))] = rng.randrange(256)
     return bytes(spoilt)
 
 
-def cut(luck: random.Random, payload: bytes) -> bytes:
-    """Ended too early."""
-    return payload[: luck.randrange(len(payload))]
+def cut(rng: random.Random, payload: bytes) -> bytes:
+    """Truncated."""
+    return payload[: rng.randrange(len(payload))]
 
 
-def repeated(luck: random.Random, payload: bytes) -> bytes:
-    """A piece of it put in a second time."""
-    begin = luck.randrange(len(payload))
-    return payload[:begin] + payload[begin : begin + luck.randint(1, 64)] + payload[begin:]
+def repeated(rng: random.Random, payload: bytes) -> bytes:
+    """One piece of it duplicated."""
+    begin = rng.randrange(len(payload))
+    return payload[:begin] + payload[begin : begin + rng.randint(1, 64)] + payload[begin:]
 
 
-def typed(luck: random.Random, payload: bytes) -> bytes:
-    """One byte replaced by the head of another type: extensions, infinities, and sizes that nobody sends."""
+def typed(rng: random.Random, payload: bytes) -> bytes:
+    """One byte replaced by the head of another type: extensions, infinities, and sizes that are never sent."""
     heads = [b"\xc7\xff\x05", b"\xd4\x2a\x00"]
     heads += [b"\xdf\xff\xff\xff\xff", b"\xdd\xff\xff\xff\xff", b"\xdb\x7f\xff\xff\xff"]
     heads += [b"\xc6\xff\xff\xff\xff", b"\xcb\x7f\xf0" + bytes(6), b"\xca\x7f\xc0\x00\x00", b"\xcf" + b"\xff" * 8]
-    k = luck.randrange(len(payload))
-    return payload[:k] + luck.choice(heads) + payload[k + 1 :]
+    k = rng.randrange(len(payload))
+    return payload[:k] + rng.choice(heads) + payload[k + 1 :]
 
 
-def nested(luck: random.Random, payload: bytes) -> bytes:
-    """Lists or maps within one another, deeper than anybody sends."""
-    return luck.choice([b"\x91", b"\x81\xa1a", b"\xdc\x00\x01"]) * luck.randint(1, 600) + payload[:1]
+def nested(rng: random.Random, payload: bytes) -> bytes:
+    """Lists or maps nested deeper than in any message."""
+    return rng.choice([b"\x91", b"\x81\xa1a", b"\xdc\x00\x01"]) * rng.randint(1, 600) + payload[:1]
 
 
-def padded(luck: random.Random, payload: bytes) -> bytes:
-    """Far longer than it is."""
-    return payload + bytes(luck.choice([1, 1000, 100_000]))
+def padded(rng: random.Random, payload: bytes) -> bytes:
+    """Padded to far more than its length."""
+    return payload + bytes(rng.choice([1, 1000, 100_000]))
 
 
 MUTATIONS: tuple[Mutation, ...] = (noise, changed, changed, changed, cut, repeated, typed, typed, nested, padded)
@@ -93,11 +93,11 @@ MUTATIONS: tuple[Mutation, ...] = (noise, changed, changed, changed, cut, repeat
 
 def fuzz(payloads: int, seed: int) -> Counter[str]:
     """The verdicts of this many payloads; any exception other than MessageError ends it."""
-    luck = random.Random(seed)  # noqa: S311  # which payloads come is no secret
+    rng = random.Random(seed)  # noqa: S311  # the payloads need not be secret
     known, verdicts = seeds(), Counter[str]()
     for _ in range(payloads):
-        payload, target = luck.choice(known)
-        verdicts[verdict(luck.choice(MUTATIONS)(luck, payload), target)] += 1
+        payload, target = rng.choice(known)
+        verdicts[verdict(rng.choice(MUTATIONS)(rng, payload), target)] += 1
     return verdicts
 
 

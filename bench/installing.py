@@ -1,4 +1,4 @@
-"""Installs what others have made, to be measured beside ours: each into a folder below build, not into this project."""
+"""Installs other projects to compare with: each into a folder below build, not into this project's environment."""
 
 import subprocess
 from collections.abc import Mapping, Sequence
@@ -7,7 +7,7 @@ PIP = ("-m", "pip", "install", "--quiet", "--disable-pip-version-check", "--no-i
 
 
 class UnavailableError(Exception):
-    """Something cannot be measured here; the text says why."""
+    """Something cannot be measured here; the message states why."""
 
 
 def run_quietly(command: Sequence[str], timeout_s: float, env: Mapping[str, str] | None = None) -> None:
@@ -21,7 +21,7 @@ def run_quietly(command: Sequence[str], timeout_s: float, env: Mapping[str, str]
 
 
 def reason(text: str) -> str:
-    """The line that says what went wrong: the last one that names an error, else the last."""
+    """The line that states the error: the last one that names one, else the last."""
     lines = [line.strip() for line in text.splitlines() if line.strip()]
     errors = [line for line in lines if "error" in line.lower()]
     return (errors or lines or [""])[-1]

@@ -1,4 +1,4 @@
-"""The remote site's parameters, table by table; each room describes its own."""
+"""The remote site's parameters, table by table; each package describes its own."""
 
 from typing import Annotated
 

@@ -19,12 +19,12 @@ class RemoteLinksConfig(LinkSecurity, frozen=True, kw_only=True, forbid_unknown_
     ] = ""
 
     @property
-    def heard_at(self) -> str:
-        """Where others find hand, state and requests of this site."""
+    def control_endpoint(self) -> str:
+        """The endpoint at which others reach hand, state and requests of this site."""
         return self.router or self.control
 
     @property
-    def places(self) -> tuple[str, ...]:
+    def endpoints(self) -> tuple[str, ...]:
         """Every endpoint that this site uses."""
         return self.listened or (self.router,)
 

@@ -17,7 +17,7 @@ Record = NDArray[np.void]
 class SharedRecord:
     """One record in anonymous memory that a fork inherits, with its predecessors in the other slots.
 
-    The writer fills a slot that no reader uses, then increments the counter; a writer killed half way leaves the last
+    The writer fills a slot that no reader uses, then increments the counter; a writer killed midway leaves the last
     complete record in force. A reader accepts a slot only if the counter has not changed meanwhile and the checksum
     matches, which also holds on processors that reorder writes.
     """

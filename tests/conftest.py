@@ -1,4 +1,4 @@
-"""What concerns every test: their order when two run at once, no deadlines, signal handlers that end with the test."""
+"""What concerns every test: their order when two run in parallel, no deadlines, handlers that end with the test."""
 
 import signal
 from collections.abc import Iterator
@@ -35,7 +35,7 @@ class WholeSitesInRows(LoadScopeScheduling):  # type: ignore[misc]  # xdist has 
 
 @pytest.hookimpl(optionalhook=True)
 def pytest_xdist_make_scheduler(config: pytest.Config, log: object) -> WholeSitesInRows:
-    """Distribute the tests when two run at once."""
+    """Distribute the tests when two run in parallel."""
     return WholeSitesInRows(config, log)
 
 

@@ -1,4 +1,4 @@
-"""Pink with daqp beside our inverse kinematics: installed into a folder of its own, without what it needs already."""
+"""Pink with daqp, to compare with our own solvers: installed into a folder of its own, without our dependencies."""
 
 import importlib
 import sys
@@ -17,7 +17,7 @@ INSTALL_S = 120.0
 
 
 class Pink:
-    """One arm with a frame and a posture task, solved for a tick at a time; UnavailableError says why there is none."""
+    """One arm with a frame and a posture task, solved one tick at a time; UnavailableError states why not."""
 
     def __init__(self, model: pin.Model, frame: str, q: Array, dt: float) -> None:
         self._pink, self._tasks_module = _import()

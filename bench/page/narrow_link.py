@@ -11,12 +11,12 @@ from typing import Self
 from common.clock import NS_PER_S, MonotonicClock
 
 CHUNK_BYTES = 4096
-BUFFER_BYTES = 32768  # little waits here, so that the sender notices soon how much the link carries
+BUFFER_BYTES = 32768  # a short queue, so that the sender soon notices how much the link carries
 START_S = 5.0
 
 
 class NarrowLink:
-    """Forwards connections from `port` to another while the block lasts; only the way back is limited.
+    """Forwards connections from `port` to another while the block lasts; only the return direction is limited.
 
     `mbit_s` may be changed while it runs; `carried_bytes` counts what was carried back.
     """
@@ -73,13 +73,13 @@ class NarrowLink:
     async def _pump(self, source: asyncio.StreamReader, sink: asyncio.StreamWriter, *, limited: bool) -> None:
         while data := await source.read(CHUNK_BYTES):
             if limited:
-                await self._wait_for_room(len(data))
+                await self._wait_for_capacity(len(data))
                 self.carried_bytes += len(data)
             sink.write(data)
             await sink.drain()
         sink.close()
 
-    async def _wait_for_room(self, size: int) -> None:
+    async def _wait_for_capacity(self, size: int) -> None:
         """Wait until the link has carried everything before this, and this."""
         now_ns = self._clock.now_ns()
         self._free_ns = max(self._free_ns, now_ns) + round(8e-6 * size / self.mbit_s * NS_PER_S)

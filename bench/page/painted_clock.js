@@ -12,10 +12,10 @@
       brush.drawImage(canvas, 0, Math.floor(canvas.height / 40), canvas.width, 1, 0, 0, 640, 1);
       const row = brush.getImageData(0, 0, 640, 1).data;
       const cells = Array.from({ length: CELLS }, (_, k) => row[4 * Math.floor(((k + 0.5) * 640) / CELLS) + 1]);
-      const told = cells.map((level) => (level > 165 ? "1" : level < 90 ? "0" : "?")).join("");
-      if (last.get(view) === told) continue;
-      last.set(view, told);
-      window.paintedClocks.push([view.dataset.name, performance.now(), told]);
+      const cellBits = cells.map((level) => (level > 165 ? "1" : level < 90 ? "0" : "?")).join("");
+      if (last.get(view) === cellBits) continue;
+      last.set(view, cellBits);
+      window.paintedClocks.push([view.dataset.name, performance.now(), cellBits]);
     }
     painted.clear();
   };

@@ -23,7 +23,7 @@ PATIENCE_S = 120.0
 def browsing() -> Iterator[Any]:
     """Debian's chromium, without a window; ProcessError where there is none."""
     if not Path(CHROMIUM).exists():
-        raise ProcessError("no chromium to look at the page with; on Debian: apt-get install chromium")
+        raise ProcessError("no chromium to open the page in; on Debian: apt-get install chromium")
     from playwright.sync_api import sync_playwright  # noqa: PLC0415  # only who measures the page needs a browser
 
     with sync_playwright() as running:
@@ -44,7 +44,7 @@ def wait(what: str, is_so: Callable[[], bool], pause: Callable[[], object] = lam
     deadline = time.monotonic() + PATIENCE_S
     while not is_so():
         if time.monotonic() > deadline:
-            raise ProcessError(f"waited in vain for {what}")
+            raise ProcessError(f"timed out waiting for {what}")
         pause()
 
 
@@ -71,7 +71,7 @@ class PageStand:
         wait("the lease", lambda: self.record.states[-1].lease is not None)
 
     def console(self, video_port: int) -> tuple[SiteProcess, str]:
-        """A console that takes its pictures from this port, and its page's address."""
+        """Start a console that takes its pictures from this port; its page's address."""
         port = free_ports(1)[0]
         process = self._start(
             "console",

@@ -1,4 +1,4 @@
-"""A hand that moves at random, and a wire that loses, delays, doubles and spoils its samples; seeded, stepped."""
+"""A hand that moves at random, and a wire that loses, delays, duplicates and corrupts its samples; seeded."""
 
 import heapq
 import math
@@ -46,54 +46,72 @@ HAPPENINGS = {
 
 @dataclass
 class RandomHand:
-    """Moves from place to place and turn to turn, from very slow to faster than a hand is believed."""
+    """Moves from pose to pose, from very slowly to faster than a hand is believed to move."""
 
-    luck: Random
+    rng: Random
     _from: Array = field(default_factory=lambda: np.zeros(6))
     _to: Array = field(default_factory=lambda: np.zeros(6))
     _begin_ns: int = 0
     _end_ns: int = 0
 
     def at(self, t_ns: int) -> Array:
-        """Place and turn (6,) in m and rad; `t_ns` never falls."""
+        """Position and rotation vector (6,) in m and rad; `t_ns` never decreases."""
         while t_ns >= self._end_ns:
             self._from, self._begin_ns = self._to, self._end_ns or t_ns
             reach = [REACH_M] * 3 + [TURN_RAD] * 3
-            self._to = np.array([self.luck.uniform(-most, most) for most in reach])
+            self._to = np.array([self.rng.uniform(-most, most) for most in reach])
             away = float(np.linalg.norm(self._to[:3] - self._from[:3]))
-            seconds = away / math.exp(self.luck.uniform(math.log(0.3), math.log(4.0)))
+            seconds = away / math.exp(self.rng.uniform(math.log(0.3), math.log(4.0)))
             self._end_ns = self._begin_ns + round(max(seconds, 0.1) * NS_PER_S)
         x = (t_ns - self._begin_ns) / (self._end_ns - self._begin_ns)
-        place: Array = self._from + (self._to - self._from) * (x * x * (3.0 - 2.0 * x))
-        return place
+        pose: Array = self._from + (self._to - self._from) * (x * x * (3.0 - 2.0 * x))
+        return pose
+
+
+class RandomWire:
+    """Delays messages at random: `arrived` returns them in the order in which they come."""
+
+    def __init__(self, rng: Random) -> None:
+        self._rng, self._sent = rng, 0
+        self._in_transit: list[tuple[int, int, HandArm]] = []
+
+    def send(self, sample: HandArm, t_ns: int, extra_ms: float) -> None:
+        """Send a sample that arrives up to 15 ms and `extra_ms` later."""
+        self._sent += 1
+        arrival_ns = t_ns + round((self._rng.uniform(1, 15) + extra_ms) * NS_PER_MS)
+        heapq.heappush(self._in_transit, (arrival_ns, self._sent, sample))
+
+    def arrived(self, now_ns: int) -> list[HandArm]:
+        """The samples that have arrived since the last call."""
+        samples = []
+        while self._in_transit and self._in_transit[0][0] <= now_ns:
+            samples.append(heapq.heappop(self._in_transit)[2])
+        return samples
 
 
 class RandomOperator:
-    """Samples of a random hand as they come off the wire, the wrong ones among them; `happened` counts those."""
+    """The samples of a random hand as they arrive, some of them faulty; `happened` counts the faults by kind."""
 
-    def __init__(self, luck: Random, leases: LeaseServer, now_ns: int) -> None:
-        self._luck, self.leases = luck, leases
-        self._hand = RandomHand(luck)
-        self._wire: list[tuple[int, int, HandArm]] = []
+    def __init__(self, rng: Random, leases: LeaseServer, now_ns: int) -> None:
+        self._rng, self.leases = rng, leases
+        self._hand = RandomHand(rng)
+        self._wire = RandomWire(rng)
         self._capture_ns = now_ns
-        self._seq = self._sent = self._toggles = 0
+        self._seq = self._toggles = 0
         self._bad, self._until_ns = "", 0
         self._intent = Intent()
         self._lease = self._acquire(1, now_ns)
         self.happened = dict.fromkeys(HAPPENINGS, 0)
 
     def arrived(self, now_ns: int) -> list[HandArm]:
-        """What has come by now, in the order of coming."""
+        """The samples that have arrived, in the order of arrival."""
         while self._capture_ns <= now_ns:
             self._capture(self._capture_ns)
-            self._capture_ns += SAMPLE_NS + round(self._luck.uniform(-2, 2) * NS_PER_MS)
-        samples = []
-        while self._wire and self._wire[0][0] <= now_ns:
-            samples.append(heapq.heappop(self._wire)[2])
-        return samples
+            self._capture_ns += SAMPLE_NS + round(self._rng.uniform(-2, 2) * NS_PER_MS)
+        return self._wire.arrived(now_ns)
 
     def _capture(self, t_ns: int) -> None:
-        kinds = [kind for kind, chance in HAPPENINGS.items() if self._luck.random() < chance]
+        kinds = [kind for kind, chance in HAPPENINGS.items() if self._rng.random() < chance]
         for kind in kinds:
             self.happened[kind] += 1
         self._steer(kinds)
@@ -101,34 +119,34 @@ class RandomOperator:
             self.leases.release(self._lease.number, self._lease.holder.session, t_ns)
             self._lease = self._acquire(self._lease.holder.session + 1, t_ns)
         for kind in {"lost", "silent", "jump", "open"}.intersection(kinds):
-            self._bad, self._until_ns = kind, t_ns + round(self._luck.uniform(30, 900) * NS_PER_MS)
+            self._bad, self._until_ns = kind, t_ns + round(self._rng.uniform(30, 900) * NS_PER_MS)
         if t_ns >= self._until_ns:
             self._bad = ""
         self._seq += 1
-        sample = self._spoiled(self._sample(t_ns), kinds)
+        sample = self._corrupted(self._sample(t_ns), kinds)
         if self._bad != "silent":
-            extra_ms = self._luck.uniform(30, 600) if "delayed" in kinds else 0.0
-            self._send(sample, t_ns, extra_ms)
+            extra_ms = self._rng.uniform(30, 600) if "delayed" in kinds else 0.0
+            self._wire.send(sample, t_ns, extra_ms)
         if "doubled" in kinds:
-            self._send(sample, t_ns, self._luck.uniform(0, 200))
+            self._wire.send(sample, t_ns, self._rng.uniform(0, 200))
         if "another operator" in kinds:
-            self._send(self._foreign(sample), t_ns, 0.0)
+            self._wire.send(self._foreign(sample), t_ns, 0.0)
 
     def _steer(self, kinds: list[str]) -> None:
-        change, intent = self._luck, self._intent
+        rng, intent = self._rng, self._intent
         if "clutch" in kinds:
             intent = msgspec.structs.replace(intent, clutch_count=intent.clutch_count + 1)
         if "scaled" in kinds:
-            intent = msgspec.structs.replace(intent, scale=change.uniform(0.2, 3), rotation_scale=change.uniform(0, 2))
+            intent = msgspec.structs.replace(intent, scale=rng.uniform(0.2, 3), rotation_scale=rng.uniform(0, 2))
         if "locked" in kinds:
-            axes = [change.random() < 0.3 for _ in range(4)]
+            axes = [rng.random() < 0.3 for _ in range(4)]
             intent = msgspec.structs.replace(intent, locks=Locks(x=axes[0], y=axes[1], z=axes[2], roll=axes[3]))
         self._intent = intent
         self._toggles += "toggled" in kinds
 
     def _sample(self, t_ns: int) -> HandArm:
-        place = self._hand.at(t_ns)
-        points = place[:3] + HAND @ rotation_from_vector(place[3:]).T
+        pose = self._hand.at(t_ns)
+        points = pose[:3] + HAND @ rotation_from_vector(pose[3:]).T
         wrist, index, thumb = (_point(point) for point in points)
         return HandArm(
             session=self._lease.holder.session,
@@ -148,35 +166,30 @@ class RandomOperator:
             intent=self._intent,
         )
 
-    def _spoiled(self, sample: HandArm, kinds: list[str]) -> HandArm:
-        luck, replace = self._luck, msgspec.structs.replace
+    def _corrupted(self, sample: HandArm, kinds: list[str]) -> HandArm:
+        rng, replace = self._rng, msgspec.structs.replace
         if "no number" in kinds:
-            broken = (luck.choice([math.nan, math.inf, -math.inf]), 0.0, 0.3)
-            sample = replace(sample, wrist=broken) if luck.random() < 0.5 else replace(sample, index=broken)
+            broken = (rng.choice([math.nan, math.inf, -math.inf]), 0.0, 0.3)
+            sample = replace(sample, wrist=broken) if rng.random() < 0.5 else replace(sample, index=broken)
         if self._bad == "jump":
-            sample = replace(sample, wrist=(1.0 + luck.uniform(-0.3, 0.3), luck.uniform(-0.5, 0.5), 0.3))
+            sample = replace(sample, wrist=(1.0 + rng.uniform(-0.3, 0.3), rng.uniform(-0.5, 0.5), 0.3))
         if self._bad == "lost":
             sample = replace(sample, status=TrackingStatus.LOST, wrist=None, reason="not seen")
         if "poor" in kinds:
-            variance = luck.uniform(0.0, 0.06) ** 2
+            variance = rng.uniform(0.0, 0.06) ** 2
             poor = (variance, 0.0, 0.0, variance, 0.0, variance)
             sample = replace(sample, covariance=PointCovariances(wrist=poor, index=poor, thumb=poor))
         return replace(sample, clock=None) if "clock unknown" in kinds else sample
 
     def _foreign(self, sample: HandArm) -> HandArm:
-        """A sample of somebody else: without a lease, under an old one, or under this one from another session."""
-        number = self._luck.choice([0, sample.lease - 1, sample.lease])
+        """A sample of another operator: without a lease, under an old one, or under this one from another session."""
+        number = self._rng.choice([0, sample.lease - 1, sample.lease])
         return msgspec.structs.replace(sample, session=10**6, lease=number, wrist=(0.5, 0.5, 0.5), seq=10**6)
-
-    def _send(self, sample: HandArm, t_ns: int, extra_ms: float) -> None:
-        self._sent += 1
-        arrival_ns = t_ns + round((self._luck.uniform(1, 15) + extra_ms) * NS_PER_MS)
-        heapq.heappush(self._wire, (arrival_ns, self._sent, sample))
 
     def _acquire(self, session: int, now_ns: int) -> Lease:
         lease = self.leases.acquire(Holder(session, f"operator {session}"), now_ns)
         if not isinstance(lease, Lease):
-            raise TypeError(lease.sentence)  # nobody else holds one
+            raise TypeError(lease.sentence)  # no other site holds one
         return lease
 
 

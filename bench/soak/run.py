@@ -72,7 +72,7 @@ def soak(make: MakeRobot, seconds: float, seed: int = SEED) -> dict[str, float]:
         "engagements": float(engagements),
         "fraction of time engaged": states.count(SessionState.ENGAGED) / len(states),
         "robot faults seen": float(sum(world.ticks.faults.values())),
-        "control stalls": float(world.ticks.stalls),
+        "control stalls": float(world.timer.stalls),
         "late driver calls": float(world.driver.injected["late"]),
         **{f"wire: {kind}": float(count) for kind, count in world.operator.happened.items()},
         **dynamics(world, log),

@@ -13,7 +13,8 @@ from common.clock import NS_PER_MS, NS_PER_S, FakeClock
 from common.messages.requests import EngagementAction
 from common.messages.robot import SessionState
 from remote_site.config import RemoteConfig
-from remote_site.drivers.driver import Driver
+from remote_site.drivers.driver import Driver, DriverSetup
+from remote_site.drivers.faults import RobotFault
 from remote_site.drivers.link import DriverLink
 from remote_site.drivers.memory import DriverMemory
 from remote_site.drivers.supervisor.grip import GripWatch
@@ -43,95 +44,127 @@ MakeRobot = Callable[[RemoteConfig], tuple[FakeClock, Driver]]
 
 @dataclass
 class Ticks:
-    """What control decided: when, in which state, and when the sample it obeyed was born, 0 while it obeyed none."""
+    """What control decided: when, in which state, and when the obeyed sample was captured, 0 while it obeyed none."""
 
     t_ns: list[int] = field(default_factory=list)
     states: list[SessionState] = field(default_factory=list)
     born_ns: list[int] = field(default_factory=list)
     faults: Counter[str] = field(default_factory=Counter)
-    stalls: int = 0
     engagements: int = 0
+    _last_fault: str = ""
+
+    def append(self, now_ns: int, snapshot: Snapshot, fault: RobotFault | None) -> None:
+        """Record a tick; a fault counts once, however long it lasts."""
+        self.t_ns.append(now_ns)
+        self.states.append(snapshot.state)
+        self.born_ns.append(snapshot.obeys.born_ns if snapshot.obeys is not None else 0)
+        self.engagements = snapshot.engagements
+        code = fault.code.value if fault is not None and not fault.calm else ""
+        if code and code != self._last_fault:
+            self.faults[code] += 1
+        self._last_fault = code
+
+
+class StallingTimer:
+    """The deadlines of control's ticks: on time, but for pauses at random, counted in `stalls`."""
+
+    def __init__(self, rng: Random, clock: FakeClock) -> None:
+        self._rng, self._clock = rng, clock
+        self._rate = Rate(CONFIG.control.rate_hz, clock, least_fraction=LEAST_FRACTION)
+        self.due_ns = self._rate.next_ns
+        self.stalls = 0
+
+    def wait(self) -> int:
+        """Let time pass until the next tick; its time."""
+        self._clock.sleep_until_ns(self.due_ns)
+        self._rate.wait()
+        return self._clock.now_ns()
+
+    def schedule(self) -> None:
+        """Choose when the next tick is due."""
+        self.due_ns = self._rate.next_ns + self._stall_ns()
+
+    def _stall_ns(self) -> int:
+        """How late control is for its next deadline."""
+        if self._rng.random() * TICKS_PER_STALL > 1.0:
+            return 0
+        self.stalls += 1
+        long = self._rng.random() < LONG_FRACTION
+        return round(self._rng.uniform(*(LONG_STALL_MS if long else STALL_MS)) * NS_PER_MS)
+
+
+class SteppedDriverProcess:
+    """The driver's process on stepped time: `next_ns` is when its next turn is due."""
+
+    def __init__(self, driver: Driver, setup: DriverSetup, memory: DriverMemory, rng: Random, clock: FakeClock) -> None:
+        self._supervisor = DriverSupervisor(driver, setup, clock, memory.busy, GripWatch(grip_settings(CONFIG)))
+        self._loop = DriverLoop(self._supervisor, memory, clock)
+        self._rng, self._clock = rng, clock
+        self.next_ns = clock.now_ns()
+
+    def turn(self) -> None:
+        """Run one turn; the next is due after a short pause, or as soon as the supervisor has something to write."""
+        self._loop.turn()
+        now_ns = self._clock.now_ns()
+        self.next_ns = now_ns + TURN_NS + round(self._rng.uniform(0, 0.3) * NS_PER_MS)
+        if self._supervisor.due_ns is not None:
+            self.next_ns = min(self.next_ns, max(self._supervisor.due_ns, now_ns))
+
+    def wake(self) -> None:
+        """Make the next turn due now."""
+        self.next_ns = self._clock.now_ns()
 
 
 class World:
     """One arm from operator to robot; `run` lets time pass."""
 
     def __init__(self, make: MakeRobot, seed: int) -> None:
-        self._luck = Random(seed)  # noqa: S311  # what goes wrong is no secret
+        self._rng = Random(seed)  # noqa: S311  # the faults need not be secret
         self.clock, driver = make(CONFIG)
         robot, begin_ns = CONFIG.robot, self.clock.now_ns()
         self.model, self.limits = load_arm(robot)
-        self.driver = FaultInjectingDriver(driver, self._luck, self.clock, self._only_control)
+        self.driver = FaultInjectingDriver(driver, self._rng, self.clock, self._run_control)
         setup, memory = setup_of(CONFIG), DriverMemory.create(len(robot.start_deg))
         self.driver.configure(setup)
-        self._supervisor = DriverSupervisor(
-            self.driver, setup, self.clock, memory.busy, GripWatch(grip_settings(CONFIG))
-        )
-        self._driver_loop, link = (
-            DriverLoop(self._supervisor, memory, self.clock),
-            DriverLink(memory, self.limits, self.clock),
-        )
-        self.operator = RandomOperator(self._luck, LeaseServer(FOR_EVER_NS, 1), begin_ns)
+        self._process = SteppedDriverProcess(self.driver, setup, memory, self._rng, self.clock)
+        link = DriverLink(memory, self.limits, self.clock)
+        self.operator = RandomOperator(self._rng, LeaseServer(FOR_EVER_NS, 1), begin_ns)
         self._driven = DrivenPipeline(TeleopPipeline(CONFIG, self.model, self.limits), link)
-        self.ticks, self._last_fault = Ticks(), ""
-        self._rate = Rate(CONFIG.control.rate_hz, self.clock, least_share=LEAST_FRACTION)
-        self._control_ns = self._rate.next_ns
-        self._turn_ns, self._ask_ns = begin_ns, begin_ns + ASK_NS
+        self.ticks, self.timer = Ticks(), StallingTimer(self._rng, self.clock)
+        self._ask_ns = begin_ns + ASK_NS
         link.activate(robot.start)
 
     def run(self, seconds: float) -> None:
-        """Let so much time pass."""
+        """Let this much time pass."""
         end_ns = self.clock.now_ns() + round(seconds * NS_PER_S)
         while self.clock.now_ns() < end_ns:
-            if self._control_ns <= self._turn_ns:
-                self._only_control(self._control_ns)
+            if self.timer.due_ns <= self._process.next_ns:
+                self._run_control(self.timer.due_ns)
             else:
-                self.clock.sleep_until_ns(self._turn_ns)
+                self.clock.sleep_until_ns(self._process.next_ns)
             ticks = len(self.ticks.t_ns)
-            self._driver_loop.turn()  # every order wakes the driver's process, also one that came while a call was late
-            pause_ns = TURN_NS + round(self._luck.uniform(0, 0.3) * NS_PER_MS)
-            self._turn_ns = self.clock.now_ns() + (pause_ns if len(self.ticks.t_ns) == ticks else 0)
-            if self._supervisor.due_ns is not None:
-                self._turn_ns = min(self._turn_ns, max(self._supervisor.due_ns, self.clock.now_ns()))
+            self._process.turn()
+            if len(self.ticks.t_ns) > ticks:  # every order wakes the process, also one that came while a call was late
+                self._process.wake()
 
-    def _only_control(self, until_ns: int) -> None:
-        """Let time pass for everybody but the driver's process."""
-        while self._control_ns <= until_ns:
-            self.clock.sleep_until_ns(self._control_ns)
-            self._rate.wait()
-            self._tick(self.clock.now_ns())
-            self._control_ns = self._rate.next_ns + self._stall_ns()
+    def _run_control(self, until_ns: int) -> None:
+        """Let time pass for everything but the driver's process."""
+        while self.timer.due_ns <= until_ns:
+            self._tick(self.timer.wait())
+            self.timer.schedule()
         self.clock.sleep_until_ns(until_ns)
-
-    def _stall_ns(self) -> int:
-        """How late control will be for its next deadline."""
-        if self._luck.random() * TICKS_PER_STALL > 1.0:
-            return 0
-        self.ticks.stalls += 1
-        long = self._luck.random() < LONG_FRACTION
-        return round(self._luck.uniform(*(LONG_STALL_MS if long else STALL_MS)) * NS_PER_MS)
 
     def _tick(self, now_ns: int) -> None:
         leases = self.operator.leases
         samples = self.operator.arrived(now_ns)
-        self._note(now_ns, self._driven.cycle(now_ns, leases.status(now_ns), samples, self._requests(now_ns)))
+        snapshot = self._driven.cycle(now_ns, leases.status(now_ns), samples, self._requests(now_ns))
+        self.ticks.append(now_ns, snapshot, self._driven.report.fault)
 
     def _requests(self, now_ns: int) -> list[SessionRequest]:
-        """Now and then somebody resets the arm, and the lease's holder asks to engage."""
+        """From time to time the lease's holder resets the arm and asks to engage."""
         lease = self.operator.leases.current(now_ns)
         if (self.ticks.states and self.ticks.states[-1] in FOLLOWING) or now_ns < self._ask_ns or lease is None:
             return []
-        self._ask_ns = now_ns + ASK_NS + round(self._luck.uniform(0, 500) * NS_PER_MS)
+        self._ask_ns = now_ns + ASK_NS + round(self._rng.uniform(0, 500) * NS_PER_MS)
         actions = (EngagementAction.RESET, EngagementAction.ENGAGE)
         return [SessionRequest(action, lease.holder.name) for action in actions]
-
-    def _note(self, now_ns: int, snapshot: Snapshot) -> None:
-        ticks, fault = self.ticks, self._driven.report.fault
-        ticks.t_ns.append(now_ns)
-        ticks.states.append(snapshot.state)
-        ticks.born_ns.append(snapshot.obeys.born_ns if snapshot.obeys is not None else 0)
-        ticks.engagements = snapshot.engagements
-        code = fault.code.value if fault is not None and not fault.calm else ""
-        if code and code != self._last_fault:
-            ticks.faults[code] += 1
-        self._last_fault = code

@@ -49,7 +49,7 @@ class _Answer(msgspec.Struct, frozen=True):
 
 
 def install(environment: Path = ENVIRONMENT) -> Path:
-    """The Python of an environment with MediaPipe, made once; UnavailableError says why there is none."""
+    """The Python of an environment with MediaPipe, made once; UnavailableError states why not."""
     python, ready = environment / "bin/python", environment / f"ready-{VERSION}"
     if not ready.exists():
         shutil.rmtree(environment, ignore_errors=True)

@@ -80,7 +80,7 @@ class Viewer:
         self._views: dict[str, _LinkedView] = {}
 
     def take(self, frame: VideoFrame, now_ns: int) -> None:
-        """A picture has arrived; it replaces one that still waits."""
+        """Take a picture that has arrived; it replaces one that still waits."""
         view = self._views.setdefault(frame.camera, _LinkedView(frame, frame))
         view.came = view.waiting = frame
         view.came_ns.append(now_ns)
@@ -146,7 +146,7 @@ class StreamRun:
             shown = self.viewer.shown(self.now_ns)
             if self._reports and self.now_ns % REPORT_NS == 0 and shown:
                 report = ViewsShown(session=1, lease=0, sent_ns=self.now_ns, views=shown)
-                self.adaptation.hear(report, self.now_ns)
+                self.adaptation.update(report, self.now_ns)
         return self.viewer.painted[before:]
 
     def _expose(self) -> None:

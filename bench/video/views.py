@@ -85,7 +85,7 @@ def filmed(render: Callable[[Array], Image], posture: Array) -> list[Image]:
 
 
 def carried(config: VideoConfig, pictures: Pictures, mbit_s: float) -> dict[str, float]:
-    """What arrives of noisy pictures through a link, beside the same link to which all is sent as it is."""
+    """What arrives of noisy pictures through a link, beside the same link without adaptation."""
 
     def picture(camera: str, seq: int, setting: StreamSetting) -> bytes:
         images = pictures[camera]

@@ -81,7 +81,7 @@ def examine_machine() -> list[Finding]:
 
 def examine_remote(config: RemoteConfig) -> list[Finding]:
     """Certificate, robot, views and ports of the robot's side."""
-    findings = _examine_links(config.links, config.links.places, Identity(Role.REMOTE, config.cell))
+    findings = _examine_links(config.links, config.links.endpoints, Identity(Role.REMOTE, config.cell))
     findings += site.check_robot(config.robot.model, config.driver.name, site_probing.probe_robot(config))
     if config.views_are_simulated:
         findings.append(machine.check_rendering(machine_probing.probe_rendering()))

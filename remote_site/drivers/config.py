@@ -30,7 +30,7 @@ class DriverConfig(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fie
         Meta(
             ge=8,
             le=1000,
-            description="without a command for so long, the robot has to be activated again, ms; its stop begins after "
+            description="time without a command after which the robot has to be activated again, ms; it stops after "
             "three missed ticks",
         ),
     ] = 500.0

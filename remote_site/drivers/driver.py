@@ -47,7 +47,7 @@ class GripperReading:
 class RobotReading:
     """The robot as measured at `t_ns`: joints in rad and rad/s, the gripper if there is one.
 
-    `fault` says why the robot cannot take commands, None while it can. `obeyed_seq` is the newest command that has
+    `fault` is why the robot cannot take commands, None while it can. `obeyed_seq` is the newest command that has
     reached the robot's motion, None before the first.
     """
 
@@ -68,8 +68,8 @@ class RobotReading:
 class Capabilities:
     """What a robot can do: commands per second it takes, and joints, None for any number.
 
-    `gripper` and `force`: it has one, and measures its force. `watchdog_ms`: after so long a silence of its driver the
-    robot stops by itself, None when it does not. `queued_periods`: how many periods its motion lags behind commands.
+    `gripper` and `force`: it has one, and measures its force. `watchdog_ms`: without a call for this long the robot
+    stops by itself, None when it does not. `queued_periods`: how many periods its motion lags behind commands.
     """
 
     rate_hz: float
@@ -80,7 +80,7 @@ class Capabilities:
     queued_periods: int = 0
 
     def __post_init__(self) -> None:
-        """DriverError for what no robot has."""
+        """Raise DriverError for values that no robot has."""
         if not (math.isfinite(self.rate_hz) and self.rate_hz > 0):
             raise DriverError(f"rate_hz is {self.rate_hz}; give the commands a second that the robot takes, above 0")
 
@@ -100,13 +100,13 @@ class DriverSetup:
 
 
 class Driver(Protocol):
-    """A robot, real or simulated; DriverError says why a call is refused, and no call takes longer than 50 ms.
+    """A robot, real or simulated; DriverError states why a call is refused, and no call takes longer than 50 ms.
 
     `configure` comes once. `activate` makes the robot take commands from rest at `q0`; the `fault` of `read` shows when
-    it does. `read` raises while nothing has been measured. `write` hands on a motion that the driver's process has
-    checked, and returns what was really sent. `stop` brings the robot to rest at once and may be repeated; then only a
-    new activation moves it. A fault that one reading shows is kept by the driver's process until the next activation.
-    `deactivate` ends it all.
+    it does. `read` raises while nothing has been measured. `write` sends a motion that the driver's process has
+    checked, and returns what was really sent. `stop` brings the robot to rest immediately and may be repeated; then
+    only a new activation moves it. A fault that one reading shows is kept by the driver's process until the next
+    activation. `deactivate` ends it all.
     """
 
     @property

@@ -1,4 +1,4 @@
-"""Why a robot takes no commands: every fault's code, and whether it only says that nobody has activated the robot."""
+"""Why a robot takes no commands: every fault's code, and whether the robot only waits to be activated."""
 
 from dataclasses import dataclass
 from enum import StrEnum

@@ -35,7 +35,7 @@ class KinematicDriver:
         self._setup = setup
 
     def activate(self, q0: Array) -> None:
-        """Stand at `q0` and take commands from there."""
+        """Rest at `q0` and take commands from there."""
         if self._setup is None:
             raise DriverError("configure the kinematic driver before it is activated")
         motion = JointMotion.at_rest(q0)

@@ -61,7 +61,7 @@ class SimulatedDriver:
         self._configured = True
 
     def activate(self, q0: Array) -> None:
-        """Ask the controller to take setpoints from rest at `q0`; `ready` says when it does."""
+        """Ask the controller to take setpoints from rest at `q0`; a later reading shows when it does."""
         reading = self._memory.reading.read()
         if not self._configured:
             raise DriverError("configure the simulated driver before it is activated")
@@ -90,7 +90,7 @@ class SimulatedDriver:
         )
 
     def write(self, command: JointCommand) -> JointCommand:
-        """Put a setpoint before the controller; DriverError before activation and after any stop."""
+        """Write a setpoint for the controller; DriverError before activation and after any stop."""
         record, reading = self._command, self._memory.reading.read()
         if not record["run"]:
             raise DriverError("the simulated arm is stopped; activate it before it is commanded")

@@ -121,8 +121,8 @@ class DifferentialInverse:
         for q, dq, joint in zip(last.q.tolist(), last.dq.tolist(), self._joints, strict=True):
             lower, upper, far, fastest, acceleration, jerk = joint
             change = ACCELERATE * dt * acceleration
-            down = fastest if q - lower > far else _gently(q - lower, fastest, acceleration, jerk)
-            up = fastest if upper - q > far else _gently(upper - q, fastest, acceleration, jerk)
+            down = fastest if q - lower > far else _approach_speed(q - lower, fastest, acceleration, jerk)
+            up = fastest if upper - q > far else _approach_speed(upper - q, fastest, acceleration, jerk)
             lowest.append(min(max(dq - change, -down), up))
             highest.append(min(max(dq + change, -down), up))
         return np.array(lowest), np.array(highest)
@@ -134,11 +134,11 @@ class DifferentialInverse:
         return inside
 
 
-def _gently(room: float, fastest: float, acceleration: float, jerk: float) -> float:
-    """The highest speed towards its limit from which a joint with `room` rad left can stop; negative beyond it."""
-    if room <= 0.0:
-        return max(RETURN_S * room, -fastest)
-    return min(NEAR_LIMITS * stoppable(room, acceleration, jerk), RETURN_S * room, fastest)
+def _approach_speed(distance: float, fastest: float, acceleration: float, jerk: float) -> float:
+    """The highest speed towards its limit from which a joint with `distance` rad left can stop; negative beyond it."""
+    if distance <= 0.0:
+        return max(RETURN_S * distance, -fastest)
+    return min(NEAR_LIMITS * stoppable(distance, acceleration, jerk), RETURN_S * distance, fastest)
 
 
 def _rate(off: float, braking: float) -> float:

@@ -46,12 +46,12 @@ class JointLimits:
         return replace(self, velocity=self.velocity * scale)
 
 
-def stoppable(room: float, acceleration: float, jerk: float) -> float:
-    """The speed in rad/s from which a joint without acceleration stops within `room` rad; 0 where there is none."""
-    room = max(room, 0.0)
+def stoppable(distance: float, acceleration: float, jerk: float) -> float:
+    """The speed in rad/s from which a joint without acceleration stops within `distance` rad; 0 for negative ones."""
+    distance = max(distance, 0.0)
     ramp = acceleration * acceleration / (2 * jerk)
-    gentle = math.cbrt(room * room * jerk)
-    return gentle if gentle <= 2 * ramp else math.sqrt(ramp * ramp + 2 * acceleration * room) - ramp
+    gentle = math.cbrt(distance * distance * jerk)
+    return gentle if gentle <= 2 * ramp else math.sqrt(ramp * ramp + 2 * acceleration * distance) - ramp
 
 
 def _positions(model: ArmModel, config: RobotConfig) -> tuple[Array, Array]:

@@ -66,7 +66,7 @@ class MotionPlanner:
         if isinstance(proposed, Reason):
             self._hindrance = proposed
             return self.stop(sent)
-        tempered = self._avoidance.temper(proposed, sent, aside.near) if aside.near else proposed
+        tempered = self._avoidance.temper(proposed, sent, aside.close_pairs) if aside.close_pairs else proposed
         if tempered is None:
             return self.stop(sent)
         verdict = self._guard.check(tempered, sent)

@@ -19,7 +19,7 @@ Numbers = list[float]
 
 
 class Bounds(Protocol):
-    """What a predicted target must keep to."""
+    """The bounds of a predicted target."""
 
     def clamp(self, q: Numbers, dq: Numbers) -> tuple[Numbers, Numbers]:
         """Position and velocity within the bounds."""

@@ -26,7 +26,7 @@ class ToolSample:
     """A target of the tool from one hand sample.
 
     `base_T_target` (4 x 4) holds for the time `t_ns` and is known since `now_ns`; `elbow` is the operator's from the
-    wrist (3,) in m in the base's axes, None while it is not seen; `leashed` says why the leash holds the target (then
+    wrist (3,) in m in the base's axes, None while it is not seen; `leashed` is why the leash holds the target (then
     it moves only with the arm), None while it does not.
     """
 
@@ -40,7 +40,7 @@ class ToolSample:
 class TargetTracker(Protocol):
     """Turns targets of the tool into targets of the joints.
 
-    `aim` takes a new target for an arm at `q` (n,) rad; the answer says why it cannot be reached.
+    `aim` takes a new target for an arm at `q` (n,) rad; the answer is why it cannot be reached.
     `at` is asked once per tick: the joints' target (n,) in rad and its velocity in rad/s, for an arm at `q`.
     """
 

@@ -69,12 +69,12 @@ def run_remote(config: RemoteConfig, should_stop: StopFlag, log_format: LogForma
         ready = not should_stop()
         if ready:
             notify("READY=1")
-            log.info("ready", cell=config.cell, driver=config.driver.name, control=config.links.heard_at)
+            log.info("ready", cell=config.cell, driver=config.driver.name, control=config.links.control_endpoint)
         _watch(children, CertificateValidity(config.links.tls), should_stop)
         marker.clear()
     except FarhandError as error:
         if not (ready or crashed):
-            marker.clear()  # nothing has moved, and this run left the only mark
+            marker.clear()  # nothing has moved, and this run left the only marker
         log.error("ending", reason=str(error))
         raise
     finally:
@@ -85,7 +85,7 @@ def run_remote(config: RemoteConfig, should_stop: StopFlag, log_format: LogForma
 def _check_start(config: RemoteConfig) -> None:
     """FarhandError for what would otherwise fail later, in a process of the site."""
     links, served = config.links, (config.metrics.endpoint,) if config.metrics.port else ()
-    check_links(links.places, links, Identity(Role.REMOTE, config.cell))
+    check_links(links.endpoints, links, Identity(Role.REMOTE, config.cell))
     for endpoint in (*links.listened, *served):
         check_free(endpoint, links)
     check_driver(config.driver.name)
@@ -158,9 +158,9 @@ def _video(
 
 
 def _metrics(config: RemoteConfig, tally: VideoTally, should_stop: StopFlag, heartbeat: Heartbeat) -> None:
-    from common.process.metrics import run_metrics  # noqa: PLC0415  # only who asks for figures waits for it
+    from common.process.metrics import run_metrics  # noqa: PLC0415  # loaded only where figures are requested
     from remote_site.runtime.figures import RemoteFigures  # noqa: PLC0415  # the same
 
     port, figures = config.metrics.port, RemoteFigures(tally)
     links, beat = config.links, heartbeat.beat
-    run_metrics(port, links.heard_at, STATE, config.cell, figures, should_stop, beat, links)
+    run_metrics(port, links.control_endpoint, STATE, config.cell, figures, should_stop, beat, links)

@@ -54,7 +54,7 @@ def check_robot(config: RemoteConfig) -> None:
 
 
 def find_mistakes(config: RemoteConfig) -> list[StartupMistake]:
-    """What would end a process of the site that loads the arm; parts that need a broken one are not looked at."""
+    """What would end a process of the site that loads the arm; parts that need a broken one are not checked."""
     loading, robot = _Loading(), config.robot
     loading.load("mapping", "correct the table [mapping]", lambda: make_mapping(config.mapping))
     model = loading.load("robot", "correct robot.model and robot.tool_frame, or that URDF", lambda: _model(robot))

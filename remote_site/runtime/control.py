@@ -64,7 +64,7 @@ def run_control(
         gc.freeze()
         # from here on the driver counts the time without a command
         _activate(driver, config, should_stop)
-        rate = Rate(config.control.rate_hz, clock, least_share=LEAST_FRACTION)
+        rate = Rate(config.control.rate_hz, clock, least_fraction=LEAST_FRACTION)
         reporter = Reporter(link.publisher(STATE, config.cell), shared_lease, config, rate, real_time=real_time)
         refusals = RefusalLog()
         server = RequestServer(link, description, leases, clock, refusals.note)

@@ -42,7 +42,7 @@ class RemoteFigures:
         self._state, self._received_ns = state, now_ns
 
     def families(self, now_ns: int) -> Iterator[Metric]:
-        """All figures as they are at this time; without a state, those of the video only."""
+        """All figures at this time; without a state, those of the video only."""
         yield from self._of_video(now_ns)
         state = self._state
         if state is None:

@@ -1,4 +1,4 @@
-"""A fixed-rate loop on absolute deadlines: lateness recorded, overruns counted, never caught up in a burst."""
+"""A fixed-rate loop on absolute deadlines: lateness recorded, overruns counted, no burst after a delay."""
 
 from collections import deque
 from collections.abc import Sequence
@@ -11,13 +11,13 @@ LATENESS_SAMPLES = 4096
 class Rate:
     """Paces a loop at `hz`; a deadline missed by a whole period is counted and skipped.
 
-    After a late wake-up the next comes no sooner than `least_share` of a period: its deadline, and so all that follow,
-    are put off. `next_ns` is the next deadline.
+    After a late wake-up the next comes no sooner than `least_fraction` of a period: its deadline and all later ones
+    are postponed. `next_ns` is the next deadline.
     """
 
-    def __init__(self, hz: float, clock: Clock, *, least_share: float = 0.0) -> None:
+    def __init__(self, hz: float, clock: Clock, *, least_fraction: float = 0.0) -> None:
         self.period_ns = round(NS_PER_S / hz)
-        self._least_ns = round(least_share * self.period_ns)
+        self._least_ns = round(least_fraction * self.period_ns)
         self._clock = clock
         self._start_ns = clock.now_ns()
         self._deadline_ns = self._start_ns

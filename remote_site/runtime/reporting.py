@@ -17,7 +17,7 @@ from remote_site.config import RemoteConfig
 from remote_site.kinematics.limits import load_arm
 from remote_site.runtime.driven_pipeline import DrivenPipeline
 from remote_site.runtime.rate import Rate
-from remote_site.runtime.shared_lease import NOBODY, SharedLease
+from remote_site.runtime.shared_lease import NO_LEASE, SharedLease
 from remote_site.runtime.tracing import Tracing
 from remote_site.runtime.transition_log import TransitionLog
 from remote_site.safety.collision import CollisionModel
@@ -30,7 +30,7 @@ STATES_PER_TIMING = 50  # ordering thousands of latenesses does not belong in ev
 
 
 class Reporter:
-    """Publishes RobotState with the times of the obeyed samples, and shares which lease is in force."""
+    """Publishes RobotState with the times of the obeyed samples, and shares the number of the lease in force."""
 
     def __init__(
         self,
@@ -68,7 +68,7 @@ class Reporter:
         if self._seq % STATES_PER_TIMING == 0:
             self._timing = self._measured_timing()
         lease, report = _lease(snapshot.lease), driven.report
-        self._shared_lease.show(lease.number if lease is not None else NOBODY)
+        self._shared_lease.show(lease.number if lease is not None else NO_LEASE)
         answer = snapshot.readiness
         self._publisher.put(
             RobotState(

@@ -65,7 +65,7 @@ class RequestServer:
 
 
 def answer_lease(leases: LeaseServer, request: LeaseRequest, now_ns: int) -> LeaseReply:
-    """Do what a local site asks of the lease, and say whose it is now."""
+    """Carry out a local site's request about the lease; the reply names the holder."""
     outcome = _act(leases, request, now_ns)
     current = leases.current(now_ns)
     own = current if current is not None and current.holder.session == request.session else None
@@ -101,7 +101,7 @@ def _done(action: LeaseAction, current: Lease | None) -> Reason:
 
 
 def describe(config: RemoteConfig, model: ArmModel, limits: JointLimits, state_hz: float) -> Description:
-    """What a local site has to know of this cell; limits are those in force."""
+    """The description of this cell for local sites; limits are those in force."""
     bounds = zip(limits.names, limits.lower.tolist(), limits.upper.tolist(), limits.velocity.tolist(), strict=True)
     video, cell, tool_T_tcp = config.video, config.simulation, config.robot.tool_T_tcp
     links, last_T_tool = model.geometry()

@@ -29,7 +29,7 @@ class _UnderWay:
 
 
 class Tracing:
-    """Keeps the samples under way; `traced` is the newest that the encoders have shown.
+    """Keeps the samples in transit; `traced` is the newest that the encoders have shown.
 
     They have shown a sample once the measured joints are as far as its first command, along that command's motion. A
     sample that found the arm at rest is not traced.

@@ -1,4 +1,4 @@
-"""Changes of what the remote site does, in the log: each once, however many ticks they last."""
+"""Logs transitions of the remote site: each once, however many ticks it lasts."""
 
 import structlog
 
@@ -21,14 +21,14 @@ class TransitionLog:
 
 
 class FaultLog:
-    """Logs every new fault of the robot that somebody has to look after."""
+    """Logs every new fault of the robot that needs attention."""
 
     def __init__(self) -> None:
         self._last: RobotFault | None = None
 
     def note(self, fault: RobotFault | None) -> None:
         """Note the fault of a turn."""
-        # a refusal is reported to whoever asked, who asks again
+        # a refusal goes to the client, which asks again
         if fault is not None and fault is not self._last and not fault.calm and fault.code is not FaultCode.REFUSED:
             structlog.get_logger().warning(
                 "robot fault", code=fault.code.value, native=fault.native, reason=fault.sentence

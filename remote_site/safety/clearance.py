@@ -15,7 +15,7 @@ POSITION = 1e-9  # m: what rounding may add to a position
 TOLERANCE = 5e-4  # m: a body that moves no further from a checked posture counts as checked
 NOISE = 1e-6  # m: accuracy of a distance
 RETREAT_CHECKS = 12  # instants of a retreat
-HALF_WAY = 0.3  # of the duration of a stop: about half the distance is left
+HALF_TRAVEL = 0.3  # of the duration of a stop: about half the distance is left
 MOST_PARTS = 100  # of one path to rest; a path that needs more is not clear
 Indices = Pairs  # of clearances: 0 is the tool's depth in its box, 1 the clearance of the first pair
 NONE: Indices = np.zeros(0, dtype=np.intp)
@@ -50,8 +50,8 @@ class Workspace:
 class ClearanceCheck:
     """Judges the whole arm's path to rest, not only its ends.
 
-    Nothing moves further than its joints' levers allow; where the clearances in the middle of a part of the path leave
-    room for that, nothing else of the part has to be checked. Clearances count beyond the margin.
+    Nothing moves further than its joints' levers allow; where the clearances in the middle of a part of the path exceed
+    that, the rest of the part needs no check. Clearances count beyond the margin.
     """
 
     def __init__(self, model: ArmModel, workspace: Workspace, collision: CollisionModel) -> None:
@@ -94,7 +94,7 @@ class ClearanceCheck:
             if left is None:
                 return False
             if len(left):
-                half = begin + (HALF_WAY if end == duration else 0.5) * (end - begin)
+                half = begin + (HALF_TRAVEL if end == duration else 0.5) * (end - begin)
                 between = _at(ends, half)
                 parts += [(begin, first, half, between, left), (half, between, end, last, left)]
         return False

@@ -22,8 +22,8 @@ Pairs = NDArray[np.intp]
 
 
 @dataclass(frozen=True, slots=True)
-class Near:
-    """Two bodies that are near each other: `gradient` (n,) is the change of the distance in m per rad of a joint."""
+class ClosePair:
+    """Two bodies close to each other: `gradient` (n,) is the change of the distance in m per rad of a joint."""
 
     names: tuple[str, str]
     distance: float
@@ -61,7 +61,7 @@ class ClearanceCache:
 class CollisionModel:
     """The shortest distances between the links of an arm, and between them and the fixtures of its cell.
 
-    One instance serves one thread. Joints that are not finite are never far from anything: their distance is -inf.
+    One instance serves one thread. For joints that are not finite every distance is -inf.
     """
 
     def __init__(self, model: ArmModel, shapes: pin.GeometryModel, margin_m: float) -> None:
@@ -125,7 +125,7 @@ class CollisionModel:
         """The names of the two bodies that are nearest to each other."""
         return self._names(int(np.argmin(self.distances(q))))
 
-    def nearer_than(self, q: Array, distance: float) -> list[Near]:
+    def pairs_within(self, q: Array, distance: float) -> list[ClosePair]:
         """The pairs nearer than a distance in m at finite `q`, with the gradients of their distances."""
         cache = self._caches.setdefault(distance, ClearanceCache(self.levers))
         if cache.covers(q.tolist(), self._still.tolist()):
@@ -136,7 +136,7 @@ class CollisionModel:
         if not close:
             return []
         jacobian: Array = pin.computeJointJacobians(self._pin_model, self._data, q)
-        return [Near(self._names(k), float(self._known[k]), self._gradient(k, jacobian)) for k in close]
+        return [ClosePair(self._names(k), float(self._known[k]), self._gradient(k, jacobian)) for k in close]
 
     def _bounds(self, q: Array) -> Array:
         """A lower bound of every pair's distance (m,) in m at `q`, by the last measurements and the levers."""

@@ -9,32 +9,32 @@ from common.geometry import Array
 from remote_site.kinematics.joints import JointMotion
 from remote_site.kinematics.limits import JointLimits
 from remote_site.reasons import Code, Reason, reason
-from remote_site.safety.collision import CollisionModel, Near
+from remote_site.safety.collision import ClosePair, CollisionModel
 from remote_site.safety.config import CollisionConfig
 
 SPARE = 4e-3  # m beyond the margin: the joints stop one after the other, and the guard judges that path
 BRAKING = 4.0  # 1/s: nothing approaches by more than this fraction of the clearance per second
 AHEAD_S = 0.03  # an acceleration is judged by the speed that it leads to after this time
-SWEEPS = 20  # of projecting the target onto the allowed side of all near pairs; otherwise it stays
+SWEEPS = 20  # of projecting the target onto the allowed side of all close pairs; otherwise it stays
 TINY = 1e-7  # m
 SOLVED = 1
 
 
 @dataclass(frozen=True, slots=True)
 class AvoidingTarget:
-    """The allowed target: joints (n,) in rad and rad/s, the fraction of the speed, the near pairs, why it changed."""
+    """The allowed target: joints (n,) in rad and rad/s, the fraction of the speed, the close pairs, why it changed."""
 
     q: Array
     dq: Array
     speed: float
-    near: tuple[Near, ...]
+    close_pairs: tuple[ClosePair, ...]
     reason: Reason | None
 
 
 class CollisionAvoidance:
-    """Turns a joint target aside before the guard has to refuse it, so that the arm slides along obstacles.
+    """Deflects a joint target before the guard has to refuse it, so that the arm slides along obstacles.
 
-    Every near pair allows motion on one side of a plane in joint space only; motion away from it is not slowed.
+    Every close pair allows motion on one side of a plane in joint space only; motion away from it is not slowed.
     """
 
     def __init__(self, collision: CollisionModel, config: CollisionConfig, limits: JointLimits, dt: float) -> None:
@@ -47,25 +47,27 @@ class CollisionAvoidance:
 
     def turn_aside(self, q: Array, q_target: Array, dq_target: Array) -> AvoidingTarget:
         """The target for an arm at `q` (n,) rad whose target (n,) rad moves with (n,) rad/s."""
-        near = [pair for pair in self._collision.nearer_than(q, self._config.slow_m) if pair.gradient.any()]
-        if not near:
+        close_pairs = [pair for pair in self._collision.pairs_within(q, self._config.slow_m) if pair.gradient.any()]
+        if not close_pairs:
             return AvoidingTarget(q_target, dq_target, 1.0, (), None)
         ahead = q_target - q
-        speed = min((self._speed(pair) for pair in near if pair.gradient @ ahead < 0.0), default=1.0)
-        clearances = [self._clearance(pair) for pair in near]
-        turned = _beside(ahead, near, clearances)
-        slowed = _beside(dq_target, near, [BRAKING * metres for metres in clearances])
-        why = self._reason(near) if turned is not ahead else None
-        return AvoidingTarget(q + turned, slowed, speed, tuple(near), why)
+        speed = min((self._speed(pair) for pair in close_pairs if pair.gradient @ ahead < 0.0), default=1.0)
+        clearances = [self._clearance(pair) for pair in close_pairs]
+        turned = _beside(ahead, close_pairs, clearances)
+        slowed = _beside(dq_target, close_pairs, [BRAKING * metres for metres in clearances])
+        why = self._reason(close_pairs) if turned is not ahead else None
+        return AvoidingTarget(q + turned, slowed, speed, tuple(close_pairs), why)
 
-    def temper(self, proposed: JointMotion, sent: JointMotion, near: tuple[Near, ...]) -> JointMotion | None:
+    def temper(
+        self, proposed: JointMotion, sent: JointMotion, close_pairs: tuple[ClosePair, ...]
+    ) -> JointMotion | None:
         """The motion nearest to the proposed one that approaches nothing too fast; None if there is none.
 
         Joints that reach a target at different times may leave the path on which they avoid it together.
         """
         dt, limits = self._dt, self._limits
-        rows = np.array([pair.gradient for pair in near])
-        least = np.array([-BRAKING * self._clearance(pair) for pair in near])
+        rows = np.array([pair.gradient for pair in close_pairs])
+        least = np.array([-BRAKING * self._clearance(pair) for pair in close_pairs])
         if (rows @ (proposed.dq + AHEAD_S * proposed.ddq) >= least).all():
             return proposed
         # v = sent.dq + dt (sent.ddq + a) / 2 for the acceleration a at the tick's end, with constant jerk
@@ -74,9 +76,9 @@ class CollisionAvoidance:
             [np.maximum(sent.ddq - dt * limits.jerk, -limits.acceleration), (least - rows @ coast) / (AHEAD_S + dt / 2)]
         )
         highest = np.concatenate(
-            [np.minimum(sent.ddq + dt * limits.jerk, limits.acceleration), np.full(len(near), np.inf)]
+            [np.minimum(sent.ddq + dt * limits.jerk, limits.acceleration), np.full(len(close_pairs), np.inf)]
         )
-        sense = np.concatenate([self._every, np.zeros(len(near), dtype=np.int32)])
+        sense = np.concatenate([self._every, np.zeros(len(close_pairs), dtype=np.int32)])
         ddq, _, status, _ = daqp.solve(self._identity, -proposed.ddq, rows, highest, lowest, sense)
         if status != SOLVED:
             return None
@@ -84,26 +86,26 @@ class CollisionAvoidance:
         q = sent.q + dt * sent.dq + dt**2 / 2 * sent.ddq + dt**3 / 6 * jerk
         return JointMotion(q, coast + dt / 2 * ddq, ddq)
 
-    def _clearance(self, pair: Near) -> float:
+    def _clearance(self, pair: ClosePair) -> float:
         return max(pair.distance - self._stops_at, 0.0)
 
-    def _speed(self, pair: Near) -> float:
+    def _speed(self, pair: ClosePair) -> float:
         config = self._config
         fraction = (pair.distance - config.margin_m) / (config.slow_m - config.margin_m)
         return min(max(fraction, config.slowest), 1.0)
 
     @staticmethod
-    def _reason(near: list[Near]) -> Reason:
-        nearest = min(near, key=lambda pair: pair.distance)
+    def _reason(close_pairs: list[ClosePair]) -> Reason:
+        nearest = min(close_pairs, key=lambda pair: pair.distance)
         first, second = nearest.names
         return reason(Code.OBSTACLE, first=first, second=second, distance_mm=nearest.distance * 1e3)
 
 
-def _beside(step: Array, near: list[Near], clearances: list[float]) -> Array:
+def _beside(step: Array, close_pairs: list[ClosePair], clearances: list[float]) -> Array:
     """The step (n,) without what would use up any pair's clearance in m; the same array if there is nothing."""
     for _ in range(SWEEPS):
         changed = False
-        for pair, metres in zip(near, clearances, strict=True):
+        for pair, metres in zip(close_pairs, clearances, strict=True):
             missing = -metres - float(pair.gradient @ step)
             if missing > TINY:
                 step = step + pair.gradient * (missing / float(pair.gradient @ pair.gradient))

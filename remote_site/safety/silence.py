@@ -5,10 +5,10 @@ from dataclasses import dataclass
 
 @dataclass
 class Silence:
-    """Measures the silence of another side.
+    """Measures how long another process has been silent.
 
-    A listener that pauses itself, as when the whole machine stands still, hears nothing and can blame nobody: after
-    more than `pause_ns` between two looks the silence counts from zero again.
+    A listener that was paused itself, as when the whole machine was suspended, received nothing through no fault of
+    the other: after more than `pause_ns` between two calls the silence counts from zero again.
     """
 
     pause_ns: int

@@ -19,9 +19,9 @@ RETRY_NS = 100 * NS_PER_MS  # between activations that are refused one after the
 class FaultLatch:
     """Passes every new fault of the robot to the session, once; waiting to be activated is not a fault.
 
-    Nor is a silence between control, the driver's process and the robot that found the arm at rest and nobody engaged,
-    as on a machine that starts everything at once: no motion was interrupted. While it lasts the robot is not ready, so
-    nobody can engage.
+    Nor is a timeout between control, the driver's process and the robot while the arm rests disengaged, as on a machine
+    that starts everything at the same time: no motion was interrupted. While it lasts the robot is not ready, so no
+    engagement can begin.
     """
 
     def __init__(self, session: Session) -> None:

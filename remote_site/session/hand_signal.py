@@ -5,7 +5,7 @@ from remote_site.reasons import Code, Reason, reason
 from remote_site.safety.config import SafetyConfig
 from remote_site.session.samples import Accepted, Rejected
 
-REPEATS = (Code.DUPLICATE, Code.OLD)  # they say nothing about the hand
+REPEATS = (Code.DUPLICATE, Code.OLD)  # they do not concern the hand
 CLOCK_TROUBLE = (Code.NO_OFFSET, Code.OLD_OFFSET, Code.FUTURE)  # the age of the hand is unknown
 
 
@@ -20,11 +20,11 @@ class HandSignal:
         self._trouble: Reason | None = None
 
     def restart(self) -> None:
-        """Count from nothing, as for a new local session."""
+        """Reset the count, as for a new local session."""
         self.good, self._born_ns = 0, None
 
     def forget(self) -> None:
-        """Count from nothing, and drop what was wrong before, as for a new lease."""
+        """Reset the count, and drop what was wrong before, as for a new lease."""
         self.restart()
         self._trouble = None
 

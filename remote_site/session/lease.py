@@ -24,7 +24,7 @@ class Lease:
 
 @dataclass(frozen=True, slots=True)
 class LeaseStatus:
-    """The lease in force, and who waits for the holder's consent to take it over; None for nobody."""
+    """The lease in force, and who waits for the holder's consent to take it over; each None if there is none."""
 
     lease: Lease | None = None
     asker: Holder | None = None
@@ -45,7 +45,7 @@ class LeaseServer:
         self._asked_until_ns = 0
 
     def current(self, now_ns: int) -> Lease | None:
-        """The lease in force, None when nobody holds one."""
+        """The lease in force, None without one."""
         return self._lease if self._lease is not None and now_ns < self._lease.expires_ns else None
 
     def asker(self, now_ns: int) -> Holder | None:
@@ -57,7 +57,7 @@ class LeaseServer:
         return LeaseStatus(self.current(now_ns), self.asker(now_ns))
 
     def acquire(self, asker: Holder, now_ns: int) -> Lease | Reason:
-        """A new lease if nobody else holds one; the holder's own is renewed. A refusal names the holder."""
+        """A new lease if no other site holds one; the holder's own is renewed. A refusal names the holder."""
         current = self.current(now_ns)
         if current is None:
             return self._grant(asker, now_ns)
@@ -72,7 +72,7 @@ class LeaseServer:
         return self._extend(held, now_ns) if isinstance(held, Lease) else held
 
     def release(self, number: int, session: int, now_ns: int) -> Lease | Reason:
-        """End the lease, which comes back; a refusal when it is not in force."""
+        """End the lease and return it; a refusal when it is not in force."""
         held = self.in_force(number, session, now_ns)
         if isinstance(held, Lease):
             self._lease = None

@@ -113,7 +113,7 @@ class Session:
             self._leave(_latched(result.reason))
 
     def request_engage(self, now_ns: int, robot: Robot) -> Answer:
-        """Engage at the next tick, or say what is missing."""
+        """Engage at the next tick, or state what is missing."""
         if self.state in FOLLOWING:
             return Answer(True, self._reason)
         missing = self._barred() or self._missing(now_ns, robot)
@@ -146,7 +146,7 @@ class Session:
         self._intent.end()
 
     def clear_fault(self) -> None:
-        """Leave a fault behind; a stop stays in force."""
+        """Clear a fault; a stop stays in force."""
         if self.state is SessionState.FAULT:
             self.state, self._reason = SessionState.DISENGAGED, self._stopped or reason(Code.NOT_ENGAGED)
 
@@ -180,7 +180,7 @@ class Session:
         return self._engaged(now_ns, robot)
 
     def _see_intent(self, held: bool | None) -> None:
-        """Releasing the key or pedal ends the engagement at once."""
+        """Releasing the key or pedal ends the engagement immediately."""
         if held is not None and self._intent.released(held) and self.state in FOLLOWING:
             self._leave(reason(Code.LET_GO, input=self._intent.input))
             self._intent.released(held)

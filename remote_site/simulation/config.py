@@ -13,7 +13,7 @@ PerJoint = tuple[Annotated[float, Meta(ge=0)], ...]
 
 
 class ArmConfig(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
-    """What a URDF does not say about the arm; one value per joint."""
+    """What a URDF does not state about the arm; one value per joint."""
 
     armature_kg_m2: Annotated[PerJoint, Meta(description="inertia of motor and gear, felt at the joint")] = (
         0.4,

@@ -12,7 +12,7 @@ FINGERS = 2
 
 
 def setup_dtype(joints: int) -> np.dtype[np.void]:
-    """What the driver demands: after how long a silence the controller stops, within which limits, how firm a grip."""
+    """The driver's setup of the controller: its command time-out, the limits of its stop, and the grip force."""
     return np.dtype(
         [
             ("timeout_ns", np.int64),
@@ -42,7 +42,7 @@ def command_dtype(joints: int) -> np.dtype[np.void]:
 def reading_dtype(joints: int) -> np.dtype[np.void]:
     """What the robot controller measured at `t_ns`; `obeyed_ns` is when it took `obeyed_seq`, 0 before the first.
 
-    `fault` is a `ControllerFault`; `resting` says that no motion is under way.
+    `fault` is a `ControllerFault`; `resting` is whether no motion is under way.
     """
     return np.dtype(
         [
@@ -78,6 +78,6 @@ class CellMemory:
 
     @classmethod
     def create(cls, joints: int) -> Self:
-        """Empty records for an arm of so many joints."""
+        """Empty records for an arm of this many joints."""
         kinds = (setup_dtype, command_dtype, reading_dtype, snapshot_dtype)
         return cls(*(SharedRecord(kind(joints)) for kind in kinds))

@@ -50,7 +50,7 @@ class CycleInput(NamedTuple):
 class Snapshot(NamedTuple):
     """The pipeline after a cycle, for reports and replies.
 
-    `reason` says why the state is what it is, `obeys` is the sample that the motion follows, `target` the tool's target
+    `reason` explains the state, `obeys` is the sample that the motion follows, `target` the tool's target
     `base_T_tool` (4 x 4), `answers` belong to the cycle's requests in their order, `rejected` counts refused samples.
     """
 
@@ -71,7 +71,7 @@ class Snapshot(NamedTuple):
 
 
 class Command(NamedTuple):
-    """What the driver is to do: be activated at rest at `activate_at` (n,) rad, or else go on to `motion`.
+    """What the driver is to do: be activated at rest at `activate_at` (n,) rad, or else follow `motion`.
 
     Only a robot that takes commands is given the motion; the guard has passed it in any case. The `snapshot` describes
     the pipeline after the cycle.

@@ -7,10 +7,11 @@ from typing import Protocol, Self
 import numpy as np
 
 from common.errors import ConfigError
-from common.geometry import Array, rotation_from_vector, transform, unwound, vector_from_rotation
+from common.geometry import Array, transform
 from common.messages.base import Vector3
 from common.messages.hand import Intent
 from remote_site.teleop.config import LocksConfig, MappingConfig
+from remote_site.teleop.rotation_mapping import RotationMapping
 
 PROPER = 1e-6
 NO_LOCKS = LocksConfig()
@@ -47,7 +48,7 @@ class Steering:
 
     @classmethod
     def of(cls, intent: Intent) -> Self:
-        """What the operator's intent says."""
+        """The settings in the operator's intent."""
         return cls(intent.clutch_count, intent.scale, intent.rotation_scale, intent.locks)
 
 
@@ -55,40 +56,35 @@ class Mapping:
     """Moves the tool as the hand has moved since its reference, in the robot's world axes (thesis section 4.2).
 
     While the hand shows no orientation (thumb hidden, hand open) the tool keeps its own; when the orientation is back,
-    the hand's rotation counts from there, so the tool never swings. Whatever the operator steers, the target goes on
-    from where it is.
+    the hand's rotation counts from there, so the tool never swings. A change of the settings never moves the target.
     """
 
     def __init__(self, config: MappingConfig) -> None:
         self._base_R_operator = _proper_rotation(config)
         self._config = config
+        self._rotation = RotationMapping(self._base_R_operator)
         self._apply(Steering())
         self.engage(np.zeros(3), None, np.eye(4))
 
     def engage(self, hand_in_operator: Array, operator_R_hand: Array | None, base_T_tool: Array) -> None:
         """Capture both origins: from here the target is `base_T_tool` plus the hand's motion."""
-        self._offset = base_T_tool[:3, 3] - self._ways @ hand_in_operator
-        self._origin = self._turned = base_T_tool[:3, :3].copy()
-        self._refer(operator_R_hand)
+        self._offset = base_T_tool[:3, 3] - self._gain @ hand_in_operator
+        self._rotation.engage(operator_R_hand, base_T_tool[:3, :3])
 
     def steer(
         self, steering: Steering, hand_in_operator: Array, operator_R_hand: Array | None, base_T_target: Array
     ) -> None:
-        """Take what the operator wants; a change takes both origins again, the tool's from the present target."""
+        """Apply the operator's settings; a change captures both origins again, the tool's from the present target."""
         if steering != self._steering:
             self._apply(steering)
             self.engage(hand_in_operator, operator_R_hand, base_T_target)
 
     def target(self, hand_in_operator: Array, operator_R_hand: Array | None) -> Array:
         """The target `base_T_tool` (4 x 4) for the hand's position (3,) in m and orientation, None if it shows none."""
-        self._turn(operator_R_hand)
-        turned = self._turned
-        if self._turn_locked:
-            turned = self._origin @ _locked(self._origin.T @ turned, self._turns)
-        return transform(turned, self._offset + self._ways @ hand_in_operator)
+        return transform(self._rotation.target(operator_R_hand), self._offset + self._gain @ hand_in_operator)
 
     def read(self, base_T_tool: Array) -> None:
-        """Where the tool is measured to be as a sample comes; what is relative to origins does not depend on it."""
+        """Take the tool's measured pose when a sample comes; a target relative to both origins ignores it."""
 
     def elbow(self, wrist_in_operator: Vector3 | Array | None, elbow_in_operator: Vector3 | None) -> Array | None:
         """The operator's elbow from the wrist (3,) in m in the base's axes, None while one of them is not seen."""
@@ -98,32 +94,15 @@ class Mapping:
         return elbow
 
     def _apply(self, steering: Steering) -> None:
+        """Set the gain (3 x 3) from the hand's displacement in the operator frame to the tool's in the base frame."""
         own, theirs = self._config.locks, steering.locks
         moving = np.array([not (own.x or theirs.x), not (own.y or theirs.y), not (own.z or theirs.z)], dtype=float)
-        self._ways = (self._config.scale * steering.scale * moving)[:, None] * self._base_R_operator
-        self._turns = np.array(
+        self._gain = (self._config.scale * steering.scale * moving)[:, None] * self._base_R_operator
+        free = np.array(
             [not (own.yaw or theirs.yaw), not (own.pitch or theirs.pitch), not (own.roll or theirs.roll)], dtype=float
         )
-        self._turn_locked = not self._turns.all()
-        self._rotation_scale = steering.rotation_scale
+        self._rotation.steer(free, steering.rotation_scale)
         self._steering = steering
-
-    def _refer(self, operator_R_hand: Array | None) -> None:
-        """Let the hand's rotation, if it shows one, count from here."""
-        self._hand_reference, self._turn_reference, self._twist = operator_R_hand, self._turned, np.zeros(3)
-        if operator_R_hand is not None:
-            self._hand_R_tool = operator_R_hand.T @ self._base_R_operator.T @ self._turned
-
-    def _turn(self, operator_R_hand: Array | None) -> None:
-        """Bring `_turned`, the tool's rotation in the base's axes without locks, up to date."""
-        if operator_R_hand is None or self._hand_reference is None:
-            self._refer(operator_R_hand)
-        elif self._rotation_scale == 1.0:
-            self._turned = self._base_R_operator @ operator_R_hand @ self._hand_R_tool
-        else:
-            turned = self._base_R_operator @ operator_R_hand @ self._hand_reference.T @ self._base_R_operator.T
-            self._twist = unwound(vector_from_rotation(turned), self._twist)
-            self._turned = rotation_from_vector(self._rotation_scale * self._twist) @ self._turn_reference
 
 
 class IncrementalMapping(Mapping):
@@ -139,17 +118,17 @@ class IncrementalMapping(Mapping):
         self._hand = hand_in_operator.copy()
 
     def read(self, base_T_tool: Array) -> None:
-        """Where the next displacement begins."""
-        self._offset = base_T_tool[:3, 3] - self._ways @ self._hand
+        """Begin the next displacement at the measured tool."""
+        self._offset = base_T_tool[:3, 3] - self._gain @ self._hand
 
     def target(self, hand_in_operator: Array, operator_R_hand: Array | None) -> Array:
-        """The tool's target `base_T_tool` (4 x 4): where it was read to be, moved as the hand has since the last."""
+        """The target `base_T_tool` (4 x 4): the measured position plus the hand's motion since the last sample."""
         self._hand = hand_in_operator.copy()
         return super().target(hand_in_operator, operator_R_hand)
 
 
 def make_mapping(config: MappingConfig) -> Mapping:
-    """The mapping that the configuration asks for."""
+    """The configured mapping."""
     return IncrementalMapping(config) if config.command == "incremental" else Mapping(config)
 
 
@@ -165,22 +144,6 @@ def thesis_angles(wrist: Array, index: Array, thumb: Array) -> tuple[float, floa
     beta = math.atan2(ahead[2], ahead[0])
     gamma = math.atan2(across[2], across[1])
     return alpha, beta, gamma
-
-
-def _locked(tool_R_turned: Array, free: Array) -> Array:
-    """A rotation in the tool's axes with its free parts (3,), 1 or 0: z is the twist about z, the swing has x and y."""
-    swing = _swing_to(tool_R_turned[:, 2])
-    twist = swing.T @ tool_R_turned
-    kept = rotation_from_vector(vector_from_rotation(swing) * np.array([free[0], free[1], 1.0]))
-    return kept @ twist if free[2] else kept
-
-
-def _swing_to(z: Array) -> Array:
-    """The shortest rotation that takes the z axis to the unit vector `z`; about x when that is opposite."""
-    sine = math.hypot(z[0], z[1])
-    angle = math.atan2(sine, z[2])
-    axis = np.array([-z[1], z[0], 0.0]) / sine if sine > PROPER else np.array([1.0, 0.0, 0.0])
-    return rotation_from_vector(angle * axis)
 
 
 def _proper_rotation(config: MappingConfig) -> Array:

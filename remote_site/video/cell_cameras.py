@@ -46,7 +46,7 @@ class OffScreen:
         return self._pixels
 
     def close(self) -> None:
-        """Give the context back; further calls do nothing."""
+        """Release the context; further calls do nothing."""
         if self._gl is not None:
             self._context.free()
             self._gl.free()
@@ -93,7 +93,7 @@ class CellRenderer:
         return _image(cv2.copyTo(self._backgrounds[view], nothing, picture))
 
     def close(self) -> None:
-        """Give the context back; further calls do nothing."""
+        """Release the context; further calls do nothing."""
         self._screen.close()
 
     def _draw(self, view: int, *, room: bool, things: bool) -> Image:
@@ -142,14 +142,14 @@ class CellCamera:
         return self._frame
 
     def close(self) -> None:
-        """Give the context back, which all views share."""
+        """Release the context, which all views share."""
         self._renderer.close()
 
 
 def open_cell_cameras(
     names: Sequence[str], cell: Cell, snapshot: SharedRecord, config: VideoConfig
 ) -> list[CellCamera]:
-    """Simulated cameras by the names of their views, on one context; CameraError says what is missing."""
+    """Simulated cameras by the names of their views, on one context; CameraError names what is missing."""
     renderer = CellRenderer(cell, config.width, config.height)
     return [CellCamera(name, renderer, snapshot, clock=config.clock) for name in names]
 

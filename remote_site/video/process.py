@@ -51,8 +51,8 @@ class _Slot:
 class _Console:
     """The reports of the operator's console, and the settings that follow; invalid ones are logged once.
 
-    While somebody holds the lease only the holder's console counts: a viewer on a narrow link must not make the
-    operator's pictures poor. While nobody does, any may.
+    While somebody holds the lease only the holder's console counts: a viewer on a narrow link must not
+    degrade the operator's pictures. Without a lease every console counts.
     """
 
     wire: VideoWire
@@ -68,7 +68,7 @@ class _Console:
             self.refused = True
             return
         if shown is not None and self.wire.lease() in (0, shown.lease):
-            self.adaptation.hear(shown, now_ns)
+            self.adaptation.update(shown, now_ns)
 
 
 def run_video(

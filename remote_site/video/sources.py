@@ -21,7 +21,7 @@ REOPEN_S = 2.0
 
 
 class FrameSource(Protocol):
-    """A camera of the cell: its newest frame at once, None before the first, or CameraError while it fails."""
+    """A camera of the cell: its newest frame without waiting, None before the first, or CameraError while it fails."""
 
     name: str
     noise_free: bool

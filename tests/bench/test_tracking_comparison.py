@@ -21,7 +21,7 @@ THEIRS_MS = 50.0
 
 
 class Stub:
-    """Answers so many pairs in MediaPipe's place, then is gone."""
+    """Replaces MediaPipe: answers this many pairs, then ends."""
 
     def __init__(self, answers):
         self.answers = answers
@@ -34,7 +34,7 @@ class Stub:
 
 
 def compare(monkeypatch, answers):
-    """Figures, totals and text of a comparison whose MediaPipe gives so many answers."""
+    """Figures, totals and text of a comparison whose MediaPipe answers this many pairs."""
     monkeypatch.setattr(tracking, "install", lambda: "python")
 
     def start(_python):

@@ -47,7 +47,7 @@ class Stand:
 def browser() -> Iterator[object]:
     """Debian's chromium, without a window; skips where there is none."""
     if shutil.which(CHROMIUM) is None:
-        pytest.skip("no chromium to look at the page with; on Debian: apt-get install chromium")
+        pytest.skip("no chromium to open the page in; on Debian: apt-get install chromium")
     playwright = pytest.importorskip("playwright.sync_api", reason="no playwright; pip install -e '.[dev]'")
     with playwright.sync_playwright() as running:
         chromium = running.chromium.launch(executable_path=CHROMIUM, args=list(QUIET))
@@ -102,7 +102,7 @@ def told_page(browser: object) -> Iterator[Told]:
 
 @pytest.fixture
 def told(told_page: Told) -> Told:
-    """The page, told that all is well."""
+    """The page, with a faultless state reported."""
     told_page.reset()
     return told_page
 

@@ -36,7 +36,7 @@ class OpenedPage:
         self.context.close()
 
     def words(self, selector: str) -> str:
-        """What stands in an element."""
+        """The text of an element."""
         return str(self.page.text_content(selector) or "")
 
     def state(self) -> str:
@@ -71,7 +71,7 @@ class OpenedPage:
         return time.monotonic() - began
 
     def settle(self) -> None:
-        """Let go of the key, and take back a stop."""
+        """Release the key, and reset a stop."""
         self.page.keyboard.up("Space")
         self.wait_for("a state", lambda: self.state() in ("disengaged", "stopped", "silent"))
         if self.state() == "stopped":
@@ -89,7 +89,7 @@ class OpenedPage:
     def hold(self, until: Callable[[], bool] | None = None) -> None:
         """Hold the space bar until the arm follows, or longer.
 
-        On a machine so busy that the page itself lost a beat, which rightly stops the arm, the key is pressed anew.
+        On a machine so busy that the page itself missed a heartbeat, which rightly stops the arm, press it again.
         """
         self.wait_until_ready()
         self.wait_for("the arm to follow", lambda: self._pressed_anew() and (until is None or until()), 2 * PATIENCE_S)

@@ -1,4 +1,4 @@
-"""What a page could be told: a cell, its robot's states, its cameras' pictures, made up as a test wants them."""
+"""Messages for a page: a cell, its robot's states, its cameras' pictures, as a test wants them."""
 
 import time
 
@@ -90,7 +90,7 @@ def hand() -> HandArm:
 def picture(
     camera: str, seq: int, jpeg: bytes, status: CameraStatus = CameraStatus.LIVE, reason: str = "", age_ms: float = 20.0
 ) -> VideoFrame:
-    """A picture exposed so long ago; only its word without bytes."""
+    """A picture of this age; only its metadata without bytes."""
     return VideoFrame(
         camera=camera,
         seq=seq,

@@ -1,4 +1,4 @@
-"""The page for everybody: contrast in dark and light, names, sizes, and everything reached by keyboard alone."""
+"""Accessibility of the page: contrast in dark and light, names, sizes, and everything reached by keyboard alone."""
 
 from functools import partial
 from pathlib import Path

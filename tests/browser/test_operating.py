@@ -175,4 +175,4 @@ def test_a_killed_remote_site_is_told_and_its_pictures_marked_and_the_console_en
     assert stand.console.exit_code == 0
     assert time.monotonic() - began < 2 + SLACK_S
     page.wait_for("the page to say so", lambda: page.state() == "no connection", SHOWN_WITHIN_S + SLACK_S)
-    page.errors.clear()  # the browser itself tells that the connection is lost
+    page.errors.clear()  # the browser itself reports that the connection is lost

@@ -1,4 +1,4 @@
-"""What the page makes of what it is told, without sites: states, cameras in trouble, ghost, trace, lease, clocks."""
+"""What the page shows of its messages, without sites: states, faulty cameras, ghost, trace, lease, clocks."""
 
 import time
 from functools import partial
@@ -65,7 +65,7 @@ def test_each_camera_in_trouble_is_called_what_it_is_and_why(told: Told) -> None
         assert reason.format(camera) in told.page.words(words), status
         assert told.page.page.is_visible(words)
     told.until("an old picture", lambda: "s old" in told.page.words("[data-name=front_low] .mark"))
-    told.shot("cameras in trouble")
+    told.shot("faulty cameras")
     assert told.page.page.evaluate(CHECK)["poor"] == []
 
 

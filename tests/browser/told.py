@@ -1,4 +1,4 @@
-"""A page that is told of a cell by a console without sites: what a test wants, over and over."""
+"""A page on a console without sites, which sends the messages that a test wants, over and over."""
 
 import time
 from collections.abc import Callable
@@ -22,7 +22,7 @@ Message = TypeVar("Message")
 
 
 class Told:
-    """A page, and what it is told over and over: the robot's state, a hand, and every camera's picture."""
+    """A page, and what is sent to it over and over: the robot's state, a hand, and every camera's picture."""
 
     def __init__(self, console: BareConsole, page: OpenedPage) -> None:
         self.page, self._console = page, console
@@ -50,7 +50,7 @@ class Told:
             self._give(Hub.preview, self._plain(name, self._seq))
 
     def until(self, what: str, is_so: Callable[[], bool], seconds: float = 15.0) -> float:
-        """Tell until something is so; how long it took, s."""
+        """Send until a condition holds; how long it took, s."""
 
         def told() -> bool:
             self.tell()

@@ -1,4 +1,4 @@
-"""The offset between two hosts' clocks: right within its stated uncertainty, whatever the way and the wall clock do."""
+"""The offset between two hosts' clocks: true within its stated uncertainty, whatever path and wall clock do."""
 
 import random
 import time

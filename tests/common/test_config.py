@@ -1,4 +1,4 @@
-"""Configuration: every mistake of a file at once, with its line and cure."""
+"""Configuration: all mistakes of a file together, each with its line and cure."""
 
 from pathlib import Path
 from typing import Annotated

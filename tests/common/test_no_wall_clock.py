@@ -1,4 +1,4 @@
-"""No part of the product reads the wall clock, except to write a date into a file, and to tell how old that is."""
+"""No part of the product reads the wall clock, except to write a date into a file, and to compute its age."""
 
 import ast
 from pathlib import Path

@@ -1,4 +1,4 @@
-"""The meeting point: sites that only connect hear each other, by their roles, and again after it was restarted."""
+"""The meeting point: sites that only connect reach each other, by their roles, and again after it was restarted."""
 
 import json
 import threading

@@ -31,5 +31,5 @@ def jumps(count: int) -> Act:
 
 
 def kill_local(pair: CellPair) -> None:
-    """Kill the local site at once."""
+    """Kill the local site immediately."""
     os.kill(pair.local.pid, signal.SIGKILL)

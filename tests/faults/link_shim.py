@@ -1,4 +1,4 @@
-"""A bad network below TCP: carries IP packets between two TUN devices, late, lost, doubled or cut off; seeded."""
+"""A bad network below TCP: carries IP packets between two TUN devices, late, lost, duplicated or cut off; seeded."""
 
 import heapq
 import os

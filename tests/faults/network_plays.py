@@ -71,7 +71,7 @@ def lose(loss: float, delay_ms: float, seconds: float) -> Play:
 
 
 def crowd(mbit_s: float, delay_ms: float, seconds: float) -> Play:
-    """Pictures fill the link once somebody watches; the hand samples on it arrive hardly later."""
+    """Pictures fill the link once a viewer is connected; the hand samples on it arrive hardly later."""
 
     def play(trial: Trial) -> None:
         pair = trial.pair

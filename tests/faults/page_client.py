@@ -45,7 +45,7 @@ def opened(port: int) -> ClientConnection:
 
 
 def _read(page: ClientConnection, views: dict[str, dict[str, float]]) -> None:
-    """Take every picture at once; this host's clock is the console's."""
+    """Take every picture immediately; this host's clock is the console's."""
     for message in page:
         if isinstance(message, bytes):
             header = msgspec.json.decode(message[2 : 2 + int.from_bytes(message[:2], "little")])

@@ -1,4 +1,4 @@
-"""How most faults are played: the arm stops and latches, holds, goes on, or does not move, and the checks of each."""
+"""How most faults are played: the arm stops and latches, holds, continues, or does not move, and the checks of each."""
 
 import time
 from collections.abc import Callable
@@ -48,7 +48,7 @@ def hold(fault: Act, heal: Act, for_s: float) -> Play:
 
 
 def blink(fault: Act, heal: Act, for_s: float) -> Play:
-    """A fault too short to latch: the arm goes on, or stops and goes on, and never obeys what is too old."""
+    """A fault too short to latch: the arm continues, or stops and continues, and never obeys what is too old."""
 
     def play(trial: Trial) -> None:
         trial.pair.move()

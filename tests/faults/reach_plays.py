@@ -14,7 +14,7 @@ OUTWARD = np.array([0.15, 0, 0, 0, 0, 0])
 
 
 def reach_out(there: tuple[float, ...], seconds: float, *codes: str) -> Play:
-    """The hand goes where the arm cannot: the site reports it, and the arm rests and comes back."""
+    """The hand goes where the arm cannot: the site reports it, and the arm rests and returns."""
 
     def play(trial: Trial) -> None:
         pair = trial.pair
@@ -48,7 +48,7 @@ def sweep_wrist(trial: Trial) -> None:
 
 
 def start_outside(trial: Trial) -> None:
-    """An arm found beyond a joint's limit may only come back."""
+    """An arm found beyond a joint's limit may only return."""
     pair = trial.pair
     pose = np.array(pair.follow_from_here())
     pair.hand(to=(pose + OUTWARD).tolist(), seconds=1.0)

@@ -10,7 +10,7 @@ from tests.faults.conftest import Stage
 from tests.faults.fault_rows import ROWS, Row
 from tests.faults.trial import Outcome, Trial
 
-SHARED_MACHINE_NS = 100 * NS_PER_MS  # a machine under tests may stand still so long; 'make faults' allows nothing
+SHARED_MACHINE_NS = 100 * NS_PER_MS  # a machine under tests may pause for this long; 'make faults' allows no pause
 
 
 def play(row: Row, stage: Stage, pause_ns: int = 0) -> Outcome:

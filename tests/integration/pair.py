@@ -11,7 +11,7 @@ LEASE_S = 3.0
 
 
 class Pair:
-    """The sites as one test leaves them to the next: what has ended is started anew once it is needed."""
+    """The sites as one test leaves them to the next: what has ended is started again once it is needed."""
 
     def __init__(self, sites: Sites) -> None:
         self.sites = sites
@@ -20,7 +20,7 @@ class Pair:
         self._local: SiteProcess | None = None
 
     def remote(self) -> SiteProcess:
-        """The remote site, once it tells its state."""
+        """The remote site, once it publishes its state."""
         before = len(self.sites.record.states)
         remote = self._started_remote()
         self.sites.wait("the remote site", lambda: len(self.sites.record.states) > before)

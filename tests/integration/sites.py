@@ -1,4 +1,4 @@
-"""Both daemons as real processes on free endpoints, and everything heard of them."""
+"""Both daemons as real processes on free endpoints, and everything received from them."""
 
 import os
 import signal
@@ -21,7 +21,7 @@ from tests.integration.systemd import Systemd
 CELL = "test"
 PATIENCE_S = 120.0
 TOLD_LINES = 40
-# Sites that leave a slow machine time for what is tested: none of this matters where nobody measures pace or accuracy.
+# Sites that leave a slow machine time for what is tested: none of this matters unless pace or accuracy is measured.
 LIGHT_REMOTE = ("control.rate_hz=125", "video.fps=5", "video.width=160", "video.height=120")
 PATIENT = (
     "safety.t_soft_ms=400",

@@ -1,4 +1,4 @@
-"""Sites that die, come back, or are fed nonsense: the arm stops by the rules and starts only when engaged anew."""
+"""Sites that die, come back, or are fed nonsense: the arm stops by the rules and starts only when engaged again."""
 
 import os
 import signal

@@ -1,4 +1,4 @@
-"""Two hosts whose clocks differ by an hour, as real processes: whoever holds the key down moves the arm."""
+"""Two hosts whose clocks differ by an hour, as real processes: holding the key down moves the arm."""
 
 import subprocess
 import sys
@@ -55,7 +55,7 @@ def local_an_hour_ahead(sites: Sites) -> Iterator[None]:
 
 
 class Console:
-    """Tells the operator's intent at 50 Hz, by the clock of the local site."""
+    """Sends the operator's intent at 50 Hz, by the clock of the local site."""
 
     def __init__(self, sites: Sites) -> None:
         self.held: bool | None = False

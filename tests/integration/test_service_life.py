@@ -59,7 +59,7 @@ def test_a_child_that_stands_still_ends_the_remote_site_so_that_systemd_starts_i
 
 
 def figures_at(port: int) -> set[str]:
-    """The names of the figures that are served now; none while nobody serves."""
+    """The names of the figures that are served now; none while no process serves."""
     try:
         with urllib.request.urlopen(f"http://127.0.0.1:{port}/metrics", timeout=5) as answer:
             page = answer.read().decode()

@@ -1,4 +1,4 @@
-"""A site that dies under the loopback: its last line says which process died, and why."""
+"""A site that dies under the loopback: its last line states which process died, and why."""
 
 import os
 import subprocess

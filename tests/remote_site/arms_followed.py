@@ -1,4 +1,4 @@
-"""Other arms than the A465 in the chain, hand motions for them, and how far the tool is off the hand's."""
+"""Other arms than the A465 in the pipeline, hand motions for them, and how far the tool is off the hand's."""
 
 from collections.abc import Callable
 from pathlib import Path
@@ -52,7 +52,7 @@ def smooth(fraction: float) -> float:
 
 
 def pick_and_place(t: float) -> tuple[Array, Array]:
-    """Down, up, across, down, up: place (3,) in m from the start, and turn (3,) in rad; 8 s."""
+    """Down, up, across, down, up: position (3,) in m from the start, and rotation (3,) in rad; 8 s."""
     stops = np.array([[0, 0, 0], [0, 0, -0.1], [0, 0, 0.02], [0.12, 0.06, 0.02], [0.12, 0.06, -0.1], [0.12, 0.06, 0]])
     turns = np.array([0.0, 0.0, 0.0, 0.5, 0.5, 0.5])
     leg, share = int(min(t / 1.6, 4)), smooth(t / 1.6 - min(int(t / 1.6), 4))
@@ -73,7 +73,7 @@ def _point(position: Array) -> Point:
 
 
 class Followed:
-    """The chain after one hand motion: the hand's place and the tool's pose at every tick, in the base frame."""
+    """The pipeline after one hand motion: the hand's position and the tool's pose at every tick, in the base frame."""
 
     def __init__(
         self, config: RemoteConfig, motion: HandMotion, seconds: float, elbow: Callable[[float], Array] | None = None

@@ -9,7 +9,7 @@ import pytest
 
 @dataclass(frozen=True)
 class Mutation:
-    """A function of a class, the text of a check in it, and what stands there instead."""
+    """A function of a class, the text of a check in it, and its replacement."""
 
     owner: object
     function: str
@@ -17,7 +17,7 @@ class Mutation:
     instead: str
 
     def apply(self, monkeypatch: pytest.MonkeyPatch) -> None:
-        """Put the changed function in the place of the true one; the text must be there exactly once."""
+        """Replace the true function by the changed one; the text must be there exactly once."""
         function = getattr(self.owner, self.function)
         source = textwrap.dedent(inspect.getsource(function))
         assert source.count(self.check) == 1, f"{self.check!r} is not a check of {self.function} any more"

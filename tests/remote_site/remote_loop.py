@@ -115,7 +115,7 @@ class RemoteLoop:
         self.snapshot: Snapshot
 
     def grant(self, session: int) -> None:
-        """Give the lease to a local site, whoever has it."""
+        """Give the lease to a local site, taking it from any other."""
         now_ns = self.clock.now_ns()
         held = self.leases.current(now_ns)
         if held is not None:
@@ -176,7 +176,7 @@ class RemoteLoop:
         session: int = 7,
         **changes: Any,
     ) -> None:
-        """Run with a sample every so many ticks, captured a tick before it comes; `wrist(t_ns)` in m."""
+        """Run with a sample every `every` ticks, captured a tick before it comes; `wrist(t_ns)` in m."""
         for k in range(ticks):
             samples = []
             if wrist is not None and k % every == 0:

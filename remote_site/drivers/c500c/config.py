@@ -1,4 +1,4 @@
-"""What the A465's driver can be told in the table `driver.options`."""
+"""The options of the A465's driver, in the table `driver.options`."""
 
 from typing import Annotated
 
@@ -14,13 +14,15 @@ class C500cConfig(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fiel
     rate_hz: Annotated[float, Meta(ge=10, le=20, description="setpoints per second; more than 20 overrun the line")] = (
         15.0
     )
-    answer_ms: Annotated[float, Meta(ge=20, le=200, description="an answer later than this is asked for again")] = 25.0
-    silent_ms: Annotated[float, Meta(ge=100, le=2000, description="no answer for so long is a fault of the link")] = (
+    answer_ms: Annotated[
+        float, Meta(ge=20, le=200, description="without an answer for this long a request is repeated")
+    ] = 25.0
+    silent_ms: Annotated[float, Meta(ge=100, le=2000, description="no answer for this long is a fault of the link")] = (
         200.0
     )
     grip_percent: Annotated[int, Meta(ge=1, le=100, description="force with which the gripper closes")] = 50
     hold_percent: Annotated[
-        int, Meta(ge=1, le=75, description="force after strong_grip_s; the gripper stands no more for long")
+        int, Meta(ge=1, le=75, description="force after strong_grip_s; more overheats the gripper")
     ] = 50
     strong_grip_s: Annotated[float, Meta(ge=0, le=15, description="how long a force above hold_percent lasts, s")] = (
         10.0

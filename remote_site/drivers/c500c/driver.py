@@ -1,4 +1,4 @@
-"""The driver of the A465's controller: setpoints at 15 Hz over a serial line, a halt on every trouble, never limp."""
+"""The driver of the A465's controller: setpoints at 15 Hz over a serial line, a halt on every fault, never limp."""
 
 import math
 
@@ -21,7 +21,7 @@ FAULTS = {
     Fault.WATCHDOG: (FaultCode.WATCHDOG, "nothing came over the line, the arm has halted; activate again"),
     Fault.UNDERRUN: (FaultCode.LINK, "the next setpoint came too late, the arm has halted; activate again"),
     Fault.APART: (FaultCode.APART, "the arm is not where it was activated; read it and activate there"),
-    Fault.BLOCKED: (FaultCode.BLOCKED, "a joint is blocked, the arm has halted; clear its way and activate again"),
+    Fault.BLOCKED: (FaultCode.BLOCKED, "a joint is blocked, the arm has halted; clear its path and activate again"),
     Fault.EMERGENCY_STOP: (FaultCode.EMERGENCY_STOP, "the emergency stop is pressed; release it, then reset"),
     Fault.ARM_POWER: (FaultCode.ARM_POWER, "the arm has no power; switch it on, then reset"),
 }
@@ -30,8 +30,8 @@ FAULTS = {
 class C500cDriver:
     """A `Driver` that talks to the server program on the controller; no call waits for the line.
 
-    Each call hears what has come and says what is due, so it must be called a hundred times a second or more. The
-    controller plays setpoints one period after the other and queues at most two.
+    Each call receives what has arrived and sends what is due, so it must be called a hundred times a second or more.
+    The controller plays setpoints one period after the other and queues at most two.
     """
 
     def __init__(self, config: C500cConfig, port: Port, clock: Clock) -> None:
@@ -80,11 +80,11 @@ class C500cDriver:
         self._activation = (state.activation + 1) & 0xFFFF
         self._running, self._obeyed, self._seqs = True, None, {}
         activation = Activation(self._activation, tuple(q0.tolist()), self._period_ms)
-        self._exchange.say(Kind.ACTIVATE, activation.payload)
+        self._exchange.send(Kind.ACTIVATE, activation.payload)
         self._pump()
 
     def read(self) -> RobotReading:
-        """The newest state heard; DriverError before the first."""
+        """The newest state received; DriverError before the first."""
         self._pump()
         state, measured = self._exchange.state, self._measured
         if state is None or measured is None:
@@ -93,33 +93,33 @@ class C500cDriver:
         return RobotReading(t_ns, q, dq, GripperReading(state.opening_m, None), self._fault(state), self._obeyed)
 
     def write(self, command: JointCommand) -> JointCommand:
-        """Have this setpoint said as soon as the controller has room for it; DriverError before activation."""
+        """Send this setpoint as soon as the controller has room for it; DriverError before activation."""
         state = self._exchange.state
         if not self._running or state is None:
             raise DriverError(STOPPED.sentence if state is not None else NOT_ACTIVATED.sentence)
         self._count = (self._count + 1) & 0xFFFF
         self._seqs[self._count] = command.seq
         joints, percent = tuple(command.q.tolist()), self._grip_percent(command)
-        self._exchange.say(Kind.SETPOINT, Setpoint(self._count, joints, command.gripper_open, percent).payload)
+        self._exchange.send(Kind.SETPOINT, Setpoint(self._count, joints, command.gripper_open, percent).payload)
         self._pump()
         return command
 
     def stop(self) -> None:
         """Halt the arm: it brakes and holds, and stays powered."""
         if self._running or self._exchange.state is None:
-            self._exchange.say(Kind.HALT)
+            self._exchange.send(Kind.HALT)
         self._running = False
         self._pump()
 
     def deactivate(self) -> None:
-        """Halt, and say no more setpoints."""
+        """Halt, and send no more setpoints."""
         self.stop()
 
     def _pump(self) -> None:
-        exchange, before = self._exchange, self._exchange.heard_ns
+        exchange, before = self._exchange, self._exchange.received_ns
         exchange.pump(self._clock.now_ns())
-        if exchange.state is not None and exchange.heard_ns is not None and exchange.heard_ns != before:
-            self._note(exchange.state, exchange.heard_ns)
+        if exchange.state is not None and exchange.received_ns is not None and exchange.received_ns != before:
+            self._note(exchange.state, exchange.received_ns)
 
     def _note(self, state: ControllerState, t_ns: int) -> None:
         q, dq = np.array(state.joints), np.zeros(JOINTS)
@@ -134,7 +134,7 @@ class C500cDriver:
             self._seqs = {count: seq for count, seq in self._seqs.items() if seq >= self._obeyed}
 
     def _grip_percent(self, command: JointCommand) -> int:
-        """Full force only for so long: above 75 % the gripper gets hot."""
+        """Full force only for a limited time: above 75 % the gripper gets hot."""
         config = self._config
         if command.gripper_open:
             self._closed_ns = None
@@ -145,8 +145,8 @@ class C500cDriver:
 
     @property
     def _silent(self) -> bool:
-        heard_ns = self._exchange.heard_ns
-        return heard_ns is None or self._clock.now_ns() - heard_ns > self._config.silent_ms * NS_PER_MS
+        received_ns = self._exchange.received_ns
+        return received_ns is None or self._clock.now_ns() - received_ns > self._config.silent_ms * NS_PER_MS
 
     def _silence(self) -> RobotFault:
         return RobotFault(
@@ -159,7 +159,7 @@ class C500cDriver:
         if not is_up(state):
             fault = _power_fault(state)
             return RobotFault(*FAULTS[fault], native=fault.name)
-        if self._exchange.waits(Kind.ACTIVATE) or state.activation != self._activation:
+        if self._exchange.is_pending(Kind.ACTIVATE) or state.activation != self._activation:
             return NOT_ACTIVATED
         if Flag.ACTIVE in state.flags and self._running:
             return None

@@ -25,19 +25,19 @@ class EmulatedLine:
 
     baud: int = 57600
     loss: float = 0.0
-    luck: Random = field(default_factory=lambda: Random(1))  # noqa: S311  # which bytes are lost is no secret
+    rng: Random = field(default_factory=lambda: Random(1))  # noqa: S311  # which bytes are lost is no secret
     _bytes: deque[tuple[int, int]] = field(default_factory=deque)
     _free_ns: int = 0
 
     def push(self, data: bytes, now_ns: int) -> None:
-        """Bytes handed to the line."""
+        """Put bytes on the line."""
         for byte in data:
             self._free_ns = max(self._free_ns, now_ns) + NS_PER_S * BITS_PER_BYTE // self.baud
-            if self.luck.random() >= self.loss:
+            if self.rng.random() >= self.loss:
                 self._bytes.append((self._free_ns, byte))
 
     def pull(self, now_ns: int) -> bytes:
-        """What has come out at the other end."""
+        """The bytes that have arrived at the other end."""
         out = bytearray()
         while self._bytes and self._bytes[0][0] <= now_ns:
             out.append(self._bytes.popleft()[1])
@@ -45,7 +45,7 @@ class EmulatedLine:
 
 
 class Emulation:
-    """The controller with both directions of its line; `exchange` brings all of it to the present."""
+    """The controller with both directions of its line; `exchange` advances all of it to now."""
 
     def __init__(self, controller: EmulatedController, start_ns: int, *, loss: float = 0.0) -> None:
         self.controller = controller
@@ -54,10 +54,10 @@ class Emulation:
         self._ticked_ns = start_ns
 
     def exchange(self, data: bytes, now_ns: int) -> bytes:
-        """Bytes from the host go in; those for it that have come through by `now_ns` come out."""
+        """Take bytes from the host; return those that have arrived at it by `now_ns`."""
         while self._ticked_ns + TICK_NS <= now_ns:
             self._ticked_ns += TICK_NS
-            self.controller.hear(self._parser.feed(self.there.pull(self._ticked_ns)), self._ticked_ns)
+            self.controller.receive(self._parser.feed(self.there.pull(self._ticked_ns)), self._ticked_ns)
             self.back.push(self.controller.tick(self._ticked_ns), self._ticked_ns)
         self.there.push(data, now_ns)
         return self.back.pull(now_ns)
@@ -70,7 +70,7 @@ class EmulatedPort:
         self._emulation, self._clock = emulation, clock
 
     def read(self) -> bytes:
-        """What has come from the controller."""
+        """The bytes received from the controller."""
         return self._emulation.exchange(b"", self._clock.now_ns())
 
     def write(self, data: bytes) -> None:
@@ -98,7 +98,7 @@ class Terminal:
 def run_emulation(
     emulation: Emulation, terminal: Terminal, should_stop: Callable[[], bool], beat: Callable[[], None]
 ) -> None:
-    """Be the controller at real time in this process until `should_stop`, then until the arm rests."""
+    """Run the controller in real time in this process until `should_stop`, then until the arm rests."""
     port = terminal.port
     ask_for_real_time(FIFO_PRIORITY)
     while not (should_stop() and not emulation.controller.dq.any()):

@@ -66,7 +66,7 @@ class _Brake:
 
 @dataclass
 class EmulatedController:
-    """One tick after the other; frames go in by `hear`, the answer of a tick is what `tick` returns."""
+    """Runs tick by tick: `receive` takes frames, `tick` returns the answers."""
 
     q: Array
     emulated: Emulated = field(default_factory=Emulated)
@@ -79,7 +79,7 @@ class EmulatedController:
         self.gripper = _Gripper(self.emulated, self.emulated.widest_m)
         self.active, self.fault = False, Fault.NONE
         self._brake: _Brake | None = None
-        self._heard_ns: int | None = None
+        self._received_ns: int | None = None
         self._frames: list[ProtocolFrame] = []
         self._last_setpoint: int | None = None
 
@@ -88,14 +88,14 @@ class EmulatedController:
         """Joint velocity, rad/s."""
         return self.player.dq
 
-    def hear(self, frames: list[ProtocolFrame], now_ns: int) -> None:
-        """Frames that came whole; they are looked at in the next tick."""
+    def receive(self, frames: list[ProtocolFrame], now_ns: int) -> None:
+        """Take complete frames; they are handled in the next tick."""
         if frames:
-            self._heard_ns = now_ns
+            self._received_ns = now_ns
         self._frames += frames
 
     def tick(self, now_ns: int) -> bytes:
-        """Go on by 5 ms, and answer every frame heard."""
+        """Advance by 5 ms, and answer every frame received."""
         answers = b""
         for frame in self._frames:
             self._obey(frame)
@@ -107,7 +107,7 @@ class EmulatedController:
         return answers
 
     def halt(self, fault: Fault = Fault.NONE) -> None:
-        """Brake and hold, powered; only an activation goes on."""
+        """Brake and hold, powered, until an activation."""
         if self.active:
             self.fault = fault
         self.active = False
@@ -149,10 +149,10 @@ class EmulatedController:
     def _watch(self, now_ns: int) -> None:
         if self.emergency_stop and (self.active or self.dq.any()):
             self.halt(Fault.EMERGENCY_STOP)
-            self._brake, self.player.dq = None, np.zeros(len(self.player.q))  # the holding brakes fall in
+            self._brake, self.player.dq = None, np.zeros(len(self.player.q))  # the holding brakes engage
         if self.jammed and self.dq.any():
             self.halt(Fault.BLOCKED)
-        if self.active and self._heard_ns is not None and now_ns - self._heard_ns > WATCHDOG_NS:
+        if self.active and self._received_ns is not None and now_ns - self._received_ns > WATCHDOG_NS:
             self.halt(Fault.WATCHDOG)
 
     def _move(self) -> None:

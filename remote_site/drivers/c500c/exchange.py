@@ -1,4 +1,4 @@
-"""One question at a time over a line that may lose bytes: sent again until it is answered; pure."""
+"""One request at a time over a line that may lose bytes: sent again until it is answered; pure."""
 
 import struct
 from collections import deque
@@ -16,96 +16,117 @@ RETRY_NS = 8 * NS_PER_MS
 
 
 @dataclass(slots=True)
-class _Question:
+class _Request:
     frame: ProtocolFrame
     sent_ns: int
 
 
-class Exchange:
-    """What waits to be said, and the newest state heard at `heard_ns` (None before the first).
+class TransmitQueue:
+    """What waits for the line: a halt goes before an activation, an activation before the setpoints in their order.
 
-    A halt goes before an activation, an activation before a setpoint, and polls fill the pauses. Setpoints keep their
-    order, and none is left out: the arm would make two steps in the time of one.
+    No setpoint is left out: the arm would make two steps in the time of one.
     """
 
-    def __init__(self, config: C500cConfig, port: Port) -> None:
-        self._port = port
-        self._parser = Parser()
-        self._byte_ns = NS_PER_S * BITS_PER_BYTE / config.baud
-        self._answer_ns = round(config.answer_ms * NS_PER_MS)
-        self._pause_ns = round(NS_PER_S / (2 * config.rate_hz))
-        self._sequence = 0
-        self._asked: _Question | None = None
-        self._waiting: dict[Kind, bytes] = {}
+    def __init__(self) -> None:
+        self._urgent: dict[Kind, bytes] = {}
         self._setpoints: deque[bytes] = deque()
-        self._said_ns = self._retry_ns = 0
-        self.repeats = 0
-        self.state: ControllerState | None = None
-        self.heard_ns: int | None = None
+        self._retry_ns = 0
 
-    def say(self, kind: Kind, payload: bytes = b"") -> None:
-        """Have this said as soon as the line is free; DriverError when setpoints pile up."""
+    def __contains__(self, kind: Kind) -> bool:
+        """Whether a halt or an activation waits."""
+        return kind in self._urgent
+
+    def append(self, kind: Kind, payload: bytes) -> None:
+        """Queue a message; a halt or an activation drops the setpoints. DriverError when setpoints pile up."""
         if kind is not Kind.SETPOINT:
             self._setpoints.clear()
-            self._waiting[kind] = payload
+            self._urgent[kind] = payload
         elif len(self._setpoints) < MOST_WAITING:
             self._setpoints.append(payload)
         else:
             raise DriverError("the serial line does not keep up with the setpoints; check its noise and its speed")
 
-    def waits(self, kind: Kind) -> bool:
+    def put_back(self, payload: bytes, now_ns: int) -> None:
+        """Send a setpoint again, a little later: the controller had no room for it."""
+        self._setpoints.appendleft(payload)
+        self._retry_ns = now_ns + RETRY_NS
+
+    def pop(self, now_ns: int) -> tuple[Kind, bytes] | None:
+        """The next message that may be sent, None without one."""
+        for kind in (Kind.HALT, Kind.ACTIVATE):
+            if kind in self._urgent:
+                return kind, self._urgent.pop(kind)
+        if self._setpoints and now_ns >= self._retry_ns:
+            return Kind.SETPOINT, self._setpoints.popleft()
+        return None
+
+
+class Exchange:
+    """Sends what is queued, fills the pauses with polls, and keeps the newest state.
+
+    To be read: `state`, received at `received_ns` (both None before the first), and `repeats`, the requests that were
+    sent again.
+    """
+
+    def __init__(self, config: C500cConfig, port: Port) -> None:
+        self._port = port
+        self._parser = Parser()
+        self._queue = TransmitQueue()
+        self._byte_ns = NS_PER_S * BITS_PER_BYTE / config.baud
+        self._answer_ns = round(config.answer_ms * NS_PER_MS)
+        self._pause_ns = round(NS_PER_S / (2 * config.rate_hz))
+        self._sequence = self._sent_ns = 0
+        self._pending: _Request | None = None
+        self.repeats = 0
+        self.state: ControllerState | None = None
+        self.received_ns: int | None = None
+
+    def send(self, kind: Kind, payload: bytes = b"") -> None:
+        """Send this as soon as the line is free; DriverError when setpoints pile up."""
+        self._queue.append(kind, payload)
+
+    def is_pending(self, kind: Kind) -> bool:
         """Whether this has not been answered yet."""
-        return kind in self._waiting or (self._asked is not None and self._asked.frame.kind is kind)
+        return kind in self._queue or (self._pending is not None and self._pending.frame.kind is kind)
 
     def pump(self, now_ns: int) -> None:
-        """Hear what has come, and say what is due."""
+        """Take what has been received, and send what is due."""
         for frame in self._parser.feed(self._port.read()):
-            self._hear(frame, now_ns)
-        asked = self._asked
-        if asked is None:
-            self._ask_next(now_ns)
-        elif now_ns - asked.sent_ns > self._answer_ns:
+            self._receive(frame, now_ns)
+        pending = self._pending
+        if pending is None:
+            self._send_next(now_ns)
+        elif now_ns - pending.sent_ns > self._answer_ns:
             self.repeats += 1
-            if Kind.HALT in self._waiting:  # whatever it was, it must not come any more
-                self._ask_next(now_ns)
+            if Kind.HALT in self._queue:  # the pending request must not be sent again, whatever it was
+                self._send_next(now_ns)
             else:
-                self._send(asked.frame, now_ns)
+                self._write(pending.frame, now_ns)
 
-    def _hear(self, frame: ProtocolFrame, now_ns: int) -> None:
-        asked = self._asked
-        if asked is None or frame.kind is not Kind.STATE or frame.sequence != asked.frame.sequence:
+    def _receive(self, frame: ProtocolFrame, now_ns: int) -> None:
+        pending = self._pending
+        if pending is None or frame.kind is not Kind.STATE or frame.sequence != pending.frame.sequence:
             return
         try:
             self.state = ControllerState.parse(frame.payload)
         except (struct.error, ValueError):
             return
-        self.heard_ns = now_ns - round(len(frame.encoded) * self._byte_ns)
-        self._asked = None
-        if asked.frame.kind is Kind.SETPOINT and Flag.ACTIVE in self.state.flags:
-            self._check_taken(asked.frame.payload, self.state.taken, now_ns)
+        self.received_ns = now_ns - round(len(frame.encoded) * self._byte_ns)
+        self._pending = None
+        setpoint = pending.frame.kind is Kind.SETPOINT and Flag.ACTIVE in self.state.flags
+        if setpoint and Setpoint.parse(pending.frame.payload).count != self.state.taken:
+            self._queue.put_back(pending.frame.payload, now_ns)
 
-    def _check_taken(self, payload: bytes, taken: int, now_ns: int) -> None:
-        """Say a setpoint again, a little later, when the queue had no room for it."""
-        if Setpoint.parse(payload).count != taken:
-            self._setpoints.appendleft(payload)
-            self._retry_ns = now_ns + RETRY_NS
+    def _send_next(self, now_ns: int) -> None:
+        message = self._queue.pop(now_ns)
+        if message is None and now_ns - self._sent_ns >= self._pause_ns:
+            message = Kind.POLL, b""
+        if message is not None:
+            self._sequence = (self._sequence + 1) & 0xFF
+            self._write(ProtocolFrame(self._sequence, *message), now_ns)
 
-    def _ask_next(self, now_ns: int) -> None:
-        for kind in (Kind.HALT, Kind.ACTIVATE):
-            if kind in self._waiting:
-                self._ask(kind, self._waiting.pop(kind), now_ns)
-                return
-        if self._setpoints and now_ns >= self._retry_ns:
-            self._ask(Kind.SETPOINT, self._setpoints.popleft(), now_ns)
-        elif now_ns - self._said_ns >= self._pause_ns:
-            self._ask(Kind.POLL, b"", now_ns)
-
-    def _ask(self, kind: Kind, payload: bytes, now_ns: int) -> None:
-        self._sequence = (self._sequence + 1) & 0xFF
-        self._send(ProtocolFrame(self._sequence, kind, payload), now_ns)
-
-    def _send(self, frame: ProtocolFrame, now_ns: int) -> None:
-        self._asked, self._said_ns = _Question(frame, now_ns), now_ns
+    def _write(self, frame: ProtocolFrame, now_ns: int) -> None:
+        self._pending, self._sent_ns = _Request(frame, now_ns), now_ns
         self._port.write(frame.encoded)
 
 

@@ -1,4 +1,4 @@
-"""How the emulated controller plays its queue: a setpoint a period, smooth, turning nowhere but at setpoints; pure."""
+"""How the emulated controller plays its queue: a setpoint a period, smooth, reversing only at setpoints; pure."""
 
 from collections import deque
 from dataclasses import dataclass, field
@@ -57,7 +57,7 @@ class Player:
         return True
 
     def tick(self, dt: float) -> bool:
-        """Go on by `dt` s; False when the queue ran dry in full motion."""
+        """Advance by `dt` s; False when the queue ran dry in full motion."""
         self._elapsed += dt
         segment = self._segment
         if segment is not None and self._elapsed >= segment.period - 1e-9:
@@ -89,7 +89,7 @@ class Player:
 
 
 def _between(before: Array, after: Array) -> Array:
-    """The velocity where two slopes meet, such that the path turns nowhere but at setpoints (harmonic mean)."""
+    """The velocity where two slopes meet, such that the path reverses only at setpoints (harmonic mean)."""
     same = before * after > 0
     total = np.where(same, before + after, 1.0)
     velocity: Array = np.where(same, 2 * before * after / total, 0.0)

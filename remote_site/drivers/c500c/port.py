@@ -1,4 +1,4 @@
-"""A serial line that never waits: raw 8N1, read what has come, write what the line takes."""
+"""A non-blocking serial port, raw 8N1: reads what has arrived, writes what the line takes."""
 
 import os
 import termios
@@ -41,7 +41,7 @@ class SerialPort:
 
 
 def open_port(path: str, baud: int) -> SerialPort:
-    """Open a serial device; DriverError says what is missing."""
+    """Open a serial device; DriverError names what is missing."""
     if not path:
         raise DriverError("the c500c driver needs its serial line: set driver.options.port, or start with --emulate")
     try:
@@ -56,7 +56,7 @@ def make_raw(handle: int, baud: int) -> None:
     """Eight bits, no parity, one stop bit, no translation, no echo, no flow control."""
     speed = getattr(termios, f"B{baud}", None)
     if speed is None:
-        raise DriverError(f"{baud} baud is no speed of a serial line; take 57600")
+        raise DriverError(f"{baud} is not a baud rate of serial ports; set 57600")
     control = termios.tcgetattr(handle)[6]
     termios.tcsetattr(
         handle, termios.TCSANOW, [0, 0, termios.CS8 | termios.CREAD | termios.CLOCAL, 0, speed, speed, control]

@@ -68,7 +68,7 @@ class ProtocolFrame:
 
 
 class Parser:
-    """Finds frames in what comes from a line that may lose or change bytes."""
+    """Finds frames in the bytes from a line that may lose or change some."""
 
     def __init__(self) -> None:
         self._buffer = bytearray()
@@ -88,7 +88,7 @@ class Parser:
         return frames
 
     def _first(self) -> list[ProtocolFrame] | None:
-        """The frame at the buffer's begin, [] when there is none after all, None while it is not complete."""
+        """The frame at the buffer's start, [] when there is none after all, None while it is not complete."""
         buffer = self._buffer
         if len(buffer) < HEAD_BYTES:
             return None
@@ -107,7 +107,7 @@ class Parser:
 
 @dataclass(frozen=True, slots=True)
 class Setpoint:
-    """Joints in rad, to be reached a period after the setpoint before, and the gripper: open, at a share of its force.
+    """Joints in rad, to be reached a period after the last setpoint, and the gripper: open, at a fraction of its force.
 
     `count` rises by one each new setpoint, so that one sent again is not queued twice.
     """
@@ -121,20 +121,20 @@ class Setpoint:
 
     @property
     def payload(self) -> bytes:
-        """As it travels."""
+        """The bytes of the payload."""
         joints = (round(angle / RAD) for angle in self.joints)
         return self.FORMAT.pack(self.count & 0xFFFF, *joints, self.gripper_open, self.grip_percent)
 
     @classmethod
     def parse(cls, payload: bytes) -> Self:
-        """From the line; struct.error when it has another length."""
+        """Parse a payload; struct.error when it has another length."""
         count, *joints, gripper_open, percent = cls.FORMAT.unpack(payload)
         return cls(count, tuple(angle * RAD for angle in joints), bool(gripper_open), percent)
 
 
 @dataclass(frozen=True, slots=True)
 class Activation:
-    """Where the arm is thought to stand, rad, and the period of the setpoints to come, ms; `count` as in `Setpoint`."""
+    """Where the arm is assumed to be, rad, and the period of the setpoints to come, ms; `count` as in `Setpoint`."""
 
     count: int
     joints: tuple[float, ...]
@@ -144,13 +144,13 @@ class Activation:
 
     @property
     def payload(self) -> bytes:
-        """As it travels."""
+        """The bytes of the payload."""
         joints = (round(angle / RAD) for angle in self.joints)
         return self.FORMAT.pack(self.count & 0xFFFF, *joints, self.period_ms)
 
     @classmethod
     def parse(cls, payload: bytes) -> Self:
-        """From the line; struct.error when it has another length."""
+        """Parse a payload; struct.error when it has another length."""
         count, *joints, period_ms = cls.FORMAT.unpack(payload)
         return cls(count, tuple(angle * RAD for angle in joints), period_ms)
 
@@ -176,7 +176,7 @@ class ControllerState:
 
     @property
     def payload(self) -> bytes:
-        """As it travels."""
+        """The bytes of the payload."""
         joints = (round(angle / RAD) for angle in self.joints)
         opening = round(self.opening_m * 1e5)
         counts = (count & 0xFFFF for count in (self.activation, self.begun, self.taken))
@@ -184,7 +184,7 @@ class ControllerState:
 
     @classmethod
     def parse(cls, payload: bytes) -> Self:
-        """From the line; struct.error or ValueError when it is none."""
+        """Parse a payload; struct.error or ValueError when it is not a state."""
         flags, fault, queued, activation, begun, taken, opening, *joints = cls.FORMAT.unpack(payload)
         angles = tuple(angle * RAD for angle in joints)
         return cls(Flag(flags), Fault(fault), queued, activation, begun, taken, opening * 1e-5, angles)

@@ -53,7 +53,7 @@ def other_robot(trial: Trial) -> None:
 
 
 def follows(trial: Trial) -> None:
-    """Every joint goes where it is commanded and back, no further, and the robot says which command it obeys."""
+    """Every joint goes where it is commanded and back, no further, and the robot reports which command it obeys."""
     trial.activated()
     home = trial.q0.copy()
     for goal in (trial.jog(), home):
@@ -63,15 +63,15 @@ def follows(trial: Trial) -> None:
 
 
 def rate(trial: Trial) -> None:
-    """Commands reach the robot as often as it says, as far as its readings show."""
+    """Commands reach the robot as often as it declares, as far as its readings show."""
     trial.activated().in_motion()
     times, q, _ = _measured(trial, trial.last().t_ns - STEADY_MS * NS_PER_MS)
     changes = times[1:][np.diff(q[:, 0]) != 0]
-    stands = float(np.median(np.diff(changes))) if len(changes) > 1 else STEADY_MS / 1000
+    pause_s = float(np.median(np.diff(changes))) if len(changes) > 1 else STEADY_MS / 1000
     allowed = STEPS * max(1 / trial.driver.capabilities.rate_hz, trial.setup.dt, float(np.median(np.diff(times))))
-    if stands > allowed:
+    if pause_s > allowed:
         raise Failed(
-            f"in motion the joint stands still for {1000 * stands:.0f} ms at a time, {1000 * allowed:.0f} ms are "
+            f"in motion the joint pauses for {1000 * pause_s:.0f} ms at a time, {1000 * allowed:.0f} ms are "
             f"enough at the {trial.driver.capabilities.rate_hz:g} commands a second that it takes; it misses some"
         )
 
@@ -109,7 +109,7 @@ def stop(trial: Trial) -> None:
 
 
 def idempotent_stop(trial: Trial) -> None:
-    """A second stop, on the way and at rest, changes nothing; only an activation moves the robot again."""
+    """A second stop, while stopping or at rest, changes nothing; only an activation moves the robot again."""
     trial.activated().in_motion()
     sent = trial.supervisor.commanded.motion
     slow_ms = 1000 * stop_time(sent, trial.setup.limits) + trial.lag_ms + WINDOW_MS
@@ -153,7 +153,7 @@ def read_never_invents(trial: Trial) -> None:
 
 
 def command_timeout(trial: Trial) -> None:
-    """When commands cease in motion the robot comes to rest, and goes on only when it is activated."""
+    """When commands cease in motion the robot comes to rest, and moves again only when it is activated."""
     trial.activated().in_motion()
     at, sent = trial.q0[0], trial.supervisor.commanded.motion
     limit_ms = trial.setup.command_timeout_ns / NS_PER_MS
@@ -248,16 +248,16 @@ def _rests(trial: Trial, when: str) -> None:
 
 
 def _travelled(trial: Trial, at: float, sent: JointMotion) -> None:
-    """The joint has come no further than a stop and the lag of the robot allow."""
+    """The joint has moved no further than a stop and the lag of the robot allow."""
     speed = abs(float(sent.dq[0]))
     allowed = speed * (stop_time(sent, trial.setup.limits) + 2 * trial.lag_ms / 1000) + REACHED_RAD
     travel = abs(float(trial.q0[0]) - at)
     if travel > allowed:
-        raise Failed(f"the joint went on for {travel:.3f} rad where {allowed:.3f} are enough")
+        raise Failed(f"the joint moved on by {travel:.3f} rad where {allowed:.3f} are enough")
 
 
 def _brakes_within_limits(trial: Trial, at: float, sent: JointMotion) -> None:
-    """The joint has come as far from where it was when it was stopped as its limits let no stop fall short of."""
+    """The joint has moved at least as far since the stop as the quickest stop within its limits."""
     needed = abs(stops(sent, trial.setup.limits)[0].end - float(sent.q[0]))
     travel = trial.side * (float(trial.q0[0]) - at)
     if travel < SHORT * needed:
@@ -280,17 +280,17 @@ def _goes_to(trial: Trial, goal: Array) -> None:
 
 
 def _speeds_fit(trial: Trial) -> None:
-    """Failed if the speeds read of any joint do not add up to the way it goes."""
+    """Failed if the measured speeds of any joint do not integrate to its travel."""
     home, since_ns = trial.q0.copy(), trial.last().t_ns
     trial.move(trial.jog(), 500 + trial.lag_ms)
     _healthy(trial)
     times, q, dq = _measured(trial, since_ns)
     summed = ((dq[1:] + dq[:-1]) / 2 * np.diff(times)[:, None]).sum(axis=0)
-    way = q[-1] - q[0]
-    wrong = np.abs(summed - way) - UNLIKE * np.abs(way)
+    travel = q[-1] - q[0]
+    wrong = np.abs(summed - travel) - UNLIKE * np.abs(travel)
     if wrong.max() > REACHED_RAD:
         k = int(wrong.argmax())
-        raise Failed(f"{_worst(trial, wrong)} went {way[k]:.3f} rad, but the speeds read add up to {summed[k]:.3f} rad")
+        raise Failed(f"{_worst(trial, wrong)} went {travel[k]:.3f} rad, but its speeds add up to {summed[k]:.3f} rad")
     trial.move(home, 500 + trial.lag_ms)
 
 

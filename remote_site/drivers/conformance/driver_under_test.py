@@ -12,7 +12,7 @@ T = TypeVar("T")
 
 
 class CallMonitor:
-    """Which call of a driver is under way; another thread may look."""
+    """Which call of a driver is running; other threads may read it."""
 
     def __init__(self) -> None:
         self._clock = MonotonicClock()  # a call hangs in real time, whatever the trial's clock
@@ -23,7 +23,7 @@ class CallMonitor:
     def call(self, name: str, call: Callable[[], T]) -> T:
         """Make a call and return its result; `raised` is its name when it raises anything but a DriverError."""
         if self._given_up:
-            raise SystemExit  # ends the thread: nothing more may reach a robot that nobody watches
+            raise SystemExit  # ends the thread: no more calls may reach a robot without supervision
         self._begun, self.raised = (name, self._clock.now_ns()), ""
         try:
             return call()
@@ -72,7 +72,7 @@ class DriverUnderTest:
         return self._monitor.call("read", self._read)
 
     def write(self, command: JointCommand) -> JointCommand:
-        """Hand a command on."""
+        """Pass a command on."""
         return self._monitor.call("write", lambda: _of(JointCommand, self._driver.write(command)))
 
     def stop(self) -> None:

@@ -31,7 +31,7 @@ class Failed(Exception):  # noqa: N818  # a check's verdict, not an error of the
 
 
 class Hopeless(Failed):
-    """Failed in a way in which every other check would fail."""
+    """A failure that every other check would repeat."""
 
 
 class Skipped(Exception):  # noqa: N818  # a check's verdict, not an error of the program
@@ -39,7 +39,7 @@ class Skipped(Exception):  # noqa: N818  # a check's verdict, not an error of th
 
 
 def as_sentence(call: str, error: BaseException) -> str:
-    """A sentence of what a call has raised."""
+    """A sentence for what a call has raised."""
     if isinstance(error, DriverError):
         return f"{call} is refused: {error}"
     return f"{call} raised {type(error).__name__}: {error}"
@@ -64,7 +64,7 @@ class Timer:
         self.longest_ns = 0
 
     def set(self, since_ns: int) -> None:
-        """The begin of a call, or its end by 0."""
+        """Note the start of a call, or its end by 0."""
         if not since_ns:
             self.longest_ns = max(self.longest_ns, self._clock.now_ns() - self._since_ns)
         self._since_ns = since_ns

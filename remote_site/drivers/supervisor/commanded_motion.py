@@ -12,7 +12,7 @@ class CommandedMotion:
     """Checks each command against the motion before it, and replaces commands by a stop and the stop by commands.
 
     To be read: `motion` (the last command's, or where the stop is), `stop` (the one under way), `stop_count` (how many
-    were begun by late commands, or went on past a command), `command_ns` (when the last command was taken).
+    were begun by late commands, or continued past a command), `command_ns` (when the last command was taken).
     """
 
     def __init__(self, writer: PacedWriter, setup: DriverSetup) -> None:

@@ -23,7 +23,7 @@ class SupervisorState(Enum):
     waits        ACTIVATING            reading [calm fault]                     same        none
     command      FOLLOWING             command [within limits]                  same        schedule it
     over_limit   FOLLOWING             command [guard refuses]                  STOPPING    begin stop, LIMITS
-    outdated     ACTIVE                command [other stop_count]               same        note that control lives
+    outdated     ACTIVE                command [other stop_count]               same        note control is alive
     hand_over    BRAKING               command [meets the stop at its time]     FOLLOWING   end stop, schedule it
     missed       BRAKING               command [elsewhere, or written past it]  same        stop_count + 1
     stop_order   ACTIVE                order to stop                            STOPPING    begin stop, STOPPED
@@ -43,7 +43,7 @@ class SupervisorState(Enum):
     HELD = auto()  # not led any more: the reported motion is still the last one written
     ACTIVATING = auto()  # the driver was asked to activate, the robot has not answered yet
     FOLLOWING = auto()  # control's commands are written
-    BRAKING = auto()  # commands were late: the stop is written, and control may go on from within it
+    BRAKING = auto()  # commands were late: the stop is written, and control may continue from within it
     STOPPING = auto()  # the stop is written, and only an activation moves the robot again
 
 

@@ -15,7 +15,7 @@ T = TypeVar("T")
 
 
 class CallMark(Protocol):
-    """Shows other processes since when a call of the driver is under way, in ns; 0 between calls."""
+    """Shows other processes when the driver call under way began, in ns; 0 between calls."""
 
     def set(self, since_ns: int) -> None: ...
 

@@ -6,7 +6,7 @@ from typing import Generic, TypeVar
 
 T = TypeVar("T")
 
-LEAST_FRACTION = 0.9  # of its planned time that a motion takes at least: sooner would exceed the limits too far
+LEAST_FRACTION = 0.9  # least fraction of its planned time that a motion takes: less would exceed the limits too far
 ROUNDING_NS = 1.0
 
 

@@ -12,7 +12,7 @@ from remote_site.drivers.supervisor.watched_driver import WatchedDriver
 from remote_site.drivers.supervisor.write_scheduler import WriteScheduler
 from remote_site.kinematics.joints import JointMotion
 
-ONCE_A_TICK = 0.99  # a robot that takes this many commands a tick gets each of them at once
+ONCE_A_TICK = 0.99  # a robot that takes this many commands a tick gets each of them immediately
 
 
 class ObeyedCommands:
@@ -24,7 +24,7 @@ class ObeyedCommands:
         self._unconfirmed: dict[int, int] = {}
 
     def restart(self) -> None:
-        """Forget what was written; numbers go on rising."""
+        """Forget what was written; numbers continue to rise."""
         self._unconfirmed.clear()
         self.seq = None
 

@@ -33,17 +33,17 @@ class Adaptation:
         self._settings = dict.fromkeys(self._sent, self._full)
         self._link, self._page = LinkRate(), PageRate()
         self._console: int | None = None
-        self._heard_ns = 0
+        self._reported_ns = 0
         self._older: deque[int] = deque(maxlen=OLDER_CONSOLES)
 
     def sent(self, frame: VideoFrame, now_ns: int) -> None:
-        """A message went out."""
+        """Note a message that was sent."""
         if frame.jpeg:
             relative = self._settings[frame.camera].relative_bytes
             self._sent[frame.camera].send(frame.seq, len(frame.jpeg), relative, now_ns)
 
-    def hear(self, shown: ViewsShown, now_ns: int) -> None:
-        """A console reports what it has shown."""
+    def update(self, shown: ViewsShown, now_ns: int) -> None:
+        """Take a console's report of what it has shown."""
         if not self._follow(shown.session, now_ns):
             return
         views = {name: view for name, view in shown.views.items() if name in self._sent}
@@ -59,24 +59,24 @@ class Adaptation:
 
     def setting(self, camera: str, now_ns: int) -> StreamSetting:
         """How the camera's next picture is to be sent."""
-        if self._console is not None and now_ns - self._heard_ns > SHOWN.stale_after_ns:
+        if self._console is not None and now_ns - self._reported_ns > SHOWN.stale_after_ns:
             self._forget(None)
         return self._settings[camera]
 
     def _follow(self, session: int, now_ns: int) -> bool:
         """Whether this console counts; the first report of a new one takes over."""
-        silent = now_ns - self._heard_ns > SHOWN.stale_after_ns
+        silent = now_ns - self._reported_ns > SHOWN.stale_after_ns
         if session != self._console:
             if session in self._older and not silent:
                 return False
             if self._console is not None:
                 self._older.append(self._console)
             self._forget(session)
-        self._heard_ns = now_ns
+        self._reported_ns = now_ns
         return True
 
     def _forget(self, console: int | None) -> None:
-        """Start again with another console, or with none."""
+        """Reset for another console, or for none."""
         self._console = console
         self._link, self._page = LinkRate(), PageRate()
         self._settings = dict.fromkeys(self._sent, self._full)

@@ -100,8 +100,8 @@ class SentPictures:
 class LinkRate:
     """An estimate of the link's rate, bytes a second; None while nothing has been late, when all is sent.
 
-    What comes out of a link in which pictures wait is what the link carries. While none wait nobody can know whether
-    it carries more; after three quiet seconds a little more is tried, until all fits or something is late again.
+    What comes out of a link in which pictures wait is what the link carries. While none wait it is unknown whether it
+    carries more; after three quiet seconds a little more is tried, until all fits or something is late again.
     Pictures that are late although all that is sent arrives are late for another reason, such as a busy host.
     """
 

@@ -7,7 +7,7 @@ from common.clock import NS_PER_MS, NS_PER_S
 from common.messages.video import ViewShown
 
 PAINTS = 0.85  # of what comes: a page that paints less is behind
-BEHIND_MS = 100.0  # and so is one that paints so much later than the pictures come
+BEHIND_MS = 100.0  # and so is one that paints this much later than the pictures come
 BEHIND_REPORTS = 3
 REDUCED = 0.9  # of what it paints while it is behind
 SETTLE_NS = 1500 * NS_PER_MS  # rates are counted over a second

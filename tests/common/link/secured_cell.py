@@ -23,7 +23,7 @@ from farhand.certificates.issuing import Issued
 HAND_SAMPLE, ROBOT_STATE = golden.HAND, golden.STATE
 CELL = "lab"
 PATIENCE_S = 9.0
-QUIET_S = 0.25  # enough for what passes at once to arrive
+QUIET_S = 0.25  # enough for what is passed immediately to arrive
 
 
 def keep(stem: Path, issued: Issued) -> None:
@@ -51,7 +51,7 @@ def until(is_so: Callable[[], object]) -> None:
 
 
 class Cell:
-    """A remote site's link: tells its state, counts what reaches it, answers all that it is asked."""
+    """A remote site's link: publishes its state, counts what reaches it, answers every request."""
 
     def __init__(self, endpoint: str, link: Link) -> None:
         self.endpoint, self.link = endpoint, link

@@ -19,7 +19,7 @@ from tests.common.link.secured_cell import free_port, until
 
 CELL = "lab"
 FLOOD_HZ = 10_000
-DEEP_ENOUGH = 12  # samples in one tick of 4 ms: 3000 a second from somebody else
+DEEP_ENOUGH = 12  # samples in one tick of 4 ms: 3000 a second from another sender
 
 
 @pytest.fixture

@@ -1,4 +1,4 @@
-"""Links with real certificates: who is refused hears why, and an impostor is not believed."""
+"""Links with real certificates: a refused side gets the reason, and an impostor is not believed."""
 
 import time
 from contextlib import ExitStack
@@ -36,7 +36,7 @@ PROMISED_S = 3.0  # until who is refused knows why
 
 
 def why_refused(endpoint: str, security: LinkSecurity) -> str:
-    """The sentence that the refused side hears, in the time that is promised."""
+    """The reason that the refused side gets, in the promised time."""
     began = time.monotonic()
     with pytest.raises(TransportError) as caught:
         open_link(connect=(endpoint,), security=security)

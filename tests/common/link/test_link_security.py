@@ -1,4 +1,4 @@
-"""Links with real certificates: each role sends, hears and asks what it may, and nothing else arrives."""
+"""Links with real certificates: each role sends, receives and requests what it may, and nothing else arrives."""
 
 import time
 from datetime import UTC, datetime, timedelta
@@ -68,7 +68,7 @@ def test_a_viewer_who_listens_to_everything_hears_no_hand(pki: Path, cell: Cell)
         hand, before = operator.publisher(HAND, CELL), cell.hands
         until(lambda: hand.put(HAND_SAMPLE) or cell.hands > before)
         time.sleep(QUIET_S)
-        assert heard <= {STATE.key_for(CELL)}  # which it may hear
+        assert heard <= {STATE.key_for(CELL)}  # which it may receive
 
 
 def test_maintenance_stops_and_resets_but_never_engages(pki: Path, cell: Cell) -> None:

@@ -1,4 +1,4 @@
-"""How fast messages may be taken: what delay has bunched passes at once, a flood at the cap, and it is told once."""
+"""How fast messages are taken: a burst after a delay passes immediately, a flood at the cap, and is reported once."""
 
 import pytest
 
@@ -10,7 +10,7 @@ PERIOD_NS = round(NS_PER_S / HZ)
 
 
 def taken(cap: RateCap, waiting: int, now_ns: int) -> int:
-    """When the last of so many messages that wait has been taken."""
+    """When the last of this many waiting messages has been taken."""
     for _ in range(waiting):
         now_ns += cap.pause_ns(now_ns)
         cap.passed(now_ns)

@@ -1,4 +1,4 @@
-"""Requests on a clock moved by hand: when they are sent, sent again, made anew for a robot that woke, and given up."""
+"""Requests on a clock moved by hand: when they are sent, sent again, made again for a robot that woke, and given up."""
 
 from collections.abc import Callable
 from functools import partial
@@ -26,7 +26,7 @@ def reply(code: str) -> Reply:
 
 
 class FakeLink:
-    """Answers as it is told, at once; records when each request came and what it was."""
+    """Answers as configured, immediately; records when each request came and what it was."""
 
     def __init__(self, clock: FakeClock, answering: Answering) -> None:
         self._clock, self._answering = clock, answering

@@ -80,7 +80,7 @@ def test_a_random_payload_is_a_rejection(links: tuple[Link, Link]) -> None:
     latest, publisher = server.latest(HAND, "lab"), client.publisher(HAND, "lab")
     until_received(publisher, latest, golden.HAND)
     publisher._publisher.put(b"\x93random")
-    received: list[HandArm] = []  # samples that were still on their way come first
+    received: list[HandArm] = []  # samples still in transit come first
     with pytest.raises(MessageError, match="malformed"):
         received.extend(iter(latest.wait, None))
 
@@ -137,7 +137,7 @@ def test_an_expired_request_and_one_that_would_never_expire_are_refused(
     thread = serve(server, handled, stop)
     try:
         ask(client, 1)
-        time.sleep(0.02)  # questions that follow each other at once are dropped
+        time.sleep(0.02)  # requests that follow each other immediately are dropped
         late = EngagementRequest(id=9, deadline_ns=deadline_ns, operator="anna", action=EngagementAction.ENGAGE)
         replies = client._session.get(ENGAGEMENT.key_for("lab"), payload=encode(late), timeout=WAIT_S)
         payloads = [reply.ok.payload.to_bytes() for reply in replies if reply.ok]

@@ -1,4 +1,4 @@
-"""The codec: golden bytes hold, whatever else is a counted rejection."""
+"""The codec: golden bytes hold, anything else is a counted rejection."""
 
 from pathlib import Path
 

@@ -21,7 +21,7 @@ def test_hostile_payloads_are_refused_for_known_reasons_and_leave_no_memory_behi
 
 
 def test_every_mutation_is_refused_sometimes() -> None:
-    luck, known = random.Random(3), seeds()  # noqa: S311  # as in the benchmark
+    rng, known = random.Random(3), seeds()  # noqa: S311  # as in the benchmark
     for mutation in MUTATIONS:
-        told = {verdict(mutation(luck, payload), target) for payload, target in known for _ in range(5)}
+        told = {verdict(mutation(rng, payload), target) for payload, target in known for _ in range(5)}
         assert told - {"valid"}, mutation.__name__

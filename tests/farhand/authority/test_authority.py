@@ -53,7 +53,7 @@ class AheadClock(MonotonicClock):
 
 
 class Cell:
-    """A remote site that is nothing but its front desk, on a thread."""
+    """A remote site that is nothing but its request server, on a thread."""
 
     def __init__(self, stack, description):
         self.endpoint = endpoint()
@@ -138,7 +138,7 @@ def test_a_second_operator_is_refused_with_the_holders_name_until_the_holder_con
 
 
 def taken(local):
-    """What `lease take` says; empty while the site is still getting to know the cell."""
+    """The output of `lease take`; empty while the site does not know the cell yet."""
     try:
         return act_on_lease(CELL, local, OperatorAction.TAKE)
     except TransportError as error:
@@ -180,7 +180,7 @@ def test_the_description_names_joints_cameras_rates_and_software(stack, cell, de
 def test_a_question_in_another_version_is_refused_with_a_sentence_at_both_ends(stack, cell):
     link = stack.enter_context(open_link(connect=(cell.endpoint,)))
     until(lambda: RemoteClock(link, CELL).measure() is not None, "the cell")
-    time.sleep(0.02)  # questions that follow each other at once are dropped
+    time.sleep(0.02)  # requests that follow each other immediately are dropped
     with pytest.raises(RefusedError, match=f"this side speaks {PROTOCOL_VERSION}: install the same release"):
         link.ask(CLOCK, CELL, ClockQuestion(version=PROTOCOL_VERSION + 1))
     assert [error.reason for error in cell.refused] == ["version"]

@@ -139,7 +139,7 @@ def board_picture(pose, side):
 
 
 def board_folders(tmp_path, repeats=1):
-    """A folder of pictures for each camera, each pose held for so many pictures."""
+    """A folder of pictures for each camera, each pose held for this many pictures."""
     sources = {}
     for side, name in ((-1, "left"), (1, "right")):
         folder = tmp_path / name

@@ -1,4 +1,4 @@
-"""The authority's folder: what is made, for whom, never over what is there; and what the doctor says of it."""
+"""The authority's folder: what is made, for whom, never over what is there; and what the doctor reports about it."""
 
 import stat
 import time

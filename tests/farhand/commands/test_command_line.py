@@ -26,7 +26,7 @@ def farhand(*arguments: str) -> subprocess.CompletedProcess[str]:
 
 @pytest.fixture
 def here(monkeypatch, capsys, tmp_path) -> Iterator[Callable[..., subprocess.CompletedProcess[str]]]:
-    """Runs a command in this process, which is quicker, and tells how it ended: any exit is one without a traceback."""
+    """Runs a command in this process, which is quicker, and returns how it ended: no exit has a traceback."""
     monkeypatch.chdir(tmp_path)
     monkeypatch.setattr("common.link.request_client.PATIENCE_NS", 300 * NS_PER_MS)
 

@@ -1,4 +1,4 @@
-"""A person's Ctrl-C ends a run in order: what was measured is kept, and nothing is told as a failure."""
+"""A person's Ctrl-C ends a run in order: what was measured is kept, and nothing is reported as a failure."""
 
 import json
 

@@ -19,7 +19,7 @@ VARIANTS = {"mean_5fps": 5, "farhand_30fps": 30}
 
 @pytest.fixture(scope="module")
 def folder(tmp_path_factory):
-    """A folder with somebody's notes and an earlier report, after a quick run."""
+    """A folder with a user's notes and an earlier report, after a quick run."""
     folder = tmp_path_factory.mktemp("follow")
     (folder / "notes.txt").write_text("mine")
     (folder / "report.json").write_text("earlier")

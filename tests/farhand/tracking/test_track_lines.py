@@ -1,4 +1,4 @@
-"""What a track says beside its points: how sure they are, and that a camera has moved since calibration."""
+"""What a track contains beside its points: how certain they are, and that a camera has moved since calibration."""
 
 import json
 
@@ -43,7 +43,7 @@ class Scripted:
 
 @pytest.fixture
 def track(monkeypatch, tmp_path):
-    """Runs so many pairs through a scripted tracker; gives the summary and the lines."""
+    """Runs this many pairs through a scripted tracker; gives the summary and the lines."""
 
     def run(answer, count):
         monkeypatch.setattr(farhand.tracking.track, "make_tracker", lambda *_: Scripted(answer))

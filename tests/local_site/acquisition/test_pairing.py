@@ -78,7 +78,7 @@ def test_the_instant_is_the_newest_that_all_cameras_enclose():
 
 
 def blob(x_px):
-    """A soft blob at a sub-pixel place."""
+    """A soft blob at a sub-pixel position."""
     u, v = np.meshgrid(np.arange(200.0), np.arange(60.0))
     return (250 * np.exp(-((u - x_px) ** 2 + (v - 30) ** 2) / 50)).astype(np.uint8)
 

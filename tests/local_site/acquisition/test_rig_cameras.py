@@ -1,4 +1,4 @@
-"""Cameras for a rig: one for each of its own, by its name, or a sentence that says which there are."""
+"""Cameras for a rig: one for each of its own, by its name, or a sentence that lists the available ones."""
 
 from dataclasses import dataclass
 

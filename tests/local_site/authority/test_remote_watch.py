@@ -1,4 +1,4 @@
-"""What the local site makes of the remote's states: it is told that the arm is engaged, by this site alone."""
+"""What the local site makes of the remote's states: whether the arm is engaged, and by this site."""
 
 from types import SimpleNamespace
 

@@ -21,7 +21,7 @@ def camera(
     aspect: float = 1.0,
     drop: float = 0.2,
 ) -> PhysicalCamera:
-    """A camera that looks at the middle of the grid, turned about z to the right, from above."""
+    """A camera aimed at the middle of the grid, turned about z to the right, from above."""
     angle = np.radians(angle_deg)
     forward = np.array([np.sin(angle), np.cos(angle), -drop])
     forward /= np.linalg.norm(forward)
@@ -32,7 +32,7 @@ def camera(
     return PhysicalCamera(Lens(focal, focal * aspect, 320.0, 240.0, k1, k2), rotation, -rotation @ centre)
 
 
-# The camera that looks to the right stands on the left.
+# The camera that faces right is on the left.
 ANGLES = (25.0, -25.0)
 
 

@@ -1,4 +1,4 @@
-"""One mistake in control points is named as what it is, and cameras that stand oddly are told."""
+"""One mistake in control points is named as what it is, and implausible camera poses are reported."""
 
 from dataclasses import replace
 from pathlib import Path

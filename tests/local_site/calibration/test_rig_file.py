@@ -19,7 +19,7 @@ def rig():
 
 @pytest.fixture
 def refused(rig, tmp_path):
-    """What is said of the rig's file after a change to its content."""
+    """The error for the rig's file after a change to its content."""
 
     def load_changed(change):
         path = tmp_path / "rig.json"

@@ -1,4 +1,4 @@
-"""Triangulation: what two or more cameras see comes back, one by one and all at once."""
+"""Triangulation: points seen by two or more cameras are recovered, one by one and all together."""
 
 import cv2
 import numpy as np

@@ -1,4 +1,4 @@
-"""The console as a process: it says where it is, in the log's format, and ends at once whatever a page does."""
+"""The console as a process: it logs its address, and ends immediately whatever a page does."""
 
 import base64
 import json

@@ -1,4 +1,4 @@
-"""What pages ask: only the operating one is heard, but for the stop, which anybody may ask; the rest is refused."""
+"""Requests of pages: only the operating page's are accepted, but any page may stop; the rest is refused."""
 
 import asyncio
 import threading
@@ -17,7 +17,7 @@ from local_site.console.model.seat import Seat, Visitor
 
 
 class Told:
-    """Stands for a page, and for a publisher: keeps what it is told."""
+    """Replaces a page, and a publisher: keeps what it is sent."""
 
     def __init__(self, number: int = 0) -> None:
         self.visitor = Visitor(number, "127.0.0.1")

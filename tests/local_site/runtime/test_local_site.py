@@ -1,4 +1,4 @@
-"""The local site's loop, from views to samples: what the drift alarm says reaches the log once and every sample."""
+"""The local site's loop, from views to samples: the drift alarm reaches the log once and every sample."""
 
 import numpy as np
 import pytest
@@ -40,7 +40,7 @@ class Cameras:
 
 
 class Wire:
-    """A link that keeps what is sent and never hears anything."""
+    """A link that keeps what is sent and never receives anything."""
 
     def __init__(self):
         self.sent = []
@@ -90,7 +90,7 @@ class BumpedLater:
 
 @pytest.fixture
 def site(monkeypatch):
-    """Makes a site before so many cameras, with the wire that it sends on."""
+    """Makes a site with this many cameras, and the wire that it sends on."""
 
     def make(cameras=2):
         monkeypatch.setattr(local_site.runtime.loop, "make_tracker", lambda *_: BumpedLater())

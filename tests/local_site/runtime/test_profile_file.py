@@ -1,4 +1,4 @@
-"""An operator's profile: saved and found again, refused with the cure, and nobody else's touched."""
+"""An operator's profile: saved and found again, refused with the cure, and no other operator's touched."""
 
 import msgspec
 import numpy as np

@@ -1,4 +1,4 @@
-"""The published sample: what it says of the points' certainty, and that nothing in it makes a receiver refuse it."""
+"""The published sample: what it states of the points' certainty, and that no receiver has to refuse it."""
 
 import numpy as np
 import pytest

@@ -1,4 +1,4 @@
-"""The merge of the operator's intent: held only while it is told so, and only after it was seen let go."""
+"""The merge of the operator's intent: held only while a page reports it, and only after it was seen released."""
 
 import pytest
 

@@ -101,7 +101,7 @@ def test_an_absent_point_stays_absent_and_starts_anew(method, missing):
     if missing in {"elbow", "wrist"} or method == "mean":
         assert getattr(back, missing) == pytest.approx(moved)
     else:
-        # A tip starts anew about its wrist, which was there all the time and comes gradually.
+        # A tip starts again about its wrist, which was there all the time and comes gradually.
         offset = getattr(back, missing) - back.wrist
         assert offset == pytest.approx(HAND[missing])
 

@@ -32,7 +32,7 @@ def cone(centres, radii):
 
 
 def seen_by_ray(camera, solid, subdivision):
-    """Share of each pixel's rays (H, W) that meet the hull of two balls: the truth, found without any outline."""
+    """Fraction of each pixel's rays (H, W) that meet the hull of two balls: the truth, found without any outline."""
     size = np.arange(0.0, 1.0, 1.0 / subdivision) + 0.5 / subdivision - 0.5
     u, v = np.meshgrid((np.arange(240, 400)[:, None] + size).ravel(), (np.arange(160, 320)[:, None] + size).ravel())
     slopes = (np.stack([u, v], axis=-1) - camera.principal_px) / camera.focal_px

@@ -64,7 +64,7 @@ def test_elbow_and_opening_are_those_of_the_bare_arm():
 def test_a_limb_in_front_hides_a_marker():
     pose = Motion(MotionConfig(), CONFIG.body, seed=1).pose(0.0)
     arm = MarkedArm(ArmBody(CONFIG.body))
-    # The wrist's marker looks at the cameras; half a turn about the forearm puts it behind the wrist.
+    # The wrist's marker faces the cameras; half a turn about the forearm puts it behind the wrist.
     along = pose.operator_R_hand[:, 0]
     turned = replace(pose, operator_R_hand=rotation_from_vector(np.pi * along) @ pose.operator_R_hand)
     for camera in stereo_pair(CONFIG.stereo):

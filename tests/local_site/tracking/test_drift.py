@@ -1,4 +1,4 @@
-"""The drift alarm: silent through noise and tracking losses, heard soon after a camera is bumped."""
+"""The drift alarm: silent through noise and tracking losses, raised soon after a camera is bumped."""
 
 from dataclasses import replace
 
@@ -16,7 +16,7 @@ FPS = 30
 
 
 def feed(alarm, seconds, residual_px, random, start_s=0.0, points=4):
-    """The alarm's words over so many seconds of noisy residuals."""
+    """The alarm's messages over this many seconds of noisy residuals."""
     words = []
     for k in range(int(seconds * FPS)):
         residuals = np.abs(random.normal(0.0, residual_px / 0.6745, points))

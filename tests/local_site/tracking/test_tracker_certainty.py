@@ -1,4 +1,4 @@
-"""Whether points are as sure as the tracker says, on simulated operators unlike those it was fitted to."""
+"""Whether points are as certain as the tracker reports, on simulated operators unlike those it was fitted to."""
 
 import numpy as np
 import pytest
@@ -18,12 +18,12 @@ LEARNING = 11
 COUNT = 30
 THIN = BodyConfig(forearm_girth=0.20, upper_arm_girth=0.22, elbow_girth=0.20, wrist_girth=0.14, belly_offset=0.004)
 STRONG = BodyConfig(forearm_girth=0.32, upper_arm_girth=0.36, elbow_girth=0.28, wrist_girth=0.185, belly_offset=0.018)
-# What errs most is constant for a body, so that one body alone says little: it is from 0.2 to 3.5 here.
+# What errs most is constant for a body, so that one body alone shows little: it is from 0.2 to 3.5 here.
 HONEST = (0.5, 2.0)
 
 
 def normalised(body, motion):
-    """The normalised error squared (N,) of each point, 1 where errors are as large as said."""
+    """The normalised error squared (N,) of each point, 1 where errors are as large as reported."""
     sequence = render_sequence(motion, COUNT, body=body)
     estimates = sequence.tracked(SilhouetteTracker(rig_of(sequence.projections)))[LEARNING:]
     return {

@@ -23,7 +23,7 @@ LEARNING = 10
 THIN = BodyConfig(forearm_girth=0.20, upper_arm_girth=0.22, elbow_girth=0.20, wrist_girth=0.14, belly_offset=0.004)
 STRONG = BodyConfig(forearm_girth=0.32, upper_arm_girth=0.36, elbow_girth=0.28, wrist_girth=0.185, belly_offset=0.018)
 # The simulated hand is held straighter than the hand model expects, and its flesh lies elsewhere: what is constant in
-# the errors says more of the two models than of the tracking. Limits are a third above the largest error measured.
+# the errors depends more on the two models than on the tracking. Limits are a third above the largest error measured.
 LARGEST_MM = {"elbow": 24.0, "wrist": 17.0, "index": 22.0, "thumb": 9.0}
 # Mean distance in mm from the mean error, about 1.4 times what is measured.
 MOTION_MM = {

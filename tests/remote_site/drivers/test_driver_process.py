@@ -71,7 +71,7 @@ def c500c(host):
 
 
 class Rig:
-    """The driver's process, the cell's where there is one, and what the reports said."""
+    """The driver's process, the cell's where there is one, and the content of the reports."""
 
     def __init__(self, factory, monkeypatch):
         monkeypatch.setattr(process, "create_driver", lambda name, host: factory(host))  # noqa: ARG005
@@ -267,7 +267,7 @@ def test_the_first_command_after_a_stop_began_is_where_the_stop_is_at_its_time()
 
 
 def test_until_an_activation_is_answered_control_goes_on_from_where_it_was_asked():
-    """A robot that answers within a tick is never seen in between: what it was sent before is not where it stands."""
+    """A robot that answers within a tick is never seen in between: what it was sent before is not where it is."""
     memory = DriverMemory.create(6)
     link = DriverLink(memory, LIMITS, CLOCK)
     memory.report.write(memory.report.read()._replace(at_ns=CLOCK.now_ns(), motions=np.full((5, 6), 0.3)))

@@ -98,7 +98,7 @@ def test_a_stop_is_idempotent_and_activation_waits_for_rest(bench):
 
 @pytest.fixture
 def registered(monkeypatch):
-    """The drivers of the house as pyproject.toml registers them, whatever is installed, and two of others."""
+    """Farhand's own drivers as pyproject.toml registers them, whatever is installed, and two foreign ones."""
     project = tomllib.loads((Path(__file__).parents[3] / "pyproject.toml").read_text())["project"]
     points = [
         EntryPoint(name, value, registry.GROUP) for name, value in project["entry-points"][registry.GROUP].items()

@@ -1,4 +1,4 @@
-"""The simulated driver hands setpoints to the cell, and says in words why the arm does not take them."""
+"""The simulated driver hands setpoints to the cell, and states why the arm does not take them."""
 
 import numpy as np
 import pytest

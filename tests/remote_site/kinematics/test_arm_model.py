@@ -1,4 +1,4 @@
-"""The model of the arm and its limits: what the URDF says, what makes it unusable, what configuration may change."""
+"""The model of the arm and its limits: what the URDF states, what makes it unusable, what configuration may change."""
 
 import re
 from pathlib import Path

@@ -50,7 +50,7 @@ def test_the_nearest_solution_to_where_the_arm_is_is_where_it_is(q):
     assert off(result.q, MODEL.forward(q)) < 1e-9
     # at the elbow's stretch two solutions meet, a square root apart from rounding
     assert np.abs(result.q[:3] - q[:3]).max() < 1e-6
-    # nearly straight, the wrist may take the place of joint 4 nearer to its middle
+    # nearly straight, the wrist may take the goal of joint 4 nearer to its middle
     assert np.abs(result.q - q).max() < 1e-6 or abs(q[4]) < 0.36
 
 
@@ -110,7 +110,7 @@ def test_joint_4_at_its_limit_loses_orientation_but_not_position_until_its_other
         assert lost(result.q, pose) <= 0.8
         assert np.abs(MODEL.forward(result.q)[:3, 3] - pose[:3, 3]).max() < 1e-6
         q = result.q
-    assert q[3] < LIMITS.upper[3] - 0.5  # the other place of joint 4 came near
+    assert q[3] < LIMITS.upper[3] - 0.5  # the other goal of joint 4 came near
 
 
 def test_a_smooth_path_of_the_tool_is_a_smooth_path_of_the_joints():

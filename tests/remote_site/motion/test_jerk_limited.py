@@ -90,7 +90,7 @@ def test_a_sample_that_comes_after_the_course_has_ended_counts_as_any_other():
     assert (place[0], speed[0]) == (pytest.approx(0.16, abs=0.02), pytest.approx(0.0, abs=0.5))  # it ended at 160 ms
     predictor.aim(80 * NS_PER_MS, START + 0.08 * way, 255 * NS_PER_MS)
     place, speed = predictor.at(314 * NS_PER_MS)
-    assert place[0] > 0.2  # on its way to 0.314
+    assert place[0] > 0.2  # moving to 0.314
     assert speed[0] > 1.0
 
 
@@ -138,7 +138,7 @@ def test_a_course_has_no_jumps():
 
 
 def test_a_course_begins_to_move_no_harder_than_the_joints_can():
-    """Joints that cannot keep to it would catch up one after the other, and swing the tool off the way."""
+    """Joints that cannot keep to it would catch up one after the other, and swing the tool off the path."""
     predictor, way, hardest = (
         joint_target_predictor(LIMITS, ControlConfig()),
         np.array([0.1, 0.05, -0.1, 0.1, 0.1, 0.1]),

@@ -16,7 +16,7 @@ from tests.remote_site.remote_loop import TICK_NS, RemoteLoop
 
 
 class QuickRobot:
-    """Stopped, and not quite where it was led to; ready at once when it is activated."""
+    """Stopped, and not quite where it was led to; ready immediately when it is activated."""
 
     def __init__(self, led_to, measured):
         self.sent, self.q, self.fault, self.written = led_to, measured, STOPPED, []
@@ -34,7 +34,7 @@ class QuickRobot:
 
 
 class NoReport:
-    """A reporter, a request server and a refusal count that nobody reads."""
+    """A reporter, a request server and a refusal count, none of them read."""
 
     counts = MappingProxyType({})
 

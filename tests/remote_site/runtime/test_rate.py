@@ -21,7 +21,7 @@ def test_a_rate_keeps_absolute_deadlines_and_counts_what_it_missed() -> None:
 
 def test_a_rate_keeps_its_distance_after_a_late_tick() -> None:
     clock = FakeClock()
-    rate = Rate(250.0, clock, least_share=0.9)
+    rate = Rate(250.0, clock, least_fraction=0.9)
     rate.wait()
     woken = []
     for late_ms in (0.0, 0.3, 3.9, 0.0, 9.0, 0.0, 0.0):

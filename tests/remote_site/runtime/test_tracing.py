@@ -1,4 +1,4 @@
-"""A hand sample's way to the encoders: shown once the measured joints are as far as its first command."""
+"""A hand sample's path to the encoders: shown once the measured joints are as far as its first command."""
 
 from types import SimpleNamespace
 
@@ -78,7 +78,7 @@ def test_a_robot_that_never_comes_as_far_is_given_up():
 
 
 def at(tracing: Tracing, t_ms: int, obeyed_seq: int | None) -> tuple[int, int | None]:
-    """What is told once the robot is seen: the sample's number, and when its command reached the robot, ms."""
+    """What is reported once the robot is seen: the sample's number, and when its command reached the robot, ms."""
     tracing.see(reading(t_ms, 0.0, obeyed_seq))
     told = tracing.reported()
     return told.seq, None if told.motion_ns is None else told.motion_ns // NS_PER_MS

@@ -1,4 +1,4 @@
-"""Distances, collision avoidance and clearance: never within the margin, never far for NaN, always a way back."""
+"""Distances, collision avoidance and clearance: never within the margin, never far for NaN, retreat always possible."""
 
 import math
 
@@ -41,7 +41,7 @@ def test_the_gripper_is_as_far_from_the_table_as_its_capsules_say():
     model = collision(CollisionConfig(fixtures=(table,)))
     posture = ROBOT.start.copy()
     posture[5] = 0.0
-    pairs = [pair for pair in model.nearer_than(posture, 0.6) if pair.names == ("tool0", "table")]
+    pairs = [pair for pair in model.pairs_within(posture, 0.6) if pair.names == ("tool0", "table")]
     assert min(pair.distance for pair in pairs) == pytest.approx(0.8685 - 0.035 - 0.558, abs=1e-3)
 
 
@@ -50,7 +50,7 @@ def test_the_gradient_is_the_derivative_of_the_distance():
     for _ in range(40):
         q = rng.uniform(LIMITS.lower, LIMITS.upper)
         before = model.distances(q)
-        for pair in model.nearer_than(q, 0.3):
+        for pair in model.pairs_within(q, 0.3):
             if pair.distance < 0.005:
                 continue  # inside each other the direction is arbitrary
             k = int(np.argmin(np.abs(before - pair.distance)))
@@ -189,7 +189,7 @@ def inside_the_margin():
 
 
 def moving(loop, speed_z, seconds=1.2):
-    """The hand goes up or down; the distances on the way, m."""
+    """The hand goes up or down; the distances along the path, m."""
     begin_ns, found = loop.clock.now_ns(), []
     for k in range(round(seconds * 250)):
         t = (loop.clock.now_ns() - begin_ns) / 1e9

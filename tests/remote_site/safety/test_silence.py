@@ -1,4 +1,4 @@
-"""Who falls silent is told from who was not listened to."""
+"""A silent process is distinguished from one that was not listened to."""
 
 from common.clock import NS_PER_MS
 from remote_site.safety.silence import Silence

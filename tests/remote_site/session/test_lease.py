@@ -133,7 +133,7 @@ def test_replies_tell_the_askers_lease_and_the_holders_name(desk):
 
 
 class LeaseMachine(RuleBasedStateMachine):
-    """Three sites do what they like; a plain book of who was granted what says what must hold."""
+    """Three sites act at random; a plain record of the granted leases shows what must hold."""
 
     holders = st.sampled_from([ANNA, BEN, CARL])
 

@@ -23,7 +23,7 @@ CONFIG = CellConfig(servo=ServoConfig(watchdog_ms=250.0))  # a busy machine may 
 
 
 class Rig:
-    """A running cell, and what its readings said at each of its steps that were seen."""
+    """A running cell, and its readings at each of its steps that were seen."""
 
     def __init__(self) -> None:
         self.memory = CellMemory.create(6)

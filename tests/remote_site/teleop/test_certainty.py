@@ -54,7 +54,7 @@ def test_poor_must_lie_beyond_sure(bounds):
 
 
 def running(loop, seconds, covariance, step=None):
-    """A hand that moves at once by `step`; the fastest joint speeds seen."""
+    """A hand that jumps by `step`; the fastest joint speeds seen."""
     place = np.array([0.0, 0.0, 0.3]) + (step if step is not None else np.zeros(3))
     begin = len(loop.log)
     loop.run(round(seconds * 250), lambda _t_ns: tuple(place.tolist()), covariance=covariance)

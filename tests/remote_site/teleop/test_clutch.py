@@ -1,4 +1,4 @@
-"""The clutch through the whole chain: taken anew in full motion, the target does not jump by 0.01 mm."""
+"""The clutch through the whole pipeline: taken again in full motion, the target does not jump by 0.01 mm."""
 
 import numpy as np
 import pytest

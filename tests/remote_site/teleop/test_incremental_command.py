@@ -1,4 +1,4 @@
-"""The incremental command through the whole chain: how far it drifts, and that it never runs away."""
+"""The incremental command through the whole pipeline: how far it drifts, and that it never runs away."""
 
 import numpy as np
 import pytest

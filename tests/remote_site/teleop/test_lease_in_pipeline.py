@@ -1,4 +1,4 @@
-"""The fence in the chain: what was not sent under the lease in force moves nothing, however late it comes."""
+"""The lease in the pipeline: what was not sent under the lease in force moves nothing, however late it comes."""
 
 import msgspec
 import numpy as np

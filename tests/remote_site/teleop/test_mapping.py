@@ -206,7 +206,7 @@ def incremental(tool=TOOL, **config):
 
 
 def driven(mapping, places, share, tool=TOOL):
-    """Where a tool ends that has gone only a share of its way when the next sample comes."""
+    """Where a tool ends that has gone only a fraction of its path when the next sample comes."""
     here = tool.copy()
     for place in places:
         mapping.read(here)

@@ -1,4 +1,4 @@
-"""Arms of other kinds through the whole chain: followed within 2 mm, elbow steered, at rest before what is too far."""
+"""Other kinds of arms through the whole pipeline: within 2 mm, elbow steered, at rest before targets out of reach."""
 
 import msgspec
 import numpy as np
@@ -83,7 +83,7 @@ def test_the_elbow_of_seven_axes_turns_as_the_operators_while_the_tool_stays():
     zero = (elbow - shoulder) - axis * (axis @ (elbow - shoulder))
     turns = [elbow_turn(loop, motion.q, (axis, zero)) for motion in loop.log[-1500:]]
     theirs = [np.arctan2(*swinging_elbow(k * 0.004)[[0, 2]] * [1, -1]) for k in range(1500)]
-    # base_R_operator takes the operator's x to the base's y: seen along the arm, both turn the same way
+    # base_R_operator takes the operator's x to the base's y: seen along the arm, both turn in the same direction
     delay = 40
     assert np.abs(np.array(turns[delay:]) - np.array(theirs[:-delay])).max() < 0.15
     assert np.ptp(turns) > 1.0

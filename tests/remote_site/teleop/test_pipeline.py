@@ -1,4 +1,4 @@
-"""The chain as a whole: what the driver receives stays within every limit, whatever the hand and the wire do."""
+"""The pipeline as a whole: what the driver receives stays within every limit, whatever the hand and the wire do."""
 
 import numpy as np
 import pytest

@@ -1,4 +1,4 @@
-"""The intake: what is late, doubled, reordered or wild is refused with its reason, and nothing else."""
+"""The sample validator: what is late, duplicated, reordered or wild is refused with its reason, and nothing else."""
 
 import itertools
 

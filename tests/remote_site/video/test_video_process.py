@@ -146,7 +146,7 @@ def test_a_camera_that_fails_says_so_and_is_opened_again(monkeypatch):
 
 
 class Endless:
-    """A camera that never gives its second picture until it is let go, or one as quick as it is asked for."""
+    """A camera that never gives its second picture until it is released, or one as quick as requested."""
 
     def __init__(self, name: str, hangs: threading.Event | None) -> None:
         self.name = name

@@ -1,4 +1,4 @@
-"""What the page tells of time: latencies of the last minute, one sample's way, what has happened, what was painted."""
+"""What the page shows over time: latencies of the last minute, one sample's path, events, what was painted."""
 
 import msgspec
 import pytest
@@ -48,7 +48,7 @@ STATE = RobotState(
 
 
 def obeying(seq: int, exposed_ns: int, command_ms: float, motion_ms: float | None) -> RobotState:
-    """A state that obeys a sample exposed at a time of the local clock, so many ms later."""
+    """A state that obeys a sample exposed at a time of the local clock, this many ms later."""
     command_ns = exposed_ns + APART_NS + round(command_ms * NS_PER_MS)
     motion_ns = None if motion_ms is None else command_ns + round(motion_ms * NS_PER_MS)
     return msgspec.structs.replace(STATE, obeyed=Obeyed(1, seq, exposed_ns, command_ns, motion_ns))
@@ -89,7 +89,7 @@ def test_the_hand_is_seen_in_the_first_picture_taken_after_the_encoders_showed_i
     assert (told["count"], told["newest"]) == (1, 30.0)
     latencies.painted("side", moved_ns - 1, 50.0, NOW_NS)
     assert latencies.trace is None
-    for _ in range(3):  # told again at 10 Hz
+    for _ in range(3):  # reported again at 10 Hz
         latencies.painted("side", moved_ns + 15 * NS_PER_MS, 40.0, NOW_NS)
     trace = latencies.trace
     assert trace is not None

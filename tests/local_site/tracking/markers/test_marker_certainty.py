@@ -1,4 +1,4 @@
-"""What the marker tracker says of its own certainty: a covariance for each point it gives, and the views' residual."""
+"""The certainty that the marker tracker reports: a covariance for each point it gives, and the views' residual."""
 
 from dataclasses import replace
 
@@ -45,7 +45,7 @@ def test_every_point_that_is_there_has_a_covariance_of_the_size_of_its_error():
         assert list(estimate.covariances) == ["wrist", "index", "thumb"]
         sigmas = [1e3 * np.sqrt(np.trace(covariance)) for covariance in estimate.covariances.values()]
         squares.append((error_mm(estimate, points) / sigmas) ** 2)
-    # Drawn by an exact rig, so that the share of the calibration in sigma has no counterpart in the error.
+    # Drawn by an exact rig, so that the calibration's part of sigma has no counterpart in the error.
     assert 0.05 < np.mean(squares) < 1.5
 
 
@@ -61,7 +61,7 @@ def test_the_residual_is_small_while_the_cameras_stand_and_grows_with_a_bump():
     degrees, px_per_degree = 0.15, np.pi / 180 * four_cameras()[0].focal_px
     estimate = scene_with_bump(degrees).step(hand_at())
     assert estimate.status is not TrackingStatus.LOST
-    # The Sampson distance shares a vertical offset of one view among both: about 1/sqrt(2) of it.
+    # The Sampson distance splits a vertical offset of one view between both: about 1/sqrt(2) of it.
     assert estimate.residual_px == pytest.approx(degrees * px_per_degree / np.sqrt(2), rel=0.15)
 
 

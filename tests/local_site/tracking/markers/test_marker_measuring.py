@@ -1,4 +1,4 @@
-"""What a marker's measurement says of itself: honest with a calibration's errors and with a marker shown in part."""
+"""The uncertainty of a marker's measurement: honest with a calibration's errors and with a marker shown in part."""
 
 import numpy as np
 import pytest

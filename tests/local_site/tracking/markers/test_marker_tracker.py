@@ -32,7 +32,7 @@ DEGRADED, INITIALISING, LOST, TRACKED = (
 
 
 def raised(points, metres):
-    """The points so much higher."""
+    """The points raised by this much."""
     return points + np.array([0.0, 0.0, metres])
 
 

@@ -1,4 +1,4 @@
-"""The monocular tracker on films whose truth is known: how well it follows, and that it says when it does not."""
+"""The monocular tracker on films whose truth is known: how well it follows, and that it reports when it does not."""
 
 import numpy as np
 import pytest

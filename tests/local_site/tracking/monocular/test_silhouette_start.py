@@ -48,7 +48,7 @@ def posed(angle, bend, elbow_px, depth, tilts=(0.0, 0.0)):
 
 
 def another_body(random):
-    """The limbs of somebody whose girths are off those of the configuration by up to 3 % here and there."""
+    """The limbs of a person whose girths differ from the configuration by up to 3 % here and there."""
     limbs = []
     for limb in (UPPER_ARM, FOREARM):
         girths = 1.0 + random.uniform(-0.03, 0.03, len(limb.along))

@@ -1,4 +1,4 @@
-"""A left arm where a right one is expected, as exchanged and mirrored pictures show it, is told and never tracked."""
+"""A left arm where a right one is expected, as exchanged and mirrored pictures show it, is reported, never tracked."""
 
 import numpy as np
 import pytest

@@ -24,7 +24,7 @@ def views(half_width_m):
 
 
 def bent(angle_deg):
-    """An arm with so many degrees between its limbs, across the y axis; None for an upper arm that is not known."""
+    """An arm with this many degrees between its limbs, across the y axis; None for an upper arm that is not known."""
     turn = np.radians(angle_deg or 0.0)
     upper_arm = np.array([-np.cos(turn), 0.0, np.sin(turn)]) if angle_deg is not None else np.zeros(3)
     return Joints(ELBOW, ELBOW + 0.27 * FOREARM, LINES, 0.3, upper_arm)

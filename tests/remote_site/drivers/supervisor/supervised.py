@@ -148,7 +148,7 @@ class Supervised:
         return stop.at(self.clock.now_ns() + round(ms * NS_PER_MS))
 
     def stumble(self, ms: float) -> None:
-        """Control is silent for this long, the driver's process goes on."""
+        """Control is silent for this long, the driver's process continues."""
         while ms > 0:
             self.turn(ms=min(ms, 2.0))
             ms -= 2.0

@@ -1,4 +1,4 @@
-"""Control and the driver's process on stepped time: whichever stumbles, the arm goes on inside its limits."""
+"""Control and the driver's process on stepped time: whichever stumbles, the arm stays inside its limits."""
 
 import numpy as np
 import pytest
@@ -56,7 +56,7 @@ class Rig:
         self.link.activate(START)
         self.desk.turn()
         self.sent = JointMotion.at_rest(START)
-        self.rate = Rate(1 / setup.dt, self.clock, least_share=LEAST_FRACTION)
+        self.rate = Rate(1 / setup.dt, self.clock, least_fraction=LEAST_FRACTION)
 
     def tick(self, late_ms=0.0):
         wake_ns = self.rate.next_ns + round(late_ms * NS_PER_MS)
@@ -128,8 +128,8 @@ def test_a_slow_robot_goes_through_a_stumble_at_its_speeds_too(late_ms, ticks):
 
 
 def test_stumbles_one_after_the_other_never_end_in_a_fault():
-    rig, luck = Rig(1.2), np.random.default_rng(3)
-    for late_ms in luck.uniform(0, 60, 40):
+    rig, rng = Rig(1.2), np.random.default_rng(3)
+    for late_ms in rng.uniform(0, 60, 40):
         rig.tick(late_ms)
         rig.tick()
     for _ in range(400):
@@ -140,7 +140,7 @@ def test_stumbles_one_after_the_other_never_end_in_a_fault():
 
 
 class LateRobot(Kept):
-    """Keeps one call waiting, while time passes for everybody else; notes when each write came."""
+    """Keeps one call waiting, while time passes for the others; notes when each write came."""
 
     def __init__(self, clock):
         super().__init__(clock)
@@ -175,7 +175,7 @@ class LateRig:
         self.link.activate(START)
         self.desk.turn()
         self.sent, self.rang = JointMotion.at_rest(START), False
-        self.rate = Rate(1 / setup.dt, self.clock, least_share=LEAST_FRACTION)
+        self.rate = Rate(1 / setup.dt, self.clock, least_fraction=LEAST_FRACTION)
 
     def control_until(self, until_ns):
         while self.rate.next_ns <= until_ns:
@@ -225,7 +225,7 @@ def test_without_late_calls_nothing_waits_and_a_delay_is_made_up():
     orders, came = rig.seq, len(rig.robot.came_ns)
     rig.run(100.0)
     assert len(rig.robot.came_ns) - came == rig.seq - orders
-    assert rig.robot.came_ns[-1] == rig.rate.next_ns - 4 * NS_PER_MS  # at once
+    assert rig.robot.came_ns[-1] == rig.rate.next_ns - 4 * NS_PER_MS  # immediately
     rig.robot.late_ms["read"] = 7.9
     rig.run(20.0)
     assert rig.supervisor.due_ns is not None or np.diff(rig.robot.came_ns).min() >= LEAST_FRACTION * 4 * NS_PER_MS

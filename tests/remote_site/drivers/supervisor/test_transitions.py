@@ -278,18 +278,18 @@ def test_chance_finds_no_transition_beside_the_table(monkeypatch: pytest.MonkeyP
     assert len(changes) > 10
 
 
-def wander(rig: Supervised, luck: Random) -> None:
-    """Ninety turns of commands, silence, troubles and activations by chance."""
+def wander(rig: Supervised, rng: Random) -> None:
+    """Ninety turns of commands, silence, faults and activations at random."""
     for _ in range(90):
-        event = luck.random()
+        event = rng.random()
         rig.robot.trouble = PRESSED if event < 0.01 else None
-        call = luck.choice(["activate", "read", "write", "stop"])
+        call = rng.choice(["activate", "read", "write", "stop"])
         rig.robot.raises = {call: KeyError("oops")} if event > 0.98 else {}
         if rig.supervisor.state in INACTIVE or event < 0.03:
-            rig.robot.trouble = luck.choice([None, None, NOT_ACTIVATED])
+            rig.robot.trouble = rng.choice([None, None, NOT_ACTIVATED])
             rig.activate(START if rig.supervisor.reading is None else rig.supervisor.reading.q)
         elif event < 0.2:
-            rig.stumble(luck.uniform(2, 60))
+            rig.stumble(rng.uniform(2, 60))
         elif event < 0.25:
             rig.turn(rig.order(rig.sent, run=event > 0.22))
         elif rig.supervisor.commanded.stop is not None:

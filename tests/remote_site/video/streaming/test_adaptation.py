@@ -141,7 +141,7 @@ def late(adaptation, session, start_ns, reports=10):
         now_ns = start_ns + k * REPORT_NS
         for camera in FULL_BYTES:
             adaptation.sent(frame(camera, session * 100 + k), now_ns)
-        adaptation.hear(shown(session, now_ns, session * 100 + k, 50.0 + 100.0 * k), now_ns)
+        adaptation.update(shown(session, now_ns, session * 100 + k, 50.0 + 100.0 * k), now_ns)
     return start_ns + (reports - 1) * REPORT_NS
 
 
@@ -165,7 +165,7 @@ def test_the_newest_console_counts_and_an_older_one_does_not_until_it_is_silent(
     assert adaptation.setting("side", now_ns) != FULL
     for k in range(6):
         now_ns += REPORT_NS
-        adaptation.hear(shown(2, now_ns, 300 + k), now_ns)
+        adaptation.update(shown(2, now_ns, 300 + k), now_ns)
     assert adaptation.setting("side", now_ns) == FULL
     now_ns = late(adaptation, 1, now_ns + 10 * MS, reports=8)
     assert adaptation.setting("side", now_ns) == FULL
@@ -176,13 +176,13 @@ def test_the_newest_console_counts_and_an_older_one_does_not_until_it_is_silent(
 def test_cameras_that_this_cell_has_not_and_old_news_change_nothing():
     adaptation = Adaptation(CONFIG)
     for k in range(20):
-        adaptation.hear(shown(1, k * REPORT_NS, seq=7, age_ms=5000.0 * k, cameras=("roof",)), k * REPORT_NS)
-        adaptation.hear(shown(1, k * REPORT_NS, seq=0, age_ms=0.0), k * REPORT_NS)
+        adaptation.update(shown(1, k * REPORT_NS, seq=7, age_ms=5000.0 * k, cameras=("roof",)), k * REPORT_NS)
+        adaptation.update(shown(1, k * REPORT_NS, seq=0, age_ms=0.0), k * REPORT_NS)
     assert adaptation.setting("side", 20 * REPORT_NS) == FULL
 
 
 def setting_after(told):
-    """The side camera's setting after 30 reports, in which some cameras tell something else (by number of report)."""
+    """The side camera's setting after 30 reports, in which some cameras report something else (by number of report)."""
     adaptation = Adaptation(CONFIG)
     for k in range(30):
         now_ns = k * REPORT_NS
@@ -190,7 +190,7 @@ def setting_after(told):
             adaptation.sent(frame(camera, k, 2000), now_ns - 50 * MS)
         word = shown(1, now_ns, k)
         word.views.update({camera: tell(k) for camera, tell in told.items()})
-        adaptation.hear(word, now_ns)
+        adaptation.update(word, now_ns)
     return adaptation.setting("side", now_ns)
 
 
@@ -204,7 +204,7 @@ def test_pictures_that_are_late_for_a_moment_though_all_arrive_are_not_the_links
         now_ns = k * REPORT_NS
         for camera in FULL_BYTES:
             adaptation.sent(frame(camera, k, 2000), now_ns - 50 * MS)
-        adaptation.hear(shown(1, now_ns, k, 250.0 if k % 10 in {7, 8, 9} else 50.0), now_ns)
+        adaptation.update(shown(1, now_ns, k, 250.0 if k % 10 in {7, 8, 9} else 50.0), now_ns)
         if k > 5:
             assert adaptation.setting("side", now_ns) == FULL
 

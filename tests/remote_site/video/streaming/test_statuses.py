@@ -1,4 +1,4 @@
-"""A camera that is dark, slow, frozen or missing is told from a live one within a second, and from one another."""
+"""A camera that is dark, slow, frozen or missing is distinguished from a live one, and from the others, in a second."""
 
 import itertools
 
@@ -34,7 +34,7 @@ class FakeCamera:
         self._frame = None
 
     def run(self, seconds, fps=30.0, image=scene):
-        """The messages of so many seconds; 0 fps for a camera that hangs."""
+        """The messages of this many seconds; 0 fps for a camera that hangs."""
         told, end_ns = [], self._now_ns + round(seconds * 1e9)
         self._next_ns = max(self._next_ns, self._now_ns)
         while self._now_ns < end_ns:

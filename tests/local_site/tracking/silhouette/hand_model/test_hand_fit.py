@@ -1,4 +1,4 @@
-"""The fit gives a drawn hand back from near by, says when it did not, and knows how sure it is."""
+"""The fit recovers a drawn hand from a near start, reports when it did not, and estimates its certainty."""
 
 import numpy as np
 import pytest
@@ -26,7 +26,7 @@ from tests.local_site.tracking.silhouette.hand_model.posed_hands import (
 ITERATIONS = 12
 STARTS = 24
 TIP_M, OUTLINE_PX = 0.003, 0.3
-# Of hands turned at random, the share given back from a start so far off (degrees, mm): measured 0.95 and 0.6.
+# Of hands turned at random, the fraction recovered from a start off by this much (degrees, mm): measured 0.95 and 0.6.
 RETURNS = [(8.0, 5.0, 0.8), (15.0, 10.0, 0.45)]
 # Outline pixels are uncertain by SIGMA px; a hand drawn by the model itself costs a fiftieth of a real one's.
 GOOD_COST = 0.05

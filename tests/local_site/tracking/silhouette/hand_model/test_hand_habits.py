@@ -20,7 +20,7 @@ PERSONS_POSTURE = GRIPPER + 0.8 * GRIPPER_SIGMA * np.array([1, -1, 1, 1, -1, 1, 
 
 
 def fitted(truth, information, prior):
-    """The posture (10,) that fits best to what outlines tell of a truth, under a prior."""
+    """The posture (10,) that fits best to the outlines of a truth, under a prior."""
     told = information @ truth + prior.information @ prior.posture
     return np.linalg.solve(information + prior.information, told)
 

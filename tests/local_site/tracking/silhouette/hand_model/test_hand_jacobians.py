@@ -78,7 +78,7 @@ def test_outline_rows_are_changes_of_the_distances(turn):
 
 
 def _steady(view, pose, capsule):
-    """Which pixels (N,) touch the same capsule a little way off."""
+    """Which pixels (N,) touch the same capsule a small distance away."""
     same = np.ones(len(capsule), dtype=bool)
     for p in range(STATE):
         for sign in (-2 * STEP, 2 * STEP):
