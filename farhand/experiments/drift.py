@@ -12,7 +12,7 @@ from farhand.experiments.filming import Progress
 from farhand.experiments.following import FollowingArm
 from farhand.experiments.plotting import describe_panel, panels, plot_frames, png
 from farhand.experiments.report import CsvTable, ExperimentReport, Figures, rounded
-from farhand.loopback.casting import ARM_FILES, HUMANOID, MONOCULAR, arm_settings
+from farhand.loopback.presets import ARM_FILES, HUMANOID, MONOCULAR, arm_settings
 from local_site.simulation.hazel import FRAMES_PER_S, HAZEL_S_FRAMES, Swing, true_points
 from local_site.tracking.tracker import ArmEstimate
 from remote_site.config import RemoteConfig

@@ -15,7 +15,7 @@ import msgspec
 from common.config import apply_setting, load_config, read_tables
 from common.errors import ConfigError
 from farhand.deployment.kinds import KINDS, Configuration, known_keys, likeliest
-from farhand.loopback.casting import MONOCULAR, arm_file, arm_settings, check_cast, operator_settings
+from farhand.loopback.presets import MONOCULAR, arm_file, arm_settings, check_combination, operator_settings
 from farhand.loopback.site_process import free_ports
 from local_site.config import LocalConfig
 from local_site.console.config import ConsoleConfig
@@ -106,7 +106,7 @@ def plan_of(options: LoopbackOptions) -> Plan:
     given_local = _local_needs(given_local)
     given_remote = _remote_needs(given_remote, given_local.load().tracking.method)
     local, remote = given_local.load(), given_remote.load()
-    check_cast(local.tracking.method, options.arm, local.simulation.motion.name, remote.driver.name)
+    check_combination(local.tracking.method, options.arm, local.simulation.motion.name, remote.driver.name)
     check_driver(remote.driver.name)
     *ports, page = free_ports(4)
     control, video, listen = (f"tcp/127.0.0.1:{port}" for port in ports)

@@ -18,10 +18,10 @@ from common.link.channels import ChannelSession
 from common.link.transport import Link, open_link
 from common.messages.robot import Engagement, SessionState
 from common.process.service import StopFlag
-from farhand.loopback.casting import operator_views
 from farhand.loopback.figures import Expectation, Figures, all_figures, session_events
 from farhand.loopback.live import LiveSummary, print_table
 from farhand.loopback.plan import LoopbackOptions, plan_of
+from farhand.loopback.presets import operator_views
 from farhand.loopback.recorder import Record, Recorder
 from farhand.loopback.site_process import SiteProcess, listens, start_site
 from farhand.loopback.views import save_camera_views, save_overview

@@ -7,7 +7,7 @@ import pytest
 from common.config import load_config
 from common.messages.hand import TrackingStatus
 from farhand.experiments.following import FollowingArm
-from farhand.loopback.casting import (
+from farhand.loopback.presets import (
     ARM_FILES,
     HUMANOID,
     MONOCULAR,
