@@ -14,7 +14,7 @@ from common.atomic_file import write_atomically
 from common.errors import ConfigError
 from common.link.channels import check_cell_name
 from common.link.roles import Identity, Role
-from farhand.certificates.issuing import CA_DAYS, Issued, issue, make_authority
+from farhand.certificates.issuing import Issued, issue, make_authority
 
 LOOPBACK_HOSTS = ("127.0.0.1", "::1", "localhost")
 AUTHORITY = "ca"
@@ -97,7 +97,7 @@ def _new_authority(folder: Path, now: datetime) -> Issued:
     if (folder / f"{AUTHORITY}.pem").exists():
         raise ConfigError(f"{folder} holds an authority's certificate but not its key: create where the key is kept")
     folder.mkdir(mode=0o700, parents=True, exist_ok=True)
-    authority = make_authority("Farhand certificate authority", now, CA_DAYS)
+    authority = make_authority("Farhand certificate authority", now)
     _write(folder / AUTHORITY, authority)
     return authority
 

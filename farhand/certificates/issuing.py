@@ -1,4 +1,4 @@
-"""Makes keys and certificates: the authority's own, and those that it issues; pure but for the random keys."""
+"""Makes keys and X.509 certificates, the authority's own and those it issues; no I/O, but random keys and serials."""
 
 import ipaddress
 from collections.abc import Sequence
@@ -12,7 +12,7 @@ from cryptography.x509.oid import ExtendedKeyUsageOID, NameOID
 
 from common.link.roles import Identity
 
-EARLY = timedelta(minutes=5)  # two hosts' clocks may differ by this
+CLOCK_TOLERANCE = timedelta(minutes=5)  # certificates are backdated: another host's clock may be behind by this
 CA_DAYS = 3650
 
 
@@ -36,12 +36,12 @@ class Issued:
         )
 
 
-def make_authority(name: str, now: datetime, days: int = CA_DAYS) -> Issued:
-    """A certificate authority that may sign only certificates of sites, not further authorities."""
+def make_authority(name: str, now: datetime) -> Issued:
+    """A self-signed certificate authority, valid for CA_DAYS from `now` (UTC); it may not sign further authorities."""
     key = ec.generate_private_key(ec.SECP256R1())
-    subject = _name(name)
+    subject = _distinguished_name(name)
     certificate = (
-        _builder(subject, subject, key.public_key(), now, timedelta(days=days))
+        _builder(subject, subject, key.public_key(), now, timedelta(days=CA_DAYS))
         .add_extension(x509.BasicConstraints(ca=True, path_length=0), critical=True)
         .add_extension(_key_usage(signs_certificates=True), critical=True)
         .add_extension(x509.SubjectKeyIdentifier.from_public_key(key.public_key()), critical=False)
@@ -51,25 +51,27 @@ def make_authority(name: str, now: datetime, days: int = CA_DAYS) -> Issued:
 
 
 def issue(authority: Issued, identity: Identity, hosts: Sequence[str], now: datetime, valid: timedelta) -> Issued:
-    """A certificate for a role at a cell, on these hosts (names or addresses), to listen with and to connect with."""
+    """A certificate for a role at a cell, for both server and client use, valid for `valid` from `now` (UTC).
+
+    `hosts` are the names or IP addresses under which others reach the holder.
+    """
     key = ec.generate_private_key(ec.SECP256R1())
-    public = authority.key.public_key()
-    names = x509.SubjectAlternativeName([general_name(host) for host in hosts])
-    both = x509.ExtendedKeyUsage([ExtendedKeyUsageOID.SERVER_AUTH, ExtendedKeyUsageOID.CLIENT_AUTH])
+    issuer_key = authority.key.public_key()
+    alternative_names = x509.SubjectAlternativeName([_general_name(host) for host in hosts])
+    server_and_client = x509.ExtendedKeyUsage([ExtendedKeyUsageOID.SERVER_AUTH, ExtendedKeyUsageOID.CLIENT_AUTH])
     certificate = (
-        _builder(_name(identity.common_name), authority.certificate.subject, key.public_key(), now, valid)
+        _builder(_distinguished_name(identity.common_name), authority.certificate.subject, key.public_key(), now, valid)
         .add_extension(x509.BasicConstraints(ca=False, path_length=None), critical=True)
-        .add_extension(names, critical=False)
-        .add_extension(both, critical=False)
+        .add_extension(alternative_names, critical=False)
+        .add_extension(server_and_client, critical=False)
         .add_extension(_key_usage(signs_certificates=False), critical=True)
-        .add_extension(x509.AuthorityKeyIdentifier.from_issuer_public_key(public), critical=False)
+        .add_extension(x509.AuthorityKeyIdentifier.from_issuer_public_key(issuer_key), critical=False)
         .sign(authority.key, hashes.SHA256())
     )
     return Issued(certificate, key)
 
 
-def general_name(host: str) -> x509.GeneralName:
-    """An address or a host name as a certificate names it."""
+def _general_name(host: str) -> x509.GeneralName:
     try:
         return x509.IPAddress(ipaddress.ip_address(host))
     except ValueError:
@@ -85,12 +87,12 @@ def _builder(
         .issuer_name(issuer)
         .public_key(key)
         .serial_number(x509.random_serial_number())
-        .not_valid_before(now - EARLY)
+        .not_valid_before(now - CLOCK_TOLERANCE)
         .not_valid_after(now + valid)
     )
 
 
-def _name(common_name: str) -> x509.Name:
+def _distinguished_name(common_name: str) -> x509.Name:
     return x509.Name([x509.NameAttribute(NameOID.COMMON_NAME, common_name)])
 
 

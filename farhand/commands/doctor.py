@@ -1,4 +1,4 @@
-"""`farhand doctor`."""
+"""`farhand doctor`: checks this machine and a site's configuration."""
 
 from pathlib import Path
 from typing import Annotated
@@ -16,7 +16,7 @@ def doctor(
     settings: Settings = None,
     as_json: Annotated[bool, typer.Option("--json", help="Print the findings as JSON.")] = False,
 ) -> None:
-    """Check this machine and a configuration, and state the cures; the exit code is 1 when something is an error.
+    """Check this machine and a configuration, and suggest fixes; the exit code is 1 if any finding is an error.
 
     Example: farhand doctor --config /etc/farhand/local.toml
     """

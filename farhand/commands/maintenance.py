@@ -1,4 +1,4 @@
-"""The commands under `farhand maintenance`."""
+"""`farhand maintenance`: stop and reset the arm without holding the lease."""
 
 from pathlib import Path
 
@@ -6,16 +6,16 @@ import typer
 
 from farhand.commands.options import CellName, LinksFile, RemoteEndpoint, console_config
 
-maintenance_app = typer.Typer(help="Stop and reset the arm, without the right to operate it.", no_args_is_help=True)
+maintenance_app = typer.Typer(help="Stop and reset the arm, without holding the lease.", no_args_is_help=True)
 
 
 @maintenance_app.command("stop")
 def stop(cell: CellName = "", at: RemoteEndpoint = "", config: LinksFile = None) -> None:
-    """Stop the arm and bar every engagement until it is reset; needs no lease.
+    """Stop the arm and refuse every engagement until it is reset; needs no lease.
 
     Example: farhand maintenance stop --config /etc/farhand/maintenance.toml
     """
-    _ask("stop", cell, at, config)
+    _request("stop", cell, at, config)
 
 
 @maintenance_app.command("reset")
@@ -24,10 +24,10 @@ def reset(cell: CellName = "", at: RemoteEndpoint = "", config: LinksFile = None
 
     Example: farhand maintenance reset --config /etc/farhand/maintenance.toml
     """
-    _ask("reset", cell, at, config)
+    _request("reset", cell, at, config)
 
 
-def _ask(action: str, cell: str, at: str, config: Path | None) -> None:
+def _request(action: str, cell: str, at: str, config: Path | None) -> None:
     from common.messages.requests import EngagementAction
     from farhand.authority.engage import request_maintenance
 

@@ -1,4 +1,4 @@
-"""Probes what a configuration names: robot, cameras, rig, ports, the remote site's clock, certificates."""
+"""Gathers the facts about what a configuration names: robot, cameras, rig, ports, remote clock, certificates."""
 
 import threading
 import time
@@ -22,20 +22,20 @@ from local_site.calibration.rig_file import load_rig
 from remote_site.config import RemoteConfig
 
 PICTURE_TIMEOUT_S = 10.0
-CLOCK_PATIENCE_NS = 2 * NS_PER_S
-TRIPS = 20
-TRIP_EVERY_S = 0.05
+CLOCK_TIMEOUT_NS = 2 * NS_PER_S
+ROUND_TRIPS = 20
+ROUND_TRIP_PERIOD_S = 0.05
 SECONDS_PER_DAY = 86400.0
-MODE_BITS = 0o777
+PERMISSION_BITS = 0o777
 
 
 def probe_robot(config: RemoteConfig) -> list[tuple[str, str, str]]:
-    """Look up the driver and load the arm as the remote site does; part, sentence and cure of each mistake."""
-    return [*_try_driver(config.driver.name), *_try_arm(config)]
+    """Look up the driver and load the arm as the remote site does; returns (part, sentence, cure) of each mistake."""
+    return [*_driver_mistakes(config.driver.name), *_arm_mistakes(config)]
 
 
-def _try_driver(name: str) -> list[tuple[str, str, str]]:
-    from remote_site.drivers.registry import check_driver  # noqa: PLC0415  # as below
+def _driver_mistakes(name: str) -> list[tuple[str, str, str]]:
+    from remote_site.drivers.registry import check_driver  # noqa: PLC0415  # as in _arm_mistakes
 
     try:
         check_driver(name)
@@ -44,7 +44,7 @@ def _try_driver(name: str) -> list[tuple[str, str, str]]:
     return []
 
 
-def _try_arm(config: RemoteConfig) -> list[tuple[str, str, str]]:
+def _arm_mistakes(config: RemoteConfig) -> list[tuple[str, str, str]]:
     try:
         from remote_site.runtime.checks import find_mistakes  # noqa: PLC0415  # the doctor also examines hosts without its libraries
     except ImportError as error:
@@ -53,18 +53,18 @@ def _try_arm(config: RemoteConfig) -> list[tuple[str, str, str]]:
 
 
 def probe_camera(name: str, source: Source, fps: float) -> CameraFacts:
-    """Open a camera for one picture, unless another process has it."""
+    """Read one picture from a camera, within PICTURE_TIMEOUT_S, unless another process holds its device."""
     device = Path(f"/dev/video{source}" if str(source).isdecimal() else str(source))
     holder = holder_of_device(device) if device.is_char_device() else ""
     if holder:
         return CameraFacts(name, str(source), holder=holder)
     found: list[CameraFacts] = []
-    # Opening a stream may hang: its thread is then left behind.
+    # Opening a stream may hang and cannot be interrupted; the daemon thread is then abandoned.
     thread = threading.Thread(target=lambda: found.append(_first_picture(name, source, fps)), daemon=True)
     thread.start()
     thread.join(PICTURE_TIMEOUT_S)
-    late = CameraFacts(name, str(source), problem=f"{source} gave no picture in {PICTURE_TIMEOUT_S:g} s")
-    return found[0] if found else late
+    timed_out = CameraFacts(name, str(source), problem=f"{source} gave no picture in {PICTURE_TIMEOUT_S:g} s")
+    return found[0] if found else timed_out
 
 
 def _first_picture(name: str, source: Source, fps: float) -> CameraFacts:
@@ -83,7 +83,7 @@ def _first_picture(name: str, source: Source, fps: float) -> CameraFacts:
 
 
 def probe_rig(path: str, now: datetime) -> RigFacts:
-    """Read a rig file, its age and its cameras' picture sizes."""
+    """Read a rig file's age at `now` and its cameras' picture sizes; a date without a time zone is taken as UTC."""
     try:
         rig = load_rig(Path(path))
     except CalibrationError as error:
@@ -93,12 +93,12 @@ def probe_rig(path: str, now: datetime) -> RigFacts:
         created = datetime.fromisoformat(rig.created)
     except ValueError:
         return RigFacts(path, sizes_px=sizes)
-    aware = created if created.tzinfo else created.replace(tzinfo=UTC)
-    return RigFacts(path, (now - aware).total_seconds() / SECONDS_PER_DAY, sizes)
+    created_utc = created if created.tzinfo else created.replace(tzinfo=UTC)
+    return RigFacts(path, (now - created_utc).total_seconds() / SECONDS_PER_DAY, sizes)
 
 
 def probe_port(purpose: str, endpoint: str, security: LinkSecurity) -> PortFacts:
-    """Whether an endpoint is free to listen at, else who does."""
+    """Whether this host can listen on an endpoint, else which process already does."""
     try:
         check_endpoint(endpoint, security)
     except TransportError as error:
@@ -111,31 +111,32 @@ def probe_port(purpose: str, endpoint: str, security: LinkSecurity) -> PortFacts
 
 
 def probe_clock(cell: str, endpoint: str, security: LinkSecurity = ON_THIS_HOST) -> ClockFacts:
-    """Ask the remote site's clock TRIPS times, for CLOCK_PATIENCE_NS at most."""
+    """Estimate the remote clock's offset from ROUND_TRIPS replies, or those that come within CLOCK_TIMEOUT_NS."""
     try:
         with open_link(connect=(endpoint,), security=security) as link:
-            clock, give_up_ns, trips = RemoteClock(link, cell), time.monotonic_ns() + CLOCK_PATIENCE_NS, 0
-            while trips < TRIPS and time.monotonic_ns() < give_up_ns:
-                trips += clock.measure() is not None
-                time.sleep(TRIP_EVERY_S)
+            clock, round_trips = RemoteClock(link, cell), 0
+            deadline_ns = time.monotonic_ns() + CLOCK_TIMEOUT_NS
+            while round_trips < ROUND_TRIPS and time.monotonic_ns() < deadline_ns:
+                round_trips += clock.measure() is not None
+                time.sleep(ROUND_TRIP_PERIOD_S)
     except RefusedError as error:
         return ClockFacts(endpoint, problem=str(error))
     except TransportError:
         return ClockFacts(endpoint)  # the check of the links reports what is wrong with the endpoint
-    known = clock.estimate(time.monotonic_ns())
-    if known is None:
+    estimate = clock.estimate(time.monotonic_ns())
+    if estimate is None:
         return ClockFacts(endpoint)
-    return ClockFacts(endpoint, known.offset.offset_ns, known.offset.uncertainty_ns)
+    return ClockFacts(endpoint, estimate.offset.offset_ns, estimate.offset.uncertainty_ns)
 
 
 def probe_certificate(tls: TlsConfig, now: datetime) -> CertificateFacts:
-    """Load the files as a link would, then read dates and modes."""
+    """Load the files as a link would, then read the days left at `now` and the key file's mode."""
     try:
         identity = load_credentials(tls).identity
         certificate, authority = read_certificate(Path(tls.certificate)), read_certificate(Path(tls.ca))
     except (TransportError, ConfigError) as error:
         return CertificateFacts(tls.certificate, problem=str(error))
-    key_mode = Path(tls.key).stat().st_mode & MODE_BITS
+    key_mode = Path(tls.key).stat().st_mode & PERMISSION_BITS
     days = _days_left(certificate, now), _days_left(authority, now)
     return CertificateFacts(tls.certificate, identity.common_name, *days, key_mode)
 

@@ -45,7 +45,7 @@ HAND_MEASURED = {"label": "hand, measured", "color": "#64b4eb", "linewidth": 3.4
 HAND_TRUE = {"label": "hand, true", "color": "#282828", "linewidth": 0.9}
 TOOL = {"label": "tool", "color": "#d72828", "linewidth": 1.6}
 LABELS = ("X, mm", "Y, mm", "Z, mm", "XY plane, deg", "XZ plane, deg")
-LEAST_MM, LEAST_DEG = 10.0, 4.0
+MIN_SPAN_MM, MIN_SPAN_DEG = 10.0, 4.0
 
 
 @dataclass(frozen=True, slots=True)
@@ -183,7 +183,7 @@ def _plot(title: str, variants: Sequence[Variant], columns: Sequence[int]) -> by
             panel.plot(time_s, curves.hand_true[:, column], **HAND_TRUE)
             panel.plot(time_s, curves.tool[:, column], **TOOL)
             describe_panel(panel, f"{variant.name}\n{_lag_and_residual(variant.figures, column)}", LABELS[column])
-        widen(row[0], LEAST_MM if column < 3 else LEAST_DEG)
+        widen(row[0], MIN_SPAN_MM if column < 3 else MIN_SPAN_DEG)
     return png(figure, axes, "time, s")
 
 

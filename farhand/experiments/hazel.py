@@ -15,9 +15,9 @@ from farhand.experiments.hazel_figures import (
     arm_figures,
     errors_mm,
     finger_figures,
-    positions,
+    true_and_measured,
 )
-from farhand.experiments.hazel_filming import Footage, Tracked, occluded, shoot, watch
+from farhand.experiments.hazel_filming import Footage, Tracked, render_footage, track_footage, with_occluder
 from farhand.experiments.hazel_plots import hazel_plots
 from farhand.experiments.report import CsvTable, ExperimentReport, Figures
 from local_site.simulation.hazel import HAZEL_C_FRAMES, HAZEL_S_FRAMES, Swing, hazel_film, pointing_arm, pointing_film
@@ -25,15 +25,17 @@ from local_site.simulation.textured_arm import Scenery
 from local_site.tracking.config import ForearmConfig, MonocularConfig, UpperArmConfig
 
 QUICK_FRAMES = 40
-SEED_C = 11
-OCCLUDER_PX, OCCLUDED, OCCLUDER_LEVEL = (330, 250, 365, 285), range(20, 110), 90
-CLICK_PX = 1.0
+HAZEL_C_SEED = 11
+OCCLUDER_PX = (330, 250, 365, 285)  # left, top, right, bottom
+OCCLUDED_FRAMES = range(20, 110)
+OCCLUDER_LEVEL = 90  # grey
+CLICK_PX = 1.0  # an operator clicks on whole pixels
 SWINGS: Mapping[str, Swing] = {
     "turned by 149 deg in the picture": Swing(in_plane=math.radians(149.0)),
     "3 x speed": Swing(speed=3.0),
 }
 LIVE, ACCURATE = MonocularConfig(setting="live"), MonocularConfig(setting="accurate")
-NOT_THICKNESS = ("length_mm", "palm_length_mm", "palm_point_mm")
+ALONG_THE_LIMB = ("length_mm", "palm_length_mm", "palm_point_mm")
 TEXT = (
     "A textured arm swings in front of one camera, as in HAZEL-S of the report Teleoperating ROBONAUT (2002), and a "
     "finger follows a known rectangle, as in HAZEL-C. The tracker knows neither skin, light, background nor noise; it "
@@ -43,17 +45,18 @@ TEXT = (
 
 
 def frame_count(quick: bool) -> int:
-    """How many pictures are rendered, for a progress bar."""
-    return sum(QUICK_FRAMES if quick else n for n in (*[HAZEL_S_FRAMES] * (2 + len(SWINGS)), HAZEL_C_FRAMES))
+    """The number of frames that `hazel_report` renders, for a progress bar."""
+    swings = 2 + len(SWINGS)  # the undisturbed swing, which most runs reuse, and the noisy one
+    return QUICK_FRAMES * (swings + 1) if quick else HAZEL_S_FRAMES * swings + HAZEL_C_FRAMES
 
 
 def hazel_report(quick: bool, progress: Progress) -> ExperimentReport:
-    """Run the experiment; always the same for the same installation."""
+    """Run the experiment, on few frames if `quick`; deterministic for one installation."""
     frames = QUICK_FRAMES if quick else HAZEL_S_FRAMES
     swing = _swing(Swing(), frames, Scenery(), progress)
-    accurate, live = watch(swing, ACCURATE, 0.0), watch(swing, LIVE, 0.0)
+    accurate, live = track_footage(swing, ACCURATE, 0.0), track_footage(swing, LIVE, 0.0)
     compared = {"report, HAZEL-S": REPORT_S, "accurate": arm_figures(accurate), "live": arm_figures(live)}
-    for name, tracked in _disturbed(swing, frames, progress):
+    for name, tracked in _disturbed_runs(swing, frames, progress):
         compared[f"live, {name}"] = arm_figures(tracked)
     pointing = _pointing(QUICK_FRAMES if quick else HAZEL_C_FRAMES, progress)
     compared |= {"report, HAZEL-C": REPORT_C, "rectangle, live": finger_figures(pointing)}
@@ -72,40 +75,43 @@ def hazel_report(quick: bool, progress: Progress) -> ExperimentReport:
     )
 
 
-def resized(config: MonocularConfig, factor: float) -> MonocularConfig:
-    """The configuration of an arm with all its girths wrong by a factor."""
+def _scale_girths(config: MonocularConfig, factor: float) -> MonocularConfig:
+    """Multiply all girths, and the palm's width and thickness, by a factor; lengths along the limb stay."""
 
     def scaled(part: UpperArmConfig | ForearmConfig) -> dict[str, float]:
-        return {name: mm if name in NOT_THICKNESS else factor * mm for name, mm in asdict(part).items()}
+        return {name: mm if name in ALONG_THE_LIMB else factor * mm for name, mm in asdict(part).items()}
 
     upper_arm, forearm = UpperArmConfig(**scaled(config.upper_arm)), ForearmConfig(**scaled(config.forearm))
     return replace(config, upper_arm=upper_arm, forearm=forearm)
 
 
 def _means(figures: Figures) -> str:
-    """The mean errors in words."""
-    spreads = {name: value for name, value in figures.items() if name.endswith("_mm") and isinstance(value, dict)}
-    means = (f"{name.removesuffix('_mm')} {value['mean']} mm" for name, value in spreads.items() if value)
+    """The mean of every error in mm, as one line."""
+    spreads_mm = {name: value for name, value in figures.items() if name.endswith("_mm") and isinstance(value, dict)}
+    means = (f"{name.removesuffix('_mm')} {value['mean']} mm" for name, value in spreads_mm.items() if value)
     return ", ".join(means)
 
 
-def _disturbed(swing: Footage, frames: int, progress: Progress) -> Iterable[tuple[str, Tracked]]:
-    """The same arm with a wrong shape, with noise, turned, faster, and behind something small."""
-    yield "radius - 5 %", watch(swing, resized(LIVE, 0.95), 0.0)
-    yield "radius + 5 %", watch(swing, resized(LIVE, 1.05), 0.0)
-    yield "grey noise 6", watch(_swing(Swing(), frames, Scenery(noise=6.0), progress), LIVE, 0.0)
+def _disturbed_runs(swing: Footage, frames: int, progress: Progress) -> Iterable[tuple[str, Tracked]]:
+    """Track the swing with wrong girths, and swings with noise, turned, faster, and behind a small occluder."""
+    yield "radius - 5 %", track_footage(swing, _scale_girths(LIVE, 0.95), 0.0)
+    yield "radius + 5 %", track_footage(swing, _scale_girths(LIVE, 1.05), 0.0)
+    yield "grey noise 6", track_footage(_swing(Swing(), frames, Scenery(noise=6.0), progress), LIVE, 0.0)
     for name, other in SWINGS.items():
-        yield name, watch(_swing(other, frames, Scenery(), progress), LIVE, 0.0)
-    yield "small occluder", watch(occluded(swing, OCCLUDER_PX, OCCLUDED, OCCLUDER_LEVEL), LIVE, 0.0)
+        yield name, track_footage(_swing(other, frames, Scenery(), progress), LIVE, 0.0)
+    yield "small occluder", track_footage(with_occluder(swing, OCCLUDER_PX, OCCLUDED_FRAMES, OCCLUDER_LEVEL), LIVE, 0.0)
 
 
 def _swing(swing: Swing, frames: int, scenery: Scenery, progress: Progress) -> Footage:
-    return shoot(hazel_film(scenery), map(swing.arm, range(frames)), False, progress)
+    """Render the arm of HAZEL-S."""
+    return render_footage(hazel_film(scenery), map(swing.arm, range(frames)), False, progress)
 
 
 def _pointing(frames: int, progress: Progress) -> Tracked:
-    scenery = Scenery(noise=3.0, light=(0.6, -0.5, -0.6), ambient=0.5, seed=SEED_C)
-    return watch(shoot(pointing_film(scenery), map(pointing_arm, range(frames)), True, progress), LIVE, CLICK_PX)
+    """Render and track the arm of HAZEL-C."""
+    scenery = Scenery(noise=3.0, light=(0.6, -0.5, -0.6), ambient=0.5, seed=HAZEL_C_SEED)
+    footage = render_footage(pointing_film(scenery), map(pointing_arm, range(frames)), True, progress)
+    return track_footage(footage, LIVE, CLICK_PX)
 
 
 def _joint_table(tracked: Tracked) -> CsvTable:
@@ -115,6 +121,6 @@ def _joint_table(tracked: Tracked) -> CsvTable:
 
 
 def _tip_table(tracked: Tracked) -> CsvTable:
-    rows = [MM * positions(arms, "finger_tip") for arms in (tracked.arms, tracked.poses)]
+    rows = [MM * p for p in true_and_measured(tracked, "finger_tip")]
     columns = tuple(f"{what}_{axis}_mm" for what in ("true", "measured") for axis in "xyz")
     return CsvTable(("frame", *columns), np.column_stack([np.arange(len(rows[0])), *rows]))

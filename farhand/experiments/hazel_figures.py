@@ -47,7 +47,7 @@ def arm_figures(tracked: Tracked) -> Figures:
 
 def finger_figures(tracked: Tracked) -> Figures:
     """Errors of the finger tip in space and in the picture."""
-    true, measured = (positions(arms, "finger_tip") for arms in (tracked.arms, tracked.poses))
+    true, measured = true_and_measured(tracked, "finger_tip")
     off_px = FOCAL_PX * (measured[:, :2] / measured[:, 2:] - true[:, :2] / true[:, 2:])
     return {
         "frames": len(true),
@@ -57,8 +57,12 @@ def finger_figures(tracked: Tracked) -> Figures:
     }
 
 
-def positions(arms: Sequence[TrueArm | ArmPose | None], name: str) -> Array:
-    """The positions (N, 3) of a joint or the finger tip in the camera's frame, m; NaN where the arm was lost."""
+def true_and_measured(tracked: Tracked, name: str) -> tuple[Array, Array]:
+    """True and measured positions (N, 3) of a joint or the finger tip in the camera's frame, m; NaN where lost."""
+    return _positions(tracked.true_arms, name), _positions(tracked.poses, name)
+
+
+def _positions(arms: Sequence[TrueArm | ArmPose | None], name: str) -> Array:
     return np.array([np.full(3, np.nan) if arm is None else _position(arm, name) for arm in arms])
 
 
@@ -68,14 +72,15 @@ def _position(arm: TrueArm | ArmPose, name: str) -> Array:
 
 def errors_mm(tracked: Tracked, name: str) -> Array:
     """Measured less true positions (N, 3) of a joint or the finger tip, mm; NaN where the arm was lost."""
-    true, measured = (positions(arms, name) for arms in (tracked.arms, tracked.poses))
+    true, measured = true_and_measured(tracked, name)
     return MM * (measured - true)
 
 
 def motions(tracked: Tracked) -> tuple[Array, Array]:
     """True and measured motion from frame to frame (N - 1, 9): shoulder in mm, rotations of both links in deg."""
     true, measured = (
-        np.array([_motion(before, after) for before, after in pairwise(arms)]) for arms in (tracked.arms, tracked.poses)
+        np.array([_motion(before, after) for before, after in pairwise(arms)])
+        for arms in (tracked.true_arms, tracked.poses)
     )
     return true, measured
 

@@ -64,10 +64,10 @@ def plot_frames(axes: "Axes", values: Array, **style: Any) -> None:
     axes.plot(np.arange(len(values)), values, **style)
 
 
-def widen(axes: "Axes", least: float) -> None:
-    """Have the y axis span at least `least`, so that noise does not look like motion."""
+def widen(axes: "Axes", min_span: float) -> None:
+    """Widen the y axis to span at least `min_span`, in its own unit, so that noise does not look like motion."""
     low, high = axes.get_ylim()
-    missing = max(least - (high - low), 0.0)
+    missing = max(min_span - (high - low), 0.0)
     axes.set_ylim(low - 0.5 * missing, high + 0.5 * missing)
 
 

@@ -1,4 +1,4 @@
-"""What an experiment leaves in its folder: report.json, report.html, plots as PNG, data as CSV; other files stay."""
+"""Writes an experiment's results to a folder: report.json, report.html, plots as PNG, data as CSV; other files stay."""
 
 import html
 import json
@@ -18,12 +18,12 @@ STYLE = (
     "text-align:right}td:first-child,th:first-child{text-align:left}"
 )
 
-Figures = dict[str, Any]  # numbers and further figures by name
+Figures = dict[str, Any]  # numbers by name, possibly nested
 
 
 @dataclass(frozen=True, slots=True)
 class CsvTable:
-    """One CSV: the names of its columns, and its rows (N, columns), NaN where there is nothing."""
+    """One CSV file: its column names, and its rows (N, columns); NaN becomes an empty field."""
 
     columns: tuple[str, ...]
     rows: Array
@@ -31,9 +31,10 @@ class CsvTable:
 
 @dataclass(frozen=True, slots=True)
 class ExperimentReport:
-    """A finished experiment: `figures` are all of them, `compared` those shown side by side, `summary` a few lines.
+    """The results of a finished experiment.
 
-    `plots` are PNG files and `data` CSV files, by name without ending.
+    `figures` go to report.json; `compared` are the runs that report.html shows side by side, by their names;
+    `summary` is a few lines for the terminal. `plots` (PNG) and `data` (CSV) are by file name without extension.
     """
 
     title: str
@@ -46,7 +47,7 @@ class ExperimentReport:
 
 
 def rounded(value: float | np.floating[Any]) -> float:
-    """A figure to three decimals."""
+    """Round a figure to the three decimals of a report."""
     return round(float(value), 3)
 
 
@@ -82,11 +83,11 @@ def _page(report: ExperimentReport) -> str:
     )
 
 
-def _flat(figures: Figures, before: str = "") -> Iterator[tuple[str, Any]]:
-    """Nested figures as pairs of a name in words and a value."""
+def _flat(figures: Figures, prefix: str = "") -> Iterator[tuple[str, Any]]:
+    """Flatten nested figures to pairs of label and value, as ("wrist mm, mean", 0.55)."""
     for name, value in figures.items():
-        words = f"{before}{name.replace('_', ' ')}"
+        label = f"{prefix}{name.replace('_', ' ')}"
         if isinstance(value, dict):
-            yield from _flat(value, f"{words}, ")
+            yield from _flat(value, f"{label}, ")
         else:
-            yield words, value
+            yield label, value

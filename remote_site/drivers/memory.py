@@ -55,7 +55,7 @@ class OrderRing:
         oldest = newest - ORDER_SLOTS + 2  # one slot less: the writer may be filling it
         first = max(self._seen + 1, oldest)
         self._seen = newest
-        records = (self._record.at(count) for count in range(first, newest + 1))
+        records = (self._record.read_number(number) for number in range(first, newest + 1))
         return [_order(record) for record in records if record is not None]
 
 

@@ -96,7 +96,7 @@ def test_the_other_clock_is_asked_where_it_answers(monkeypatch: pytest.MonkeyPat
             thread.join()
     assert known.offset_ns is not None
     assert known.uncertainty_ns > 0
-    monkeypatch.setattr("farhand.doctor.site_probing.CLOCK_PATIENCE_NS", 200 * NS_PER_MS)
+    monkeypatch.setattr("farhand.doctor.site_probing.CLOCK_TIMEOUT_NS", 200 * NS_PER_MS)
     assert probe_clock("cell", endpoint).offset_ns is None
 
 
@@ -149,7 +149,7 @@ def test_a_real_run_ends_by_its_worst_finding(tmp_path: Path) -> None:
 
 
 def test_warnings_alone_are_no_failure(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr("farhand.doctor.site_probing.CLOCK_PATIENCE_NS", 200 * NS_PER_MS)
+    monkeypatch.setattr("farhand.doctor.site_probing.CLOCK_TIMEOUT_NS", 200 * NS_PER_MS)
     listen, remote = free_ports(2)
     ports = (f"links.listen=tcp/127.0.0.1:{listen}", f"links.remote=tcp/127.0.0.1:{remote}")
     config = Path(__file__).parents[3] / "farhand/deployment/sites/local.toml"

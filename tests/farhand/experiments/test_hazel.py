@@ -5,7 +5,7 @@ import pytest
 
 from farhand.experiments import drift, hazel
 from farhand.experiments.hazel_figures import REPORT_C, REPORT_S, arm_figures, errors_mm
-from farhand.experiments.hazel_filming import occluded, watch
+from farhand.experiments.hazel_filming import track_footage, with_occluder
 from local_site.tracking.config import MonocularConfig
 
 FRAMES = 4
@@ -63,8 +63,8 @@ def test_plots_and_data_are_those_of_the_reports_figures(report):
 
 def test_a_loss_in_the_middle_is_counted_and_leaves_a_gap():
     swing = hazel._swing(hazel.Swing(), FRAMES, hazel.Scenery(), lambda: None)
-    hidden = occluded(swing, (0, 0, 640, 480), range(2, 3), 90)
-    tracked = watch(hidden, MonocularConfig(), 0.0)
+    hidden = with_occluder(swing, (0, 0, 640, 480), range(2, 3), 90)
+    tracked = track_footage(hidden, MonocularConfig(), 0.0)
     figures = arm_figures(tracked)
     assert figures["lost"] == 1
     assert np.isnan(errors_mm(tracked, "wrist")[2]).all()
