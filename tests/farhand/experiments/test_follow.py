@@ -88,7 +88,7 @@ def test_misuse_is_refused_before_any_work(tmp_path):
     taken.write_text("mine")
     with pytest.raises(ConfigError, match="is a file; give a folder"):
         run_experiment("follow", taken, quick=True)
-    with pytest.raises(ConfigError, match=r"cannot be made: .*; choose another folder"):
+    with pytest.raises(ConfigError, match="taken is a file; give a folder"):
         run_experiment("follow", taken / "below", quick=True)
 
 
