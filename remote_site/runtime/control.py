@@ -26,6 +26,7 @@ from remote_site.runtime.rate import Rate
 from remote_site.runtime.reporting import Reporter
 from remote_site.runtime.request_server import RequestServer, describe
 from remote_site.runtime.shared_lease import SharedLease
+from remote_site.safety.collision import CollisionModel
 from remote_site.session.lease import LeaseServer
 from remote_site.session.requests import SessionRequest
 from remote_site.session.state_machine import Answer
@@ -57,6 +58,9 @@ def run_control(
     with open_site_link(config.links, ChannelSession.CONTROL, should_stop) as link:
         leases = LeaseServer(round(config.lease.seconds * NS_PER_S), 1 + secrets.randbits(LEASE_BITS))
         pipeline = TeleopPipeline(config, model, limits)
+        # of its own: what is measured for a report must not touch what the pipeline has cached
+        robot, fixtures = config.robot, config.safety.collision
+        reported_collision = CollisionModel.from_urdf(robot.urdf, model, robot.capsules, fixtures)
         real_time = ask_for_real_time(FIFO_PRIORITY)
         mirror = PostureMirror(config.simulation, memory.snapshot) if memory and not config.cell_is_simulated else None
         description = describe(config, model, limits, config.control.rate_hz / TICKS_PER_STATE)
@@ -65,7 +69,8 @@ def run_control(
         # from here on the driver counts the time without a command
         _activate(driver, config, should_stop)
         rate = Rate(config.control.rate_hz, clock, least_fraction=LEAST_FRACTION)
-        reporter = Reporter(link.publisher(STATE, config.cell), shared_lease, config, rate, real_time=real_time)
+        states = link.publisher(STATE, config.cell)
+        reporter = Reporter(states, shared_lease, model, reported_collision, rate, real_time=real_time)
         refusals = RefusalLog()
         server = RequestServer(link, description, leases, clock, refusals.note)
         driven, inbox = DrivenPipeline(pipeline, driver), Inbox(link, config.cell, refusals)

@@ -16,8 +16,7 @@ from remote_site.drivers.memory import DriverMemory, DriverReport
 from remote_site.drivers.registry import DriverHost, create_driver
 from remote_site.drivers.supervisor.grip import GripSettings, GripWatch
 from remote_site.drivers.supervisor.supervisor import DriverSupervisor
-from remote_site.kinematics.limits import JointLimits
-from remote_site.kinematics.model import ArmModel
+from remote_site.kinematics.limits import load_arm
 from remote_site.runtime.transition_log import FaultLog
 from remote_site.simulation.memory import CellMemory
 
@@ -63,10 +62,10 @@ def run_driver(
 
 def setup_of(config: RemoteConfig) -> DriverSetup:
     """What every driver is configured with."""
-    model = ArmModel.from_urdf(config.robot.urdf, config.robot.tool_frame, config.robot.tool_T_tcp)
+    model, limits = load_arm(config.robot)
     return DriverSetup(
         joint_names=model.joint_names,
-        limits=JointLimits.from_model(model, config.robot),
+        limits=limits,
         dt=1.0 / config.control.rate_hz,
         command_timeout_ns=round(config.driver.command_timeout_ms * NS_PER_MS),
         grip_force_n=config.grip.force_n,

@@ -13,8 +13,7 @@ from common.messages.robot import (
     RobotState,
     SessionState,
 )
-from remote_site.config import RemoteConfig
-from remote_site.kinematics.limits import load_arm
+from remote_site.kinematics.model import ArmModel
 from remote_site.runtime.driven_pipeline import DrivenPipeline
 from remote_site.runtime.rate import Rate
 from remote_site.runtime.shared_lease import NO_LEASE, SharedLease
@@ -36,17 +35,16 @@ class Reporter:
         self,
         publisher: Publisher[RobotState],
         shared_lease: SharedLease,
-        config: RemoteConfig,
+        model: ArmModel,
+        collision: CollisionModel,
         rate: Rate,
         *,
         real_time: bool,
     ) -> None:
         self._publisher = publisher
         self._shared_lease = shared_lease
-        self._model, _ = load_arm(config.robot)
-        robot = config.robot
-        # of its own: what is measured for a report must not touch what the pipeline has cached
-        self._collision = CollisionModel.from_urdf(robot.urdf, self._model, robot.capsules, config.safety.collision)
+        self._model = model
+        self._collision = collision
         self._rate = rate
         self._real_time = real_time
         self._session = secrets.randbits(SESSION_BITS)
