@@ -2,6 +2,7 @@
 PYTHON ?= python3
 BIN := .venv/bin
 READY := .venv/ready
+export PYTHONDONTWRITEBYTECODE :=  # every process would compile all modules again
 
 .PHONY: loopback test long faults check bench fuzz
 
@@ -14,7 +15,7 @@ test: $(READY)  ## the tests, two at once, but for those that take long
 long: $(READY)  ## the tests that take long
 	@$(BIN)/python -m pytest -m long --numprocesses 2 --no-loadscope-reorder $(ARGS)
 
-faults: $(READY)  ## every fault of the table on both sites, reported in build/faults
+faults: $(READY)  ## every fault of the table on both sites, reported in build/faults.json and build/faults/report.html
 	@$(BIN)/python -m pytest -m faults $(ARGS) tests/faults
 
 check: $(READY)  ## the static checks
@@ -34,7 +35,7 @@ $(READY): constraints.txt pyproject.toml
 	@$(PYTHON) -c 'import ensurepip' 2>/dev/null || { echo 'Python lacks its venv module; on Debian: apt-get install python3-venv'; exit 1; }
 	@echo 'Setting up .venv (once) ...'
 	@$(PYTHON) -m venv .venv
-	@$(BIN)/python -m pip install --quiet --disable-pip-version-check --constraint constraints.txt --editable '.[sim,experiments,dev]'
+	@$(BIN)/python -m pip install --quiet --disable-pip-version-check --constraint constraints.txt --editable '.[sim,video,experiments,dev]'
 	@echo 'Compiling the tracker (once, up to a minute) ...'
 	@$(BIN)/python -m local_site.runtime.warm_up
 	@touch $@

@@ -1,16 +1,20 @@
 """Runs every measurement, prints one table each, and writes build/bench.json: {benchmark: {figure: value}}.
 
-    python -m bench [NAME ...]
+    python -m bench [NAME ...] [--full]
 
 cells      how many cells one router carries: age and fraction of hands and pictures, processor time and memory
 control    what a control tick costs, from decoding to writing, beside Pink's inverse kinematics on the same targets
 fuzz       a million hostile payloads for the codec: the reasons of the refusals, payloads per second, growth of memory
 monocular  the monocular tracker: error against the number of points per link, and time per frame
+mutants    small changes to the code that decides about motion: how many a test notices
 page       the operator's page in Chromium: glass-to-glass latency, narrow links, from the stop key to rest
-rendering  time to render a stereo pair of the simulated operator
+rendering  time to render a stereo pair of the simulated operator and the views of the cell, and their size as JPEG
 soak       ten minutes of simulated time in which everything goes wrong: the worst that each driver received
 tracking   the silhouette tracker beside MediaPipe Hands: time, gaps, errors, and whether its covariances are honest
-video      the four views: processor time, bytes, and what arrives through links of 20 and 5 Mbit/s
+video      the four views: processor time, bytes, and what arrives through links of 20, 5 and 2 Mbit/s
+wan        both sites over Internet links of a matrix: following, holds, lag, pictures, beside what is demanded
+
+--full has wan take the whole matrix, 45 minutes, instead of a part, eight minutes.
 
 Pink and MediaPipe are installed below build/ when they are first needed, and skipped where that fails.
 """
@@ -18,6 +22,7 @@ Pink and MediaPipe are installed below build/ when they are first needed, and sk
 import json
 import sys
 from collections.abc import Callable
+from functools import partial
 from pathlib import Path
 
 from rich.console import Console
@@ -25,45 +30,48 @@ from rich.table import Table
 
 from bench import cells, fuzz, rendering
 from bench.control import tick as control
+from bench.mutants import run as mutants
 from bench.page import glass_to_glass as page
 from bench.soak import run as soak
 from bench.tracking import comparison as tracking
 from bench.tracking import monocular
 from bench.video import views as video
+from bench.wan import run as wan
 
 BENCHMARKS: dict[str, Callable[[], dict[str, float]]] = {
     "cells": cells.measure,
     "control": control.measure,
     "fuzz": fuzz.measure,
     "monocular": monocular.measure,
+    "mutants": mutants.measure,
     "page": page.measure,
     "rendering": rendering.measure,
     "soak": soak.measure,
     "tracking": tracking.measure,
     "video": video.measure,
+    "wan": wan.measure,
 }
-SHOW_THEMSELVES = {"tracking"}
+SHOW_THEMSELVES = {"tracking", "wan"}
 RESULTS = Path("build") / "bench.json"
+FULL = "--full"
 
 
 def main(names: list[str]) -> None:
     """Run the named benchmarks; without names, all."""
+    benchmarks = BENCHMARKS | ({"wan": partial(wan.measure, full=True)} if FULL in names else {})
+    names = [name for name in names if name != FULL]
     unknown = set(names) - set(BENCHMARKS)
     if unknown:
         sys.exit(f"no such benchmark: {', '.join(sorted(unknown))}; there are {', '.join(BENCHMARKS)}")
-    results = {name: BENCHMARKS[name]() for name in names or BENCHMARKS}
+    results = {name: benchmarks[name]() for name in names or BENCHMARKS}
     for name, figures in results.items():
         if name not in SHOW_THEMSELVES:
-            _show(name, figures)
+            table = Table(title=name, show_header=False)
+            for figure, value in figures.items():
+                table.add_row(figure, f"{value:.3f}")
+            Console().print(table)
     RESULTS.parent.mkdir(exist_ok=True)
     RESULTS.write_text(json.dumps(results, indent=2) + "\n", encoding="utf-8")
-
-
-def _show(name: str, figures: dict[str, float]) -> None:
-    table = Table(title=name, show_header=False)
-    for figure, value in figures.items():
-        table.add_row(figure, f"{value:.3f}")
-    Console().print(table)
 
 
 if __name__ == "__main__":

@@ -11,23 +11,25 @@ from functools import partial
 import numpy as np
 
 from bench.processes import cpu_s, memory_mb
-from bench.video.frames import live_frame
+from bench.video.link import live_frame
 from common.clock import NS_PER_MS
 from common.link.channels import CAMERA, HAND, ChannelSession
 from common.link.transport import open_link
 from common.messages.hand import HandArm, TrackingStatus
-from common.messages.video import VideoFrame
+from common.messages.video import Codec, VideoFrame
 from farhand.loopback.site_process import free_ports
+from remote_site.video.streaming.encoding import Encoded
 
 COUNTS = (1, 2, 4, 8, 16)
 SECONDS = 5.0
 SETTLE_S = 1.5
 START_S = 30.0
 RATE_HZ = 30.0
+OPERATOR = "anna"
 VIEWS = ("front_high", "front_low", "side", "gripper")
 TICKS_PER_PICTURE = 2
 PICTURE_BYTES = 2_800  # larger ones would take shared memory on one host; this makes 1.4 Mbit/s per cell
-PICTURE_PX = (320, 240)
+PICTURE = Encoded(Codec.JPEG, True, 320, 240, bytes(PICTURE_BYTES))
 
 Figures = dict[str, float]
 
@@ -67,7 +69,7 @@ class LinkedCell:
             for session in ChannelSession
         )
         local = stack.enter_context(open_link(connect=(endpoint,), sessions=list(ChannelSession)))
-        self._hand = local.publisher(HAND, name)
+        self._hand = local.publisher(HAND, name, operator=OPERATOR)
         self._cameras = {view: video.publisher(CAMERA, name, view) for view in VIEWS}
         self.forget()
         feeds: list[Callable[[], None]] = [partial(remote.latest(HAND, name).feed, self._take_hand)]
@@ -94,7 +96,7 @@ class LinkedCell:
         if number % TICKS_PER_PICTURE == 0:
             self.sent_pictures += len(self._cameras)
             for view, camera in self._cameras.items():
-                camera.put(live_frame(view, number, time.monotonic_ns(), bytes(PICTURE_BYTES), PICTURE_PX))
+                camera.put(live_frame(view, number, time.monotonic_ns(), PICTURE))
 
 
 def _play(cells: list[LinkedCell], seconds: float) -> None:

@@ -78,6 +78,13 @@ def typed(rng: random.Random, payload: bytes) -> bytes:
     return payload[:k] + rng.choice(heads) + payload[k + 1 :]
 
 
+def infinite(rng: random.Random, payload: bytes) -> bytes:
+    """Bytes replaced in place by infinities and NaN, as a float of MessagePack and as a packed number has them."""
+    value = rng.choice([b"\x7f\xf0" + bytes(6), b"\x00\x00\x80\x7f", b"\x00\x00\xc0\xff", b"\x00\x7c"])
+    k = rng.randrange(len(payload))
+    return payload[:k] + value + payload[k + len(value) :]
+
+
 def nested(rng: random.Random, payload: bytes) -> bytes:
     """Lists or maps nested deeper than in any message."""
     return rng.choice([b"\x91", b"\x81\xa1a", b"\xdc\x00\x01"]) * rng.randint(1, 600) + payload[:1]
@@ -88,7 +95,19 @@ def padded(rng: random.Random, payload: bytes) -> bytes:
     return payload + bytes(rng.choice([1, 1000, 100_000]))
 
 
-MUTATIONS: tuple[Mutation, ...] = (noise, changed, changed, changed, cut, repeated, typed, typed, nested, padded)
+MUTATIONS: tuple[Mutation, ...] = (
+    noise,
+    changed,
+    changed,
+    changed,
+    cut,
+    repeated,
+    typed,
+    typed,
+    infinite,
+    nested,
+    padded,
+)
 
 
 def fuzz(payloads: int, seed: int) -> Counter[str]:

@@ -1,11 +1,42 @@
-"""The cost of a process, from /proc."""
+"""Other processes: what they cost, from /proc; and commands that install projects to compare with, below build."""
 
 import os
+import subprocess
+import sys
+from collections.abc import Mapping, Sequence
 from pathlib import Path
 
 from common.errors import ProcessError
 
+ROOT = Path(__file__).parents[1]
 KB_PER_MB = 1024
+PIP = ("-m", "pip", "install", "--quiet", "--disable-pip-version-check", "--no-input", "--only-binary", ":all:")
+
+
+class UnavailableError(Exception):
+    """Something cannot be measured here; the message states why."""
+
+
+def run_quietly(command: Sequence[str], timeout_s: float, env: Mapping[str, str] | None = None) -> None:
+    """Run a command to its end; UnavailableError with its own reason when it fails."""
+    try:
+        done = subprocess.run(command, capture_output=True, text=True, timeout=timeout_s, check=False, env=env)  # noqa: S603 - our own words
+    except (OSError, subprocess.TimeoutExpired) as error:
+        raise UnavailableError(str(error)) from error
+    if done.returncode:
+        raise UnavailableError(reason(done.stderr) or f"{command[0]} ended with {done.returncode}")
+
+
+def reason(text: str) -> str:
+    """The line that states the error: the last one that names one, else the last."""
+    lines = [line.strip() for line in text.splitlines() if line.strip()]
+    errors = [line for line in lines if "error" in line.lower()]
+    return (errors or lines or [""])[-1]
+
+
+def module_command(name: str, *arguments: object) -> list[str]:
+    """The command that runs a module of this repository; it needs ROOT as its folder or on its path."""
+    return [sys.executable, "-m", name, *map(str, arguments)]
 
 
 def cpu_s(pid: int) -> float:

@@ -2,14 +2,18 @@
 
 import time
 from collections import deque
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 from typing import Protocol
 
 NS_PER_MS = 1_000_000
 NS_PER_S = 1_000_000_000
 
-KEPT_NS = 4 * NS_PER_S
+HEARD_NS = 4 * NS_PER_S  # without a round trip for longer, nothing is known
+KEPT_NS = 120 * NS_PER_S
 DRIFT = 10_000  # two clocks drift apart by at most one nanosecond in this many: 100 parts per million
+# One nanosecond in this many, 2 ms a second: where the link becomes slower, the uncertainty is to rise to what can be
+# measured now, and not to jump there.
+DISPERSION = 500
 
 
 class Clock(Protocol):
@@ -84,49 +88,54 @@ class RoundTrip:
         """Whether two monotonic clocks can have given these times."""
         return self.answered_ns >= self.received_ns and self.duration_ns >= 0
 
-    def uncertainty_ns(self, now_ns: int) -> int:
+    def error_bound_ns(self, now_ns: int) -> int:
         """Half the duration, as transit times may differ, and the possible drift since."""
         return self.duration_ns // 2 + 1 + max(0, now_ns - self.reply_ns) // DRIFT
+
+    def uncertainty_ns(self, now_ns: int) -> int:
+        """Half the duration, and the dispersion since: as in NTP (RFC 5905), with a greater rate."""
+        return self.duration_ns // 2 + 1 + max(0, now_ns - self.reply_ns) // DISPERSION
 
 
 @dataclass(frozen=True, slots=True)
 class ClockEstimate:
-    """The newest estimate of the offset, and the time of its measurement by the other clock."""
+    """The best estimate of the offset, and the time by the other clock of the newest round trip that agrees with it."""
 
     offset: ClockOffset
     measured_ns: int
 
 
-@dataclass
 class OffsetEstimator:
-    """Keeps the shortest round trip of each of the last seconds; the most certain of them gives the estimate."""
+    """Keeps the round trips that may be the most certain one now or later; the most certain one gives the estimate."""
 
-    _best: deque[RoundTrip] = field(default_factory=deque)
+    def __init__(self) -> None:
+        self._newest: RoundTrip | None = None
+        self._best: deque[RoundTrip] = deque()  # the most certain first; the others are newer, for when it expires
 
     def add(self, trip: RoundTrip) -> None:
         """Add a round trip; one that contradicts those before it shows that a clock was reset, and replaces them."""
         if not trip.possible:
             return
+        now_ns = trip.reply_ns
         if self._contradicted(trip):
             self._best.clear()
-        if self._best and self._best[-1].reply_ns // NS_PER_S == trip.reply_ns // NS_PER_S:
-            if trip.duration_ns >= self._best[-1].duration_ns:
-                return
+        while self._best and self._best[-1].uncertainty_ns(now_ns) >= trip.uncertainty_ns(now_ns):
             self._best.pop()
         self._best.append(trip)
+        self._newest = trip
 
     def estimate(self, now_ns: int) -> ClockEstimate | None:
         """The other clock minus ours; None without a round trip in the last four seconds."""
-        while self._best and now_ns - self._best[0].reply_ns > KEPT_NS:
-            self._best.popleft()
-        if not self._best:
+        if self._newest is None or now_ns - self._newest.reply_ns > HEARD_NS:
             return None
-        best = min(self._best, key=lambda trip: trip.uncertainty_ns(now_ns))
-        return ClockEstimate(ClockOffset(best.offset_ns, best.uncertainty_ns(now_ns)), best.answered_ns)
+        while len(self._best) > 1 and now_ns - self._best[0].reply_ns > KEPT_NS:
+            self._best.popleft()
+        best = self._best[0]
+        return ClockEstimate(ClockOffset(best.offset_ns, best.uncertainty_ns(now_ns)), self._newest.answered_ns)
 
     def _contradicted(self, trip: RoundTrip) -> bool:
-        known = self.estimate(trip.reply_ns)
-        if known is None:
+        if self.estimate(trip.reply_ns) is None:
             return False
-        apart_ns = abs(trip.offset_ns - known.offset.offset_ns)
-        return apart_ns > known.offset.uncertainty_ns + trip.uncertainty_ns(trip.reply_ns)
+        best, now_ns = self._best[0], trip.reply_ns
+        apart_ns = abs(trip.offset_ns - best.offset_ns)
+        return apart_ns > best.error_bound_ns(now_ns) + trip.error_bound_ns(now_ns)

@@ -4,7 +4,7 @@
 """
 
 import math
-from collections.abc import Iterable
+from collections.abc import Iterable, Sequence
 
 import numpy as np
 from numpy.typing import NDArray
@@ -33,6 +33,20 @@ def inverse(a_T_b: Array) -> Array:
 def quaternion_from_rotation(rotation: Array) -> Array:
     """The unit quaternion (x, y, z, w), w >= 0, of a 3 x 3 rotation (Shepperd's method)."""
     return np.array(_quaternion(rotation))
+
+
+def rotation_from_quaternion(quaternion: Sequence[float]) -> Array:
+    """The 3 x 3 rotation of a quaternion (x, y, z, w), whose length rounding has changed; of zeros no rotation."""
+    x, y, z, w = quaternion
+    square = x * x + y * y + z * z + w * w
+    s = 2 / square if square > 0 else 0.0
+    return np.array(
+        [
+            [1 - s * (y * y + z * z), s * (x * y - z * w), s * (x * z + y * w)],
+            [s * (x * y + z * w), 1 - s * (x * x + z * z), s * (y * z - x * w)],
+            [s * (x * z - y * w), s * (y * z + x * w), 1 - s * (x * x + y * y)],
+        ]
+    )
 
 
 def _quaternion(rotation: Array) -> tuple[float, float, float, float]:

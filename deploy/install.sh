@@ -112,7 +112,7 @@ make_environment() {
   local venv=$home/.venv
   if ! "$venv/bin/python" -c '' 2>/dev/null; then run "$python" -m venv --clear "$venv"; fi
   run "$venv/bin/python" -m pip install --quiet --disable-pip-version-check \
-    --constraint "$home/source/constraints.txt" "$home/source[sim]"
+    --constraint "$home/source/constraints.txt" "$home/source[sim,video]"
   run rm -rf "$home/source/build"
   if [ -n "$root" ]; then
     # Scripts name their interpreter by its path once DIR is the root.

@@ -8,19 +8,11 @@ import typer
 from common.errors import ConfigError, FarhandError, InterruptionError
 from common.process.log import finish_log
 from farhand.commands.calibrate import calibrate_app
-from farhand.commands.certificates import certificates_app
-from farhand.commands.config import config_app
-from farhand.commands.console import console
-from farhand.commands.doctor import doctor
-from farhand.commands.driver import driver_app
-from farhand.commands.engage import engage
-from farhand.commands.experiment import experiment
-from farhand.commands.lease import lease_app
-from farhand.commands.local import local
-from farhand.commands.loopback import loopback
-from farhand.commands.maintenance import maintenance_app
-from farhand.commands.remote import remote
-from farhand.commands.router import router
+from farhand.commands.checks import doctor, driver_app
+from farhand.commands.files import certificates_app, config_app
+from farhand.commands.requests import engage, lease_app, maintenance_app
+from farhand.commands.simulations import experiment, loopback
+from farhand.commands.sites import console, local, remote, router
 from farhand.commands.track import track
 from farhand.exit_codes import FAILED, INTERRUPTED, MISUSE
 

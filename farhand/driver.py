@@ -6,13 +6,14 @@ the stop within the limits, and `run_checks` tries a driver on a `DriverStand` i
 
 from common.clock import Clock, FakeClock, MonotonicClock
 from common.errors import DriverError
+from common.messages.robot import GripperCommand
 from remote_site.drivers.conformance.suite import run_checks
 from remote_site.drivers.conformance.trial import DriverStand
 from remote_site.drivers.driver import Capabilities, Driver, DriverSetup, GripperReading, JointCommand, RobotReading
 from remote_site.drivers.faults import NOT_ACTIVATED, STOPPED, FaultCode, RobotFault
 from remote_site.drivers.registry import DriverFactory, DriverHost, Option, check_options
 from remote_site.kinematics.joints import JointMotion
-from remote_site.kinematics.limits import JointLimits
+from remote_site.kinematics.limits import JointLimits, JointRange
 from remote_site.safety.stopping import stopping
 
 __all__ = [
@@ -28,10 +29,12 @@ __all__ = [
     "DriverStand",
     "FakeClock",
     "FaultCode",
+    "GripperCommand",
     "GripperReading",
     "JointCommand",
     "JointLimits",
     "JointMotion",
+    "JointRange",
     "MonotonicClock",
     "Option",
     "RobotFault",

@@ -7,11 +7,11 @@ import structlog
 from msgspec import Meta
 
 from common.link.channels import check_cell_name
-from common.link.config import LinkSecurity
+from common.link.config import NAME_OPERATORS, OperatorLinks
 from common.link.credentials import Credentials, check_links
 from common.link.endpoints import check_endpoint
 from common.link.roles import Identity, Role
-from common.link.session_settings import Mode, SessionEndpoints, session_settings
+from common.link.session_settings import Mode, Served, SessionEndpoints, session_settings
 from common.link.transport import open_router
 from common.process.log import LogFormat, start_log
 from common.process.service import StopFlag, notify
@@ -21,7 +21,7 @@ ROUTER = Identity(Role.ROUTER, None)
 EndpointName = Annotated[str, Meta(min_length=1)]
 
 
-class RouterConfig(LinkSecurity, frozen=True, kw_only=True, forbid_unknown_fields=True):
+class RouterConfig(OperatorLinks, frozen=True, kw_only=True, forbid_unknown_fields=True):
     """All parameters of the router."""
 
     listen: Annotated[
@@ -41,7 +41,9 @@ def run_router(config: RouterConfig, should_stop: StopFlag, log_format: LogForma
     """Pass on the sites' messages until asked to stop; TransportError or ConfigError when it cannot."""
     start_log("router", log_format)
     check_links(config.listen, config, ROUTER)
-    with open_router(listen=config.listen, cells=config.cells, security=config):
+    if config.tls.is_given and not config.operators:
+        structlog.get_logger().warning("nobody may operate: operators is empty", cure=NAME_OPERATORS)
+    with open_router(listen=config.listen, cells=config.cells, security=config, operators=config.operators):
         notify("READY=1")
         structlog.get_logger().info("ready", listen=", ".join(config.listen), cells=", ".join(config.cells))
         while not should_stop.wait(BEAT_S):
@@ -53,8 +55,9 @@ def zenohd_configuration(config: RouterConfig) -> str:
     """The same router for zenohd, as JSON5: the same caps, and the same roles by the names in certificates."""
     listening = tuple(check_endpoint(endpoint, config) for endpoint in config.listen)
     credentials = Credentials(config.tls, ROUTER) if config.tls.is_given else None
+    served = Served(credentials, config.cells, config.operators)
     nested: dict[str, Any] = {"adminspace": {"enabled": False}}
-    for path, value in session_settings(SessionEndpoints(Mode.ROUTER, listening), credentials, config.cells).items():
+    for path, value in session_settings(SessionEndpoints(Mode.ROUTER, listening), served).items():
         *parents, leaf = path.split("/")
         table = nested
         for parent in parents:

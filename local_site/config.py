@@ -7,11 +7,12 @@ from msgspec import Meta, field
 
 from common.link.channels import check_cell_name
 from common.link.config import LinkSecurity
+from common.link.roles import Identity, Role
 from common.process.config import MetricsConfig
 from local_site.acquisition.pairing import PairingConfig
 from local_site.acquisition.rig_cameras import OperatorConfig
 from local_site.authority.config import AuthorityConfig
-from local_site.preview.drawing import PreviewConfig
+from local_site.preview.preview import PreviewConfig
 from local_site.samples.hand_sample import GestureConfig
 from local_site.samples.smoothing import SmoothingConfig
 from local_site.simulation.config import SimulationConfig
@@ -47,3 +48,8 @@ class LocalConfig(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fiel
         one = self.operator.alone or (self.operator.is_simulated and self.simulation.textured)
         if one and self.tracking.method != "monocular":
             raise ValueError('one camera alone needs tracking.method = "monocular"')
+
+    @property
+    def bearer(self) -> Identity:
+        """Whose certificate this site shows."""
+        return Identity(Role.OPERATOR, self.cell, self.authority.name)

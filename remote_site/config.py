@@ -1,6 +1,6 @@
 """The remote site's parameters, table by table; each package describes its own."""
 
-from typing import Annotated
+from typing import Annotated, Self
 
 import msgspec
 from msgspec import Meta, field
@@ -12,7 +12,7 @@ from remote_site.kinematics.config import RobotConfig
 from remote_site.link_config import RemoteLinksConfig
 from remote_site.motion.config import ControlConfig
 from remote_site.safety.config import SafetyConfig
-from remote_site.session.config import EngagementConfig, LeaseConfig
+from remote_site.session.config import ACCEPTANCE, EngagementConfig, EngagementMode, LeaseConfig
 from remote_site.simulation.config import SIMULATED, CellConfig
 from remote_site.teleop.config import MappingConfig
 from remote_site.video.config import VideoConfig
@@ -37,6 +37,17 @@ class RemoteConfig(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fie
 
     def __post_init__(self) -> None:
         check_cell_name(self.cell)
+        engagement, driver = self.engagement, self.driver
+        automatic = engagement.mode is EngagementMode.AUTOMATIC
+        if automatic and not (driver.moves_nothing_real or engagement.automatic_accepted == ACCEPTANCE):
+            raise ValueError(
+                f"engagement.mode = 'automatic' lets the driver {driver.name!r} move a real robot as soon as a hand is "
+                f"seen: use 'on_request', or accept it with engagement.automatic_accepted = {ACCEPTANCE!r}"
+            )
+
+    def engaging(self, mode: EngagementMode) -> Self:
+        """The same configuration with another mode of engagement."""
+        return msgspec.structs.replace(self, engagement=msgspec.structs.replace(self.engagement, mode=mode))
 
     @property
     def cell_is_simulated(self) -> bool:

@@ -4,10 +4,12 @@ from typing import Annotated
 
 from msgspec import Meta
 
-from common.link.config import LinkSecurity
+from common.link.channels import ANY
+from common.link.config import OperatorLinks
+from common.link.endpoints import SECURED
 
 
-class RemoteLinksConfig(LinkSecurity, frozen=True, kw_only=True, forbid_unknown_fields=True):
+class RemoteLinksConfig(OperatorLinks, frozen=True, kw_only=True, forbid_unknown_fields=True):
     """Where the remote site listens."""
 
     control: Annotated[str, Meta(min_length=1, description="endpoint of hand, state and requests")] = (
@@ -22,6 +24,12 @@ class RemoteLinksConfig(LinkSecurity, frozen=True, kw_only=True, forbid_unknown_
     def control_endpoint(self) -> str:
         """The endpoint at which others reach hand, state and requests of this site."""
         return self.router or self.control
+
+    @property
+    def heard(self) -> tuple[str, ...]:
+        """Whose keys this site listens to: the operators listed; without list and certificates anybody's."""
+        is_secured = self.control_endpoint.partition("/")[0] in SECURED
+        return self.operators or (() if is_secured else (ANY,))
 
     @property
     def endpoints(self) -> tuple[str, ...]:

@@ -23,6 +23,7 @@ class Code(StrEnum):
     DUPLICATE = "duplicate", "sample {seq} arrived twice"
     OLD = "old", "sample {seq} is older than the newest, {newest}"
     STALE = "stale", "newest hand sample is {age_ms:.0f} ms old (limit {limit_ms:.0f} ms)"
+    LINK_TOO_SLOW = "link_too_slow", "the link takes {age_ms:.0f} ms; at most {most_ms:.0f} can be operated"
     FUTURE = "future", "the sample was captured {ahead_ms:.0f} ms in the future: the clocks disagree"
     NOT_FINITE = "not_finite", "the {what} is not finite"
     LOST = "lost", "the hand is lost: {reason}"
@@ -35,6 +36,20 @@ class Code(StrEnum):
     OLD_OFFSET = (
         "old_offset",
         "the clock offset of the local site was measured {age_ms:.0f} ms ago (limit {limit_ms:.0f} ms)",
+    )
+    # the way of the hand samples
+    SAMPLES_OLD = (
+        "samples_old",
+        "hand samples are too old: {age_ms:.0f} ms at arrival and {interval_ms:.0f} ms apart, where the limit is "
+        "{limit_ms:.0f} ms; network {network_ms:.0f} ms, clocks {clock_ms:.0f} ms, tracking {tracking_ms:.0f} ms. "
+        "{cure}",
+    )
+    SAMPLES_LOST = "samples_lost", "{loss:.1%} of the hand samples are lost on the way. {cure}"
+    CLOCK_UNKNOWN = (
+        "clock_unknown",
+        "hand samples come, but without the offset of the clocks, so that their age is unknown: the local site gets no "
+        "answer to its questions about the clock. The link loses nearly all, or its round trip is longer than 700 ms: "
+        "check it with 'farhand doctor --link' at the local site",
     )
     # the lease
     NO_LEASE = (
@@ -51,14 +66,21 @@ class Code(StrEnum):
     LEASE_HELD = "lease_held", "the lease of this cell is yours"
     LEASE_RELEASED = "lease_released", "the lease is given back"
     NOBODY_ASKS = "nobody_asks", "nobody asks for the lease, so it cannot be handed over"
+    ASKER_CHANGED = (
+        "asker_changed",
+        "{asker} asks for the lease now, and the consent was for somebody else: nothing was handed over",
+    )
     HANDED_OVER = "handed_over", "the lease went to {holder}"
     OPERATORS_ONLY = "operators_only", "maintenance may stop and reset the arm; the rest is the operator's"
     # the session
     NOT_ENGAGED = "not_engaged", "not engaged yet"
+    SITE_STARTING = "site_starting", "the remote site is still starting"
     NO_HAND = "no_hand", "no hand sample has arrived yet"
     COLLECTING = "collecting", "{count} of {needed} good hand samples in a row"
     READY = "ready", "ready: waiting to be engaged"
     LATCHED = "latched", "disengaged, {cause}; engage again to continue"
+    HELD_TOO_LONG = "held_too_long", "the arm was held for {limit_ms:.0f} ms, {cause}"
+    AUTOMATIC_EXPIRED = "automatic_expired", "automatic engagement has expired; engage to begin"
     NEW_SESSION = "new_session", "the local site restarted; engage to continue"
     RELEASED = "released", "disengaged on request"
     STOPPED = "stopped", "stopped by {operator}; reset it, then engage"
@@ -71,7 +93,16 @@ class Code(StrEnum):
     )
     LET_GO = "let_go", "disengaged: the {input} was let go"
     ROBOT_NOT_READY = "robot_not_ready", "the robot is not ready: {reason}"
+    UNSTEADY = (
+        "unsteady",
+        "the hand samples came late several times: the arm has waited for {held_ms:.0f} of {least_ms:.0f} ms",
+    )
     MOVING = "moving", "the arm is still coming to rest"
+    PAGE_SILENT = (
+        "page_silent",
+        "the operator's page is silent: open it and take the controls; to operate without a page, "
+        "release the lease and take it again",
+    )
     PAUSED = "paused", "control paused for {paused_ms:.0f} ms (limit {limit_ms:.0f} ms)"
     FAULT = "fault", "{cause}; reset it, then engage"
     # the target

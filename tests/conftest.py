@@ -1,7 +1,9 @@
 """What concerns every test: their order when two run in parallel, no deadlines, handlers that end with the test."""
 
+import os
 import signal
 from collections.abc import Iterator
+from functools import cache
 from pathlib import Path
 
 import pytest
@@ -10,18 +12,29 @@ from xdist.scheduler import LoadScopeScheduling
 
 from common.process.service import STOP_SIGNALS
 
+os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")  # the workers already fill the processors
 settings.register_profile("any machine", deadline=None)  # a busy one takes its time
 settings.load_profile("any machine")
 
 HERE = Path(__file__).parent
-# Tests of whole sites run in rows, one for each folder. Those of light sites, which only wait for events, run beside
-# others, and first, since they take longest; the page and the loop, whose pace is measured, come last and alone.
-FIRST, LAST = (HERE / "integration",), (HERE / "faults", HERE / "browser", HERE / "loopback")
+# Tests of light sites, which only wait for events, run in one row beside others, and first, since they take longest.
+FIRST = (HERE / "integration",)
+# The page and the loop, whose pace is measured, come last, in one row too, and beside them only tests that mostly wait.
+LAST = (HERE / "faults", HERE / "browser", HERE / "loopback" / "test_loopback.py")
+WAITING = (
+    HERE / "common" / "link" / "test_link_refusals.py",
+    HERE / "farhand" / "test_router.py",
+    HERE / "farhand" / "authority",
+    HERE / "common" / "link",
+    HERE / "farhand" / "certificates",
+    HERE / "common" / "process" / "test_life.py",
+)
 
 
-def row_of(path: Path) -> Path | None:
-    """The folder in whose row the tests of a file run, if they are of whole sites."""
-    return next((folder for folder in FIRST + LAST if folder in path.parents), None)
+@cache
+def place_of(path: Path) -> Path | None:
+    """The folder or file of those above that a file of tests belongs to."""
+    return next((place for place in FIRST + LAST + WAITING if place == path or place in path.parents), None)
 
 
 class WholeSitesInRows(LoadScopeScheduling):  # type: ignore[misc]  # xdist has no types
@@ -29,8 +42,10 @@ class WholeSitesInRows(LoadScopeScheduling):  # type: ignore[misc]  # xdist has 
 
     def _split_scope(self, nodeid: str) -> str:
         path = nodeid.partition("::")[0]
-        row = row_of(HERE.parent / path)
-        return "last" if row in LAST else str(row or path)
+        place = place_of(HERE.parent / path)
+        if place in LAST:
+            return "last"
+        return str(place) if place in FIRST else path
 
 
 @pytest.hookimpl(optionalhook=True)
@@ -45,12 +60,12 @@ def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
 
 
 def _rank(item: pytest.Item) -> int:
-    row = row_of(item.path)
-    if row is None:
+    place = place_of(item.path)
+    if place is None:
         return 0
-    if row in LAST:
-        return 1 + LAST.index(row)
-    return -2 if "pair" in getattr(item, "fixturenames", ()) else -1
+    if place in FIRST:
+        return -2 if "pair" in getattr(item, "fixturenames", ()) else -1
+    return 1 + (LAST + WAITING).index(place)
 
 
 @pytest.fixture(autouse=True)

@@ -4,7 +4,6 @@ import asyncio
 import threading
 import time
 from collections.abc import Callable
-from types import TracebackType
 from typing import Self
 
 import uvicorn
@@ -17,9 +16,11 @@ from common.messages.requests import (
     PicturePoint,
     Reply,
 )
-from common.messages.video import ViewsShown
+from common.messages.robot import Asker
+from common.messages.video import KeyFrameRequest, ViewsShown
 from local_site.console.config import ServeConfig
 from local_site.console.hub import Hub
+from local_site.console.key_frames import KeyFrames
 from local_site.console.message_handler import Outlets, PageMessageHandler
 from local_site.console.model.history import History
 from local_site.console.model.latency import Latencies
@@ -43,12 +44,16 @@ class OneClock:
 
 
 class Agreeable:
-    """Answers every request with yes, unless it is `silent`; counts what it `refused`, keeps the joints `marked`."""
+    """Answers every request with yes, unless `silent`; keeps joints `marked` and those `consented` to.
+
+    `refused` counts requests that were not answered with yes.
+    """
 
     def __init__(self) -> None:
         self.silent = False
         self.refused = 0
         self.marked: list[tuple[PicturePoint, ...]] = []
+        self.consented: list[Asker | None] = []
 
     def engagement(self, action: EngagementAction) -> Reply:
         """As asked."""
@@ -57,8 +62,9 @@ class Agreeable:
             return Reply(id=1, done=False, code="silent", reason="nobody answers: is the site running?")
         return Reply(id=1, done=True, code="ok", reason=f"as asked: {action.value}")
 
-    def lease(self, action: OperatorAction) -> Reply:
+    def lease(self, action: OperatorAction, to: Asker | None) -> Reply:
         """As asked."""
+        self.consented.append(to)
         return Reply(id=1, done=True, code="ok", reason=f"as asked: {action.value}")
 
     def joints(self, *joints: PicturePoint) -> Reply:
@@ -68,14 +74,15 @@ class Agreeable:
 
 
 class BareConsole:
-    """Serves the page at `address` while the block lasts; `shown` and `intents` are what it has sent."""
+    """Serves the page at `address` while the block lasts; `shown`, `intents` and `key_frames` are what it has sent."""
 
     def __init__(self, port: int = 0) -> None:
         """`port` is where it serves, 0 any that is free."""
         self._port = port
-        self.sites = Agreeable()
+        self.sites, self.clock = Agreeable(), OneClock()
         self.shown: list[ViewsShown] = []
         self.intents: list[OperatorIntent] = []
+        self.key_frames: list[KeyFrameRequest] = []
         self.address = ""
         self.watched = False
         self._hub: Hub | None = None
@@ -90,9 +97,7 @@ class BareConsole:
             time.sleep(PERIOD_S)
         return self
 
-    def __exit__(
-        self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
-    ) -> None:
+    def __exit__(self, *_: object) -> None:
         if self._server is not None:
             self._server.should_exit = True
         self._thread.join(START_S)
@@ -110,7 +115,8 @@ class BareConsole:
         latencies, history, serve = Latencies(), History(), ServeConfig(port=self._port)
         outlets = Outlets(self.intents.append, self.shown.append)
         handler = PageMessageHandler(Seat(open_=True), outlets, self.sites, latencies, history, NS_PER_S)
-        self._hub = Hub(handler, OneClock(), latencies, history, self._watch, OPERATOR, operate=True)
+        keys = KeyFrames(self.key_frames.append)
+        self._hub = Hub(handler, self.clock, latencies, history, self._watch, keys, OPERATOR, operate=True)
         with bind(serve) as listening:
             port = listening.getsockname()[1]
             self.address = f"http://127.0.0.1:{port}/"
@@ -123,5 +129,5 @@ class BareConsole:
     async def _update(self, hub: Hub, handler: PageMessageHandler) -> None:
         while True:
             hub.send_situation()
-            handler.send_intent()
+            handler.send_intent(time.monotonic_ns())
             await asyncio.sleep(PERIOD_S)

@@ -15,12 +15,12 @@ from bench.page.narrow_link import NarrowLink
 from bench.page.painted_clock import PageClock, ages_ms, compare, watch
 from bench.page.stand import PageStand, browsing, opened, wait
 from bench.processes import child_of, cpu_s
-from bench.video.frames import live_frame
+from bench.video.link import live_frame
 from common.cameras.camera import Image
 from common.clock import NS_PER_MS, NS_PER_S
 from common.messages.requests import Description
 from common.messages.robot import RobotState, SessionState
-from common.messages.video import VideoFrame
+from common.messages.video import Codec
 from farhand.loopback.site_process import free_ports
 from local_site.console.hub import Hub
 from remote_site.config import RemoteConfig
@@ -30,6 +30,7 @@ from remote_site.runtime.request_server import describe
 from remote_site.simulation.cell import build_cell
 from remote_site.video.cell_cameras import CellRenderer
 from remote_site.video.streaming.clock_strip import draw_clock
+from remote_site.video.streaming.encoding import Encoded
 from remote_site.video.streaming.pictures import encode_jpeg
 
 SETTLE_S, MEASURE_S = 6.0, 15.0
@@ -61,7 +62,7 @@ def bare_figures(browser: Any) -> Figures:
     """The baseline, without the sites: this process draws the clock into the same pictures, encodes and sends them."""
     config = RemoteConfig()
     model = ArmModel.from_urdf(config.robot.urdf, config.robot.tool_frame, config.robot.tool_T_tcp)
-    cell = describe(config, model, JointLimits.from_model(model, config.robot), 50.0)
+    cell = describe(config, model, JointLimits.from_model(model, config.robot))
     with BareConsole() as console, feeding(console, cell, rendered(config)):
         page = opened(browser, console.address)
         ages = painted_ages(page, MEASURE_S)
@@ -71,7 +72,7 @@ def bare_figures(browser: Any) -> Figures:
 
 def rendered(config: RemoteConfig) -> dict[str, Image]:
     """A picture (H, W, 3) of every view, by the view's name."""
-    cell = build_cell(config.simulation, config.robot)
+    cell = build_cell(config.simulation, config.robot, dressed=True)
     renderer = CellRenderer(cell, config.video.width, config.video.height)
     names = [camera.name for camera in config.video.cameras]
     pictures = {name: renderer.render(renderer.view_id(name), cell.start().qpos.copy()) for name in names}
@@ -81,7 +82,7 @@ def rendered(config: RemoteConfig) -> dict[str, Image]:
 
 @contextmanager
 def feeding(console: BareConsole, cell: Description, pictures: dict[str, Image]) -> Iterator[None]:
-    """Send pictures of all views in turn, 30 a second of each, while the block lasts."""
+    """Send pictures of all views in turn, 30 a second of each, the time drawn into them, while the block lasts."""
     ended = threading.Event()
 
     def feed() -> None:
@@ -89,7 +90,11 @@ def feeding(console: BareConsole, cell: Description, pictures: dict[str, Image])
         period_s, seq, due_s = 1 / 30 / len(pictures), 0, time.monotonic()
         while not ended.wait(max(0.0, due_s - time.monotonic())):
             name = tuple(pictures)[seq % len(pictures)]
-            console.feed(partial(Hub.camera, frame=exposed_now(name, seq, pictures[name])))
+            image, now_ns = pictures[name], time.monotonic_ns()
+            draw_clock(image, now_ns)
+            encoded = Encoded(Codec.JPEG, True, image.shape[1], image.shape[0], encode_jpeg(image, 80))
+            frame = live_frame(name, seq, now_ns, encoded)
+            console.feed(partial(Hub.camera, frame=frame))
             seq, due_s = seq + 1, due_s + period_s
 
     thread = threading.Thread(target=feed, name="pictures", daemon=True)
@@ -99,13 +104,6 @@ def feeding(console: BareConsole, cell: Description, pictures: dict[str, Image])
     finally:
         ended.set()
         thread.join()
-
-
-def exposed_now(name: str, seq: int, image: Image) -> VideoFrame:
-    """A frame of a picture with the current time drawn into it, captured now."""
-    now_ns = time.monotonic_ns()
-    draw_clock(image, now_ns)
-    return live_frame(name, seq, now_ns, encode_jpeg(image, 80), (image.shape[1], image.shape[0]))
 
 
 def whole_figures(browser: Any) -> Figures:

@@ -5,7 +5,6 @@ import contextlib
 import socket
 import threading
 from collections.abc import Callable
-from types import TracebackType
 from typing import Self
 
 from common.clock import NS_PER_S, MonotonicClock
@@ -36,9 +35,7 @@ class NarrowLink:
         self._ready.wait(START_S)
         return self
 
-    def __exit__(
-        self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
-    ) -> None:
+    def __exit__(self, *_: object) -> None:
         self._ended()
         self._thread.join(START_S)
 

@@ -16,10 +16,12 @@ from common.messages.hand import (
     HandArm,
     Intent,
     Locks,
+    OperatorSettings,
     PointCovariances,
     TrackingStatus,
 )
 from remote_site.session.lease import Holder, Lease, LeaseServer
+from remote_site.session.samples import NamedSample
 
 SAMPLE_NS = NS_PER_S // 30
 REACH_M = 0.45
@@ -41,6 +43,7 @@ HAPPENINGS = {
     "locked": 0.005,
     "clock unknown": 0.002,
     "handed over": 0.0007,
+    "page silent": 0.002,
 }
 
 
@@ -73,15 +76,15 @@ class RandomWire:
 
     def __init__(self, rng: Random) -> None:
         self._rng, self._sent = rng, 0
-        self._in_transit: list[tuple[int, int, HandArm]] = []
+        self._in_transit: list[tuple[int, int, NamedSample]] = []
 
-    def send(self, sample: HandArm, t_ns: int, extra_ms: float) -> None:
+    def send(self, sample: NamedSample, t_ns: int, extra_ms: float) -> None:
         """Send a sample that arrives up to 15 ms and `extra_ms` later."""
         self._sent += 1
         arrival_ns = t_ns + round((self._rng.uniform(1, 15) + extra_ms) * NS_PER_MS)
         heapq.heappush(self._in_transit, (arrival_ns, self._sent, sample))
 
-    def arrived(self, now_ns: int) -> list[HandArm]:
+    def arrived(self, now_ns: int) -> list[NamedSample]:
         """The samples that have arrived since the last call."""
         samples = []
         while self._in_transit and self._in_transit[0][0] <= now_ns:
@@ -99,11 +102,11 @@ class RandomOperator:
         self._capture_ns = now_ns
         self._seq = self._toggles = 0
         self._bad, self._until_ns = "", 0
-        self._intent = Intent()
         self._lease = self._acquire(1, now_ns)
+        self._settings = OperatorSettings(lease=self._lease.number)
         self.happened = dict.fromkeys(HAPPENINGS, 0)
 
-    def arrived(self, now_ns: int) -> list[HandArm]:
+    def arrived(self, now_ns: int) -> list[NamedSample]:
         """The samples that have arrived, in the order of arrival."""
         while self._capture_ns <= now_ns:
             self._capture(self._capture_ns)
@@ -116,32 +119,33 @@ class RandomOperator:
             self.happened[kind] += 1
         self._steer(kinds)
         if "handed over" in kinds:
-            self.leases.release(self._lease.number, self._lease.holder.session, t_ns)
+            self.leases.release(self._lease.number, self._lease.holder, t_ns)
             self._lease = self._acquire(self._lease.holder.session + 1, t_ns)
-        for kind in {"lost", "silent", "jump", "open"}.intersection(kinds):
+            self._settings = OperatorSettings(lease=self._lease.number)
+        for kind in {"lost", "silent", "jump", "open", "page silent"}.intersection(kinds):
             self._bad, self._until_ns = kind, t_ns + round(self._rng.uniform(30, 900) * NS_PER_MS)
         if t_ns >= self._until_ns:
             self._bad = ""
         self._seq += 1
-        sample = self._corrupted(self._sample(t_ns), kinds)
+        sample = NamedSample(self._lease.holder.name, self._corrupted(self._sample(t_ns), kinds))
         if self._bad != "silent":
             extra_ms = self._rng.uniform(30, 600) if "delayed" in kinds else 0.0
             self._wire.send(sample, t_ns, extra_ms)
         if "doubled" in kinds:
             self._wire.send(sample, t_ns, self._rng.uniform(0, 200))
         if "another operator" in kinds:
-            self._wire.send(self._foreign(sample), t_ns, 0.0)
+            self._wire.send(self._foreign(sample.sample), t_ns, 0.0)
 
     def _steer(self, kinds: list[str]) -> None:
-        rng, intent = self._rng, self._intent
-        if "clutch" in kinds:
-            intent = msgspec.structs.replace(intent, clutch_count=intent.clutch_count + 1)
+        rng, settings = self._rng, self._settings
+        if {"clutch", "scaled", "locked"}.intersection(kinds):
+            settings = msgspec.structs.replace(settings, revision=settings.revision + 1)
         if "scaled" in kinds:
-            intent = msgspec.structs.replace(intent, scale=rng.uniform(0.2, 3), rotation_scale=rng.uniform(0, 2))
+            settings = msgspec.structs.replace(settings, scale=rng.uniform(0.2, 3), rotation_scale=rng.uniform(0, 2))
         if "locked" in kinds:
             axes = [rng.random() < 0.3 for _ in range(4)]
-            intent = msgspec.structs.replace(intent, locks=Locks(x=axes[0], y=axes[1], z=axes[2], roll=axes[3]))
-        self._intent = intent
+            settings = msgspec.structs.replace(settings, locks=Locks(x=axes[0], y=axes[1], z=axes[2], roll=axes[3]))
+        self._settings = settings
         self._toggles += "toggled" in kinds
 
     def _sample(self, t_ns: int) -> HandArm:
@@ -163,7 +167,7 @@ class RandomOperator:
             gripper_toggles=self._toggles,
             lease=self._lease.number,
             clock=ClockSync(remote_minus_local_ns=0, uncertainty_ns=0, measured_ns=t_ns),
-            intent=self._intent,
+            intent=None if self._bad == "page silent" else Intent(settings=self._settings),
         )
 
     def _corrupted(self, sample: HandArm, kinds: list[str]) -> HandArm:
@@ -181,10 +185,12 @@ class RandomOperator:
             sample = replace(sample, covariance=PointCovariances(wrist=poor, index=poor, thumb=poor))
         return replace(sample, clock=None) if "clock unknown" in kinds else sample
 
-    def _foreign(self, sample: HandArm) -> HandArm:
-        """A sample of another operator: without a lease, under an old one, or under this one from another session."""
+    def _foreign(self, sample: HandArm) -> NamedSample:
+        """A sample of another operator: without a lease, under an old one, or under the holder's, session and all."""
         number = self._rng.choice([0, sample.lease - 1, sample.lease])
-        return msgspec.structs.replace(sample, session=10**6, lease=number, wrist=(0.5, 0.5, 0.5), seq=10**6)
+        session = sample.session if number == sample.lease else 10**6
+        forged = msgspec.structs.replace(sample, session=session, lease=number, wrist=(0.5, 0.5, 0.5), seq=10**6)
+        return NamedSample("another", forged)
 
     def _acquire(self, session: int, now_ns: int) -> Lease:
         lease = self.leases.acquire(Holder(session, f"operator {session}"), now_ns)

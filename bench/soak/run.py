@@ -25,7 +25,6 @@ SECONDS = 600.0
 SEED = 20
 ROBOTS: dict[str, MakeRobot] = {"kinematic": kinematic, "simulated": simulated, "c500c, emulated": c500c}
 TICK_NS = round(NS_PER_S / CONFIG.control.rate_hz)
-T_SOFT_NS = round(CONFIG.safety.t_soft_ms * NS_PER_MS)
 MIN_INTERVAL_NS = NS_PER_MS // 100  # of commands with the same time stamp: no division by zero
 
 
@@ -153,7 +152,7 @@ def rest_beyond_bound_ms(world: World, log: CommandLog) -> float:
         if end == len(ticks.t_ns):
             break
         next_obeyed = next((k for k in range(end, len(ticks.t_ns)) if ticks.born_ns[k]), len(ticks.t_ns) - 1)
-        bound_ns = _rest_ns(world, log, ticks.born_ns[end - 1] + T_SOFT_NS, ticks.t_ns[end - 1])
+        bound_ns = _rest_ns(world, log, ticks.born_ns[end - 1] + ticks.age_limit_ns[end - 1], ticks.t_ns[end - 1])
         last_ns = log.last_moving_ns(ticks.t_ns[end - 1], ticks.t_ns[next_obeyed] - 1)
         if last_ns is not None:
             worst = max(worst, (last_ns - bound_ns) / NS_PER_MS)

@@ -44,11 +44,15 @@ MakeRobot = Callable[[RemoteConfig], tuple[FakeClock, Driver]]
 
 @dataclass
 class Ticks:
-    """What control decided: when, in which state, and when the obeyed sample was captured, 0 while it obeyed none."""
+    """What control decided: when, in which state, when the obeyed sample was captured, 0 while it obeyed none.
+
+    `age_limit_ns` is the age up to which samples were obeyed.
+    """
 
     t_ns: list[int] = field(default_factory=list)
     states: list[SessionState] = field(default_factory=list)
     born_ns: list[int] = field(default_factory=list)
+    age_limit_ns: list[int] = field(default_factory=list)
     faults: Counter[str] = field(default_factory=Counter)
     engagements: int = 0
     _last_fault: str = ""
@@ -58,6 +62,7 @@ class Ticks:
         self.t_ns.append(now_ns)
         self.states.append(snapshot.state)
         self.born_ns.append(snapshot.obeys.born_ns if snapshot.obeys is not None else 0)
+        self.age_limit_ns.append(round(snapshot.age_limit_ms * NS_PER_MS))
         self.engagements = snapshot.engagements
         code = fault.code.value if fault is not None and not fault.calm else ""
         if code and code != self._last_fault:

@@ -10,15 +10,14 @@ import numpy as np
 from rich.console import Console, Group
 from rich.table import Table
 
-from bench.installing import UnavailableError
+from bench.processes import UnavailableError
 from bench.tracking.figures import NEES, RANK, SETTLED, Found, TrackingFigures, flat, judge
 from bench.tracking.mediapipe_hands import MediaPipeHands, install
 from bench.tracking.scenes import RECORDINGS, TrackingScene, recorded_scenes, simulated_scenes
-from common.geometry import Array
 from local_site.samples.hand_sample import GestureConfig, OpenHand
 from local_site.simulation.body import ArmTruth
 from local_site.tracking.silhouette.silhouette_tracker import SilhouetteTracker
-from local_site.tracking.tracker import ArmEstimate, Views
+from local_site.tracking.tracker import Views
 
 NAMES = ("elbow", "wrist", "index", "thumb")
 OURS = "silhouette"
@@ -50,19 +49,15 @@ class SilhouetteContender:
         estimate = self._tracker.track(views)
         wall_ms, processor_ms = 1e3 * (time.perf_counter() - wall), 1e3 * (time.process_time() - processor)
         self._hand = self._hand.observe(estimate, GestureConfig())
+        by_name = {name: getattr(estimate, name) for name in NAMES}
         return Found(
-            points=_points(estimate),
+            points={name: point for name, point in by_name.items() if point is not None},
             wall_ms=wall_ms,
             processor_ms=processor_ms,
             covariances=estimate.covariances,
             thumb_inferred=estimate.thumb_inferred,
             toggles=self._hand.toggles,
         )
-
-
-def _points(estimate: ArmEstimate) -> dict[str, Array]:
-    by_name = {name: getattr(estimate, name) for name in NAMES}
-    return {name: point for name, point in by_name.items() if point is not None}
 
 
 class Comparison:

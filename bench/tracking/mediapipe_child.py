@@ -23,7 +23,13 @@ def serve(requests: BinaryIO, answers: BinaryIO) -> None:
         if header["scene"] != scene:
             scene = header["scene"]
             trackers = [mediapipe.solutions.hands.Hands(max_num_hands=1) for _ in pictures]
-        answers.write(json.dumps(_find(trackers, pictures)).encode() + b"\n")
+        wall, processor = time.perf_counter(), time.process_time()
+        results = [tracker.process(picture) for tracker, picture in zip(trackers, pictures, strict=True)]
+        wall_ms, processor_ms = 1e3 * (time.perf_counter() - wall), 1e3 * (time.process_time() - processor)
+        found = (result.multi_hand_landmarks for result in results)
+        hands = [[(mark.x, mark.y) for mark in hand[0].landmark] if hand else None for hand in found]
+        answer = {"wall_ms": wall_ms, "processor_ms": processor_ms, "hands": hands}
+        answers.write(json.dumps(answer).encode() + b"\n")
         answers.flush()
 
 
@@ -31,19 +37,6 @@ def _read(requests: BinaryIO, shape: list[int]) -> Any:
     picture = np.frombuffer(requests.read(int(np.prod(shape))), np.uint8).reshape(shape)
     rgb = np.repeat(picture[..., None], 3, axis=2) if picture.ndim == 2 else picture[..., ::-1]
     return np.ascontiguousarray(rgb)
-
-
-def _find(trackers: list[Any], pictures: list[Any]) -> dict[str, Any]:
-    wall, processor = time.perf_counter(), time.process_time()
-    results = [tracker.process(picture) for tracker, picture in zip(trackers, pictures, strict=True)]
-    wall_ms, processor_ms = 1e3 * (time.perf_counter() - wall), 1e3 * (time.process_time() - processor)
-    return {"wall_ms": wall_ms, "processor_ms": processor_ms, "hands": [_landmarks(result) for result in results]}
-
-
-def _landmarks(result: Any) -> list[tuple[float, float]] | None:
-    if not result.multi_hand_landmarks:
-        return None
-    return [(mark.x, mark.y) for mark in result.multi_hand_landmarks[0].landmark]
 
 
 if __name__ == "__main__":

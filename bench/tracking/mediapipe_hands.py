@@ -8,13 +8,12 @@ import subprocess
 import sys
 from collections.abc import Sequence
 from pathlib import Path
-from types import TracebackType
 from typing import Self
 
 import msgspec
 import numpy as np
 
-from bench.installing import PIP, UnavailableError, run_quietly
+from bench.processes import PIP, UnavailableError, run_quietly
 from bench.tracking.figures import Found
 from common.geometry import Array
 from local_site.calibration.rig import Rig
@@ -88,9 +87,7 @@ class MediaPipeHands:
     def __enter__(self) -> Self:
         return self
 
-    def __exit__(
-        self, _kind: type[BaseException] | None, _error: BaseException | None, _trace: TracebackType | None
-    ) -> None:
+    def __exit__(self, *_: object) -> None:
         self._child.kill()
         self._child.communicate()
         self._log.close()

@@ -11,10 +11,9 @@ from common.cameras.camera import Image
 from local_site.calibration.physical_camera import Lens
 from local_site.simulation.hazel import FOCAL_PX, FOREARM_M, PRINCIPAL_PX, UPPER_ARM_M, Swing, TrueArm, hazel_film
 from local_site.tracking.config import MonocularConfig
-from local_site.tracking.monocular.estimator import ACCURATE, LIVE, EstimatorSetting
+from local_site.tracking.monocular.arm_model import ArmPose
+from local_site.tracking.monocular.estimator import ACCURATE, LIVE, EstimatorSetting, judged
 from local_site.tracking.monocular.frame_tracker import ArmFrameTracker
-from local_site.tracking.monocular.pose import ArmPose
-from local_site.tracking.monocular.quality import judged
 
 FRAMES = 120
 WARM_UP_FRAMES = 5  # left out of the times
@@ -40,7 +39,7 @@ def _measured(arms: Sequence[TrueArm], images: Sequence[Image], setting: Estimat
     tracker = ArmFrameTracker(Lens(FOCAL_PX, FOCAL_PX, *PRINCIPAL_PX), MonocularConfig(), setting)
     first = arms[0]
     tracker.begin(images[0], ArmPose(first.shoulder, first.upper_arm, first.forearm, UPPER_ARM_M))
-    errors, wall_ms, processor_ms = [], [], []
+    errors_mm, wall_ms, processor_ms = [], [], []
     for arm, image in zip(arms[1:], images[1:], strict=True):
         wall, processor = time.perf_counter(), time.process_time()
         expected = tracker.expected()
@@ -50,20 +49,14 @@ def _measured(arms: Sequence[TrueArm], images: Sequence[Image], setting: Estimat
         tracker.keep(image, fit)
         wall_ms.append(MS_PER_S * (time.perf_counter() - wall))
         processor_ms.append(MS_PER_S * (time.process_time() - processor))
-        errors.append(_errors_mm(fit.state.pose, arm))
-    shoulder, elbow, wrist = np.mean(errors, axis=0)
+        pose = fit.state.pose
+        wrist = pose.on_forearm(np.array([0.0, 0.0, FOREARM_M]))
+        pairs = (pose.shoulder, arm.shoulder), (pose.elbow, arm.elbow), (wrist, arm.wrist)
+        errors_mm.append([MM_PER_M * float(np.linalg.norm(measured - true)) for measured, true in pairs])
+    means = zip(("shoulder mm", "elbow mm", "wrist mm"), np.mean(errors_mm, axis=0).tolist(), strict=True)
     return {
-        "frames": float(len(errors)),
-        "shoulder mm": float(shoulder),
-        "elbow mm": float(elbow),
-        "wrist mm": float(wrist),
+        "frames": float(len(errors_mm)),
+        **dict(means),
         "median ms": float(np.median(processor_ms[WARM_UP_FRAMES:])),
         "least ms": float(np.min(wall_ms[WARM_UP_FRAMES:])),
     }
-
-
-def _errors_mm(pose: ArmPose, arm: TrueArm) -> list[float]:
-    """The distances of shoulder, elbow and wrist from the truth."""
-    wrist = pose.on_forearm(np.array([0.0, 0.0, FOREARM_M]))
-    pairs = (pose.shoulder, arm.shoulder), (pose.elbow, arm.elbow), (wrist, arm.wrist)
-    return [MM_PER_M * float(np.linalg.norm(measured - true)) for measured, true in pairs]

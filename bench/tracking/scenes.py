@@ -105,8 +105,11 @@ def recorded_scenes(folder: Path) -> list[TrackingScene]:
 def recorded(folder: Path) -> TrackingScene:
     """A recording: left.avi, right.avi, control_points.csv and truth.jsonl; CameraError when pairs and truth differ."""
     rig = solve_rig(read_control_points(folder / "control_points.csv"), created="for measuring")
-    lines = (folder / "truth.jsonl").read_bytes().splitlines()
-    truths = [_arm_truth(line) for line in lines]
+    truths = []  # m in the operator frame
+    for line in (folder / "truth.jsonl").read_bytes().splitlines():
+        truth = json.loads(line)
+        elbow, wrist, index, thumb = (np.array(truth[name]) for name in ("elbow", "wrist", "index", "thumb"))
+        truths.append(ArmTruth(elbow, wrist, index, thumb, truth["hand_open"]))
 
     def instants() -> Iterator[Instant]:
         with (
@@ -119,10 +122,3 @@ def recorded(folder: Path) -> TrackingScene:
                 yield Instant(views, truth)
 
     return TrackingScene(folder.name, rig, instants)
-
-
-def _arm_truth(line: bytes) -> ArmTruth:
-    """The part of a line of truth.jsonl that is measured against; m in the operator frame."""
-    truth = json.loads(line)
-    elbow, wrist, index, thumb = (np.array(truth[name]) for name in ("elbow", "wrist", "index", "thumb"))
-    return ArmTruth(elbow, wrist, index, thumb, truth["hand_open"])

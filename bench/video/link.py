@@ -5,21 +5,40 @@ import math
 from collections import deque
 from collections.abc import Callable
 from dataclasses import dataclass, field
+from typing import TypeVar
 
-from bench.video.frames import live_frame
 from common.clock import NS_PER_MS, NS_PER_S
-from common.messages.video import VideoFrame, ViewCame, ViewShown, ViewsShown
+from common.messages.video import CameraStatus, VideoFrame, ViewCame, ViewShown, ViewsShown
 from remote_site.video.config import VideoConfig
 from remote_site.video.streaming.adaptation import Adaptation
+from remote_site.video.streaming.encoding import Encoded
 from remote_site.video.streaming.setting import StreamSetting
 
 TICK_NS = NS_PER_MS
 REPORT_NS = 100 * NS_PER_MS
-DELAY_NS = 10 * NS_PER_MS
+DELAY_MS = 10.0
 MAKE_AND_PAINT_MS = 25.0
 RATE_OF = 128  # pictures, more than there are in a second
 
-Picture = Callable[[str, int, StreamSetting], bytes]
+T = TypeVar("T")
+Picture = Callable[[str, int, StreamSetting], Encoded]
+
+
+def live_frame(camera: str, seq: int, capture_ns: int, encoded: Encoded) -> VideoFrame:
+    """A live camera's frame of a picture whose capture time is known."""
+    return VideoFrame(
+        camera=camera,
+        seq=seq,
+        capture_ns=capture_ns,
+        capture_estimated=False,
+        status=CameraStatus.LIVE,
+        reason="",
+        width=encoded.width,
+        height=encoded.height,
+        codec=encoded.codec,
+        key=encoded.key,
+        data=encoded.data,
+    )
 
 
 @dataclass(frozen=True, slots=True)
@@ -34,30 +53,50 @@ class Arrival:
 
 @dataclass
 class SimulatedLink:
-    """A queue of `holds_bytes`, beyond which a picture is lost; `mbit_s` may change while it runs."""
+    """A queue of `holds_bytes`, beyond which a picture is lost, and a delay each way; all may change while it runs."""
 
     mbit_s: float
     holds_bytes: float = math.inf
-    queue: deque[tuple[int, VideoFrame]] = field(default_factory=deque)
+    delay_ms: float = DELAY_MS
+    queue: deque[VideoFrame] = field(default_factory=deque)
+    travelling: deque[tuple[int, VideoFrame]] = field(default_factory=deque)
+    reports: deque[tuple[int, ViewsShown]] = field(default_factory=deque)
     credit_bits: float = 0.0
 
-    def put(self, frame: VideoFrame, ready_ns: int) -> None:
-        """Queue a picture, to be sent no earlier than `ready_ns`."""
-        if sum(len(waiting.jpeg) for _, waiting in self.queue) + len(frame.jpeg) <= self.holds_bytes:
-            self.queue.append((ready_ns, frame))
+    def put(self, frame: VideoFrame) -> None:
+        """Queue a picture."""
+        if sum(len(waiting.data) for waiting in self.queue) + len(frame.data) <= self.holds_bytes:
+            self.queue.append(frame)
+
+    def put_back(self, report: ViewsShown, now_ns: int) -> None:
+        """Send a report the other way, where the link has room."""
+        self.reports.append((self._arrives_ns(now_ns), report))
+
+    def came_back(self, now_ns: int) -> list[ViewsShown]:
+        """The reports that have arrived by now."""
+        return _due(self.reports, now_ns)
 
     def tick(self, now_ns: int) -> list[VideoFrame]:
         """The pictures that arrive by now, one tick after the last call."""
-        through = []
-        if self.queue and self.queue[0][0] <= now_ns:
-            self.credit_bits += self.mbit_s * 1e6 * TICK_NS / NS_PER_S
-        while self.queue and self.queue[0][0] <= now_ns and self.credit_bits >= 8 * len(self.queue[0][1].jpeg):
-            frame = self.queue.popleft()[1]
-            self.credit_bits -= 8 * len(frame.jpeg)
-            through.append(frame)
-        if not (self.queue and self.queue[0][0] <= now_ns):
+        self.credit_bits += self.mbit_s * 1e6 * TICK_NS / NS_PER_S
+        while self.queue and self.credit_bits >= 8 * len(self.queue[0].data):
+            frame = self.queue.popleft()
+            self.credit_bits -= 8 * len(frame.data)
+            self.travelling.append((self._arrives_ns(now_ns), frame))
+        if not self.queue:
             self.credit_bits = 0.0
-        return through
+        return _due(self.travelling, now_ns)
+
+    def _arrives_ns(self, now_ns: int) -> int:
+        return now_ns + round(self.delay_ms * NS_PER_MS)
+
+
+def _due(waiting: deque[tuple[int, T]], now_ns: int) -> list[T]:
+    """Takes out what is due."""
+    due = []
+    while waiting and waiting[0][0] <= now_ns:
+        due.append(waiting.popleft()[1])
+    return due
 
 
 @dataclass
@@ -72,10 +111,14 @@ class _LinkedView:
 
 
 class Viewer:
-    """Paints the newest picture of every camera, each `paints_fps` times a second at most; `painted` is what it did."""
+    """Paints the newest picture of every camera, each `paints_fps` times a second at most; `painted` is what it did.
+
+    Where its host is busy, everything comes `late_ms` later.
+    """
 
     def __init__(self) -> None:
         self.paints_fps = math.inf
+        self.late_ms = 0.0
         self.painted: list[Arrival] = []
         self._views: dict[str, _LinkedView] = {}
 
@@ -92,39 +135,38 @@ class Viewer:
             if view.waiting is not None and not busy:
                 frame, view.waiting = view.waiting, None
                 age_ms = (now_ns - frame.capture_ns) / NS_PER_MS + MAKE_AND_PAINT_MS
-                view.painted.append(Arrival(now_ns, camera, age_ms, len(frame.jpeg)))
+                view.painted.append(Arrival(now_ns, camera, age_ms, len(frame.data)))
                 self.painted.append(view.painted[-1])
                 view.shown = frame
 
     def shown(self, now_ns: int) -> dict[str, ViewShown]:
         """What its console reports."""
-        return {camera: _view_shown(view, now_ns) for camera, view in self._views.items()}
-
-
-def _view_shown(view: _LinkedView, now_ns: int) -> ViewShown:
-    came, shown, since_ns = view.came, view.shown, now_ns - NS_PER_S
-    return ViewShown(
-        seq=shown.seq,
-        capture_ns=shown.capture_ns,
-        age_ms=view.painted[-1].age_ms,
-        fps=float(sum(one.t_ns > since_ns for one in view.painted[-RATE_OF:])),
-        came=ViewCame(
-            seq=came.seq,
-            age_ms=(view.came_ns[-1] - came.capture_ns) / NS_PER_MS,
-            fps=float(sum(t_ns > since_ns for t_ns in view.came_ns)),
-        ),
-    )
+        since_ns, shown = now_ns - NS_PER_S, {}
+        for camera, view in self._views.items():
+            came_fps = float(sum(t_ns > since_ns for t_ns in view.came_ns))
+            came_age_ms = (view.came_ns[-1] - view.came.capture_ns) / NS_PER_MS + self.late_ms
+            shown[camera] = ViewShown(
+                seq=view.shown.seq,
+                capture_ns=view.shown.capture_ns,
+                age_ms=view.painted[-1].age_ms,
+                fps=float(sum(one.t_ns > since_ns for one in view.painted[-RATE_OF:])),
+                came=ViewCame(seq=view.came.seq, age_ms=came_age_ms, fps=came_fps),
+            )
+        return shown
 
 
 class StreamRun:
-    """Cameras, adaptation, link and viewer in simulated time; `picture` makes the bytes of (camera, number, setting).
+    """Cameras, adaptation, link and viewer in simulated time; `picture` encodes (camera, number, setting).
 
-    `reports` is whether the viewer is a console, which reports. Pictures that wait in the link go to it late, as they
-    would through the buffers of a connection.
+    `reports` is whether the viewer is a console, which reports, and `h264` whether it decodes that. Pictures that wait
+    in the link go to it late, as they would through the buffers of a connection.
     """
 
-    def __init__(self, config: VideoConfig, picture: Picture, mbit_s: float, *, reports: bool = True) -> None:
-        self.adaptation = Adaptation(config)
+    def __init__(
+        self, config: VideoConfig, picture: Picture, mbit_s: float, *, reports: bool = True, h264: bool = False
+    ) -> None:
+        self.adaptation = Adaptation(config, h264=h264)
+        self._h264 = h264
         self.link = SimulatedLink(mbit_s)
         self.viewer = Viewer()
         self.now_ns = 0
@@ -143,9 +185,10 @@ class StreamRun:
             for frame in self.link.tick(self.now_ns):
                 self.viewer.take(frame, self.now_ns)
             self.viewer.paint(self.now_ns)
-            shown = self.viewer.shown(self.now_ns)
-            if self._reports and self.now_ns % REPORT_NS == 0 and shown:
-                report = ViewsShown(session=1, lease=0, sent_ns=self.now_ns, views=shown)
+            if self._reports and self.now_ns % REPORT_NS == 0 and (shown := self.viewer.shown(self.now_ns)):
+                report = ViewsShown(session=1, lease=0, h264=self._h264, sent_ns=self.now_ns, views=shown)
+                self.link.put_back(report, self.now_ns)
+            for report in self.link.came_back(self.now_ns):
                 self.adaptation.update(report, self.now_ns)
         return self.viewer.painted[before:]
 
@@ -157,10 +200,7 @@ class StreamRun:
             waited_ns = self.now_ns - self._sent_ns[camera]
             if phase_ns < TICK_NS and waited_ns > NS_PER_S / setting.fps - period_ns / 2:
                 self._sent_ns[camera] = self.now_ns
-                self._send(camera, setting)
-
-    def _send(self, camera: str, setting: StreamSetting) -> None:
-        seq = next(self._numbers[camera])
-        frame = live_frame(camera, seq, self.now_ns, self._picture(camera, seq, setting))
-        self.adaptation.sent(frame, self.now_ns)
-        self.link.put(frame, self.now_ns + DELAY_NS)
+                seq = next(self._numbers[camera])
+                frame = live_frame(camera, seq, self.now_ns, self._picture(camera, seq, setting))
+                self.adaptation.sent(frame, self.now_ns)
+                self.link.put(frame)

@@ -16,16 +16,12 @@ class ImageFolder:
     """The images of a folder sorted by name; image k is stamped k / fps from the start."""
 
     def __init__(self, folder: Path, name: str, fps: float) -> None:
-        self._name = name
+        self.name = name
         self._paths = sorted(path for path in folder.iterdir() if path.suffix.lower() in IMAGE_SUFFIXES)
         if not self._paths:
             raise CameraError(f"camera {name}: {folder} holds no image ({', '.join(sorted(IMAGE_SUFFIXES))})")
         self.fps = fps
         self._seq = 0
-
-    @property
-    def name(self) -> str:
-        return self._name
 
     def read(self) -> Frame | None:
         """The next image, None after the last; CameraError names a file that is not an image."""
@@ -34,7 +30,7 @@ class ImageFolder:
         path = self._paths[self._seq]
         image = cv2.imread(str(path), cv2.IMREAD_COLOR)
         if image is None:
-            raise CameraError(f"camera {self._name}: {path} is not an image that can be read; remove or replace it")
+            raise CameraError(f"camera {self.name}: {path} is not an image that can be read; remove or replace it")
         frame = Frame(np.asarray(image, dtype=np.uint8), round(self._seq * NS_PER_S / self.fps), self._seq)
         self._seq += 1
         return frame

@@ -1,19 +1,83 @@
-"""Opens a camera by device, URL, video file or folder of images."""
+"""Opens a camera by device, URL, video file or folder of images; OpenCV reads all but the folder."""
 
 import math
+import time
 from pathlib import Path
 from typing import Annotated
 
+import cv2
 from msgspec import Meta
 
-from common.cameras.camera import Camera
+from common.cameras.camera import Camera, Frame, Image
 from common.cameras.images import ImageFolder
-from common.cameras.opencv import DEFAULT_LATENCY_MS, LiveCamera, VideoFile
+from common.clock import NS_PER_MS, NS_PER_S
 from common.errors import CameraError, ConfigError
 
+DEFAULT_LATENCY_MS = 30.0
 DEFAULT_FOLDER_FPS = 30.0
 
 Source = Annotated[int, Meta(ge=0)] | Annotated[str, Meta(min_length=1)]
+
+
+def _as_image(array: object) -> Image:
+    return array  # type: ignore[return-value]  # cv2's stubs allow any dtype; an 8-bit source gives uint8
+
+
+class LiveCamera:
+    """A device number, device path or URL; frames are stamped with their arrival minus a configured latency."""
+
+    def __init__(
+        self, source: str, name: str, fps: float | None = None, latency_ms: float = DEFAULT_LATENCY_MS
+    ) -> None:
+        self.name = name
+        self._source = source
+        self._latency_ns = round(latency_ms * NS_PER_MS)
+        self._capture = cv2.VideoCapture(int(source) if source.isdecimal() else source)
+        if not self._capture.isOpened():
+            raise CameraError(f"camera {name}: cannot open {source}; is it plugged in, and may this user read it?")
+        if fps is not None:
+            self._capture.set(cv2.CAP_PROP_FPS, fps)
+        self._capture.set(cv2.CAP_PROP_BUFFERSIZE, 1)
+        self._seq = 0
+
+    def read(self) -> Frame | None:
+        """Wait for the newest frame; CameraError when the camera delivers none."""
+        ok, image = self._capture.read()
+        arrival_ns = time.monotonic_ns()
+        if not ok:
+            raise CameraError(f"camera {self.name}: {self._source} delivers no more frames; was it unplugged?")
+        frame = Frame(_as_image(image), arrival_ns - self._latency_ns, self._seq, capture_estimated=True)
+        self._seq += 1
+        return frame
+
+    def close(self) -> None:
+        self._capture.release()
+
+
+class VideoFile:
+    """A recording; frame k is stamped k / fps from the start, however fast it is read."""
+
+    def __init__(self, path: Path, name: str, fps: float | None = None) -> None:
+        self.name = name
+        self._capture = cv2.VideoCapture(str(path))
+        if not path.is_file() or not self._capture.isOpened():
+            raise CameraError(f"camera {name}: {path} is not a video file that can be read")
+        self.fps = fps if fps is not None else float(self._capture.get(cv2.CAP_PROP_FPS))
+        if not (math.isfinite(self.fps) and self.fps > 0):
+            raise CameraError(f"camera {name}: {path} does not state its frame rate; give it with --fps")
+        self._seq = 0
+
+    def read(self) -> Frame | None:
+        """The next frame of the file, None at its end."""
+        ok, image = self._capture.read()
+        if not ok:
+            return None
+        frame = Frame(_as_image(image), round(self._seq * NS_PER_S / self.fps), self._seq)
+        self._seq += 1
+        return frame
+
+    def close(self) -> None:
+        self._capture.release()
 
 
 def open_camera(source: Source, name: str, fps: float | None = None, latency_ms: float = DEFAULT_LATENCY_MS) -> Camera:

@@ -3,13 +3,12 @@
 from collections.abc import Iterator, Sequence
 from typing import Any, NamedTuple
 
-from common.link.channels import CHANNELS, PROCEDURES
+from common.link.channels import ANY, CHANNELS, PROCEDURES, Keyed
 from common.link.endpoints import SECURED
 from common.link.roles import Identity, Role
 
 Json = dict[str, Any]
 THIS_HOST = "this host"
-EVERY_CELL = "*"
 QUERY_ROOM_BYTES = 512  # around a payload: an error sentence, an attachment that is never read
 HEARING = ("ingress", "put"), ("egress", "declare_subscriber")
 SENDING = ("egress", "put"), ("ingress", "declare_subscriber")
@@ -25,26 +24,30 @@ class Grant(NamedTuple):
     key: str
 
 
-def access_control(own: Identity, cells: Sequence[str], *, plain: bool) -> Json:
+def access_control(own: Identity, cells: Sequence[str], operators: Sequence[str], *, plain: bool) -> Json:
     """Refuse everything except what the table grants each role, by the common name of its certificate.
 
-    `cells` are those that this session serves; only a router serves several. With `plain` there are also links without
-    certificates, on the loopback interface, whose neighbours may do what any role may.
+    `cells` are those that this session serves; only a router serves several. `operators` are those who may operate
+    them, each on the keys of that name only; an operator's own session serves nobody else. With `plain` there are also
+    links without certificates, on the loopback interface, whose neighbours may do what any role may.
     """
+    operators = operators if own.operator is None else (own.operator,)
     neighbours: list[tuple[Identity, tuple[str, ...]]] = [
-        (Identity(role, cell), (cell,)) for cell in cells for role in Role if role is not Role.ROUTER
+        (neighbour, (cell,)) for cell in cells for neighbour in _neighbours(cell, operators)
     ]
     neighbours.append((Identity(Role.ROUTER, None), tuple(cells)))
     rules, subjects, policies = [], [], []
     for neighbour, served in neighbours:
         name = neighbour.common_name
-        granted = _rules(name, {g for cell in served for g in grants(own.role, neighbour.role, cell)})
+        names = operators if neighbour.operator is None else (neighbour.operator,)
+        granted = _rules(name, {g for cell in served for g in grants(own.role, neighbour.role, cell, names)})
         if granted:
             rules += granted
             subjects.append({"id": name, "cert_common_names": [name], "link_protocols": list(SECURED)})
             policies.append({"rules": [rule["id"] for rule in granted], "subjects": [name]})
     if plain:
-        everything = {g for cell in cells for role in Role for g in grants(own.role, role, cell)}
+        names = (own.operator or ANY,)
+        everything = {g for cell in cells for role in Role for g in grants(own.role, role, cell, names)}
         granted = _rules(THIS_HOST, everything)
         rules += granted
         subjects.append({"id": THIS_HOST, "link_protocols": ["tcp"]})
@@ -58,23 +61,38 @@ def access_control(own: Identity, cells: Sequence[str], *, plain: bool) -> Json:
     }
 
 
-def grants(own: Role, neighbour: Role, cell: str) -> Iterator[Grant]:
-    """What may pass between a session of one role and a neighbour of another; a router acts for every role."""
+def grants(own: Role, neighbour: Role, cell: str, operators: Sequence[str]) -> Iterator[Grant]:
+    """What may pass between a session of one role and a neighbour of another, on the keys of these operators.
+
+    A router acts for every role.
+    """
     for channel in CHANNELS:
         if _is(neighbour, channel.sent_by) and _is(own, channel.received_by):
-            yield from _granted(HEARING, channel.key_for(cell))
+            yield from _granted(HEARING, channel, cell, operators)
         if _is(own, channel.sent_by) and _is(neighbour, channel.received_by):
-            yield from _granted(SENDING, channel.key_for(cell))
+            yield from _granted(SENDING, channel, cell, operators)
     for procedure in PROCEDURES:
         if _is(neighbour, procedure.asked_by) and _is(own, procedure.answered_by):
-            yield from _granted(ANSWERING, procedure.key_for(cell))
+            yield from _granted(ANSWERING, procedure, cell, operators)
         if _is(own, procedure.asked_by) and _is(neighbour, procedure.answered_by):
-            yield from _granted(ASKING, procedure.key_for(cell))
+            yield from _granted(ASKING, procedure, cell, operators)
 
 
-def _granted(messages: tuple[tuple[str, str], ...], key: str) -> Iterator[Grant]:
-    for flow, message in messages:
-        yield Grant(flow, message, key)
+def _neighbours(cell: str, operators: Sequence[str]) -> Iterator[Identity]:
+    """Who may be at the other end of a link of this cell, besides a router."""
+    for role in Role:
+        if role is Role.OPERATOR:
+            yield from (Identity(role, cell, operator) for operator in operators)
+        elif role is not Role.ROUTER:
+            yield Identity(role, cell)
+
+
+def _granted(
+    messages: tuple[tuple[str, str], ...], keyed: Keyed, cell: str, operators: Sequence[str]
+) -> Iterator[Grant]:
+    for operator in operators if keyed.by_operator else (ANY,):
+        for flow, message in messages:
+            yield Grant(flow, message, keyed.key_for(cell, operator=operator))
 
 
 def _is(role: Role, allowed: frozenset[Role]) -> bool:
@@ -99,11 +117,10 @@ def _rules(name: str, granted: set[Grant]) -> list[Json]:
 def payload_caps() -> list[Json]:
     """Messages larger than their channel allows are dropped on arrival, in all cells."""
     caps: list[tuple[tuple[str, ...], str, int]] = [
-        (("put",), channel.key_for(EVERY_CELL), channel.max_bytes) for channel in CHANNELS
+        (("put",), channel.key_for(ANY), channel.max_bytes) for channel in CHANNELS
     ]
     caps += [
-        (("query", "reply"), procedure.key_for(EVERY_CELL), procedure.max_bytes + QUERY_ROOM_BYTES)
-        for procedure in PROCEDURES
+        (("query", "reply"), procedure.key_for(ANY), procedure.max_bytes + QUERY_ROOM_BYTES) for procedure in PROCEDURES
     ]
     return [
         {
@@ -123,5 +140,5 @@ def rate_caps() -> list[Json]:
     Samples are capped where they are taken instead (`Latest`): of a burst after a delay Zenoh would pass the first and
     drop the newest, and the arm would wait for the next.
     """
-    rules = [{"key_expr": procedure.key_for(EVERY_CELL), "freq": procedure.max_hz} for procedure in PROCEDURES]
+    rules = [{"key_expr": procedure.key_for(ANY), "freq": procedure.max_hz} for procedure in PROCEDURES]
     return [{"id": "questions", "flows": ["ingress"], "messages": ["query"], "rules": rules}]

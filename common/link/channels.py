@@ -4,11 +4,12 @@ from dataclasses import dataclass
 from enum import StrEnum
 from typing import Any, Generic, TypeVar
 
-from common.clock import NS_PER_MS
-from common.errors import ConfigError
+from common.clock import NS_PER_MS, NS_PER_S
+from common.errors import ConfigError, MessageError
 from common.link.roles import CELL_NAME, EVERYBODY, MAINTAINERS, OPERATORS, REMOTES, Role
 from common.messages.base import Message
 from common.messages.hand import HandArm, OperatorIntent
+from common.messages.probe import MOST_PADDING, Probe, ProbeEcho
 from common.messages.requests import (
     ClockAnswer,
     ClockQuestion,
@@ -20,14 +21,18 @@ from common.messages.requests import (
     LeaseRequest,
     OperatorRequest,
     Reply,
+    TroubleNoted,
+    TroubleReport,
 )
 from common.messages.robot import RobotState
-from common.messages.video import VideoFrame, ViewsShown
+from common.messages.video import KeyFrameRequest, VideoFrame, ViewsShown
 
 M = TypeVar("M", bound=Message)
 Q = TypeVar("Q", bound=Message)
 R = TypeVar("R", bound=Message)
 RATE_MARGIN = 10.0  # far above what a healthy sender sends, and little work
+ANY = "*"  # in a key: every name
+OPERATOR_CHUNK = "{operator}"
 
 
 class ChannelSession(StrEnum):
@@ -46,15 +51,44 @@ class Priority(StrEnum):
 
 
 @dataclass(frozen=True, slots=True)
-class Channel(Generic[M]):
-    """One channel; `key` may contain {cell} and {name}. Under congestion messages are dropped, publishers never block.
+class Keyed:
+    """What has a Zenoh key in a cell: `key` may contain {cell}, {operator} and {name}.
+
+    A key with {operator} is that operator's alone: where there are certificates, only the certificate of that name
+    passes on it, so that the key tells who sends.
+    """
+
+    key: str
+
+    @property
+    def by_operator(self) -> bool:
+        """Whether every operator has a key of their own."""
+        return OPERATOR_CHUNK in self.key
+
+    def key_for(self, cell: str, name: str = ANY, operator: str = ANY) -> str:
+        """The Zenoh key in a cell; `name` tells apart what is of one kind, such as cameras."""
+        return self.key.format(cell=cell, name=name, operator=operator)
+
+    def operator_in(self, key: str) -> str:
+        """The operator whose key this is, empty where the key names none; MessageError for a key that is nobody's."""
+        if not self.by_operator:
+            return ""
+        chunks, place = key.split("/"), self.key.split("/").index(OPERATOR_CHUNK)
+        operator = chunks[place] if place < len(chunks) else ""
+        if CELL_NAME.fullmatch(operator) is None:
+            raise MessageError("nobody", f"{key[:80]} names no operator")
+        return operator
+
+
+@dataclass(frozen=True, slots=True)
+class Channel(Keyed, Generic[M]):
+    """One channel. Under congestion messages are dropped, publishers never block.
 
     Access control is built from `sent_by` and `received_by`, where there are certificates. `best_effort` means that the
     next message makes a lost one worthless; a picture of many packets would seldom arrive complete. `depth` is how many
     of the newest messages wait for a receiver, more than 1 where several senders could displace one another's.
     """
 
-    key: str
     message: type[M]
     sent_by: frozenset[Role]
     received_by: frozenset[Role]
@@ -71,13 +105,9 @@ class Channel(Generic[M]):
         """The maximum number of messages taken per second, besides a burst of `depth`."""
         return RATE_MARGIN * self.rate_hz
 
-    def key_for(self, cell: str, name: str = "*") -> str:
-        """The Zenoh key of this channel in a cell."""
-        return self.key.format(cell=cell, name=name)
-
 
 HAND = Channel(
-    key="farhand/{cell}/hand",
+    key="farhand/{cell}/hand/{operator}",
     message=HandArm,
     sent_by=OPERATORS,
     received_by=OPERATORS | REMOTES,
@@ -86,7 +116,7 @@ HAND = Channel(
     rate_hz=30.0,
     stale_after_ns=100 * NS_PER_MS,
     max_bytes=4096,
-    depth=16,  # an operator without the lease must not displace the holder's samples, even with 3000 a second
+    depth=16,  # on plain loopback anybody may send on any key: the holder's samples must not be displaced at once
 )
 STATE = Channel(
     key="farhand/{cell}/state",
@@ -109,10 +139,23 @@ CAMERA = Channel(
     rate_hz=30.0,
     stale_after_ns=500 * NS_PER_MS,
     max_bytes=4_000_000,
+    depth=16,  # half a second: of H.264 none may be left out, and after a lost packet many come at once
     best_effort=False,
 )
+KEY_FRAMES = Channel(
+    key="farhand/{cell}/key_frames",
+    message=KeyFrameRequest,
+    sent_by=EVERYBODY,
+    received_by=REMOTES,
+    session=ChannelSession.VIDEO,
+    priority=Priority.INTERACTIVE,
+    rate_hz=40.0,
+    stale_after_ns=500 * NS_PER_MS,
+    max_bytes=512,
+    depth=16,  # several viewers, each of several cameras
+)
 PREVIEW = Channel(
-    key="farhand/{cell}/preview/{name}",
+    key="farhand/{cell}/operator/{operator}/preview/{name}",
     message=VideoFrame,
     sent_by=OPERATORS,
     received_by=OPERATORS,
@@ -124,7 +167,7 @@ PREVIEW = Channel(
     best_effort=False,
 )
 SHOWN = Channel(
-    key="farhand/{cell}/shown/{name}",
+    key="farhand/{cell}/shown/{operator}",
     message=ViewsShown,
     sent_by=OPERATORS,
     received_by=REMOTES,
@@ -136,7 +179,7 @@ SHOWN = Channel(
     depth=4,  # a console without the lease must not displace the operator's messages
 )
 INTENT = Channel(
-    key="farhand/{cell}/operator/{name}/intent",
+    key="farhand/{cell}/operator/{operator}/intent",
     message=OperatorIntent,
     sent_by=OPERATORS,
     received_by=OPERATORS,
@@ -145,40 +188,108 @@ INTENT = Channel(
     rate_hz=20.0,
     stale_after_ns=200 * NS_PER_MS,
     max_bytes=1024,
+    depth=8,  # a second console must not displace what the operating one reports
+)
+PROBE = Channel(
+    key="farhand/{cell}/probe/{operator}",
+    message=Probe,
+    sent_by=OPERATORS,
+    received_by=REMOTES,
+    session=ChannelSession.CONTROL,
+    priority=Priority.REAL_TIME,  # as the hand samples, of which it measures the way
+    rate_hz=100.0,
+    stale_after_ns=NS_PER_S,
+    max_bytes=2048,
+    depth=64,  # they are counted: a delay on the way must not look like a loss
+)
+ECHO = Channel(
+    key="farhand/{cell}/echo/{operator}",
+    message=ProbeEcho,
+    sent_by=REMOTES,
+    received_by=OPERATORS,
+    session=ChannelSession.CONTROL,
+    priority=Priority.INTERACTIVE,
+    rate_hz=100.0,
+    stale_after_ns=NS_PER_S,
+    max_bytes=2048,
+    depth=256,
+)
+LOAD = Channel(
+    key="farhand/{cell}/load/{operator}",
+    message=Probe,
+    sent_by=OPERATORS,
+    received_by=REMOTES,
+    session=ChannelSession.CONTROL,
+    priority=Priority.DATA,
+    rate_hz=100.0,
+    stale_after_ns=NS_PER_S,
+    max_bytes=MOST_PADDING + 512,
+    depth=64,
+    best_effort=False,
+)
+LOAD_ECHO = Channel(
+    key="farhand/{cell}/load_echo/{operator}",
+    message=ProbeEcho,
+    sent_by=REMOTES,
+    received_by=OPERATORS,
+    session=ChannelSession.CONTROL,
+    priority=Priority.DATA,
+    rate_hz=100.0,
+    stale_after_ns=NS_PER_S,
+    max_bytes=MOST_PADDING + 512,
+    depth=256,
+    best_effort=False,
 )
 
 
 @dataclass(frozen=True, slots=True)
-class Procedure(Generic[Q, R]):
-    """A query that one site answers, on the control session; `key` may contain {cell} and {name}.
+class Procedure(Keyed, Generic[Q, R]):
+    """A query that one site answers, on the control session.
 
     One neighbour may ask `max_hz` times a second; more is dropped, where there is access control.
     """
 
-    key: str
     request: type[Q]
     reply: type[R]
     asked_by: frozenset[Role]
     answered_by: frozenset[Role]
-    max_bytes: int = 1024
+    max_bytes: int = 2048  # the longest sentence, four bytes a character
     max_hz: float = 1000.0  # a stop may follow another request immediately
 
-    def key_for(self, cell: str, name: str = "*") -> str:
-        """The Zenoh key of this procedure in a cell."""
-        return self.key.format(cell=cell, name=name)
 
-
-ENGAGEMENT = Procedure("farhand/{cell}/rpc/engagement", EngagementRequest, Reply, OPERATORS, REMOTES)
+ENGAGEMENT = Procedure("farhand/{cell}/rpc/engagement/{operator}", EngagementRequest, Reply, OPERATORS, REMOTES)
 MAINTENANCE = Procedure("farhand/{cell}/rpc/maintenance", EngagementRequest, Reply, MAINTAINERS, REMOTES)
-LEASE = Procedure("farhand/{cell}/rpc/lease", LeaseRequest, LeaseReply, OPERATORS, REMOTES, max_bytes=2048)
+LEASE = Procedure("farhand/{cell}/rpc/lease/{operator}", LeaseRequest, LeaseReply, OPERATORS, REMOTES, max_bytes=4096)
 DESCRIBE = Procedure(
     "farhand/{cell}/rpc/describe", DescribeQuestion, Description, EVERYBODY, REMOTES, max_bytes=16384, max_hz=200.0
 )
 CLOCK = Procedure("farhand/{cell}/clock", ClockQuestion, ClockAnswer, EVERYBODY, REMOTES, max_bytes=256, max_hz=200.0)
-JOINTS = Procedure("farhand/{cell}/operator/{name}/joints", JointsRequest, Reply, OPERATORS, OPERATORS)
-OPERATE = Procedure("farhand/{cell}/operator/{name}/lease", OperatorRequest, Reply, OPERATORS, OPERATORS)
-CHANNELS: tuple[Channel[Any], ...] = (HAND, STATE, CAMERA, PREVIEW, SHOWN, INTENT)
-PROCEDURES: tuple[Procedure[Any, Any], ...] = (ENGAGEMENT, MAINTENANCE, LEASE, DESCRIBE, CLOCK, JOINTS, OPERATE)
+TROUBLE = Procedure("farhand/{cell}/rpc/trouble/{operator}", TroubleReport, TroubleNoted, OPERATORS, REMOTES, max_hz=20)
+JOINTS = Procedure("farhand/{cell}/operator/{operator}/joints", JointsRequest, Reply, OPERATORS, OPERATORS)
+OPERATE = Procedure("farhand/{cell}/operator/{operator}/lease", OperatorRequest, Reply, OPERATORS, OPERATORS)
+CHANNELS: tuple[Channel[Any], ...] = (
+    HAND,
+    STATE,
+    CAMERA,
+    KEY_FRAMES,
+    PREVIEW,
+    SHOWN,
+    INTENT,
+    PROBE,
+    ECHO,
+    LOAD,
+    LOAD_ECHO,
+)
+PROCEDURES: tuple[Procedure[Any, Any], ...] = (
+    ENGAGEMENT,
+    MAINTENANCE,
+    LEASE,
+    DESCRIBE,
+    CLOCK,
+    TROUBLE,
+    JOINTS,
+    OPERATE,
+)
 
 
 def check_cell_name(cell: str, what: str = "cell") -> str:

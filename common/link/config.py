@@ -5,7 +5,14 @@ from typing import Annotated
 import msgspec
 from msgspec import Meta, field
 
+from common.link.channels import check_cell_name
+
 PLAIN_TEXT_WORDS = "i accept that anybody on this network can move the arm"
+
+NAME_OPERATORS = (
+    'name those who may operate, as in their certificates: operators = ["NAME"] (a key of [links], of a router '
+    "of no table); then restart"
+)
 
 
 class TlsConfig(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
@@ -36,6 +43,26 @@ class LinkSecurity(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fie
     def __post_init__(self) -> None:
         if self.plain_text_beyond_loopback not in ("", PLAIN_TEXT_WORDS):
             raise ValueError(f'plain_text_beyond_loopback: leave it out, or write "{PLAIN_TEXT_WORDS}"')
+
+
+class OperatorLinks(LinkSecurity, frozen=True, kw_only=True, forbid_unknown_fields=True):
+    """Links to several operators, who are told apart by their certificates."""
+
+    operators: Annotated[
+        tuple[str, ...],
+        Meta(
+            max_length=32,
+            description="who may operate, by the names in their certificates; a name taken off is refused after a "
+            "restart. Empty: nobody; without certificates anybody on this host",
+        ),
+    ] = ()
+
+    def __post_init__(self) -> None:
+        super().__post_init__()
+        for name in self.operators:
+            check_cell_name(name, "operator")
+        if len(set(self.operators)) != len(self.operators):
+            raise ValueError("operators: name everybody once")
 
 
 ON_THIS_HOST = LinkSecurity()  # no certificates: only plain TCP on the loopback interface is allowed

@@ -9,7 +9,7 @@ from typing import Any
 from common.errors import ConfigError, TransportError
 from common.link.config import LinkSecurity, TlsConfig
 from common.link.endpoints import check_endpoint
-from common.link.roles import Identity, read_common_name
+from common.link.roles import Identity, Role, read_common_name
 
 RENEW = "where the authority is kept: farhand certificates renew CELL"
 VERDICTS = {  # by OpenSSL's verification code, X509_V_ERR_*
@@ -49,13 +49,22 @@ def load_credentials(tls: TlsConfig) -> Credentials:
         raise TransportError(f"links.tls.certificate: {tls.certificate} {verdict(error)}") from error
     except ssl.SSLError as error:
         raise TransportError(f"links.tls: {_unusable(error, tls)}") from error
-    identity = read_common_name(common_name(certificate))
+    named = common_name(certificate)
+    identity = read_common_name(named)
     if identity is None:
-        raise TransportError(
-            f"links.tls.certificate: {tls.certificate} names {common_name(certificate)!r}, which is no role at a cell; "
-            "make one with: farhand certificates create CELL"
-        )
+        raise TransportError(f"links.tls.certificate: {tls.certificate} names {named!r}, which {_nobody(named)}")
     return Credentials(tls, identity)
+
+
+def _nobody(named: str) -> str:
+    """Why a common name is no identity, as the end of a sentence."""
+    role, _, cell = named.partition(".")
+    if role == Role.OPERATOR and "." not in cell:
+        return (
+            "does not tell operators apart; make one for each, where the authority is kept: farhand certificates "
+            f"operator {cell or 'CELL'} NAME"
+        )
+    return "is no role at a cell; make one with: farhand certificates create CELL"
 
 
 def check_links(endpoints: Sequence[str], security: LinkSecurity, *bearers: Identity) -> None:
@@ -70,9 +79,17 @@ def check_links(endpoints: Sequence[str], security: LinkSecurity, *bearers: Iden
         return
     names = " or ".join(identity.common_name for identity in bearers)
     mismatch = f"links.tls.certificate: {security.tls.certificate} is for {bearer.common_name}, not for {names}"
-    is_other_cell = bearer.cell and bearer.role in {identity.role for identity in bearers}
-    cure = f'; set cell = "{bearer.cell}" if this site belongs to that cell' if is_other_cell else ""
-    raise ConfigError(mismatch + cure)
+    raise ConfigError(mismatch + _cure(bearer, bearers))
+
+
+def _cure(bearer: Identity, wanted: Sequence[Identity]) -> str:
+    """What to change where a certificate of the right role is for another cell or operator, else nothing."""
+    same = next((identity for identity in wanted if identity.role is bearer.role), None)
+    if same is None or bearer.cell is None:
+        return ""
+    if same.cell != bearer.cell:
+        return f'; set cell = "{bearer.cell}" if this site belongs to that cell'
+    return f'; set operator = "{bearer.operator}" if {bearer.operator} operates here'
 
 
 class CertificateValidity:

@@ -18,14 +18,20 @@ M = TypeVar("M", bound=Message)
 
 
 class Publisher(Generic[M]):
-    """Publishes messages on one key; under congestion they are dropped, it never blocks."""
+    """Publishes messages on one key; under congestion they are dropped, it never blocks.
+
+    `payload_bytes` is the size of the newest.
+    """
 
     def __init__(self, publisher: zenoh.Publisher) -> None:
         self._publisher = publisher
+        self.payload_bytes = 0
 
     def put(self, message: M) -> None:
         """Send a message; MessageError when it holds a number that is not finite."""
-        self._publisher.put(encode(message))
+        payload = encode(message)
+        self.payload_bytes = len(payload)
+        self._publisher.put(payload)
 
     @property
     def has_listener(self) -> bool:
@@ -43,10 +49,20 @@ class Latest(Generic[M]):
         self._channel = channel
         self._cap = RateCap(channel.max_hz, channel.depth + 1)
 
+    @property
+    def depth(self) -> int:
+        """How many of the newest messages are kept."""
+        return self._channel.depth
+
     def take(self) -> M | None:
         """The oldest message kept and not taken yet, None without one; MessageError for an invalid payload."""
         sample = self._subscriber.try_recv()
         return None if sample is None else self._decode(sample)
+
+    def take_named(self) -> tuple[str, M] | None:
+        """As `take`, with the operator whose key the message came on; MessageError also for a key that is nobody's."""
+        sample = self._subscriber.try_recv()
+        return None if sample is None else (self._channel.operator_in(str(sample.key_expr)), self._decode(sample))
 
     def wait(self) -> M:
         """Block until a message comes; MessageError for an invalid payload, TransportError once the link is closed.

@@ -6,7 +6,7 @@ from typing import Protocol, TypeVar
 
 from common.clock import NS_PER_MS, NS_PER_S, Clock, MonotonicClock
 from common.errors import TransportError
-from common.link.channels import Procedure
+from common.link.channels import ANY, Procedure
 from common.link.remote_clock import RemoteClock
 from common.link.transport import Link
 from common.messages.requests import ACTIVATED, Reply, Request
@@ -62,8 +62,8 @@ class RequestSchedule:
 class RequestClient:
     """Asks one site of a cell; call it from a thread that may wait.
 
-    `remote_clock` is None where a site of this host is asked: deadlines are by the server's clock. `name` is the
-    operator's in the procedure's key.
+    `remote_clock` is None where a site of this host is asked: deadlines are by the server's clock. `operator` is
+    whose key the procedure is asked on.
     """
 
     def __init__(
@@ -72,11 +72,11 @@ class RequestClient:
         cell: str,
         remote_clock: RemoteClock | None = None,
         *,
-        name: str = "*",
+        operator: str = ANY,
         patience_ns: int | None = None,
         clock: Clock | None = None,
     ) -> None:
-        self._link, self._cell, self._name = link, cell, name
+        self._link, self._cell, self._operator = link, cell, operator
         self._remote_clock = remote_clock
         self._patience_ns = PATIENCE_NS if patience_ns is None else patience_ns
         self._clock = clock or MonotonicClock()
@@ -95,7 +95,7 @@ class RequestClient:
             if offset_ns is None:
                 continue
             request = make(id=schedule.id, deadline_ns=schedule.give_up_ns + offset_ns)
-            reply = self._link.ask(procedure, self._cell, request, self._name)
+            reply = self._link.ask(procedure, self._cell, request, operator=self._operator)
             if reply is not None and schedule.accepts(reply, clock.now_ns()):
                 return reply
 

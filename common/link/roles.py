@@ -20,20 +20,25 @@ OPERATORS = frozenset({Role.OPERATOR})
 REMOTES = frozenset({Role.REMOTE})
 MAINTAINERS = frozenset({Role.MAINTENANCE})
 CELL_NAME = re.compile(r"[a-z0-9][a-z0-9_-]{0,31}")
-COMMON_NAME = re.compile(rf"([a-z]+)(?:\.({CELL_NAME.pattern}))?")
+COMMON_NAME = re.compile(rf"([a-z]+)(?:\.({CELL_NAME.pattern}))?(?:\.({CELL_NAME.pattern}))?")
+MAX_COMMON_NAME = 64  # of X.509 (RFC 5280, ub-common-name)
 
 
 @dataclass(frozen=True, slots=True)
 class Identity:
-    """A role at a cell; `cell` is None for a router, which serves every cell of its certificate authority."""
+    """A role at a cell; `cell` is None for a router, which serves every cell of its certificate authority.
+
+    `operator` is an operator's name, None in the other roles.
+    """
 
     role: Role
     cell: str | None
+    operator: str | None = None
 
     @property
     def common_name(self) -> str:
         """The certificate's common name, which access control compares literally."""
-        return self.role.value if self.cell is None else f"{self.role.value}.{self.cell}"
+        return ".".join(part for part in (self.role.value, self.cell, self.operator) if part is not None)
 
 
 def read_common_name(name: str) -> Identity | None:
@@ -41,5 +46,7 @@ def read_common_name(name: str) -> Identity | None:
     match = COMMON_NAME.fullmatch(name)
     if match is None or match[1] not in set(Role):
         return None
-    role, cell = Role(match[1]), match[2]
-    return Identity(role, cell) if (cell is None) == (role is Role.ROUTER) else None
+    role, cell, operator = Role(match[1]), match[2], match[3]
+    if (cell is None) != (role is Role.ROUTER) or (operator is None) != (role is not Role.OPERATOR):
+        return None
+    return Identity(role, cell, operator)

@@ -1,7 +1,7 @@
 """Polled servers of procedures: questions may be asked again, requests are carried out once."""
 
 from collections.abc import Callable
-from typing import Generic, TypeVar
+from typing import Generic, NamedTuple, TypeVar
 
 import zenoh
 
@@ -22,6 +22,14 @@ REFUSAL = b"refused: "  # prefix of our own error replies: Zenoh sends others, f
 MAX_DEADLINE_AHEAD_NS = 10 * NS_PER_S  # bounds how long a reply is kept for repetitions of its request
 
 
+class Asked(NamedTuple, Generic[Q, R]):
+    """A question that waits, the operator whose key it came on (empty where keys name none), and what answers it."""
+
+    operator: str
+    question: Q
+    reply: Callable[[R], None]
+
+
 class QuestionServer(Generic[Q, R]):
     """Answers questions that may be asked again; a query that cannot be decoded gets an error reply with the reason."""
 
@@ -38,32 +46,33 @@ class QuestionServer(Generic[Q, R]):
         self._procedure = procedure
         self._on_refused = on_refused
 
-    def take(self) -> tuple[Q, Callable[[R], None]] | None:
-        """A waiting question and the function that sends its answer, None if none waits; never blocks."""
+    def take(self) -> Asked[Q, R] | None:
+        """A waiting question, None if none waits; never blocks."""
         query = self._queryable.try_recv()
         if query is None:
             return None
+        key = str(query.key_expr) if self._procedure.by_operator else self._key
         try:
+            operator = self._procedure.operator_in(key)
             payload = query.payload.to_bytes() if query.payload is not None else b""
             question = decode(payload, self._procedure.request, self._procedure.max_bytes)
         except MessageError as error:
             self._on_refused(error)
             with query:
-                query.reply_err(REFUSAL + str(error).encode())
+                query.reply_err(REFUSAL + str(error).encode(errors="replace"))
             return None
 
         def reply(answer: R) -> None:
             with query:
-                query.reply(self._key, encode(answer))
+                query.reply(key, encode(answer))
 
-        return question, reply
+        return Asked(operator, question, reply)
 
     def poll(self, answer: Callable[[Q], R]) -> None:
         """Answer one waiting question, if there is one; never blocks."""
         waiting = self.take()
         if waiting is not None:
-            question, reply = waiting
-            reply(answer(question))
+            waiting.reply(answer(waiting.question))
 
 
 class IdempotentServer(Generic[Requested, Replied]):
@@ -75,15 +84,15 @@ class IdempotentServer(Generic[Requested, Replied]):
     def __init__(self, server: QuestionServer[Requested, Replied], reply: type[Replied]) -> None:
         self._server = server
         self._reply = reply
-        self._done: dict[int, tuple[int, Replied]] = {}  # request id: deadline in ns, reply
+        self._done: dict[tuple[str, int], tuple[int, Replied]] = {}  # operator, request id: deadline in ns, reply
 
-    def take(self, now_ns: int) -> tuple[Requested, Callable[[Replied], None]] | None:
-        """A request to carry out and the function that sends its reply, None if none waits; never blocks."""
+    def take(self, now_ns: int) -> Asked[Requested, Replied] | None:
+        """A request to carry out, None if none waits; never blocks."""
         waiting = self._server.take()
         if waiting is None:
             return None
-        request, answer = waiting
-        earlier = self._done.get(request.id)
+        operator, request, answer = waiting
+        earlier = self._done.get((operator, request.id))
         known_reply = earlier[1] if earlier is not None else self._refusal(request, now_ns)
         if known_reply is not None:
             answer(known_reply)
@@ -91,17 +100,16 @@ class IdempotentServer(Generic[Requested, Replied]):
 
         def reply(done: Replied) -> None:
             self._done = {key: kept for key, kept in self._done.items() if kept[0] >= now_ns}
-            self._done[request.id] = (request.deadline_ns, done)
+            self._done[operator, request.id] = (request.deadline_ns, done)
             answer(done)
 
-        return request, reply
+        return Asked(operator, request, reply)
 
     def poll(self, now_ns: int, handle: Callable[[Requested], Replied]) -> None:
         """Carry out and answer one waiting request, if there is one; never blocks."""
         waiting = self.take(now_ns)
         if waiting is not None:
-            request, reply = waiting
-            reply(handle(request))
+            waiting.reply(handle(waiting.question))
 
     def _refusal(self, request: Requested, now_ns: int) -> Replied | None:
         if now_ns > request.deadline_ns:

@@ -1,6 +1,5 @@
 """The settings of a Zenoh session, key by key: endpoints, short leases, caps, and who may do what; pure."""
 
-from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from enum import StrEnum
 from typing import Any
@@ -14,7 +13,7 @@ from common.link.endpoints import Endpoint
 
 LEASE_MS = 1000
 KEEP_ALIVES_PER_LEASE = 4
-OPEN_TIMEOUT_MS = 1000
+OPEN_TIMEOUT_MS = 2500  # five round trips of 500 ms; a longer one would delay the return after a partition
 RETRY = {"period_init_ms": 100, "period_max_ms": 500, "period_increase_factor": 2}
 FOR_EVER = -1  # in the background; a client would block
 CLIENT_TIMEOUT_MS = 500
@@ -54,13 +53,17 @@ class SessionEndpoints:
         return ", ".join(map(str, (*self.listen, *self.connect)))
 
 
-def session_settings(
-    endpoints: SessionEndpoints, credentials: Credentials | None, cells: Sequence[str]
-) -> dict[str, Any]:
-    """Zenoh's settings by path; without credentials no neighbour is refused.
+@dataclass(frozen=True, slots=True)
+class Served:
+    """Whose session it is (None without certificates), and the cells and operators that tell its neighbours apart."""
 
-    `cells` are those that the session serves, which distinguish its neighbours' certificates.
-    """
+    credentials: Credentials | None
+    cells: tuple[str, ...] = ()
+    operators: tuple[str, ...] = ()
+
+
+def session_settings(endpoints: SessionEndpoints, served: Served) -> dict[str, Any]:
+    """Zenoh's settings by path; without credentials no neighbour is refused."""
     listening = [locator for endpoint in endpoints.listen for locator in _listening(endpoint)]
     connecting = [_locator(endpoint) for endpoint in endpoints.connect]
     settings = {
@@ -85,9 +88,9 @@ def session_settings(
         "low_pass_filter": payload_caps(),
         "downsampling": rate_caps(),
     }
-    if credentials is not None:
+    if (credentials := served.credentials) is not None:
         plain = not all(endpoint.is_secured for endpoint in (*endpoints.listen, *endpoints.connect))
-        settings["access_control"] = access_control(credentials.identity, cells, plain=plain)
+        settings["access_control"] = access_control(credentials.identity, served.cells, served.operators, plain=plain)
         settings |= {f"transport/link/tls/{key}": value for key, value in _tls_settings(credentials.tls).items()}
     return settings
 

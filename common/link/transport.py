@@ -3,33 +3,35 @@
 import json
 import time
 from collections.abc import Callable, Collection, Sequence
+from dataclasses import replace
 from types import TracebackType
 from typing import Self, TypeVar
 
 import zenoh
 
 from common.errors import MessageError, RefusedError, TransportError
-from common.link.channels import Channel, ChannelSession, Priority, Procedure
+from common.link.channels import ANY, Channel, ChannelSession, Keyed, Priority, Procedure
 from common.link.config import ON_THIS_HOST, LinkSecurity
 from common.link.credentials import Credentials, load_credentials
 from common.link.endpoints import Endpoint, check_endpoint, check_free
 from common.link.probe import identity_refusal, refusal, speaks_tls
 from common.link.pubsub import Latest, Publisher
+from common.link.quic_doubt import QuicDoubt, blocked_sentence
 from common.link.roles import Role
 from common.link.servers import REFUSAL, IdempotentServer, OnRefused, QuestionServer, Replied, Requested
-from common.link.session_settings import Mode, SessionEndpoints, session_settings
+from common.link.session_settings import Mode, Served, SessionEndpoints, session_settings
 from common.messages.base import Message
 from common.messages.codec import decode, encode
+from common.messages.wire_form import wire_form
 
 M = TypeVar("M", bound=Message)
 Q = TypeVar("Q", bound=Message)
 R = TypeVar("R", bound=Message)
 
-REQUEST_TIMEOUT_S = 0.3
+REQUEST_TIMEOUT_S = 0.7  # longer than any round trip over which the reason for a refusal is to be heard
 PENDING_REQUESTS = 16
 ROUTER_PATIENCE_S = 20.0
 ROUTER_POLL_S = 0.2
-QUIC_PATIENCE_S = 3.0  # a site that has just started answers by TLS before it does by QUIC
 CONTROL = (ChannelSession.CONTROL,)
 PRIORITIES = {
     Priority.REAL_TIME: zenoh.Priority.REAL_TIME,
@@ -57,8 +59,8 @@ class Link:
         self._outgoing = outgoing
         self._credentials = credentials
         self._sessions = sessions
-        self._was_answered = False
-        self._tls_answers_since_s: float | None = None
+        self._was_up = False
+        self._quic_doubt = QuicDoubt()
 
     def __enter__(self) -> Self:
         return self
@@ -73,10 +75,12 @@ class Link:
         if not self._session.is_closed():
             self._session.close()  # type: ignore[no-untyped-call]  # zenoh leaves it unannotated
 
-    def publisher(self, channel: Channel[M], cell: str, name: str = "*") -> Publisher[M]:
+    def publisher(self, channel: Channel[M], cell: str, name: str = ANY, *, operator: str = ANY) -> Publisher[M]:
         """A publisher of a channel in a cell; `name` tells apart channels of one kind, such as cameras."""
-        key = channel.key_for(cell, name)
+        key = channel.key_for(cell, name, operator)
         self._check(channel.session, channel.sent_by, cell, f"send {key}")
+        self._check_operator(channel, operator, f"send {key}")
+        wire_form(channel.message)  # built here, and not in the control tick that sends the first
         return Publisher(
             self._session.declare_publisher(
                 key,
@@ -86,36 +90,40 @@ class Link:
             )
         )
 
-    def latest(self, channel: Channel[M], cell: str, name: str = "*") -> Latest[M]:
+    def latest(self, channel: Channel[M], cell: str, name: str = ANY, *, operator: str = ANY) -> Latest[M]:
         """A subscription that keeps only the newest messages of one key, as many as the channel's depth."""
-        key = channel.key_for(cell, name)
+        key = channel.key_for(cell, name, operator)
         self._check(channel.session, channel.received_by, cell, f"receive {key}")
+        self._check_operator(channel, operator, f"receive {key}")
+        wire_form(channel.message)  # built here, and not in the control tick that takes the first
         handler: zenoh.handlers.RingChannel[zenoh.Sample] = zenoh.handlers.RingChannel(channel.depth)
         return Latest(self._session.declare_subscriber(key, handler), channel)
 
     def answer(
-        self, procedure: Procedure[Q, R], cell: str, on_refused: OnRefused, name: str = "*"
+        self, procedure: Procedure[Q, R], cell: str, on_refused: OnRefused, *, operator: str = ANY
     ) -> QuestionServer[Q, R]:
         """A server of questions in a cell; `on_refused` is called for queries that cannot be decoded."""
-        key = procedure.key_for(cell, name)
+        key = procedure.key_for(cell, operator=operator)
         self._check(ChannelSession.CONTROL, procedure.answered_by, cell, f"answer {key}")
+        self._check_operator(procedure, operator, f"answer {key}")
         # A ring drops the oldest question when it is full; a queue would then block everything else on the link.
         handler: zenoh.handlers.RingChannel[zenoh.Query] = zenoh.handlers.RingChannel(PENDING_REQUESTS)
         return QuestionServer(self._session.declare_queryable(key, handler), key, procedure, on_refused)
 
     def serve(
-        self, procedure: Procedure[Requested, Replied], cell: str, on_refused: OnRefused, name: str = "*"
+        self, procedure: Procedure[Requested, Replied], cell: str, on_refused: OnRefused, *, operator: str = ANY
     ) -> IdempotentServer[Requested, Replied]:
         """A server of requests that must take effect once; `on_refused` is called for what cannot be decoded."""
-        return IdempotentServer(self.answer(procedure, cell, on_refused, name), procedure.reply)
+        return IdempotentServer(self.answer(procedure, cell, on_refused, operator=operator), procedure.reply)
 
-    def ask(self, procedure: Procedure[Q, R], cell: str, question: Q, name: str = "*") -> R | None:
+    def ask(self, procedure: Procedure[Q, R], cell: str, question: Q, *, operator: str = ANY) -> R | None:
         """Ask once; None without an answer in time, RefusedError when one site cannot decode the other's message."""
-        key = procedure.key_for(cell, name)
+        key = procedure.key_for(cell, operator=operator)
         self._check(ChannelSession.CONTROL, procedure.asked_by, cell, f"ask {key}")
+        self._check_operator(procedure, operator, f"ask {key}")
+        self._was_up = self._was_up or self._is_up()
         for reply in self._session.get(key, payload=encode(question), timeout=REQUEST_TIMEOUT_S):
             if reply.ok is not None:
-                self._was_answered = True
                 return _decode_reply(reply.ok.payload.to_bytes(), procedure)
             if reply.err is not None and (why := reply.err.payload.to_bytes()).startswith(REFUSAL):
                 raise RefusedError(f"the other site {why.decode(errors='replace')}")
@@ -135,28 +143,42 @@ class Link:
             link = next((link for link in links if _leads_to(link, endpoint)), None)
             why = None
             if link is None:
-                why = refusal(endpoint, self._credentials) or self._blocked_quic(endpoint)
+                why = refusal(endpoint, self._credentials) or self._quic_doubt.blocked(endpoint, was_up=self._was_up)
             elif endpoint.is_secured and self._credentials is not None:
                 why = identity_refusal(link.auth_identifier or "", str(endpoint), self._credentials.identity)
             if why is not None:
                 raise RefusedError(why)
 
-    def _blocked_quic(self, endpoint: Endpoint) -> str | None:
-        """Why the endpoint answers by TLS for QUIC_PATIENCE_S but never by QUIC; None otherwise.
+    def why_silent(self) -> str:
+        """What may keep an operator's certificate from being answered now where the link itself is up, else nothing.
 
-        A link that has worked before comes back after an outage, so it is not counted as blocked.
+        It was perhaps answered before: a name is taken off the list while its site runs.
         """
-        if not endpoint.is_quic or self._was_answered or not speaks_tls(endpoint):
-            self._tls_answers_since_s = None
-            return None
-        now_s = time.monotonic()
-        self._tls_answers_since_s = self._tls_answers_since_s or now_s
-        if now_s - self._tls_answers_since_s < QUIC_PATIENCE_S:
-            return None
+        own = self._credentials.identity if self._credentials is not None else None
+        if own is None or own.operator is None or not self._is_up():
+            return ""
         return (
-            f"{endpoint} answers by TLS, but not by QUIC: let UDP through to port {endpoint.port}, or write the "
-            f"endpoint as tls/{endpoint.address} at both sites"
+            f"the link is up, but nothing answers {own.common_name}: if the remote site runs, links.operators there, "
+            f'or the router\'s, leaves out "{own.operator}"; add the name and restart that site'
         )
+
+    def why_no_quic(self) -> str:
+        """Why a QUIC link that has been up does not come back although the endpoint answers by TLS, else nothing."""
+        links = self._session.info.links()
+        down = (end for end in self._outgoing if end.is_quic and not any(_leads_to(link, end) for link in links))
+        found = (blocked_sentence(end, was_up=True) for end in down if self._was_up and speaks_tls(end))
+        return next(found, "")
+
+    def tls_fallback(self) -> tuple[Endpoint, LinkSecurity] | None:
+        """Our first QUIC endpoint by TLS, for which its site listens too, with our certificate; None without one."""
+        quic = next((endpoint for endpoint in self._outgoing if endpoint.is_quic), None)
+        if quic is None or self._credentials is None:
+            return None
+        return replace(quic, protocol="tls"), LinkSecurity(tls=self._credentials.tls)
+
+    def _is_up(self) -> bool:
+        links = self._session.info.links()
+        return any(_leads_to(link, endpoint) for link in links for endpoint in self._outgoing)
 
     def _check(self, session: ChannelSession, allowed: frozenset[Role], cell: str, action: str) -> None:
         if session not in self._sessions:
@@ -173,6 +195,15 @@ class Link:
         if own.role not in allowed:
             raise RefusedError(
                 f"the certificate of {own.common_name} may not {action}: that takes one of {roles}, in [links.tls]"
+            )
+
+    def _check_operator(self, keyed: Keyed, operator: str, action: str) -> None:
+        """RefusedError for another operator's key than that of our certificate."""
+        own = self._credentials.identity if self._credentials is not None else None
+        if own is not None and own.operator is not None and keyed.by_operator and own.operator != operator:
+            raise RefusedError(
+                f"the certificate of {own.common_name} may not {action}: that key is another operator's; set "
+                f'operator = "{own.operator}", or name the other\'s certificate in [links.tls]'
             )
 
 
@@ -195,13 +226,15 @@ def open_link(
     connect: tuple[str, ...] = (),
     security: LinkSecurity = ON_THIS_HOST,
     sessions: Collection[ChannelSession] = CONTROL,
+    operators: Sequence[str] = (),
     send_buffer_bytes: int | None = None,
     through_router: bool = False,
     should_stop: Callable[[], bool] = lambda: False,
 ) -> Link:
     """Open a session at explicit endpoints; TransportError when one is not allowed or cannot be opened.
 
-    `sessions` are those that the endpoints belong to; the link carries their channels only. `send_buffer_bytes` is the
+    `sessions` are those that the endpoints belong to; the link carries their channels only. `operators` may operate a
+    remote site; an operator's own link needs no list. `send_buffer_bytes` is the
     size of each connection's send buffer, None for the system's choice, which is megabytes. Listening fails immediately
     when the port is taken. Connecting continues in the background until the other side listens; RefusedError when it
     does but refuses us, or we refuse it. `through_router` is for a site that no other can connect to: all messages go
@@ -210,13 +243,11 @@ def open_link(
     listening = tuple(check_free(endpoint, security) for endpoint in listen)
     outgoing = tuple(check_endpoint(endpoint, security) for endpoint in connect)
     credentials = _credentials((*listening, *outgoing), security)
-    cells = [credentials.identity.cell] if credentials and credentials.identity.cell else []
+    cells = (credentials.identity.cell,) if credentials and credentials.identity.cell else ()
     mode = Mode.CLIENT if through_router else Mode.PEER
     endpoints = SessionEndpoints(mode, listening, outgoing, send_buffer_bytes)
-    if through_router:
-        session = _open_through_router(endpoints, credentials, cells, should_stop)
-    else:
-        session = _open(endpoints, credentials, cells)
+    served = Served(credentials, cells, tuple(operators))
+    session = _open_through_router(endpoints, served, should_stop) if through_router else _open(endpoints, served)
     link = Link(session, outgoing, credentials, sessions)
     try:
         link.check_connected()
@@ -226,27 +257,27 @@ def open_link(
     return link
 
 
-def open_router(*, listen: tuple[str, ...], cells: Sequence[str], security: LinkSecurity) -> Link:
+def open_router(
+    *, listen: tuple[str, ...], cells: Sequence[str], security: LinkSecurity, operators: Sequence[str]
+) -> Link:
     """Open a router between sites that cannot reach each other; it passes on what the cells' roles may send."""
     listening = tuple(check_free(endpoint, security) for endpoint in listen)
-    credentials = _credentials(listening, security)
-    return Link(_open(SessionEndpoints(Mode.ROUTER, listening), credentials, cells))
+    served = Served(_credentials(listening, security), tuple(cells), tuple(operators))
+    return Link(_open(SessionEndpoints(Mode.ROUTER, listening), served))
 
 
 def _credentials(endpoints: Sequence[Endpoint], security: LinkSecurity) -> Credentials | None:
     return load_credentials(security.tls) if any(endpoint.is_secured for endpoint in endpoints) else None
 
 
-def _open_through_router(
-    endpoints: SessionEndpoints, credentials: Credentials | None, cells: Sequence[str], should_stop: Callable[[], bool]
-) -> zenoh.Session:
+def _open_through_router(endpoints: SessionEndpoints, served: Served, should_stop: Callable[[], bool]) -> zenoh.Session:
     """Open a client's session as soon as its router answers; TransportError if it does not in time."""
     deadline_s = time.monotonic() + ROUTER_PATIENCE_S
     while True:
         try:
-            return _open(endpoints, credentials, cells)
+            return _open(endpoints, served)
         except TransportError as error:
-            why = next((why for endpoint in endpoints.connect if (why := refusal(endpoint, credentials))), None)
+            why = next((why for endpoint in endpoints.connect if (why := refusal(endpoint, served.credentials))), None)
             if why is not None:
                 raise RefusedError(why) from error
             if should_stop() or time.monotonic() > deadline_s:
@@ -256,9 +287,9 @@ def _open_through_router(
             time.sleep(ROUTER_POLL_S)
 
 
-def _open(endpoints: SessionEndpoints, credentials: Credentials | None, cells: Sequence[str]) -> zenoh.Session:
+def _open(endpoints: SessionEndpoints, served: Served) -> zenoh.Session:
     config = zenoh.Config()
-    for key, value in session_settings(endpoints, credentials, cells).items():
+    for key, value in session_settings(endpoints, served).items():
         config.insert_json5(key, json.dumps(value))
     try:
         return zenoh.open(config)

@@ -1,7 +1,5 @@
 """Bytes to message and back: msgpack on the wire, types checked by msgspec, everything finite, or MessageError."""
 
-import math
-import re
 from typing import Any, TypeVar
 
 import msgpack
@@ -9,20 +7,20 @@ import msgspec
 
 from common.errors import MessageError
 from common.messages.base import PROTOCOL_VERSION, Message
+from common.messages.wire_form import wire_form
 
 M = TypeVar("M", bound=Message)
 
-# In msgpack every infinity and NaN is a 0xca or 0xcb with an exponent of ones; other bytes may look the same.
-MAYBE_NOT_FINITE = re.compile(rb"\xcb[\x7f\xff][\xf0-\xff]|\xca[\x7f\xff][\x80-\xff]")
 MAX_ITEMS = 64
 MAX_TEXT_BYTES = 4096
 
 
 def encode(message: Message) -> bytes:
-    """The message as msgpack bytes; MessageError when a number in it is not finite."""
-    fields = msgspec.to_builtins(message, builtin_types=(bytes,))
-    _check_finite(fields)
-    packed: bytes = msgpack.packb(fields, use_bin_type=True)
+    """The protocol version and the message's fields as one array in msgpack.
+
+    Text is cut to what `decode` accepts; MessageError for a number that is not finite.
+    """
+    packed: bytes = msgpack.packb((PROTOCOL_VERSION, *wire_form(type(message)).pack(message)), use_bin_type=True)
     return packed
 
 
@@ -34,18 +32,16 @@ def decode(payload: bytes, message: type[M], max_bytes: int) -> M:
     """
     if len(payload) > max_bytes:
         raise MessageError("oversized", f"{len(payload)} bytes, at most {max_bytes} for {message.__name__}")
-    fields = _unpack(payload, max_bytes)
-    if not isinstance(fields, dict):
-        raise MessageError("malformed", f"a {message.__name__} is a map, not {type(fields).__name__}")
-    version = fields.get("version")
+    items = _unpack(payload, max_bytes)
+    if not isinstance(items, tuple) or not items:
+        raise MessageError("malformed", f"a {message.__name__} is an array, not {type(items).__name__}")
+    version, fields = items[0], items[1:]
     if type(version) is not int or version != PROTOCOL_VERSION:
         raise MessageError(
             "version", f"version {str(version)[:20]}, this side speaks {PROTOCOL_VERSION}: install the same release"
         )
-    if MAYBE_NOT_FINITE.search(payload):
-        _check_finite(fields)
     try:
-        return msgspec.convert(fields, message)
+        return msgspec.convert(wire_form(message).unpack(fields), message)
     except msgspec.ValidationError as error:
         raise MessageError("invalid", f"{message.__name__}: {error}") from error
 
@@ -65,15 +61,3 @@ def _unpack(payload: bytes, max_bytes: int) -> Any:
         )
     except (ValueError, TypeError, RecursionError, msgpack.UnpackException) as error:
         raise MessageError("malformed", str(error)[:200] or type(error).__name__) from error
-
-
-def _check_finite(value: Any) -> None:
-    if isinstance(value, float):
-        if not math.isfinite(value):
-            raise MessageError("not_finite", "a number is not finite")
-    elif isinstance(value, dict):
-        for item in value.values():
-            _check_finite(item)
-    elif isinstance(value, list | tuple):
-        for item in value:
-            _check_finite(item)

@@ -1,4 +1,4 @@
-"""The hand sample: points with covariances, clock offset, the operator's intent; frozen structs."""
+"""The hand sample: points with covariances, clock offset, the operator's intent and settings; frozen structs."""
 
 from enum import StrEnum
 from typing import Annotated
@@ -17,8 +17,18 @@ class TrackingStatus(StrEnum):
     LOST = "lost"
 
 
+class HandPoint(StrEnum):
+    """Which point of the hand the tool copies; only the tracker of one camera measures the palm."""
+
+    WRIST = "wrist"
+    PALM = "palm"
+
+
 class PointCovariances(msgspec.Struct, frozen=True, forbid_unknown_fields=True, kw_only=True):
-    """The covariance xx, xy, xz, yy, yz, zz of each point, m² in the operator frame, None where unknown."""
+    """The covariance xx, xy, xz, yy, yz, zz of each point, m² in the operator frame, None where unknown.
+
+    It travels in six bytes (`covariance_bytes.py`).
+    """
 
     elbow: Covariance | None = None
     wrist: Covariance | None = None
@@ -38,31 +48,51 @@ class Locks(msgspec.Struct, frozen=True, forbid_unknown_fields=True, kw_only=Tru
     yaw: bool = False
 
 
-class Intent(msgspec.Struct, frozen=True, forbid_unknown_fields=True, kw_only=True):
-    """What the operator wants; by default nothing is held and nothing requested.
+class OperatorSettings(msgspec.Struct, frozen=True, forbid_unknown_fields=True, kw_only=True):
+    """What the operator has set under one lease; every lease begins with these defaults.
 
-    `hold` is the hold-to-run key or pedal. `clutch_count` rises by one each time the operator takes new origins; the
-    scales multiply what the remote site has configured.
+    `lease` is its number, 0 without one. `revision` rises by one with each change, and when the operator takes new
+    origins (the clutch): settings only ever replace those of a lower revision. The scales multiply what the remote site
+    has configured.
     """
 
-    hold: bool = False
-    clutch_count: Count = 0
+    lease: Count = 0
+    revision: Count = 0
     scale: Annotated[float, msgspec.Meta(ge=0.01, le=5)] = 1.0
     rotation_scale: Annotated[float, msgspec.Meta(ge=0, le=2)] = 1.0
     locks: Locks = Locks()
 
+    def followed_by(self, new: "OperatorSettings | None") -> "OperatorSettings":
+        """The settings in force after `new` came, if any: only a higher revision under the same lease replaces them."""
+        return new if new is not None and new.lease == self.lease and new.revision > self.revision else self
+
+
+class Intent(msgspec.Struct, frozen=True, forbid_unknown_fields=True, kw_only=True):
+    """What the operator's page or pedal reports: whether the hold-to-run key or pedal is down, and the settings.
+
+    `settings` is None from a sender that does not know those in force, or where they are in force already.
+    """
+
+    hold: bool = False
+    settings: OperatorSettings | None = None
+
 
 class OperatorIntent(Message, frozen=True):
-    """The intent as a console or pedal sends it to the local site on its own host, at 20 Hz or more."""
+    """The intent as a console or pedal sends it to the local site on its own host, at 20 Hz or more.
 
+    `session` is a random number chosen at each start of the sender: of several the local site obeys one at a time.
+    `intent` is None when the operator's page has fallen silent; nothing more is sent until one reports again.
+    """
+
+    session: Count
     sent_ns: Count
-    intent: Intent
+    intent: Intent | None
 
 
 class ClockSync(msgspec.Struct, frozen=True, forbid_unknown_fields=True, kw_only=True):
     """The remote site's clock minus the local site's, as the local site measured it over the control session, ns.
 
-    `measured_ns` is by the remote site's clock, which so knows the age of the measurement.
+    `measured_ns` is when it was confirmed last, by the remote site's clock, which so knows how long ago that was.
     """
 
     remote_minus_local_ns: Difference
@@ -78,7 +108,8 @@ class HandArm(Message, frozen=True):
     `covariance` is of the single measurement, before smoothing; None from a sender that does not know it.
     `session` is a random number chosen at each start of the local site, `seq` rises by one each sample,
     `gripper_toggles` counts the openings of the hand since the session began. `lease` is the number of this operator's
-    lease, 0 without one; `clock` is None while the offset is not known.
+    lease, 0 without one; `clock` is None while the offset is not known; `intent` is None while no page reports one.
+    `sent_ns` is when it was handed to the network, by the local site's clock, None from a sender that does not tell.
     """
 
     session: Count
@@ -97,4 +128,5 @@ class HandArm(Message, frozen=True):
     covariance: PointCovariances | None = None
     lease: Count = 0
     clock: ClockSync | None = None
-    intent: Intent = Intent()
+    intent: Intent | None = None
+    sent_ns: Count | None = None

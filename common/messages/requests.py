@@ -6,7 +6,8 @@ from typing import Annotated
 import msgspec
 
 from common.messages.base import Count, Message, Name, Text, Vector3
-from common.messages.robot import Pose
+from common.messages.hand import HandPoint, Locks
+from common.messages.robot import Asker, Pose
 
 ACTIVATED = "activated"  # the code when an engagement first had to activate the robot: ask once more
 Fraction = Annotated[float, msgspec.Meta(ge=0, le=1)]
@@ -39,9 +40,11 @@ class EngagementAction(StrEnum):
 
 
 class EngagementRequest(Request, frozen=True):
-    """Engage, disengage, stop or reset the arm for an operator; anybody may stop it, the rest is for the holder."""
+    """Engage, disengage, stop or reset the arm; anybody may stop it, the rest is for the lease's holder.
 
-    operator: Name
+    Who asks is the name in the key on which the request comes.
+    """
+
     action: EngagementAction
 
 
@@ -55,12 +58,15 @@ class LeaseAction(StrEnum):
 
 
 class LeaseRequest(Request, frozen=True):
-    """A local site, identified by its session and its operator's name, and the lease that it holds (0 without one)."""
+    """A local site, identified by its session and the name in the key, and the lease that it holds (0 without one).
+
+    `to` is whom the holder has seen asking when consenting to a handover; it is void for anybody else.
+    """
 
     action: LeaseAction
     session: Count
-    operator: Name
     lease: Count
+    to: Asker | None = None
 
 
 class LeaseReply(Reply, frozen=True):
@@ -80,9 +86,10 @@ class OperatorAction(StrEnum):
 
 
 class OperatorRequest(Request, frozen=True):
-    """An explicit act of the operator, sent to the local site."""
+    """An explicit act of the operator, sent to the local site; `to` is who was shown to ask for the lease given."""
 
     action: OperatorAction
+    to: Asker | None = None
 
 
 class JointsRequest(Request, frozen=True):
@@ -105,6 +112,16 @@ class ClockAnswer(Message, frozen=True):
 
     received_ns: Count
     answered_ns: Count
+
+
+class TroubleReport(Message, frozen=True):
+    """What an operator's site finds wrong with the link, for the remote site's log."""
+
+    reason: Text
+
+
+class TroubleNoted(Message, frozen=True):
+    """The remote site has noted it."""
 
 
 class DescribeQuestion(Message, frozen=True):
@@ -148,6 +165,20 @@ class CameraDescription(msgspec.Struct, frozen=True, forbid_unknown_fields=True)
     calibration: ViewCalibration | None = None
 
 
+class MappingDescription(msgspec.Struct, frozen=True, forbid_unknown_fields=True, kw_only=True):
+    """How the hand's motion becomes the tool's, as configured.
+
+    The tool copies the `point` of the hand, `scale` times; with what the operator sets, the product stays within
+    `scale_range`. `base_R_operator` is row by row; `locks` are the motions that are never copied.
+    """
+
+    point: HandPoint
+    scale: float
+    scale_range: tuple[float, float]
+    base_R_operator: tuple[Vector3, Vector3, Vector3]
+    locks: Locks
+
+
 class Description(Message, frozen=True):
     """The cell: its software, its robot with joints and limits, its cameras, and its rates in Hz.
 
@@ -163,7 +194,7 @@ class Description(Message, frozen=True):
     cameras: Annotated[tuple[CameraDescription, ...], msgspec.Meta(max_length=16)]
     held: bool
     control_hz: float
-    state_hz: float
     last_T_tool: Pose
     workspace_min: Vector3
     workspace_max: Vector3
+    mapping: MappingDescription

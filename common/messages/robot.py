@@ -4,10 +4,11 @@ from enum import StrEnum
 from typing import Annotated, Self
 
 import msgspec
+import numpy as np
 
-from common.geometry import Array, quaternion_from_rotation
+from common.geometry import Array, quaternion_from_rotation, rotation_from_quaternion, transform
 from common.messages.base import Count, Joints, Message, Name, Quaternion, Text, Vector3
-from common.messages.hand import ClockSync
+from common.messages.hand import ClockSync, OperatorSettings
 
 
 class SessionState(StrEnum):
@@ -19,14 +20,26 @@ class SessionState(StrEnum):
     FAULT = "fault"
 
 
+class GripperCommand(StrEnum):
+    """What the gripper is commanded to do; `keep` leaves it as it is, whatever it holds."""
+
+    OPEN = "open"
+    CLOSED = "closed"
+    KEEP = "keep"
+
+
 class GripperStatus(StrEnum):
-    """How far the gripper has executed its last command; `holding` is stopped by an object."""
+    """How far the gripper has executed its last command; `holding` is stopped by an object.
+
+    `unknown` is a gripper at rest of which its measurements do not show whether it holds something.
+    """
 
     MOVING = "moving"
     OPEN = "open"
     CLOSED = "closed"
     HOLDING = "holding"
     TIMED_OUT = "timed_out"
+    UNKNOWN = "unknown"
 
 
 class Pose(msgspec.Struct, frozen=True, forbid_unknown_fields=True):
@@ -42,16 +55,20 @@ class Pose(msgspec.Struct, frozen=True, forbid_unknown_fields=True):
         qx, qy, qz, qw = quaternion_from_rotation(base_T_frame[:3, :3]).tolist()
         return cls((x, y, z), (qx, qy, qz, qw))
 
+    def transform(self) -> Array:
+        """The rigid transform (4 x 4) from the frame to the base's."""
+        return transform(rotation_from_quaternion(self.orientation), np.array(self.position))
+
 
 class GripperState(msgspec.Struct, frozen=True, forbid_unknown_fields=True):
     """The gripper as measured: opening between the fingers in m, grip force in N, None where it is not measured.
 
-    `commanded_open` is the last command, `status` its progress.
+    `commanded` is the command in force, `status` its progress; with `keep` it is judged by the measurements.
     """
 
     opening: float
     force: float | None
-    commanded_open: bool
+    commanded: GripperCommand
     status: GripperStatus
 
 
@@ -81,11 +98,51 @@ class Traced(msgspec.Struct, frozen=True, forbid_unknown_fields=True):
 
 
 class Engagement(msgspec.Struct, frozen=True, forbid_unknown_fields=True):
-    """One engagement: its number since the remote site started, and the origins captured at its last reference."""
+    """One engagement: its number since the remote site started, and the origins captured at its last reference.
+
+    `shift_mm` and `shift_deg` are how far new origins after a hold moved the target; 0 where it has only these.
+    """
 
     number: Count
     hand_capture_ns: Count
     base_T_tool: Pose
+    shift_mm: float = 0.0
+    shift_deg: float = 0.0
+
+
+class RotationReference(msgspec.Struct, frozen=True, forbid_unknown_fields=True):
+    """From where the hand's rotation turns the tool.
+
+    The target had the orientation `base_R_tool` when the hand had `operator_R_hand` (None while it shows none). `turn`
+    is the hand's rotation since, as a rotation vector in the base's axes, rad, unscaled; it may exceed half a turn.
+    Locked rotations count from `base_R_locked`, None without any.
+    """
+
+    operator_R_hand: Quaternion | None
+    base_R_tool: Quaternion
+    turn: Vector3
+    base_R_locked: Quaternion | None
+
+
+class MappingReference(msgspec.Struct, frozen=True, forbid_unknown_fields=True):
+    """What the tool's targets count from, after that of one hand sample: from it later targets can be computed.
+
+    `session` and `seq` name the sample; `revision` is that of the settings under which it counts. `offset` is where the
+    target would be for a hand at the operator frame's origin, m in the base's frame, outside the box too.
+    """
+
+    session: Count
+    seq: Count
+    revision: Count
+    offset: Vector3
+    rotation: RotationReference
+
+
+class Asker(msgspec.Struct, frozen=True, forbid_unknown_fields=True):
+    """Who asks for the lease: the operator's name, and the session of that local site."""
+
+    name: Name
+    session: Count
 
 
 class LeaseState(msgspec.Struct, frozen=True, forbid_unknown_fields=True):
@@ -95,7 +152,7 @@ class LeaseState(msgspec.Struct, frozen=True, forbid_unknown_fields=True):
     holder: Name
     session: Count
     expires_ns: Count
-    asked_by: Name | None
+    asked_by: Asker | None
 
 
 class Readiness(msgspec.Struct, frozen=True, forbid_unknown_fields=True):
@@ -117,15 +174,48 @@ class LoopTiming(msgspec.Struct, frozen=True, forbid_unknown_fields=True):
     real_time: bool
 
 
+class HandLink(msgspec.Struct, frozen=True, forbid_unknown_fields=True, kw_only=True):
+    """The way of the hand samples over the last seconds, as measured where they arrive; times in ms.
+
+    `age_ms` is the age at arrival that one sample in twenty exceeds, and the sum of that sample's parts: the network
+    (one way, by the clocks' offset), the offset's uncertainty, and capture to sending. All four are None while the
+    offset is not known. Samples arrive `interval_ms` apart (median); `jitter_ms` is the mean change of the time in the
+    network from one sample to the next (RFC 3550, section 6.4.1, not smoothed), `loss` the fraction of samples that
+    never came. `code` and `reason` state what is wrong and its cure; both are empty while nothing is.
+    """
+
+    age_ms: float | None
+    network_ms: float | None
+    clock_ms: float | None
+    tracking_ms: float | None
+    interval_ms: float
+    jitter_ms: float
+    loss: float
+    code: Text = ""
+    reason: Text = ""
+
+
+class VideoLink(msgspec.Struct, frozen=True, forbid_unknown_fields=True, kw_only=True):
+    """A link too narrow for the pictures: what it carries, what all of them would need, and what is sent instead."""
+
+    carries_mbit_s: float
+    needs_mbit_s: float
+    reason: Text
+
+
 class RobotState(Message, frozen=True):
     """The robot and its session at one instant, as measured and as commanded.
 
-    `q` and `q_commanded` are in the order of `joints` (rad); `code` and `reason` explain its state.
+    `q` and `q_commanded` are in the order of the description's joints (rad); `code` and `reason` explain its state.
     `rejected` counts refused hand samples by reason since the remote site started. `clock` is from the newest sample of
     the lease's holder. `target` is the target pose of the tool, inside box and leash, None unless the
     arm follows. `min_distance` is the least distance between parts of the arm, and between them and the cell's
     fixtures, m; None where nothing is configured that could be touched. `traced` is the newest sample that the encoders
-    have shown.
+    have shown. `age_limit_ms` is the age up to which samples are obeyed, `speed_scale` the fraction of full speed that
+    it leaves. `gripper_next` is what the next toggle would command, `open` or `closed`; `settings` are the operator's
+    in force, None without a lease. `reference` is what the targets count from: None unless the arm follows, and where
+    each target begins at the measured tool. `hand_link` is None before the holder's samples come; `video_link` is None
+    while the link carries all pictures, or nobody watches them.
     """
 
     session: Count
@@ -134,12 +224,14 @@ class RobotState(Message, frozen=True):
     state: SessionState
     code: Name
     reason: Text
-    joints: Annotated[tuple[Name, ...], msgspec.Meta(max_length=16)]
+    age_limit_ms: float
+    speed_scale: float
     q: Joints
     q_commanded: Joints
     base_T_tool: Pose
     gripper: GripperState | None
     gripper_toggles_applied: Count
+    gripper_next: GripperCommand
     obeyed: Obeyed | None
     engagement: Engagement | None
     rejected: Annotated[dict[Name, Count], msgspec.Meta(max_length=64)]
@@ -150,3 +242,7 @@ class RobotState(Message, frozen=True):
     min_distance: float | None = None
     target: Pose | None = None
     traced: Traced | None = None
+    settings: OperatorSettings | None = None
+    reference: MappingReference | None = None
+    hand_link: HandLink | None = None
+    video_link: VideoLink | None = None

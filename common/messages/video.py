@@ -1,4 +1,4 @@
-"""Pictures of the cell, and which of them a console has received and shown; frozen structs."""
+"""Pictures of the cell, requests for key frames, and what a console has received and shown; frozen structs."""
 
 from enum import StrEnum
 from typing import Annotated
@@ -18,10 +18,18 @@ class CameraStatus(StrEnum):
     MISSING = "missing"
 
 
-class VideoFrame(Message, frozen=True):
-    """One camera picture, or the report that there is none: `jpeg` is empty where `status` is frozen or missing.
+class Codec(StrEnum):
+    """How a picture is compressed: each for itself, or as H.264 (Annex B, parameter sets in every key frame)."""
 
-    Pictures of a dark or slow camera are sent too; `reason` states its problem.
+    JPEG = "jpeg"
+    H264 = "h264"
+
+
+class VideoFrame(Message, frozen=True):
+    """One camera picture, or the report that there is none: `data` is empty where `status` is frozen or missing.
+
+    Pictures of a dark or slow camera are sent too; `reason` states its problem. A `key` picture needs no other to be
+    decoded, as every JPEG; any other needs all since the last key picture.
     """
 
     camera: Name
@@ -32,7 +40,9 @@ class VideoFrame(Message, frozen=True):
     reason: Text
     width: Annotated[int, msgspec.Meta(ge=0, le=8192)]
     height: Annotated[int, msgspec.Meta(ge=0, le=8192)]
-    jpeg: bytes
+    codec: Codec
+    key: bool
+    data: bytes
 
 
 class ViewCame(msgspec.Struct, frozen=True, forbid_unknown_fields=True, kw_only=True):
@@ -60,10 +70,21 @@ class ViewsShown(Message, frozen=True):
     """What the operator's console shows, at 10 Hz, so that the remote site sends only as much as arrives in time.
 
     `session` is a random number chosen at each start of the console, `lease` the number of its operator's lease, 0
-    without one.
+    without one; `h264` is whether the page that operates decodes H.264.
     """
 
     session: Count
     sent_ns: Count
     lease: Count
+    h264: bool
     views: Annotated[dict[Name, ViewShown], msgspec.Meta(max_length=16)]
+
+
+class KeyFrameRequest(Message, frozen=True):
+    """A viewer cannot decode a camera's pictures after `after_seq`, its newest, without a key frame.
+
+    It is repeated until one comes, and has no effect where a later key frame has been sent already.
+    """
+
+    camera: Name
+    after_seq: Count

@@ -52,7 +52,7 @@ class EndReason:
 
     def leave(self, sentence: str) -> None:
         """Leave a sentence for the parent."""
-        left = sentence.encode()[:REASON_BYTES]
+        left = sentence.encode(errors="replace")[:REASON_BYTES]
         self._memory[: len(left)] = left
 
     def __str__(self) -> str:

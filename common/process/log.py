@@ -28,13 +28,15 @@ class LogFormat(StrEnum):
 
 def start_log(site: str, log_format: LogFormat = LogFormat.TEXT) -> None:
     """Log to standard error, naming the site in every line; systemd's journal also gets each line's priority."""
-    render = _renderer(log_format)
+    render: Processor = structlog.processors.LogfmtRenderer(key_order=["level", "time", "site", "event"])
+    if log_format is LogFormat.JSON:
+        render = structlog.processors.JSONRenderer()
     thread = _log_thread()
     thread.start()
     structlog.configure(
         processors=[
             structlog.contextvars.merge_contextvars,
-            _named(site),
+            lambda _logger, _method, event: {**event, "site": site},  # threads do not inherit context variables
             structlog.processors.add_log_level,
             structlog.processors.TimeStamper(fmt="iso", utc=True, key="time"),
             _for_journal(render) if _is_journal() else render,
@@ -86,21 +88,6 @@ class LogThread:
 @cache
 def _log_thread() -> LogThread:
     return LogThread()
-
-
-def _named(site: str) -> Processor:
-    """The site in every line, including those of threads, which do not inherit context variables."""
-
-    def named(logger: WrappedLogger, method: str, event: EventDict) -> EventDict:  # noqa: ARG001  # a processor's signature
-        return {**event, "site": site}
-
-    return named
-
-
-def _renderer(log_format: LogFormat) -> Processor:
-    if log_format is LogFormat.JSON:
-        return structlog.processors.JSONRenderer()
-    return structlog.processors.LogfmtRenderer(key_order=["level", "time", "site", "event"])
 
 
 def _is_journal() -> bool:

@@ -10,7 +10,7 @@ from prometheus_client.core import GaugeMetricFamily, Metric
 from prometheus_client.registry import Collector
 
 from common.errors import TransportError
-from common.link.channels import Channel
+from common.link.channels import ANY, Channel
 from common.link.config import ON_THIS_HOST, LinkSecurity
 from common.link.endpoints import from_this_host
 from common.link.transport import open_link
@@ -59,13 +59,15 @@ def run_metrics(
     should_stop: StopFlag,
     beat: Callable[[], None],
     security: LinkSecurity = ON_THIS_HOST,
+    *,
+    operator: str = ANY,
 ) -> None:
     """Listen to a channel at an endpoint and serve its metrics on 127.0.0.1 until asked to stop."""
     be_nice(NICE)
     registry = CollectorRegistry()
     registry.register(AtScrape(figures))
     with open_link(connect=(from_this_host(endpoint),), security=security) as link:
-        latest = link.latest(channel, cell)
+        latest = link.latest(channel, cell, operator=operator)
         threading.Thread(target=latest.feed, args=(figures.observe,), name="listen", daemon=True).start()
         try:
             server, _ = start_http_server(port, addr="127.0.0.1", registry=registry)

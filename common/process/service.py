@@ -4,7 +4,6 @@ import os
 import signal
 import socket
 import threading
-from types import FrameType
 
 import structlog
 
@@ -20,10 +19,7 @@ class StopFlag:
     def install(self) -> None:
         """Catch the stop signals in this process; call from its main thread."""
         for number in STOP_SIGNALS:
-            signal.signal(number, self._on_signal)
-
-    def _on_signal(self, number: int, frame: FrameType | None) -> None:  # noqa: ARG002  # the handler's fixed signature
-        self._event.set()
+            signal.signal(number, lambda *_: self.set())
 
     def set(self) -> None:
         """Set the flag, as a signal would."""

@@ -18,6 +18,8 @@ def link_to(cell: str, endpoint: str, security: LinkSecurity) -> Iterator[Link]:
             yield link
         except RefusedError:
             raise
-        except TransportError:
+        except TransportError as error:
             link.check_connected()
+            if why := link.why_silent():
+                raise TransportError(f"{error} {why}") from error
             raise

@@ -15,19 +15,19 @@ from local_site.authority.config import host_operator
 def request_engage(cell: str, endpoint: str, operator: str = "", security: LinkSecurity = ON_THIS_HOST) -> str:
     """The remote site's reply to an operator (this host's by default); TransportError when it refuses."""
     name = check_cell_name(operator or host_operator(), "operator")
-    make = partial(EngagementRequest, operator=name, action=EngagementAction.ENGAGE)
+    make = partial(EngagementRequest, action=EngagementAction.ENGAGE)
     with link_to(cell, endpoint, security) as link:
-        reply = RequestClient(link, cell, RemoteClock(link, cell)).ask(ENGAGEMENT, make)
+        reply = RequestClient(link, cell, RemoteClock(link, cell), operator=name).ask(ENGAGEMENT, make)
     if not reply.done:
         raise TransportError(f"not engaged ({reply.code}): {reply.reason}")
     return f"engaged: {reply.reason}"
 
 
 def request_maintenance(
-    cell: str, endpoint: str, action: EngagementAction, name: str, security: LinkSecurity = ON_THIS_HOST
+    cell: str, endpoint: str, action: EngagementAction, security: LinkSecurity = ON_THIS_HOST
 ) -> str:
     """The remote site's reply to a maintenance request; TransportError when it refuses."""
-    make = partial(EngagementRequest, operator=name, action=action)
+    make = partial(EngagementRequest, action=action)
     with link_to(cell, endpoint, security) as link:
         reply = RequestClient(link, cell, RemoteClock(link, cell)).ask(MAINTENANCE, make)
     if not reply.done:

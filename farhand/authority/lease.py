@@ -10,7 +10,7 @@ from common.link.config import ON_THIS_HOST, LinkSecurity
 from common.link.request_client import PATIENCE_NS, RequestClient
 from common.link.transport import Link
 from common.messages.requests import OperatorAction, OperatorRequest
-from common.messages.robot import RobotState
+from common.messages.robot import Asker, RobotState
 from farhand.authority.asking import link_to
 
 POLL_S = 0.05
@@ -30,7 +30,8 @@ def describe_lease(state: RobotState) -> str:
     left_s = (state.lease.expires_ns - state.t_ns) / NS_PER_S
     words = [f"{state.lease.holder} holds the lease, {left_s:.1f} s until it expires or is renewed"]
     if state.lease.asked_by is not None:
-        words.append(f"{state.lease.asked_by} asks for it; {state.lease.holder} consents with: farhand lease give")
+        asker = state.lease.asked_by.name
+        words.append(f"{asker} asks for it; {state.lease.holder} consents with: farhand lease give {asker}")
     if state.clock is not None:
         words.append(
             f"clocks: remote minus local {state.clock.remote_minus_local_ns / 1e6:.3f} ms, "
@@ -39,10 +40,32 @@ def describe_lease(state: RobotState) -> str:
     return "\n".join([*words, ready])
 
 
-def act_on_lease(cell: str, endpoint: str, action: OperatorAction, security: LinkSecurity = ON_THIS_HOST) -> str:
-    """The reply of the local site at `endpoint` to the operator's act; TransportError with its code when refused."""
+def find_asker(cell: str, endpoint: str, name: str, security: LinkSecurity = ON_THIS_HOST) -> Asker:
+    """The operator of this name who asks for the lease at the remote site; TransportError when that is not who asks."""
     with link_to(cell, endpoint, security) as link:
-        reply = RequestClient(link, cell).ask(OPERATE, partial(OperatorRequest, action=action))
+        lease = _state(link, cell).lease
+    asker = lease.asked_by if lease is not None else None
+    if asker is None or asker.name != name:
+        who = asker.name if asker is not None else "nobody"
+        raise TransportError(f"{who} asks for the lease now, not {name}: nothing was handed over")
+    return asker
+
+
+def act_on_lease(
+    cell: str,
+    endpoint: str,
+    operator: str,
+    action: OperatorAction,
+    to: Asker | None = None,
+    security: LinkSecurity = ON_THIS_HOST,
+) -> str:
+    """The reply of the operator's local site at `endpoint`; TransportError with its code when it refuses.
+
+    `to` is who asks for the lease that is handed over.
+    """
+    with link_to(cell, endpoint, security) as link:
+        client = RequestClient(link, cell, operator=operator)
+        reply = client.ask(OPERATE, partial(OperatorRequest, action=action, to=to))
     if not reply.done:
         raise TransportError(f"refused ({reply.code}): {reply.reason}")
     return reply.reason

@@ -1,7 +1,7 @@
 """Calibration from pictures of a printed board: recorded ones, or those of running cameras."""
 
 from collections.abc import Callable, Iterator, Mapping, Sequence
-from contextlib import ExitStack
+from contextlib import ExitStack, closing
 
 import numpy as np
 
@@ -10,11 +10,10 @@ from common.cameras.sources import open_camera
 from common.errors import CalibrationError, ConfigError, InterruptionError
 from common.geometry import Array
 from farhand.calibration.pictures import PictureJob, read_pictures, size_of, write_coverage, write_found
-from farhand.calibration.points import Calibrated, now, with_serials
+from farhand.calibration.points import Calibrated, now, write_rig
 from local_site.calibration.board_rig import BoardPictures, solve_boards
 from local_site.calibration.boards import Board, BoardFinder, BoardKind, BoardView, PoseGate
-from local_site.calibration.coverage import coverage_warnings, picture_coverage
-from local_site.calibration.rig_file import save_rig
+from local_site.calibration.coverage import picture_coverage
 
 Pictures = tuple[Image, ...]
 
@@ -54,9 +53,7 @@ class _Album:
         sizes = tuple(size_of(picture) for picture in self._last)
         board_pictures = BoardPictures(list(self._views.values()), sizes, tuple(self._views))
         rig, control = solve_boards(board_pictures, self._board, now(), self._standing)
-        rig = with_serials(rig, self._job.serials)
-        save_rig(rig, self._job.out)
-        return Calibrated(rig, self._job.out, coverage_warnings(control))
+        return write_rig(rig, control, self._job.out, self._job.serials)
 
 
 def calibrate_board_pictures(job: PictureJob, board: Board, standing: bool) -> Calibrated:
@@ -71,7 +68,9 @@ def calibrate_board_pictures(job: PictureJob, board: Board, standing: bool) -> C
     finder, album = BoardFinder(board), _Album(job, board, standing)
     unseen = set(pictures)
     for instant in zip(*pictures.values(), strict=True):
-        _refuse_new_size(instant, [own[0] for own in pictures.values()], list(pictures))
+        for picture, (name, own) in zip(instant, pictures.items(), strict=True):
+            if picture.shape[:2] != own[0].shape[:2]:
+                raise CalibrationError(f"camera {name}: its pictures differ in size; take all with the same settings")
         pose = [finder.find(picture) for picture in instant]
         unseen -= {name for name, view in zip(pictures, pose, strict=True) if view is not None}
         album.keep(instant, pose)
@@ -90,10 +89,7 @@ def calibrate_live(
     """The rig from running cameras: keeps each new pose of the board that is held still, until there are enough."""
     finder, album, gate = BoardFinder(board), _Album(job, board, standing), PoseGate()
     with ExitStack() as stack:
-        cameras: list[Camera] = []
-        for name, source in job.sources.items():
-            cameras.append(open_camera(source, name))
-            stack.callback(cameras[-1].close)
+        cameras = [stack.enter_context(closing(open_camera(source, name))) for name, source in job.sources.items()]
         for pictures in _instants(cameras, should_stop):
             pose = [finder.find(picture) for picture in pictures]
             if gate.offer(pose):
@@ -116,12 +112,6 @@ def _instants(cameras: Sequence[Camera], should_stop: Callable[[], bool]) -> Ite
         if any(frame is None for frame in frames):
             return
         yield tuple(frame.image for frame in frames if frame is not None)
-
-
-def _refuse_new_size(instant: Pictures, first: Sequence[Image], names: Sequence[str]) -> None:
-    for picture, expected, name in zip(instant, first, names, strict=True):
-        if picture.shape[:2] != expected.shape[:2]:
-            raise CalibrationError(f"camera {name}: its pictures differ in size; take all with the same settings")
 
 
 def _refuse_unseen(finder: BoardFinder, pictures: Mapping[str, Sequence[Image]]) -> None:

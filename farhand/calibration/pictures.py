@@ -1,7 +1,8 @@
-"""Pictures for a calibration: read from folders, patterns and videos, and written with what was found in them."""
+"""Pictures for a calibration, read and written, and the calibration from those of a plate of discs at known heights."""
 
 import glob
 from collections.abc import Mapping, Sequence
+from contextlib import closing
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -11,10 +12,13 @@ import numpy as np
 from common.cameras.camera import Image
 from common.cameras.images import IMAGE_SUFFIXES, write_image
 from common.cameras.sources import open_camera
-from common.errors import CameraError, ConfigError
+from common.errors import CalibrationError, CameraError, ConfigError
 from common.geometry import Array
+from farhand.calibration.points import Calibrated, calibrate_control
 from local_site.calibration.control_points import CAMERAS
 from local_site.calibration.coverage import coverage_map, draw_found
+from local_site.calibration.plate import Plate, PlateView, plate_control_points, view_plate, without_perspective_bias
+from local_site.calibration.solve import solve_rig
 
 MAX_PICTURES = 500
 
@@ -46,13 +50,10 @@ def read_pictures(source: str, name: str) -> list[Image]:
         raise CameraError(f"camera {name}: no file matches {source}; put the pattern in quotes and check the folder")
     if not paths[0].exists():
         raise CameraError(f"camera {name}: {source} does not exist; give a folder of pictures, a pattern or a video")
-    camera = open_camera(source, name)
     pictures: list[Image] = []
-    try:
+    with closing(open_camera(source, name)) as camera:
         while len(pictures) < MAX_PICTURES and (frame := camera.read()) is not None:
             pictures.append(frame.image)
-    finally:
-        camera.close()
     return pictures
 
 
@@ -76,3 +77,44 @@ def write_coverage(folder: Path, name: str, picture: Image, pixels: Array) -> No
 def size_of(picture: Image) -> tuple[int, int]:
     """Width and height, px."""
     return picture.shape[1], picture.shape[0]
+
+
+def parse_heights(text: str) -> tuple[float, ...]:
+    """Heights in m from '0,497,994' in mm; ConfigError if they are not two or more different numbers."""
+    try:
+        heights = tuple(float(part) / 1000 for part in text.split(","))
+    except ValueError:
+        heights = ()
+    if len(set(heights)) < 2 or len(set(heights)) < len(heights) or not np.all(np.isfinite(heights)):
+        raise ConfigError(f"--heights-mm must be two or more different numbers such as 0,497,994, not {text!r}")
+    return heights
+
+
+def calibrate_plate(job: PictureJob, plate: Plate, heights: tuple[float, ...]) -> Calibrated:
+    """Find the discs at all heights (m), solve the rig, correct the discs' perspective bias, and solve again."""
+    pictures = {name: read_pictures(source, name) for name, source in job.sources.items()}
+    for name, own in pictures.items():
+        if len(own) != len(heights):
+            raise CalibrationError(
+                f"camera {name}: {len(own)} pictures for {len(heights)} heights; give one picture for each of "
+                "--heights-mm, in the same order; for a printed board, give --board charuco or --board chessboard"
+            )
+    views = {
+        name: [view_plate(picture, plate, f"{name} picture {k + 1}") for k, picture in enumerate(own)]
+        for name, own in pictures.items()
+    }
+    if job.pictures is not None:
+        for name, seen in views.items():
+            _write_seen(job.pictures, name, pictures[name], seen)
+    control = plate_control_points(list(views.values()), heights, plate)
+    rough = solve_rig(control, created="")
+    return calibrate_control(without_perspective_bias(control, rough.matrices, plate.diameter), job.out, job.serials)
+
+
+def _write_seen(folder: Path, name: str, pictures: Sequence[Image], views: Sequence[PlateView]) -> None:
+    for k, (picture, view) in enumerate(zip(pictures, views, strict=True)):
+        order = np.lexsort(view.lattice.cells.T)
+        begin = view.beginnings[0] if len(view.beginnings) == 1 else (0, 0)
+        cells = [f"{i + 1},{j + 1}" for i, j in (view.lattice.cells[order] + begin).tolist()]
+        write_found(folder, name, k + 1, picture, (view.lattice.pixels[order], cells))
+    write_coverage(folder, name, pictures[-1], np.concatenate([view.lattice.pixels for view in views]))

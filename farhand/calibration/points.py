@@ -42,7 +42,20 @@ def calibrate_points(csv: Path, out: Path, size: Size | None = None, serials: Se
 
 def calibrate_control(control: ControlPoints, out: Path, serials: Sequence[str] = ()) -> Calibrated:
     """Solve the rig of control points and write it."""
-    rig = with_serials(solve_rig(control, created=now()), serials)
+    return write_rig(solve_rig(control, created=now()), control, out, serials)
+
+
+def write_rig(rig: Rig, control: ControlPoints, out: Path, serials: Sequence[str]) -> Calibrated:
+    """Write the rig of control points with its cameras' serial numbers, each given as NAME=NUMBER.
+
+    ConfigError names an unknown camera.
+    """
+    pairs = dict(text.partition("=")[::2] for text in serials)
+    names = [camera.name for camera in rig.cameras]
+    if not all(pairs.values()) or not set(pairs) <= set(names):
+        raise ConfigError(f"--serial must be NAME=NUMBER with NAME one of {', '.join(names)}")
+    cameras = tuple(replace(camera, serial=pairs.get(camera.name, "")) for camera in rig.cameras)
+    rig = replace(rig, cameras=cameras)
     save_rig(rig, out)
     return Calibrated(rig, out, coverage_warnings(control))
 
@@ -90,17 +103,6 @@ def _odd(calibrated: CameraCalibration) -> Iterator[str]:
 def now() -> str:
     """The date and time of a rig, UTC."""
     return datetime.now(UTC).isoformat(timespec="seconds")
-
-
-def with_serials(rig: Rig, serials: Sequence[str]) -> Rig:
-    """The rig with the cameras' serial numbers, each given as NAME=NUMBER; ConfigError names an unknown camera."""
-    pairs = dict(text.partition("=")[::2] for text in serials)
-    names = [camera.name for camera in rig.cameras]
-    unknown = [name for name in pairs if name not in names]
-    if unknown or not all(pairs.values()):
-        raise ConfigError(f"--serial must be NAME=NUMBER with NAME one of {', '.join(names)}")
-    cameras = tuple(replace(camera, serial=pairs.get(camera.name, "")) for camera in rig.cameras)
-    return replace(rig, cameras=cameras)
 
 
 def parse_pair(text: str, option: str) -> tuple[int, int]:

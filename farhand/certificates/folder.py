@@ -1,5 +1,6 @@
 """The folder of an authority: its own certificate and key, and a folder per cell with a pair of files per role."""
 
+import json
 import re
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -13,12 +14,13 @@ from cryptography.hazmat.primitives.asymmetric import ec
 from common.atomic_file import write_atomically
 from common.errors import ConfigError
 from common.link.channels import check_cell_name
-from common.link.roles import Identity, Role
+from common.link.roles import CELL_NAME, MAX_COMMON_NAME, Identity, Role
 from farhand.certificates.issuing import Issued, issue, make_authority
 
 LOOPBACK_HOSTS = ("127.0.0.1", "::1", "localhost")
 AUTHORITY = "ca"
 PRIVATE, PUBLIC = 0o600, 0o644
+OPERATORS_FILE = re.compile(rf"{Role.OPERATOR.value}\.({CELL_NAME.pattern})\.pem")
 HOST = re.compile(r"[0-9a-zA-Z.:-]{1,253}")
 
 
@@ -26,15 +28,20 @@ HOST = re.compile(r"[0-9a-zA-Z.:-]{1,253}")
 class CertificateOrder:
     """A request for certificates: the hosts besides loopback under which sites are reached, and days of validity.
 
-    ConfigError for an invalid name of a cell or host, before anything is written.
+    `operators` get one each. ConfigError for an invalid name of a cell, host or operator, before anything is written.
     """
 
     cell: str
     hosts: tuple[str, ...]
     days: int
+    operators: tuple[str, ...] = ()
 
     def __post_init__(self) -> None:
         check_cell_name(self.cell)
+        for operator in self.operators:
+            named = Identity(Role.OPERATOR, self.cell, check_cell_name(operator, "operator")).common_name
+            if len(named) > MAX_COMMON_NAME:
+                raise ConfigError(f"{named} is too long for a certificate: at most {MAX_COMMON_NAME} characters")
         for host in self.hosts:
             if HOST.fullmatch(host) is None:
                 raise ConfigError(f"--host {host!r}: give a host name or an address, without port")
@@ -53,14 +60,30 @@ def create(folder: Path, order: CertificateOrder, now: datetime) -> list[Path]:
 
 
 def renew(folder: Path, order: CertificateOrder, now: datetime) -> list[Path]:
-    """New keys and certificates of the same authority for the same hosts, and for those in the order."""
-    known = folder / order.cell / f"{Role.REMOTE.value}.pem"
-    if not known.exists():
-        raise ConfigError(
-            f"{known} does not exist; make it first: farhand certificates create {order.cell} --dir {folder}"
-        )
-    hosts = tuple(dict.fromkeys((*hosts_of(read_certificate(known)), *order.hosts)))
-    return _issue_all(folder, load_authority(folder), CertificateOrder(order.cell, hosts, order.days), now)
+    """New keys and certificates of the same authority for the same hosts and operators, and for those in the order."""
+    hosts = _known_hosts(folder, order)
+    operators = tuple(dict.fromkeys((*operators_of(folder / order.cell), *order.operators)))
+    complete = CertificateOrder(order.cell, hosts, order.days, operators)
+    return _issue_all(folder, load_authority(folder), complete, now)
+
+
+def add_operators(folder: Path, order: CertificateOrder, now: datetime) -> list[Path]:
+    """Make certificates for further operators of a cell; ConfigError for one who has a certificate."""
+    hosts, theirs = _known_hosts(folder, order), folder / order.cell
+    for operator in order.operators:
+        if operator in operators_of(theirs):
+            raise ConfigError(
+                f"{operator} has a certificate in {theirs}; to make a new one: farhand certificates renew "
+                f"{order.cell} --dir {folder}"
+            )
+    authority = load_authority(folder)
+    valid = _valid(authority, now, order.days)
+    return [_issue(theirs, authority, _operator(order.cell, name), hosts, now, valid) for name in order.operators]
+
+
+def operators_of(theirs: Path) -> list[str]:
+    """The operators who have a certificate in a cell's folder."""
+    return sorted(match[1] for path in theirs.glob("*.pem") if (match := OPERATORS_FILE.fullmatch(path.name)))
 
 
 def load_authority(folder: Path) -> Issued:
@@ -104,13 +127,35 @@ def _new_authority(folder: Path, now: datetime) -> Issued:
 
 def _issue_all(folder: Path, authority: Issued, order: CertificateOrder, now: datetime) -> list[Path]:
     hosts = tuple(dict.fromkeys((*LOOPBACK_HOSTS, *order.hosts)))
+    sites = [Identity(role, None if role is Role.ROUTER else order.cell) for role in Role if role is not Role.OPERATOR]
     theirs = folder / order.cell
     theirs.mkdir(mode=0o700, parents=True, exist_ok=True)
     valid = _valid(authority, now, order.days)
-    for role in Role:
-        identity = Identity(role, None if role is Role.ROUTER else order.cell)
-        _write(theirs / role.value, issue(authority, identity, hosts, now, valid))
-    return sorted(theirs.glob("*.pem"))
+    identities = [*sites, *(_operator(order.cell, name) for name in order.operators)]
+    return sorted(_issue(theirs, authority, identity, hosts, now, valid) for identity in identities)
+
+
+def _issue(
+    theirs: Path, authority: Issued, identity: Identity, hosts: Sequence[str], now: datetime, valid: timedelta
+) -> Path:
+    """Make one certificate and its key; the path of the certificate."""
+    name = identity.role.value if identity.operator is None else f"{identity.role.value}.{identity.operator}"
+    _write(theirs / name, issue(authority, identity, hosts, now, valid))
+    return theirs / f"{name}.pem"
+
+
+def _operator(cell: str, name: str) -> Identity:
+    return Identity(Role.OPERATOR, cell, name)
+
+
+def _known_hosts(folder: Path, order: CertificateOrder) -> tuple[str, ...]:
+    """The hosts of a cell that has certificates, and those in the order."""
+    known = folder / order.cell / f"{Role.REMOTE.value}.pem"
+    if not known.exists():
+        raise ConfigError(
+            f"{known} does not exist; make it first: farhand certificates create {order.cell} --dir {folder}"
+        )
+    return tuple(dict.fromkeys((*hosts_of(read_certificate(known)), *order.hosts)))
 
 
 def _valid(authority: Issued, now: datetime, days: int) -> timedelta:
@@ -127,21 +172,26 @@ def _write(stem: Path, issued: Issued) -> None:
     write_atomically(stem.with_name(f"{stem.name}.pem"), issued.certificate_pem, PUBLIC)
 
 
-def guidance(folder: Path, cell: str, hosts: Sequence[str]) -> str:
+def guidance(folder: Path, order: CertificateOrder) -> str:
     """What to do with the new files."""
-    theirs = folder / cell
-    where = hosts[0] if hosts else "127.0.0.1"
+    cell, theirs, names = order.cell, folder / order.cell, order.operators or ("NAME",)
+    where = order.hosts[0] if order.hosts else "127.0.0.1"
+    made = [role.value for role in Role if role is not Role.OPERATOR]
+    made += [f"operator.{name}" for name in order.operators]
     return (
-        f"made in {theirs}: a certificate and key each for {', '.join(role.value for role in Role)}\n"
+        f"made in {theirs}: a certificate and key each for {', '.join(made)}\n"
+        f"for every further operator: farhand certificates operator {cell} NAME --dir {folder}\n"
         f"keep {folder / AUTHORITY}.key secret: anybody who has it can become an operator\n"
         "give each host ca.pem and its own pair, keys for the service's user only, for the robot's side:\n"
         f'  cell = "{cell}"\n'
         "  [links]\n"
         '  control = "tls/0.0.0.0:7447"\n'
         '  video = "tls/0.0.0.0:7448"\n'
+        f"  operators = [{', '.join(json.dumps(name) for name in names)}]\n"
         "  [links.tls]\n"
         f'  ca = "/etc/farhand/{AUTHORITY}.pem"\n'
         '  certificate = "/etc/farhand/remote.pem"\n'
         '  key = "/etc/farhand/remote.key"\n'
-        f'and for the operator\'s, with operator.pem and operator.key: the same cell, and remote = "tls/{where}:7447"'
+        f'and for an operator\'s, with operator.{names[0]}.pem and .key: the same cell, remote = "tls/{where}:7447", '
+        f'and in [authority] operator = "{names[0]}"'
     )

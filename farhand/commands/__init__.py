@@ -1,1 +1,1 @@
-"""The command line, a file for each command."""
+"""The commands, grouped by what they are for."""

@@ -11,6 +11,8 @@ RigFile = Annotated[Path, typer.Option(help="Rig file to write.")]
 Serials = Annotated[list[str] | None, typer.Option(help="A camera's serial number, as left=NUMBER.")]
 LeftPictures = Annotated[str, typer.Option(help="Folder, quoted pattern such as 'left_*.png', or video; by name.")]
 RightPictures = Annotated[str, typer.Option(help="The same for the right camera, taken at the same instants.")]
+Third = Annotated[str | None, typer.Option(help="The same for a third camera.")]
+Fourth = Annotated[str | None, typer.Option(help="The same for a fourth camera.")]
 Squares = Annotated[str, typer.Option(help="Board: columns x rows of squares (not of corners).")]
 SquareMm = Annotated[float, typer.Option(help="Board: side of a square, measured on the print.", min=1)]
 MarkerMm = Annotated[float, typer.Option(help="Board: side of a marker (charuco).", min=1)]
@@ -45,8 +47,8 @@ def calibrate_points_command(
 def calibrate_images_command(
     left: LeftPictures,
     right: RightPictures,
-    third: Annotated[str | None, typer.Option(help="The same for a third camera.")] = None,
-    fourth: Annotated[str | None, typer.Option(help="The same for a fourth camera.")] = None,
+    third: Third = None,
+    fourth: Fourth = None,
     board: Annotated[str, typer.Option(help="plate (of discs), charuco or chessboard.")] = "plate",
     discs: Annotated[str, typer.Option(help="Plate: columns x rows of discs.")] = "5x5",
     pitch_mm: Annotated[float, typer.Option(help="Plate: from disc to disc.", min=1, max=10_000)] = 250.0,
@@ -66,8 +68,7 @@ def calibrate_images_command(
     Example: farhand calibrate images --left 'left_*.png' --right 'right_*.png' --heights-mm 0,497,994
     """
     from farhand.calibration.boards import calibrate_board_pictures, make_board
-    from farhand.calibration.pictures import PictureJob, by_name
-    from farhand.calibration.plate import calibrate_plate, parse_heights
+    from farhand.calibration.pictures import PictureJob, by_name, calibrate_plate, parse_heights
     from farhand.calibration.points import describe, parse_pair, solvable
     from farhand.outputs import check_file, check_folder
     from local_site.calibration.plate import Plate
@@ -91,8 +92,8 @@ def calibrate_images_command(
 def calibrate_live_command(
     left: Annotated[str, typer.Option(help="Device, URL, video file or folder of images.")],
     right: Annotated[str, typer.Option(help="The same for the right camera.")],
-    third: Annotated[str | None, typer.Option(help="The same for a third camera.")] = None,
-    fourth: Annotated[str | None, typer.Option(help="The same for a fourth camera.")] = None,
+    third: Third = None,
+    fourth: Fourth = None,
     board: Annotated[str, typer.Option(help="charuco or chessboard.")] = "charuco",
     poses: Annotated[int, typer.Option(help="How many poses to take.", min=5, max=200)] = 15,
     squares: Squares = "8x6",

@@ -1,7 +1,17 @@
-"""What the machine must offer: pure judgements of probed facts."""
+"""What the machine must offer: each fact is probed, then judged by a pure check."""
 
+import importlib.metadata
+import os
+import re
+import shutil
+import sys
+import threading
 from collections.abc import Sequence
+from contextlib import suppress
+from pathlib import Path
 
+import local_site
+from common.errors import CameraError
 from farhand.doctor.findings import Finding, error, ok, warning
 
 LEAST_PYTHON = (3, 11)
@@ -9,6 +19,24 @@ LEAST_PRIORITY = 50
 LITTLE_DISK_BYTES, LEAST_DISK_BYTES = 2_000_000_000, 200_000_000
 LITTLE_SHARED_BYTES = 64_000_000
 MEGA = 1_000_000
+REQUIREMENT_NAME = re.compile(r"[A-Za-z0-9._-]+")
+TCP = Path("/proc/sys/net/ipv4")
+STATE = Path("/var/lib/farhand")
+SERVICE_CACHE = Path("/var/cache/farhand/numba")
+SHARED_MEMORY = Path("/dev/shm")  # noqa: S108  # only its free space is read
+VIEW_PX = (64, 48)
+
+
+def probe_python() -> tuple[tuple[int, int, int], list[str]]:
+    """The interpreter's version, and those libraries that this installation requires but lacks."""
+    required = [line for line in importlib.metadata.requires("farhand") or () if "extra ==" not in line]
+    missing = []
+    for found in filter(None, map(REQUIREMENT_NAME.match, required)):
+        try:
+            importlib.metadata.version(found[0])
+        except importlib.metadata.PackageNotFoundError:
+            missing.append(found[0])
+    return sys.version_info[:3], missing
 
 
 def check_python(version: tuple[int, int, int], missing: Sequence[str]) -> Finding:
@@ -21,12 +49,44 @@ def check_python(version: tuple[int, int, int], missing: Sequence[str]) -> Findi
     return ok("python", f"{text}, all libraries are installed")
 
 
+def probe_rendering() -> str | None:
+    """Why nothing can be rendered off screen; None when it works."""
+    try:
+        import mujoco  # noqa: PLC0415  # an installation for a real cell may not have it
+
+        from remote_site.video.cell_cameras import OffScreen  # noqa: PLC0415  # the same
+    except ImportError as error:
+        return f"simulated views need MuJoCo ({error})"
+    try:
+        OffScreen(mujoco.MjModel.from_xml_string("<mujoco/>"), *VIEW_PX).close()
+    except CameraError as error:
+        return str(error)
+    return None
+
+
 def check_rendering(problem: str | None) -> Finding:
     """Whether simulated views can be rendered; `problem` is the error of EGL."""
     if problem is None:
         return ok("rendering", "EGL renders off screen")
     cure = "apt-get install libegl1 libopengl0 libgl1-mesa-dri, or give video.cameras real sources"
     return error("rendering", problem, cure)
+
+
+def probe_real_time() -> tuple[int, bool]:
+    """RLIMIT_RTPRIO, and whether the scheduler grants SCHED_FIFO to a thread that asks for it and ends."""
+    import resource  # noqa: PLC0415  # there is none where there is no RLIMIT_RTPRIO
+
+    granted = []
+
+    def ask() -> None:
+        with suppress(PermissionError):
+            os.sched_setscheduler(0, os.SCHED_FIFO, os.sched_param(LEAST_PRIORITY))
+            granted.append(True)
+
+    thread = threading.Thread(target=ask)
+    thread.start()
+    thread.join()
+    return resource.getrlimit(resource.RLIMIT_RTPRIO)[0], bool(granted)
 
 
 def check_real_time(limit: int, granted: bool) -> Finding:
@@ -40,6 +100,13 @@ def check_real_time(limit: int, granted: bool) -> Finding:
     return warning("real time", f"SCHED_FIFO is refused (RLIMIT_RTPRIO is {limit}): control ticks will be late", cure)
 
 
+def probe_congestion() -> tuple[str, list[str]]:
+    """The kernel's congestion control for TCP in use, and those available."""
+    paths = TCP / "tcp_congestion_control", TCP / "tcp_available_congestion_control"
+    active, available = (path.read_text().split() if path.exists() else [] for path in paths)
+    return " ".join(active), available
+
+
 def check_congestion(active: str, available: Sequence[str]) -> Finding:
     """The kernel's congestion control in use, and those available: BBR keeps queues short on a link full of video."""
     if active == "bbr":
@@ -47,6 +114,14 @@ def check_congestion(active: str, available: Sequence[str]) -> Finding:
     load = "" if "bbr" in available else "modprobe tcp_bbr; echo tcp_bbr > /etc/modules-load.d/bbr.conf; "
     cure = f"{load}echo net.ipv4.tcp_congestion_control=bbr > /etc/sysctl.d/60-bbr.conf; sysctl --system"
     return warning("congestion", f"{active or 'unknown'} is in use: video may delay all else on its link", cure)
+
+
+def probe_free_bytes(folder: Path) -> tuple[str, int | None]:
+    """A folder and the free bytes there; None where they cannot be read."""
+    try:
+        return str(folder), shutil.disk_usage(folder).free
+    except OSError:
+        return str(folder), None
 
 
 def check_disk(folder: str, free_bytes: int | None) -> Finding:
@@ -70,6 +145,24 @@ def check_shared_memory(folder: str, free_bytes: int | None) -> Finding:
         cure = f"mount -o remount,size=256M {folder}; in a container: --shm-size=256m"
         return warning("shared memory", sentence, cure)
     return ok("shared memory", sentence)
+
+
+def probe_cache() -> tuple[str, bool, int]:
+    """Where numba will look for compiled code, whether that is writable, and how many functions are there.
+
+    That is the service's folder, beside the package, or in the user's cache.
+    """
+    beside = Path(local_site.__file__).parent / "tracking/silhouette/__pycache__"
+    users = beside if _is_writable(beside) else Path.home() / ".cache/numba"
+    folder = Path(os.environ.get("NUMBA_CACHE_DIR") or (SERVICE_CACHE if SERVICE_CACHE.is_dir() else users))
+    return str(folder), _is_writable(folder), sum(1 for _ in folder.rglob("*.nbi"))
+
+
+def _is_writable(folder: Path) -> bool:
+    """Whether a folder can be written, or made."""
+    while not folder.exists():
+        folder = folder.parent
+    return os.access(folder, os.W_OK)
 
 
 def check_cache(folder: str, writable: bool, compiled: int) -> Finding:

@@ -10,21 +10,18 @@ LISTENING = "0A"
 
 def listener_on(port: int) -> str:
     """Name and number of the process that listens on a TCP port of this host; empty if none is visible."""
-    inodes = {f"socket:[{inode}]" for inode in _listening_inodes(port)}
-    return _holder_of(inodes)
+    sockets = set()
+    for table in (PROC / "net/tcp", PROC / "net/tcp6"):
+        lines = table.read_text().splitlines()[1:] if table.exists() else []
+        for fields in map(str.split, lines):
+            if fields[3] == LISTENING and int(fields[1].rpartition(":")[2], 16) == port:
+                sockets.add(f"socket:[{fields[9]}]")
+    return _holder_of(sockets)
 
 
 def holder_of_device(path: Path) -> str:
     """Name and number of a process that has a device open; empty without one."""
     return _holder_of({str(path.resolve())})
-
-
-def _listening_inodes(port: int) -> Iterator[str]:
-    for table in (PROC / "net/tcp", PROC / "net/tcp6"):
-        lines = table.read_text().splitlines()[1:] if table.exists() else []
-        for fields in map(str.split, lines):
-            if fields[3] == LISTENING and int(fields[1].rpartition(":")[2], 16) == port:
-                yield fields[9]
 
 
 def _holder_of(targets: set[str]) -> str:

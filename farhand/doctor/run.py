@@ -11,8 +11,9 @@ from common.link.config import LinkSecurity
 from common.link.endpoints import check_endpoint
 from common.link.roles import Identity, Role
 from farhand.deployment.kinds import KINDS, Configuration, likeliest
-from farhand.doctor import machine, machine_probing, site, site_probing
+from farhand.doctor import machine, site
 from farhand.doctor.findings import Finding, error, ok
+from farhand.doctor.link.run import examine_link
 from farhand.router import ROUTER
 from local_site.calibration.control_points import CAMERAS
 from local_site.config import LocalConfig
@@ -26,7 +27,14 @@ SITES: tuple[type[Site], ...] = (RemoteConfig, LocalConfig)
 
 def examine(path: Path | None, settings: Sequence[str]) -> list[Finding]:
     """All findings; without a file, those of both sites' default configurations."""
-    findings = examine_machine()
+    state = machine.STATE if machine.STATE.is_dir() else Path.cwd()
+    findings = [
+        machine.check_python(*machine.probe_python()),
+        machine.check_real_time(*machine.probe_real_time()),
+        machine.check_congestion(*machine.probe_congestion()),
+        machine.check_disk(*machine.probe_free_bytes(state)),
+        machine.check_shared_memory(*machine.probe_free_bytes(machine.SHARED_MEMORY)),
+    ]
     kinds = SITES if path is None else which_site(path)
     for kind in kinds:
         try:
@@ -38,6 +46,20 @@ def examine(path: Path | None, settings: Sequence[str]) -> list[Finding]:
         findings.append(ok("configuration", f"{name} of the {KINDS[kind]} has no mistakes"))
         findings += examine_config(config)
     return findings
+
+
+def examine_link_of(path: Path | None, settings: Sequence[str]) -> list[Finding]:
+    """The link from a local site's or a console's host; without a file, that of the local site's defaults."""
+    kinds: Sequence[type[Configuration]] = [LocalConfig] if path is None else which_site(path)
+    try:
+        if LocalConfig in kinds:
+            return examine_link(load_config(LocalConfig, path, settings))
+        if ConsoleConfig in kinds:
+            return examine_link(load_config(ConsoleConfig, path, settings))
+    except ConfigError as wrong:
+        return [error("configuration", line, "correct that line") for line in str(wrong).splitlines()]
+    cure = "give the file of a local site or a console there: --config /etc/farhand/local.toml"
+    return [error("configuration", f"the link is measured from the operator's host, and {path} is not for it", cure)]
 
 
 def _sites_of(setting: str, kinds: Sequence[type[Configuration]]) -> list[type[Configuration]]:
@@ -65,26 +87,16 @@ def examine_config(config: Configuration) -> list[Finding]:
         return examine_local(config)
     if isinstance(config, ConsoleConfig):
         return _examine_links(config.links, config.links.endpoints, *config.bearers)
-    return _examine_links(config, config.listen, ROUTER)
-
-
-def examine_machine() -> list[Finding]:
-    """What concerns every site."""
-    return [
-        machine.check_python(*machine_probing.probe_python()),
-        machine.check_real_time(*machine_probing.probe_real_time()),
-        machine.check_congestion(*machine_probing.probe_congestion()),
-        machine.check_disk(*machine_probing.probe_disk()),
-        machine.check_shared_memory(*machine_probing.probe_shared_memory()),
-    ]
+    return [*_examine_links(config, config.listen, ROUTER), *site.check_operators(config)]
 
 
 def examine_remote(config: RemoteConfig) -> list[Finding]:
     """Certificate, robot, views and ports of the robot's side."""
     findings = _examine_links(config.links, config.links.endpoints, Identity(Role.REMOTE, config.cell))
-    findings += site.check_robot(config.robot.model, config.driver.name, site_probing.probe_robot(config))
+    findings += site.check_operators(config.links)
+    findings += site.check_robot(config.robot.model, config.driver.name, site.probe_robot(config))
     if config.views_are_simulated:
-        findings.append(machine.check_rendering(machine_probing.probe_rendering()))
+        findings.append(machine.check_rendering(machine.probe_rendering()))
     real = {camera.name: camera.source for camera in config.video.cameras if camera.source != SIMULATED}
     findings += map(site.check_camera, _probe_cameras(real, config.video.fps))
     return [*findings, *_examine_ports(zip(("control", "video"), config.links.listened, strict=False), config)]
@@ -93,14 +105,14 @@ def examine_remote(config: RemoteConfig) -> list[Finding]:
 def examine_local(config: LocalConfig) -> list[Finding]:
     """Certificate, cameras, calibration, ports and clock of the operator's side."""
     links, operator = config.links, config.operator
-    findings = [machine.check_cache(*machine_probing.probe_cache())]
-    findings += _examine_links(links, (links.remote, links.listen), Identity(Role.OPERATOR, config.cell))
+    findings = [machine.check_cache(*machine.probe_cache())]
+    findings += _examine_links(links, (links.remote, links.listen), config.bearer)
     if not operator.is_simulated:
-        rig = site_probing.probe_rig(operator.rig, datetime.now(UTC))
+        rig = site.probe_rig(operator.rig, datetime.now(UTC))
         cameras = _probe_cameras(dict(zip(CAMERAS, operator.sources, strict=False)), operator.fps)
         findings += [site.check_rig(rig), *map(site.check_camera, cameras), *site.check_sizes(rig, cameras)]
     findings += _examine_ports([("local", links.listen)], config)
-    return [*findings, site.check_clock(site_probing.probe_clock(config.cell, links.remote, links))]
+    return [*findings, site.check_clock(site.probe_clock(config.cell, links.remote, links))]
 
 
 def _examine_links(links: LinkSecurity, endpoints: Sequence[str], *bearers: Identity) -> list[Finding]:
@@ -112,18 +124,18 @@ def _examine_links(links: LinkSecurity, endpoints: Sequence[str], *bearers: Iden
         except TransportError as refused:
             findings.append(error("links", str(refused), "correct the table [links]"))
     if links.tls.is_given:
-        facts = site_probing.probe_certificate(links.tls, datetime.now(UTC))
+        facts = site.probe_certificate(links.tls, datetime.now(UTC))
         names = [bearer.common_name for bearer in bearers]
         findings += site.check_certificate(facts, facts.names if facts.names in names else names[0])
     return findings
 
 
 def _probe_cameras(sources: Mapping[str, Source], fps: float) -> list[site.CameraFacts]:
-    return [site_probing.probe_camera(name, source, fps) for name, source in sources.items()]
+    return [site.probe_camera(name, source, fps) for name, source in sources.items()]
 
 
 def _examine_ports(endpoints: Iterable[tuple[str, str]], config: Site) -> list[Finding]:
     """The endpoints (purpose, endpoint) of a site, and that of its metrics."""
     metrics = [("metrics", config.metrics.endpoint)] if config.metrics.port else []
-    facts = (site_probing.probe_port(*endpoint, config.links) for endpoint in (*endpoints, *metrics))
+    facts = (site.probe_port(*endpoint, config.links) for endpoint in (*endpoints, *metrics))
     return [site.check_port(port) for port in facts]

@@ -8,10 +8,9 @@ from common.clock import NS_PER_MS, NS_PER_S
 from common.config import load_config
 from common.geometry import Array, transform
 from common.messages.hand import TrackingStatus
-from farhand.experiments.filming import Progress
 from farhand.experiments.following import FollowingArm
-from farhand.experiments.plotting import describe_panel, panels, plot_frames, png
-from farhand.experiments.report import CsvTable, ExperimentReport, Figures, rounded
+from farhand.experiments.plotting import describe_panel, panels, png
+from farhand.experiments.report import CsvTable, ExperimentReport, Figures, Progress, rounded
 from farhand.loopback.scenario import ARM_FILES, HUMANOID, MONOCULAR, arm_settings
 from local_site.simulation.hazel import FRAMES_PER_S, HAZEL_S_FRAMES, Swing, true_points
 from local_site.tracking.tracker import ArmEstimate
@@ -45,6 +44,8 @@ def drift_report(quick: bool, progress: Progress) -> ExperimentReport:
     runs = {command: _through_the_pipeline(command, frames, progress) for command in COMMANDS}
     runs[ARRIVING] = _arriving(frames)
     compared = {name: _figures(error_mm) for name, error_mm in runs.items()}
+    columns = [f"{name.replace(', ', '_').replace(' ', '_')}_{axis}_mm" for name in runs for axis in "xyz"]
+    rows = np.column_stack([np.arange(frames), *runs.values()])
     return ExperimentReport(
         title="Incremental against relative command",
         text=TEXT,
@@ -52,7 +53,7 @@ def drift_report(quick: bool, progress: Progress) -> ExperimentReport:
         figures={"experiment": "drift", "quick": quick, "runs": compared},
         compared=compared,
         plots={"drift": _plot(runs)},
-        data={"drift": _table(runs)},
+        data={"drift": CsvTable(("frame", *columns), rows)},
     )
 
 
@@ -116,12 +117,6 @@ def _error_mm(moved: Array, palms: Array, remote: RemoteConfig) -> Array:
 def _plot(runs: Mapping[str, Array]) -> bytes:
     figure, axes = panels("Incremental against relative command", 1)
     for (name, error_mm), colour in zip(runs.items(), COLOURS, strict=True):
-        plot_frames(axes[0, 0], np.linalg.norm(error_mm, axis=1), label=name, color=colour, linewidth=1.2)
+        axes[0, 0].plot(np.linalg.norm(error_mm, axis=1), label=name, color=colour, linewidth=1.2)
     describe_panel(axes[0, 0], "distance of the tool from the hand's position", "distance, mm")
     return png(figure, axes, "frame")
-
-
-def _table(runs: Mapping[str, Array]) -> CsvTable:
-    columns = tuple(f"{name.replace(', ', '_').replace(' ', '_')}_{axis}_mm" for name in runs for axis in "xyz")
-    rows = np.hstack(list(runs.values()))
-    return CsvTable(("frame", *columns), np.column_stack([np.arange(len(rows)), rows]))

@@ -8,7 +8,6 @@ import numpy as np
 from common.clock import NS_PER_S
 from common.geometry import Array
 from common.messages.hand import TrackingStatus
-from farhand.experiments.filming import Film, Progress, film
 from farhand.experiments.follow_figures import (
     COLUMNS,
     GRID_NS,
@@ -19,9 +18,9 @@ from farhand.experiments.follow_figures import (
     rows_at,
     tool_rows,
 )
-from farhand.experiments.following import ToolPath, follow_by_mean, follow_by_pipeline
+from farhand.experiments.following import Film, ToolPath, film, follow_by_mean, follow_by_pipeline
 from farhand.experiments.plotting import describe_panel, panels, png, widen
-from farhand.experiments.report import CsvTable, ExperimentReport, Figures
+from farhand.experiments.report import CsvTable, ExperimentReport, Figures, Progress
 from local_site.samples.smoothing import SmoothingConfig
 from local_site.simulation.config import MotionConfig, SimulationConfig
 from local_site.tracking.choice import TrackingConfig

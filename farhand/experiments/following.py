@@ -1,35 +1,61 @@
-"""The two methods from a film to the tool's motion: the thesis's, and Farhand's own pipeline; on stepped time."""
+"""The simulated operator filmed and tracked, and two methods from the film to the tool's motion; on stepped time."""
 
 from collections import Counter
 from dataclasses import dataclass, field
 
+import cv2
 import numpy as np
 
+from common.cameras.camera import Frame
 from common.clock import NS_PER_MS, NS_PER_S, FakeClock
 from common.errors import ProcessError
 from common.geometry import Array, hand_rotation
-from common.messages.hand import (
-    ClockSync,
-    HandArm,
-    Intent,
-    TrackingStatus,
-)
+from common.mapping.relative_mapping import RelativeMapping
+from common.messages.hand import ClockSync, TrackingStatus
 from common.messages.robot import SessionState
-from farhand.experiments.filming import Film
+from farhand.experiments.report import Progress
 from local_site.samples.hand_sample import HandSampler, OpenHand
 from local_site.samples.smoothing import SmoothingConfig, make_smoother
-from local_site.tracking.tracker import ArmEstimate
+from local_site.simulation.cameras import calibrate_simulated
+from local_site.simulation.config import SimulationConfig
+from local_site.simulation.operator import SimulatedOperator
+from local_site.tracking.choice import TrackingConfig, make_tracker
+from local_site.tracking.tracker import ArmEstimate, View, Views
 from remote_site.config import RemoteConfig
 from remote_site.kinematics.inverse import Solution, SphericalWristInverse
 from remote_site.kinematics.limits import load_arm
 from remote_site.reasons import Code
 from remote_site.runtime.kinematic_loop import KinematicLoop
 from remote_site.session.lease import Holder, Lease, LeaseStatus
+from remote_site.session.samples import NamedSample
 from remote_site.teleop.cycle import Command
-from remote_site.teleop.mapping import Mapping
 
 SESSION, LEASE, FOR_EVER_NS = 1, 1, 3600 * NS_PER_S
+OPERATOR = "operator"
 NOT_USED = (TrackingStatus.LOST, TrackingStatus.INITIALISING)
+
+
+@dataclass(frozen=True, slots=True)
+class Film:
+    """What the tracker measured in every frame, unsmoothed, at `fps` from time zero of the operator's motion."""
+
+    operator: SimulatedOperator
+    fps: float
+    estimates: tuple[ArmEstimate, ...]
+
+
+def film(config: SimulationConfig, tracking: TrackingConfig, fps: float, seconds: float, progress: Progress) -> Film:
+    """Render and track all frames of `seconds`; deterministic by the configuration's seed."""
+    cv2.setNumThreads(1)
+    operator = SimulatedOperator(config)
+    tracker = make_tracker(calibrate_simulated(config), tracking)
+    estimates: list[ArmEstimate] = []
+    for k in range(round(seconds * fps) + 1):
+        t_ns = round(k * NS_PER_S / fps)
+        views = tuple(View(Frame(picture, t_ns, k)) for picture in operator.render(t_ns / NS_PER_S))
+        estimates.append(tracker.track(Views(t_ns, views)))
+        progress()
+    return Film(operator, fps, tuple(estimates))
 
 
 @dataclass
@@ -57,7 +83,7 @@ def follow_by_mean(film: Film, smoothing: SmoothingConfig, remote: RemoteConfig)
     tracking are left out. ProcessError when the hand is never tracked that long.
     """
     model, limits = load_arm(remote.robot)
-    mapping, smoother = Mapping(remote.mapping), make_smoother(smoothing)
+    mapping, smoother = RelativeMapping(remote.mapping), make_smoother(smoothing)
     inverse = SphericalWristInverse(model, limits, remote.robot.stance)
     q, path, tracked = remote.robot.start, ToolPath(), 0
     for estimate in map(smoother.smooth, film.estimates):
@@ -96,28 +122,24 @@ class FollowingArm:
     def __init__(self, remote: RemoteConfig) -> None:
         self._tick_ns = round(NS_PER_S / remote.control.rate_hz)
         self._clock = FakeClock()
-        self._loop = KinematicLoop(remote, self._clock)
-        self._lease = LeaseStatus(Lease(LEASE, Holder(SESSION, "operator"), FOR_EVER_NS))
+        self.loop = KinematicLoop(remote, self._clock)
+        self._lease = LeaseStatus(Lease(LEASE, Holder(SESSION, OPERATOR), FOR_EVER_NS))
         self._sampler = HandSampler(SESSION)
-        self._received: list[HandArm] = []
+        self._received: list[NamedSample] = []
         self.path = ToolPath()
-
-    @property
-    def q(self) -> Array:
-        """The newest commanded posture (n,) in rad."""
-        return self._loop.sent.q
 
     def send(self, estimate: ArmEstimate) -> None:
         """Let an estimate arrive with the next tick, as the local site sends it."""
         clock = ClockSync(remote_minus_local_ns=0, uncertainty_ns=0, measured_ns=estimate.t_ns)
-        self._received.append(self._sampler.sample(estimate, OpenHand(), LEASE, clock, Intent()))
+        sample = self._sampler.sample(estimate, OpenHand(), LEASE, clock, None, estimate.t_ns)
+        self._received.append(NamedSample(OPERATOR, sample))
 
     def run_until(self, end_ns: int) -> None:
         """Tick until the next tick would be at `end_ns` or later."""
         while self._clock.now_ns() + self._tick_ns < end_ns:
             self._clock.sleep_until_ns(self._clock.now_ns() + self._tick_ns)
             samples, self._received = self._received, []
-            self._note(self._loop.cycle(self._lease, samples))
+            self._note(self.loop.cycle(self._lease, samples))
 
     def _note(self, command: Command) -> None:
         snapshot = command.snapshot
@@ -127,7 +149,7 @@ class FollowingArm:
             self.path.engaged_ns = snapshot.engagement.hand_capture_ns
         if snapshot.state is not SessionState.ENGAGED or snapshot.reason.code is not Code.OK:
             self.path.hindered[snapshot.reason.code.value] += 1
-        self.path.add(snapshot.now_ns, self._loop.model.forward(command.motion.q))
+        self.path.add(snapshot.now_ns, self.loop.model.forward(command.motion.q))
 
 
 def _orientation(estimate: ArmEstimate) -> Array | None:

@@ -1,19 +1,36 @@
-"""The errors of the monocular tracker in figures, with those of the ROBONAUT report beside them; pure."""
+"""The textured arm filmed and tracked by one camera, and the errors in figures, with those of the ROBONAUT report."""
 
-from collections.abc import Sequence
+from collections.abc import Iterable
+from dataclasses import dataclass
 from itertools import pairwise
 
+import cv2
+import msgspec
 import numpy as np
 
+from common.cameras.camera import Frame, Image
+from common.clock import NS_PER_S
 from common.geometry import Array, vector_from_rotation
 from common.messages.hand import TrackingStatus
-from farhand.experiments.hazel_filming import Tracked
-from farhand.experiments.report import Figures, rounded
-from local_site.simulation.hazel import FINGER_M, FOCAL_PX, FOREARM_M, PALM_M, TrueArm
-from local_site.tracking.monocular.pose import ArmPose
+from farhand.experiments.report import Figures, Progress, rounded
+from local_site.simulation.hazel import (
+    FINGER_M,
+    FOCAL_PX,
+    FOREARM_M,
+    FRAMES_PER_S,
+    JOINTS,
+    PALM_M,
+    TrueArm,
+    film_camera,
+    film_pixel,
+)
+from local_site.simulation.textured_arm import ArmFilm, LimbPose
+from local_site.tracking.config import MonocularConfig, StartConfig
+from local_site.tracking.monocular.arm_model import ArmPose
+from local_site.tracking.monocular.monocular_tracker import MonocularTracker
+from local_site.tracking.tracker import View, Views
 
 MM = 1e3
-JOINTS = ("shoulder", "elbow", "wrist")
 FROM_ELBOW_M = {"elbow": 0.0, "wrist": FOREARM_M, "finger_tip": FOREARM_M + PALM_M + FINGER_M}  # along the forearm
 LOST_ABOVE_MM = 50.0
 
@@ -28,6 +45,62 @@ REPORT_C: Figures = {
     "finger_tip_mm": {"mean": 5.70, "variance": 9.92, "least": 0.63, "largest": 18.57},
     "in_the_picture_px": {"mean": 1.10, "variance": 0.59, "least": 0.04, "largest": 3.14},
 }
+
+
+@dataclass(frozen=True, slots=True)
+class Footage:
+    """Pictures of an arm, and the true arm in each, in the camera's frame."""
+
+    pictures: tuple[Image, ...]
+    true_arms: tuple[TrueArm, ...]
+
+
+@dataclass(frozen=True, slots=True)
+class Tracked:
+    """For each frame the true arm, the tracked pose, both in the camera's frame (None where lost), and the status."""
+
+    true_arms: tuple[TrueArm, ...]
+    poses: tuple[ArmPose | None, ...]
+    statuses: tuple[TrackingStatus, ...]
+
+
+def render_footage(film: ArmFilm, arms: Iterable[TrueArm], with_finger: bool, progress: Progress) -> Footage:
+    """Render one picture for each arm."""
+    cv2.setNumThreads(1)
+    pictures, true_arms = [], []
+    for arm in arms:
+        upper, forearm = arm.limb_poses()
+        # The stretched finger moves rigidly with the forearm.
+        limbs: tuple[LimbPose, ...] = (upper, forearm, forearm) if with_finger else (upper, forearm)
+        pictures.append(film.render(limbs))
+        true_arms.append(arm)
+        progress()
+    return Footage(tuple(pictures), tuple(true_arms))
+
+
+def with_occluder(footage: Footage, box: tuple[int, int, int, int], frames: range, level: int) -> Footage:
+    """A copy with a box (left, top, right, bottom; px) of a grey level (0 to 255) painted over the given frames."""
+    left, top, right, bottom = box
+    pictures = [picture.copy() for picture in footage.pictures]
+    for picture in pictures[frames.start : frames.stop]:
+        picture[top:bottom, left:right] = level
+    return Footage(tuple(pictures), footage.true_arms)
+
+
+def track_footage(footage: Footage, config: MonocularConfig, click_px: float) -> Tracked:
+    """Track all pictures from the true joints in the first, rounded to multiples of `click_px` (0: not rounded)."""
+    first = footage.true_arms[0]
+    joints = [film_pixel(point) for point in (first.shoulder, first.elbow, first.wrist)]
+    if click_px:
+        joints = [(click_px * round(x / click_px), click_px * round(y / click_px)) for x, y in joints]
+    start = StartConfig(shoulder_px=joints[0], elbow_px=joints[1], wrist_px=joints[2])
+    tracker = MonocularTracker(film_camera(), msgspec.structs.replace(config, start=start))
+    poses, statuses = [], []
+    for k, picture in enumerate(footage.pictures):
+        t_ns = round(k * NS_PER_S / FRAMES_PER_S)
+        statuses.append(tracker.track(Views(t_ns, (View(Frame(picture, t_ns, k)),))).status)
+        poses.append(tracker.pose)
+    return Tracked(footage.true_arms, tuple(poses), tuple(statuses))
 
 
 def arm_figures(tracked: Tracked) -> Figures:
@@ -59,14 +132,13 @@ def finger_figures(tracked: Tracked) -> Figures:
 
 def true_and_measured(tracked: Tracked, name: str) -> tuple[Array, Array]:
     """True and measured positions (N, 3) of a joint or the finger tip in the camera's frame, m; NaN where lost."""
-    return _positions(tracked.true_arms, name), _positions(tracked.poses, name)
+    true, measured = (np.array([_position(arm, name) for arm in arms]) for arms in (tracked.true_arms, tracked.poses))
+    return true, measured
 
 
-def _positions(arms: Sequence[TrueArm | ArmPose | None], name: str) -> Array:
-    return np.array([np.full(3, np.nan) if arm is None else _position(arm, name) for arm in arms])
-
-
-def _position(arm: TrueArm | ArmPose, name: str) -> Array:
+def _position(arm: TrueArm | ArmPose | None, name: str) -> Array:
+    if arm is None:
+        return np.full(3, np.nan)
     return arm.shoulder if name == "shoulder" else arm.elbow + FROM_ELBOW_M[name] * arm.forearm[:, 2]
 
 

@@ -4,10 +4,7 @@ import importlib.util
 import io
 from typing import TYPE_CHECKING, Any
 
-import numpy as np
-
 from common.errors import FarhandError
-from common.geometry import Array
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -29,8 +26,8 @@ STYLE: dict[Any, Any] = {
     "xtick.color": "#6e6e6e",
     "ytick.color": "#6e6e6e",
 }
-TRUE = {"label": "true", "color": "#282828", "linewidth": 2.6}
-MEASURED = {"label": "measured", "color": "#d72828", "linewidth": 0.9}
+TRUE: dict[str, Any] = {"label": "true", "color": "#282828", "linewidth": 2.6}
+MEASURED: dict[str, Any] = {"label": "measured", "color": "#d72828", "linewidth": 0.9}
 
 
 def require_matplotlib() -> None:
@@ -57,11 +54,6 @@ def describe_panel(axes: "Axes", title: str, y_label: str) -> None:
     """What a panel shows, and along its y axis in which unit."""
     axes.set_title(title, fontsize="medium", loc="left")
     axes.set_ylabel(y_label)
-
-
-def plot_frames(axes: "Axes", values: Array, **style: Any) -> None:
-    """A curve of values (N,) over their numbers, broken where they are NaN."""
-    axes.plot(np.arange(len(values)), values, **style)
 
 
 def widen(axes: "Axes", min_span: float) -> None:

@@ -2,7 +2,7 @@
 
 import html
 import json
-from collections.abc import Iterator, Mapping
+from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -19,6 +19,7 @@ STYLE = (
 )
 
 Figures = dict[str, Any]  # numbers by name, possibly nested
+Progress = Callable[[], object]  # called after every frame; may raise, as InterruptionError when a person ends the work
 
 
 @dataclass(frozen=True, slots=True)
@@ -54,17 +55,13 @@ def rounded(value: float | np.floating[Any]) -> float:
 def write_report(report: ExperimentReport, folder: Path) -> None:
     """Write all files, each whole or not at all; ConfigError when the folder cannot be written."""
     for name, table in report.data.items():
-        write_result(folder / f"{name}.csv", _csv(table).encode())
+        lines = [",".join(table.columns)]
+        lines += [",".join("" if np.isnan(value) else f"{value:.10g}" for value in row) for row in table.rows.round(4)]
+        write_result(folder / f"{name}.csv", ("\n".join(lines) + "\n").encode())
     for name, plot in report.plots.items():
         write_result(folder / f"{name}.png", plot)
     write_result(folder / "report.json", (json.dumps(report.figures, indent=2) + "\n").encode())
     write_result(folder / "report.html", _page(report).encode())
-
-
-def _csv(table: CsvTable) -> str:
-    lines = [",".join(table.columns)]
-    lines += [",".join("" if np.isnan(value) else f"{value:.10g}" for value in row) for row in table.rows.round(4)]
-    return "\n".join(lines) + "\n"
 
 
 def _page(report: ExperimentReport) -> str:

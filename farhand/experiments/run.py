@@ -1,33 +1,24 @@
 """Runs an experiment by its name, shows its progress, and writes its folder."""
 
 from collections.abc import Callable
-from dataclasses import dataclass
 from pathlib import Path
 
 from rich.console import Console
-from rich.progress import Progress
+from rich.progress import Progress as ProgressBar
 
 from common.errors import ConfigError, InterruptionError
-from farhand.experiments import drift, filming, follow, hazel
+from farhand.experiments import drift, follow, hazel
 from farhand.experiments.plotting import require_matplotlib
-from farhand.experiments.report import ExperimentReport, write_report
+from farhand.experiments.report import ExperimentReport, Progress, write_report
 from farhand.outputs import check_folder, make_folder
 from farhand.tracking.run import prepare_tracker
 from local_site.tracking.choice import TrackingConfig
 
-
-@dataclass(frozen=True, slots=True)
-class Experiment:
-    """An experiment, quick or in full: how many frames it makes, and how it is run, reporting each frame."""
-
-    frame_count: Callable[[bool], int]
-    run: Callable[[bool, filming.Progress], ExperimentReport]
-
-
-EXPERIMENTS = {
-    "drift": Experiment(drift.frame_count, drift.drift_report),
-    "follow": Experiment(follow.frame_count, follow.follow_report),
-    "hazel": Experiment(hazel.frame_count, hazel.hazel_report),
+# Of each experiment, quick or in full: how many frames it makes, and how it is run, reporting each frame.
+EXPERIMENTS: dict[str, tuple[Callable[[bool], int], Callable[[bool, Progress], ExperimentReport]]] = {
+    "drift": (drift.frame_count, drift.drift_report),
+    "follow": (follow.frame_count, follow.follow_report),
+    "hazel": (hazel.frame_count, hazel.hazel_report),
 }
 
 
@@ -40,18 +31,18 @@ def run_experiment(name: str, out: Path, quick: bool, should_stop: Callable[[], 
     if name not in EXPERIMENTS:
         raise ConfigError(f"there is no experiment {name!r}; choose one of: {', '.join(sorted(EXPERIMENTS))}")
     require_matplotlib()
-    experiment = EXPERIMENTS[name]
+    frame_count, run = EXPERIMENTS[name]
     check_folder("--out", out)
     make_folder("--out", out)
     prepare_tracker(TrackingConfig())
-    with Progress(console=Console(stderr=True)) as progress:
-        task = progress.add_task(name, total=experiment.frame_count(quick))
+    with ProgressBar(console=Console(stderr=True)) as progress:
+        task = progress.add_task(name, total=frame_count(quick))
 
         def step() -> None:
             progress.advance(task)
             if should_stop():
                 raise InterruptionError("interrupted before the experiment was done; nothing was written")
 
-        report = experiment.run(quick, step)
+        report = run(quick, step)
     write_report(report, out)
     return f"{report.summary}\nwritten to {out / 'report.html'}"

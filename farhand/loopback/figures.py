@@ -99,7 +99,9 @@ def follow_figures(states: Sequence[RobotState], truth: Truth, expectation: Expe
         return {"follow_mm": {"mean": None, "p95": None}, "follow_lag_ms": None}
     times = np.array([s.t_ns for s in followed], dtype=float)
     tool = np.array([s.base_T_tool.position for s in followed])
-    grid, positions = _sampled_truth(int(times[0]) - NS_PER_S, int(times[-1]), truth, expectation.point)
+    end_ns = int(times[-1]) + TRUTH_STEP_NS
+    grid = np.arange(int(times[0]) - NS_PER_S, end_ns, TRUTH_STEP_NS, dtype=np.int64)
+    positions = np.array([truth(int(t))[expectation.point] for t in grid])
     origin_times = np.array([s.engagement.hand_capture_ns for s in followed if s.engagement], dtype=float)
     origins = np.array([s.engagement.base_T_tool.position for s in followed if s.engagement])
     hand_origin = np.array([truth(int(t))[expectation.point] for t in origin_times])
@@ -148,6 +150,8 @@ def control_figures(states: Sequence[RobotState]) -> Figures:
 def all_figures(record: Record, truth: Truth, expectation: Expectation) -> Figures:
     """Every figure of the report that the record holds."""
     states = list(record.states)
+    follows = [state.state is SessionState.ENGAGED for state in states]
+    since_first = [follow for follow, state in zip(follows, states, strict=True) if state.engagement is not None]
     return {
         **latency_figures(states),
         **trace_figures(states, record.cameras),
@@ -156,17 +160,9 @@ def all_figures(record: Record, truth: Truth, expectation: Expectation) -> Figur
         "video": video_figures(record.cameras),
         "control": control_figures(states),
         "engagements": states[-1].engagement.number if states and states[-1].engagement else 0,
-        "holds": _holds(states),
-        "followed_share": _followed_fraction(states),
+        "holds": sum(before and not after for before, after in pairwise(follows)),
+        "followed_share": _rounded(np.mean(since_first)) if since_first else 0.0,
     }
-
-
-def _holds(states: Sequence[RobotState]) -> int:
-    """How often the arm stopped following."""
-    return sum(
-        before.state is SessionState.ENGAGED and after.state is not SessionState.ENGAGED
-        for before, after in pairwise(states)
-    )
 
 
 def session_events(states: Sequence[RobotState]) -> list[str]:
@@ -177,17 +173,6 @@ def session_events(states: Sequence[RobotState]) -> list[str]:
         for before, now in pairwise(states[begin:])
         if now.state is not before.state
     ]
-
-
-def _followed_fraction(states: Sequence[RobotState]) -> float:
-    """The fraction of the time since the first engagement in which the arm followed."""
-    since = [s.state is SessionState.ENGAGED for s in states if s.engagement is not None]
-    return _rounded(np.mean(since)) if since else 0.0
-
-
-def _sampled_truth(start_ns: int, end_ns: int, truth: Truth, point: str) -> tuple[Array, Array]:
-    grid = np.arange(start_ns, end_ns + TRUTH_STEP_NS, TRUTH_STEP_NS, dtype=np.int64)
-    return grid.astype(float), np.array([truth(int(t))[point] for t in grid])
 
 
 def _per_second(times_ns: Sequence[int]) -> float:

@@ -22,6 +22,7 @@ from local_site.console.config import ConsoleConfig
 from remote_site.config import RemoteConfig
 from remote_site.drivers.config import EMULATED
 from remote_site.drivers.registry import check_driver
+from remote_site.session.config import EngagementMode
 
 CELL = "loopback"
 REMOTE_TABLES, LOCAL_TABLES = frozenset(RemoteConfig.__struct_fields__), frozenset(LocalConfig.__struct_fields__)
@@ -107,10 +108,12 @@ def plan_of(options: LoopbackOptions) -> Plan:
     given_remote = _remote_needs(given_remote, given_local.load().tracking.method)
     local, remote = given_local.load(), given_remote.load()
     check_scenario(local.tracking.method, options.arm, local.simulation.motion.name, remote.driver.name)
-    check_driver(remote.driver.name)
     *ports, page = free_ports(4)
     control, video, listen = (f"tcp/127.0.0.1:{port}" for port in ports)
-    cell = _cell(given_remote, given_local)
+    cells = {site.load().cell for site in (given_remote, given_local) if site.gives("cell")}
+    if len(cells) > 1:
+        raise ConfigError(f"cell: the sites' files name different cells ({_list(cells)}); both sites must agree on it")
+    cell = cells.pop() if cells else CELL
     links = f"links.control={control}", f"links.video={video}", f"links.local={listen}", f"serve.port={page}"
     return Plan(
         remote=given_remote.setting(f"cell={cell}", f'links={{control="{control}", video="{video}"}}'),
@@ -126,7 +129,13 @@ def plan_of(options: LoopbackOptions) -> Plan:
 
 def _given(options: LoopbackOptions) -> tuple[SitePlan[RemoteConfig], SitePlan[LocalConfig]]:
     """What the user gives each site."""
-    files, settings = _files(options.configs), _settings(options.settings)
+    files: dict[type[Configuration], Path] = {}
+    for path in options.configs:
+        kind = _kind_of(path)
+        if kind in files:
+            raise ConfigError(f"{files[kind]} and {path} are both for the {KINDS[kind]}; give one file for each site")
+        files[kind] = path
+    settings = _settings(options.settings)
     if options.arm is not None and RemoteConfig in files:
         raise ConfigError(f"--arm {options.arm} is a configuration of its own; leave it or --config out")
     driver = [f"driver.name={options.driver}"] if options.driver else []
@@ -136,16 +145,6 @@ def _given(options: LoopbackOptions) -> tuple[SitePlan[RemoteConfig], SitePlan[L
         SitePlan(RemoteConfig, files.get(RemoteConfig, arm_file(options.arm)), (*settings[RemoteConfig], *driver)),
         SitePlan(LocalConfig, files.get(LocalConfig), (*settings[LocalConfig], *operator)),
     )
-
-
-def _files(paths: Sequence[Path]) -> dict[type[Configuration], Path]:
-    files: dict[type[Configuration], Path] = {}
-    for path in paths:
-        kind = _kind_of(path)
-        if kind in files:
-            raise ConfigError(f"{files[kind]} and {path} are both for the {KINDS[kind]}; give one file for each site")
-        files[kind] = path
-    return files
 
 
 def _kind_of(path: Path) -> type[Configuration]:
@@ -191,10 +190,13 @@ def _settings(settings: Sequence[str]) -> dict[type[Configuration], list[str]]:
 
 def _remote_needs(remote: SitePlan[RemoteConfig], tracker: str) -> SitePlan[RemoteConfig]:
     remote = remote.preferring("video.calibrated=true")
-    if remote.load().driver.name == EMULATED:
+    driver = remote.load().driver.name
+    check_driver(driver)
+    if driver == EMULATED:
         if remote.gives("driver.options.port"):
             raise ConfigError("driver.options.port: the loopback emulates the controller; leave the port out")
         remote = remote.needing("driver.emulate=true", "since it never drives the real controller")
+    remote = remote.preferring(f"engagement.mode={EngagementMode.AUTOMATIC}")  # nobody is there to engage
     for setting in arm_settings(tracker):
         remote = remote.needing(setting, f"since the {tracker} tracker's camera sees the palm from the right")
     return remote
@@ -211,13 +213,6 @@ def _local_needs(local: SitePlan[LocalConfig]) -> SitePlan[LocalConfig]:
     for setting in operator_settings(tracker):
         local = local.needing(setting, f"for an operator whom the {tracker} tracker can follow from the engagement on")
     return local.preferring("tracking.monocular.start.by=silhouette") if tracker == MONOCULAR else local
-
-
-def _cell(remote: SitePlan[RemoteConfig], local: SitePlan[LocalConfig]) -> str:
-    cells = {site.load().cell for site in (remote, local) if site.gives("cell")}
-    if len(cells) > 1:
-        raise ConfigError(f"cell: the sites' files name different cells ({_list(cells)}); both sites must agree on it")
-    return cells.pop() if cells else CELL
 
 
 def _list(names: Iterable[str]) -> str:

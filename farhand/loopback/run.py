@@ -18,16 +18,15 @@ from common.link.channels import ChannelSession
 from common.link.transport import Link, open_link
 from common.messages.robot import Engagement, SessionState
 from common.process.service import StopFlag
+from farhand.loopback.display import LiveSummary, print_table, save_camera_views, save_overview
 from farhand.loopback.figures import Expectation, Figures, all_figures, session_events
-from farhand.loopback.live import LiveSummary, print_table
 from farhand.loopback.plan import LoopbackOptions, plan_of
 from farhand.loopback.recorder import Record, Recorder
 from farhand.loopback.scenario import operator_views
 from farhand.loopback.site_process import SiteProcess, listens, start_site
-from farhand.loopback.views import save_camera_views, save_overview
 from farhand.outputs import check_file, check_folder
 from farhand.tracking.run import prepare_tracker
-from local_site.acquisition.exposures import Beginning
+from local_site.acquisition.simulated_cameras import Beginning
 from local_site.simulation.operator import Operator as SimulatedOperator
 from local_site.simulation.operator import make_operator
 from remote_site.config import RemoteConfig
@@ -111,6 +110,7 @@ class Loopback:
         self._should_stop = should_stop
         self._plan = plan_of(options)
         self._remote, self._local = self._plan.remote.load(), self._plan.local.load()
+        self.operator_views = operator_views(self._local.tracking.method)
         self._operator = LoopbackOperator(make_operator(self._local.simulation), Beginning())
         self._sites = RunningSites()
 
@@ -118,11 +118,6 @@ class Loopback:
     def record(self) -> Record:
         """Everything received from the sites."""
         return self._sites.record
-
-    @property
-    def operator_views(self) -> tuple[str, ...]:
-        """The names of the operator's views as they are saved."""
-        return operator_views(self._local.tracking.method)
 
     def run(self) -> Figures:
         """Start, wait for the arm to follow, measure, end; ProcessError states what went wrong."""
@@ -133,7 +128,9 @@ class Loopback:
             runtime = Path(stack.enter_context(tempfile.TemporaryDirectory(prefix="farhand-")))
             stack.callback(self._sites.end)
             self._start_remote(runtime, stack)
-            self._start_local(runtime)
+            views = self._options.save_views
+            saving = ["--save-views", str(views.resolve())] if views else []
+            self._sites.start("local", [*self._plan.local.arguments, *saving], runtime)
             if not self._options.headless:
                 self._start_console(runtime, live)
             self._wait("the arm to be engaged", ENGAGE_TIMEOUT_S, lambda: self._engagement is not None)
@@ -152,11 +149,6 @@ class Loopback:
         self._wait("the remote site to start", START_TIMEOUT_S, lambda: bool(self.record.states))
         if self._should_stop():
             raise InterruptionError("interrupted before both sites were up; nothing was measured")
-
-    def _start_local(self, runtime: Path) -> None:
-        views = self._options.save_views
-        saving = ["--save-views", str(views.resolve())] if views else []
-        self._sites.start("local", [*self._plan.local.arguments, *saving], runtime)
 
     def _start_console(self, runtime: Path, live: LiveSummary) -> None:
         port = self._plan.console.load().serve.port

@@ -61,23 +61,19 @@ class _InterpolatedCamera:
     """A camera that is read up to the instants of another."""
 
     def __init__(self, camera: Camera) -> None:
+        self.name = camera.name
         self._camera = camera
         self._previous: Frame | None = None
         self._current = camera.read()
-
-    @property
-    def name(self) -> str:
-        return self._camera.name
 
     def at(self, t_ns: int) -> View | None:
         """The view of an instant no earlier than the last; None once the camera has ended."""
         while self._current is not None and self._current.capture_ns < t_ns:
             self._previous, self._current = self._current, self._camera.read()
-        return None if self._current is None else _between(self._previous, self._current, t_ns)
-
-
-def _between(previous: Frame | None, current: Frame, t_ns: int) -> View:
-    if previous is None or current.capture_ns == t_ns:
-        return View(current)
-    weight = (t_ns - previous.capture_ns) / (current.capture_ns - previous.capture_ns)
-    return View(current, previous, weight)
+        previous, current = self._previous, self._current
+        if current is None:
+            return None
+        if previous is None or current.capture_ns == t_ns:
+            return View(current)
+        weight = (t_ns - previous.capture_ns) / (current.capture_ns - previous.capture_ns)
+        return View(current, previous, weight)

@@ -1,6 +1,6 @@
 """`farhand track`: opens rig and cameras, shows progress, sums up what was found."""
 
-from collections.abc import Callable, Iterator
+from collections.abc import Callable
 from contextlib import ExitStack, closing
 from dataclasses import dataclass, field
 from pathlib import Path
@@ -40,11 +40,6 @@ class TrackSources:
     site: LocalConfig = field(default_factory=LocalConfig)
     also: tuple[str, ...] = ()
 
-    @property
-    def given(self) -> tuple[str, ...]:
-        """The sources given."""
-        return tuple(source for source in (self.left, self.right, *self.also) if source is not None)
-
 
 def run_track(
     sources: TrackSources, out: Path, annotate_dir: Path | None, should_stop: Callable[[], bool] = lambda: False
@@ -53,7 +48,7 @@ def run_track(
 
     FarhandError names what cannot be opened; ConfigError what cannot be written, or what was not recorded together.
     """
-    given = sources.given
+    given = [source for source in (sources.left, sources.right, *sources.also) if source is not None]
     check_file("--out", out, [sources.rig, *given])
     check_folder("--annotate", annotate_dir, given)
     rig, site = load_rig(sources.rig), sources.site
@@ -113,13 +108,7 @@ def describe(summary: Summary, out: Path) -> str:
         f"points found: {found}; gripper toggles: {summary.gripper_toggles}",
         f"{median:.1f} ms per pair (p95 {p95:.1f}); written to {out}",
     ]
-    return "\n".join([*lines, *(f"warning: {sentence}" for sentence in _warnings(summary))])
-
-
-def _warnings(summary: Summary) -> Iterator[str]:
-    if summary.left_out:
-        yield summary.left_out
-    if summary.drift:
-        yield summary.drift
+    warnings = [sentence for sentence in (summary.left_out, summary.drift) if sentence]
     if not summary.statuses[TrackingStatus.TRACKED] + summary.statuses[TrackingStatus.DEGRADED]:
-        yield f"nothing was tracked; most often: {summary.reasons.most_common(1)[0][0]}"
+        warnings.append(f"nothing was tracked; most often: {summary.reasons.most_common(1)[0][0]}")
+    return "\n".join([*lines, *(f"warning: {sentence}" for sentence in warnings)])

@@ -173,19 +173,14 @@ def _written_at_end(out: Path) -> Iterator[TextIO]:
         with part.open("w", encoding="utf-8", buffering=1) as lines:
             yield lines
     finally:
-        if _whole_lines(part):
+        text = part.read_bytes() if part.exists() else b""
+        whole = text.rfind(b"\n") + 1
+        if whole < len(text):
+            os.truncate(part, whole)  # an incomplete last line, as of a full disk
+        if whole:
             part.replace(out)
         else:
             part.unlink(missing_ok=True)
-
-
-def _whole_lines(part: Path) -> int:
-    """Cut an incomplete last line, as of a full disk; the bytes left."""
-    text = part.read_bytes() if part.exists() else b""
-    whole = text.rfind(b"\n") + 1
-    if whole < len(text):
-        os.truncate(part, whole)
-    return whole
 
 
 def _write(lines: TextIO, frame: int, estimate: ArmEstimate, hand: OpenHand, ms: float) -> TrackLine:

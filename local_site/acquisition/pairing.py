@@ -39,13 +39,14 @@ class Pairing:
 
     def __init__(self, names: Sequence[str], config: PairingConfig, start_ns: int) -> None:
         self._config = config
+        self._max_skew_ns = config.max_skew_ms * NS_PER_MS
         self._tracks = [_Track(name, start_ns) for name in names]
         self._last_ns: int | None = None
 
     def feed(self, camera: int, frame: Frame) -> Views | None:
         """Take a frame of one camera; the views of a new common instant, if it completes one."""
         self._tracks[camera].add(frame)
-        if not all(track.frames for track in self._tracks) or self._frozen() or self._skew_ns() > self._max_skew_ns():
+        if not all(track.frames for track in self._tracks) or self._frozen() or self._skew_ns() > self._max_skew_ns:
             return None
         views = self._views()
         if views is None or (self._last_ns is not None and views.t_ns - self._last_ns < self._least_step_ns(views)):
@@ -62,7 +63,7 @@ class Pairing:
         frozen = self._frozen()
         if frozen is not None:
             return f"camera {frozen.name} gave {frozen.repeats + 1} identical frames: frozen"
-        if self._skew_ns() > self._max_skew_ns():
+        if self._skew_ns() > self._max_skew_ns:
             behind = min(self._tracks, key=lambda track: track.newest_ns)
             return f"camera {behind.name} is {self._skew_ns() / NS_PER_MS:.0f} ms behind the others"
         return None
@@ -84,9 +85,6 @@ class Pairing:
     def _skew_ns(self) -> int:
         newest = [track.newest_ns for track in self._tracks]
         return max(newest) - min(newest)
-
-    def _max_skew_ns(self) -> float:
-        return self._config.max_skew_ms * NS_PER_MS
 
     def _frozen(self) -> "_Track | None":
         return next((track for track in self._tracks if track.repeats >= self._config.frozen_frames), None)

@@ -1,7 +1,7 @@
 """The cameras that see the operator: a source for each camera of the rig, one of them alone, or simulated ones."""
 
 from collections.abc import Callable, Sequence
-from contextlib import ExitStack
+from contextlib import ExitStack, closing
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Annotated
@@ -10,8 +10,7 @@ import msgspec
 from msgspec import Meta
 
 from common.cameras.camera import Camera
-from common.cameras.opencv import DEFAULT_LATENCY_MS
-from common.cameras.sources import Source, open_camera
+from common.cameras.sources import DEFAULT_LATENCY_MS, Source, open_camera
 from common.errors import CameraError, ConfigError
 from local_site.acquisition.simulated_cameras import SimulatedCameras
 from local_site.calibration.rig import Rig
@@ -104,9 +103,9 @@ def open_rig_cameras(
             "give one for each, in this order, or calibrate again with those you have"
         )
     with ExitStack() as opened:
-        cameras = []
-        for calibrated, source in zip(rig.cameras, sources, strict=True):
-            cameras.append(open_camera(source, calibrated.name, fps, latency_ms))
-            opened.callback(cameras[-1].close)
+        cameras = [
+            opened.enter_context(closing(open_camera(source, calibrated.name, fps, latency_ms)))
+            for calibrated, source in zip(rig.cameras, sources, strict=True)
+        ]
         opened.pop_all()
     return cameras

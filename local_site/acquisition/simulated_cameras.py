@@ -1,4 +1,4 @@
-"""The simulated operator's cameras: rendered in a process of their own, read like any camera."""
+"""The simulated operator's cameras: exposed on time, rendered in a process of their own, read like any camera."""
 
 import mmap
 import multiprocessing
@@ -6,26 +6,97 @@ import os
 import select
 import signal
 import weakref
+from collections.abc import Callable
+from dataclasses import dataclass
 from multiprocessing.process import BaseProcess
 
 import cv2
 import numpy as np
 
 from common.cameras.camera import Frame, Image
-from common.clock import NS_PER_MS, NS_PER_S, MonotonicClock
+from common.clock import NS_PER_MS, NS_PER_S, Clock, MonotonicClock
 from common.errors import CameraError
 from common.process.children import die_with_parent
 from common.process.service import ask_for_real_time
-from local_site.acquisition.exposures import Beginning, ExposureLoop, ExposureSchedule
 from local_site.calibration.rig import Rig
 from local_site.simulation.config import SimulationConfig
 from local_site.simulation.hazel import SIZE_PX
-from local_site.simulation.operator import filming_rig, make_operator
+from local_site.simulation.operator import Operator, filming_rig, make_operator
 
 END_WITHIN_S = 1.0
 FIFO_PRIORITY = 21
 SLOTS = 4
 WRITING = -1
+UNSET = -1
+
+Publish = Callable[[int, Image, int], None]
+
+
+class Beginning:
+    """When the simulated operator began to move, ns; processes forked later see it as soon as it is set."""
+
+    def __init__(self) -> None:
+        self._t_ns = np.frombuffer(mmap.mmap(-1, 8), np.int64)
+        self._t_ns[0] = UNSET
+
+    def set(self, t_ns: int) -> None:
+        """The motion begins at this time; later calls change nothing."""
+        if self._t_ns[0] == UNSET:
+            self._t_ns[0] = t_ns
+
+    def elapsed_s(self, t_ns: int) -> float:
+        """How long the operator has been moving at a time, s: zero before the beginning."""
+        begun_ns = int(self._t_ns[0])
+        return 0.0 if begun_ns == UNSET else max(0.0, (t_ns - begun_ns) / NS_PER_S)
+
+
+@dataclass(frozen=True, slots=True)
+class Exposure:
+    """An instant at which these cameras (0 left, 1 right) expose."""
+
+    t_ns: int
+    cameras: tuple[int, ...]
+
+
+@dataclass(frozen=True, slots=True)
+class ExposureSchedule:
+    """Absolute deadlines: the left camera every period from the start on, the right one of two `offset_ns` later."""
+
+    start_ns: int
+    period_ns: int
+    offset_ns: int
+    cameras: int = 2
+
+    def after(self, t_ns: int) -> Exposure:
+        """The first exposure later than this time."""
+        first = [self.start_ns + k * self.offset_ns for k in range(self.cameras)]
+        times = [start + max(0, (t_ns - start) // self.period_ns + 1) * self.period_ns for start in first]
+        return Exposure(min(times), tuple(k for k, time_ns in enumerate(times) if time_ns == min(times)))
+
+
+class ExposureLoop:
+    """Renders the operator when the cameras expose; an exposure more than a period late is skipped."""
+
+    def __init__(
+        self, operator: Operator, beginning: Beginning, schedule: ExposureSchedule, clock: Clock, publish: Publish
+    ) -> None:
+        self._operator = operator
+        self._beginning = beginning
+        self._schedule = schedule
+        self._clock = clock
+        self._publish = publish
+        self._last_ns = schedule.start_ns - 1
+
+    def expose_next(self) -> None:
+        """Wait for the next exposure, stamp it, then render what was to be seen at that instant."""
+        oldest_ns = self._clock.now_ns() - self._schedule.period_ns
+        exposure = self._schedule.after(max(self._last_ns, oldest_ns))
+        self._last_ns = exposure.t_ns
+        self._clock.sleep_until_ns(exposure.t_ns)
+        capture_ns = self._clock.now_ns()
+        t_s = self._beginning.elapsed_s(capture_ns)
+        for camera, image in zip(exposure.cameras, self._operator.render(t_s, exposure.cameras), strict=True):
+            self._publish(camera, image, capture_ns)
 
 
 class SimulatedCameras:
@@ -129,17 +200,13 @@ class SimulatedCamera:
     """One of them; always gives the newest frame, so a slow reader misses frames instead of falling behind."""
 
     def __init__(self, name: str, ring: FrameRing, renderer: _RenderingProcess) -> None:
-        self._name = name
+        self.name = name
         self._ring = ring
         self._renderer = renderer
         self._last = -1
         self._poll = select.poll()
         self._poll.register(ring.wake_fd, select.POLLIN)
         self._poll.register(renderer.process.sentinel, select.POLLIN)
-
-    @property
-    def name(self) -> str:
-        return self._name
 
     def read(self) -> Frame | None:
         """Wait for a frame newer than the last; None once closed, CameraError when the process died."""
@@ -152,7 +219,7 @@ class SimulatedCamera:
             if self._ring.wake_fd in ready:
                 os.eventfd_read(self._ring.wake_fd)
             elif not self._renderer.closed:
-                raise CameraError(f"the process of the simulated operator ended, camera {self._name} with it; restart")
+                raise CameraError(f"the process of the simulated operator ended, camera {self.name} with it; restart")
         return None
 
     def close(self) -> None:

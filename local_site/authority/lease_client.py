@@ -16,6 +16,7 @@ from common.link.channels import DESCRIBE, LEASE, OPERATE
 from common.link.remote_clock import RemoteClock
 from common.link.request_client import RequestClient
 from common.link.transport import Link
+from common.link.trouble_report import tell_by_tls
 from common.messages.hand import ClockSync
 from common.messages.requests import (
     DescribeQuestion,
@@ -26,6 +27,7 @@ from common.messages.requests import (
     OperatorRequest,
     Reply,
 )
+from common.messages.robot import Asker
 from common.process.log import RefusalLog
 from local_site.authority.lease_policy import KEEP_ASKING_NS, LeasePolicy
 
@@ -33,6 +35,7 @@ POLL_S = 0.02
 CLOCK_EVERY_NS = 200 * NS_PER_MS
 PATIENCE_NS = NS_PER_S
 ROUNDS_TO_DOUBT = 25  # of silence, until it probes for the reason: about six seconds
+ROUNDS_TO_WARN = 7  # at most five seconds
 ACTIONS = {OperatorAction.GIVE: LeaseAction.HAND_OVER, OperatorAction.RELEASE: LeaseAction.RELEASE}
 
 
@@ -55,8 +58,8 @@ class Authority:
         self._link, self._cell = link, cell
         self._policy = LeasePolicy(operator, automatic=automatic)
         self._remote_clock = RemoteClock(link, cell, ROUNDS_TO_DOUBT)
-        self._client = RequestClient(link, cell, self._remote_clock, patience_ns=PATIENCE_NS)
-        self._server = link.serve(OPERATE, cell, RefusalLog().note, operator)
+        self._client = RequestClient(link, cell, self._remote_clock, operator=operator, patience_ns=PATIENCE_NS)
+        self._server = link.serve(OPERATE, cell, RefusalLog().note, operator=operator)
         self._clock_due_ns = 0
         self._described = False
         self._refused: RefusedError | None = None
@@ -91,6 +94,7 @@ class Authority:
             if self._policy.held(time.monotonic_ns()):
                 self._request(LeaseAction.RELEASE)
         except RefusedError as error:
+            tell_by_tls(self._link, self._cell, self._policy.operator, str(error))
             self._refused = error
 
     def _step(self, now_ns: int) -> None:
@@ -104,10 +108,12 @@ class Authority:
     def _measure(self, now_ns: int) -> None:
         self._clock_due_ns = now_ns + CLOCK_EVERY_NS
         self._remote_clock.measure()
-        if self._remote_clock.silent_rounds == ROUNDS_TO_DOUBT and not self._described:
-            structlog.get_logger().warning(
-                "the remote site does not answer", cell=self._cell, cure="start it, and check the cell and the endpoint"
-            )
+        if self._remote_clock.silent_rounds == ROUNDS_TO_WARN:
+            no_quic = self._link.why_no_quic()
+            if no_quic:
+                tell_by_tls(self._link, self._cell, self._policy.operator, no_quic)
+            cure = no_quic or self._link.why_silent() or "start it, and check the cell and the endpoint"
+            structlog.get_logger().warning("the remote site does not answer", cell=self._cell, cure=cure)
 
     def _is_described(self) -> bool:
         """Ask for the cell's description once, so that another protocol is noticed before anything moves."""
@@ -121,13 +127,13 @@ class Authority:
             )
         return True
 
-    def _request(self, action: LeaseAction) -> LeaseReply | None:
+    def _request(self, action: LeaseAction, to: Asker | None = None) -> LeaseReply | None:
         """Send a request; None while the remote clock is not known or without an answer."""
         asked_ns = time.monotonic_ns()
         if self._remote_clock.estimate(asked_ns) is None:
             return None
         held = self._policy.held(asked_ns)
-        make = partial(LeaseRequest, action=action, session=self.session, operator=self._policy.operator, lease=held)
+        make = partial(LeaseRequest, action=action, session=self.session, lease=held, to=to)
         self._policy.asked(asked_ns)
         try:
             reply = self._client.ask(LEASE, make)
@@ -152,7 +158,7 @@ class Authority:
             self._policy.keep_asking(time.monotonic_ns())
             answer = self._request(LeaseAction.ACQUIRE) if self._is_described() else None
         else:
-            answer = self._request(ACTIONS[request.action])
+            answer = self._request(ACTIONS[request.action], request.to)
             if answer is not None and answer.done:
                 self._policy.stop_asking()
         if answer is None:

@@ -9,7 +9,9 @@ from common.clock import NS_PER_S
 from common.errors import MessageError
 from common.link.channels import STATE
 from common.link.pubsub import Latest
-from common.messages.robot import RobotState
+from common.messages.hand import OperatorSettings
+from common.messages.robot import Asker, RobotState
+from common.process.link_log import LinkLog
 from common.process.log import RefusalLog
 
 CODES_APART_NS = NS_PER_S  # near a limit a reason comes and goes with every sample
@@ -37,20 +39,24 @@ class ChannelHealth:
 
 
 class RemoteWatch:
-    """Logs when the remote site comes, falls silent or changes its state, and who asks this site for the lease.
+    """Logs when the remote site comes, falls silent or changes its state, what it finds of the links, and who asks this
+    site for the lease.
 
-    `engaged` gets the time of the hand's origin (ns) while the arm obeys this session or waits for it.
+    `engaged` gets the time of the hand's origin (ns) while the arm obeys this session or waits for it; `settings` are
+    the operator's in force there, as heard last.
     """
 
     def __init__(self, states: Latest[RobotState], session: int, engaged: Callable[[int], None]) -> None:
         self._states = states
         self._session = session
         self._engaged = engaged
-        self._asker: str | None = None
+        self.settings: OperatorSettings | None = None
+        self._asker: Asker | None = None
         self._health = ChannelHealth(STATE.stale_after_ns)
         self._logged: tuple[str, str] | None = None
         self._logged_ns = 0
         self._refusals = RefusalLog("state refused")
+        self._link_log = LinkLog()
 
     def poll(self, now_ns: int) -> None:
         """Take the newest state, and log what has changed."""
@@ -61,6 +67,7 @@ class RemoteWatch:
             return
         if state is not None:
             self._health.seen(now_ns)
+            self.settings = state.settings
             self._log(state, now_ns)
         alive = self._health.change(now_ns)
         if alive is False:
@@ -75,13 +82,16 @@ class RemoteWatch:
         if changed or (news != self._logged and now_ns - self._logged_ns >= CODES_APART_NS):
             self._logged, self._logged_ns = news, now_ns
             structlog.get_logger().info("remote", state=state.state.value, code=state.code, reason=state.reason)
+        ready = state.readiness
+        self._link_log.note_limit(state.age_limit_ms, state.speed_scale, ready.code, ready.reason)
         lease = state.lease
         ours = lease is not None and lease.session == self._session
+        self._link_log.note(state.hand_link if ours else None, state.video_link, now_ns)
         if ours and state.engagement is not None:
             self._engaged(state.engagement.hand_capture_ns)
         asker = lease.asked_by if lease is not None and ours else None
-        if asker not in (None, self._asker):
+        if asker is not None and asker != self._asker:
             structlog.get_logger().warning(
-                "another operator asks for the arm", name=asker, consent="farhand lease give"
+                "another operator asks for the arm", name=asker.name, consent=f"farhand lease give {asker.name}"
             )
         self._asker = asker

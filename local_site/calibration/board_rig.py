@@ -55,15 +55,18 @@ def solve_boards(
     start = starting_scene(views, board, pictures.sizes, pictures.names)
     _refuse_similar_poses(start)
     fitted, why = _fit(start, seen)
-    _refuse_misfit(fitted, seen, pictures.names)
+    rms_px = [
+        float(np.sqrt(np.mean(np.sum(fitted.residuals[seen.camera == k] ** 2, axis=1)))) for k in range(len(views))
+    ]
+    _refuse_misfit(rms_px, pictures.names)
     old_R_new, old_t_new = operator_pose(fitted.scene, board, standing)
     cameras = [camera.in_frame(old_R_new, old_t_new) for camera in fitted.scene.cameras]
     mistake = checks.same_view(cameras, np.zeros((1, 3))) or checks.exchanged(cameras)
     if mistake:
         raise CalibrationError(mistake)
-    control = _control(pictures, views, board, (fitted.scene, old_R_new, old_t_new))
-    errors = _error_rms(views, board, fitted, seen, old_R_new)
-    rms_px = [_rms_px(fitted, seen, k) for k in range(len(cameras))]
+    pixels = [_pixels(views, pose, len(board.corners)) for pose in range(len(views[0]))]
+    control = _control(pictures, pixels, board, (fitted.scene, old_R_new, old_t_new))
+    errors = _error_rms(pixels, board, fitted, seen, old_R_new)
     return make_rig(control, cameras, rms_px, errors, (why,) * len(cameras), created), control
 
 
@@ -102,13 +105,9 @@ def _fit(start: BundleScene, seen: Observations) -> tuple[Adjusted, str]:
         raise CalibrationError(f"{UNSOLVABLE} ({error})") from error
 
 
-def _rms_px(fitted: Adjusted, seen: Observations, camera: int) -> float:
-    return float(np.sqrt(np.mean(np.sum(fitted.residuals[seen.camera == camera] ** 2, axis=1))))
-
-
-def _refuse_misfit(fitted: Adjusted, seen: Observations, names: Sequence[str]) -> None:
-    worst = [f"{name} {_rms_px(fitted, seen, k):.1f} px" for k, name in enumerate(names)]
-    if max(_rms_px(fitted, seen, k) for k in range(len(names))) > MAX_RMS_PX:
+def _refuse_misfit(rms_px: Sequence[float], names: Sequence[str]) -> None:
+    if max(rms_px) > MAX_RMS_PX:
+        worst = [f"{name} {rms:.1f} px" for name, rms in zip(names, rms_px, strict=True)]
         raise CalibrationError(
             f"the pictures do not fit one rig (residuals: {', '.join(worst)}); keep cameras and board still while a "
             "picture is taken, keep the board flat, and give its true squares"
@@ -136,17 +135,15 @@ def _pixels(views: Views, pose: int, count: int) -> list[Array]:
 
 
 def _control(
-    pictures: BoardPictures, views: Views, board: Board, solved: tuple[BundleScene, Array, Array]
+    pictures: BoardPictures, pixels: Sequence[list[Array]], board: Board, solved: tuple[BundleScene, Array, Array]
 ) -> ControlPoints:
     """The corners of all poses as points in the operator frame, with the pixels that were measured."""
     scene, old_R_new, old_t_new = solved
-    count = len(board.corners)
-    poses = range(len(views[0]))
     points = np.einsum("pij,cj->pci", scene.rotations, board.corners) + scene.translations[:, None]
-    pixels = [_pixels(views, pose, count) for pose in poses]
-    measured = tuple(np.concatenate([of_pose[k] for of_pose in pixels]) for k in range(len(views)))
+    measured = tuple(np.concatenate(of_camera) for of_camera in zip(*pixels, strict=True))
     seen = np.any([np.isfinite(own[:, 0]) for own in measured], axis=0)
-    labels = np.array([f"pose {pose + 1}, corner {corner}" for pose in poses for corner in range(count)])
+    corners = range(len(board.corners))
+    labels = np.array([f"pose {pose + 1}, corner {corner}" for pose in range(len(pixels)) for corner in corners])
     return ControlPoints(
         points=((points - old_t_new) @ old_R_new).reshape(-1, 3)[seen],
         pixels=tuple(own[seen] for own in measured),
@@ -157,11 +154,9 @@ def _control(
 
 
 def _error_rms(
-    views: Views, board: Board, fitted: Adjusted, seen: Observations, old_R_new: Array
+    pixels: Sequence[list[Array]], board: Board, fitted: Adjusted, seen: Observations, old_R_new: Array
 ) -> tuple[Array | None, Array | None]:
     """3D error per axis of the operator frame (rms, m): by the rig, and by rigs made without each pose in turn."""
-    poses = range(len(views[0]))
-    pixels = [_pixels(views, pose, len(board.corners)) for pose in poses]
-    all_in = board_errors([fitted.scene.cameras] * len(poses), board.corners, pixels)
-    left_out = board_errors([fitted.cameras_without(pose, seen) for pose in poses], board.corners, pixels)
+    all_in = board_errors([fitted.scene.cameras] * len(pixels), board.corners, pixels)
+    left_out = board_errors([fitted.cameras_without(i, seen) for i in range(len(pixels))], board.corners, pixels)
     return accuracy.rms(all_in @ old_R_new), accuracy.rms(left_out @ old_R_new)

@@ -145,32 +145,24 @@ MIN_CAMERAS = 2
 
 
 class PoseGate:
-    """Selects the poses to keep from what all cameras see at each instant."""
+    """Selects the poses to keep, `taken`, from what all cameras see at each instant."""
 
-    def __init__(self, still_px: float = STILL_PX, still_frames: int = STILL_FRAMES, new_px: float = NEW_PX) -> None:
-        self._still_px, self._still_frames, self._new_px = still_px, still_frames, new_px
+    def __init__(self) -> None:
+        self.taken: list[Pose] = []
         self._last: Pose = ()
         self._still = 0
-        self._taken: list[Pose] = []
-
-    @property
-    def taken(self) -> list[Pose]:
-        """The poses kept so far."""
-        return list(self._taken)
 
     def offer(self, pose: Pose) -> bool:
         """Whether this pose is kept: seen by two cameras, still for some frames, and new to one of the cameras."""
         seen = sum(view is not None for view in pose) >= MIN_CAMERAS
-        self._still = self._still + 1 if seen and self._unmoved(pose) else 0
+        unmoved = seen and bool(self._last) and moved(pose, self._last) < STILL_PX
+        self._still = self._still + 1 if unmoved else 0
         self._last = pose if seen else ()
-        if self._still < self._still_frames or any(moved(pose, old) < self._new_px for old in self._taken):
+        if self._still < STILL_FRAMES or any(moved(pose, old) < NEW_PX for old in self.taken):
             return False
-        self._taken.append(pose)
+        self.taken.append(pose)
         self._still = 0
         return True
-
-    def _unmoved(self, pose: Pose) -> bool:
-        return bool(self._last) and moved(pose, self._last) < self._still_px
 
 
 def moved(pose: Pose, other: Pose) -> float:

@@ -1,7 +1,6 @@
 """Checks of solved cameras and of rigs from files, and the most likely mistake in control points that fit no camera."""
 
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass
 from itertools import permutations
 
 import numpy as np
@@ -62,11 +61,6 @@ def same_view(cameras: Sequence[PhysicalCamera], points: Array) -> str:
     rays = [np.median(points, axis=0) - camera.centre for camera in cameras[:2]]
     first, second = (ray / max(float(np.linalg.norm(ray)), 1e-12) for ray in rays)
     return SAME_VIEW if float(np.linalg.norm(np.cross(first, second))) < MIN_PARALLAX else ""
-
-
-def looks_backwards(camera: PhysicalCamera, points: Array) -> bool:
-    """Whether a point (N, 3) lies behind the camera."""
-    return bool(np.any(camera.to_camera(points)[:, 2] <= 0))
 
 
 def upside_down(camera: PhysicalCamera) -> bool:
@@ -159,14 +153,7 @@ MIN_TO_THE_RIGHT = 0.5
 MIN_AWAY = -0.3
 AXES = "correct the axes of the control points (x right, y away, z up)"
 
-
-@dataclass(frozen=True, slots=True)
-class _Repair:
-    """A mistake in words, with the points (N, 3) in m and the pixels (N, 2) as they are without it."""
-
-    mistake: str
-    points: Array
-    pixels: Array
+_Repair = tuple[str, Array, Array]  # a mistake in words, with points (N, 3) in m and pixels (N, 2) as without it
 
 
 def likely_cause(points: Array, pixels: Array) -> str:
@@ -176,13 +163,13 @@ def likely_cause(points: Array, pixels: Array) -> str:
     the camera's usual orientation: x to its right, y away from it, and rather above the points than below.
     """
     found: list[tuple[bool, float, str]] = []
-    for repair in _repairs(points, pixels):
-        projection = solve_projection(repair.points, repair.pixels)
-        residuals = reprojection_errors(projection, repair.points, repair.pixels)
+    for mistake, true_points, true_pixels in _repairs(points, pixels):
+        projection = solve_projection(true_points, true_pixels)
+        residuals = reprojection_errors(projection, true_points, true_pixels)
         camera = decomposed(projection)
-        if camera is not None and _is_on_the_right(camera) and not fits_no_camera(residuals, repair.pixels):
-            below = bool(camera.centre[2] < repair.points[:, 2].mean())
-            found.append((below, round(float(np.median(residuals)), 3), repair.mistake))
+        if camera is not None and _is_on_the_right(camera) and not fits_no_camera(residuals, true_pixels):
+            below = bool(camera.centre[2] < true_points[:, 2].mean())
+            found.append((below, round(float(np.median(residuals)), 3), mistake))
     return min(found)[2] if found else ""
 
 
@@ -193,12 +180,12 @@ def _is_on_the_right(camera: PhysicalCamera) -> bool:
 
 def _repairs(points: Array, pixels: Array) -> Iterator[_Repair]:
     mirrored = f"sees the points mirrored; switch off the mirroring of its picture or, if X_mm runs to the left, {AXES}"
-    yield _Repair(mirrored, points, pixels * (-1.0, 1.0))
-    yield _Repair("sees the points upside down and mirrored; count v from the top", points, pixels * (1.0, -1.0))
-    yield _Repair("its u and v are exchanged; give u along the rows first", points, pixels[:, ::-1])
+    yield (mirrored, points, pixels * (-1.0, 1.0))
+    yield ("sees the points upside down and mirrored; count v from the top", points, pixels * (1.0, -1.0))
+    yield ("its u and v are exchanged; give u along the rows first", points, pixels[:, ::-1])
     towards = f"sees the points mirrored, as if Y_mm ran towards the cameras; {AXES}"
-    yield _Repair(towards, points * (1.0, -1.0, 1.0), pixels)
-    yield _Repair(f"sees the points mirrored, as if X_mm and Y_mm were exchanged; {AXES}", points[:, [1, 0, 2]], pixels)
+    yield (towards, points * (1.0, -1.0, 1.0), pixels)
+    yield (f"sees the points mirrored, as if X_mm and Y_mm were exchanged; {AXES}", points[:, [1, 0, 2]], pixels)
     yield from _other_heights(points, pixels)
 
 
@@ -216,7 +203,7 @@ def _other_heights(points: Array, pixels: Array) -> Iterator[_Repair]:
             f"its heights are in the wrong order: where Z_mm is {_mm(heights)}, its pixels fit {_mm(true)}; "
             f"correct the heights or the order of the pictures{down}"
         )
-        yield _Repair(mistake, np.column_stack([points[:, :2], true[which]]), pixels)
+        yield (mistake, np.column_stack([points[:, :2], true[which]]), pixels)
 
 
 def _mm(heights: Array) -> str:

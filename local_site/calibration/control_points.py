@@ -55,7 +55,8 @@ def read_control_points(path: Path, size: Size | None = None) -> ControlPoints:
     mistakes = [mistake for line, row in numbered for mistake in _mistakes(line, row, header)] + _repeated(numbered)
     if mistakes:
         raise refusal(path.name, mistakes)
-    table = np.array([[_number(cell) for cell in row] for _, row in numbered]).reshape(-1, len(header))
+    values = [[float(cell) if cell.strip() else math.nan for cell in row] for _, row in numbered]
+    table = np.array(values).reshape(-1, len(header))
     pixels = tuple(table[:, k : k + 2] for k in range(len(POSITION), len(header), 2))
     labels = tuple(f"line {line}" for line, _ in numbered)
     return ControlPoints(table[:, :3] / 1000.0, pixels, labels, path.name, (size,) * len(pixels))
@@ -65,10 +66,6 @@ def refusal(source: str, mistakes: Sequence[str]) -> CalibrationError:
     """The error that lists the mistakes of a calibration's input, the first MAX_NAMED in full."""
     more = [] if len(mistakes) <= MAX_NAMED else [f"... and {len(mistakes) - MAX_NAMED} more"]
     return CalibrationError("\n  ".join([f"{source} cannot give a calibration:", *mistakes[:MAX_NAMED], *more]))
-
-
-def _number(cell: str) -> float:
-    return float(cell) if cell.strip() else math.nan
 
 
 def _mistakes(line: int, row: Sequence[str], header: Sequence[str]) -> Iterator[str]:

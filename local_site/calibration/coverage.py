@@ -70,13 +70,9 @@ def coverage_map(pixels: Array, size: Size, picture: Image | None = None) -> Ima
         corners = [(round(edges[0][column + k]) + 1 - 3 * k, round(edges[1][row + k]) + 1 - 3 * k) for k in (0, 1)]
         cv2.rectangle(tint, corners[0], corners[1], GOOD if counts[column, row] else EMPTY, cv2.FILLED)
     mixed = cv2.addWeighted(canvas, 0.5, tint, 0.5, 0.0)
-    _dots(mixed, inside)
+    for u, v in inside:
+        cv2.circle(mixed, (round(float(u)), round(float(v))), 2, DOT, cv2.FILLED, cv2.LINE_AA)
     return np.asarray(mixed, dtype=np.uint8)
-
-
-def _dots(canvas: cv2.typing.MatLike, pixels: Array) -> None:
-    for u, v in pixels:
-        cv2.circle(canvas, (round(float(u)), round(float(v))), 2, DOT, cv2.FILLED, cv2.LINE_AA)
 
 
 CROSS, NAME = (60, 220, 60), (60, 200, 255)

@@ -72,8 +72,7 @@ def _weights(patch: Array, own: Image, free: NDArray[np.bool_]) -> Array:
     ground = float(np.median(patch[ring])) if np.any(ring) else float(patch.min())
     inside = patch[own > 0]
     bright = float(np.quantile(inside, 0.75))
-    result: Array = np.clip((patch - ground) / max(bright - ground, 1.0), 0.0, 1.0) * ((near > 0) & free)
-    return result
+    return np.clip((patch - ground) / max(bright - ground, 1.0), 0.0, 1.0) * ((near > 0) & free)
 
 
 def _grown(mask: Image, by_px: int) -> Image:
@@ -212,7 +211,9 @@ def _upright(cells: NDArray[np.int64], pixels: Array, pixel_H_cell: Array, size:
     ends = _mapped(pixel_H_cell, middle + 0.1 * np.array([(0.0, 0.0), (1.0, 0.0), (0.0, 1.0)]))
     steps = np.column_stack([ends[1] - ends[0], ends[2] - ends[0]])
     choices = []
-    for turn in _turns():
+    swaps = (np.eye(2), np.eye(2)[::-1])
+    for signs, swap in product(product((1.0, -1.0), repeat=2), swaps):  # the eight signed permutations of two axes
+        turn = np.diag(signs) @ swap
         columns, rows = steps @ turn.T[:, 0], steps @ turn.T[:, 1]
         if columns[0] * rows[1] - columns[1] * rows[0] < 0:
             turned = np.round(cells @ turn.T).astype(np.int64)
@@ -237,13 +238,6 @@ def _window(cells: NDArray[np.int64], size: Cell) -> tuple[NDArray[np.int64], ND
     return cells[best].min(axis=0), best
 
 
-def _turns() -> list[Array]:
-    """The eight signed permutations of two axes."""
-    swaps = (np.eye(2), np.eye(2)[::-1])
-    return [np.diag(signs) @ swap for signs, swap in product(product((1.0, -1.0), repeat=2), swaps)]
-
-
 def _mapped(homography: Array, points: Array) -> Array:
     homogeneous = np.asarray(points, dtype=np.float64) @ homography[:, :2].T + homography[:, 2]
-    result: Array = homogeneous[:, :2] / homogeneous[:, 2:]
-    return result
+    return homogeneous[:, :2] / homogeneous[:, 2:]

@@ -66,8 +66,7 @@ class Lens(msgspec.Struct, frozen=True, forbid_unknown_fields=True):
         return (np.asarray(pixels, dtype=np.float64) - (self.cx, self.cy)) / (self.fx, self.fy)
 
     def _pixels(self, slopes: Array) -> Array:
-        result: Array = slopes * (self.fx, self.fy) + (self.cx, self.cy)
-        return result
+        return slopes * (self.fx, self.fy) + (self.cx, self.cy)
 
 
 class Undistorter:
@@ -112,13 +111,11 @@ class PhysicalCamera:
     @property
     def centre(self) -> Array:
         """The camera's centre (3,) in m in the operator frame."""
-        centre: Array = -self.camera_R_operator.T @ self.translation
-        return centre
+        return -self.camera_R_operator.T @ self.translation
 
     def to_camera(self, points: Array) -> Array:
         """Points (..., 3) of the operator frame in the camera's frame, m."""
-        result: Array = points @ self.camera_R_operator.T + self.translation
-        return result
+        return points @ self.camera_R_operator.T + self.translation
 
     def pixels(self, points: Array) -> Array:
         """Pixels (..., 2) in the picture taken, of points (..., 3) in m in the operator frame."""

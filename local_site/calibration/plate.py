@@ -36,10 +36,9 @@ class Plate:
 
 @dataclass(frozen=True, slots=True)
 class PlateView:
-    """One picture's lattice, the discs found, and the plate's columns and rows at which the lattice may begin."""
+    """One picture's lattice, and the plate's columns and rows at which the lattice may begin."""
 
     lattice: Lattice
-    discs: tuple[Disc, ...]
     beginnings: tuple[Cell, ...]
     size_px: tuple[int, int]
 
@@ -61,7 +60,7 @@ def view_plate(picture: Image, plate: Plate, name: str) -> PlateView:
             f"{name}: the plate ends after {columns} x {rows} discs, not {plate.columns} x {plate.rows}; uncover all "
             "of its discs, or give its true columns and rows with --discs"
         )
-    return PlateView(lattice, tuple(discs), beginnings, size_px)
+    return PlateView(lattice, beginnings, size_px)
 
 
 def plate_control_points(views: Sequence[Sequence[PlateView]], heights: Sequence[float], plate: Plate) -> ControlPoints:

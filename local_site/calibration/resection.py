@@ -36,7 +36,8 @@ def solve_projection(points: Array, pixels: Array) -> Array:
     rows = np.concatenate([np.hstack([X, zero, -u[:, :1] * X]), np.hstack([zero, X, -u[:, 1:] * X])])
     normalised = np.linalg.svd(rows, full_matrices=False)[2][-1].reshape(3, 4)
     projection: Array = np.linalg.inv(image_T) @ normalised @ world_T
-    return _signed(projection, points)
+    depth = float(np.mean(points @ projection[2, :3] + projection[2, 3]))
+    return projection / math.copysign(max(float(np.linalg.norm(projection[2, :3])), 1e-300), depth)
 
 
 def unsolvable(points: Array) -> str:
@@ -86,13 +87,6 @@ def _normaliser(values: Array) -> Array:
     result = np.diag([*[scale] * dimension, 1.0])
     result[:dimension, dimension] = -scale * centre
     return result
-
-
-def _signed(projection: Array, points: Array) -> Array:
-    """The same projection, scaled so that depths of the points come out positive and in m."""
-    depth = float(np.mean(points @ projection[2, :3] + projection[2, 3]))
-    scale = math.copysign(max(float(np.linalg.norm(projection[2, :3])), 1e-300), depth)
-    return projection / scale
 
 
 SIGNIFICANCE = 0.01
@@ -166,8 +160,7 @@ class Resection(ModelFit):
     def normal(self) -> Array:
         """The normal matrix of the fit."""
         flat = self.jacobian.reshape(-1, len(self.free))
-        result: Array = flat.T @ flat
-        return result
+        return flat.T @ flat
 
     def without(self, index: int) -> PhysicalCamera | None:
         """The camera that the other points alone would give, to first order; None if they do not determine it."""
@@ -192,8 +185,7 @@ def fit_camera(points: Array, pixels: Array, start: PhysicalCamera, free: tuple[
     simple = start.simplified(free)
 
     def residuals(values: Array) -> Array:
-        flat: Array = (simple.stepped(scattered(values, free)).pixels(points) - pixels).ravel()
-        return flat
+        return (simple.stepped(scattered(values, free)).pixels(points) - pixels).ravel()
 
     zero = np.zeros(len(free))
     fit = least_squares(

@@ -10,6 +10,7 @@ from common.geometry import Array
 from local_site.calibration.physical_camera import Lens
 
 Row4 = tuple[float, float, float, float]
+Projection = tuple[Row4, Row4, Row4]
 Vector3 = tuple[float, float, float]
 Pixels = Annotated[int, Meta(ge=1)]
 
@@ -21,7 +22,7 @@ class CameraCalibration(msgspec.Struct, frozen=True, forbid_unknown_fields=True)
     calibration. Without a `lens` the picture is not distorted."""
 
     name: str
-    projection: tuple[Row4, Row4, Row4]
+    projection: Projection
     reprojection_rms_px: Annotated[float, Meta(ge=0)]
     lens: Lens | None = None
     serial: str = ""

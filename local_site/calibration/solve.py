@@ -1,9 +1,9 @@
 """A rig from control points: linear cameras first, then physical ones with the least squared reprojection error."""
 
 from collections.abc import Sequence
-from dataclasses import dataclass
 
 import numpy as np
+from msgspec import convert
 from numpy.typing import NDArray
 
 from common.errors import CalibrationError
@@ -21,15 +21,11 @@ from local_site.calibration.resection import (
     solve_projection,
     unsolvable,
 )
-from local_site.calibration.rig import CameraCalibration, Rig, Row4, Vector3
+from local_site.calibration.rig import CameraCalibration, Projection, Rig, Vector3
 
 MANY_OUTLYING = 0.1
 
-
-@dataclass(frozen=True, slots=True)
-class _Solved:
-    resection: Resection
-    why: str
+_Solved = tuple[Resection, str]  # a camera, and why its lens has the distortion terms it has
 
 
 def solve_rig(control: ControlPoints, created: str) -> Rig:
@@ -42,21 +38,20 @@ def solve_rig(control: ControlPoints, created: str) -> Rig:
     solved: list[_Solved] = []
     for name, pixels in zip(control.cameras, control.pixels, strict=True):
         outcome = _solve_camera(name, control, pixels)
-        if isinstance(outcome, _Solved):
-            solved.append(outcome)
-        else:
+        if isinstance(outcome, list):
             mistakes += outcome
+        else:
+            solved.append(outcome)
+    resections = [resection for resection, _ in solved]
+    cameras = [resection.camera for resection in resections]
     if not mistakes:
-        cameras = [one.resection.camera for one in solved]
         mistakes += filter(None, [checks.same_view(cameras, control.points) or checks.exchanged(cameras)])
     if mistakes:
         raise refusal(control.source, mistakes)
-    resections = [one.resection for one in solved]
-    cameras = [resection.camera for resection in resections]
     error_rms = accuracy.rms(accuracy.errors(cameras, control.points, control.pixels))
     left_out = accuracy.rms(accuracy.leave_one_out_errors(resections, control.points, control.pixels))
     rms_px = [resection.rms_px for resection in resections]
-    return make_rig(control, cameras, rms_px, (error_rms, left_out), tuple(one.why for one in solved), created)
+    return make_rig(control, cameras, rms_px, (error_rms, left_out), tuple(why for _, why in solved), created)
 
 
 def _solve_camera(name: str, control: ControlPoints, all_pixels: Array) -> _Solved | list[str]:
@@ -87,18 +82,13 @@ def _refine(
     if np.any(outliers):
         many = float(np.mean(outliers)) > MANY_OUTLYING
         cause = [f"{name} camera: {likely_cause(points, pixels) or checks.NONSENSE}"] if many else []
-        return cause + _outliers(name, labels[outliers], lengths[outliers])
-    if checks.looks_backwards(resection.camera, points):
+        return cause + [
+            f"{label}: {length:.1f} px off in the {name} camera; measure this point again, or leave its pixels empty"
+            for label, length in zip(labels[outliers], lengths[outliers], strict=True)
+        ]
+    if np.any(resection.camera.to_camera(points)[:, 2] <= 0):  # behind the camera
         return [f"{name} camera: {checks.NONSENSE}"]
-    return _Solved(*((resection, why) if np.all(kept) else choose_camera(points, pixels, resection.camera)))
-
-
-def _outliers(camera: str, labels: NDArray[np.str_], lengths: Array) -> list[str]:
-    cure = "measure this point again, or leave its pixels empty"
-    return [
-        f"{label}: {length:.1f} px off in the {camera} camera; {cure}"
-        for label, length in zip(labels, lengths, strict=True)
-    ]
+    return (resection, why) if np.all(kept) else choose_camera(points, pixels, resection.camera)
 
 
 def make_rig(
@@ -130,9 +120,8 @@ def make_rig(
 
 def _calibration(name: str, camera: PhysicalCamera, rms_px: float, size: Size | None) -> CameraCalibration:
     """The calibration of a fitted camera; an undistorted lens is left out, so that its pictures are not resampled."""
-    rows: list[Row4] = [(a, b, c, d) for a, b, c, d in camera.projection.tolist()]
     lens = camera.lens if camera.lens.is_distorted else None
-    return CameraCalibration(name, (rows[0], rows[1], rows[2]), rms_px, lens, size_px=size)
+    return CameraCalibration(name, convert(camera.projection.tolist(), Projection), rms_px, lens, size_px=size)
 
 
 def _vector(values: Array) -> Vector3:

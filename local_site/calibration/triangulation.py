@@ -17,8 +17,7 @@ Pair = tuple[int, int]
 def project(projection: Array, points: Array) -> Array:
     """Pixels (..., 2) of points (..., 3) in m by a projection (3, 4)."""
     homogeneous = points @ projection[:, :3].T + projection[:, 3]
-    pixels: Array = homogeneous[..., :2] / homogeneous[..., 2:]
-    return pixels
+    return homogeneous[..., :2] / homogeneous[..., 2:]
 
 
 @compiled
@@ -67,8 +66,7 @@ def triangulate_many(projections: Sequence[Array], pixels: Array) -> Array:
     rows = np.concatenate([m[:2] - pixels[:, k, :, None] * m[2] for k, m in enumerate(projections)], axis=1)
     a, b = rows[..., :3], -rows[..., 3:]
     transposed = a.transpose(0, 2, 1)
-    points: Array = np.linalg.solve(transposed @ a, transposed @ b)[..., 0]
-    return points
+    return np.linalg.solve(transposed @ a, transposed @ b)[..., 0]
 
 
 def reprojection_residual(projections: Sequence[Array], pixels: Sequence[Array], point: Array) -> float:

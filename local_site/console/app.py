@@ -3,6 +3,7 @@
 import asyncio
 import secrets
 import socket
+import time
 from collections.abc import Callable
 from contextlib import ExitStack
 
@@ -10,7 +11,7 @@ import structlog
 import uvicorn
 
 from common.errors import FarhandError, ProcessError
-from common.link.channels import HAND, INTENT, SHOWN, STATE, ChannelSession
+from common.link.channels import HAND, INTENT, KEY_FRAMES, SHOWN, STATE, ChannelSession
 from common.link.credentials import check_links
 from common.link.transport import Link, open_link
 from common.messages.requests import Description
@@ -19,6 +20,7 @@ from common.process.service import StopFlag, notify
 from local_site.console.cell_watch import CellWatch
 from local_site.console.config import ConsoleConfig
 from local_site.console.hub import Hub
+from local_site.console.key_frames import KeyFrames
 from local_site.console.listening import Listeners
 from local_site.console.message_handler import Outlets, PageMessageHandler
 from local_site.console.model.history import History
@@ -31,7 +33,7 @@ from local_site.console.site_requests import SiteRequests
 SITUATION_S = 0.06
 INTENT_S = 0.02
 CHECK_S = 0.1
-SESSION_BITS = 62
+SESSION_BITS = 32
 
 
 def run_console(
@@ -70,7 +72,7 @@ async def _serve(
         async with asyncio.TaskGroup() as group:
             tasks = [
                 group.create_task(_every(SITUATION_S, hub.send_situation)),
-                group.create_task(_every(INTENT_S, handler.send_intent)),
+                group.create_task(_every(INTENT_S, lambda: handler.send_intent(time.monotonic_ns()))),
                 group.create_task(_watch(server, should_stop, lambda: _report_ready(config, port, announce))),
             ]
             await server.serve(sockets=[listening])
@@ -100,15 +102,17 @@ def _connect(
     watch = CellWatch(control, cell, described, refused)
     outlets = None
     if config.operate:
-        outlets = Outlets(control.publisher(INTENT, cell, name).put, video.publisher(SHOWN, cell, name).put)
+        intent, shown = control.publisher(INTENT, cell, operator=name), video.publisher(SHOWN, cell, operator=name)
+        outlets = Outlets(intent.put, shown.put)
     requests, session = SiteRequests(control, watch, cell, name), secrets.randbits(SESSION_BITS)
     handler = PageMessageHandler(Seat(open_=config.operate), outlets, requests, latencies, history, session)
-    hub = Hub(handler, watch, latencies, history, watched, name, operate=config.operate)
-    pictures = Pictures(config.links, cell, listeners, hub.camera, hub.preview)
+    key_frames = KeyFrames(video.publisher(KEY_FRAMES, cell).put)
+    hub = Hub(handler, watch, latencies, history, watched, key_frames, name, operate=config.operate)
+    pictures = Pictures(config, listeners, hub.camera, hub.preview)
     stack.callback(pictures.close)
     listeners.listen(control.latest(STATE, cell), hub.state)
     if control.may_receive(HAND):
-        listeners.listen(control.latest(HAND, cell), hub.hand)
+        listeners.listen(control.latest(HAND, cell, operator=name), hub.hand)
     stack.enter_context(watch)
     return hub, handler
 

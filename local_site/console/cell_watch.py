@@ -65,6 +65,10 @@ class CellWatch:
         self.round_trip_ms = None if trip is None else trip.duration_ns / NS_PER_MS
         if trip is None:
             self._known = None
+            if self.clock.silent_rounds % ROUNDS_TO_DOUBT == 0 and (
+                why := self._link.why_no_quic() or self._link.why_silent()
+            ):
+                raise RefusedError(why)
         elif self._known is None:
             self._known = self._link.ask(DESCRIBE, self._cell, DescribeQuestion())
             if self._known is not None:

@@ -82,8 +82,9 @@ class ConsoleConfig(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fi
     @property
     def bearers(self) -> tuple[Identity, ...]:
         """Whose certificates the console may use; any that may watch, where no page operates."""
-        roles = (Role.OPERATOR,) if self.operate else (Role.OPERATOR, Role.VIEWER, Role.MAINTENANCE)
-        return tuple(Identity(role, self.cell) for role in roles)
+        operator = Identity(Role.OPERATOR, self.cell, self.name)
+        watching = () if self.operate else (Role.VIEWER, Role.MAINTENANCE)
+        return operator, *(Identity(role, self.cell) for role in watching)
 
     @property
     def name(self) -> str:

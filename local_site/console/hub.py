@@ -7,21 +7,25 @@ from typing import Protocol
 
 import msgspec
 
-from common.clock import ClockEstimate, ClockOffset
+from common.clock import NS_PER_MS, ClockEstimate, ClockOffset
 from common.messages.hand import HandArm
 from common.messages.requests import Description
 from common.messages.robot import RobotState
 from common.messages.video import VideoFrame
+from local_site.console.key_frames import KeyFrames
 from local_site.console.message_handler import NO_LEASE, PageMessageHandler
 from local_site.console.model.frames import view_frame
 from local_site.console.model.history import History
 from local_site.console.model.latency import Latencies
 from local_site.console.model.page_messages import parse
+from local_site.console.model.sent_target import SentTarget
 from local_site.console.model.shown import CAMERA_VIEW
 from local_site.console.model.situation import NewestMessages, situation_json
-from local_site.console.page import Page
+from local_site.console.model.tools import tools_json
+from local_site.console.page import OpenPages, Page
 
 OWN_CLOCK = ClockOffset(0, 0)
+LEAST_TOOLS_NS = 50 * NS_PER_MS
 
 
 class CellClock(Protocol):
@@ -45,22 +49,25 @@ class Hub:
         latencies: Latencies,
         history: History,
         watched: Callable[[bool], None],
+        key_frames: KeyFrames,
         operator: str,
         *,
         operate: bool,
     ) -> None:
         self._handler, self._watch = handler, watch
         self._latencies, self._history = latencies, history
-        self._operate, self._operator, self._watched = operate, operator, watched
+        self._operate, self._operator = operate, operator
+        self._key_frames = key_frames
         self._newest = NewestMessages()
+        self._sent = SentTarget()
+        self._tools_ns = 0
         self._cell: Description | None = None
-        self._pages: list[Page] = []
+        self._pages = OpenPages(watched)
 
     def arrive(self, page: Page) -> None:
         """A page has connected."""
         now_ns = time.monotonic_ns()
-        self._pages.append(page)
-        self._watched(True)
+        self._pages.add(page)
         self._handler.seat.arrive(page.visitor, now_ns)
         page.send(type="hello", page=page.visitor.number, operate=self._operate, operator=self._operator)
         if self._cell is not None:
@@ -69,7 +76,6 @@ class Hub:
     def leave(self, page: Page) -> None:
         """A page has gone."""
         self._pages.remove(page)
-        self._watched(bool(self._pages))
         if page.visitor == self._handler.seat.occupant:
             self._handler.seat.leave(page.visitor)
             self._history.note("seat", f"{page.visitor} is gone, nobody operates", time.monotonic_ns())
@@ -84,20 +90,28 @@ class Hub:
         self._newest = replace(self._newest, state=state, state_ns=now_ns)
         lease = state.lease
         self._handler.lease = lease.number if lease is not None and lease.holder == self._operator else NO_LEASE
+        self._handler.adopt(state.settings, now_ns)
+        self._sent.add_state(state)
         self._history.add_state(state, now_ns)
         self._latencies.add_state(state, now_ns)
 
     def hand(self, hand: HandArm) -> None:
         """A hand sample has come."""
-        self._newest = replace(self._newest, hand=hand, hand_ns=time.monotonic_ns())
+        now_ns = time.monotonic_ns()
+        self._newest = replace(self._newest, hand=hand, hand_ns=now_ns)
+        self._sent.add_hand(hand)
+        self._send_tools(now_ns)
 
     def camera(self, frame: VideoFrame) -> None:
         """A picture of the cell has come."""
         now_ns = time.monotonic_ns()
         known = self._watch.estimate(now_ns)
         view, clock = CAMERA_VIEW + frame.camera, known.offset if known is not None else None
-        self._handler.remember(view, frame, now_ns, clock)
-        self._show(view, frame, clock)
+        usable = self._show(view, frame, clock)
+        self._handler.remember(view, frame, now_ns, clock, usable=usable)
+        wanted = [after for page in self._pages if (after := page.slots.wants_after(view)) is not None]
+        if wanted:
+            self._key_frames.ask(frame.camera, max(wanted), now_ns)
 
     def preview(self, frame: VideoFrame) -> None:
         """A picture of the operator has come, by this host's clock."""
@@ -108,6 +122,7 @@ class Hub:
         self._cell = cell
         for page in self._pages:
             self._introduce(page, cell)
+        self._sent.describe(cell)
 
     def refused(self, sentence: str) -> None:
         """The cell is refused, as one of another release."""
@@ -120,17 +135,31 @@ class Hub:
         self._latencies.add_clock(*clock, now_ns)
         if not self._pages:
             return
-        seat, intent = self._handler.seat, self._handler.intent
-        situation = situation_json(now_ns, self._newest, *clock, seat, intent, self._latencies, self._history)
+        seat, settings = self._handler.seat, self._handler.settings
+        situation = situation_json(now_ns, self._newest, *clock, seat, settings, self._latencies, self._history)
         for page in self._pages:
-            page.situation(situation)
+            page.newest("situation", situation)
+        if now_ns - self._tools_ns > LEAST_TOOLS_NS:  # no hand samples come
+            self._send_tools(now_ns)
+
+    def _send_tools(self, now_ns: int) -> None:
+        """Send every page where the tool is, and where it has been sent."""
+        self._tools_ns = now_ns
+        if not self._pages:
+            return
+        known = self._watch.estimate(now_ns)
+        remote = known.offset if known is not None else None
+        sent = self._sent.base_T_tool(now_ns, remote)
+        tools = tools_json(self._newest.state, self._newest.hand, sent, remote)
+        for page in self._pages:
+            page.newest("tools", tools)
 
     def _introduce(self, page: Page, cell: Description) -> None:
         page.send(type="cell", cell=msgspec.to_builtins(cell))
 
-    def _show(self, view: str, frame: VideoFrame, clock: ClockOffset | None) -> None:
+    def _show(self, view: str, frame: VideoFrame, clock: ClockOffset | None) -> bool:
+        """Whether any page can decode it."""
         if not self._pages:
-            return
+            return False
         outgoing = view_frame(view, frame, clock)
-        for page in self._pages:
-            page.frame(outgoing)
+        return sum(page.frame(outgoing) for page in self._pages) > 0

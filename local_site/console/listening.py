@@ -1,8 +1,9 @@
-"""Passes messages from the links' threads to the event loop: only the newest, however busy the loop is."""
+"""Passes messages from the links' threads to the event loop: only the newest few, however busy the loop is."""
 
 import asyncio
 import threading
 import time
+from collections import deque
 from collections.abc import Callable
 from typing import Generic, TypeVar
 
@@ -17,25 +18,20 @@ JOIN_S = 0.5
 
 
 class Handover(Generic[M]):
-    """Passes the newest message to `take` in the loop; it replaces one that still waits."""
+    """Passes the `depth` newest messages to `take` in the loop, in order; they replace older ones that still wait."""
 
-    def __init__(self, loop: asyncio.AbstractEventLoop, take: Callable[[M], None]) -> None:
+    def __init__(self, loop: asyncio.AbstractEventLoop, take: Callable[[M], None], depth: int) -> None:
         self._loop, self._take = loop, take
-        self._lock = threading.Lock()
-        self._newest: M | None = None
+        self._waiting: deque[M] = deque(maxlen=depth)
 
     def put(self, message: M) -> None:
         """Queue a message for the loop; may be called from any thread."""
-        with self._lock:
-            scheduled, self._newest = self._newest is not None, message
-        if not scheduled:
-            self._loop.call_soon_threadsafe(self._deliver)
+        self._waiting.append(message)
+        self._loop.call_soon_threadsafe(self._deliver)
 
     def _deliver(self) -> None:
-        with self._lock:
-            message, self._newest = self._newest, None
-        if message is not None:
-            self._take(message)
+        if self._waiting:
+            self._take(self._waiting.popleft())
 
 
 class Listeners:
@@ -47,7 +43,9 @@ class Listeners:
 
     def listen(self, latest: Latest[M], take: Callable[[M], None]) -> None:
         """Pass on each message, until the link or the loop is closed."""
-        thread = threading.Thread(target=_listen, args=(latest, Handover(self._loop, take)), name="listen", daemon=True)
+        thread = threading.Thread(
+            target=_listen, args=(latest, Handover(self._loop, take, latest.depth)), name="listen", daemon=True
+        )
         thread.start()
         self._threads.append(thread)
 

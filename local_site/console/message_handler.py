@@ -1,17 +1,15 @@
 """Handles the pages' messages: who operates, the operator's intent, and requests to the sites."""
 
-import asyncio
-import time
 from collections.abc import Callable
-from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass
 from typing import Protocol, assert_never
 
 from msgspec.structs import replace
 
-from common.clock import NS_PER_MS, ClockOffset
-from common.messages.hand import Intent, OperatorIntent
+from common.clock import NS_PER_MS, NS_PER_S, ClockOffset
+from common.messages.hand import Intent, OperatorIntent, OperatorSettings
 from common.messages.requests import EngagementAction, OperatorAction, PicturePoint, Reply
+from common.messages.robot import Asker
 from common.messages.video import VideoFrame, ViewsShown
 from local_site.console.model.history import History
 from local_site.console.model.latency import Latencies
@@ -21,6 +19,7 @@ from local_site.console.model.page_messages import (
     AskLease,
     Beat,
     Clutch,
+    FrameLost,
     FrameTaken,
     LeaveSeat,
     MarkJoints,
@@ -31,8 +30,10 @@ from local_site.console.model.page_messages import (
 from local_site.console.model.seat import Seat, SeatAnswer
 from local_site.console.model.shown import ShownViews
 from local_site.console.page import Page
+from local_site.console.request_pools import RequestPools, answer
 
 NO_LEASE = 0
+CONFIRMED_WITHIN_NS = NS_PER_S
 
 
 class Requests(Protocol):
@@ -40,7 +41,7 @@ class Requests(Protocol):
 
     def engagement(self, action: EngagementAction) -> Reply: ...
 
-    def lease(self, action: OperatorAction) -> Reply: ...
+    def lease(self, action: OperatorAction, to: Asker | None) -> Reply: ...
 
     def joints(self, shoulder: PicturePoint, elbow: PicturePoint, wrist: PicturePoint) -> Reply: ...
 
@@ -56,8 +57,9 @@ class Outlets:
 class PageMessageHandler:
     """Lives in the event loop; every method is called there. Any page may stop the arm, the rest is the operator's.
 
-    `lease` is the number of the lease that this console's operator last held. Without outlets, where pages
-    only watch, nothing is sent to the sites.
+    `lease` is the number of the lease that this console's operator last held. `settings` are those in force at the
+    remote site, with what the operating page has changed since; None until they are known. Without outlets, where
+    pages only watch, nothing is sent to the sites.
     """
 
     def __init__(
@@ -69,31 +71,48 @@ class PageMessageHandler:
         history: History,
         session: int,
     ) -> None:
-        self.seat, self.intent = seat, Intent()
+        self.seat = seat
         self.lease = NO_LEASE
+        self.settings: OperatorSettings | None = None
+        self._changed_ns = 0
+        self._reported = False
         self._outlets, self._requests = outlets, requests
         self._latencies, self._history = latencies, history
-        self._shown = ShownViews(session)
-        self._tasks: set[asyncio.Task[None]] = set()
-        self._stopping = ThreadPoolExecutor(2, "stop")  # a stop never waits behind another request
-        self._asking = ThreadPoolExecutor(2, "ask")
+        self._session, self._shown = session, ShownViews(session)
+        self._pools = RequestPools(history)
 
     def close(self) -> None:
         """Begin nothing more, and wait for the requests under way: their link is closed, so it is short."""
-        for pool in (self._stopping, self._asking):
-            pool.shutdown(cancel_futures=True)
+        self._pools.close()
 
-    def send_intent(self) -> None:
-        """Send the operating page's intent to the local site; without such a page nothing is sent, and none held."""
-        now_ns = time.monotonic_ns()
-        if self.seat.occupant is None or self._outlets is None:
+    def adopt(self, in_force: OperatorSettings | None, now_ns: int) -> None:
+        """Take the settings in force, unless the operating page has just changed them under the lease held here.
+
+        A change that is not in force after a second is dropped: it must not take effect when nobody expects it.
+        """
+        ours = self._own_settings()
+        is_newer = ours is not None and in_force is not None and ours.revision > in_force.revision
+        if is_newer and now_ns - self._changed_ns <= CONFIRMED_WITHIN_NS:
             return
-        intent = replace(self.intent, hold=self.seat.held(now_ns))
-        self._outlets.intent(OperatorIntent(sent_ns=now_ns, intent=intent))
+        if is_newer:
+            self._history.note("operator", "a change of scales or locks was not taken by the remote site", now_ns)
+        self.settings = in_force
 
-    def remember(self, view: str, frame: VideoFrame, now_ns: int, clock: ClockOffset | None) -> None:
-        """A frame of the cell goes to the pages under this name of its view; `clock` is the remote one, if known."""
-        self._shown.remember(view, frame, now_ns, clock.offset_ns if clock is not None else None)
+    def send_intent(self, now_ns: int) -> None:
+        """Send the operating page's intent to the local site; once it is silent that is sent once, then nothing."""
+        reports = self.seat.reports(now_ns)
+        if self._outlets is not None and (reports or self._reported):
+            intent = Intent(hold=self.seat.held(now_ns), settings=self._own_settings()) if reports else None
+            self._outlets.intent(OperatorIntent(session=self._session, sent_ns=now_ns, intent=intent))
+        self._reported = reports
+
+    def remember(self, view: str, frame: VideoFrame, now_ns: int, clock: ClockOffset | None, *, usable: bool) -> None:
+        """A frame of the cell has gone to the pages under this name of its view, if any could decode it (`usable`).
+
+        `clock` is the remote one, if known.
+        """
+        offset_ns = clock.offset_ns if clock is not None else None
+        self._shown.remember(view, frame, now_ns, offset_ns, usable=usable)
 
     def handle(self, page: Page, message: AnyPageMessage, now_ns: int) -> None:
         """Carry out what a page asks for."""
@@ -103,12 +122,14 @@ class PageMessageHandler:
                 page.send(type="echo", page_ms=message.page_ms, server_ms=now_ns / NS_PER_MS)
             case FrameTaken():
                 page.taken(message.view)
+            case FrameLost():
+                page.slots.interrupt(message.view)
             case Ask():
                 self._ask(page, message, now_ns)
             case AskLease():
-                self._if_operating(
-                    page, message.id, lambda: self._requests.lease(message.action), f"lease: {message.action.value}"
-                )
+                to = message.to.asker if message.to is not None else None
+                what = f"lease: {message.action.value}"
+                self._if_operating(page, message.id, lambda: self._requests.lease(message.action, to), what)
             case MarkJoints():
                 joints = message.shoulder, message.elbow, message.wrist
                 self._if_operating(page, message.id, lambda: self._requests.joints(*joints), "joints")
@@ -124,18 +145,32 @@ class PageMessageHandler:
 
     def _operate(self, message: Shown | Clutch | Steer, now_ns: int) -> None:
         match message:
-            case Clutch():
-                self.intent = replace(self.intent, clutch_count=self.intent.clutch_count + 1)
-                self._history.note("operator", "new origins taken (clutch)", now_ns)
-            case Steer():
-                self.intent = message.apply(self.intent)
+            case Clutch() | Steer():
+                self._set(message, now_ns)
             case Shown():
                 self._report(message, now_ns)
             case _:
                 assert_never(message)
 
+    def _set(self, message: Clutch | Steer, now_ns: int) -> None:
+        """Change the settings under the lease held here; without one, or while they are unknown, there is no effect."""
+        settings = self._own_settings()
+        if settings is None:
+            return
+        self._changed_ns = now_ns
+        if isinstance(message, Steer):
+            self.settings = message.apply(settings)
+        else:
+            self.settings = replace(settings, revision=settings.revision + 1)
+            self._history.note("operator", "new origins taken (clutch)", now_ns)
+
+    def _own_settings(self) -> OperatorSettings | None:
+        """The settings of the lease that this console's operator holds; None without one, or while they are unknown."""
+        settings = self.settings
+        return settings if settings is not None and settings.lease == self.lease else None
+
     def _report(self, message: Shown, now_ns: int) -> None:
-        shown = self._shown.message(message.views, self.lease, now_ns)
+        shown = self._shown.message(message, self.lease, now_ns)
         if shown is None:
             return
         for camera, view in shown.views.items():
@@ -151,38 +186,17 @@ class PageMessageHandler:
             return
         self.seat.interrupt()
         self._history.note("stop", f"stop asked by {page.visitor}", now_ns)
-        self._later(page, message.id, self._stopping, lambda: self._requests.engagement(message.action), "stop")
+        self._pools.stop(page, message.id, lambda: self._requests.engagement(message.action))
 
     def _if_operating(self, page: Page, number: int, act: Callable[[], Reply], what: str) -> None:
         if page.visitor == self.seat.occupant:
-            self._later(page, number, self._asking, act, what)
+            self._pools.ask(page, number, act, what)
             return
         who = f"{self.seat.occupant} operates" if self.seat.occupant is not None else "nobody operates"
         reason = f"this page only watches: {who}; take the controls first"
-        _answer(page, number, what, Reply(id=number, done=False, code="watching", reason=reason))
+        answer(page, number, what, Reply(id=number, done=False, code="watching", reason=reason))
 
     def _answer_seat(self, page: Page, number: int, verdict: SeatAnswer, now_ns: int) -> None:
         if verdict.done:
             self._history.note("seat", f"{page.visitor}: {verdict.sentence}", now_ns)
-        _answer(page, number, "controls", Reply(id=number, done=verdict.done, code="seat", reason=verdict.sentence))
-
-    def _later(self, page: Page, number: int, pool: ThreadPoolExecutor, act: Callable[[], Reply], what: str) -> None:
-        """Ask in a thread that may wait, and answer the page when it is done."""
-        asked_ns = time.monotonic_ns()
-
-        async def ask() -> None:
-            reply = await asyncio.get_running_loop().run_in_executor(pool, act)
-            now_ns = time.monotonic_ns()
-            took_ms = (now_ns - asked_ns) / NS_PER_MS
-            outcome = f"done in {took_ms:.0f} ms" if reply.done else "refused"
-            self._history.note(what, f"{what} {outcome}: {reply.reason}", now_ns)
-            _answer(page, number, what, reply, took_ms)
-
-        task = asyncio.get_running_loop().create_task(ask())
-        self._tasks.add(task)
-        task.add_done_callback(self._tasks.discard)
-
-
-def _answer(page: Page, number: int, what: str, reply: Reply, took_ms: float = 0.0) -> None:
-    done, code, reason = reply.done, reply.code, reply.reason
-    page.send(type="answer", id=number, what=what, done=done, code=code, reason=reason, took_ms=took_ms)
+        answer(page, number, "controls", Reply(id=number, done=verdict.done, code="seat", reason=verdict.sentence))

@@ -7,7 +7,7 @@ from common.link.channels import CAMERA, PREVIEW, ChannelSession
 from common.link.transport import open_link
 from common.messages.video import VideoFrame
 from local_site.calibration.control_points import CAMERAS
-from local_site.console.config import ConsoleLinksConfig
+from local_site.console.config import ConsoleConfig
 from local_site.console.listening import Listeners
 
 Take = Callable[[VideoFrame], None]
@@ -21,8 +21,8 @@ class Pictures:
     `know` and `watch` may be called from anywhere and never wait.
     """
 
-    def __init__(self, links: ConsoleLinksConfig, cell: str, listeners: Listeners, camera: Take, preview: Take) -> None:
-        self._links, self._cell, self._listeners = links, cell, listeners
+    def __init__(self, config: ConsoleConfig, listeners: Listeners, camera: Take, preview: Take) -> None:
+        self._config, self._listeners = config, listeners
         self._camera, self._preview = camera, preview
         self._changed = threading.Condition()
         self._names: frozenset[str] = frozenset()
@@ -52,13 +52,13 @@ class Pictures:
 
     def _run(self) -> None:
         while self._wait_until(lambda: self._watched):
-            names = self._names
-            endpoints = self._links.video, self._links.local
-            with open_link(connect=endpoints, security=self._links, sessions=list(ChannelSession)) as link:
+            names, links, cell = self._names, self._config.links, self._config.cell
+            with open_link(connect=(links.video, links.local), security=links, sessions=list(ChannelSession)) as link:
                 for name in names:
-                    self._listeners.listen(link.latest(CAMERA, self._cell, name), self._camera)
+                    self._listeners.listen(link.latest(CAMERA, cell, name), self._camera)
                 for name in CAMERAS if link.may_receive(PREVIEW) else ():
-                    self._listeners.listen(link.latest(PREVIEW, self._cell, name), self._preview)
+                    preview = link.latest(PREVIEW, cell, name, operator=self._config.name)
+                    self._listeners.listen(preview, self._preview)
                 self._wait_until(lambda: not self._watched or self._names != names)  # noqa: B023  # called here alone
 
     def _wait_until(self, is_so: Callable[[], bool]) -> bool:

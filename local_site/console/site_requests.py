@@ -17,6 +17,7 @@ from common.messages.requests import (
     Reply,
     Request,
 )
+from common.messages.robot import Asker
 from local_site.console.cell_watch import CellWatch
 
 Asked = TypeVar("Asked", bound=Request)
@@ -26,17 +27,16 @@ class SiteRequests:
     """Asks and waits, so call it from a thread that may wait; a silent site gives a refusal with a sentence."""
 
     def __init__(self, link: Link, watch: CellWatch, cell: str, operator: str) -> None:
-        self._operator = operator
-        self._remote = RequestClient(link, cell, watch.clock)
-        self._local = RequestClient(link, cell, name=operator)
+        self._remote = RequestClient(link, cell, watch.clock, operator=operator)
+        self._local = RequestClient(link, cell, operator=operator)
 
     def engagement(self, action: EngagementAction) -> Reply:
         """The remote site's reply."""
-        return _asked(self._remote, ENGAGEMENT, partial(EngagementRequest, operator=self._operator, action=action))
+        return _asked(self._remote, ENGAGEMENT, partial(EngagementRequest, action=action))
 
-    def lease(self, action: OperatorAction) -> Reply:
-        """The local site's reply."""
-        return _asked(self._local, OPERATE, partial(OperatorRequest, action=action))
+    def lease(self, action: OperatorAction, to: Asker | None) -> Reply:
+        """The local site's reply; `to` is whom the page has shown to ask for the lease."""
+        return _asked(self._local, OPERATE, partial(OperatorRequest, action=action, to=to))
 
     def joints(self, shoulder: PicturePoint, elbow: PicturePoint, wrist: PicturePoint) -> Reply:
         """The local site's reply to the positions of the joints that the operator has clicked."""
@@ -48,4 +48,4 @@ def _asked(client: RequestClient, procedure: Procedure[Asked, Reply], make: Requ
     try:
         return client.ask(procedure, make)
     except TransportError as error:
-        return Reply(id=0, done=False, code="silent", reason=str(error)[:400])
+        return Reply(id=0, done=False, code="silent", reason=str(error))

@@ -13,7 +13,6 @@ from common.errors import FarhandError
 from common.link.channels import HAND, PREVIEW, STATE
 from common.link.credentials import check_links
 from common.link.endpoints import check_free
-from common.link.roles import Identity, Role
 from common.link.transport import open_link
 from common.process.children import Children, Heartbeat
 from common.process.log import LogFormat, start_log
@@ -28,7 +27,7 @@ from local_site.preview.preview import Preview, PreviewProcess
 from local_site.runtime.loop import ArmTracking, LocalSite, SampleSender
 from local_site.runtime.warm_up import warm_up
 
-SESSION_BITS = 62
+SESSION_BITS = 32
 FIFO_PRIORITY = 20  # of tracking: below the robot's control, above everything that may come late
 
 
@@ -43,7 +42,7 @@ def run_local(
     `save_views` is a folder for the last annotated operator views, written as PNG at the end.
     """
     start_log("local", log_format)
-    check_links((config.links.remote, config.links.listen), config.links, Identity(Role.OPERATOR, config.cell))
+    check_links((config.links.remote, config.links.listen), config.links, config.bearer)
     check_free(config.links.listen, config.links)
     children = Children("local")
     if config.metrics.port:
@@ -63,7 +62,8 @@ def _metrics(config: LocalConfig, should_stop: StopFlag, heartbeat: Heartbeat) -
     from local_site.runtime.figures import LocalFigures  # noqa: PLC0415  # the same
 
     port, links, beat = config.metrics.port, config.links, heartbeat.beat
-    run_metrics(port, links.listen, HAND, config.cell, LocalFigures(), should_stop, beat, links)
+    operator = config.authority.name
+    run_metrics(port, links.listen, HAND, config.cell, LocalFigures(), should_stop, beat, links, operator=operator)
 
 
 def _run(config: LocalConfig, should_stop: StopFlag, save_views: Path | None) -> None:
@@ -96,12 +96,14 @@ def _open_site(config: LocalConfig, stack: ExitStack) -> LocalSite:
     link = stack.enter_context(open_link(listen=(links.listen,), connect=(links.remote,), security=links))
     session = secrets.randbits(SESSION_BITS)
     authority = stack.enter_context(Authority(link, cell, wanted.name, session, automatic=wanted.automatic))
-    wires = {name: link.publisher(PREVIEW, cell, name) for name in CAMERAS[: len(operator.cameras)]}
+    views = CAMERAS[: len(operator.cameras)]
+    wires = {view: link.publisher(PREVIEW, cell, view, operator=wanted.name) for view in views}
+    watch = RemoteWatch(link.latest(STATE, cell), session, operator.engaged)
     return LocalSite(
         capture,
         ArmTracking(config, operator, link),
-        SampleSender(config, link, authority, clock),
-        RemoteWatch(link.latest(STATE, cell), session, operator.engaged),
+        SampleSender(config, link, authority, watch, clock),
+        watch,
         Preview(wires, drawing, config.preview.fps),
         clock,
     )

@@ -21,7 +21,7 @@ from local_site.config import LocalConfig
 from local_site.preview.preview import Preview
 from local_site.runtime.joint_clicks import JointClicks
 from local_site.runtime.profile_file import ProfileStore
-from local_site.samples.hand_sample import HandSampler, IntentMerge, OpenHand
+from local_site.samples.hand_sample import HandSampler, IntentMerge, OpenHand, unless_in_force
 from local_site.samples.smoothing import make_smoother
 from local_site.tracking.annotate import annotate
 from local_site.tracking.choice import make_tracker, profile_of
@@ -41,7 +41,7 @@ class ArmTracking:
         self._tracker = make_tracker(operator.rig, operator.tracking, self._profiles.known)
         self._drift = DriftWatch(operator.rig, config.drift, _warning("drift"))
         refused = RefusalLog().note
-        self._clicks = JointClicks(link.serve(JOINTS, config.cell, refused, name), self._tracker)
+        self._clicks = JointClicks(link.serve(JOINTS, config.cell, refused, operator=name), self._tracker)
         self._matrices = operator.rig.matrices
         self._seen: tuple[Views, ArmEstimate] | None = None
 
@@ -80,14 +80,15 @@ class ArmTracking:
 class SampleSender:
     """Sends estimates as hand samples, with the lease, the clocks' offset and the operator's intent of the instant."""
 
-    def __init__(self, config: LocalConfig, link: Link, authority: Authority, clock: Clock) -> None:
-        self._authority, self._clock = authority, clock
+    def __init__(self, config: LocalConfig, link: Link, authority: Authority, watch: RemoteWatch, clock: Clock) -> None:
+        self._authority, self._watch, self._clock = authority, watch, clock
         self._smoother = make_smoother(config.smoothing)
         self._gesture = config.gesture
         self._hand = OpenHand()
         self._sampler = HandSampler(authority.session)
-        self._publisher = link.publisher(HAND, config.cell)
-        self._intents = link.latest(INTENT, config.cell, config.authority.name)
+        name = config.authority.name
+        self._publisher = link.publisher(HAND, config.cell, operator=name)
+        self._intents = link.latest(INTENT, config.cell, operator=name)
         self._intent = IntentMerge()
         self._refusals = RefusalLog("intent refused")
 
@@ -102,15 +103,21 @@ class SampleSender:
 
     def _send(self, estimate: ArmEstimate) -> None:
         now_ns = self._clock.now_ns()
+        for _ in range(INTENT.depth):
+            self._take_intent(now_ns)
+        held = self._authority.lease_and_clock(now_ns)
+        intent = unless_in_force(self._intent.at(now_ns), self._watch.settings)
+        self._publisher.put(self._sampler.sample(estimate, self._hand, held.lease, held.clock, intent, now_ns))
+
+    def _take_intent(self, now_ns: int) -> None:
+        """Take one intent that waits, if there is one."""
         try:
             received = self._intents.take()
         except MessageError as error:
             self._refusals.note(error)
-        else:
-            if received is not None:
-                self._intent.receive(received, now_ns)
-        held, intent = self._authority.lease_and_clock(now_ns), self._intent.at(now_ns)
-        self._publisher.put(self._sampler.sample(estimate, self._hand, held.lease, held.clock, intent))
+            return
+        if received is not None:
+            self._intent.receive(received, now_ns)
 
 
 class LocalSite:

@@ -13,10 +13,8 @@ from common.clock import NS_PER_MS
 from common.geometry import Array
 from common.link.channels import INTENT
 from common.messages.base import Covariance, Vector3
-from common.messages.hand import ClockSync, HandArm, Intent, OperatorIntent, PointCovariances
+from common.messages.hand import ClockSync, HandArm, Intent, OperatorIntent, OperatorSettings, PointCovariances
 from local_site.tracking.tracker import ArmEstimate
-
-REASON_CHARACTERS = 400
 
 
 class GestureConfig(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
@@ -53,8 +51,10 @@ class OpenHand:
 class IntentMerge:
     """Keeps the newest intent that a console or pedal of this host has sent; what is not repeated is not held.
 
-    Intent older than 200 ms is "not held". After such a silence, as at the start, holding counts only once the key was
-    seen released: a console that comes back with its key still down moves nothing.
+    Without any for 200 ms, or as soon as its sender reports it, there is no intent. After such a silence, as at the
+    start, holding counts only once the key was seen released: a console that comes back with its key still down moves
+    nothing. Of several senders the first counts, until it is silent: what a second one reports is no release of the
+    first one's key, and changes none of its settings.
     """
 
     def __init__(self) -> None:
@@ -62,21 +62,37 @@ class IntentMerge:
         self._released = False
 
     def receive(self, received: OperatorIntent, now_ns: int) -> None:
-        """Take an intent; one that is older than the last, or from the future, is ignored."""
-        if received.sent_ns > now_ns or (self._last is not None and received.sent_ns <= self._last.sent_ns):
+        """Take an intent; one that is older than the last, from the future, or of a second sender is ignored."""
+        last, intent = self._last, received.intent
+        if received.sent_ns > now_ns or (last is not None and received.sent_ns <= last.sent_ns):
             return
-        if self._last is not None and received.sent_ns - self._last.sent_ns > INTENT.stale_after_ns:
+        if last is not None:
+            is_silent = last.intent is None or received.sent_ns - last.sent_ns > INTENT.stale_after_ns
+            is_other = received.session != last.session
+            if is_other and not is_silent:
+                return
+            if is_other or is_silent:
+                self._released = False
+        if intent is None:
             self._released = False
         self._last = received
-        self._released = self._released or not received.intent.hold
+        self._released = self._released or (intent is not None and not intent.hold)
 
-    def at(self, now_ns: int) -> Intent:
-        """The intent of this instant."""
-        if self._last is None:
-            return Intent()
-        if now_ns - self._last.sent_ns > INTENT.stale_after_ns:
+    def at(self, now_ns: int) -> Intent | None:
+        """The intent of this instant, None while nobody reports one."""
+        intent = self._last.intent if self._last is not None else None
+        if self._last is None or intent is None or now_ns - self._last.sent_ns > INTENT.stale_after_ns:
             self._released = False
-        return replace(self._last.intent, hold=self._last.intent.hold and self._released)
+            return None
+        return replace(intent, hold=intent.hold and self._released)
+
+
+def unless_in_force(intent: Intent | None, in_force: OperatorSettings | None) -> Intent | None:
+    """The intent without settings that are in force at the remote site, or older: they would change nothing there."""
+    settings = intent.settings if intent is not None else None
+    if intent is None or settings is None or in_force is None or settings.lease != in_force.lease:
+        return intent
+    return replace(intent, settings=None) if settings.revision <= in_force.revision else intent
 
 
 class HandSampler:
@@ -87,9 +103,15 @@ class HandSampler:
         self._seq = 0
 
     def sample(
-        self, estimate: ArmEstimate, hand: OpenHand, lease: int, clock: ClockSync | None, intent: Intent
+        self,
+        estimate: ArmEstimate,
+        hand: OpenHand,
+        lease: int,
+        clock: ClockSync | None,
+        intent: Intent | None,
+        sent_ns: int,
     ) -> HandArm:
-        """The sample of one instant, with the lease's number, the clocks' offset and the intent as they are then."""
+        """The sample of one instant, with lease, clocks' offset and intent as they are when it is sent."""
         sample = HandArm(
             session=self._session,
             seq=self._seq,
@@ -100,7 +122,7 @@ class HandSampler:
             thumb=_vector(estimate.thumb),
             palm=_vector(estimate.palm),
             status=estimate.status,
-            reason=estimate.reason[:REASON_CHARACTERS],
+            reason=estimate.reason,
             thumb_inferred=estimate.thumb_inferred,
             hand_open=estimate.hand_open or hand.is_open,
             gripper_toggles=hand.toggles,
@@ -108,6 +130,7 @@ class HandSampler:
             lease=lease,
             clock=clock,
             intent=intent,
+            sent_ns=sent_ns,
         )
         self._seq += 1
         return sample

@@ -1,6 +1,6 @@
-"""The simulated operator's right arm as a solid: convex hulls of balls, posed by a skeleton."""
+"""The simulated operator's right arm as a solid, bare or with markers: hulls of balls, posed by a skeleton."""
 
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from itertools import pairwise
 
 import numpy as np
@@ -23,6 +23,9 @@ UPPER_ARM_BELLY = np.array([0.0, 0.35, 0.75, 1.0, 0.9])
 BELLY_AT = 0.26
 WRIST_FLATNESS = 0.42
 ELBOW_FLATNESS = 0.10
+MARKER_RADIUS_M = 0.012
+# Half the width of a wrist: the thesis's markers sit on the radial side of it (section 5.2).
+WRIST_MARKER_IN_HAND = np.array([0.0, 0.033, 0.0])
 
 
 @dataclass(frozen=True, slots=True)
@@ -85,8 +88,12 @@ class ArmBody:
     def __init__(self, config: BodyConfig) -> None:
         self._config = config
         self._hand = Hand(config.hand_scale)
-        self._forearm = _forearm_sections(config)
-        self._upper_arm = _upper_arm_sections(config)
+        taper = config.elbow_girth + (config.wrist_girth - config.elbow_girth) * FOREARM_AT
+        bulge = config.forearm_girth - float(np.interp(BELLY_AT, FOREARM_AT, taper))
+        flatness = ELBOW_FLATNESS + (WRIST_FLATNESS - ELBOW_FLATNESS) * FOREARM_AT**2
+        self._forearm = _stadium(taper + bulge * FOREARM_BELLY, flatness)
+        girth = config.elbow_girth + (config.upper_arm_girth - config.elbow_girth) * UPPER_ARM_BELLY
+        self._upper_arm = _stadium(girth, np.full(len(girth), ELBOW_FLATNESS))
         self._radii = np.concatenate(
             [np.repeat(self._forearm.radius, 2), np.repeat(self._upper_arm.radius[:-1], 2), self._hand.radii]
         )
@@ -141,24 +148,50 @@ class ArmBody:
         return _pairs(middle[:-1], sections.half_width[:-1, None] * hinge), rim
 
 
+class MarkedArm:
+    """An arm that wears a dark glove and bright balls on the wrist's radial side, on index and thumb.
+
+    Those of the fingers are caps about the last joint, so that they show from all sides. The truth for wrist, index and
+    thumb is the centres of the markers.
+    """
+
+    def __init__(self, body: ArmBody) -> None:
+        self._body = body
+        by_name = {part.name: part for part in body.parts}
+        self._tips = [int(by_name[name].balls[-1]) for name in ("index", "thumb")]
+        wrist = 2 * len(FOREARM_AT) - 1
+        self.parts = body.parts + tuple(
+            Part(f"{name} marker", (np.array([body.ball_count + 1 + k]),), worn_on=(limb, ball))
+            for k, (name, limb, ball) in enumerate(
+                [
+                    ("wrist", by_name["forearm"], wrist),
+                    ("index", by_name["index"], self._tips[0]),
+                    ("thumb", by_name["thumb"], self._tips[1]),
+                ]
+            )
+        )
+
+    def solid(self, pose: BodyPose) -> Solid:
+        """The skin of the whole arm in this pose, with its markers."""
+        skin = self._body.solid(pose)
+        return replace(skin, markers=self._centres(pose, skin), marker_radius=MARKER_RADIUS_M)
+
+    def truth(self, pose: BodyPose) -> ArmTruth:
+        """The elbow, and the centres of the markers."""
+        wrist, index, thumb = self._centres(pose, self._body.solid(pose))
+        return replace(self._body.truth(pose), wrist=wrist, index=index, thumb=thumb)
+
+    def _centres(self, pose: BodyPose, skin: Solid) -> Array:
+        wrist = pose.wrist + pose.operator_R_hand @ WRIST_MARKER_IN_HAND
+        return np.vstack([wrist, skin.centres[self._tips]])
+
+
 @dataclass(frozen=True, slots=True)
 class _Sections:
     """Cross-sections of a limb, each two half circles of `radius` whose centres lie 2 `half_width` apart, m."""
 
     radius: Array
     half_width: Array
-
-
-def _forearm_sections(config: BodyConfig) -> _Sections:
-    taper = config.elbow_girth + (config.wrist_girth - config.elbow_girth) * FOREARM_AT
-    bulge = config.forearm_girth - float(np.interp(BELLY_AT, FOREARM_AT, taper))
-    flatness = ELBOW_FLATNESS + (WRIST_FLATNESS - ELBOW_FLATNESS) * FOREARM_AT**2
-    return _stadium(taper + bulge * FOREARM_BELLY, flatness)
-
-
-def _upper_arm_sections(config: BodyConfig) -> _Sections:
-    girth = config.elbow_girth + (config.upper_arm_girth - config.elbow_girth) * UPPER_ARM_BELLY
-    return _stadium(girth, np.full(len(girth), ELBOW_FLATNESS))
 
 
 def _stadium(girth: Array, flatness: Array) -> _Sections:

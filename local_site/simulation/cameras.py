@@ -6,10 +6,11 @@ from dataclasses import dataclass
 from pathlib import Path
 
 import numpy as np
+from msgspec import convert
 
 from common.geometry import Array
 from local_site.calibration.control_points import read_control_points
-from local_site.calibration.rig import CameraCalibration, Rig, Row4
+from local_site.calibration.rig import CameraCalibration, Projection, Rig
 from local_site.calibration.solve import solve_rig
 from local_site.simulation.config import SimulationConfig, StereoConfig
 
@@ -72,7 +73,7 @@ def _looking_at_centre(config: StereoConfig, turn_deg: float) -> PinholeCamera:
 def exact_rig(config: StereoConfig) -> Rig:
     """The rig of the undistorted pair, without any error; what a calibration is to find."""
     cameras = tuple(
-        CameraCalibration(name=name, projection=_rows(camera.projection), reprojection_rms_px=0.0)
+        CameraCalibration(name, convert(camera.projection.tolist(), Projection), reprojection_rms_px=0.0)
         for name, camera in zip(NAMES, stereo_pair(config), strict=True)
     )
     return Rig(
@@ -82,11 +83,6 @@ def exact_rig(config: StereoConfig) -> Rig:
         error_rms=(0.0, 0.0, 0.0),
         created="exact, simulated",
     )
-
-
-def _rows(matrix: Array) -> tuple[Row4, Row4, Row4]:
-    first, second, third = ((float(r[0]), float(r[1]), float(r[2]), float(r[3])) for r in matrix)
-    return first, second, third
 
 
 def control_points() -> Array:
@@ -102,15 +98,10 @@ def control_point_rows(config: StereoConfig, noise_px: float, seed: int) -> list
     columns = [[f"{1000 * value:.3f}" for value in point] for point in points]
     for camera in stereo_pair(config):
         pixels = camera.pixels(camera.to_camera(points)) + noise_px * random.standard_normal((len(points), 2))
-        for column, pixel in zip(columns, pixels, strict=True):
-            column.extend(_fields(pixel, config))
+        for column, (u, v) in zip(columns, pixels.tolist(), strict=True):
+            seen = 0 <= u <= config.width_px - 1 and 0 <= v <= config.height_px - 1
+            column.extend((f"{u:.3f}", f"{v:.3f}") if seen else ("", ""))
     return ["X_mm,Y_mm,Z_mm,uL_px,vL_px,uR_px,vR_px", *(",".join(column) for column in columns)]
-
-
-def _fields(pixel: Array, config: StereoConfig) -> tuple[str, str]:
-    u, v = (float(value) for value in pixel)
-    seen = 0 <= u <= config.width_px - 1 and 0 <= v <= config.height_px - 1
-    return (f"{u:.3f}", f"{v:.3f}") if seen else ("", "")
 
 
 def calibrate_simulated(config: SimulationConfig) -> Rig:

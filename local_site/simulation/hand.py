@@ -56,14 +56,10 @@ WEB_RADIUS = 0.0095
 THENAR_INWARD = np.array([0.0, 0.006, 0.002])
 
 
-def _fan(angles_deg: tuple[float, ...]) -> Array:
-    angles = np.radians(angles_deg)
-    return np.column_stack([np.cos(angles), np.sin(angles), np.zeros(len(angles))])
-
-
 def _posture(fan_deg: tuple[float, ...], thumb: Array, thumb_curl: Array, bend_deg: list[list[float]]) -> FingerPosture:
-    down = np.tile([0.0, 0.0, -1.0], (4, 1))
-    return FingerPosture(np.vstack([_fan(fan_deg), thumb]), np.vstack([down, thumb_curl]), np.array(bend_deg))
+    angles, down = np.radians(fan_deg), np.tile([0.0, 0.0, -1.0], (4, 1))
+    fan = np.column_stack([np.cos(angles), np.sin(angles), np.zeros(len(angles))])
+    return FingerPosture(np.vstack([fan, thumb]), np.vstack([down, thumb_curl]), np.array(bend_deg))
 
 
 U_SHAPE = _posture(

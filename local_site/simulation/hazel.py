@@ -87,8 +87,9 @@ class Swing:
         upper, lower = ramp * self.upper_arm, ramp * self.forearm
         upper_arm = link(0.75 + upper * _wave(k, 101.0), 0.6 * upper * _wave(k, 113.0), 0.5 * upper * _wave(k, 89.0))
         forearm = link(-0.1 + lower * _wave(k, 107.0), 0.5 * lower * _wave(k, 99.0), 0.5 * lower * _wave(k, 73.0))
-        arm = TrueArm(np.array([-0.26, -0.19, 1.36]) + sway, upper_arm, forearm)
-        return _turned(arm, self.in_plane * (0.5 - 0.5 * math.cos(math.pi * min(frame / HAZEL_S_FRAMES, 1.0))))
+        in_plane = self.in_plane * (0.5 - 0.5 * math.cos(math.pi * min(frame / HAZEL_S_FRAMES, 1.0)))
+        turn = rotation_from_vector(np.array([0.0, 0.0, in_plane]))
+        return TrueArm(turn @ (np.array([-0.26, -0.19, 1.36]) + sway), turn @ upper_arm, turn @ forearm)
 
 
 def link(in_plane: float, out_of_plane: float, roll: float) -> Array:
@@ -197,9 +198,3 @@ def _along(direction: Array) -> Array:
     y = np.array([0.0, 0.0, 1.0]) - z[2] * z
     y /= np.linalg.norm(y)
     return np.column_stack([np.cross(y, z), y, z])
-
-
-def _turned(arm: TrueArm, angle: float) -> TrueArm:
-    """The arm turned in the picture about its middle."""
-    turn = rotation_from_vector(np.array([0.0, 0.0, angle]))
-    return TrueArm(turn @ arm.shoulder, turn @ arm.upper_arm, turn @ arm.forearm)

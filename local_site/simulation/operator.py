@@ -6,11 +6,10 @@ from typing import Protocol
 from common.cameras.camera import Image
 from common.geometry import Array
 from local_site.calibration.rig import Rig
-from local_site.simulation.body import ArmBody, ArmTruth, Solid
+from local_site.simulation.body import ArmBody, ArmTruth, MarkedArm
 from local_site.simulation.cameras import exact_rig, stereo_pair
 from local_site.simulation.config import SimulationConfig
 from local_site.simulation.hazel import TexturedOperator, film_camera
-from local_site.simulation.markers import MarkedArm
 from local_site.simulation.motion import Motion
 from local_site.simulation.rendering import Renderer
 
@@ -55,7 +54,8 @@ class SimulatedOperator:
 
     def render(self, t_s: float, cameras: tuple[int, ...] = (0, 1)) -> list[Image]:
         """The pictures (H, W) grey of these cameras (0 left, 1 right), exposed about this time."""
-        solids = self._exposure(t_s)
+        offsets = [(k + 0.5) / SUB_FRAMES - 0.5 for k in range(SUB_FRAMES)] if self._shutter_s else [0.0]
+        solids = [self._body.solid(self.motion.pose(t_s + offset * self._shutter_s)) for offset in offsets]
         return [self._renderers[camera].render(solids) for camera in cameras]
 
     def truth(self, t_s: float) -> ArmTruth:
@@ -70,9 +70,3 @@ class SimulatedOperator:
     def openings_until(self, t_s: float) -> int:
         """How often the hand has begun to open by this time."""
         return self.motion.openings_until(t_s)
-
-    def _exposure(self, t_s: float) -> list[Solid]:
-        if not self._shutter_s:
-            return [self._body.solid(self.motion.pose(t_s))]
-        offsets = [(k + 0.5) / SUB_FRAMES - 0.5 for k in range(SUB_FRAMES)]
-        return [self._body.solid(self.motion.pose(t_s + offset * self._shutter_s)) for offset in offsets]

@@ -1,6 +1,7 @@
-"""Draws the simulated arm grey on black, with the blur and the noise of a real camera."""
+"""Draws the simulated arm grey on black by its exact outline, with the blur and the noise of a real camera."""
 
 import math
+from dataclasses import dataclass
 
 import cv2
 import numpy as np
@@ -8,12 +9,12 @@ from numpy.typing import NDArray
 
 from common.cameras.camera import Image
 from common.geometry import Array
-from local_site.simulation.body import Part, Solid
+from local_site.simulation.body import RIM_POINTS, Part, Solid
 from local_site.simulation.cameras import PinholeCamera
 from local_site.simulation.config import PictureConfig, StereoConfig
-from local_site.simulation.outline import FixedPoints, Outlines, farthest_first, part_polygons, project
 
 Box = tuple[int, int, int, int]
+FixedPoints = NDArray[np.int32]
 
 FINE = 4
 SHIFT = 4
@@ -29,6 +30,68 @@ PEAK_LEVEL = 190
 FULL_DEPTH_PX = 18.0
 GLOVE_LEVEL = 22
 MARKER_LEVEL = 225
+
+JUST_M = 1e-6
+_TURN = np.linspace(0.0, 2.0 * np.pi, RIM_POINTS, endpoint=False)
+# Half way between inscribed and circumscribed, so that a polygon of few corners is as wide as its circle on average.
+_CIRCLE = np.column_stack([np.cos(_TURN), np.sin(_TURN)]) * (0.5 + 0.5 / np.cos(np.pi / RIM_POINTS))
+
+
+@dataclass(frozen=True, slots=True)
+class Outlines:
+    """What the lens makes of N balls, the sleeve's rim and K markers: `rims` (N + 1 + K, RIM_POINTS, 2) in px.
+
+    `depths` (N + 1 + K,) are the distances of their centres along the line of sight, m.
+    """
+
+    rims: Array
+    depths: Array
+
+
+def project(solid: Solid, camera: PinholeCamera, inset_px: float = 0.0) -> Outlines:
+    """The outlines of all balls in one camera, each smaller all round by `inset_px`; exact, since a hull of balls
+    projects to the hull of their outlines."""
+    count = len(solid.radii)
+    centres = camera.to_camera(np.concatenate([solid.centres, solid.markers]))
+    full = np.concatenate([solid.radii, np.full(len(solid.markers), solid.marker_radius)])
+    balls = _ball_outlines(centres, full - inset_px / camera.focal_px * centres[:, 2])
+    rim = camera.to_camera(solid.rim)
+    rims = camera.pixels(np.concatenate([balls[:count], rim[None], balls[count:]]))
+    return Outlines(rims, np.insert(centres[:, 2], count, rim[:, 2].mean()))
+
+
+def part_polygons(rims: FixedPoints, depths: Array, parts: tuple[Part, ...]) -> list[list[FixedPoints]]:
+    """Each part's convex polygons, whose union is its silhouette, in the order of `farthest_first`."""
+    return [
+        [cv2.convexHull(rims[piece].reshape(-1, 2)).astype(np.int32, copy=False) for piece in part.pieces]
+        for part in farthest_first(depths, parts)
+    ]
+
+
+def farthest_first(depths: Array, parts: tuple[Part, ...]) -> list[Part]:
+    """The parts in the order in which to draw them: a marker just before or just after the limb that wears it."""
+    return sorted(parts, key=lambda part: -_distance(depths, part))
+
+
+def _distance(depths: Array, part: Part) -> float:
+    if part.worn_on is None:
+        return float(depths[part.balls].mean())
+    limb, ball = part.worn_on
+    behind = depths[part.balls[0]] > depths[ball] + JUST_M
+    return _distance(depths, limb) + (JUST_M if behind else -JUST_M)
+
+
+def _ball_outlines(centres: Array, radii: Array) -> Array:
+    """The circles (N, RIM_POINTS, 3) along which lines of sight touch the balls, in the camera's frame."""
+    distance2 = np.sum(centres * centres, axis=1)
+    shrink = 1.0 - radii * radii / distance2
+    sight = centres / np.sqrt(distance2)[:, None]
+    x, y, z = sight.T
+    # Two axes across the line of sight: (z, 0, -x) and its cross product with the sight. No ball is seen at z = 0.
+    across = np.stack([z, np.zeros_like(z), -x, -x * y, x * x + z * z, -y * z], axis=1).reshape(-1, 2, 3)
+    axes = (radii * np.sqrt(shrink / (x * x + z * z)))[:, None, None] * across
+    touching: Array = shrink[:, None, None] * centres[:, None] + _CIRCLE @ axes
+    return touching
 
 
 class Renderer:
@@ -49,7 +112,9 @@ class Renderer:
         self._margin_px = math.ceil(3.0 * picture.blur_sigma_px) + 2
         self._random = np.random.default_rng(seed)
         self._background = _background(*self._size, self._random)
-        self._noise = _noise(*self._size, picture.noise_sigma, seed)
+        self._noise = np.zeros((stereo.height_px + NOISE_ROOM_PX, stereo.width_px + NOISE_ROOM_PX), np.int16)
+        cv2.setRNGSeed(seed % 2**31)
+        cv2.randn(self._noise, np.zeros(1), np.array([picture.noise_sigma]))
 
     def render(self, exposures: list[Solid]) -> Image:
         """The picture (H, W) grey of the arm as it was at instants spread over one exposure."""
@@ -59,20 +124,17 @@ class Renderer:
         if box is not None:
             left, top, right, bottom = box
             region = image[top:bottom, left:right]
-            cv2.add(region, self._arm(outlines, box), dst=region)
+            arm = _mean([_draw(outline, self._parts, box) for outline in outlines])
+            if self._picture.blur_sigma_px:
+                cv2.GaussianBlur(arm, (0, 0), self._picture.blur_sigma_px, dst=arm)
+            cv2.add(region, arm, dst=region)
         return self._with_noise(image)
-
-    def _arm(self, outlines: list[Outlines], box: Box) -> Image:
-        arm = _mean([_draw(outline, self._parts, box) for outline in outlines])
-        if self._picture.blur_sigma_px:
-            cv2.GaussianBlur(arm, (0, 0), self._picture.blur_sigma_px, dst=arm)
-        return arm
 
     def _box(self, outlines: list[Outlines]) -> Box | None:
         """The part of the picture that the arm fills, or None when it is out of view."""
-        lows, highs = zip(*(outline.extent() for outline in outlines), strict=True)
-        low = np.maximum(np.floor(np.min(lows, axis=0)).astype(int) - self._margin_px, 0)
-        high = np.minimum(np.ceil(np.max(highs, axis=0)).astype(int) + self._margin_px, self._size)
+        rims = np.concatenate([outline.rims for outline in outlines])
+        low = np.maximum(np.floor(rims.min(axis=(0, 1))).astype(int) - self._margin_px, 0)
+        high = np.minimum(np.ceil(rims.max(axis=(0, 1))).astype(int) + self._margin_px, self._size)
         if np.any(high - low < 2):
             return None
         return int(low[0]), int(low[1]), int(high[0]), int(high[1])
@@ -104,7 +166,12 @@ def _draw(outlines: Outlines, parts: tuple[Part, ...], box: Box) -> Image:
     fixed = np.rint(fine_px * (1 << SHIFT)).astype(np.int32)
     fine = np.zeros((FINE * size[1], FINE * size[0]), np.uint8)
     if any(part.worn_on for part in parts):
-        _fill_marked(fine, fixed, outlines.depths, parts)
+        # A dark glove and evenly bright markers, as their foil throws light back.
+        ordered = farthest_first(outlines.depths, parts)
+        for part, polygons in zip(ordered, part_polygons(fixed, outlines.depths, parts), strict=True):
+            for polygon in polygons:
+                level = GLOVE_LEVEL if part.worn_on is None else MARKER_LEVEL
+                cv2.fillConvexPoly(fine, polygon, level, cv2.LINE_8, SHIFT)
         return _coarse(fine)
     labels = np.zeros(size[::-1], np.uint8)
     for label, polygons in enumerate(part_polygons(fixed, outlines.depths, parts), start=1):
@@ -112,14 +179,6 @@ def _draw(outlines: Outlines, parts: tuple[Part, ...], box: Box) -> Image:
             cv2.fillConvexPoly(labels, polygon, label, cv2.LINE_8, COARSE_SHIFT)
             cv2.fillConvexPoly(fine, polygon, 255, cv2.LINE_8, SHIFT)
     return cv2.multiply(_shade(labels), _coarse(fine), scale=1 / 255).astype(np.uint8, copy=False)
-
-
-def _fill_marked(fine: Image, fixed: FixedPoints, depths: Array, parts: tuple[Part, ...]) -> None:
-    """A dark glove and evenly bright markers, as their foil throws light back."""
-    for part, polygons in zip(farthest_first(depths, parts), part_polygons(fixed, depths, parts), strict=True):
-        level = GLOVE_LEVEL if part.worn_on is None else MARKER_LEVEL
-        for polygon in polygons:
-            cv2.fillConvexPoly(fine, polygon, level, cv2.LINE_8, SHIFT)
 
 
 def _coarse(fine: Image) -> Image:
@@ -138,12 +197,8 @@ def _shade(labels: Image) -> Image:
     return cv2.GaussianBlur(level, (0, 0), 1.0).astype(np.uint8, copy=False)
 
 
-def _round_levels() -> Image:
-    fraction = np.arange(256) / 255
-    return (RIM_LEVEL + (PEAK_LEVEL - RIM_LEVEL) * np.sqrt(1 - (1 - fraction) ** 2)).astype(np.uint8)
-
-
-_ROUND = _round_levels()
+_DEPTH = np.arange(256) / 255
+_ROUND = (RIM_LEVEL + (PEAK_LEVEL - RIM_LEVEL) * np.sqrt(1 - (1 - _DEPTH) ** 2)).astype(np.uint8)
 _NEIGHBOURS = cv2.getStructuringElement(cv2.MORPH_CROSS, (3, 3))
 
 
@@ -152,10 +207,3 @@ def _background(width: int, height: int, random: np.random.Generator) -> Image:
     folds = cv2.resize(random.uniform(-1.0, 1.0, (5, 6)), (width, height), interpolation=cv2.INTER_CUBIC)
     gradient = np.linspace(-0.5, 0.5, height)[:, None]
     return np.clip(BACKGROUND_LEVEL + BACKGROUND_RELIEF * (0.5 * folds + gradient), 0, 255).astype(np.uint8)
-
-
-def _noise(width: int, height: int, sigma: float, seed: int) -> NDArray[np.int16]:
-    field = np.zeros((height + NOISE_ROOM_PX, width + NOISE_ROOM_PX), np.int16)
-    cv2.setRNGSeed(seed % 2**31)
-    cv2.randn(field, np.zeros(1), np.array([sigma]))
-    return field

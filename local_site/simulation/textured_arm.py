@@ -85,17 +85,13 @@ class ArmFilm:
         light = np.array(self._scenery.light)
         self._light = light / np.linalg.norm(light)
 
-    @property
-    def principal_px(self) -> Array:
-        """The principal point (2,): the picture's middle."""
-        return np.array([(self._width - 1) / 2, (self._height - 1) / 2])
-
     def render(self, poses: Sequence[LimbPose]) -> Image:
         """The picture of the limbs in these poses."""
         found = list(zip(self._solids, poses, strict=True))
         vertices = np.vstack([solid.vertices @ p.rotation.T + p.joint for solid, p in found])
         normals = np.vstack([solid.normals @ p.rotation.T for solid, p in found])
-        pixels = self._focal_px * vertices[:, :2] / vertices[:, 2:] + self.principal_px
+        middle_px = (self._width - 1) / 2, (self._height - 1) / 2
+        pixels = self._focal_px * vertices[:, :2] / vertices[:, 2:] + middle_px
         left, top, right, bottom = self._box(pixels)
         if right <= left or bottom <= top:
             return self._exposed(self._background)
@@ -107,7 +103,10 @@ class ArmFilm:
         seen = raster.triangle != NOTHING
         corners, weights = self._triangles[raster.triangle[seen]], raster.barycentric[seen]
         part = self._background[top:bottom, left:right].repeat(fine, axis=0).repeat(fine, axis=1)
-        part[seen] = self._shaded(_mixed(weights, normals[corners]), _mixed(weights, self._skin_px[corners]))
+        albedo = _bilinear(self._skin, _mixed(weights, self._skin_px[corners]))
+        outward = _mixed(weights, normals[corners])
+        facing = np.maximum(outward @ self._light, 0.0) / np.linalg.norm(outward, axis=1)
+        part[seen] = albedo * (self._scenery.ambient + (1.0 - self._scenery.ambient) * facing)
         picture = self._background.copy()
         picture[top:bottom, left:right] = cv2.resize(part, (right - left, bottom - top), interpolation=cv2.INTER_AREA)
         return self._exposed(picture)
@@ -117,13 +116,6 @@ class ArmFilm:
         low = np.clip(np.floor(pixels.min(axis=0)), 0, (self._width, self._height)).astype(int)
         high = np.clip(np.ceil(pixels.max(axis=0)) + 1, 0, (self._width, self._height)).astype(int)
         return int(low[0]), int(low[1]), int(high[0]), int(high[1])
-
-    def _shaded(self, normals: Array, skin_px: Array) -> Array:
-        """Grey levels (N,) of diffuse skin."""
-        albedo = _bilinear(self._skin, skin_px)
-        facing = np.maximum(normals @ self._light, 0.0) / np.linalg.norm(normals, axis=1)
-        result: Array = albedo * (self._scenery.ambient + (1.0 - self._scenery.ambient) * facing)
-        return result
 
     def _exposed(self, picture: Picture) -> Image:
         if not self._scenery.noise:
@@ -173,7 +165,10 @@ def _solid(limb: TexturedLimb) -> _LimbSurface:
     normals /= np.maximum(np.linalg.norm(normals, axis=2, keepdims=True), 1e-12)
     girth = TURN * max(*limb.across, *limb.deep)
     skin = np.stack(np.broadcast_arrays(turn[None] / TURN * girth, (z - z[0])[:, None]), axis=-1) * SKIN_PX_PER_M
-    return _LimbSurface(vertices.reshape(-1, 3), normals.reshape(-1, 3), skin.reshape(-1, 2), _patches(len(z)))
+    a = (np.arange(len(z) - 1)[:, None] * (AROUND + 1) + np.arange(AROUND)).ravel()
+    b, c, d = a + 1, a + AROUND + 1, a + AROUND + 2
+    triangles = np.vstack([np.column_stack([a, b, d]), np.column_stack([a, d, c])]).astype(np.int32)
+    return _LimbSurface(vertices.reshape(-1, 3), normals.reshape(-1, 3), skin.reshape(-1, 2), triangles)
 
 
 def _sections(limb: TexturedLimb) -> tuple[Array, Array, Array]:
@@ -186,12 +181,6 @@ def _sections(limb: TexturedLimb) -> tuple[Array, Array, Array]:
     z = np.concatenate([stations[0] - deep[0] * reach, stations, stations[-1] + deep[-1] * reach[::-1]])
     halves = [np.concatenate([half[0] * narrow, half, half[-1] * narrow[::-1]]) for half in (across, deep)]
     return z, halves[0], halves[1]
-
-
-def _patches(rings: int) -> Triangles:
-    a = (np.arange(rings - 1)[:, None] * (AROUND + 1) + np.arange(AROUND)).ravel()
-    b, c, d = a + 1, a + AROUND + 1, a + AROUND + 2
-    return np.vstack([np.column_stack([a, b, d]), np.column_stack([a, d, c])]).astype(np.int32)
 
 
 def _skin(solid: _LimbSurface, scenery: Scenery, random: np.random.Generator) -> Picture:

@@ -1,7 +1,5 @@
 """Draws a tracker's result over a frame: contour, medial lines, joints, tips, sigmas, status and reason."""
 
-from collections.abc import Iterator
-
 import cv2
 import numpy as np
 from numpy.typing import NDArray
@@ -110,34 +108,26 @@ def _write_sigmas(canvas: Image, estimate: ArmEstimate) -> None:
     """Each point's name in its colour with its sigma in mm, one below the other at the bottom."""
     first = canvas.shape[0] - MARGIN_PX - LINE_HEIGHT_PX * (len(POINTS) - 1)
     for row, (name, colour) in enumerate(POINTS.items()):
-        found = getattr(estimate, name) is not None
         at = (MARGIN_PX, first + row * LINE_HEIGHT_PX)
-        _write(canvas, f"{name} {_sigma_text(name, estimate)}", at, colour if found else DIM)
-
-
-def _sigma_text(name: str, estimate: ArmEstimate) -> str:
-    if getattr(estimate, name) is None:
-        return "not found"
-    text = "inferred" if name == "thumb" and estimate.thumb_inferred else ""
-    if name in estimate.covariances:
-        text += f" ±{1e3 * float(np.sqrt(np.trace(estimate.covariances[name]))):.1f} mm"
-    return text.strip()
+        if getattr(estimate, name) is None:
+            _write(canvas, f"{name} not found", at, DIM)
+            continue
+        text = f"{name} inferred" if name == "thumb" and estimate.thumb_inferred else name
+        if name in estimate.covariances:
+            text += f" ±{1e3 * float(np.sqrt(np.trace(estimate.covariances[name]))):.1f} mm"
+        _write(canvas, text, at, colour)
 
 
 def wrapped(text: str, width_px: int) -> list[str]:
     """The text in lines of whole words that fit into a width; a word that is too long has a line of its own."""
-    return list(_lines(text.split(), width_px))
-
-
-def _lines(words: list[str], width_px: int) -> Iterator[str]:
-    line = ""
-    for word in words:
-        longer = f"{line} {word}".strip()
-        if line and cv2.getTextSize(longer, FONT, FONT_SCALE, 1)[0][0] > width_px:
-            yield line
-            longer = word
-        line = longer
-    yield line
+    lines = [""]
+    for word in text.split():
+        longer = f"{lines[-1]} {word}".strip()
+        if lines[-1] and cv2.getTextSize(longer, FONT, FONT_SCALE, 1)[0][0] > width_px:
+            lines.append(word)
+        else:
+            lines[-1] = longer
+    return lines
 
 
 def _write(canvas: Image, text: str, at: tuple[int, int], colour: Colour) -> None:

@@ -44,11 +44,6 @@ class DriftAlarm:
         self._normal_px: float | None = None
         self._sentence: str | None = None
 
-    @property
-    def normal_px(self) -> float | None:
-        """The level learned in the first seconds; None until then."""
-        return self._normal_px
-
     def feed(self, residuals_px: Iterable[float], time_ns: int) -> str | None:
         """Take the residuals of one instant, ignoring NaN; a sentence while a camera seems to have moved, else None."""
         self._residuals.extend((time_ns, value) for value in residuals_px if math.isfinite(value))

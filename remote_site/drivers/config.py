@@ -8,6 +8,7 @@ from msgspec import Meta, field
 from remote_site.simulation.config import SIMULATED
 
 EMULATED = "c500c"
+KINEMATIC = "kinematic"
 
 
 class DriverConfig(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
@@ -24,6 +25,11 @@ class DriverConfig(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fie
     def __post_init__(self) -> None:
         if self.emulate and self.name != EMULATED:
             raise ValueError(f"driver.emulate is for the driver {EMULATED}; {self.name} has no emulator")
+
+    @property
+    def moves_nothing_real(self) -> bool:
+        """Whether the robot is simulated, kinematic or emulated."""
+        return self.emulate or self.name in (SIMULATED, KINEMATIC)
 
     command_timeout_ms: Annotated[
         float,

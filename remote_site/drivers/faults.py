@@ -22,6 +22,8 @@ class FaultCode(StrEnum):
     LINK = "link"
     REFUSED = "refused"
     # found by the driver's process
+    IMPLAUSIBLE = "implausible"
+    NOT_FOLLOWING = "not_following"
     COMMAND_TIMEOUT = "command_timeout"
     LIMITS = "limits"
     DEADLINE = "deadline"

@@ -1,10 +1,13 @@
 """The driver of a robot that follows perfectly: for tests, and for a loop without a cell."""
 
+import numpy as np
+
 from common.clock import NS_PER_S, Clock
 from common.errors import DriverError
 from common.geometry import Array
+from common.messages.robot import GripperCommand
 from remote_site.drivers.driver import Capabilities, DriverSetup, JointCommand, RobotReading
-from remote_site.drivers.faults import STILL_MOVING, STOPPED, RobotFault
+from remote_site.drivers.faults import NOT_ACTIVATED, STILL_MOVING, STOPPED, RobotFault
 from remote_site.kinematics.joints import JointMotion
 from remote_site.safety.stopping import stopping
 
@@ -12,7 +15,7 @@ CAPABILITIES = Capabilities(rate_hz=1000.0, joints=None, gripper=False, force=Fa
 
 
 class KinematicDriver:
-    """A `Driver` whose joints are where they were last commanded.
+    """A `Driver` whose joints are where they were last commanded, and before that at `DriverSetup.start`.
 
     After `stop` the jerk-limited stop runs in the clock's time, and only an activation at rest moves the arm again. It
     has no watchdog: without its process there is no arm.
@@ -43,12 +46,14 @@ class KinematicDriver:
             raise DriverError(f"a posture has {len(self._setup.joint_names)} finite positions, not {q0}")
         if self._sent is not None and not self._motion(self._sent).resting:
             raise DriverError(STILL_MOVING.sentence)
-        self._sent = JointCommand(0, self._clock.now_ns(), motion.q, motion.dq, motion.ddq, gripper_open=True)
+        self._sent = JointCommand(0, self._clock.now_ns(), motion.q, motion.dq, motion.ddq, GripperCommand.KEEP)
         self._stop_ns, self._obeyed = None, None
 
     def read(self) -> RobotReading:
         """Where the joints are; there is no gripper to measure."""
-        motion = self._motion(self._activated())
+        if self._sent is None:
+            return self._at_start()
+        motion = self._motion(self._sent)
         fault: RobotFault | None = STOPPED if self._stop_ns is not None else None
         return RobotReading(self._clock.now_ns(), motion.q, motion.dq, None, fault, self._obeyed)
 
@@ -71,8 +76,15 @@ class KinematicDriver:
 
     def _activated(self) -> JointCommand:
         if self._sent is None:
-            raise DriverError("activate the kinematic driver before it is read or commanded")
+            raise DriverError("activate the kinematic driver before it is commanded")
         return self._sent
+
+    def _at_start(self) -> RobotReading:
+        if self._setup is None:
+            raise DriverError("configure the kinematic driver before it is read")
+        zero = np.zeros(len(self._setup.joint_names))
+        start = zero if self._setup.start is None else self._setup.start
+        return RobotReading(self._clock.now_ns(), start, zero, None, NOT_ACTIVATED, None)
 
     def _motion(self, sent: JointCommand) -> JointMotion:
         if self._stop_ns is None or self._setup is None:

@@ -8,11 +8,12 @@ import numpy as np
 
 from common.clock import NS_PER_MS, NS_PER_S, Clock
 from common.geometry import Array
-from common.messages.robot import GripperState, GripperStatus
+from common.messages.robot import GripperCommand, GripperState, GripperStatus
 from remote_site.drivers.driver import JointCommand
 from remote_site.drivers.faults import NOT_ACTIVATED, FaultCode, RobotFault
 from remote_site.drivers.memory import DriverMemory, DriverReport
 from remote_site.drivers.supervisor.orders import DriverOrder
+from remote_site.drivers.supervisor.reading_check import stale
 from remote_site.drivers.supervisor.watched_driver import DEADLINE_NS, late_call
 from remote_site.kinematics.joints import JointMotion
 from remote_site.kinematics.limits import JointLimits
@@ -27,10 +28,12 @@ STARTING = RobotFault(FaultCode.NOT_ACTIVATED, "the driver has measured nothing 
 class RobotReport(NamedTuple):
     """The robot as its driver's process reports it; `fault` is None while it takes commands.
 
-    `t_ns` is when `q`, `dq` (rad, rad/s) were measured, 0 before anything was. `sent` is the motion to plan from: the
+    `t_ns` is when `q`, `dq` (rad, rad/s) were measured, 0 before anything was; `age_ns` is how old they are, without
+    pauses of this process, and `oldest_ns` how old they may become. `sent` is the motion to plan from: the
     last command while the robot takes commands; otherwise what was commanded last, in a stop where it is now, and rest
     where an activation was requested until it is answered. `obeyed_seq` is the newest command that has reached the
-    robot's motion. `answered`: the last activation was handled.
+    robot's motion. `answered`: the last activation was handled. `diverted`: a stop of the driver's own has begun since
+    the last command.
     """
 
     t_ns: int
@@ -41,11 +44,19 @@ class RobotReport(NamedTuple):
     obeyed_seq: int | None
     sent: JointMotion
     answered: bool
+    age_ns: int = 0
+    oldest_ns: int = 0
+    diverted: bool = False
 
     @property
     def ready(self) -> bool:
         """The robot takes commands."""
         return self.fault is None
+
+    @property
+    def measured(self) -> bool:
+        """The robot is where `q` is: it has been measured, and not too long ago."""
+        return self.t_ns > 0 and self.age_ns <= self.oldest_ns
 
 
 class DriverLink:
@@ -55,23 +66,26 @@ class DriverLink:
         self._memory = memory
         self._limits = limits
         self._clock = clock
-        self._silence = Silence(PAUSE_NS)
+        self._silence, self._unmeasured = Silence(PAUSE_NS), Silence(PAUSE_NS)
         self._activation = self._stop_count = 0
         self._last: JointCommand | None = None
         self._raw = memory.report.read()
         self._report = self._decoded(self._raw)
 
     def read(self) -> RobotReport:
-        """The newest report; not ready when the driver's process or one of its calls takes too long."""
+        """The newest report; not ready when the driver's process, one of its calls or a new reading takes too long."""
         raw = self._raw = self._memory.report.read()
-        report = self._decoded(raw)
         now_ns = self._clock.now_ns()
+        age_ns, diverted = self._unmeasured.of(raw.t_ns, now_ns), raw.stop_count != self._stop_count
+        report = self._decoded(raw)._replace(age_ns=age_ns, diverted=diverted)
         busy_ns, silent_ns = self._memory.busy.since_ns, self._silence.of(raw.at_ns, now_ns)
         if busy_ns and now_ns - busy_ns > DEADLINE_NS:
             report = report._replace(fault=late_call("call", now_ns - busy_ns))
         elif raw.at_ns and silent_ns > SILENT_NS:
             late = f"the driver's process has been silent for {silent_ns / NS_PER_MS:.0f} ms"
             report = report._replace(fault=RobotFault(FaultCode.PROCESS, late))
+        elif report.ready and not report.measured:
+            report = report._replace(fault=stale(report.age_ns, report.oldest_ns))
         if report.ready and self._last is not None:
             report = report._replace(sent=self._last.motion)
         self._report = report
@@ -91,17 +105,17 @@ class DriverLink:
         return command
 
     def activate(self, q0: Array) -> None:
-        """Ask the robot to take commands from rest at `q0`; a later report has the answer."""
+        """Ask the robot to take commands from rest at `q0`, its gripper as it is; a later report has the answer."""
         self._activation += 1
         zero = np.zeros(len(q0))
-        is_open = self._report.gripper is None or self._report.gripper.commanded_open
         seq = self._last.seq if self._last is not None else 0
-        self._order(JointCommand(seq, self._clock.now_ns(), np.asarray(q0), zero, zero, is_open), run=True)
+        q = np.asarray(q0)
+        self._order(JointCommand(seq, self._clock.now_ns(), q, zero, zero, GripperCommand.KEEP), run=True)
 
     def stop(self) -> None:
         """Stop the robot; only an activation moves it again."""
         if self._last is not None:
-            self._order(self._last, run=False)
+            self._order(replace(self._last, gripper=GripperCommand.KEEP), run=False)
 
     def _order(self, command: JointCommand, *, run: bool) -> None:
         self._last = command
@@ -120,6 +134,7 @@ class DriverLink:
             obeyed_seq=raw.obeyed_seq if raw.has_obeyed else None,
             sent=self._sent(raw, self._clock.now_ns()) if answered or self._last is None else self._last.motion,
             answered=answered,
+            oldest_ns=raw.oldest_ns + PAUSE_NS,  # the driver's process judges first
         )
 
     def _sent(self, raw: DriverReport, t_ns: int) -> JointMotion:
@@ -141,4 +156,4 @@ def _gripper(raw: DriverReport) -> GripperState | None:
     if not raw.grip:
         return None
     force = None if math.isnan(raw.force_n) else raw.force_n
-    return GripperState(raw.opening_m, force, raw.gripper_open, GripperStatus(raw.grip.decode()))
+    return GripperState(raw.opening_m, force, GripperCommand(raw.gripper.decode()), GripperStatus(raw.grip.decode()))

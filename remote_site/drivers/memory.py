@@ -9,6 +9,7 @@ from typing import Any, NamedTuple, Self
 import numpy as np
 
 from common.geometry import Array
+from common.messages.robot import GripperCommand
 from remote_site.drivers.driver import JointCommand
 from remote_site.drivers.supervisor.orders import DriverOrder
 from remote_site.shared_record import Record, SharedRecord
@@ -22,14 +23,14 @@ def order_dtype(joints: int) -> np.dtype[np.void]:
     numbers = [("activation", np.uint32), ("run", np.bool_), ("stop_count", np.uint32)]
     command = [("seq", np.uint64), ("t_ns", np.int64)]
     motion = [(name, np.float64, (joints,)) for name in ("q", "dq", "ddq")]
-    return np.dtype([*numbers, *command, *motion, ("gripper_open", np.bool_)])
+    return np.dtype([*numbers, *command, *motion, ("gripper", WORD)])
 
 
 def report_dtype(joints: int) -> np.dtype[np.void]:
     """The record of a `DriverReport`, in the order of its fields."""
     times = [("at_ns", np.int64), ("activation", np.uint32), ("stop_count", np.uint32), ("onset_ns", np.int64)]
-    robot = [("t_ns", np.int64), ("has_obeyed", np.bool_), ("obeyed_seq", np.uint64)]
-    gripper = [("opening_m", np.float64), ("force_n", np.float64), ("gripper_open", np.bool_), ("grip", WORD)]
+    robot = [("t_ns", np.int64), ("oldest_ns", np.int64), ("has_obeyed", np.bool_), ("obeyed_seq", np.uint64)]
+    gripper = [("opening_m", np.float64), ("force_n", np.float64), ("gripper", WORD), ("grip", WORD)]
     fault = [("code", WORD), ("native", WORD), ("sentence", SENTENCE)]
     return np.dtype([*times, *robot, *gripper, *fault, ("motions", np.float64, (5, joints))])
 
@@ -45,7 +46,7 @@ class OrderRing:
     def write(self, order: DriverOrder) -> None:
         """Append an order; only control writes."""
         c = order.command
-        command = (c.seq, c.t_ns, c.q, c.dq, c.ddq, c.gripper_open)
+        command = (c.seq, c.t_ns, c.q, c.dq, c.ddq, c.gripper.value.encode())
         self._written[()] = (order.activation, order.run, order.stop_count, *command)
         self._record.write(self._written)
 
@@ -61,19 +62,20 @@ class OrderRing:
 
 def _order(record: Record) -> DriverOrder:
     fields: Any = record.item()
-    activation, run, stop_count, *command = fields
-    return DriverOrder(activation, run, stop_count, JointCommand(*command))
+    activation, run, stop_count, seq, t_ns, q, dq, ddq, gripper = fields
+    command = JointCommand(seq, t_ns, q, dq, ddq, GripperCommand(gripper.decode()))
+    return DriverOrder(activation, run, stop_count, command)
 
 
 class DriverReport(NamedTuple):
     """What the robot measured and what was last sent to it; `activation` is the last one that was handled.
 
     `at_ns` is when the report was written, `t_ns` when the robot was measured, both of the monotonic clock and 0 before
-    the first time. `obeyed_seq` is valid only if `has_obeyed`. A fault is `code`, the robot's own code `native` and
-    `sentence`; `code` is empty while the robot takes commands. `opening_m`, `force_n` (NaN if it is not measured),
-    `gripper_open` as commanded and the status `grip` describe the gripper; `grip` is empty without one. `motions`
-    (5, n), rad, rad/s, rad/s²: q and dq as measured, then q, dq, ddq as last commanded, or those at the onset of the
-    stop in progress. `onset_ns` is the time of that onset, 0 without a stop.
+    the first time; `oldest_ns` is how old that may become. `obeyed_seq` is valid only if `has_obeyed`. A fault is
+    `code`, the robot's own code `native` and `sentence`; `code` is empty while the robot takes commands. `opening_m`,
+    `force_n` (NaN if it is not measured), `gripper` as commanded and the status `grip` describe the gripper; both are
+    empty without one. `motions` (5, n), rad, rad/s, rad/s²: q and dq as measured, then q, dq, ddq as last commanded, or
+    those at the onset of the stop in progress. `onset_ns` is the time of that onset, 0 without a stop.
     """
 
     at_ns: int
@@ -81,11 +83,12 @@ class DriverReport(NamedTuple):
     stop_count: int
     onset_ns: int
     t_ns: int
+    oldest_ns: int
     has_obeyed: bool
     obeyed_seq: int
     opening_m: float
     force_n: float
-    gripper_open: bool
+    gripper: bytes
     grip: bytes
     code: bytes
     native: bytes

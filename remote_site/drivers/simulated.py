@@ -5,12 +5,13 @@ import numpy as np
 from common.clock import NS_PER_MS, Clock
 from common.errors import DriverError
 from common.geometry import Array
+from common.messages.robot import GripperCommand
 from remote_site.drivers.driver import Capabilities, DriverSetup, GripperReading, JointCommand, RobotReading
 from remote_site.drivers.faults import APART, NOT_ACTIVATED, STOPPED, FaultCode, RobotFault
 from remote_site.safety.silence import Silence
 from remote_site.shared_record import Record
 from remote_site.simulation.controller import ControllerFault
-from remote_site.simulation.memory import CellMemory
+from remote_site.simulation.memory import GRIPPER_COMMANDS, CellMemory
 
 SILENT_NS = 100 * NS_PER_MS
 PAUSE_NS = 50 * NS_PER_MS
@@ -71,7 +72,7 @@ class SimulatedDriver:
             raise DriverError("the simulated arm still moves; activate it when it rests")
         command = self._command
         command["activation"] = int(reading["activation"]) + 1
-        command["run"], command["gripper_open"] = True, reading["gripper_open"]
+        command["run"], command["gripper"] = True, GRIPPER_COMMANDS.index(GripperCommand.KEEP)
         command["q"], command["dq"], command["ddq"] = q0, 0.0, 0.0
         self._memory.command.write(command)
 
@@ -96,7 +97,8 @@ class SimulatedDriver:
             raise DriverError("the simulated arm is stopped; activate it before it is commanded")
         if reading["activation"] == record["activation"] and not reading["active"]:
             raise DriverError(str(self._fault(reading)))
-        record["seq"], record["t_ns"], record["gripper_open"] = command.seq, command.t_ns, command.gripper_open
+        record["seq"], record["t_ns"] = command.seq, command.t_ns
+        record["gripper"] = GRIPPER_COMMANDS.index(command.gripper)
         record["q"], record["dq"], record["ddq"] = command.q, command.dq, command.ddq
         self._memory.command.write(record)
         return command

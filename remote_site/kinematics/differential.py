@@ -66,8 +66,10 @@ class DifferentialInverse:
 
         `elbow` (3,) in m is the operator's, from the wrist, in the base's axes; None if it was never seen.
         """
-        q = last.q
-        pose, jacobian = self._kinematics(q)
+        q, model, frame = last.q, self._model.pin_model, self._model.tcp_frame
+        pin.computeJointJacobians(model, self._data, q)
+        pose = pin.updateFramePlacement(model, self._data, frame)
+        jacobian = pin.getFrameJacobian(model, self._data, frame, pin.ReferenceFrame.LOCAL_WORLD_ALIGNED)
         off = np.concatenate(
             [base_T_target[:3, 3] - pose.translation, pin.log3(base_T_target[:3, :3] @ pose.rotation.T)]
         )
@@ -76,12 +78,6 @@ class DifferentialInverse:
         error = self._weights[:, 0] * off
         dq = self._speeds(last, jacobian, twist + back, float(error @ error), dt, elbow)
         return Move(q + dt * dq, dq, off_m, off_rad)
-
-    def _kinematics(self, q: Array) -> tuple[pin.SE3, Array]:
-        model, data, frame = self._model.pin_model, self._data, self._model.tcp_frame
-        pin.computeJointJacobians(model, data, q)
-        pose = pin.updateFramePlacement(model, data, frame)
-        return pose, pin.getFrameJacobian(model, data, frame, pin.ReferenceFrame.LOCAL_WORLD_ALIGNED)
 
     def _speeds(
         self, last: Move, jacobian: Array, wanted: Array, error_square: float, dt: float, elbow: Array | None
@@ -99,7 +95,9 @@ class DifferentialInverse:
         lowest, highest = self._box(last, dt)
         if (dq < lowest).any() or (dq > highest).any():
             weights = np.concatenate([squares, np.full(len(last.q) - len(sigma), FREE_WEIGHT)])
-            dq = self._nearest_inside(dq, (vt.T * weights) @ vt, lowest, highest)
+            weight = (vt.T * weights) @ vt
+            found, _, status, _ = daqp.solve(weight, -weight @ dq, self._no_rows, highest, lowest, self._sense)
+            dq = np.minimum(np.maximum(found if status == SOLVED else dq, lowest), highest)
         return dq
 
     def _free(self, q: Array, vt: Array, rows: Array, taken: Array, elbow: Array | None, dt: float) -> Array:
@@ -126,12 +124,6 @@ class DifferentialInverse:
             lowest.append(min(max(dq - change, -down), up))
             highest.append(min(max(dq + change, -down), up))
         return np.array(lowest), np.array(highest)
-
-    def _nearest_inside(self, dq: Array, weight: Array, lowest: Array, highest: Array) -> Array:
-        """The speeds within the bounds nearest to `dq`, weighted by `weight` (n x n)."""
-        found, _, status, _ = daqp.solve(weight, -weight @ dq, self._no_rows, highest, lowest, self._sense)
-        inside: Array = np.minimum(np.maximum(found if status == SOLVED else dq, lowest), highest)
-        return inside
 
 
 def _approach_speed(distance: float, fastest: float, acceleration: float, jerk: float) -> float:

@@ -15,6 +15,15 @@ TARGET_SPEED = 0.9  # of a joint's speed, for its target: the joint must be quic
 
 
 @dataclass(frozen=True, slots=True)
+class JointRange:
+    """The joints' own positions (rad) and velocity (rad/s), each (n,), which configuration does not tighten."""
+
+    lower: Array
+    upper: Array
+    velocity: Array
+
+
+@dataclass(frozen=True, slots=True)
 class JointLimits:
     """Positions (rad, margin included), velocity (rad/s), acceleration (rad/s²) and jerk (rad/s³), each (n,)."""
 
@@ -38,6 +47,11 @@ class JointLimits:
             acceleration=_accelerations(model, config),
             jerk=ones * config.jerk_rad_s3,
         )
+
+    def pace(self, dq: Array, ddq: Array) -> float:
+        """The greatest fraction of its speed that a joint reaches, also once its acceleration is taken back."""
+        taken_back = dq + ddq * np.abs(ddq) / (2 * self.jerk)
+        return float((np.maximum(np.abs(dq), np.abs(taken_back)) / self.velocity).max())
 
     def scaled_speed(self, scale: float) -> Self:
         """The same limits with the velocities times `scale` (0 to 1]."""

@@ -56,7 +56,13 @@ class ArmModel:
         if not model.existFrame(tool_frame):
             known = ", ".join(frame.name for frame in model.frames)
             raise ModelError(f"{path} has no frame {tool_frame!r}; set robot.tool_frame to one of: {known}")
-        return cls(model, _add_tcp(model, tool_frame, tool_T_tcp), _accelerations(written, tuple(model.names)[1:]))
+        if not np.isfinite(tool_T_tcp).all():
+            raise ModelError("the tool centre point's offset must be finite; correct robot.tool_offset_m")
+        parent_id = model.getFrameId(tool_frame)
+        parent = model.frames[parent_id]
+        placement = parent.placement * pin.SE3(tool_T_tcp)
+        tcp = pin.Frame("tool_centre_point", parent.parentJoint, parent_id, placement, pin.FrameType.OP_FRAME)
+        return cls(model, int(model.addFrame(tcp)), _accelerations(written, tuple(model.names)[1:]))
 
     def forward(self, q: Array) -> Array:
         """The tool centre point's pose `base_T_tool` (4 x 4) at joint positions (n,) in rad."""
@@ -181,13 +187,3 @@ def _check_joints(path: Path, model: pin.Model) -> None:
 
 def _is_bounded(kind: str) -> bool:
     return kind.startswith(BOUNDED_JOINTS) and not kind.startswith("JointModelRUB") and "Unbounded" not in kind
-
-
-def _add_tcp(model: pin.Model, tool_frame: str, tool_T_tcp: Array) -> int:
-    if not np.isfinite(tool_T_tcp).all():
-        raise ModelError("the tool centre point's offset must be finite; correct robot.tool_offset_m")
-    parent_id = model.getFrameId(tool_frame)
-    parent = model.frames[parent_id]
-    placement = parent.placement * pin.SE3(tool_T_tcp)
-    frame = pin.Frame("tool_centre_point", parent.parentJoint, parent_id, placement, pin.FrameType.OP_FRAME)
-    return int(model.addFrame(frame))

@@ -70,7 +70,10 @@ class UprightArm:
         """Read and verify the geometry; ModelError states where the arm is of another kind."""
         if len(model.joint_names) != len(PATTERN):
             raise ModelError(f"the arm has {len(model.joint_names)} joints; {CURE}")
-        origins, axes = _zero_posture(model.pin_model)
+        data = model.pin_model.createData()
+        jacobian = pin.computeJointJacobians(model.pin_model, data, np.zeros(model.pin_model.nq))
+        origins = np.array([data.oMi[i].translation for i in range(1, model.pin_model.njoints)])  # (n, 3), in the base
+        axes = np.array(jacobian[3:].T)
         signs = tuple(_sign(name, axes[i], PATTERN[i]) for i, name in enumerate(model.joint_names))
         for i, name in enumerate(model.joint_names):
             beside = origins[i, :2] if PATTERN[i] == "z" else origins[i, :1]
@@ -188,14 +191,6 @@ def pitch_and_twist(m: Matrix, roll: float) -> tuple[float, float]:
 def _turned(x: float, y: float, angle: float) -> tuple[float, float]:
     c, s = math.cos(angle), math.sin(angle)
     return c * x - s * y, s * x + c * y
-
-
-def _zero_posture(model: pin.Model) -> tuple[Array, Array]:
-    """Origins and unit axes (n, 3) of the joints in the base frame."""
-    data = model.createData()
-    jacobian = pin.computeJointJacobians(model, data, np.zeros(model.nq))
-    origins = np.array([data.oMi[i].translation for i in range(1, model.njoints)])
-    return origins, np.array(jacobian[3:].T)
 
 
 def _sign(name: str, axis: Array, letter: str) -> float:

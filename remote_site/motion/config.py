@@ -40,7 +40,7 @@ class ControlConfig(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fi
             ge=0,
             le=200,
             description="how long a target is extrapolated after its sample has arrived, ms; 0: never; "
-            "proportionally longer where t_soft_ms is above 100",
+            "proportionally longer while samples older than 100 ms are obeyed",
         ),
     ] = 60.0
     solver: SolverConfig = field(default_factory=SolverConfig)

@@ -23,7 +23,7 @@ class JerkLimitedTracker:
 
     def __init__(self, limits: JointLimits, dt: float) -> None:
         n = len(limits.names)
-        self._limits = limits
+        self.limits = limits
         self._velocity = limits.velocity.tolist()
         self._dt = dt
         self._ruckig = Ruckig(n, dt)
@@ -80,7 +80,7 @@ class JerkLimitedTracker:
 
     def stop(self) -> JointMotion:
         """The motion one tick into the jerk-limited stop; at rest, the same posture."""
-        self.motion = stopping(self.motion, self._limits, self._dt)
+        self.motion = stopping(self.motion, self.limits, self._dt)
         return self.motion
 
 

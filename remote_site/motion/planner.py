@@ -36,6 +36,10 @@ class MotionPlanner:
         """Why the arm does not follow the target fully, None while it does."""
         return self._hindrance or self._obstacle
 
+    def pace(self, sent: JointMotion) -> float:
+        """The greatest fraction of its speed that a joint has or reaches once its acceleration is taken back."""
+        return self._jerk_limited.limits.pace(sent.dq, sent.ddq)
+
     def reset(self, t_ns: int, q: Array) -> None:
         """Start again from a target that rests at `q` (n,) rad since `t_ns`."""
         self._tracker.reset(t_ns, q)

@@ -8,12 +8,13 @@ import numpy as np
 from common.clock import NS_PER_MS, NS_PER_S
 from common.geometry import Array
 from remote_site.kinematics.limits import TARGET_SPEED, JointLimits, stoppable
+from remote_site.kinematics.model import ArmModel
+from remote_site.motion.catch_up import CatchUp
 from remote_site.motion.config import ControlConfig
+from remote_site.motion.gains import Gains
 
 SHORTEST_S = 0.01  # least interval between two samples from which a velocity is estimated
-MEMORY = 0.3  # weight of the newest deviation in the running means: about three count
-NOISE_CORRELATION, MOTION_CORRELATION = 0.2, 0.5  # squared mean deviation over mean squared: of noise, of motion
-NOTHING = 1e-18  # m² or rad²
+NOTHING = 1e-18  # rad
 
 Numbers = list[float]
 
@@ -27,9 +28,12 @@ class Bounds(Protocol):
     def convergence(self, wanted: float, off: Numbers, dq_off: Numbers) -> float:
         """The convergence rate in rad/s, `wanted` or slower, for what position and velocity have to lose."""
 
+    def tool_speed(self, q: Numbers, dq: Numbers) -> tuple[float, float]:
+        """How fast the tool moves (m/s) and turns (rad/s) when the target is at `q` and moves with `dq`."""
+
 
 class Unbounded:
-    """No bounds, as for the pose of the tool."""
+    """No bounds, as for the pose of the tool: a position in m and a turn in rad."""
 
     def clamp(self, q: Numbers, dq: Numbers) -> tuple[Numbers, Numbers]:
         """The same."""
@@ -39,11 +43,16 @@ class Unbounded:
         """The wanted rate."""
         return wanted
 
+    def tool_speed(self, q: Numbers, dq: Numbers) -> tuple[float, float]:  # noqa: ARG002  # the protocol's
+        """The target is the tool's."""
+        return math.hypot(*dq[:3]), math.hypot(*dq[3:])
+
 
 class JointBounds:
     """Joints (n,) in rad stay where they can stop inside their limits, and converge within their acceleration."""
 
-    def __init__(self, limits: JointLimits, slowest: float) -> None:
+    def __init__(self, model: ArmModel, limits: JointLimits, slowest: float) -> None:
+        self._model = model
         fastest = TARGET_SPEED * limits.velocity
         # Further than this from its limits, a joint can stop from any speed.
         far = (fastest**2 / limits.acceleration + fastest * limits.acceleration / limits.jerk) / 2
@@ -60,6 +69,11 @@ class JointBounds:
             if rate * (rate * away + 2 * step) > most:  # the acceleration at the start, at worst
                 rate = (math.sqrt(step * step + most * away) - step) / away if away > NOTHING else most / (2 * step)
         return max(rate, self._slowest)
+
+    def tool_speed(self, q: Numbers, dq: Numbers) -> tuple[float, float]:
+        """By the arm's Jacobian."""
+        twist = (self._model.jacobian(np.array(q)) @ np.array(dq)).tolist()
+        return math.hypot(*twist[:3]), math.hypot(*twist[3:])
 
     def clamp(self, q: Numbers, dq: Numbers) -> tuple[Numbers, Numbers]:
         """Positions inside the limits, with velocities from which the joints can stop there."""
@@ -81,45 +95,57 @@ class TargetPredictor:
 
     Each sample gives a straight line in time by an alpha-beta estimate, extrapolated for at most `predict_ms` after the
     sample arrived; for 0 not at all. The target converges to every new line, critically damped and without a jump of
-    position or velocity, and follows a steady motion without lag. The gains rise from those at rest to those in motion
-    with the correlation of successive deviations: deviations to alternating sides are noise and hardly count.
+    position or velocity, and follows a steady motion without lag. Deviations that are noise hardly count (`gains.py`).
+
+    A target that had come to rest, at a reset or because samples were late, catches up with its line no faster than
+    `catch_up.py` allows.
     """
 
     def __init__(self, size: int, config: ControlConfig, bounds: Bounds | None = None) -> None:
         self._predict_ns = round(config.predict_ms * NS_PER_MS)
-        rest = config.position_gain, config.velocity_gain, config.glide_rad_s
-        moving = config.moving_position_gain, config.moving_velocity_gain, config.moving_glide_rad_s
-        self._gain_ranges = [(low, max(high, low) - low) for low, high in zip(rest, moving, strict=True)]
-        self._bounds = bounds or Unbounded()
+        self._gains, self._bounds = Gains(config), bounds or Unbounded()
+        self._catch_up = CatchUp(self._predict_ns, self._bounds.tool_speed)
         self.reset(0, np.zeros(size))
 
     def reset(self, t_ns: int, q: Array) -> None:
         """A target that rests at `q` (n,) since `t_ns`."""
         self._t_ns = self._since_ns = self._sample_ns = self._end_ns = t_ns
         self._line = [(position, 0.0) for position in q.tolist()]  # position and velocity at the newest sample
-        self._deviation, self._square, self._rate = [0.0] * len(q), 0.0, self._gain_ranges[2][0]
-        # of every number: position and velocity on the line, its offset from that, and the offset's initial decay
-        self._numbers = [(position, 0.0, 0.0, 0.0) for position in q.tolist()]
+        self._rate = self._gains.rate_at_rest
+        # of every number: position and velocity on the line, its offset from that, the offset's initial decay, and what
+        # it has to catch up with slowly
+        self._numbers = [(position, 0.0, 0.0, 0.0, 0.0) for position in q.tolist()]
+        self._gains.reset(len(q))
+        self._catch_up.reset(t_ns, self._rate)
 
-    def aim(self, t_ns: int, q: Array, now_ns: int, *, moving: bool = True) -> None:
+    def aim(
+        self, t_ns: int, q: Array, now_ns: int, *, moving: bool = True, stretch: float = 1.0, spare: float = 1.0
+    ) -> None:
         """Take a new sample of the target (n,) for the time `t_ns`, later than the last, known at `now_ns`.
 
-        A target that moves only because it is held near the arm (not `moving`) is not extrapolated.
+        A target that moves only because it is held near the arm (not `moving`) is not extrapolated; any other is, for
+        `stretch` times `predict_ms`. `spare` is the fraction of the catch-up speed that the samples leave.
         """
         if t_ns <= self._sample_ns:
             return
+        self._catch_up.leave(spare)
+        self.hear(now_ns, stretch)
         elapsed, ended = (t_ns - self._sample_ns) / NS_PER_S, t_ns > self._end_ns
         expected = self._at_end() if ended else [position + velocity * elapsed for position, velocity in self._line]
         error = [new - old for new, old in zip(q.tolist(), expected, strict=True)]
-        position_gain, velocity_gain, rate = self._gains(error)
+        position_gain, velocity_gain, rate = self._gains.take(error)
         estimate = [old + position_gain * off for old, off in zip(expected, error, strict=True)]
         gain = velocity_gain / max(elapsed, SHORTEST_S)
         before = [0.0 if ended else velocity for _, velocity in self._line]
         velocities = [velocity + gain * off if moving else 0.0 for velocity, off in zip(before, error, strict=True)]
         velocities = self._bounds.clamp(estimate, velocities)[1]
         self._line = list(zip(estimate, velocities, strict=True))
-        self._sample_ns, self._end_ns = t_ns, now_ns + self._predict_ns if self._predict_ns else t_ns
+        self._sample_ns, self._end_ns = t_ns, self._catch_up.due_ns if self._predict_ns else t_ns
         self._turn_to(t_ns, estimate, velocities, now_ns, rate)
+
+    def hear(self, now_ns: int, stretch: float) -> None:
+        """Note that a sample has come, late or not; also one that gives no target."""
+        self._catch_up.hear(now_ns, stretch)
 
     def at(self, now_ns: int) -> tuple[Array, Array]:
         """The target's position (n,) and velocity (n,) per s at `now_ns`, within its bounds."""
@@ -134,14 +160,6 @@ class TargetPredictor:
         predicted_s = (self._end_ns - self._sample_ns) / NS_PER_S
         return [position + velocity * predicted_s for position, velocity in self._line]
 
-    def _gains(self, error: Numbers) -> Numbers:
-        """The gains of position and velocity, and the convergence rate, for the newest deviation (n,)."""
-        self._deviation = [old + MEMORY * (new - old) for new, old in zip(error, self._deviation, strict=True)]
-        self._square += MEMORY * (_square(error) - self._square)
-        correlation = _square(self._deviation) / (self._square + NOTHING)
-        motion = min(max((correlation - NOISE_CORRELATION) / (MOTION_CORRELATION - NOISE_CORRELATION), 0.0), 1.0)
-        return [low + motion * more for low, more in self._gain_ranges]
-
     def _turn_to(self, t_ns: int, q: Numbers, dq: Numbers, now_ns: int, rate: float) -> None:
         """Take a new line from `now_ns`; the target's offset from it decays."""
         since = (now_ns - t_ns) / NS_PER_S
@@ -149,25 +167,27 @@ class TargetPredictor:
         off = [at - (position + velocity * since) for at, position, velocity in zip(here, q, dq, strict=True)]
         dq_off = [at - velocity for at, velocity in zip(moving, dq, strict=True)]
         rate = self._bounds.convergence(rate, off, dq_off)
-        columns = zip(q, dq, off, dq_off, strict=True)
-        self._numbers = [(position, velocity, away, step + rate * away) for position, velocity, away, step in columns]
+        left = self._catch_up.left([late for *_, late in self._numbers], now_ns - self._since_ns)
+        slow = self._catch_up.take(here, off, dq_off, rate, left)
+        slow_rate, columns = self._catch_up.rate, zip(q, dq, off, dq_off, slow, strict=True)
+        self._numbers = [
+            (position, velocity, away - late, step + slow_rate * late + rate * (away - late), late)
+            for position, velocity, away, step, late in columns
+        ]
         self._t_ns, self._since_ns, self._rate = t_ns, now_ns, rate
 
     def _converging(self, now_ns: int) -> tuple[Numbers, Numbers]:
         t, since, rate = (now_ns - self._t_ns) / NS_PER_S, max(now_ns - self._since_ns, 0) / NS_PER_S, self._rate
-        decay = math.exp(-rate * since)
+        slow_rate = self._catch_up.rate
+        decay, slow_decay = math.exp(-rate * since), math.exp(-slow_rate * since)
         positions, velocities = [], []
-        for q, dq, off, push in self._numbers:
-            left = decay * (off + since * push)
-            positions.append(q + dq * t + left)
-            velocities.append(dq + decay * push - rate * left)
+        for q, dq, off, push, late in self._numbers:
+            left, lacking = decay * (off + since * push), slow_decay * late
+            positions.append(q + dq * t + left + lacking)
+            velocities.append(dq + decay * push - rate * left - slow_rate * lacking)
         return positions, velocities
 
 
-def joint_target_predictor(limits: JointLimits, config: ControlConfig) -> TargetPredictor:
+def joint_target_predictor(model: ArmModel, limits: JointLimits, config: ControlConfig) -> TargetPredictor:
     """The predictor of a joint target (n,) in rad, kept where the joints can stop inside their limits."""
-    return TargetPredictor(len(limits.names), config, JointBounds(limits, config.glide_rad_s))
-
-
-def _square(numbers: Numbers) -> float:
-    return sum(number * number for number in numbers)
+    return TargetPredictor(len(limits.names), config, JointBounds(model, limits, config.glide_rad_s))

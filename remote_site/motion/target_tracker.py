@@ -27,7 +27,8 @@ class ToolSample:
 
     `base_T_target` (4 x 4) holds for the time `t_ns` and is known since `now_ns`; `elbow` is the operator's from the
     wrist (3,) in m in the base's axes, None while it is not seen; `leashed` is why the leash holds the target (then
-    it moves only with the arm), None while it does not.
+    it moves only with the arm), None while it does not. It is extrapolated `stretch` times as long as configured.
+    `spare` is the fraction of the catch-up speed (`catch_up.py`) with which it does not move itself.
     """
 
     t_ns: int
@@ -35,6 +36,8 @@ class ToolSample:
     base_T_target: Array
     elbow: Array | None
     leashed: Reason | None
+    stretch: float = 1.0
+    spare: float = 1.0
 
 
 class TargetTracker(Protocol):
@@ -66,8 +69,9 @@ class ClosedFormTracker:
         """Solve for the target; without a solution the joints keep the one before. The elbow follows the branch."""
         solution = self._inverse.nearest(target.base_T_target, q)
         if not isinstance(solution, Solution):
+            self._predictor.hear(target.now_ns, target.stretch)
             return solution.reason
-        self._predictor.aim(target.t_ns, solution.q, target.now_ns)
+        self._predictor.aim(target.t_ns, solution.q, target.now_ns, stretch=target.stretch, spare=target.spare)
         return None
 
     def at(self, now_ns: int, q: Array) -> tuple[Array, Array]:
@@ -107,7 +111,8 @@ class DifferentialTracker:
             return reason(Code.NOT_A_POSE)
         turn = unwound(pin.log3(base_T_target[:3, :3] @ self._turned_from.T), self._pose[3:])
         self._pose = np.concatenate([base_T_target[:3, 3], turn])
-        self._predictor.aim(target.t_ns, self._pose, target.now_ns, moving=target.leashed is None)
+        moving, stretch, spare = target.leashed is None, target.stretch, target.spare
+        self._predictor.aim(target.t_ns, self._pose, target.now_ns, moving=moving, stretch=stretch, spare=spare)
         self._elbow = elbow if elbow is not None else self._elbow
         return self._off
 
@@ -141,4 +146,4 @@ def choose_target_tracker(
             raise ModelError(f'robot.kinematics = "closed": {error}; or set it to "general"') from error
         return DifferentialTracker(robot, control, model, limits)
     inverse.check_branch(robot.start)
-    return ClosedFormTracker(inverse, joint_target_predictor(limits, control))
+    return ClosedFormTracker(inverse, joint_target_predictor(model, limits, control))

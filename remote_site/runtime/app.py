@@ -7,7 +7,8 @@ import msgspec
 import structlog
 
 from common.errors import FarhandError
-from common.link.channels import CAMERA, SHOWN, STATE, ChannelSession
+from common.link.channels import CAMERA, KEY_FRAMES, SHOWN, STATE, ChannelSession
+from common.link.config import NAME_OPERATORS
 from common.link.credentials import CertificateValidity, check_links
 from common.link.endpoints import check_free
 from common.link.pubsub import Publisher
@@ -24,57 +25,57 @@ from remote_site.runtime.control import run_control
 from remote_site.runtime.crash_marker import CrashMarker
 from remote_site.runtime.driver_process import run_driver
 from remote_site.runtime.links import open_site_link
-from remote_site.runtime.shared_lease import SharedLease
+from remote_site.runtime.site_memory import SiteMemory
 from remote_site.session.config import EngagementMode
 from remote_site.simulation.memory import CellMemory
-from remote_site.video.process import VideoWire, run_video
+from remote_site.video.process import VideoTally, VideoWire, run_video
 from remote_site.video.sources import SimulatedViews
-from remote_site.video.tally import VideoTally
 
 READY_TIMEOUT_S = 30.0
 CHECK_S = 0.1
 CHECKS_PER_VALIDITY = 10
-VIDEO_SEND_BUFFER_BYTES = 1 << 18  # more would only make pictures old on a narrow link
+VIDEO_SEND_BUFFER_BYTES = 1 << 17  # Linux takes twice that: 8 Mbit/s over 240 ms; what waits in more is old
 
 
 def run_remote(config: RemoteConfig, should_stop: StopFlag, log_format: LogFormat = LogFormat.TEXT) -> None:
-    """Run the remote site until asked to stop; ProcessError when one of its processes dies or hangs."""
+    """Run the remote site until asked to stop; ProcessError when one of its processes dies or hangs.
+
+    Nothing engages before all processes have started. Only an orderly end removes the marker of an unfinished run.
+    """
     start_log("remote", log_format)
     log = structlog.get_logger()
     _check_start(config)
     marker = CrashMarker(config.cell, config.links.control)
-    crashed = marker.set()
-    if crashed and config.engagement.mode is EngagementMode.AUTOMATIC:
-        log.warning("the last run crashed or was killed: nothing engages automatically", cure="farhand engage")
-        config = without_automatic_engagement(config)
+    unfinished = marker.set()
+    if unfinished and config.engagement.mode is EngagementMode.AUTOMATIC:
+        log.warning("the last run did not end in order: nothing engages automatically", cure="farhand engage")
+        config = config.engaging(EngagementMode.ON_REQUEST)
     memory = (
         CellMemory.create(len(config.robot.start_deg))
         if config.cell_is_simulated or config.views_are_simulated
         else None
     )
     driver_memory = DriverMemory.create(len(config.robot.start_deg))
-    children, ready = Children("remote"), False
+    children = Children("remote")
     try:
         config = start_robot(config, children)
         if memory is not None and config.cell_is_simulated:
             children.start("cell", partial(run_cell_child, config, memory))
         children.start("driver", partial(run_driver, config, driver_memory, memory))
         tally = VideoTally([camera.name for camera in config.video.cameras])
-        shared_lease = SharedLease()
-        children.start("video", partial(_video, config, memory, tally, shared_lease))
-        children.start("control", partial(run_control, config, driver_memory, memory, shared_lease))
+        site = SiteMemory()
+        children.start("video", partial(_video, config, memory, tally, site))
+        children.start("control", partial(run_control, config, driver_memory, memory, site))
         if config.metrics.port:
             children.start("metrics", partial(_metrics, config, tally), vital=False)
         children.wait_ready(READY_TIMEOUT_S, should_stop)
-        ready = not should_stop()
-        if ready:
+        if not should_stop():
+            site.set_ready()
             notify("READY=1")
             log.info("ready", cell=config.cell, driver=config.driver.name, control=config.links.control_endpoint)
         _watch(children, CertificateValidity(config.links.tls), should_stop)
         marker.clear()
     except FarhandError as error:
-        if not (ready or crashed):
-            marker.clear()  # nothing has moved, and this run left the only marker
         log.error("ending", reason=str(error))
         raise
     finally:
@@ -88,6 +89,8 @@ def _check_start(config: RemoteConfig) -> None:
     check_links(links.endpoints, links, Identity(Role.REMOTE, config.cell))
     for endpoint in (*links.listened, *served):
         check_free(endpoint, links)
+    if not links.heard:
+        structlog.get_logger().warning("nobody may operate: links.operators is empty", cure=NAME_OPERATORS)
     check_driver(config.driver.name)
     check_robot(config)
 
@@ -101,12 +104,6 @@ def _watch(children: Children, validity: CertificateValidity, should_stop: StopF
         if checks % CHECKS_PER_VALIDITY == 0:
             validity.check()
         notify("WATCHDOG=1")
-
-
-def without_automatic_engagement(config: RemoteConfig) -> RemoteConfig:
-    """The configuration with engagement on request only."""
-    engagement = msgspec.structs.replace(config.engagement, mode=EngagementMode.ON_REQUEST)
-    return msgspec.structs.replace(config, engagement=engagement)
 
 
 def start_robot(config: RemoteConfig, children: Children) -> RemoteConfig:
@@ -139,7 +136,7 @@ def _video(
     config: RemoteConfig,
     memory: CellMemory | None,
     tally: VideoTally,
-    shared_lease: SharedLease,
+    site: SiteMemory,
     should_stop: StopFlag,
     heartbeat: Heartbeat,
 ) -> None:
@@ -153,7 +150,9 @@ def _video(
             publishers[frame.camera].put(frame)
             tally.note(frame)
 
-        wire = VideoWire(publish, link.latest(SHOWN, config.cell).take, lambda: shared_lease.number)
+        shown = [link.latest(SHOWN, config.cell, operator=name).take_named for name in config.links.heard]
+        key_frames = link.latest(KEY_FRAMES, config.cell).take
+        wire = VideoWire(publish, shown, lambda: site.lease, key_frames, site.show_video_link)
         run_video(config.video, views, wire, should_stop, heartbeat.beat)
 
 

@@ -16,6 +16,8 @@ from remote_site.motion.target_tracker import choose_target_tracker
 from remote_site.safety.collision import CollisionModel
 from remote_site.teleop.config import prediction
 from remote_site.teleop.mapping import make_mapping
+from remote_site.video.streaming.encoding import can_encode
+from remote_site.video.streaming.h264 import H264_CURE
 
 T = TypeVar("T")
 
@@ -56,6 +58,7 @@ def check_robot(config: RemoteConfig) -> None:
 def find_mistakes(config: RemoteConfig) -> list[StartupMistake]:
     """What would end a process of the site that loads the arm; parts that need a broken one are not checked."""
     loading, robot = _Loading(), config.robot
+    loading.load("video", f"{H264_CURE}, or video.codec = 'auto'", lambda: can_encode(config.video.codec))
     loading.load("mapping", "correct the table [mapping]", lambda: make_mapping(config.mapping))
     model = loading.load("robot", "correct robot.model and robot.tool_frame, or that URDF", lambda: _model(robot))
     if model is not None:

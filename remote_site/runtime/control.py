@@ -3,11 +3,12 @@
 import gc
 import secrets
 import time
-from collections.abc import Callable
+from collections.abc import Callable, Iterator, Sequence
 
 from common.clock import NS_PER_S, MonotonicClock
 from common.errors import DriverError, MessageError
 from common.link.channels import ENGAGEMENT, HAND, MAINTENANCE, STATE, ChannelSession
+from common.link.pubsub import Latest
 from common.link.transport import Link
 from common.messages.hand import HandArm
 from common.messages.requests import EngagementRequest, Reply
@@ -25,20 +26,24 @@ from remote_site.runtime.links import open_site_link
 from remote_site.runtime.rate import Rate
 from remote_site.runtime.reporting import Reporter
 from remote_site.runtime.request_server import RequestServer, describe
-from remote_site.runtime.shared_lease import SharedLease
+from remote_site.runtime.site_memory import SiteMemory
+from remote_site.runtime.state_pace import StatePace
 from remote_site.safety.collision import CollisionModel
 from remote_site.session.lease import LeaseServer
 from remote_site.session.requests import SessionRequest
-from remote_site.session.state_machine import Answer
+from remote_site.session.samples import NamedSample
+from remote_site.session.state_machine import FOLLOWING, Answer
 from remote_site.simulation.memory import CellMemory
 from remote_site.simulation.views import PostureMirror
+from remote_site.teleop.cycle import Snapshot
 from remote_site.teleop.pipeline import TeleopPipeline
 
 FIFO_PRIORITY = 50
 ACTIVATION_TIMEOUT_S = 10.0
 ACTIVATION_POLL_S = 0.02
 TICKS_PER_STATE = 5
-LEASE_BITS = 48
+LEASE_BITS = 31
+MAINTENANCE_NAME = "maintenance"
 
 Waiting = tuple[SessionRequest, Callable[[Answer], None]]
 
@@ -47,7 +52,7 @@ def run_control(
     config: RemoteConfig,
     driver_memory: DriverMemory,
     memory: CellMemory | None,
-    shared_lease: SharedLease,
+    site: SiteMemory,
     should_stop: StopFlag,
     heartbeat: Heartbeat,
 ) -> None:
@@ -63,18 +68,18 @@ def run_control(
         reported_collision = CollisionModel.from_urdf(robot.urdf, model, robot.capsules, fixtures)
         real_time = ask_for_real_time(FIFO_PRIORITY)
         mirror = PostureMirror(config.simulation, memory.snapshot) if memory and not config.cell_is_simulated else None
-        description = describe(config, model, limits, config.control.rate_hz / TICKS_PER_STATE)
+        description = describe(config, model, limits)
         gc.collect()
         gc.freeze()
         # from here on the driver counts the time without a command
-        _activate(driver, config, should_stop)
+        _activate(driver, should_stop)
         rate = Rate(config.control.rate_hz, clock, least_fraction=LEAST_FRACTION)
         states = link.publisher(STATE, config.cell)
-        reporter = Reporter(states, shared_lease, model, reported_collision, rate, real_time=real_time)
+        reporter = Reporter(states, site, model, reported_collision, rate, real_time=real_time)
         refusals = RefusalLog()
-        server = RequestServer(link, description, leases, clock, refusals.note)
-        driven, inbox = DrivenPipeline(pipeline, driver), Inbox(link, config.cell, refusals)
-        loop = ControlLoop(driven, leases, inbox, reporter, server, mirror)
+        server = RequestServer(link, description, leases, clock, refusals.note, config.links.heard)
+        driven, inbox = DrivenPipeline(pipeline, driver), Inbox(link, config.cell, refusals, config.links.heard)
+        loop = ControlLoop(driven, leases, inbox, reporter, server, mirror, site)
         while not should_stop():
             rate.wait()
             loop.tick(clock.now_ns())
@@ -83,38 +88,44 @@ def run_control(
 
 
 class Inbox:
-    """The hand channel and the requests about the engagement; payloads that are no message are counted."""
+    """The hand channel and the requests about the engagement; payloads that are no message are counted.
 
-    def __init__(self, link: Link, cell: str, refusals: RefusalLog) -> None:
-        self._hand = link.latest(HAND, cell)
-        self._engagement = link.serve(ENGAGEMENT, cell, refusals.note)
+    Who sends is known from the key alone. Every listed operator has a buffer of their own, so that none displaces
+    another's samples or requests.
+    """
+
+    def __init__(self, link: Link, cell: str, refusals: RefusalLog, operators: Sequence[str]) -> None:
+        self._hands = [link.latest(HAND, cell, operator=operator) for operator in operators]
+        self._engagement = [link.serve(ENGAGEMENT, cell, refusals.note, operator=operator) for operator in operators]
         self._maintenance = link.serve(MAINTENANCE, cell, refusals.note)
         self.refusals = refusals
 
-    def samples(self) -> list[HandArm]:
-        """The hand samples that have arrived, oldest first."""
-        samples = []
+    def samples(self) -> list[NamedSample]:
+        """The hand samples that have arrived, each operator's oldest first."""
+        return [sample for hand in self._hands for sample in self._taken(hand)]
+
+    def requests(self, now_ns: int) -> list[Waiting]:
+        """At most one request of each operator and one of maintenance, each with what answers it."""
+        waiting = []
+        for server in (*self._engagement, self._maintenance):
+            taken = server.take(now_ns)
+            if taken is not None:
+                maintenance = server is self._maintenance
+                asker = MAINTENANCE_NAME if maintenance else taken.operator
+                asked = SessionRequest(taken.question.action, asker, maintenance)
+                waiting.append((asked, _answering(taken.question, taken.reply)))
+        return waiting
+
+    def _taken(self, hand: Latest[HandArm]) -> Iterator[NamedSample]:
         for _ in range(HAND.depth):
             try:
-                sample = self._hand.take()
+                named = hand.take_named()
             except MessageError as error:
                 self.refusals.note(error)
                 continue
-            if sample is None:
-                break
-            samples.append(sample)
-        return samples
-
-    def requests(self, now_ns: int) -> list[Waiting]:
-        """At most one request of operators and one of maintenance, each with what answers it."""
-        waiting = []
-        for server, maintenance in ((self._engagement, False), (self._maintenance, True)):
-            taken = server.take(now_ns)
-            if taken is not None:
-                request, reply = taken
-                asked = SessionRequest(request.action, request.operator, maintenance)
-                waiting.append((asked, _answering(request, reply)))
-        return waiting
+            if named is None:
+                return
+            yield NamedSample(*named)
 
 
 class ControlLoop:
@@ -128,6 +139,7 @@ class ControlLoop:
         reporter: Reporter,
         server: RequestServer,
         mirror: PostureMirror | None,
+        site: SiteMemory,
     ) -> None:
         self._driven = driven
         self._leases = leases
@@ -135,22 +147,28 @@ class ControlLoop:
         self._reporter = reporter
         self._server = server
         self._mirror = mirror
-        self._ticks = 0
+        self._site = site
+        self._pace, self._ticks = StatePace(), 0
 
     def tick(self, now_ns: int) -> None:
         """One control tick; no reply delays a command."""
         driven, waiting = self._driven, self._inbox.requests(now_ns)
         requests = [request for request, _ in waiting]
-        snapshot = driven.cycle(now_ns, self._leases.status(now_ns), self._inbox.samples(), requests)
+        lease, samples = self._leases.status(now_ns), self._inbox.samples()
+        snapshot = driven.cycle(now_ns, lease, samples, requests, site_ready=self._site.ready)
         for (_, reply), answer in zip(waiting, snapshot.answers, strict=True):
             reply(answer)
         self._reporter.note(snapshot, driven)
         self._ticks += 1
-        if self._ticks % TICKS_PER_STATE == 0:
-            self._reporter.publish(snapshot, driven, self._inbox.refusals.counts)
+        if self._ticks % TICKS_PER_STATE == 0 and self._is_due(snapshot):
+            self._pace.sent(self._reporter.publish(snapshot, driven, self._inbox.refusals.counts))
         if self._mirror is not None:
             self._mirror.show(driven.report.t_ns, driven.report.q)
-        self._server.poll()
+        self._server.poll(engaged=snapshot.state in FOLLOWING)
+
+    def _is_due(self, snapshot: Snapshot) -> bool:
+        says, link = (snapshot.state, snapshot.reason.code), snapshot.hand_link
+        return self._pace.is_due(snapshot.now_ns, says, link.network_ms if link is not None else None)
 
 
 def _answering(request: EngagementRequest, reply: Callable[[Reply], None]) -> Callable[[Answer], None]:
@@ -162,16 +180,16 @@ def _answering(request: EngagementRequest, reply: Callable[[Reply], None]) -> Ca
     return answering
 
 
-def _activate(driver: DriverLink, config: RemoteConfig, should_stop: StopFlag) -> None:
-    """Activate the robot where it is; DriverError when it does not get ready."""
+def _activate(driver: DriverLink, should_stop: StopFlag) -> None:
+    """Activate the robot where it is measured, and never before; DriverError when it does not get ready."""
     deadline = time.monotonic() + ACTIVATION_TIMEOUT_S
     asked = False
     while not should_stop():
         report = driver.read()
         if asked and report.ready:
             return
-        if not asked or (report.answered and not report.ready and not _pending(report)):
-            driver.activate(report.q if report.t_ns else config.robot.start)
+        if report.measured and (not asked or (report.answered and not report.ready and not _pending(report))):
+            driver.activate(report.q)
             asked = True
         if time.monotonic() > deadline:
             raise DriverError(f"the robot did not get ready in {ACTIVATION_TIMEOUT_S:g} s: {report.fault}")

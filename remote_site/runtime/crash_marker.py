@@ -1,4 +1,4 @@
-"""A marker file while the remote site runs: a start that finds one follows a crash or a kill."""
+"""A marker file until the remote site ends in order: a start that finds one follows a failure, a crash or a kill."""
 
 import os
 import tempfile
@@ -17,7 +17,7 @@ class CrashMarker:
         self._path = folder / f"farhand-{os.getuid()}-{cell}-{port}.running"
 
     def set(self) -> bool:
-        """Create the marker on disk; True when one was there, so the last run crashed or was killed."""
+        """Create the marker on disk; True when one was there, so the last run did not end in order."""
         was_there = self._path.exists()
         self._path.touch()
         _sync(self._path)

@@ -2,10 +2,10 @@
 
 from collections.abc import Iterable
 
-from common.messages.hand import HandArm
 from remote_site.drivers.link import DriverLink, RobotReport
 from remote_site.session.lease import LeaseStatus
 from remote_site.session.requests import SessionRequest
+from remote_site.session.samples import NamedSample
 from remote_site.teleop.cycle import CycleInput, RobotObservation, Snapshot
 from remote_site.teleop.pipeline import TeleopPipeline
 
@@ -24,13 +24,16 @@ class DrivenPipeline:
         self,
         now_ns: int,
         lease: LeaseStatus,
-        samples: Iterable[HandArm] = (),
+        samples: Iterable[NamedSample] = (),
         requests: Iterable[SessionRequest] = (),
+        *,
+        site_ready: bool = True,
     ) -> Snapshot:
         """One control tick; the driver is activated, or commanded if it takes commands."""
         report = self.report = self._driver.read()
-        robot = RobotObservation(report.q, report.fault, report.sent)
-        command = self._pipeline.cycle(CycleInput(now_ns, robot, lease, tuple(samples), tuple(requests)))
+        robot = RobotObservation(report.q, report.fault, report.sent, report.gripper, report.diverted)
+        given = CycleInput(now_ns, robot, lease, tuple(samples), tuple(requests), site_ready)
+        command = self._pipeline.cycle(given)
         self.sent = report.sent
         if command.activate_at is not None:
             self._driver.activate(command.activate_at)

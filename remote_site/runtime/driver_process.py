@@ -16,13 +16,14 @@ from remote_site.drivers.memory import DriverMemory, DriverReport
 from remote_site.drivers.registry import DriverHost, create_driver
 from remote_site.drivers.supervisor.grip import GripSettings, GripWatch
 from remote_site.drivers.supervisor.supervisor import DriverSupervisor
-from remote_site.kinematics.limits import load_arm
+from remote_site.kinematics.limits import JointRange, load_arm
 from remote_site.runtime.transition_log import FaultLog
 from remote_site.simulation.memory import CellMemory
 
 FIFO_PRIORITY = 45  # below control, above the simulated cell
 WAKES_PER_TICK = 2
 END_NS = NS_PER_S
+HELD_FRACTION = 0.1  # of the largest grip force: a gripper at rest that measures more holds an object
 
 
 def run_driver(
@@ -69,13 +70,17 @@ def setup_of(config: RemoteConfig) -> DriverSetup:
         dt=1.0 / config.control.rate_hz,
         command_timeout_ns=round(config.driver.command_timeout_ms * NS_PER_MS),
         grip_force_n=config.grip.force_n,
+        start=config.robot.start,
+        own_range=JointRange(model.lower, model.upper, model.velocity),
     )
 
 
 def grip_settings(config: RemoteConfig) -> GripSettings:
     """When a gripper is closed, open, or late."""
     grip = config.grip
-    return GripSettings(grip.closed_mm / 1000, grip.open_mm / 1000, round(grip.timeout_ms * NS_PER_MS))
+    return GripSettings(
+        grip.closed_mm / 1000, grip.open_mm / 1000, round(grip.timeout_ms * NS_PER_MS), grip.force_n * HELD_FRACTION
+    )
 
 
 class DriverLoop:
@@ -115,15 +120,16 @@ class DriverLoop:
                 stop_count=supervisor.commanded.stop_count,
                 onset_ns=0 if stop is None else stop.onset_ns,
                 t_ns=reading.t_ns if reading is not None else 0,
+                oldest_ns=supervisor.oldest_ns,
                 has_obeyed=supervisor.obeyed.seq is not None,
                 obeyed_seq=supervisor.obeyed.seq or 0,
                 opening_m=gripper.opening if gripper is not None else 0.0,
                 force_n=gripper.force if gripper is not None and gripper.force is not None else math.nan,
-                gripper_open=gripper.commanded_open if gripper is not None else True,
+                gripper=gripper.commanded.value.encode() if gripper is not None else b"",
                 grip=gripper.status.value.encode() if gripper is not None else b"",
                 code=fault.code.value.encode() if fault is not None else b"",
-                native=fault.native.encode() if fault is not None else b"",
-                sentence=fault.sentence.encode() if fault is not None else b"",
+                native=fault.native.encode(errors="replace") if fault is not None else b"",
+                sentence=fault.sentence.encode(errors="replace") if fault is not None else b"",
                 motions=motions,
             )
         )

@@ -8,7 +8,7 @@ from prometheus_client.core import CounterMetricFamily, GaugeMetricFamily, Metri
 from common.clock import NS_PER_S
 from common.messages.robot import Obeyed, RobotState, SessionState
 from common.process.metrics import gauge
-from remote_site.video.tally import VideoTally
+from remote_site.video.process import VideoTally
 
 LATENCY_BUCKETS_S = (0.01, 0.02, 0.03, 0.04, 0.05, 0.06, 0.08, 0.1, 0.15, 0.2, 0.3, 0.5)
 

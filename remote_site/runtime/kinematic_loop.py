@@ -3,14 +3,15 @@
 from collections.abc import Iterable
 
 from common.clock import NS_PER_MS, Clock
-from common.messages.hand import HandArm
 from remote_site.config import RemoteConfig
 from remote_site.drivers.driver import DriverSetup
 from remote_site.drivers.kinematic import KinematicDriver
 from remote_site.kinematics.joints import JointMotion
 from remote_site.kinematics.limits import load_arm
+from remote_site.session.config import EngagementMode
 from remote_site.session.lease import LeaseStatus
 from remote_site.session.requests import SessionRequest
+from remote_site.session.samples import NamedSample
 from remote_site.teleop.cycle import Command, CycleInput, RobotObservation
 from remote_site.teleop.pipeline import TeleopPipeline
 
@@ -18,9 +19,15 @@ STOP_WITHIN_NS = 50 * NS_PER_MS
 
 
 class KinematicLoop:
-    """An arm that follows commands perfectly, and the pipeline that commands it; `sent` is the newest command."""
+    """An arm that follows commands perfectly, and the pipeline that commands it; `sent` is the newest command.
+
+    Nobody is there to request an engagement, so it is automatic unless it needs a key or pedal.
+    """
 
     def __init__(self, config: RemoteConfig, clock: Clock) -> None:
+        if config.engagement.mode is EngagementMode.ON_REQUEST:
+            config = config.engaging(EngagementMode.AUTOMATIC)
+        self.config = config
         self.model, self.limits = load_arm(config.robot)
         self.pipeline = TeleopPipeline(config, self.model, self.limits)
         self.sent = JointMotion.at_rest(config.robot.start)
@@ -32,11 +39,11 @@ class KinematicLoop:
         self._seq = 0
 
     def cycle(
-        self, lease: LeaseStatus, samples: Iterable[HandArm] = (), requests: Iterable[SessionRequest] = ()
+        self, lease: LeaseStatus, samples: Iterable[NamedSample] = (), requests: Iterable[SessionRequest] = ()
     ) -> Command:
         """One control tick at the clock's time."""
         now_ns = self._clock.now_ns()
-        robot = RobotObservation(self._driver.read().q, None, self.sent)
+        robot = RobotObservation(self._driver.read().q, None, self.sent, None)
         command = self.pipeline.cycle(CycleInput(now_ns, robot, lease, tuple(samples), tuple(requests)))
         self._seq += 1
         self.sent = self._driver.write(command.joints(self._seq, now_ns)).motion

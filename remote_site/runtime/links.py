@@ -19,9 +19,16 @@ def open_site_link(
             connect=(links.router,),
             security=links,
             sessions=[session],
+            operators=links.operators,
             send_buffer_bytes=send_buffer_bytes,
             through_router=True,
             should_stop=should_stop,
         )
     endpoint = links.video if session is ChannelSession.VIDEO else links.control
-    return open_link(listen=(endpoint,), security=links, sessions=[session], send_buffer_bytes=send_buffer_bytes)
+    return open_link(
+        listen=(endpoint,),
+        security=links,
+        sessions=[session],
+        operators=links.operators,
+        send_buffer_bytes=send_buffer_bytes,
+    )

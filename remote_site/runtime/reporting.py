@@ -6,6 +6,7 @@ from collections.abc import Mapping
 
 from common.link.pubsub import Publisher
 from common.messages.robot import (
+    Asker,
     LeaseState,
     LoopTiming,
     Pose,
@@ -13,28 +14,30 @@ from common.messages.robot import (
     RobotState,
     SessionState,
 )
+from common.process.link_log import LinkLog
 from remote_site.kinematics.model import ArmModel
 from remote_site.runtime.driven_pipeline import DrivenPipeline
 from remote_site.runtime.rate import Rate
-from remote_site.runtime.shared_lease import NO_LEASE, SharedLease
+from remote_site.runtime.site_memory import SiteMemory
 from remote_site.runtime.tracing import Tracing
 from remote_site.runtime.transition_log import TransitionLog
 from remote_site.safety.collision import CollisionModel
+from remote_site.session.hand_link_verdict import judged
 from remote_site.session.lease import LeaseStatus
 from remote_site.teleop.cycle import Snapshot
 
-SESSION_BITS = 62
+SESSION_BITS = 32
 LATE_PERCENTILE = 99.0
 STATES_PER_TIMING = 50  # ordering thousands of latenesses does not belong in every tick
 
 
 class Reporter:
-    """Publishes RobotState with the times of the obeyed samples, and shares the number of the lease in force."""
+    """Publishes RobotState with the times of the obeyed samples, and shares the lease in force."""
 
     def __init__(
         self,
         publisher: Publisher[RobotState],
-        shared_lease: SharedLease,
+        site: SiteMemory,
         model: ArmModel,
         collision: CollisionModel,
         rate: Rate,
@@ -42,7 +45,7 @@ class Reporter:
         real_time: bool,
     ) -> None:
         self._publisher = publisher
-        self._shared_lease = shared_lease
+        self._site = site
         self._model = model
         self._collision = collision
         self._rate = rate
@@ -51,7 +54,7 @@ class Reporter:
         self._seq = 0
         self._tracing = Tracing()
         self._timing = self._measured_timing()
-        self._log = TransitionLog()
+        self._log, self._link_log = TransitionLog(), LinkLog()
 
     def note(self, snapshot: Snapshot, driven: DrivenPipeline) -> None:
         """Note the command that first obeys a sample, and the reading that first shows it in the robot's motion."""
@@ -60,14 +63,18 @@ class Reporter:
             self._tracing.obey(snapshot.obeys, driven.seq, snapshot.now_ns, driven.sent)
         self._tracing.see(driven.report)
 
-    def publish(self, snapshot: Snapshot, driven: DrivenPipeline, malformed: Mapping[str, int]) -> None:
-        """Send the robot's state as measured and commanded."""
+    def publish(self, snapshot: Snapshot, driven: DrivenPipeline, malformed: Mapping[str, int]) -> int:
+        """Send the robot's state as measured and commanded; its size in bytes."""
         self._seq += 1
         if self._seq % STATES_PER_TIMING == 0:
             self._timing = self._measured_timing()
         lease, report = _lease(snapshot.lease), driven.report
-        self._shared_lease.show(lease.number if lease is not None else NO_LEASE)
-        answer = snapshot.readiness
+        self._site.show_lease(snapshot.lease.lease)
+        answer, following = snapshot.readiness, snapshot.state is SessionState.ENGAGED
+        hand_link, video_link = judged(snapshot.hand_link, snapshot.age_limit_ms), self._site.video_link
+        code, reason = answer.reason.code.value, answer.reason.sentence
+        self._link_log.note_limit(snapshot.age_limit_ms, snapshot.speed_scale, code, reason)
+        self._link_log.note(hand_link, video_link, snapshot.now_ns)
         self._publisher.put(
             RobotState(
                 session=self._session,
@@ -76,24 +83,31 @@ class Reporter:
                 state=snapshot.state,
                 code=snapshot.reason.code.value,
                 reason=snapshot.reason.sentence,
-                joints=self._model.joint_names,
+                age_limit_ms=snapshot.age_limit_ms,
+                speed_scale=snapshot.speed_scale,
                 q=tuple(report.q.tolist()),
                 q_commanded=tuple(driven.sent.q.tolist()),
                 base_T_tool=Pose.from_transform(self._model.forward(report.q)),
                 gripper=report.gripper,
                 gripper_toggles_applied=snapshot.gripper_toggles,
+                gripper_next=snapshot.gripper_next,
                 obeyed=self._tracing.reported(),
                 engagement=snapshot.engagement,
                 rejected={code.value: count for code, count in snapshot.rejected.items()} | dict(malformed),
                 timing=self._timing,
                 lease=lease,
                 clock=snapshot.clock,
-                readiness=Readiness(answer.done, answer.reason.code.value, answer.reason.sentence, snapshot.held),
+                readiness=Readiness(answer.done, code, reason, snapshot.held),
                 min_distance=_finite(self._collision.distance(report.q)),
-                target=Pose.from_transform(snapshot.target) if snapshot.state is SessionState.ENGAGED else None,
+                target=Pose.from_transform(snapshot.target) if following else None,
                 traced=self._tracing.traced,
+                settings=snapshot.settings,
+                reference=snapshot.reference if following else None,
+                hand_link=hand_link,
+                video_link=video_link,
             )
         )
+        return self._publisher.payload_bytes
 
     def _measured_timing(self) -> LoopTiming:
         rate = self._rate
@@ -105,8 +119,8 @@ def _lease(status: LeaseStatus) -> LeaseState | None:
     lease, asker = status.lease, status.asker
     if lease is None:
         return None
-    holder = lease.holder
-    return LeaseState(lease.number, holder.name, holder.session, lease.expires_ns, asker.name if asker else None)
+    holder, asked_by = lease.holder, Asker(asker.name, asker.session) if asker is not None else None
+    return LeaseState(lease.number, holder.name, holder.session, lease.expires_ns, asked_by)
 
 
 def _finite(distance: float) -> float | None:

@@ -1,12 +1,15 @@
-"""Answers requests about the lease, questions about the clock, and the description of this cell."""
+"""Answers requests about the lease, questions about the clock, the description of this cell, and probes."""
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from importlib.metadata import version
+
+import msgspec
 
 from common.clock import Clock
 from common.errors import MessageError
-from common.link.channels import CLOCK, DESCRIBE, LEASE
+from common.link.channels import CLOCK, DESCRIBE, LEASE, TROUBLE
 from common.link.transport import Link
+from common.messages.hand import Locks
 from common.messages.requests import (
     CameraDescription,
     ClockAnswer,
@@ -16,15 +19,22 @@ from common.messages.requests import (
     LeaseAction,
     LeaseReply,
     LeaseRequest,
+    MappingDescription,
+    TroubleNoted,
 )
-from common.messages.robot import Pose
+from common.messages.robot import Asker, Pose
+from common.process.link_log import TroubleLog
 from remote_site.config import RemoteConfig
 from remote_site.kinematics.limits import JointLimits
 from remote_site.kinematics.model import ArmModel
 from remote_site.reasons import Code, Reason, reason
+from remote_site.runtime.probe_server import ProbeServer
 from remote_site.session.engagement_intent import INPUTS
 from remote_site.session.lease import Holder, Lease, LeaseServer
+from remote_site.teleop.config import MappingConfig
 from remote_site.video.calibration import calibration_of
+
+REPORTED_EVENT = "an operator's site reports trouble of the link"
 
 
 class RequestServer:
@@ -41,21 +51,36 @@ class RequestServer:
         leases: LeaseServer,
         clock: Clock,
         refused: Callable[[MessageError], None],
+        operators: Sequence[str],
     ) -> None:
+        """`operators` are those whose requests about the lease are answered."""
         cell = description.cell
         self._clock = clock
         self._leases = leases
         self._description = description
         self._clock_questions = link.answer(CLOCK, cell, refused)
         self._describe_questions = link.answer(DESCRIBE, cell, refused)
-        self._lease_requests = link.serve(LEASE, cell, refused)
+        self._troubles = [link.answer(TROUBLE, cell, refused, operator=operator) for operator in operators]
+        self._trouble_log = TroubleLog(REPORTED_EVENT)
+        self._probes = ProbeServer(link, cell, operators, clock, refused)
+        self._lease_requests = [link.serve(LEASE, cell, refused, operator=operator) for operator in operators]
 
-    def poll(self) -> None:
-        """Answer what is waiting, at most one of a kind."""
+    def poll(self, *, engaged: bool) -> None:
+        """Answer what is waiting, at most one of a kind, and one of each operator about the lease.
+
+        While the arm is `engaged`, probes may not load its link.
+        """
         now_ns = self._clock.now_ns()
         self._clock_questions.poll(lambda _question: self._time(now_ns))
         self._describe_questions.poll(self._describe)
-        self._lease_requests.poll(now_ns, lambda request: answer_lease(self._leases, request, now_ns))
+        for server in self._lease_requests:
+            if (asked := server.take(now_ns)) is not None:
+                asked.reply(answer_lease(self._leases, asked.question, asked.operator, now_ns))
+        for troubles in self._troubles:
+            if (told := troubles.take()) is not None:
+                self._trouble_log.note("reported", told.question.reason, now_ns, operator=told.operator)
+                told.reply(TroubleNoted())
+        self._probes.poll(engaged=engaged)
 
     def _time(self, received_ns: int) -> ClockAnswer:
         return ClockAnswer(received_ns=received_ns, answered_ns=self._clock.now_ns())
@@ -64,11 +89,12 @@ class RequestServer:
         return self._description
 
 
-def answer_lease(leases: LeaseServer, request: LeaseRequest, now_ns: int) -> LeaseReply:
-    """Carry out a local site's request about the lease; the reply names the holder."""
-    outcome = _act(leases, request, now_ns)
+def answer_lease(leases: LeaseServer, request: LeaseRequest, operator: str, now_ns: int) -> LeaseReply:
+    """Carry out a request about the lease that came on this operator's key; the reply names the holder."""
+    client = Holder(request.session, operator)
+    outcome = _act(leases, request, client, now_ns)
     current = leases.current(now_ns)
-    own = current if current is not None and current.holder.session == request.session else None
+    own = current if current is not None and current.holder == client else None
     answer = outcome if isinstance(outcome, Reason) else _done(request.action, current)
     return LeaseReply(
         id=request.id,
@@ -81,17 +107,21 @@ def answer_lease(leases: LeaseServer, request: LeaseRequest, now_ns: int) -> Lea
     )
 
 
-def _act(leases: LeaseServer, request: LeaseRequest, now_ns: int) -> Lease | Reason:
-    number, session = request.lease, request.session
+def _act(leases: LeaseServer, request: LeaseRequest, client: Holder, now_ns: int) -> Lease | Reason:
+    number = request.lease
     match request.action:
         case LeaseAction.ACQUIRE:
-            return leases.acquire(Holder(session, request.operator), now_ns)
+            return leases.acquire(client, now_ns)
         case LeaseAction.RENEW:
-            return leases.renew(number, session, now_ns)
+            return leases.renew(number, client, now_ns)
         case LeaseAction.RELEASE:
-            return leases.release(number, session, now_ns)
+            return leases.release(number, client, now_ns)
         case LeaseAction.HAND_OVER:
-            return leases.hand_over(number, session, now_ns)
+            return leases.hand_over(number, client, _named(request.to), now_ns)
+
+
+def _named(asker: Asker | None) -> Holder | None:
+    return Holder(asker.session, asker.name) if asker is not None else None
 
 
 def _done(action: LeaseAction, current: Lease | None) -> Reason:
@@ -100,7 +130,7 @@ def _done(action: LeaseAction, current: Lease | None) -> Reason:
     return reason(Code.LEASE_RELEASED if current is None else Code.LEASE_HELD)
 
 
-def describe(config: RemoteConfig, model: ArmModel, limits: JointLimits, state_hz: float) -> Description:
+def describe(config: RemoteConfig, model: ArmModel, limits: JointLimits) -> Description:
     """The description of this cell for local sites; limits are those in force."""
     bounds = zip(limits.names, limits.lower.tolist(), limits.upper.tolist(), limits.velocity.tolist(), strict=True)
     video, cell, tool_T_tcp = config.video, config.simulation, config.robot.tool_T_tcp
@@ -120,8 +150,18 @@ def describe(config: RemoteConfig, model: ArmModel, limits: JointLimits, state_h
         ),
         held=config.engagement.mode in INPUTS,
         control_hz=config.control.rate_hz,
-        state_hz=state_hz,
         last_T_tool=Pose.from_transform(last_T_tool),
         workspace_min=config.safety.workspace_min_m,
         workspace_max=config.safety.workspace_max_m,
+        mapping=_mapping(config.mapping),
+    )
+
+
+def _mapping(config: MappingConfig) -> MappingDescription:
+    return MappingDescription(
+        point=config.point,
+        scale=config.scale,
+        scale_range=config.scale_range,
+        base_R_operator=config.base_R_operator,
+        locks=Locks(**msgspec.structs.asdict(config.locks)),
     )

@@ -1,12 +1,13 @@
 """The parameters of collision avoidance, of the workspace, and of the certainty that a hand sample needs."""
 
 import math
-from typing import Annotated
+from typing import Annotated, Literal
 
 import msgspec
 from msgspec import Meta, field
 
 FULL_SPEED_MS = 100.0  # a longer T_soft slows the arm in proportion
+AUTO: Literal["auto"] = "auto"
 
 Row3 = tuple[float, float, float]
 
@@ -71,10 +72,19 @@ class CertaintyConfig(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_
 class SafetyConfig(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
     """When a hand sample is too old or too wild, and where the tool may be."""
 
-    t_soft_ms: Annotated[float, Meta(ge=50, le=400, description="an older hand sample stops the arm, ms")] = 100.0
+    t_soft_ms: Annotated[
+        Annotated[float, Meta(ge=50, le=400)] | Literal["auto"],
+        Meta(
+            description='an older hand sample stops the arm, ms (50 to 400); "auto": as the link needs, 100 to 400; '
+            "above 100 the arm is slower in proportion"
+        ),
+    ] = AUTO
     t_latch_ms: Annotated[
         float, Meta(ge=100, le=2000, description="an older hand sample ends the engagement, ms; above t_soft_ms")
     ] = 500.0
+    longest_hold_ms: Annotated[
+        float, Meta(ge=200, le=30000, description="a hold that lasts longer ends the engagement, ms")
+    ] = 2000.0
     hand_speed_m_s: Annotated[float, Meta(gt=0, le=20, description="a faster wrist is a jump, m/s")] = 3.0
     hand_noise_m: Annotated[float, Meta(ge=0, le=0.2, description="added to the jump limit for noise, m")] = 0.03
     hand_turn_deg_s: Annotated[
@@ -98,13 +108,8 @@ class SafetyConfig(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fie
     )
 
     def __post_init__(self) -> None:
-        if self.t_latch_ms <= self.t_soft_ms:
+        if not isinstance(self.t_soft_ms, str) and self.t_latch_ms <= self.t_soft_ms:
             raise ValueError(f"t_latch_ms {self.t_latch_ms} must be above t_soft_ms {self.t_soft_ms}")
         corners = zip(self.workspace_min_m, self.workspace_max_m, strict=True)
         if not all(math.isfinite(low) and math.isfinite(high) and low < high for low, high in corners):
             raise ValueError("workspace_min_m must be below workspace_max_m on every axis")
-
-    @property
-    def speed_scale(self) -> float:
-        """The fraction of full speed that the age limit of the samples leaves."""
-        return min(1.0, FULL_SPEED_MS / self.t_soft_ms)

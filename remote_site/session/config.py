@@ -6,6 +6,8 @@ from typing import Annotated
 import msgspec
 from msgspec import Meta
 
+ACCEPTANCE = "the arm may move as soon as a hand is seen"
+
 
 class EngagementMode(StrEnum):
     """What makes the arm follow once all is ready."""
@@ -22,10 +24,13 @@ class EngagementConfig(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown
     mode: Annotated[
         EngagementMode,
         Meta(
-            description="automatic: by itself, once per start of the remote site; on_request: by 'farhand engage'; "
-            "hold_to_run or pedal: while the operator holds it down"
+            description="on_request: by 'farhand engage' or on the page; hold_to_run or pedal: while the operator "
+            "holds it down; automatic: by itself, once, within a minute of the start, for robots that are not real"
         ),
-    ] = EngagementMode.AUTOMATIC
+    ] = EngagementMode.ON_REQUEST
+    automatic_accepted: Annotated[
+        str, Meta(description=f"automatic engagement of a real robot needs this sentence: {ACCEPTANCE!r}")
+    ] = ""
     frames: Annotated[int, Meta(ge=1, le=1000, description="good hand samples in a row before engaging")] = 30
     resume_frames: Annotated[int, Meta(ge=1, le=100, description="good samples in a row that end a hold")] = 3
 

@@ -42,6 +42,10 @@ class FaultLatch:
         self._lapsed = self._lapsed and fault is not None and (fault.calm or fault.code in SILENCES + ASLEEP)
         return self._lapsed and code in ASLEEP and self._may_ask(now_ns)
 
+    def activated(self) -> None:
+        """The robot is asked to activate: a fault that this does not end is a new one."""
+        self._last = None
+
     def _may_ask(self, now_ns: int) -> bool:
         if self._asked_ns is not None and now_ns - self._asked_ns < RETRY_NS:
             return False

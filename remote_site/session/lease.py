@@ -57,38 +57,46 @@ class LeaseServer:
         return LeaseStatus(self.current(now_ns), self.asker(now_ns))
 
     def acquire(self, asker: Holder, now_ns: int) -> Lease | Reason:
-        """A new lease if no other site holds one; the holder's own is renewed. A refusal names the holder."""
+        """A new lease if no other site holds one; the holder's own is renewed. A refusal names the holder.
+
+        Of several who ask, the first is named while they keep asking: whom the holder consents to must not change
+        at the moment of the consent.
+        """
         current = self.current(now_ns)
         if current is None:
             return self._grant(asker, now_ns)
-        if current.holder.session == asker.session:
+        if current.holder == asker:
             return self._extend(current, now_ns)
-        self._asker, self._asked_until_ns = asker, now_ns + self.duration_ns
+        named = self.asker(now_ns)
+        if named is None or named.name == asker.name:
+            self._asker, self._asked_until_ns = asker, now_ns + self.duration_ns
         return reason(Code.NOT_HOLDER, holder=current.holder.name)
 
-    def renew(self, number: int, session: int, now_ns: int) -> Lease | Reason:
+    def renew(self, number: int, client: Holder, now_ns: int) -> Lease | Reason:
         """Extend the same lease; one that has ended has to be acquired again."""
-        held = self.in_force(number, session, now_ns)
+        held = self.in_force(number, client, now_ns)
         return self._extend(held, now_ns) if isinstance(held, Lease) else held
 
-    def release(self, number: int, session: int, now_ns: int) -> Lease | Reason:
+    def release(self, number: int, client: Holder, now_ns: int) -> Lease | Reason:
         """End the lease and return it; a refusal when it is not in force."""
-        held = self.in_force(number, session, now_ns)
+        held = self.in_force(number, client, now_ns)
         if isinstance(held, Lease):
             self._lease = None
         return held
 
-    def hand_over(self, number: int, session: int, now_ns: int) -> Lease | Reason:
-        """The holder consents: the lease goes, under a new number, to who asks for it."""
-        held = self.in_force(number, session, now_ns)
+    def hand_over(self, number: int, client: Holder, to: Holder | None, now_ns: int) -> Lease | Reason:
+        """The holder consents: the lease goes, under a new number, to who asks for it, if that is who was named."""
+        held = self.in_force(number, client, now_ns)
         if isinstance(held, Reason):
             return held
         asker = self.asker(now_ns)
-        return self._grant(asker, now_ns) if asker is not None else reason(Code.NOBODY_ASKS)
+        if asker is None:
+            return reason(Code.NOBODY_ASKS)
+        return self._grant(asker, now_ns) if asker == to else reason(Code.ASKER_CHANGED, asker=asker.name)
 
-    def in_force(self, number: int, session: int, now_ns: int) -> Lease | Reason:
+    def in_force(self, number: int, client: Holder, now_ns: int) -> Lease | Reason:
         """The lease that a local site refers to if it is in force, or why what is sent under it is refused."""
-        return checked(self.current(now_ns), number, session)
+        return checked(self.current(now_ns), number, client)
 
     def _grant(self, holder: Holder, now_ns: int) -> Lease:
         self._lease = Lease(self._next_number, holder, now_ns + self.duration_ns)
@@ -101,10 +109,12 @@ class LeaseServer:
         return self._lease
 
 
-def checked(current: Lease | None, number: int, session: int) -> Lease | Reason:
-    """The lease in force if a local site's number and session refer to it; else why what it sends is refused."""
-    if current is not None and (number, session) == (current.number, current.holder.session):
+def checked(current: Lease | None, number: int, client: Holder) -> Lease | Reason:
+    """The lease in force if a local site holds it and refers to it by its number; else why what it sends is refused."""
+    if current is not None and (number, client) == (current.number, current.holder):
         return current
+    if current is not None and number == current.number:
+        return reason(Code.NOT_HOLDER, holder=current.holder.name)
     if number != 0:
         return reason(Code.OLD_LEASE, number=number)
     return reason(Code.NO_LEASE) if current is None else reason(Code.NOT_HOLDER, holder=current.holder.name)

@@ -46,7 +46,9 @@ class RequestHandler:
         return self._engage(robot, now_ns)
 
     def _engage(self, robot: Robot, now_ns: int) -> Outcome:
-        """Clear a fault; activate a robot that has stopped, or ask the session to engage."""
+        """Clear a fault; activate a robot that has stopped, or ask the session to engage. A stop refuses all of it."""
+        if (stopped := self._session.stopped) is not None:
+            return Outcome(Answer(False, stopped))
         self._session.clear_fault()
         if not robot.ready:
             return Outcome(Answer(False, reason(Code.ACTIVATED)), activate=True)

@@ -1,10 +1,18 @@
-"""The outcome of validation: a hand sample is accepted, or rejected with the reason; pure."""
+"""Hand samples as they arrive, and the outcome of validation: accepted, or rejected with the reason; pure."""
 
 from dataclasses import dataclass
+from typing import NamedTuple
 
 from common.geometry import Array
 from common.messages.hand import HandArm
 from remote_site.reasons import Reason
+
+
+class NamedSample(NamedTuple):
+    """A hand sample as it arrived, and the operator whose key it came on."""
+
+    operator: str
+    sample: HandArm
 
 
 @dataclass(frozen=True, slots=True)
@@ -24,16 +32,21 @@ class Accepted:
     new_session: bool
     speed: float = 1.0
 
+    @property
+    def captured_ns(self) -> int:
+        """Its capture on our clock, most likely: by the measured offset alone."""
+        return self.born_ns + (self.sample.clock.uncertainty_ns if self.sample.clock is not None else 0)
+
 
 @dataclass(frozen=True, slots=True)
 class Rejected:
     """A sample not to follow; `hand_lost` when the tracker lost the hand, `latch` when the engagement must end.
 
-    `held` is the operator's intent in it, None where the sample is not to be believed at all.
+    `sample` is None where not even its intent is to be believed.
     """
 
     reason: Reason
     hand_lost: bool = False
     latch: bool = False
     new_session: bool = False
-    held: bool | None = None
+    sample: HandArm | None = None

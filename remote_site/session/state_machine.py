@@ -1,19 +1,23 @@
 """The session's state machine: when the arm may follow the hand, when it stops, what ends an engagement; pure."""
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from enum import Enum, auto
 from typing import NamedTuple
 
 from common.clock import NS_PER_MS
+from common.messages.hand import Intent
 from common.messages.robot import SessionState
 from remote_site.drivers.faults import RobotFault
 from remote_site.kinematics.joints import JointMotion
 from remote_site.reasons import Code, Reason, reason
 from remote_site.safety.config import SafetyConfig
+from remote_site.session.age_limit import AgeLimit
 from remote_site.session.config import EngagementConfig
 from remote_site.session.engagement_intent import EngagementIntent
 from remote_site.session.hand_signal import HandSignal
-from remote_site.session.lease import Lease
+from remote_site.session.hold import Hold
+from remote_site.session.lease import Holder, Lease
+from remote_site.session.operator_page import OperatorPage
 from remote_site.session.samples import Accepted, Rejected
 
 FOLLOWING = (SessionState.ENGAGED, SessionState.HOLDING)
@@ -24,15 +28,22 @@ class Action(Enum):
     """What the caller does this tick."""
 
     CAPTURE = auto()  # take the newest accepted sample and the commanded tool pose as origins, then follow
+    RESUME = auto()  # after a short hold: go on to the same origins if the hand is near, else as CAPTURE
     FOLLOW = auto()
     STOP = auto()  # the jerk-limited stop; at rest, stay
 
 
 class Robot(NamedTuple):
-    """The robot as the session sees it: why it takes no commands, None while it does, and what it was sent last."""
+    """The robot as the session sees it: why it takes no commands, None while it does, and what it was sent last.
+
+    `site_ready` is whether every process of the remote site has started, `diverted` whether the driver has begun a stop
+    by itself since the last command.
+    """
 
     fault: RobotFault | None
     sent: JointMotion
+    site_ready: bool = True
+    diverted: bool = False
 
     @property
     def ready(self) -> bool:
@@ -52,11 +63,12 @@ class Robot(NamedTuple):
 
 @dataclass(frozen=True, slots=True)
 class Decision:
-    """The outcome of a tick: state, what to do, and why."""
+    """The outcome of a tick: state, what to do, and why; `held_since_ns` is when the hold that now ends began."""
 
     state: SessionState
     action: Action
     reason: Reason
+    held_since_ns: int = 0
 
 
 @dataclass(frozen=True, slots=True)
@@ -71,18 +83,22 @@ class Session:
     """DISENGAGED -> ENGAGED <-> HOLDING -> DISENGAGED, FAULT above all; time comes in as nanoseconds of one clock.
 
     Feed every validated sample to `sample`, the lease in force to `authorise`, and call `tick` once per control tick.
-    What a loss ended never starts again by itself: automatic engagement happens once; any other end of an engagement,
-    or a new local session, disarms it, and a key or pedal has to be released and pressed again.
+    What a loss ended never starts again by itself: automatic engagement happens once, and shortly after the start; any
+    other end of an engagement, a reset or a new local session disarms it, and a key or pedal has to be released and
+    pressed again.
     """
 
-    def __init__(self, safety: SafetyConfig, engagement: EngagementConfig) -> None:
+    def __init__(self, safety: SafetyConfig, engagement: EngagementConfig, age_limit: AgeLimit) -> None:
         self._engagement = engagement
-        self._hand = HandSignal(safety)
+        self._hand = HandSignal(safety, age_limit, engagement.frames)
         self._intent = EngagementIntent(engagement.mode)
+        self.page = OperatorPage()
+        self._hold = Hold(safety)
         self.state = SessionState.DISENGAGED
         self.engagements = 0
         self._reason = reason(Code.NOT_ENGAGED)
         self._lease: Lease | None = None
+        self._holder: Holder | None = None
         self._stopped: Reason | None = None
         self._ticked_ns: int | None = None
 
@@ -91,9 +107,19 @@ class Session:
         """Whether the operator holds down the key or pedal, as far as that counts."""
         return self._intent.hold.held
 
+    @property
+    def stopped(self) -> Reason | None:
+        """The stop that has to be reset first."""
+        return self._stopped
+
     def authorise(self, lease: Lease | None) -> None:
         """Take note of the lease in force; the end of the former one ends the engagement, and forgets its samples."""
         former, self._lease = self._lease, lease
+        if lease is not None:
+            self.page.begin(lease.number)
+            if lease.holder != self._holder:
+                self._holder = lease.holder
+                self._hand.distrust()
         if former is None or (lease is not None and lease.number == former.number):
             return
         self._hand.forget()
@@ -107,8 +133,13 @@ class Session:
             self._intent.armed = False
             self._hand.restart()
             self._leave(reason(Code.NEW_SESSION))
-        self._see_intent(result.sample.intent.hold if isinstance(result, Accepted) else result.held)
+        if result.sample is not None:
+            self._see_intent(result.sample.intent)
         self._hand.take(result)
+        if isinstance(result, Rejected):
+            self._hold.note(result.reason)
+        if self._page_silence() is not None:
+            self._hand.distrust()
         if isinstance(result, Rejected) and result.latch and self.state in FOLLOWING:
             self._leave(_latched(result.reason))
 
@@ -141,21 +172,28 @@ class Session:
         return Answer(True, self._stopped)
 
     def fault(self, cause: str) -> None:
-        """The robot or a part of the remote site has failed: no motion until `reset` and a new engagement."""
+        """The robot or a part of the remote site has failed: no motion until `reset` and a new engagement.
+
+        The first cause is kept; what follows from it does not replace it.
+        """
+        if self.state is SessionState.FAULT:
+            return
         self.state, self._reason = SessionState.FAULT, reason(Code.FAULT, cause=cause)
         self._intent.end()
 
     def clear_fault(self) -> None:
-        """Clear a fault; a stop stays in force."""
+        """Clear a fault; a stop stays in force, and what was pressed during the fault does not count."""
         if self.state is SessionState.FAULT:
+            self._intent.end()
             self.state, self._reason = SessionState.DISENGAGED, self._stopped or reason(Code.NOT_ENGAGED)
 
     def reset(self) -> Answer:
-        """Clear a fault and a stop; engaging is a request of its own."""
-        if self._stopped is not None and self.state is SessionState.DISENGAGED:
-            self._reason = reason(Code.RESET)
-        self._stopped = None
+        """Clear a fault and a stop, and end all holding; engaging is a request or a press of its own."""
+        followed, stopped, self._stopped = self.state in FOLLOWING, self._stopped, None
         self.clear_fault()
+        self._intent.end()
+        if followed or (stopped is not None and self.state is SessionState.DISENGAGED):
+            self._leave(reason(Code.RESET))
         return Answer(True, self._reason)
 
     def tick(self, now_ns: int, robot: Robot) -> Decision:
@@ -163,25 +201,26 @@ class Session:
         requested, self._intent.requested = self._intent.requested, False
         paused_ns = now_ns - (self._ticked_ns or now_ns)
         self._ticked_ns = now_ns
+        if robot.diverted:
+            self._hold.divert(now_ns)
         if self.state is SessionState.FAULT:
             return self._decide(Action.STOP)
         if self.state is SessionState.DISENGAGED:
             return self._wait(now_ns, robot, requested)
-        if not robot.ready:
-            self._leave(_latched(reason(Code.ROBOT_NOT_READY, reason=robot.reason)))
-            return self._decide(Action.STOP)
-        if (too_old := self._hand.too_old(now_ns)) is not None:
-            self._leave(_latched(too_old))
+        if (ended := self._ended(now_ns, robot)) is not None:
+            self._leave(_latched(ended))
             return self._decide(Action.STOP)
         if paused_ns > self._hand.soft_ns:
-            self.state, self._hand.good = SessionState.HOLDING, 0
+            self._hand.distrust()
             limit_ms = self._hand.soft_ns / NS_PER_MS
-            return self._decide(Action.STOP, reason(Code.PAUSED, paused_ms=paused_ns / NS_PER_MS, limit_ms=limit_ms))
+            return self._stop(now_ns, reason(Code.PAUSED, paused_ms=paused_ns / NS_PER_MS, limit_ms=limit_ms))
         return self._engaged(now_ns, robot)
 
-    def _see_intent(self, held: bool | None) -> None:
-        """Releasing the key or pedal ends the engagement immediately."""
-        if held is not None and self._intent.released(held) and self.state in FOLLOWING:
+    def _see_intent(self, intent: Intent | None) -> None:
+        """Releasing the key or pedal ends the engagement immediately, and so does a page that reports no more."""
+        self.page.see(intent)
+        held = intent.hold if intent is not None else None
+        if self._intent.released(held) and self.state in FOLLOWING:
             self._leave(reason(Code.LET_GO, input=self._intent.input))
             self._intent.released(held)
 
@@ -189,6 +228,8 @@ class Session:
         intent = self._intent
         if self._hand.too_old(now_ns) is not None:
             intent.hold.end()
+        if intent.expires(now_ns, both_ready=robot.site_ready and robot.ready and self._lease is not None):
+            self._reason = self._stopped or reason(Code.AUTOMATIC_EXPIRED)
         missing = self._barred() or self._missing(now_ns, robot)
         if missing is None and (requested or intent.armed or intent.input is not None):
             intent.armed = False
@@ -199,32 +240,57 @@ class Session:
             self._reason = missing or reason(Code.READY)
         return self._decide(Action.STOP)
 
-    def _engaged(self, now_ns: int, robot: Robot) -> Decision:
-        unfit = self._hand.unfit(now_ns)
-        if unfit is not None:
+    def _ended(self, now_ns: int, robot: Robot) -> Reason | None:
+        """What ends an engagement for good; a hold ends it too when it lasts, whatever trickles in."""
+        if not robot.ready:
+            return reason(Code.ROBOT_NOT_READY, reason=robot.reason)
+        if (too_old := self._hand.too_old(now_ns)) is not None:
+            return too_old
+        return self._hold.too_long(now_ns, self._reason) if self.state is SessionState.HOLDING else None
+
+    def _stop(self, now_ns: int, why: Reason) -> Decision:
+        """Hold: stop, and resume when the hand is good again."""
+        if self.state is not SessionState.HOLDING:
             self.state = SessionState.HOLDING
-            return self._decide(Action.STOP, unfit)
+            self._hold.begin(now_ns)
+            self._hand.recount()
+        self._hold.note(why)
+        return self._decide(Action.STOP, why)
+
+    def _engaged(self, now_ns: int, robot: Robot) -> Decision:
+        unfit = self._hand.unfit(now_ns) or self._page_silence()
+        if unfit is not None:
+            return self._stop(now_ns, unfit)
         if self.state is SessionState.ENGAGED:
             return self._decide(Action.FOLLOW, FOLLOWS)
-        if (collecting := self._hand.collecting(self._engagement.resume_frames)) is not None:
-            return self._decide(Action.STOP, collecting)
+        waits = self._hand.collecting(self._engagement.resume_frames) or self._hold.unearned(now_ns)
+        if waits is not None:
+            return self._decide(Action.STOP, waits)
         if not robot.resting:
             return self._decide(Action.STOP, reason(Code.MOVING))
         self.state = SessionState.ENGAGED
-        return self._decide(Action.CAPTURE, reason(Code.OK))
+        action = Action.RESUME if self._hold.short(now_ns) else Action.CAPTURE
+        return replace(self._decide(action, reason(Code.OK)), held_since_ns=self._hold.began_ns)
 
     def _missing(self, now_ns: int, robot: Robot) -> Reason | None:
         """What an engagement still lacks, of readiness or of the operator's intent."""
         return self._unready(now_ns, robot) or self._intent.lacking()
 
     def _unready(self, now_ns: int, robot: Robot) -> Reason | None:
+        if not robot.site_ready:
+            return reason(Code.SITE_STARTING)
         if self._lease is None:
             return reason(Code.NO_LEASE)
         if not robot.ready:
             return reason(Code.ROBOT_NOT_READY, reason=robot.reason)
         if not robot.resting:
             return reason(Code.MOVING)
-        return self._hand.unfit(now_ns) or self._hand.collecting(self._engagement.frames)
+        unfit = self._hand.too_slow() or self._hand.unfit(now_ns) or self._page_silence()
+        return unfit or self._hand.collecting(self._hand.frames)
+
+    def _page_silence(self) -> Reason | None:
+        """Why the arm waits for the operator's page; with hold-to-run or a pedal its silence is a release instead."""
+        return reason(Code.PAGE_SILENT) if self.page.silent and self._intent.input is None else None
 
     def _barred(self) -> Reason | None:
         """The fault or the stop that has to be reset first."""

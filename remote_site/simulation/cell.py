@@ -10,20 +10,36 @@ import mujoco
 from common.errors import ModelError
 from common.geometry import Array
 from remote_site.kinematics.config import RobotConfig
+from remote_site.simulation.appearance.dressing import dress
+from remote_site.simulation.appearance.surfaces import PaintedSurface
 from remote_site.simulation.config import ArmConfig, CellConfig
-from remote_site.simulation.gripper import GRIP, THINGS, TOUCHES_ROBOT, add_gripper
-from remote_site.simulation.scenery import add_block, add_light, add_room, add_table, add_target, add_view
+from remote_site.simulation.scenery import (
+    GRIP,
+    THINGS,
+    TOUCHES_ROBOT,
+    add_block,
+    add_floor,
+    add_gripper,
+    add_light,
+    add_table,
+    add_target,
+    add_view,
+)
 
 
 @dataclass(frozen=True, slots=True)
 class Cell:
-    """A compiled cell; the arm's joints are `arm` in MuJoCo's qpos, qvel and ctrl, its gripper's drive is `grip`."""
+    """A compiled cell; the arm's joints are `arm` in MuJoCo's qpos, qvel and ctrl, its gripper's drive is `grip`.
+
+    `surfaces` are the room's and the table's for the views, where the cell is dressed.
+    """
 
     model: mujoco.MjModel
     joints: tuple[str, ...]
     arm: slice
     grip: int
     start_q: Array
+    surfaces: tuple[PaintedSurface, ...] = ()
 
     def start(self) -> mujoco.MjData:
         """The cell at rest in its start posture, gripper open, block at its start position."""
@@ -33,24 +49,32 @@ class Cell:
         return data
 
 
-def build_cell(config: CellConfig, robot: RobotConfig) -> Cell:
-    """Compile the cell around the arm of the robot's URDF; ModelError when URDF and configuration do not fit."""
+def build_cell(config: CellConfig, robot: RobotConfig, *, dressed: bool = False) -> Cell:
+    """Compile the cell around the arm of the robot's URDF; ModelError when URDF and configuration do not fit.
+
+    `dressed`, it has the textures and the room that the views show; it moves the same with and without them.
+    """
     spec = _read_arm(robot.urdf)
     joints = tuple(joint.name for joint in spec.joints)
-    _set_physics(spec, config)
+    spec.option.timestep = config.step_ms / 1000.0
+    spec.option.integrator = mujoco.mjtIntegrator.mjINT_IMPLICITFAST
+    spec.option.cone = mujoco.mjtCone.mjCONE_ELLIPTIC
+    spec.option.impratio = 10.0
+    spec.option.iterations = 30
     _dress_arm(spec, config.arm, joints)
     tool = _link(spec, robot, robot.tool_frame, "set robot.tool_frame")
     carries = config.gripper.frame
     grip = _link(spec, robot, carries, "set simulation.gripper.frame") if carries else tool
     add_gripper(spec, grip, config.gripper)
     add_light(spec)
-    add_room(spec, config.scene)
+    add_floor(spec, config.scene)
     add_table(spec, config.scene)
     add_target(spec, config.scene)
     add_block(spec, config.block, config.scene.table_z_m)
     for view in config.views:
         add_view(tool if view.frame == "tool" else spec.worldbody, view)
-    return _compile(spec, joints, robot.start)
+    surfaces = dress(spec, config.scene) if dressed else ()
+    return _compile(spec, joints, robot.start, surfaces)
 
 
 def _link(spec: mujoco.MjSpec, robot: RobotConfig, name: str, cure: str) -> mujoco.MjsBody:
@@ -63,28 +87,15 @@ def _link(spec: mujoco.MjSpec, robot: RobotConfig, name: str, cure: str) -> mujo
 def _read_arm(urdf: Path) -> mujoco.MjSpec:
     try:
         robot = ElementTree.parse(urdf).getroot()  # noqa: S314  # the robot model is the site's own file
-        _leave_out_hulls(robot)
+        for link in robot.findall("link"):
+            if link.find("visual") is not None:  # then its collision elements are for clearance, not for contact
+                for hull in link.findall("collision"):
+                    link.remove(hull)
         extension = ElementTree.SubElement(robot, "mujoco")
         ElementTree.SubElement(extension, "compiler", discardvisual="false", fusestatic="false")
         return mujoco.MjSpec.from_string(ElementTree.tostring(robot, encoding="unicode"))
     except (OSError, ElementTree.ParseError, ValueError) as error:
         raise ModelError(f"{urdf}: MuJoCo cannot read this robot: {error}") from error
-
-
-def _leave_out_hulls(robot: ElementTree.Element) -> None:
-    """Remove the collision elements of links with a visual: they are hulls for clearance, not for contact."""
-    for link in robot.findall("link"):
-        if link.find("visual") is not None:
-            for hull in link.findall("collision"):
-                link.remove(hull)
-
-
-def _set_physics(spec: mujoco.MjSpec, config: CellConfig) -> None:
-    spec.option.timestep = config.step_ms / 1000.0
-    spec.option.integrator = mujoco.mjtIntegrator.mjINT_IMPLICITFAST
-    spec.option.cone = mujoco.mjtCone.mjCONE_ELLIPTIC
-    spec.option.impratio = 10.0
-    spec.option.iterations = 30
 
 
 def _dress_arm(spec: mujoco.MjSpec, arm: ArmConfig, joints: Sequence[str]) -> None:
@@ -101,7 +112,9 @@ def _dress_arm(spec: mujoco.MjSpec, arm: ArmConfig, joints: Sequence[str]) -> No
         geom.contype, geom.conaffinity = TOUCHES_ROBOT, THINGS
 
 
-def _compile(spec: mujoco.MjSpec, joints: tuple[str, ...], start_q: Array) -> Cell:
+def _compile(
+    spec: mujoco.MjSpec, joints: tuple[str, ...], start_q: Array, surfaces: tuple[PaintedSurface, ...]
+) -> Cell:
     if len(start_q) != len(joints):
         raise ModelError(f"robot.start_deg has {len(start_q)} angles for {len(joints)} joints")
     try:
@@ -109,4 +122,4 @@ def _compile(spec: mujoco.MjSpec, joints: tuple[str, ...], start_q: Array) -> Ce
     except ValueError as error:
         cure = "give every moving link of the URDF an <inertial>, or correct [simulation]"
         raise ModelError(f"the cell does not compile: {error}; {cure}") from error
-    return Cell(model, joints, slice(0, len(joints)), model.actuator(GRIP).id, start_q)
+    return Cell(model, joints, slice(0, len(joints)), model.actuator(GRIP).id, start_q, surfaces)

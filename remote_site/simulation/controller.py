@@ -9,12 +9,14 @@ import numpy as np
 from common.clock import NS_PER_MS, NS_PER_S
 from common.errors import ModelError
 from common.geometry import Array
+from common.messages.robot import GripperCommand
 from remote_site.kinematics.joints import JointMotion
 from remote_site.kinematics.limits import JointLimits
 from remote_site.safety.silence import Silence
 from remote_site.safety.stopping import stopping
 from remote_site.shared_record import Record
 from remote_site.simulation.config import ServoConfig
+from remote_site.simulation.memory import GRIPPER_COMMANDS
 
 
 class ControllerFault(IntEnum):
@@ -54,24 +56,6 @@ class SetpointWatch:
         return max(now_ns - self.obeyed_ns, 0) / NS_PER_S if self.obeyed_ns else 0.0
 
 
-class MotionLimiter:
-    """Follows a setpoint within the robot's own positions, speeds and accelerations, though it may jump."""
-
-    def __init__(self, limits: JointLimits, follow_hz: float) -> None:
-        self._limits = limits
-        self._follow = 2.0 * math.pi * follow_hz
-
-    def towards(self, wanted: JointMotion, now: JointMotion, dt: float) -> JointMotion:
-        """The motion `dt` seconds after `now`."""
-        follow, limits, top = self._follow, self._limits, self._limits.acceleration
-        error = _within(wanted.q, limits.lower, limits.upper) - now.q
-        # Critically damped near by; from far, no faster than half the acceleration can brake.
-        catch_up = np.copysign(np.minimum(0.5 * follow * np.abs(error), np.sqrt(top * np.abs(error))), error)
-        ddq = wanted.ddq + 2.0 * follow * (wanted.dq + catch_up - now.dq)
-        dq = _within(now.dq + dt * _within(ddq, -top, top), -limits.velocity, limits.velocity)
-        return JointMotion(now.q + 0.5 * dt * (now.dq + dq), dq, (dq - now.dq) / dt)
-
-
 class SimulatedController:
     """Turns setpoints into the motion that the servo follows.
 
@@ -82,7 +66,7 @@ class SimulatedController:
 
     def __init__(self, config: ServoConfig, limits: JointLimits, q0: Array) -> None:
         self._config = config
-        self._limiter = MotionLimiter(limits, config.follow_hz)
+        self._limits = limits
         accelerations = np.full(len(q0), config.stop_acceleration_rad_s2)
         self._stop_limits = replace(limits, acceleration=accelerations)
         self._stop_from: JointMotion | None = None
@@ -92,7 +76,7 @@ class SimulatedController:
         self.activation = 0
         self.active = False
         self.fault = ControllerFault.NONE
-        self.gripper_open = True
+        self.gripper = GripperCommand.KEEP
 
     @property
     def resting(self) -> bool:
@@ -111,7 +95,7 @@ class SimulatedController:
         if self.active:
             self._take(command, now_ns)
         if self.active:
-            self.motion = self._limiter.towards(self._setpoint(command, now_ns), self.motion, dt)
+            self.motion = self._towards(self._setpoint(command, now_ns), dt)
         elif self._stop_from is not None:
             self._stop_s += dt
             self.motion = stopping(self._stop_from, self._stop_limits, self._stop_s)
@@ -130,7 +114,7 @@ class SimulatedController:
 
     def activate(self, setup: Record, command: Record) -> None:
         """Take setpoints from rest at the command's posture, or set `fault` if the arm is not there."""
-        self.activation = int(command["activation"])
+        self.activation, self.gripper = int(command["activation"]), GripperCommand.KEEP
         config = self._config
         if not np.abs(command["q"] - self.motion.q).max() <= config.activation_tolerance_rad:
             self.fault = ControllerFault.APART
@@ -153,7 +137,7 @@ class SimulatedController:
                 self.stop(ControllerFault.NOT_FINITE)
                 return
             self.setpoints.obey(int(command["seq"]), now_ns)
-            self.gripper_open = bool(command["gripper_open"])
+            self.gripper = GRIPPER_COMMANDS[int(command["gripper"])]
         elif expired:
             self.stop(ControllerFault.WATCHDOG)
 
@@ -165,6 +149,17 @@ class SimulatedController:
         velocity = dq + curved * ddq
         position = q + curved * dq + 0.5 * curved * curved * ddq + (age - curved) * velocity
         return JointMotion(position, velocity, ddq if age == curved else np.zeros(len(q)))
+
+    def _towards(self, wanted: JointMotion, dt: float) -> JointMotion:
+        """The motion `dt` seconds from now, within the robot's own limits, though the setpoint may jump."""
+        now, limits, top = self.motion, self._limits, self._limits.acceleration
+        follow = 2.0 * math.pi * self._config.follow_hz
+        error = _within(wanted.q, limits.lower, limits.upper) - now.q
+        # Critically damped near by; from far, no faster than half the acceleration can brake.
+        catch_up = np.copysign(np.minimum(0.5 * follow * np.abs(error), np.sqrt(top * np.abs(error))), error)
+        ddq = wanted.ddq + 2.0 * follow * (wanted.dq + catch_up - now.dq)
+        dq = _within(now.dq + dt * _within(ddq, -top, top), -limits.velocity, limits.velocity)
+        return JointMotion(now.q + 0.5 * dt * (now.dq + dq), dq, (dq - now.dq) / dt)
 
 
 def controller_limits(config: ServoConfig, names: tuple[str, ...], lower: Array, upper: Array) -> JointLimits:

@@ -5,10 +5,12 @@ from typing import Self
 
 import numpy as np
 
+from common.messages.robot import GripperCommand
 from remote_site.shared_record import SharedRecord
 
 BLOCK_VALUES = 7
 FINGERS = 2
+GRIPPER_COMMANDS = (GripperCommand.KEEP, GripperCommand.OPEN, GripperCommand.CLOSED)
 
 
 def setup_dtype(joints: int) -> np.dtype[np.void]:
@@ -24,14 +26,17 @@ def setup_dtype(joints: int) -> np.dtype[np.void]:
 
 
 def command_dtype(joints: int) -> np.dtype[np.void]:
-    """A setpoint: `activation` counts the driver's activations, and while `run` is false the arm stops and holds."""
+    """A setpoint: `activation` counts the driver's activations, and while `run` is false the arm stops and holds.
+
+    `gripper` is an index of `GRIPPER_COMMANDS`.
+    """
     return np.dtype(
         [
             ("seq", np.uint64),
             ("t_ns", np.int64),
             ("activation", np.uint32),
             ("run", np.bool_),
-            ("gripper_open", np.bool_),
+            ("gripper", np.uint8),
             ("q", np.float64, (joints,)),
             ("dq", np.float64, (joints,)),
             ("ddq", np.float64, (joints,)),
@@ -53,7 +58,6 @@ def reading_dtype(joints: int) -> np.dtype[np.void]:
             ("active", np.bool_),
             ("resting", np.bool_),
             ("fault", np.uint8),
-            ("gripper_open", np.bool_),
             ("opening_m", np.float64),
             ("force_n", np.float64),
             ("q", np.float64, (joints,)),

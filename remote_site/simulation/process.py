@@ -1,5 +1,6 @@
-"""The process of the simulated cell: physics and robot controller in real time until asked to end, after a stop."""
+"""The process of the simulated cell: physics, servos and robot controller in real time until asked to end."""
 
+import math
 import time
 from collections.abc import Callable
 
@@ -9,16 +10,76 @@ import structlog
 
 from common.clock import NS_PER_S
 from common.errors import DriverError
+from common.geometry import Array
+from common.messages.robot import GripperCommand
 from common.process.service import ask_for_real_time
 from remote_site.kinematics.config import RobotConfig
+from remote_site.kinematics.joints import JointMotion
 from remote_site.simulation.cell import Cell, build_cell
-from remote_site.simulation.config import CellConfig
+from remote_site.simulation.config import CellConfig, GripperConfig
 from remote_site.simulation.controller import SimulatedController, controller_limits
 from remote_site.simulation.memory import CellMemory
-from remote_site.simulation.servo import ArmServo, GripperDrive
 
 MAX_LATE_STEPS = 20
 FIFO_PRIORITY = 40  # as a robot's own controller, but below the control loop
+SLIDING_RAD_S = 0.02
+
+
+class ArmServo:
+    """Computed torque of an arm's joints; `q`, `dq` (n,) are live views of the measured rad and rad/s."""
+
+    def __init__(self, config: CellConfig, cell: Cell, data: mujoco.MjData) -> None:
+        self._model, self._data, self._arm = cell.model, data, cell.arm
+        self._stiffness = (2.0 * math.pi * config.servo.bandwidth_hz) ** 2
+        self._damping = 2.0 * math.sqrt(self._stiffness)
+        self._coulomb, self._viscous = np.array(config.arm.coulomb_n_m), np.array(config.arm.viscous_n_m_s)
+        self._acceleration, self._torque = np.zeros(cell.model.nv), np.zeros(cell.model.nv)
+        self._before = JointMotion.at_rest(cell.start_q)
+        self.q: Array = data.qpos[cell.arm]
+        self.dq: Array = data.qvel[cell.arm]
+
+    def drive(self, motion: JointMotion) -> None:
+        """Set the torques (n,) in N·m that lead to where the motion is at the end of the step."""
+        arm = self._arm
+        error, rate = self._before.q - self.q, self._before.dq - self.dq
+        self._acceleration[arm] = motion.ddq + self._damping * rate + self._stiffness * error
+        mujoco.mj_mulM(self._model, self._data, self._torque, self._acceleration)
+        friction = self._coulomb * np.tanh(motion.dq / SLIDING_RAD_S) + self._viscous * motion.dq
+        self._data.ctrl[arm] = self._torque[arm] + self._data.qfrc_bias[arm] + friction
+        self._before = motion
+
+
+class GripperDrive:
+    """The force-limited drive of the gripper's opening, a ramp between open and closed; open at the start."""
+
+    def __init__(self, config: GripperConfig, cell: Cell, data: mujoco.MjData) -> None:
+        self._model, self._data, self._grip = cell.model, data, cell.grip
+        self._config = config
+        self._aim = self._opening = config.max_opening_m
+        self._force_n = config.force_limit_n
+
+    def drive(self, command: GripperCommand) -> None:
+        """Move on towards open or closed, for one step; with KEEP towards what was commanded before, as hard."""
+        if command is not GripperCommand.KEEP:
+            self._aim = self._config.max_opening_m if command is GripperCommand.OPEN else 0.0
+            self._model.actuator_forcerange[self._grip] = (-self._force_n, self._force_n)
+        step = self._config.speed_m_s * self._model.opt.timestep
+        self._opening += min(max(self._aim - self._opening, -step), step)
+        self._data.ctrl[self._grip] = self._opening
+
+    def limit_grip(self, force_n: float) -> None:
+        """From the next command on, close with no more than this force, nor than the gripper's own limit."""
+        self._force_n = min(force_n, self._config.force_limit_n)
+
+    @property
+    def opening_m(self) -> float:
+        """The measured opening between the fingers."""
+        return float(self._data.ten_length[0])
+
+    @property
+    def force_n(self) -> float:
+        """The force with which the drive closes the fingers, 0 while it opens them."""
+        return max(0.0, -float(self._data.actuator_force[self._grip]))
 
 
 class SimulatedCell:
@@ -52,7 +113,7 @@ class SimulatedCell:
         before_s = self.data.time
         mujoco.mj_step1(self.cell.model, self.data)
         self._servo.drive(motion)
-        self._gripper.drive(controller.gripper_open)
+        self._gripper.drive(controller.gripper)
         mujoco.mj_step2(self.cell.model, self.data)
         if self.data.time < before_s:  # MuJoCo resets itself when its state is no longer finite
             raise DriverError(
@@ -70,7 +131,6 @@ class SimulatedCell:
             controller.active,
             controller.resting,
             controller.fault,
-            controller.gripper_open,
             gripper.opening_m,
             gripper.force_n,
             servo.q,

@@ -1,29 +1,110 @@
-"""Everything around the arm: room, pedestal, table, target paper, the block of thesis section 5.3, and the cameras."""
+"""Everything on and around the arm: gripper, floor, table, target paper, block of thesis section 5.3, and cameras."""
 
 import mujoco
 
 from common.geometry import quaternion_from_rotation
-from remote_site.simulation.config import BlockConfig, SceneConfig, ViewConfig
-from remote_site.simulation.gripper import THINGS, TOUCHES_ROBOT
+from remote_site.simulation.config import BlockConfig, GripperConfig, SceneConfig, ViewConfig
 from remote_site.simulation.views import parent_R_camera
 
 BOX = mujoco.mjtGeom.mjGEOM_BOX
 BLOCK = "block"
+GRIP = "grip"
+THINGS = 1
+TOUCHES_ROBOT = 2
 ROOM_GROUP = 3
+TABLE_MASK = 254  # the alpha, of 255, by which a view's renderer knows where the table is to be seen
 TABLE_THICKNESS_M = 0.03
 PAPER_THICKNESS_M = 0.0004
 MARK_WIDTH_M = 0.006
+STIFFNESS_N_M = 4000.0
+DAMPING_N_S_M = 60.0
+FINGER_THICKNESS_M = 0.008
+FINGER_HEIGHT_M = 0.022
 
 FLOOR = (0.56, 0.60, 0.64, 1.0)
-LINE = (0.49, 0.53, 0.57, 1.0)
-WALL = (0.80, 0.84, 0.87, 1.0)
 PEDESTAL = (0.30, 0.34, 0.40, 1.0)
-WOOD = (0.62, 0.47, 0.33, 1.0)
+WOOD = (0.62, 0.47, 0.33, TABLE_MASK / 255 + 0.0005)
 LEG = (0.36, 0.38, 0.42, 1.0)
 PAPER = (0.97, 0.97, 0.95, 1.0)
 MARK = (0.85, 0.12, 0.14, 1.0)
 FOAM = (0.25, 0.55, 0.80, 1.0)
 CASE = (0.12, 0.13, 0.15, 1.0)
+DARK = (0.17, 0.19, 0.23, 1.0)
+STEEL = (0.62, 0.65, 0.68, 1.0)
+PAD = (0.95, 0.55, 0.15, 1.0)
+
+
+def add_gripper(spec: mujoco.MjSpec, tool: mujoco.MjsBody, config: GripperConfig) -> None:
+    """Mount the gripper on the tool frame, its fingers pointing along the tool's z and closing along y.
+
+    The opening (m) is the tendon `grip`; its drive holds a commanded opening with at most `force_limit_n`.
+    """
+    body = tool.add_body(name="gripper_body")
+    _add_housing(body, config)
+    tendon = spec.add_tendon(name=GRIP)
+    for side, name in ((1.0, "finger_left"), (-1.0, "finger_right")):
+        _add_finger(body, name, side, config)
+        tendon.wrap_joint(name, 1.0)
+    spec.add_equality(
+        type=mujoco.mjtEq.mjEQ_JOINT,
+        name1="finger_left",
+        name2="finger_right",
+        data=[0, 1, *[0] * 10],
+        solref=[0.004, 1.0],
+    )
+    drive = spec.add_actuator(name=GRIP, trntype=mujoco.mjtTrn.mjTRN_TENDON, target=GRIP)
+    drive.set_to_position(kp=STIFFNESS_N_M, kv=DAMPING_N_S_M)
+    drive.forcelimited = True
+    drive.forcerange = [-config.force_limit_n, config.force_limit_n]
+
+
+def _add_housing(body: mujoco.MjsBody, config: GripperConfig) -> None:
+    neck, block = 0.4 * config.body_length_m, 0.6 * config.body_length_m
+    half = {"contype": TOUCHES_ROBOT, "conaffinity": THINGS}
+    body.add_geom(
+        type=mujoco.mjtGeom.mjGEOM_CYLINDER,
+        size=[0.028, neck / 2, 0],
+        pos=[0, 0, neck / 2],
+        rgba=STEEL,
+        mass=0.3 * config.body_mass_kg,
+        **half,
+    )
+    body.add_geom(
+        type=BOX,
+        size=[0.026, 0.052, block / 2],
+        pos=[0, 0, neck + block / 2],
+        rgba=DARK,
+        mass=0.7 * config.body_mass_kg,
+        **half,
+    )
+
+
+def _add_finger(body: mujoco.MjsBody, name: str, side: float, config: GripperConfig) -> None:
+    half_opening = config.max_opening_m / 2.0
+    finger = body.add_body(name=name, pos=[0, 0, config.body_length_m])
+    finger.add_joint(
+        name=name,
+        type=mujoco.mjtJoint.mjJNT_SLIDE,
+        axis=[0, side, 0],
+        range=[0.0, half_opening],
+        ref=half_opening,
+        damping=[5.0, 0, 0],
+    )
+    finger.add_geom(
+        name=name,
+        type=BOX,
+        size=[FINGER_HEIGHT_M / 2, FINGER_THICKNESS_M / 2, config.finger_length_m / 2],
+        pos=[0, side * (half_opening + FINGER_THICKNESS_M / 2), config.finger_length_m / 2],
+        rgba=PAD,
+        mass=config.finger_mass_kg,
+        friction=[config.friction, 0.02, 0.001],
+        condim=4,
+        solref=[0.004, 1.0],
+        solimp=[0.97, 0.995, 0.001, 0.5, 2],
+        priority=1,
+        contype=TOUCHES_ROBOT,
+        conaffinity=THINGS,
+    )
 
 
 def add_light(spec: mujoco.MjSpec) -> None:
@@ -44,26 +125,12 @@ def add_light(spec: mujoco.MjSpec) -> None:
     )
 
 
-def add_room(spec: mujoco.MjSpec, scene: SceneConfig) -> None:
-    """Floor with a grid of one metre, four walls, and the pedestal under the arm.
-
-    Floor, grid and walls are of `ROOM_GROUP`: they are behind everything else in every view.
-    """
-    world, z = spec.worldbody, scene.floor_z_m
-    floor = _visual_box(world, (2.4, 2.6, 0.05), (0.8, -0.4, z - 0.05), FLOOR)
+def add_floor(spec: mujoco.MjSpec, scene: SceneConfig) -> None:
+    """The floor, and the pedestal under the arm."""
+    z, half = scene.floor_z_m, scene.pedestal_side_m / 2
+    floor = _visual_box(spec.worldbody, (2.4, 2.6, 0.05), (0.8, -0.4, z - 0.05), FLOOR, "floor")
     floor.contype, floor.conaffinity = THINGS, THINGS
-    room = [floor]
-    for k in range(-1, 4):
-        room.append(_visual_box(world, (0.006, 2.6, 0.003), (k, -0.4, z), LINE))
-        room.append(_visual_box(world, (2.4, 0.006, 0.003), (0.8, k - 1.5, z), LINE))
-    for x in (-1.65, 3.25):
-        room.append(_visual_box(world, (0.05, 2.7, 1.5), (x, -0.4, z + 1.5), WALL))
-    for y in (-3.05, 2.25):
-        room.append(_visual_box(world, (2.5, 0.05, 1.5), (0.8, y, z + 1.5), WALL))
-    for geom in room:
-        geom.group = ROOM_GROUP
-    half = scene.pedestal_side_m / 2
-    _visual_box(world, (half, half, -z / 2), (0, 0, z / 2), PEDESTAL)
+    _visual_box(spec.worldbody, (half, half, -z / 2), (0, 0, z / 2), PEDESTAL)
 
 
 def add_table(spec: mujoco.MjSpec, scene: SceneConfig) -> None:
@@ -119,17 +186,12 @@ def add_block(spec: mujoco.MjSpec, block: BlockConfig, table_z_m: float) -> None
 
 def add_view(body: mujoco.MjsBody, view: ViewConfig) -> None:
     """Add a camera to the world or to the tool; MuJoCo's cameras look along -z with y up."""
-    x, y, z, w = quaternion_from_rotation(parent_R_camera(view))
-    if view.frame == "tool":
-        _add_mount(body, view)
-    body.add_camera(name=view.name, pos=list(view.position_m), quat=[w, x, y, z], fovy=view.fovy_deg)
-
-
-def _add_mount(tool: mujoco.MjsBody, view: ViewConfig) -> None:
-    """The camera's case and its bracket, too near for the camera to see, or out of its view."""
-    x, y, z = view.position_m
-    _visual_box(tool, (0.018, 0.022, 0.014), (x, y, z - 0.015), CASE)
-    _visual_box(tool, (abs(x) / 2, 0.008, 0.004), (x / 2, y, z - 0.025), CASE)
+    *imaginary, real = quaternion_from_rotation(parent_R_camera(view))
+    if view.frame == "tool":  # case and bracket of the camera, too near for it to see, or out of its view
+        x, y, z = view.position_m
+        _visual_box(body, (0.018, 0.022, 0.014), (x, y, z - 0.015), CASE)
+        _visual_box(body, (abs(x) / 2, 0.008, 0.004), (x / 2, y, z - 0.025), CASE)
+    body.add_camera(name=view.name, pos=list(view.position_m), quat=[real, *imaginary], fovy=view.fovy_deg)
 
 
 def _visual_box(

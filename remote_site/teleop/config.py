@@ -6,13 +6,14 @@ import msgspec
 from msgspec import Meta, field
 from msgspec.structs import replace
 
+from common.messages.hand import HandPoint
 from remote_site.kinematics.config import RobotConfig
 from remote_site.motion.config import ControlConfig
-from remote_site.safety.config import FULL_SPEED_MS, SafetyConfig
+from remote_site.safety.config import SafetyConfig
 from remote_site.session.config import EngagementConfig
 
 Row3 = tuple[float, float, float]
-HandPoint = Literal["wrist", "palm"]
+Factor = Annotated[float, Meta(gt=0, le=5)]
 
 
 class LocksConfig(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
@@ -38,13 +39,22 @@ class MappingConfig(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fi
     ] = "relative"
     point: Annotated[
         HandPoint, Meta(description="what the tool copies; only the tracker of one camera measures the palm")
-    ] = "wrist"
+    ] = HandPoint.WRIST
     scale: Annotated[float, Meta(gt=0, le=5, description="tool motion per hand motion")] = 1.0
+    scale_range: Annotated[
+        tuple[Factor, Factor],
+        Meta(description="least and most tool motion per hand motion, whatever scale the operator sets"),
+    ] = (0.05, 5.0)
     base_R_operator: Annotated[
         tuple[Row3, Row3, Row3],
         Meta(description="rotation from the operator frame to the robot's base frame, row by row"),
     ] = ((0.0, -1.0, 0.0), (1.0, 0.0, 0.0), (0.0, 0.0, 1.0))
     locks: LocksConfig = field(default_factory=LocksConfig)
+
+    def __post_init__(self) -> None:
+        least, most = self.scale_range
+        if not least <= self.scale <= most:
+            raise ValueError(f"scale {self.scale:g} must be within scale_range, {least:g} to {most:g}")
 
 
 class PipelineConfig(Protocol):
@@ -63,11 +73,9 @@ class PipelineConfig(Protocol):
 
 
 def prediction(config: PipelineConfig) -> ControlConfig:
-    """The control parameters with `predict_ms` as it applies to this mapping and speed.
+    """The control parameters with `predict_ms` as it applies to this mapping.
 
-    An incremental target moves with the arm: predicted beyond its sample it would run away. Any other is predicted for
-    longer, in proportion, where a long T_soft has made the arm slower.
+    An incremental target moves with the arm: predicted beyond its sample it would run away.
     """
     incremental = config.mapping.command == "incremental"
-    predict_ms = 0.0 if incremental else config.control.predict_ms * max(config.safety.t_soft_ms / FULL_SPEED_MS, 1.0)
-    return replace(config.control, predict_ms=predict_ms)
+    return replace(config.control, predict_ms=0.0) if incremental else config.control

@@ -4,15 +4,15 @@ from collections.abc import Mapping
 from typing import NamedTuple
 
 from common.geometry import Array
-from common.messages.hand import ClockSync, HandArm
-from common.messages.robot import Engagement, SessionState
+from common.messages.hand import ClockSync, OperatorSettings
+from common.messages.robot import Engagement, GripperCommand, GripperState, HandLink, MappingReference, SessionState
 from remote_site.drivers.driver import JointCommand
 from remote_site.drivers.faults import RobotFault
 from remote_site.kinematics.joints import JointMotion
 from remote_site.reasons import Code, Reason
 from remote_site.session.lease import LeaseStatus
 from remote_site.session.requests import SessionRequest
-from remote_site.session.samples import Accepted
+from remote_site.session.samples import Accepted, NamedSample
 from remote_site.session.state_machine import Answer, Robot
 
 
@@ -20,53 +20,69 @@ class RobotObservation(NamedTuple):
     """The robot as control sees it: measured joints `q` (n,) in rad, why it takes no commands, what was really sent.
 
     `fault` is None while the robot takes commands; it is also the outcome of an activation. `sent` is the motion that
-    the driver was really given last: after a stop of its own, where that stop is.
+    the driver was really given last: after a stop of its own, where that stop is. `gripper` is None where none is
+    measured. `diverted` is whether the driver has begun such a stop since the last command.
     """
 
     q: Array
     fault: RobotFault | None
     sent: JointMotion
+    gripper: GripperState | None
+    diverted: bool = False
 
     @property
     def ready(self) -> bool:
         """The robot takes commands."""
         return self.fault is None
 
-    def after(self, sent: JointMotion) -> Robot:
-        """The robot as the session sees it, once `sent` is the motion it was given last."""
-        return Robot(self.fault, sent)
-
 
 class CycleInput(NamedTuple):
-    """All that a control cycle depends on, besides the cycles before it; samples in order of arrival."""
+    """All that a control cycle depends on, besides the cycles before it; samples in order of arrival.
+
+    `site_ready` is whether every process of the remote site has started.
+    """
 
     now_ns: int
     robot: RobotObservation
     lease: LeaseStatus
-    samples: tuple[HandArm, ...] = ()
+    samples: tuple[NamedSample, ...] = ()
     requests: tuple[SessionRequest, ...] = ()
+    site_ready: bool = True
+
+    def robot_after(self, sent: JointMotion) -> Robot:
+        """The robot as the session sees it, once `sent` is the motion it was given last."""
+        return Robot(self.robot.fault, sent, self.site_ready, self.robot.diverted)
 
 
 class Snapshot(NamedTuple):
     """The pipeline after a cycle, for reports and replies.
 
-    `reason` explains the state, `obeys` is the sample that the motion follows, `target` the tool's target
-    `base_T_tool` (4 x 4), `answers` belong to the cycle's requests in their order, `rejected` counts refused samples.
+    `age_limit_ms` is the age up to which samples are obeyed, `speed_scale` the fraction of full speed that it leaves;
+    `reason` explains the state, `obeys` is the sample that the motion follows, `target` the tool's target `base_T_tool`
+    (4 x 4), `reference` what the next targets count from, `gripper_next` what the next toggle would command, `settings`
+    are the operator's in force, None without a lease, `answers` belong to the cycle's requests in their order,
+    `rejected` counts refused samples. `hand_link` is None without samples of the lease's holder.
     """
 
     now_ns: int
+    age_limit_ms: float
+    speed_scale: float
     state: SessionState
     reason: Reason
     obeys: Accepted | None
     engagement: Engagement | None
     engagements: int
     target: Array
+    reference: MappingReference | None
     gripper_toggles: int
+    gripper_next: GripperCommand
     readiness: Answer
     held: bool
+    settings: OperatorSettings | None
     lease: LeaseStatus
     clock: ClockSync | None
     rejected: Mapping[Code, int]
+    hand_link: HandLink | None
     answers: tuple[Answer, ...]
 
 
@@ -78,11 +94,11 @@ class Command(NamedTuple):
     """
 
     motion: JointMotion
-    gripper_open: bool
+    gripper: GripperCommand
     activate_at: Array | None
     snapshot: Snapshot
 
     def joints(self, seq: int, now_ns: int) -> JointCommand:
         """The command in the form that a driver takes."""
         motion = self.motion
-        return JointCommand(seq, now_ns, motion.q, motion.dq, motion.ddq, self.gripper_open)
+        return JointCommand(seq, now_ns, motion.q, motion.dq, motion.ddq, self.gripper)

@@ -2,7 +2,8 @@
 
 import numpy as np
 
-from common.messages.hand import HandArm
+from common.clock import NS_PER_MS, ClockOffset
+from common.messages.hand import OperatorSettings
 from remote_site.kinematics.dexterity import Dexterity
 from remote_site.kinematics.joints import JointMotion
 from remote_site.kinematics.limits import JointLimits
@@ -14,15 +15,17 @@ from remote_site.safety.clearance import ClearanceCheck, Workspace
 from remote_site.safety.collision import CollisionModel
 from remote_site.safety.collision_avoidance import CollisionAvoidance
 from remote_site.safety.guard import Guard
+from remote_site.session.age_limit import AgeLimit
 from remote_site.session.fault_latch import FaultLatch
-from remote_site.session.lease import Lease, checked
+from remote_site.session.hand_link_meter import HandLinkMeter
+from remote_site.session.lease import Holder, Lease, checked
 from remote_site.session.requests import Outcome, RequestHandler
-from remote_site.session.samples import Accepted
+from remote_site.session.samples import Accepted, NamedSample
 from remote_site.session.state_machine import Action, Decision, Session
 from remote_site.teleop.config import PipelineConfig, prediction
 from remote_site.teleop.cycle import Command, CycleInput, RobotObservation, Snapshot
 from remote_site.teleop.gripper_toggles import GripperToggles
-from remote_site.teleop.sample_validator import SampleValidator
+from remote_site.teleop.sample_validator import SampleValidator, clock_offset
 from remote_site.teleop.tool_target import ToolTarget
 
 
@@ -34,14 +37,15 @@ class TeleopPipeline:
 
     def __init__(self, config: PipelineConfig, model: ArmModel, limits: JointLimits) -> None:
         box = Workspace(np.array(config.safety.workspace_min_m), np.array(config.safety.workspace_max_m))
-        self._validator = SampleValidator(config.safety, config.mapping.point)
-        self._session = Session(config.safety, config.engagement)
+        self._age_limit = AgeLimit(config.safety)
+        self._validator = SampleValidator(config.safety, self._age_limit, config.mapping.point)
+        self._session = Session(config.safety, config.engagement, self._age_limit)
         self._faults = FaultLatch(self._session)
         self._requests = RequestHandler(self._session)
         self._target = ToolTarget(config.mapping, config.control, box, model, config.robot.start)
         self._planner = _planner(config, model, limits, box)
-        self._gripper = GripperToggles(is_open=True)
-        self._speed_scale = config.safety.speed_scale
+        self._gripper = GripperToggles()
+        self._hand_link = HandLinkMeter()
         self._latest: Accepted | None = None
         self._aimed: Accepted | None = None
 
@@ -51,66 +55,89 @@ class TeleopPipeline:
         resting = not robot.ready and robot.sent.resting  # it matters for a fault only
         activate = self._faults.note(robot.fault, now_ns, resting=resting)
         sent = JointMotion.at_rest(robot.q) if activate else robot.sent
-        for sample in given.samples:
-            self._receive(sample, lease, now_ns)
+        for named in given.samples:
+            self._receive(named, lease, now_ns)
         outcomes = []
         for request in given.requests:
-            outcome = self._requests.handle(request, lease, robot.after(sent), now_ns)
+            outcome = self._requests.handle(request, lease, given.robot_after(sent), now_ns)
             sent = JointMotion.at_rest(robot.q) if outcome.activate else sent
             outcomes.append(outcome)
         self._session.authorise(lease)
-        decision = self._session.tick(now_ns, robot.after(sent))
+        self._age_limit.settle(self._planner.pace(sent))
+        decision = self._session.tick(now_ns, given.robot_after(sent))
         motion = self._plan(decision, robot, sent, now_ns)
-        snapshot = self._snapshot(given, decision, outcomes, motion if robot.ready else sent)
         activate = activate or any(outcome.activate for outcome in outcomes)
-        return Command(motion, self._gripper.is_open, sent.q if activate else None, snapshot)
+        if activate:
+            self._gripper.keep()
+            self._faults.activated()
+        snapshot = self._snapshot(given, decision, outcomes, motion if robot.ready else sent)
+        return Command(motion, self._gripper.command, sent.q if activate else None, snapshot)
 
-    def _receive(self, sample: HandArm, lease: Lease | None, now_ns: int) -> None:
-        """Judge a sample from the wire; what was not sent under the lease in force is only counted."""
-        held = checked(lease, sample.lease, sample.session)
+    def _receive(self, named: NamedSample, lease: Lease | None, now_ns: int) -> None:
+        """Judge a sample from the wire; what its holder did not send under the lease in force is only counted."""
+        operator, sample = named
+        held = checked(lease, sample.lease, Holder(sample.session, operator))
         if not isinstance(held, Lease):
             self._validator.refuse(held)
             return
         self._session.authorise(held)
+        offset = clock_offset(sample.clock, now_ns)
+        self._hand_link.arrive(sample, offset if isinstance(offset, ClockOffset) else None, now_ns)
         result = self._validator.accept(sample, now_ns)
         self._session.sample(result)
         if isinstance(result, Accepted):
             self._latest = result
+        elif result.sample is not None:
+            self._gripper.interrupt()
 
     def _plan(self, decision: Decision, robot: RobotObservation, sent: JointMotion, now_ns: int) -> JointMotion:
         """The next motion: into the stop, or from new origins, or towards the newest sample."""
         latest = self._latest
         if decision.action is Action.STOP or latest is None:
             return self._planner.stop(sent)
-        aimed = False
-        if decision.action is Action.CAPTURE:
-            self._target.capture(latest, sent.q, self._session.engagements)
-            self._planner.reset(latest.born_ns, sent.q)
-            self._gripper.rebase(latest.sample.gripper_toggles)
+        aimed, settings = False, self._target.bounded(self._session.page.settings)
+        if decision.action in (Action.CAPTURE, Action.RESUME):
+            self._begin(latest, settings, decision, sent)
         elif latest is not self._aimed:
-            self._gripper.follow(latest.sample.gripper_toggles)
-            self._planner.aim(self._target.aim(latest, robot.q, now_ns), sent.q)
+            self._gripper.follow(latest.sample, settings.revision, robot.gripper)
+            stretch = self._age_limit.stretch
+            self._planner.aim(self._target.aim(latest, settings, robot.q, now_ns, stretch), sent.q)
             aimed = True
         self._aimed = latest
-        return self._planner.follow(now_ns, sent, self._speed_scale * latest.speed, aimed=aimed)
+        return self._planner.follow(now_ns, sent, self._age_limit.speed_scale * latest.speed, aimed=aimed)
+
+    def _begin(self, latest: Accepted, settings: OperatorSettings, decision: Decision, sent: JointMotion) -> None:
+        """Follow from rest: from the origins of before a short hold, or from new ones."""
+        held_since_ns = decision.held_since_ns
+        resumes = decision.action is Action.RESUME and self._target.resume(latest, settings, sent.q, held_since_ns)
+        if not resumes:
+            self._target.capture(latest, settings, sent.q, self._session.engagements)
+        self._planner.reset(latest.born_ns, sent.q)
+        self._gripper.rebase(latest.sample, settings.revision)
 
     def _snapshot(self, given: CycleInput, decision: Decision, outcomes: list[Outcome], sent: JointMotion) -> Snapshot:
         following = decision.action is not Action.STOP
         session, target, now_ns = self._session, self._target, given.now_ns
         return Snapshot(
             now_ns=now_ns,
+            age_limit_ms=self._age_limit.soft_ns / NS_PER_MS,
+            speed_scale=self._age_limit.speed_scale,
             state=decision.state,
             reason=(self._planner.hindrance if following else None) or decision.reason,
             obeys=self._aimed if following else None,
             engagement=target.engagement,
             engagements=session.engagements,
             target=target.base_T_tool,
+            reference=target.reference,
             gripper_toggles=self._gripper.applied,
-            readiness=session.readiness(now_ns, given.robot.after(sent)),
+            gripper_next=self._gripper.next(given.robot.gripper),
+            readiness=session.readiness(now_ns, given.robot_after(sent)),
             held=session.held,
+            settings=target.bounded(session.page.settings) if given.lease.lease is not None else None,
             lease=given.lease,
             clock=self._validator.clock,
             rejected=self._validator.rejected,
+            hand_link=self._hand_link.figures(now_ns),
             answers=tuple(outcome.answer for outcome in outcomes),
         )
 

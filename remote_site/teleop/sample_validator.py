@@ -7,13 +7,14 @@ from dataclasses import replace
 import numpy as np
 
 from common.clock import NS_PER_MS, NS_PER_S, ClockOffset
-from common.geometry import Array, hand_rotation
-from common.messages.hand import ClockSync, HandArm, TrackingStatus
+from common.geometry import Array
+from common.mapping.shown_hand import shown_orientation, shown_position
+from common.messages.hand import ClockSync, HandArm, HandPoint, TrackingStatus
 from remote_site.reasons import Code, Reason, reason
 from remote_site.safety.config import SafetyConfig
+from remote_site.session.age_limit import AgeLimit
 from remote_site.session.samples import Accepted, Rejected
 from remote_site.teleop.certainty import certainty_of
-from remote_site.teleop.config import HandPoint
 from remote_site.teleop.orientation_gate import OrientationGate
 
 OFFSET_VALID_NS = 5 * NS_PER_S  # an older measurement of the clocks no longer counts
@@ -25,9 +26,9 @@ class SampleValidator:
     Every sample here was sent under the lease in force, so none is of a former session or another site.
     """
 
-    def __init__(self, config: SafetyConfig, point: HandPoint = "wrist") -> None:
+    def __init__(self, config: SafetyConfig, age_limit: AgeLimit, point: HandPoint = HandPoint.WRIST) -> None:
         self._config, self._point = config, point
-        self._soft_ns = round(config.t_soft_ms * NS_PER_MS)
+        self._age_limit = age_limit
         self._latch_ns = round(config.t_latch_ms * NS_PER_MS)
         self.rejected: Counter[Code] = Counter()
         self._session: int | None = None
@@ -50,7 +51,7 @@ class SampleValidator:
         new_session = self._remember(sample)
         judged = self._judge(sample, now_ns - offset.age_ns(sample.capture_ns, now_ns), new_session)
         if isinstance(judged, Rejected):
-            return replace(judged, new_session=new_session, held=sample.intent.hold)
+            return replace(judged, new_session=new_session, sample=sample)
         self._jumps, self._last = 0, judged
         return judged
 
@@ -60,7 +61,7 @@ class SampleValidator:
         return Rejected(why, hand_lost, latch)
 
     def _judge(self, sample: HandArm, born_ns: int, new_session: bool) -> Accepted | Rejected:
-        shown_at = sample.palm if self._point == "palm" else sample.wrist
+        shown_at = shown_position(sample, self._point)
         if shown_at is None or sample.status in (TrackingStatus.LOST, TrackingStatus.INITIALISING):
             return self.refuse(_not_tracked(sample), hand_lost=True)
         certainty = certainty_of(sample.covariance, self._config.certainty)
@@ -73,7 +74,7 @@ class SampleValidator:
             return self.refuse(reason(Code.NOT_FINITE, what=self._point))
         if (jump := self._jump(position, sample.capture_ns)) is not None:
             return self._jumped(jump)
-        shown = _orientation(sample) if certainty.orientation else None
+        shown = shown_orientation(sample) if certainty.orientation else None
         orientation = self._gate.judge(shown, born_ns, certainty.orientation)
         return Accepted(sample, position, orientation, born_ns, new_session, certainty.position)
 
@@ -88,8 +89,9 @@ class SampleValidator:
         age_ns = offset.age_ns(sample.capture_ns, now_ns)
         if age_ns < 0:
             return reason(Code.FUTURE, ahead_ms=-age_ns / NS_PER_MS)
-        if age_ns > self._soft_ns:
-            return reason(Code.STALE, age_ms=age_ns / NS_PER_MS, limit_ms=self._soft_ns / NS_PER_MS)
+        self._age_limit.see(sample, now_ns - age_ns, now_ns)
+        if age_ns > (limit_ns := self._age_limit.soft_ns):
+            return reason(Code.STALE, age_ms=age_ns / NS_PER_MS, limit_ms=limit_ns / NS_PER_MS)
         if sample.session == self._session and sample.capture_ns <= self._capture_ns:
             return reason(Code.OLD, seq=sample.seq, newest=self._seq)
         return None
@@ -138,18 +140,3 @@ def _not_tracked(sample: HandArm) -> Reason:
         sample.status, Code.NO_WRIST
     )
     return reason(code, reason=sample.reason)
-
-
-def _orientation(sample: HandArm) -> Array | None:
-    if (
-        sample.wrist is None
-        or sample.index is None
-        or sample.thumb is None
-        or sample.hand_open
-        or sample.thumb_inferred
-    ):
-        return None
-    points = sample.wrist, sample.index, sample.thumb
-    if not math.isfinite(sum(map(sum, points))):
-        return None
-    return hand_rotation(*points)

@@ -1,9 +1,11 @@
-"""The tool's target from accepted hand samples: mapping, workspace box and leash; pure."""
+"""The tool's target from accepted hand samples: mapping, the rest of a short hold, workspace box and leash; pure."""
 
 import math
 
-from common.geometry import Array
-from common.messages.robot import Engagement, Pose
+from common.clock import NS_PER_MS, NS_PER_S
+from common.geometry import Array, angle_between
+from common.messages.hand import OperatorSettings
+from common.messages.robot import Engagement, MappingReference, Pose
 from remote_site.kinematics.model import ArmModel
 from remote_site.motion.config import ControlConfig
 from remote_site.motion.jerk_limited import leash
@@ -11,37 +13,118 @@ from remote_site.motion.target_tracker import ToolSample
 from remote_site.safety.clearance import Workspace
 from remote_site.session.samples import Accepted
 from remote_site.teleop.config import MappingConfig
-from remote_site.teleop.mapping import Steering, make_mapping
+from remote_site.teleop.hold_offset import MOST_M, MOST_RAD, HoldOffset
+from remote_site.teleop.mapping import make_mapping
+
+LONGEST_STEP_S = 0.1  # between samples
+MOST_PREDICTED_NS = 100 * NS_PER_MS  # of the way from exposure to arrival: a longer prediction overshoots
+AGE_MEMORY = 1 / 30  # weight of the newest sample in the mean age
 
 
 class ToolTarget:
-    """Where the tool should be: `base_T_tool` (4 x 4), relative to both origins of the `engagement`."""
+    """Where the tool should be: `base_T_tool` (4 x 4), relative to both origins of the `engagement`.
+
+    `reference` is what the next targets count from.
+    """
 
     def __init__(
         self, mapping: MappingConfig, control: ControlConfig, box: Workspace, model: ArmModel, q: Array
     ) -> None:
         self._mapping = make_mapping(mapping)
+        self._outlasts = mapping.command == "relative"  # whether the origins outlast a short hold
+        self._offset = HoldOffset()
+        self._followed: Accepted | None = None
+        self._mean_age_ns: float | None = None
+        self._settings = OperatorSettings()
         self._leash = control.leash_m, math.radians(control.leash_deg)
         self._workspace = box
         self._model = model
         self.base_T_tool = model.forward(q)
         self.engagement: Engagement | None = None
+        self.reference: MappingReference | None = None
 
-    def capture(self, sample: Accepted, q: Array, engagements: int) -> None:
-        """Take both origins, the hand's from the sample and the tool's at `q` (n,) rad: earlier motion is discarded."""
-        base_T_tool = self.base_T_tool = self._model.forward(q)
-        self._mapping.steer(Steering.of(sample.sample.intent), sample.position, sample.operator_R_hand, base_T_tool)
+    def bounded(self, settings: OperatorSettings) -> OperatorSettings:
+        """The operator's settings within what is configured."""
+        return self._mapping.bounded(settings)
+
+    def capture(self, sample: Accepted, settings: OperatorSettings, q: Array, engagements: int) -> None:
+        """Take both origins, the hand's from the sample and the tool's at `q` (n,) rad: earlier motion is discarded.
+
+        After a hold of the same engagement, the `engagement` states how far this moves the target.
+        """
+        base_T_tool = self._model.forward(q)
+        shift_mm, shift_deg = self._shift(sample, base_T_tool, engagements)
+        self.base_T_tool = base_T_tool
+        self._mapping.steer(settings, sample.position, sample.operator_R_hand, base_T_tool)
         self._mapping.engage(sample.position, sample.operator_R_hand, base_T_tool)
-        self.engagement = Engagement(engagements, sample.sample.capture_ns, Pose.from_transform(base_T_tool))
+        self._offset.clear()
+        self._followed, self._settings = sample, settings
+        pose = Pose.from_transform(base_T_tool)
+        self.engagement = Engagement(engagements, sample.sample.capture_ns, pose, shift_mm, shift_deg)
+        self.reference = self._mapping.reference(sample.sample)
 
-    def aim(self, sample: Accepted, q_measured: Array, now_ns: int) -> ToolSample:
+    def resume(self, sample: Accepted, settings: OperatorSettings, q: Array, since_ns: int) -> bool:
+        """Go on from `q` (n,) rad to the same origins after a hold since `since_ns`; False where new ones are due.
+
+        They are where the hand went too far meanwhile, where too much is left to make up, or the settings are others.
+        """
+        if not self._outlasts or settings != self._settings or self._strayed(sample, since_ns):
+            return False
+        base_T_tool = self._model.forward(q)
+        if not self._offset.begin(self._mapping.target(sample.position, sample.operator_R_hand), base_T_tool):
+            return False
+        self.base_T_tool, self._followed = base_T_tool, sample
+        self.reference = self._mapping.reference(sample.sample)
+        return True
+
+    def aim(
+        self, sample: Accepted, settings: OperatorSettings, q_measured: Array, now_ns: int, stretch: float = 1.0
+    ) -> ToolSample:
         """The target for the newest sample, inside the workspace box and within the leash from the measured arm."""
         position, operator_R_hand = sample.position, sample.operator_R_hand
-        self._mapping.steer(Steering.of(sample.sample.intent), position, operator_R_hand, self.base_T_tool)
+        if settings != self._settings:
+            self._offset.clear()
+        self._mapping.steer(settings, position, operator_R_hand, self.base_T_tool)
         measured = self._model.forward(q_measured)
         self._mapping.read(measured)
-        target = self._mapping.target(position, operator_R_hand)
+        target = self._offset.apply(self._mapping.target(position, operator_R_hand), self._elapsed_s(sample))
+        self.reference = self._mapping.reference(sample.sample)
         target[:3, 3] = self._workspace.clamp(target[:3, 3])
         self.base_T_tool, leashed = leash(target, measured, *self._leash)
+        self._followed, self._settings = sample, settings
         elbow = self._mapping.elbow(sample.sample.wrist, sample.sample.elbow)
-        return ToolSample(sample.born_ns, now_ns, self.base_T_tool, elbow, leashed)
+        t_ns, spare = self._holds_at_ns(sample, now_ns), self._offset.spare
+        return ToolSample(t_ns, now_ns, self.base_T_tool, elbow, leashed, stretch, spare)
+
+    def _holds_at_ns(self, sample: Accepted, now_ns: int) -> int:
+        """The time for which the target is taken: the exposure, or later where a prediction from it would overshoot."""
+        age_ns = now_ns - sample.captured_ns
+        mean_ns = age_ns if self._mean_age_ns is None else self._mean_age_ns
+        self._mean_age_ns = mean_ns + AGE_MEMORY * (age_ns - mean_ns)
+        return sample.captured_ns + max(round(self._mean_age_ns) - MOST_PREDICTED_NS, 0)
+
+    def _elapsed_s(self, sample: Accepted) -> float:
+        """Between this sample and the one before it, by the sender's clock; a long gap counts as a short one."""
+        last = self._followed
+        elapsed_ns = sample.sample.capture_ns - last.sample.capture_ns if last is not None else 0
+        return min(elapsed_ns / NS_PER_S, LONGEST_STEP_S)
+
+    def _strayed(self, sample: Accepted, since_ns: int) -> bool:
+        """Whether the hand went too far from `since_ns` to this sample, if evenly since the last one followed."""
+        last = self._followed
+        if last is None or sample.born_ns <= last.born_ns:
+            return True
+        fraction = min((sample.born_ns - since_ns) / (sample.born_ns - last.born_ns), 1.0)
+        turned = 0.0
+        if last.operator_R_hand is not None and sample.operator_R_hand is not None:
+            turned = angle_between(last.operator_R_hand, sample.operator_R_hand)
+        way = math.dist(last.position.tolist(), sample.position.tolist())
+        return fraction * way > MOST_M or fraction * turned > MOST_RAD
+
+    def _shift(self, sample: Accepted, base_T_tool: Array, engagements: int) -> tuple[float, float]:
+        """How far new origins move the target within an engagement, mm and deg."""
+        if self.engagement is None or self.engagement.number != engagements:
+            return 0.0, 0.0
+        former = self._mapping.target(sample.position, sample.operator_R_hand)
+        shift_m = math.dist(former[:3, 3].tolist(), base_T_tool[:3, 3].tolist())
+        return 1e3 * shift_m, math.degrees(angle_between(former[:3, :3], base_T_tool[:3, :3]))

@@ -1,5 +1,7 @@
 """Views of the simulated cell, rendered off screen through EGL from its snapshot: the physics never waits for them."""
 
+import itertools
+import math
 import os
 from collections.abc import Sequence
 from typing import Any
@@ -12,12 +14,16 @@ from common.cameras.camera import Frame, Image
 from common.errors import CameraError
 from remote_site.shared_record import Record, SharedRecord
 from remote_site.simulation.cell import Cell
-from remote_site.simulation.scenery import ROOM_GROUP
+from remote_site.simulation.scenery import ROOM_GROUP, TABLE_MASK
+from remote_site.simulation.views import OPENGL_R_IMAGE
+from remote_site.video.backdrop import Backdrop, Eye
 from remote_site.video.config import VideoConfig
 from remote_site.video.streaming.clock_strip import draw_clock
 
 MAX_GEOMS = 500
 WORLD = 0
+FINER, SHARPENED = 3, 0.5
+NOTHING, OPAQUE = 0, 255  # of a pixel's alpha
 CURE = "on Debian and Ubuntu: apt-get install libegl1 libopengl0 libgl1-mesa-dri"
 EFFECTS = (
     mujoco.mjtRndFlag.mjRND_SHADOW,
@@ -54,9 +60,10 @@ class OffScreen:
 
 
 class CellRenderer:
-    """Renders every view on one EGL context; made and used by one process, after its fork.
+    """Renders every view of a dressed cell on one EGL context; made and used by one process, after its fork.
 
-    A fixed camera draws the room once and keeps it as its background: the room is behind everything.
+    MuJoCo draws what moves, and the table as a mask; behind them comes what stands still. For a fixed camera that is
+    drawn once, finer than the view, and kept.
     """
 
     def __init__(self, cell: Cell, width: int, height: int) -> None:
@@ -69,7 +76,9 @@ class CellRenderer:
         self._option, self._perturbation = mujoco.MjvOption(), mujoco.MjvPerturb()
         self._camera = mujoco.MjvCamera()
         self._camera.type = mujoco.mjtCamera.mjCAMERA_FIXED
-        self._backgrounds: dict[int, Image] = {}
+        self._size = (width, height)
+        self._surfaces = Backdrop(cell.surfaces)
+        self._kept: dict[int, Image] = {}
 
     def view_id(self, name: str) -> int:
         """The number of a view by its name; CameraError names the views that exist."""
@@ -80,23 +89,59 @@ class CellRenderer:
 
     def render(self, view: int, qpos: Record) -> Image:
         """A view (height, width, 3), BGR, of the cell in a posture (all of MuJoCo's qpos)."""
-        self._data.qpos[:] = qpos
-        mujoco.mj_kinematics(self._model, self._data)
-        mujoco.mj_comPos(self._model, self._data)
-        mujoco.mj_camlight(self._model, self._data)
+        self._pose(qpos)
         if self._model.cam_bodyid[view] != WORLD:
-            return _bgr(self._draw(view, room=True, things=True))
-        if view not in self._backgrounds:
-            self._backgrounds[view] = _bgr(self._draw(view, room=True, things=False))
+            return self._drawn_anew(view)
+        self.prepare(view)
         drawn = self._draw(view, room=False, things=True)
-        picture, nothing = _bgr(drawn), cv2.bitwise_not(cv2.extractChannel(drawn, 3))
-        return _image(cv2.copyTo(self._backgrounds[view], nothing, picture))
+        behind = _image(cv2.extractChannel(drawn, 3) < OPAQUE)
+        return _image(cv2.copyTo(self._kept[view], behind, _bgr(drawn)))
+
+    def prepare(self, view: int) -> None:
+        """Draw what stands still in a fixed view, if that is not done yet: it takes as long as many pictures."""
+        if self._model.cam_bodyid[view] == WORLD and view not in self._kept:
+            self._pose(self._data.qpos)
+            self._kept[view] = self._still(view)
 
     def close(self) -> None:
         """Release the context; further calls do nothing."""
         self._screen.close()
 
-    def _draw(self, view: int, *, room: bool, things: bool) -> Image:
+    def _pose(self, qpos: Record) -> None:
+        self._data.qpos[:] = qpos
+        mujoco.mj_kinematics(self._model, self._data)
+        mujoco.mj_comPos(self._model, self._data)
+        mujoco.mj_camlight(self._model, self._data)
+
+    def _drawn_anew(self, view: int) -> Image:
+        drawn = self._draw(view, room=True, things=True)
+        picture, eye = _bgr(drawn), self._eye(view)
+        self._surfaces.draw(eye, picture, _where(drawn, NOTHING), of_table=False)
+        self._surfaces.draw(eye, picture, _where(drawn, TABLE_MASK), of_table=True)
+        return picture
+
+    def _still(self, view: int) -> Image:
+        """Room, furniture and table, several pixels to each of the view's, averaged and sharpened as cameras do."""
+        width, height = (FINER * size for size in self._size)
+        fine: Image = np.empty((height, width, 4), dtype=np.uint8)
+        for row, column in itertools.product(range(FINER), repeat=2):
+            aside = ((column + 0.5) / FINER - 0.5, (row + 0.5) / FINER - 0.5)
+            fine[row::FINER, column::FINER] = self._draw(view, room=True, things=False, aside=aside)
+        picture, eye = _bgr(fine), self._eye(view, FINER)
+        self._surfaces.draw(eye, picture, _where(fine, NOTHING), of_table=False)
+        self._surfaces.draw(eye, picture, np.full((height, width), 255, dtype=np.uint8), of_table=True)
+        averaged = cv2.resize(picture, self._size, interpolation=cv2.INTER_AREA)
+        return _image(
+            cv2.addWeighted(averaged, 1.0 + SHARPENED, cv2.GaussianBlur(averaged, (0, 0), 1.0), -SHARPENED, 0.0)
+        )
+
+    def _eye(self, view: int, finer: int = 1) -> Eye:
+        width, height = (finer * size for size in self._size)
+        focal_px = height / 2 / math.tan(math.radians(self._model.cam_fovy[view]) / 2)
+        turned = self._data.cam_xmat[view].reshape(3, 3) @ OPENGL_R_IMAGE
+        return Eye(self._data.cam_xpos[view].copy(), turned, focal_px, width, height)
+
+    def _draw(self, view: int, *, room: bool, things: bool, aside: tuple[float, float] = (0.0, 0.0)) -> Image:
         self._camera.fixedcamid = view
         self._option.geomgroup[:] = things
         self._option.geomgroup[ROOM_GROUP] = room
@@ -109,6 +154,11 @@ class CellRenderer:
             mujoco.mjtCatBit.mjCAT_ALL,
             self._scene,
         )
+        for camera in self._scene.camera:
+            pixel = (camera.frustum_top - camera.frustum_bottom) / self._size[1]
+            camera.frustum_center += aside[0] * pixel
+            camera.frustum_top -= aside[1] * pixel
+            camera.frustum_bottom -= aside[1] * pixel
         return _image(cv2.flip(self._screen.draw(self._scene), 0))
 
 
@@ -126,6 +176,7 @@ class CellCamera:
         self._snapshot = snapshot
         self._clock = clock
         self._view = renderer.view_id(name)
+        renderer.prepare(self._view)
         self._frame: Frame | None = None
         self._seq = 0
 
@@ -152,6 +203,10 @@ def open_cell_cameras(
     """Simulated cameras by the names of their views, on one context; CameraError names what is missing."""
     renderer = CellRenderer(cell, config.width, config.height)
     return [CellCamera(name, renderer, snapshot, clock=config.clock) for name in names]
+
+
+def _where(rgba: Image, alpha: int) -> Image:
+    return _image(cv2.extractChannel(rgba, 3) == alpha)
 
 
 def _bgr(rgba: Image) -> Image:

@@ -8,6 +8,7 @@ from msgspec import Meta
 from common.cameras.sources import Source
 from common.messages.base import Name
 from remote_site.simulation.config import SIMULATED
+from remote_site.video.streaming.codec_choice import CodecPreference
 
 PROJECTION_NUMBERS = 12
 
@@ -53,6 +54,10 @@ class VideoConfig(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fiel
     fps: Annotated[
         float, Meta(gt=0, le=120, description="frames per second of each camera; under half of it is slow")
     ] = 30.0
+    codec: Annotated[
+        CodecPreference,
+        Meta(description="jpeg, h264 (needs PyAV), or auto: JPEG while the operator's link carries it, then H.264"),
+    ] = CodecPreference.AUTO
     quality: Annotated[int, Meta(ge=10, le=100, description="JPEG quality, while the operator's link carries it")] = 80
     dark_level: Annotated[
         float, Meta(ge=0, le=255, description="a picture is dark if its brightness is nearly all below this, 0 to 255")

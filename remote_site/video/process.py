@@ -1,36 +1,98 @@
-"""The video process: every camera at its rate, staggered, each picture or its absence published."""
+"""The video process: every camera at its rate, staggered, each picture or its absence published; and what it sent."""
 
+import mmap
 import time
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
+from itertools import islice
+from typing import NamedTuple
 
 import cv2
+import numpy as np
 import structlog
 
 from common.clock import NS_PER_MS, NS_PER_S
 from common.errors import CameraError, MessageError
-from common.messages.video import VideoFrame, ViewsShown
+from common.link.channels import KEY_FRAMES
+from common.messages.robot import VideoLink
+from common.messages.video import CameraStatus, KeyFrameRequest, VideoFrame, ViewsShown
 from common.process.service import be_nice
 from remote_site.video.config import VideoConfig
 from remote_site.video.sources import FrameSource, SimulatedViews, open_sources
 from remote_site.video.streaming.adaptation import Adaptation
+from remote_site.video.streaming.codec_choice import CodecPreference
+from remote_site.video.streaming.encoding import can_encode
+from remote_site.video.streaming.h264 import H264_CURE
 from remote_site.video.streaming.setting import StreamSetting
 from remote_site.video.streaming.stream import CameraStream
 
 LIVE_POLL_NS = 5 * NS_PER_MS
+NARROW_EVERY_NS = 500 * NS_PER_MS
+STATUSES = tuple(CameraStatus)
+BYTES, CAPTURE_NS = len(STATUSES), len(STATUSES) + 1
+FIELDS = len(STATUSES) + 2
+COUNT_BYTES = 8
+
+
+@dataclass(frozen=True, slots=True)
+class CameraTally:
+    """One camera: messages by status, bytes of pictures, exposure of the newest live picture (ns, 0 without one)."""
+
+    frames: dict[CameraStatus, int]
+    picture_bytes: int
+    capture_ns: int
+
+
+class VideoTally:
+    """Counts of every camera; one process writes, others read. Create it before the fork."""
+
+    def __init__(self, cameras: Sequence[str]) -> None:
+        self.cameras = tuple(cameras)
+        memory = mmap.mmap(-1, len(self.cameras) * FIELDS * COUNT_BYTES)
+        self._counts = np.frombuffer(memory, dtype=np.int64).reshape(len(self.cameras), FIELDS)
+
+    def note(self, frame: VideoFrame) -> None:
+        """Count a message that was sent."""
+        row = self._counts[self.cameras.index(frame.camera)]
+        row[STATUSES.index(frame.status)] += 1
+        row[BYTES] += len(frame.data)
+        if frame.status is CameraStatus.LIVE:
+            row[CAPTURE_NS] = frame.capture_ns
+
+    def read(self, camera: str) -> CameraTally:
+        """The counts of one camera so far."""
+        counts = self._counts[self.cameras.index(camera)].tolist()
+        return CameraTally(dict(zip(STATUSES, counts, strict=False)), counts[BYTES], counts[CAPTURE_NS])
+
+
+class LeaseInForce(NamedTuple):
+    """The lease in force: its number, and its holder's name."""
+
+    number: int
+    holder: str
+
+
+Shown = Callable[[], tuple[str, ViewsShown] | None]
 
 
 @dataclass(frozen=True, slots=True)
 class VideoWire:
-    """Where pictures go, what consoles report of them (each report once), and the lease in force (0 without one)."""
+    """Where pictures go, what operators' consoles report of them, and the lease in force (None without one).
+
+    Each source of `shown` returns a report once, with the operator whose key it came on; `key_frames` returns each
+    viewer's request once. `show_narrow` is told twice a second whether the link is too narrow for the pictures, and how
+    much.
+    """
 
     publish: Callable[[VideoFrame], None]
-    shown: Callable[[], ViewsShown | None] = lambda: None
-    lease: Callable[[], int] = lambda: 0
+    shown: Sequence[Shown] = ()
+    lease: Callable[[], LeaseInForce | None] = lambda: None
+    key_frames: Callable[[], KeyFrameRequest | None] = lambda: None
+    show_narrow: Callable[[VideoLink | None], None] = lambda _link: None
 
 
 @dataclass(slots=True)
-class _Slot:
+class _CameraSlot:
     source: FrameSource
     stream: CameraStream
     period_ns: int
@@ -58,17 +120,47 @@ class _Console:
     wire: VideoWire
     adaptation: Adaptation
     refused: bool = False
+    reported_ns: int = 0
 
     def listen(self, now_ns: int) -> None:
+        for source in self.wire.shown:
+            self._take(source, now_ns)
+        if now_ns - self.reported_ns >= NARROW_EVERY_NS:
+            self.reported_ns = now_ns
+            self.wire.show_narrow(self.adaptation.narrow(now_ns))
+
+    def _take(self, source: Shown, now_ns: int) -> None:
         try:
-            shown = self.wire.shown()
+            named = source()
         except MessageError as error:
             if not self.refused:
                 structlog.get_logger().warning("a console's report of its views is refused", reason=str(error))
             self.refused = True
             return
-        if shown is not None and self.wire.lease() in (0, shown.lease):
+        if named is None:
+            return
+        operator, shown = named
+        if self.wire.lease() in (None, LeaseInForce(shown.lease, operator)):
             self.adaptation.update(shown, now_ns)
+
+
+@dataclass(slots=True)
+class _KeyFrameRequests:
+    """Requests of any viewer, passed to the camera's stream; invalid ones are logged once."""
+
+    source: Callable[[], KeyFrameRequest | None]
+    streams: Mapping[str, CameraStream]
+    refused: bool = False
+
+    def listen(self) -> None:
+        try:
+            for request in islice(iter(self.source, None), KEY_FRAMES.depth):
+                if request.camera in self.streams:
+                    self.streams[request.camera].want_key_frame(request.after_seq)
+        except MessageError as error:
+            if not self.refused:
+                structlog.get_logger().warning("a viewer's request for a key frame is refused", reason=str(error))
+            self.refused = True
 
 
 def run_video(
@@ -85,34 +177,39 @@ def run_video(
     be_nice(config.nice)
     cv2.setNumThreads(1)
     slots = _open_slots(config, open_sources(config, views))
-    console = _Console(wire, Adaptation(config))
+    requests = _KeyFrameRequests(wire.key_frames, {slot.source.name: slot.stream for slot in slots})
+    console = _Console(wire, Adaptation(config, h264=_encodes_h264(config.codec)))
     try:
         while not should_stop():
-            _serve_next(slots, console, wire)
+            slot = min(slots, key=lambda s: s.due_ns)
+            delay_ns = slot.due_ns - time.monotonic_ns()
+            if delay_ns > 0:
+                time.sleep(delay_ns / NS_PER_S)
+            now_ns = time.monotonic_ns()
+            console.listen(now_ns)
+            requests.listen()
+            message = slot.serve(console.adaptation.setting(slot.source.name, now_ns), now_ns)
+            if message is not None:
+                wire.publish(message)
+                console.adaptation.sent(message, now_ns)
             beat()
     finally:
         for slot in slots:
             slot.source.close()
 
 
-def _serve_next(slots: Sequence[_Slot], console: _Console, wire: VideoWire) -> None:
-    slot = min(slots, key=lambda s: s.due_ns)
-    delay_ns = slot.due_ns - time.monotonic_ns()
-    if delay_ns > 0:
-        time.sleep(delay_ns / NS_PER_S)
-    now_ns = time.monotonic_ns()
-    console.listen(now_ns)
-    message = slot.serve(console.adaptation.setting(slot.source.name, now_ns), now_ns)
-    if message is not None:
-        wire.publish(message)
-        console.adaptation.sent(message, now_ns)
+def _encodes_h264(codec: CodecPreference) -> bool:
+    encodes = can_encode(codec)
+    if codec is CodecPreference.AUTO and not encodes:
+        structlog.get_logger().warning("a narrow link gets JPEG, not H.264: PyAV is not installed", cure=H264_CURE)
+    return encodes
 
 
-def _open_slots(config: VideoConfig, sources: Sequence[FrameSource]) -> list[_Slot]:
+def _open_slots(config: VideoConfig, sources: Sequence[FrameSource]) -> list[_CameraSlot]:
     now_ns, frame_ns = time.monotonic_ns(), round(NS_PER_S / config.fps)
     slots = []
     for k, source in enumerate(sources):
         period_ns = frame_ns if source.noise_free else LIVE_POLL_NS
         stream = CameraStream(source.name, config, noise_free=source.noise_free)
-        slots.append(_Slot(source, stream, period_ns, now_ns + k * frame_ns // len(sources)))
+        slots.append(_CameraSlot(source, stream, period_ns, now_ns + k * frame_ns // len(sources)))
     return slots

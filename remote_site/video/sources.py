@@ -8,8 +8,7 @@ from functools import partial
 from typing import Protocol
 
 from common.cameras.camera import Camera, Frame
-from common.cameras.opencv import LiveCamera
-from common.cameras.sources import open_camera
+from common.cameras.sources import LiveCamera, open_camera
 from common.clock import NS_PER_S
 from common.errors import CameraError, ConfigError
 from remote_site.kinematics.config import RobotConfig
@@ -107,7 +106,7 @@ def _open_simulated(config: VideoConfig, views: SimulatedViews | None) -> dict[s
     from remote_site.simulation.cell import build_cell  # noqa: PLC0415  # a real cell needs no MuJoCo
     from remote_site.video.cell_cameras import open_cell_cameras  # noqa: PLC0415
 
-    cell, snapshot = build_cell(views.cell, views.robot), views.memory.snapshot
+    cell, snapshot = build_cell(views.cell, views.robot, dressed=True), views.memory.snapshot
     return {camera.name: camera for camera in open_cell_cameras(names, cell, snapshot, config)}
 
 

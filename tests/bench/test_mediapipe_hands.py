@@ -5,7 +5,7 @@ import sys
 import numpy as np
 import pytest
 
-from bench.installing import UnavailableError, reason
+from bench.processes import UnavailableError, reason
 from bench.tracking.mediapipe_hands import MediaPipeHands, install, triangulate_landmarks
 from common.cameras.camera import Frame
 from local_site.calibration.triangulation import project

@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 from rich.console import Console
 
-from bench.installing import UnavailableError
+from bench.processes import UnavailableError
 from bench.tracking import comparison as tracking
 from bench.tracking.comparison import Comparison
 from bench.tracking.figures import Found

@@ -29,6 +29,7 @@ QUIET = (
     "--disable-component-update",
     "--disable-sync",
 )
+H264 = ("video.codec=h264",)  # JPEG is what the pages of told sites show
 HELD = ("engagement.mode=hold_to_run", "engagement.frames=5")
 
 
@@ -59,7 +60,7 @@ def browser() -> Iterator[object]:
 def stand(browser: object) -> Iterator[Stand]:
     """Both sites and a console, running."""
     with running_sites() as sites:
-        remote = sites.remote("driver.name=kinematic", "video.nice=0", "video.clock=true", *HELD, *PATIENT)
+        remote = sites.remote("driver.name=kinematic", "video.nice=0", "video.clock=true", *H264, *HELD, *PATIENT)
         sites.local()
         port = free_ports(1)[0]
         links = (f"links.control={sites.control}", f"links.video={sites.video}", f"links.local={sites.listen}")

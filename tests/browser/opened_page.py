@@ -1,7 +1,8 @@
 """A page opened in the browser, and what a person would see of it."""
 
 import time
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
+from itertools import count
 from typing import Any
 
 PATIENCE_S = 30.0
@@ -92,13 +93,20 @@ class OpenedPage:
         On a machine so busy that the page itself missed a heartbeat, which rightly stops the arm, press it again.
         """
         self.wait_until_ready()
-        self.wait_for("the arm to follow", lambda: self._pressed_anew() and (until is None or until()), 2 * PATIENCE_S)
+        tries = count()
+        self.wait_for(
+            "the arm to follow", lambda: self._pressed_anew(tries) and (until is None or until()), 2 * PATIENCE_S
+        )
 
-    def _pressed_anew(self) -> bool:
+    def _pressed_anew(self, tries: Iterator[int]) -> bool:
+        """Whether the arm follows; if not, press the key again, and give it longer each time."""
         if self.state() in ("engaged", "holding"):
             return self.state() == "engaged"
         self.page.keyboard.up("Space")
         self.page.wait_for_timeout(150)
         self.page.keyboard.down("Space")
-        self.page.wait_for_timeout(250)
+        for _ in range(10 * (1 + next(tries))):
+            if self.state() == "engaged":
+                break
+            self.page.wait_for_timeout(25)
         return False

@@ -6,9 +6,10 @@ import msgspec
 import numpy as np
 
 from common.clock import NS_PER_MS
-from common.messages.hand import ClockSync, HandArm, TrackingStatus
+from common.messages.hand import ClockSync, HandArm, OperatorSettings, TrackingStatus
 from common.messages.requests import Description
 from common.messages.robot import (
+    GripperCommand,
     GripperState,
     GripperStatus,
     LeaseState,
@@ -19,7 +20,7 @@ from common.messages.robot import (
     RobotState,
     SessionState,
 )
-from common.messages.video import CameraStatus, VideoFrame
+from common.messages.video import CameraStatus, Codec, VideoFrame
 from remote_site.config import RemoteConfig
 from remote_site.kinematics.limits import JointLimits
 from remote_site.kinematics.model import ArmModel
@@ -35,7 +36,7 @@ SIZE = (480, 640)
 
 def cell(*, held: bool = True) -> Description:
     """The A465's cell, its views calibrated."""
-    described = describe(CONFIG, MODEL, JointLimits.from_model(MODEL, CONFIG.robot), 50.0)
+    described = describe(CONFIG, MODEL, JointLimits.from_model(MODEL, CONFIG.robot))
     return msgspec.structs.replace(described, held=held)
 
 
@@ -50,12 +51,14 @@ def state(word: SessionState, code: str, reason: str, **changes: object) -> Robo
         state=word,
         code=code,
         reason=reason,
-        joints=MODEL.joint_names,
+        age_limit_ms=100.0,
+        speed_scale=1.0,
         q=tuple(q.tolist()),
         q_commanded=tuple((q + 0.1).tolist()),
         base_T_tool=Pose.from_transform(MODEL.forward(q)),
-        gripper=GripperState(opening=0.05, force=12.0, commanded_open=False, status=GripperStatus.HOLDING),
+        gripper=GripperState(opening=0.05, force=12.0, commanded=GripperCommand.CLOSED, status=GripperStatus.HOLDING),
         gripper_toggles_applied=1,
+        gripper_next=GripperCommand.OPEN,
         obeyed=Obeyed(7, now_ns, now_ns - 60 * NS_PER_MS, now_ns - 25 * NS_PER_MS, now_ns - 20 * NS_PER_MS),
         engagement=None,
         rejected={},
@@ -65,6 +68,7 @@ def state(word: SessionState, code: str, reason: str, **changes: object) -> Robo
         readiness=Readiness(True, "ok", "ready", True),
         min_distance=0.21,
         target=Pose.from_transform(MODEL.forward(q + 0.1)) if word is SessionState.ENGAGED else None,
+        settings=OperatorSettings(lease=5),
     )
     return msgspec.structs.replace(known, **changes)
 
@@ -100,7 +104,9 @@ def picture(
         reason=reason,
         width=SIZE[1],
         height=SIZE[0],
-        jpeg=jpeg,
+        codec=Codec.JPEG,
+        key=bool(jpeg),
+        data=jpeg,
     )
 
 

@@ -2,9 +2,9 @@
 
 import os
 import signal
-import time
 from pathlib import Path
 
+import msgspec
 import numpy as np
 import pytest
 
@@ -12,9 +12,8 @@ from common.messages.robot import SessionState
 from tests.browser.opened_page import OpenedPage
 from tests.integration.sites import descendants
 
-SHOWN_WITHIN_S = 1.0
-STOP_WITHIN_S = 5.0  # that it comes, not how soon, which a busy machine decides
-SLACK_S = 1.0  # a loaded machine may be this much late with anything
+STOP_WITHIN_S = 30.0  # that it comes, not how soon, which a busy machine decides
+ENDS_WITHIN_S = 10.0  # two where a machine has nothing else to do
 
 
 def at_rest(stand) -> bool:
@@ -36,7 +35,7 @@ def test_the_space_bar_moves_the_arm_and_the_pictures_and_letting_go_stops_both(
     page.page.keyboard.up("Space")
     stops(stand)
     assert stand.sites.state.code == "let_go"
-    page.wait_for("the page to say so", lambda: page.state() == "disengaged", SHOWN_WITHIN_S + SLACK_S)
+    page.wait_for("the page to say so", lambda: page.state() == "disengaged")
     assert "the key was let go" in page.words("#reason")
     assert any("let go" in line for line in page.page.locator("#events li").all_text_contents())
 
@@ -63,7 +62,7 @@ def test_escape_stops_the_arm_is_acknowledged_and_latches(stand, page) -> None:
     stops(stand)
     page.wait_for("the acknowledgement", lambda: "acknowledged by the remote site" in page.words("#alert"))
     assert stand.sites.state.code == "stopped"
-    page.wait_for("the page to say so", lambda: page.state() == "stopped", SHOWN_WITHIN_S + SLACK_S)
+    page.wait_for("the page to say so", lambda: page.state() == "stopped")
     page.page.keyboard.up("Space")
     page.page.keyboard.press("e")
     page.wait_for("the refusal", lambda: "engage: stopped by" in page.words("#alert"))
@@ -104,19 +103,25 @@ def test_a_second_page_only_stops_until_it_has_the_controls_and_its_end_stops_th
     page.wait_for("the controls", lambda: "you operate" in page.words("#seat"))
 
 
-def test_scales_locks_and_the_clutch_reach_the_arm(stand, page) -> None:
+def test_scales_locks_and_the_clutch_reach_the_arm_and_outlast_a_reload(stand, page) -> None:
     page.wait_until_ready()
-    intent = lambda: stand.sites.record.hands[-1].intent  # noqa: E731  # short, and used as such
+    in_force = lambda: stand.sites.state.settings  # noqa: E731  # short, and used as such
     page.page.fill("#scale", "0.5")
+    page.wait_for("the scale", lambda: in_force().scale == 0.5)
     page.page.click("[data-lock=roll]")
-    clutched = intent().clutch_count
+    page.wait_for("the lock", lambda: in_force().locks.roll)
+    before = in_force()
     page.page.keyboard.press("c")
-    page.wait_for("the scale", lambda: intent().scale == 0.5)
-    page.wait_for("the lock", lambda: intent().locks.roll)
-    page.wait_for("the clutch", lambda: intent().clutch_count == clutched + 1)
+    page.wait_for("the clutch", lambda: in_force() == msgspec.structs.replace(before, revision=before.revision + 1))
+
+    page.page.reload()
+    page.wait_for("the controls", lambda: page.page.is_enabled("[data-lock=roll]"))
+    assert page.page.get_attribute("[data-lock=roll]", "aria-pressed") == "true"
+    assert page.words("#scale-value") == "0.50"
+    assert in_force().locks.roll
     page.page.fill("#scale", "1")
     page.page.click("[data-lock=roll]")
-    page.wait_for("both to be taken back", lambda: intent().scale == 1.0 and not intent().locks.roll)
+    page.wait_for("both to be taken back", lambda: in_force().scale == 1.0 and not in_force().locks.roll)
 
 
 def test_the_tool_is_drawn_where_it_is(stand, page) -> None:
@@ -152,7 +157,7 @@ def test_pictures_that_stop_coming_are_marked_with_their_age(stand, page) -> Non
     video = next(p for p in descendants(stand.remote.pid) if Path(f"/proc/{p}/comm").read_text() == "farhand-video\n")
     os.kill(video, signal.SIGSTOP)
     try:
-        page.wait_for("the marks", lambda: page.marks() == ["old"] * 4, SHOWN_WITHIN_S + SLACK_S)
+        page.wait_for("the marks", lambda: page.marks() == ["old"] * 4)
         assert " old" in page.words("#cameras .mark b")
     finally:
         os.kill(video, signal.SIGCONT)
@@ -163,17 +168,15 @@ def test_a_killed_remote_site_is_told_and_its_pictures_marked_and_the_console_en
     page.wait_for_live_views()
     for process in (*descendants(stand.remote.pid), stand.remote.pid):
         os.kill(process, signal.SIGKILL)
-    page.wait_for("the word", lambda: page.state() == "silent", SHOWN_WITHIN_S + SLACK_S)
-    page.wait_for("the marks", lambda: page.marks() == ["old"] * 4, SHOWN_WITHIN_S + SLACK_S)
+    page.wait_for("the word", lambda: page.state() == "silent")
+    page.wait_for("the marks", lambda: page.marks() == ["old"] * 4)
     assert "the remote site has been silent" in page.words("#reason")
     page.page.keyboard.press("Escape")
     page.wait_for("the truth about the stop", lambda: "NOT ACKNOWLEDGED" in page.words("#alert"))
 
-    began = time.monotonic()
     os.kill(stand.console.pid, signal.SIGTERM)
-    stand.sites.wait("the console's end", lambda: stand.console.exit_code is not None, 5)
+    stand.sites.wait("the console's end", lambda: stand.console.exit_code is not None, ENDS_WITHIN_S)
     assert stand.console.exit_code == 0
-    assert time.monotonic() - began < 2 + SLACK_S
-    page.wait_for("the page to say so", lambda: page.state() == "no connection", SHOWN_WITHIN_S + SLACK_S)
+    page.wait_for("the page to say so", lambda: page.state() == "no connection")
     page.page.goto("about:blank")  # the page would keep trying to connect
     page.errors.clear()  # the browser itself reports that the connection is lost

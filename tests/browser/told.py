@@ -8,11 +8,12 @@ from typing import TypeVar
 
 from bench.page.bare_console import BareConsole
 from common.clock import NS_PER_MS
-from common.messages.robot import SessionState, Traced
+from common.messages.hand import HandArm
+from common.messages.robot import RobotState, SessionState, Traced
 from common.messages.video import CameraStatus, VideoFrame
 from local_site.console.hub import Hub
 from tests.browser import scene
-from tests.browser.opened_page import OpenedPage
+from tests.browser.opened_page import PATIENCE_S, OpenedPage
 
 SHOTS = Path(__file__).parents[2] / "build" / "screenshots"
 BEAT_S = 0.05
@@ -27,29 +28,34 @@ class Told:
     def __init__(self, console: BareConsole, page: OpenedPage) -> None:
         self.page, self._console = page, console
         self.intents, self.sites = console.intents, console.sites
+        self.shown, self.key_frames = console.shown, console.key_frames
         self._seq = 0
         self.reset()
 
     def reset(self) -> None:
         """All is well."""
-        self.state = partial(scene.state, SessionState.ENGAGED, "ok", "the arm follows the hand")
+        self.state: Callable[..., RobotState] = partial(
+            scene.state, SessionState.ENGAGED, "ok", "the arm follows the hand"
+        )
+        self.hand: Callable[[], HandArm] = scene.hand
         self.troubles: dict[str, tuple[CameraStatus, str]] = {}
         self.jpeg = scene.plain(150)
         self.age_ms = 20.0
-        self.picture = self._plain
-        self.previews: tuple[str, ...] = ()
+        self.picture: Callable[[str, int], VideoFrame | None] = self._plain
+        self.cameras, self.previews = scene.CAMERAS, tuple[str, ...]()
 
     def tell(self) -> None:
         """Everything once."""
         self._seq += 1
         self._give(Hub.state, self.state())
-        self._give(Hub.hand, scene.hand())
-        for camera in scene.CAMERAS:
-            self._give(Hub.camera, self.picture(camera, self._seq))
+        self._give(Hub.hand, self.hand())
+        for camera in self.cameras:
+            if (frame := self.picture(camera, self._seq)) is not None:
+                self._give(Hub.camera, frame)
         for name in self.previews:
             self._give(Hub.preview, self._plain(name, self._seq))
 
-    def until(self, what: str, is_so: Callable[[], bool], seconds: float = 15.0) -> float:
+    def until(self, what: str, is_so: Callable[[], bool], seconds: float = PATIENCE_S) -> float:
         """Send until a condition holds; how long it took, s."""
 
         def told() -> bool:

@@ -62,3 +62,11 @@ def test_the_hand_frame_turns_with_the_hand(seed: int) -> None:
 
 def test_collinear_points_have_no_orientation() -> None:
     assert geometry.hand_rotation(np.zeros(3), np.array([0.1, 0, 0]), np.array([0.2, 0, 0])) is None
+
+
+@given(seeds, st.floats(0.5, 2.0))
+def test_a_quaternion_of_another_length_gives_a_rotation_all_the_same(seed: int, length: float) -> None:
+    matrix = random_rotation(seed)
+    longer = length * geometry.quaternion_from_rotation(matrix)
+    assert np.allclose(geometry.rotation_from_quaternion(longer.tolist()), matrix, atol=1e-9)
+    assert np.array_equal(geometry.rotation_from_quaternion((0.0, 0.0, 0.0, 0.0)), np.eye(3))

@@ -49,6 +49,30 @@ class Liar(KinematicDriver):
         return super().read()
 
 
+class Stuck(KinematicDriver):
+    """Measures once, and hands out that reading for ever."""
+
+    first: RobotReading | None = None
+
+    def read(self) -> RobotReading:
+        reading = super().read()
+        self.first = self.first or reading
+        return replace(self.first, fault=reading.fault)
+
+
+class Laggard(KinematicDriver):
+    """Follows a tenth of a second later than it declares."""
+
+    def __init__(self, clock: FakeClock) -> None:
+        super().__init__(clock)
+        self._before: list[RobotReading] = []
+
+    def read(self) -> RobotReading:
+        self._before.append(super().read())
+        then = next(each for each in self._before if each.t_ns >= self._before[-1].t_ns - 100 * NS_PER_MS)
+        return replace(self._before[-1], q=then.q, dq=then.dq)
+
+
 class Feeler(KinematicDriver):
     """Feels a grip without a gripper."""
 
@@ -63,7 +87,7 @@ class Eager(KinematicDriver):
 
     def write(self, command: JointCommand) -> JointCommand:
         ahead = JointCommand(
-            command.seq, command.t_ns, command.q + 0.1 * command.dq, command.dq, command.ddq, command.gripper_open
+            command.seq, command.t_ns, command.q + 0.1 * command.dq, command.dq, command.ddq, command.gripper
         )
         super().write(ahead)
         return command
@@ -78,7 +102,7 @@ class Racer(KinematicDriver):
 
     def write(self, command: JointCommand) -> JointCommand:
         q = self.home + 1.5 * (command.q - self.home)
-        super().write(JointCommand(command.seq, command.t_ns, q, 1.5 * command.dq, command.ddq, command.gripper_open))
+        super().write(JointCommand(command.seq, command.t_ns, q, 1.5 * command.dq, command.ddq, command.gripper))
         return command
 
 

@@ -5,6 +5,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from common.clock import NS_PER_MS, NS_PER_S
+from common.messages.robot import GripperCommand
 from remote_site.drivers.conformance.trial import DriverStand
 from remote_site.drivers.driver import JointCommand, RobotReading
 from remote_site.drivers.supervisor.grip import GripSettings, GripWatch
@@ -56,7 +57,8 @@ def approach(speed: float, jerk: float, *, accelerating: bool) -> list[JointMoti
 def measured_stop(stand: DriverStand, speed: float, jerk: float, *, accelerating: bool) -> Stop:
     """Run up to the speed, let commands cease, and watch until the robot rests; the stand's robot starts at -1.5."""
     limits = replace(SETUP.limits, acceleration=np.full(6, 10.0), jerk=np.full(6, jerk))
-    setup, clock, driver = replace(SETUP, limits=limits), stand.clock, stand.make()
+    setup = replace(SETUP, limits=limits, start=stand.start)
+    clock, driver = stand.clock, stand.make()
     driver.configure(setup)
     supervisor = DriverSupervisor(driver, setup, clock, NoMark(), GripWatch(GripSettings()))
 
@@ -70,7 +72,7 @@ def measured_stop(stand: DriverStand, speed: float, jerk: float, *, accelerating
         return supervisor.reading
 
     def order(seq: int, motion: JointMotion) -> DriverOrder:
-        command = JointCommand(seq, clock.now_ns(), motion.q, motion.dq, motion.ddq, gripper_open=True)
+        command = JointCommand(seq, clock.now_ns(), motion.q, motion.dq, motion.ddq, GripperCommand.KEEP)
         return DriverOrder(1, True, supervisor.commanded.stop_count, command)
 
     for _ in range(100):

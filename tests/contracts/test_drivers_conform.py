@@ -17,6 +17,7 @@ from tests.contracts.bad_drivers import (
     Feeler,
     Freezer,
     Hasty,
+    Laggard,
     Liar,
     Mirrored,
     Numb,
@@ -29,10 +30,12 @@ from tests.contracts.bad_drivers import (
     Skipper,
     Sleepwalker,
     Slow,
+    Stuck,
     Thief,
     Unwatched,
     refuse_to_be_made,
 )
+from tests.contracts.bad_grippers import Clenched, Closer, Gripping, Opener, Releasing, Welcoming
 from tests.contracts.driver_stands import c500c_stand, kinematic_stand, simulated_stand
 
 NAMES = [check.__name__ for check in CHECKS]
@@ -51,7 +54,7 @@ def test_the_drivers_of_the_house_pass(stand, check):
     assert run_checks(stand(), lines.append, [check]) == [], lines
 
 
-@pytest.mark.parametrize("stand", [simulated_stand, c500c_stand])
+@pytest.mark.parametrize("stand", [pytest.param(simulated_stand, marks=pytest.mark.long), c500c_stand])
 def test_one_robot_passes_all_checks_one_after_the_other(stand):
     lines, same = [], stand()
     assert run_checks(same, lines.append, [*CHECKS, *CHECKS]) == [], lines
@@ -72,11 +75,18 @@ def test_the_a465_passes_with_lost_bytes():
         (Prophet, "read_never_invents"),
         (Liar, "read_never_invents"),
         (Feeler, "read_never_invents"),
+        (Stuck, "stamps"),
+        (Laggard, "lag"),
         (Eager, "follows"),
         (Refuser, "follows"),
         (Racer, "limits"),
         (Drifter, "stop"),
         (Restarter, "idempotent_stop"),
+        (Clenched, "gripper"),
+        (Opener, "keeps_gripper"),
+        (Closer, "keeps_gripper"),
+        (Releasing, "keeps_gripper"),
+        (Welcoming, "keeps_gripper"),
         (Sleepwalker, "command_timeout"),
         (Unwatched, "watchdog"),
         (Slow, "deadline"),
@@ -100,11 +110,28 @@ def test_every_check_has_its_bad_driver():
 
 
 @pytest.mark.parametrize(
-    ("bad", "check"), [(Numb, "read_never_invents"), (Mirrored, "follows"), (Freezer, "stop"), (Skipper, "rate")]
+    ("bad", "checks"),
+    [
+        (Numb, ["read_never_invents"]),
+        (Mirrored, ["read_never_invents", "follows", "lag"]),  # all that move the joints that it mirrors
+        (Freezer, ["stop"]),
+        (Skipper, ["rate"]),
+    ],
 )
-def test_a_driver_that_lies_in_one_thing_fails_in_nothing_else(bad, check):
+def test_a_driver_that_lies_in_one_thing_fails_in_nothing_else(bad, checks):
     lines = []
-    assert run_checks(kinematic_stand(bad), lines.append) == [check], lines
+    assert run_checks(kinematic_stand(bad), lines.append) == checks, lines
+
+
+def test_a_robot_with_a_gripper_passes():
+    lines = []
+    assert run_checks(kinematic_stand(Gripping), lines.append) == [], lines
+
+
+@pytest.mark.parametrize("bad", [Opener, Closer, Releasing, Welcoming])
+def test_a_driver_that_does_not_keep_the_gripper_fails_in_nothing_else(bad):
+    lines = []
+    assert run_checks(kinematic_stand(bad), lines.append) == ["keeps_gripper"], lines
 
 
 @pytest.mark.parametrize(
@@ -135,7 +162,12 @@ def test_a_call_that_returns_the_wrong_thing_is_named():
 def test_a_watchdog_that_a_driver_has_not_is_skipped():
     lines = []
     run_checks(kinematic_stand(), lines.append)
-    assert [line.split()[1] for line in lines if line.startswith("skipped")] == ["other", "watchdog"]
+    assert [line.split()[1] for line in lines if line.startswith("skipped")] == [
+        "other",
+        "gripper",
+        "keeps",
+        "watchdog",
+    ]
 
 
 @pytest.mark.parametrize("rate_hz", [0.0, -1.0, float("nan"), float("inf")])

@@ -20,8 +20,10 @@ from common.messages.requests import EngagementAction
 from farhand.certificates.folder import CertificateOrder, create
 from farhand.router import RouterConfig, zenohd_configuration
 from tests.common.link.secured_cell import (
+    ANNA,
     CELL,
     HAND_SAMPLE,
+    OPERATORS,
     QUIET_S,
     Cell,
     commands_arrive,
@@ -39,7 +41,7 @@ PROJECT = Path(__file__).parents[2]
 def pki(tmp_path_factory: pytest.TempPathFactory) -> Path:
     folder = tmp_path_factory.mktemp("pki")
     for name in (CELL, "other"):
-        create(folder, CertificateOrder(name, (), 30), datetime.now(UTC))
+        create(folder, CertificateOrder(name, (), 30, OPERATORS), datetime.now(UTC))
     return folder
 
 
@@ -49,7 +51,9 @@ class Meeting:
     def __init__(self, pki: Path, stack: ExitStack, protocol: str) -> None:
         self.pki, self.endpoint = pki, f"{protocol}/127.0.0.1:{free_port()}"
         self.router = self.open()
-        site = open_link(connect=(self.endpoint,), security=secured(pki, "remote"), through_router=True)
+        site = open_link(
+            connect=(self.endpoint,), security=secured(pki, "remote"), operators=OPERATORS, through_router=True
+        )
         self.cell = Cell(self.endpoint, stack.enter_context(site))
         stack.callback(self.close)
 
@@ -58,7 +62,9 @@ class Meeting:
         self.router.close()
 
     def open(self) -> Link:
-        return open_router(listen=(self.endpoint,), cells=(CELL, "other"), security=secured(self.pki, "router"))
+        return open_router(
+            listen=(self.endpoint,), cells=(CELL, "other"), security=secured(self.pki, "router"), operators=OPERATORS
+        )
 
     def connect(self, who: str, cell: str = CELL) -> Link:
         return open_link(connect=(self.endpoint,), security=secured(self.pki, who, cell))
@@ -72,8 +78,8 @@ def meeting(pki: Path, request: pytest.FixtureRequest) -> Iterator[Meeting]:
 
 @pytest.mark.parametrize("meeting", ["tls"], indirect=True)  # with QUIC a port is free when its process has ended
 def test_sites_meet_and_meet_again_after_the_router_was_restarted(meeting: Meeting) -> None:
-    with meeting.connect("operator") as operator:
-        hand, state = operator.publisher(HAND, CELL), operator.latest(STATE, CELL)
+    with meeting.connect("operator.anna") as operator:
+        hand, state = operator.publisher(HAND, CELL, operator=ANNA), operator.latest(STATE, CELL)
         for _ in range(2):
             before = meeting.cell.hands
             until(state.take)
@@ -91,7 +97,8 @@ def test_a_site_waits_for_its_router_and_hears_when_that_refuses_it(pki: Path) -
 
     def begin() -> None:
         time.sleep(0.7)
-        later.append(open_router(listen=(endpoint,), cells=(CELL,), security=secured(pki, "router")))
+        security = secured(pki, "router")
+        later.append(open_router(listen=(endpoint,), cells=(CELL,), security=security, operators=OPERATORS))
 
     thread = threading.Thread(target=begin)
     thread.start()
@@ -111,7 +118,7 @@ def test_who_is_asked_to_end_waits_for_no_router(pki: Path) -> None:
             through_router=True,
             should_stop=lambda: time.monotonic() > began + 0.3,
         )
-    assert time.monotonic() - began < 5.0  # of 20
+    assert time.monotonic() - began < 10.0  # of 20
 
 
 def test_a_router_passes_on_nothing_that_a_role_may_not_send(meeting: Meeting) -> None:
@@ -119,21 +126,21 @@ def test_a_router_passes_on_nothing_that_a_role_may_not_send(meeting: Meeting) -
         until(viewer.latest(STATE, CELL).take)
     with dishonest(meeting.endpoint, meeting.pki, "viewer") as session:
         assert not commands_arrive(session, meeting.cell)
-    with dishonest(meeting.endpoint, meeting.pki, "operator", cell="other") as session:
+    with dishonest(meeting.endpoint, meeting.pki, "operator.anna", cell="other") as session:
         assert not commands_arrive(session, meeting.cell)
-    with dishonest(meeting.endpoint, meeting.pki, "operator") as session:
-        assert commands_arrive(session, meeting.cell)
+    with dishonest(meeting.endpoint, meeting.pki, "operator.anna") as session:
+        until(lambda: commands_arrive(session, meeting.cell))
 
 
 def test_a_router_lets_no_viewer_hear_a_hand(meeting: Meeting) -> None:
-    with meeting.connect("operator") as operator, dishonest(meeting.endpoint, meeting.pki, "viewer") as viewer:
+    with meeting.connect("operator.anna") as operator, dishonest(meeting.endpoint, meeting.pki, "viewer") as viewer:
         heard: set[str] = set()
-        for key in ("**", HAND.key_for(CELL)):
+        for key in ("**", HAND.key_for(CELL, operator=ANNA)):
             viewer.declare_subscriber(key, lambda sample: heard.add(str(sample.key_expr)))
-        hand, before = operator.publisher(HAND, CELL), meeting.cell.hands
+        hand, before = operator.publisher(HAND, CELL, operator=ANNA), meeting.cell.hands
         until(lambda: hand.put(HAND_SAMPLE) or meeting.cell.hands > before + 10)
         time.sleep(QUIET_S)
-        assert HAND.key_for(CELL) not in heard
+        assert HAND.key_for(CELL, operator=ANNA) not in heard
 
 
 def test_zenohds_configuration_is_the_routers_and_can_be_read() -> None:
@@ -148,7 +155,7 @@ def test_zenohds_configuration_is_the_routers_and_can_be_read() -> None:
     assert control["default_permission"] == "deny"
     assert {subject["cert_common_names"][0] for subject in control["subjects"]} == {
         "remote.cell",
-        "operator.cell",
+        "operator.cell.anna",
         "viewer.cell",
         "maintenance.cell",
         "router",

@@ -6,6 +6,7 @@ from collections.abc import Callable
 from typing import Any
 
 from tests.faults.cell_pair import CellPair
+from tests.integration.sites import child_of
 
 Act = Callable[[CellPair], object]
 
@@ -33,3 +34,8 @@ def jumps(count: int) -> Act:
 def kill_local(pair: CellPair) -> None:
     """Kill the local site immediately."""
     os.kill(pair.local.pid, signal.SIGKILL)
+
+
+def control_gets(number: signal.Signals) -> Act:
+    """Send the control process a signal."""
+    return lambda pair: os.kill(child_of(pair.remote, "farhand-control"), number)

@@ -13,12 +13,16 @@ from typing import Any
 
 import numpy as np
 
+from bench.network.command_socket import send
+from bench.network.namespaces import Network
+from bench.processes import module_command
+from bench.stand_ins.hand_path import ScriptedPath
 from common.clock import NS_PER_S
 from common.config import load_config
 from common.geometry import Array, vector_from_rotation
 from common.link.channels import ENGAGEMENT
 from common.link.request_client import RequestClient
-from common.link.transport import open_link
+from common.link.transport import Link, open_link
 from common.messages.requests import EngagementAction, EngagementRequest, Reply
 from common.messages.robot import RobotState, SessionState
 from farhand.loopback.recorder import Recorder
@@ -26,12 +30,8 @@ from farhand.loopback.site_process import SiteProcess, free_ports
 from remote_site.config import RemoteConfig
 from remote_site.kinematics.limits import JointLimits
 from remote_site.kinematics.model import ArmModel
-from remote_site.safety.config import FULL_SPEED_MS
-from tests.faults.command_socket import send
 from tests.faults.driver_log import DriverLog
-from tests.faults.hand_path import HandPath
-from tests.faults.namespaces import Network
-from tests.faults.pair_setup import A465, CELL, OPERATOR, PairSetup, script
+from tests.faults.pair_setup import A465, CELL, OPERATOR, PairSetup
 
 FARHAND = (sys.executable, "-m", "farhand")
 PATIENCE_S = 90.0
@@ -61,9 +61,19 @@ class CellPair:
         self.model = ArmModel.from_urdf(robot.urdf, robot.tool_frame, robot.tool_T_tcp)
         self.limits = JointLimits.from_model(self.model, robot)
         self.link = self.stack.enter_context(open_link(connect=(self._setup.control,), security=self._setup.security))
-        self.states = Recorder(self.link, self.link, CELL, ()).record.states
+        self.states = Recorder(self.link, self.link, CELL, (), OPERATOR).record.states
         self._processes: dict[str, SiteProcess] = {}
-        self.path = HandPath.still()
+        self.path = ScriptedPath.still()
+
+    def link_of(self, operator: str) -> Link:
+        """A link of another operator to the remote site, with the certificate of that name where there are any."""
+        link = open_link(connect=(self._setup.control,), security=self._setup.security_of(operator))
+        return self.stack.enter_context(link)
+
+    @property
+    def control(self) -> str:
+        """The remote site's control endpoint."""
+        return self._setup.control
 
     @property
     def folder(self) -> Path:
@@ -83,7 +93,7 @@ class CellPair:
     def start(self) -> None:
         """Start both sites, and the robot where it is a process of its own."""
         if A465 in self._setup.driver_settings:
-            self._start("robot", script("emulated_robot", self.folder))
+            self._start("robot", module_command("tests.faults.emulated_robot", self.folder))
             self.wait("the robot", (self.folder / "line").exists)
         self.start_remote()
         self.start_local()
@@ -99,10 +109,17 @@ class CellPair:
         """Start the local site, on the other host if there is one."""
         commands = self.folder / "hand"
         self._end("local")
-        self.path = HandPath.still()
+        self.path = ScriptedPath.still()
         commands.unlink(missing_ok=True)
-        self._start("local", [*self._beyond, *script("scripted_local", commands)], self._setup.local)
+        self._start(
+            "local", [*self._beyond, *module_command("bench.stand_ins.scripted_local", commands)], self._setup.local
+        )
         self.wait("the scripted operator", commands.exists)
+
+    @property
+    def console(self) -> SiteProcess:
+        """The console's process; KeyError before it has been started."""
+        return self._processes["console"]
 
     def start_console(self) -> int:
         """Start the operator's console beside the local site; the port of its page."""
@@ -110,11 +127,17 @@ class CellPair:
         self._start("console", [*self._beyond, *FARHAND, "console"], self._setup.console(port))
         return port
 
+    def end_console(self) -> None:
+        """End the console and its page; the local site starts again, under a lease that knows no page."""
+        for name in ("page", "console"):
+            self._end(name)
+        self.start_local()
+
     def start_page(self, port: int) -> SiteProcess:
         """Open a page of the console; it receives commands at `page`."""
         commands = self.folder / "page"
         commands.unlink(missing_ok=True)
-        page = self._start("page", [*self._beyond, *script("page_client", port, commands)])
+        page = self._start("page", [*self._beyond, *module_command("bench.stand_ins.page_client", port, commands)])
         self.wait("the page", commands.exists)
         return page
 
@@ -142,8 +165,8 @@ class CellPair:
 
     def ask(self, action: EngagementAction) -> Reply:
         """Ask the remote site in the operator's name."""
-        make = partial(EngagementRequest, operator=OPERATOR, action=action)
-        return RequestClient(self.link, CELL).ask(ENGAGEMENT, make)
+        make = partial(EngagementRequest, action=action)
+        return RequestClient(self.link, CELL, operator=OPERATOR).ask(ENGAGEMENT, make)
 
     def engage(self) -> None:
         """Have the arm follow the hand, whatever had ended it, and lead it back to where it started."""
@@ -171,7 +194,7 @@ class CellPair:
 
     def move(self) -> None:
         """Have the hand circle, as fast as the arm may go, and wait until it does."""
-        pace = min(1.0, FULL_SPEED_MS / self.config.safety.t_soft_ms)
+        pace = self.state.speed_scale
         self.hand(to=(0, 0.05, 0, 0, 0, 0), seconds=0.5 / pace, circle_m=CIRCLE_M, hz=CIRCLE_HZ * pace)
         time.sleep(0.6 / pace)
         self.wait(

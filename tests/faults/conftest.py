@@ -3,24 +3,28 @@
 import os
 import platform
 from collections.abc import Iterator
+from pathlib import Path
 
 import pytest
 
+from bench.network.namespaces import Network, why_not
 from tests.faults.cell_pair import CellPair
 from tests.faults.fault_report import Report
 from tests.faults.fault_rows import Row
-from tests.faults.namespaces import Network, why_not
 from tests.faults.trial import Outcome
 
+FOLDER = Path("faults")
+PATIENT = ("safety.t_latch_ms=1500",)  # on a machine that is shared, only the fault ends the engagement
 ABOUT = "Each fault on both sites as processes of their own; every command that reached the driver is judged."
 
 
 class Stage:
     """The pair that is up, the network between if the sites are on two hosts, and the report."""
 
-    def __init__(self, network: Network | None, report: Report) -> None:
+    def __init__(self, network: Network | None, report: Report, patience: tuple[str, ...] = ()) -> None:
+        """`patience` are settings with which a machine that is late ends no engagement."""
         self.report = report
-        self._network = network
+        self._network, self._patience = network, patience
         self._pair: CellPair | None = None
         self._settings: object = None
 
@@ -28,7 +32,7 @@ class Stage:
         """The pair that a row needs: the running one if its settings match."""
         if self._pair is None or self._settings != (row.settings, row.protocol):
             self.clear()
-            self._pair, self._settings = CellPair(self._network, row.settings, row.protocol), None
+            self._pair, self._settings = CellPair(self._network, (*self._patience, *row.settings), row.protocol), None
             self._pair.start()
             self._settings = row.settings, row.protocol
         return self._pair
@@ -54,7 +58,8 @@ def stage() -> Iterator[Stage]:
         pytest.skip(f"no network of two hosts on this machine: {missing}")
     network = Network()
     network.enter()
-    stage = Stage(network, Report(f"{ABOUT} {os.cpu_count()} processors, Linux {platform.release()}.", "report"))
+    about = f"{ABOUT} {os.cpu_count()} processors, Linux {platform.release()}."
+    stage = Stage(network, Report(about, Path("faults.json"), FOLDER / "report.html"))
     yield stage
     stage.clear()
     network.close()
@@ -62,6 +67,7 @@ def stage() -> Iterator[Stage]:
 
 @pytest.fixture(scope="module")
 def one_host() -> Iterator[Stage]:
-    stage = Stage(None, Report(f"{ABOUT} Both sites on one host.", "shortened"))
+    about = f"{ABOUT} Both sites on one host."
+    stage = Stage(None, Report(about, FOLDER / "shortened.json", FOLDER / "shortened.html"), PATIENT)
     yield stage
     stage.clear()

@@ -11,14 +11,17 @@ import numpy as np
 
 from common.process.service import StopFlag
 from remote_site.drivers.c500c.emulation import Emulation, Terminal, run_emulation
-from remote_site.drivers.c500c.emulator import EmulatedController
+from remote_site.drivers.c500c.emulator import Emulated, EmulatedController
 from remote_site.kinematics.config import RobotConfig
 from tests.faults.recording_driver import READ, RECORD
+
+OBJECT_M = 0.03  # between the fingers
 
 
 def run(folder: Path) -> None:
     """Be the controller until asked to stop."""
-    controller, terminal, should_stop = EmulatedController(RobotConfig().start), Terminal.create(), StopFlag()
+    controller = EmulatedController(RobotConfig().start, Emulated(object_m=OBJECT_M))
+    terminal, should_stop = Terminal.create(), StopFlag()
     should_stop.install()
     with (folder / "record").open("ab", buffering=0) as record_of:
 

@@ -9,7 +9,7 @@ from typing import Any
 from tests.faults.fault_rows import Row
 from tests.faults.trial import Outcome
 
-FOLDER = Path(__file__).parents[2] / "build" / "faults"
+BUILD = Path(__file__).parents[2] / "build"
 HEAD = "fault", "expected", "measured", "stop ms", "bound ms", "travel mm", "worst braking rad/s²", "limits", "result"
 STYLE = (
     "body{font:15px sans-serif;margin:2em}table{border-collapse:collapse}"
@@ -20,8 +20,9 @@ STYLE = (
 class Report:
     """Collects rows and writes the report after each, so that an interrupted run leaves what it has."""
 
-    def __init__(self, about: str, name: str) -> None:
-        self._about, self._name = about, name
+    def __init__(self, about: str, figures: Path, page: Path) -> None:
+        """`figures` is the JSON file, `page` the HTML file, both below the folder build."""
+        self._about, self._figures, self._page = about, BUILD / figures, BUILD / page
         self._rows: list[dict[str, Any]] = []
 
     def add(self, row: Row, outcome: Outcome, seconds: float) -> None:
@@ -31,13 +32,14 @@ class Report:
             | asdict(outcome)
             | {"passed": not outcome.failures}
         )
-        FOLDER.mkdir(parents=True, exist_ok=True)
-        (FOLDER / f"{self._name}.json").write_text(
-            json.dumps({"about": self._about, "rows": self._rows}, indent=2) + "\n"
-        )
-        (FOLDER / f"{self._name}.html").write_text(self._page())
+        passed = sum(row["passed"] for row in self._rows)
+        whole = {"about": self._about, "passed": passed, "failed": len(self._rows) - passed}
+        whole["seconds"] = round(sum(row["seconds"] for row in self._rows), 1)
+        self._page.parent.mkdir(parents=True, exist_ok=True)
+        self._figures.write_text(json.dumps(whole | {"rows": self._rows}, indent=2) + "\n")
+        self._page.write_text(self._html())
 
-    def _page(self) -> str:
+    def _html(self) -> str:
         head = "".join(f"<th>{name}</th>" for name in HEAD)
         body = "\n".join(_line(row) for row in self._rows)
         return (

@@ -12,17 +12,18 @@ from tests.faults.trial import Trial
 
 BACK_S = 2.0
 CALIBRATION_S = 22.0
+FULL_QUEUE_MS = 300.0  # a link that is not made for people who wait
 SETTLES_WATCHED_S = 4.0
 
 
-def partition(seconds: float) -> Play:
+def partition(seconds: float, **healed: Any) -> Play:
     """A partition latches the arm, and the command path is back soon after it heals."""
     play_latch = latch(impair(cut=True), lambda _: None, says="old", for_s=seconds)
 
     def play(trial: Trial) -> None:
         play_latch(trial)
         healed_ns = time.monotonic_ns()
-        trial.pair.impair()
+        trial.pair.impair(**healed)
         trial.pair.wait("the command path", lambda: _receives(trial.pair), 20)
         took_ns = time.monotonic_ns() - healed_ns
         trial.note(f"a fresh sample {ms(took_ns):.0f} ms after it healed")
@@ -75,7 +76,7 @@ def crowd(mbit_s: float, delay_ms: float, seconds: float) -> Play:
 
     def play(trial: Trial) -> None:
         pair = trial.pair
-        pair.impair(mbit_s=mbit_s, delay_ms=delay_ms)
+        pair.impair(mbit_s=mbit_s, delay_ms=delay_ms, queue_ms=FULL_QUEUE_MS)
         pair.move()
         trial.begin(lambda _: time.sleep(seconds))
         alone_ms = trial.late_ms(99)

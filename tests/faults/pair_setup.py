@@ -1,21 +1,21 @@
 """What a pair of sites needs before it starts: endpoints, certificates, settings, the environment of its processes."""
 
+import json
 import subprocess
-import sys
 from dataclasses import dataclass
 from datetime import UTC, datetime
 from pathlib import Path
 
 import msgspec
 
+from bench.processes import ROOT
 from common.link.config import ON_THIS_HOST, LinkSecurity, TlsConfig
 from common.link.endpoints import SECURED
 from farhand.certificates.folder import CertificateOrder, create
 from farhand.loopback.site_process import free_ports
 
 A465 = "driver.name=c500c"
-CELL, OPERATOR = "faults", "anna"
-ROOT = Path(__file__).parents[2]
+CELL, OPERATOR, OTHERS = "faults", "anna", ("ben", "carl")
 WALL_CLOCK = Path(__file__).with_name("wall_clock.c")
 ENTRY_POINTS = "[farhand.drivers]\nrecording = tests.faults.recording_driver:RecordingDriver\n"
 VIDEO = 'video.cameras=[{name="side",source="/dev/null-camera"}]'
@@ -36,7 +36,7 @@ class PairSetup:
     def make(cls, folder: Path, settings: tuple[str, ...], protocol: str, *, two_hosts: bool) -> "PairSetup":
         """Choose free ports, and make the certificates that the protocol needs."""
         if protocol in SECURED:
-            create(folder, CertificateOrder(CELL, ("localhost",), 1), datetime.now(UTC))
+            create(folder, CertificateOrder(CELL, ("localhost",), 1, (OPERATOR, *OTHERS)), datetime.now(UTC))
         host = "localhost" if two_hosts else "127.0.0.1"
         control, video, listen = free_ports(3)
         endpoints = f"{protocol}/{host}:{control}", f"tcp/{host}:{video}", f"tcp/127.0.0.1:{listen}"
@@ -45,18 +45,28 @@ class PairSetup:
     @property
     def security(self) -> LinkSecurity:
         """How the test's own link connects: as the operator."""
-        return LinkSecurity(tls=self._tls("operator")) if self._is_secured else ON_THIS_HOST
+        return self.security_of(OPERATOR)
+
+    def security_of(self, operator: str) -> LinkSecurity:
+        """How an operator's link connects."""
+        return LinkSecurity(tls=self._tls(f"operator.{operator}")) if self._is_secured else ON_THIS_HOST
 
     @property
     def remote(self) -> tuple[str, ...]:
         """The settings of the remote site."""
         links = f"cell={CELL}", f"links.control={self.control}", f"links.video={self.video}"
-        return *links, "engagement.mode=on_request", VIDEO, *self._certificate("remote"), *self.driver_settings
+        listed = f"links.operators={json.dumps([OPERATOR, *OTHERS])}"
+        settings = listed, "engagement.mode=on_request", VIDEO
+        return *links, *settings, *self._certificate("remote"), *self.driver_settings
 
     @property
     def local(self) -> tuple[str, ...]:
         """The settings of the local site."""
-        links = f"links.remote={self.control}", f"links.listen={self.listen}", *self._certificate("operator")
+        links = (
+            f"links.remote={self.control}",
+            f"links.listen={self.listen}",
+            *self._certificate(f"operator.{OPERATOR}"),
+        )
         return f"cell={CELL}", "tracking.method=markers", f"authority.operator={OPERATOR}", *links
 
     def console(self, port: int) -> tuple[str, ...]:
@@ -92,11 +102,6 @@ class PairSetup:
         compiler = ["cc", "-O2", "-shared", "-fPIC", "-o", str(library), str(WALL_CLOCK), "-ldl"]
         subprocess.run(compiler, check=True)
         return {"LD_PRELOAD": str(library), "FARHAND_WALL_OFFSET": str(offset)}
-
-
-def script(name: str, *arguments: object) -> list[str]:
-    """The command that runs a script of this folder; its environment has the project on its path."""
-    return [sys.executable, "-m", f"tests.faults.{name}", *map(str, arguments)]
 
 
 def _driver(folder: Path, settings: tuple[str, ...]) -> tuple[str, ...]:

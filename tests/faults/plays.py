@@ -7,13 +7,17 @@ import numpy as np
 
 from common.messages.requests import EngagementAction
 from common.messages.robot import SessionState
-from tests.faults.acts import Act, jumps
-from tests.faults.forgery import ask_for_lease
+from tests.faults.acts import Act, jumps, robot
+from tests.faults.cell_pair import CellPair
+from tests.faults.forgery import ask_for_lease, consent
+from tests.faults.pair_setup import OPERATOR, OTHERS
 from tests.faults.trial import FOLLOWING, Trial
 
 Play = Callable[[Trial], None]
 
 STILL_MM = 1.0
+ASKING_S = 8.0  # longer than who asked once is named
+NOTICED_S = 1.5  # the arm has to be commanded 0.1 rad away, by a hand that circles
 
 
 def latch(fault: Act, heal: Act, *, says: str = "", for_s: float = 0.0) -> Play:
@@ -78,13 +82,9 @@ def unmoved(fault: Act, *counted: str) -> Play:
     """An arm that follows a hand at rest does not move, and each of these refusals was counted."""
 
     def play(trial: Trial) -> None:
-        time.sleep(0.7)
-        before = dict(trial.pair.state.rejected)
-        trial.begin(fault)
-        time.sleep(0.3)
-        state = trial.pair.state
-        risen = {code: count - before.get(code, 0) for code, count in state.rejected.items()}
-        trial.note(", ".join(f"{code} {count}" for code, count in risen.items() if count))
+        trial.settle()
+        risen = trial.provoke(fault, counted)
+        trial.note(", ".join(f"{code} {count}" for code, count in risen.items()))
         for code in counted:
             trial.check(risen.get(code), f"{code} was not counted")
         tool = trial.log.positions
@@ -108,16 +108,71 @@ def second_operator(act: Act) -> Play:
     """Another operator is refused with the holder's name, and its samples are fenced."""
 
     def play(trial: Trial) -> None:
-        answer = ask_for_lease(trial.pair, "ben")
+        answer = ask_for_lease(trial.pair, OTHERS[0])
         trial.note(f"{answer.code}: {answer.reason}")
-        trial.check(not answer.done and "anna" in answer.reason, "the other was not refused with the holder's name")
+        trial.check(not answer.done and OPERATOR in answer.reason, "the other was not refused with the holder's name")
         unmoved(act, "not_holder", "old_lease")(trial)
         trial.check(trial.pair.is_in(SessionState.ENGAGED), "the holder lost the arm")
 
     return play
 
 
-def faulty(fault: Act, repair: Act, *, says: str, more_s: float = 0.0, silent: bool = False) -> Play:
+def usurped(act: Act) -> Play:
+    """Another operator pretends to be the holder: the arm does not move, and stays the holder's."""
+
+    def play(trial: Trial) -> None:
+        unmoved(act, "not_holder")(trial)
+        trial.check(trial.pair.is_in(SessionState.ENGAGED), f"it was disengaged: {trial.pair.state.reason}")
+        lease = trial.pair.state.lease
+        trial.check(lease is not None and lease.holder == OPERATOR, "the holder lost the lease")
+
+    return play
+
+
+def changed_asker(trial: Trial) -> None:
+    """The holder consents to who was shown to ask for the lease, while by now somebody else does."""
+    pair = trial.pair
+    ask_for_lease(pair, OTHERS[0])
+    pair.wait("the first to be shown", lambda: _asker(pair) == OTHERS[0], 2)
+    lease = pair.state.lease
+    shown = lease.asked_by if lease is not None else None
+    pair.wait("the first to give up", lambda: _asker(pair) is None, ASKING_S)
+    ask_for_lease(pair, OTHERS[1])
+    trial.begin(lambda _: None)
+    assert shown is not None, "nobody was shown to ask"
+    answer = consent(pair, shown)
+    trial.note(answer.reason)
+    trial.check((answer.done, answer.code) == (False, "asker_changed"), "the consent was not void")
+    trial.check(OTHERS[1] in answer.reason, "who asks now is not named")
+    time.sleep(0.3)
+    lease = pair.state.lease
+    trial.check(lease is not None and lease.holder == OPERATOR, "the holder lost the lease")
+    trial.check(pair.is_in(SessionState.ENGAGED), f"it was disengaged: {pair.state.reason}")
+
+
+def _asker(pair: CellPair) -> str | None:
+    lease = pair.state.lease
+    return lease.asked_by.name if lease is not None and lease.asked_by is not None else None
+
+
+def astray(trial: Trial) -> None:
+    """An arm that is held while it is commanded on is stopped, with the joint's name, and stays until it is reset."""
+    pair = trial.pair
+    pair.move()
+    trial.begin(robot(misreads="held"))
+    trial.latches(NOTICED_S)
+    trial.rests(stop_within_s=NOTICED_S)
+    trial.check("not_following" in pair.state.reason, f"not as not following: {pair.state.reason}")
+    trial.check(any(name in pair.state.reason for name in pair.model.joint_names), "no joint is named")
+    robot(misreads="")(pair)
+    trial.stays()
+    trial.check(pair.is_in(SessionState.FAULT), "the fault cleared itself")
+    trial.ticks()
+
+
+def faulty(
+    fault: Act, repair: Act, *, says: str, more_s: float = 0.0, silent: bool = False, within_s: float | None = None
+) -> Play:
     """The robot or its driver fails: the arm stops, the fault is reported, and only a request clears it."""
 
     def play(trial: Trial) -> None:
@@ -125,7 +180,7 @@ def faulty(fault: Act, repair: Act, *, says: str, more_s: float = 0.0, silent: b
         pair.move()
         trial.begin(fault)
         trial.latches()
-        trial.rests(more_s=more_s)
+        trial.rests(more_s=more_s, stop_within_s=within_s)
         trial.check(pair.is_in(SessionState.FAULT), f"no fault but {pair.state.state.value}")
         trial.check(says in pair.state.reason, f"the reason does not say {says!r}: {pair.state.reason}")
         if silent:

@@ -1,16 +1,21 @@
-"""Processes that die while the arm moves: control, the whole remote site, the page whose key is held."""
+"""Processes that die while the arm moves: control, the whole remote site, the operator's page or its console."""
 
 import os
 import signal
 import time
 
+import numpy as np
+
+from bench.network.command_socket import send
 from common.messages.robot import SessionState
 from tests.faults.cell_pair import CellPair
-from tests.faults.command_socket import send
 from tests.faults.trial import Trial
 from tests.integration.sites import child_of
 
 WATCHDOG_MS = 200.0  # of the A465's controller
+SILENT_S = 0.4  # until a console that is gone counts as silent: 200 ms, a sample, its path
+LOCKED_MM = 5.0  # of z, whose hand sweeps 80: the joints lag differently while the arm moves fast
+FOLLOWED_MM = 20.0
 
 
 def kill_control(trial: Trial) -> None:
@@ -21,7 +26,7 @@ def kill_control(trial: Trial) -> None:
     trial.rests()
     pair.wait("the remote site to end", lambda: pair.remote.exit_code is not None, 10)
     trial.check("control" in "".join(pair.remote.lines), "the site does not name the dead process")
-    _start_again(trial)
+    start_again(trial)
 
 
 def kill_remote(trial: Trial) -> None:
@@ -30,10 +35,11 @@ def kill_remote(trial: Trial) -> None:
     pair.move()
     trial.begin(lambda pair: os.killpg(pair.remote.pid, signal.SIGKILL))
     trial.rests(stop_within_s=WATCHDOG_MS / 1e3)
-    _start_again(trial)
+    start_again(trial)
 
 
-def _start_again(trial: Trial) -> None:
+def start_again(trial: Trial) -> None:
+    """Start the remote site again, with a good hand in view: nothing engages."""
     trial.pair.start_remote()
     trial.pair.wait("a good hand", lambda: trial.pair.state.readiness.ready)
     trial.stays()
@@ -44,7 +50,7 @@ def close_page(trial: Trial) -> None:
     pair, port = trial.pair, trial.pair.start_console()
     page = pair.start_page(port)
     pair.wait("readiness", lambda: pair.state.readiness.ready)
-    pair.wait("the key to count as released", lambda: _presses(pair))
+    pair.wait("the key to count as released", lambda: press_until_engaged(pair))
     pair.move()
     trial.begin(lambda _: os.kill(page.pid, signal.SIGKILL))
     trial.latches(0.5)
@@ -54,9 +60,41 @@ def close_page(trial: Trial) -> None:
     trial.stays(2.0)
 
 
-def _presses(pair: CellPair) -> bool:
+def press_until_engaged(pair: CellPair) -> bool:
     """Release the page's key for a while, press it, and report whether the arm follows."""
     for down in (False, True):
         send(pair.folder / "page", down=down)
         time.sleep(0.7)
     return pair.is_in(SessionState.ENGAGED)
+
+
+def kill_console(trial: Trial) -> None:
+    """The console is killed while z is locked: the arm holds, and z stays locked when a new one brings a new page."""
+    pair = trial.pair
+    pair.start_page(pair.start_console())
+    pair.wait("the lock", lambda: _locks_z(pair))
+    locked_ns = time.monotonic_ns()
+    pair.move()
+    trial.begin(lambda pair: os.kill(pair.console.pid, signal.SIGKILL))
+    trial.rests(stop_within_s=SILENT_S)
+    trial.note(f"{pair.state.state.value}: {pair.state.reason}")
+    trial.check(pair.is_in(SessionState.HOLDING), "it does not hold")
+    trial.check(pair.state.code == "page_silent", f"the reason is {pair.state.code}")
+
+    pair.start_page(pair.start_console())
+    pair.follow_from_here()
+    pair.move()
+    settings = pair.state.settings
+    trial.check(settings is not None and settings.locks.z, "the remote site has forgotten the lock")
+    moved_mm = 1e3 * np.ptp(pair.log(locked_ns).positions, axis=0)
+    trial.note(f"commanded range in x, y and z: {', '.join(f'{mm:.2f}' for mm in moved_mm)} mm")
+    trial.check(moved_mm[2] < LOCKED_MM, f"the locked z was moved by {moved_mm[2]:.1f} mm")
+    trial.check(moved_mm[:2].max() > FOLLOWED_MM, "the arm did not follow at all")
+    pair.end_console()
+
+
+def _locks_z(pair: CellPair) -> bool:
+    """Have the page lock z, and report whether the remote site has done so."""
+    send(pair.folder / "page", steer={"locks": {"z": True}})
+    time.sleep(0.1)
+    return pair.state.settings is not None and pair.state.settings.locks.z

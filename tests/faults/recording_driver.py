@@ -6,13 +6,13 @@ from dataclasses import replace
 
 import numpy as np
 
+from bench.network.command_socket import CommandSocket
 from common.errors import DriverError
 from common.geometry import Array
 from remote_site.drivers.driver import Capabilities, Driver, DriverSetup, JointCommand, RobotReading
 from remote_site.drivers.faults import FaultCode, RobotFault
 from remote_site.drivers.kinematic import KinematicDriver
 from remote_site.drivers.registry import DriverHost
-from tests.faults.command_socket import CommandSocket
 
 WRITE, READ, ACTIVATE, STOP = range(4)
 JOINTS = 6
@@ -24,8 +24,10 @@ RECORD = np.dtype(
 class RecordingDriver:
     """A `Driver` around a kinematic one; the record outlives a killed process.
 
-    Commanded `raises`, it fails in every write; `blocks_ms` delays one. It reports a `fault`, with which its robot
-    stops by itself, until the command is an empty one. `stands_at` is its posture before the first activation.
+    Commanded `raises`, it fails in every write; `blocks_ms` delays one. It reports a `fault`, explained by `sentence`,
+    with which its robot stops by itself, until the command is an empty one. `misreads` joint 1 as "nan", or all joints
+    as they are now: "held" with new stamps, "frozen" with the same. `stands_at` is its posture before the first
+    activation.
     """
 
     def __init__(self, host: DriverHost) -> None:
@@ -35,7 +37,9 @@ class RecordingDriver:
         self._file = os.open(str(host.options["record"]), os.O_WRONLY | os.O_CREAT | os.O_APPEND)
         stands_at = str(host.options.get("stands_at", ""))
         self._found = np.array([float(q) for q in stands_at.split()]) if stands_at else None
-        self._raises, self._blocks_ms, self._fault = False, 0.0, ""
+        self._raises, self._blocks_ms, self._fault, self._sentence = False, 0.0, "", "as commanded"
+        self._misreads = ""
+        self._kept: RobotReading | None = None
 
     @property
     def capabilities(self) -> Capabilities:
@@ -61,8 +65,9 @@ class RecordingDriver:
             return RobotReading(self._clock.now_ns(), self._found, np.zeros(JOINTS), None, None, None)
         reading = self._driver.read()
         self._note(READ, reading.t_ns, reading.q, reading.dq, np.zeros(JOINTS))
+        reading = self._misread(reading)
         return (
-            replace(reading, fault=RobotFault(FaultCode(self._fault), "as commanded", "E42"))
+            replace(reading, fault=RobotFault(FaultCode(self._fault), self._sentence, "E42"))
             if self._fault
             else reading
         )
@@ -85,13 +90,23 @@ class RecordingDriver:
         """Hand it on."""
         self._driver.deactivate()
 
+    def _misread(self, reading: RobotReading) -> RobotReading:
+        """The reading as commanded; "" keeps it."""
+        self._kept = reading if self._kept is None or not self._misreads else self._kept
+        if self._misreads == "nan":
+            return replace(reading, q=np.array([np.nan, *reading.q[1:]]))
+        if self._misreads == "held":
+            return replace(reading, q=self._kept.q, dq=self._kept.dq)
+        return replace(self._kept, fault=reading.fault)
+
     def _obey(self) -> None:
         fields = self._commands.take()
         self._raises = fields.get("raises", self._raises)
         self._blocks_ms = fields.get("blocks_ms", self._blocks_ms)
         if fields.get("fault"):
             self._driver.stop()
-        self._fault = fields.get("fault", self._fault)
+        self._fault, self._sentence = fields.get("fault", self._fault), fields.get("sentence", self._sentence)
+        self._misreads = fields.get("misreads", self._misreads)
 
     def _note(self, kind: int, planned_ns: int, *motion: Array) -> None:
         record = np.zeros((), RECORD)

@@ -4,13 +4,12 @@ import time
 
 import pytest
 
-from common.clock import NS_PER_MS
-from common.errors import FarhandError
+from common.clock import NS_PER_S
 from tests.faults.conftest import Stage
 from tests.faults.fault_rows import ROWS, Row
 from tests.faults.trial import Outcome, Trial
 
-SHARED_MACHINE_NS = 100 * NS_PER_MS  # a machine under tests may pause for this long; 'make faults' allows no pause
+SHARED_MACHINE_NS = 2 * NS_PER_S  # a machine under tests may be this late with a stop; 'make faults' allows no delay
 
 
 def play(row: Row, stage: Stage, pause_ns: int = 0) -> Outcome:
@@ -22,8 +21,8 @@ def play(row: Row, stage: Stage, pause_ns: int = 0) -> Outcome:
             trial.pair.engage()
         row.play(trial)
         trial.end()
-    except (AssertionError, OSError, FarhandError) as error:
-        outcome.failures.append(str(error))
+    except (Exception, pytest.fail.Exception) as error:  # whatever it is, the row has failed, and is reported
+        outcome.failures.append(f"{type(error).__name__}: {error}")
     stage.report.add(row, outcome, time.monotonic() - begun)
     stage.settle(outcome)
     return outcome

@@ -69,6 +69,7 @@ class Pair:
 
     def _started_remote(self) -> SiteProcess:
         if self._remote is None or self._remote.exit_code is not None:
+            robot = "driver.name=kinematic", "engagement.mode=automatic"
             lease, metrics = f"lease.seconds={LEASE_S}", f"metrics.port={self.metrics_port}"
-            self._remote = self.sites.remote("driver.name=kinematic", lease, metrics, *PATIENT)
+            self._remote = self.sites.remote(*robot, lease, metrics, *PATIENT)
         return self._remote

@@ -18,7 +18,7 @@ from tests.integration.sites import (
     killed,
 )
 
-STOP_S = 5.0  # that it comes, not how soon, which a busy machine decides
+STOP_S = 30.0  # that it comes, not how soon, which a busy machine decides
 STATES = 25  # half a second of them
 
 
@@ -45,7 +45,7 @@ def stays_disengaged(sites: Sites) -> bool:
 def test_a_random_payload_is_counted_and_moves_nothing(pair: Pair) -> None:
     pair.untouched_remote()
     sites = pair.sites
-    publisher = sites.link.publisher(HAND, CELL)
+    publisher = sites.link.publisher(HAND, CELL, operator="anna")
     before = sites.state.q_commanded
     deadline = time.monotonic() + 20
     while not sites.state.rejected.get("malformed") and time.monotonic() < deadline:
@@ -109,4 +109,4 @@ def test_a_killed_control_process_is_named_and_nothing_moves_until_it_is_engaged
 
     again = pair.remote()
     assert stays_disengaged(sites)
-    assert any("crashed or was killed" in line for line in again.lines)
+    assert any("did not end in order" in line for line in again.lines)

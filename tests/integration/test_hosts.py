@@ -59,7 +59,7 @@ class Console:
 
     def __init__(self, sites: Sites) -> None:
         self.held: bool | None = False
-        self._publisher = sites.link.publisher(INTENT, CELL, "anna")
+        self._publisher = sites.link.publisher(INTENT, CELL, operator="anna")
         self._stop = threading.Event()
         self._thread = threading.Thread(target=self._run)
 
@@ -75,7 +75,7 @@ class Console:
         while not self._stop.wait(0.02):
             if self.held is not None:
                 sent_ns = time.monotonic_ns() + APART_S * NS_PER_S
-                self._publisher.put(OperatorIntent(sent_ns=sent_ns, intent=Intent(hold=self.held)))
+                self._publisher.put(OperatorIntent(session=1, sent_ns=sent_ns, intent=Intent(hold=self.held)))
 
 
 @pytest.mark.long
@@ -92,16 +92,16 @@ def test_hold_to_run_between_hosts_whose_clocks_differ_by_an_hour(sites: Sites) 
         assert not sites.state.readiness.held
 
         console.held = True
-        sites.wait("the arm to follow", lambda: sites.is_in(SessionState.ENGAGED), 20)
+        sites.wait("the arm to follow", lambda: sites.is_in(SessionState.ENGAGED))
         assert "future" not in sites.state.rejected
         console.held = False
-        sites.wait("the stop", lambda: sites.is_in(SessionState.DISENGAGED), 5)
+        sites.wait("the stop", lambda: sites.is_in(SessionState.DISENGAGED))
         assert sites.state.code == "let_go"
         console.held = True
-        sites.wait("the arm to follow again", lambda: sites.is_in(SessionState.ENGAGED), 20)
+        sites.wait("the arm to follow again", lambda: sites.is_in(SessionState.ENGAGED))
 
         console.held = None
-        sites.wait("the stop after the console's last word", lambda: sites.is_in(SessionState.DISENGAGED), 5)
+        sites.wait("the stop after the console's last word", lambda: sites.is_in(SessionState.DISENGAGED))
         console.held = True
         sites.wait("the key to be seen", lambda: sites.state.readiness.ready)
         time.sleep(0.5)
@@ -109,4 +109,4 @@ def test_hold_to_run_between_hosts_whose_clocks_differ_by_an_hour(sites: Sites) 
         console.held = False
         time.sleep(0.2)
         console.held = True
-        sites.wait("a new press to count", lambda: sites.is_in(SessionState.ENGAGED), 20)
+        sites.wait("a new press to count", lambda: sites.is_in(SessionState.ENGAGED))

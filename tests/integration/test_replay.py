@@ -31,7 +31,7 @@ def paused(pid: int, seconds: float) -> None:
 
 
 def maintain(sites: Sites, action: EngagementAction) -> None:
-    request_maintenance(CELL, sites.control, action, "mechanic")
+    request_maintenance(CELL, sites.control, action)
 
 
 def engage(sites: Sites) -> None:
@@ -43,7 +43,7 @@ def engage(sites: Sites) -> None:
 
 def operate(sites: Sites, remote: int, local: int) -> None:
     """Follow the hand; then a stop, a driver that is silent, and a hand that is gone for a while."""
-    sites.wait("the arm to be engaged", lambda: sites.is_in(SessionState.ENGAGED))
+    engage(sites)
     time.sleep(3.0)
     maintain(sites, EngagementAction.STOP)
     sites.wait("the stop", lambda: sites.is_in(SessionState.DISENGAGED))
@@ -75,7 +75,7 @@ def test_every_command_of_a_run_comes_again_bit_for_bit(tmp_path: Path) -> None:
             time.sleep(max(SECONDS - (time.monotonic() - began_s), 0.0))
         finally:
             remote.terminate()
-            remote.wait(10)
+            remote.wait(60)
     with log.open("rb") as stream:
         cycles = list(read_cycles(stream))
     assert len(cycles) > SECONDS * 125 / 2

@@ -11,12 +11,12 @@ from tests.integration.pair import Pair
 from tests.integration.sites import alive, child_of, descendants
 
 FIGURES = {"farhand_control_missed_ticks_total", "farhand_session_state", "farhand_video_frames_total"}
-END_S = 5.0  # two where a machine has nothing else to do
+END_S = 30.0  # two where a machine has nothing else to do
 
 
 def test_figures_are_served_and_the_site_goes_on_when_they_die(pair: Pair) -> None:
     process, sites = pair.remote(), pair.sites
-    sites.wait("figures of control and video", lambda: figures_at(pair.metrics_port) >= FIGURES, 20)
+    sites.wait("figures of control and video", lambda: figures_at(pair.metrics_port) >= FIGURES)
     os.kill(child_of(process, "farhand-metrics"), signal.SIGKILL)
     sites.wait("the site to say so", lambda: any("continues without it" in line for line in process.lines))
     told = len(sites.record.states)
@@ -61,7 +61,7 @@ def test_a_child_that_stands_still_ends_the_remote_site_so_that_systemd_starts_i
 def figures_at(port: int) -> set[str]:
     """The names of the figures that are served now; none while no process serves."""
     try:
-        with urllib.request.urlopen(f"http://127.0.0.1:{port}/metrics", timeout=5) as answer:
+        with urllib.request.urlopen(f"http://127.0.0.1:{port}/metrics", timeout=20) as answer:
             page = answer.read().decode()
     except OSError:
         return set()

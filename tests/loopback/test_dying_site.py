@@ -5,6 +5,8 @@ import subprocess
 import sys
 from pathlib import Path
 
+from remote_site.session.config import ACCEPTANCE
+
 LIGHT = ("--seconds", "3", "--headless", "--tracker", "markers")
 DRIVER = """
 from farhand.driver import Capabilities
@@ -41,7 +43,7 @@ def test_a_driver_that_cannot_be_configured_is_named_with_its_reason(tmp_path: P
     (package / "METADATA").write_text("Metadata-Version: 2.1\nName: mute\nVersion: 1\n")
     (package / "entry_points.txt").write_text("[farhand.drivers]\nmute = mute_driver:Mute\n")
     (tmp_path / "mute_driver.py").write_text(DRIVER)
-    code, line = last_line(tmp_path, "driver.name=mute")
+    code, line = last_line(tmp_path, "driver.name=mute", f"engagement.automatic_accepted={ACCEPTANCE}")
     assert code == 1
     assert line.startswith("farhand: the remote process ended (exit code 1): remote: process driver died")
     assert line.endswith("ValueError: no arm answers at address 7")

@@ -10,7 +10,7 @@ from common.clock import NS_PER_MS, FakeClock
 from common.geometry import Array
 from common.messages.hand import ClockSync, HandArm, TrackingStatus
 from common.messages.requests import EngagementAction
-from common.messages.robot import SessionState
+from common.messages.robot import GripperCommand, SessionState
 from remote_site.config import RemoteConfig
 from remote_site.kinematics.joints import JointMotion
 from remote_site.kinematics.limits import JointLimits, load_arm
@@ -22,6 +22,7 @@ from remote_site.safety.collision import CollisionModel
 from remote_site.safety.guard import Guard, Passed
 from remote_site.session.lease import Holder, Lease, LeaseServer
 from remote_site.session.requests import SessionRequest
+from remote_site.session.samples import NamedSample
 from remote_site.session.state_machine import Answer, Robot, Session
 from remote_site.teleop.cycle import Snapshot
 
@@ -98,29 +99,36 @@ def hand(
     return HandArm(session=session, seq=seq, capture_ns=capture_ns, status=status, **(fields | changes))
 
 
+def operator_of(session: int) -> str:
+    """The operator of a local site's session."""
+    return f"operator-{session}"
+
+
 class RemoteLoop:
     """The pipeline around a kinematic robot on a fake clock; every command is judged once more, and logged."""
 
     def __init__(self, config: RemoteConfig | None = None) -> None:
-        self.config = config or RemoteConfig()
         self.clock = FakeClock(START_NS)
         self.leases = LeaseServer(FOR_EVER_NS, LEASE)
         self.grant(7)
-        self._loop = KinematicLoop(self.config, self.clock)
+        self._loop = KinematicLoop(config or RemoteConfig(), self.clock)
+        self.config = self._loop.config
         self.pipeline, self.model, self.limits = self._loop.pipeline, self._loop.model, self._loop.limits
         self.guard = guard_of(self.config)
         self.log: list[JointMotion] = [self.sent]
         self.states: list[SessionState] = []
         self.refusals = self.saturated = self.hand_seq = 0
+        self.sender = ""  # whose key samples come on, if it is not that of their session's operator
         self.snapshot: Snapshot
+        self.gripper: GripperCommand
 
     def grant(self, session: int) -> None:
         """Give the lease to a local site, taking it from any other."""
         now_ns = self.clock.now_ns()
         held = self.leases.current(now_ns)
         if held is not None:
-            self.leases.release(held.number, held.holder.session, now_ns)
-        granted = self.leases.acquire(Holder(session, f"operator-{session}"), now_ns)
+            self.leases.release(held.number, held.holder, now_ns)
+        granted = self.leases.acquire(Holder(session, operator_of(session)), now_ns)
         assert isinstance(granted, Lease)
         self.lease = granted.number
 
@@ -157,8 +165,10 @@ class RemoteLoop:
         """One control tick: the samples and requests that have arrived, then a decision, then a command."""
         self.clock.advance_ms(TICK_NS / NS_PER_MS)
         before = self.sent
-        command = self._loop.cycle(self.leases.status(self.clock.now_ns()), samples, requests)
+        named = [NamedSample(self.sender or operator_of(sample.session), sample) for sample in samples]
+        command = self._loop.cycle(self.leases.status(self.clock.now_ns()), named, requests)
         self.snapshot = snapshot = command.snapshot
+        self.gripper = command.gripper
         if len(self.log) % TICKS_PER_JUDGEMENT == 0:
             verdict = self.guard.check(command.motion, before)
             assert isinstance(verdict, Passed), verdict

@@ -1,28 +1,33 @@
-"""Camera frames for pages: as bytes, and the newest of each view sent only as fast as a page takes them."""
+"""Camera frames for pages: as bytes, and of each view what can be decoded, only as fast as a page takes it."""
 
 import struct
-from dataclasses import dataclass
+from collections import deque
+from dataclasses import dataclass, field
 
 import msgspec
 
 from common.clock import NS_PER_MS, ClockOffset
+from common.messages.continuity import Continuity
 from common.messages.video import VideoFrame
 
+MOST_WAITING = 16  # half a second
 IN_FLIGHT = 2  # one in transit while the other is painted; more would be a queue
 LENGTH = struct.Struct("<H")
 
 
 @dataclass(frozen=True, slots=True)
 class ViewFrame:
-    """One picture to be sent to a page: its view, its number, and the bytes as they are sent."""
+    """One message of a view for a page: its number, whether it has a picture, a key one, and the bytes to send."""
 
     view: str
     seq: int
+    is_picture: bool
+    key: bool
     payload: bytes
 
 
 def view_frame(view: str, frame: VideoFrame, clock: ClockOffset | None) -> ViewFrame:
-    """A camera's frame for pages: the length of a JSON header, the header, then the JPEG as it came.
+    """A camera's frame for pages: the length of a JSON header, the header, then the picture as it came.
 
     The exposure is translated to this host's clock; `clock` is the sender's offset, None if unknown.
     """
@@ -36,33 +41,70 @@ def view_frame(view: str, frame: VideoFrame, clock: ClockOffset | None) -> ViewF
             "estimated": frame.capture_estimated,
             "status": frame.status.value,
             "reason": frame.reason,
+            "codec": frame.codec.value,
+            "key": frame.key,
         }
     )
-    return ViewFrame(view, frame.seq, LENGTH.pack(len(header)) + header + frame.jpeg)
+    return ViewFrame(view, frame.seq, bool(frame.data), frame.key, LENGTH.pack(len(header)) + header + frame.data)
+
+
+@dataclass
+class _ViewSlot:
+    """One view's frames for a page: those that wait, how many it has not painted yet, what it can decode."""
+
+    waiting: deque[ViewFrame] = field(default_factory=deque)
+    in_flight: int = 0
+    continuity: Continuity = field(default_factory=Continuity)
+
+    def offer(self, frame: ViewFrame) -> bool:
+        if not self.continuity.take(frame.seq, is_picture=frame.is_picture, key=frame.key):
+            return False
+        if frame.key:
+            self.waiting.clear()
+        if len(self.waiting) == MOST_WAITING:
+            self.waiting.clear()
+            self.continuity.interrupt()
+            return False
+        self.waiting.append(frame)
+        return True
 
 
 class FrameSlots:
-    """Holds one frame per view for one page; a newer one replaces it, and views take turns."""
+    """Holds each view's frames for one page, and views take turns.
+
+    A picture that needs no other replaces all that wait. A page that is too slow for the others gets none until a key
+    frame, and so does one that has missed any.
+    """
 
     def __init__(self) -> None:
-        self._waiting: dict[str, ViewFrame] = {}
-        self._sent: dict[str, int] = {}
+        self._slots: dict[str, _ViewSlot] = {}
 
-    def offer(self, frame: ViewFrame) -> None:
-        """Take a frame; an older one of this view that still waits is dropped."""
-        self._waiting[frame.view] = frame
+    def offer(self, frame: ViewFrame) -> bool:
+        """Take a frame; False for one that the page could not decode."""
+        return self._slots.setdefault(frame.view, _ViewSlot()).offer(frame)
 
     def take(self) -> ViewFrame | None:
         """The next frame that may be sent now; None when nothing waits, or the page is behind with all that wait."""
-        ready = [view for view in self._sent if view in self._waiting and self._sent[view] < IN_FLIGHT]
-        fresh = [view for view in self._waiting if view not in self._sent]
-        if not ready and not fresh:
+        view = next((v for v, slot in self._slots.items() if slot.waiting and slot.in_flight < IN_FLIGHT), None)
+        if view is None:
             return None
-        view = (fresh or ready)[0]
-        self._sent[view] = self._sent.pop(view, 0) + 1  # to the end: the view sent last comes last
-        return self._waiting.pop(view)
+        slot = self._slots[view] = self._slots.pop(view)  # to the end: the view sent last comes last
+        slot.in_flight += 1
+        return slot.waiting.popleft()
 
     def taken(self, view: str) -> None:
         """The page has painted a frame of this view, or skipped it."""
-        if self._sent.get(view, 0) > 0:
-            self._sent[view] -= 1
+        slot = self._slots.get(view)
+        if slot is not None and slot.in_flight > 0:
+            slot.in_flight -= 1
+
+    def interrupt(self, view: str) -> None:
+        """The page could not decode a frame of this view."""
+        if view in self._slots:
+            self._slots[view].waiting.clear()
+            self._slots[view].continuity.interrupt()
+
+    def wants_after(self, view: str) -> int | None:
+        """The number of the picture after which this page needs a key frame of a view; None without need."""
+        slot = self._slots.get(view)
+        return None if slot is None else slot.continuity.wants_after

@@ -7,6 +7,8 @@ from common.clock import NS_PER_S
 from common.messages.robot import RobotState
 
 KEPT = 30
+TROUBLE_NS = 3 * NS_PER_S  # near a limit trouble comes and goes
+SHIFT_MM, SHIFT_DEG = 1.0, 1.0  # a smaller shift of the reference is not noted
 QUIET_NS = NS_PER_S  # at most one change of the code a second: while engaged it may change at every tick
 
 
@@ -28,6 +30,7 @@ class History:
         self._count = 0
         self._last: dict[str, str] = {}
         self._noted_ns = 0
+        self._trouble_ns: dict[str, int] = {}
 
     def note(self, kind: str, text: str, now_ns: int) -> None:
         """Note an event."""
@@ -41,12 +44,47 @@ class History:
             self.note(kind, text, now_ns)
 
     def add_state(self, state: RobotState, now_ns: int) -> None:
-        """Note a change of state, of its code, or of who holds the lease."""
+        """Note a change of state, of its code, of the links' trouble, or of who holds the lease."""
         self._note_session(state, now_ns)
+        self._note_links(state, now_ns)
+        self._note_limit(state, now_ns)
+        self._note_reference(state, now_ns)
         holder = f"{state.lease.holder} holds the lease" if state.lease is not None else "nobody holds the lease"
         self.note_change("lease", "lease", holder, now_ns)
         if state.lease is not None and state.lease.asked_by is not None:
-            self.note_change("asked", "lease", f"{state.lease.asked_by} asks for the lease", now_ns)
+            self.note_change("asked", "lease", f"{state.lease.asked_by.name} asks for the lease", now_ns)
+
+    def _note_links(self, state: RobotState, now_ns: int) -> None:
+        """Note trouble of a link once it begins or changes; its figures change all the time."""
+        hand, video = state.hand_link, state.video_link
+        found = {"hand's link": (hand.code, hand.reason)} if hand is not None else {}
+        found["pictures' link"] = ("narrow", video.reason) if video is not None else ("", "")
+        for topic, (code, reason) in found.items():
+            if code != self._last.get(topic, "") and now_ns - self._trouble_ns.get(topic, -TROUBLE_NS) >= TROUBLE_NS:
+                self._last[topic], self._trouble_ns[topic] = code, now_ns
+                self.note("link", reason or f"the {topic} is good again", now_ns)
+
+    def _note_limit(self, state: RobotState, now_ns: int) -> None:
+        """Note that samples of another age are obeyed, and how fast the arm may be in return."""
+        limit = (
+            f"hand samples up to {state.age_limit_ms:.0f} ms old are obeyed, at {state.speed_scale:.0%} of the speed"
+        )
+        first = "age limit" not in self._last
+        if self._last.get("age limit") != limit:
+            self._last["age limit"] = limit
+            if not first:
+                self.note("link", limit, now_ns)
+
+    def _note_reference(self, state: RobotState, now_ns: int) -> None:
+        """Note that new origins after a hold have moved the reference."""
+        engagement = state.engagement
+        if engagement is None or (engagement.shift_mm < SHIFT_MM and engagement.shift_deg < SHIFT_DEG):
+            return
+        captured = str(engagement.hand_capture_ns)
+        if self._last.get("reference") != captured:
+            self._last["reference"] = captured
+            moved = f"{engagement.shift_mm:.0f} mm and {engagement.shift_deg:.0f} deg"
+            self.note("link", f"the reference has moved by {moved}: the hand's way during the hold is lost", now_ns)
 
     def _note_session(self, state: RobotState, now_ns: int) -> None:
         same_state = self._last.get("state") == state.state.value

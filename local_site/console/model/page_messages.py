@@ -8,8 +8,9 @@ from msgspec.structs import replace
 
 from common.errors import MessageError
 from common.messages.base import Count, Name
-from common.messages.hand import Intent
+from common.messages.hand import OperatorSettings
 from common.messages.requests import EngagementAction, OperatorAction, PicturePoint
+from common.messages.robot import Asker
 
 Milliseconds = Annotated[float, Meta(ge=0, le=1e15)]
 
@@ -31,6 +32,12 @@ class FrameTaken(PageMessage, frozen=True, tag="taken"):
     view: Name
 
 
+class FrameLost(PageMessage, frozen=True, tag="lost"):
+    """The page could not decode a frame of this view."""
+
+    view: Name
+
+
 class Painted(msgspec.Struct, frozen=True, forbid_unknown_fields=True, kw_only=True):
     """The newest frame of a view that the page has painted, its age then, and how many it paints a second."""
 
@@ -40,8 +47,9 @@ class Painted(msgspec.Struct, frozen=True, forbid_unknown_fields=True, kw_only=T
 
 
 class Shown(PageMessage, frozen=True, tag="shown"):
-    """What the page shows, at 10 Hz."""
+    """What the page shows, at 10 Hz, and whether it decodes H.264."""
 
+    h264: bool
     views: Annotated[dict[Name, Painted], Meta(max_length=24)]
 
 
@@ -52,11 +60,27 @@ class Ask(PageMessage, frozen=True, tag="ask"):
     action: EngagementAction
 
 
+class ShownAsker(msgspec.Struct, frozen=True, forbid_unknown_fields=True, kw_only=True):
+    """Who asks for the lease, as the page showed it; the session in decimal, since JavaScript would round it."""
+
+    name: Name
+    session: Annotated[str, Meta(pattern=r"^[0-9]{1,19}$")]
+
+    @property
+    def asker(self) -> Asker:
+        """The same as the sites name it."""
+        return Asker(self.name, int(self.session))
+
+
 class AskLease(PageMessage, frozen=True, tag="ask_lease"):
-    """A request about the lease, for the local site; `id` comes back with the answer."""
+    """A request about the lease, for the local site; `id` comes back with the answer.
+
+    `to` is who asked for the lease when the operator consented to hand it over.
+    """
 
     id: Count
     action: OperatorAction
+    to: ShownAsker | None = None
 
 
 class MarkJoints(PageMessage, frozen=True, tag="mark_joints"):
@@ -85,20 +109,23 @@ class Clutch(PageMessage, frozen=True, tag="clutch"):
 
 
 class Steer(PageMessage, frozen=True, tag="steer"):
-    """What the operator changes of scales and locks, within the bounds of the intent; what is not named stays."""
+    """What the operator changes of scales and locks, within the bounds of the settings; what is not named stays."""
 
     scale: Annotated[float, Meta(ge=0.01, le=5)] | None = None
     rotation_scale: Annotated[float, Meta(ge=0, le=2)] | None = None
     locks: dict[Literal["x", "y", "z", "roll", "pitch", "yaw"], bool] = {}
 
-    def apply(self, intent: Intent) -> Intent:
-        """The intent with these changes."""
+    def apply(self, settings: OperatorSettings) -> OperatorSettings:
+        """The settings with these changes, of a higher revision if any changes."""
         scales = {"scale": self.scale, "rotation_scale": self.rotation_scale}
         changed = {name: value for name, value in scales.items() if value is not None}
-        return replace(intent, locks=replace(intent.locks, **self.locks), **changed)
+        wanted = replace(settings, locks=replace(settings.locks, **self.locks), **changed)
+        return settings if wanted == settings else replace(wanted, revision=settings.revision + 1)
 
 
-AnyPageMessage = Beat | FrameTaken | Shown | Ask | AskLease | MarkJoints | TakeSeat | LeaveSeat | Clutch | Steer
+AnyPageMessage = (
+    Beat | FrameTaken | FrameLost | Shown | Ask | AskLease | MarkJoints | TakeSeat | LeaveSeat | Clutch | Steer
+)
 DECODER: msgspec.json.Decoder[AnyPageMessage] = msgspec.json.Decoder(AnyPageMessage)
 
 

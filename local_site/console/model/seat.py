@@ -74,6 +74,10 @@ class Seat:
         """After a stop the key has to be pressed again."""
         self._released = False
 
+    def reports(self, now_ns: int) -> bool:
+        """Whether a page operates and beats."""
+        return self.occupant is not None and self._silent_ns(now_ns) <= BEAT_TIMEOUT_NS
+
     def held(self, now_ns: int) -> bool:
         """Whether the operating page holds its key at this instant."""
         self._lapse(now_ns)

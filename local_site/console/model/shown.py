@@ -10,7 +10,7 @@ from common.messages.video import (
     ViewShown,
     ViewsShown,
 )
-from local_site.console.model.page_messages import Painted
+from local_site.console.model.page_messages import Painted, Shown
 
 REMEMBERED = 64
 CAMERA_VIEW = "camera/"
@@ -41,24 +41,28 @@ class ShownViews:
         self._arrivals: dict[str, _Arrivals] = {}
         self._sent_ns = 0
 
-    def remember(self, view: str, frame: VideoFrame, now_ns: int, offset_ns: int | None) -> None:
-        """A frame was offered to the pages under this name of its view; `offset_ns` is the remote clock's, if known."""
+    def remember(self, view: str, frame: VideoFrame, now_ns: int, offset_ns: int | None, *, usable: bool) -> None:
+        """A frame was offered to the pages under this name of its view; `offset_ns` is the remote clock's, if known.
+
+        One that is not `usable`, because none can decode it, is no page's fault: it has come, and none paints it.
+        """
         arrivals = self._arrivals.setdefault(view, _Arrivals())
         arrivals.exposed.append((frame.seq, frame.capture_ns))
-        arrivals.came_ns.append(now_ns)
+        if usable:
+            arrivals.came_ns.append(now_ns)
         arrivals.age_ms = None if offset_ns is None else max(0.0, (now_ns + offset_ns - frame.capture_ns) / NS_PER_MS)
 
-    def message(self, painted: dict[str, Painted], lease: int, now_ns: int) -> ViewsShown | None:
+    def message(self, page: Shown, lease: int, now_ns: int) -> ViewsShown | None:
         """What to publish of the cameras that a page has painted; None too soon after the last, or without any.
 
         `lease` is the number of the operator's lease, 0 without one.
         """
-        found = ((view, self._shown(view, newest, now_ns)) for view, newest in painted.items())
+        found = ((view, self._shown(view, newest, now_ns)) for view, newest in page.views.items())
         views = {view.removeprefix(CAMERA_VIEW): shown for view, shown in found if shown is not None}
         if not views or now_ns - self._sent_ns < LEAST_APART_NS:
             return None
         self._sent_ns = now_ns
-        return ViewsShown(session=self._session, lease=lease, sent_ns=now_ns, views=views)
+        return ViewsShown(session=self._session, sent_ns=now_ns, lease=lease, h264=page.h264, views=views)
 
     def _shown(self, view: str, painted: Painted, now_ns: int) -> ViewShown | None:
         arrivals = self._arrivals.get(view, _Arrivals())

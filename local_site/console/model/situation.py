@@ -7,13 +7,14 @@ import msgspec
 
 from common.clock import NS_PER_MS, ClockEstimate
 from common.link.channels import HAND, STATE
-from common.messages.hand import HandArm, Intent
+from common.messages.hand import HandArm, OperatorSettings
 from common.messages.robot import RobotState
+from local_site.console.model.delay import loop_delay_ms, suggested_scale
 from local_site.console.model.history import History
 from local_site.console.model.latency import Latencies
 from local_site.console.model.seat import Seat
 
-NOT_FOR_PAGES = ("version", "session", "clock", "obeyed", "traced")
+NOT_FOR_PAGES = ("session", "clock", "obeyed", "traced", "settings", "reference")
 
 
 @dataclass(frozen=True, slots=True)
@@ -32,23 +33,27 @@ def situation_json(
     clock: ClockEstimate | None,
     round_trip_ms: float | None,
     seat: Seat,
-    intent: Intent,
+    settings: OperatorSettings | None,
     latencies: Latencies,
     history: History,
 ) -> str:
-    """Everything a page shows besides pictures; `clock` is the current estimate of the remote one, if there is one."""
+    """Everything a page shows besides pictures; `clock` is the current estimate of the remote one, if there is one.
+
+    `settings` are the operator's, with the operating page's changes; None while those in force are unknown.
+    """
     situation = {
         "type": "situation",
         "now_ms": now_ns / NS_PER_MS,
         "robot": _robot_fields(newest.state, newest.state_ns, now_ns) if newest.state is not None else None,
         "hand": _hand_fields(newest.hand, newest.hand_ns, now_ns) if newest.hand is not None else None,
         "clock": _clock_fields(clock, round_trip_ms),
+        "delay": _delay_fields(latencies.summary(now_ns)),
         "seat": {
             "page": seat.occupant.number if seat.occupant is not None else None,
             "who": str(seat.occupant) if seat.occupant is not None else None,
             "held": seat.held(now_ns),
         },
-        "intent": msgspec.to_builtins(intent),
+        "settings": msgspec.to_builtins(settings),
         "latency": latencies.summary(now_ns),
         "trace": asdict(latencies.trace) if latencies.trace is not None else None,
         "events": [
@@ -64,6 +69,8 @@ def _robot_fields(state: RobotState, received_ns: int, now_ns: int) -> dict[str,
     fields: dict[str, Any] = msgspec.to_builtins(state)
     for name in NOT_FOR_PAGES:
         del fields[name]
+    if state.lease is not None and (asker := state.lease.asked_by) is not None:
+        fields["lease"]["asked_by"] = {"name": asker.name, "session": str(asker.session)}  # JavaScript would round it
     return fields | {
         "heard_ms": (now_ns - received_ns) / NS_PER_MS,
         "silent": now_ns - received_ns > STATE.stale_after_ns,
@@ -81,6 +88,12 @@ def _hand_fields(hand: HandArm, received_ns: int, now_ns: int) -> dict[str, Any]
         "age_ms": (now_ns - hand.capture_ns) / NS_PER_MS,
         "silent": now_ns - received_ns > 5 * HAND.stale_after_ns,
     }
+
+
+def _delay_fields(latency: dict[str, dict[str, float | int | None]]) -> dict[str, float | None]:
+    """The medians of the last minute count: a suggestion that changes with every picture would be none."""
+    loop_ms = loop_delay_ms(latency["picture"]["p50"], latency["round_trip"]["p50"])
+    return {"loop_ms": loop_ms, "suggested_scale": suggested_scale(loop_ms)}
 
 
 def _clock_fields(clock: ClockEstimate | None, round_trip_ms: float | None) -> dict[str, float | None]:

@@ -2,6 +2,7 @@
 import { mark, put } from "./words.js";
 
 const KEYS = { e: "engage", d: "disengage", r: "reset", c: "clutch" };
+const MOVED_MS = 500; // after its last change
 const element = (id) => document.getElementById(id);
 
 export class Controls {
@@ -12,8 +13,12 @@ export class Controls {
   #operator = "";
   #mayOperate = false;
   #operates = false;
-  #intent = null;
+  #settings = null;
+  #lease = null;
+  #known = false;
   #isBack = false;
+  #steeredMs = -Infinity;
+  #leaseAct = null;
   #buttons = Object.fromEntries(Object.values(KEYS).map((name) => [name, element(name)]));
   #locks = [...document.querySelectorAll("[data-lock]")];
 
@@ -21,12 +26,13 @@ export class Controls {
     this.#connection = connection;
     this.#alert = alert;
     for (const [name, button] of Object.entries(this.#buttons)) button.addEventListener("click", () => this.#act(name));
-    for (const lock of this.#locks) lock.addEventListener("click", () => this.#steer({ locks: { [lock.dataset.lock]: lock.ariaPressed !== "true" } }));
-    element("scale").addEventListener("input", () => this.#steer({ scale: Number(element("scale").value) }));
-    element("rotation").addEventListener("input", () => this.#steer({ rotation_scale: Number(element("rotation").value) }));
+    for (const lock of this.#locks) lock.addEventListener("click", () => this.steer({ locks: { [lock.dataset.lock]: lock.ariaPressed !== "true" } }));
+    element("scale").addEventListener("input", () => this.steer({ scale: Number(element("scale").value) }));
+    element("rotation").addEventListener("input", () => this.steer({ rotation_scale: Number(element("rotation").value) }));
     element("seat-button").addEventListener("click", () => this.#changeSeat());
-    element("lease-button").addEventListener("click", () => connection.ask({ type: "ask_lease", action: element("lease-button").dataset.action }));
+    element("lease-button").addEventListener("click", () => this.#askLease());
     addEventListener("keydown", (event) => this.#key(event));
+    this.#enable();
   }
 
   /** A cell without hold-to-run shows no hold button. */
@@ -39,7 +45,7 @@ export class Controls {
     this.#page = page;
     this.#operator = operator;
     this.#mayOperate = operate;
-    this.#isBack = this.#intent !== null;
+    this.#isBack = this.#settings !== null;
   }
 
   /** Show a reply that is shown nowhere else, until the next one or until the state changes. */
@@ -56,10 +62,10 @@ export class Controls {
     this.#enable();
   }
 
-  show({ robot, hand, seat, intent }) {
+  show({ robot, hand, seat, settings }) {
     this.#operates = seat.page === this.#page;
     this.#showSeat(seat);
-    this.#showIntent(intent);
+    this.#showSettings(settings);
     this.#showFacts(robot, hand);
     this.#enable();
     this.#refusedIn ??= robot?.state ?? null;
@@ -68,8 +74,9 @@ export class Controls {
   }
 
   #enable() {
-    for (const button of [...Object.values(this.#buttons), ...this.#locks, element("hold"), element("joints")]) button.disabled = !this.#operates;
-    for (const id of ["scale", "rotation"]) element(id).disabled = !this.#operates;
+    for (const button of [...Object.values(this.#buttons), element("hold"), element("joints")]) button.disabled = !this.#operates;
+    const sets = this.#operates && this.#known;
+    for (const control of [...this.#locks, element("scale"), element("rotation"), element("suggestion"), this.#buttons.clutch]) control.disabled = !sets;
   }
 
   #showSeat(seat) {
@@ -84,32 +91,40 @@ export class Controls {
     this.#alert.show("controls", "bad", words);
   }
 
-  #showIntent(intent) {
-    const known = JSON.stringify([intent.scale, intent.rotation_scale, intent.locks]);
-    if (this.#isBack && known !== this.#intent) {
-      this.#complain("scales or locks have changed while there was no connection: check them before you engage");
+  /** The settings in force at the remote site; null while they are unknown, and can then not be changed. */
+  #showSettings(settings) {
+    this.#known = settings !== null;
+    if (settings === null) return;
+    const { lease, scale, rotation_scale, locks } = settings;
+    const shown = JSON.stringify([scale, rotation_scale, locks]);
+    const isOther = this.#isBack || lease !== this.#lease;
+    if (isOther && this.#settings !== null && shown !== this.#settings) {
+      this.#complain("scales or locks are no longer those that this page showed: check them before you engage");
     }
     this.#isBack = false;
-    this.#intent = known;
-    this.#put("scale", intent.scale);
-    this.#put("rotation", intent.rotation_scale);
-    for (const lock of this.#locks) mark(lock, "aria-pressed", intent.locks[lock.dataset.lock]);
+    this.#lease = lease;
+    this.#settings = shown;
+    this.#put("scale", scale);
+    this.#put("rotation", rotation_scale);
+    for (const lock of this.#locks) mark(lock, "aria-pressed", locks[lock.dataset.lock]);
   }
 
+  /** A slider that is being moved is left alone; one that only has the focus shows what is in force, or the next key would jump. */
   #put(id, value) {
-    if (document.activeElement !== element(id)) element(id).value = value;
+    const isMoved = document.activeElement === element(id) && performance.now() - this.#steeredMs < MOVED_MS;
+    if (!isMoved) element(id).value = value;
     put(element(`${id}-value`), value.toFixed(2));
   }
 
   #showFacts(robot, hand) {
     put(element("hand"), hand === null || hand.silent ? "the local site is silent" : handWords(hand));
-    put(element("gripper"), gripperWords(robot?.gripper ?? null));
+    put(element("gripper"), gripperWords(robot));
     put(element("lease"), leaseWords(robot));
     const act = leaseAct(robot?.lease ?? null, this.#operator);
     const button = element("lease-button");
     button.hidden = !this.#operates || act === null;
     if (act === null) return;
-    button.dataset.action = act.action;
+    this.#leaseAct = act;
     put(button, act.words);
   }
 
@@ -124,7 +139,15 @@ export class Controls {
     else this.#connection.ask({ type: "ask", action: name });
   }
 
-  #steer(changes) {
+  /** Consent names who was shown to ask: it is void for anybody who asks by the time it arrives. */
+  #askLease() {
+    const { action, to } = this.#leaseAct;
+    this.#connection.ask({ type: "ask_lease", action, ...(to && { to }) });
+  }
+
+  /** Ask for other scales or locks. */
+  steer(changes) {
+    this.#steeredMs = performance.now();
     this.#connection.send({ type: "steer", ...changes });
   }
 
@@ -138,22 +161,25 @@ function handWords({ status, reason, open }) {
   return reason ? `${words.join(", ")}: ${reason}` : words.join(", ");
 }
 
-function gripperWords(gripper) {
-  if (gripper === null) return "none";
+function gripperWords(robot) {
+  if (robot === null) return "unknown";
+  const { gripper, gripper_next } = robot;
+  const next = `a toggle ${gripper_next === "open" ? "opens" : "closes"} it`;
+  if (gripper === null) return `not measured; ${next}`;
   const force = gripper.force === null ? "" : `, ${gripper.force.toFixed(0)} N`;
-  return `${gripper.status.replace("_", " ")}, ${(gripper.opening * 1000).toFixed(0)} mm${force}`;
+  return `${gripper.status.replace("_", " ")}, ${(gripper.opening * 1000).toFixed(0)} mm${force}; ${next}`;
 }
 
 /** What this operator can do about the lease: take it, ask its holder for it, or hand it to the operator who asks; or nothing. */
 function leaseAct(lease, operator) {
   if (lease === null) return { action: "take", words: "Take the lease" };
   if (lease.holder === operator) {
-    return lease.asked_by === null ? null : { action: "give", words: `Hand over to ${lease.asked_by}` };
+    return lease.asked_by === null ? null : { action: "give", to: lease.asked_by, words: `Hand over to ${lease.asked_by.name}` };
   }
-  return { action: "take", words: lease.asked_by === operator ? "Ask again" : `Ask ${lease.holder} for it` };
+  return { action: "take", words: lease.asked_by?.name === operator ? "Ask again" : `Ask ${lease.holder} for it` };
 }
 
 function leaseWords(robot) {
   if (robot === null) return "unknown";
-  return robot.lease === null ? "nobody holds it" : `${robot.lease.holder}${robot.lease.asked_by ? `, asked by ${robot.lease.asked_by}` : ""}`;
+  return robot.lease === null ? "nobody holds it" : `${robot.lease.holder}${robot.lease.asked_by ? `, asked by ${robot.lease.asked_by.name}` : ""}`;
 }

@@ -1,10 +1,10 @@
 // The ghost: the commanded arm, drawn over the picture of a calibrated camera; pure but for the drawing.
-import { frames, fromPose, inverse, multiply, origin } from "./kinematics.js";
+import { frames, fromPose, inverse, origin } from "./kinematics.js";
+import { clipped, fitted, moved, projected } from "./projection.js";
 import { sized } from "./surface.js";
 
 const AXIS_M = 0.05;
 const STROKES = [["#000000a0", 5], ["#c9a5ff", 2.5]]; // seen on light and dark pictures alike
-const NEAREST_M = 0.03; // what is nearer to the camera, or behind it, is clipped
 
 export class Ghost {
   #canvas;
@@ -53,30 +53,4 @@ export function ghostLines(cell, robot, { calibration }) {
     lines.push([origin(tool), origin(tool).map((v, row) => v + AXIS_M * tool[4 * row + axis])]);
   }
   return lines.map((line) => clipped(line.map((point) => projected(calibration.projection, moved(seen_T_base, point))))).filter(Boolean);
-}
-
-function moved(transform, [x, y, z]) {
-  return transform === null ? [x, y, z] : origin(multiply(transform, [1, 0, 0, x, 0, 1, 0, y, 0, 0, 1, z, 0, 0, 0, 1]));
-}
-
-/** Homogeneous pixels: across and down times depth, and depth. */
-function projected(p, [x, y, z]) {
-  return [0, 4, 8].map((row) => p[row] * x + p[row + 1] * y + p[row + 2] * z + p[row + 3]);
-}
-
-/** The part of a line that is in front of the camera, in pixels; null where none is. */
-function clipped([a, b]) {
-  if (a[2] < NEAREST_M && b[2] < NEAREST_M) return null;
-  const cut = (from, to) => {
-    if (from[2] >= NEAREST_M) return from;
-    const fraction = (NEAREST_M - from[2]) / (to[2] - from[2]);
-    return from.map((v, k) => v + fraction * (to[k] - v));
-  };
-  return [cut(a, b), cut(b, a)].map(([u, v, w]) => [u / w, v / w]);
-}
-
-/** Where a pixel of the full picture is on a canvas that shows it as large as it fits. */
-function fitted([u, v], { width: full, height: tall }, width, height) {
-  const scale = Math.min(width / full, height / tall);
-  return [(width - scale * full) / 2 + scale * u, (height - scale * tall) / 2 + scale * v];
 }

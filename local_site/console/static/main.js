@@ -3,9 +3,11 @@ import { Alert } from "./alert.js";
 import { ArmRoom } from "./arm_room.js";
 import { Connection } from "./connection.js";
 import { Controls } from "./controls.js";
+import { DelayPanel } from "./delay_panel.js";
 import { HoldKey } from "./hold_key.js";
 import { JointMarks } from "./joint_marks.js";
 import { LatencyRoom } from "./latency_room.js";
+import { LinkLine } from "./link_line.js";
 import { ServerClock } from "./server_clock.js";
 import { StatePanel } from "./state_panel.js";
 import { StopButton } from "./stop_button.js";
@@ -14,6 +16,8 @@ import { mark } from "./words.js";
 
 const BEAT_MS = 50;
 const LOOK_MS = 100;
+const OLD_TOOLS_MS = 300;
+const NO_TOOLS = { measured: null, sent: null };
 
 const clock = new ServerClock();
 const connection = new Connection();
@@ -21,11 +25,15 @@ const views = new Views(clock, (message) => connection.send(message));
 const panel = new StatePanel();
 const arm = new ArmRoom();
 const latency = new LatencyRoom();
+const link = new LinkLine();
 const hold = new HoldKey(beat);
 const alert = new Alert();
 const stop = new StopButton(connection, alert, () => hold.release());
 const controls = new Controls(connection, alert);
+const delay = new DelayPanel(clock, (scale) => controls.steer({ scale }));
 const joints = new JointMarks(connection, views.ofOperator);
+
+let toolsMs = -Infinity;
 
 function beat() {
   connection.send({ type: "beat", page_ms: performance.now(), down: hold.down });
@@ -48,7 +56,13 @@ const handlers = {
     arm.show(message.robot);
     views.haunt(message.robot);
     latency.show(message);
+    delay.show(message);
+    link.show(message.robot);
     views.showWhyNoPreview(message.hand);
+  },
+  tools: (message) => {
+    toolsMs = performance.now();
+    showTools(message);
   },
   answer: (message) => {
     stop.onReply(message);
@@ -62,12 +76,18 @@ connection.onChange = (open) => {
   if (!open) disconnected();
 };
 
+function showTools(tools) {
+  views.markTools(tools);
+  delay.age(tools);
+}
+
 /** Mark everything besides the pictures, which show their own age, as outdated. */
 function disconnected() {
   mark(document.body, "data-connected", false);
   panel.disconnected();
   controls.disconnected();
   stop.disconnected();
+  delay.disconnected();
 }
 
 setInterval(beat, BEAT_MS);
@@ -75,7 +95,8 @@ setInterval(() => {
   views.refresh();
   joints.offer(views.isOneCamera);
   if (panel.isSilent) disconnected();
+  if (performance.now() - toolsMs > OLD_TOOLS_MS) showTools(NO_TOOLS);
   stop.refresh();
-  connection.send({ type: "shown", views: views.painted() });
+  connection.send({ type: "shown", h264: views.decodesH264, views: views.painted() });
 }, LOOK_MS);
 connection.open();

@@ -1,5 +1,6 @@
 // The state in words, with its reason, and the list of events.
 import { ageWords } from "./freshness.js";
+import { troubles } from "./link_line.js";
 import { mark, put } from "./words.js";
 
 const SILENT_MS = 500;
@@ -38,9 +39,10 @@ export class StatePanel {
     if (robot === null) this.#set("silent", "no robot", "no state has come from the remote site yet");
     else if (robot.silent) this.#set("silent", "silent", `the remote site has been silent for ${ageWords(robot.heard_ms)}`);
     else if (robot.readiness.code === "stopped") this.#set("stopped", "stopped", robot.reason);
-    else if (robot.state === "disengaged" && robot.readiness.reason !== robot.reason) {
-      this.#set(robot.state, robot.state, `${robot.reason} · ${robot.readiness.reason}`);
-    } else this.#set(robot.state, robot.state, robot.reason);
+    else {
+      const missing = robot.state === "disengaged" && robot.readiness.reason !== robot.reason ? [robot.readiness.reason] : [];
+      this.#set(robot.state, robot.state, [robot.reason, ...missing, ...troubles(robot)].join(" · "));
+    }
   }
 
   #set(state, word, reason) {

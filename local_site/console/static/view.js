@@ -2,14 +2,19 @@
 import { ageWords, judge } from "./freshness.js";
 import { Ghost } from "./ghost.js";
 import { parsePicture } from "./picture.js";
+import { ToolMarks } from "./tool_marks.js";
 import { mark as setMark, put } from "./words.js";
 
 const SECOND_MS = 1000;
+const NO_H264 = "this browser cannot decode H.264, which the operator's link needs; open the page in another";
+const SHOWING = ["live", "slow"]; // what a camera's picture shows the cell as
 const USELESS_MS = 1000; // an older picture is darkened, a younger one only marked with its age
 
 export class View {
   why = "";
   #clock;
+  #h264;
+  #isMissed = false;
   #canvas = document.createElement("canvas");
   #context = this.#canvas.getContext("2d", { alpha: false, desynchronized: true });
   #fresh = document.createElement("span");
@@ -18,13 +23,16 @@ export class View {
   #words = document.createElement("span");
   #overlay = document.createElement("canvas");
   #ghost = null;
+  #toolCanvas = document.createElement("canvas");
+  #tools = null;
   #isFresh = false;
   #header = null;
   #newest = null;
   #times = [];
 
-  constructor(clock, name, key) {
+  constructor(clock, h264, name, key) {
     this.#clock = clock;
+    this.#h264 = h264;
     this.element = document.createElement("button");
     this.element.type = "button";
     this.element.className = "view";
@@ -35,7 +43,7 @@ export class View {
     this.#fresh.className = "fresh";
     this.#mark.className = "mark";
     this.#mark.append(this.#title, this.#words);
-    this.element.append(this.#canvas, this.#overlay, this.#mark, label, this.#fresh);
+    this.element.append(this.#canvas, this.#overlay, this.#toolCanvas, this.#mark, label, this.#fresh);
     this.refresh();
   }
 
@@ -47,9 +55,18 @@ export class View {
     return this.#overlay;
   }
 
-  /** The ghost is drawn over a calibrated camera's picture; its full picture has this size. */
+  /** The ghost and the tool are drawn over a calibrated camera's picture; its full picture has this size. */
   describe(camera) {
     this.#ghost = camera.calibration === null ? null : new Ghost(this.#overlay, camera);
+    this.#tools = camera.calibration === null ? null : new ToolMarks(this.#toolCanvas, camera);
+  }
+
+  /** Draw the tool over a picture that is not useless, late as it may be; `path` is where the tool was measured. */
+  markTools(tools, path) {
+    if (this.#tools === null) return;
+    const isUseful = this.element.dataset.useless === "false" && SHOWING.includes(this.#header?.status);
+    if (tools !== null && isUseful) this.#tools.draw(tools, path.at(this.#newest.captureMs));
+    else this.#tools.clear();
   }
 
   /** Draw the commanded arm over a picture that is young enough to be compared with it, or nothing. */
@@ -59,24 +76,34 @@ export class View {
     else this.#ghost.clear();
   }
 
-  /** Take a message of this view; resolves when it is painted or skipped. */
+  /** Take a message of this view; resolves when it is painted or skipped, to false where a key frame is needed. */
   async receive(bytes) {
-    const { header, jpeg } = parsePicture(bytes);
+    const { header, offset, isPicture } = parsePicture(bytes);
     this.#header = header;
-    if (jpeg.length === 0) return;
-    const bitmap = await createImageBitmap(new Blob([jpeg], { type: "image/jpeg" }));
+    if (!isPicture) return true;
+    const picture = await this.#decoded(header, bytes, offset);
+    if (picture === null) return this.#isMissed;
     if (this.#newest === null || header.seq > this.#newest.seq || header.capture_ms > this.#newest.captureMs) {
-      this.#paint(bitmap, header);
+      this.#paint(picture, header);
     }
-    bitmap.close();
+    picture.close();
+    return true;
   }
 
-  #paint(bitmap, header) {
-    if (this.#canvas.width !== bitmap.width || this.#canvas.height !== bitmap.height) {
-      this.#canvas.width = bitmap.width;
-      this.#canvas.height = bitmap.height;
+  /** The decoded picture: an ImageBitmap, or a VideoFrame that the worker hands over; null where it cannot be decoded. */
+  #decoded(header, bytes, offset) {
+    this.#isMissed = header.codec === "h264" && !this.#h264.supported;
+    if (header.codec === "jpeg") return createImageBitmap(new Blob([new Uint8Array(bytes, offset)], { type: "image/jpeg" }));
+    return this.#h264.decode(header.view, header.key, bytes, offset);
+  }
+
+  #paint(picture, header) {
+    const [width, height] = [picture.displayWidth ?? picture.width, picture.displayHeight ?? picture.height];
+    if (this.#canvas.width !== width || this.#canvas.height !== height) {
+      this.#canvas.width = width;
+      this.#canvas.height = height;
     }
-    this.#context.drawImage(bitmap, 0, 0);
+    this.#context.drawImage(picture, 0, 0);
     const nowMs = this.#clock.now();
     const ageMs = nowMs === null || header.capture_ms === null ? null : nowMs - header.capture_ms;
     this.#newest = { seq: header.seq, captureMs: header.capture_ms, unsureMs: header.unsure_ms ?? 0, ageMs };
@@ -90,7 +117,7 @@ export class View {
     setMark(this.element, "data-useless", ageMs === null || ageMs > USELESS_MS);
     this.#isFresh = !isOld && (mark === "live" || mark === "slow");
     put(this.#title, title);
-    put(this.#words, why || this.why);
+    put(this.#words, this.#isMissed ? NO_H264 : why || this.why);
     put(this.#fresh, ageMs === null ? title : `${mark} ${ageWords(ageMs)} ${this.#fps()} fps`);
   }
 

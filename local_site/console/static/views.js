@@ -1,5 +1,7 @@
 // All views: four of the cell, each enlarged by a click or its number, and those of the operator below.
+import { H264Decoder } from "./h264_decoder.js";
 import { parsePicture } from "./picture.js";
+import { ToolPath } from "./tool_path.js";
 import { View } from "./view.js";
 
 const PREVIEWS = ["left", "right"];
@@ -7,6 +9,7 @@ const PREVIEWS = ["left", "right"];
 export class Views {
   #clock;
   #send;
+  #h264 = new H264Decoder();
   #cameras = document.getElementById("cameras");
   #previews = document.getElementById("previews");
   #views = new Map();
@@ -14,6 +17,11 @@ export class Views {
   #robot = null;
   #asked = null;
   #haunted = true;
+  #tools = { measured: null, sent: null };
+  #marked = true;
+  #path = new ToolPath();
+  #markAsked = null;
+  #marksButton = document.getElementById("marks");
   #received = new Set();
   #ghostButton = document.getElementById("ghost");
 
@@ -22,6 +30,7 @@ export class Views {
     this.#send = send;
     for (const name of PREVIEWS) this.#add(this.#previews, `preview/${name}`, `operator ${name}`, null);
     this.#ghostButton.addEventListener("click", () => this.#toggleGhost());
+    this.#marksButton.addEventListener("click", () => this.#toggleMarks());
     addEventListener("keydown", (event) => this.#key(event));
   }
 
@@ -33,7 +42,7 @@ export class Views {
       if (!this.#views.has(view)) this.#add(this.#cameras, view, camera.name, this.#cameras.children.length + 1);
       this.#views.get(view).describe(camera);
     }
-    this.#ghostButton.hidden = cell.cameras.every((camera) => camera.calibration === null);
+    this.#marksButton.hidden = this.#ghostButton.hidden = cell.cameras.every((camera) => camera.calibration === null);
   }
 
   /** Draw the commanded arm over the calibrated cameras' pictures. */
@@ -45,12 +54,22 @@ export class Views {
     });
   }
 
+  /** Draw the tool as measured and where it has been sent, as soon as the browser paints, whenever pictures come. */
+  markTools(tools) {
+    this.#tools = tools;
+    if (tools.measured !== null) this.#path.add(tools.measured);
+    this.#markAsked ??= requestAnimationFrame(() => {
+      this.#markAsked = null;
+      for (const view of this.#views.values()) view.markTools(this.#marked ? this.#tools : null, this.#path);
+    });
+  }
+
   /** Take a picture, and report to the console when the next may come. */
   async receive(bytes) {
     const name = parsePicture(bytes).header.view;
     this.#received.add(name);
     try {
-      await this.#views.get(name)?.receive(bytes);
+      if ((await this.#views.get(name)?.receive(bytes)) === false) this.#send({ type: "lost", view: name });
     } finally {
       this.#send({ type: "taken", view: name });
     }
@@ -71,6 +90,11 @@ export class Views {
     for (const view of this.#views.values()) view.refresh();
   }
 
+  /** Whether this browser decodes H.264; false until it is known. */
+  get decodesH264() {
+    return this.#h264.supported;
+  }
+
   /** What is shown of the cell, for the console. */
   painted() {
     const shown = [...this.#views].map(([name, view]) => [name, view.painted()]);
@@ -84,7 +108,7 @@ export class Views {
   }
 
   #add(room, key, label, number) {
-    const view = new View(this.#clock, label, number);
+    const view = new View(this.#clock, this.#h264, label, number);
     this.#views.set(key, view);
     room.append(view.element);
     if (number !== null) view.element.addEventListener("click", () => this.#enlarge(view.element));
@@ -93,6 +117,7 @@ export class Views {
   #key(event) {
     if (event.ctrlKey || event.altKey || event.metaKey || event.repeat) return;
     if (event.key.toLowerCase() === "g" && !this.#ghostButton.hidden) this.#toggleGhost();
+    if (event.key.toLowerCase() === "t" && !this.#marksButton.hidden) this.#toggleMarks();
     const chosen = this.#cameras.children[Number.parseInt(event.key, 10) - 1];
     if (chosen !== undefined) this.#enlarge(chosen);
   }
@@ -100,6 +125,12 @@ export class Views {
   #toggleGhost() {
     this.#haunted = !this.#haunted;
     this.#ghostButton.setAttribute("aria-pressed", this.#haunted);
+  }
+
+  #toggleMarks() {
+    this.#marked = !this.#marked;
+    this.#marksButton.setAttribute("aria-pressed", this.#marked);
+    this.markTools(this.#tools);
   }
 
   #enlarge(chosen) {

@@ -1,4 +1,8 @@
-"""The arm's features in one image: medial lines, wrist, hand, all in pixels."""
+"""The arm's features in one image: medial lines, wrist, hand, all in pixels.
+
+Rows of a limb are positions t (R,) in px along its axis and the edges' offsets (R,) across it, NaN where an edge is not
+seen.
+"""
 
 import math
 from dataclasses import dataclass, field, replace
@@ -6,8 +10,16 @@ from dataclasses import dataclass, field, replace
 import numpy as np
 
 from common.geometry import Array
-from local_site.tracking.features.limb_width import limb_span, mean_between, palm_begin
-from local_site.tracking.features.medial import Edges, MedialLine, limb_sides, line_through, medial_line, scan_edges
+from local_site.kernels.compiled import compiled
+from local_site.tracking.features.medial import (
+    Edges,
+    MedialLine,
+    limb_sides,
+    line_through,
+    medial_line,
+    scan_edges,
+    typical_width,
+)
 from local_site.tracking.features.posture import Posture, find_posture
 from local_site.tracking.features.silhouette import Silhouette
 
@@ -47,11 +59,6 @@ class Features:
     silhouette: Silhouette
     guess: Posture
     hand_shift: Array = field(default_factory=lambda: np.zeros(2))
-
-    @property
-    def hand_cropped(self) -> bool:
-        """Whether the image border cuts the hand."""
-        return self.hand is not None and bool(self.silhouette.touches_border(self.hand).any())
 
 
 def measure(silhouette: Silhouette, guess: Posture | None) -> Features | None:
@@ -134,7 +141,8 @@ def _forearm(silhouette: Silhouette, guess: Posture) -> tuple[MedialLine, Edges,
         axis = MedialLine(line.at(line.along(guess.elbow)), line.direction)
     length = axis.along(guess.wrist)
     edges = scan_edges(silhouette, axis, 0.0, length + 2 * guess.half_width, 2.2 * guess.half_width)
-    return (axis, edges, length) if edges.fraction_seen(low, high) >= MIN_VALID else None
+    seen = ~np.isnan(edges.lower[(edges.t >= low) & (edges.t <= high)])
+    return (axis, edges, length) if len(seen) and float(seen.mean()) >= MIN_VALID else None
 
 
 def _crease(guess: Posture) -> float:
@@ -148,9 +156,11 @@ def _crease(guess: Posture) -> float:
 
 def _hand(silhouette: Silhouette, edges: Edges, position: float) -> Array | None:
     """The contour (M, 2) beyond a position along the forearm's axis, in order."""
-    ends = edges.ends_before(position)
-    if ends is None:
+    clean = np.flatnonzero((edges.t <= position) & ~np.isnan(edges.lower))
+    if not len(clean):
         return None
+    last, normal = edges.axis.at(float(edges.t[clean[-1]])), edges.axis.normal
+    ends = [(last + side[clean[-1]] * normal).tolist() for side in (edges.lower, edges.upper)]
     contour, (dx, dy) = silhouette.contour, edges.axis.direction
     low, high = sorted(int(np.argmin(np.sum((contour - end) ** 2, axis=1))) for end in ends)
     step = contour[min(low + HAND_PROBE, high)] - contour[low]
@@ -175,3 +185,83 @@ def _upper_arm(silhouette: Silhouette, guess: Posture) -> tuple[MedialLine | Non
             return None, guess.shoulder_end
         axis = MedialLine(line.at(line.along(guess.elbow)), line.direction)
     return axis, axis.at(end)
+
+
+NECK_WINDOW = 1.2
+NECK_SMOOTHING = 5
+PALM_GROWTH = 1.1
+PALM_BEGINS = 0.06
+WIDTH_CHANGE = 0.25
+TYPICAL_HALF_WIDTHS = 1.5
+SURE_PX = 3.0
+
+
+@compiled
+def mean_between(t: Array, lower: Array, upper: Array, start: float, end: float) -> tuple[int, float, float]:
+    """Of the clean rows between two positions: their number, mean position and mean middle in px."""
+    rows, position, middle = 0, 0.0, 0.0
+    for k in range(len(t)):
+        if start <= t[k] <= end and not math.isnan(lower[k]):
+            rows, position = rows + 1, position + t[k]
+            middle += 0.5 * (upper[k] + lower[k])
+    return rows, position / max(rows, 1), middle / max(rows, 1)
+
+
+@compiled
+def palm_begin(t: Array, lower: Array, upper: Array, length: float, half_width: float) -> float:
+    """The position of the wrist along the axis, from where the palm widens beyond the neck; NaN if it does not.
+
+    The joint lies a small fraction of the forearm's length before that.
+    """
+    smooth = _smooth_width(lower, upper, 4 * half_width)
+    first, last = -1, -1
+    for k in range(len(t)):
+        if abs(t[k] - length) < NECK_WINDOW * half_width:
+            first, last = k if first < 0 else first, k
+    if first < 0 or last - first + 1 < NECK_SMOOTHING:
+        return math.nan
+    neck = first + int(np.argmin(smooth[first : last + 1]))
+    if neck == first:
+        return math.nan
+    limit = PALM_GROWTH * smooth[neck]
+    for k in range(neck + 1, len(t)):
+        if smooth[k] > limit:
+            step = (limit - smooth[k - 1]) / (smooth[k] - smooth[k - 1])
+            return float(t[k - 1] + step - PALM_BEGINS * length)
+    return math.nan
+
+
+@compiled
+def _smooth_width(lower: Array, upper: Array, unseen: float) -> Array:
+    """The widths (R,) averaged over neighbouring rows; rows without edges count as `unseen` px."""
+    count, reach = len(lower), NECK_SMOOTHING // 2
+    smooth = np.zeros(count)
+    for k in range(count):
+        for j in range(k - reach, k + reach + 1):
+            width = upper[min(max(j, 0), count - 1)] - lower[min(max(j, 0), count - 1)]
+            smooth[k] += (unseen if math.isnan(width) else width) / NECK_SMOOTHING
+    return smooth
+
+
+@compiled
+def limb_span(t: Array, lower: Array, upper: Array, start: float, half_width: float) -> tuple[float, float]:
+    """The first and last position along its axis, after `start`, between which the limb keeps its width.
+
+    Near the crease, where it meets the other limb, rows are wider than the limb.
+    """
+    first = -1
+    for k in range(len(t)):
+        if t[k] > start and not math.isnan(lower[k]):
+            first = k
+            break
+    if first < 0:
+        return start, start
+    typical = typical_width(t, lower, upper, t[first], t[first] + TYPICAL_HALF_WIDTHS * half_width)
+    begin = -1
+    for k in range(first, len(t)):
+        kept = abs((upper[k] - lower[k]) / typical - 1) < WIDTH_CHANGE
+        if kept and begin < 0:
+            begin = k
+        elif not kept and begin >= 0 and t[k] > t[begin] + SURE_PX:
+            return float(t[begin]), float(t[k])
+    return float(t[max(begin, first)]), float(t[-1])

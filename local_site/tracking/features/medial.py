@@ -66,19 +66,6 @@ class Edges:
         inside = (self.t > start) & (self.t < end)
         return float(np.fmax.reduce(self.upper[inside] - self.lower[inside], initial=np.nan))
 
-    def fraction_seen(self, start: float, end: float) -> float:
-        """The fraction of the rows between two positions that show both edges."""
-        seen = ~np.isnan(self.lower[(self.t >= start) & (self.t <= end)])
-        return float(seen.mean()) if len(seen) else 0.0
-
-    def ends_before(self, position: float) -> list[list[float]] | None:
-        """The pixels of both edges on the last clean row up to a position; None without any."""
-        clean = np.flatnonzero((self.t <= position) & ~np.isnan(self.lower))
-        if not len(clean):
-            return None
-        middle, normal = self.axis.at(float(self.t[clean[-1]])), self.axis.normal
-        return [(middle + side[clean[-1]] * normal).tolist() for side in (self.lower, self.upper)]
-
 
 def line_through(start: Array, end: Array) -> MedialLine | None:
     """The line from one pixel to another, or None if they coincide."""

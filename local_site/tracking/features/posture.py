@@ -38,19 +38,13 @@ class Posture:
         return self.shoulder_end, self.elbow, self.wrist, self.hand_end
 
 
-@dataclass(frozen=True, slots=True)
-class _Axis:
-    """The medial axis from shoulder end to hand end: K centroids (K, 2) and half widths (K,) in px."""
-
-    points: Array
-    radii: Array
-
-
 def find_posture(silhouette: Silhouette) -> Posture | None:
     """The posture of an arm with hand and shoulder end in view, or None if the blob has no such shape."""
     mask, scale, origin = _working_mask(silhouette)
     radii = np.asarray(cv2.distanceTransform(mask, cv2.DIST_L2, 3), dtype=np.float64)
-    ends = _ends(mask, radii)
+    y, x = np.unravel_index(int(np.argmax(radii)), radii.shape)
+    first = _farthest(mask, (int(x), int(y)))
+    ends = first, _farthest(mask, first)  # the two pixels farthest from each other within the arm
     border = _border_pixel(silhouette, scale, origin)
     start = _blunt(ends, radii)
     if border is not None and mask[border[1], border[0]]:
@@ -61,12 +55,13 @@ def find_posture(silhouette: Silhouette) -> Posture | None:
     axis = _medial_axis(mask, radii, start)
     if axis is None:
         return None
-    wrist = _wrist(axis)
-    elbow = _bend(axis.points[: wrist + 1])
+    points, half_widths = axis
+    wrist = _wrist(points, half_widths)
+    elbow = _bend(points[: wrist + 1])
     if elbow is None:
         return None
-    shoulder, bend, neck, tip = ((axis.points[k] + 0.5) * scale - 0.5 + origin for k in (0, elbow, wrist, -1))
-    return Posture(shoulder, bend, neck, tip, float(axis.radii[: wrist + 1].max()) * scale)
+    shoulder, bend, neck, tip = ((points[k] + 0.5) * scale - 0.5 + origin for k in (0, elbow, wrist, -1))
+    return Posture(shoulder, bend, neck, tip, float(half_widths[: wrist + 1].max()) * scale)
 
 
 def _working_mask(silhouette: Silhouette) -> tuple[NDArray[np.uint8], float, Array]:
@@ -128,13 +123,6 @@ def _farthest(mask: NDArray[np.uint8], start: tuple[int, int]) -> tuple[int, int
     return int(x), int(y)
 
 
-def _ends(mask: NDArray[np.uint8], radii: Array) -> tuple[tuple[int, int], tuple[int, int]]:
-    """The two pixels farthest from each other within the arm."""
-    y, x = np.unravel_index(int(np.argmax(radii)), radii.shape)
-    first = _farthest(mask, (int(x), int(y)))
-    return first, _farthest(mask, first)
-
-
 def _blunt(ends: tuple[tuple[int, int], tuple[int, int]], radii: Array) -> tuple[int, int]:
     """The end where the arm is as wide as a limb, at sleeve or shoulder; fingers are narrow."""
     reach = END_REACH * float(radii.max())
@@ -143,7 +131,8 @@ def _blunt(ends: tuple[tuple[int, int], tuple[int, int]], radii: Array) -> tuple
     return ends[int(np.argmax(widest))]
 
 
-def _medial_axis(mask: NDArray[np.uint8], radii: Array, start: tuple[int, int]) -> _Axis | None:
+def _medial_axis(mask: NDArray[np.uint8], radii: Array, start: tuple[int, int]) -> tuple[Array, Array] | None:
+    """The medial axis from shoulder end to hand end: K centroids (K, 2) and half widths (K,) in working px."""
     layers = _layers(mask, start)
     inside = layers >= 0
     layer = layers[inside]
@@ -156,17 +145,17 @@ def _medial_axis(mask: NDArray[np.uint8], radii: Array, start: tuple[int, int]) 
     widest = np.zeros(len(size))
     np.maximum.at(widest, layer, radii[inside])
     smooth = cv2.blur(widest[kept][None, :], (3, 1), borderType=cv2.BORDER_REPLICATE)[0]
-    return _Axis(points, smooth)
+    return points, np.asarray(smooth, dtype=np.float64)
 
 
-def _wrist(axis: _Axis) -> int:
+def _wrist(points: Array, half_widths: Array) -> int:
     """The layer of the neck between forearm and palm, within a hand's length of the tips."""
-    steps = np.append(np.linalg.norm(np.diff(axis.points, axis=0), axis=1)[::-1].cumsum()[::-1], 0.0)
-    widest = float(axis.radii[: max(1, len(axis.radii) // 2)].max())
+    steps = np.append(np.linalg.norm(np.diff(points, axis=0), axis=1)[::-1].cumsum()[::-1], 0.0)
+    widest = float(half_widths[: max(1, len(half_widths) // 2)].max())
     low, high = (limit * widest for limit in HAND_RADII)
-    palm = np.maximum.accumulate(axis.radii[::-1])[::-1]
-    arm = np.maximum.accumulate(axis.radii)
-    depth = np.minimum(palm, arm) - axis.radii
+    palm = np.maximum.accumulate(half_widths[::-1])[::-1]
+    arm = np.maximum.accumulate(half_widths)
+    depth = np.minimum(palm, arm) - half_widths
     allowed = (steps > low) & (steps < min(high, 0.6 * steps[0]))
     if allowed.any() and float(depth[allowed].max()) > 0.02 * widest:
         return int(np.argmax(np.where(allowed, depth, -1.0)))

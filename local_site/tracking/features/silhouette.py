@@ -16,7 +16,7 @@ MIN_CONTOUR_POINTS = 40
 
 @dataclass(frozen=True, slots=True)
 class Silhouette:
-    """The arm's blob: smoothed grey image (H, W), threshold level, ordered outer contour (N, 2) and area in px.
+    """The arm's blob: smoothed grey image (H, W), threshold level, ordered outer contour (N, 2) in px.
 
     Shadows within the contour are raised above the level, so that they do not look like the arm's edge.
     """
@@ -24,7 +24,6 @@ class Silhouette:
     grey: NDArray[np.uint8]
     level: float
     contour: Array
-    area: float
 
     def touches_border(self, points: Array) -> NDArray[np.bool_]:
         """Which pixels (N, 2) lie on the image border, (N,)."""
@@ -54,13 +53,12 @@ def find_silhouette(grey: NDArray[np.uint8], level: float) -> Silhouette | None:
     if not contours:
         return None
     largest = max(contours, key=cv2.contourArea)
-    area = cv2.contourArea(largest)
-    if area < MIN_AREA_FRACTION * grey.size or len(largest) < MIN_CONTOUR_POINTS:
+    if cv2.contourArea(largest) < MIN_AREA_FRACTION * grey.size or len(largest) < MIN_CONTOUR_POINTS:
         return None
     solid = np.zeros_like(grey)
     cv2.drawContours(solid, [largest], -1, math.ceil(level) + 1, cv2.FILLED)
     solid = np.asarray(cv2.max(solid, grey), dtype=np.uint8)
-    return Silhouette(solid, level, largest.reshape(-1, 2).astype(np.float64), area)
+    return Silhouette(solid, level, largest.reshape(-1, 2).astype(np.float64))
 
 
 STRIDE = 2

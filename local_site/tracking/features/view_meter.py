@@ -46,11 +46,10 @@ class ViewMeter:
         """The overlay of a view; points (3,) in m are elbow and wrist, and index and thumb where they are known."""
         camera, upper = self._camera, view.upper_arm
         elbow, wrist, index, thumb, *_ = (*camera.distort_pixels(project(camera.matrix, np.array(points))), None, None)
-        forearm_line = np.array([view.forearm.at(0.0), view.guess.wrist])
         upper_line = None if upper is None else np.array([upper.at(0.0), view.guess.shoulder_end])
         return Overlay(
             contour=np.rint(camera.distort_pixels(view.silhouette.contour)).astype(np.int32),
-            forearm_line=camera.distort_pixels(forearm_line),
+            forearm_line=camera.distort_pixels(np.array([view.forearm.at(0.0), view.guess.wrist])),
             upper_arm_line=None if upper_line is None else camera.distort_pixels(upper_line),
             elbow=elbow,
             wrist=wrist,
@@ -77,7 +76,8 @@ class ViewMeter:
         features = measure(silhouette, guess)
         if features is None:
             return "no forearm can be made out; hold the arm bent and across the view"
-        return "the hand is cropped by the border" if features.hand_cropped else features
+        cropped = features.hand is not None and silhouette.touches_border(features.hand).any()
+        return "the hand is cropped by the border" if cropped else features
 
     def _threshold(self, grey: Image) -> float | str:
         """The threshold, updated every few frames by a low-pass filter, or why there is none yet.

@@ -33,12 +33,6 @@ class Candidates:
         """Some of the candidates."""
         return Candidates(self.points[which], self.members[which], self.residuals[which])
 
-    def rivals(self) -> NDArray[np.bool_]:
-        """Which two candidates claim the same spot, or are the same (N, N)."""
-        same = (self.members[:, None] == self.members[None]) & (self.members[:, None] >= 0)
-        result: NDArray[np.bool_] = same.any(axis=2)
-        return result
-
 
 def correspond(projections: Sequence[Array], spots: Sequence[Spots], gate_px: float) -> Candidates:
     """All points where spots of two or more views have a reprojection error within the gate.
@@ -52,8 +46,14 @@ def correspond(projections: Sequence[Array], spots: Sequence[Spots], gate_px: fl
     full = _solved(projections, spots, _completed(projections, spots, pairs, gate_px))
     full = full.chosen(full.residuals <= gate_px)
     both = Candidates(*(np.concatenate([getattr(full, f), getattr(pairs, f)]) for f in Candidates.__slots__))
-    order = np.lexsort((both.residuals, -(both.members >= 0).sum(axis=1)))
-    return _distinct(both.chosen(order))
+    kept: list[int] = []
+    for k in np.lexsort((both.residuals, -(both.members >= 0).sum(axis=1))).tolist():
+        seen = both.members[k] >= 0
+        if not any(np.array_equal(both.members[other][seen], both.members[k][seen]) for other in kept):
+            kept.append(k)
+        if len(kept) == MAX_CANDIDATES:
+            break
+    return both.chosen(np.array(kept, dtype=np.int64))
 
 
 def _pairs(counts: Sequence[int]) -> Members:
@@ -100,15 +100,3 @@ def _solved(projections: Sequence[Array], spots: Sequence[Spots], members: Membe
         distance = np.where(depth > 0, np.linalg.norm(offset, axis=1), np.inf)
         residuals = np.maximum(residuals, np.where(seen[:, k], distance, 0.0))
     return Candidates(points, members, residuals)
-
-
-def _distinct(ordered: Candidates) -> Candidates:
-    """The first candidates, without those that only repeat spots of an earlier one."""
-    kept: list[int] = []
-    for k, row in enumerate(ordered.members):
-        seen = row >= 0
-        if not any(np.array_equal(ordered.members[other][seen], row[seen]) for other in kept):
-            kept.append(k)
-        if len(kept) == MAX_CANDIDATES:
-            break
-    return ordered.chosen(np.array(kept, dtype=np.int64))

@@ -59,7 +59,13 @@ def first_identity(candidates: Candidates, gate_px: float) -> MarkerIdentity:
 
     The wrist is the farthest from the other two, and the thumb is nearer to it than the index.
     """
-    return _cheapest(candidates, _costs(candidates, TYPICAL, None, gate_px) + _order_cost(candidates.points))
+    count = len(candidates)
+    apart = _distances(candidates.points)
+    first, second, last = apart[:, :, None], apart[:, None, :], apart[None]
+    ordered = (first > ORDER_MARGIN * second) & (second > ORDER_MARGIN * last)
+    order_cost = np.full((count + 1,) * 3, np.inf)
+    order_cost[:count, :count, :count] = np.where(ordered, 0.0, np.inf)
+    return _cheapest(candidates, _costs(candidates, TYPICAL, None, gate_px) + order_cost)
 
 
 def next_identity(candidates: Candidates, learned: Spans, expected: Array, gate_px: float) -> MarkerIdentity:
@@ -93,38 +99,22 @@ def _own_cost(candidates: Candidates, surprise: Array, gate_px: float) -> Array:
 
 
 def _shape_cost(candidates: Candidates, spans: Spans) -> Array:
-    """The cost of the distances between the markers."""
-    wrist_index, wrist_thumb, index_thumb = (
-        _span_cost(candidates, *it) for it in zip(spans.lengths, spans.sigmas, spans.limits, strict=True)
-    )
-    total: Array = wrist_index[:, :, None] + wrist_thumb[:, None, :] + index_thumb[None]
-    return total
-
-
-def _span_cost(candidates: Candidates, length: float, sigma: float, limits: tuple[float, float]) -> Array:
-    """The cost of the distance of two candidates (N + 1, N + 1); infinite beyond the limits, or with a common spot.
+    """The cost of the distances between the markers; infinite beyond the limits, or for two with a common spot.
 
     It grows quadratically near the known distance, then logarithmically up to a maximum (Cauchy): an opening hand
     changes its shape, but while it keeps it, small differences identify its markers.
     """
-    count = len(candidates)
-    relative = _distances(candidates.points) / length
-    cost = np.zeros((count + 1, count + 1))
-    impossible = candidates.rivals() | (relative < limits[0]) | (relative > limits[1])
-    deviation = np.minimum(2.0 * np.log1p(0.5 * ((relative - 1.0) / sigma) ** 2), MAX_DEVIATION)
-    cost[:count, :count] = np.where(impossible, np.inf, deviation)
-    return cost
-
-
-def _order_cost(points: Array) -> Array:
-    """Infinite for choices (N + 1, N + 1, N + 1) that are not complete or not in the order of a hand's distances."""
-    count = len(points)
-    apart = _distances(points)
-    first, second, last = apart[:, :, None], apart[:, None, :], apart[None]
-    ordered = (first > ORDER_MARGIN * second) & (second > ORDER_MARGIN * last)
-    cost = np.full((count + 1,) * 3, np.inf)
-    cost[:count, :count, :count] = np.where(ordered, 0.0, np.inf)
-    return cost
+    count, members, distances = len(candidates), candidates.members, _distances(candidates.points)
+    rivals = ((members[:, None] == members[None]) & (members[:, None] >= 0)).any(axis=2)
+    costs = np.zeros((len(SPANS), count + 1, count + 1))
+    for cost, length, sigma, (low, high) in zip(costs, spans.lengths, spans.sigmas, spans.limits, strict=True):
+        relative = distances / length
+        impossible = rivals | (relative < low) | (relative > high)
+        deviation = np.minimum(2.0 * np.log1p(0.5 * ((relative - 1.0) / sigma) ** 2), MAX_DEVIATION)
+        cost[:count, :count] = np.where(impossible, np.inf, deviation)
+    wrist_index, wrist_thumb, index_thumb = costs
+    total: Array = wrist_index[:, :, None] + wrist_thumb[:, None, :] + index_thumb[None]
+    return total
 
 
 def _cheapest(candidates: Candidates, costs: Array) -> MarkerIdentity:

@@ -6,7 +6,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from common.geometry import Array
-from local_site.tracking.markers.identity import INDEX, SPANS, THUMB, WRIST, Spans
+from local_site.tracking.markers.identity import INDEX, ROLES, SPANS, THUMB, WRIST, Spans
 from local_site.tracking.tracker import MAX_PREDICTION_NS, extrapolation
 
 MAX_SPREAD = 0.08
@@ -32,18 +32,13 @@ class Learning:
         """How many instants it has."""
         return len(self._lengths)
 
-    def forget(self) -> None:
-        """Discard all instants."""
-        self._lengths.clear()
-        self._sizes.clear()
+    def learn(self, points: Array, sizes: Array) -> MarkedHand | None:
+        """Take the markers (3, 3) of one instant in m, and their diameters (3,) in m.
 
-    def add(self, points: Array, sizes: Array) -> None:
-        """Take the markers (3, 3) of one instant in m, and their diameters (3,) in m."""
+        Returns the hand, once there are enough instants and it has held still in its shape.
+        """
         self._lengths.append(span_lengths(points))
         self._sizes.append(sizes)
-
-    def hand(self) -> MarkedHand | None:
-        """The hand, once there are enough instants and it has held still in its shape."""
         lengths = np.array(self._lengths)
         if len(lengths) < (self._lengths.maxlen or 1):
             return None
@@ -76,23 +71,21 @@ def is_open(points: Array, spans: Spans, open_ratio: float, was_open: bool) -> b
 class Memory:
     """The last two positions of every marker, and their extrapolation at constant velocity for up to 0.2 s."""
 
-    def __init__(self, markers: int = 3) -> None:
-        self._seen: list[list[tuple[int, Array]]] = [[] for _ in range(markers)]
+    def __init__(self) -> None:
+        self._seen: list[list[tuple[int, Array]]] = [[] for _ in ROLES]
 
     def keep(self, t_ns: int, points: Array) -> None:
-        """Take the markers (N, 3) of an instant in m, NaN where one is not seen."""
+        """Take the markers (3, 3) of an instant in m, NaN where one is not seen."""
         for seen, point in zip(self._seen, points, strict=True):
             if np.isfinite(point).all():
                 seen.append((t_ns, point))
                 del seen[:-2]
 
     def expected(self, t_ns: int) -> Array:
-        """The expected positions (N, 3) of the markers in m, NaN for those that were not seen recently."""
-        return np.array([_extrapolated(seen, t_ns) for seen in self._seen])
-
-
-def _extrapolated(seen: list[tuple[int, Array]], t_ns: int) -> Array:
-    if not seen or not 0 < t_ns - seen[-1][0] <= MAX_PREDICTION_NS:
-        return np.full(3, np.nan)
-    (before_ns, before), (last_ns, last) = seen[0], seen[-1]
-    return last + extrapolation(t_ns, last_ns, before_ns) * (last - before)
+        """The expected positions (3, 3) of the markers in m, NaN for those that were not seen recently."""
+        expected = np.full((len(ROLES), 3), np.nan)
+        for role, seen in enumerate(self._seen):
+            if seen and 0 < t_ns - seen[-1][0] <= MAX_PREDICTION_NS:
+                (before_ns, before), (last_ns, last) = seen[0], seen[-1]
+                expected[role] = last + extrapolation(t_ns, last_ns, before_ns) * (last - before)
+        return expected

@@ -1,5 +1,6 @@
 """The marker tracker: three bright markers on wrist, index and thumb in two to four views to their positions."""
 
+import math
 from collections.abc import Sequence
 
 import numpy as np
@@ -7,16 +8,78 @@ import numpy as np
 from common.geometry import Array
 from common.messages.hand import TrackingStatus
 from local_site.calibration.rig import Rig
+from local_site.calibration.triangulation import epipolar_residuals, fundamentals
 from local_site.tracking.config import MarkersConfig
 from local_site.tracking.markers.correspondence import Candidates, correspond
 from local_site.tracking.markers.identity import NO_CANDIDATE, ROLES, MarkerIdentity, first_identity, next_identity
 from local_site.tracking.markers.learned import Learning, MarkedHand, Memory, is_open
 from local_site.tracking.markers.measuring import MarkerMeter, Sighting
-from local_site.tracking.markers.quality import OUT_OF_SYNC, Quality
 from local_site.tracking.markers.spots import NO_SPOTS, SpotFinder, Spots
 from local_site.tracking.tracker import ArmEstimate, Overlay, Views
 
 FORGET_AFTER = 60
+LEAST_RESIDUAL_PX = 0.3
+GATE = 10.0
+REFUSED = 6.0
+DOUBTED = 2.5
+MAX_SIGMA_M = 0.015
+OUT_OF_SYNC = "the views do not fit together: they are out of sync, or a camera has moved since calibration"
+
+
+class Quality:
+    """When to doubt or refuse the measured markers: by the residuals usual for this rig, and its calibrated volume.
+
+    `gate_px` is the largest reprojection error in px at which spots are taken for one marker.
+    """
+
+    def __init__(self, rig: Rig) -> None:
+        self._rig = rig
+        usual = float(np.mean([camera.reprojection_rms_px for camera in rig.cameras]))
+        self._of_pairs = fundamentals(rig.matrices)
+        self._usual_px = float(np.hypot(LEAST_RESIDUAL_PX, usual))
+        self.gate_px = GATE * self._usual_px
+
+    def out_of_sync(self, sightings: Sequence[Sighting | None]) -> bool:
+        """Whether the reprojection errors are too large for one instant and one calibration."""
+        return self._residual_px(sightings) > REFUSED * self._usual_px
+
+    def epipolar_px(self, sightings: Sequence[Sighting | None], spots: Sequence[Spots]) -> float | None:
+        """The rms distance of the markers' spots from each other's epipolar lines, px; None without a marker."""
+        seen = [sighting for sighting in sightings if sighting is not None]
+        if not seen:
+            return None
+        pixels = np.full((len(seen), len(spots), 2), np.nan)
+        for row, sighting in zip(pixels, seen, strict=True):
+            for k, spot in enumerate(sighting.spots):
+                if spot != NO_CANDIDATE:
+                    row[k] = spots[k].pixels[spot]
+        return math.sqrt(float(np.nanmean(np.square(epipolar_residuals(self._of_pairs, pixels)))))
+
+    def remarks(
+        self, sightings: Sequence[Sighting | None], identity: MarkerIdentity, spots: Sequence[Spots]
+    ) -> list[str]:
+        """Why a result is less certain than usual, or incomplete, a sentence each."""
+        remarks = [self._remark(*it) for it in zip(ROLES, sightings, identity.chosen, identity.doubtful, strict=True)]
+        if self._residual_px(sightings) > DOUBTED * self._usual_px:
+            remarks.append("the views fit badly: they may be out of sync")
+        for k, camera in enumerate(self._rig.cameras):
+            if len(spots[k]) and all(s is None or s.spots[k] == NO_CANDIDATE for s in sightings):
+                remarks.append(f"{camera.name}: the spots of this camera do not fit those of the others")
+        return [remark for remark in remarks if remark]
+
+    def _remark(self, name: str, sighting: Sighting | None, chosen: int, doubtful: bool) -> str:
+        if sighting is None:
+            if chosen == NO_CANDIDATE:
+                return f"the {name} marker is hidden"
+            return f"the {name} marker cannot be distinguished from {'another spot' if doubtful else 'its background'}"
+        if not sighting.is_whole:
+            return f"the {name} marker is partly hidden"
+        inside = self._rig.contains(sighting.fix.point)
+        return "" if inside else f"the {name} marker is outside the calibrated volume"
+
+    def _residual_px(self, sightings: Sequence[Sighting | None]) -> float:
+        residuals = [s.residual_px for s in sightings if s is not None]
+        return float(np.sqrt(np.mean(np.square(residuals)))) if residuals else 0.0
 
 
 class MarkerTracker:
@@ -72,14 +135,14 @@ class MarkerTracker:
             return None
         size = None if self._hand is None else float(self._hand.sizes[role])
         sighting = self._meter.measure(candidates, which, spots, size)
-        return sighting if self._quality.is_sure(sighting) else None
+        return sighting if np.sqrt(np.linalg.eigvalsh(sighting.fix.covariance)[-1]) <= MAX_SIGMA_M else None
 
     def _no_markers(self, t_ns: int, candidates: int, spots: Sequence[Spots]) -> ArmEstimate:
         """Bright spots that are not the markers of this hand; after FORGET_AFTER instants another hand is learned."""
         if candidates < len(ROLES) <= min(len(found) for found in spots):
             return _lost(t_ns, OUT_OF_SYNC)
         if self._hand is None:
-            self._learning.forget()
+            self._learning = Learning(self._config.initial_pairs)
             reason = "show wrist, index and thumb marker to all cameras, thumb and index in a U"
             return ArmEstimate(t_ns, TrackingStatus.INITIALISING, reason)
         self._strange = self._strange + 1 if candidates >= len(ROLES) else 0
@@ -116,11 +179,10 @@ class MarkerTracker:
         """Learn from one instant of a hand that is not known yet; returns the progress as a sentence."""
         if doubts:
             return doubts
-        self._learning.add(points, np.array([np.nan if s is None else s.size for s in sightings]))
-        self._hand = self._learning.hand()
+        self._hand = self._learning.learn(points, np.array([np.nan if s is None else s.size for s in sightings]))
         wanted = self._config.initial_pairs
         if self._hand is not None:
-            self._learning.forget()
+            self._learning = Learning(wanted)
             return f"learned the markers from {wanted} pairs"
         if self._learning.count < wanted:
             return f"learning the markers: {self._learning.count} of {wanted} pairs"

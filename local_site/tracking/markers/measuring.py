@@ -88,11 +88,6 @@ class Sighting:
     fractions: Array
 
     @property
-    def sigma_m(self) -> float:
-        """The standard deviation along the least certain direction, m."""
-        return float(np.sqrt(np.linalg.eigvalsh(self.fix.covariance)[-1]))
-
-    @property
     def is_whole(self) -> bool:
         """Whether all views that see the marker show all of it and nothing bright beside it."""
         seen = self.fractions[np.isfinite(self.fractions)]
@@ -117,18 +112,12 @@ class MarkerMeter:
         fractions = np.full(len(members), np.nan)
         fractions[seen] = 1.0 if size is None else (diameters / size) ** 2
         pixels = np.array([spots[k].pixels[members[k]] for k in seen])
-        sigmas = np.array([self._sigma(k, spots[k].sigmas[members[k]]) for k in seen])
+        noises = [(spots[k].sigmas[members[k]], self._calibration_px[k]) for k in seen]
+        sigmas = np.array([np.sqrt(noise**2 + SAMPLING_SIGMA_PX**2 + rms**2) for noise, rms in noises])
         if size is not None:
-            sigmas = np.hypot(sigmas, _hidden_sigma(fractions[seen], 0.5 * size * scales))
+            missing = np.abs(1.0 - fractions[seen])
+            hidden = np.where(missing > FRACTION_NOISE, HIDDEN_SHIFT * (0.5 * size * scales) * missing, 0.0)
+            sigmas = np.hypot(sigmas, hidden)
         fix = fix_marker(self._projections[seen], pixels, sigmas, start)
         residual_px = float(candidates.residuals[which])
         return Sighting(fix, tuple(int(m) for m in members), residual_px, float(np.median(diameters)), fractions)
-
-    def _sigma(self, view: int, noise: float) -> float:
-        return float(np.sqrt(noise**2 + SAMPLING_SIGMA_PX**2 + self._calibration_px[view] ** 2))
-
-
-def _hidden_sigma(fractions: Array, radii_px: Array) -> Array:
-    """The additional standard deviation in px of the centroid of a partly hidden marker."""
-    missing = np.abs(1.0 - fractions)
-    return np.where(missing > FRACTION_NOISE, HIDDEN_SHIFT * radii_px * missing, 0.0)

@@ -1,4 +1,7 @@
-"""The arm as two closed triangular meshes, scaled to lengths and girths (section 2.1.1 of the report), and rendered."""
+"""The arm: two links joined at the elbow, their pose in the camera's frame, and their meshes, rendered.
+
+The meshes are closed and triangular, and scaled to lengths and girths (section 2.1.1 of the report).
+"""
 
 import math
 from dataclasses import dataclass
@@ -7,19 +10,81 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.interpolate import PchipInterpolator
 
-from common.geometry import Array
+from common.geometry import Array, rotation_from_vector, vector_from_rotation
 from local_site.calibration.physical_camera import Lens
-from local_site.kernels.rasterising import NOTHING, Raster, Triangles, rasterise
+from local_site.kernels.rasterising import NOTHING, Triangles, rasterise
 from local_site.tracking.config import ForearmConfig, UpperArmConfig
 from local_site.tracking.monocular.picture import Box
-from local_site.tracking.monocular.pose import ArmPose, Link
 
+DAMPING = 0.7
 MM = 1e-3
 RINGS, SECTORS = 24, 48
 CAP_RINGS = 4
 TURN = 2.0 * math.pi
 MARGIN_PX = 24
 DEPTH_STEP_PX = 2
+
+Link = tuple[Array, Array]
+
+
+@dataclass(frozen=True, slots=True)
+class ArmPose:
+    """The shoulder (3,) in m and `camera_R_link` (3, 3) of upper arm and forearm; links run along their z."""
+
+    shoulder: Array
+    upper_arm: Array
+    forearm: Array
+    upper_arm_length: float
+
+    @property
+    def elbow(self) -> Array:
+        """The joint between the links (3,), m."""
+        result: Array = self.shoulder + self.upper_arm_length * self.upper_arm[:, 2]
+        return result
+
+    @property
+    def links(self) -> tuple[Link, Link]:
+        """Joint (3,) and rotation (3, 3) of upper arm and forearm."""
+        return (self.shoulder, self.upper_arm), (self.elbow, self.forearm)
+
+    def on_upper_arm(self, point: Array) -> Array:
+        """A point (3,) of the upper arm's frame in the camera's, m."""
+        result: Array = self.shoulder + self.upper_arm @ point
+        return result
+
+    def on_forearm(self, point: Array) -> Array:
+        """A point (3,) of the forearm's frame in the camera's, m."""
+        result: Array = self.elbow + self.forearm @ point
+        return result
+
+    def moved(self, translation: Array, upper_turn: Array, forearm_turn: Array) -> "ArmPose":
+        """The pose after a translation (3,) in m of the shoulder and small rotations (3,) in rad of both links, about
+        the camera's axes (eq. 1-4)."""
+        return ArmPose(
+            self.shoulder + translation,
+            rotation_from_vector(upper_turn) @ self.upper_arm,
+            rotation_from_vector(forearm_turn) @ self.forearm,
+            self.upper_arm_length,
+        )
+
+
+def predicted(before: ArmPose, last: ArmPose) -> ArmPose:
+    """The next pose if the last motion continues, damped."""
+    return last.moved(
+        DAMPING * (last.shoulder - before.shoulder),
+        DAMPING * vector_from_rotation(last.upper_arm @ before.upper_arm.T),
+        DAMPING * vector_from_rotation(last.forearm @ before.forearm.T),
+    )
+
+
+def facing(along: Array, turn: float) -> Array:
+    """`camera_R_link` of a link along a direction (3,) with its palm parallel to the image, rotated about it by `turn`
+    in rad; undefined for a link along the optical axis."""
+    z = along / np.linalg.norm(along)
+    deep = np.array([0.0, 0.0, 1.0]) - z[2] * z
+    deep /= np.linalg.norm(deep)
+    rotation: Array = np.column_stack([np.cross(deep, z), deep, z]) @ rotation_from_vector(np.array([0.0, 0.0, turn]))
+    return rotation
 
 
 @dataclass(frozen=True, slots=True)
@@ -141,8 +206,9 @@ class ArmView:
         self._vertices = np.vstack([mesh.vertices for mesh in self._meshes])
         self._normals = np.vstack([mesh.normals for mesh in self._meshes])
 
-    def box(self, pose: ArmPose, width: int, height: int) -> Box | None:
-        """The part of a picture of this size that contains the arm with a margin; None if it is out of the picture."""
+    def box(self, pose: ArmPose, shape: tuple[int, ...]) -> Box | None:
+        """The part of a picture (H, W) that contains the arm with a margin; None if it is out of the picture."""
+        height, width = shape
         x, y, z = self._in_camera(pose).T.copy()
         if not (np.isfinite(z).all() and z.min() > 0):
             return None
@@ -159,17 +225,23 @@ class ArmView:
         raster = rasterise(pixels, in_camera[:, 2].copy(), self._triangles, *size)
         return Depths(raster.inverse_depth, self._focal / step, (self._principal - box[:2] + 0.5) / step - 0.5)
 
-    def patches(self, pose: ArmPose, box: Box) -> tuple[Patch, Patch]:
+    def patches(self, pose: ArmPose, box: Box) -> list[Patch]:
         """The visible part of both links, in every pixel of a part of the picture."""
         in_camera = self._in_camera(pose)
         pixels = self._pixels(in_camera) - box[:2]
         size = box[2] - box[0], box[3] - box[1]
         raster = rasterise(pixels, in_camera[:, 2].copy(), self._triangles, *size)
-        upper, forearm = (
-            self._patch((raster.triangle != NOTHING) & ((raster.triangle < self._first) == is_upper), raster, link)
-            for is_upper, link in zip((True, False), pose.links, strict=True)
-        )
-        return upper, forearm
+        patches = []
+        for is_upper, (joint, rotation) in zip((True, False), pose.links, strict=True):
+            mine = (raster.triangle != NOTHING) & ((raster.triangle < self._first) == is_upper)
+            corners, weights = self._triangles[raster.triangle[mine]], raster.barycentric[mine]
+            points, normals = (np.einsum("nk,nkd->nd", weights, of[corners]) for of in (self._vertices, self._normals))
+            normals /= np.linalg.norm(normals, axis=1, keepdims=True)
+            at = points @ rotation.T + joint
+            towards = -np.sum(normals @ rotation.T * at, axis=1) / np.linalg.norm(at, axis=1)
+            rows, columns = np.nonzero(mine)
+            patches.append(Patch(rows, columns, points, normals, towards))
+        return patches
 
     def _in_camera(self, pose: ArmPose) -> Array:
         """All vertices (V, 3) in the camera's frame, m."""
@@ -179,13 +251,3 @@ class ArmView:
     def _pixels(self, in_camera: Array) -> Array:
         pixels: Array = in_camera[:, :2] / in_camera[:, 2:] * self._focal + self._principal
         return pixels
-
-    def _patch(self, mine: NDArray[np.bool_], raster: Raster, link: Link) -> Patch:
-        rows, columns = np.nonzero(mine)
-        corners, weights = self._triangles[raster.triangle[mine]], raster.barycentric[mine]
-        points, normals = (np.einsum("nk,nkd->nd", weights, of[corners]) for of in (self._vertices, self._normals))
-        normals /= np.linalg.norm(normals, axis=1, keepdims=True)
-        joint, rotation = link
-        in_camera = points @ rotation.T + joint
-        towards = -np.sum(normals @ rotation.T * in_camera, axis=1) / np.linalg.norm(in_camera, axis=1)
-        return Patch(rows, columns, points, normals, towards)

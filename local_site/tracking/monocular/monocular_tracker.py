@@ -11,11 +11,16 @@ from local_site.calibration.physical_camera import Undistorter, decomposed
 from local_site.calibration.rig import Rig
 from local_site.kernels.pictures import as_grey
 from local_site.tracking.config import MonocularConfig, Pixel
-from local_site.tracking.monocular.arm_model import MM
-from local_site.tracking.monocular.estimator import EstimatorState, MotionFit
+from local_site.tracking.monocular.arm_model import MM, ArmPose
+from local_site.tracking.monocular.estimator import (
+    EstimatorState,
+    Judgement,
+    MotionFit,
+    Refusal,
+    covariances,
+    judged,
+)
 from local_site.tracking.monocular.frame_tracker import ArmFrameTracker
-from local_site.tracking.monocular.pose import ArmPose
-from local_site.tracking.monocular.quality import Judgement, Refusal, covariances, judged
 from local_site.tracking.monocular.start import SilhouetteStart, starting_pose
 from local_site.tracking.tracker import ArmEstimate, Overlay, View, Views
 
@@ -136,6 +141,13 @@ class MonocularTracker:
         turn = self._camera.camera_R_operator
         self.pose = pose
         in_camera = covariances(pose, spread, {"wrist": wrist, "palm": palm})
+        joints = (pose.shoulder, pose.elbow, pose.on_forearm(wrist))
+        shoulder_px, elbow_px, wrist_px = self._calibrated.distort_pixels(
+            np.array([self._camera.lens.matrix @ p / p[2] for p in joints])[:, :2]
+        )
+        upper, lower = np.array([shoulder_px, elbow_px]), np.array([elbow_px, wrist_px])
+        overlays = [Overlay()] * self._cameras
+        overlays[self.camera] = Overlay(forearm_line=lower, upper_arm_line=upper, elbow=elbow_px, wrist=wrist_px)
         return ArmEstimate(
             t_ns,
             judgement.status,
@@ -144,19 +156,7 @@ class MonocularTracker:
             wrist=self._in_operator(pose.on_forearm(wrist)),
             palm=self._in_operator(pose.on_forearm(palm)),
             covariances={name: turn.T @ matrix @ turn for name, matrix in in_camera.items()},
-            overlays=tuple(self._overlay(pose, k) for k in range(self._cameras)),
-        )
-
-    def _overlay(self, pose: ArmPose, camera: int) -> Overlay:
-        """The links as lines in the camera's own picture; empty for the others."""
-        if camera != self.camera:
-            return Overlay()
-        wrist = pose.on_forearm(np.array([0.0, 0.0, MM * self._config.forearm.length_mm]))
-        shoulder, elbow, hand = self._calibrated.distort_pixels(
-            np.array([self._camera.lens.matrix @ p / p[2] for p in (pose.shoulder, pose.elbow, wrist)])[:, :2]
-        )
-        return Overlay(
-            forearm_line=np.array([elbow, hand]), upper_arm_line=np.array([shoulder, elbow]), elbow=elbow, wrist=hand
+            overlays=tuple(overlays),
         )
 
     def _in_operator(self, in_camera: Array) -> Array:

@@ -18,34 +18,17 @@ from local_site.kernels.pictures import Levels, greys_at
 from local_site.tracking.config import MonocularConfig
 from local_site.tracking.features.features import Features
 from local_site.tracking.features.silhouette import Silhouette
-from local_site.tracking.monocular.arm_model import MM, Mesh, Profile, forearm_mesh, upper_arm_mesh
-from local_site.tracking.monocular.pose import ArmPose, Link, facing
+from local_site.tracking.monocular.arm_model import MM, ArmPose, Link, Profile, facing, forearm_mesh, upper_arm_mesh
 
 INSIDE_PX = 1.0
 
-
-@dataclass(frozen=True, slots=True)
-class Sides:
-    """Both sides of a link's outline: pixels (2, N, 2) of its sections, in order along the link."""
-
-    pixels: Array
-
-    @property
-    def polygon(self) -> NDArray[np.float32]:
-        """The closed outline (2N, 1, 2), as an OpenCV contour."""
-        ring = np.concatenate([self.pixels[0], self.pixels[1, ::-1]])
-        return ring.astype(np.float32)[:, None]
-
-    def hides(self, points: Array) -> NDArray[np.bool_]:
-        """Which pixels (..., 2) lie well inside it."""
-        polygon, pixels = self.polygon, points.reshape(-1, 2).tolist()
-        inside = [cv2.pointPolygonTest(polygon, (x, y), True) > INSIDE_PX for x, y in pixels]
-        return np.array(inside).reshape(points.shape[:-1])
+Mask = NDArray[np.bool_]
 
 
-def sides_of(profile: Profile, link: Link, lens: Lens) -> Sides:
-    """The points where lines of sight are tangent to a link's elliptic sections; NaN for a link seen from inside.
+def sides_of(profile: Profile, link: Link, lens: Lens) -> Array:
+    """Both sides (2, N, 2) of a link's outline in px, in order along it; NaN for a link seen from inside.
 
+    These are the points where lines of sight are tangent to its elliptic sections.
     The taper, which is neglected, moves the outline by less than a tenth of a pixel.
     """
     joint, rotation = link
@@ -57,7 +40,15 @@ def sides_of(profile: Profile, link: Link, lens: Lens) -> Sides:
     along = np.broadcast_to(profile.along, turns.shape)
     points = np.stack([profile.across * np.cos(turns), profile.deep * np.sin(turns), along], axis=-1)
     in_camera = points @ rotation.T + joint
-    return Sides(in_camera[..., :2] / in_camera[..., 2:] * (lens.fx, lens.fy) + (lens.cx, lens.cy))
+    pixels: Array = in_camera[..., :2] / in_camera[..., 2:] * (lens.fx, lens.fy) + (lens.cx, lens.cy)
+    return pixels
+
+
+def hidden(points: Array, sides: Array) -> Mask:
+    """Which pixels (..., 2) lie well inside a link's outline (2, N, 2)."""
+    outline = np.concatenate([sides[0], sides[1, ::-1]]).astype(np.float32)[:, None]
+    inside = [cv2.pointPolygonTest(outline, (x, y), True) > INSIDE_PX for x, y in points.reshape(-1, 2).tolist()]
+    return np.array(inside).reshape(points.shape[:-1])
 
 
 TILT_SIGMA, FREE_TILT_SIGMA = math.radians(8.0), math.radians(25.0)
@@ -76,8 +67,6 @@ ELBOW, DEPTH, UPPER, FOREARM, TURN, GIRTHS = slice(0, 2), 2, slice(3, 5), slice(
 TILTS = [4, 6]
 TRIED_TILTS = ((0.0, 0.0), (0.35, 0.35), (-0.35, 0.35), (0.35, -0.35), (-0.35, -0.35))
 STEP = 1e-5
-
-Mask = NDArray[np.bool_]
 
 
 @dataclass(frozen=True, slots=True)
@@ -113,24 +102,21 @@ class OutlineFitter:
         self._lens, self._palm_turn = lens, math.radians(config.start.palm_turn_deg)
         self._upper_arm, self._forearm = upper_arm_mesh(config.upper_arm), forearm_mesh(config.forearm)
         self._wrist = np.array([0.0, 0.0, self._forearm.length])
-        knuckles = self._forearm.length + PALM_FRACTION * MM * config.forearm.palm_length_mm
-        self._profiles = self._upper_arm.sections, _up_to(self._forearm, knuckles)
+        of, knuckles = self._forearm.sections, self._forearm.length + PALM_FRACTION * MM * config.forearm.palm_length_mm
+        kept = of.along <= knuckles
+        self._profiles = self._upper_arm.sections, Profile(of.along[kept], of.across[kept], of.deep[kept])
 
     def fit(self, features: Features) -> OutlineFit:
         """The pose whose outline is nearest to the silhouette's, starting from its features."""
         near = _Target(features, _distances(features.silhouette), TILT_SIGMA)
-        free = self._freely(replace(near, tilt_sigma=FREE_TILT_SIGMA))
-        unknowns, jacobian, _ = self._solved(free, near)
-        return self._result(unknowns, jacobian, near, free)
-
-    def _freely(self, target: _Target) -> Array:
-        """The best unknowns (10,) from starts with every sign of the tilts: each has its own local minimum."""
-        first, solutions = self._first(target.features), []
-        for tilts in TRIED_TILTS:
+        first, solutions = self._first(features), []
+        for tilts in TRIED_TILTS:  # each sign of the tilts has its own local minimum
             tilted = first.copy()
             tilted[TILTS] = tilts
-            solutions.append(self._solved(tilted, target))
-        return min(solutions, key=lambda solution: solution[2])[0]
+            solutions.append(self._solved(tilted, replace(near, tilt_sigma=FREE_TILT_SIGMA)))
+        free = min(solutions, key=lambda solution: solution[2])[0]
+        unknowns, jacobian, _ = self._solved(free, near)
+        return self._result(unknowns, jacobian, near, free)
 
     def _solved(self, unknowns: Array, target: _Target) -> tuple[Array, Array, float]:
         """The unknowns (10,), the residuals' Jacobian (R, 10) there, and half the sum of their squares.
@@ -151,9 +137,8 @@ class OutlineFitter:
         shoulder, elbow, wrist = (self._slope(pixel) for pixel in (guess.shoulder_end, guess.elbow, guess.wrist))
         upper, lower = elbow - shoulder, wrist - elbow
         depth = self._forearm.length / float(np.linalg.norm(lower))
-        angles = (math.atan2(along[1], along[0]) for along in (upper, lower))
+        upper_angle, lower_angle = (math.atan2(along[1], along[0]) for along in (upper, lower))
         across, down = elbow.tolist()
-        upper_angle, lower_angle = angles
         return np.array([across, down, math.log(depth), upper_angle, 0, lower_angle, 0, self._palm_turn, 0, 0])
 
     def _slope(self, pixel: Array) -> Array:
@@ -173,25 +158,22 @@ class OutlineFitter:
         pose = self._pose(unknowns)
         return np.concatenate([pose.shoulder, pose.elbow, pose.on_forearm(self._wrist)])
 
-    def _sides(self, unknowns: Array) -> tuple[Sides, Sides]:
-        upper, forearm = (
+    def _sides(self, unknowns: Array) -> list[Array]:
+        return [
             sides_of(Profile(of.along, (1.0 + girth) * of.across, (1.0 + girth) * of.deep), link, self._lens)
             for of, girth, link in zip(self._profiles, unknowns[GIRTHS], self._pose(unknowns).links, strict=True)
-        )
-        return upper, forearm
+        ]
 
     def _seen(self, unknowns: Array, shape: tuple[int, ...]) -> tuple[Mask, Mask]:
         """Which points of both links' outlines lie in the picture and not inside the other link."""
         upper, forearm = self._sides(unknowns)
-        return _inside(upper, shape) & ~forearm.hides(upper.pixels), _inside(forearm, shape) & ~upper.hides(
-            forearm.pixels
-        )
+        return _inside(upper, shape) & ~hidden(upper, forearm), _inside(forearm, shape) & ~hidden(forearm, upper)
 
     def _residuals(self, unknowns: Array, target: _Target, seen: tuple[Mask, Mask]) -> Array:
         """The robust distance of each outline point from the silhouette's edge, and the priors' residuals."""
         pairs = zip(self._sides(unknowns), seen, strict=True)
         off = np.concatenate(
-            [np.where(mask, _distances_at(target.distances, of.pixels), 0.0).ravel() for of, mask in pairs]
+            [np.where(mask, _distances_at(target.distances, sides), 0.0).ravel() for sides, mask in pairs]
         )
         expected = np.concatenate(
             [
@@ -216,7 +198,7 @@ class OutlineFitter:
     def _result(self, unknowns: Array, jacobian: Array, target: _Target, free: Array) -> OutlineFit:
         seen = self._seen(unknowns, target.distances.shape)
         pairs = zip(self._sides(unknowns), seen, strict=True)
-        off = np.concatenate([_distances_at(target.distances, of.pixels)[mask] for of, mask in pairs])
+        off = np.concatenate([_distances_at(target.distances, sides)[mask] for sides, mask in pairs])
         joints = self._joints(unknowns)
         moves = np.column_stack([(self._joints(unknowns + h) - joints) / STEP for h in STEP * np.eye(len(SCALES))])
         spread = moves @ np.linalg.pinv(jacobian.T @ jacobian) @ moves.T
@@ -236,13 +218,6 @@ def _direction(angle: float, tilt: float) -> Array:
     return np.array([flat * math.cos(angle), flat * math.sin(angle), math.sin(tilt)])
 
 
-def _up_to(mesh: Mesh, end: float) -> Profile:
-    """A link's sections up to a position along it, m."""
-    of = mesh.sections
-    kept = of.along <= end
-    return Profile(of.along[kept], of.across[kept], of.deep[kept])
-
-
 def _distances(silhouette: Silhouette) -> Levels:
     """The distance of each pixel (H, W) to the silhouette's edge, px; negative outside."""
     filled = np.zeros(silhouette.grey.shape, np.uint8)
@@ -257,9 +232,9 @@ def _distances_at(distances: Levels, pixels: Array) -> Array:
     return greys_at(distances, x, y).reshape(pixels.shape[:-1])
 
 
-def _inside(sides: Sides, shape: tuple[int, ...]) -> Mask:
+def _inside(sides: Array, shape: tuple[int, ...]) -> Mask:
     height, width = shape
-    x, y = sides.pixels[..., 0], sides.pixels[..., 1]
+    x, y = sides[..., 0], sides[..., 1]
     result: Mask = (x > BORDER_PX) & (x < width - 1 - BORDER_PX) & (y > BORDER_PX) & (y < height - 1 - BORDER_PX)
     return result
 

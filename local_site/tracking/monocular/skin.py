@@ -12,9 +12,8 @@ from numpy.typing import NDArray
 
 from common.geometry import Array
 from local_site.kernels.compiled import compiled
-from local_site.tracking.monocular.arm_model import Depths, Mesh
+from local_site.tracking.monocular.arm_model import Depths, Link, Mesh
 from local_site.tracking.monocular.equations import Surface
-from local_site.tracking.monocular.pose import Link
 
 Mask = NDArray[np.bool_]
 
@@ -35,19 +34,16 @@ class Skin:
         self.points, self.normals = np.empty((0, 3)), np.empty((0, 3))
         self.fine, self.coarse = np.empty(0), np.empty(0)
 
-    def in_view(self, link: Link, depths: Depths, facing: float, most: int) -> NDArray[np.intp]:
-        """The numbers of at most `most` points that face the camera (-n.v > `facing`) and are not occluded.
+    def surface_in_view(self, link: Link, depths: Depths, facing: float, most: int, is_coarse: bool) -> Surface:
+        """At most `most` points that face the camera (-n.v > `facing`) and are not occluded, at one of the levels.
 
         They are spread over the visible part; if there are many more, only a regular sample is tested.
         """
         view = depths.focal, depths.principal, depths.inverse
         every = max(len(self.points) // (SAMPLED * most), 1)
         seen = np.flatnonzero(_in_view(self.points, self.normals, link, view, facing, every))
-        return seen[:: max(len(seen) // most, 1)][:most]
-
-    def surface(self, numbers: NDArray[np.intp], is_coarse: bool) -> Surface:
-        """The points of these numbers, with their reflectances at the coarse or fine level."""
-        return Surface(self.points[numbers], self.normals[numbers], (self.coarse if is_coarse else self.fine)[numbers])
+        seen = seen[:: max(len(seen) // most, 1)][:most]
+        return Surface(self.points[seen], self.normals[seen], (self.coarse if is_coarse else self.fine)[seen])
 
     def unknown(self, points: Array) -> Mask:
         """Which points (N, 3) in m of the link are not learned yet."""

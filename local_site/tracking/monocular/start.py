@@ -11,11 +11,9 @@ from local_site.calibration.rig import CameraCalibration
 from local_site.tracking.config import MonocularConfig
 from local_site.tracking.features.features import Features
 from local_site.tracking.features.view_meter import ViewMeter
-from local_site.tracking.monocular.arm_model import MM
+from local_site.tracking.monocular.arm_model import MM, ArmPose, facing
 from local_site.tracking.monocular.outline_fit import OutlineFit, OutlineFitter
-from local_site.tracking.monocular.pose import ArmPose, facing
-from local_site.tracking.reasons import TrackingReason
-from local_site.tracking.tracker import View
+from local_site.tracking.tracker import TrackingReason, View
 
 MOST_UNEQUAL = 1.15
 
@@ -62,23 +60,20 @@ class SilhouetteStart:
         if t_ns < self._due_ns:
             return self._problem
         self._due_ns = t_ns + TRY_EVERY_NS
-        found = self._tried(view)
-        return self.refuse(found) if isinstance(found, str) else found
+        self._meter.forget()
+        features = self._meter.features(View(view.current), None)
+        if isinstance(features, str):
+            return self.refuse(features)
+        if features.upper_arm is None:
+            return self.refuse(TrackingReason.NO_UPPER_ARM)
+        fit = self._fitter.fit(features)
+        problem = problem_of(fit, features)
+        return self.refuse(problem) if problem else fit.pose
 
     def refuse(self, reason: str) -> str:
         """The reason against the picture tried last, reported until the next attempt."""
         self._problem = f"no arm to start from yet: {reason}"
         return self._problem
-
-    def _tried(self, view: View) -> ArmPose | str:
-        self._meter.forget()
-        features = self._meter.features(View(view.current), None)
-        if isinstance(features, str):
-            return features
-        if features.upper_arm is None:
-            return TrackingReason.NO_UPPER_ARM
-        fit = self._fitter.fit(features)
-        return problem_of(fit, features) or fit.pose
 
 
 def problem_of(fit: OutlineFit, features: Features) -> str:

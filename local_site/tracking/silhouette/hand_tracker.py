@@ -9,9 +9,8 @@ from statistics import median
 import numpy as np
 
 from common.geometry import Array
-from local_site.tracking.silhouette.hand_model.fit import HandFit, HandView, fit_hand
+from local_site.tracking.silhouette.hand_model.fit import Effort, HandFit, HandView, fit_hand, search_hand
 from local_site.tracking.silhouette.hand_model.habits import Belief, Habits, LimbEvidence, near_last
-from local_site.tracking.silhouette.hand_model.search import Effort, search_hand
 from local_site.tracking.silhouette.hand_model.skeleton import HandPose, Person, rotation_vector, turned
 from local_site.tracking.silhouette.tips import INDEX, THUMB, Tip, find_tips
 
@@ -95,18 +94,24 @@ class HandTracker:
         if self._habits.is_closed(fit.pose.posture) or not self.known:
             self._habits.learn_fit(fit)
         self._open = self._habits.is_open(fit.pose.posture, self._open)
-        return _estimate(views, fit, self._open)
+        index, thumb = find_tips(views, fit.spheres, (INDEX, THUMB))
+        return HandEstimate(fit.pose.wrist, index, thumb, self._open)
 
     def _fit(self, views: Sequence[HandView], arm: LimbEvidence, person: Person) -> HandFit:
         if self._last is None:
             return self._searched(views, arm, person) if self.known else self._first_search(views, arm, person)
-        fit = self._followed(views, arm, person)
-        other = self._second_opinion(views, arm, person)
+        last, wrist = self._last
+        carried = last.pose._replace(wrist=last.pose.wrist + arm.wrist - wrist)
+        fit = self._followed(views, arm, person, carried)
+        other = self._second_opinion(views, arm, person, carried)
         if other.cost < CLEARLY_BETTER * fit.cost:
             fit = other
         usual = median(self._costs)
         if fit.cost > WORSE_FACTOR * usual + WORSE_MARGIN:
-            fit = min(fit, self._with_fingers_toggled(views, arm, person), key=_cost)
+            # From the last rotation with the fingers opened if they were closed, or as usual if they were open.
+            belief = self._habits.closed if self._open else self._habits.opened
+            start = carried._replace(posture=belief.posture)
+            fit = min(fit, fit_hand(views, start, arm.prior(belief, start), person, REFIT_ITERATIONS), key=_cost)
         if fit.cost > BAD_FACTOR * usual + BAD_MARGIN and self._opinions % SEARCH_EVERY == 0:
             fit = min(fit, self._search(views, arm, person), key=_cost)
         return fit if fit.cost <= MAX_COST else min(fit, self._searched(views, arm, person), key=_cost)
@@ -130,47 +135,30 @@ class HandTracker:
         effort = Effort(AGAIN_ROLLS, AGAIN_KEPT, (0.0,), AGAIN_OFFSETS[turn % len(AGAIN_OFFSETS)])
         return search_hand(views, arm.far_end, arm.prior(belief), person, effort)
 
-    def _followed(self, views: Sequence[HandView], arm: LimbEvidence, person: Person) -> HandFit:
+    def _followed(self, views: Sequence[HandView], arm: LimbEvidence, person: Person, carried: HandPose) -> HandFit:
         """From the last pose, moved with the wrist, at constant angular velocity."""
-        start = self._carried(arm)
         size = float(np.linalg.norm(self._turn))
-        rotation = turned(self._turn * min(1.0, MAX_TURN_AHEAD / max(size, 1e-9))) @ start.rotation
-        start = start._replace(rotation=rotation)
+        rotation = turned(self._turn * min(1.0, MAX_TURN_AHEAD / max(size, 1e-9))) @ carried.rotation
+        start = carried._replace(rotation=rotation)
         prior = arm.prior(near_last(self._belief(), start.posture), start)
         return fit_hand(views, start, prior, person, ITERATIONS)
 
-    def _second_opinion(self, views: Sequence[HandView], arm: LimbEvidence, person: Person) -> HandFit:
+    def _second_opinion(
+        self, views: Sequence[HandView], arm: LimbEvidence, person: Person, carried: HandPose
+    ) -> HandFit:
         """From a start near the last pose, different each time: tracking may stay in a local minimum otherwise."""
         self._opinions += 1
         axis, positive = divmod(self._opinions % (2 * len(OPINIONS)), 2)
         turn, change = OPINIONS[axis]
         sign = 1.0 if positive else -1.0
         belief = self._belief()
-        start = self._carried(arm)
         posture = belief.posture.copy()
         posture[: len(change)] += sign * np.array(change)
-        start = start._replace(rotation=start.rotation @ turned(sign * np.array(turn)), posture=posture)
+        start = carried._replace(rotation=carried.rotation @ turned(sign * np.array(turn)), posture=posture)
         return fit_hand(views, start, arm.prior(belief, start), person, OPINION_ITERATIONS)
 
     def _belief(self) -> Belief:
         return self._habits.opened if self._open else self._habits.closed
-
-    def _with_fingers_toggled(self, views: Sequence[HandView], arm: LimbEvidence, person: Person) -> HandFit:
-        """From the last rotation with the fingers opened if they were closed, or as usual if they were open."""
-        belief = self._habits.closed if self._open else self._habits.opened
-        start = self._carried(arm)._replace(posture=belief.posture)
-        return fit_hand(views, start, arm.prior(belief, start), person, REFIT_ITERATIONS)
-
-    def _carried(self, arm: LimbEvidence) -> HandPose:
-        if self._last is None:
-            raise RuntimeError("no hand to track")
-        fit, wrist = self._last
-        return fit.pose._replace(wrist=fit.pose.wrist + arm.wrist - wrist)
-
-
-def _estimate(views: Sequence[HandView], fit: HandFit, hand_open: bool) -> HandEstimate:
-    index, thumb = find_tips(views, fit.spheres, (INDEX, THUMB))
-    return HandEstimate(fit.pose.wrist, index, thumb, hand_open)
 
 
 def _cost(fit: HandFit) -> float:

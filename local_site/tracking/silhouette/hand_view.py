@@ -11,7 +11,6 @@ from local_site.calibration.triangulation import focal_length
 from local_site.kernels.compiled import compiled
 from local_site.kernels.pictures import grey_at
 from local_site.tracking.features.features import Features
-from local_site.tracking.features.silhouette import Silhouette
 from local_site.tracking.silhouette.hand_model.fit import HandView
 
 MIN_PIXELS = 24
@@ -29,23 +28,18 @@ def make_hand_view(projection: Array, view: Features, wrist: Array) -> HandView 
     contour, silhouette = view.hand, view.silhouette
     if contour is None or len(contour) < MIN_PIXELS:
         return None
-    field, origin = _distance_field(silhouette, contour)
-    depth = float(projection[2, :3] @ wrist + projection[2, 3])
-    focal_px = focal_length(projection)
-    sigma = math.hypot(PIXEL_SIGMA, MODEL_SIGMA_M * focal_px / max(depth, 1e-6))
-    outline = _refined(silhouette.grey, contour) + view.hand_shift
-    step = max(1, round(len(outline) / PIXELS_WANTED))
-    pixels, origin = np.ascontiguousarray(outline[::step]), origin + view.hand_shift
-    return HandView(projection, focal_px, pixels, field, origin, sigma, outline, silhouette.grey, view.hand_shift)
-
-
-def _distance_field(silhouette: Silhouette, contour: Array) -> tuple[np.ndarray, Array]:
     height, width = silhouette.grey.shape
     x0, y0 = (max(int(v), 0) for v in contour.min(axis=0) - MARGIN_PX)
     x1, y1 = (min(int(v), limit) for v, limit in zip(contour.max(axis=0) + MARGIN_PX, (width, height), strict=True))
     inside = cv2.threshold(silhouette.grey[y0:y1, x0:x1], silhouette.level, 1, cv2.THRESH_BINARY)[1]
     field = cv2.distanceTransform(inside, cv2.DIST_L2, 3) - cv2.distanceTransform(1 - inside, cv2.DIST_L2, 3)
-    return field, np.array([x0, y0], dtype=np.float64)
+    depth = float(projection[2, :3] @ wrist + projection[2, 3])
+    focal_px = focal_length(projection)
+    sigma = math.hypot(PIXEL_SIGMA, MODEL_SIGMA_M * focal_px / max(depth, 1e-6))
+    outline = _refined(silhouette.grey, contour) + view.hand_shift
+    step = max(1, round(len(outline) / PIXELS_WANTED))
+    pixels, origin = np.ascontiguousarray(outline[::step]), np.array([x0, y0], dtype=np.float64) + view.hand_shift
+    return HandView(projection, focal_px, pixels, field, origin, sigma, outline, silhouette.grey, view.hand_shift)
 
 
 @compiled

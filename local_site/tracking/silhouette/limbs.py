@@ -104,10 +104,11 @@ def _shift(view: SilhouetteLimb, elbow: Array, line: Array, sides: Array, depth_
     The limb is assumed to be round: the offset shrinks as the view turns from beside to behind. 0 where that skin is
     not seen.
     """
-    shown = _shown(view, elbow, line, towards_back)
+    motion, scale = image_motion(view.projection, elbow, towards_back), px_per_m(view, elbow)
+    shown = (line[1, 0] * motion[1] - line[1, 1] * motion[0]) / scale
     skin = sides[1] if shown > 0 else sides[0]
     half = abs(line[1, 0] * (skin[1] - line[0, 1]) - line[1, 1] * (skin[0] - line[0, 0]))
-    return 0.0 if math.isnan(half) else shown * (half - depth_m * px_per_m(view, elbow))
+    return 0.0 if math.isnan(half) else shown * (half - depth_m * scale)
 
 
 @compiled
@@ -115,13 +116,6 @@ def px_per_m(view: SilhouetteLimb, point: Array) -> float:
     """The scale of the view in px per m at a point (3,)."""
     m = view.projection
     return float(view.focal_px / (m[2, 0] * point[0] + m[2, 1] * point[1] + m[2, 2] * point[2] + m[2, 3]))
-
-
-@compiled
-def _shown(view: SilhouetteLimb, elbow: Array, line: Array, offset: Array) -> float:
-    """The component along a line's normal of the image of an offset (3,) at the elbow, in m."""
-    motion = image_motion(view.projection, elbow, offset)
-    return float((line[1, 0] * motion[1] - line[1, 1] * motion[0]) / px_per_m(view, elbow))
 
 
 @compiled

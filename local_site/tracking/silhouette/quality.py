@@ -12,9 +12,9 @@ from local_site.calibration.triangulation import fundamental_matrix
 from local_site.kernels.compiled import compiled
 from local_site.tracking.features.features import Features
 from local_site.tracking.features.silhouette import Silhouette
-from local_site.tracking.reasons import TrackingReason
 from local_site.tracking.silhouette.joints import Joints, plane_normal
 from local_site.tracking.silhouette.limbs import Limbs, unit
+from local_site.tracking.tracker import TrackingReason
 
 MAX_MISFIT = 2.5
 MAX_ELBOW_SIGMA = 0.10
@@ -106,11 +106,12 @@ def objection(joints: Joints | None) -> TrackingReason | None:
 def doubts(rig: Rig, views: Limbs, features: Sequence[Features], joints: Joints) -> list[TrackingReason]:
     """Why elbow and wrist are less certain than usual."""
     reasons = []
-    if all(f.upper_arm is None for f in features):
+    bends = [(f.upper_arm.direction, f.forearm.direction) for f in features if f.upper_arm is not None]
+    if not bends:
         reasons.append(TrackingReason.NO_UPPER_ARM)
-    elif _nearly_straight(features):
+    elif max(abs(float(upper[0] * fore[1] - upper[1] * fore[0])) for upper, fore in bends) < MIN_BEND_SINE:
         reasons.append(TrackingReason.NEARLY_STRAIGHT)
-    elif any(_folded(f) for f in features):
+    elif any(float(upper @ fore) > MAX_FOLD_COSINE for upper, fore in bends):
         reasons.append(TrackingReason.FOLDED)
     plane_sine, foreshortening = _sights(views, joints.elbow, joints.wrist)
     if plane_sine < MIN_PLANE_SINE:
@@ -120,17 +121,6 @@ def doubts(rig: Rig, views: Limbs, features: Sequence[Features], joints: Joints)
     if not rig.contains(joints.wrist):
         reasons.append(TrackingReason.OUTSIDE_VOLUME)
     return reasons
-
-
-def _nearly_straight(features: Sequence[Features]) -> bool:
-    """Whether no view shows a bend."""
-    pairs = [(f.upper_arm.direction, f.forearm.direction) for f in features if f.upper_arm is not None]
-    sines = [abs(float(upper[0] * fore[1] - upper[1] * fore[0])) for upper, fore in pairs]
-    return max(sines, default=0.0) < MIN_BEND_SINE
-
-
-def _folded(view: Features) -> bool:
-    return view.upper_arm is not None and float(view.upper_arm.direction @ view.forearm.direction) > MAX_FOLD_COSINE
 
 
 @compiled

@@ -15,17 +15,15 @@ from local_site.tracking.config import SilhouetteConfig
 from local_site.tracking.features.features import Features
 from local_site.tracking.features.posture import Posture
 from local_site.tracking.features.view_meter import ViewMeter
-from local_site.tracking.reasons import TrackingReason, sentence
 from local_site.tracking.silhouette.hand_model.fit import MAX_VIEWS, MIN_VIEWS
 from local_site.tracking.silhouette.hand_model.habits import LimbEvidence
 from local_site.tracking.silhouette.hand_tracker import HandEstimate
 from local_site.tracking.silhouette.hand_view import make_hand_view
 from local_site.tracking.silhouette.joints import Joints, elbow_covariance, sleeve_end, solve_joints, wrist_covariance
-from local_site.tracking.silhouette.learning import BodyLearning
 from local_site.tracking.silhouette.limbs import Limbs, limbs_of
-from local_site.tracking.silhouette.operator_profile import OperatorProfile
+from local_site.tracking.silhouette.operator_profile import BodyLearning, OperatorProfile
 from local_site.tracking.silhouette.quality import Tangency, doubts, objection
-from local_site.tracking.tracker import ArmEstimate, Overlay, Views, extrapolation
+from local_site.tracking.tracker import ArmEstimate, Overlay, TrackingReason, Views, extrapolation
 
 MAX_PREDICTED_SIGMA = 0.015
 MAX_TANGENT_RESIDUAL, DOUBTED_TANGENT_RESIDUAL = 0.4, 0.12
@@ -86,7 +84,7 @@ class SilhouetteTracker:
         seen = tuple(k for k, found in enumerate(measured) if isinstance(found, Features))
         features = tuple(found for found in measured if isinstance(found, Features))
         if len(seen) < MIN_VIEWS:
-            return self._lost(views.t_ns, sentence(found for found in measured if isinstance(found, str)))
+            return self._lost(views.t_ns, "; ".join(found for found in measured if isinstance(found, str)))
         # Between two exposures the features are interpolated, but an outline cannot be.
         exposed = all(views.views[k].weight >= 1.0 for k in seen)
         residual_px = self._tangency.residual_px(seen, [f.silhouette for f in features]) if exposed else None
@@ -111,7 +109,11 @@ class SilhouetteTracker:
             self._learning.hand.forget()
             return None
         far_end = triangulate(matrices, [_farthest(f) for f in features])
-        return self._learning.track_hand(views, LimbEvidence(joints.wrist, _wrist_prior(joints), joints.elbow, far_end))
+        arm = joints.wrist - joints.elbow
+        axis = arm / max(float(np.linalg.norm(arm)), 1e-6)
+        # Before the hand is fitted, the wrist is less certain along the forearm's axis.
+        wrist_covariance = ACROSS_SIGMA**2 * np.eye(3) + ALONG_SIGMA**2 * np.outer(axis, axis)
+        return self._learning.track_hand(views, LimbEvidence(joints.wrist, wrist_covariance, joints.elbow, far_end))
 
     def _found(self, moment: _Moment) -> ArmEstimate:
         status, reason = self._judge(moment)
@@ -151,7 +153,7 @@ class SilhouetteTracker:
             to_sleeve_m = math.nan if sleeve is None else float(np.linalg.norm(sleeve - elbow))
             return self._learning.learn(float(np.linalg.norm(moment.wrist - elbow)), to_sleeve_m, reasons)
         if reasons:
-            return TrackingStatus.DEGRADED, sentence(reasons)
+            return TrackingStatus.DEGRADED, "; ".join(reasons)
         return TrackingStatus.TRACKED, TrackingReason.THUMB_INFERRED if _thumb_inferred(moment) else ""
 
     def _lost(self, t_ns: int, reason: str, residual_px: float | None = None) -> ArmEstimate:
@@ -182,14 +184,6 @@ class SilhouetteTracker:
 
 def _thumb_inferred(moment: _Moment) -> bool:
     return moment.hand is not None and moment.hand.thumb.views < MIN_VIEWS
-
-
-def _wrist_prior(joints: Joints) -> Array:
-    """The wrist's covariance (3, 3) in m² before the hand is fitted: it is less certain along the forearm's axis."""
-    arm = joints.wrist - joints.elbow
-    axis = arm / max(float(np.linalg.norm(arm)), 1e-6)
-    result: Array = ACROSS_SIGMA**2 * np.eye(3) + ALONG_SIGMA**2 * np.outer(axis, axis)
-    return result
 
 
 def _farthest(view: Features) -> Array:

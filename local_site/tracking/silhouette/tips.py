@@ -78,7 +78,8 @@ def find_tips(views: Sequence[HandView], spheres: HandSpheres, fingers: Sequence
         tip = (spheres.centres[sphere], spheres.centres[sphere - 1], float(spheres.radii[sphere]))
         shift, spread, seen = _settle(padded(views), tuple(capsules), CAPSULES[:, 1] == sphere, tip)
         point = spheres.tip(sphere) + shift
-        sight = np.mean([_sight(v.projection, point) for v in views], axis=0)
+        rays = [point + np.linalg.solve(v.projection[:, :3], v.projection[:, 3]) for v in views]
+        sight = np.mean([ray / np.linalg.norm(ray) for ray in rays], axis=0)
         tips.append(Tip(point, _covariance(finger, shift, spread, seen, sight), seen))
     return tips
 
@@ -91,13 +92,6 @@ def _covariance(finger: Finger, shift: Array, spread: Array, seen: int, sight: A
         variance += finger.hidden_sigmas_m[seen] ** 2
     depth = finger.depth_sigma_m**2 * np.outer(sight, sight)
     result: Array = finger.edges * spread + variance * np.eye(3) + depth
-    return result
-
-
-def _sight(projection: Array, point: Array) -> Array:
-    """The unit vector (3,) from a camera to a point (3,)."""
-    ahead = point + np.linalg.solve(projection[:, :3], projection[:, 3])
-    result: Array = ahead / np.linalg.norm(ahead)
     return result
 
 

@@ -17,9 +17,9 @@ class C500cConfig(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fiel
     answer_ms: Annotated[
         float, Meta(ge=20, le=200, description="without an answer for this long a request is repeated")
     ] = 25.0
-    silent_ms: Annotated[float, Meta(ge=100, le=2000, description="no answer for this long is a fault of the link")] = (
-        200.0
-    )
+    silent_ms: Annotated[
+        float, Meta(ge=100, le=400, description="no answer for this long is a fault of the link; so are four periods")
+    ] = 200.0
     grip_percent: Annotated[int, Meta(ge=1, le=100, description="force with which the gripper closes")] = 50
     hold_percent: Annotated[
         int, Meta(ge=1, le=75, description="force after strong_grip_s; more overheats the gripper")

@@ -7,6 +7,7 @@ import numpy as np
 from common.clock import NS_PER_MS, NS_PER_S, Clock
 from common.errors import DriverError
 from common.geometry import Array
+from common.messages.robot import GripperCommand
 from remote_site.drivers.c500c.config import C500cConfig
 from remote_site.drivers.c500c.exchange import Exchange, is_up
 from remote_site.drivers.c500c.port import Port
@@ -100,7 +101,7 @@ class C500cDriver:
         self._count = (self._count + 1) & 0xFFFF
         self._seqs[self._count] = command.seq
         joints, percent = tuple(command.q.tolist()), self._grip_percent(command)
-        self._exchange.send(Kind.SETPOINT, Setpoint(self._count, joints, command.gripper_open, percent).payload)
+        self._exchange.send(Kind.SETPOINT, Setpoint(self._count, joints, command.gripper, percent).payload)
         self._pump()
         return command
 
@@ -134,9 +135,11 @@ class C500cDriver:
             self._seqs = {count: seq for count, seq in self._seqs.items() if seq >= self._obeyed}
 
     def _grip_percent(self, command: JointCommand) -> int:
-        """Full force only for a limited time: above 75 % the gripper gets hot."""
+        """Full force only for a limited time: above 75 % the gripper gets hot; no force with KEEP, which sends none."""
         config = self._config
-        if command.gripper_open:
+        if command.gripper is GripperCommand.KEEP:
+            return 0
+        if command.gripper is GripperCommand.OPEN:
             self._closed_ns = None
             return config.grip_percent
         self._closed_ns = command.t_ns if self._closed_ns is None else self._closed_ns

@@ -10,6 +10,7 @@ import numpy as np
 
 from common.clock import NS_PER_MS, NS_PER_S
 from common.geometry import Array
+from common.messages.robot import GripperCommand
 from remote_site.drivers.c500c.playing import Player
 from remote_site.drivers.c500c.protocol import Activation, ControllerState, Fault, Flag, Kind, ProtocolFrame, Setpoint
 from remote_site.safety.stopping import JointStop, joint_stop
@@ -18,6 +19,7 @@ TICK_NS = 5 * NS_PER_MS
 DT = TICK_NS / NS_PER_S
 WATCHDOG_NS = 200 * NS_PER_MS
 ACTIVATION_RAD = 0.02
+STRONG_PERCENT, STRONG_S = 75, 15.0  # a stronger grip overheats the gripper, whoever has commanded it
 
 
 @dataclass(frozen=True, slots=True)
@@ -39,14 +41,21 @@ class _Gripper:
     aim_open: bool = True
     percent: int = 0
     delay_s: float = 0.0
+    strong_s: float = 0.0
 
-    def order(self, *, is_open: bool, percent: int) -> None:
+    def order(self, command: GripperCommand, percent: int) -> None:
+        if command is GripperCommand.KEEP:
+            return
+        is_open = command is GripperCommand.OPEN
         if is_open is not self.aim_open:
             self.delay_s = self.emulated.gripper_delay_s
         self.aim_open, self.percent = is_open, percent
 
     def tick(self) -> None:
         self.delay_s = max(0.0, self.delay_s - DT)
+        self.strong_s = self.strong_s + DT if self.percent > STRONG_PERCENT and not self.aim_open else 0.0
+        if self.strong_s > STRONG_S:
+            self.percent = STRONG_PERCENT
         if self.delay_s == 0.0:
             goal = self.emulated.widest_m if self.aim_open else self.emulated.object_m
             step = self.emulated.gripper_m_s * DT
@@ -125,15 +134,15 @@ class EmulatedController:
                 self._activate(Activation.parse(frame.payload))
             elif frame.kind is Kind.HALT:
                 self.halt()
-        except struct.error:
-            return  # another length than its kind has: answered with the state, but not obeyed
+        except (struct.error, ValueError):
+            return  # not as its kind is built: answered with the state, but not obeyed
 
     def _take(self, setpoint: Setpoint) -> None:
         if not self.active or setpoint.count == self._last_setpoint:
             return
         if self.player.add(setpoint.count, np.array(setpoint.joints)):
             self._last_setpoint = setpoint.count
-            self.gripper.order(is_open=setpoint.gripper_open, percent=setpoint.grip_percent)
+            self.gripper.order(setpoint.gripper, setpoint.grip_percent)
 
     def _activate(self, activation: Activation) -> None:
         if activation.count == self.activation or self._brake is not None or self.emergency_stop:

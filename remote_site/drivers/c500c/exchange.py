@@ -24,7 +24,8 @@ class _Request:
 class TransmitQueue:
     """What waits for the line: a halt goes before an activation, an activation before the setpoints in their order.
 
-    No setpoint is left out: the arm would make two steps in the time of one.
+    No setpoint is left out: the arm would make two steps in the time of one. But none outlives a halt or an activation:
+    it would move the arm and its gripper as was commanded before.
     """
 
     def __init__(self) -> None:
@@ -37,9 +38,11 @@ class TransmitQueue:
         return kind in self._urgent
 
     def append(self, kind: Kind, payload: bytes) -> None:
-        """Queue a message; a halt or an activation drops the setpoints. DriverError when setpoints pile up."""
+        """Queue a message; a halt drops all others, an activation the setpoints. DriverError when setpoints pile up."""
         if kind is not Kind.SETPOINT:
             self._setpoints.clear()
+            if kind is Kind.HALT:
+                self._urgent.clear()
             self._urgent[kind] = payload
         elif len(self._setpoints) < MOST_WAITING:
             self._setpoints.append(payload)
@@ -48,6 +51,8 @@ class TransmitQueue:
 
     def put_back(self, payload: bytes, now_ns: int) -> None:
         """Send a setpoint again, a little later: the controller had no room for it."""
+        if self._urgent:
+            return
         self._setpoints.appendleft(payload)
         self._retry_ns = now_ns + RETRY_NS
 

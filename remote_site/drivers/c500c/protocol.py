@@ -10,6 +10,8 @@ from dataclasses import dataclass
 from enum import IntEnum, IntFlag
 from typing import Self
 
+from common.messages.robot import GripperCommand
+
 START = 0xA5
 HEAD_BYTES, CRC_BYTES = 4, 2
 JOINTS = 6
@@ -105,16 +107,19 @@ class Parser:
         return [ProtocolFrame(body[1], Kind(body[2]), body[3:])]
 
 
+GRIPPER_COMMANDS = (GripperCommand.KEEP, GripperCommand.OPEN, GripperCommand.CLOSED)  # by their byte on the line
+
+
 @dataclass(frozen=True, slots=True)
 class Setpoint:
-    """Joints in rad, to be reached a period after the last setpoint, and the gripper: open, at a fraction of its force.
+    """Joints in rad, to be reached a period after the last setpoint, and the gripper's command, at a fraction of force.
 
     `count` rises by one each new setpoint, so that one sent again is not queued twice.
     """
 
     count: int
     joints: tuple[float, ...]
-    gripper_open: bool
+    gripper: GripperCommand
     grip_percent: int
 
     FORMAT = struct.Struct(f"<H{JOINTS}iBB")
@@ -123,13 +128,15 @@ class Setpoint:
     def payload(self) -> bytes:
         """The bytes of the payload."""
         joints = (round(angle / RAD) for angle in self.joints)
-        return self.FORMAT.pack(self.count & 0xFFFF, *joints, self.gripper_open, self.grip_percent)
+        return self.FORMAT.pack(self.count & 0xFFFF, *joints, GRIPPER_COMMANDS.index(self.gripper), self.grip_percent)
 
     @classmethod
     def parse(cls, payload: bytes) -> Self:
-        """Parse a payload; struct.error when it has another length."""
-        count, *joints, gripper_open, percent = cls.FORMAT.unpack(payload)
-        return cls(count, tuple(angle * RAD for angle in joints), bool(gripper_open), percent)
+        """Parse a payload; struct.error when it has another length, ValueError at no command of the gripper."""
+        count, *joints, gripper, percent = cls.FORMAT.unpack(payload)
+        if gripper >= len(GRIPPER_COMMANDS):
+            raise ValueError(f"{gripper} is no command of the gripper; give 0 to keep, 1 to open or 2 to close it")
+        return cls(count, tuple(angle * RAD for angle in joints), GRIPPER_COMMANDS[gripper], percent)
 
 
 @dataclass(frozen=True, slots=True)

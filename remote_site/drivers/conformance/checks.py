@@ -8,9 +8,13 @@ import numpy as np
 from common.clock import NS_PER_MS, NS_PER_S
 from common.errors import DriverError
 from common.geometry import Array
+from common.messages.robot import GripperCommand
+from remote_site.drivers.conformance.gripper_checks import gripper, keeps_gripper
 from remote_site.drivers.conformance.trial import SPEED_RAD_S, STEP_MS, WINDOW_MS, Failed, Skipped, Trial
 from remote_site.drivers.driver import JointCommand, RobotReading
 from remote_site.drivers.faults import FaultCode
+from remote_site.drivers.supervisor.following_check import FollowingCheck
+from remote_site.drivers.supervisor.reading_check import ReadingCheck
 from remote_site.drivers.supervisor.watched_driver import DEADLINE_NS
 from remote_site.kinematics.joints import JointMotion
 from remote_site.safety.stopping import stop_time, stops
@@ -60,6 +64,39 @@ def follows(trial: Trial) -> None:
         _goes_to(trial, goal)
     if trial.supervisor.obeyed.seq is None or trial.supervisor.obeyed.seq > trial.last_seq:
         raise Failed(f"obeyed_seq is {trial.last().obeyed_seq}, none that it was given")
+
+
+def lag(trial: Trial) -> None:
+    """No joint follows later than is declared: each is where it was commanded within the robot's longest lag."""
+    trial.activated()
+    check, since = FollowingCheck(trial.driver.capabilities, trial.setup.joint_names), len(trial.log)
+    check.restart(trial.q0, trial.clock.now_ns())
+    trial.move(trial.jog(), 1000 + trial.lag_ms)
+    worst = np.zeros(len(trial.q0))
+    for (now_ns, commanded), reading in zip(trial.commanded[since:], trial.log[since:], strict=True):
+        check.note(commanded, now_ns)
+        worst = np.maximum(worst, check.excess(reading.q))
+    if worst.max() > REACHED_RAD:
+        raise Failed(
+            f"{_worst(trial, worst)} is {worst.max():.3f} rad from all that was commanded in the last "
+            f"{check.lag_ns / NS_PER_MS:.0f} ms; declare in lag_ms by how much later it follows"
+        )
+    _healthy(trial)
+
+
+def stamps(trial: Trial) -> None:
+    """Readings carry the time at which they were measured, and new ones keep coming."""
+    trial.activated()
+    since_ns = trial.last().t_ns
+    trial.in_motion()
+    allowed_ns = ReadingCheck(trial.driver.capabilities, trial.setup).oldest_ns
+    times = np.array([reading.t_ns for reading in trial.log if reading.t_ns >= since_ns])
+    pause_ns = int(np.diff(times, append=trial.clock.now_ns()).max())
+    if pause_ns > allowed_ns / 2:
+        raise Failed(
+            f"nothing was measured for {pause_ns / NS_PER_MS:.0f} ms by its t_ns, and after "
+            f"{allowed_ns / NS_PER_MS:.0f} ms that is a fault"
+        )
 
 
 def rate(trial: Trial) -> None:
@@ -200,11 +237,15 @@ CHECKS: tuple[Check, ...] = (
     life_cycle,
     other_robot,
     read_never_invents,
+    stamps,
     follows,
+    lag,
     rate,
     limits,
     stop,
     idempotent_stop,
+    gripper,
+    keeps_gripper,
     command_timeout,
     watchdog,
     deadline,
@@ -213,7 +254,7 @@ CHECKS: tuple[Check, ...] = (
 
 def _command(trial: Trial) -> JointCommand:
     zero = np.zeros(len(trial.q0))
-    return JointCommand(trial.last_seq + 1, trial.clock.now_ns(), trial.q0, zero, zero, gripper_open=True)
+    return JointCommand(trial.last_seq + 1, trial.clock.now_ns(), trial.q0, zero, zero, GripperCommand.KEEP)
 
 
 def _configure(trial: Trial, names: tuple[str, ...]) -> None:

@@ -8,6 +8,7 @@ import numpy as np
 from common.clock import NS_PER_MS, NS_PER_S, Clock
 from common.errors import DriverError
 from common.geometry import Array
+from common.messages.robot import GripperCommand
 from remote_site.drivers.conformance.driver_under_test import CallMonitor, DriverUnderTest
 from remote_site.drivers.driver import Driver, DriverSetup, JointCommand, RobotReading
 from remote_site.drivers.supervisor.grip import GripSettings, GripWatch
@@ -86,13 +87,16 @@ class Trial:
         self.timer = Timer(stand.clock)
         self.supervisor = DriverSupervisor(self.driver, self.setup, stand.clock, self.timer, GripWatch(GripSettings()))
         self.log: list[RobotReading] = []
+        self.commanded: list[tuple[int, Array]] = []  # time in ns and joints at each reading of the log
         self._start = stand.start
         self._activation = self._seq = 0
         self._follower = JerkLimitedTracker(self.setup.limits, self.setup.dt)
-        capabilities = self.driver.capabilities
-        periods = (capabilities.queued_periods + 2) if capabilities.queued_periods else 1
         self.side = 1.0
-        self.lag_ms = 1000 * periods / capabilities.rate_hz + 50
+
+    @property
+    def lag_ms(self) -> float:
+        """How much later than commanded the robot may be where it was sent, ms."""
+        return 1000 * self.driver.capabilities.longest_lag_s + 50
 
     @property
     def ready(self) -> bool:
@@ -133,7 +137,7 @@ class Trial:
         """Activate, and wait until the robot is ready."""
         self._activation += 1
         zero = np.zeros(len(self.q0))
-        command = JointCommand(self._seq, self.clock.now_ns(), self.q0, zero, zero, gripper_open=True)
+        command = JointCommand(self._seq, self.clock.now_ns(), self.q0, zero, zero, GripperCommand.KEEP)
         self._follower.reset(JointMotion.at_rest(self.q0))
         self.run(STEP_MS, [DriverOrder(self._activation, True, self.supervisor.commanded.stop_count, command)])
         for _ in range(READY_MS // STEP_MS):
@@ -154,23 +158,24 @@ class Trial:
             self.supervisor.step(self.clock.now_ns())
             if self.supervisor.reading is not None:
                 self.log.append(self.supervisor.reading)
+                self.commanded.append((self.clock.now_ns(), self.supervisor.commanded.motion.q))
 
-    def move(self, target: Array, ms: float) -> None:
-        """Command motion to `target` for `ms`, one command a tick."""
+    def move(self, target: Array, ms: float, gripper: GripperCommand = GripperCommand.KEEP) -> None:
+        """Command motion to `target` for `ms`, and the gripper, one command a tick."""
         for _ in range(round(ms / 1000 / self.setup.dt)):
             self._follower.reset(self.supervisor.commanded.motion)
             motion = self._follower.track(target, np.zeros(len(target)))
             if not isinstance(motion, JointMotion):
                 raise Failed(f"no trajectory to {target}: {motion.sentence}")
-            self.command(motion)
+            self.command(motion, gripper)
 
-    def command(self, motion: JointMotion) -> None:
+    def command(self, motion: JointMotion, gripper: GripperCommand = GripperCommand.KEEP) -> None:
         """One command and the tick after it; a late one continues from within the stop, as control does."""
         self._seq += 1
         now_ns, stop = self.clock.now_ns(), self.supervisor.commanded.stop
         if stop is not None:
             motion = stop.at(now_ns)
-        command = JointCommand(self._seq, now_ns, motion.q, motion.dq, motion.ddq, gripper_open=True)
+        command = JointCommand(self._seq, now_ns, motion.q, motion.dq, motion.ddq, gripper)
         self.run(
             self.setup.dt * 1000, [DriverOrder(self._activation, True, self.supervisor.commanded.stop_count, command)]
         )

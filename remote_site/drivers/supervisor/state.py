@@ -7,8 +7,9 @@ class SupervisorState(Enum):
     """How far the robot is from taking commands.
 
     "The stop" is the verified, jerk-limited one that the supervisor plans and writes itself; `Driver.stop` leaves
-    stopping to the robot. A call of the driver fails when it raises or exceeds its deadline. Events that a state does
-    not list change nothing. A latched fault that is not calm is kept when another fault follows.
+    stopping to the robot. A call of the driver fails when it raises or exceeds its deadline; a reading is bad when it
+    cannot be true (`ReadingCheck`). Events that a state does not list change nothing. A latched fault that is not calm
+    is kept when another fault follows.
 
     ===========  ====================  =======================================  ==========  ===========================
     row          state                 event [guard]                            next        action
@@ -16,6 +17,9 @@ class SupervisorState(Enum):
     activate     INACTIVE, ACTIVATING  activation [arm at rest]                 ACTIVATING  Driver.activate
     rejected     INACTIVE, ACTIVATING  activation [arm at rest, call fails]     IDLE        Driver.stop, fault
     arm_moves    INACTIVE, ACTIVATING  activation [arm measured moving]         same        fault REFUSED
+    unread       INACTIVE              activation [no good reading]             same        fault
+    elsewhere    INACTIVE              activation [arm measured elsewhere]      same        fault APART
+    withdrawn    ACTIVATING            activation [either of these]             IDLE        Driver.stop, fault
     too_early    DRIVEN                activation                               STOPPING    begin stop, REFUSED
     answered     ACTIVATING            reading [no fault, arm at q0]            FOLLOWING   clear fault
     apart        ACTIVATING            reading [no fault, arm elsewhere]        IDLE        Driver.stop, APART
@@ -32,6 +36,9 @@ class SupervisorState(Enum):
     silent       ACTIVE                no order for the time-out                STOPPING    begin stop, COMMAND_TIMEOUT
     stopped      STOPPING              stop written to its end, robot settled   HELD        Driver.stop
     robot_fault  DRIVEN                reading [fault]                          IDLE        Driver.stop, fault
+    bad_reading  ACTIVATING, DRIVEN    reading [bad]                            IDLE        Driver.stop, fault
+    bad_at_rest  INACTIVE              reading [bad]                            same        fault
+    astray       DRIVEN                reading [arm off what was written]       IDLE        Driver.stop, NOT_FOLLOWING
     call_fails   ACTIVATING, DRIVEN    read or write fails                      IDLE        Driver.stop, fault
     read_fails   INACTIVE              read fails [not a first one refused]     same        fault
     ===========  ====================  =======================================  ==========  ===========================

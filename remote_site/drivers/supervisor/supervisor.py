@@ -5,11 +5,14 @@ from collections.abc import Sequence
 import numpy as np
 
 from common.clock import Clock
+from common.geometry import Array
 from remote_site.drivers.driver import Driver, DriverSetup, JointCommand, RobotReading
 from remote_site.drivers.faults import APART, NOT_ACTIVATED, STILL_MOVING, STOPPED, FaultCode, RobotFault
 from remote_site.drivers.supervisor.commanded_motion import CommandedMotion
+from remote_site.drivers.supervisor.following_check import FollowingCheck
 from remote_site.drivers.supervisor.grip import GripWatch
 from remote_site.drivers.supervisor.orders import CommandWatchdog, DriverOrder, command_timeout
+from remote_site.drivers.supervisor.reading_check import ReadingCheck
 from remote_site.drivers.supervisor.state import ACTIVE, DRIVEN, INACTIVE, SupervisorState
 from remote_site.drivers.supervisor.watched_driver import CallMark, WatchedDriver
 from remote_site.drivers.supervisor.writer import PacedWriter
@@ -22,13 +25,17 @@ class DriverSupervisor:
     """The state machine that enforces the last limits and the command time-out of any driver, in its clock's time.
 
     `SupervisorState` has the transition table. To be read: `state`, `fault` (None while the robot takes commands),
-    `activation` (the last one handled), `reading` (the last one), `commanded`, `obeyed`, `grip`.
+    `activation` (the last one handled), `reading` (the last good one) and `oldest_ns` (how old it may become),
+    `commanded`, `obeyed`, `grip`.
     """
 
     def __init__(self, driver: Driver, setup: DriverSetup, clock: Clock, mark: CallMark, grip: GripWatch) -> None:
-        self._driver = WatchedDriver(driver, clock, mark)
-        self._watchdog = CommandWatchdog(setup)
-        self._writer = PacedWriter(self._driver, driver.capabilities, setup)
+        capabilities = driver.capabilities
+        readings = ReadingCheck(capabilities, setup)
+        self.oldest_ns = readings.oldest_ns
+        self._driver = WatchedDriver(driver, clock, mark, readings)
+        self._watchdog, self._following = CommandWatchdog(setup), FollowingCheck(capabilities, setup.joint_names)
+        self._writer = PacedWriter(self._driver, capabilities, setup)
         self.commanded = CommandedMotion(self._writer, setup)
         self.obeyed = self._writer.obeyed
         self.grip = grip
@@ -54,6 +61,8 @@ class DriverSupervisor:
         """Write what is due, and read the robot."""
         self.commanded.advance(now_ns)
         failed = self._writer.step(self.commanded.stop, now_ns) if self.state in DRIVEN else None
+        if self.state in DRIVEN:
+            self._following.note(self._writer.written.q, now_ns)
         self._read(now_ns)
         if failed is not None:
             self._fail(failed)  # unless the reading has just given the robot's own reason
@@ -100,17 +109,31 @@ class DriverSupervisor:
             self.state = SupervisorState.FOLLOWING
 
     def _activate(self, order: DriverOrder, now_ns: int) -> None:
-        self.activation = order.activation
-        if self.state in DRIVEN or (self.reading is not None and self.reading.moving):
+        self.activation, q0 = order.activation, order.command.q
+        refused = STILL_MOVING if self.state in DRIVEN else self._unfit(q0)
+        if refused is STILL_MOVING:
             self.stop(STILL_MOVING, now_ns)
             self.fault = STILL_MOVING
             return
-        self.state, self.fault = SupervisorState.ACTIVATING, NOT_ACTIVATED
-        self.commanded.restart(order.command, now_ns)
-        refused = self._driver.activate(order.command.q)
-        if refused is not None:
+        if refused is None:
+            self.state, self.fault = SupervisorState.ACTIVATING, NOT_ACTIVATED
+            self.commanded.restart(order.command, now_ns)
+            self._following.restart(q0, now_ns)
+            refused = self._driver.activate(q0)
+        if refused is not None and self.state is SupervisorState.ACTIVATING:
             self._driver.stop()  # it may be half activated: the robot must not wait for commands that will not come
-            self.state, self.fault = SupervisorState.IDLE, refused
+            self.state = SupervisorState.IDLE
+        self.fault = refused or self.fault
+
+    def _unfit(self, q0: Array) -> RobotFault | None:
+        """Why the robot must not be activated at `q0`: it cannot be read now, moves, or is elsewhere."""
+        reading = self._driver.read()
+        if isinstance(reading, RobotFault):
+            return reading
+        self.reading = reading
+        if reading.moving:
+            return STILL_MOVING
+        return None if np.abs(reading.q - q0).max() <= APART_RAD else APART
 
     def _read(self, now_ns: int) -> None:
         reading = self._driver.read()
@@ -121,13 +144,14 @@ class DriverSupervisor:
         self.reading = reading
         if self.state is SupervisorState.ACTIVATING:
             self._answer(reading)
-        elif reading.fault is not None and self.state in DRIVEN:
-            self._fail(reading.fault)
+        elif self.state in DRIVEN:
+            fault = reading.fault or self._following.judge(reading.q, now_ns)
+            if fault is not None:
+                self._fail(fault)
         if self.state is SupervisorState.IDLE:
             self.commanded.motion = JointMotion.at_rest(reading.q)
         self.obeyed.confirm(reading.obeyed_seq)
-        if reading.gripper is not None:
-            self.grip.observe(reading.gripper, now_ns, wanted_open=self._writer.command.gripper_open)
+        self.grip.observe(reading.gripper, now_ns, self._writer.command.gripper)
 
     def _answer(self, reading: RobotReading) -> None:
         """End the activation when the robot has answered it."""

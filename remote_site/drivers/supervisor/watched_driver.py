@@ -8,6 +8,7 @@ from common.errors import DriverError
 from common.geometry import Array
 from remote_site.drivers.driver import Driver, JointCommand, RobotReading
 from remote_site.drivers.faults import FaultCode, RobotFault
+from remote_site.drivers.supervisor.reading_check import ReadingCheck
 
 DEADLINE_NS = 50 * NS_PER_MS
 
@@ -23,19 +24,20 @@ class CallMark(Protocol):
 class WatchedDriver:
     """The calls of a driver that the supervisor makes; each returns a RobotFault when it raises or takes too long.
 
-    A DriverError becomes a fault REFUSED, anything else that is raised DRIVER, more than 50 ms DEADLINE.
+    A DriverError becomes a fault REFUSED, anything else that is raised DRIVER, more than 50 ms DEADLINE. A reading
+    passes `readings` first.
     """
 
-    def __init__(self, driver: Driver, clock: Clock, mark: CallMark) -> None:
-        self._driver, self._clock, self._mark = driver, clock, mark
+    def __init__(self, driver: Driver, clock: Clock, mark: CallMark, readings: ReadingCheck) -> None:
+        self._driver, self._clock, self._mark, self._readings = driver, clock, mark, readings
 
     def activate(self, q0: Array) -> RobotFault | None:
         """Ask the robot to take commands from rest at `q0`."""
         return self._call("activate", lambda: self._driver.activate(q0))
 
     def read(self) -> RobotReading | RobotFault:
-        """Read the robot."""
-        return self._call("read", self._driver.read)
+        """Read the robot; the fault of a reading that cannot be true."""
+        return self._call("read", lambda: self._readings.judge(self._driver.read(), self._clock.now_ns()))
 
     def write(self, command: JointCommand) -> RobotFault | None:
         """Hand a checked motion to the robot."""

@@ -5,6 +5,7 @@ from dataclasses import replace
 import numpy as np
 
 from common.clock import NS_PER_S
+from common.messages.robot import GripperCommand
 from remote_site.drivers.driver import Capabilities, DriverSetup, JointCommand
 from remote_site.drivers.faults import RobotFault
 from remote_site.drivers.supervisor.stop_plan import StopPlan
@@ -45,7 +46,8 @@ class PacedWriter:
     """Writes to the robot no faster than planned, and to a slow robot no more often than it takes commands.
 
     The plan advances by a tick with each command. A slow robot gets the newest motion once a period, again if it is
-    the same; a fast one gets each motion once, as soon as the scheduler allows.
+    the same; a fast one gets each motion once, as soon as the scheduler allows. To be read: `command` (the newest of
+    control's), `written` (the motion that was written last).
     """
 
     def __init__(self, driver: WatchedDriver, capabilities: Capabilities, setup: DriverSetup) -> None:
@@ -58,7 +60,8 @@ class PacedWriter:
         self._again = False
         self._rested_ns: int | None = None
         self.obeyed = ObeyedCommands()
-        self.command = self._written = JointCommand(0, 0, *(np.zeros(len(setup.joint_names)),) * 3, gripper_open=True)
+        nowhere = np.zeros(len(setup.joint_names))
+        self.command = self.written = JointCommand(0, 0, nowhere, nowhere, nowhere, GripperCommand.KEEP)
 
     @property
     def written_ns(self) -> int:
@@ -72,7 +75,7 @@ class PacedWriter:
 
     def restart(self, command: JointCommand, now_ns: int) -> None:
         """Begin the plan now, with the robot at rest where the command is."""
-        self.command, self._written = command, _with(self._written, JointMotion.at_rest(command.q))
+        self.command, self.written = command, _with(self.written, JointMotion.at_rest(command.q))
         self._due_ns = self.plan_ns = now_ns
         self._rested_ns = None
         self._scheduler.restart(now_ns, now_ns)
@@ -103,17 +106,17 @@ class PacedWriter:
         again, self._again = self._again or self.period_ns > 0, False
         following = self._next(stop, now_ns)
         if following is not None:
-            self._written = following
+            self.written = following
         elif again:
             self._scheduler.repeat(now_ns)
         else:
             return None
-        last, number = self._written, self.obeyed.number(self._written.seq)
-        return self._driver.write(JointCommand(number, now_ns, last.q, last.dq, last.ddq, self.command.gripper_open))
+        last, number = self.written, self.obeyed.number(self.written.seq)
+        return self._driver.write(JointCommand(number, now_ns, last.q, last.dq, last.ddq, self.command.gripper))
 
     def settled(self, now_ns: int) -> bool:
         """Whether a stop that has ended was written to its end, and the robot has had the time to follow."""
-        if not (self.period_ns or self._written.motion.resting):
+        if not (self.period_ns or self.written.motion.resting):
             return False
         self._rested_ns = now_ns if self._rested_ns is None else self._rested_ns
         return now_ns - self._rested_ns >= self._settle_ns

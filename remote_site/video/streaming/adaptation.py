@@ -1,21 +1,66 @@
-"""The quality, size and rate of every camera, from what came to the operator's console and what it shows."""
+"""The codec, quality, size and rate of every camera, from what came to the operator's console and what it shows."""
 
 import statistics
 from collections import deque
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import replace
+from functools import partial
 
-from common.clock import NS_PER_S
+from common.clock import NS_PER_MS, NS_PER_S
 from common.link.channels import SHOWN
-from common.messages.video import VideoFrame, ViewsShown
+from common.messages.robot import VideoLink
+from common.messages.video import Codec, VideoFrame, ViewShown, ViewsShown
 from remote_site.video.config import VideoConfig
-from remote_site.video.streaming.link_rate import Arrivals, LinkRate, SentPictures
-from remote_site.video.streaming.page_rate import PageRate
-from remote_site.video.streaming.setting import StreamSetting, fit
+from remote_site.video.streaming.codec_choice import CodecChoice
+from remote_site.video.streaming.link_rate import USED, Least, LinkRate
+from remote_site.video.streaming.narrow_link import narrow_link
+from remote_site.video.streaming.sent_pictures import SentPictures, together
+from remote_site.video.streaming.setting import StreamSetting, fit, fit_h264, most_h264_bytes
 
 SENDING_NS = NS_PER_S
 FLOOR_BYTES_PER_S = 500.0
 OLDER_CONSOLES = 16
+PAINTS = 0.85  # of what comes: a page that paints less is behind
+BEHIND_MS = 100.0  # and so is one that paints this much later than the pictures come
+BEHIND_REPORTS = 3
+REDUCED = 0.9  # of what it paints while it is behind
+SETTLE_NS = 1500 * NS_PER_MS  # rates are counted over a second
+CAUTION = 0.8, 1.3  # of the rate at which it last fell behind: between these the rate grows slowly
+GROWTH_PER_S, CAUTIOUS_GROWTH_PER_S = 1.6, 1.06
+LEAST_FPS = 5.0
+
+
+class PageRate:
+    """A limit of the rate of every camera; None while the page keeps up with all.
+
+    A page that cannot keep up skips pictures, and each of them has cost the host that draws it processor time.
+    """
+
+    def __init__(self) -> None:
+        self.fps: float | None = None
+        self._behind_reports = 0
+        self._settled_ns = 0
+        self._report_ns = 0
+        self._too_much_fps = 0.0
+
+    def report(self, views: Sequence[ViewShown], full_fps: float, now_ns: int) -> None:
+        """What the page has shown of each camera, and the rate that the cameras have."""
+        passed_ns, self._report_ns = min(now_ns - self._report_ns, NS_PER_S), now_ns
+        painted, came = (statistics.fmean(rates) for rates in zip(*((v.fps, v.came.fps) for v in views), strict=True))
+        lag_ms = statistics.median(view.age_ms - view.came.age_ms for view in views)
+        behind = painted < PAINTS * came or lag_ms > BEHIND_MS
+        self._behind_reports = self._behind_reports + 1 if behind else 0
+        if now_ns < self._settled_ns:
+            return
+        if self._behind_reports >= BEHIND_REPORTS:
+            self._too_much_fps = self.fps or full_fps
+            self.fps = min(max(LEAST_FPS, REDUCED * painted), self._too_much_fps)
+            self._settled_ns = now_ns + SETTLE_NS
+        elif not behind and self.fps is not None:
+            low, high = (fraction * self._too_much_fps for fraction in CAUTION)
+            growth = CAUTIOUS_GROWTH_PER_S if low < self.fps < high else GROWTH_PER_S
+            more = self.fps * growth ** (passed_ns / NS_PER_S)
+            self.fps = more if more < full_fps else None
 
 
 class Adaptation:
@@ -27,41 +72,46 @@ class Adaptation:
     camera has the same bytes a second, and what one does not need goes to the others.
     """
 
-    def __init__(self, config: VideoConfig) -> None:
+    def __init__(self, config: VideoConfig, *, h264: bool) -> None:
+        """`h264` is whether it can be encoded here."""
         self._full = StreamSetting(config.quality, 1.0, config.fps)
+        self._new_choice = partial(CodecChoice, config.codec, encodes=h264)
         self._sent = {camera.name: SentPictures() for camera in config.cameras}
-        self._settings = dict.fromkeys(self._sent, self._full)
-        self._link, self._page = LinkRate(), PageRate()
-        self._console: int | None = None
         self._reported_ns = 0
         self._older: deque[int] = deque(maxlen=OLDER_CONSOLES)
+        self._forget(None)
 
     def sent(self, frame: VideoFrame, now_ns: int) -> None:
         """Note a message that was sent."""
-        if frame.jpeg:
-            relative = self._settings[frame.camera].relative_bytes
-            self._sent[frame.camera].send(frame.seq, len(frame.jpeg), relative, now_ns)
+        if frame.data:
+            self._sent[frame.camera].send(frame, self._settings[frame.camera], now_ns)
 
     def update(self, shown: ViewsShown, now_ns: int) -> None:
         """Take a console's report of what it has shown."""
         if not self._follow(shown.session, now_ns):
             return
+        told_ns = self._told_ns(shown, now_ns)
         views = {name: view for name, view in shown.views.items() if name in self._sent}
-        arrivals = [
-            new for name, view in views.items() if (new := self._sent[name].come(view.came, now_ns)) is not None
-        ]
-        if not arrivals:
-            return
-        self._page.report(list(views.values()), self._full.fps, now_ns)
-        wanted = self._wanted(now_ns)
-        self._link.report(together(arrivals), sum(wanted.values()), now_ns)
-        self._settings = self._chosen(wanted)
+        came = [one for name, view in views.items() if (one := self._sent[name].come(view.came, told_ns)) is not None]
+        if came:
+            self._page.report(list(views.values()), self._full.fps, now_ns)
+            cautious, wanted = self._choice.codec is Codec.H264, sum(self._wanted(now_ns).values())
+            self._link.report(together(came), wanted, told_ns, cautious=cautious)
+        self._choose_codec(decodes=shown.h264, now_ns=now_ns)
+        self._settings = self._chosen(self._wanted(now_ns))
 
     def setting(self, camera: str, now_ns: int) -> StreamSetting:
         """How the camera's next picture is to be sent."""
         if self._console is not None and now_ns - self._reported_ns > SHOWN.stale_after_ns:
             self._forget(None)
         return self._settings[camera]
+
+    def narrow(self, now_ns: int) -> VideoLink | None:
+        """What to report of a link that is too narrow for the pictures; None while it carries all."""
+        carries, wanted = self._link.carries, self._wanted(now_ns)
+        if carries is None or not wanted or carries * USED >= sum(wanted.values()):
+            return None
+        return narrow_link(carries, sum(wanted.values()), self._full, [self._settings[name] for name in wanted])
 
     def _follow(self, session: int, now_ns: int) -> bool:
         """Whether this console counts; the first report of a new one takes over."""
@@ -75,16 +125,38 @@ class Adaptation:
         self._reported_ns = now_ns
         return True
 
+    def _told_ns(self, shown: ViewsShown, now_ns: int) -> int:
+        """When a report would have come without a delay on the way back, which says nothing about the pictures' way."""
+        return shown.sent_ns + round(self._way_back.see(now_ns - shown.sent_ns, now_ns))
+
     def _forget(self, console: int | None) -> None:
         """Reset for another console, or for none."""
         self._console = console
-        self._link, self._page = LinkRate(), PageRate()
-        self._settings = dict.fromkeys(self._sent, self._full)
+        self._link, self._page, self._way_back = LinkRate(), PageRate(), Least()
+        self._choice = self._new_choice()
+        self._settings = dict.fromkeys(self._sent, replace(self._full, codec=self._choice.codec))
         for sent in self._sent.values():
             sent.forget()
 
+    def _choose_codec(self, *, decodes: bool, now_ns: int) -> None:
+        link, wanted = self._link, sum(self._wanted_as_jpeg(now_ns).values())
+        budget = link.budget(wanted)
+        narrow = budget is not None and budget * link.draining < wanted
+        opening, late_ns = link.is_opening, link.full_ns
+        if self._choice.follow(decodes=decodes, opening=opening, narrow=narrow, late_ns=late_ns, now_ns=now_ns):
+            link.assume_free()
+
     def _wanted(self, now_ns: int) -> dict[str, float]:
         """The bytes a second that each camera that sends would take at full quality."""
+        if self._choice.codec is Codec.JPEG:
+            return self._wanted_as_jpeg(now_ns)
+        return {
+            name: self._full.fps * most_h264_bytes(sent.pixels)
+            for name, sent in self._sent.items()
+            if sent.pixels is not None and now_ns - sent.sent_ns < SENDING_NS
+        }
+
+    def _wanted_as_jpeg(self, now_ns: int) -> dict[str, float]:
         per_reference = self._full.relative_bytes * self._full.fps
         return {
             name: sent.reference_bytes * per_reference
@@ -93,15 +165,27 @@ class Adaptation:
         }
 
     def _chosen(self, wanted: Mapping[str, float]) -> dict[str, StreamSetting]:
-        budget = self._link.budget(sum(wanted.values()))
-        paced = self._full if self._page.fps is None else replace(self._full, fps=self._page.fps)
+        link, codec = self._link, self._choice.codec
+        budget = link.budget(sum(wanted.values()))
+        fps = self._full.fps if self._page.fps is None else self._page.fps
+        paced = replace(self._full, fps=fps, codec=codec)
         if budget is None:
+            paced = replace(paced, fps=max(LEAST_FPS, paced.fps * link.draining))
             return dict.fromkeys(self._sent, paced)
+        if codec is Codec.JPEG:
+            budget *= link.draining
         most = max(fair_limit(wanted.values(), budget), FLOOR_BYTES_PER_S)
+        fitted = self._fit_h264 if codec is Codec.H264 else self._fit_jpeg
+        return self._settings | {name: fitted(name, most, wants, paced) for name, wants in wanted.items()}
+
+    def _fit_jpeg(self, name: str, most: float, wants: float, paced: StreamSetting) -> StreamSetting:
         per_reference = self._full.relative_bytes * self._full.fps
-        return self._settings | {
-            name: fit(most, wants / per_reference, paced, self._settings[name]) for name, wants in wanted.items()
-        }
+        return fit(most, wants / per_reference, paced, self._settings[name])
+
+    def _fit_h264(self, name: str, most: float, _wants: float, paced: StreamSetting) -> StreamSetting:
+        """A link that is full is emptied by fewer pictures, since smaller ones would take a new encoder."""
+        fitted = fit_h264(most, self._sent[name].pixels or 1, paced, self._settings[name])
+        return replace(fitted, fps=min(fitted.fps, max(LEAST_FPS, fitted.fps * self._link.draining)))
 
 
 def fair_limit(wanted: Iterable[float], budget: float) -> float:
@@ -113,14 +197,3 @@ def fair_limit(wanted: Iterable[float], budget: float) -> float:
             return limit
         left -= wants
     return budget
-
-
-def together(arrivals: Sequence[Arrivals]) -> Arrivals:
-    """All cameras as one: sums of bytes, medians of times, so that one late camera is not a late link."""
-    return Arrivals(
-        sum(one.sent_bytes for one in arrivals),
-        sum(one.carried_bytes for one in arrivals),
-        sum(one.waiting_bytes for one in arrivals),
-        statistics.median(one.delay_ms for one in arrivals),
-        statistics.median(one.least_age_ms for one in arrivals),
-    )

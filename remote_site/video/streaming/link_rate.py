@@ -1,154 +1,173 @@
 """How much the link to the console carries, from what arrives and how late, and how much of that to use."""
 
+import math
 from collections import deque
-from dataclasses import dataclass
 
 from common.clock import NS_PER_MS, NS_PER_S
-from common.messages.video import ViewCame
+from remote_site.video.streaming.sent_pictures import Arrivals
 
-MOST_WAITING = 256
-AGE_BUCKET_NS = 2 * NS_PER_S
-AGE_BUCKETS = 10
-SMOOTHING = 0.3
-TOO_OLD_MS = 250.0  # late, however old the quickest are: a link that was full at first shows no quick ones
+LEAST_BUCKET_NS = 2 * NS_PER_S
+LEAST_BUCKETS = 10
 USED = 0.7  # of what the link carries
-LATE_MS = 80.0  # behind the quickest pictures
-GROWING = 0.85  # less carried than this fraction of what was sent: it is the link that is late
-LATE_REPORTS, CONSTANT_REPORTS = 2, 5  # until a link counts as full whose queue grows, or is only constant
-OPENING_REPORTS, OPENING_FRACTION = 4, 0.25  # little at first, so that there are quick pictures to compare with
+LONGEST_MS = 500.0  # a link over which the sites connect: that its quickest pictures are older is a queue
+LATE_MS = 80.0  # of queueing delay
+ROOM_MS = 40.0  # more is tried while there is less of it
+ALIKE = 0.7  # of the rate at which it was full before: so it is known
+GROWING = 0.85  # less carried than this fraction of what was sent: the queue grows
+IN_USE = 0.5  # of the budget: what is late although the link has room is late for another reason
+LEAST_LEFT = 0.5  # of the last estimate after one report, since a pause of the link is not a slow link
+PAUSE_NS = 300 * NS_PER_MS  # and two round trips: so long BBR sends next to nothing, every ten seconds
+STANDING_NS = 500 * NS_PER_MS  # and two round trips: until a link counts as full whose queue does not grow
+GONE_NS = NS_PER_S  # after less is sent a queue is gone
+OPENING_REPORTS, OPENING_FRACTION = 3, 0.1  # little at first, so that there are quick pictures to compare with
+QUICKER_MS = 10.0  # than all before: then the first ones may have waited
 WAITING_MS = 100.0  # queueing delay in excess of which less and less is sent, so that the link drains
 DRAINED_MS = 300.0
 LEAST_DRAINING = 0.05
-WINDOW_NS = 250 * NS_PER_MS
+WINDOW_NS = 250 * NS_PER_MS  # and a round trip
 QUIET_NS = 3 * NS_PER_S
 GROWTH_PER_S = 1.6
+CAUTIOUS_GROWTH_PER_S = 1.03  # near the rate at which it was full twice; more quality is worth no late pictures
 GROWTH_BEYOND_PER_S = 6.0
-BEYOND = 1.5  # of what it carried when last it was late: the link has changed, find out quickly
+KNOWN = 2.0  # times what it carries now: nothing shows that a link carries more
+BEYOND = 1.5  # more comes than when it was full: the link has changed, find out quickly
 ENOUGH = 1.1
 LEAST_BYTES_PER_S = 10_000.0
 
 
-@dataclass(frozen=True, slots=True)
-class Arrivals:
-    """What one report adds about the pictures that were new in it.
-
-    Since the last report `sent_bytes` went out and `carried_bytes` came; `waiting_bytes` are still in the link.
-    `delay_ms` is how much later than the quickest they came, and `least_age_ms` how old the quickest are.
-    """
-
-    sent_bytes: int
-    carried_bytes: int
-    waiting_bytes: int
-    delay_ms: float
-    least_age_ms: float
-
-
-class SentPictures:
-    """What was sent of one camera; bytes count as carried once a picture sent with or after them has come.
-
-    `reference_bytes` is what a picture of quality 80 at full size takes, None before the first; `sent_ns` is when the
-    last one was sent.
-    """
+class Least:
+    """The least value of the last twenty seconds."""
 
     def __init__(self) -> None:
-        self.reference_bytes: float | None = None
-        self.sent_ns = 0
-        self._waiting: deque[tuple[int, int]] = deque(maxlen=MOST_WAITING)  # number and bytes
-        self._least_ages: deque[tuple[int, float]] = deque(maxlen=AGE_BUCKETS)
-        self._come_seq = -1
-        self._sent_bytes = 0
+        self._buckets: deque[tuple[int, float]] = deque()
+        self.value = math.inf
 
-    def send(self, seq: int, size: int, relative_bytes: float, now_ns: int) -> None:
-        """A picture of `size` bytes went out; its setting makes `relative_bytes` of the reference's size."""
-        self._waiting.append((seq, size))
-        self.sent_ns = now_ns
-        self._sent_bytes += size
-        reference = size / relative_bytes
-        known = reference if self.reference_bytes is None else self.reference_bytes
-        self.reference_bytes = known + SMOOTHING * (reference - known)
-
-    def come(self, came: ViewCame, now_ns: int) -> Arrivals | None:
-        """What a console reports of this camera; None when nothing new has come."""
-        if came.seq <= self._come_seq:
-            return None
-        self._come_seq = came.seq
-        carried, sent, self._sent_bytes = 0, self._sent_bytes, 0
-        while self._waiting and self._waiting[0][0] <= came.seq:
-            carried += self._waiting.popleft()[1]
-        least_ms, waiting = self._least_age(came.age_ms, now_ns), sum(size for _, size in self._waiting)
-        return Arrivals(sent, carried, waiting, max(came.age_ms - least_ms, came.age_ms - TOO_OLD_MS), least_ms)
-
-    def forget(self) -> None:
-        """Another console reports, or none: nothing that it has shown counts any more."""
-        self._waiting.clear()
-        self._least_ages.clear()
-        self._come_seq = -1
-        self._sent_bytes = 0
-
-    def _least_age(self, age_ms: float, now_ns: int) -> float:
-        """The least age of the last twenty seconds: the latency when nothing waits."""
-        bucket = now_ns // AGE_BUCKET_NS
-        while self._least_ages and self._least_ages[0][0] <= bucket - AGE_BUCKETS:
-            self._least_ages.popleft()
-        if self._least_ages and self._least_ages[-1][0] == bucket:
-            self._least_ages[-1] = (bucket, min(age_ms, self._least_ages[-1][1]))
-        else:
-            self._least_ages.append((bucket, age_ms))
-        return min(age for _, age in self._least_ages)
+    def see(self, value: float, now_ns: int) -> float:
+        """The least so far, this value included."""
+        bucket = now_ns // LEAST_BUCKET_NS
+        while self._buckets and self._buckets[0][0] <= bucket - LEAST_BUCKETS:
+            self._buckets.popleft()
+        if self._buckets and self._buckets[-1][0] >= bucket:
+            bucket, least = self._buckets.pop()
+            value = min(value, least)
+        self._buckets.append((bucket, value))
+        self.value = min(least for _, least in self._buckets)
+        return self.value
 
 
 class LinkRate:
     """An estimate of the link's rate, bytes a second; None while nothing has been late, when all is sent.
 
-    What comes out of a link in which pictures wait is what the link carries. While none wait it is unknown whether it
-    carries more; after three quiet seconds a little more is tried, until all fits or something is late again.
-    Pictures that are late although all that is sent arrives are late for another reason, such as a busy host.
+    One principle, that of delay-based congestion control (LEDBAT, RFC 6817; GCC, draft-ietf-rmcat-gcc-02; BBR): a
+    queue is what a picture takes beyond the least of the last twenty seconds, however long the way itself is. While
+    there is one, what comes is what the link carries; and before anything waits, a link holds that rate times its
+    least round trip.
+
+    The link is full when pictures have been late for longer than a pause of TCP (BBR measures the round trip every ten
+    seconds: 200 ms and two round trips) and less comes than is sent, or when they have been late for some time without
+    that. Pictures that are late although they were sent a second after the rate was reduced wait in no queue: the way
+    has become longer, and the least is taken anew. Meanwhile `draining` is the fraction of the budget that empties the
+    link, at once and without a judgement.
+
+    While nothing is late it is unknown whether the link carries more; after three quiet seconds a little more is tried,
+    until all fits or pictures are late again. `full_ns` is when they were last late.
     """
 
     def __init__(self) -> None:
         self._carries: float | None = None
         self._when_full = 0.0
-        self._full_ns = 0
-        self._is_full = False
-        self._count = 0
-        self._late_reports = 0
-        self._draining = 1.0
+        self._is_known = False
+        self.full_ns = 0
+        self.draining = 1.0
+        self._opened_ns: int | None = None
+        self._settled = 0
+        self._least_delay, self._least_round_trip = Least(), Least()
+        self._in_time_ns = 0
+        self._reduced_ns: int | None = None
         self._reports: deque[tuple[int, Arrivals]] = deque()
 
-    def report(self, arrivals: Arrivals, wanted_bytes_per_s: float, now_ns: int) -> None:
-        """What the console has shown, and how many bytes a second full quality would take."""
+    def report(self, arrivals: Arrivals, wanted_bytes_per_s: float, now_ns: int, *, cautious: bool) -> None:
+        """What the console told, how many bytes a second full quality would take, and how to try more."""
         before_ns = self._reports[-1][0] if self._reports else now_ns
-        self._count += 1
+        before_ms = self._least_delay.value
+        delay_ms = min(LONGEST_MS, self._least_delay.see(arrivals.delay_ms, now_ns))
+        round_trip_ms = min(LONGEST_MS, self._least_round_trip.see(arrivals.round_trip_ms, now_ns))
+        round_trip_ns = round(round_trip_ms * NS_PER_MS)
         self._reports.append((now_ns, arrivals))
-        while self._reports[0][0] < now_ns - WINDOW_NS:
+        while self._reports[0][0] < now_ns - WINDOW_NS - round_trip_ns:
             self._reports.popleft()
-        late = max(arrivals.delay_ms, _excess_ms(arrivals, self._rate())) > LATE_MS
-        self._late_reports = self._late_reports + 1 if late else 0
-        self._is_full = late and (self._is_full or self._became_full())
-        if self._is_full:
-            self._carries = self._when_full = max(self._rate(), LEAST_BYTES_PER_S)
-            self._full_ns = now_ns
-        elif self._carries is not None and now_ns - self._full_ns > QUIET_NS:
-            self._try_more(self._carries, wanted_bytes_per_s, now_ns - before_ns)
+        if self.is_opening:
+            self._open(before_ms - arrivals.delay_ms, arrivals.round_trip_ms, now_ns)
+        queue_ms = max(arrivals.delay_ms - delay_ms, arrivals.overdue_ms - round_trip_ms)
+        if queue_ms <= LATE_MS:
+            self._in_time_ns, self._reduced_ns = now_ns, None
+            if self._carries is not None and now_ns - self.full_ns > QUIET_NS and queue_ms < ROOM_MS:
+                self._try_more(self._carries, wanted_bytes_per_s, (now_ns - before_ns) / NS_PER_S, cautious=cautious)
+        else:
+            self._judge(now_ns - self._in_time_ns - 2 * round_trip_ns, now_ns)
         if self._carries is not None:
-            excess_ms = _excess_ms(arrivals, self._carries)
-            self._draining = min(1.0, max(LEAST_DRAINING, 1.0 - (excess_ms - WAITING_MS) / DRAINED_MS))
+            queue_ms = 1000.0 * arrivals.waiting_bytes / self._carries - round_trip_ms
+        self.draining = min(1.0, max(LEAST_DRAINING, 1.0 - (queue_ms - WAITING_MS) / DRAINED_MS))
+
+    @property
+    def is_opening(self) -> bool:
+        """Whether too little has come to know anything, or pictures still become quicker."""
+        return self._settled < OPENING_REPORTS
+
+    @property
+    def carries(self) -> float | None:
+        """What has been seen of the estimate, None while all is sent."""
+        return None if self._carries is None else min(self._carries, max(self._when_full, self._rate()))
 
     def budget(self, wanted_bytes_per_s: float) -> float | None:
-        """How many bytes a second to send of those that full quality would take, None for all."""
-        if self._count < OPENING_REPORTS:
-            return OPENING_FRACTION * wanted_bytes_per_s
-        return None if self._carries is None else self._carries * USED * self._draining
+        """How many bytes a second to send of those that full quality would take, None for all; less while it drains."""
+        known = math.inf if self._carries is None else self._carries * USED
+        budget = min(known, OPENING_FRACTION * wanted_bytes_per_s) if self.is_opening else known
+        return budget if budget < math.inf else None
 
-    def _became_full(self) -> bool:
+    def assume_free(self) -> None:
+        """Everything is sent again, until something is late."""
+        self._carries, self.draining, self._is_known = None, 1.0, False
+
+    def _open(self, quicker_ms: float, round_trip_ms: float, now_ns: int) -> None:
+        """How much quicker this report's pictures are than all before: those have waited in a link that is full."""
+        self._opened_ns = now_ns if self._opened_ns is None else self._opened_ns
+        if now_ns - round_trip_ms * NS_PER_MS >= self._opened_ns:
+            self._settled += quicker_ms < QUICKER_MS
+        if LATE_MS < quicker_ms < math.inf:
+            self._reduce(now_ns)
+
+    def _judge(self, late_ns: int, now_ns: int) -> None:
+        """Pictures are late, and have been for this time and a round trip."""
         carried = sum(arrivals.carried_bytes for _, arrivals in self._reports)
         sent = sum(arrivals.sent_bytes for _, arrivals in self._reports)
-        grows = self._late_reports >= LATE_REPORTS and carried < GROWING * sent
-        return grows or self._late_reports >= CONSTANT_REPORTS
+        is_used = self._carries is None or self._rate() > IN_USE * USED * self._carries
+        seen_ns = now_ns - round(self._reports[-1][1].round_trip_ms * NS_PER_MS)
+        if late_ns > PAUSE_NS and carried < GROWING * sent:
+            self._reduce(now_ns)
+        elif self._reduced_ns is not None and seen_ns - self._reduced_ns > GONE_NS:
+            self._least_delay, self._least_round_trip, self._reduced_ns = Least(), Least(), None
+        elif self._reduced_ns is None and late_ns > STANDING_NS:
+            self._reduced_ns = now_ns
+            if is_used:
+                self._reduce(now_ns)
+        if self._carries is not None:
+            self.full_ns = now_ns
 
-    def _try_more(self, carries: float, wanted_bytes_per_s: float, passed_ns: int) -> None:
-        growth = GROWTH_BEYOND_PER_S if carries > BEYOND * self._when_full else GROWTH_PER_S
-        more = carries * growth ** (passed_ns / NS_PER_S)
+    def _reduce(self, now_ns: int) -> None:
+        """The link is full: what comes is what it carries."""
+        least = LEAST_BYTES_PER_S
+        if self._carries is not None:
+            least = max(least, LEAST_LEFT * self._carries)
+        found = max(self._rate(), least)
+        self._is_known = self._carries is not None and found > ALIKE * self._when_full
+        self._carries = self._when_full = found
+        self._reduced_ns = now_ns
+
+    def _try_more(self, carries: float, wanted_bytes_per_s: float, seconds: float, *, cautious: bool) -> None:
+        growth = CAUTIOUS_GROWTH_PER_S if cautious and self._is_known else GROWTH_PER_S
+        growth = GROWTH_BEYOND_PER_S if self._rate() > BEYOND * self._when_full else growth
+        more = min(carries * growth**seconds, max(carries, KNOWN * self._rate()))
         self._carries = None if USED * more > ENOUGH * wanted_bytes_per_s else more
 
     def _rate(self) -> float:
@@ -156,8 +175,3 @@ class LinkRate:
         (first_ns, first), (last_ns, _) = self._reports[0], self._reports[-1]
         carried = sum(arrivals.carried_bytes for _, arrivals in self._reports) - first.carried_bytes
         return carried * NS_PER_S / (last_ns - first_ns) if last_ns > first_ns else 0.0
-
-
-def _excess_ms(arrivals: Arrivals, carries: float) -> float:
-    """The queueing delay of what waits, beyond the least latency of a picture."""
-    return 1000.0 * arrivals.waiting_bytes / carries - arrivals.least_age_ms if carries else 0.0

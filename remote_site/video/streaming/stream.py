@@ -8,7 +8,8 @@ from common.cameras.camera import Frame, Image
 from common.clock import NS_PER_MS, NS_PER_S
 from common.messages.video import CameraStatus, VideoFrame
 from remote_site.video.config import VideoConfig
-from remote_site.video.streaming.pictures import encode_jpeg, is_dark, shrunk
+from remote_site.video.streaming.encoding import NOTHING, Encoded, PictureEncoder
+from remote_site.video.streaming.pictures import is_dark
 from remote_site.video.streaming.setting import StreamSetting
 
 SAMPLING = 4
@@ -45,28 +46,20 @@ class Freshness:
     """When a camera last gave a new exposure, and when a picture that differs from the one before."""
 
     def __init__(self) -> None:
-        self._exposure_ns = self._picture_ns = NEVER
+        self.exposure_ns = self.picture_ns = NEVER
         self._sample: Image | None = None
 
     def begin(self, now_ns: int) -> None:
         """Count from the first call."""
-        if self._exposure_ns == NEVER:
-            self._exposure_ns = self._picture_ns = now_ns
+        if self.exposure_ns == NEVER:
+            self.exposure_ns = self.picture_ns = now_ns
 
     def see(self, sample: Image, now_ns: int, *, may_repeat: bool) -> None:
         """Part of a new exposure; it may rightly be the same as the last one where `may_repeat`."""
-        self._exposure_ns = now_ns
+        self.exposure_ns = now_ns
         if may_repeat or self._sample is None or not np.array_equal(sample, self._sample):
-            self._picture_ns = now_ns
+            self.picture_ns = now_ns
         self._sample = sample
-
-    def silent_ns(self, now_ns: int) -> int:
-        """Time without a new exposure."""
-        return now_ns - self._exposure_ns
-
-    def repeated_ns(self, now_ns: int) -> int:
-        """Time without a new picture."""
-        return now_ns - self._picture_ns
 
 
 class Thinning:
@@ -102,6 +95,7 @@ class CameraStream:
         self._rate = FrameRate()
         self._freshness = Freshness()
         self._thinning = Thinning()
+        self._encoder = PictureEncoder()
         self._seq = 0
         self._capture_ns = NEVER
         self._estimated = False
@@ -117,7 +111,7 @@ class CameraStream:
         sample = frame.image[::SAMPLING, ::SAMPLING].copy()
         dark = is_dark(sample, self._config.dark_level)
         self._freshness.see(sample, now_ns, may_repeat=self._noise_free or dark)
-        if self._freshness.repeated_ns(now_ns) > self._frozen_ns:
+        if now_ns - self._freshness.picture_ns > self._frozen_ns:
             why = "repeats the same picture; check the camera and its connection to this host"
             return self._without_picture(CameraStatus.FROZEN, f"camera {self._name} {why}", now_ns)
         self._status_ns = NEVER
@@ -127,8 +121,12 @@ class CameraStream:
         """The status of a camera that gives nothing and why, as often as configured."""
         return self._without_picture(CameraStatus.MISSING, reason, now_ns)
 
+    def want_key_frame(self, after_seq: int) -> None:
+        """A viewer cannot decode what follows this picture without a key frame."""
+        self._encoder.want_key_frame(after_seq)
+
     def _without_new(self, now_ns: int) -> VideoFrame | None:
-        silent_ns = self._freshness.silent_ns(now_ns)
+        silent_ns = now_ns - self._freshness.exposure_ns
         if silent_ns <= self._frozen_ns:
             return None
         silent = f"for {silent_ns / NS_PER_S:.1f} s; check its cable, its power and its address"
@@ -145,9 +143,8 @@ class CameraStream:
             return None
         expected_fps = min(promised_fps, setting.fps) if self._noise_free else promised_fps
         status, reason = self._status(expected_fps, dark=dark)
-        image = shrunk(frame.image, setting.scale)
-        height, width = image.shape[:2]
-        return self._message(status, reason, width, height, encode_jpeg(image, setting.quality))
+        encoded = self._encoder.encode(frame.image, setting, self._seq, frame.capture_ns)
+        return self._message(status, reason, encoded)
 
     def _status(self, expected_fps: float, *, dark: bool) -> tuple[CameraStatus, str]:
         fps = self._rate.fps
@@ -164,9 +161,9 @@ class CameraStream:
         if self._status_ns != NEVER and now_ns - self._status_ns < round(NS_PER_S / self._config.status_hz):
             return None
         self._status_ns = now_ns
-        return self._message(status, reason[:MAX_REASON], 0, 0, b"")
+        return self._message(status, reason[:MAX_REASON], NOTHING)
 
-    def _message(self, status: CameraStatus, reason: str, width: int, height: int, jpeg: bytes) -> VideoFrame:
+    def _message(self, status: CameraStatus, reason: str, encoded: Encoded) -> VideoFrame:
         seq, self._seq = self._seq, self._seq + 1
         return VideoFrame(
             camera=self._name,
@@ -175,7 +172,9 @@ class CameraStream:
             capture_estimated=self._estimated,
             status=status,
             reason=reason,
-            width=width,
-            height=height,
-            jpeg=jpeg,
+            width=encoded.width,
+            height=encoded.height,
+            codec=encoded.codec,
+            key=encoded.key,
+            data=encoded.data,
         )

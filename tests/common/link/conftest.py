@@ -11,7 +11,9 @@ from common.link.roles import Identity, Role
 from farhand.certificates.folder import CertificateOrder, create, load_authority
 from farhand.certificates.issuing import issue
 from tests.common.link.secured_cell import (
+    ANNA,
     CELL,
+    OPERATORS,
     Cell,
     keep,
     running,
@@ -24,11 +26,13 @@ def pki(tmp_path_factory: pytest.TempPathFactory) -> Path:
     """Two cells of one authority, and a cell of another authority with the same names."""
     folder = tmp_path_factory.mktemp("pki")
     now = datetime.now(UTC)
-    create(folder, CertificateOrder(CELL, (), 30), now)
-    create(folder, CertificateOrder("other", (), 30), now)
-    create(folder / "foreign", CertificateOrder(CELL, (), 30), now)
+    create(folder, CertificateOrder(CELL, (), 30, OPERATORS), now)
+    create(folder, CertificateOrder("other", (), 30, OPERATORS), now)
+    create(folder / "foreign", CertificateOrder(CELL, (), 30, OPERATORS), now)
     authority = load_authority(folder)
-    aged = issue(authority, Identity(Role.OPERATOR, CELL), ("127.0.0.1",), now - timedelta(days=9), timedelta(days=1))
+    aged = issue(
+        authority, Identity(Role.OPERATOR, CELL, ANNA), ("127.0.0.1",), now - timedelta(days=9), timedelta(days=1)
+    )
     keep(folder / CELL / "aged", aged)
     return folder
 

@@ -4,6 +4,7 @@ import json
 import socket
 import threading
 import time
+from collections import Counter
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from functools import partial
@@ -22,6 +23,8 @@ from farhand.certificates.issuing import Issued
 
 HAND_SAMPLE, ROBOT_STATE = golden.HAND, golden.STATE
 CELL = "lab"
+ANNA, BEN = "anna", "ben"
+OPERATORS = ANNA, BEN
 PATIENCE_S = 9.0
 QUIET_S = 0.25  # enough for what is passed immediately to arrive
 
@@ -56,24 +59,31 @@ class Cell:
     def __init__(self, endpoint: str, link: Link) -> None:
         self.endpoint, self.link = endpoint, link
         self.hands, self.asked = 0, 0
+        self.heard: Counter[str] = Counter()  # by the name in the key
         self._stop = threading.Event()
         self._thread = threading.Thread(target=self._run)
         self._thread.start()
 
     def _run(self) -> None:
-        hand, state = self.link.latest(HAND, CELL), self.link.publisher(STATE, CELL)
-        servers = [self.link.serve(procedure, CELL, print) for procedure in (ENGAGEMENT, MAINTENANCE)]
+        state = self.link.publisher(STATE, CELL)
+        hands = [self.link.latest(HAND, CELL, operator=name) for name in OPERATORS]
+        servers = [self.link.serve(ENGAGEMENT, CELL, print, operator=name) for name in OPERATORS]
+        servers.append(self.link.serve(MAINTENANCE, CELL, print))
         clock = self.link.answer(CLOCK, CELL, print)
         while not self._stop.wait(0.005):
             state.put(ROBOT_STATE)
-            self.hands += hand.take() is not None
+            for hand in hands:
+                named = hand.take_named()
+                if named is not None:
+                    self.hands += 1
+                    self.heard[named[0]] += 1
             clock.poll(lambda _: ClockAnswer(received_ns=1, answered_ns=2))
             for server in servers:
-                server.poll(time.monotonic_ns(), self._answer)
-
-    def _answer(self, request: EngagementRequest) -> Reply:
-        self.asked += 1
-        return Reply(id=request.id, done=True, code="ok", reason="")
+                asked = server.take(time.monotonic_ns())
+                if asked is not None:
+                    self.asked += 1
+                    self.heard[asked.operator] += 1
+                    asked.reply(Reply(id=asked.question.id, done=True, code="ok", reason=""))
 
     def close(self) -> None:
         self._stop.set()
@@ -81,9 +91,11 @@ class Cell:
 
 
 @contextmanager
-def running(security: LinkSecurity, protocol: str = "tls", port: int | None = None) -> Iterator[Cell]:
+def running(
+    security: LinkSecurity, protocol: str = "tls", port: int | None = None, operators: tuple[str, ...] = OPERATORS
+) -> Iterator[Cell]:
     endpoint = f"{protocol}/127.0.0.1:{port or free_port()}"
-    with open_link(listen=(endpoint,), security=security) as link:
+    with open_link(listen=(endpoint,), security=security, operators=operators) as link:
         cell = Cell(endpoint, link)
         try:
             yield cell
@@ -93,7 +105,7 @@ def running(security: LinkSecurity, protocol: str = "tls", port: int | None = No
 
 @contextmanager
 def dishonest(
-    endpoint: str, folder: Path, who: str | None, *, listen: bool = False, cell: str = CELL
+    endpoint: str, folder: Path, who: str | None, *, listen: bool = False, cell: str = CELL, mode: str = "peer"
 ) -> Iterator[zenoh.Session]:
     """A session that checks nothing itself and has no access control of its own."""
     tls = {"root_ca_certificate": str(folder / "ca.pem"), "verify_name_on_connect": False}
@@ -103,6 +115,7 @@ def dishonest(
             tls |= {f"{end}_certificate": f"{pair}.pem", f"{end}_private_key": f"{pair}.key"}
     config, locator = zenoh.Config(), f"{endpoint}?mixed_rel=1" if endpoint.startswith("quic/") else endpoint
     settings = {
+        "mode": mode,
         "listen/endpoints": [locator] if listen else [],
         "connect/endpoints": [] if listen else [locator],
         "connect/exit_on_failure": False,
@@ -117,23 +130,29 @@ def dishonest(
 
 def request(action: EngagementAction = EngagementAction.ENGAGE) -> EngagementRequest:
     deadline_ns = time.monotonic_ns() + 5_000_000_000
-    return EngagementRequest(id=1, deadline_ns=deadline_ns, operator="eve", action=action)
+    return EngagementRequest(id=1, deadline_ns=deadline_ns, action=action)
 
 
 def reply_to(link: Link, procedure: Procedure[EngagementRequest, Reply], action: EngagementAction) -> Reply:
-    """The cell's reply to an honest request."""
-    client = RequestClient(link, CELL, patience_ns=round(PATIENCE_S * 1e9))
-    return client.ask(procedure, partial(EngagementRequest, operator="eve", action=action))
+    """The cell's reply to an honest request of anna's, or of maintenance."""
+    client = RequestClient(link, CELL, operator=ANNA, patience_ns=round(PATIENCE_S * 1e9))
+    return client.ask(procedure, partial(EngagementRequest, action=action))
 
 
 def commands_arrive(session: zenoh.Session, cell: Cell) -> bool:
-    """Whether anything that moves or stops the arm reaches the cell from there."""
-    before = cell.hands, cell.asked
-    for key in (HAND.key_for(CELL), f"farhand/{CELL}/*", f"farhand/{CELL}/**"):
+    """Whether anything that moves or stops the arm reaches the cell from there, under any name."""
+    return bool(names_heard(session, cell))
+
+
+def names_heard(session: zenoh.Session, cell: Cell) -> set[str]:
+    """Try everything that moves or stops the arm, in every name: the names under which it reaches the cell."""
+    before = Counter(cell.heard)
+    hands = [HAND.key_for(CELL, operator=name) for name in OPERATORS]
+    for key in (*hands, HAND.key_for(CELL), f"farhand/{CELL}/*", f"farhand/{CELL}/**"):
         session.put(key, encode(HAND_SAMPLE))
         session.delete(key)
-    for procedure in (ENGAGEMENT, MAINTENANCE):
-        list(session.get(procedure.key_for(CELL), payload=encode(request()), timeout=QUIET_S / 2))
-    list(session.get(f"farhand/{CELL}/rpc/**", payload=encode(request()), timeout=QUIET_S / 2))
+    rpcs = [ENGAGEMENT.key_for(CELL, operator=name) for name in OPERATORS]
+    for key in (*rpcs, ENGAGEMENT.key_for(CELL), MAINTENANCE.key_for(CELL), f"farhand/{CELL}/rpc/**"):
+        list(session.get(key, payload=encode(request()), timeout=QUIET_S / 2))
     time.sleep(QUIET_S)
-    return (cell.hands, cell.asked) != before
+    return set(cell.heard - before)

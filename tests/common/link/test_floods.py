@@ -15,7 +15,7 @@ from common.link.channels import CHANNELS, HAND
 from common.link.pubsub import Latest
 from common.link.transport import Link, open_link
 from common.messages.hand import HandArm
-from tests.common.link.secured_cell import free_port, until
+from tests.common.link.secured_cell import QUIET_S, free_port, until
 
 CELL = "lab"
 FLOOD_HZ = 10_000
@@ -37,7 +37,7 @@ def sample(seq: int) -> HandArm:
 
 @contextmanager
 def flooding(link: Link) -> Iterator[None]:
-    stop, publisher = threading.Event(), link.publisher(HAND, CELL)
+    stop, publisher = threading.Event(), link.publisher(HAND, CELL, operator="ben")
 
     def flood() -> None:
         while not stop.wait(0.01):
@@ -75,13 +75,13 @@ def test_who_listens_takes_no_more_than_the_cap_is_told_of_the_flood_and_hears_t
         most = (time.monotonic_ns() - begun_ns) / NS_PER_S * HAND.max_hz + HAND.depth + 1
         assert len(times_ns) <= most
     assert [line["reason"].split(":")[0] for line in log] == [f"{HAND.key_for(CELL)} is flooded"]
-    sender.publisher(HAND, CELL).put(sample(golden.HAND.seq + 1))
+    sender.publisher(HAND, CELL, operator="anna").put(sample(golden.HAND.seq + 1))
     until(lambda: seqs[-1] == golden.HAND.seq + 1)
 
 
 def test_of_samples_that_delay_has_bunched_the_newest_comes(links: list[Link]) -> None:
     receiver, sender, _ = links
-    latest, publisher = receiver.latest(HAND, CELL), sender.publisher(HAND, CELL)
+    latest, publisher = receiver.latest(HAND, CELL), sender.publisher(HAND, CELL, operator="anna")
     until(lambda: publisher.put(sample(1)) or last_seq(latest))
     for newest in range(100, 2100, 100):
         for seq in range(newest - 9, newest + 1):
@@ -93,16 +93,32 @@ def test_one_operators_flood_leaves_room_for_anothers_sample(links: list[Link]) 
     receiver, rude, polite = links
     control, witness = receiver.latest(HAND, CELL), receiver.latest(HAND, CELL)
     for sender in (rude, polite):
-        publisher = sender.publisher(HAND, CELL)
+        publisher = sender.publisher(HAND, CELL, operator="anna")
         until(lambda: publisher.put(sample(1)) or last_seq(witness))  # noqa: B023  # called here alone
     until(lambda: control.take() is None)
-    polite.publisher(HAND, CELL).put(sample(7))
+    polite.publisher(HAND, CELL, operator="anna").put(sample(7))
     until(lambda: last_seq(witness) == 7)
-    flood = rude.publisher(HAND, CELL)
+    flood = rude.publisher(HAND, CELL, operator="anna")
     for seq in range(100, 100 + DEEP_ENOUGH):
         flood.put(sample(seq))
     until(lambda: last_seq(witness) == 99 + DEEP_ENOUGH)
     assert 7 in [hand.seq for hand in iter(control.take, None)]
+
+
+def test_of_listed_operators_none_displaces_anothers_samples_however_many_come(links: list[Link]) -> None:
+    receiver, rude, polite = links
+    own, others = (receiver.latest(HAND, CELL, operator=name) for name in ("anna", "ben"))
+    flood, hers = rude.publisher(HAND, CELL, operator="ben"), polite.publisher(HAND, CELL, operator="anna")
+    for publisher, latest in ((hers, own), (flood, others)):
+        until(lambda: publisher.put(sample(1)) or last_seq(latest))  # noqa: B023  # called here alone
+    time.sleep(QUIET_S)
+    last_seq(own)
+    hers.put(sample(7))
+    with flooding(rude):
+        until(lambda: last_seq(others) == golden.HAND.seq)
+        time.sleep(QUIET_S)
+    assert own.take_named() == ("anna", sample(7))
+    assert own.take() is None
 
 
 def test_no_channels_cap_is_near_its_rate_or_boundless() -> None:

@@ -17,6 +17,7 @@ from common.messages.requests import ClockQuestion, EngagementAction
 from farhand.certificates.folder import load_authority
 from farhand.certificates.issuing import issue
 from tests.common.link.secured_cell import (
+    ANNA,
     CELL,
     HAND_SAMPLE,
     QUIET_S,
@@ -33,39 +34,39 @@ from tests.common.link.secured_cell import (
 
 
 def test_an_operator_commands_and_hears(pki: Path, cell: Cell) -> None:
-    with open_link(connect=(cell.endpoint,), security=secured(pki, "operator")) as link:
-        hand, state = link.publisher(HAND, CELL), link.latest(STATE, CELL)
+    with open_link(connect=(cell.endpoint,), security=secured(pki, "operator.anna")) as link:
+        hand, state = link.publisher(HAND, CELL, operator=ANNA), link.latest(STATE, CELL)
         before = cell.hands
         until(lambda: hand.put(HAND_SAMPLE) or cell.hands > before)
         until(state.take)
         assert reply_to(link, ENGAGEMENT, EngagementAction.ENGAGE).done
-        with dishonest(cell.endpoint, pki, "operator") as session:
-            assert commands_arrive(session, cell)
+        with dishonest(cell.endpoint, pki, "operator.anna") as session:
+            until(lambda: commands_arrive(session, cell))
 
 
 def test_a_viewer_hears_and_asks_the_time_but_commands_nothing(pki: Path, cell: Cell) -> None:
     with open_link(connect=(cell.endpoint,), security=secured(pki, "viewer")) as link:
         until(link.latest(STATE, CELL).take)
         until(lambda: link.ask(CLOCK, CELL, ClockQuestion()))
-        with pytest.raises(RefusedError, match=r"viewer\.lab may not send .*/hand: that takes one of operator"):
-            link.publisher(HAND, CELL)
+        with pytest.raises(RefusedError, match=r"viewer\.lab may not send .*/hand/anna: that takes one of operator"):
+            link.publisher(HAND, CELL, operator=ANNA)
         with pytest.raises(RefusedError, match=r"may not ask .*engagement"):
-            link.ask(ENGAGEMENT, CELL, request())
+            link.ask(ENGAGEMENT, CELL, request(), operator=ANNA)
         with pytest.raises(RefusedError, match=r"may not receive .*/hand"):
-            link.latest(HAND, CELL)
+            link.latest(HAND, CELL, operator=ANNA)
     with dishonest(cell.endpoint, pki, "viewer") as session:
         assert not commands_arrive(session, cell)
 
 
 def test_a_viewer_who_listens_to_everything_hears_no_hand(pki: Path, cell: Cell) -> None:
     with (
-        open_link(connect=(cell.endpoint,), security=secured(pki, "operator")) as operator,
+        open_link(connect=(cell.endpoint,), security=secured(pki, "operator.anna")) as operator,
         dishonest(cell.endpoint, pki, "viewer") as viewer,
     ):
         heard: set[str] = set()
-        for key in ("**", HAND.key_for(CELL)):
+        for key in ("**", HAND.key_for(CELL, operator=ANNA)):
             viewer.declare_subscriber(key, lambda sample: heard.add(str(sample.key_expr)))
-        hand, before = operator.publisher(HAND, CELL), cell.hands
+        hand, before = operator.publisher(HAND, CELL, operator=ANNA), cell.hands
         until(lambda: hand.put(HAND_SAMPLE) or cell.hands > before)
         time.sleep(QUIET_S)
         assert heard <= {STATE.key_for(CELL)}  # which it may receive
@@ -75,7 +76,7 @@ def test_maintenance_stops_and_resets_but_never_engages(pki: Path, cell: Cell) -
     with open_link(connect=(cell.endpoint,), security=secured(pki, "maintenance")) as link:
         assert reply_to(link, MAINTENANCE, EngagementAction.STOP).done
         with pytest.raises(RefusedError, match=r"maintenance\.lab may not ask .*engagement"):
-            link.ask(ENGAGEMENT, CELL, request())
+            link.ask(ENGAGEMENT, CELL, request(), operator=ANNA)
 
 
 def test_pictures_do_not_go_by_quic(pki: Path) -> None:
@@ -86,10 +87,12 @@ def test_pictures_do_not_go_by_quic(pki: Path) -> None:
 
 def test_a_certificate_is_of_no_use_for_another_cell(pki: Path, cell: Cell) -> None:
     with (
-        open_link(connect=(cell.endpoint,), security=secured(pki, "operator")) as link,
-        pytest.raises(RefusedError, match=r"operator\.lab is for cell lab; it may not send farhand/other/hand"),
+        open_link(connect=(cell.endpoint,), security=secured(pki, "operator.anna")) as link,
+        pytest.raises(
+            RefusedError, match=r"operator\.lab\.anna is for cell lab; it may not send farhand/other/hand/anna"
+        ),
     ):
-        link.publisher(HAND, "other")
+        link.publisher(HAND, "other", operator=ANNA)
 
 
 @pytest.mark.parametrize("endpoint", ["tcp/0.0.0.0:7447", "tcp/192.168.1.4:7447", "tcp/robot.example.org:7447"])
@@ -109,16 +112,17 @@ def test_certificates_without_a_key_are_a_mistake() -> None:
 def test_files_that_do_not_belong_together_are_told_apart(pki: Path, tmp_path: Path) -> None:
     ours, ca = pki / CELL, str(pki / "ca.pem")
     (tmp_path / "noise.pem").write_text("noise")
-    stranger = issue(
-        load_authority(pki), Identity(Role.OPERATOR, "x.y"), ("localhost",), datetime.now(UTC), timedelta(1)
-    )
+    stranger = issue(load_authority(pki), Identity(Role.VIEWER, "x.y"), ("localhost",), datetime.now(UTC), timedelta(1))
     keep(tmp_path / "stranger", stranger)
+    nameless = Identity(Role.OPERATOR, CELL)
+    keep(tmp_path / "old", issue(load_authority(pki), nameless, ("localhost",), datetime.now(UTC), timedelta(1)))
     for why, files in {
-        "is not the key of": (ca, f"{ours}/remote.pem", f"{ours}/operator.key"),
+        "is not the key of": (ca, f"{ours}/remote.pem", f"{ours}/operator.anna.key"),
         "comes from another authority": (f"{pki}/foreign/ca.pem", f"{ours}/remote.pem", f"{ours}/remote.key"),
         "cannot read": (ca, f"{ours}/nobody.pem", f"{ours}/remote.key"),
         "are they PEM files": (ca, str(tmp_path / "noise.pem"), f"{ours}/remote.key"),
         "no role at a cell": (ca, f"{tmp_path}/stranger.pem", f"{tmp_path}/stranger.key"),
+        "farhand certificates operator lab NAME": (ca, f"{tmp_path}/old.pem", f"{tmp_path}/old.key"),
     }.items():
         with pytest.raises(TransportError, match=why):
             load_credentials(TlsConfig(ca=files[0], certificate=files[1], key=files[2]))
@@ -133,8 +137,8 @@ def test_who_listens_everywhere_is_reached_on_the_loopback_interface() -> None:
 def test_local_programs_need_no_certificate_where_the_local_site_has_one(pki: Path, cell: Cell) -> None:
     here = f"tcp/127.0.0.1:{free_port()}"
     with (
-        open_link(listen=(here,), connect=(cell.endpoint,), security=secured(pki, "operator")) as local,
+        open_link(listen=(here,), connect=(cell.endpoint,), security=secured(pki, "operator.anna")) as local,
         open_link(connect=(here,)) as program,
     ):
-        hand, heard = local.publisher(HAND, CELL), program.latest(HAND, CELL)
+        hand, heard = local.publisher(HAND, CELL, operator=ANNA), program.latest(HAND, CELL, operator=ANNA)
         until(lambda: hand.put(HAND_SAMPLE) or heard.take())

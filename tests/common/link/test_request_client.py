@@ -15,7 +15,7 @@ from common.link.transport import Link
 from common.messages.requests import ACTIVATED, EngagementAction, EngagementRequest, Reply
 from remote_site.reasons import Code
 
-ENGAGE = partial(EngagementRequest, operator="anna", action=EngagementAction.ENGAGE)
+ENGAGE = partial(EngagementRequest, action=EngagementAction.ENGAGE)
 OFFSET_NS = 3600 * NS_PER_S
 
 Answering = Callable[[EngagementRequest, int], Reply | None]
@@ -32,8 +32,10 @@ class FakeLink:
         self._clock, self._answering = clock, answering
         self.asked: list[tuple[int, EngagementRequest]] = []
 
-    def ask(self, procedure: Procedure[Any, Any], cell: str, question: EngagementRequest, name: str) -> Reply | None:
-        assert (procedure, cell, name) == (ENGAGEMENT, "lab", "*")
+    def ask(
+        self, procedure: Procedure[Any, Any], cell: str, question: EngagementRequest, *, operator: str
+    ) -> Reply | None:
+        assert (procedure, cell, operator) == (ENGAGEMENT, "lab", "anna")
         self.asked.append((self._clock.time_ns, question))
         return self._answering(question, len(self.asked))
 
@@ -57,7 +59,9 @@ def asked(answering: Answering, remote_clock: FakeRemoteClock | None = None) -> 
     """The reply, None when the request was given up at its deadline, and the link that was asked."""
     clock = FakeClock()
     link = FakeLink(clock, answering)
-    client = RequestClient(cast(Link, link), "lab", cast("RemoteClock | None", remote_clock), clock=clock)
+    client = RequestClient(
+        cast(Link, link), "lab", cast("RemoteClock | None", remote_clock), operator="anna", clock=clock
+    )
     answer = None
     try:
         answer = client.ask(ENGAGEMENT, ENGAGE)

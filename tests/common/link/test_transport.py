@@ -59,7 +59,7 @@ def until_received(publisher: Publisher[HandArm], latest: Latest[HandArm], messa
 
 def test_the_newest_message_wins(links: tuple[Link, Link]) -> None:
     server, client = links
-    latest, publisher = server.latest(HAND, "lab"), client.publisher(HAND, "lab")
+    latest, publisher = server.latest(HAND, "lab"), client.publisher(HAND, "lab", operator="anna")
     until_received(publisher, latest, golden.HAND)
     for seq in range(100, 120):
         publisher.put(msgspec.structs.replace(golden.HAND, seq=seq))
@@ -77,7 +77,7 @@ def test_the_newest_message_wins(links: tuple[Link, Link]) -> None:
 
 def test_a_random_payload_is_a_rejection(links: tuple[Link, Link]) -> None:
     server, client = links
-    latest, publisher = server.latest(HAND, "lab"), client.publisher(HAND, "lab")
+    latest, publisher = server.latest(HAND, "lab"), client.publisher(HAND, "lab", operator="anna")
     until_received(publisher, latest, golden.HAND)
     publisher._publisher.put(b"\x93random")
     received: list[HandArm] = []  # samples still in transit come first
@@ -107,9 +107,9 @@ def ask(link: Link, identity: int, seconds: float = WAIT_S) -> Reply:
     """The reply to an engagement under this id, however often it is asked for."""
 
     def make(*, id: int, deadline_ns: int) -> EngagementRequest:  # noqa: A002, ARG001  # the message's fields
-        return EngagementRequest(id=identity, deadline_ns=deadline_ns, operator="anna", action=EngagementAction.ENGAGE)
+        return EngagementRequest(id=identity, deadline_ns=deadline_ns, action=EngagementAction.ENGAGE)
 
-    return RequestClient(link, "lab", patience_ns=round(seconds * 1e9)).ask(ENGAGEMENT, make)
+    return RequestClient(link, "lab", operator="anna", patience_ns=round(seconds * 1e9)).ask(ENGAGEMENT, make)
 
 
 def test_a_request_repeated_with_its_id_happens_once(links: tuple[Link, Link]) -> None:
@@ -138,8 +138,8 @@ def test_an_expired_request_and_one_that_would_never_expire_are_refused(
     try:
         ask(client, 1)
         time.sleep(0.02)  # requests that follow each other immediately are dropped
-        late = EngagementRequest(id=9, deadline_ns=deadline_ns, operator="anna", action=EngagementAction.ENGAGE)
-        replies = client._session.get(ENGAGEMENT.key_for("lab"), payload=encode(late), timeout=WAIT_S)
+        late = EngagementRequest(id=9, deadline_ns=deadline_ns, action=EngagementAction.ENGAGE)
+        replies = client._session.get(ENGAGEMENT.key_for("lab", operator="anna"), payload=encode(late), timeout=WAIT_S)
         payloads = [reply.ok.payload.to_bytes() for reply in replies if reply.ok]
     finally:
         stop.set()
@@ -151,7 +151,7 @@ def test_an_expired_request_and_one_that_would_never_expire_are_refused(
 
 def test_what_is_larger_than_its_channel_allows_never_arrives(links: tuple[Link, Link]) -> None:
     server, client = links
-    latest, publisher = server.latest(HAND, "lab"), client.publisher(HAND, "lab")
+    latest, publisher = server.latest(HAND, "lab"), client.publisher(HAND, "lab", operator="anna")
     until_received(publisher, latest, golden.HAND)
     publisher._publisher.put(bytes(HAND.max_bytes + 1))
     publisher.put(msgspec.structs.replace(golden.HAND, seq=1000))
@@ -196,7 +196,7 @@ def test_one_neighbours_flood_of_questions_leaves_room_for_anothers() -> None:
 def test_a_publisher_knows_whether_anybody_listens() -> None:
     endpoint = free_endpoint()
     with open_link(listen=(endpoint,), send_buffer_bytes=1 << 18) as server:
-        publisher = server.publisher(PREVIEW, "lab", "left")
+        publisher = server.publisher(PREVIEW, "lab", "left", operator="anna")
         assert not publisher.has_listener
         with open_link(connect=(endpoint,)) as client:
             latest = client.latest(PREVIEW, "lab")

@@ -128,6 +128,7 @@ def test_a_child_that_will_not_end_is_killed() -> None:
     child = children.start("worker", stubborn)
     children.wait_ready(10.0, StopFlag())
     children.end()
+    child.process.join(10.0)
     assert child.process.exitcode == -signal.SIGKILL
 
 

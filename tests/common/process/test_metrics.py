@@ -19,7 +19,7 @@ from common.process.service import StopFlag
 from farhand.loopback.site_process import free_ports
 from local_site.runtime.figures import LocalFigures
 from remote_site.runtime.figures import RemoteFigures
-from remote_site.video.tally import VideoTally
+from remote_site.video.process import VideoTally
 from tests.common.messages.golden_examples import HAND, VIDEO
 from tests.common.messages.golden_examples import STATE as TOLD
 
@@ -74,8 +74,8 @@ def test_latency_is_told_in_one_clock_and_once_per_sample() -> None:
 
 def test_video_is_told_camera_by_camera() -> None:
     tally = VideoTally(["front", "side"])
-    live = with_(VIDEO, camera="side", status=CameraStatus.LIVE, jpeg=b"12345", capture_ns=HEARD_NS)
-    for frame in (live, live, with_(live, status=CameraStatus.FROZEN, jpeg=b"", capture_ns=1)):
+    live = with_(VIDEO, camera="side", status=CameraStatus.LIVE, data=b"12345", capture_ns=HEARD_NS)
+    for frame in (live, live, with_(live, status=CameraStatus.FROZEN, data=b"", capture_ns=1)):
         tally.note(frame)
     figures = RemoteFigures(tally)
     assert read(figures, "farhand_video_frames_total", camera="side", status="live") == 2

@@ -6,14 +6,18 @@ from contextlib import ExitStack, contextmanager
 
 import msgpack
 import pytest
+from structlog.testing import capture_logs
 
 from common.clock import NS_PER_MS, NS_PER_S, MonotonicClock
 from common.errors import RefusedError, TransportError
-from common.link.channels import CLOCK, DESCRIBE
+from common.link import transport
+from common.link.channels import CLOCK, DESCRIBE, TROUBLE
 from common.link.remote_clock import RemoteClock
 from common.link.transport import open_link
 from common.messages.base import PROTOCOL_VERSION
-from common.messages.requests import ClockQuestion, DescribeQuestion, OperatorAction
+from common.messages.codec import decode, encode
+from common.messages.requests import ClockQuestion, DescribeQuestion, Description, OperatorAction, TroubleReport
+from common.messages.robot import Asker
 from farhand.authority.lease import act_on_lease
 from farhand.loopback.site_process import free_ports
 from local_site.authority.lease_client import Authority
@@ -42,7 +46,7 @@ def until(is_so, what):
 def description():
     config = RemoteConfig(cell=CELL)
     model = ArmModel.from_urdf(config.robot.urdf, config.robot.tool_frame, config.robot.tool_T_tcp)
-    return describe(config, model, JointLimits.from_model(model, config.robot), 50.0)
+    return describe(config, model, JointLimits.from_model(model, config.robot))
 
 
 class AheadClock(MonotonicClock):
@@ -62,7 +66,9 @@ class Cell:
         self.refused = []
         self._stop = threading.Event()
         self.link = stack.enter_context(open_link(listen=(self.endpoint,)))
-        self._desk = RequestServer(self.link, description, self.leases, self.clock, self.refused.append)
+        self._desk = RequestServer(
+            self.link, description, self.leases, self.clock, self.refused.append, ("anna", "ben")
+        )
         thread = threading.Thread(target=self._run)
         thread.start()
         stack.callback(thread.join)
@@ -70,7 +76,7 @@ class Cell:
 
     def _run(self):
         while not self._stop.wait(0.004):
-            self._desk.poll()
+            self._desk.poll(engaged=False)
 
     @property
     def holder(self):
@@ -129,18 +135,30 @@ def test_a_second_operator_is_refused_with_the_holders_name_until_the_holder_con
     with pytest.raises(TransportError, match=r"not_holder\): anna holds the lease.*keeps asking for 60 s"):
         until(lambda: "silent" not in taken(bens), "an answer")
     assert lease_of(ben) == 0
-    assert "ben" in act_on_lease(CELL, annas, OperatorAction.GIVE)
+    assert "ben" in act_on_lease(CELL, annas, "anna", OperatorAction.GIVE, Asker("ben", 8))
     until(lambda: lease_of(ben) == 1001, "ben's lease")
     assert lease_of(anna) == 0
     assert cell.holder == "ben"
     with pytest.raises(TransportError, match=r"old_lease|not_holder"):
-        act_on_lease(CELL, annas, OperatorAction.GIVE)
+        act_on_lease(CELL, annas, "anna", OperatorAction.GIVE, Asker("ben", 8))
 
 
-def taken(local):
+def test_consent_for_somebody_who_does_not_ask_any_more_is_void(stack, cell):
+    anna, annas = stack.enter_context(local_site(cell, "anna", 7))
+    until(lambda: cell.holder == "anna", "anna's lease")
+    _ben, bens = stack.enter_context(local_site(cell, "ben", 8))
+    with pytest.raises(TransportError, match="not_holder"):
+        until(lambda: "silent" not in taken(bens), "an answer")
+    for shown in (None, Asker("carl", 9), Asker("ben", 9), Asker("carl", 8)):
+        with pytest.raises(TransportError, match=r"asker_changed\): ben asks for the lease now"):
+            act_on_lease(CELL, annas, "anna", OperatorAction.GIVE, shown)
+    assert (cell.holder, lease_of(anna)) == ("anna", 1000)
+
+
+def taken(local, operator="ben"):
     """The output of `lease take`; empty while the site does not know the cell yet."""
     try:
-        return act_on_lease(CELL, local, OperatorAction.TAKE)
+        return act_on_lease(CELL, local, operator, OperatorAction.TAKE)
     except TransportError as error:
         if "silent" in str(error):
             return str(error)
@@ -151,38 +169,46 @@ def test_consent_without_anyone_who_asks_is_refused(stack, cell):
     anna, annas = stack.enter_context(local_site(cell, "anna", 7))
     until(lambda: cell.holder == "anna", "anna's lease")
     with pytest.raises(TransportError, match="nobody_asks"):
-        act_on_lease(CELL, annas, OperatorAction.GIVE)
+        act_on_lease(CELL, annas, "anna", OperatorAction.GIVE, Asker("ben", 8))
     assert lease_of(anna) == 1000
 
 
 def test_a_released_lease_is_free_and_not_asked_for_again_by_itself(stack, cell):
     anna, annas = stack.enter_context(local_site(cell, "anna", 7))
     until(lambda: cell.holder == "anna", "anna's lease")
-    assert act_on_lease(CELL, annas, OperatorAction.RELEASE) == "the lease is given back"
+    assert act_on_lease(CELL, annas, "anna", OperatorAction.RELEASE) == "the lease is given back"
     until(lambda: lease_of(anna) == 0, "no lease")
     begin_ns = cell.clock.now_ns()
     until(lambda: cell.clock.now_ns() - begin_ns > 1.2 * NS_PER_S, "a while")
     assert cell.holder is None
 
 
+def test_what_an_operators_site_reports_of_the_link_is_logged_here(stack, cell):
+    link = stack.enter_context(open_link(connect=(cell.endpoint,)))
+    with capture_logs() as lines:
+        until(lambda: link.ask(TROUBLE, CELL, TroubleReport(reason="UDP is blocked"), operator="anna"), "the answer")
+    told = next(line for line in lines if "reports trouble" in line["event"])
+    assert (told["log_level"], told["operator"], told["reason"]) == ("warning", "anna", "UDP is blocked")
+
+
 def test_the_description_names_joints_cameras_rates_and_software(stack, cell, description):
     link = stack.enter_context(open_link(connect=(cell.endpoint,)))
     answers = []
     until(lambda: answers.append(link.ask(DESCRIBE, CELL, DescribeQuestion())) or answers[-1] is not None, "an answer")
-    assert answers[-1] == description
+    assert answers[-1] == decode(encode(description), Description, DESCRIBE.max_bytes)
     assert [joint.name for joint in description.joints] == [f"joint_{k}" for k in range(1, 7)]
     assert all(joint.lower < joint.upper and joint.speed > 0 for joint in description.joints)
     assert {camera.name for camera in description.cameras} == {"front_high", "front_low", "side", "gripper"}
     assert description.control_hz == 250.0
-    assert description.version == PROTOCOL_VERSION
 
 
-def test_a_question_in_another_version_is_refused_with_a_sentence_at_both_ends(stack, cell):
+def test_a_question_in_another_version_is_refused_with_a_sentence_at_both_ends(stack, cell, monkeypatch):
     link = stack.enter_context(open_link(connect=(cell.endpoint,)))
     until(lambda: RemoteClock(link, CELL).measure() is not None, "the cell")
     time.sleep(0.02)  # requests that follow each other immediately are dropped
+    monkeypatch.setattr(transport, "encode", lambda _question: msgpack.packb([PROTOCOL_VERSION + 1]))
     with pytest.raises(RefusedError, match=f"this side speaks {PROTOCOL_VERSION}: install the same release"):
-        link.ask(CLOCK, CELL, ClockQuestion(version=PROTOCOL_VERSION + 1))
+        link.ask(CLOCK, CELL, ClockQuestion())
     assert [error.reason for error in cell.refused] == ["version"]
     assert "install the same release" in str(cell.refused[0])
 
@@ -190,9 +216,7 @@ def test_a_question_in_another_version_is_refused_with_a_sentence_at_both_ends(s
 def test_a_cell_of_another_version_ends_the_local_site_with_a_sentence(stack):
     where = endpoint()
     link = stack.enter_context(open_link(listen=(where,)))
-    newer = msgpack.packb(
-        {"version": PROTOCOL_VERSION + 1, "received_ns": 1, "answered_ns": 1, "leap_seconds": 27}, use_bin_type=True
-    )
+    newer = msgpack.packb([PROTOCOL_VERSION + 1, 1, 1, 27])
 
     def answer(query):
         with query:
@@ -216,7 +240,7 @@ def test_nobody_there_is_no_lease_and_no_clock():
     cell = type("Nowhere", (), {"endpoint": endpoint()})
     with local_site(cell, "anna", 7) as (authority, listen):
         with pytest.raises(TransportError, match="silent"):
-            act_on_lease(CELL, listen, OperatorAction.TAKE)
+            act_on_lease(CELL, listen, "anna", OperatorAction.TAKE)
         assert authority.lease_and_clock(time.monotonic_ns()).lease == 0
         assert authority.lease_and_clock(time.monotonic_ns()).clock is None
 

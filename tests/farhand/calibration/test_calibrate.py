@@ -11,8 +11,7 @@ from typer.testing import CliRunner
 
 from common.errors import CalibrationError, ConfigError, FarhandError, InterruptionError
 from farhand.calibration.boards import calibrate_board_pictures, calibrate_live, make_board
-from farhand.calibration.pictures import PictureJob, by_name, read_pictures
-from farhand.calibration.plate import calibrate_plate, parse_heights
+from farhand.calibration.pictures import PictureJob, by_name, calibrate_plate, parse_heights, read_pictures
 from farhand.calibration.points import calibrate_points, describe, parse_pair
 from farhand.cli import app
 from local_site.calibration.boards import BoardFinder

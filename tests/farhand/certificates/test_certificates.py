@@ -13,14 +13,22 @@ from common.errors import ConfigError, TransportError
 from common.link.config import LinkSecurity, TlsConfig
 from common.link.credentials import CertificateValidity, check_links, load_credentials
 from common.link.roles import Identity, Role, read_common_name
-from farhand.certificates.folder import CertificateOrder, create, hosts_of, load_authority, read_certificate, renew
+from farhand.certificates.folder import (
+    CertificateOrder,
+    add_operators,
+    create,
+    hosts_of,
+    load_authority,
+    read_certificate,
+    renew,
+)
 from farhand.certificates.issuing import issue
 from farhand.doctor.findings import Severity, worst
-from farhand.doctor.site import CertificateFacts, check_certificate
-from farhand.doctor.site_probing import probe_certificate
+from farhand.doctor.site import CertificateFacts, check_certificate, probe_certificate
 
 NOW = datetime.now(UTC)
-ORDER = CertificateOrder("lab", ("robot.example.org", "10.0.0.3"), 90)
+ORDER = CertificateOrder("lab", ("robot.example.org", "10.0.0.3"), 90, ("anna", "ben"))
+PAIRS = ("remote", "viewer", "maintenance", "router", "operator.anna", "operator.ben")
 
 
 @pytest.fixture
@@ -35,18 +43,20 @@ def files(folder: Path, who: str = "remote", cell: str = "lab") -> TlsConfig:
 
 
 def test_every_role_has_a_certificate_for_both_directions_and_all_hosts(folder: Path) -> None:
-    for role in Role:
-        certificate = read_certificate(folder / "lab" / f"{role.value}.pem")
+    assert {path.stem for path in (folder / "lab").glob("*.pem")} == set(PAIRS)
+    for name in PAIRS:
+        certificate = read_certificate(folder / "lab" / f"{name}.pem")
         uses = certificate.extensions.get_extension_for_class(x509.ExtendedKeyUsage).value
         assert set(uses) == {ExtendedKeyUsageOID.SERVER_AUTH, ExtendedKeyUsageOID.CLIENT_AUTH}
         assert hosts_of(certificate) == ["127.0.0.1", "::1", "localhost", "robot.example.org", "10.0.0.3"]
         assert certificate.not_valid_after_utc - NOW <= timedelta(days=90)
-        assert load_credentials(files(folder, role.value)).identity.role is role
+        identity = load_credentials(files(folder, name)).identity
+        assert name == ".".join(filter(None, (identity.role.value, identity.operator)))
 
 
 def test_keys_are_for_their_owner_only(folder: Path) -> None:
     keys = sorted(folder.rglob("*.key"))
-    assert len(keys) == 1 + len(Role)
+    assert len(keys) == 1 + len(PAIRS)
     assert {stat.S_IMODE(key.stat().st_mode) for key in keys} == {0o600}
     assert list(folder.rglob("*.part")) == []
 
@@ -60,17 +70,48 @@ def test_nothing_is_written_over_what_is_there(folder: Path) -> None:
 
 def test_another_cell_shares_the_authority_and_not_the_names(folder: Path) -> None:
     authority = (folder / "ca.pem").read_bytes()
-    create(folder, CertificateOrder("other", (), 90), NOW)
+    create(folder, CertificateOrder("other", (), 90, ("anna",)), NOW)
     assert (folder / "ca.pem").read_bytes() == authority
-    assert load_credentials(files(folder, "operator", "other")).identity == Identity(Role.OPERATOR, "other")
-    theirs = LinkSecurity(tls=files(folder, "operator", "other"))
-    with pytest.raises(ConfigError, match=r"is for operator\.other, not for operator\.lab; set cell = \"other\""):
-        check_links((), theirs, Identity(Role.OPERATOR, "lab"))
-    with pytest.raises(ConfigError, match=r"is for operator\.other, not for viewer\.other$"):
+    anna = Identity(Role.OPERATOR, "lab", "anna")
+    hers = Identity(Role.OPERATOR, "other", "anna")
+    assert load_credentials(files(folder, "operator.anna", "other")).identity == hers
+    theirs = LinkSecurity(tls=files(folder, "operator.anna", "other"))
+    with pytest.raises(ConfigError, match=r"is for operator\.other\.anna, not for .*lab\.anna; set cell = \"other\""):
+        check_links((), theirs, anna)
+    with pytest.raises(ConfigError, match=r"is for operator\.other\.anna, not for .*\.ben; set operator = \"anna\""):
+        check_links((), theirs, Identity(Role.OPERATOR, "other", "ben"))
+    with pytest.raises(ConfigError, match=r"is for operator\.other\.anna, not for viewer\.other$"):
         check_links((), theirs, Identity(Role.VIEWER, "other"))
     with pytest.raises(ConfigError, match="tls needs certificates"):
-        check_links(("tls/127.0.0.1:1",), LinkSecurity(), Identity(Role.OPERATOR, "lab"))
-    check_links(("tcp/127.0.0.1:1",), LinkSecurity(), Identity(Role.OPERATOR, "lab"))
+        check_links(("tls/127.0.0.1:1",), LinkSecurity(), anna)
+    check_links(("tcp/127.0.0.1:1",), LinkSecurity(), anna)
+
+
+def test_a_further_operator_gets_a_certificate_for_the_same_hosts_and_nobody_loses_one(folder: Path) -> None:
+    before = {path: path.read_bytes() for path in folder.rglob("*.*")}
+    made = add_operators(folder, CertificateOrder("lab", (), 90, ("carl",)), NOW)
+    assert [path.name for path in made] == ["operator.carl.pem"]
+    assert hosts_of(read_certificate(made[0]))[-2:] == ["robot.example.org", "10.0.0.3"]
+    assert load_credentials(files(folder, "operator.carl")).identity == Identity(Role.OPERATOR, "lab", "carl")
+    assert before.items() <= {path: path.read_bytes() for path in folder.rglob("*.*")}.items()
+    with pytest.raises(ConfigError, match="carl has a certificate"):
+        add_operators(folder, CertificateOrder("lab", (), 90, ("carl",)), NOW)
+    with pytest.raises(ConfigError, match="make it first: farhand certificates create other"):
+        add_operators(folder, CertificateOrder("other", (), 90, ("carl",)), NOW)
+
+
+@pytest.mark.parametrize(("cell", "name"), [("lab", "Anna"), ("lab", "a.b"), ("lab", "*"), ("c" * 32, "o" * 32)])
+def test_a_name_that_no_key_or_certificate_can_hold_is_refused(cell: str, name: str) -> None:
+    with pytest.raises(ConfigError, match=r"small letters|too long for a certificate"):
+        CertificateOrder(cell, (), 90, (name,))
+
+
+def test_a_certificate_that_names_no_operator_is_refused_with_the_cure(folder: Path) -> None:
+    nameless = issue(load_authority(folder), Identity(Role.OPERATOR, "lab"), ("::1",), NOW, timedelta(days=1))
+    for name, pem in (("operator.pem", nameless.certificate_pem), ("operator.key", nameless.key_pem)):
+        (folder / "lab" / name).write_bytes(pem)
+    with pytest.raises(TransportError, match=r"'operator\.lab', .*: farhand certificates operator lab NAME"):
+        load_credentials(files(folder, "operator"))
 
 
 def test_a_certificate_that_expires_while_a_site_runs_is_found(folder: Path) -> None:
@@ -99,6 +140,8 @@ def test_renewing_keeps_authority_and_hosts_and_makes_new_keys(folder: Path) -> 
     assert hosts_of(renewed)[-3:] == ["robot.example.org", "10.0.0.3", "10.0.0.9"]
     assert renewed.not_valid_after_utc - NOW > timedelta(days=199)
     assert load_credentials(files(folder)).identity.common_name == "remote.lab"
+    anna = read_certificate(folder / "lab" / "operator.anna.pem")
+    assert (hosts_of(anna), anna.not_valid_after_utc) == (hosts_of(renewed), renewed.not_valid_after_utc)
 
 
 def test_no_certificate_outlives_its_authority(folder: Path) -> None:
@@ -118,7 +161,9 @@ def test_without_the_authoritys_key_nothing_is_made(folder: Path) -> None:
         renew(folder, ORDER, NOW)
 
 
-@pytest.mark.parametrize("name", ["", "remote", "router.lab", "boss.lab", "operator.", "operator.A", "operator.a.b"])
+@pytest.mark.parametrize(
+    "name", ["", "remote", "remote.lab.anna", "router.lab", "boss.lab", "operator.", "operator.A", "operator.a"]
+)
 def test_other_names_are_nobodys(name: str) -> None:
     assert read_common_name(name) is None
 

@@ -23,7 +23,7 @@ from common.messages.requests import ClockAnswer
 from farhand.cli import app
 from farhand.doctor.processes import holder_of_device, listener_on
 from farhand.doctor.run import examine, which_site
-from farhand.doctor.site_probing import probe_camera, probe_clock, probe_port, probe_rig
+from farhand.doctor.site import probe_camera, probe_clock, probe_port, probe_rig
 from farhand.loopback.site_process import free_ports
 from farhand.router import RouterConfig
 from local_site.calibration.rig_file import save_rig
@@ -53,9 +53,12 @@ def test_an_endpoint_beyond_this_host_is_told() -> None:
 
 
 def test_a_device_tells_who_has_it_open() -> None:
-    device = Path("/dev/full")
-    with device.open("rb"):
-        assert f"(process {os.getpid()})" in holder_of_device(device)
+    ours, theirs = os.openpty()  # a device that nobody else has open
+    try:
+        assert f"(process {os.getpid()})" in holder_of_device(Path(os.ttyname(theirs)))
+    finally:
+        os.close(ours)
+        os.close(theirs)
 
 
 def test_a_camera_is_opened_for_a_picture(tmp_path: Path) -> None:
@@ -96,7 +99,7 @@ def test_the_other_clock_is_asked_where_it_answers(monkeypatch: pytest.MonkeyPat
             thread.join()
     assert known.offset_ns is not None
     assert known.uncertainty_ns > 0
-    monkeypatch.setattr("farhand.doctor.site_probing.CLOCK_TIMEOUT_NS", 200 * NS_PER_MS)
+    monkeypatch.setattr("farhand.doctor.site.CLOCK_TIMEOUT_NS", 200 * NS_PER_MS)
     assert probe_clock("cell", endpoint).offset_ns is None
 
 
@@ -149,7 +152,7 @@ def test_a_real_run_ends_by_its_worst_finding(tmp_path: Path) -> None:
 
 
 def test_warnings_alone_are_no_failure(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr("farhand.doctor.site_probing.CLOCK_TIMEOUT_NS", 200 * NS_PER_MS)
+    monkeypatch.setattr("farhand.doctor.site.CLOCK_TIMEOUT_NS", 200 * NS_PER_MS)
     listen, remote = free_ports(2)
     ports = (f"links.listen=tcp/127.0.0.1:{listen}", f"links.remote=tcp/127.0.0.1:{remote}")
     config = Path(__file__).parents[3] / "farhand/deployment/sites/local.toml"
@@ -192,6 +195,9 @@ def test_the_robots_side_is_loaded_as_the_remote_site_would(setting: str, found:
     ("setting", "wrong"),
     [("driver.name=kinematic", 0), ("tracking.method=markers", 0), ("metrics.port=-1", 2), ("drivr.name=x", 2)],
 )
-def test_a_setting_without_a_file_goes_to_the_site_that_knows_it(setting: str, wrong: int) -> None:
+def test_a_setting_without_a_file_goes_to_the_site_that_knows_it(
+    setting: str, wrong: int, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr("farhand.doctor.site.CLOCK_TIMEOUT_NS", 200 * NS_PER_MS)
     found = [finding for finding in examine(None, (setting,)) if finding.check == "configuration"]
     assert [finding.level for finding in found].count("error") == wrong, found

@@ -7,8 +7,8 @@ import numpy as np
 import pytest
 
 from common.errors import ConfigError, InterruptionError
-from farhand.experiments.filming import film
 from farhand.experiments.follow import HAND_MEASURED, TOOL
+from farhand.experiments.following import film
 from farhand.experiments.run import run_experiment
 from farhand.outputs import write_result
 from local_site.simulation.config import MotionConfig, SimulationConfig

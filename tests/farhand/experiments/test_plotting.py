@@ -8,7 +8,7 @@ import cv2
 import numpy as np
 
 from common.cameras.camera import Image
-from farhand.experiments.plotting import describe_panel, panels, plot_frames, png, widen
+from farhand.experiments.plotting import describe_panel, panels, png, widen
 
 WITHOUT_MATPLOTLIB = (
     "import sys; sys.modules['matplotlib'] = None; sys.argv[0] = 'farhand';from farhand.__main__ import main; main()"
@@ -28,7 +28,7 @@ def red_columns(content: bytes) -> list[int]:
 
 def drawn(values: list[float]) -> bytes:
     figure, axes = panels("title", 1)
-    plot_frames(axes[0, 0], np.array(values), **RED)
+    axes[0, 0].plot(np.array(values), **RED)
     describe_panel(axes[0, 0], "panel", "y, mm")
     return png(figure, axes, "frame")
 

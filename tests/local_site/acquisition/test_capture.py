@@ -13,7 +13,7 @@ from local_site.acquisition.pairing import PairingConfig
 from local_site.acquisition.simulated_cameras import SimulatedCameras
 from local_site.simulation.config import SimulationConfig, StereoConfig
 
-WAIT_S = 5.0
+WAIT_S = 20.0
 
 
 class ScriptedCamera:

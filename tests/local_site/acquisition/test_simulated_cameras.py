@@ -11,8 +11,15 @@ import pytest
 
 from common.clock import NS_PER_MS, NS_PER_S, FakeClock
 from common.errors import CameraError, ConfigError
-from local_site.acquisition.exposures import Beginning, Exposure, ExposureLoop, ExposureSchedule
-from local_site.acquisition.simulated_cameras import SLOTS, FrameRing, SimulatedCameras
+from local_site.acquisition.simulated_cameras import (
+    SLOTS,
+    Beginning,
+    Exposure,
+    ExposureLoop,
+    ExposureSchedule,
+    FrameRing,
+    SimulatedCameras,
+)
 from local_site.simulation.config import BodyConfig, MotionConfig, PictureConfig, SimulationConfig, StereoConfig
 from local_site.simulation.operator import SimulatedOperator
 
@@ -155,7 +162,6 @@ def test_ctrl_c_is_left_to_the_parent(cameras):
 
 PARENT = """
 import time
-from local_site.acquisition.exposures import Beginning
 from local_site.simulation.config import SimulationConfig, StereoConfig
 from local_site.acquisition.simulated_cameras import SimulatedCameras
 cameras = SimulatedCameras(SimulationConfig(stereo=StereoConfig(width_px=160, height_px=120, focal_px=200.0)))
@@ -178,7 +184,7 @@ def test_the_renderer_dies_with_its_parent():
         renderer = int(parent.stdout.readline())
         assert running(renderer)
         parent.kill()
-    deadline = time.monotonic() + 5.0
+    deadline = time.monotonic() + 20.0
     while running(renderer) and time.monotonic() < deadline:
         time.sleep(0.02)
     assert not running(renderer)

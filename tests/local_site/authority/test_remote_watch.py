@@ -4,14 +4,27 @@ from types import SimpleNamespace
 
 from structlog.testing import capture_logs
 
+import tests.common.messages.golden_examples as golden
 from common.clock import NS_PER_MS
 from local_site.authority.remote_watch import ChannelHealth, RemoteWatch
 
 LEASE = SimpleNamespace(session=7, asked_by=None)
 
 
-def state(engagement=None, word="engaged", code="following"):
-    return SimpleNamespace(state=SimpleNamespace(value=word), code=code, reason="", lease=LEASE, engagement=engagement)
+def state(engagement=None, word="engaged", code="following", ready="ok", age_limit_ms=100.0, **links):
+    return SimpleNamespace(
+        state=SimpleNamespace(value=word),
+        code=code,
+        reason="",
+        lease=LEASE,
+        settings=links.get("settings"),
+        engagement=engagement,
+        age_limit_ms=age_limit_ms,
+        speed_scale=100.0 / age_limit_ms,
+        hand_link=links.get("hand_link"),
+        video_link=links.get("video_link"),
+        readiness=SimpleNamespace(code=ready, reason="the link takes 310 ms"),
+    )
 
 
 class States:
@@ -46,6 +59,29 @@ def test_reasons_that_come_and_go_are_logged_once_a_second_and_states_at_once():
     assert logs[-1]["state"] == "holding"
 
 
+def test_what_the_remote_site_finds_wrong_with_the_links_is_logged_here_too():
+    for session, events in (
+        (LEASE.session, ["link of the hand", "link of the pictures"]),
+        (LEASE.session + 1, ["link of the pictures"]),  # those are another operator's samples
+    ):
+        states = States(state(hand_link=golden.STATE.hand_link, video_link=golden.STATE.video_link))
+        with capture_logs() as logs:
+            RemoteWatch(states, session, lambda _: None).poll(0)
+        assert [line["event"] for line in logs if line["log_level"] == "warning"] == events
+
+
+def test_a_changed_age_limit_and_a_link_that_is_too_slow_are_logged_once() -> None:
+    states = [state(), state(age_limit_ms=200.0), state(age_limit_ms=200.0)]
+    states += [state(ready="link_too_slow", age_limit_ms=200.0)] * 3
+    watch = RemoteWatch(States(*states), LEASE.session, lambda _: None)
+    with capture_logs() as logs:
+        for k in range(len(states)):
+            watch.poll(k * 33 * NS_PER_MS)
+    limits = [(line["ms"], line["speed"]) for line in logs if line["event"] == "age limit"]
+    assert limits == [(200.0, "50%")]
+    assert [line["reason"] for line in logs if line["event"] == "the link is too slow"] == ["the link takes 310 ms"]
+
+
 def test_a_channel_comes_alive_and_falls_silent_once() -> None:
     health = ChannelHealth(stale_after_ns=100)
     assert health.change(0) is None
@@ -54,3 +90,11 @@ def test_a_channel_comes_alive_and_falls_silent_once() -> None:
     assert health.change(110) is None
     assert health.change(111) is False
     assert health.change(500) is None
+
+
+def test_it_knows_the_settings_in_force_from_the_newest_state():
+    watch = RemoteWatch(States(state(settings="old"), state(settings="new")), LEASE.session, lambda _: None)
+    assert watch.settings is None
+    watch.poll(0)
+    watch.poll(1)
+    assert watch.settings == "new"

@@ -31,10 +31,10 @@ def print_of(board: Board) -> Image:
 
 @lru_cache(maxsize=6)
 def rays_of(lens: Lens) -> NDArray[np.float32]:
-    """The ray (x/z, y/z, 1) of every sample of every pixel, (SAMPLES H, SAMPLES W, 3)."""
+    """The ray (x/z, y/z) of every sample of every pixel, (SAMPLES H, SAMPLES W, 2)."""
     ticks = [(np.arange(SAMPLES * n) + 0.5) / SAMPLES - 0.5 for n in SIZE]
     slopes = (lens.undistort_pixels(np.stack(np.meshgrid(*ticks), axis=-1)) - (lens.cx, lens.cy)) / (lens.fx, lens.fy)
-    return np.dstack([slopes, np.ones(slopes.shape[:2])]).astype(np.float32)
+    return slopes.astype(np.float32)
 
 
 class Renderer:
@@ -49,14 +49,12 @@ class Renderer:
         """The board at a pose (operator_R_board, translation in m) as a grey picture."""
         R = self._camera.camera_R_operator @ rotation
         t = self._camera.to_camera(translation)
-        print_H_board = np.array(
-            [[1 / self._board.square, 0.0, 1.0], [0.0, 1 / self._board.square, 1.0], [0.0, 0.0, 1.0]]
-        )
+        square, px = self._board.square, PX_PER_SQUARE
+        print_H_board = np.array([[px / square, 0.0, px], [0.0, px / square, px], [0.0, 0.0, 1.0]])
         print_H_ray = print_H_board @ np.linalg.inv(np.column_stack([R[:, :2], t]))
-        homogeneous = (self._rays.reshape(-1, 3) @ print_H_ray.T.astype(np.float32)).reshape(self._rays.shape)
-        where = homogeneous[..., :2] / homogeneous[..., 2:] * PX_PER_SQUARE - 0.5
-        where[homogeneous[..., 2] <= 0] = -1e4
-        x, y = (np.ascontiguousarray(where[..., k], dtype=np.float32) for k in (0, 1))
+        x, y = cv2.split(cv2.perspectiveTransform(self._rays, print_H_ray) - np.float32(0.5))
+        behind = self._rays @ print_H_ray[2, :2].astype(np.float32) <= -print_H_ray[2, 2]
+        x[behind] = -1e4
         fine = cv2.remap(self._print, x, y, cv2.INTER_LINEAR, borderMode=cv2.BORDER_CONSTANT, borderValue=30)
         coarse = cv2.GaussianBlur(cv2.resize(fine, SIZE, interpolation=cv2.INTER_AREA), (0, 0), 0.7)
         noise = 2.0 * self._random.standard_normal(coarse.shape)

@@ -101,7 +101,7 @@ def test_leaving_out_is_what_a_rig_without_the_point_gives():
     from local_site.calibration import accuracy, solve
 
     solved = [solve._solve_camera(name, points, p) for name, p in zip(points.cameras, points.pixels, strict=True)]
-    quick = accuracy.leave_one_out_errors([s.resection for s in solved], points.points, points.pixels)
+    quick = accuracy.leave_one_out_errors([resection for resection, _ in solved], points.points, points.pixels)
     assert quick[::25] == pytest.approx(np.array(rig_errors), abs=2e-5)
 
 

@@ -8,12 +8,16 @@ import pytest
 
 from common.clock import NS_PER_S
 from common.errors import MessageError
+from common.messages.hand import OperatorSettings
 from common.messages.requests import EngagementAction, OperatorAction, Reply
+from common.messages.robot import Asker
 from local_site.console.message_handler import Outlets, PageMessageHandler
 from local_site.console.model.history import History
 from local_site.console.model.latency import Latencies
 from local_site.console.model.page_messages import parse
 from local_site.console.model.seat import Seat, Visitor
+
+LEASE = 41
 
 
 class Told:
@@ -37,6 +41,7 @@ class Sites:
     def __init__(self) -> None:
         self.asked: list[str] = []
         self.slow = threading.Event()
+        self.consented: Asker | None = None
 
     def engagement(self, action: EngagementAction) -> Reply:
         if action is not EngagementAction.STOP:
@@ -44,8 +49,9 @@ class Sites:
         self.asked.append(action.value)
         return Reply(id=1, done=True, code="ok", reason="as asked")
 
-    def lease(self, action: OperatorAction) -> Reply:
+    def lease(self, action: OperatorAction, to: Asker | None) -> Reply:
         self.asked.append(action.value)
+        self.consented = to
         return Reply(id=1, done=False, code="nobody_asks", reason="nobody asks")
 
 
@@ -55,11 +61,14 @@ class Room:
     def __init__(self) -> None:
         self.sites, self.intent, self.shown = Sites(), Told(), Told()
         self.first, self.second = Told(1), Told(2)
+        self.history = History()
         seat = Seat(open_=True)
         seat.arrive(self.first.visitor, NS_PER_S)
         self.handler = PageMessageHandler(
-            seat, Outlets(self.intent.put, self.shown.put), self.sites, Latencies(), History(), 9
+            seat, Outlets(self.intent.put, self.shown.put), self.sites, Latencies(), self.history, 9
         )
+        self.handler.lease = LEASE
+        self.handler.adopt(OperatorSettings(lease=LEASE), NS_PER_S)
 
     def say(self, page: Told, **said: object) -> None:
         self.handler.handle(page, parse(msgspec.json.encode(said).decode()), NS_PER_S)
@@ -94,7 +103,18 @@ def test_a_watching_page_may_stop_and_nothing_else(room: Room) -> None:
 
     asyncio.run(talk())
     assert room.sites.asked == ["stop"]
-    assert (room.handler.intent.clutch_count, room.handler.intent.scale) == (0, 1.0)
+    assert room.handler.settings == OperatorSettings(lease=LEASE)
+
+
+def test_consent_goes_on_in_the_name_that_the_page_showed(room: Room) -> None:
+    shown = {"name": "ben", "session": "4611686018427387903"}
+
+    async def talk() -> None:
+        room.say(room.first, type="ask_lease", id=1, action="give", to=shown)
+        await room.wait_for_answers(room.first, 1)
+
+    asyncio.run(talk())
+    assert room.sites.consented == Asker("ben", 4611686018427387903)
 
 
 def test_a_stop_never_waits_behind_other_requests(room: Room) -> None:
@@ -114,17 +134,12 @@ def test_the_operating_page_steers_by_what_it_names(room: Room) -> None:
     room.say(room.first, type="steer", locks={"roll": True})
     room.say(room.first, type="steer", rotation_scale=0.25, locks={"z": True})
     room.say(room.first, type="clutch")
-    room.handler.send_intent()
+    room.handler.send_intent(NS_PER_S)
     intent = room.intent.messages[-1].intent
-    assert (intent.scale, intent.rotation_scale, intent.clutch_count) == (0.5, 0.25, 1)
-    assert (intent.locks.roll, intent.locks.z, intent.locks.x) == (True, True, False)
+    settings = intent.settings
+    assert (settings.scale, settings.rotation_scale, settings.revision) == (0.5, 0.25, 4)
+    assert (settings.locks.roll, settings.locks.z, settings.locks.x) == (True, True, False)
     assert not intent.hold
-
-
-def test_where_nobody_operates_no_intent_is_told(room: Room) -> None:
-    room.say(room.first, type="leave_seat", id=1)
-    room.handler.send_intent()
-    assert room.intent.messages == []
 
 
 @pytest.mark.parametrize(
@@ -139,10 +154,14 @@ def test_where_nobody_operates_no_intent_is_told(room: Room) -> None:
         '{"type": "beat", "page_ms": 1, "down": true, "more": 1}',
         '{"type": "ask", "id": 1, "action": "move"}',
         '{"type": "ask", "id": -1, "action": "stop"}',
+        '{"type": "ask_lease", "id": 1, "action": "give", "to": {"name": "ben", "session": 7}}',
+        '{"type": "ask_lease", "id": 1, "action": "give", "to": {"name": "ben", "session": "-7"}}',
         '{"type": "steer", "scale": 50}',
         '{"type": "steer", "scale": NaN}',
         '{"type": "steer", "locks": {"w": true}}',
-        '{"type": "shown", "views": {"camera/side": {"seq": 1, "age_ms": -5, "fps": 1}}}',
+        '{"type": "shown", "h264": true, "views": {"camera/side": {"seq": 1, "age_ms": -5, "fps": 1}}}',
+        '{"type": "shown", "views": {}}',
+        '{"type": "lost"}',
     ],
 )
 def test_what_no_page_says_is_refused(said: str) -> None:

@@ -10,8 +10,16 @@ from structlog.testing import capture_logs
 from common.cameras.camera import Frame
 from common.messages.hand import TrackingStatus
 from common.messages.video import CameraStatus
-from local_site.preview.drawing import Drawn, PictureInfo, PreviewConfig, decode_order, draw, encode_order
-from local_site.preview.preview import Preview, PreviewProcess
+from local_site.preview.preview import (
+    Drawn,
+    PictureInfo,
+    Preview,
+    PreviewConfig,
+    PreviewProcess,
+    decode_order,
+    draw,
+    encode_order,
+)
 from local_site.tracking.annotate import annotate
 from local_site.tracking.tracker import ArmEstimate, Overlay, View, Views
 
@@ -109,7 +117,7 @@ def test_both_views_are_sent_at_the_configured_rate_with_their_exposure():
     assert [m.seq for m in left.sent] == list(range(len(left.sent)))
     assert [m.capture_ns for m in left.sent] == drawer.orders[: len(left.sent)]
     assert [m.capture_ns for m in right.sent] == [t_ns + 1 for t_ns in drawer.orders[: len(right.sent)]]
-    assert {(m.camera, m.status, m.jpeg, m.width, m.height) for m in right.sent} == {
+    assert {(m.camera, m.status, m.data, m.width, m.height) for m in right.sent} == {
         ("right", CameraStatus.LIVE, b"jpeg", 3, 2)
     }
 
@@ -139,7 +147,7 @@ def test_without_views_the_reason_stands_in_for_the_pictures():
     preview.show_reason("camera left gives nothing" + "!" * 500, 5000 * MS)
     for wire in (left, right):
         assert wire.sent[-1].status is CameraStatus.FROZEN
-        assert wire.sent[-1].jpeg == b""
+        assert wire.sent[-1].data == b""
         assert wire.sent[-1].reason.startswith("camera left gives nothing")
     assert left.sent[-1].capture_ns >= last
 

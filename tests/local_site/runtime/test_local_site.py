@@ -45,13 +45,13 @@ class Wire:
     def __init__(self):
         self.sent = []
 
-    def publisher(self, *_):
+    def publisher(self, *_, **_named):
         return self
 
-    def latest(self, *_):
+    def latest(self, *_, **_named):
         return self
 
-    def serve(self, *_):
+    def serve(self, *_, **_named):
         return self
 
     def poll(self, *_):
@@ -98,8 +98,8 @@ def site(monkeypatch):
         rig = Rig(PAIR.cameras * (cameras // 2), PAIR.volume_min, PAIR.volume_max, PAIR.error_rms, "made up")
         operator = OperatorRig(rig, LocalConfig().tracking, (), lambda _t_ns: None)
         config, clock = LocalConfig(), FakeClock(0)
-        tracking, sender = ArmTracking(config, operator, wire), SampleSender(config, wire, Alone(), clock)
         watch, preview = RemoteWatch(wire, Alone.session, operator.engaged), Preview({}, NoDrawing(), 12.0)
+        tracking, sender = ArmTracking(config, operator, wire), SampleSender(config, wire, Alone(), watch, clock)
         return LocalSite(Cameras(cameras), tracking, sender, watch, preview, clock), wire
 
     return make

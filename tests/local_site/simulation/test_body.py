@@ -10,7 +10,7 @@ from local_site.simulation.body import ArmBody
 from local_site.simulation.cameras import stereo_pair
 from local_site.simulation.config import BodyConfig, MotionConfig, MotionName, SimulationConfig, StereoConfig
 from local_site.simulation.motion import Motion
-from local_site.simulation.outline import part_polygons, project
+from local_site.simulation.rendering import part_polygons, project
 
 THIN = BodyConfig(upper_arm_girth=0.25, elbow_girth=0.22, forearm_girth=0.225, wrist_girth=0.15, belly_offset=0.006)
 MUSCULAR = BodyConfig(upper_arm_girth=0.36, elbow_girth=0.28, forearm_girth=0.32, wrist_girth=0.18, belly_offset=0.016)

@@ -10,8 +10,7 @@ from common.errors import ConfigError
 from common.geometry import vector_from_rotation
 from local_site.simulation.body import ArmBody
 from local_site.simulation.config import BodyConfig, MotionConfig, MotionName
-from local_site.simulation.hand_paths import minimum_jerk
-from local_site.simulation.motion import Motion
+from local_site.simulation.motion import Motion, minimum_jerk
 
 NAMES = typing.get_args(MotionName)
 

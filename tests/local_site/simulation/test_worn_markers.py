@@ -7,10 +7,9 @@ import numpy as np
 import pytest
 
 from common.geometry import rotation_from_vector
-from local_site.simulation.body import ArmBody
+from local_site.simulation.body import MARKER_RADIUS_M, ArmBody, MarkedArm
 from local_site.simulation.cameras import stereo_pair
 from local_site.simulation.config import MotionConfig, PictureConfig, SimulationConfig, StereoConfig
-from local_site.simulation.markers import RADIUS_M, MarkedArm
 from local_site.simulation.motion import Motion
 from local_site.simulation.operator import SimulatedOperator
 from local_site.simulation.rendering import Renderer
@@ -43,7 +42,7 @@ def test_three_bright_discs_are_where_the_truth_is(t_s):
             in_camera = camera.to_camera(point)
             apart = np.linalg.norm(centroids - camera.pixels(in_camera), axis=1)
             assert apart.min() < 0.1
-            radius_px = CONFIG.stereo.focal_px * RADIUS_M / in_camera[2]
+            radius_px = CONFIG.stereo.focal_px * MARKER_RADIUS_M / in_camera[2]
             assert areas[np.argmin(apart)] == pytest.approx(np.pi * radius_px**2, rel=0.08)
 
 

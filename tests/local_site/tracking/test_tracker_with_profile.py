@@ -3,9 +3,9 @@
 import numpy as np
 import pytest
 
-from local_site.tracking.reasons import TrackingReason
 from local_site.tracking.silhouette.operator_profile import make_profile
 from local_site.tracking.silhouette.silhouette_tracker import SilhouetteTracker
+from local_site.tracking.tracker import TrackingReason
 from tests.local_site.tracking.rendered_arm import POINTS, errors_m, rig_of
 
 COUNT = 20

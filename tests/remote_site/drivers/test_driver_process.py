@@ -10,11 +10,13 @@ from functools import partial
 import numpy as np
 import pytest
 
-from common.clock import NS_PER_MS, MonotonicClock
+from common.clock import NS_PER_MS, NS_PER_S, MonotonicClock
 from common.errors import DriverError
+from common.messages.robot import GripperCommand
 from common.process.children import Children
 from common.process.service import StopFlag, ask_for_real_time
 from remote_site.config import RemoteConfig
+from remote_site.drivers import link as driver_link
 from remote_site.drivers.c500c.config import C500cConfig
 from remote_site.drivers.c500c.driver import C500cDriver
 from remote_site.drivers.c500c.emulation import EmulatedPort, Emulation, Terminal, run_emulation
@@ -29,6 +31,7 @@ from remote_site.drivers.link import DriverLink
 from remote_site.drivers.memory import DriverMemory
 from remote_site.drivers.registry import DriverHost
 from remote_site.drivers.simulated import SimulatedDriver
+from remote_site.drivers.supervisor import reading_check, watched_driver
 from remote_site.kinematics.joints import JointMotion
 from remote_site.motion.jerk_limited import JerkLimitedTracker
 from remote_site.runtime import driver_process as process
@@ -37,19 +40,26 @@ from remote_site.simulation.memory import CellMemory
 from remote_site.simulation.process import run_cell
 from tests.remote_site.remote_loop import arm
 
+STARVED_NS = 2 * NS_PER_S  # that is how long other tests may keep the simulated robot from its processor
+LATE_CALL_NS = NS_PER_S // 2  # a busy machine may keep a call of a driver that does not block
 FORK = multiprocessing.get_context("fork")
 CONFIG = RemoteConfig(driver=DriverConfig(command_timeout_ms=1000.0))  # a busy machine may keep control waiting
 MODEL, LIMITS = arm()
 CLOCK = MonotonicClock()
 DT = 0.004
+PATIENCE_S = 30.0
 
 
 class Blocking(KinematicDriver):
-    """Waits for ever in its tenth reading after it was commanded."""
+    """Waits in its tenth reading after it was commanded, until it is let go."""
+
+    let_go = FORK.RawValue("b", 0)
 
     def read(self):
         if self._obeyed is not None and self._obeyed >= 10:
-            time.sleep(0.5)
+            until_s = time.monotonic() + 2 * PATIENCE_S
+            while not self.let_go.value and time.monotonic() < until_s:
+                time.sleep(0.005)
         return super().read()
 
 
@@ -75,6 +85,9 @@ class Rig:
 
     def __init__(self, factory, monkeypatch):
         monkeypatch.setattr(process, "create_driver", lambda name, host: factory(host))  # noqa: ARG005
+        monkeypatch.setattr(reading_check, "OLDEST_NS", STARVED_NS)
+        for module in (driver_link, watched_driver) if factory is not blocking else ():
+            monkeypatch.setattr(module, "DEADLINE_NS", LATE_CALL_NS)
         self.memory, self.cell = DriverMemory.create(6), CellMemory.create(6)
         self.children = Children("remote")
         if factory is simulated:
@@ -82,10 +95,10 @@ class Rig:
                 "cell", lambda stop, beat: run_cell(CONFIG.simulation, CONFIG.robot, self.cell, stop, beat.beat)
             )
         self.driver = self.children.start("driver", partial(process.run_driver, CONFIG, self.memory, self.cell))
-        self.children.wait_ready(10.0, StopFlag())
+        self.children.wait_ready(30.0, StopFlag())
         self.log = []
 
-    def watch(self, until, seconds=8.0):
+    def watch(self, until, seconds=30.0):
         """Keep every new report until one fulfils `until`."""
         watcher = DriverLink(self.memory, LIMITS, CLOCK)
         deadline = time.monotonic() + seconds
@@ -114,7 +127,7 @@ def control(memory):
         link.read()
         follower.reset(sent)
         motion = follower.track(goal, np.zeros(6))
-        command = JointCommand(seq, CLOCK.now_ns(), motion.q, motion.dq, motion.ddq, gripper_open=True)
+        command = JointCommand(seq, CLOCK.now_ns(), motion.q, motion.dq, motion.ddq, GripperCommand.KEEP)
         sent = link.write(command).motion
         time.sleep(DT)
 
@@ -162,9 +175,9 @@ def test_control_killed_in_full_motion_ends_in_the_verified_stop(make_rig, comma
     rig.memory.orders._seen = rig.memory.orders._record.count - 1
     (last,) = rig.memory.orders.take()
     end = stopping(last.command.motion, LIMITS, 9.9).q[0]
-    report = rig.watch(is_stopped, 5)
+    report = rig.watch(is_stopped)
     assert report.sent.q[0] == pytest.approx(end, abs=1e-9)
-    rig.watch(lambda r: abs(r.q[0] - end) < 0.003 and np.abs(r.dq).max() < 0.01, 3)
+    rig.watch(lambda r: abs(r.q[0] - end) < 0.003 and np.abs(r.dq).max() < 0.01)
     assert max(r.q[0] for _, r in rig.log) < end + 0.003
     time.sleep(0.1)
     assert rig.watch(lambda _: True).sent.q[0] == pytest.approx(report.sent.q[0], abs=1e-9)
@@ -175,30 +188,29 @@ def test_a_driver_killed_in_motion_leaves_the_controllers_own_watchdog(make_rig,
     robot = Children("remote")
 
     def over_the_line(host):
-        return C500cDriver(C500cConfig(), open_port(terminal.path, 57600), host.clock)
+        return C500cDriver(C500cConfig(silent_ms=400.0), open_port(terminal.path, 57600), host.clock)
 
     def be_the_robot(should_stop, heartbeat):
         emulation = Emulation(EmulatedController(CONFIG.robot.start), CLOCK.now_ns())
         run_emulation(emulation, terminal, should_stop, heartbeat.beat)
 
     robot.start("robot", be_the_robot)
-    robot.wait_ready(10.0, StopFlag())
+    robot.wait_ready(30.0, StopFlag())
     rig = make_rig(over_the_line)
     commander(rig)
     rig.watch(lambda report: report.ready and report.dq[0] > 0.5)
     rig.driver.process.kill()
-    rig.driver.process.join(3)
-    time.sleep(1.0)
+    rig.driver.process.join(30)
     again = over_the_line(DriverHost(CLOCK))
     places = []
-    for _ in range(100):
+    deadline = time.monotonic() + PATIENCE_S
+    while not (len(places) > 100 and places[-1].fault and places[-1].q == pytest.approx(places[-100].q, abs=1e-9)):
+        assert time.monotonic() < deadline
         time.sleep(0.004)
         with contextlib.suppress(DriverError):
             places.append(again.read())
     robot.end()
-    assert places[-1].fault is not None
     assert places[-1].q[0] > 0.05
-    assert places[-1].q == pytest.approx(places[0].q, abs=1e-9)
     assert again._exchange.state.fault in (Fault.WATCHDOG, Fault.UNDERRUN)
 
 
@@ -207,7 +219,7 @@ def test_the_driver_process_told_to_end_leaves_the_arm_at_rest(make_rig, command
     commander(rig)
     rig.watch(lambda report: report.ready and report.sent.dq[0] > 1.5)
     os.kill(rig.driver.process.pid, signal.SIGTERM)
-    rig.driver.process.join(3)
+    rig.driver.process.join(30)
     assert rig.driver.process.exitcode == 0
     cell = rig.cell.reading.read()
     assert np.abs(cell["dq"]).max() < 0.02
@@ -218,21 +230,21 @@ def test_a_driver_that_blocks_is_seen_from_outside_while_control_goes_on(make_ri
     link = DriverLink(rig.memory, LIMITS, CLOCK)
     link.activate(CONFIG.robot.start)
     rest = JointMotion.at_rest(CONFIG.robot.start)
-    deadline = time.monotonic() + 5
+    deadline = time.monotonic() + PATIENCE_S
     while not link.read().ready:
         assert time.monotonic() < deadline
         time.sleep(0.005)
-    longest, seq = 0, 0
+    seq = 0
     while (fault := link.read().fault) is None:
         assert time.monotonic() < deadline
         seq += 1
-        begin = time.perf_counter()
-        link.write(JointCommand(seq, CLOCK.now_ns(), rest.q, rest.dq, rest.ddq, gripper_open=True))
-        longest = max(longest, time.perf_counter() - begin)
+        link.write(JointCommand(seq, CLOCK.now_ns(), rest.q, rest.dq, rest.ddq, GripperCommand.KEEP))
         time.sleep(DT)
+    assert time.monotonic() < deadline  # no write has waited for the driver, which is still blocked
     assert fault.code is FaultCode.DEADLINE
-    assert longest < 0.3  # the driver waits for half a second
-    time.sleep(0.7)
+    blocked_ns = rig.memory.report.read().at_ns
+    Blocking.let_go.value = 1
+    rig.watch(lambda _: rig.memory.report.read().at_ns > blocked_ns)
     assert link.read().fault.code is FaultCode.DEADLINE  # also when the call has returned
 
 
@@ -242,7 +254,7 @@ def test_a_process_that_is_gone_is_told(make_rig):
     link.activate(CONFIG.robot.start)
     rig.watch(lambda report: report.ready)
     os.kill(rig.driver.process.pid, signal.SIGKILL)
-    rig.driver.process.join(3)
+    rig.driver.process.join(30)
     time.sleep(0.15)
     assert link.read().fault.code is FaultCode.PROCESS
 
@@ -255,7 +267,7 @@ def test_the_first_command_after_a_stop_began_is_where_the_stop_is_at_its_time()
     memory.report.write(raw._replace(at_ns=now_ns, stop_count=1, onset_ns=now_ns - 20 * NS_PER_MS, motions=moving))
     link.read()
     zero = np.zeros(6)
-    command = JointCommand(1, now_ns, zero, zero, zero, gripper_open=True)
+    command = JointCommand(1, now_ns, zero, zero, zero, GripperCommand.KEEP)
     stop = stopping(JointMotion(*moving[2:]), LIMITS, 0.02)
     sent = link.write(command).motion
     assert (sent.q == stop.q).all()
@@ -279,12 +291,23 @@ def test_until_an_activation_is_answered_control_goes_on_from_where_it_was_asked
     assert report.sent.resting
 
 
+def test_an_activation_and_a_stop_keep_the_gripper_whatever_was_commanded_before():
+    memory = DriverMemory.create(6)
+    link, zero = DriverLink(memory, LIMITS, CLOCK), np.zeros(6)
+    for command in GripperCommand:
+        link.write(JointCommand(1, 0, zero, zero, zero, command))
+        link.stop()
+        link.activate(zero)
+        keep = GripperCommand.KEEP
+        assert [order.command.gripper for order in memory.orders.take()] == [command, keep, keep]
+
+
 def test_every_order_arrives_once_and_lost_ones_are_never_torn():
     memory = DriverMemory.create(6)
     link = DriverLink(memory, LIMITS, CLOCK)
     zero = np.zeros(6)
     for seq in range(1, 201):
-        link.write(JointCommand(seq, 7 * NS_PER_MS, zero + seq, zero, zero, gripper_open=False))
+        link.write(JointCommand(seq, 7 * NS_PER_MS, zero + seq, zero, zero, GripperCommand.CLOSED))
         if seq == 10:
             assert [order.command.seq for order in memory.orders.take()] == list(range(1, 11))
     late = memory.orders.take()

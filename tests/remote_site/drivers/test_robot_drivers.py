@@ -1,6 +1,7 @@
 """The kinematic driver is where it was commanded; the registry knows who there is."""
 
 import tomllib
+from dataclasses import replace
 from importlib.metadata import EntryPoint
 from pathlib import Path
 
@@ -11,6 +12,7 @@ from common.clock import NS_PER_MS, FakeClock
 from common.errors import ConfigError, DriverError
 from remote_site.drivers import registry
 from remote_site.drivers.driver import DriverSetup, JointCommand
+from remote_site.drivers.faults import NOT_ACTIVATED
 from remote_site.drivers.kinematic import KinematicDriver
 from remote_site.drivers.registry import DriverHost, check_driver, create_driver
 from remote_site.simulation.memory import CellMemory
@@ -65,9 +67,11 @@ def test_calls_out_of_order_are_refused():
     driver = KinematicDriver(FakeClock())
     with pytest.raises(DriverError, match="configure"):
         driver.activate(START)
-    driver.configure(SETUP)
-    with pytest.raises(DriverError, match="activate"):
+    with pytest.raises(DriverError, match="configure"):
         driver.read()
+    driver.configure(replace(SETUP, start=START))
+    before = driver.read()
+    assert (before.q.tolist(), before.dq.any(), before.fault) == (START.tolist(), False, NOT_ACTIVATED)
     with pytest.raises(DriverError, match="activate"):
         driver.write(JointCommand(1, 0, START, START * 0, START * 0, False))
 

@@ -1,10 +1,13 @@
 """The simulated driver hands setpoints to the cell, and states why the arm does not take them."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
 from common.clock import FakeClock
 from common.errors import DriverError
+from common.messages.robot import GripperCommand
 from remote_site.drivers.driver import DriverSetup, JointCommand
 from remote_site.drivers.faults import FaultCode
 from remote_site.drivers.simulated import SimulatedDriver
@@ -12,7 +15,7 @@ from remote_site.kinematics.config import RobotConfig
 from remote_site.kinematics.limits import JointLimits
 from remote_site.kinematics.model import ArmModel
 from remote_site.simulation.config import CellConfig
-from remote_site.simulation.memory import CellMemory
+from remote_site.simulation.memory import GRIPPER_COMMANDS, CellMemory
 from remote_site.simulation.process import SimulatedCell
 
 ROBOT = RobotConfig()
@@ -25,9 +28,9 @@ class Bench:
 
     def __init__(self) -> None:
         self.clock = FakeClock(1_000_000_000)
-        memory = CellMemory.create(6)
-        self.cell = SimulatedCell(CellConfig(), ROBOT, memory)
-        self.driver = SimulatedDriver(memory, self.clock)
+        self.memory = CellMemory.create(6)
+        self.cell = SimulatedCell(CellConfig(), ROBOT, self.memory)
+        self.driver = SimulatedDriver(self.memory, self.clock)
         self.seq = 0
 
     def run(self, steps: int = 1) -> None:
@@ -42,13 +45,13 @@ class Bench:
         self.run()
         return self
 
-    def command(self, q=ROBOT.start, gripper_open: bool = True) -> JointCommand:
+    def command(self, q=ROBOT.start, gripper: GripperCommand = GripperCommand.OPEN) -> JointCommand:
         self.seq += 1
-        return JointCommand(self.seq, self.clock.now_ns(), np.array(q), np.zeros(6), np.zeros(6), gripper_open)
+        return JointCommand(self.seq, self.clock.now_ns(), np.array(q), np.zeros(6), np.zeros(6), gripper)
 
-    def hold(self, ticks: int, q=ROBOT.start, gripper_open: bool = True) -> None:
+    def hold(self, ticks: int, q=ROBOT.start, gripper: GripperCommand = GripperCommand.OPEN) -> None:
         for _ in range(ticks):
-            self.driver.write(self.command(q, gripper_open))
+            self.driver.write(self.command(q, gripper))
             self.run(2)
 
 
@@ -113,10 +116,27 @@ def test_a_command_is_obeyed_and_reported(bench):
 
 
 def test_the_gripper_closes_and_opens(bench):
-    bench.ready().hold(250, gripper_open=False)
+    bench.ready().hold(250, gripper=GripperCommand.CLOSED)
     assert bench.driver.read().gripper.opening_m == pytest.approx(0.0, abs=0.002)
     bench.hold(250)
     assert bench.driver.read().gripper.opening_m == pytest.approx(0.065, abs=0.001)
+
+
+def test_another_driver_keeps_what_the_gripper_holds_and_how_hard(bench):
+    bench.ready().hold(250, gripper=GripperCommand.CLOSED)
+    cell = bench.cell.cell
+    force_n = cell.model.actuator_forcerange[cell.grip].copy()
+    bench.driver.stop()
+    bench.run(100)
+    bench.driver = SimulatedDriver(bench.memory, bench.clock)
+    bench.driver.configure(replace(SETUP, grip_force_n=1.0))
+    bench.driver.activate(bench.driver.read().q)
+    assert GRIPPER_COMMANDS[bench.memory.command.read()["gripper"]] is GripperCommand.KEEP
+    bench.hold(250, gripper=GripperCommand.KEEP)
+    assert bench.driver.read().gripper.opening_m == pytest.approx(0.0, abs=0.002)
+    assert (cell.model.actuator_forcerange[cell.grip] == force_n).all()
+    bench.hold(1, gripper=GripperCommand.CLOSED)
+    assert cell.model.actuator_forcerange[cell.grip].max() == 1.0
 
 
 def test_after_a_stop_only_activation_moves_the_arm(bench):

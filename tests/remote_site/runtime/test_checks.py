@@ -4,7 +4,6 @@ import re
 import textwrap
 from pathlib import Path
 
-import msgspec
 import pytest
 
 from common.config import load_config
@@ -12,10 +11,9 @@ from common.errors import ConfigError
 from remote_site.config import RemoteConfig
 from remote_site.drivers.config import DriverConfig
 from remote_site.kinematics.config import CapsuleConfig, RobotConfig
-from remote_site.runtime.app import without_automatic_engagement
 from remote_site.runtime.checks import check_robot, find_mistakes
 from remote_site.runtime.crash_marker import CrashMarker
-from remote_site.session.config import EngagementMode
+from remote_site.session.config import ACCEPTANCE, EngagementMode
 from remote_site.teleop.config import MappingConfig
 from remote_site.video.config import CameraConfig, VideoConfig
 from tests.remote_site.arms_followed import ARMS
@@ -104,7 +102,34 @@ def test_a_mark_that_still_stands_tells_of_an_unordered_end(tmp_path, monkeypatc
     assert not CrashMarker("cell", "tcp/127.0.0.1:7447").set()
 
 
-def test_without_automatic_engagement_all_else_stays():
-    config = without_automatic_engagement(RemoteConfig(cell="lab"))
-    assert config.engagement.mode is EngagementMode.ON_REQUEST
-    assert msgspec.structs.replace(config, engagement=RemoteConfig().engagement) == RemoteConfig(cell="lab")
+def test_another_mode_of_engagement_changes_nothing_else():
+    config = RemoteConfig(cell="lab").engaging(EngagementMode.AUTOMATIC)
+    assert config.engagement.mode is EngagementMode.AUTOMATIC
+    assert config.engaging(EngagementMode.ON_REQUEST) == RemoteConfig(cell="lab")
+
+
+@pytest.mark.parametrize(
+    ("settings", "refused"),
+    [
+        (("driver.name=simulated",), False),
+        (("driver.name=kinematic",), False),
+        (("driver.name=c500c", "driver.emulate=true"), False),
+        (("driver.name=c500c",), True),
+        (("driver.name=mine",), True),
+        (("driver.name=mine", "engagement.automatic_accepted=yes"), True),
+        (("driver.name=mine", f"engagement.automatic_accepted={ACCEPTANCE}"), False),
+    ],
+)
+def test_automatic_engagement_of_a_real_robot_needs_its_acceptance(settings, refused):
+    load_config(RemoteConfig, None, settings)
+    given = (*settings, "engagement.mode=automatic")
+    if not refused:
+        assert load_config(RemoteConfig, None, given).engagement.mode is EngagementMode.AUTOMATIC
+        return
+    with pytest.raises(ConfigError) as error:
+        load_config(RemoteConfig, None, given)
+    assert f"automatic_accepted = {ACCEPTANCE!r}" in str(error.value)
+
+
+def test_engagement_is_on_request_by_default():
+    assert RemoteConfig().engagement.mode is EngagementMode.ON_REQUEST

@@ -3,14 +3,18 @@
 from types import MappingProxyType
 
 import numpy as np
+import pytest
 
+from common.errors import DriverError
 from common.messages.requests import EngagementAction
 from common.messages.robot import SessionState
-from remote_site.drivers.faults import STOPPED, FaultCode, RobotFault
+from remote_site.drivers.faults import NOT_ACTIVATED, STOPPED, FaultCode, RobotFault
 from remote_site.drivers.link import RobotReport
 from remote_site.kinematics.joints import JointMotion
+from remote_site.runtime import control
 from remote_site.runtime.control import ControlLoop
 from remote_site.runtime.driven_pipeline import DrivenPipeline
+from remote_site.runtime.site_memory import SiteMemory
 from remote_site.session.requests import SessionRequest
 from tests.remote_site.remote_loop import TICK_NS, RemoteLoop
 
@@ -38,10 +42,13 @@ class NoReport:
 
     counts = MappingProxyType({})
 
-    def note(self, *_given):
+    def note(self, *_given, **_named):
         """Nothing."""
 
-    publish = poll = note
+    def publish(self, *_given):
+        return 0
+
+    poll = note
 
 
 class Requests:
@@ -63,9 +70,9 @@ class Requests:
 def run_control(loop, robot, inbox, ticks):
     """Tick the control loop of a robot."""
     driven = DrivenPipeline(loop.pipeline, robot)
-    control = ControlLoop(driven, loop.leases, inbox, NoReport(), NoReport(), None)
+    ticking = ControlLoop(driven, loop.leases, inbox, NoReport(), NoReport(), None, SiteMemory())
     for k in range(1, ticks + 1):
-        control.tick(loop.clock.now_ns() + k * TICK_NS)
+        ticking.tick(loop.clock.now_ns() + k * TICK_NS)
 
 
 def test_control_that_stumbled_at_rest_wakes_the_robot_again():
@@ -97,3 +104,40 @@ def test_a_robot_that_is_awake_within_a_tick_is_commanded_from_where_it_was_acti
     assert [answer.reason.code.value for answer in inbox.answers] == ["activated"]
     assert len(robot.written) == 2
     assert all((command.q == robot.q).all() for command in robot.written)
+
+
+class AskedRobot:
+    """Control's link to a robot of which one report after the other is read; it is ready once it was activated."""
+
+    def __init__(self, *reports):
+        self._reports, self.activated = list(reports), []
+
+    def read(self):
+        report = self._reports.pop(0) if len(self._reports) > 1 else self._reports[0]
+        return report._replace(fault=None) if self.activated else report
+
+    def activate(self, q0):
+        self.activated.append(q0)
+
+
+def test_the_robot_is_activated_only_where_it_has_just_been_measured(monkeypatch):
+    monkeypatch.setattr(control, "ACTIVATION_POLL_S", 0.0)
+    q, rest = np.full(6, 0.1), JointMotion.at_rest(np.zeros(6))
+    unmeasured = RobotReport(0, np.zeros(6), np.zeros(6), None, NOT_ACTIVATED, None, rest, True, oldest_ns=100)
+    robot = AskedRobot(
+        unmeasured,
+        unmeasured._replace(t_ns=5, age_ns=101, q=q + 0.5),
+        unmeasured._replace(t_ns=106, age_ns=100, q=q),
+    )
+    control._activate(robot, lambda: False)
+    assert [posture.tolist() for posture in robot.activated] == [q.tolist()]
+
+
+def test_a_robot_that_is_never_measured_is_named_and_never_activated(monkeypatch):
+    monkeypatch.setattr(control, "ACTIVATION_TIMEOUT_S", 0.05)
+    misread = RobotFault(FaultCode.NOT_FINITE, "by its reading joint_3 is not finite")
+    zero = np.zeros(6)
+    robot = AskedRobot(RobotReport(0, zero, zero, None, misread, None, JointMotion.at_rest(zero), True, oldest_ns=100))
+    with pytest.raises(DriverError, match="not_finite: by its reading joint_3"):
+        control._activate(robot, lambda: False)
+    assert not robot.activated

@@ -65,6 +65,16 @@ def test_nothing_that_is_not_finite_passes(guard, field, value, joint):
     broken = replace(moving(), **{field: np.where(np.arange(6) == joint, value, 0.0)})
     assert code(guard.check(broken, moving())) is Code.NOT_FINITE
     assert code(guard.check(moving(), broken)) is Code.NOT_FINITE
+    joints = JointGuard(LIMITS, DT)
+    assert code(joints.check(broken, moving())) is Code.NOT_FINITE
+    assert code(joints.check(moving(), broken)) is Code.NOT_FINITE
+
+
+@pytest.mark.parametrize(("field", "off"), [("q", 1e-9), ("dq", 1e-9 / DT), ("ddq", 1e-9 / DT**2)])
+def test_motions_are_the_same_up_to_rounding(field, off):
+    rest, joints = moving(), JointGuard(LIMITS, DT)
+    assert joints.same(replace(rest, **{field: getattr(rest, field) + 0.9 * off}), rest)
+    assert not joints.same(replace(rest, **{field: getattr(rest, field) + 1.1 * off}), rest)
 
 
 @pytest.mark.parametrize("joint", range(6))
@@ -237,3 +247,16 @@ def test_a_stop_that_is_replaced_by_another_motion_is_refused():
     assert isinstance(guard.check(stop, left), Passed)
     other = replace(stop, ddq=stop.ddq + 0.5)
     assert guard.check(other, left).reason.code in (Code.WORKSPACE, Code.INCONSISTENT)
+
+
+def test_a_refusal_of_the_clearance_names_its_figures():
+    depth = MODEL.forward(START)[0, 3]
+    beyond = Workspace(np.array([depth + 0.015, -2.0, -2.0]), np.array([3.0, 2.0, 3.0]))
+    why = clearance(box=beyond).why(moving(), stops(moving(), LIMITS))
+    assert "15.0 mm outside" in why.sentence
+    low = START + np.radians([0, -70, 0, 0, 0, 0])
+    down = moving(q=low)
+    check = clearance(box=Workspace(np.full(3, -3.0), np.full(3, 3.0)))
+    why = check.why(down, stops(down, LIMITS))
+    assert f"within {check.collision.distance(low) * 1e3:.1f} mm" in why.sentence
+    assert f"(limit {check.collision.margin * 1e3:.1f} mm)" in why.sentence

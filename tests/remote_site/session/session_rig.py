@@ -4,6 +4,7 @@ from dataclasses import replace
 from typing import Any
 
 import numpy as np
+from msgspec import structs
 
 from common.clock import NS_PER_MS
 from common.messages.hand import Intent
@@ -12,6 +13,7 @@ from remote_site.drivers.faults import FaultCode, RobotFault
 from remote_site.kinematics.joints import JointMotion
 from remote_site.reasons import Code, reason
 from remote_site.safety.config import SafetyConfig
+from remote_site.session.age_limit import AgeLimit
 from remote_site.session.config import EngagementConfig, EngagementMode
 from remote_site.session.lease import Holder, Lease
 from remote_site.session.samples import Accepted, Rejected
@@ -21,6 +23,7 @@ from tests.remote_site.remote_loop import hand
 REST = JointMotion.at_rest(np.zeros(6))
 READY = Robot(None, REST)
 MOVING = Robot(None, replace(REST, dq=np.ones(6)))
+STARTING = Robot(None, REST, site_ready=False)
 DEAD = Robot(RobotFault(FaultCode.ROBOT, "brakes on"), REST)
 LEASE = Lease(41, Holder(7, "anna"), 10**18)
 OTHERS = Lease(42, Holder(8, "ben"), 10**18)
@@ -40,7 +43,8 @@ class SessionRig:
     """A session under anna's lease, and its clock."""
 
     def __init__(self, **engagement: Any) -> None:
-        self.session = Session(SafetyConfig(), EngagementConfig(**engagement))
+        safety, mode = SafetyConfig(), {"mode": EngagementMode.AUTOMATIC}
+        self.session = Session(safety, EngagementConfig(**mode | engagement), AgeLimit(safety))
         self.session.authorise(LEASE)
         self.now_ns = 10_000 * NS_PER_MS
 
@@ -51,6 +55,13 @@ class SessionRig:
             self.session.sample(good(self.now_ns, held=held))
             decision = self.session.tick(self.now_ns, robot)
         return decision
+
+    def unreported(self) -> Decision:
+        """A good sample without an intent, and a tick."""
+        self.now_ns += PERIOD
+        sample = good(self.now_ns)
+        self.session.sample(replace(sample, sample=structs.replace(sample.sample, intent=None)))
+        return self.session.tick(self.now_ns, READY)
 
     def wait(self, milliseconds: float, robot: Robot = READY) -> Decision:
         """One tick after this time without a sample."""

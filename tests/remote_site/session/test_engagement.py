@@ -1,15 +1,20 @@
 """Engagement has to be earned: good samples in a row, everything ready, and a request where one is needed."""
 
+from dataclasses import replace
+
 import pytest
 
+from common.clock import NS_PER_S
 from common.messages.robot import SessionState
 from remote_site.reasons import Code, reason
 from remote_site.session.config import EngagementMode
+from remote_site.session.hand_signal import AGAIN_FRAMES
 from remote_site.session.samples import Rejected
 from remote_site.session.state_machine import Action
 from tests.remote_site.session.session_rig import (
     DEAD,
     JUMPS,
+    LEASE,
     LOST,
     MOVING,
     NO_OFFSET,
@@ -109,3 +114,17 @@ def test_what_one_operator_has_shown_does_not_count_for_the_next():
     rig.session.authorise(OTHERS)
     answer = rig.session.request_engage(rig.now_ns, READY)
     assert (answer.done, answer.reason.code) == (False, Code.NO_HAND)
+
+
+@pytest.mark.parametrize(("lease", "needed"), [(replace(LEASE, number=43), AGAIN_FRAMES), (OTHERS, 30)])
+def test_after_a_cut_that_cost_the_lease_its_holder_needs_fewer_frames_and_another_all(lease, needed):
+    rig = SessionRig(mode=EngagementMode.ON_REQUEST)
+    rig.frames(30)
+    rig.session.authorise(None)
+    rig.now_ns += 10 * NS_PER_S
+    rig.session.authorise(lease)
+    rig.frames(needed - 1)
+    missing = rig.session.readiness(rig.now_ns, READY).reason
+    assert missing == reason(Code.COLLECTING, count=needed - 1, needed=needed)
+    rig.frames(1)
+    assert rig.session.readiness(rig.now_ns, READY).done

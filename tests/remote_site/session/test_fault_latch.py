@@ -48,6 +48,15 @@ def test_a_fault_that_lasts_is_told_once_and_can_be_reset(engaged):
     assert engaged.session.state is SessionState.FAULT
 
 
+def test_a_fault_that_an_activation_did_not_end_latches_again(engaged):
+    latch = FaultLatch(engaged.session)
+    latch.note(PRESSED, 0, resting=True)
+    engaged.session.reset()
+    latch.activated()
+    latch.note(PRESSED, 0, resting=True)  # the driver's process was quick to refuse
+    assert engaged.session.state is SessionState.FAULT
+
+
 @pytest.mark.parametrize("fault", [NOT_ACTIVATED, STOPPED, None])
 def test_waiting_for_activation_is_no_fault(engaged, fault):
     FaultLatch(engaged.session).note(fault, 0, resting=True)

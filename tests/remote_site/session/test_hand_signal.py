@@ -2,23 +2,27 @@
 
 import pytest
 
-from common.clock import NS_PER_MS
+from common.clock import NS_PER_MS, NS_PER_S
 from remote_site.reasons import Code, reason
 from remote_site.safety.config import SafetyConfig
-from remote_site.session.hand_signal import HandSignal
+from remote_site.session.age_limit import AgeLimit
+from remote_site.session.hand_signal import AGAIN_FRAMES, HandSignal
 from remote_site.session.samples import Rejected
-from tests.remote_site.session.session_rig import JUMPS, LOST, NO_OFFSET, OLD_OFFSET, good
+from tests.remote_site.session.session_rig import JUMPS, LOST, NO_OFFSET, OLD_OFFSET, PERIOD, good
 
 SOFT, LATCH = 100 * NS_PER_MS, 500 * NS_PER_MS
+FRAMES = 30
 BORN = 10_000 * NS_PER_MS
 FUTURE = Rejected(reason(Code.FUTURE, ahead_ms=20))
 TWICE = Rejected(reason(Code.DUPLICATE, seq=3))
+STALE = Rejected(reason(Code.STALE, age_ms=130, limit_ms=100))
 OLD = Rejected(reason(Code.OLD, seq=3, newest=4))
 
 
 def signal(count=3):
     """A signal whose last of `count` good samples was born at `BORN`."""
-    hand = HandSignal(SafetyConfig(t_soft_ms=100.0, t_latch_ms=500.0))
+    safety = SafetyConfig(t_soft_ms=100.0, t_latch_ms=500.0)
+    hand = HandSignal(safety, AgeLimit(safety), FRAMES)
     for k in reversed(range(count)):
         hand.take(good(BORN - k * SOFT))
     return hand
@@ -99,3 +103,49 @@ def test_a_restart_forgets_the_samples_and_a_new_lease_what_was_wrong_too():
     restarted = signal(3)
     restarted.restart()
     assert (restarted.good, code(restarted.unfit(BORN))) == (0, Code.NO_HAND)
+
+
+def after(hand, gap_ns, count):
+    """Good samples, a period apart, after a gap."""
+    begin_ns = BORN + gap_ns
+    for k in range(count):
+        hand.take(good(begin_ns + k * PERIOD))
+
+
+@pytest.mark.parametrize("between", [(), (STALE,), (TWICE,)], ids=["silence", "late", "doubled"])
+def test_after_a_cut_fewer_samples_are_enough_where_there_were_enough_before(between):
+    hand = signal(FRAMES)
+    for rejected in between:
+        hand.take(rejected)
+    after(hand, 10 * NS_PER_S, AGAIN_FRAMES - 1)
+    assert hand.collecting(hand.frames) == reason(Code.COLLECTING, count=AGAIN_FRAMES - 1, needed=AGAIN_FRAMES)
+    hand.take(good(BORN + 10 * NS_PER_S + AGAIN_FRAMES * PERIOD))
+    assert hand.collecting(hand.frames) is None
+
+
+@pytest.mark.parametrize("between", [LOST, NO_OFFSET, JUMPS], ids=lambda what: str(what.reason.code))
+def test_after_anything_else_than_late_samples_all_are_needed_again(between):
+    hand = signal(FRAMES)
+    hand.take(between)
+    after(hand, NS_PER_S, AGAIN_FRAMES)
+    assert hand.frames == FRAMES
+
+
+@pytest.mark.parametrize("forget", [HandSignal.restart, HandSignal.distrust])
+def test_for_another_session_holder_or_page_all_are_needed_again(forget):
+    hand = signal(FRAMES)
+    forget(hand)
+    after(hand, NS_PER_S, AGAIN_FRAMES)
+    assert hand.frames == FRAMES
+
+
+def test_what_was_seen_more_than_half_a_minute_ago_proves_nothing():
+    hand = signal(FRAMES)
+    after(hand, 31 * NS_PER_S, AGAIN_FRAMES)
+    assert hand.frames == FRAMES
+
+
+def test_a_hand_that_was_never_seen_for_long_enough_needs_all():
+    hand = signal(FRAMES - 1)
+    after(hand, NS_PER_S, AGAIN_FRAMES)
+    assert hand.frames == FRAMES

@@ -21,12 +21,32 @@ from tests.remote_site.session.session_rig import (
 HELD_DOWN = [(EngagementMode.HOLD_TO_RUN, "key"), (EngagementMode.PEDAL, "pedal")]
 
 
-def test_a_key_pressed_anew_does_not_engage_while_stopped():
-    rig = held()
-    rig.session.stop("ben")
+@pytest.mark.parametrize("mode", [mode for mode, _ in HELD_DOWN])
+@pytest.mark.parametrize(
+    ("bar", "clear"),
+    [
+        (lambda rig: rig.session.stop("ben"), lambda rig: rig.session.reset()),
+        (lambda rig: rig.session.fault("x"), lambda rig: rig.session.reset()),
+        (lambda rig: rig.session.fault("x"), lambda rig: rig.session.clear_fault()),
+    ],
+)
+def test_an_input_pressed_while_barred_has_to_be_released_after_the_reset(mode, bar, clear):
+    rig = held(mode)
+    bar(rig)
     rig.frames(40)
-    assert rig.frames(40, held=True).state is SessionState.DISENGAGED
+    assert rig.frames(40, held=True).state is not SessionState.ENGAGED
+    clear(rig)
+    assert rig.frames(90, held=True).state is SessionState.DISENGAGED
+    assert rig.session.request_engage(rig.now_ns, READY).reason.code is Code.LET_GO_FIRST
+    rig.frames(1)
+    assert rig.frames(1, held=True).action is Action.CAPTURE
+
+
+def test_a_reset_while_the_arm_follows_ends_the_engagement_and_the_holding():
+    rig = held()
     rig.session.reset()
+    assert rig.frames(90, held=True).state is SessionState.DISENGAGED
+    rig.frames(1)
     assert rig.frames(1, held=True).action is Action.CAPTURE
 
 
@@ -97,8 +117,21 @@ def test_an_input_held_while_the_hand_was_away_has_to_be_pressed_anew():
 
 def test_letting_go_counts_even_in_a_sample_whose_hand_is_lost():
     rig = held()
-    rig.session.sample(Rejected(reason(Code.LOST, reason="gone"), hand_lost=True, held=False))
+    lost = good(rig.now_ns).sample
+    rig.session.sample(Rejected(reason(Code.LOST, reason="gone"), hand_lost=True, sample=lost))
     assert rig.wait(4).reason.code is Code.LET_GO
+
+
+@pytest.mark.parametrize("barred", [False, True])
+def test_a_silent_page_is_no_sight_of_a_key_let_go(barred):
+    rig = held()
+    if barred:
+        rig.session.stop("ben")
+        rig.session.reset()
+    assert rig.unreported().state is SessionState.DISENGAGED
+    assert rig.frames(40, held=True).state is SessionState.DISENGAGED
+    rig.frames(1)
+    assert rig.frames(1, held=True).action is Action.CAPTURE
 
 
 def test_the_key_means_nothing_where_engagement_is_automatic():

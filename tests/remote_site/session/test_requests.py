@@ -92,6 +92,13 @@ def test_engaging_a_robot_that_is_not_ready_activates_it_and_has_to_be_asked_aga
     assert rig.frames(1).action is Action.CAPTURE
 
 
+def test_an_engagement_under_a_stop_is_refused_and_activates_nothing():
+    rig = engaged()
+    rig.session.stop(OTHER)
+    outcome = ask(rig, ENGAGE, robot=DEAD)
+    assert (outcome.answer.done, outcome.answer.reason.code, outcome.activate) == (False, Code.STOPPED, False)
+
+
 def test_resetting_a_robot_that_is_not_ready_activates_it_too():
     rig = engaged()
     rig.session.fault("brakes on")

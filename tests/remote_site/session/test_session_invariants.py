@@ -7,6 +7,7 @@ from hypothesis.stateful import RuleBasedStateMachine, invariant, rule
 from common.clock import NS_PER_MS
 from common.messages.robot import SessionState
 from remote_site.safety.config import SafetyConfig
+from remote_site.session.age_limit import AgeLimit
 from remote_site.session.config import EngagementConfig, EngagementMode
 from remote_site.session.state_machine import FOLLOWING, Action, Session
 from tests.remote_site.session.session_rig import (
@@ -21,13 +22,15 @@ from tests.remote_site.session.session_rig import (
     good,
 )
 
+SAFETY = SafetyConfig()
+
 
 class SessionMachine(RuleBasedStateMachine):
     """Arbitrary events; the arm follows only on fresh samples of an engagement that was granted."""
 
     def __init__(self):
         super().__init__()
-        self.session = Session(SafetyConfig(), EngagementConfig(frames=3))
+        self.session = Session(SAFETY, EngagementConfig(frames=3, mode=EngagementMode.AUTOMATIC), AgeLimit(SAFETY))
         self.session.authorise(LEASE)
         self.now_ns, self.born_ns = 10_000 * NS_PER_MS, None
         self.granted, self.captured = True, False
@@ -80,7 +83,7 @@ class SessionMachine(RuleBasedStateMachine):
 
     def step(self, robot):
         self.decision = self.session.tick(self.now_ns, robot)
-        if self.decision.action is Action.CAPTURE:
+        if self.decision.action in (Action.CAPTURE, Action.RESUME):
             assert self.granted
             assert robot is READY
             self.captured = True
@@ -110,7 +113,7 @@ class HeldMachine(RuleBasedStateMachine):
 
     def __init__(self):
         super().__init__()
-        self.session = Session(SafetyConfig(), EngagementConfig(frames=3, mode=EngagementMode.HOLD_TO_RUN))
+        self.session = Session(SAFETY, EngagementConfig(frames=3, mode=EngagementMode.HOLD_TO_RUN), AgeLimit(SAFETY))
         self.now_ns = 10_000 * NS_PER_MS
         self.lease = None
         self.told = False

@@ -2,13 +2,17 @@
 
 import pytest
 
+from common.messages.hand import OperatorSettings
 from common.messages.robot import SessionState
 from remote_site.reasons import Code
 from remote_site.session import lease as lease_module
+from remote_site.session.config import EngagementMode
 from remote_site.session.engagement_intent import EngagementIntent
 from remote_site.session.fault_latch import FaultLatch
 from remote_site.session.hand_signal import HandSignal
+from remote_site.session.hold import Hold
 from remote_site.session.lease import LeaseServer
+from remote_site.session.operator_page import OperatorPage
 from remote_site.session.state_machine import Session
 from tests.remote_site.mutation import Mutation
 from tests.remote_site.remote_loop import RemoteLoop
@@ -17,7 +21,11 @@ from tests.remote_site.session import test_engagement as of_engagement
 from tests.remote_site.session import test_fault_latch as of_faults
 from tests.remote_site.session import test_hold_to_run as of_holding_down
 from tests.remote_site.session import test_lease as of_lease
+from tests.remote_site.session import test_longest_hold as of_longest_hold
+from tests.remote_site.session import test_operator_page as of_page
+from tests.remote_site.session import test_site_ready as of_site_ready
 from tests.remote_site.session import test_state_machine as of_session
+from tests.remote_site.teleop import test_operator_settings as of_settings
 
 
 def lease(test, *arguments):
@@ -46,13 +54,33 @@ def stumble_in_motion_stays():
     assert session.state is SessionState.FAULT
 
 
+def stays_locked(*reported):
+    return lambda: of_page.test_defaults_older_ones_and_those_of_another_lease_overwrite_nothing(*reported)
+
+
+def silent_page(test):
+    return lambda: test(of_settings.locked_loop())
+
+
 # A condition that stands after `if`, and never is so any more.
 CONDITIONS = [
     (Session, "tick", "self.state is SessionState.FAULT", of_session.test_a_fault_stays_until_reset),
-    (Session, "tick", "not robot.ready", ended(lambda rig: rig.wait(4, session_rig.DEAD))),
+    (
+        Hold,
+        "too_long",
+        "now_ns - self.began_ns >= self._longest_ns",
+        lambda: of_longest_hold.test_samples_that_trickle_in_end_the_engagement_after_the_longest_hold(250),
+    ),
     (
         Session,
-        "tick",
+        "_unready",
+        "not robot.site_ready",
+        lambda: of_site_ready.test_nothing_engages_before_the_site_is_ready(EngagementMode.ON_REQUEST),
+    ),
+    (Session, "_ended", "not robot.ready", ended(lambda rig: rig.wait(4, session_rig.DEAD))),
+    (
+        Session,
+        "_ended",
         "(too_old := self._hand.too_old(now_ns)) is not None",
         of_session.test_age_holds_beyond_soft_and_latches_beyond_latch,
     ),
@@ -66,7 +94,7 @@ CONDITIONS = [
     (
         Session,
         "_engaged",
-        "(collecting := self._hand.collecting(self._engagement.resume_frames)) is not None",
+        "waits is not None",
         of_session.test_holding_resumes_with_new_origins_after_fresh_frames_at_rest,
     ),
     (
@@ -96,14 +124,14 @@ CONDITIONS = [
     (
         Session,
         "_see_intent",
-        "held is not None and self._intent.released(held) and self.state in FOLLOWING",
+        "self._intent.released(held) and self.state in FOLLOWING",
         of_holding_down.test_letting_go_for_a_single_sample_is_a_clutch,
     ),
 ]
 # Any other text, and what stands there instead.
 TEXTS = [
     (Session, "_unready", "self._hand.unfit(now_ns) or ", "", refused(Code.STALE)),
-    (Session, "_unready", " or self._hand.collecting(self._engagement.frames)", "", refused(Code.COLLECTING)),
+    (Session, "_unready", " or self._hand.collecting(self._hand.frames)", "", refused(Code.COLLECTING)),
     (
         LeaseServer,
         "current",
@@ -121,32 +149,58 @@ TEXTS = [
     (
         lease_module,
         "checked",
-        "(number, session) == (current.number, current.holder.session)",
-        "session == current.holder.session",
+        "(number, client) == (current.number, current.holder)",
+        "client == current.holder",
         lease(
             of_lease.test_what_is_sent_under_another_number_or_by_another_site_is_fenced,
             of_lease.FIRST - 1,
-            7,
+            of_lease.ANNA,
             Code.OLD_LEASE,
         ),
     ),
     (
         lease_module,
         "checked",
-        "(number, session) == (current.number, current.holder.session)",
+        "(number, client) == (current.number, current.holder)",
         "number == current.number",
         lease(
             of_lease.test_what_is_sent_under_another_number_or_by_another_site_is_fenced,
             of_lease.FIRST,
-            8,
-            Code.OLD_LEASE,
+            of_lease.BEN,
+            Code.NOT_HOLDER,
+        ),
+    ),
+    (
+        lease_module,
+        "checked",
+        "(number, client) == (current.number, current.holder)",
+        "(number, client.session) == (current.number, current.holder.session)",
+        lease(
+            of_lease.test_what_is_sent_under_another_number_or_by_another_site_is_fenced,
+            of_lease.FIRST,
+            of_lease.Holder(of_lease.ANNA.session, "ben"),
+            Code.NOT_HOLDER,
         ),
     ),
     (
         LeaseServer,
+        "acquire",
+        "current.holder == asker",
+        "current.holder.session == asker.session",
+        lease(of_lease.test_another_operator_with_the_holders_session_is_refused),
+    ),
+    (
+        LeaseServer,
         "hand_over",
-        "if asker is not None",
+        "if asker == to",
         "if True",
+        lease(of_lease.test_consent_for_somebody_else_hands_nothing_over_and_names_who_asks_now, of_lease.CARL),
+    ),
+    (
+        LeaseServer,
+        "hand_over",
+        "if asker is None",
+        "if False",
         lease(of_lease.test_consent_hands_it_to_who_asks_and_to_nobody_else),
     ),
     (
@@ -176,6 +230,51 @@ TEXTS = [
         "self.input is None or self.hold.held",
         "True",
         of_holding_down.test_an_input_that_was_never_seen_let_go_engages_nothing,
+    ),
+    (
+        Session,
+        "_engaged",
+        " or self._page_silence()",
+        "",
+        silent_page(of_settings.test_a_silent_page_holds_the_arm_until_it_reports_again),
+    ),
+    (
+        Session,
+        "sample",
+        "self._hand.distrust()",
+        "pass",
+        silent_page(of_settings.test_a_silent_page_holds_the_arm_until_it_reports_again),
+    ),
+    (
+        Session,
+        "_unready",
+        " or self._page_silence()",
+        "",
+        silent_page(of_settings.test_with_a_silent_page_nothing_engages_until_the_lease_is_taken_again),
+    ),
+    (
+        Session,
+        "_page_silence",
+        " and self._intent.input is None",
+        "",
+        of_settings.test_with_hold_to_run_a_silent_page_has_let_go,
+    ),
+    (
+        Session,
+        "authorise",
+        "self.page.begin(lease.number)",
+        "pass",
+        of_settings.test_without_a_page_a_lease_has_settings_of_its_own,
+    ),
+    (OperatorSettings, "followed_by", "new.lease == self.lease and ", "", stays_locked(of_page.OTHER_LEASE)),
+    (OperatorSettings, "followed_by", " and new.revision > self.revision", "", stays_locked(of_page.AS_GRANTED)),
+    (OperatorPage, "begin", "lease != self.settings.lease", "True", of_page.test_a_renewed_lease_keeps_them),
+    (
+        OperatorPage,
+        "begin",
+        "self._has_reported = self._reports = False",
+        "pass",
+        of_page.test_another_lease_begins_with_the_defaults_and_without_a_page,
     ),
     (FaultLatch, "_lapses", " and fault.code in SILENCES + ASLEEP", "", wrong_robot_latches),
     (FaultLatch, "_lapses", "resting and ", "", stumble_in_motion_stays),

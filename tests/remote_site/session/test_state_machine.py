@@ -6,6 +6,7 @@ from common.clock import NS_PER_MS
 from common.messages.robot import SessionState
 from remote_site.reasons import Code
 from remote_site.safety.config import SafetyConfig
+from remote_site.session.age_limit import AgeLimit
 from remote_site.session.lease import Lease
 from remote_site.session.state_machine import Action
 from tests.remote_site.session.session_rig import (
@@ -130,7 +131,7 @@ def test_a_stop_outlives_another_stop_a_new_session_and_a_fault():
 
 @pytest.mark.parametrize(("soft", "scale"), [(50.0, 1.0), (100.0, 1.0), (200.0, 0.5), (400.0, 0.25)])
 def test_a_longer_soft_limit_slows_the_arm_in_proportion(soft, scale):
-    assert SafetyConfig(t_soft_ms=soft).speed_scale == scale
+    assert AgeLimit(SafetyConfig(t_soft_ms=soft)).speed_scale == scale
 
 
 def test_a_lost_lease_latches_and_names_its_holder():
@@ -159,3 +160,11 @@ def test_a_clock_that_is_not_known_any_more_holds_the_arm(trouble):
     rig.session.sample(trouble)
     decision = rig.wait(4)
     assert (decision.state, decision.reason.code) == (SessionState.HOLDING, trouble.reason.code)
+
+
+def test_while_the_arm_follows_readiness_is_what_it_does_even_in_a_hold():
+    rig = engaged()
+    rig.wait(150)
+    assert rig.session.state is SessionState.HOLDING
+    readiness = rig.session.readiness(rig.now_ns, READY)
+    assert (readiness.done, readiness.reason.code) == (True, Code.PAUSED)

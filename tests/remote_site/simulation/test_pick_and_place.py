@@ -5,12 +5,13 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 
-from common.messages.robot import GripperStatus
+from common.messages.robot import GripperCommand, GripperStatus
+from remote_site.drivers.driver import GripperReading
 from remote_site.drivers.supervisor.grip import GripSettings, GripWatch
 from remote_site.kinematics.config import RobotConfig
 from remote_site.simulation.config import BlockConfig, CellConfig
 from remote_site.simulation.controller import ControllerFault
-from remote_site.simulation.memory import CellMemory
+from remote_site.simulation.memory import GRIPPER_COMMANDS, CellMemory
 from remote_site.simulation.process import SimulatedCell
 from tests.remote_site.simulation.cell_motion import PICK_AND_PLACE, arm_model, sample
 
@@ -30,14 +31,15 @@ def play(block: BlockConfig, stages=PICK_AND_PLACE, speed: float = 0.15, grip_n:
     cell.step(STEP_NS, STEP_NS)
     now_ns, seen, watch = STEP_NS, [], GripWatch(GripSettings())
     for seq, (q, dq, ddq, opened) in enumerate(zip(*sample(stages, ROBOT, speed), strict=True), start=1):
-        command[()] = (seq, now_ns, 1, True, opened, q, dq, ddq)
+        gripper = GripperCommand.OPEN if opened else GripperCommand.CLOSED
+        command[()] = (seq, now_ns, 1, True, GRIPPER_COMMANDS.index(gripper), q, dq, ddq)
         memory.command.write(command)
         for _ in range(2):
             now_ns += STEP_NS
             cell.step(now_ns, now_ns)
         reading = memory.reading.read()
-        status = watch.judge(now_ns, float(reading["opening_m"]), wanted_open=bool(opened))
-        seen.append(look(cell, reading) | {"status": status})
+        watch.observe(GripperReading(float(reading["opening_m"]), float(reading["force_n"])), now_ns, gripper)
+        seen.append(look(cell, reading) | {"status": watch.state.status})
     return SimpleNamespace(**{key: np.array([moment[key] for moment in seen]) for key in seen[0]})
 
 

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from common.messages.hand import Intent, Locks
+from common.messages.hand import Intent, Locks, OperatorSettings
 from tests.remote_site.remote_loop import RemoteLoop, assert_within_limits
 
 
@@ -13,20 +13,22 @@ def swaying(t_ns):
 
 
 @pytest.mark.parametrize(
-    "intent",
+    "changes",
     [
-        Intent(clutch_count=1),
-        Intent(scale=0.3),
-        Intent(rotation_scale=0.0),
-        Intent(clutch_count=3, scale=2.0, locks=Locks(x=True, roll=True)),
+        {},
+        {"scale": 0.3},
+        {"rotation_scale": 0.0},
+        {"revision": 3, "scale": 2.0, "locks": Locks(x=True, roll=True)},
     ],
 )
-def test_a_change_of_steering_in_motion_is_no_jump_of_the_target(intent):
+def test_a_change_of_steering_in_motion_is_no_jump_of_the_target(changes):
     loop = RemoteLoop()
+    intent = Intent(settings=OperatorSettings(**{"lease": loop.lease, "revision": 1} | changes))
     loop.run(600, swaying)
     held = loop.snapshot.target.copy()
     loop.run(1, swaying, intent=intent)
     assert loop.pipeline._latest is loop.pipeline._aimed
+    assert loop.snapshot.settings == intent.settings
     jump_mm = np.linalg.norm(loop.snapshot.target[:3, 3] - held[:3, 3]) * 1e3
     assert jump_mm <= 0.01
     loop.run(300, swaying, intent=intent)
@@ -39,6 +41,6 @@ def test_while_the_hand_is_brought_back_under_the_clutch_the_arm_keeps_its_place
     loop.run(400, lambda _t_ns: (0.0, -0.05, 0.3))
     before = loop.model.forward(loop.sent.q)[:3, 3]
     for count in range(1, 20):
-        intent = Intent(clutch_count=count)
+        intent = Intent(settings=OperatorSettings(lease=loop.lease, revision=count))
         loop.run(8, lambda _t_ns, k=count: (0.0, -0.05 + 0.002 * k, 0.3), intent=intent)
     assert np.linalg.norm(loop.model.forward(loop.sent.q)[:3, 3] - before) * 1e3 < 0.01

@@ -130,7 +130,7 @@ def test_the_elbow_turns_about_the_arms_own_line_as_the_operators_does(model):
         operators = {"elbow": hand + operator_R_base @ turned, "wrist": hand, "palm": hand}
         arm.send(ArmEstimate(t_ns, TrackingStatus.TRACKED, "", **operators))
         if k == 75:
-            now = placed(model, arm.q)
+            now = placed(model, arm.loop.sent.q)
     across = [v - line * (line @ v) for v in (elbow - shoulder, now("forearm").translation - shoulder)]
     followed = np.arctan2(np.cross(*across) @ line, across[0] @ across[1])
     assert followed == pytest.approx(angles[70], abs=0.06)

@@ -10,7 +10,7 @@ from common.messages.requests import EngagementAction
 from common.messages.robot import SessionState
 from remote_site.reasons import Code
 from remote_site.session.lease import Holder
-from tests.remote_site.remote_loop import RemoteLoop, hand
+from tests.remote_site.remote_loop import RemoteLoop, hand, operator_of
 
 TICKS_PER_SAMPLE = 8
 
@@ -22,6 +22,10 @@ def swaying(t_ns):
 
 @pytest.fixture
 def loop():
+    return following()
+
+
+def following():
     loop = RemoteLoop()
     loop.run(TICKS_PER_SAMPLE * 40, swaying)
     assert loop.states[-1] is SessionState.ENGAGED
@@ -38,8 +42,22 @@ def test_a_second_operators_samples_are_counted_and_change_nothing(loop):
         assert loop.pipeline._latest.sample.session == 7
     assert loop.states[-1] is SessionState.ENGAGED
     assert loop.pipeline._latest is not before
-    assert loop.snapshot.rejected[Code.NOT_HOLDER] == 20
-    assert loop.snapshot.rejected[Code.OLD_LEASE] == 20
+    assert loop.snapshot.rejected[Code.NOT_HOLDER] == 40
+    assert not loop.snapshot.rejected[Code.OLD_LEASE]
+
+
+def test_another_operators_samples_under_the_holders_lease_and_session_change_nothing(loop):
+    alone = following()
+    loop.sender = "ben"
+    for k in range(100):
+        now_ns = loop.clock.now_ns()
+        loop.tick(hand(10**6 + k, now_ns, (0.0, 0.1 + 0.001 * k, 0.3), lease=loop.lease))
+    alone.run(100)
+    np.testing.assert_array_equal(loop.arrays(), alone.arrays())
+    assert loop.snapshot.rejected[Code.NOT_HOLDER] == 100
+    loop.sender = ""
+    loop.run(TICKS_PER_SAMPLE, swaying)
+    assert loop.pipeline._latest.sample.seq == loop.hand_seq
 
 
 def test_a_late_sample_under_an_old_lease_is_fenced_though_it_is_young_and_in_order(loop):
@@ -55,7 +73,9 @@ def test_a_late_sample_under_an_old_lease_is_fenced_though_it_is_young_and_in_or
 
 def test_a_lease_that_expires_in_motion_stops_and_latches(loop):
     now_ns = loop.clock.now_ns()
-    loop.leases._lease = loop.leases.current(now_ns).__class__(loop.lease, Holder(7, "anna"), now_ns + 40 * NS_PER_MS)
+    loop.leases._lease = loop.leases.current(now_ns).__class__(
+        loop.lease, Holder(7, operator_of(7)), now_ns + 40 * NS_PER_MS
+    )
     loop.run(9, swaying)
     assert loop.states[-1] is SessionState.ENGAGED
     loop.run(150, swaying)

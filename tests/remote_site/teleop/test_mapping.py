@@ -7,10 +7,10 @@ from hypothesis import strategies as st
 
 from common.errors import ConfigError
 from common.geometry import rotation_from_vector, transform, vector_from_rotation
+from common.mapping.relative_mapping import RelativeMapping
+from common.messages.hand import Locks, OperatorSettings
 from remote_site.teleop.config import LocksConfig, MappingConfig
 from remote_site.teleop.mapping import (
-    Mapping,
-    Steering,
     make_mapping,
     thesis_angles,
 )
@@ -24,7 +24,7 @@ turns = vectors.map(lambda v: rotation_from_vector(1.5 * v))
 
 
 def engaged(hand=None, tool=TOOL, **config):
-    mapping = Mapping(MappingConfig(**config))
+    mapping = RelativeMapping(MappingConfig(**config))
     mapping.engage(WRIST, hand, tool)
     return mapping
 
@@ -63,7 +63,7 @@ def test_moving_the_operator_moves_nothing_else(first, second, step, frame, shif
     """Rigid equivariance: another operator frame, with its own base_R_operator, gives the same target."""
     plain = engaged(first).target(WRIST + step, second)
     turned = FACING @ frame.T
-    mapping = Mapping(MappingConfig(base_R_operator=tuple(map(tuple, turned.tolist()))))
+    mapping = RelativeMapping(MappingConfig(base_R_operator=tuple(map(tuple, turned.tolist()))))
     mapping.engage(frame @ WRIST + shift, frame @ first, TOOL)
     assert np.abs(mapping.target(frame @ (WRIST + step) + shift, frame @ second) - plain).max() < 1e-9
 
@@ -123,7 +123,7 @@ def test_all_locks_hold_the_tool_still():
 )
 def test_an_improper_rotation_is_refused(rows):
     with pytest.raises(ConfigError, match="base_R_operator"):
-        Mapping(MappingConfig(base_R_operator=rows))
+        RelativeMapping(MappingConfig(base_R_operator=rows))
 
 
 def test_the_angles_of_the_thesis():
@@ -139,7 +139,7 @@ def test_the_angles_of_the_thesis():
 
 
 def steered(mapping, wrist, hand, held, **changes):
-    mapping.steer(Steering(**changes), wrist, hand, held)
+    mapping.steer(OperatorSettings(**changes), wrist, hand, held)
     return mapping.target(wrist, hand)
 
 
@@ -149,8 +149,8 @@ def test_whatever_the_operator_steers_the_target_does_not_jump(first, second, st
     """Scale, locks and clutch take effect from where the target is: 0.01 mm is allowed, rounding is left."""
     mapping, wrist = engaged(first), WRIST + step
     held = mapping.target(wrist, second)
-    locks = LocksConfig(x=lock, roll=roll)
-    after = steered(mapping, wrist, second, held, clutch_count=clutch, scale=scale, rotation_scale=turning, locks=locks)
+    locks = Locks(x=lock, roll=roll)
+    after = steered(mapping, wrist, second, held, revision=clutch, scale=scale, rotation_scale=turning, locks=locks)
     assert np.abs(after - held).max() < 1e-9
 
 
@@ -158,8 +158,8 @@ def test_a_clutch_takes_the_hand_anew_and_the_tool_from_where_it_is_held():
     mapping = engaged(np.eye(3))
     saturated = transform(TOOL[:3, :3], TOOL[:3, 3] + [0.1, 0.0, 0.0])
     far = WRIST + np.array([0.0, -2.0, 0.0])
-    assert steered(mapping, far, np.eye(3), saturated, clutch_count=1) == pytest.approx(saturated)
-    onward = steered(mapping, far + np.array([0.0, -0.05, 0.0]), np.eye(3), saturated, clutch_count=1)
+    assert steered(mapping, far, np.eye(3), saturated, revision=1) == pytest.approx(saturated)
+    onward = steered(mapping, far + np.array([0.0, -0.05, 0.0]), np.eye(3), saturated, revision=1)
     assert onward[:3, 3] - saturated[:3, 3] == pytest.approx([0.05, 0.0, 0.0])
 
 
@@ -185,7 +185,7 @@ def test_a_scaled_turn_goes_on_beyond_half_a_turn():
 def test_locks_at_run_time_add_to_the_configured_ones_and_can_be_taken_back():
     mapping = engaged(None, locks=LocksConfig(y=True))
     start = mapping.target(WRIST, None)
-    steered(mapping, WRIST, None, start, locks=LocksConfig(x=True))
+    steered(mapping, WRIST, None, start, locks=Locks(x=True))
     moved = mapping.target(WRIST + np.array([0.1, -0.1, 0.1]), None)
     assert moved[:3, 3] - start[:3, 3] == pytest.approx([0.0, 0.0, 0.1])
     steered(mapping, WRIST, None, start)

@@ -8,6 +8,7 @@ from common.messages.hand import TrackingStatus
 from common.messages.robot import SessionState
 from remote_site.reasons import Code
 from remote_site.safety.config import SafetyConfig
+from remote_site.session.age_limit import AgeLimit
 from remote_site.session.hand_signal import HandSignal
 from remote_site.session.state_machine import Session
 from remote_site.teleop import sample_validator as validator_module
@@ -23,7 +24,7 @@ NAN = float("nan")
 
 
 def validator(test, *arguments):
-    return lambda: test(SampleValidator(SafetyConfig()), *arguments)
+    return lambda: test(SampleValidator(SafetyConfig(), AgeLimit(SafetyConfig())), *arguments)
 
 
 def not_tracked(status, expected):
@@ -54,7 +55,7 @@ CONDITIONS = [
     (
         SampleValidator,
         "_time",
-        "age_ns > self._soft_ns",
+        "age_ns > (limit_ns := self._age_limit.soft_ns)",
         validator(of_validator.test_age_counts_from_capture_with_the_offset_and_its_uncertainty),
     ),
     (
@@ -119,8 +120,8 @@ TEXTS = [
         "",
         validator(of_validator.test_the_orientation_of_tips_that_are_poorly_known_never_acts_however_calm),
     ),
-    (validator_module, "_orientation", "or sample.hand_open", "", no_orientation(hand_open=True)),
-    (validator_module, "_orientation", "or sample.thumb_inferred", "", no_orientation(thumb_inferred=True)),
+    (validator_module, "shown_orientation", "or sample.hand_open", "", no_orientation(hand_open=True)),
+    (validator_module, "shown_orientation", "or sample.thumb_inferred", "", no_orientation(thumb_inferred=True)),
     (
         validator_module,
         "clock_offset",

@@ -29,7 +29,7 @@ def recorded(request: pytest.FixtureRequest) -> Iterator[list[Cycle]]:
 
     with pytest.MonkeyPatch.context() as patched:
         patched.setattr(TeleopPipeline, "cycle", recording)
-        World(request.param, seed=20).run(SECONDS)
+        World(request.param, seed=21).run(SECONDS)
     return cycles
 
 

@@ -18,6 +18,7 @@ from common.messages.hand import (
 )
 from remote_site.reasons import Code
 from remote_site.safety.config import SafetyConfig
+from remote_site.session.age_limit import AgeLimit
 from remote_site.session.samples import Accepted, Rejected
 from remote_site.teleop.sample_validator import SampleValidator
 from tests.remote_site.remote_loop import hand
@@ -28,7 +29,7 @@ PERIOD = 33 * NS_PER_MS
 
 @pytest.fixture
 def intake():
-    return SampleValidator(SafetyConfig())
+    return SampleValidator(SafetyConfig(), AgeLimit(SafetyConfig()))
 
 
 def code(result):
@@ -106,8 +107,8 @@ def test_a_clock_offset_counts_for_five_seconds(intake):
 @pytest.mark.parametrize("held", [True, False])
 def test_the_intent_in_a_sample_that_is_in_time_is_believed_even_if_the_hand_is_lost(intake, held):
     intent = Intent(hold=held)
-    assert accept(intake, hand(1, NOW, status=TrackingStatus.LOST, intent=intent)).held is held
-    assert accept(intake, hand(1, NOW, intent=intent)).held is None
+    assert accept(intake, hand(1, NOW, status=TrackingStatus.LOST, intent=intent)).sample.intent == intent
+    assert accept(intake, hand(1, NOW, intent=intent)).sample is None
 
 
 @pytest.mark.parametrize(
@@ -208,7 +209,7 @@ samples = st.lists(
 @settings(max_examples=200, deadline=None, derandomize=True)
 @given(samples)
 def test_accepted_samples_always_rise_in_sequence_and_time_and_are_young(sequence):
-    intake = SampleValidator(SafetyConfig())
+    intake = SampleValidator(SafetyConfig(), AgeLimit(SafetyConfig()))
     accepted, now_ns = [], NOW
     for seq, capture, session, delay_ms in sequence:
         now_ns += 5 * NS_PER_MS

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from common.clock import NS_PER_MS
-from common.messages.hand import Intent
+from common.messages.hand import OperatorSettings
 from common.messages.robot import Pose
 from remote_site.config import RemoteConfig
 from remote_site.motion.config import ControlConfig
@@ -19,20 +19,21 @@ START = RemoteConfig().robot.start
 TURNED = START + 0.1 * np.eye(6)[0]
 TOOL = MODEL.forward(START)
 WRIST = np.array([0.0, 0.0, 0.3])
+AS_GRANTED, CLUTCHED = OperatorSettings(), OperatorSettings(revision=1)
 BORN, NOW = 10_000 * NS_PER_MS, 10_020 * NS_PER_MS
 
 
-def sample(moved=(0.0, 0.0, 0.0), **intent):
+def sample(moved=(0.0, 0.0, 0.0)):
     """A sample of a hand that has moved by `moved` m in the robot's axes, and shows no orientation."""
     operator_R_base = np.array(MappingConfig().base_R_operator).T
     wrist = WRIST + operator_R_base @ np.array(moved)
-    message = hand(1, BORN, tuple(wrist.tolist()), intent=Intent(**intent))
+    message = hand(1, BORN, tuple(wrist.tolist()))
     return Accepted(message, wrist, None, BORN, new_session=False)
 
 
 def captured(q=START, leash_m=0.2):
     target = ToolTarget(MappingConfig(), ControlConfig(leash_m=leash_m), workspace(), MODEL, START)
-    target.capture(sample(), q, 3)
+    target.capture(sample(), AS_GRANTED, q, 3)
     return target
 
 
@@ -46,7 +47,7 @@ def test_capture_takes_the_tools_pose_and_names_the_engagement():
 
 def test_the_target_moves_as_the_hand_has_since_the_capture():
     target = captured()
-    aimed = target.aim(sample((0.05, -0.03, 0.02)), START, NOW)
+    aimed = target.aim(sample((0.05, -0.03, 0.02)), AS_GRANTED, START, NOW)
     assert aimed.base_T_target[:3, 3] - TOOL[:3, 3] == pytest.approx([0.05, -0.03, 0.02])
     assert aimed.base_T_target[:3, :3] == pytest.approx(TOOL[:3, :3])
     assert aimed.base_T_target is target.base_T_tool
@@ -56,15 +57,15 @@ def test_the_target_moves_as_the_hand_has_since_the_capture():
 def test_motion_before_the_capture_is_discarded():
     target = captured()
     moved = sample((0.05, -0.03, 0.02))
-    target.aim(moved, START, NOW)
-    target.capture(moved, START, 4)
-    assert target.aim(moved, START, NOW).base_T_target == pytest.approx(TOOL)
+    target.aim(moved, AS_GRANTED, START, NOW)
+    target.capture(moved, AS_GRANTED, START, 4)
+    assert target.aim(moved, AS_GRANTED, START, NOW).base_T_target == pytest.approx(TOOL)
 
 
 def test_the_leash_holds_the_target_near_the_measured_arm_wherever_it_was_captured():
     target = captured(leash_m=0.1)
     measured = MODEL.forward(TURNED)[:3, 3]
-    aimed = target.aim(sample((0.0, -0.2, 0.0)), TURNED, NOW)
+    aimed = target.aim(sample((0.0, -0.2, 0.0)), AS_GRANTED, TURNED, NOW)
     assert aimed.leashed.code is Code.SATURATED
     assert np.linalg.norm(aimed.base_T_target[:3, 3] - measured) == pytest.approx(0.1)
 
@@ -72,27 +73,27 @@ def test_the_leash_holds_the_target_near_the_measured_arm_wherever_it_was_captur
 def test_the_box_comes_before_the_leash():
     above = workspace().upper[2] - TOOL[2, 3]
     target = captured(leash_m=above + 0.01)
-    aimed = target.aim(sample((0.0, 0.0, above + 0.5)), START, NOW)
+    aimed = target.aim(sample((0.0, 0.0, above + 0.5)), AS_GRANTED, START, NOW)
     assert aimed.leashed is None
     assert aimed.base_T_target[:3, 3] == pytest.approx([*TOOL[:2, 3], workspace().upper[2]])
 
 
 def test_a_clutch_goes_on_from_the_leashed_target():
     target, far, further = captured(leash_m=0.1), (0.0, 0.3, 0.0), (0.0, 0.3, -0.05)
-    leashed = target.aim(sample(far), START, NOW).base_T_target
-    assert target.aim(sample(far, clutch_count=1), START, NOW).base_T_target == pytest.approx(leashed)
-    moved = target.aim(sample(further, clutch_count=1), TURNED, NOW).base_T_target
+    leashed = target.aim(sample(far), AS_GRANTED, START, NOW).base_T_target
+    assert target.aim(sample(far), CLUTCHED, START, NOW).base_T_target == pytest.approx(leashed)
+    moved = target.aim(sample(further), CLUTCHED, TURNED, NOW).base_T_target
     assert moved[:3, 3] == pytest.approx(leashed[:3, 3] + [0.0, 0.0, -0.05])
 
 
 def test_the_incremental_command_counts_from_the_measured_tool():
     target = ToolTarget(MappingConfig(command="incremental"), ControlConfig(), workspace(), MODEL, START)
-    target.capture(sample(), START, 1)
-    aimed = target.aim(sample((0.02, 0.0, 0.0)), TURNED, NOW)
+    target.capture(sample(), AS_GRANTED, START, 1)
+    aimed = target.aim(sample((0.02, 0.0, 0.0)), AS_GRANTED, TURNED, NOW)
     assert aimed.base_T_target[:3, 3] == pytest.approx(MODEL.forward(TURNED)[:3, 3] + [0.02, 0.0, 0.0])
 
 
 def test_the_elbow_is_seen_from_the_wrist_in_the_bases_axes():
-    aimed = captured().aim(sample(), START, NOW)
+    aimed = captured().aim(sample(), AS_GRANTED, START, NOW)
     in_operator = np.array(sample().sample.elbow) - np.array(sample().sample.wrist)
     assert aimed.elbow == pytest.approx(np.array(MappingConfig().base_R_operator) @ in_operator)

@@ -2,6 +2,7 @@
 
 import sys
 
+import cv2
 import mujoco
 import numpy as np
 import pytest
@@ -16,6 +17,7 @@ from remote_site.simulation.views import simulated_calibration
 from remote_site.video.cell_cameras import CellRenderer, open_cell_cameras
 from remote_site.video.config import VideoConfig
 from remote_site.video.streaming.clock_strip import read_clock
+from remote_site.video.streaming.pictures import encode_jpeg
 
 VIDEO = VideoConfig(width=320, height=240)
 VIEWS = ["front_high", "front_low", "side", "gripper"]
@@ -23,7 +25,7 @@ VIEWS = ["front_high", "front_low", "side", "gripper"]
 
 @pytest.fixture(scope="module")
 def cell():
-    return build_cell(CellConfig(), RobotConfig())
+    return build_cell(CellConfig(), RobotConfig(), dressed=True)
 
 
 @pytest.fixture(scope="module")
@@ -93,13 +95,22 @@ def test_a_calibrated_view_shows_the_block_where_it_projects_it(cell, renderer, 
     assert inside.sum() > 20, "the block's middle"
 
 
-@pytest.mark.parametrize("name", VIEWS)
-def test_a_kept_background_changes_no_pixel(cell, renderer, name):
+@pytest.mark.parametrize("name", VIEWS[:3])
+def test_a_kept_background_shows_what_drawing_it_anew_shows(cell, renderer, name):
     view = renderer.view_id(name)
     for joint_2 in (0.2, -0.4):
-        picture = renderer.render(view, posture(cell, joint_2))
-        whole = renderer._draw(view, room=True, things=True)[:, :, 2::-1]
-        assert (picture == whole).all()
+        kept = renderer.render(view, posture(cell, joint_2)).astype(int)
+        anew = renderer._drawn_anew(view).astype(int)
+        apart = cv2.blur(np.abs(kept - anew).max(axis=2).astype(np.float32), (5, 5))
+        assert (apart > 60).mean() < 0.002, "a thing is drawn where it is hidden, or not drawn"
+
+
+@pytest.mark.parametrize("name", VIEWS[:3])
+def test_a_picture_is_as_hard_to_compress_as_one_of_a_real_cell(cell, name):
+    renderer = CellRenderer(cell, 640, 480)
+    picture = renderer.render(renderer.view_id(name), posture(cell))
+    renderer.close()
+    assert len(encode_jpeg(picture, 80)) > 40_000
 
 
 @pytest.mark.usefixtures("renderer")

@@ -24,7 +24,7 @@ from common.messages.video import (
 )
 from remote_site.video import process, sources
 from remote_site.video.config import CameraConfig, VideoConfig
-from remote_site.video.process import VideoWire, run_video
+from remote_site.video.process import LeaseInForce, VideoWire, run_video
 from remote_site.video.sources import ThreadedCamera
 
 SIMULATED_RUN = """
@@ -35,7 +35,7 @@ from remote_site.simulation.memory import CellMemory
 from remote_site.simulation.cell import build_cell
 from remote_site.simulation.config import CellConfig
 from remote_site.video.config import VideoConfig
-from remote_site.video.process import VideoWire, run_video
+from remote_site.video.process import LeaseInForce, VideoWire, run_video
 from remote_site.video.sources import SimulatedViews
 
 memory, seen = CellMemory.create(6), []
@@ -52,7 +52,7 @@ def ended():
 
 views = SimulatedViews(CellConfig(), RobotConfig(), memory)
 run_video(VideoConfig(width=160, height=120), views, VideoWire(seen.append), ended, beat)
-print(json.dumps([[m.camera, m.status, m.seq, len(m.jpeg), m.reason] for m in seen]))
+print(json.dumps([[m.camera, m.status, m.seq, len(m.data), m.reason] for m in seen]))
 """
 
 
@@ -98,7 +98,7 @@ def test_a_folder_of_images_stands_in_for_a_camera_and_a_missing_one_is_told(tmp
     front = [m for m in seen if m.camera == "front"]
     assert [m.seq for m in side] == list(range(len(side)))
     assert (side[0].width, side[0].height) == (32, 24)
-    assert all(m.status is CameraStatus.MISSING and m.jpeg == b"" for m in front)
+    assert all(m.status is CameraStatus.MISSING and m.data == b"" for m in front)
     assert "/nowhere/cam" in front[0].reason
 
 
@@ -186,26 +186,26 @@ def test_a_camera_that_hangs_delays_no_other_and_is_told_as_frozen(monkeypatch):
 class Narrow:
     """A console that shows every picture later than the one before."""
 
-    def __init__(self, lease: int = 0) -> None:
-        self.lease = lease
+    def __init__(self, lease: int = 0, operator: str = "anna") -> None:
+        self.lease, self.operator = lease, operator
         self.seen: list[VideoFrame] = []
         self._told = 0
 
-    def shown(self) -> ViewsShown | None:
+    def shown(self) -> tuple[str, ViewsShown] | None:
         if len(self.seen) < self._told + 4:
             return None
         self._told = len(self.seen)
         last = self.seen[-1]
         came = ViewCame(seq=last.seq, age_ms=20.0 * last.seq, fps=30.0)
         view = ViewShown(seq=last.seq, capture_ns=last.capture_ns, age_ms=20.0 * last.seq, fps=30.0, came=came)
-        return ViewsShown(session=1, lease=self.lease, sent_ns=0, views={last.camera: view})
+        return self.operator, ViewsShown(session=1, lease=self.lease, h264=False, sent_ns=0, views={last.camera: view})
 
 
 def test_what_the_console_shows_late_is_sent_smaller(monkeypatch):
     monkeypatch.setattr(sources, "open_camera", lambda _source, name, *_: Endless(name, None))
     monkeypatch.setattr("remote_site.video.sources.LiveCamera", Endless)
     console, deadline = Narrow(lease=41), time.monotonic() + 10
-    wire = VideoWire(console.seen.append, console.shown, lambda: 41)
+    wire = VideoWire(console.seen.append, [console.shown], lambda: LeaseInForce(41, "anna"))
     config = VideoConfig(cameras=(CameraConfig(name="side", source="0"),))
     run_video(
         config,
@@ -218,11 +218,12 @@ def test_what_the_console_shows_late_is_sent_smaller(monkeypatch):
     assert console.seen[-1].width < 32
 
 
-def test_who_merely_watches_over_a_narrow_link_takes_nothing_from_the_operator(monkeypatch):
+@pytest.mark.parametrize(("lease", "operator"), [(40, "anna"), (41, "ben")])
+def test_who_merely_watches_over_a_narrow_link_takes_nothing_from_the_operator(monkeypatch, lease, operator):
     monkeypatch.setattr(sources, "open_camera", lambda _source, name, *_: Endless(name, None))
     monkeypatch.setattr("remote_site.video.sources.LiveCamera", Endless)
-    console = Narrow(lease=40)
-    wire = VideoWire(console.seen.append, console.shown, lambda: 41)
+    console = Narrow(lease, operator)
+    wire = VideoWire(console.seen.append, [console.shown], lambda: LeaseInForce(41, "anna"))
     run_video(
         VideoConfig(cameras=(CameraConfig(name="side", source="0"),)),
         None,
@@ -243,6 +244,6 @@ def test_a_console_of_another_release_is_told_once_and_delays_nothing(monkeypatc
     seen: list[VideoFrame] = []
     config = VideoConfig(cameras=(CameraConfig(name="side", source="0"),))
     with capture_logs() as logs:
-        run_video(config, None, VideoWire(seen.append, refuse), lambda: len(seen) > 5, int)
+        run_video(config, None, VideoWire(seen.append, [refuse]), lambda: len(seen) > 5, int)
     assert [entry["event"] for entry in logs] == ["a console's report of its views is refused"]
     assert {m.status for m in seen} == {CameraStatus.LIVE}

@@ -6,6 +6,7 @@ import pytest
 from common.clock import NS_PER_MS, NS_PER_S, ClockEstimate, ClockOffset
 from common.messages.hand import ClockSync
 from common.messages.robot import (
+    GripperCommand,
     LoopTiming,
     Obeyed,
     Pose,
@@ -14,11 +15,11 @@ from common.messages.robot import (
     SessionState,
     Traced,
 )
-from common.messages.video import CameraStatus, VideoFrame, ViewCame
+from common.messages.video import CameraStatus, Codec, VideoFrame, ViewCame
 from local_site.console.model.frames import LENGTH, view_frame
 from local_site.console.model.history import History
 from local_site.console.model.latency import Latencies
-from local_site.console.model.page_messages import Painted
+from local_site.console.model.page_messages import Painted, Shown
 from local_site.console.model.shown import ShownViews
 
 APART_NS = 3600 * NS_PER_S
@@ -31,15 +32,17 @@ STATE = RobotState(
     state=SessionState.ENGAGED,
     code="ok",
     reason="the arm follows the hand",
-    joints=("joint_1",),
     q=(0.0,),
     q_commanded=(0.0,),
     base_T_tool=Pose((0.0, 0.0, 0.0), (0.0, 0.0, 0.0, 1.0)),
     gripper=None,
     gripper_toggles_applied=0,
+    gripper_next=GripperCommand.CLOSED,
     obeyed=None,
     engagement=None,
     rejected={},
+    age_limit_ms=100.0,
+    speed_scale=1.0,
     timing=LoopTiming(250.0, 100.0, 0, 1, False),
     lease=None,
     clock=ClockSync(remote_minus_local_ns=APART_NS, uncertainty_ns=NS_PER_MS, measured_ns=0),
@@ -125,30 +128,46 @@ def frame(seq: int, capture_ns: int) -> VideoFrame:
         reason="",
         width=1,
         height=1,
-        jpeg=b"picture",
+        codec=Codec.JPEG,
+        key=True,
+        data=b"picture",
     )
+
+
+def page(view: str, seq: int, age_ms: float, *, h264: bool = False) -> Shown:
+    return Shown(h264=h264, views={view: Painted(seq=seq, age_ms=age_ms, fps=30.0)})
 
 
 def test_what_was_painted_is_told_in_the_remote_sites_own_numbers() -> None:
     shown = ShownViews(session=9)
     for seq in range(5):
         came_ns = NOW_NS - (4 - seq) * NS_PER_S // 3
-        shown.remember("camera/side", frame(seq, 1000 + seq), came_ns, 1004 + 25 * NS_PER_MS - NOW_NS)
-    told = shown.message({"camera/side": Painted(seq=3, age_ms=41.0, fps=30.0)}, LEASE, NOW_NS)
+        shown.remember("camera/side", frame(seq, 1000 + seq), came_ns, 1004 + 25 * NS_PER_MS - NOW_NS, usable=True)
+    told = shown.message(page("camera/side", 3, 41.0), LEASE, NOW_NS)
     assert told is not None
     assert told.views["side"].came == ViewCame(seq=4, age_ms=25.0, fps=3.0)
     assert (told.session, told.lease) == (9, LEASE)
     assert (told.session, told.views["side"].capture_ns, told.views["side"].age_ms) == (9, 1003, 41.0)
-    assert shown.message({"camera/side": Painted(seq=4, age_ms=41.0, fps=30.0)}, LEASE, NOW_NS + 1) is None
+    assert shown.message(page("camera/side", 4, 41.0), LEASE, NOW_NS + 1) is None
     late = NOW_NS + NS_PER_S
-    assert shown.message({"camera/side": Painted(seq=77, age_ms=1.0, fps=1.0)}, LEASE, late) is None
-    assert shown.message({"preview/left": Painted(seq=4, age_ms=1.0, fps=1.0)}, LEASE, late) is None
+    assert shown.message(page("camera/side", 77, 1.0), LEASE, late) is None
+    assert shown.message(page("preview/left", 4, 1.0), LEASE, late) is None
 
 
 def test_nothing_is_told_of_a_camera_while_its_clock_is_not_known() -> None:
     shown = ShownViews(session=9)
-    shown.remember("camera/side", frame(3, 1003), NOW_NS, None)
-    assert shown.message({"camera/side": Painted(seq=3, age_ms=41.0, fps=30.0)}, LEASE, NOW_NS) is None
+    shown.remember("camera/side", frame(3, 1003), NOW_NS, None, usable=True)
+    assert shown.message(page("camera/side", 3, 41.0), LEASE, NOW_NS) is None
+
+
+def test_pictures_that_no_page_can_decode_have_come_but_are_none_that_it_could_have_painted() -> None:
+    shown = ShownViews(session=9)
+    for seq in range(6):
+        shown.remember("camera/side", frame(seq, 1000 + seq), NOW_NS, 0, usable=seq < 2)
+    told = shown.message(page("camera/side", 1, 41.0, h264=True), LEASE, NOW_NS)
+    assert told is not None
+    assert told.h264
+    assert (told.views["side"].came.seq, told.views["side"].came.fps) == (5, 2.0)
 
 
 def test_a_picture_goes_on_as_it_came_with_its_exposure_by_our_clock() -> None:

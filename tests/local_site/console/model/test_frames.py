@@ -3,13 +3,13 @@
 from hypothesis import given
 from hypothesis import strategies as st
 
-from local_site.console.model.frames import IN_FLIGHT, FrameSlots, ViewFrame
+from local_site.console.model.frames import IN_FLIGHT, MOST_WAITING, FrameSlots, ViewFrame
 
 VIEWS = ("a", "b", "c", "d")
 
 
-def frame(view: str, seq: int) -> ViewFrame:
-    return ViewFrame(view, seq, b"")
+def frame(view: str, seq: int, *, key: bool = True) -> ViewFrame:
+    return ViewFrame(view, seq, True, key, b"")
 
 
 def test_a_newer_frame_replaces_the_one_that_waits() -> None:
@@ -84,3 +84,70 @@ def test_never_more_in_flight_and_never_an_older_frame(steps: list[tuple[str, st
             assert flying[sent.view] <= IN_FLIGHT
             assert sent.seq > newest[sent.view]
             newest[sent.view] = sent.seq
+
+
+def sent(slots: FrameSlots, *, painted: bool = True) -> list[int]:
+    """The numbers of what goes out now; what is painted makes room for more."""
+    numbers = []
+    while (taken := slots.take()) is not None:
+        numbers.append(taken.seq)
+        if painted:
+            slots.taken(taken.view)
+    return numbers
+
+
+def test_pictures_that_need_one_another_all_go_out_in_order() -> None:
+    slots = FrameSlots()
+    assert all(slots.offer(frame("a", seq, key=seq == 0)) for seq in range(9))
+    assert sent(slots) == list(range(9))
+
+
+def test_a_key_frame_replaces_all_that_wait() -> None:
+    slots = FrameSlots()
+    for seq in range(9):
+        slots.offer(frame("a", seq, key=seq in {0, 6}))
+    assert sent(slots) == [6, 7, 8]
+
+
+def test_after_a_gap_nothing_goes_to_a_page_until_a_key_frame() -> None:
+    slots = FrameSlots()
+    taken = [slots.offer(frame("a", seq, key=seq in {0, 7})) for seq in (0, 1, 3, 4, 7, 8)]
+    assert taken == [True, True, False, False, True, True]
+    assert sent(slots) == [7, 8]
+
+
+def test_a_gap_is_told_until_a_key_frame_comes() -> None:
+    slots = FrameSlots()
+    assert slots.wants_after("a") is None
+    wanted = []
+    for seq in (3, 4, 5, 6):
+        slots.offer(frame("a", seq, key=seq == 5))
+        wanted.append(slots.wants_after("a"))
+    assert wanted == [3, 4, None, None]
+
+
+def test_a_page_that_falls_behind_gets_nothing_old_and_needs_a_key_frame() -> None:
+    slots = FrameSlots()
+    for seq in range(IN_FLIGHT):
+        slots.offer(frame("a", seq, key=seq == 0))
+    assert sent(slots, painted=False) == list(range(IN_FLIGHT))
+    last = IN_FLIGHT + MOST_WAITING
+    offered = [slots.offer(frame("a", seq, key=False)) for seq in range(IN_FLIGHT, last + 1)]
+    assert offered == [True] * MOST_WAITING + [False]
+    assert slots.wants_after("a") == last
+    slots.taken("a")
+    assert sent(slots) == []
+    slots.offer(frame("a", last + 1, key=True))
+    assert sent(slots) == [last + 1]
+
+
+def test_what_a_page_could_not_decode_needs_a_key_frame_for_that_view_alone() -> None:
+    slots = FrameSlots()
+    for view in ("a", "b"):
+        slots.offer(frame(view, 0))
+        slots.offer(frame(view, 1, key=False))
+    slots.interrupt("a")
+    assert (slots.wants_after("a"), slots.wants_after("b")) == (1, None)
+    assert not slots.offer(frame("a", 2, key=False))
+    assert slots.offer(frame("b", 2, key=False))
+    slots.interrupt("nobody")

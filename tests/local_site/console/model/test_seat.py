@@ -57,6 +57,18 @@ def test_a_silent_page_holds_for_200_ms_and_then_needs_a_new_press(room: Room) -
     assert room.beats(1, down=True)
 
 
+def test_a_page_reports_while_it_operates_and_beats(room: Room) -> None:
+    assert room.seat.reports(room.now_ns + 200 * NS_PER_MS)
+    room.beats(1, down=False)
+    room.beats(4, down=False, by=BEN)
+    assert room.seat.reports(room.now_ns)
+    assert not room.seat.reports(room.now_ns + 1)
+    room.beats(1, down=False)
+    assert room.seat.reports(room.now_ns)
+    room.seat.leave(ANNA)
+    assert not room.seat.reports(room.now_ns)
+
+
 def test_a_silence_that_ends_with_a_beat_is_noticed_without_being_looked_at(room: Room) -> None:
     room.beats(1, down=False)
     room.beats(1, down=True)

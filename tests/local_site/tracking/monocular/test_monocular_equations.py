@@ -4,6 +4,7 @@ import numpy as np
 import pytest
 
 from common.geometry import rotation_from_vector
+from local_site.tracking.monocular.arm_model import ArmPose
 from local_site.tracking.monocular.equations import (
     ALL,
     LIGHT_SIGMA,
@@ -16,7 +17,6 @@ from local_site.tracking.monocular.equations import (
     step,
     summed,
 )
-from local_site.tracking.monocular.pose import ArmPose
 
 FOCAL, PRINCIPAL = np.array([655.0, 640.0]), np.array([100.0, 90.0])
 NO_POSITION_ERROR = np.array([4.0, 0.0, 0.0, 0.0])

@@ -31,7 +31,7 @@ CAMERA = np.array([[FOCAL_PX, 320.0, 0.0, 320 * DISTANCE_M], [0, 240, -FOCAL_PX,
 ELBOW = np.zeros(3)
 X, Y, Z = np.eye(3)
 THICK_M = 0.09
-BLANK = Silhouette(np.zeros((480, 640), np.uint8), 40.0, np.array([[300.0, 200.0], [310.0, 210.0]]), 1.0)
+BLANK = Silhouette(np.zeros((480, 640), np.uint8), 40.0, np.array([[300.0, 200.0], [310.0, 210.0]]))
 
 
 def view_of(matrix, forearm_from, wrist, upper_from, shoulder, width_px):

@@ -6,8 +6,8 @@ import pytest
 from common.messages.hand import TrackingStatus
 from local_site.simulation.config import MotionConfig
 from local_site.tracking.config import SilhouetteConfig
-from local_site.tracking.reasons import TrackingReason
 from local_site.tracking.silhouette.silhouette_tracker import SilhouetteTracker
+from local_site.tracking.tracker import TrackingReason
 from tests.local_site.tracking.rendered_arm import render_sequence, rig_of
 
 FRAMES = 14

@@ -19,8 +19,8 @@ ELBOW = np.array([0.62, 0.42, 0.42])
 BENT = np.array([0.43, 0.37, 0.61])
 SHOULDER = ELBOW + np.array([0.20, -0.05, 0.14])
 LENGTH = float(np.linalg.norm(BENT - ELBOW))
-BLANK = Silhouette(np.zeros((480, 640), np.uint8), 40.0, np.array([[300.0, 200.0], [310.0, 210.0]]), 1.0)
-CROPPED = Silhouette(BLANK.grey, 40.0, np.array([[300.0, 200.0], [639.0, 210.0]]), 1.0)
+BLANK = Silhouette(np.zeros((480, 640), np.uint8), 40.0, np.array([[300.0, 200.0], [310.0, 210.0]]))
+CROPPED = Silhouette(BLANK.grey, 40.0, np.array([[300.0, 200.0], [639.0, 210.0]]))
 
 
 def beside(matrix, elbow, line, depth_m):

@@ -7,6 +7,7 @@ from numpy.typing import ArrayLike
 
 from common.clock import NS_PER_MS, FakeClock
 from common.errors import DriverError
+from common.messages.robot import GripperCommand
 from remote_site.drivers.c500c.config import C500cConfig
 from remote_site.drivers.c500c.driver import C500cDriver
 from remote_site.drivers.c500c.emulation import EmulatedPort, Emulation
@@ -49,11 +50,11 @@ class EmulatedA465:
         assert self.run(60).fault is None
         return self
 
-    def send(self, q: ArrayLike, periods: int = 1, gripper_open: bool = True) -> RobotReading:
+    def send(self, q: ArrayLike, periods: int = 1, gripper: GripperCommand = GripperCommand.OPEN) -> RobotReading:
         """Command rest at `q` (6,) rad for some periods of the controller; the last reading."""
         for _ in range(periods):
             self.seq += 1
             zero = np.zeros(6)
-            self.driver.write(JointCommand(self.seq, self.clock.now_ns(), np.array(q), zero, zero, gripper_open))
+            self.driver.write(JointCommand(self.seq, self.clock.now_ns(), np.array(q), zero, zero, gripper))
             reading = self.run(67)
         return reading

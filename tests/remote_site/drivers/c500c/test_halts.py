@@ -4,10 +4,12 @@ import numpy as np
 import pytest
 
 from common.errors import DriverError
+from common.messages.robot import GripperCommand
 from remote_site.drivers.c500c.protocol import (
     Fault,
     Flag,
 )
+from remote_site.drivers.driver import JointCommand
 from remote_site.drivers.faults import FaultCode
 from tests.remote_site.drivers.c500c.emulated_a465 import ROBOT, SETUP, EmulatedA465
 
@@ -84,6 +86,35 @@ def test_an_emergency_stop_is_mirrored_and_needs_release_and_activation(bench):
     assert reading.fault is not None
     bench.driver.activate(reading.q)
     assert bench.run(80).fault is None
+
+
+def test_a_setpoint_from_before_a_stop_reaches_neither_the_arm_nor_its_gripper_after_the_next_activation():
+    for wait_ms in range(20, 60, 4):
+        bench = EmulatedA465().ready()
+        bench.send(ROBOT.start, periods=4, gripper=GripperCommand.CLOSED)
+        for _ in range(2):  # at once: the second finds the controller's queue full, and waits to be sent again
+            command = JointCommand(9, bench.clock.now_ns(), ROBOT.start, np.zeros(6), np.zeros(6), GripperCommand.OPEN)
+            bench.driver.write(command)
+        bench.run(wait_ms)
+        bench.driver.stop()
+        activation = bench.controller.activation
+        bench.driver.activate(ROBOT.start)
+        while bench.controller.activation == activation:
+            bench.run(2)
+        opens = bench.controller.gripper.aim_open
+        bench.run(150)
+        assert (bench.controller.gripper.aim_open, bench.controller._last_setpoint) == (opens, None), wait_ms
+
+
+def test_a_stop_withdraws_an_activation_that_still_waits_for_the_line(bench):
+    bench.driver.configure(SETUP)
+    bench.run(100)
+    while bench.driver._exchange._pending is None:  # until a poll is under way
+        bench.run(2)
+    bench.driver.activate(ROBOT.start)
+    bench.driver.stop()
+    bench.run(200)
+    assert not bench.controller.active
 
 
 def test_a_jammed_joint_halts_and_is_told(bench):

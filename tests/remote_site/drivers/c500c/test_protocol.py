@@ -7,6 +7,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from common.clock import NS_PER_MS
+from common.messages.robot import GripperCommand
 from remote_site.drivers.c500c.emulation import EmulatedLine, Terminal
 from remote_site.drivers.c500c.port import open_port
 from remote_site.drivers.c500c.protocol import (
@@ -47,16 +48,28 @@ def test_a_damaged_frame_is_never_taken_for_another(frame, data):
     assert found
 
 
+@pytest.mark.parametrize("byte", [3, 255])
+def test_a_setpoint_that_commands_what_no_gripper_does_is_refused(byte):
+    payload = bytearray(Setpoint(1, (0.0,) * 6, GripperCommand.CLOSED, 50).payload)
+    payload[-2] = byte
+    with pytest.raises(ValueError, match="no command of the gripper"):
+        Setpoint.parse(bytes(payload))
+
+
+def test_nothing_is_commanded_of_the_gripper_by_zeros():
+    assert Setpoint.parse(bytes(Setpoint.FORMAT.size)).gripper is GripperCommand.KEEP
+
+
 @given(st.binary(max_size=300))
 def test_random_bytes_raise_nothing(data):
     Parser().feed(data)
 
 
-@given(st.tuples(*[ANGLES] * 6), st.integers(0, 65535), st.booleans(), st.integers(1, 100))
-def test_payloads_survive_the_line(joints, count, is_open, percent):
-    setpoint = Setpoint.parse(Setpoint(count, joints, is_open, percent).payload)
+@given(st.tuples(*[ANGLES] * 6), st.integers(0, 65535), st.sampled_from(GripperCommand), st.integers(1, 100))
+def test_payloads_survive_the_line(joints, count, gripper, percent):
+    setpoint = Setpoint.parse(Setpoint(count, joints, gripper, percent).payload)
     assert setpoint.joints == pytest.approx(joints, abs=1e-6)
-    assert (setpoint.count, setpoint.gripper_open, setpoint.grip_percent) == (count, is_open, percent)
+    assert (setpoint.count, setpoint.gripper, setpoint.grip_percent) == (count, gripper, percent)
     activation = Activation.parse(Activation(count, joints, 67).payload)
     assert (activation.count, activation.period_ms) == (count, 67)
     state = ControllerState.parse(

@@ -7,6 +7,7 @@ from hypothesis import strategies as st
 
 from common.clock import NS_PER_MS
 from common.errors import DriverError
+from common.messages.robot import GripperCommand
 from remote_site.drivers.c500c.emulator import Emulated
 from remote_site.drivers.c500c.playing import Player
 from remote_site.drivers.faults import FaultCode
@@ -68,11 +69,26 @@ def test_clocks_that_differ_lose_no_setpoint(drift):
     assert len({*begun}) > 180
 
 
+def test_keep_sends_nothing_to_the_gripper_and_the_controller_itself_ends_too_strong_a_grip():
+    bench = EmulatedA465(emulated=Emulated(object_m=0.03), grip_percent=90, hold_percent=60, strong_grip_s=15.0).ready()
+    bench.send(ROBOT.start, periods=15, gripper=GripperCommand.CLOSED)
+    gripper = bench.controller.gripper
+    reading = bench.send(ROBOT.start, periods=100, gripper=GripperCommand.KEEP)
+    assert (gripper.aim_open, gripper.percent) == (False, 90)
+    bench.driver.stop()
+    bench.run(100)
+    bench.driver.activate(ROBOT.start)
+    bench.run(60)
+    reading = bench.send(ROBOT.start, periods=150, gripper=GripperCommand.KEEP)
+    assert (gripper.aim_open, gripper.percent) == (False, 75)
+    assert reading.gripper.opening_m == pytest.approx(0.03, abs=1e-4)
+
+
 def test_the_gripper_closes_on_the_object_at_its_percentage():
     bench = EmulatedA465(emulated=Emulated(object_m=0.03), grip_percent=90, hold_percent=60, strong_grip_s=0.3).ready()
-    reading = bench.send(ROBOT.start, periods=3, gripper_open=False)
+    reading = bench.send(ROBOT.start, periods=3, gripper=GripperCommand.CLOSED)
     assert bench.controller.gripper.percent == 90
-    reading = bench.send(ROBOT.start, periods=12, gripper_open=False)
+    reading = bench.send(ROBOT.start, periods=12, gripper=GripperCommand.CLOSED)
     assert reading.gripper.opening_m == pytest.approx(0.03, abs=1e-4)
     assert bench.controller.gripper.percent == 60
     reading = bench.send(ROBOT.start, periods=12)

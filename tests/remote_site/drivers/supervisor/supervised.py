@@ -1,5 +1,6 @@
 """A supervisor around a kinematic robot that can be given faults, and control that plans towards a goal."""
 
+from collections.abc import Callable
 from dataclasses import replace
 from typing import Self
 
@@ -7,6 +8,7 @@ import numpy as np
 
 from common.clock import NS_PER_MS, FakeClock
 from common.geometry import Array
+from common.messages.robot import GripperCommand
 from remote_site.drivers.driver import Capabilities, DriverSetup, GripperReading, JointCommand, RobotReading
 from remote_site.drivers.faults import RobotFault
 from remote_site.drivers.kinematic import KinematicDriver
@@ -20,26 +22,28 @@ from tests.remote_site.remote_loop import arm
 MODEL, LIMITS = arm()
 DT = 0.004
 START = np.radians([0.0, 0.0, -45.0, 0.0, -45.0, 0.0])
-SETUP = DriverSetup(MODEL.joint_names, LIMITS, DT, 50 * NS_PER_MS)
+SETUP = DriverSetup(MODEL.joint_names, LIMITS, DT, 50 * NS_PER_MS, start=START)
 
 
 class TroubledRobot(KinematicDriver):
     """A kinematic robot that can be given faults, and that keeps what was written."""
 
-    def __init__(self, clock: FakeClock, rate_hz: float) -> None:
+    def __init__(self, clock: FakeClock, rate_hz: float, lag_ms: float) -> None:
         super().__init__(clock)
-        self.fake_clock, self.rate_hz = clock, rate_hz
+        self.fake_clock, self.rate_hz, self.lag_ms = clock, rate_hz, lag_ms
         self.written: list[JointCommand] = []
         self.trouble: RobotFault | None = None
         self.opening_m: float | None = None
         self.raises: dict[str, Exception] = {}  # by the name of the call
-        self.slow_ms, self.stops, self.off_rad = 0.0, 0, 0.0
+        self.slow_ms, self.stops, self.activations, self.off_rad = 0.0, 0, 0, 0.0
+        self.spoil: Callable[[RobotReading], RobotReading] = lambda reading: reading
 
     @property
     def capabilities(self) -> Capabilities:
-        return Capabilities(self.rate_hz, None, gripper=True, force=False, watchdog_ms=None, queued_periods=0)
+        return Capabilities(self.rate_hz, None, gripper=True, force=False, watchdog_ms=None, lag_ms=self.lag_ms)
 
     def activate(self, q0: Array) -> None:
+        self.activations += 1
         self._raise("activate")
         super().activate(q0 + self.off_rad)
 
@@ -48,7 +52,7 @@ class TroubledRobot(KinematicDriver):
         self._raise("read")
         reading = super().read()
         gripper = GripperReading(self.opening_m, None) if self.opening_m is not None else None
-        return replace(reading, gripper=gripper, fault=self.trouble or reading.fault)
+        return self.spoil(replace(reading, gripper=gripper, fault=self.trouble or reading.fault))
 
     def write(self, command: JointCommand) -> JointCommand:
         self._raise("write")
@@ -78,9 +82,9 @@ class Mark:
 class Supervised:
     """A supervised robot on stepped time, and control that plans towards a goal."""
 
-    def __init__(self, rate_hz: float = 1000.0) -> None:
+    def __init__(self, rate_hz: float = 1000.0, lag_ms: float = 0.0) -> None:
         self.clock = FakeClock(1_000 * NS_PER_MS)
-        self.robot, self.mark = TroubledRobot(self.clock, rate_hz), Mark()
+        self.robot, self.mark = TroubledRobot(self.clock, rate_hz, lag_ms), Mark()
         self.robot.configure(SETUP)
         self.supervisor = DriverSupervisor(self.robot, SETUP, self.clock, self.mark, GripWatch(GripSettings()))
         self.tracker = JerkLimitedTracker(LIMITS, DT)
@@ -117,9 +121,11 @@ class Supervised:
         self.turn(self.order(self.sent))
         return self
 
-    def order(self, motion: JointMotion, *, run: bool = True, gripper_open: bool = True) -> DriverOrder:
+    def order(
+        self, motion: JointMotion, *, run: bool = True, gripper: GripperCommand = GripperCommand.KEEP
+    ) -> DriverOrder:
         self.seq += 1
-        command = JointCommand(self.seq, self.clock.now_ns(), motion.q, motion.dq, motion.ddq, gripper_open)
+        command = JointCommand(self.seq, self.clock.now_ns(), motion.q, motion.dq, motion.ddq, gripper)
         return DriverOrder(self.activation, run, self.stop_count, command)
 
     def plan(self) -> JointMotion:
@@ -131,11 +137,11 @@ class Supervised:
         assert isinstance(planned, JointMotion)
         return planned
 
-    def command(self, motion: JointMotion | None = None, *, gripper_open: bool = True) -> None:
+    def command(self, motion: JointMotion | None = None, *, gripper: GripperCommand = GripperCommand.KEEP) -> None:
         """One tick of control and the turn that its order causes."""
         self.sent = motion or self.plan()
         self.clock.advance_ms(4)
-        self.turn(self.order(self.sent, gripper_open=gripper_open), ms=0)
+        self.turn(self.order(self.sent, gripper=gripper), ms=0)
 
     def commands(self, count: int) -> None:
         for _ in range(count):

@@ -2,7 +2,7 @@
 
 from common.errors import DriverError
 from remote_site.drivers.faults import STOPPED, FaultCode, RobotFault
-from remote_site.drivers.supervisor.state import INACTIVE, SupervisorState
+from remote_site.drivers.supervisor.state import ACTIVE, INACTIVE, SupervisorState
 from tests.remote_site.drivers.supervisor.supervised import START, Supervised
 
 
@@ -17,6 +17,16 @@ def test_activation_waits_for_rest(rig: Supervised) -> None:
     rig.turn()
     assert rig.supervisor.state is SupervisorState.FOLLOWING
     assert rig.supervisor.fault is None
+
+
+def test_an_activation_of_an_active_robot_at_rest_stops_it(rig: Supervised) -> None:
+    rig.activate()
+    rig.command(rig.sent)
+    activations = rig.robot.activations
+    rig.activate()
+    assert rig.fault().code is FaultCode.REFUSED
+    assert rig.supervisor.state not in ACTIVE
+    assert rig.robot.activations == activations
 
 
 def test_a_robot_that_refuses_to_be_activated_is_stopped_and_can_be_asked_again(rig: Supervised) -> None:

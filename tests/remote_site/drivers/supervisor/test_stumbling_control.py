@@ -4,6 +4,7 @@ import numpy as np
 import pytest
 
 from common.clock import NS_PER_MS, FakeClock
+from common.messages.robot import GripperCommand
 from remote_site.config import RemoteConfig
 from remote_site.drivers.driver import Capabilities, JointCommand
 from remote_site.drivers.kinematic import KinematicDriver
@@ -71,7 +72,7 @@ class Rig:
         self.follower.reset(self.sent)
         motion = self.follower.track(GOAL, np.zeros(6))
         self.seq += 1
-        command = JointCommand(self.seq, self.clock.now_ns(), motion.q, motion.dq, motion.ddq, gripper_open=True)
+        command = JointCommand(self.seq, self.clock.now_ns(), motion.q, motion.dq, motion.ddq, GripperCommand.KEEP)
         self.sent = self.link.write(command).motion
         self.desk.turn()
 
@@ -183,7 +184,7 @@ class LateRig:
             self.follower.reset(self.sent)
             motion = self.follower.track(GOAL, np.zeros(6))
             self.seq += 1
-            command = JointCommand(self.seq, self.clock.now_ns(), motion.q, motion.dq, motion.ddq, gripper_open=True)
+            command = JointCommand(self.seq, self.clock.now_ns(), motion.q, motion.dq, motion.ddq, GripperCommand.KEEP)
             report = self.link.read()
             assert report.ready
             self.sent, self.rang = self.link.write(command).motion, True

@@ -6,7 +6,9 @@ import pytest
 
 from remote_site.drivers.faults import FaultCode
 from remote_site.drivers.supervisor.commanded_motion import CommandedMotion
+from remote_site.drivers.supervisor.following_check import FollowingCheck
 from remote_site.drivers.supervisor.orders import CommandWatchdog
+from remote_site.drivers.supervisor.reading_check import ReadingCheck
 from remote_site.drivers.supervisor.state import SupervisorState
 from remote_site.drivers.supervisor.stop_plan import StopPlan
 from remote_site.drivers.supervisor.supervisor import DriverSupervisor
@@ -16,7 +18,9 @@ from remote_site.drivers.supervisor.writer import PacedWriter
 from tests.remote_site.drivers.supervisor import (
     test_activation,
     test_faults,
+    test_following_check,
     test_hand_over,
+    test_reading_check,
     test_stop,
     test_stumbling_control,
     test_transitions,
@@ -24,6 +28,7 @@ from tests.remote_site.drivers.supervisor import (
 )
 from tests.remote_site.drivers.supervisor.supervised import Supervised
 from tests.remote_site.mutation import Mutation
+from tests.remote_site.spoiled_readings import SPOILED
 
 Body = Callable[[], object]
 S = SupervisorState
@@ -49,7 +54,19 @@ SLOW_PATH = test_writing.test_a_slow_robot_gets_setpoints_along_the_path_at_its_
 KEPT_AT_REST = test_writing.test_an_arm_kept_at_rest_starts_no_sooner_than_its_jerk_allows
 PAST = test_hand_over.test_a_stop_written_a_little_past_the_command_that_ends_it_is_not_taken_back
 LATE_DRIVER = test_stumbling_control.test_after_a_late_driver_the_robot_sees_no_more_than_the_limits_by_the_clock
-MOVES = "(self.reading is not None and self.reading.moving)"
+AS_DECLARED = test_following_check.test_an_arm_that_follows_within_its_lag_is_no_fault
+AGED = test_reading_check.test_a_reading_ages_from_its_own_stamp_and_a_slow_robots_later
+KEPT_ARRAYS = test_reading_check.test_what_the_driver_does_to_its_arrays_later_changes_nothing
+SUSPECTED = test_following_check.test_a_joint_may_be_off_by_the_tolerance_and_no_more_for_long
+CLEARED = test_following_check.test_one_reading_that_is_right_again_ends_the_suspicion
+OUTDATED = test_following_check.test_what_was_written_before_the_lag_no_longer_counts
+
+
+def spoiled(what: str) -> Body:
+    spoil, code = SPOILED[what]
+    return lambda: test_reading_check.test_a_bad_reading_is_a_fault_and_never_the_supervisors(spoil, code, driven=True)
+
+
 CHECKS: list[tuple[object, str, str, str, Body]] = [
     (
         CommandedMotion,
@@ -105,18 +122,38 @@ CHECKS: list[tuple[object, str, str, str, Body]] = [
     (
         DriverSupervisor,
         "_activate",
-        "if self.state in DRIVEN or (self.reading is not None and self.reading.moving):",
-        "if False:",
-        rig(test_activation.test_activation_waits_for_rest),
+        "STILL_MOVING if self.state in DRIVEN else self._unfit(q0)",
+        "self._unfit(q0)",
+        rig(test_activation.test_an_activation_of_an_active_robot_at_rest_stops_it),
     ),
     (
         DriverSupervisor,
-        "_activate",
-        MOVES,
-        "False",
+        "_unfit",
+        "if reading.moving:",
+        "if False:",
         ARM_MOVES,
     ),
-    (DriverSupervisor, "_activate", "if refused is not None:", "if False:", row("rejected", S.IDLE)),
+    (ReadingCheck, "_impossible", "allowed[0] <= value <= allowed[1]", "True", spoiled("a joint is NaN")),
+    (
+        ReadingCheck,
+        "_impossible",
+        "OPENING_M[0] <= grip.opening_m <= OPENING_M[1]",
+        "True",
+        spoiled("the opening is NaN"),
+    ),
+    (ReadingCheck, "_impossible", "-FORCE_N <= grip.force_n <= FORCE_N", "True", spoiled("the force is NaN")),
+    (ReadingCheck, "_mistimed", "if t_ns > now_ns:", "if False:", spoiled("the stamp is of the future")),
+    (ReadingCheck, "_mistimed", " or t_ns < self._newest_ns", "", spoiled("the stamp goes back")),
+    (ReadingCheck, "_mistimed", "if age_ns > self.oldest_ns", "if False", lambda: AGED(15.0)),
+    (ReadingCheck, "judge", "self._newest_ns = t_ns", "pass", spoiled("the stamp goes back")),
+    (ReadingCheck, "judge", "np.array(reading.q, dtype=float)", "reading.q", KEPT_ARRAYS),
+    (FollowingCheck, "judge", "if excess[k] <= TOLERANCE_RAD:", "if True:", lambda: SUSPECTED(0.101)),
+    (FollowingCheck, "judge", "if now_ns - self._apart_ns < PATIENCE_NS:", "if False:", lambda: SUSPECTED(0.101)),
+    (FollowingCheck, "judge", "self._apart_ns = None", "pass", CLEARED),
+    (FollowingCheck, "note", "self._written.popleft()", "break", OUTDATED),
+    (DriverSupervisor, "_unfit", "if isinstance(reading, RobotFault):", "if False:", row("unread", S.HELD)),
+    (DriverSupervisor, "_unfit", "<= APART_RAD", "<= 9.9", row("elsewhere", S.HELD)),
+    (DriverSupervisor, "_activate", "if refused is not None and", "if False and", row("rejected", S.IDLE)),
     (
         DriverSupervisor,
         "_answer",
@@ -128,9 +165,30 @@ CHECKS: list[tuple[object, str, str, str, Body]] = [
     (
         DriverSupervisor,
         "_read",
-        "elif reading.fault is not None and self.state in DRIVEN:",
-        "elif False:",
+        "reading.fault or self._following",
+        "self._following",
         rig(MIRRORED, FaultCode.EMERGENCY_STOP),
+    ),
+    (
+        DriverSupervisor,
+        "_read",
+        " or self._following.judge(reading.q, now_ns)",
+        "",
+        row("astray", S.STOPPING),
+    ),
+    (
+        DriverSupervisor,
+        "step",
+        "self._following.note(self._writer.written.q, now_ns)",
+        "pass",
+        lambda: AS_DECLARED(0.0, 45),
+    ),
+    (
+        WatchedDriver,
+        "read",
+        "self._readings.judge(self._driver.read(), self._clock.now_ns())",
+        "self._driver.read()",
+        row("bad_reading", S.BRAKING),
     ),
     (
         DriverSupervisor,

@@ -1,73 +1,19 @@
-"""Every row of the supervisor's transition table, in every state that it names; and no transition beside the table."""
+"""Every row of the supervisor's transition table, in every state that it names."""
 
-import re
-from collections.abc import Callable, Iterator
-from dataclasses import dataclass, replace
-from itertools import pairwise
-from random import Random
+from collections.abc import Callable
+from dataclasses import replace
 
 import numpy as np
 import pytest
 
+from common.clock import NS_PER_MS
 from common.errors import DriverError
-from remote_site.drivers.driver import RobotReading
-from remote_site.drivers.faults import NOT_ACTIVATED, STOPPED, FaultCode, RobotFault
-from remote_site.drivers.supervisor.orders import DriverOrder
-from remote_site.drivers.supervisor.state import ACTIVE, DRIVEN, INACTIVE, SupervisorState
-from remote_site.drivers.supervisor.supervisor import DriverSupervisor
+from remote_site.drivers.faults import APART, NOT_ACTIVATED, STOPPED, FaultCode, RobotFault
+from remote_site.drivers.supervisor.following_check import PATIENCE_NS
+from remote_site.drivers.supervisor.state import DRIVEN, SupervisorState
 from remote_site.kinematics.joints import JointMotion
 from tests.remote_site.drivers.supervisor.supervised import START, Supervised
-
-SETS = {"INACTIVE": INACTIVE, "ACTIVE": ACTIVE, "DRIVEN": DRIVEN, **{state.name: {state} for state in SupervisorState}}
-PRESSED = RobotFault(FaultCode.EMERGENCY_STOP, "pressed")
-
-
-@dataclass(frozen=True)
-class Row:
-    """A row of the table: its name, the states it begins in, the state it ends in, None for the same."""
-
-    name: str
-    states: frozenset[SupervisorState]
-    next: SupervisorState | None
-
-
-def table() -> Iterator[Row]:
-    """The rows as the docstring prints them."""
-    _, _, body, _ = re.split(r"^ *=+ [= ]+$", SupervisorState.__doc__ or "", flags=re.MULTILINE)
-    for line in body.strip().splitlines():
-        name, states, _, following, _ = re.split(r"  +", line.strip())
-        begin = frozenset().union(*(SETS[each] for each in states.split(", ")))
-        yield Row(name, begin, None if following == "same" else SupervisorState[following])
-
-
-ROWS = list(table())
-CASES = [(row, state) for row in ROWS for state in sorted(row.states, key=lambda state: state.name)]
-
-
-def reach(state: SupervisorState) -> Supervised:
-    """A supervisor in a state; where it is driven, in motion."""
-    rig = Supervised()
-    if state is SupervisorState.ACTIVATING:
-        rig.robot.trouble = NOT_ACTIVATED
-        rig.activate()
-    elif state is SupervisorState.HELD:
-        rig.activate()
-        rig.command(rig.sent)
-        rig.turn(rig.order(rig.sent, run=False))
-    elif state in DRIVEN:
-        rig.moving()
-    if state is SupervisorState.BRAKING:
-        rig.stumble(14)
-    elif state is SupervisorState.STOPPING:
-        rig.supervisor.stop(STOPPED, rig.clock.now_ns())
-    assert rig.supervisor.state is state
-    return rig
-
-
-def old_order(rig: Supervised) -> DriverOrder:
-    """A command that was planned before the last stop began."""
-    order = rig.order(rig.plan())
-    return replace(order, stop_count=order.stop_count - 1)
+from tests.remote_site.drivers.supervisor.transition_table import CASES, PRESSED, ROWS, Row, old_order, reach, to_nan
 
 
 def activate(rig: Supervised) -> None:
@@ -86,10 +32,32 @@ def rejected(rig: Supervised) -> None:
 
 def arm_moves(rig: Supervised) -> None:
     stops, rig.activation = rig.robot.stops, rig.activation + 1
-    rig.supervisor.reading = RobotReading(0, START, np.full(6, 0.03), None, None, None)
+    rig.robot.spoil = lambda reading: replace(reading, dq=np.full(6, 0.03))
     rig.supervisor.take([rig.order(rig.sent)], rig.clock.now_ns())
     assert rig.fault().code is FaultCode.REFUSED
     assert rig.robot.stops == stops
+
+
+def unread(rig: Supervised) -> None:
+    activations, rig.robot.spoil = rig.robot.activations, to_nan
+    rig.activate()
+    assert rig.fault().code is FaultCode.NOT_FINITE
+    assert rig.robot.activations == activations
+
+
+def elsewhere(rig: Supervised) -> None:
+    activations = rig.robot.activations
+    rig.activate(START + 0.06)
+    assert rig.fault() is APART
+    assert rig.robot.activations == activations
+
+
+def withdrawn(rig: Supervised) -> None:
+    activations, rig.robot.spoil = rig.robot.activations, to_nan
+    rig.activate()
+    assert rig.fault().code is FaultCode.NOT_FINITE
+    assert rig.robot.stops == 1
+    assert rig.robot.activations == activations
 
 
 def too_early(rig: Supervised) -> None:
@@ -215,6 +183,45 @@ def robot_fault(rig: Supervised) -> None:
     assert rig.robot.stops == 1
 
 
+def bad_reading(rig: Supervised) -> None:
+    written, latched = len(rig.robot.written), rig.supervisor.fault
+    rig.robot.spoil = to_nan
+    rig.turn()
+    assert rig.fault().code is FaultCode.NOT_FINITE
+    assert latched is None or latched.calm
+    assert rig.robot.stops == 1
+    rig.turns(50)
+    assert len(rig.robot.written) <= written + 1  # a write comes before the reading of its turn
+    assert rig.supervisor.reading is not None
+    assert np.isfinite(rig.supervisor.reading.q).all()
+
+
+def bad_at_rest(rig: Supervised) -> None:
+    stops = rig.robot.stops
+    rig.robot.spoil = to_nan
+    rig.turn()
+    assert rig.fault().code is FaultCode.NOT_FINITE
+    assert rig.robot.stops == stops
+
+
+def astray(rig: Supervised) -> None:
+    q, latched = rig.robot.read().q - 0.3, rig.supervisor.fault
+    rig.robot.spoil = lambda reading: replace(reading, q=q)
+    begin_ns = rig.clock.now_ns()
+    while rig.supervisor.state in DRIVEN:
+        if rig.supervisor.state is SupervisorState.BRAKING:
+            rig.turn(old_order(rig))
+        elif rig.supervisor.state is SupervisorState.FOLLOWING:
+            rig.command()
+        else:
+            rig.turn()
+        assert rig.clock.now_ns() - begin_ns < 120 * NS_PER_MS
+    assert rig.clock.now_ns() - begin_ns >= PATIENCE_NS
+    assert rig.robot.stops == 1
+    assert latched is None or latched.calm
+    assert rig.fault().code is FaultCode.NOT_FOLLOWING
+
+
 def call_fails(rig: Supervised) -> None:
     call = "read" if rig.supervisor.state is SupervisorState.ACTIVATING else "write"
     rig.robot.raises = {call: DriverError("line cut")}
@@ -229,7 +236,8 @@ def call_fails(rig: Supervised) -> None:
 def read_fails(rig: Supervised) -> None:
     calm, stops = rig.fault(), rig.robot.stops
     if rig.supervisor.reading is None:
-        rig.turn()  # the robot has nothing to read before it is activated
+        rig.robot.raises = {"read": DriverError("nothing measured yet")}
+        rig.turn()
         assert rig.fault() is calm
     rig.robot.raises = {"read": KeyError("oops")}
     rig.turn()
@@ -240,8 +248,9 @@ def read_fails(rig: Supervised) -> None:
 EVENTS: dict[str, Callable[[Supervised], None]] = {
     event.__name__: event
     for event in (
-        activate, rejected, arm_moves, too_early, answered, apart, refused, waits, command, over_limit, outdated,
-        hand_over, missed, stop_order, late, late_rest, silent, stopped, robot_fault, call_fails, read_fails,
+        activate, rejected, arm_moves, unread, elsewhere, withdrawn, too_early, answered, apart, refused, waits,
+        command, over_limit, outdated, hand_over, missed, stop_order, late, late_rest, silent, stopped, robot_fault,
+        bad_reading, bad_at_rest, astray, call_fails, read_fails,
     )
 }  # fmt: skip
 
@@ -255,45 +264,3 @@ def test_every_row_of_the_table_is_what_the_supervisor_does(row: Row, state: Sup
 
 def test_the_table_has_every_event_that_is_tried() -> None:
     assert [row.name for row in ROWS] == list(EVENTS)
-
-
-def test_chance_finds_no_transition_beside_the_table(monkeypatch: pytest.MonkeyPatch) -> None:
-    seen: list[SupervisorState] = []
-
-    def note(supervisor: DriverSupervisor, name: str, value: object) -> None:
-        if name == "state":
-            assert isinstance(value, SupervisorState)
-            seen.append(value)
-        object.__setattr__(supervisor, name, value)
-
-    monkeypatch.setattr(DriverSupervisor, "__setattr__", note)
-    listed = {(state, row.next or state) for row, state in CASES}
-    found = set()
-    for seed in range(40):
-        seen.clear()
-        wander(Supervised(), Random(seed))  # noqa: S311
-        found |= set(pairwise(seen))
-    changes = {(one, other) for one, other in found if one is not other}
-    assert changes <= listed
-    assert len(changes) > 10
-
-
-def wander(rig: Supervised, rng: Random) -> None:
-    """Ninety turns of commands, silence, faults and activations at random."""
-    for _ in range(90):
-        event = rng.random()
-        rig.robot.trouble = PRESSED if event < 0.01 else None
-        call = rng.choice(["activate", "read", "write", "stop"])
-        rig.robot.raises = {call: KeyError("oops")} if event > 0.98 else {}
-        if rig.supervisor.state in INACTIVE or event < 0.03:
-            rig.robot.trouble = rng.choice([None, None, NOT_ACTIVATED])
-            rig.activate(START if rig.supervisor.reading is None else rig.supervisor.reading.q)
-        elif event < 0.2:
-            rig.stumble(rng.uniform(2, 60))
-        elif event < 0.25:
-            rig.turn(rig.order(rig.sent, run=event > 0.22))
-        elif rig.supervisor.commanded.stop is not None:
-            rig.sent = rig.stop_at()
-            rig.turn(rig.order(rig.sent), ms=0)
-        else:
-            rig.command()

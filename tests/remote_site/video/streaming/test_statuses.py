@@ -83,7 +83,7 @@ def test_every_trouble_is_told_within_a_second_and_ends_within_a_second(status):
 @pytest.mark.parametrize("status", [CameraStatus.DARK, CameraStatus.SLOW])
 def test_dark_and_slow_pictures_are_sent_as_they_are_and_marked(status):
     last = TROUBLES[status](FakeCamera())[-1]
-    assert simplejpeg.decode_jpeg(last.jpeg).shape == (48, 64, 3)
+    assert simplejpeg.decode_jpeg(last.data).shape == (48, 64, 3)
     assert last.reason
 
 
@@ -93,7 +93,7 @@ def test_a_frozen_or_missing_camera_sends_no_picture_but_a_reason_with_its_cure(
     camera.run(1.0)
     told = [m for m in TROUBLES[status](camera) if m.status is status]
     assert told
-    assert all(m.jpeg == b"" and m.reason for m in told)
+    assert all(m.data == b"" and m.reason for m in told)
     assert "check" in told[-1].reason or "plug" in told[-1].reason
 
 
@@ -112,14 +112,14 @@ def test_fewer_than_half_of_the_promised_pictures_are_slow(fps, status):
 def test_one_picture_a_second_is_slow_whenever_it_is_not_frozen():
     told = FakeCamera().run(6.0, fps=1.0)[2:]
     assert {m.status for m in told} == {CameraStatus.SLOW, CameraStatus.FROZEN}
-    assert all(bool(m.jpeg) == (m.status is CameraStatus.SLOW) for m in told)
+    assert all(bool(m.data) == (m.status is CameraStatus.SLOW) for m in told)
 
 
 def test_a_camera_from_which_the_link_takes_every_third_picture_is_not_slow():
     told = FakeCamera(setting=StreamSetting(40, 0.5, 10.0)).run(3.0)
     assert {m.status for m in told} == {CameraStatus.LIVE}
     assert len(told) == pytest.approx(30, abs=2)
-    assert simplejpeg.decode_jpeg(told[-1].jpeg).shape == (24, 32, 3)
+    assert simplejpeg.decode_jpeg(told[-1].data).shape == (24, 32, 3)
 
 
 def test_a_camera_quicker_than_promised_is_thinned_to_what_is_promised():

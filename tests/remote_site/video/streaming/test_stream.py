@@ -42,7 +42,7 @@ def test_new_pictures_are_live_numbered_and_stamped_with_their_exposure():
     assert [m.capture_ns for m in messages] == [frame(k).capture_ns for k in range(5)]
     assert all(m.status is CameraStatus.LIVE and m.capture_estimated for m in messages)
     assert (messages[0].width, messages[0].height) == (64, 48)
-    assert simplejpeg.decode_jpeg(messages[0].jpeg).shape == (48, 64, 3)
+    assert simplejpeg.decode_jpeg(messages[0].data).shape == (48, 64, 3)
 
 
 def test_the_same_frame_is_published_once():
@@ -63,7 +63,7 @@ def test_no_new_exposure_for_half_a_second_is_frozen():
     assert stream.take(frame(1), FULL, 500 * MS) is None
     told = stream.take(frame(1), FULL, 501 * MS)
     assert told.status is CameraStatus.FROZEN
-    assert told.jpeg == b""
+    assert told.data == b""
     assert "side" in told.reason
     assert "no new picture" in told.reason
 
@@ -74,7 +74,7 @@ def test_identical_pictures_of_a_real_camera_are_frozen_though_freshly_stamped()
     assert statuses[15].status is CameraStatus.LIVE
     frozen = [m for m in statuses.values() if m is not None and m.status is CameraStatus.FROZEN]
     assert frozen
-    assert all(m.jpeg == b"" and "same picture" in m.reason for m in frozen)
+    assert all(m.data == b"" and "same picture" in m.reason for m in frozen)
     assert all(statuses[k] is None or statuses[k].status is CameraStatus.FROZEN for k in range(17, 30))
 
 
@@ -119,7 +119,7 @@ def test_only_what_is_new_is_ever_live(steps):
             assert message.capture_ns > last
             last = message.capture_ns
         elif message is not None:
-            assert message.jpeg == b""
+            assert message.data == b""
 
 
 def test_a_very_long_reason_still_fits_the_wire():

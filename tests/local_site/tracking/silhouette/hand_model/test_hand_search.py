@@ -3,9 +3,8 @@
 import numpy as np
 import pytest
 
-from local_site.tracking.silhouette.hand_model.fit import Prior
+from local_site.tracking.silhouette.hand_model.fit import Effort, Prior, search_hand
 from local_site.tracking.silhouette.hand_model.habits import GRIPPER, GRIPPER_SIGMA, Habits
-from local_site.tracking.silhouette.hand_model.search import Effort, search_hand
 from local_site.tracking.silhouette.hand_model.skeleton import INDEX_TIP, THUMB_TIP, HandPose, Person, hand_spheres
 from tests.local_site.tracking.silhouette.hand_model.posed_hands import (
     MIRROR,

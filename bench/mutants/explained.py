@@ -1,0 +1,14 @@
+"""Mutants that no test notices, and why none could."""
+
+GUARD = "remote_site/safety/guard.py"
+CLEARANCE = "remote_site/safety/clearance.py"
+QUICKER = "a shortcut: what it decides is decided the same without it, only later"
+
+EXPLAINED = {
+    f"{GUARD}:spans: True -> False": "both sequences have a joint's entry each, so strict never acts",
+    f"{GUARD}:_position: if lower + reach <= middle <= upper - reach: -> if False:": QUICKER,
+    f"{CLEARANCE}:clear: HALF_TRAVEL if end == duration else 0.5 -> 0.5": "where a part is halved decides how many are "
+    "looked at, not what is found",
+    f"{CLEARANCE}:clear: 0.5 -> 1.5": "the first half then reaches beyond the end: more is checked, never less",
+    "remote_site/safety/stopping.py:span: 0.0 -> 1.0": "a bound that is wider, and still one",
+}

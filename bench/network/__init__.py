@@ -1,0 +1,1 @@
+"""Two hosts on this machine, and the link between them: namespaces, and a shim that delays, loses and limits."""

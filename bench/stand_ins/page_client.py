@@ -1,0 +1,80 @@
+"""A page without a browser, its key and settings as commanded: `python -m bench.stand_ins.page_client PORT SOCKET`.
+
+It paints nothing, but acknowledges every picture and reports how old the newest are, as a page does. Given a third
+argument, it keeps there what it has seen of the cell.
+"""
+
+import itertools
+import sys
+import threading
+import time
+from pathlib import Path
+
+import msgspec
+from websockets.sync.client import ClientConnection, connect
+from websockets.typing import Origin
+
+from bench.network.command_socket import CommandSocket
+from bench.stand_ins.pictures import Sight, SightLog
+from common.clock import NS_PER_MS
+
+BEAT_S = 0.05
+BEATS_PER_WORD = 2
+FPS = 30.0  # a page that paints all that comes
+ATTEMPTS, AGAIN_S = 300, 0.2
+CAMERA_VIEW = "camera/"
+
+
+def run(port: int, commands: CommandSocket, seen: SightLog | None) -> None:
+    """Beat until killed."""
+    with opened(port) as page:
+        views: dict[str, dict[str, float]] = {}
+        threading.Thread(target=_read, args=(page, views, seen), daemon=True).start()
+        down = False
+        for beat in itertools.count():
+            fields = commands.take()
+            down = fields.get("down", down)
+            if "steer" in fields:
+                _say(page, type="steer", **fields["steer"])
+            _say(page, type="beat", page_ms=time.monotonic() * 1e3, down=down)
+            if beat % BEATS_PER_WORD == 0:
+                _say(page, type="shown", h264=True, views=dict(views))
+            time.sleep(BEAT_S)
+
+
+def opened(port: int) -> ClientConnection:
+    """The page's connection, as soon as the console is there."""
+    for _ in range(ATTEMPTS):
+        try:
+            return connect(f"ws://127.0.0.1:{port}/page", origin=Origin(f"http://127.0.0.1:{port}"))
+        except ConnectionRefusedError:
+            time.sleep(AGAIN_S)
+    raise ConnectionRefusedError(f"no console at {port}")
+
+
+def _read(page: ClientConnection, views: dict[str, dict[str, float]], seen: SightLog | None) -> None:
+    """Take every picture immediately; this host's clock is the console's."""
+    for message in page:
+        if isinstance(message, bytes):
+            now_ns = time.monotonic_ns()
+            length = int.from_bytes(message[:2], "little")
+            header = msgspec.json.decode(message[2 : 2 + length])
+            name, exposed_ms = header["view"], header["capture_ms"]
+            _say(page, type="taken", view=name)
+            if not name.startswith(CAMERA_VIEW):
+                continue
+            age_ms = None if exposed_ms is None else max(0.0, now_ns / NS_PER_MS - exposed_ms)
+            if age_ms is not None:
+                views[name] = {"seq": header["seq"], "age_ms": age_ms, "fps": FPS}
+            if seen is not None and len(message) > 2 + length:
+                oldest_ms = None if age_ms is None else age_ms + header["unsure_ms"]
+                seen.add(Sight(name.removeprefix(CAMERA_VIEW), header["seq"], now_ns, oldest_ms))
+
+
+def _say(page: ClientConnection, **fields: object) -> None:
+    page.send(msgspec.json.encode(fields).decode())
+
+
+if __name__ == "__main__":
+    log = SightLog(Path(sys.argv[3])) if len(sys.argv) > 3 else None
+    run(int(sys.argv[1]), CommandSocket(sys.argv[2]), log)

@@ -1,0 +1,28 @@
+"""What a hand sample shows of the hand: the point that the tool copies, and the orientation; pure."""
+
+import math
+
+from common.geometry import Array, hand_rotation
+from common.messages.base import Vector3
+from common.messages.hand import HandArm, HandPoint
+
+
+def shown_position(sample: HandArm, point: HandPoint) -> Vector3 | None:
+    """The point of the hand that the tool copies, m in the operator frame; None where it is not measured."""
+    return sample.palm if point is HandPoint.PALM else sample.wrist
+
+
+def shown_orientation(sample: HandArm) -> Array | None:
+    """The orientation `operator_R_hand` (3 x 3); None while a tip is missing or inferred, or the hand is open."""
+    if (
+        sample.wrist is None
+        or sample.index is None
+        or sample.thumb is None
+        or sample.hand_open
+        or sample.thumb_inferred
+    ):
+        return None
+    points = sample.wrist, sample.index, sample.thumb
+    if not math.isfinite(sum(map(sum, points))):
+        return None
+    return hand_rotation(*points)

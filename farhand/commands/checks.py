@@ -1,0 +1,53 @@
+"""`farhand doctor` and the command under `farhand driver`: checks of machine, configuration and robot driver."""
+
+from pathlib import Path
+from typing import Annotated
+
+import typer
+
+from common.config import load_config
+from farhand.commands.options import ConfigFile, Settings
+from farhand.exit_codes import FAILED
+
+driver_app = typer.Typer(help="Check robot drivers.", no_args_is_help=True)
+
+
+def doctor(
+    config: Annotated[
+        Path | None, typer.Option("--config", help="TOML file of either site; without one, both sites' defaults.")
+    ] = None,
+    settings: Settings = None,
+    as_json: Annotated[bool, typer.Option("--json", help="Print the findings as JSON.")] = False,
+    link: Annotated[
+        bool, typer.Option("--link", help="Measure the link to the running remote site instead; nothing moves.")
+    ] = False,
+) -> None:
+    """Check this machine and a configuration, and suggest fixes; the exit code is 1 if any finding is an error.
+
+    Example: farhand doctor --config /etc/farhand/local.toml
+    """
+    from farhand.doctor import findings
+    from farhand.doctor.run import examine, examine_link_of
+
+    found = (examine_link_of if link else examine)(config, settings or ())
+    typer.echo(findings.as_json(found) if as_json else findings.as_text(found))
+    if findings.worst(found) is findings.Severity.ERROR:
+        raise typer.Exit(FAILED)
+
+
+@driver_app.command("test")
+def run_suite(
+    name: Annotated[str, typer.Argument(help="The driver's name, as in driver.name.")],
+    config: ConfigFile = None,
+    settings: Settings = None,
+) -> None:
+    """Check a driver against everything that Farhand expects of one; it MOVES the gripper and every joint, one by 40°.
+
+    Example: farhand driver test kinematic
+    """
+    from remote_site.config import RemoteConfig
+    from remote_site.runtime.conformance import test_driver
+
+    loaded = load_config(RemoteConfig, config, [*(settings or ()), f"driver.name={name}"])
+    if not test_driver(loaded, typer.echo):
+        raise typer.Exit(FAILED)

@@ -1,0 +1,99 @@
+"""The commands that write the files of a site: those under `farhand config` and `farhand certificates`."""
+
+from datetime import UTC, datetime
+from pathlib import Path
+from typing import Annotated
+
+import typer
+
+DAYS = 397
+
+CellToCertify = Annotated[str, typer.Argument(help="Name of the cell.")]
+Folder = Annotated[Path, typer.Option("--dir", help="Where the authority and its certificates are kept.")]
+Days = Annotated[int, typer.Option(help="How long the certificates are valid.", min=1, max=3650)]
+Hosts = Annotated[
+    list[str] | None, typer.Option("--host", help="Name or address under which a site is reached; may be repeated.")
+]
+
+config_app = typer.Typer(help="Print or write the configurations that Farhand ships.", no_args_is_help=True)
+certificates_app = typer.Typer(help="Make and renew the certificates that protect the links.", no_args_is_help=True)
+
+
+@certificates_app.command("create")
+def create_command(
+    cell: CellToCertify,
+    folder: Folder = Path("certificates"),
+    days: Days = DAYS,
+    host: Hosts = None,
+    operator: Annotated[list[str] | None, typer.Option(help="Name of an operator; may be repeated.")] = None,
+) -> None:
+    """Make an authority, and its certificates for the sites of a cell, its operators, viewers and maintenance.
+
+    Example: farhand certificates create lab --host robot.example.org --operator anna
+    """
+    from farhand.certificates.folder import CertificateOrder, create, guidance
+
+    order = CertificateOrder(cell, tuple(host or ()), days, tuple(operator or ()))
+    create(folder, order, datetime.now(UTC))
+    typer.echo(guidance(folder, order))
+
+
+@certificates_app.command("operator")
+def operator_command(
+    cell: CellToCertify,
+    names: Annotated[list[str], typer.Argument(help="Who is to operate the cell.")],
+    folder: Folder = Path("certificates"),
+    days: Days = DAYS,
+    host: Hosts = None,
+) -> None:
+    """Make certificates for further operators of a cell, of the same authority and for the same hosts.
+
+    Example: farhand certificates operator lab ben
+    """
+    from farhand.certificates.folder import CertificateOrder, add_operators
+
+    order = CertificateOrder(cell, tuple(host or ()), days, tuple(names))
+    made = add_operators(folder, order, datetime.now(UTC))
+    typer.echo(f"made: {', '.join(str(path) for path in made)}, and their keys")
+    typer.echo("name them in links.operators of the remote site (of a router: operators), and restart it")
+
+
+@certificates_app.command("renew")
+def renew_command(
+    cell: CellToCertify, folder: Folder = Path("certificates"), days: Days = DAYS, host: Hosts = None
+) -> None:
+    """Make new keys and certificates of the same authority for the same hosts; a host given here is added.
+
+    Example: farhand certificates renew lab
+    """
+    from farhand.certificates.folder import CertificateOrder, renew
+
+    made = renew(folder, CertificateOrder(cell, tuple(host or ()), days), datetime.now(UTC))
+    typer.echo(f"renewed for {days} days: {', '.join(str(path) for path in made)}, and their keys")
+    typer.echo("copy each pair to its host and restart the services there; the old ones are good until they expire")
+
+
+@config_app.command("show")
+def show(
+    name: Annotated[str, typer.Argument(help="remote, local, local-cameras, console or router.")],
+) -> None:
+    """Print a configuration with every key explained; redirect it to a file to begin one of your own.
+
+    Example: farhand config show remote > remote.toml
+    """
+    from farhand.deployment.shipped import read_configuration
+
+    typer.echo(read_configuration(name), nl=False)
+
+
+@config_app.command("init")
+def init(
+    folder: Annotated[Path, typer.Argument(metavar="DIR", help="Folder to write to; created if missing.")],
+) -> None:
+    """Write every configuration and the systemd units to a folder; a file that exists is kept.
+
+    Example: farhand config init my-cell
+    """
+    from farhand.deployment.shipped import write_all
+
+    typer.echo("\n".join(write_all(folder)))

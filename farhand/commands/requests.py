@@ -1,0 +1,120 @@
+"""The requests to running sites: `farhand engage`, the commands under `farhand lease` and `farhand maintenance`."""
+
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated
+
+import typer
+
+from farhand.commands.options import CellName, LinksFile, LocalEndpoint, RemoteEndpoint, console_config
+
+if TYPE_CHECKING:
+    from common.messages.requests import OperatorAction
+    from common.messages.robot import Asker
+    from local_site.console.config import ConsoleConfig
+
+lease_app = typer.Typer(
+    help="Show who may operate a cell; take the lease, hand it over, release it.", no_args_is_help=True
+)
+maintenance_app = typer.Typer(help="Stop and reset the arm, without holding the lease.", no_args_is_help=True)
+
+
+def engage(
+    cell: CellName = "",
+    at: RemoteEndpoint = "",
+    operator: Annotated[str, typer.Option(help="The operator's name, where it is not this host's.")] = "",
+    config: LinksFile = None,
+) -> None:
+    """Let the arm follow the hand again, after a stop or a restart of the local site.
+
+    Example: farhand engage --cell cell
+    """
+    from farhand.authority.engage import request_engage
+
+    links = console_config(config, cell=cell, control=at)
+    typer.echo(request_engage(links.cell, links.links.control, operator or links.name, links.links))
+
+
+@lease_app.command("show")
+def show(cell: CellName = "", at: RemoteEndpoint = "", config: LinksFile = None) -> None:
+    """Show who holds the lease of a cell, who asks for it, and what is still missing to engage.
+
+    Example: farhand lease show --cell cell
+    """
+    from farhand.authority.lease import show_lease
+
+    links = console_config(config, cell=cell, control=at)
+    typer.echo(show_lease(links.cell, links.links.control, links.links))
+
+
+@lease_app.command("take")
+def take(cell: CellName = "", at: LocalEndpoint = "", config: LinksFile = None) -> None:
+    """Ask for the lease; while another operator holds it, ask for a minute for consent.
+
+    Example: farhand lease take
+    """
+    from common.messages.requests import OperatorAction
+
+    _act_on_lease(OperatorAction.TAKE, console_config(config, cell=cell, local=at))
+
+
+@lease_app.command("give")
+def give(
+    asker: Annotated[str, typer.Argument(help="Who asks for it, as 'farhand lease show' names them.")],
+    cell: CellName = "",
+    at: LocalEndpoint = "",
+    remote: RemoteEndpoint = "",
+    config: LinksFile = None,
+) -> None:
+    """Consent: hand the lease to the operator of this name, who asks for it. The arm stops.
+
+    Example: farhand lease give ben
+    """
+    from common.messages.requests import OperatorAction
+    from farhand.authority.lease import find_asker
+
+    links = console_config(config, cell=cell, local=at, control=remote)
+    to = find_asker(links.cell, links.links.control, asker, links.links)
+    _act_on_lease(OperatorAction.GIVE, links, to)
+
+
+@lease_app.command("release")
+def release(cell: CellName = "", at: LocalEndpoint = "", config: LinksFile = None) -> None:
+    """Release the lease, so that any operator may take it. The arm stops.
+
+    Example: farhand lease release
+    """
+    from common.messages.requests import OperatorAction
+
+    _act_on_lease(OperatorAction.RELEASE, console_config(config, cell=cell, local=at))
+
+
+def _act_on_lease(action: "OperatorAction", links: "ConsoleConfig", to: "Asker | None" = None) -> None:
+    from farhand.authority.lease import act_on_lease
+
+    typer.echo(act_on_lease(links.cell, links.links.local, links.name, action, to, links.links))
+
+
+@maintenance_app.command("stop")
+def stop(cell: CellName = "", at: RemoteEndpoint = "", config: LinksFile = None) -> None:
+    """Stop the arm and refuse every engagement until it is reset; needs no lease.
+
+    Example: farhand maintenance stop --config /etc/farhand/maintenance.toml
+    """
+    _request_maintenance("stop", cell, at, config)
+
+
+@maintenance_app.command("reset")
+def reset(cell: CellName = "", at: RemoteEndpoint = "", config: LinksFile = None) -> None:
+    """Clear a stop or a fault, and wake a robot that has stopped; nothing moves until the operator engages.
+
+    Example: farhand maintenance reset --config /etc/farhand/maintenance.toml
+    """
+    _request_maintenance("reset", cell, at, config)
+
+
+def _request_maintenance(action: str, cell: str, at: str, config: Path | None) -> None:
+    from common.messages.requests import EngagementAction
+    from farhand.authority.engage import request_maintenance
+
+    links = console_config(config, cell=cell, control=at)
+    typer.echo(request_maintenance(links.cell, links.links.control, EngagementAction(action), links.links))

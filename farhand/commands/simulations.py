@@ -1,0 +1,58 @@
+"""`farhand loopback` and `farhand experiment`: both sites, or parts of them, simulated and measured."""
+
+from pathlib import Path
+from typing import Annotated
+
+import typer
+
+from farhand.commands.options import TRACKER_HELP, Settings, until_signal
+from local_site.tracking.config import Method
+
+
+def loopback(
+    seconds: Annotated[float, typer.Option(help="How long to run; 0 until Ctrl-C.", min=0)] = 30.0,
+    headless: Annotated[bool, typer.Option("--headless", help="Leave the operator's page out.")] = False,
+    report: Annotated[Path | None, typer.Option(help="Write all figures to this JSON file.")] = None,
+    config: Annotated[
+        list[Path] | None,
+        typer.Option("--config", help="TOML file of one site, known by its tables; twice for both sites."),
+    ] = None,
+    settings: Settings = None,
+    driver: Annotated[
+        str | None, typer.Option(help="simulated (physics), kinematic (perfect), c500c (emulated) or an installed one.")
+    ] = None,
+    motion: Annotated[str | None, typer.Option(help="What the simulated operator does; else pick_and_place.")] = None,
+    tracker: Annotated[Method | None, typer.Option(help=TRACKER_HELP)] = None,
+    arm: Annotated[
+        str | None, typer.Option(help="a465, or humanoid: an upright torso with a right arm of seven axes.")
+    ] = None,
+    save_views: Annotated[Path | None, typer.Option(help="Folder for the last views, as PNG.")] = None,
+) -> None:
+    """Run both sites on this machine against a simulated operator and a simulated cell, and measure.
+
+    A file's endpoints are not used: the loopback connects the sites itself. A driver of a real robot MOVES it.
+
+    Example: farhand loopback --seconds 30 --config remote.toml --set driver.name=kinematic
+    """
+    from farhand.loopback.plan import LoopbackOptions
+    from farhand.loopback.run import run_loopback
+
+    given = tuple(config or ()), tuple(settings or ())
+    options = LoopbackOptions(seconds, report, driver, motion, tracker, arm, save_views, headless, *given)
+    run_loopback(options, until_signal())
+
+
+def experiment(
+    name: Annotated[
+        str, typer.Argument(help="follow: hand against tool; hazel: one camera's arm; drift: its command.")
+    ],
+    out: Annotated[Path, typer.Option(help="Folder for report, plots and data; other files in it stay.")],
+    quick: Annotated[bool, typer.Option("--quick", help="A short motion, to see that it works.")] = False,
+) -> None:
+    """Run an experiment on the simulated operator and write report.html, report.json, plots (PNG) and data (CSV).
+
+    Example: farhand experiment follow --out build/follow
+    """
+    from farhand.experiments.run import run_experiment
+
+    typer.echo(run_experiment(name, out, quick, until_signal()))

@@ -1,0 +1,78 @@
+"""`farhand remote`, `local`, `console` and `router`: a process of a site, until SIGTERM or Ctrl-C."""
+
+from pathlib import Path
+from typing import Annotated
+
+import typer
+
+from common.config import load_config
+from common.process.log import LogFormat
+from farhand.commands.options import ConfigFile, LogLines, Settings, until_signal
+
+
+def remote(
+    config: ConfigFile = None,
+    settings: Settings = None,
+    driver: Annotated[str | None, typer.Option(help="The robot's driver: the same as --set driver.name=NAME.")] = None,
+    emulate: Annotated[bool, typer.Option("--emulate", help="c500c: against an emulated controller.")] = False,
+    cell: Annotated[str, typer.Option(help="Name of this cell: the same as --set cell=NAME.")] = "",
+    log_format: LogLines = LogFormat.TEXT,
+) -> None:
+    """Start the robot's side: follow the hand inside the limits, and stream the cell.
+
+    Example: farhand remote --config remote.toml --driver kinematic
+    """
+    from remote_site.config import RemoteConfig
+    from remote_site.runtime.app import run_remote
+
+    chosen = ([f"driver.name={driver}"] if driver else []) + (["driver.emulate=true"] if emulate else [])
+    chosen += [f"cell={cell}"] if cell else []
+    run_remote(load_config(RemoteConfig, config, [*(settings or ()), *chosen]), until_signal(), log_format)
+
+
+def local(
+    config: ConfigFile = None,
+    settings: Settings = None,
+    save_views: Annotated[Path | None, typer.Option(help="Folder for the last annotated views, as PNG.")] = None,
+    log_format: LogLines = LogFormat.TEXT,
+) -> None:
+    """Start the operator's side: track the arm and publish it.
+
+    Example: farhand local --config local.toml
+    """
+    from farhand.outputs import check_folder
+    from local_site.config import LocalConfig
+    from local_site.runtime.app import run_local
+
+    check_folder("--save-views", save_views)
+    run_local(load_config(LocalConfig, config, settings or ()), until_signal(), save_views, log_format)
+
+
+def console(config: ConfigFile = None, settings: Settings = None, log_format: LogLines = LogFormat.TEXT) -> None:
+    """Serve the operator's page: the cell's views, what the arm does and why, and its brakes.
+
+    Example: farhand console --config console.toml
+    """
+    from local_site.console.app import run_console
+    from local_site.console.config import ConsoleConfig
+
+    run_console(load_config(ConsoleConfig, config, settings or ()), until_signal(), typer.echo, log_format)
+
+
+def router(
+    config: ConfigFile = None,
+    settings: Settings = None,
+    zenohd: Annotated[bool, typer.Option("--zenohd", help="Only print the same as zenohd's configuration.")] = False,
+    log_format: LogLines = LogFormat.TEXT,
+) -> None:
+    """Start the meeting point for sites that cannot reach each other, as behind NAT.
+
+    Example: farhand router --config router.toml
+    """
+    from farhand.router import RouterConfig, run_router, zenohd_configuration
+
+    loaded = load_config(RouterConfig, config, settings or ())
+    if zenohd:
+        typer.echo(zenohd_configuration(loaded))
+    else:
+        run_router(loaded, until_signal(), log_format)

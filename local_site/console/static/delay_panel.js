@@ -1,0 +1,39 @@
+// The link's round trip in the header, the marks' legend with the age of each, and the scale suggested for the delay.
+import { ageWords } from "./freshness.js";
+import { mark, put } from "./words.js";
+
+const UNKNOWN = "–";
+const element = (id) => document.getElementById(id);
+
+export class DelayPanel {
+  #clock;
+  #suggested = null;
+
+  /** `take` sets the scale that is suggested. */
+  constructor(clock, take) {
+    this.#clock = clock;
+    element("suggestion").addEventListener("click", () => take(this.#suggested));
+  }
+
+  /** The situation's part of it. */
+  show({ clock: { round_trip_ms: roundTripMs }, delay, settings }) {
+    put(element("round-trip"), roundTripMs === null ? UNKNOWN : `${roundTripMs.toFixed(0)} ms`);
+    put(element("loop"), delay.loop_ms === null ? UNKNOWN : `${delay.loop_ms.toFixed(0)} ms`);
+    this.#suggested = delay.suggested_scale;
+    const isLess = settings !== null && delay.suggested_scale < settings.scale;
+    mark(element("suggestion"), "data-offered", isLess);
+    put(element("suggestion"), `take ${delay.suggested_scale.toFixed(2)}`);
+  }
+
+  /** How old what the marks show is now. */
+  age({ measured, sent }) {
+    for (const [id, tool] of [["measured-age", measured], ["sent-age", sent]]) {
+      const nowMs = this.#clock.now();
+      put(element(id), tool === null || nowMs === null ? UNKNOWN : `${ageWords(nowMs - tool.t_ms)} ago`);
+    }
+  }
+
+  disconnected() {
+    for (const id of ["round-trip", "loop", "measured-age", "sent-age"]) put(element(id), UNKNOWN);
+  }
+}

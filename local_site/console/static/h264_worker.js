@@ -1,0 +1,53 @@
+// Decodes H.264 in a worker of the page, one decoder for each view; its pictures go to the page without a copy.
+import { codecString, parameterSets } from "./h264.js";
+
+const PROBE = "avc1.42E01E"; // constrained baseline, as the cells send it
+const views = new Map();
+
+/** One view's decoder: opened anew at every change of the parameter sets, and after an error at the next key frame. */
+class ViewDecoder {
+  #decoder = null;
+  #sets = "";
+  #waiting = new Set();
+
+  decode({ id, key, bytes, offset }) {
+    this.#waiting.add(id);
+    const data = new Uint8Array(bytes, offset);
+    try {
+      if (key) this.#open(data);
+      this.#decoder.decode(new EncodedVideoChunk({ type: key ? "key" : "delta", timestamp: id, data }));
+    } catch {
+      this.#fail(); // no decoder yet, or no key frame after all
+    }
+  }
+
+  #open(data) {
+    const sets = parameterSets(data);
+    if (this.#decoder !== null && sets.join() === this.#sets) return;
+    this.#sets = sets.join();
+    this.#decoder ??= new VideoDecoder({ output: (frame) => this.#give(frame), error: () => this.#fail() });
+    this.#decoder.configure({ codec: codecString(sets), optimizeForLatency: true });
+  }
+
+  #give(frame) {
+    const id = frame.timestamp;
+    this.#waiting.delete(id);
+    postMessage({ id, frame }, [frame]);
+  }
+
+  /** Nothing more comes of what waits in the decoder. */
+  #fail() {
+    if (this.#decoder !== null && this.#decoder.state !== "closed") this.#decoder.close();
+    this.#decoder = null;
+    for (const id of this.#waiting) postMessage({ id, frame: null });
+    this.#waiting.clear();
+  }
+}
+
+self.onmessage = ({ data }) => {
+  if (!views.has(data.view)) views.set(data.view, new ViewDecoder());
+  views.get(data.view).decode(data);
+};
+
+const supported = "VideoDecoder" in self && (await VideoDecoder.isConfigSupported({ codec: PROBE, optimizeForLatency: true })).supported;
+postMessage({ supported });

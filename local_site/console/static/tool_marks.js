@@ -1,0 +1,90 @@
+// The tool over a calibrated camera's picture: a ring where it was measured, a cross where it has been sent.
+import { fromPose, inverse, origin } from "./kinematics.js";
+import { clipped, fitted, moved, projected } from "./projection.js";
+import { sized } from "./surface.js";
+
+const AHEAD_M = 0.06; // how much of the tool's axis is drawn
+const RING_PX = 9;
+const CROSS_PX = [5, 17]; // its arms begin and end beside the ring, so that each shows when both are at one place
+const DARK = "#000000b0";
+const TONES = { measured: "#76bbff", sent: "#ffd479", between: "#ffffff" };
+
+export class ToolMarks {
+  #canvas;
+  #context;
+  #camera;
+  #isDrawn = false;
+
+  /** Draws on a canvas over a picture; `camera` is its description by the cell. */
+  constructor(canvas, camera) {
+    this.#canvas = canvas;
+    this.#context = canvas.getContext("2d");
+    this.#camera = camera;
+  }
+
+  /** `toolThen` is the measured tool when the picture was taken: a camera on the tool saw the cell from there. */
+  draw({ measured, sent }, toolThen) {
+    const { width, height } = sized(this.#canvas, this.#context);
+    this.clear();
+    const ring = markOf(measured, this.#camera, toolThen, width, height);
+    const cross = markOf(sent, this.#camera, toolThen, width, height);
+    if (ring && cross) this.#stroke([[ring.at, cross.at]], TONES.between, 1);
+    if (ring) this.#measured(ring);
+    if (cross) this.#sent(cross);
+    this.#isDrawn = true;
+  }
+
+  clear() {
+    if (this.#isDrawn) this.#context.clearRect(0, 0, this.#canvas.width, this.#canvas.height);
+    this.#isDrawn = false;
+  }
+
+  #measured({ at: [x, y], ahead }) {
+    this.#stroke([ahead], TONES.measured, 2);
+    for (const [tone, thick] of [[DARK, 5], [TONES.measured, 2.5]]) {
+      this.#context.strokeStyle = tone;
+      this.#context.lineWidth = thick;
+      this.#context.beginPath();
+      this.#context.arc(x, y, RING_PX, 0, 2 * Math.PI);
+      this.#context.stroke();
+    }
+  }
+
+  #sent({ at: [x, y], ahead }) {
+    this.#context.setLineDash([4, 4]);
+    this.#stroke([ahead], TONES.sent, 2);
+    this.#context.setLineDash([]);
+    const [near, far] = CROSS_PX;
+    const arms = [[1, 0], [-1, 0], [0, 1], [0, -1]];
+    this.#stroke(arms.map(([u, v]) => [[x + near * u, y + near * v], [x + far * u, y + far * v]]), TONES.sent, 2.5);
+  }
+
+  /** Lines with a dark edge, so that they are seen on light and dark pictures alike. */
+  #stroke(lines, tone, thick) {
+    this.#context.lineCap = "round";
+    for (const [colour, width] of [[DARK, thick + 2.5], [tone, thick]]) {
+      this.#context.strokeStyle = colour;
+      this.#context.lineWidth = width;
+      this.#context.beginPath();
+      for (const [from, to] of lines) {
+        this.#context.moveTo(...from);
+        this.#context.lineTo(...to);
+      }
+      this.#context.stroke();
+    }
+  }
+}
+
+/** Where a tool and its axis are on the canvas; null where it is not known, or not in front of the camera. */
+function markOf(tool, camera, toolThen, width, height) {
+  if (tool === null || (camera.calibration.on_tool && toolThen === null)) return null;
+  const { projection, on_tool } = camera.calibration;
+  const seen_T_base = on_tool ? inverse(fromPose(toolThen)) : null;
+  const base_T_tool = fromPose(tool);
+  const tip = origin(base_T_tool).map((v, row) => v + AHEAD_M * base_T_tool[4 * row + 2]);
+  const seen = [origin(base_T_tool), tip].map((point) => projected(projection, moved(seen_T_base, point)));
+  const alone = clipped([seen[0], seen[0]]);
+  if (alone === null) return null;
+  const [at, ...ahead] = [alone[0], ...clipped(seen)].map((pixel) => fitted(pixel, camera, width, height));
+  return { at, ahead };
+}

@@ -1,0 +1,59 @@
+"""What all processes of the remote site share: the lease in force, and whether all have started."""
+
+import mmap
+
+import numpy as np
+
+from common.messages.robot import VideoLink
+from remote_site.session.lease import Lease
+from remote_site.shared_record import SharedRecord
+from remote_site.video.process import LeaseInForce
+
+LEASE = np.dtype([("number", np.uint64), ("holder", "S32")])
+VIDEO_LINK = np.dtype([("carries_mbit_s", np.float64), ("needs_mbit_s", np.float64), ("reason", "S400")])
+
+
+class SiteMemory:
+    """A lease, the video's link and a flag in memory that a fork inherits, each with one writer.
+
+    Create it before the fork.
+    """
+
+    def __init__(self) -> None:
+        self._lease = SharedRecord(LEASE)
+        self._video_link = SharedRecord(VIDEO_LINK)
+        self._ready = memoryview(mmap.mmap(-1, mmap.PAGESIZE))[:8].cast("Q")
+
+    def show_lease(self, lease: Lease | None) -> None:
+        """Publish the lease in force, None without one; only control may."""
+        number, holder = (lease.number, lease.holder.name) if lease is not None else (0, "")
+        self._lease.write(np.array((number, holder.encode()), LEASE))
+
+    @property
+    def lease(self) -> LeaseInForce | None:
+        """The lease in force, None without one."""
+        record = self._lease.read()
+        number = int(record["number"])
+        return LeaseInForce(number, record["holder"].item().decode()) if number else None
+
+    def show_video_link(self, link: VideoLink | None) -> None:
+        """Publish what the link carries of the pictures, None while it carries all; only video may."""
+        fields = (link.carries_mbit_s, link.needs_mbit_s, link.reason.encode()) if link is not None else (0.0, 0.0, b"")
+        self._video_link.write(np.array(fields, VIDEO_LINK))
+
+    @property
+    def video_link(self) -> VideoLink | None:
+        """A link too narrow for the pictures, None while it carries all."""
+        record = self._video_link.read()
+        reason = record["reason"].item().decode(errors="replace")
+        carries, needs = float(record["carries_mbit_s"]), float(record["needs_mbit_s"])
+        return VideoLink(carries_mbit_s=carries, needs_mbit_s=needs, reason=reason) if reason else None
+
+    def set_ready(self) -> None:
+        """Every process has started; only the parent of all may call it."""
+        self._ready[0] = 1
+
+    @property
+    def ready(self) -> bool:
+        """Whether every process has started."""
+        return self._ready[0] == 1

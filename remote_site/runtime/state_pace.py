@@ -1,0 +1,36 @@
+"""How often the state is sent over a long link; pure."""
+
+from common.clock import NS_PER_MS
+from common.messages.robot import SessionState
+from remote_site.reasons import Code
+
+HEADER_BYTES = 100  # of Zenoh, QUIC, UDP and IP
+LEAST_WINDOW_BYTES = 2 * 1200
+SHARE = 0.8  # of the window; the rest is for answers
+
+
+class StatePace:
+    """Keeps the states within what always passes, so that none waits behind others.
+
+    Where packets get lost, the congestion control of QUIC falls back to two packets per round trip (RFC 9002, section
+    7.2), of at least 1200 bytes (RFC 9000, section 14). A change of the session's state or its code is never held back.
+    """
+
+    def __init__(self) -> None:
+        self._sent_ns, self._bytes = 0, 0
+        self._said: tuple[SessionState, Code] | None = None
+
+    def is_due(self, now_ns: int, says: tuple[SessionState, Code], network_ms: float | None) -> bool:
+        """Whether to send the state now, which then counts as sent.
+
+        `says` is the session's state with its code, `network_ms` half a round trip, None while it is not known.
+        """
+        period_ns = 2 * (network_ms or 0.0) * NS_PER_MS * self._bytes / (SHARE * LEAST_WINDOW_BYTES)
+        if says == self._said and now_ns - self._sent_ns < period_ns:
+            return False
+        self._sent_ns, self._said = now_ns, says
+        return True
+
+    def sent(self, payload_bytes: int) -> None:
+        """The state that was due had this size; the next one waits as long as that takes."""
+        self._bytes = payload_bytes + HEADER_BYTES

@@ -1,0 +1,71 @@
+"""T_soft, the age up to which hand samples are obeyed, fixed or chosen from the link, and the speed it leaves; pure."""
+
+from common.clock import NS_PER_MS
+from common.messages.hand import HandArm
+from remote_site.reasons import Code, Reason, reason
+from remote_site.safety.config import FULL_SPEED_MS, SafetyConfig
+from remote_site.session.link_ages import ArrivedSample, LinkAges
+
+FULL_SPEED_NS = round(FULL_SPEED_MS * NS_PER_MS)
+MOST_NS = 400 * NS_PER_MS
+LATCH_FRACTION = 0.8  # of T_latch: a hold comes before the end of the engagement
+STEP_NS = 25 * NS_PER_MS
+SPARE_NS = 5 * NS_PER_MS
+
+
+class AgeLimit:
+    """The age limit in force, `soft_ns`; the speed that is allowed falls in proportion where it is above 100 ms.
+
+    A limit of its own choice shrinks by itself. It grows at rest; in motion the arm is slowed first, and the limit
+    follows once no joint is faster than it allows.
+    """
+
+    def __init__(self, config: SafetyConfig) -> None:
+        self._outage_ns = round(config.t_latch_ms * NS_PER_MS)
+        self._most_ns = min(MOST_NS, round(LATCH_FRACTION * self._outage_ns))
+        self._least_ns = min(FULL_SPEED_NS, self._most_ns)
+        fixed = None if isinstance(config.t_soft_ms, str) else round(config.t_soft_ms * NS_PER_MS)
+        self._ages = LinkAges(self._outage_ns) if fixed is None else None
+        self.soft_ns = fixed or self._least_ns
+        self._wanted_ns = self.soft_ns
+        self._session: int | None = None
+
+    def see(self, sample: HandArm, born_ns: int, now_ns: int) -> None:
+        """Note a sample that arrived in order, young enough or not; at the earliest it was captured at `born_ns`."""
+        if self._ages is None:
+            return
+        if sample.session != self._session:
+            self._session, self._ages = sample.session, LinkAges(self._outage_ns)
+        self._ages.note(ArrivedSample(sample.seq, sample.capture_ns, born_ns, now_ns))
+        needed_ns = self._ages.needed_ns(now_ns) + SPARE_NS
+        steps_ns = -(-needed_ns // STEP_NS) * STEP_NS
+        self._wanted_ns = min(max(steps_ns, self._least_ns), self._most_ns)
+
+    def settle(self, pace: float) -> None:
+        """Let the limit in force follow the link, for joints at `pace`, a fraction of their greatest speed."""
+        if self._wanted_ns <= self.soft_ns or pace <= _speed_scale(self._wanted_ns):
+            self.soft_ns = self._wanted_ns
+
+    @property
+    def speed_scale(self) -> float:
+        """The fraction of full speed that is left by the limit in force, or by the longer one that is to follow it."""
+        return _speed_scale(max(self.soft_ns, self._wanted_ns))
+
+    @property
+    def stretch(self) -> float:
+        """How many times longer than at full speed a target is extrapolated, for an arm that is slower."""
+        return max(self.soft_ns / FULL_SPEED_NS, 1.0)
+
+    def too_slow(self) -> Reason | None:
+        """Why this link cannot be operated: most of its samples grow older than any limit allows."""
+        if self._ages is None:
+            return None
+        age_ns, oldest_ns = self._ages.usual_ns()
+        if oldest_ns <= self._most_ns:
+            return None
+        most_ns = self._most_ns - (oldest_ns - age_ns)
+        return reason(Code.LINK_TOO_SLOW, age_ms=age_ns / NS_PER_MS, most_ms=most_ns / NS_PER_MS)
+
+
+def _speed_scale(soft_ns: int) -> float:
+    return min(1.0, FULL_SPEED_NS / soft_ns)

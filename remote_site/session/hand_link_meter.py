@@ -1,0 +1,116 @@
+"""Measures the way of the hand samples over the last seconds: the age at arrival and its parts, jitter, loss; pure."""
+
+import statistics
+from collections import deque
+from dataclasses import dataclass
+from itertools import pairwise
+from typing import NamedTuple
+
+from common.clock import NS_PER_MS, NS_PER_S, ClockOffset
+from common.messages.hand import HandArm
+from common.messages.robot import HandLink
+
+WINDOW_NS = 5 * NS_PER_S
+MEASURED_EVERY_NS = 200 * NS_PER_MS
+LEAST_ARRIVALS = 10
+EXCEEDED_BY = 0.05  # of the samples: the age that is reported
+
+
+@dataclass(frozen=True, slots=True)
+class SampleAge:
+    """The parts of a sample's greatest possible age, ns: capture to sending, on the way, the offset's uncertainty."""
+
+    tracking_ns: int
+    network_ns: int
+    clock_ns: int
+
+    @classmethod
+    def of(cls, sample: HandArm, offset: ClockOffset, now_ns: int) -> "SampleAge":
+        """The age now; what a sender that does not tell when it sent took for tracking counts as network."""
+        sent_ns = sample.capture_ns if sample.sent_ns is None else max(sample.sent_ns, sample.capture_ns)
+        age_ns = offset.age_ns(sample.capture_ns, now_ns)
+        tracking_ns = sent_ns - sample.capture_ns
+        return cls(tracking_ns, age_ns - tracking_ns - offset.uncertainty_ns, offset.uncertainty_ns)
+
+    @property
+    def total_ns(self) -> int:
+        """The sum of the parts, by which a sample is judged."""
+        return self.tracking_ns + self.network_ns + self.clock_ns
+
+
+class MeteredSample(NamedTuple):
+    """One sample that arrived: when, its number, its time in transit by the two clocks' difference, its age."""
+
+    arrived_ns: int
+    seq: int
+    transit_ns: int
+    age: SampleAge | None
+
+
+class HandLinkMeter:
+    """Fed with every sample under the lease in force as it arrives, also with those that are too old to be followed."""
+
+    def __init__(self) -> None:
+        self._session: int | None = None
+        self._arrivals: deque[MeteredSample] = deque()
+        self._measured: HandLink | None = None
+        self._measured_ns: int | None = None
+
+    def arrive(self, sample: HandArm, offset: ClockOffset | None, now_ns: int) -> None:
+        """A sample has come; `offset` is the local clock minus ours, None while it cannot be used."""
+        if sample.session != self._session:
+            self._session, self._measured_ns = sample.session, None
+            self._arrivals.clear()
+        age = SampleAge.of(sample, offset, now_ns) if offset is not None else None
+        sent_ns = sample.capture_ns if sample.sent_ns is None else sample.sent_ns
+        self._arrivals.append(MeteredSample(now_ns, sample.seq, now_ns - sent_ns, age))
+
+    def ages(self, now_ns: int) -> list[SampleAge]:
+        """The ages at arrival of the window's samples, as far as they are known, in the order of arrival."""
+        self._forget(now_ns)
+        return [arrival.age for arrival in self._arrivals if arrival.age is not None]
+
+    def figures(self, now_ns: int) -> HandLink | None:
+        """The figures of the last seconds, measured five times a second; None before LEAST_ARRIVALS samples."""
+        if self._measured_ns is None or now_ns - self._measured_ns >= MEASURED_EVERY_NS:
+            self._forget(now_ns)
+            self._measured, self._measured_ns = _measure(self._arrivals), now_ns
+        return self._measured
+
+    def _forget(self, now_ns: int) -> None:
+        while self._arrivals and now_ns - self._arrivals[0].arrived_ns > WINDOW_NS:
+            self._arrivals.popleft()
+
+
+def _measure(arrivals: deque[MeteredSample]) -> HandLink | None:
+    if len(arrivals) < LEAST_ARRIVALS:
+        return None
+    age = _reported(arrivals)
+    jitter_ns = statistics.fmean(abs(b.transit_ns - a.transit_ns) for a, b in pairwise(arrivals))
+    interval_ns = statistics.median(b.arrived_ns - a.arrived_ns for a, b in pairwise(arrivals))
+    return HandLink(
+        age_ms=age.total_ns / NS_PER_MS if age is not None else None,
+        network_ms=age.network_ns / NS_PER_MS if age is not None else None,
+        clock_ms=age.clock_ns / NS_PER_MS if age is not None else None,
+        tracking_ms=age.tracking_ns / NS_PER_MS if age is not None else None,
+        interval_ms=interval_ns / NS_PER_MS,
+        jitter_ms=jitter_ns / NS_PER_MS,
+        loss=_loss([arrival.seq for arrival in arrivals]),
+    )
+
+
+def _reported(arrivals: deque[MeteredSample]) -> SampleAge | None:
+    """The age of which EXCEEDED_BY are older; None while those that came last have none."""
+    if arrivals[-1].age is None:
+        return None
+    ages = sorted((arrival.age for arrival in arrivals if arrival.age is not None), key=lambda age: age.total_ns)
+    return ages[int(len(ages) * (1.0 - EXCEEDED_BY))]
+
+
+def _loss(seqs: list[int]) -> float:
+    """The fraction of numbers that never came; reordered and doubled ones are none.
+
+    Counted from the window's first arrival: what was overtaken by it belongs to the window before.
+    """
+    come = {seq for seq in seqs if seq >= seqs[0]}
+    return 1.0 - len(come) / (max(come) - seqs[0] + 1)

@@ -1,0 +1,133 @@
+"""The flat surfaces of a simulated cell, seen by a camera: each picture is brought into the view by its homography.
+
+OpenCV maps a plane several times faster than Mesa's software renderer fills a textured one.
+"""
+
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import cv2
+import numpy as np
+
+from common.cameras.camera import Image
+from common.geometry import Array
+from remote_site.simulation.appearance.surfaces import PaintedSurface, Rectangle
+
+NEAR_M = 0.02
+SMALLEST_PX = 32
+SUBPIXEL_BITS = 4
+FARTHEST_PX = 1e4
+
+
+@dataclass(frozen=True, slots=True)
+class Eye:
+    """A camera without distortion: where it is, how it is turned (y down, z forward), its focal length and size, px."""
+
+    position: Array
+    world_R_image: Array
+    focal_px: float
+    width: int
+    height: int
+
+    def seen(self, points: Array) -> Array:
+        """World points (n, 3) or directions from the camera as homogeneous pixels (n, 3)."""
+        rays = points @ self.world_R_image
+        centre = (self.width / 2, self.height / 2)
+        return np.column_stack([self.focal_px * rays[:, :2] + rays[:, 2:] * centre, rays[:, 2]])
+
+
+class Backdrop:
+    """Draws the surfaces of a cell, of the room or of the table, wherever a mask says that they can be seen."""
+
+    def __init__(self, surfaces: Sequence[PaintedSurface]) -> None:
+        self._drawn = {of_table: [_Drawn(s) for s in surfaces if s.of_table == of_table] for of_table in (False, True)}
+
+    def draw(self, eye: Eye, picture: Image, where: Image, *, of_table: bool) -> None:
+        """Paint the surfaces into the picture (H, W, 3) where the mask (H, W) is not 0."""
+        if cv2.countNonZero(where):
+            for surface in self._drawn[of_table]:
+                surface.draw(eye, picture, where)
+
+
+class _Drawn:
+    """One surface with its picture in several sizes, each half as large as the one before."""
+
+    def __init__(self, surface: PaintedSurface) -> None:
+        self._rectangle = surface.rectangle
+        self._corners = _corners(surface.rectangle)
+        self._normal = surface.rectangle.normal
+        self._levels = _pyramid(surface.picture)
+        # The room is far away, and there neighbouring pixels show different texels in any case.
+        self._filter = cv2.INTER_LINEAR if surface.of_table else cv2.INTER_NEAREST
+
+    def draw(self, eye: Eye, picture: Image, where: Image) -> None:
+        outline = self._outline(eye)
+        if outline is None:
+            return
+        low = np.maximum(np.floor(outline.min(axis=0)).astype(int), 0)
+        high = np.minimum(np.ceil(outline.max(axis=0)).astype(int) + 1, (eye.width, eye.height))
+        if (high <= low).any():
+            return
+        window = (slice(low[1], high[1]), slice(low[0], high[0]))
+        mask = np.zeros((high[1] - low[1], high[0] - low[0]), dtype=np.uint8)
+        shape = np.rint((outline - low) * 2**SUBPIXEL_BITS).astype(np.int32)
+        cv2.fillConvexPoly(mask, shape, 255, cv2.LINE_8, SUBPIXEL_BITS)
+        mask &= where[window]
+        left, top, width, height = cv2.boundingRect(mask)
+        if width:
+            mask, left_px, top_px = mask[top : top + height, left : left + width], low[0] + left, low[1] + top
+            texture, image_H_texture = self._level(eye, (left_px + width / 2, top_px + height / 2))
+            shift = np.array([[1.0, 0.0, -left_px], [0.0, 1.0, -top_px], [0.0, 0.0, 1.0]])
+            shown = cv2.warpPerspective(
+                texture, shift @ image_H_texture, (width, height), flags=self._filter, borderMode=cv2.BORDER_REPLICATE
+            )
+            cv2.copyTo(shown, mask, picture[top_px : top_px + height, left_px : left_px + width])
+
+    def _outline(self, eye: Eye) -> Array | None:
+        """The outline (n, 2) in pixels' centres, what lies behind the camera cut away; None if it is not seen."""
+        if (eye.position - self._corners[0]) @ self._normal <= 0.0:
+            return None
+        kept = []
+        seen = list(eye.seen(self._corners - eye.position))
+        for here, there in zip(seen, seen[1:] + seen[:1], strict=True):
+            if here[2] > NEAR_M:
+                kept.append(here)
+            if (here[2] > NEAR_M) != (there[2] > NEAR_M):
+                kept.append(here + (there - here) * (NEAR_M - here[2]) / (there[2] - here[2]))
+        if not kept:
+            return None
+        points = np.array(kept)
+        return np.asarray(np.clip(points[:, :2] / points[:, 2:] - 0.5, -FARTHEST_PX, FARTHEST_PX), dtype=float)
+
+    def _level(self, eye: Eye, at: tuple[float, float]) -> tuple[Image, Array]:
+        """The picture whose pixels are about as large as the view's at that place, and its homography to the view."""
+        homography = _homography(eye, self._rectangle, self._levels[0])
+        texel = np.linalg.solve(homography, (*at, 1.0))
+        local = homography[:2, :2] - np.outer(
+            at, homography[2, :2]
+        )  # times the depth, the derivative of pixel by texel
+        px_per_texel = math.sqrt(abs(np.linalg.det(local))) * abs(texel[2])
+        k = min(max(0, round(-math.log2(max(px_per_texel, 1e-6)))), len(self._levels) - 1)
+        return self._levels[k], homography if k == 0 else _homography(eye, self._rectangle, self._levels[k])
+
+
+def _corners(rectangle: Rectangle) -> Array:
+    low, right, up = rectangle.corner, rectangle.right, rectangle.up
+    return np.array([low, low + right, low + right + up, low + up])
+
+
+def _homography(eye: Eye, rectangle: Rectangle, texture: Image) -> Array:
+    height, width = texture.shape[:2]
+    right, down = rectangle.right / width, -rectangle.up / height
+    first = rectangle.corner + rectangle.up + (right + down) / 2 - eye.position
+    image = eye.seen(np.array([right, down, first])).T
+    return np.array([[1.0, 0.0, -0.5], [0.0, 1.0, -0.5], [0.0, 0.0, 1.0]]) @ image
+
+
+def _pyramid(picture: Image) -> list[Image]:
+    levels = [picture]
+    while min(levels[-1].shape[:2]) > 2 * SMALLEST_PX:
+        half = (levels[-1].shape[1] // 2, levels[-1].shape[0] // 2)
+        levels.append(np.asarray(cv2.resize(levels[-1], half, interpolation=cv2.INTER_AREA), dtype=np.uint8))
+    return levels

@@ -1,0 +1,52 @@
+"""The remote site starts again while the gripper holds: only toggles move it."""
+
+import os
+import signal
+import time
+
+from common.messages.robot import GripperCommand
+from tests.faults.cell_pair import CellPair
+from tests.faults.emulated_robot import OBJECT_M
+from tests.faults.trial import Trial
+
+OPENS_M = 0.002
+GRIP_S = 1.5
+
+
+def restart_while_holding(trial: Trial) -> None:
+    """The site is killed, then ended in order; started again and engaged, it leaves the gripper as it was."""
+    pair = trial.pair
+    while not is_held(pair):
+        toggle(pair)
+    trial.begin(lambda pair: os.killpg(pair.remote.pid, signal.SIGKILL))
+    for _ in range(2):
+        pair.start_remote()
+        pair.wait("a good hand", lambda: pair.state.readiness.ready)
+        pair.engage()
+        time.sleep(GRIP_S)
+    seen = [state.gripper for state in pair.states if state.t_ns > trial.fault_ns and state.gripper is not None]
+    widest_m = max(gripper.opening for gripper in seen)
+    trial.note(f"held, {1e3 * widest_m:.1f} mm wide at most in {len(seen)} states")
+    trial.check(widest_m < OBJECT_M + OPENS_M, f"the gripper opened to {1e3 * widest_m:.1f} mm")
+    commanded = {gripper.commanded for gripper in seen}
+    trial.check(commanded == {GripperCommand.KEEP}, f"the gripper was commanded: {sorted(commanded)}")
+    trial.check(pair.state.gripper_next is GripperCommand.CLOSED, "of an unknown grip the first toggle opens")
+    toggle(pair)
+    trial.check(is_held(pair), "the first toggle has opened the gripper")
+    toggle(pair)
+    trial.check(not is_held(pair), "the second toggle has not opened the gripper")
+
+
+def is_held(pair: CellPair) -> bool:
+    """The gripper is as narrow as the object."""
+    gripper = pair.state.gripper
+    return gripper is not None and gripper.opening < OBJECT_M + OPENS_M
+
+
+def toggle(pair: CellPair) -> None:
+    """Open the hand and close it, and wait until the gripper has done what it should."""
+    applied = pair.state.gripper_toggles_applied
+    pair.hand(open=True)
+    pair.wait("the toggle", lambda: pair.state.gripper_toggles_applied > applied, 5)
+    pair.hand(open=False)
+    time.sleep(GRIP_S)

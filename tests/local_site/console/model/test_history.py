@@ -1,0 +1,46 @@
+"""The page's list of events: the trouble of a link is noted when it begins and ends, not with each of its figures."""
+
+from msgspec.structs import replace
+
+from common.clock import NS_PER_S
+from local_site.console.model.history import History
+from tests.common.messages.golden_examples import STATE
+
+
+def test_a_links_trouble_is_noted_once_though_its_figures_change() -> None:
+    history, hand = History(), STATE.hand_link
+    assert hand is not None
+    for second in range(10):
+        trouble = replace(hand, reason=f"hand samples are {second} ms too old")
+        history.add_state(replace(STATE, hand_link=trouble, video_link=None), second * NS_PER_S)
+    history.add_state(replace(STATE, hand_link=replace(hand, code="", reason=""), video_link=None), 10 * NS_PER_S)
+    noted = [event.text for event in history.events if event.kind == "link"]
+    assert noted == ["the hand's link is good again", "hand samples are 0 ms too old"]
+
+
+def test_a_link_too_narrow_for_the_pictures_is_noted() -> None:
+    history = History()
+    history.add_state(replace(STATE, hand_link=None), 0)
+    assert [event.text for event in history.events if event.kind == "link"] == [STATE.video_link.reason]
+
+
+def test_another_age_limit_is_noted_with_the_speed_it_leaves() -> None:
+    history, quiet = History(), replace(STATE, hand_link=None, video_link=None)
+    for limit_ms in (100.0, 100.0, 200.0, 200.0, 100.0):
+        history.add_state(replace(quiet, age_limit_ms=limit_ms, speed_scale=100.0 / limit_ms), NS_PER_S)
+    assert [event.text for event in history.events if event.kind == "link"] == [
+        "hand samples up to 100 ms old are obeyed, at 100% of the speed",
+        "hand samples up to 200 ms old are obeyed, at 50% of the speed",
+    ]
+
+
+def test_a_reference_that_moved_is_noted_once_with_how_far() -> None:
+    history, quiet = History(), replace(STATE, hand_link=None, video_link=None)
+    engagement = quiet.engagement
+    assert engagement is not None
+    for capture_ns, shift_mm in ((1, 0.0), (2, 34.4), (2, 34.4), (3, 0.2)):
+        moved = replace(engagement, hand_capture_ns=capture_ns, shift_mm=shift_mm, shift_deg=0.0)
+        history.add_state(replace(quiet, engagement=moved), NS_PER_S)
+    assert [event.text for event in history.events if event.kind == "link"] == [
+        "the reference has moved by 34 mm and 0 deg: the hand's way during the hold is lost"
+    ]

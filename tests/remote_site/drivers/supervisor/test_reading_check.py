@@ -1,0 +1,129 @@
+"""What a reading must not be, at the supervisor: each becomes a fault, and never what the supervisor goes by."""
+
+from dataclasses import replace
+from types import SimpleNamespace
+
+import numpy as np
+import pytest
+
+from common.clock import NS_PER_MS
+from remote_site.drivers.driver import Capabilities, DriverSetup, GripperReading, RobotReading
+from remote_site.drivers.faults import STOPPED, FaultCode, RobotFault
+from remote_site.drivers.supervisor.reading_check import BEYOND_RAD, ReadingCheck
+from remote_site.drivers.supervisor.state import SupervisorState
+from remote_site.kinematics.limits import JointRange
+from tests.remote_site.driven_loop import Spoil
+from tests.remote_site.drivers.supervisor.supervised import LIMITS, SETUP, START, Supervised
+from tests.remote_site.spoiled_readings import SPOILED
+
+NOW_NS = 5_000 * NS_PER_MS
+ZERO = np.zeros(6)
+WIDER = JointRange(LIMITS.lower - 1.0, LIMITS.upper + 1.0, LIMITS.velocity)
+
+
+def capabilities(rate_hz: float) -> Capabilities:
+    return Capabilities(rate_hz, None, gripper=True, force=True, watchdog_ms=None)
+
+
+def check_of(rate_hz: float = 1000.0, setup: DriverSetup = SETUP) -> ReadingCheck:
+    return ReadingCheck(capabilities(rate_hz), setup)
+
+
+def at(t_ns: int = NOW_NS, q: np.ndarray = START, fault: RobotFault | None = None) -> RobotReading:
+    return RobotReading(t_ns, q, ZERO, GripperReading(0.05, None), fault, None)
+
+
+def code_of(judged: RobotReading | RobotFault) -> FaultCode | None:
+    return judged.code if isinstance(judged, RobotFault) else None
+
+
+@pytest.mark.parametrize(("spoil", "code"), SPOILED.values(), ids=SPOILED)
+@pytest.mark.parametrize("driven", [True, False])
+def test_a_bad_reading_is_a_fault_and_never_the_supervisors(spoil: Spoil, code: FaultCode, *, driven: bool) -> None:
+    rig = Supervised()
+    rig.robot.opening_m = 0.05
+    rig = rig.moving() if driven else rig.activate()
+    if not driven:
+        rig.supervisor.stop(STOPPED, rig.clock.now_ns())
+        rig.turns(10)
+    before, written = rig.supervisor.reading, len(rig.robot.written)
+    rig.robot.spoil = spoil  # type: ignore[assignment]  # as an untyped driver may
+    rig.turn()
+    assert rig.fault().code is code
+    assert rig.supervisor.reading is before
+    assert rig.supervisor.state is (SupervisorState.IDLE if driven else SupervisorState.HELD)
+    assert all(command.motion.finite for command in rig.robot.written[written:])
+
+
+@pytest.mark.parametrize("rate_hz", [15.0, 1000.0])
+def test_a_reading_ages_from_its_own_stamp_and_a_slow_robots_later(rate_hz: float) -> None:
+    check = check_of(rate_hz)
+    assert check.oldest_ns == pytest.approx(max(4e9 / rate_hz, 1e8), abs=1)
+    ages = [ms for ms in range(0, 400, 2) if code_of(check.judge(at(), NOW_NS + ms * NS_PER_MS)) is FaultCode.SILENT]
+    assert ages[:1] == [int(check.oldest_ns / NS_PER_MS) // 2 * 2 + 2]
+    assert code_of(check.judge(at(NOW_NS + 500 * NS_PER_MS), NOW_NS + 501 * NS_PER_MS)) is None
+
+
+def test_a_pause_of_this_process_ages_no_reading() -> None:
+    check = check_of()
+    assert code_of(check.judge(at(), NOW_NS)) is None
+    assert code_of(check.judge(at(), NOW_NS + 900 * NS_PER_MS)) is None
+    assert code_of(check.judge(at(), NOW_NS + 940 * NS_PER_MS)) is None
+    assert code_of(check.judge(at(), NOW_NS + 980 * NS_PER_MS)) is None
+    assert code_of(check.judge(at(), NOW_NS + 1004 * NS_PER_MS)) is FaultCode.SILENT
+
+
+def test_a_stamp_of_the_future_is_not_remembered() -> None:
+    check = check_of()
+    assert code_of(check.judge(at(NOW_NS + 10**18), NOW_NS)) is FaultCode.IMPLAUSIBLE
+    assert code_of(check.judge(at(NOW_NS), NOW_NS)) is None
+
+
+def test_an_arm_may_stand_a_little_outside_its_own_range_however_narrow_the_configured_one_is() -> None:
+    q = START.copy()
+    q[0] = LIMITS.upper[0] + 1.0 + BEYOND_RAD
+    assert code_of(check_of().judge(at(q=q), NOW_NS)) is FaultCode.IMPLAUSIBLE
+    check = check_of(setup=replace(SETUP, own_range=WIDER))
+    assert code_of(check.judge(at(q=q), NOW_NS)) is None
+    q[0] += 0.001
+    assert code_of(check.judge(at(q=q), NOW_NS)) is FaultCode.IMPLAUSIBLE
+
+
+def test_a_robots_own_fault_is_kept_with_a_bad_reading() -> None:
+    pressed = RobotFault(FaultCode.EMERGENCY_STOP, "pressed")
+    assert check_of().judge(at(q=START * np.nan, fault=pressed), NOW_NS) is pressed
+    assert code_of(check_of().judge(at(q=START * np.nan, fault=STOPPED), NOW_NS)) is FaultCode.NOT_FINITE
+
+
+def test_what_the_driver_does_to_its_arrays_later_changes_nothing() -> None:
+    q = START.copy()
+    judged = check_of().judge(at(q=q), NOW_NS)
+    q[:] = np.nan
+    assert isinstance(judged, RobotReading)
+    assert np.array_equal(judged.q, START)
+
+
+def test_numbers_of_numpy_are_numbers() -> None:
+    reading = RobotReading(
+        np.int64(NOW_NS),  # type: ignore[arg-type]  # as an untyped driver may
+        START.astype(np.float32),
+        np.zeros(6, dtype=int),
+        GripperReading(np.float32(0.04), np.int32(3)),  # type: ignore[arg-type]  # as an untyped driver may
+        None,
+        np.uint8(3),  # type: ignore[arg-type]  # as an untyped driver may
+    )
+    judged = check_of().judge(reading, NOW_NS)
+    assert isinstance(judged, RobotReading)
+    assert (type(judged.t_ns), judged.q.dtype, judged.dq.dtype) == (int, float, float)
+
+
+@pytest.mark.parametrize("t_ns", [10**400, -(10**400), True, 1.0, None, "x"])
+@pytest.mark.parametrize("opening", [10**400, -(10**400), False, None, "x", float("-inf")])
+@pytest.mark.parametrize("q", [np.full(6, np.inf), np.array(["a"] * 6), np.zeros((6, 1)), START.tolist(), None])
+def test_nothing_that_is_returned_raises(t_ns: object, opening: object, q: object) -> None:
+    fields = {"q": q, "t_ns": t_ns, "gripper": GripperReading(opening, None)}  # type: ignore[arg-type]  # as above
+    for name, value in fields.items():
+        judged = check_of().judge(replace(at(), **{name: value}), NOW_NS)  # type: ignore[arg-type]  # as above
+        assert isinstance(judged, RobotFault)
+        assert len(judged.sentence) < 200
+    assert code_of(check_of().judge(SimpleNamespace(**fields), NOW_NS)) is FaultCode.DRIVER

@@ -1,0 +1,163 @@
+"""The hand's link as measured where samples arrive: parts of the age, jitter, loss; and what is said to be wrong."""
+
+import msgspec
+import numpy as np
+import pytest
+
+from common.clock import NS_PER_MS, ClockOffset
+from common.messages.hand import HandArm
+from common.messages.robot import HandLink
+from remote_site.session.hand_link_meter import HandLinkMeter, SampleAge
+from remote_site.session.hand_link_verdict import judged
+from tests.remote_site.remote_loop import hand
+
+PERIOD_MS = 33
+START_MS = 10_000
+APART_MS = 5_000  # the local clock is ahead
+
+
+def sample(seq: int, tracking_ms: float = 30.0, session: int = 7) -> HandArm:
+    captured_ms = START_MS + APART_MS + seq * PERIOD_MS
+    sent_ns = round((captured_ms + tracking_ms) * NS_PER_MS)
+    return msgspec.structs.replace(hand(seq, captured_ms * NS_PER_MS, session=session), sent_ns=sent_ns)
+
+
+def arrive(
+    meter: HandLinkMeter, seq: int, network_ms: float, unsure_ms: float = 40.0, tracking_ms: float = 30.0
+) -> int:
+    """Let a sample come, and return when."""
+    now_ns = round((START_MS + seq * PERIOD_MS + tracking_ms + network_ms) * NS_PER_MS)
+    offset = ClockOffset(APART_MS * NS_PER_MS, round(unsure_ms * NS_PER_MS))
+    meter.arrive(sample(seq, tracking_ms), offset, now_ns)
+    return now_ns
+
+
+def measured(meter: HandLinkMeter, now_ns: int) -> HandLink:
+    figures = meter.figures(now_ns)
+    assert figures is not None
+    return figures
+
+
+def test_the_age_at_arrival_is_the_sum_of_tracking_network_and_clocks() -> None:
+    meter = HandLinkMeter()
+    for seq in range(40):
+        now_ns = arrive(meter, seq, network_ms=240.0)
+    link = measured(meter, now_ns)
+    assert (link.network_ms, link.clock_ms, link.tracking_ms) == (240.0, 40.0, 30.0)
+    assert link.age_ms == 310.0
+    assert link.interval_ms == PERIOD_MS
+    assert link.jitter_ms == 0.0
+    assert link.loss == 0.0
+    assert meter.ages(now_ns)[-1] == SampleAge(30 * NS_PER_MS, 240 * NS_PER_MS, 40 * NS_PER_MS)
+
+
+def test_the_age_that_one_sample_in_twenty_exceeds_is_reported() -> None:
+    meter = HandLinkMeter()
+    for seq in range(100):
+        now_ns = arrive(meter, seq, network_ms=200.0 if seq % 10 == 0 else 20.0)
+    assert measured(meter, now_ns).network_ms == 200.0
+    rare = HandLinkMeter()
+    for seq in range(100):
+        now_ns = arrive(rare, seq, network_ms=200.0 if seq % 50 == 0 else 20.0)
+    assert measured(rare, now_ns).network_ms == 20.0
+
+
+def test_loss_is_what_never_came_and_neither_reordering_nor_doubling() -> None:
+    meter, order = HandLinkMeter(), [*range(40)]
+    order[10], order[11] = order[11], order[10]
+    for seq in [*order, 39]:
+        now_ns = arrive(meter, seq, network_ms=20.0)
+    assert measured(meter, now_ns).loss == 0.0
+    overtaken = HandLinkMeter()
+    for seq in [5, 3, *range(6, 40)]:
+        now_ns = arrive(overtaken, seq, network_ms=20.0)
+    assert measured(overtaken, now_ns).loss == 0.0
+    lossy = HandLinkMeter()
+    for seq in (seq for seq in range(100) if seq % 10 != 5):
+        now_ns = arrive(lossy, seq, network_ms=20.0)
+    assert measured(lossy, now_ns).loss == pytest.approx(0.1, abs=0.01)
+
+
+def test_jitter_is_the_mean_change_of_the_time_in_the_network_whatever_the_offset() -> None:
+    meter, rng = HandLinkMeter(), np.random.default_rng(3)
+    for seq in range(150):
+        now_ns = arrive(meter, seq, network_ms=50.0 + rng.uniform(0, 30), unsure_ms=rng.uniform(10, 90))
+    assert measured(meter, now_ns).jitter_ms == pytest.approx(10.0, rel=0.2)  # a third of a uniform spread
+
+
+def test_only_the_last_five_seconds_and_the_newest_session_count() -> None:
+    meter = HandLinkMeter()
+    for seq in range(30):
+        arrive(meter, seq, network_ms=300.0)
+    for seq in range(190, 340):
+        now_ns = arrive(meter, seq, network_ms=20.0)
+    assert measured(meter, now_ns).network_ms == 20.0
+    meter.arrive(sample(0, session=8), ClockOffset(0, 0), now_ns)
+    assert meter.figures(now_ns) is None
+
+
+def test_nothing_is_said_of_a_link_that_is_good_enough() -> None:
+    meter = HandLinkMeter()
+    for seq in range(40):
+        now_ns = arrive(meter, seq, network_ms=15.0, unsure_ms=15.0)
+    link = measured(meter, now_ns)
+    assert judged(link, 100.0) == link
+    assert judged(link, 60.0).code == "samples_old"
+
+
+@pytest.mark.parametrize(
+    ("network_ms", "unsure_ms", "tracking_ms", "cure"),
+    [
+        (240.0, 40.0, 30.0, "quicker way"),
+        (30.0, 60.0, 30.0, "half of the quickest round trip"),
+        (5.0, 3.0, 95.0, "host"),
+    ],
+)
+def test_within_five_seconds_it_says_which_part_makes_samples_too_old(
+    network_ms: float, unsure_ms: float, tracking_ms: float, cure: str
+) -> None:
+    meter = HandLinkMeter()
+    for seq in range(200):
+        good_ns = arrive(meter, seq, network_ms=5.0, unsure_ms=3.0)
+    assert judged(measured(meter, good_ns), 100.0).code == ""
+    for seq in range(200, 340):
+        now_ns = arrive(meter, seq, network_ms, unsure_ms, tracking_ms)
+        link = judged(measured(meter, now_ns), 100.0)
+        if link.code:
+            break
+    assert link.code == "samples_old"
+    assert now_ns - good_ns < 2_000 * NS_PER_MS
+    assert f"network {network_ms:.0f} ms, clocks {unsure_ms:.0f} ms, tracking {tracking_ms:.0f} ms" in link.reason
+    assert cure in link.reason.partition("ms. ")[2]
+
+
+def test_a_link_that_loses_samples_says_so_within_five_seconds() -> None:
+    meter, rng = HandLinkMeter(), np.random.default_rng(1)
+    for seq in range(150):
+        now_ns = arrive(meter, seq, network_ms=5.0, unsure_ms=3.0)
+    begin_ns, link = now_ns, judged(measured(meter, now_ns), 100.0)
+    seq = 150
+    while link.code == "" and now_ns - begin_ns < 5_000 * NS_PER_MS:
+        seq += 1
+        if rng.random() > 0.1:
+            now_ns = arrive(meter, seq, network_ms=5.0, unsure_ms=3.0)
+            link = judged(measured(meter, now_ns), 100.0)
+    assert link.code == "samples_lost"
+    assert "% of the hand samples are lost" in link.reason
+
+
+def test_samples_without_the_clocks_offset_say_so_at_once() -> None:
+    meter = HandLinkMeter()
+    for seq in range(40):
+        now_ns = arrive(meter, seq, network_ms=5.0, unsure_ms=3.0)
+    now_ns += 200 * NS_PER_MS
+    meter.arrive(sample(46), None, now_ns)
+    link = judged(measured(meter, now_ns), 100.0)
+    assert link.age_ms is None
+    assert link.code == "clock_unknown"
+
+
+def test_a_sender_that_does_not_tell_when_it_sent_has_all_in_the_network() -> None:
+    age = SampleAge.of(hand(1, 100 * NS_PER_MS), ClockOffset(0, 5 * NS_PER_MS), 150 * NS_PER_MS)
+    assert age == SampleAge(0, 50 * NS_PER_MS, 5 * NS_PER_MS)
+    assert age.total_ns == 55 * NS_PER_MS
