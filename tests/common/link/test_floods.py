@@ -1,5 +1,6 @@
 """Floods of messages over real links: what a receiver takes is capped, and nothing that counts is lost to the cap."""
 
+import dataclasses
 import threading
 import time
 from collections.abc import Iterator
@@ -19,6 +20,7 @@ from tests.common.link.secured_cell import QUIET_S, free_port, until
 
 CELL = "lab"
 FLOOD_HZ = 10_000
+LOW_HZ = 2.0  # so that a receiver on a busy machine, too, is fast enough for the cap
 DEEP_ENOUGH = 12  # samples in one tick of 4 ms: 3000 a second from another sender
 
 
@@ -60,6 +62,7 @@ def last_seq(latest: Latest[HandArm]) -> int:
 
 def test_who_listens_takes_no_more_than_the_cap_is_told_of_the_flood_and_hears_the_newest(links: list[Link]) -> None:
     receiver, sender, _ = links
+    channel = dataclasses.replace(HAND, rate_hz=LOW_HZ)
     times_ns: list[int] = []
     seqs: list[int] = []
 
@@ -68,11 +71,11 @@ def test_who_listens_takes_no_more_than_the_cap_is_told_of_the_flood_and_hears_t
         seqs.append(hand.seq)
 
     with capture_logs() as log:
-        threading.Thread(target=receiver.latest(HAND, CELL).feed, args=(take,), daemon=True).start()
+        threading.Thread(target=receiver.latest(channel, CELL).feed, args=(take,), daemon=True).start()
         begun_ns = time.monotonic_ns()
         with flooding(sender):
             until(lambda: [line for line in log if line["event"] == "too many messages"])
-        most = (time.monotonic_ns() - begun_ns) / NS_PER_S * HAND.max_hz + HAND.depth + 1
+        most = (time.monotonic_ns() - begun_ns) / NS_PER_S * channel.max_hz + channel.depth + 1
         assert len(times_ns) <= most
     assert [line["reason"].split(":")[0] for line in log] == [f"{HAND.key_for(CELL)} is flooded"]
     sender.publisher(HAND, CELL, operator="anna").put(sample(golden.HAND.seq + 1))
