@@ -27,8 +27,8 @@ AT_ONCE = 2
 LONGEST_S = 240.0
 POLL_S = 0.05
 PASSED = 0
-PLUGINS = ("no:cacheprovider", "no:xdist", "no:playwright")
-OPTIONS = ("-x", "-q", *(part for name in PLUGINS for part in ("-p", name)), "-m", "not long and not faults")
+ALONE = ("--disable-plugin-autoload", "-p", "no:cacheprovider")
+OPTIONS = ("-x", "-q", *ALONE, "-m", "not long and not faults")
 
 
 class ChangedModule(importlib.abc.MetaPathFinder, importlib.abc.Loader):
