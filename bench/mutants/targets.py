@@ -40,6 +40,7 @@ TARGETS = (
     Target(Path("common/mapping/rotation_mapping.py"), 4, MAPPING),
     Target(REMOTE / "teleop" / "tool_target.py", 4, MAPPING),
     Target(REMOTE / "teleop" / "gripper_toggles.py", 6, PIPELINE),
+    Target(REMOTE / "teleop" / "sample_receiver.py", 3, PIPELINE),
     Target(REMOTE / "teleop" / "pipeline.py", 10, PIPELINE),
     Target(REMOTE / "drivers" / "supervisor" / "supervisor.py", 14, SUPERVISOR),
     Target(REMOTE / "drivers" / "supervisor" / "commanded_motion.py", 5, SUPERVISOR),

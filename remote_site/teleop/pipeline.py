@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from common.clock import NS_PER_MS, ClockOffset
+from common.clock import NS_PER_MS
 from common.messages.hand import OperatorSettings
 from remote_site.kinematics.dexterity import Dexterity
 from remote_site.kinematics.joints import JointMotion
@@ -17,15 +17,13 @@ from remote_site.safety.collision_avoidance import CollisionAvoidance
 from remote_site.safety.guard import Guard
 from remote_site.session.age_limit import AgeLimit
 from remote_site.session.fault_latch import FaultLatch
-from remote_site.session.hand_link_meter import HandLinkMeter
-from remote_site.session.lease import Holder, Lease, checked
 from remote_site.session.requests import Outcome, RequestHandler
-from remote_site.session.samples import Accepted, NamedSample
+from remote_site.session.samples import Accepted, Rejected
 from remote_site.session.state_machine import Action, Decision, Session
 from remote_site.teleop.config import PipelineConfig, prediction
 from remote_site.teleop.cycle import Command, CycleInput, RobotObservation, Snapshot
 from remote_site.teleop.gripper_toggles import GripperToggles
-from remote_site.teleop.sample_validator import SampleValidator, clock_offset
+from remote_site.teleop.sample_receiver import SampleReceiver
 from remote_site.teleop.tool_target import ToolTarget
 
 
@@ -38,15 +36,13 @@ class TeleopPipeline:
     def __init__(self, config: PipelineConfig, model: ArmModel, limits: JointLimits) -> None:
         box = Workspace(np.array(config.safety.workspace_min_m), np.array(config.safety.workspace_max_m))
         self._age_limit = AgeLimit(config.safety)
-        self._validator = SampleValidator(config.safety, self._age_limit, config.mapping.point)
         self._session = Session(config.safety, config.engagement, self._age_limit)
+        self._samples = SampleReceiver(config, self._session, self._age_limit)
         self._faults = FaultLatch(self._session)
         self._requests = RequestHandler(self._session)
         self._target = ToolTarget(config.mapping, config.control, box, model, config.robot.start)
         self._planner = _planner(config, model, limits, box)
         self._gripper = GripperToggles()
-        self._hand_link = HandLinkMeter()
-        self._latest: Accepted | None = None
         self._aimed: Accepted | None = None
 
     def cycle(self, given: CycleInput) -> Command:
@@ -56,7 +52,9 @@ class TeleopPipeline:
         activate = self._faults.note(robot.fault, now_ns, resting=resting)
         sent = JointMotion.at_rest(robot.q) if activate else robot.sent
         for named in given.samples:
-            self._receive(named, lease, now_ns)
+            result = self._samples.receive(named, lease, now_ns)
+            if isinstance(result, Rejected) and result.sample is not None:
+                self._gripper.interrupt()
         outcomes = []
         for request in given.requests:
             outcome = self._requests.handle(request, lease, given.robot_after(sent), now_ns)
@@ -73,26 +71,9 @@ class TeleopPipeline:
         snapshot = self._snapshot(given, decision, outcomes, motion if robot.ready else sent)
         return Command(motion, self._gripper.command, sent.q if activate else None, snapshot)
 
-    def _receive(self, named: NamedSample, lease: Lease | None, now_ns: int) -> None:
-        """Judge a sample from the wire; what its holder did not send under the lease in force is only counted."""
-        operator, sample = named
-        held = checked(lease, sample.lease, Holder(sample.session, operator))
-        if not isinstance(held, Lease):
-            self._validator.refuse(held)
-            return
-        self._session.authorise(held)
-        offset = clock_offset(sample.clock, now_ns)
-        self._hand_link.arrive(sample, offset if isinstance(offset, ClockOffset) else None, now_ns)
-        result = self._validator.accept(sample, now_ns)
-        self._session.sample(result)
-        if isinstance(result, Accepted):
-            self._latest = result
-        elif result.sample is not None:
-            self._gripper.interrupt()
-
     def _plan(self, decision: Decision, robot: RobotObservation, sent: JointMotion, now_ns: int) -> JointMotion:
         """The next motion: into the stop, or from new origins, or towards the newest sample."""
-        latest = self._latest
+        latest = self._samples.latest
         if decision.action is Action.STOP or latest is None:
             return self._planner.stop(sent)
         aimed, settings = False, self._target.bounded(self._session.page.settings)
@@ -135,9 +116,9 @@ class TeleopPipeline:
             held=session.held,
             settings=target.bounded(session.page.settings) if given.lease.lease is not None else None,
             lease=given.lease,
-            clock=self._validator.clock,
-            rejected=self._validator.rejected,
-            hand_link=self._hand_link.figures(now_ns),
+            clock=self._samples.clock,
+            rejected=self._samples.rejected,
+            hand_link=self._samples.figures(now_ns),
             answers=tuple(outcome.answer for outcome in outcomes),
         )
 

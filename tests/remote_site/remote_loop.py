@@ -22,7 +22,7 @@ from remote_site.safety.collision import CollisionModel
 from remote_site.safety.guard import Guard, Passed
 from remote_site.session.lease import Holder, Lease, LeaseServer
 from remote_site.session.requests import SessionRequest
-from remote_site.session.samples import NamedSample
+from remote_site.session.samples import Accepted, NamedSample
 from remote_site.session.state_machine import Answer, Robot, Session
 from remote_site.teleop.cycle import Snapshot
 
@@ -149,6 +149,11 @@ class RemoteLoop:
     def session(self) -> Session:
         """The pipeline's session."""
         return self.pipeline._session
+
+    @property
+    def newest(self) -> Accepted | None:
+        """The newest sample that may be followed."""
+        return self.pipeline._samples.latest
 
     @property
     def robot(self) -> Robot:

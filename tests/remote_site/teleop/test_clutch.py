@@ -27,7 +27,7 @@ def test_a_change_of_steering_in_motion_is_no_jump_of_the_target(changes):
     loop.run(600, swaying)
     held = loop.snapshot.target.copy()
     loop.run(1, swaying, intent=intent)
-    assert loop.pipeline._latest is loop.pipeline._aimed
+    assert loop.newest is loop.pipeline._aimed
     assert loop.snapshot.settings == intent.settings
     jump_mm = np.linalg.norm(loop.snapshot.target[:3, 3] - held[:3, 3]) * 1e3
     assert jump_mm <= 0.01

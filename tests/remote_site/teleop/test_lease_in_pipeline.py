@@ -33,15 +33,15 @@ def following():
 
 
 def test_a_second_operators_samples_are_counted_and_change_nothing(loop):
-    before = loop.pipeline._latest
+    before = loop.newest
     for k in range(40):
         now_ns = loop.clock.now_ns()
         others = hand(9000 + k, now_ns, (0.3, 0.3, 0.1), session=8, lease=k % 2 * loop.lease)
         own = hand(5000 + k, now_ns - NS_PER_MS, swaying(now_ns))
         loop.tick(others, own)
-        assert loop.pipeline._latest.sample.session == 7
+        assert loop.newest.sample.session == 7
     assert loop.states[-1] is SessionState.ENGAGED
-    assert loop.pipeline._latest is not before
+    assert loop.newest is not before
     assert loop.snapshot.rejected[Code.NOT_HOLDER] == 40
     assert not loop.snapshot.rejected[Code.OLD_LEASE]
 
@@ -57,7 +57,7 @@ def test_another_operators_samples_under_the_holders_lease_and_session_change_no
     assert loop.snapshot.rejected[Code.NOT_HOLDER] == 100
     loop.sender = ""
     loop.run(TICKS_PER_SAMPLE, swaying)
-    assert loop.pipeline._latest.sample.seq == loop.hand_seq
+    assert loop.newest.sample.seq == loop.hand_seq
 
 
 def test_a_late_sample_under_an_old_lease_is_fenced_though_it_is_young_and_in_order(loop):
@@ -68,7 +68,7 @@ def test_a_late_sample_under_an_old_lease_is_fenced_though_it_is_young_and_in_or
     assert loop.states[-1] is SessionState.DISENGAGED
     assert loop.snapshot.rejected[Code.OLD_LEASE] == 1
     loop.tick(msgspec.structs.replace(late, lease=loop.lease))
-    assert loop.pipeline._latest.sample.lease == loop.lease
+    assert loop.newest.sample.lease == loop.lease
 
 
 def test_a_lease_that_expires_in_motion_stops_and_latches(loop):

@@ -61,7 +61,7 @@ def test_the_tool_follows_the_hand_within_limits():
 def test_silence_stops_the_arm_by_the_soft_limit_and_the_stop_time_then_latches(phase_ticks):
     loop = engaged_loop(swaying)
     loop.run(100 + phase_ticks, swaying)
-    born_ns = loop.pipeline._latest.born_ns
+    born_ns = loop.newest.born_ns
     onset = None
     for _ in range(200):
         loop.tick()

@@ -12,7 +12,7 @@ from remote_site.session.age_limit import AgeLimit
 from remote_site.session.hand_signal import HandSignal
 from remote_site.session.state_machine import Session
 from remote_site.teleop import sample_validator as validator_module
-from remote_site.teleop.pipeline import TeleopPipeline
+from remote_site.teleop.sample_receiver import SampleReceiver
 from remote_site.teleop.sample_validator import SampleValidator
 from tests.remote_site.mutation import Mutation
 from tests.remote_site.remote_loop import RemoteLoop, hand
@@ -88,7 +88,7 @@ CONDITIONS = [
         "age_ns > OFFSET_VALID_NS",
         validator(of_validator.test_a_clock_offset_counts_for_five_seconds),
     ),
-    (TeleopPipeline, "_receive", "not isinstance(held, Lease)", others_move_nothing),
+    (SampleReceiver, "receive", "not isinstance(held, Lease)", others_move_nothing),
 ]
 # Any other text, and what stands there instead.
 TEXTS = [
@@ -190,9 +190,9 @@ def a_late_sample_is_not_taken():
 
 def an_older_number_is_not_taken():
     loop = engaged()
-    before = loop.pipeline._latest
+    before = loop.newest
     loop.tick(hand(before.sample.seq - 3, loop.clock.now_ns(), (0.05, 0.0, 0.3)))
-    assert loop.pipeline._latest is before
+    assert loop.newest is before
 
 
 def staying_armed(self, why):
