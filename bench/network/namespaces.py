@@ -22,6 +22,7 @@ MS_BIND, MS_REC, MS_PRIVATE = 4096, 16384, 1 << 18
 TUNSETIFF, IFF_TUN, IFF_NO_PI = 0x400454CA, 0x0001, 0x1000
 HERE, THERE = "10.77.0.1", "10.77.0.2"
 POLL_S = 0.01
+STDERR = 2
 LIBC = ctypes.CDLL(None, use_errno=True)
 
 
@@ -98,6 +99,7 @@ class Network:
             command,
             close_fds=False,
             cwd=ROOT,
+            stdout=STDERR,  # the output of who measures is read by programs
             preexec_fn=lambda: die_with_parent(parent),  # noqa: PLW1509  # two system calls that take no lock
         )
         self._processes.append(process)

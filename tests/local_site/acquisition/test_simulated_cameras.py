@@ -161,9 +161,11 @@ def test_ctrl_c_is_left_to_the_parent(cameras):
 
 
 PARENT = """
-import time
+import sys, time
+import structlog
 from local_site.simulation.config import SimulationConfig, StereoConfig
 from local_site.acquisition.simulated_cameras import SimulatedCameras
+structlog.configure(logger_factory=structlog.PrintLoggerFactory(sys.stderr))
 cameras = SimulatedCameras(SimulationConfig(stereo=StereoConfig(width_px=160, height_px=120, focal_px=200.0)))
 cameras.cameras[0].read()
 print(cameras._renderer.process.pid, flush=True)
