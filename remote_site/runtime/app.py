@@ -45,7 +45,7 @@ def run_remote(config: RemoteConfig, should_stop: StopFlag, log_format: LogForma
     start_log("remote", log_format)
     log = structlog.get_logger()
     _check_start(config)
-    marker = CrashMarker(config.cell, config.links.control)
+    marker = CrashMarker(config.cell)
     unfinished = marker.set()
     if unfinished and config.engagement.mode is EngagementMode.AUTOMATIC:
         log.warning("the last run did not end in order: nothing engages automatically", cure="farhand engage")

@@ -1,32 +1,68 @@
 """A marker file until the remote site ends in order: a start that finds one follows a failure, a crash or a kill."""
 
+import fcntl
 import os
-import tempfile
 from pathlib import Path
+
+from common.errors import ConfigError
+
+STATE_HOME = "~/.local/state"  # where XDG_STATE_HOME is not set
 
 
 class CrashMarker:
-    """The marker of one site, named by cell and port, in the service's state folder or else the user's run-time folder.
+    """The marker of one run in its cell's folder, in the service's state folder or else the user's.
 
-    The first survives a power cut; the second does not, but then a person has started the site by hand.
+    Both survive a power cut. The process holds a lock on its marker, so that another site of the same cell on this
+    machine is not taken for a run that has ended.
     """
 
-    def __init__(self, cell: str, control_endpoint: str) -> None:
-        folder = Path(os.environ.get("STATE_DIRECTORY") or os.environ.get("XDG_RUNTIME_DIR") or tempfile.gettempdir())
-        port = control_endpoint.rpartition(":")[2]
-        self._path = folder / f"farhand-{os.getuid()}-{cell}-{port}.running"
+    def __init__(self, cell: str) -> None:
+        self._folder = _state_folder() / "unfinished" / cell
+        self._own = self._folder / str(os.getpid())
+        self._left: list[Path] = []
+        self._locked: int | None = None
 
     def set(self) -> bool:
-        """Create the marker on disk; True when one was there, so the last run did not end in order."""
-        was_there = self._path.exists()
-        self._path.touch()
-        _sync(self._path)
-        _sync(self._path.parent)
-        return was_there
+        """Create the marker on disk; True when another run has left one, so that it did not end in order.
+
+        ConfigError where the folder cannot be written.
+        """
+        try:
+            self._folder.mkdir(parents=True, exist_ok=True)
+            self._left = [path for path in self._folder.iterdir() if not _is_locked(path)]
+            self._locked = os.open(self._own, os.O_CREAT | os.O_RDWR | os.O_CLOEXEC, 0o600)
+        except OSError as error:
+            raise ConfigError(
+                f"no crash marker can be kept in {self._folder}: {error.strerror}; make the folder writable, or set "
+                "STATE_DIRECTORY to one that survives a power cut"
+            ) from error
+        fcntl.lockf(self._locked, fcntl.LOCK_EX)  # this process's alone, and not its children's
+        os.fsync(self._locked)
+        _sync(self._folder)
+        return bool(self._left)
 
     def clear(self) -> None:
-        """Remove the marker: the site ends in order."""
-        self._path.unlink(missing_ok=True)
+        """Remove the marker and those that other runs have left: the site ends in order."""
+        for path in (*self._left, self._own):
+            path.unlink(missing_ok=True)
+        if self._locked is not None:
+            os.close(self._locked)
+            self._locked = None
+
+
+def _state_folder() -> Path:
+    service = os.environ.get("STATE_DIRECTORY")
+    return Path(service) if service else Path(os.environ.get("XDG_STATE_HOME") or STATE_HOME).expanduser() / "farhand"
+
+
+def _is_locked(path: Path) -> bool:
+    """Whether the run of this marker still lives."""
+    with path.open("r+b") as marker:
+        try:
+            fcntl.lockf(marker, fcntl.LOCK_EX | fcntl.LOCK_NB)
+        except BlockingIOError:
+            return True
+    return False
 
 
 def _sync(path: Path) -> None:

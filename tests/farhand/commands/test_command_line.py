@@ -173,7 +173,7 @@ def test_a_start_that_fails_leaves_the_marker_of_an_unfinished_run(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.setenv("STATE_DIRECTORY", str(tmp_path))
-    marker = CrashMarker("cell", "tcp/127.0.0.1:7999")
+    marker = CrashMarker("cell")
     failed = farhand("remote", "--driver", "c500c", "--set", "links.control=tcp/127.0.0.1:7999")
     assert failed.returncode == 1
     assert "driver.options.port" in failed.stderr

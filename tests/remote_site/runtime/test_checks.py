@@ -1,6 +1,8 @@
 """What a remote site refuses before it starts, and what an unordered end leaves behind."""
 
 import re
+import subprocess
+import sys
 import textwrap
 from pathlib import Path
 
@@ -22,6 +24,13 @@ ROOT = Path(__file__).parents[3]
 SEVEN = {"model": str(ARMS / "seven_axes.urdf"), "acceleration_rad_s2": (10.0,), "start_deg": (0, 30, 0, 60, 0, 40, 0)}
 REAL = VideoConfig(cameras=(CameraConfig(name="front", source="/dev/video0"),))
 HOOK = CapsuleConfig(link="hook", start_m=(0.0, 0.0, 0.0), end_m=(0.0, 0.0, 0.1), radius_m=0.02)
+RUNNING_SITE = """
+import time
+from remote_site.runtime.crash_marker import CrashMarker
+CrashMarker("cell").set()
+print("runs", flush=True)
+time.sleep(60)
+"""
 
 
 def test_the_defaults_are_right():
@@ -94,12 +103,38 @@ def test_a_mirrored_mapping_is_refused():
 
 def test_a_mark_that_still_stands_tells_of_an_unordered_end(tmp_path, monkeypatch):
     monkeypatch.setenv("STATE_DIRECTORY", str(tmp_path))
-    first = CrashMarker("cell", "tcp/127.0.0.1:7447")
+    first = CrashMarker("cell")
     assert not first.set()
-    assert CrashMarker("cell", "tcp/127.0.0.1:7447").set()
-    assert not CrashMarker("cell", "tcp/127.0.0.1:7449").set()
-    first.clear()
-    assert not CrashMarker("cell", "tcp/127.0.0.1:7447").set()
+    second = CrashMarker("cell")
+    assert second.set()
+    assert not CrashMarker("another").set()
+    second.clear()
+    assert not CrashMarker("cell").set()
+
+
+def test_the_mark_of_a_site_that_still_runs_tells_nothing(tmp_path, monkeypatch):
+    monkeypatch.setenv("STATE_DIRECTORY", str(tmp_path))
+    with subprocess.Popen([sys.executable, "-c", RUNNING_SITE], stdout=subprocess.PIPE, cwd=ROOT) as other:
+        other.stdout.readline()
+        own = CrashMarker("cell")
+        assert not own.set()
+        own.clear()
+        other.kill()
+    assert CrashMarker("cell").set()
+
+
+def test_a_site_started_by_hand_keeps_its_mark_through_a_power_cut(tmp_path, monkeypatch):
+    monkeypatch.delenv("STATE_DIRECTORY", raising=False)
+    monkeypatch.setenv("XDG_STATE_HOME", str(tmp_path))
+    CrashMarker("cell").set()
+    assert len(list((tmp_path / "farhand" / "unfinished" / "cell").iterdir())) == 1
+
+
+def test_a_folder_that_cannot_be_written_is_named_with_its_cure(tmp_path, monkeypatch):
+    (tmp_path / "unfinished").touch()
+    monkeypatch.setenv("STATE_DIRECTORY", str(tmp_path))
+    with pytest.raises(ConfigError, match="STATE_DIRECTORY"):
+        CrashMarker("cell").set()
 
 
 def test_another_mode_of_engagement_changes_nothing_else():
