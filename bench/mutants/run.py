@@ -25,6 +25,7 @@ from bench.mutants.targets import TARGETS, Target
 
 AT_ONCE = 2
 LONGEST_S = 240.0
+OURS = ("bench", "common", "farhand", "local_site", "remote_site")
 POLL_S = 0.05
 PASSED = 0
 ALONE = ("--disable-plugin-autoload", "-p", "no:cacheprovider")
@@ -108,6 +109,8 @@ def _start(main: Callable[[], int]) -> BaseProcess:
 
 
 def _tested_with(target: Target, mutant: Mutant) -> int:
+    for loaded in [name for name in sys.modules if name.partition(".")[0] in OURS]:
+        del sys.modules[loaded]  # else nothing would import the changed module
     name = ".".join(target.path.with_suffix("").parts)
     code = compile(mutant.tree, str(target.path.resolve()), "exec")
     sys.meta_path.insert(0, ChangedModule(name, target.path, code))
