@@ -1,4 +1,4 @@
-"""The bench of mutants has the tests import what it changed, although the bench itself has loaded that module before."""
+"""The bench of mutants has the tests import what it changed, although it has loaded that module itself before."""
 
 import subprocess
 import sys
