@@ -85,7 +85,7 @@ class Code(StrEnum):
     RELEASED = "released", "disengaged on request"
     STOPPED = "stopped", "stopped by {operator}; reset it, then engage"
     RESET = "reset", "reset; engage to continue"
-    ACTIVATED = "activated", "the robot is awake again; engage once more"
+    ACTIVATED = "activated", "the robot had to be activated ({fault}); engage once more"
     NOT_HELD = "not_held", "the {input} is not held down"
     LET_GO_FIRST = (
         "let_go_first",

@@ -89,7 +89,7 @@ class RequestClient:
             clock.sleep_until_ns(schedule.due_ns)
             now_ns = clock.now_ns()
             if schedule.is_over(now_ns):
-                raise TransportError(f"nobody answered at cell {self._cell}: is the site that is asked running?")
+                raise TransportError(f"nobody answered at cell {self._whom}: is the site that is asked running?")
             schedule.sent(now_ns)
             offset_ns = self._offset_ns(now_ns)
             if offset_ns is None:
@@ -98,6 +98,11 @@ class RequestClient:
             reply = self._link.ask(procedure, self._cell, request, operator=self._operator)
             if reply is not None and schedule.accepts(reply, clock.now_ns()):
                 return reply
+
+    @property
+    def _whom(self) -> str:
+        """The cell, and the operator whose site is asked where the procedure is an operator's own."""
+        return self._cell if self._operator == ANY else f"{self._cell} for operator {self._operator}"
 
     def _offset_ns(self, now_ns: int) -> int | None:
         """The asked site's clock minus ours; None while it is not known."""

@@ -49,10 +49,14 @@ def run_driver(
     gc.collect()
     gc.freeze()
     longest_ns = round(setup.dt * NS_PER_S / WAKES_PER_TICK)
-    while not should_stop():
-        loop.wait(longest_ns)
-        loop.turn()
-        heartbeat.beat()
+    try:
+        while not should_stop():
+            loop.wait(longest_ns)
+            loop.turn()
+            heartbeat.beat()
+    except BaseException:
+        driver.stop()  # whatever failed here, the robot is not left to itself
+        raise
     end_ns = clock.now_ns() + END_NS
     supervisor.stop(STOPPED, clock.now_ns())
     while not supervisor.settled and clock.now_ns() < end_ns:

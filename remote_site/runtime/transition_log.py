@@ -4,19 +4,23 @@ import structlog
 
 from common.messages.robot import SessionState
 from remote_site.drivers.faults import FaultCode, RobotFault
-from remote_site.reasons import Reason
+from remote_site.reasons import Code, Reason
+
+ASKED_FOR = (Code.STOPPED, Code.RESET)  # by somebody, so it is logged even where the state stays as it was
 
 
 class TransitionLog:
-    """Logs every change of the session's state."""
+    """Logs every change of the session's state, every stop and every reset."""
 
     def __init__(self) -> None:
         self._state: SessionState | None = None
+        self._code: Code | None = None
 
     def note(self, state: SessionState, reason: Reason) -> None:
         """Note the state of a tick."""
-        if state is not self._state:
-            self._state = state
+        is_new = state is not self._state or (reason.code is not self._code and reason.code in ASKED_FOR)
+        self._state, self._code = state, reason.code
+        if is_new:
             structlog.get_logger().info("session", state=state.value, code=reason.code.value, reason=reason.sentence)
 
 

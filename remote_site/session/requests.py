@@ -51,7 +51,7 @@ class RequestHandler:
             return Outcome(Answer(False, stopped))
         self._session.clear_fault()
         if not robot.ready:
-            return Outcome(Answer(False, reason(Code.ACTIVATED)), activate=True)
+            return Outcome(Answer(False, reason(Code.ACTIVATED, fault=robot.reason)), activate=True)
         return Outcome(self._session.request_engage(now_ns, robot))
 
 

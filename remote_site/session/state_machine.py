@@ -189,10 +189,11 @@ class Session:
 
     def reset(self) -> Answer:
         """Clear a fault and a stop, and end all holding; engaging is a request or a press of its own."""
-        followed, stopped, self._stopped = self.state in FOLLOWING, self._stopped, None
+        resets = self.state is not SessionState.DISENGAGED or self._stopped is not None
+        self._stopped = None
         self.clear_fault()
         self._intent.end()
-        if followed or (stopped is not None and self.state is SessionState.DISENGAGED):
+        if resets:
             self._leave(reason(Code.RESET))
         return Answer(True, self._reason)
 

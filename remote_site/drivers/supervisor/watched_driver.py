@@ -42,7 +42,12 @@ class WatchedDriver:
     def write(self, command: JointCommand) -> RobotFault | None:
         """Hand a checked motion to the robot."""
         sent = self._call("write", lambda: self._driver.write(command))
-        return sent if isinstance(sent, RobotFault) else None
+        if isinstance(sent, RobotFault):
+            return sent
+        if isinstance(sent, JointCommand):
+            return None
+        wrong = f"the driver's write returned {type(sent).__name__}, not the JointCommand that was sent"
+        return RobotFault(FaultCode.DRIVER, f"{wrong}; correct the driver")
 
     def stop(self) -> RobotFault | None:
         """Let the robot stop by itself."""
@@ -61,13 +66,21 @@ class WatchedDriver:
         try:
             result = call()
         except DriverError as error:
-            return RobotFault(FaultCode.REFUSED, str(error))
-        except Exception as error:  # an installed driver may raise anything
-            return RobotFault(FaultCode.DRIVER, f"the driver's {name} raised {type(error).__name__}: {error}")
+            return RobotFault(FaultCode.REFUSED, _said(error))
+        except BaseException as error:  # an installed driver may raise anything, and a robot's library may exit
+            raised = f"the driver's {name} raised {type(error).__name__}"
+            return RobotFault(FaultCode.DRIVER, f"{raised}: {_said(error)}")
         finally:
             self._mark.set(0)
         took_ns = self._clock.now_ns() - begin_ns
         return late_call(name, took_ns) if took_ns > DEADLINE_NS else result
+
+
+def _said(error: BaseException) -> str:
+    try:
+        return str(error)
+    except Exception:  # its text is the driver's code, too
+        return "(its text cannot be read)"
 
 
 def late_call(name: str, took_ns: int) -> RobotFault:

@@ -21,6 +21,14 @@ def test_every_change_of_the_state_is_logged_once() -> None:
     ]
 
 
+def test_a_stop_and_a_reset_are_logged_where_the_arm_is_disengaged_already() -> None:
+    log = TransitionLog()
+    with capture_logs() as lines:
+        for why in (Code.READY, Code.STOPPED, Code.STOPPED, Code.RESET, Code.RESET, Code.READY, Code.STOPPED):
+            log.note(SessionState.DISENGAGED, reason(why, operator="maintenance"))
+    assert [line["code"] for line in lines] == ["ready", "stopped", "reset", "stopped"]
+
+
 def test_every_new_fault_is_logged_once_but_no_refusal() -> None:
     log = FaultLog()
     limit, refused = RobotFault(FaultCode.LIMITS, "too far", "12"), RobotFault(FaultCode.REFUSED, "not now")

@@ -87,6 +87,7 @@ def test_engaging_a_robot_that_is_not_ready_activates_it_and_has_to_be_asked_aga
     rig.session.fault("brakes on")
     outcome = ask(rig, ENGAGE, robot=DEAD)
     assert (outcome.answer.done, outcome.answer.reason.code, outcome.activate) == (False, Code.ACTIVATED, True)
+    assert DEAD.reason in outcome.answer.reason.sentence
     assert rig.frames(40).state is SessionState.DISENGAGED
     assert ask(rig, ENGAGE).answer.done
     assert rig.frames(1).action is Action.CAPTURE

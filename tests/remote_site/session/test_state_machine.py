@@ -102,6 +102,13 @@ def test_a_fault_stays_until_reset():
     assert rig.frames(1).state is SessionState.DISENGAGED
 
 
+def test_a_reset_says_that_it_has_reset_a_fault():
+    rig = engaged()
+    rig.session.fault("the arm stands still")
+    answer = rig.session.reset()
+    assert (answer.done, answer.reason.code) == (True, Code.RESET)
+
+
 def test_a_stop_bars_every_engagement_until_it_is_reset():
     rig = engaged()
     assert rig.session.stop("ben").done

@@ -34,7 +34,7 @@ class TroubledRobot(KinematicDriver):
         self.written: list[JointCommand] = []
         self.trouble: RobotFault | None = None
         self.opening_m: float | None = None
-        self.raises: dict[str, Exception] = {}  # by the name of the call
+        self.raises: dict[str, BaseException] = {}  # by the name of the call
         self.slow_ms, self.stops, self.activations, self.off_rad = 0.0, 0, 0, 0.0
         self.spoil: Callable[[RobotReading], RobotReading] = lambda reading: reading
 

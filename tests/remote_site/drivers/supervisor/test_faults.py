@@ -44,13 +44,44 @@ def test_a_fault_of_the_robot_is_mirrored_and_stays_when_the_robot_clears_it(rig
     assert rig.supervisor.fault is None
 
 
-@pytest.mark.parametrize("error", [DriverError("line cut"), KeyError("oops"), ValueError("no")])
-def test_a_driver_that_raises_is_stopped_and_named(rig: Supervised, error: Exception) -> None:
+@pytest.mark.parametrize("call", ["read", "write"])
+@pytest.mark.parametrize(
+    "error", [DriverError("line cut"), KeyError("oops"), ValueError("no"), SystemExit("bye"), KeyboardInterrupt("x")]
+)
+def test_a_driver_that_raises_is_stopped_and_named(rig: Supervised, error: BaseException, call: str) -> None:
     rig.moving()
-    rig.robot.raises = {"write": error}
+    rig.robot.raises = {call: error}
     rig.command()
     assert rig.fault().code is FaultCode.DRIVER
     assert str(error) in rig.fault().sentence
+    assert rig.robot.stops == 1
+
+
+class UnspeakableError(Exception):
+    """An error of a driver whose text raises, too."""
+
+    def __str__(self) -> str:
+        raise ValueError
+
+
+def test_a_driver_whose_error_has_no_text_is_stopped_and_named(rig: Supervised) -> None:
+    rig.moving()
+    rig.robot.raises = {"read": UnspeakableError()}
+    rig.command()
+    assert rig.fault().code is FaultCode.DRIVER
+    assert "read raised UnspeakableError: (its text cannot be read)" in rig.fault().sentence
+    assert rig.robot.stops == 1
+
+
+@pytest.mark.parametrize(("returned", "named"), [(None, "NoneType"), ("sent", "str")])
+def test_a_driver_that_does_not_return_what_it_sent_is_stopped_and_named(
+    rig: Supervised, monkeypatch: pytest.MonkeyPatch, returned: object, named: str
+) -> None:
+    rig.moving()
+    monkeypatch.setattr(rig.robot, "write", lambda _command: returned)
+    rig.command()
+    assert rig.fault().code is FaultCode.DRIVER
+    assert f"write returned {named}, not the JointCommand" in rig.fault().sentence
     assert rig.robot.stops == 1
 
 

@@ -222,9 +222,9 @@ CHECKS: list[tuple[object, str, str, str, Body]] = [
     (
         WatchedDriver,
         "_call",
-        "except Exception as error:",
+        "except BaseException as error:",
         "except DriverError as error:",
-        rig(test_faults.test_a_driver_that_raises_is_stopped_and_named, KeyError("oops")),
+        rig(test_faults.test_a_driver_that_raises_is_stopped_and_named, KeyError("oops"), "write"),
     ),
 ]
 MUTATIONS = [(Mutation(*check[:4]), check[4]) for check in CHECKS]
