@@ -1,13 +1,19 @@
 """Whatever a driver says of a fault: it is short in memory, log and messages, and what is missing is marked."""
 
+from dataclasses import replace
+
 import pytest
 from structlog.testing import capture_logs
 
 from common.messages.requests import Reply
 from common.messages.wire_form import wire_form
+from remote_site.drivers import simulated
+from remote_site.drivers.c500c import driver as c500c
 from remote_site.drivers.faults import MOST_NATIVE, MOST_SENTENCE, FaultCode, RobotFault
 from remote_site.drivers.link import DriverLink
 from remote_site.drivers.memory import DriverMemory
+from remote_site.drivers.supervisor.orders import command_timeout
+from remote_site.drivers.supervisor.reading_check import stale
 from remote_site.reasons import Code, reason
 from remote_site.runtime.driver_process import DriverLoop
 from tests.remote_site.drivers.supervisor.supervised import LIMITS, Supervised
@@ -59,3 +65,26 @@ def test_the_longest_fault_is_told_with_its_cure() -> None:
     why = reason(Code.FAULT, cause=LONGEST).sentence
     sent = wire_form(Reply).pack(Reply(id=1, done=False, code="fault", reason=why))
     assert any(isinstance(field, str) and field.endswith("z…; reset it, then engage") for field in sent)
+
+
+SILENT = stale(300_000_000, 100_000_000)
+TIMEOUT = command_timeout(60_000_000, 50_000_000)
+OWN = [RobotFault(*told) for told in (*simulated.FAULTS.values(), *c500c.FAULTS.values())]
+
+
+@pytest.mark.parametrize("fault", [SILENT, TIMEOUT, *OWN], ids=str)
+def test_the_cure_is_said_once(fault: RobotFault) -> None:
+    why = reason(Code.FAULT, cause=fault).sentence
+    assert why.endswith("; reset it, then engage")
+    assert why.count("reset") == 1
+    assert "activate again" not in why
+
+
+def test_an_arm_that_does_not_follow_is_said_once_and_its_cure_once() -> None:
+    rig = Supervised().moving()
+    rig.robot.spoil = lambda reading: replace(reading, q=reading.q + 0.5)
+    rig.commands(100)
+    why = reason(Code.FAULT, cause=rig.fault()).sentence
+    assert why.startswith("not_following: joint")
+    assert why.count("follow") == 1
+    assert why.endswith("; find out what holds the arm; reset it, then engage")
