@@ -15,6 +15,7 @@ from farhand.commands.simulations import experiment, loopback
 from farhand.commands.sites import console, local, remote, router
 from farhand.commands.track import track
 from farhand.exit_codes import FAILED, INTERRUPTED, MISUSE
+from farhand.terminal import complain
 
 app = typer.Typer(
     help="Farhand moves a robot arm somewhere else with a bare hand.",
@@ -43,12 +44,12 @@ def main() -> None:
         finally:
             finish_log()
     except FarhandError as error:
-        print(f"farhand: {error}", file=sys.stderr)  # noqa: T201  # the command line's own voice
+        complain(error)
         sys.exit(_exit_code(error))
     except OSError as error:
         if error.errno != errno.ENOSPC:
             raise
-        print("farhand: no space is left to write to; free some, or write elsewhere", file=sys.stderr)  # noqa: T201  # as above
+        print("farhand: no space is left to write to; free some, or write elsewhere", file=sys.stderr)  # noqa: T201  # the command line's own voice
         sys.exit(FAILED)
 
 

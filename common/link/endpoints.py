@@ -85,6 +85,12 @@ def check_free(endpoint: str, security: LinkSecurity) -> Endpoint:
     return checked
 
 
+def stays_here(endpoint: str) -> bool:
+    """Whether the traffic of an endpoint stays on this host, unless somebody forwards its port."""
+    match = ENDPOINT.fullmatch(endpoint)
+    return match is not None and match[2].strip("[]") in LOOPBACK
+
+
 def from_this_host(endpoint: str) -> str:
     """Where a program of this host reaches a listener: one on all interfaces includes the loopback interface."""
     match = ENDPOINT.fullmatch(endpoint)

@@ -16,8 +16,8 @@ from msgspec import inspect
 from common.errors import MessageError
 from common.messages.base import Message
 from common.messages.covariance_bytes import pack_covariance, unpack_covariance
+from common.text import cut
 
-ELLIPSIS = "…"
 UNNAMED = "?"  # where a name is empty
 SINGLE, DOUBLE = "f", "d"  # formats of struct, both little-endian
 
@@ -39,12 +39,6 @@ class WireForm:
 def wire_form(message: type[Message]) -> WireForm:
     """The form of a kind of message: an array of its fields."""
     return _form(inspect.type_info(message))
-
-
-def cut(text: str, most: int) -> str:
-    """The text with at most `most` characters, the last an ellipsis where some are missing; always valid UTF-8."""
-    shown = text if len(text) <= most else text[: most - 1] + ELLIPSIS
-    return shown.encode(errors="replace").decode()
 
 
 def _form(kind: inspect.Type) -> WireForm:

@@ -14,9 +14,11 @@ import structlog
 from structlog.typing import EventDict, Processor, WrappedLogger
 
 from common.errors import MessageError
+from common.text import escaped
 
 STANDARD_ERROR = 2
 JOURNAL_PRIORITIES = {"critical": 2, "error": 3, "warning": 4, "info": 6, "debug": 7}
+LOGFMT = structlog.processors.LogfmtRenderer(key_order=["level", "time", "site", "event"])
 
 
 class LogFormat(StrEnum):
@@ -28,9 +30,7 @@ class LogFormat(StrEnum):
 
 def start_log(site: str, log_format: LogFormat = LogFormat.TEXT) -> None:
     """Log to standard error, naming the site in every line; systemd's journal also gets each line's priority."""
-    render: Processor = structlog.processors.LogfmtRenderer(key_order=["level", "time", "site", "event"])
-    if log_format is LogFormat.JSON:
-        render = structlog.processors.JSONRenderer()
+    render: Processor = structlog.processors.JSONRenderer() if log_format is LogFormat.JSON else _as_text
     thread = _log_thread()
     thread.start()
     structlog.configure(
@@ -50,6 +50,11 @@ def start_log(site: str, log_format: LogFormat = LogFormat.TEXT) -> None:
 def finish_log() -> None:
     """Write the lines that still wait, and log no more; a process calls it last, before it prints why it ends."""
     _log_thread().stop()
+
+
+def _as_text(logger: WrappedLogger, method: str, event: EventDict) -> str:
+    """A line of key=value, whatever a driver, a camera or an operator says in it."""
+    return escaped(LOGFMT(logger, method, event))
 
 
 class LogThread:

@@ -16,17 +16,17 @@ from farhand.authority.asking import link_to
 POLL_S = 0.05
 
 
-def show_lease(cell: str, endpoint: str, security: LinkSecurity = ON_THIS_HOST) -> str:
-    """Who holds the lease, how long it still lasts, who asks for it, and how accurately the clocks are known."""
+def show_lease(cell: str, endpoint: str, security: LinkSecurity = ON_THIS_HOST) -> list[str]:
+    """Lines: who holds the lease, how long it still lasts, who asks for it, how accurately the clocks are known."""
     with link_to(cell, endpoint, security) as link:
         return describe_lease(_state(link, cell))
 
 
-def describe_lease(state: RobotState) -> str:
-    """The lease and the clocks in words."""
+def describe_lease(state: RobotState) -> list[str]:
+    """The lease and the clocks in words, a line for each."""
     ready = f"{'ready' if state.readiness.ready else 'not ready'} ({state.readiness.code}): {state.readiness.reason}"
     if state.lease is None:
-        return f"nobody holds the lease\n{ready}"
+        return ["nobody holds the lease", ready]
     left_s = (state.lease.expires_ns - state.t_ns) / NS_PER_S
     words = [f"{state.lease.holder} holds the lease, {left_s:.1f} s until it expires or is renewed"]
     if state.lease.asked_by is not None:
@@ -37,7 +37,7 @@ def describe_lease(state: RobotState) -> str:
             f"clocks: remote minus local {state.clock.remote_minus_local_ns / 1e6:.3f} ms, "
             f"sure to {state.clock.uncertainty_ns / 1e6:.3f} ms"
         )
-    return "\n".join([*words, ready])
+    return [*words, ready]
 
 
 def find_asker(cell: str, endpoint: str, name: str, security: LinkSecurity = ON_THIS_HOST) -> Asker:

@@ -8,6 +8,7 @@ import typer
 from common.config import load_config
 from farhand.commands.options import ConfigFile, Settings
 from farhand.exit_codes import FAILED
+from farhand.terminal import say
 
 driver_app = typer.Typer(help="Check robot drivers.", no_args_is_help=True)
 
@@ -49,5 +50,5 @@ def run_suite(
     from remote_site.runtime.conformance import test_driver
 
     loaded = load_config(RemoteConfig, config, [*(settings or ()), f"driver.name={name}"])
-    if not test_driver(loaded, typer.echo):
+    if not test_driver(loaded, say):
         raise typer.Exit(FAILED)

@@ -1,5 +1,6 @@
 """The commands that write the files of a site: those under `farhand config` and `farhand certificates`."""
 
+from collections.abc import Sequence
 from datetime import UTC, datetime
 from pathlib import Path
 from typing import Annotated
@@ -54,8 +55,9 @@ def operator_command(
 
     order = CertificateOrder(cell, tuple(host or ()), days, tuple(names))
     made = add_operators(folder, order, datetime.now(UTC))
-    typer.echo(f"made: {', '.join(str(path) for path in made)}, and their keys")
-    typer.echo("name them in links.operators of the remote site (of a router: operators), and restart it")
+    typer.echo(f"made: {_pairs(made)}")
+    who = " and ".join(names)
+    typer.echo(f"name {who} in links.operators of the remote site (of a router: operators), and restart it")
 
 
 @certificates_app.command("renew")
@@ -69,8 +71,13 @@ def renew_command(
     from farhand.certificates.folder import CertificateOrder, renew
 
     made = renew(folder, CertificateOrder(cell, tuple(host or ()), days), datetime.now(UTC))
-    typer.echo(f"renewed for {days} days: {', '.join(str(path) for path in made)}, and their keys")
+    typer.echo(f"renewed for {days} days: {_pairs(made)}")
     typer.echo("copy each pair to its host and restart the services there; the old ones are good until they expire")
+
+
+def _pairs(made: Sequence[Path]) -> str:
+    """Certificates and keys, in words."""
+    return f"{', '.join(map(str, made))}, and {'its key' if len(made) == 1 else 'their keys'}"
 
 
 @config_app.command("show")

@@ -6,6 +6,7 @@ from typing import TYPE_CHECKING, Annotated
 import typer
 
 from farhand.commands.options import CellName, LinksFile, LocalEndpoint, RemoteEndpoint, console_config
+from farhand.terminal import say
 
 if TYPE_CHECKING:
     from common.messages.requests import OperatorAction
@@ -31,7 +32,7 @@ def engage(
     from farhand.authority.engage import request_engage
 
     links = console_config(config, cell=cell, control=at)
-    typer.echo(request_engage(links.cell, links.links.control, operator or links.name, links.links))
+    say(request_engage(links.cell, links.links.control, operator or links.name, links.links))
 
 
 @lease_app.command("show")
@@ -43,7 +44,8 @@ def show(cell: CellName = "", at: RemoteEndpoint = "", config: LinksFile = None)
     from farhand.authority.lease import show_lease
 
     links = console_config(config, cell=cell, control=at)
-    typer.echo(show_lease(links.cell, links.links.control, links.links))
+    for line in show_lease(links.cell, links.links.control, links.links):
+        say(line)
 
 
 @lease_app.command("take")
@@ -91,7 +93,7 @@ def release(cell: CellName = "", at: LocalEndpoint = "", config: LinksFile = Non
 def _act_on_lease(action: "OperatorAction", links: "ConsoleConfig", to: "Asker | None" = None) -> None:
     from farhand.authority.lease import act_on_lease
 
-    typer.echo(act_on_lease(links.cell, links.links.local, links.name, action, to, links.links))
+    say(act_on_lease(links.cell, links.links.local, links.name, action, to, links.links))
 
 
 @maintenance_app.command("stop")
@@ -117,4 +119,4 @@ def _request_maintenance(action: str, cell: str, at: str, config: Path | None) -
     from farhand.authority.engage import request_maintenance
 
     links = console_config(config, cell=cell, control=at)
-    typer.echo(request_maintenance(links.cell, links.links.control, EngagementAction(action), links.links))
+    say(request_maintenance(links.cell, links.links.control, EngagementAction(action), links.links))

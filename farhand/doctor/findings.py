@@ -5,6 +5,8 @@ from enum import StrEnum
 
 import msgspec
 
+from common.text import escaped
+
 
 class Severity(StrEnum):
     """How bad a finding is: with an error Farhand cannot run, with a warning it runs worse than it could."""
@@ -53,7 +55,7 @@ def as_text(findings: Sequence[Finding]) -> str:
             lines.append(f"{'':<8}   cure: {finding.cure}")
     counts = {level: sum(finding.level is level for finding in findings) for level in Severity}
     lines.append(", ".join(f"{count} {level.value}" for level, count in counts.items()))
-    return "\n".join(lines)
+    return "\n".join(map(escaped, lines))
 
 
 def as_json(findings: Sequence[Finding]) -> str:

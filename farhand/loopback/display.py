@@ -15,6 +15,7 @@ from common.cameras.camera import Image
 from common.cameras.images import write_image
 from common.clock import NS_PER_MS
 from common.messages.hand import HandArm
+from common.text import escaped
 from farhand.loopback.figures import POINTS, Figures
 from farhand.loopback.recorder import CameraRecord, Record
 from remote_site.teleop.mapping import thesis_angles
@@ -26,7 +27,7 @@ class LiveSummary:
     """A progress bar over the seconds of a run, with the newest state of both sites."""
 
     def __init__(self, seconds: float) -> None:
-        columns = (TextColumn("{task.description}"), BarColumn(), TimeElapsedColumn())
+        columns = (TextColumn("{task.description}", markup=False), BarColumn(), TimeElapsedColumn())
         self._progress = Progress(*columns, console=Console(stderr=True))
         self._task = self._progress.add_task("starting both sites", total=seconds or None)
 
@@ -39,7 +40,7 @@ class LiveSummary:
 
     def print(self, sentence: str) -> None:
         """Print a sentence that stays above the bar."""
-        self._progress.console.print(sentence, markup=False, highlight=False, soft_wrap=True)
+        self._progress.console.print(escaped(sentence), markup=False, highlight=False, soft_wrap=True)
 
     def show(self, elapsed_s: float, record: Record) -> None:
         """Show the newest state."""
@@ -53,7 +54,7 @@ def _words(record: Record) -> str:
     words = [f"{state.state.value}: {state.reason}", f"hand {hand.status.value}{_angles(hand)}"]
     if state.obeyed is not None:
         words.append(f"{(state.obeyed.command_ns - state.obeyed.capture_ns) / NS_PER_MS:.0f} ms to the command")
-    return ", ".join(words)
+    return escaped(", ".join(words))
 
 
 def _angles(hand: HandArm) -> str:
@@ -71,7 +72,7 @@ def print_table(figures: Figures, console: Console) -> None:
         table.add_row(name, value)
     console.print(table)
     for event in figures["events"]:
-        console.print(f"event: {event}", markup=False, highlight=False)
+        console.print(escaped(f"event: {event}"), markup=False, highlight=False)
 
 
 def _rows(figures: Figures) -> list[tuple[str, str]]:

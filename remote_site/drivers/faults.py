@@ -3,6 +3,11 @@
 from dataclasses import dataclass
 from enum import StrEnum
 
+from common.text import cut
+
+# Characters; with code, native and the cure of `Code.FAULT` the longest sentence still fits into a message.
+MOST_NATIVE, MOST_SENTENCE = 32, 320
+
 
 class FaultCode(StrEnum):
     """The code of a fault; mirrored in the robot's state, stable over releases."""
@@ -36,11 +41,21 @@ CALM = (FaultCode.NOT_ACTIVATED, FaultCode.STOPPED)
 
 @dataclass(frozen=True, slots=True)
 class RobotFault:
-    """A fault as a code and a sentence with its cure; `native` is the robot's own number or word, "" without one."""
+    """A fault as a code and a sentence with its cure; `native` is the robot's own number or word, "" without one.
+
+    Both are cut, with an ellipsis, to `MOST_SENTENCE` and `MOST_NATIVE` characters.
+    """
 
     code: FaultCode
     sentence: str
     native: str = ""
+
+    def __post_init__(self) -> None:
+        """Cut here, once: a driver may say more than memory, log and messages hold."""
+        for name, most in (("sentence", MOST_SENTENCE), ("native", MOST_NATIVE)):
+            text = getattr(self, name)
+            if isinstance(text, str):  # anything else is named where the reading is judged
+                object.__setattr__(self, name, cut(text, most))
 
     @property
     def calm(self) -> bool:

@@ -148,8 +148,7 @@ def _fault(raw: DriverReport) -> RobotFault | None:
         return STARTING
     if not raw.code:
         return None
-    code, native, sentence = (word.decode(errors="ignore") for word in (raw.code, raw.native, raw.sentence))
-    return RobotFault(FaultCode(code), sentence, native)
+    return RobotFault(FaultCode(raw.code.decode()), raw.sentence, raw.native)
 
 
 def _gripper(raw: DriverReport) -> GripperState | None:

@@ -11,11 +11,12 @@ import numpy as np
 from common.geometry import Array
 from common.messages.robot import GripperCommand
 from remote_site.drivers.driver import JointCommand
+from remote_site.drivers.faults import MOST_NATIVE, MOST_SENTENCE
 from remote_site.drivers.supervisor.orders import DriverOrder
 from remote_site.shared_record import Record, SharedRecord
 
 ORDER_SLOTS = 64
-WORD, SENTENCE = "S32", "S400"  # the longest code and the longest sentence of a fault, bytes
+WORD = "S32"  # the longest code, bytes
 
 
 def order_dtype(joints: int) -> np.dtype[np.void]:
@@ -31,7 +32,7 @@ def report_dtype(joints: int) -> np.dtype[np.void]:
     times = [("at_ns", np.int64), ("activation", np.uint32), ("stop_count", np.uint32), ("onset_ns", np.int64)]
     robot = [("t_ns", np.int64), ("oldest_ns", np.int64), ("has_obeyed", np.bool_), ("obeyed_seq", np.uint64)]
     gripper = [("opening_m", np.float64), ("force_n", np.float64), ("gripper", WORD), ("grip", WORD)]
-    fault = [("code", WORD), ("native", WORD), ("sentence", SENTENCE)]
+    fault = [("code", WORD), ("native", f"U{MOST_NATIVE}"), ("sentence", f"U{MOST_SENTENCE}")]
     return np.dtype([*times, *robot, *gripper, *fault, ("motions", np.float64, (5, joints))])
 
 
@@ -91,8 +92,8 @@ class DriverReport(NamedTuple):
     gripper: bytes
     grip: bytes
     code: bytes
-    native: bytes
-    sentence: bytes
+    native: str
+    sentence: str
     motions: Array
 
 

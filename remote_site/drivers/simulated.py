@@ -18,14 +18,14 @@ PAUSE_NS = 50 * NS_PER_MS
 
 WATCHDOG_MS = 100.0
 FAULTS = {
-    ControllerFault.WATCHDOG: (FaultCode.WATCHDOG, "setpoints ceased, the arm has stopped; activate again"),
+    ControllerFault.WATCHDOG: (FaultCode.WATCHDOG, "setpoints ceased, the arm has stopped"),
     ControllerFault.NOT_FINITE: (
         FaultCode.NOT_FINITE,
-        "a setpoint is not finite, the arm has stopped; activate again",
+        "a setpoint is not finite, the arm has stopped",
     ),
     ControllerFault.BLOCKED: (
         FaultCode.BLOCKED,
-        "the arm is blocked and holds its position; clear its path and activate again",
+        "the arm is blocked and holds its position; clear its path",
     ),
     ControllerFault.APART: (FaultCode.APART, APART.sentence),
 }

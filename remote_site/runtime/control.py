@@ -8,6 +8,7 @@ from collections.abc import Callable, Iterator, Sequence
 from common.clock import NS_PER_S, MonotonicClock
 from common.errors import DriverError, MessageError
 from common.link.channels import ENGAGEMENT, HAND, MAINTENANCE, STATE, ChannelSession
+from common.link.endpoints import stays_here
 from common.link.pubsub import Latest
 from common.link.transport import Link
 from common.messages.hand import HandArm
@@ -75,7 +76,8 @@ def run_control(
         _activate(driver, should_stop)
         rate = Rate(config.control.rate_hz, clock, least_fraction=LEAST_FRACTION)
         states = link.publisher(STATE, config.cell)
-        reporter = Reporter(states, site, model, reported_collision, rate, real_time=real_time)
+        one_host = stays_here(config.links.control_endpoint)
+        reporter = Reporter(states, site, model, reported_collision, rate, real_time=real_time, one_host=one_host)
         refusals = RefusalLog()
         server = RequestServer(link, description, leases, clock, refusals.note, config.links.heard)
         driven, inbox = DrivenPipeline(pipeline, driver), Inbox(link, config.cell, refusals, config.links.heard)

@@ -132,8 +132,8 @@ class DriverLoop:
                 gripper=gripper.commanded.value.encode() if gripper is not None else b"",
                 grip=gripper.status.value.encode() if gripper is not None else b"",
                 code=fault.code.value.encode() if fault is not None else b"",
-                native=fault.native.encode(errors="replace") if fault is not None else b"",
-                sentence=fault.sentence.encode(errors="replace") if fault is not None else b"",
+                native=fault.native if fault is not None else "",
+                sentence=fault.sentence if fault is not None else "",
                 motions=motions,
             )
         )

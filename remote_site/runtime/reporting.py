@@ -43,7 +43,9 @@ class Reporter:
         rate: Rate,
         *,
         real_time: bool,
+        one_host: bool,
     ) -> None:
+        self._one_host = one_host
         self._publisher = publisher
         self._site = site
         self._model = model
@@ -71,7 +73,8 @@ class Reporter:
         lease, report = _lease(snapshot.lease), driven.report
         self._site.show_lease(snapshot.lease.lease)
         answer, following = snapshot.readiness, snapshot.state is SessionState.ENGAGED
-        hand_link, video_link = judged(snapshot.hand_link, snapshot.age_limit_ms), self._site.video_link
+        hand_link = judged(snapshot.hand_link, snapshot.age_limit_ms, one_host=self._one_host)
+        video_link = self._site.video_link
         code, reason = answer.reason.code.value, answer.reason.sentence
         self._link_log.note_limit(snapshot.age_limit_ms, snapshot.speed_scale, code, reason)
         self._link_log.note(hand_link, video_link, snapshot.now_ns)

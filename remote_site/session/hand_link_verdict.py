@@ -1,5 +1,7 @@
 """What is wrong with the way of the hand samples: the greatest part of their age, loss, clocks, with the cure; pure."""
 
+from collections.abc import Mapping
+
 from msgspec.structs import replace
 
 from common.messages.robot import HandLink
@@ -7,7 +9,8 @@ from remote_site.reasons import Code, Reason, reason
 
 LOSSY = 0.03  # of the samples of the meter's window
 UNSTEADY_MS = 15.0  # of jitter: packets that wait for a lost one before them
-QUICKER = "take a quicker way (cable instead of Wi-Fi, no VPN), or allow more age: safety.t_soft_ms = 'auto'"
+MORE_AGE = "or allow more age: safety.t_soft_ms = 'auto'"
+QUICKER = f"take a quicker way (cable instead of Wi-Fi, no VPN), relieve a host that is overloaded, {MORE_AGE}"
 CURES = {
     "network": f"Cure: {QUICKER}",
     "unsteady network": "Cure: if the control endpoint is tls/, write it as quic/ at both sites, so that no sample "
@@ -16,25 +19,33 @@ CURES = {
     "tracking": "Cure: relieve the local site's host, or choose a quicker tracker or smaller pictures there",
     "loss": "Cure: look for a full line or poor Wi-Fi on the way; 'farhand doctor --link' measures it",
 }
+# Instead of these where both sites' traffic stays on one host: no network is between them, unless a port is forwarded.
+ON_ONE_HOST = dict.fromkeys(
+    ("network", "unsteady network", "clocks"),
+    f"Cure: relieve this machine if it is overloaded (through a tunnel: take a quicker way), {MORE_AGE}",
+)
 
 
-def judged(link: HandLink | None, limit_ms: float) -> HandLink | None:
-    """The figures with code and reason of what is wrong; `limit_ms` is the age beyond which the arm holds."""
-    why = _trouble(link, limit_ms) if link is not None else None
+def judged(link: HandLink | None, limit_ms: float, *, one_host: bool = False) -> HandLink | None:
+    """The figures with code and reason of what is wrong; `limit_ms` is the age beyond which the arm holds.
+
+    `one_host` is whether the traffic of both sites stays on this host.
+    """
+    why = _trouble(link, limit_ms, CURES | ON_ONE_HOST if one_host else CURES) if link is not None else None
     return link if link is None or why is None else replace(link, code=why.code.value, reason=why.sentence)
 
 
-def _trouble(link: HandLink, limit_ms: float) -> Reason | None:
+def _trouble(link: HandLink, limit_ms: float, cures: Mapping[str, str]) -> Reason | None:
     if link.age_ms is None:
         return reason(Code.CLOCK_UNKNOWN)
     if link.age_ms + link.interval_ms > limit_ms:
-        return _too_old(link, link.age_ms, limit_ms)
+        return _too_old(link, link.age_ms, limit_ms, cures)
     if link.loss >= LOSSY:
         return reason(Code.SAMPLES_LOST, loss=link.loss, cure=CURES["loss"])
     return None
 
 
-def _too_old(link: HandLink, age_ms: float, limit_ms: float) -> Reason:
+def _too_old(link: HandLink, age_ms: float, limit_ms: float, cures: Mapping[str, str]) -> Reason:
     parts = {"network": link.network_ms or 0.0, "clocks": link.clock_ms or 0.0, "tracking": link.tracking_ms or 0.0}
     greatest = max(parts, key=lambda part: parts[part])
     unsteady = greatest == "network" and link.jitter_ms >= UNSTEADY_MS
@@ -46,5 +57,5 @@ def _too_old(link: HandLink, age_ms: float, limit_ms: float) -> Reason:
         network_ms=parts["network"],
         clock_ms=parts["clocks"],
         tracking_ms=parts["tracking"],
-        cure=CURES["unsteady network" if unsteady else greatest],
+        cure=cures["unsteady network" if unsteady else greatest],
     )

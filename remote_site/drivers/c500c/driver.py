@@ -19,12 +19,12 @@ MOST_QUEUED = 2
 WATCHDOG_MS = 200.0
 ALPHA = 0.5  # of a new speed estimate: positions come 30 times a second, to a microradian
 FAULTS = {
-    Fault.WATCHDOG: (FaultCode.WATCHDOG, "nothing came over the line, the arm has halted; activate again"),
-    Fault.UNDERRUN: (FaultCode.LINK, "the next setpoint came too late, the arm has halted; activate again"),
+    Fault.WATCHDOG: (FaultCode.WATCHDOG, "nothing came over the line, the arm has halted"),
+    Fault.UNDERRUN: (FaultCode.LINK, "the next setpoint came too late, the arm has halted"),
     Fault.APART: (FaultCode.APART, "the arm is not where it was activated; read it and activate there"),
-    Fault.BLOCKED: (FaultCode.BLOCKED, "a joint is blocked, the arm has halted; clear its path and activate again"),
-    Fault.EMERGENCY_STOP: (FaultCode.EMERGENCY_STOP, "the emergency stop is pressed; release it, then reset"),
-    Fault.ARM_POWER: (FaultCode.ARM_POWER, "the arm has no power; switch it on, then reset"),
+    Fault.BLOCKED: (FaultCode.BLOCKED, "a joint is blocked, the arm has halted; clear its path"),
+    Fault.EMERGENCY_STOP: (FaultCode.EMERGENCY_STOP, "the emergency stop is pressed; release it"),
+    Fault.ARM_POWER: (FaultCode.ARM_POWER, "the arm has no power; switch it on"),
 }
 
 

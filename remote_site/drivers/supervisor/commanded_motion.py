@@ -45,7 +45,7 @@ class CommandedMotion:
         if self.stop is None:
             verdict = self._guard.check(command.motion, self.motion)
             if isinstance(verdict, Refused):
-                return RobotFault(FaultCode.LIMITS, f"{verdict.reason.sentence}; the arm stops; activate again")
+                return RobotFault(FaultCode.LIMITS, f"{verdict.reason.sentence}; the arm stops")
             self._writer.add(command)
         elif self.stop.hands_over_to(command, self._writer.written_ns, self._guard):
             self._writer.hand_over(self.stop, command)

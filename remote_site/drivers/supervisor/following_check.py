@@ -58,7 +58,5 @@ class FollowingCheck:
         if now_ns - self._apart_ns < PATIENCE_NS:
             return None
         where = f"{self._names[k]} is {excess[k]:.2f} rad from all that was commanded in the last"
-        cure = "find out what holds the arm, then reset"
-        return RobotFault(
-            FaultCode.NOT_FOLLOWING, f"not following: {where} {self.lag_ns / NS_PER_MS:.0f} ms, its longest lag; {cure}"
-        )
+        cure = "find out what holds the arm"
+        return RobotFault(FaultCode.NOT_FOLLOWING, f"{where} {self.lag_ns / NS_PER_MS:.0f} ms, its longest lag; {cure}")

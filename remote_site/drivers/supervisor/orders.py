@@ -50,4 +50,4 @@ class CommandWatchdog:
 def command_timeout(silent_ns: int, limit_ns: int) -> RobotFault:
     """The fault of a control that was silent for too long."""
     why = reason(Code.COMMAND_TIMEOUT, age_ms=silent_ns / NS_PER_MS, limit_ms=limit_ns / NS_PER_MS)
-    return RobotFault(FaultCode.COMMAND_TIMEOUT, f"{why.sentence}; activate again")
+    return RobotFault(FaultCode.COMMAND_TIMEOUT, why.sentence)

@@ -20,6 +20,8 @@ FASTEST = 10.0  # times a joint's own speed: positions differenced by uneven sta
 OPENING_M = (-0.01, 1.0)  # a zero may be off by some mm; no gripper that can be configured opens half as wide
 FORCE_N = 2000.0  # ten times the largest grip force that can be configured
 
+Field = tuple[str, object, str, bool]  # of a reading: its name, its value, what it has to be, and whether it is
+
 
 class ReadingCheck:
     """Judges every reading before anything else uses it.
@@ -86,7 +88,7 @@ def stale(age_ns: int, oldest_ns: int) -> RobotFault:
     """The fault of a reading that has become too old."""
     limit = f"limit {oldest_ns / NS_PER_MS:.0f} ms"
     return RobotFault(
-        FaultCode.SILENT, f"the robot was last measured {_ms(age_ns)} ago ({limit}); check the link to it, and reset"
+        FaultCode.SILENT, f"the robot was last measured {_ms(age_ns)} ago ({limit}); check the link to it"
     )
 
 
@@ -114,15 +116,39 @@ def _malformed(reading: object, joints: int) -> str:
     """What a driver returned instead of a reading, or in a field of it; "" where every type and shape is right."""
     if not isinstance(reading, RobotReading):
         return f"{_type(reading)}, not a RobotReading"
-    fields = (
+    wrong = (*_own_fields(reading, joints), *_gripper_fields(reading.gripper), *_fault_fields(reading.fault))
+    return next((f"{_type(value)} as {name}, not {wanted}" for name, value, wanted, good in wrong if not good), "")
+
+
+def _own_fields(reading: RobotReading, joints: int) -> tuple[Field, ...]:
+    grip, fault, obeyed = reading.gripper, reading.fault, reading.obeyed_seq
+    return (
         ("t_ns", reading.t_ns, "an int", _whole(reading.t_ns)),
         ("q", reading.q, f"an array of {joints} numbers", _joints(reading.q, joints)),
         ("dq", reading.dq, f"an array of {joints} numbers", _joints(reading.dq, joints)),
-        ("gripper", reading.gripper, "a GripperReading of numbers, or None", _gripper(reading.gripper)),
-        ("fault", reading.fault, "a RobotFault, or None", _robot_fault(reading.fault)),
-        ("obeyed_seq", reading.obeyed_seq, "an int, or None", reading.obeyed_seq is None or _whole(reading.obeyed_seq)),
+        ("gripper", grip, "a GripperReading, or None", grip is None or isinstance(grip, GripperReading)),
+        ("fault", fault, "a RobotFault, or None", fault is None or isinstance(fault, RobotFault)),
+        ("obeyed_seq", obeyed, "an int, or None", obeyed is None or _whole(obeyed)),
     )
-    return next((f"{_type(value)} as {name}, not {wanted}" for name, value, wanted, good in fields if not good), "")
+
+
+def _gripper_fields(grip: GripperReading | None) -> tuple[Field, ...]:
+    if not isinstance(grip, GripperReading):
+        return ()
+    return (
+        ("gripper.opening_m", grip.opening_m, "a number", _number(grip.opening_m)),
+        ("gripper.force_n", grip.force_n, "a number, or None", grip.force_n is None or _number(grip.force_n)),
+    )
+
+
+def _fault_fields(fault: RobotFault | None) -> tuple[Field, ...]:
+    if not isinstance(fault, RobotFault):
+        return ()
+    return (
+        ("fault.code", fault.code, "a FaultCode", isinstance(fault.code, FaultCode)),
+        ("fault.sentence", fault.sentence, "a str", isinstance(fault.sentence, str)),
+        ("fault.native", fault.native, "a str", isinstance(fault.native, str)),
+    )
 
 
 def _whole(value: object) -> bool:
@@ -137,18 +163,6 @@ def _joints(value: object, joints: int) -> TypeGuard[Array]:
     return isinstance(value, np.ndarray) and value.shape == (joints,) and value.dtype.kind in "fiu"
 
 
-def _gripper(value: object) -> bool:
-    if not isinstance(value, GripperReading):
-        return value is None
-    return _number(value.opening_m) and (value.force_n is None or _number(value.force_n))
-
-
-def _robot_fault(value: object) -> bool:
-    if not isinstance(value, RobotFault):
-        return value is None
-    return isinstance(value.code, FaultCode) and isinstance(value.sentence, str) and isinstance(value.native, str)
-
-
 def _type(value: object) -> str:
-    shape = f" of shape {value.shape}" if isinstance(value, np.ndarray) else ""
+    shape = f" of shape {value.shape} and dtype {value.dtype}" if isinstance(value, np.ndarray) else ""
     return f"{type(value).__name__}{shape}"

@@ -6,8 +6,9 @@ from typing import Protocol, TypeVar
 from common.clock import NS_PER_MS, Clock
 from common.errors import DriverError
 from common.geometry import Array
+from common.text import cut
 from remote_site.drivers.driver import Driver, JointCommand, RobotReading
-from remote_site.drivers.faults import FaultCode, RobotFault
+from remote_site.drivers.faults import MOST_SENTENCE, FaultCode, RobotFault
 from remote_site.drivers.supervisor.reading_check import ReadingCheck
 
 DEADLINE_NS = 50 * NS_PER_MS
@@ -58,7 +59,8 @@ class WatchedDriver:
         failed = self.stop()
         if failed is None:
             return fault
-        return RobotFault(fault.code, f"{fault.sentence}; nor does it stop: {failed.sentence}")
+        first = cut(fault.sentence, MOST_SENTENCE // 2)  # a long one must not hide the second
+        return RobotFault(fault.code, f"{first}; nor does it stop: {failed.sentence}")
 
     def _call(self, name: str, call: Callable[[], T]) -> T | RobotFault:
         begin_ns = self._clock.now_ns()

@@ -13,7 +13,7 @@ import tests.common.messages.golden_examples as golden
 from common.errors import MessageError, TransportError
 from common.link.channels import CHANNELS, CLOCK, ENGAGEMENT, HAND, PREVIEW, ChannelSession
 from common.link.config import ON_THIS_HOST
-from common.link.endpoints import check_endpoint
+from common.link.endpoints import check_endpoint, stays_here
 from common.link.pubsub import Latest, Publisher
 from common.link.remote_clock import RemoteClock
 from common.link.request_client import RequestClient
@@ -227,6 +227,11 @@ BEYOND_PORTS = ("tcp/127.0.0.1:0", "tcp/127.0.0.1:65536")
 def test_endpoints_beyond_loopback_are_refused(endpoint: str) -> None:
     with pytest.raises(TransportError, match="refused"):
         check_endpoint(endpoint, ON_THIS_HOST)
+
+
+def test_what_stays_on_this_host_is_known_by_its_endpoint() -> None:
+    assert all(map(stays_here, ["tcp/127.0.0.1:7447", "tls/localhost:1", "quic/[::1]:7447"]))
+    assert not any(map(stays_here, ["tls/0.0.0.0:7447", "tcp/192.168.1.4:7447", "quic/robot.example.org:7447", ""]))
 
 
 @pytest.mark.parametrize("session", list(ChannelSession))

@@ -5,13 +5,10 @@ from typing import Any
 
 import msgspec
 import pytest
-from hypothesis import given
-from hypothesis import strategies as st
 
 from common.link.channels import CHANNELS, PROCEDURES
 from common.messages.base import Message
 from common.messages.codec import decode, encode
-from common.messages.wire_form import cut
 from tests.common.messages.golden_examples import VALID
 
 MANY_BYTES = 1_000_000
@@ -48,21 +45,9 @@ def test_the_longest_text_fits_into_its_channel(name: str) -> None:
     assert len(encode(message)) <= LIMITS[type(message)]
 
 
-def test_what_is_cut_ends_with_an_ellipsis() -> None:
-    assert cut("x" * 400, 400) == "x" * 400
-    assert cut("x" * 401, 400) == "x" * 399 + "…"
-
-
 def test_numbers_and_short_texts_are_sent_as_they_are() -> None:
     for message in VALID.values():
         assert decode(encode(message), type(message), MANY_BYTES) == message
-
-
-@given(st.text(st.characters(categories=["Cs", "L", "N", "P", "Cc", "So"]), max_size=900), st.sampled_from([64, 400]))
-def test_every_text_is_cut_to_valid_unicode_of_the_length(text: str, most: int) -> None:
-    shown = cut(text, most)
-    assert len(shown) <= most
-    assert shown.encode().decode() == shown
 
 
 def test_all_messages_are_among_the_examples() -> None:

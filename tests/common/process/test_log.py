@@ -55,6 +55,34 @@ def test_the_journal_is_told_the_level_of_every_line(log_format: str) -> None:
     assert ready.startswith("<6>")
 
 
+SPOKEN = """
+import structlog
+from common.process.log import LogFormat, start_log
+start_log("remote", LogFormat({log_format!r}))
+structlog.get_logger().warning("robot fault", native="\\x1b[31m", reason={said!r})
+"""
+SAID = "red \x1b[31m\x9b31m, bell \x07, \x00, back\rlevel=info event=forged\nlevel=info, \u202etxet\u2066 \u2028 é…"
+ACTING = [
+    *(chr(code) for code in (*range(0x20), *range(0x80, 0xA0))),
+    *"\u061c\u200e\u200f\u2028\u2029\u202a\u202e\u2066\u2069",
+]
+
+
+@pytest.mark.parametrize("log_format", ["text", "json"])
+def test_what_a_driver_says_neither_acts_on_a_terminal_nor_begins_a_line(log_format: str) -> None:
+    program = SPOKEN.format(log_format=log_format, said=SAID)
+    written = subprocess.run([sys.executable, "-c", program], check=True, capture_output=True).stderr.decode()
+    assert written.endswith("\n")
+    assert not set(written[:-1]) & set(ACTING)
+
+
+def test_a_text_line_shows_what_it_has_escaped() -> None:
+    program = SPOKEN.format(log_format="text", said=SAID)
+    written = subprocess.run([sys.executable, "-c", program], check=True, capture_output=True).stderr.decode()
+    assert r"native=\x1b[31m" in written
+    assert r"bell \x07, \x00, back\rlevel=info event=forged\nlevel=info, \u202etxet\u2066 \u2028 é…" in written
+
+
 MANY_LINES = """
 import structlog
 from common.process.log import start_log

@@ -126,6 +126,14 @@ def test_misuse_is_told_with_its_cure(arguments: list[str], code: int, words: st
     assert words in " ".join(done.stderr.split())
 
 
+def test_one_certificate_has_one_key(here) -> None:
+    certificates = ["certificates", "create", "lab", "--operator", "anna"]
+    assert here(*certificates).returncode == 0
+    one, two = here("certificates", "operator", "lab", "ben"), here("certificates", "operator", "lab", "carl", "dora")
+    assert ", and its key\nname ben in links.operators" in one.stdout
+    assert ", and their keys\nname carl and dora in links.operators" in two.stdout
+
+
 @pytest.mark.parametrize("command", [["--help"], ["config", "show", "remote"], ["config", "init", "sites"]])
 def test_a_full_disk_ends_a_command_without_a_traceback(command: list[str], tmp_path: Path) -> None:
     with Path("/dev/full").open("w") as full:

@@ -131,6 +131,23 @@ def test_within_five_seconds_it_says_which_part_makes_samples_too_old(
     assert cure in link.reason.partition("ms. ")[2]
 
 
+@pytest.mark.parametrize(
+    ("network_ms", "unsure_ms", "swing_ms"), [(240.0, 5.0, 0.0), (240.0, 5.0, 120.0), (30.0, 80.0, 0.0)]
+)
+@pytest.mark.parametrize("one_host", [True, False])
+def test_old_samples_may_come_from_the_load_of_a_host(
+    network_ms: float, unsure_ms: float, swing_ms: float, *, one_host: bool
+) -> None:
+    meter = HandLinkMeter()
+    for seq in range(60):
+        now_ns = arrive(meter, seq, network_ms + swing_ms * (seq % 2), unsure_ms)
+    link = judged(measured(meter, now_ns), 100.0, one_host=one_host)
+    assert link.code == "samples_old"
+    assert ("this machine if it is overloaded" if one_host else "a host that is overloaded") in link.reason
+    assert ("Wi-Fi" in link.reason, "quic/" in link.reason) == (not one_host, not one_host and swing_ms > 0)
+    assert len(link.reason) <= 400
+
+
 def test_a_link_that_loses_samples_says_so_within_five_seconds() -> None:
     meter, rng = HandLinkMeter(), np.random.default_rng(1)
     for seq in range(150):

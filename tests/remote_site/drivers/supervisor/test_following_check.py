@@ -90,7 +90,7 @@ def test_a_joint_may_be_off_by_the_tolerance_and_no_more_for_long(off: float) ->
     faults = [check.judge(q, k * NS_PER_MS) for k in range(120)]
     found = [k for k, fault in enumerate(faults) if fault is not None]
     assert (found[0] if found else None) == (PATIENCE_NS / NS_PER_MS if off > TOLERANCE_RAD else None)
-    assert not found or str(faults[-1]).startswith("not_following: not following: e is 0.10 rad")
+    assert not found or str(faults[-1]).startswith("not_following: e is 0.10 rad")
 
 
 def test_one_reading_that_is_right_again_ends_the_suspicion() -> None:

@@ -14,7 +14,7 @@ from remote_site.drivers.supervisor.state import SupervisorState
 from remote_site.kinematics.limits import JointRange
 from tests.remote_site.driven_loop import Spoil
 from tests.remote_site.drivers.supervisor.supervised import LIMITS, SETUP, START, Supervised
-from tests.remote_site.spoiled_readings import SPOILED
+from tests.remote_site.spoiled_readings import SPOILED, field, gripper
 
 NOW_NS = 5_000 * NS_PER_MS
 ZERO = np.zeros(6)
@@ -53,6 +53,25 @@ def test_a_bad_reading_is_a_fault_and_never_the_supervisors(spoil: Spoil, code: 
     assert rig.supervisor.reading is before
     assert rig.supervisor.state is (SupervisorState.IDLE if driven else SupervisorState.HELD)
     assert all(command.motion.finite for command in rig.robot.written[written:])
+
+
+@pytest.mark.parametrize(
+    ("spoil", "wrong"),
+    [
+        (gripper("open"), "str as gripper.opening_m, not a number"),
+        (gripper(None), "NoneType as gripper.opening_m, not a number"),
+        (gripper(0.05, "strong"), "str as gripper.force_n, not a number, or None"),
+        (field("fault", RobotFault("robot", "no")), "str as fault.code, not a FaultCode"),  # type: ignore[arg-type]
+        (field("fault", RobotFault(FaultCode.ROBOT, None)), "NoneType as fault.sentence, not a str"),  # type: ignore[arg-type]
+        (field("fault", RobotFault(FaultCode.ROBOT, "no", 7)), "int as fault.native, not a str"),  # type: ignore[arg-type]
+        (field("fault", "E42"), "str as fault, not a RobotFault, or None"),
+        (field("q", START.astype(object)), "ndarray of shape (6,) and dtype object as q, not an array of 6 numbers"),
+        (field("dq", ZERO * 1j), "ndarray of shape (6,) and dtype complex128 as dq, not an array of 6 numbers"),
+    ],
+)
+def test_what_is_wrong_with_a_reading_is_named(spoil: Spoil, wrong: str) -> None:
+    judged = check_of().judge(spoil(at()), NOW_NS)
+    assert judged == RobotFault(FaultCode.DRIVER, f"the driver's read returned {wrong}; correct the driver")
 
 
 @pytest.mark.parametrize("rate_hz", [15.0, 1000.0])

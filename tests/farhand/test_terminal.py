@@ -1,0 +1,111 @@
+"""What the other site, a driver or an operator says does nothing to the terminal of who reads it."""
+
+import sys
+from collections.abc import Callable
+
+import pytest
+from msgspec.structs import replace
+
+from common.errors import ConfigError, FarhandError, RefusedError, TransportError
+from farhand.authority.lease import describe_lease
+from farhand.cli import main
+from farhand.doctor.findings import as_text, warning
+from farhand.loopback.display import LiveSummary
+from farhand.loopback.recorder import Record
+from farhand.terminal import complain, say
+from tests.common.messages.golden_examples import HAND, STATE
+
+SAID = "no \x1b[31m\x07\r\u202eredro [/nothing] \nfarhand: engaged"
+SHOWN = r"no \x1b[31m\x07\r\u202eredro [/nothing] \nfarhand: engaged"
+REQUESTS = {
+    ("engage",): "farhand.authority.engage.request_engage",
+    ("maintenance", "stop"): "farhand.authority.engage.request_maintenance",
+    ("lease", "release"): "farhand.authority.lease.act_on_lease",
+}
+
+
+def answer(_request: object = None, *_others: object) -> str:
+    return SAID
+
+
+def refuse(*_request: object) -> str:
+    raise TransportError(SAID)
+
+
+def run(command: tuple[str, ...], monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(sys, "argv", ["farhand", *command])
+    with pytest.raises(SystemExit):
+        main()
+
+
+@pytest.mark.parametrize("command", REQUESTS)
+def test_an_answer_is_one_harmless_line(
+    command: tuple[str, ...], monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    monkeypatch.setattr(REQUESTS[command], answer)
+    run(command, monkeypatch)
+    assert capsys.readouterr().out == f"{SHOWN}\n"
+
+
+@pytest.mark.parametrize("command", REQUESTS)
+def test_a_refusal_is_one_harmless_line(
+    command: tuple[str, ...], monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    monkeypatch.setattr(REQUESTS[command], refuse)
+    run(command, monkeypatch)
+    assert capsys.readouterr().err == f"farhand: {SHOWN}\n"
+
+
+def test_a_driver_under_test_says_harmless_lines(
+    monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    def test_driver(config: object, report: Callable[[str], None]) -> bool:
+        assert config is not None
+        report(SAID)
+        return True
+
+    monkeypatch.setattr("remote_site.runtime.conformance.test_driver", test_driver)
+    run(("driver", "test", "kinematic"), monkeypatch)
+    assert capsys.readouterr().out == f"{SHOWN}\n"
+
+
+def test_the_lease_is_shown_a_line_for_each_fact(
+    monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    spoken = replace(STATE, readiness=replace(STATE.readiness, reason=SAID))
+    monkeypatch.setattr("farhand.authority.lease.show_lease", lambda *_: describe_lease(spoken))
+    run(("lease", "show"), monkeypatch)
+    assert capsys.readouterr().out.splitlines()[-1].endswith(SHOWN)
+
+
+@pytest.mark.parametrize(
+    ("error", "lines"),
+    [(ConfigError("one\ntwo\x1b"), ["farhand: one", r"two\x1b"]), (RefusedError("one\ntwo"), [r"farhand: one\ntwo"])],
+)
+def test_a_list_of_mistakes_keeps_its_lines(
+    error: FarhandError, lines: list[str], capsys: pytest.CaptureFixture[str]
+) -> None:
+    complain(error)
+    assert capsys.readouterr().err.splitlines() == lines
+
+
+def test_a_finding_is_harmless() -> None:
+    lines = as_text([warning("link", SAID, SAID)]).splitlines()
+    assert lines[:2] == [f"warning  link: {SHOWN}", f"           cure: {SHOWN}"]
+
+
+def test_a_run_of_both_sites_shows_every_word_of_theirs(capsys: pytest.CaptureFixture[str]) -> None:
+    record = Record()
+    record.states.append(replace(STATE, reason=SAID))
+    record.hands.append(HAND)
+    with LiveSummary(1.0) as live:
+        live.print(SAID)
+        live.show(0.5, record)
+    told = capsys.readouterr().err
+    assert SHOWN in told
+    assert not set(told) & set("\x1b\x07\u202e")
+
+
+def test_what_is_said_is_said_as_it_is_where_nothing_is_hidden(capsys: pytest.CaptureFixture[str]) -> None:
+    say("the arm follows the hand – 40 °")
+    assert capsys.readouterr().out == "the arm follows the hand – 40 °\n"
