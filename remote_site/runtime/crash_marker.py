@@ -29,7 +29,7 @@ class CrashMarker:
         """
         try:
             self._folder.mkdir(parents=True, exist_ok=True)
-            self._left = [path for path in self._folder.iterdir() if not _is_locked(path)]
+            self._left = [path for path in self._folder.iterdir() if _is_left(path)]
             self._locked = os.open(self._own, os.O_CREAT | os.O_RDWR | os.O_CLOEXEC, 0o600)
         except OSError as error:
             raise ConfigError(
@@ -55,14 +55,14 @@ def _state_folder() -> Path:
     return Path(service) if service else Path(os.environ.get("XDG_STATE_HOME") or STATE_HOME).expanduser() / "farhand"
 
 
-def _is_locked(path: Path) -> bool:
-    """Whether the run of this marker still lives."""
-    with path.open("r+b") as marker:
-        try:
+def _is_left(path: Path) -> bool:
+    """Whether the run of this marker has ended, and not in order."""
+    try:
+        with path.open("r+b") as marker:
             fcntl.lockf(marker, fcntl.LOCK_EX | fcntl.LOCK_NB)
-        except BlockingIOError:
-            return True
-    return False
+    except (BlockingIOError, FileNotFoundError):  # it lives, or has just ended in order
+        return False
+    return True
 
 
 def _sync(path: Path) -> None:

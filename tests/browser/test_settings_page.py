@@ -78,10 +78,13 @@ def test_a_closed_page_is_silent_at_once(browser: object) -> None:
         page.wait_for("intents", lambda: bool(console.intents) and console.intents[-1].intent is not None)
         watching = OpenedPage(browser, console.address)
         page.close()
-        watching.wait_for("the silence", lambda: console.intents[-1].intent is None)
-        sent = len(console.intents)
-        watching.page.wait_for_timeout(300)
-        assert len(console.intents) == sent
+
+        def silent() -> bool:
+            sent = len(console.intents)
+            watching.page.wait_for_timeout(300)
+            return len(console.intents) == sent and console.intents[-1].intent is None
+
+        watching.wait_for("the silence", silent)
         watching.close()
 
 

@@ -54,12 +54,14 @@ def test_the_drivers_of_the_house_pass(stand, check):
     assert run_checks(stand(), lines.append, [check]) == [], lines
 
 
-@pytest.mark.parametrize("stand", [pytest.param(simulated_stand, marks=pytest.mark.long), c500c_stand])
+@pytest.mark.long
+@pytest.mark.parametrize("stand", [simulated_stand, c500c_stand])
 def test_one_robot_passes_all_checks_one_after_the_other(stand):
     lines, same = [], stand()
     assert run_checks(same, lines.append, [*CHECKS, *CHECKS]) == [], lines
 
 
+@pytest.mark.long
 def test_the_a465_passes_with_lost_bytes():
     lines = []
     assert run_checks(c500c_stand(loss=0.0005), lines.append) == [], lines

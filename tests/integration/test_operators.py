@@ -21,6 +21,7 @@ def holder(sites: Sites) -> str | None:
     return sites.state.lease.holder if sites.state.lease is not None else None
 
 
+@pytest.mark.long
 def test_a_second_operator_takes_over_only_when_the_firsts_lease_has_expired(pair: Pair) -> None:
     _, anna = pair.following()
     sites = pair.sites

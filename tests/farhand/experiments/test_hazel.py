@@ -67,6 +67,7 @@ def test_plots_and_data_are_those_of_the_reports_figures(report):
     }
 
 
+@pytest.mark.long
 def test_a_loss_in_the_middle_is_counted_and_leaves_a_gap():
     swing = hazel._swing(hazel.Swing(), FRAMES, hazel.Scenery(), lambda: None)
     hidden = with_occluder(swing, (0, 0, 640, 480), range(2, 3), 90)
