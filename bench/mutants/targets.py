@@ -7,9 +7,12 @@ REMOTE, TESTS = Path("remote_site"), Path("tests/remote_site")
 SESSION = (TESTS / "session",)
 TELEOP = TESTS / "teleop"
 VALIDATION = tuple(TELEOP / f"test_{name}.py" for name in ("sample_validator", "certainty", "orientation_gate"))
-MAPPING = tuple(TELEOP / f"test_{name}.py" for name in ("mapping", "clutch", "tool_target", "humanoid"))
+MAPPING = tuple(TELEOP / f"test_{name}.py" for name in ("mapping", "clutch", "tool_target", "short_hold", "humanoid"))
 PIPELINE = (
-    *(TELEOP / f"test_{name}.py" for name in ("pipeline", "lease_in_pipeline", "gripper_toggles", "clutch", "replay")),
+    *(
+        TELEOP / f"test_{name}.py"
+        for name in ("pipeline", "lease_in_pipeline", "gripper_toggles", "gripper_baseline", "clutch", "replay")
+    ),
     TESTS / "test_surviving_changes.py",
 )
 PAGE = (TELEOP / "test_operator_settings.py",)

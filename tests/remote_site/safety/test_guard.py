@@ -7,9 +7,11 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
+from remote_site.config import RemoteConfig
 from remote_site.kinematics.joints import JointMotion
 from remote_site.reasons import Code
 from remote_site.safety.clearance import Workspace
+from remote_site.safety.config import CollisionConfig, SafetyConfig
 from remote_site.safety.guard import JointGuard, Passed, Refused
 from remote_site.safety.stopping import stop_time, stops
 from tests.remote_site.remote_loop import arm, clearance, guard_of, workspace
@@ -251,12 +253,13 @@ def test_a_stop_that_is_replaced_by_another_motion_is_refused():
 
 def test_a_refusal_of_the_clearance_names_its_figures():
     depth = MODEL.forward(START)[0, 3]
-    beyond = Workspace(np.array([depth + 0.015, -2.0, -2.0]), np.array([3.0, 2.0, 3.0]))
+    beyond = Workspace(np.array([depth + 0.515, -2.0, -2.0]), np.array([3.0, 2.0, 3.0]))
     why = clearance(box=beyond).why(moving(), stops(moving(), LIMITS))
-    assert "15.0 mm outside" in why.sentence
+    assert "515.0 mm outside" in why.sentence
     low = START + np.radians([0, -70, 0, 0, 0, 0])
     down = moving(q=low)
-    check = clearance(box=Workspace(np.full(3, -3.0), np.full(3, 3.0)))
+    wide = RemoteConfig(safety=SafetyConfig(collision=CollisionConfig(margin_m=0.19, slow_m=0.2)))
+    check = clearance(wide, Workspace(np.full(3, -3.0), np.full(3, 3.0)))
     why = check.why(down, stops(down, LIMITS))
     assert f"within {check.collision.distance(low) * 1e3:.1f} mm" in why.sentence
-    assert f"(limit {check.collision.margin * 1e3:.1f} mm)" in why.sentence
+    assert "(limit 190.0 mm)" in why.sentence

@@ -14,6 +14,7 @@ from remote_site.teleop.mapping import (
     make_mapping,
     thesis_angles,
 )
+from tests.remote_site.remote_loop import hand as hand_sample
 
 TOOL = transform(rotation_from_vector(np.array([0.3, 1.2, -0.4])), np.array([0.45, 0.02, 0.85]))
 WRIST = np.array([0.1, -0.2, 0.3])
@@ -240,3 +241,13 @@ def test_an_incremental_target_never_jumps_and_its_turn_counts_from_the_referenc
         target = mapping.target(WRIST + np.array([0.0, 0.0, step]), turn)
         assert target[:3, 3] == pytest.approx(pushed[:3, 3])
         assert target[:3, :3] == pytest.approx(FACING @ turn @ FACING.T @ TOOL[:3, :3])
+
+
+@pytest.mark.parametrize("settings", [OperatorSettings(), OperatorSettings(rotation_scale=0.5, locks=Locks(roll=True))])
+def test_a_mapping_restored_from_a_reference_goes_on_as_the_one_that_gave_it(settings):
+    first, then = (rotation_from_vector(np.array(turn)) for turn in ([0.2, -0.1, 0.3], [0.5, 0.4, -0.2]))
+    given, restored = engaged(first), RelativeMapping(MappingConfig())
+    given.steer(settings, WRIST, first, TOOL)
+    given.target(WRIST, first)
+    restored.restore(given.reference(hand_sample(1, 0)), settings)
+    assert restored.target(WRIST + 0.1, then) == pytest.approx(given.target(WRIST + 0.1, then), abs=1e-9)

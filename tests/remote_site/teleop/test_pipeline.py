@@ -230,3 +230,16 @@ def test_no_sequence_of_events_breaks_the_invariant(sequence):
     loop.run(100)
     assert loop.sent.resting
     assert_within_limits(loop)
+
+
+def test_the_way_of_the_hands_samples_is_measured():
+    link = engaged_loop().snapshot.hand_link
+    assert link.age_ms == pytest.approx(4.0)
+
+
+def test_over_a_slow_link_the_age_limit_grows_and_the_arm_follows():
+    loop = RemoteLoop()
+    for k in range(SAMPLE_TICKS * 40):
+        loop.tick(*([] if k % SAMPLE_TICKS else [hand(k + 1, loop.clock.now_ns() - 120 * NS_PER_MS)]))
+    assert loop.snapshot.age_limit_ms > 120
+    assert loop.states[-1] is SessionState.ENGAGED

@@ -23,12 +23,12 @@ AS_GRANTED, CLUTCHED = OperatorSettings(), OperatorSettings(revision=1)
 BORN, NOW = 10_000 * NS_PER_MS, 10_020 * NS_PER_MS
 
 
-def sample(moved=(0.0, 0.0, 0.0)):
+def sample(moved=(0.0, 0.0, 0.0), born_ns=BORN):
     """A sample of a hand that has moved by `moved` m in the robot's axes, and shows no orientation."""
     operator_R_base = np.array(MappingConfig().base_R_operator).T
     wrist = WRIST + operator_R_base @ np.array(moved)
-    message = hand(1, BORN, tuple(wrist.tolist()))
-    return Accepted(message, wrist, None, BORN, new_session=False)
+    message = hand(1, born_ns, tuple(wrist.tolist()))
+    return Accepted(message, wrist, None, born_ns, new_session=False)
 
 
 def captured(q=START, leash_m=0.2):
@@ -97,3 +97,12 @@ def test_the_elbow_is_seen_from_the_wrist_in_the_bases_axes():
     aimed = captured().aim(sample(), AS_GRANTED, START, NOW)
     in_operator = np.array(sample().sample.elbow) - np.array(sample().sample.wrist)
     assert aimed.elbow == pytest.approx(np.array(MappingConfig().base_R_operator) @ in_operator)
+
+
+@pytest.mark.parametrize(("way_m", "resumes"), [(0.03, True), (0.035, True), (0.045, False)])
+def test_after_a_hold_the_hands_own_way_counts_however_it_is_scaled(way_m, resumes):
+    """It began 20 ms after the last sample that was followed, and ends 80 ms later: four fifths of the way count."""
+    target, half = captured(), OperatorSettings(scale=0.5)
+    target.capture(sample(), half, START, 3)
+    moved = sample((way_m, 0.0, 0.0), BORN + 100 * NS_PER_MS)
+    assert target.resume(moved, half, START, BORN + 20 * NS_PER_MS) is resumes

@@ -112,3 +112,10 @@ def test_what_was_written_before_the_lag_no_longer_counts() -> None:
     check.note(goal, 10 * NS_PER_MS + check.lag_ns)
     assert check.excess(START).max() == 1.0
     assert check.excess(goal).max() == 0.0
+
+
+def test_after_an_activation_elsewhere_nothing_that_was_written_before_counts() -> None:
+    check = FollowingCheck(capabilities(), tuple("abcdef"))
+    check.restart(START, 0)
+    check.restart(START + 1.0, NS_PER_MS)
+    assert check.excess(START).max() == 1.0

@@ -14,10 +14,11 @@ from remote_site.drivers.supervisor.state import SupervisorState
 from remote_site.kinematics.limits import JointRange
 from tests.remote_site.driven_loop import Spoil
 from tests.remote_site.drivers.supervisor.supervised import LIMITS, SETUP, START, Supervised
-from tests.remote_site.spoiled_readings import SPOILED, field, gripper
+from tests.remote_site.spoiled_readings import SPOILED, field, gripper, joint, later
 
 NOW_NS = 5_000 * NS_PER_MS
 ZERO = np.zeros(6)
+LOWER, UPPER = LIMITS.lower - BEYOND_RAD, LIMITS.upper + BEYOND_RAD
 WIDER = JointRange(LIMITS.lower - 1.0, LIMITS.upper + 1.0, LIMITS.velocity)
 
 
@@ -146,3 +147,32 @@ def test_nothing_that_is_returned_raises(t_ns: object, opening: object, q: objec
         assert isinstance(judged, RobotFault)
         assert len(judged.sentence) < 200
     assert code_of(check_of().judge(SimpleNamespace(**fields), NOW_NS)) is FaultCode.DRIVER
+
+
+@pytest.mark.parametrize(
+    ("spoil", "sentence"),
+    [
+        (gripper(50.8), "by its reading the gripper's opening is 50.8, outside -0.01 to 1 m; check the robot's"),
+        (gripper(0.05, -1e4), "by its reading the grip force is -1e+04, outside -2000 to 2000 N; check the robot's"),
+        (joint(7.0), f"by its reading joint_3 is 7, outside {LOWER[2]:.4g} to {UPPER[2]:.4g} rad; check the robot's"),
+        (later(30.0), "the time of the reading is 30 ms in the future; correct the driver's clock"),
+        (later(-30.0), "the time of the reading is 30 ms before the last one's; correct the driver's clock"),
+        (field("t_ns", 1), "the time of the reading is 5000 ms before the last one's; correct the driver's clock"),
+        (field("t_ns", 0), "the time of the reading is not set; correct the driver's clock"),
+        (field("t_ns", 10**400), "the time of the reading is years in the future; correct the driver's clock"),
+    ],
+)
+def test_an_implausible_reading_is_named_with_its_figures(spoil: Spoil, sentence: str) -> None:
+    check = check_of()
+    check.judge(at(), NOW_NS)
+    judged = check.judge(spoil(at()), NOW_NS)
+    assert isinstance(judged, RobotFault)
+    assert judged.sentence.startswith(sentence)
+
+
+def test_a_reading_that_is_too_old_is_named_with_its_age_and_the_limit() -> None:
+    check = check_of()
+    for ms in (0, 40, 80, 104):
+        judged = check.judge(at(), NOW_NS + ms * NS_PER_MS)
+    assert isinstance(judged, RobotFault)
+    assert judged.sentence == "the robot was last measured 104 ms ago (limit 100 ms); check the link to it"

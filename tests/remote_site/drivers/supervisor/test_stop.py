@@ -1,12 +1,15 @@
 """The command watchdog and the verified stop: after three missed ticks, after the time-out, and on order."""
 
+import numpy as np
 import pytest
 
+from common.clock import NS_PER_MS
 from remote_site.drivers.faults import STOPPED, FaultCode
 from remote_site.drivers.supervisor.state import SupervisorState
+from remote_site.drivers.supervisor.stop_plan import StopPlan
 from remote_site.kinematics.joints import JointMotion
 from remote_site.safety.stopping import stopping
-from tests.remote_site.drivers.supervisor.supervised import LIMITS, START, Supervised, assert_smooth
+from tests.remote_site.drivers.supervisor.supervised import LIMITS, SETUP, START, Supervised, assert_smooth
 
 
 def test_silence_begins_the_verified_stop_after_three_ticks_and_latches_at_the_time_out(rig: Supervised) -> None:
@@ -73,3 +76,20 @@ def test_a_slow_robot_is_led_to_rest_before_it_is_held() -> None:
     rig.turns(400)
     assert rig.supervisor.settled
     assert rig.robot.written[-1].q == pytest.approx(stopping(sent, LIMITS, 9.9).q, abs=1e-9)
+
+
+def test_control_may_be_silent_for_exactly_as_long_as_the_time_out(rig: Supervised) -> None:
+    rig.activate()
+    rig.command(rig.sent)
+    rig.stumble(SETUP.command_timeout_ns / NS_PER_MS)
+    assert rig.supervisor.fault is None
+    rig.turn(ms=0.001)
+    assert rig.fault().code is FaultCode.COMMAND_TIMEOUT
+
+
+def test_before_its_onset_a_stop_is_the_motion_that_it_begins_from() -> None:
+    motion = JointMotion(START, np.full(6, 1.0), np.full(6, 2.0))
+    stop = StopPlan(1_000 * NS_PER_MS, 0, motion, LIMITS)
+    for ms in (990, 1_000):
+        assert stop.at(ms * NS_PER_MS).q == pytest.approx(motion.q, abs=1e-12)
+    assert stop.at(1_004 * NS_PER_MS).q == pytest.approx(stopping(motion, LIMITS, 0.004).q, abs=1e-12)

@@ -5,7 +5,7 @@ import pytest
 
 from common.clock import NS_PER_MS, NS_PER_S
 from remote_site.drivers.supervisor.state import SupervisorState
-from remote_site.drivers.supervisor.write_scheduler import LEAST_FRACTION
+from remote_site.drivers.supervisor.write_scheduler import LEAST_FRACTION, WriteScheduler
 from remote_site.kinematics.joints import JointMotion
 from tests.remote_site.drivers.supervisor.supervised import LIMITS, START, Supervised, assert_smooth
 
@@ -54,3 +54,32 @@ def test_a_slow_robot_gets_setpoints_along_the_path_at_its_rate_and_none_beyond_
     assert (np.diff(places) >= 0).all()
     assert places[-1] == pytest.approx(START[0] + 0.8, abs=1e-6)
     assert places.max() <= START[0] + 0.8 + 1e-6
+
+
+def test_before_the_first_command_the_robot_obeys_none_of_controls() -> None:
+    rig = Supervised(15.0).activate()
+    rig.stumble(200)
+    assert rig.robot.written
+    assert not rig.supervisor.obeyed.seq
+
+
+def test_a_plan_that_begins_anew_forgets_what_waits() -> None:
+    scheduler = WriteScheduler[str]()
+    scheduler.restart(0, 0)
+    scheduler.add(4 * NS_PER_MS, "of the former plan")
+    scheduler.restart(NS_PER_MS, NS_PER_MS)
+    assert scheduler.due_ns is None
+    assert scheduler.take(NS_PER_S) is None
+
+
+@pytest.mark.parametrize("extra_ms", [0, 5])
+def test_what_follows_a_part_of_the_stop_takes_the_time_that_is_left_to_it(extra_ms: int) -> None:
+    """The stop goes as far as 3 ms allow, and waits where it is already further than it may be."""
+    scheduler = WriteScheduler[str]()
+    scheduler.restart(0, 0)
+    scheduler.delay(extra_ms * NS_PER_MS)
+    reached_ns = scheduler.reach(8 * NS_PER_MS, 3 * NS_PER_MS)
+    scheduler.add(16 * NS_PER_MS, "next")
+    may_reach_ns = 3 * NS_PER_MS / LEAST_FRACTION - extra_ms * NS_PER_MS
+    assert reached_ns == pytest.approx(max(may_reach_ns, 0), abs=2)
+    assert scheduler.due_ns == pytest.approx(3e6 + LEAST_FRACTION * (16e6 - may_reach_ns), abs=2)
