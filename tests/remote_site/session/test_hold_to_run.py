@@ -22,6 +22,13 @@ HELD_DOWN = [(EngagementMode.HOLD_TO_RUN, "key"), (EngagementMode.PEDAL, "pedal"
 
 
 @pytest.mark.parametrize("mode", [mode for mode, _ in HELD_DOWN])
+def test_before_the_first_sample_nothing_counts_as_held(mode):
+    rig = SessionRig(mode=mode)
+    assert not rig.session.held
+    assert rig.session.request_engage(rig.now_ns, READY).reason.code is Code.NO_HAND
+
+
+@pytest.mark.parametrize("mode", [mode for mode, _ in HELD_DOWN])
 @pytest.mark.parametrize(
     ("bar", "clear"),
     [
