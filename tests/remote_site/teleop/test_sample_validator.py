@@ -77,9 +77,10 @@ def test_a_later_number_on_the_same_picture_is_refused(intake):
 def test_age_counts_from_capture_with_the_offset_and_its_uncertainty(intake):
     sample = hand(1, NOW, clock=sync(NOW - 600 * NS_PER_MS, remote_minus_local_ms=-500, uncertainty_ms=20))
     born_ns = NOW - 500 * NS_PER_MS - 20 * NS_PER_MS
+    assert code(accept(intake, sample, born_ns + 100 * NS_PER_MS + 1)) is Code.STALE
     late = accept(intake, sample, born_ns + 101 * NS_PER_MS)
     assert late.reason.sentence == "newest hand sample is 101 ms old (limit 100 ms)"
-    result = accept(intake, sample, born_ns + 99 * NS_PER_MS)
+    result = accept(intake, sample, born_ns + 100 * NS_PER_MS)
     assert isinstance(result, Accepted)
     assert result.born_ns == born_ns
 
@@ -172,6 +173,18 @@ def test_the_orientation_of_tips_that_are_poorly_known_never_acts_however_calm(i
     results = [accept(intake, hand(k, NOW + k * PERIOD, covariance=covariance)) for k in range(1, 31)]
     assert all(isinstance(result, Accepted) for result in results)
     assert {result.operator_R_hand is None for result in results} == {True}
+
+
+def test_a_wrist_that_is_poorly_known_counts_as_a_lost_hand(intake):
+    poor = PointCovariances(wrist=(0.0036, 0.0, 0.0, 0.0, 0.0, 0.0))
+    result = accept(intake, hand(1, NOW, covariance=poor))
+    assert (code(result), result.hand_lost) == (Code.UNCERTAIN, True)
+    assert result.reason.sentence == "the wrist is known to 60 mm only (limit 40 mm)"
+
+
+def test_after_a_gap_beyond_the_latch_time_a_hand_may_be_anywhere(intake):
+    accept(intake, hand(1, NOW))
+    assert code(accept(intake, hand(2, NOW + 501 * NS_PER_MS, wrist=(9.0, 0.0, 0.3)))) is Code.OK
 
 
 def test_a_jump_is_refused_and_three_in_a_row_latch(intake):
