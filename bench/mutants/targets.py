@@ -15,7 +15,7 @@ PIPELINE = (
     ),
     TESTS / "test_surviving_changes.py",
 )
-PAGE = (TELEOP / "test_operator_settings.py",)
+PAGE = (TESTS / "session" / "test_operator_page.py", TELEOP / "test_operator_settings.py")
 SUPERVISOR = (TESTS / "drivers" / "supervisor",)
 GUARD = (TESTS / "safety", TESTS / "test_surviving_changes.py")
 SEAT = (Path("tests/local_site/console"),)

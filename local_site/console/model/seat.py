@@ -37,8 +37,7 @@ class Seat:
     def __init__(self, *, open_: bool) -> None:
         self._open = open_
         self._beat_ns: int | None = None
-        self._down = False
-        self._released = False
+        self._down = self._released = False
         self.occupant: Visitor | None = None
 
     def arrive(self, visitor: Visitor, now_ns: int) -> None:

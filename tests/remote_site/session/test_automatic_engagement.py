@@ -58,6 +58,16 @@ def test_the_minute_does_not_begin_again() -> None:
     assert rig.frames(90).state is SessionState.DISENGAGED
 
 
+def test_a_local_site_within_ten_minutes_still_has_its_minute() -> None:
+    rig = automatic()
+    rig.session.authorise(None)
+    rig.wait(4)
+    rig.now_ns += AUTOMATIC_WAIT_NS
+    rig.session.authorise(LEASE)
+    pass_seconds(rig, 55)
+    assert rig.frames(30).state is SessionState.ENGAGED
+
+
 def test_no_local_site_for_long_ends_it_too() -> None:
     rig = automatic()
     rig.session.authorise(None)

@@ -20,6 +20,7 @@ from tests.remote_site.session.session_rig import (
     NO_OFFSET,
     OLD_OFFSET,
     OTHERS,
+    PERIOD,
     READY,
     SessionRig,
     good,
@@ -41,6 +42,15 @@ def test_manual_engagement_waits_to_be_asked():
     assert rig.frames(60).state is SessionState.DISENGAGED
     assert rig.session.request_engage(rig.now_ns, READY).done
     assert rig.wait(4).action is Action.CAPTURE
+
+
+def test_good_samples_before_the_first_tick_engage_nothing_unasked():
+    rig = SessionRig(mode=EngagementMode.ON_REQUEST)
+    for _ in range(40):
+        rig.now_ns += PERIOD
+        rig.session.sample(good(rig.now_ns))
+    decision = rig.wait(4)
+    assert (decision.state, decision.action) == (SessionState.DISENGAGED, Action.STOP)
 
 
 @pytest.mark.parametrize(

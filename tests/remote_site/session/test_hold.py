@@ -7,7 +7,7 @@ from common.messages.robot import SessionState
 from remote_site.reasons import Code, reason
 from remote_site.session.samples import Rejected
 from remote_site.session.state_machine import Action, Decision
-from tests.remote_site.session.session_rig import LOST, NO_OFFSET, READY, SessionRig, engaged, good
+from tests.remote_site.session.session_rig import LOST, NO_OFFSET, PERIOD, READY, SessionRig, engaged, good
 
 STALE = Rejected(reason(Code.STALE, age_ms=130, limit_ms=100))
 JUMP = Rejected(reason(Code.JUMP, distance_mm=900, interval_ms=33))
@@ -74,6 +74,16 @@ def test_a_pause_of_control_makes_new_origins_due() -> None:
     rig.session.sample(good(rig.now_ns))
     assert rig.session.tick(rig.now_ns, READY).reason.code is Code.PAUSED
     assert until_it_follows(rig)[1].action is Action.CAPTURE
+
+
+def test_samples_that_piled_up_while_control_stood_still_do_not_end_a_hold() -> None:
+    rig = held(engaged())
+    for _ in range(4):
+        rig.now_ns += PERIOD
+        rig.session.sample(good(rig.now_ns))
+    assert rig.session.tick(rig.now_ns, READY).reason.code is Code.PAUSED
+    assert rig.frames(2).reason.code is Code.COLLECTING
+    assert rig.frames(1).action is Action.CAPTURE
 
 
 @pytest.mark.parametrize("before_ms", [0.0, 100.0])

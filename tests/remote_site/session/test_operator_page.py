@@ -66,6 +66,12 @@ def test_another_lease_begins_with_the_defaults_and_without_a_page() -> None:
     assert not page.silent
 
 
+def test_before_the_first_lease_no_page_is_silent() -> None:
+    page = OperatorPage()
+    page.see(None)
+    assert not page.silent
+
+
 def test_only_a_page_that_has_reported_can_be_silent() -> None:
     page = page_with()
     page.see(None)

@@ -43,6 +43,7 @@ def test_control_that_stood_still_holds_and_catches_nothing_up():
     rig.session.sample(good(rig.now_ns))
     decision = rig.wait(0)
     assert (decision.state, decision.action, decision.reason.code) == (SessionState.HOLDING, Action.STOP, Code.PAUSED)
+    assert decision.reason.sentence == "control paused for 101 ms (limit 100 ms)"
     assert rig.frames(2).state is SessionState.HOLDING
     assert rig.frames(1).action is Action.CAPTURE
 
@@ -175,3 +176,15 @@ def test_while_the_arm_follows_readiness_is_what_it_does_even_in_a_hold():
     assert rig.session.state is SessionState.HOLDING
     readiness = rig.session.readiness(rig.now_ns, READY)
     assert (readiness.done, readiness.reason.code) == (True, Code.PAUSED)
+
+
+def test_who_asks_for_what_is_engaged_already_is_told_what_the_arm_does_even_in_a_hold():
+    rig = engaged()
+    rig.frames(1)
+    answer = rig.session.request_engage(rig.now_ns, READY)
+    assert (answer.done, answer.reason.code) == (True, Code.OK)
+    rig.wait(150)
+    answer = rig.session.request_engage(rig.now_ns, READY)
+    assert (answer.done, answer.reason.code) == (True, Code.PAUSED)
+    rig.session.request_disengage()
+    assert rig.frames(60).state is SessionState.DISENGAGED

@@ -27,7 +27,9 @@ def points(wrist_mm=1.0, tips_mm=1.0):
 def test_a_sender_that_knows_no_covariance_is_believed():
     for covariance in (None, PointCovariances()):
         certainty = certainty_of(covariance, CONFIG)
-        assert (certainty.position, certainty.orientation) == (1.0, 1.0)
+        assert (certainty.position, certainty.orientation, certainty.wrist_mm) == (1.0, 1.0, 0.0)
+    certainty = certainty_of(PointCovariances(), CertaintyConfig(wrist_sure_mm=0.5, tips_sure_mm=0.5))
+    assert (certainty.position, certainty.orientation) == (1.0, 1.0)
 
 
 @pytest.mark.parametrize(

@@ -77,10 +77,22 @@ def test_a_later_number_on_the_same_picture_is_refused(intake):
 def test_age_counts_from_capture_with_the_offset_and_its_uncertainty(intake):
     sample = hand(1, NOW, clock=sync(NOW - 600 * NS_PER_MS, remote_minus_local_ms=-500, uncertainty_ms=20))
     born_ns = NOW - 500 * NS_PER_MS - 20 * NS_PER_MS
-    assert code(accept(intake, sample, born_ns + 101 * NS_PER_MS)) is Code.STALE
-    result = accept(intake, sample, born_ns + 99 * NS_PER_MS)
+    assert code(accept(intake, sample, born_ns + 100 * NS_PER_MS + 1)) is Code.STALE
+    late = accept(intake, sample, born_ns + 101 * NS_PER_MS)
+    assert late.reason.sentence == "newest hand sample is 101 ms old (limit 100 ms)"
+    result = accept(intake, sample, born_ns + 100 * NS_PER_MS)
     assert isinstance(result, Accepted)
     assert result.born_ns == born_ns
+
+
+def test_the_age_limit_learns_how_old_samples_are_when_they_arrive():
+    limit = AgeLimit(SafetyConfig(t_soft_ms="auto"))
+    intake = SampleValidator(SafetyConfig(t_soft_ms="auto"), limit)
+    for seq in range(1, 201):
+        result = accept(intake, hand(seq, NOW + seq * PERIOD), NOW + seq * PERIOD + 150 * NS_PER_MS)
+        limit.settle(0.0)
+    assert code(result) is Code.OK
+    assert limit.soft_ns == 200 * NS_PER_MS
 
 
 def test_a_sample_from_the_future_is_refused_and_does_not_block_the_next(intake):
@@ -101,7 +113,9 @@ def test_a_clock_offset_counts_for_five_seconds(intake):
     assert code(accept(intake, hand(1, NOW, clock=sync(NOW - 5 * NS_PER_S)), NOW)) is Code.OK
     result = accept(intake, hand(2, NOW + 1, clock=sync(NOW - 5 * NS_PER_S)), NOW + 1)
     assert code(result) is Code.OLD_OFFSET
-    assert "5000 ms" in result.reason.sentence
+    result = accept(intake, hand(3, NOW, clock=sync(NOW - 6 * NS_PER_S)), NOW)
+    told = "the clock offset of the local site was measured 6000 ms ago (limit 5000 ms)"
+    assert result.reason.sentence == told
 
 
 @pytest.mark.parametrize("held", [True, False])
@@ -161,11 +175,24 @@ def test_the_orientation_of_tips_that_are_poorly_known_never_acts_however_calm(i
     assert {result.operator_R_hand is None for result in results} == {True}
 
 
+def test_a_wrist_that_is_poorly_known_counts_as_a_lost_hand(intake):
+    poor = PointCovariances(wrist=(0.0036, 0.0, 0.0, 0.0, 0.0, 0.0))
+    result = accept(intake, hand(1, NOW, covariance=poor))
+    assert (code(result), result.hand_lost) == (Code.UNCERTAIN, True)
+    assert result.reason.sentence == "the wrist is known to 60 mm only (limit 40 mm)"
+
+
+def test_after_a_gap_beyond_the_latch_time_a_hand_may_be_anywhere(intake):
+    accept(intake, hand(1, NOW))
+    assert code(accept(intake, hand(2, NOW + 501 * NS_PER_MS, wrist=(9.0, 0.0, 0.3)))) is Code.OK
+
+
 def test_a_jump_is_refused_and_three_in_a_row_latch(intake):
     accept(intake, hand(1, NOW))
     results = [accept(intake, hand(1 + k, NOW + k * PERIOD, wrist=(1.5, 0.0, 0.3))) for k in (1, 2, 3)]
     assert [code(r) for r in results] == [Code.JUMP, Code.JUMP, Code.JUMPS]
     assert [r.latch for r in results] == [False, False, True]
+    assert results[0].reason.sentence == "the wrist jumped 1500 mm in 33 ms"
 
 
 def test_a_clock_that_is_known_less_well_is_no_jump(intake):

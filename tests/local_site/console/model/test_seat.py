@@ -107,8 +107,19 @@ def test_another_page_takes_an_empty_or_abandoned_seat_with_its_key_up(room: Roo
     assert room.beats(1, down=False, by=ANNA)
 
 
+def test_an_empty_seat_holds_nothing() -> None:
+    seat = Seat(open_=True)
+    assert not seat.held(NS_PER_S)
+    assert not seat.reports(NS_PER_S)
+
+
+def test_a_page_that_gives_up_its_seat_is_told_so(room: Room) -> None:
+    answer = room.seat.leave(ANNA)
+    assert (answer.done, answer.sentence) == (True, "this page only watches")
+
+
 def test_the_end_of_a_watching_page_leaves_the_operator(room: Room) -> None:
-    room.seat.leave(BEN)
+    assert room.seat.leave(BEN).done
     assert room.seat.occupant == ANNA
 
 
