@@ -169,8 +169,7 @@ class ControlLoop:
         self._server.poll(engaged=snapshot.state in FOLLOWING)
 
     def _is_due(self, snapshot: Snapshot) -> bool:
-        says, link = (snapshot.state, snapshot.reason.code), snapshot.hand_link
-        return self._pace.is_due(snapshot.now_ns, says, link.network_ms if link is not None else None)
+        return self._pace.is_due(snapshot.now_ns, (snapshot.state, snapshot.reason.code), snapshot.network_ms)
 
 
 def _answering(request: EngagementRequest, reply: Callable[[Reply], None]) -> Callable[[Answer], None]:

@@ -6,7 +6,7 @@ from remote_site.reasons import Code
 
 HEADER_BYTES = 100  # of Zenoh, QUIC, UDP and IP
 LEAST_WINDOW_BYTES = 2 * 1200
-SHARE = 0.8  # of the window; the rest is for answers
+SHARE = 0.65  # of the window; the rest is for answers, and for samples that take longer than most
 
 
 class StatePace:

@@ -39,19 +39,29 @@ class SampleAge:
 
 
 class MeteredSample(NamedTuple):
-    """One sample that arrived: when, its number, its time in transit by the two clocks' difference, its age."""
+    """One sample that arrived: when, its number, its time in transit by the two clocks' difference, its age.
+
+    It is `superseded` where it, or a later one, had come before: then nothing waits for it, and it counts as no loss
+    but tells nothing about the time that the link takes.
+    """
 
     arrived_ns: int
     seq: int
     transit_ns: int
     age: SampleAge | None
+    superseded: bool
 
 
 class HandLinkMeter:
-    """Fed with every sample under the lease in force as it arrives, also with those that are too old to be followed."""
+    """Fed with every sample under the lease in force as it arrives, also with those that are too old to be followed.
+
+    `network_ms` is half a round trip as most samples show it, None while that is not known.
+    """
 
     def __init__(self) -> None:
+        self.network_ms: float | None = None
         self._session: int | None = None
+        self._newest = -1
         self._arrivals: deque[MeteredSample] = deque()
         self._measured: HandLink | None = None
         self._measured_ns: int | None = None
@@ -59,30 +69,42 @@ class HandLinkMeter:
     def arrive(self, sample: HandArm, offset: ClockOffset | None, now_ns: int) -> None:
         """A sample has come; `offset` is the local clock minus ours, None while it cannot be used."""
         if sample.session != self._session:
-            self._session, self._measured_ns = sample.session, None
+            self._session, self._measured_ns, self._newest = sample.session, None, -1
             self._arrivals.clear()
         age = SampleAge.of(sample, offset, now_ns) if offset is not None else None
         sent_ns = sample.capture_ns if sample.sent_ns is None else sample.sent_ns
-        self._arrivals.append(MeteredSample(now_ns, sample.seq, now_ns - sent_ns, age))
+        superseded = sample.seq <= self._newest
+        self._arrivals.append(MeteredSample(now_ns, sample.seq, now_ns - sent_ns, age, superseded))
+        self._newest = max(self._newest, sample.seq)
 
     def ages(self, now_ns: int) -> list[SampleAge]:
         """The ages at arrival of the window's samples, as far as they are known, in the order of arrival."""
         self._forget(now_ns)
-        return [arrival.age for arrival in self._arrivals if arrival.age is not None]
+        return _ages(self._in_order())
 
     def figures(self, now_ns: int) -> HandLink | None:
         """The figures of the last seconds, measured five times a second; None before LEAST_ARRIVALS samples."""
         if self._measured_ns is None or now_ns - self._measured_ns >= MEASURED_EVERY_NS:
             self._forget(now_ns)
-            self._measured, self._measured_ns = _measure(self._arrivals), now_ns
+            in_order = self._in_order()
+            self._measured, self._measured_ns = _measure(in_order, [each.seq for each in self._arrivals]), now_ns
+            networks_ns = [age.network_ns for age in _ages(in_order)]
+            self.network_ms = statistics.median(networks_ns) / NS_PER_MS if networks_ns else None
         return self._measured
+
+    def _in_order(self) -> list[MeteredSample]:
+        return [arrival for arrival in self._arrivals if not arrival.superseded]
 
     def _forget(self, now_ns: int) -> None:
         while self._arrivals and now_ns - self._arrivals[0].arrived_ns > WINDOW_NS:
             self._arrivals.popleft()
 
 
-def _measure(arrivals: deque[MeteredSample]) -> HandLink | None:
+def _ages(arrivals: list[MeteredSample]) -> list[SampleAge]:
+    return [arrival.age for arrival in arrivals if arrival.age is not None]
+
+
+def _measure(arrivals: list[MeteredSample], seqs: list[int]) -> HandLink | None:
     if len(arrivals) < LEAST_ARRIVALS:
         return None
     age = _reported(arrivals)
@@ -95,15 +117,15 @@ def _measure(arrivals: deque[MeteredSample]) -> HandLink | None:
         tracking_ms=age.tracking_ns / NS_PER_MS if age is not None else None,
         interval_ms=interval_ns / NS_PER_MS,
         jitter_ms=jitter_ns / NS_PER_MS,
-        loss=_loss([arrival.seq for arrival in arrivals]),
+        loss=_loss(seqs),
     )
 
 
-def _reported(arrivals: deque[MeteredSample]) -> SampleAge | None:
+def _reported(arrivals: list[MeteredSample]) -> SampleAge | None:
     """The age of which EXCEEDED_BY are older; None while those that came last have none."""
     if arrivals[-1].age is None:
         return None
-    ages = sorted((arrival.age for arrival in arrivals if arrival.age is not None), key=lambda age: age.total_ns)
+    ages = sorted(_ages(arrivals), key=lambda age: age.total_ns)
     return ages[int(len(ages) * (1.0 - EXCEEDED_BY))]
 
 

@@ -61,7 +61,8 @@ class Snapshot(NamedTuple):
     `reason` explains the state, `obeys` is the sample that the motion follows, `target` the tool's target `base_T_tool`
     (4 x 4), `reference` what the next targets count from, `gripper_next` what the next toggle would command, `settings`
     are the operator's in force, None without a lease, `answers` belong to the cycle's requests in their order,
-    `rejected` counts refused samples. `hand_link` is None without samples of the lease's holder.
+    `rejected` counts refused samples. `hand_link` is None without samples of the lease's holder, and
+    `network_ms` is half a round trip as most of them show it.
     """
 
     now_ns: int
@@ -83,6 +84,7 @@ class Snapshot(NamedTuple):
     clock: ClockSync | None
     rejected: Mapping[Code, int]
     hand_link: HandLink | None
+    network_ms: float | None
     answers: tuple[Answer, ...]
 
 

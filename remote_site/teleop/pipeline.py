@@ -119,6 +119,7 @@ class TeleopPipeline:
             clock=self._samples.clock,
             rejected=self._samples.rejected,
             hand_link=self._samples.figures(now_ns),
+            network_ms=self._samples.network_ms,
             answers=tuple(outcome.answer for outcome in outcomes),
         )
 

@@ -34,6 +34,11 @@ class SampleReceiver:
         """How many samples were refused, by code."""
         return self._validator.rejected
 
+    @property
+    def network_ms(self) -> float | None:
+        """Half a round trip as most of the last seconds' samples show it."""
+        return self._hand_link.network_ms
+
     def figures(self, now_ns: int) -> HandLink | None:
         """What the way of the last seconds' samples was like."""
         return self._hand_link.figures(now_ns)

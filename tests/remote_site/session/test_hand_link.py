@@ -51,6 +51,25 @@ def test_the_age_at_arrival_is_the_sum_of_tracking_network_and_clocks() -> None:
     assert meter.ages(now_ns)[-1] == SampleAge(30 * NS_PER_MS, 240 * NS_PER_MS, 40 * NS_PER_MS)
 
 
+def test_what_comes_after_a_newer_sample_tells_nothing_about_the_time_that_the_link_takes() -> None:
+    meter = HandLinkMeter()
+    for seq in range(40):
+        now_ns = arrive(meter, seq, network_ms=20.0)
+    for seq in range(40):
+        meter.arrive(sample(seq), ClockOffset(APART_MS * NS_PER_MS, 0), now_ns)
+    link = measured(meter, now_ns)
+    assert (link.network_ms, link.interval_ms, link.jitter_ms, link.loss) == (20.0, PERIOD_MS, 0.0, 0.0)
+
+
+def test_half_a_round_trip_is_what_most_samples_show() -> None:
+    meter = HandLinkMeter()
+    assert meter.network_ms is None
+    for seq in range(100):
+        now_ns = arrive(meter, seq, network_ms=900.0 if seq % 5 == 0 else 20.0)
+    measured(meter, now_ns)
+    assert meter.network_ms == 20.0
+
+
 def test_the_age_that_one_sample_in_twenty_exceeds_is_reported() -> None:
     meter = HandLinkMeter()
     for seq in range(100):
