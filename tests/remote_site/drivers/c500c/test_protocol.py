@@ -44,7 +44,8 @@ def test_a_damaged_frame_is_never_taken_for_another(frame, data):
     if data.draw(st.booleans()):
         del encoded[place]
     found = Parser().feed(bytes(encoded) + ProtocolFrame(9, Kind.POLL).encoded * 20)
-    assert all(each == ProtocolFrame(9, Kind.POLL) for each in found)
+    # a checksum may end in the byte with which the next frame starts: then a lost last byte damages nothing
+    assert all(each in (ProtocolFrame(9, Kind.POLL), frame) for each in found)
     assert found
 
 
