@@ -32,7 +32,6 @@ from remote_site.kinematics.model import ArmModel
 MEMORY = "/dev/shm"  # noqa: S108  # nothing on the way of a picture waits for a disk
 START_S = 60.0
 POLL_S = 0.01
-REST_S = 5.0
 AGAIN_S = 0.2
 CALM_S = 0.7  # until what smooths the hand has come to rest too
 FIGURE_M, FIGURE_HZ = (0.05, 0.04, 0.0), 0.2  # a figure of eight at up to 0.07 m/s, which the arm can follow at 400 ms

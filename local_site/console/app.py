@@ -14,6 +14,7 @@ from common.errors import FarhandError, ProcessError
 from common.link.channels import HAND, INTENT, KEY_FRAMES, SHOWN, STATE, ChannelSession
 from common.link.credentials import check_links
 from common.link.transport import Link, open_link
+from common.messages.base import SESSION_BITS
 from common.messages.requests import Description
 from common.process.log import LogFormat, start_log
 from common.process.service import StopFlag, notify
@@ -33,7 +34,6 @@ from local_site.console.site_requests import SiteRequests
 SITUATION_S = 0.06
 INTENT_S = 0.02
 CHECK_S = 0.1
-SESSION_BITS = 32
 
 
 def run_console(

@@ -14,6 +14,7 @@ from common.link.channels import HAND, PREVIEW, STATE
 from common.link.credentials import check_links
 from common.link.endpoints import check_free
 from common.link.transport import open_link
+from common.messages.base import SESSION_BITS
 from common.process.children import Children, Heartbeat
 from common.process.log import LogFormat, start_log
 from common.process.service import StopFlag, ask_for_real_time, notify
@@ -27,7 +28,6 @@ from local_site.preview.preview import Preview, PreviewProcess
 from local_site.runtime.loop import ArmTracking, LocalSite, SampleSender
 from local_site.runtime.warm_up import warm_up
 
-SESSION_BITS = 32
 FIFO_PRIORITY = 20  # of tracking: below the robot's control, above everything that may come late
 
 

@@ -5,6 +5,7 @@ import secrets
 from collections.abc import Mapping
 
 from common.link.pubsub import Publisher
+from common.messages.base import SESSION_BITS
 from common.messages.robot import (
     Asker,
     LeaseState,
@@ -26,7 +27,6 @@ from remote_site.session.hand_link_verdict import judged
 from remote_site.session.lease import LeaseStatus
 from remote_site.teleop.cycle import Snapshot
 
-SESSION_BITS = 32
 LATE_PERCENTILE = 99.0
 STATES_PER_TIMING = 50  # ordering thousands of latenesses does not belong in every tick
 

@@ -77,23 +77,15 @@ class HandLinkMeter:
         self._arrivals.append(MeteredSample(now_ns, sample.seq, now_ns - sent_ns, age, superseded))
         self._newest = max(self._newest, sample.seq)
 
-    def ages(self, now_ns: int) -> list[SampleAge]:
-        """The ages at arrival of the window's samples, as far as they are known, in the order of arrival."""
-        self._forget(now_ns)
-        return _ages(self._in_order())
-
     def figures(self, now_ns: int) -> HandLink | None:
         """The figures of the last seconds, measured five times a second; None before LEAST_ARRIVALS samples."""
         if self._measured_ns is None or now_ns - self._measured_ns >= MEASURED_EVERY_NS:
             self._forget(now_ns)
-            in_order = self._in_order()
+            in_order = [arrival for arrival in self._arrivals if not arrival.superseded]
             self._measured, self._measured_ns = _measure(in_order, [each.seq for each in self._arrivals]), now_ns
             networks_ns = [age.network_ns for age in _ages(in_order)]
             self.network_ms = statistics.median(networks_ns) / NS_PER_MS if networks_ns else None
         return self._measured
-
-    def _in_order(self) -> list[MeteredSample]:
-        return [arrival for arrival in self._arrivals if not arrival.superseded]
 
     def _forget(self, now_ns: int) -> None:
         while self._arrivals and now_ns - self._arrivals[0].arrived_ns > WINDOW_NS:

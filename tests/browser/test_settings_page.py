@@ -72,7 +72,7 @@ def test_the_settings_of_a_new_lease_are_shown_and_the_operator_is_told(told: To
     assert told.page.page.get_attribute("[data-lock=z]", "aria-pressed") == "false"
 
 
-def test_a_closed_page_is_silent_at_once(browser: object) -> None:
+def test_a_closed_page_falls_silent_and_stays_so(browser: object) -> None:
     with BareConsole() as console:
         page = OpenedPage(browser, console.address)
         page.wait_for("intents", lambda: bool(console.intents) and console.intents[-1].intent is not None)

@@ -12,12 +12,12 @@ from common.link.channels import ECHO, LOAD, LOAD_ECHO, PROBE, STATE
 from common.link.config import LinkSecurity
 from common.link.pubsub import Publisher
 from common.link.transport import Link, open_link
+from common.messages.base import SESSION_BITS
 from common.messages.probe import MOST_PADDING, Probe, ProbeEcho
 from common.messages.robot import RobotState, SessionState
 from farhand.doctor.link.figures import Echoed, LinkFigures, link_figures, round_trips_ms
 from farhand.doctor.link.load_window import LoadWindow
 
-SESSION_BITS = 32
 HAND_BYTES = 600  # of a hand sample
 FIRST_ECHO_S, ASK_EVERY_S = 5.0, 0.1
 STRAGGLERS_S = 1.0

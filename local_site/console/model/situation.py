@@ -41,20 +41,21 @@ def situation_json(
 
     `settings` are the operator's, with the operating page's changes; None while those in force are unknown.
     """
+    latency = latencies.summary(now_ns)
     situation = {
         "type": "situation",
         "now_ms": now_ns / NS_PER_MS,
         "robot": _robot_fields(newest.state, newest.state_ns, now_ns) if newest.state is not None else None,
         "hand": _hand_fields(newest.hand, newest.hand_ns, now_ns) if newest.hand is not None else None,
         "clock": _clock_fields(clock, round_trip_ms),
-        "delay": _delay_fields(latencies.summary(now_ns)),
+        "delay": _delay_fields(latency),
         "seat": {
             "page": seat.occupant.number if seat.occupant is not None else None,
             "who": str(seat.occupant) if seat.occupant is not None else None,
             "held": seat.held(now_ns),
         },
         "settings": msgspec.to_builtins(settings),
-        "latency": latencies.summary(now_ns),
+        "latency": latency,
         "trace": asdict(latencies.trace) if latencies.trace is not None else None,
         "events": [
             {"number": e.number, "ago_ms": (now_ns - e.t_ns) / NS_PER_MS, "kind": e.kind, "text": e.text}

@@ -25,7 +25,7 @@ def gripper(trial: Trial) -> None:
 
 
 def keeps_gripper(trial: Trial) -> None:
-    """With KEEP no call moves the gripper: as another driver has left it, closed, nor open."""
+    """With KEEP no call moves the gripper, whether another driver has left it so, or it was closed or opened before."""
     _skip_without_gripper(trial)
     found = trial.configured().log[-1:]
     trial.activate()

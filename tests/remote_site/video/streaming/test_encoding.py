@@ -6,15 +6,16 @@ import cv2
 import numpy as np
 import pytest
 
+from bench.video.link import live_frame
 from common.cameras.camera import Image
 from common.clock import NS_PER_MS
 from common.errors import ConfigError
-from common.messages.video import CameraStatus, Codec, VideoFrame
+from common.messages.video import Codec, VideoFrame
 from farhand.loopback.picture_decoder import PictureDecoder
 from remote_site.video.streaming import encoding
 from remote_site.video.streaming.clock_strip import draw_clock, read_clock
 from remote_site.video.streaming.codec_choice import CodecPreference
-from remote_site.video.streaming.encoding import KEY_FRAMES_APART_NS, Encoded, PictureEncoder
+from remote_site.video.streaming.encoding import KEY_FRAMES_APART_NS, PictureEncoder
 from remote_site.video.streaming.setting import StreamSetting
 
 FULL = StreamSetting(80, 1.0, 30.0, Codec.H264)
@@ -29,22 +30,6 @@ def scene(k: int, width: int = 320, height: int = 240) -> Image:
     return np.asarray(np.stack([bright, bright // 2, 255 - bright // 2], axis=2), dtype=np.uint8)
 
 
-def message(seq: int, encoded: Encoded) -> VideoFrame:
-    return VideoFrame(
-        camera="side",
-        seq=seq,
-        capture_ns=seq * PERIOD_NS,
-        capture_estimated=False,
-        status=CameraStatus.LIVE,
-        reason="",
-        width=encoded.width,
-        height=encoded.height,
-        codec=encoded.codec,
-        key=encoded.key,
-        data=encoded.data,
-    )
-
-
 class Stream:
     """An encoder, and the numbers of its pictures."""
 
@@ -53,7 +38,8 @@ class Stream:
 
     def next(self, setting: StreamSetting = FULL, image: Image | None = None) -> VideoFrame:
         image = scene(self.seq) if image is None else image
-        frame = message(self.seq, self.encoder.encode(image, setting, self.seq, self.seq * PERIOD_NS))
+        t_ns = self.seq * PERIOD_NS
+        frame = live_frame("side", self.seq, t_ns, self.encoder.encode(image, setting, self.seq, t_ns))
         self.seq += 1
         return frame
 
