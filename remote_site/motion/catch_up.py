@@ -7,7 +7,7 @@ from common.clock import NS_PER_S
 
 Numbers = list[float]
 
-CATCH_UP_M_S, CATCH_UP_RAD_S = 0.05, math.radians(15.0)
+CATCH_UP_M_S, CATCH_UP_RAD_S = 0.045, math.radians(13.5)  # a tenth is left for the overshoot of estimated speeds
 BOUNDS = CATCH_UP_M_S, CATCH_UP_RAD_S
 LEARNING = 6  # samples after a rest: so long a change of the estimate is no news of the hand, but what was left behind
 
@@ -33,10 +33,10 @@ def decay_rate(rate: float, late: tuple[float, float], spare: float) -> float:
 
 
 class CatchUp:
-    """The part of a target's offset from its line that decays slowly, since a rest has left it behind.
+    """The part of a target's offset from its curve that decays slowly, since a rest has left it behind.
 
-    `rate` is that of its decay in rad/s. `tool_speed` gives how fast the tool moves (m/s) and turns (rad/s) where the
-    target is at a place and moves with a velocity.
+    `rate` is that of its decay in rad/s, `learning` how many samples more tell only what was left behind. `tool_speed`
+    gives how fast the tool moves (m/s) and turns (rad/s) where the target is at a place and moves with a velocity.
     """
 
     def __init__(self, predict_ns: int, tool_speed: Callable[[Numbers, Numbers], tuple[float, float]]) -> None:
@@ -45,12 +45,12 @@ class CatchUp:
     def reset(self, t_ns: int, rate: float) -> None:
         """The target rests since `t_ns`."""
         self.rate, self.due_ns = rate, t_ns
-        self._learning, self._spare = LEARNING, 1.0
+        self.learning, self._spare = LEARNING, 1.0
 
     def hear(self, now_ns: int, stretch: float) -> None:
         """Note that a sample has come: late, if after `due_ns`, which is then set for the next one."""
         late = now_ns > self.due_ns and self._predict_ns > 0
-        self._learning = LEARNING if late else max(self._learning - 1, 0)
+        self.learning = LEARNING if late else max(self.learning - 1, 0)
         self.due_ns = now_ns + round(stretch * self._predict_ns)
 
     def leave(self, spare: float) -> None:
@@ -67,7 +67,7 @@ class CatchUp:
 
         `left` is what is left of the slow part so far.
         """
-        if self._learning:
+        if self.learning:
             drift = [rate * away + step for away, step in zip(off, dq_off, strict=True)]
             self.rate = slower_rate(rate, self._tool_speed(here, drift), self._spare)
             return [amount / (rate - self.rate) if self.rate < rate else 0.0 for amount in drift]

@@ -31,6 +31,9 @@ class ControlConfig(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fi
     moving_velocity_gain: Annotated[
         float, Meta(ge=0, le=1, description="velocity_gain once samples deviate to one side")
     ] = 0.6
+    moving_acceleration_gain: Annotated[
+        float, Meta(ge=0, le=1, description="fraction of a sample's deviation that changes the acceleration estimate")
+    ] = 0.3
     moving_glide_rad_s: Annotated[
         float, Meta(ge=1, le=200, description="glide_rad_s once samples deviate to one side, rad/s")
     ] = 50.0

@@ -1,13 +1,15 @@
 """Jerk-limited motion: the leash that limits the target's lead, and the joints that track it; pure."""
 
 import math
+from collections.abc import Iterable
 
 import numpy as np
 from ruckig import InputParameter, OutputParameter, Result, Ruckig, RuckigError, Synchronization
 
 from common.geometry import Array, angle_between, rotation_from_vector, transform, vector_from_rotation
 from remote_site.kinematics.joints import JointMotion
-from remote_site.kinematics.limits import TARGET_SPEED, JointLimits
+from remote_site.kinematics.limits import JointLimits
+from remote_site.motion.moving_frame import Axis, AxisLimits, frame_of, seen_from
 from remote_site.reasons import Code, Reason, reason
 from remote_site.safety.stopping import stopping
 
@@ -17,20 +19,21 @@ PLANNED = (Result.Working, Result.Finished)
 class JerkLimitedTracker:
     """Follows a moving joint target as quickly as velocity, acceleration and jerk allow, one tick of `dt` s at a time.
 
-    Time-optimal motion to rest is planned (by Ruckig) in the frame that moves with the target: there the target is
-    at rest, so the joints neither start backwards nor overshoot, and follow a steady target without lag.
+    Time-optimal motion to rest is planned (by Ruckig) in the frame that moves and accelerates with the target: there
+    the target is at rest, so the joints neither start backwards nor overshoot, and follow a steady target without lag.
     """
 
     def __init__(self, limits: JointLimits, dt: float) -> None:
         n = len(limits.names)
         self.limits = limits
-        self._velocity = limits.velocity.tolist()
+        columns = limits.velocity, limits.acceleration, limits.jerk, dt + limits.acceleration / limits.jerk
+        self._axes = [AxisLimits(*axis) for axis in zip(*(column.tolist() for column in columns), strict=True)]
+        self._slowed, self._speed_scale = self._axes, 1.0
         self._dt = dt
         self._ruckig = Ruckig(n, dt)
         self._input = InputParameter(n)
         self._output = OutputParameter(n)
         self._input.synchronization = Synchronization.No
-        self._input.max_acceleration = limits.acceleration.tolist()
         self._input.max_jerk = limits.jerk.tolist()
         self._input.target_position = self._input.target_velocity = self._input.target_acceleration = [0.0] * n
         self.motion = JointMotion.at_rest(np.zeros(n))
@@ -39,10 +42,10 @@ class JerkLimitedTracker:
         """Continue from what was really sent."""
         self.motion = motion
 
-    def track(self, q_target: Array, dq_target: Array, speed_scale: float = 1.0) -> JointMotion | Reason:
-        """The motion one tick on, towards a target (n,) rad moving with (n,) rad/s; a Reason if none can be planned."""
-        target, planned = q_target.tolist(), self._output
-        frame = self._plan_from(self.motion, target, dq_target.tolist(), speed_scale)
+    def track(self, target: JointMotion, speed_scale: float = 1.0) -> JointMotion | Reason:
+        """The motion one tick on, towards a moving target; a Reason if none can be planned."""
+        planned = self._output
+        frame = self._plan_from(self.motion, target, speed_scale)
         try:
             self._ruckig.reset()
             result = self._ruckig.update(self._input, planned)
@@ -50,38 +53,37 @@ class JerkLimitedTracker:
             return reason(Code.NO_TRAJECTORY, reason=str(error))
         if result not in PLANNED:
             return reason(Code.NO_TRAJECTORY, reason=result.name)
-        dt, q, dq = self._dt, [], []
-        for off, goal, speed, moving in zip(planned.new_position, target, planned.new_velocity, frame, strict=True):
-            q.append(off + goal + moving * dt)
-            dq.append(speed + moving)
-        self.motion = JointMotion(np.array(q), np.array(dq), np.array(planned.new_acceleration))
+        dt, q, dq, ddq = self._dt, [], [], []
+        seen = planned.new_position, planned.new_velocity, planned.new_acceleration
+        for (position, velocity, acceleration), off, speed, change in zip(frame, *seen, strict=True):
+            q.append(off + position + (velocity + acceleration * dt / 2) * dt)
+            dq.append(speed + velocity + acceleration * dt)
+            ddq.append(change + acceleration)
+        self.motion = JointMotion(np.array(q), np.array(dq), np.array(ddq))
         return self.motion
 
-    def _plan_from(
-        self, motion: JointMotion, q_target: list[float], dq_target: list[float], speed_scale: float
-    ) -> list[float]:
-        """Give Ruckig a motion as seen from the target; the speed (n,) of that frame in rad/s."""
-        frame, q_off, dq_off, highest, lowest = [], [], [], [], []
-        joints = zip(motion.q.tolist(), q_target, motion.dq.tolist(), dq_target, self._velocity, strict=True)
-        for q, goal, dq, wanted, velocity in joints:
-            most = velocity * speed_scale
-            bound = TARGET_SPEED * most
-            moving = bound if wanted > bound else -bound if wanted < -bound else wanted
-            frame.append(moving)
-            q_off.append(q - goal)
-            dq_off.append(dq - moving)
-            highest.append(most - moving)
-            lowest.append(-most - moving)
-        given = self._input
-        given.current_position, given.current_velocity = q_off, dq_off
-        given.current_acceleration = motion.ddq.tolist()
-        given.max_velocity, given.min_velocity = highest, lowest
-        return frame
+    def _plan_from(self, motion: JointMotion, target: JointMotion, speed_scale: float) -> list[Axis]:
+        """Give Ruckig a motion as seen from the target; each joint's frame."""
+        if speed_scale != self._speed_scale:
+            self._slowed = [limits._replace(velocity=speed_scale * limits.velocity) for limits in self._axes]
+            self._speed_scale = speed_scale
+        frames, seen = [], []
+        for limits, goal, joint in zip(self._slowed, _axes(target), _axes(motion), strict=True):
+            frames.append(frame_of(goal, joint, limits))
+            seen.append(seen_from(frames[-1], joint, limits))
+        given, columns = self._input, list(zip(*seen, strict=True))
+        given.current_position, given.current_velocity, given.current_acceleration = columns[:3]
+        given.max_velocity, given.min_velocity, given.max_acceleration, given.min_acceleration = columns[3:]
+        return frames
 
     def stop(self) -> JointMotion:
         """The motion one tick into the jerk-limited stop; at rest, the same posture."""
         self.motion = stopping(self.motion, self.limits, self._dt)
         return self.motion
+
+
+def _axes(motion: JointMotion) -> Iterable[Axis]:
+    return zip(motion.q.tolist(), motion.dq.tolist(), motion.ddq.tolist(), strict=True)
 
 
 def leash(base_T_target: Array, base_T_tool: Array, distance_m: float, angle_rad: float) -> tuple[Array, Reason | None]:

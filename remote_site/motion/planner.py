@@ -61,12 +61,12 @@ class MotionPlanner:
         `speed_scale` is the fraction of full speed that is allowed, `aimed` whether a target came in this tick.
         """
         self._jerk_limited.reset(sent)
-        q_target, dq_target = self._tracker.at(now_ns, sent.q)
-        aside = self._avoidance.turn_aside(sent.q, q_target, dq_target)
+        target = self._tracker.at(now_ns, sent.q)
+        aside = self._avoidance.turn_aside(sent.q, target)
         if self._unjudged > aimed:  # deferred by one tick to bound tick time: aiming is the expensive one
-            self._slowing, self._unjudged = self._dexterity.slowing(sent.q, q_target), 0
+            self._slowing, self._unjudged = self._dexterity.slowing(sent.q, target.q), 0
         self._obstacle = aside.reason or self._slowing.reason
-        proposed = self._jerk_limited.track(aside.q, aside.dq, aside.speed * self._slowing.fraction * speed_scale)
+        proposed = self._jerk_limited.track(aside.target, aside.speed * self._slowing.fraction * speed_scale)
         if isinstance(proposed, Reason):
             self._hindrance = proposed
             return self.stop(sent)

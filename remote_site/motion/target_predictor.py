@@ -1,4 +1,4 @@
-"""The predicted target between hand samples: an alpha-beta estimate, joined to the one before without a jump; pure."""
+"""The predicted target between hand samples: each estimate joined to the one before without a jump; pure."""
 
 import math
 from typing import Protocol
@@ -11,12 +11,14 @@ from remote_site.kinematics.limits import TARGET_SPEED, JointLimits, stoppable
 from remote_site.kinematics.model import ArmModel
 from remote_site.motion.catch_up import CatchUp
 from remote_site.motion.config import ControlConfig
-from remote_site.motion.gains import Gains
+from remote_site.motion.estimator import State, TargetEstimator, Transition
 
-SHORTEST_S = 0.01  # least interval between two samples from which a velocity is estimated
+MADE_UP_NS = 40 * NS_PER_MS  # of a sample's age: to make up for more of it would overshoot wherever the hand turns
+DELAY_MEMORY = 1 / 64  # weight of the newest sample in the delay, so that jitter hardly moves the target
 NOTHING = 1e-18  # rad
 
 Numbers = list[float]
+Motion = tuple[Array, Array, Array]
 
 
 class Bounds(Protocol):
@@ -93,29 +95,31 @@ class JointBounds:
 class TargetPredictor:
     """A target (n,) of any kind as it moves between hand samples.
 
-    Each sample gives a straight line in time by an alpha-beta estimate, extrapolated for at most `predict_ms` after the
-    sample arrived; for 0 not at all. The target converges to every new line, critically damped and without a jump of
-    position or velocity, and follows a steady motion without lag. Deviations that are noise hardly count (`gains.py`).
+    The estimate of each sample (`estimator.py`) is extrapolated for at most `predict_ms` after the sample arrived; for
+    0 not at all. The target converges to every new curve, critically damped and without a jump of position or velocity.
+    It follows a steady motion without lag while samples are no older than MADE_UP_NS when they arrive, and otherwise by
+    the rest of their age behind.
 
-    A target that had come to rest, at a reset or because samples were late, catches up with its line no faster than
+    A target that had come to rest, at a reset or because samples were late, catches up with its curve no faster than
     `catch_up.py` allows.
     """
 
     def __init__(self, size: int, config: ControlConfig, bounds: Bounds | None = None) -> None:
         self._predict_ns = round(config.predict_ms * NS_PER_MS)
-        self._gains, self._bounds = Gains(config), bounds or Unbounded()
+        self._bounds = bounds or Unbounded()
+        self._estimator = TargetEstimator(config, self._bounds.clamp)
         self._catch_up = CatchUp(self._predict_ns, self._bounds.tool_speed)
         self.reset(0, np.zeros(size))
 
     def reset(self, t_ns: int, q: Array) -> None:
         """A target that rests at `q` (n,) since `t_ns`."""
-        self._t_ns = self._since_ns = self._sample_ns = self._end_ns = t_ns
-        self._line = [(position, 0.0) for position in q.tolist()]  # position and velocity at the newest sample
-        self._rate = self._gains.rate_at_rest
-        # of every number: position and velocity on the line, its offset from that, the offset's initial decay, and what
-        # it has to catch up with slowly
-        self._numbers = [(position, 0.0, 0.0, 0.0, 0.0) for position in q.tolist()]
-        self._gains.reset(len(q))
+        self._t_ns = self._since_ns = self._end_ns = t_ns
+        self._delay_ns, self._is_first = 0, True
+        self._rate = self._estimator.rate_at_rest
+        self._estimator.reset(t_ns, q.tolist())
+        self._curve = self._estimator.states
+        # of every number: its offset from the curve, the offset's initial decay, what it has to catch up with slowly
+        self._offsets = [(0.0, 0.0, 0.0) for _ in self._curve]
         self._catch_up.reset(t_ns, self._rate)
 
     def aim(
@@ -126,66 +130,71 @@ class TargetPredictor:
         A target that moves only because it is held near the arm (not `moving`) is not extrapolated; any other is, for
         `stretch` times `predict_ms`. `spare` is the fraction of the catch-up speed that the samples leave.
         """
-        if t_ns <= self._sample_ns:
+        if t_ns <= self._estimator.sample_ns:
             return
         self._catch_up.leave(spare)
         self.hear(now_ns, stretch)
-        elapsed, ended = (t_ns - self._sample_ns) / NS_PER_S, t_ns > self._end_ns
-        expected = self._at_end() if ended else [position + velocity * elapsed for position, velocity in self._line]
-        error = [new - old for new, old in zip(q.tolist(), expected, strict=True)]
-        position_gain, velocity_gain, rate = self._gains.take(error)
-        estimate = [old + position_gain * off for old, off in zip(expected, error, strict=True)]
-        gain = velocity_gain / max(elapsed, SHORTEST_S)
-        before = [0.0 if ended else velocity for _, velocity in self._line]
-        velocities = [velocity + gain * off if moving else 0.0 for velocity, off in zip(before, error, strict=True)]
-        velocities = self._bounds.clamp(estimate, velocities)[1]
-        self._line = list(zip(estimate, velocities, strict=True))
-        self._sample_ns, self._end_ns = t_ns, self._catch_up.due_ns if self._predict_ns else t_ns
-        self._turn_to(t_ns, estimate, velocities, now_ns, rate)
+        ended = t_ns > self._end_ns - self._delay_ns
+        rested, settled = self._at_end() if ended else None, self._catch_up.learning == 0
+        rate = self._estimator.take(t_ns, q, rested, moving=moving, settled=settled)
+        self._learn_delay(now_ns - t_ns)
+        self._end_ns = self._catch_up.due_ns if self._predict_ns else t_ns + self._delay_ns
+        self._turn_to(t_ns + self._delay_ns, self._estimator.states, now_ns, rate)
 
     def hear(self, now_ns: int, stretch: float) -> None:
         """Note that a sample has come, late or not; also one that gives no target."""
         self._catch_up.hear(now_ns, stretch)
 
-    def at(self, now_ns: int) -> tuple[Array, Array]:
-        """The target's position (n,) and velocity (n,) per s at `now_ns`, within its bounds."""
-        if now_ns > self._end_ns and any(number[1] for number in self._numbers):
-            positions = self._at_end()
-            self._turn_to(self._end_ns, positions, [0.0] * len(positions), self._end_ns, self._rate)
-        positions, velocities = self._bounds.clamp(*self._converging(now_ns))
-        return np.array(positions), np.array(velocities)
+    def at(self, now_ns: int) -> Motion:
+        """The target's position (n,), velocity and acceleration (n,) per s and s² at `now_ns`, within its bounds."""
+        if now_ns > self._end_ns and any(velocity for _, velocity, _ in self._curve):
+            rest = [(position, 0.0, 0.0) for position in self._at_end()]
+            self._turn_to(self._end_ns, rest, self._end_ns, self._rate)
+        positions, wanted, accelerations = self._converging(now_ns)
+        positions, velocities = self._bounds.clamp(positions, wanted)
+        columns = zip(accelerations, velocities, wanted, strict=True)
+        bounded = [acceleration if velocity == free else 0.0 for acceleration, velocity, free in columns]
+        return np.array(positions), np.array(velocities), np.array(bounded)
+
+    def _learn_delay(self, age_ns: int) -> None:
+        """How much older than what is made up for the samples are."""
+        older_ns = max(age_ns - MADE_UP_NS, 0)
+        self._delay_ns += older_ns if self._is_first else round(DELAY_MEMORY * (older_ns - self._delay_ns))
+        self._is_first = False
 
     def _at_end(self) -> Numbers:
         """Where the extrapolation ends."""
-        predicted_s = (self._end_ns - self._sample_ns) / NS_PER_S
-        return [position + velocity * predicted_s for position, velocity in self._line]
+        return self._estimator.at(self._end_ns - self._delay_ns)
 
-    def _turn_to(self, t_ns: int, q: Numbers, dq: Numbers, now_ns: int, rate: float) -> None:
-        """Take a new line from `now_ns`; the target's offset from it decays."""
+    def _turn_to(self, t_ns: int, states: list[State], now_ns: int, rate: float) -> None:
+        """Take a new curve, whose states hold for `t_ns`, from `now_ns`; the target's offset from it decays."""
         since = (now_ns - t_ns) / NS_PER_S
-        here, moving = self._converging(now_ns)
-        off = [at - (position + velocity * since) for at, position, velocity in zip(here, q, dq, strict=True)]
-        dq_off = [at - velocity for at, velocity in zip(moving, dq, strict=True)]
+        here, moving, _ = self._converging(now_ns)
+        now = Transition.over(since).of(states)
+        off = [at - position for at, (position, _, _) in zip(here, now, strict=True)]
+        dq_off = [at - velocity for at, (_, velocity, _) in zip(moving, now, strict=True)]
         rate = self._bounds.convergence(rate, off, dq_off)
-        left = self._catch_up.left([late for *_, late in self._numbers], now_ns - self._since_ns)
+        left = self._catch_up.left([late for *_, late in self._offsets], now_ns - self._since_ns)
         slow = self._catch_up.take(here, off, dq_off, rate, left)
-        slow_rate, columns = self._catch_up.rate, zip(q, dq, off, dq_off, slow, strict=True)
-        self._numbers = [
-            (position, velocity, away - late, step + slow_rate * late + rate * (away - late), late)
-            for position, velocity, away, step, late in columns
+        slow_rate, columns = self._catch_up.rate, zip(off, dq_off, slow, strict=True)
+        self._offsets = [
+            (away - late, step + slow_rate * late + rate * (away - late), late) for away, step, late in columns
         ]
-        self._t_ns, self._since_ns, self._rate = t_ns, now_ns, rate
+        self._curve, self._t_ns, self._since_ns, self._rate = states, t_ns, now_ns, rate
 
-    def _converging(self, now_ns: int) -> tuple[Numbers, Numbers]:
+    def _converging(self, now_ns: int) -> tuple[Numbers, Numbers, Numbers]:
         t, since, rate = (now_ns - self._t_ns) / NS_PER_S, max(now_ns - self._since_ns, 0) / NS_PER_S, self._rate
         slow_rate = self._catch_up.rate
         decay, slow_decay = math.exp(-rate * since), math.exp(-slow_rate * since)
-        positions, velocities = [], []
-        for q, dq, off, push, late in self._numbers:
-            left, lacking = decay * (off + since * push), slow_decay * late
-            positions.append(q + dq * t + left + lacking)
-            velocities.append(dq + decay * push - rate * left - slow_rate * lacking)
-        return positions, velocities
+        positions, velocities, accelerations = [], [], []
+        _, way, gained, fading = Transition.over(t)
+        for (position, velocity, acceleration), (off, push, late) in zip(self._curve, self._offsets, strict=True):
+            left, lacking, pushed = decay * (off + since * push), slow_decay * late, decay * push
+            positions.append(position + t * velocity + way * acceleration + left + lacking)
+            velocities.append(velocity + gained * acceleration + pushed - rate * left - slow_rate * lacking)
+            decaying = rate * (rate * left - 2 * pushed) + slow_rate * slow_rate * lacking
+            accelerations.append(fading * acceleration + decaying)
+        return positions, velocities, accelerations
 
 
 def joint_target_predictor(model: ArmModel, limits: JointLimits, config: ControlConfig) -> TargetPredictor:

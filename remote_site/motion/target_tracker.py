@@ -11,6 +11,7 @@ from common.geometry import Array, transform, unwound
 from remote_site.kinematics.config import RobotConfig
 from remote_site.kinematics.differential import DifferentialInverse, Move
 from remote_site.kinematics.inverse import Solution, SphericalWristInverse
+from remote_site.kinematics.joints import JointMotion
 from remote_site.kinematics.limits import JointLimits
 from remote_site.kinematics.model import ArmModel
 from remote_site.motion.config import ControlConfig
@@ -44,14 +45,14 @@ class TargetTracker(Protocol):
     """Turns targets of the tool into targets of the joints.
 
     `aim` takes a new target for an arm at `q` (n,) rad; the answer is why it cannot be reached.
-    `at` is asked once per tick: the joints' target (n,) in rad and its velocity in rad/s, for an arm at `q`.
+    `at` is asked once per tick: how the joints' target moves, for an arm at `q`.
     """
 
     def reset(self, t_ns: int, q: Array) -> None: ...
 
     def aim(self, target: ToolSample, q: Array) -> Reason | None: ...
 
-    def at(self, now_ns: int, q: Array) -> tuple[Array, Array]: ...
+    def at(self, now_ns: int, q: Array) -> JointMotion: ...
 
 
 class ClosedFormTracker:
@@ -74,10 +75,10 @@ class ClosedFormTracker:
         self._predictor.aim(target.t_ns, solution.q, target.now_ns, stretch=target.stretch, spare=target.spare)
         return None
 
-    def at(self, now_ns: int, q: Array) -> tuple[Array, Array]:
+    def at(self, now_ns: int, q: Array) -> JointMotion:
         """The predicted target, whatever the arm's posture."""
         del q
-        return self._predictor.at(now_ns)
+        return JointMotion(*self._predictor.at(now_ns))
 
 
 class DifferentialTracker:
@@ -116,9 +117,9 @@ class DifferentialTracker:
         self._elbow = elbow if elbow is not None else self._elbow
         return self._off
 
-    def at(self, now_ns: int, q: Array) -> tuple[Array, Array]:
+    def at(self, now_ns: int, q: Array) -> JointMotion:
         """One step towards the predicted target, from joints that never run away from the arm."""
-        pose, rate = self._predictor.at(now_ns)
+        pose, rate, _ = self._predictor.at(now_ns)
         target = transform(pin.exp3(pose[3:]) @ self._turned_from, pose[:3])
         twist = np.concatenate([rate[:3], pin.Jexp3(pose[3:]).T @ rate[3:]])
         last = self._move
@@ -128,7 +129,7 @@ class DifferentialTracker:
         far = move.off_m > FAR_M or move.off_rad > FAR_RAD
         off = {"distance_mm": move.off_m * 1e3, "angle_deg": float(np.degrees(move.off_rad))}
         self._off = reason(Code.UNREACHED, **off) if far else None
-        return move.q, move.dq
+        return JointMotion(move.q, move.dq, np.zeros(len(q)))  # what the null space adds is no motion to plan ahead
 
 
 def choose_target_tracker(

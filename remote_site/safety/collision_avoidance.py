@@ -22,10 +22,9 @@ SOLVED = 1
 
 @dataclass(frozen=True, slots=True)
 class AvoidingTarget:
-    """The allowed target: joints (n,) in rad and rad/s, the fraction of the speed, the close pairs, why it changed."""
+    """The allowed target, the fraction of the speed, the close pairs, and why the target changed."""
 
-    q: Array
-    dq: Array
+    target: JointMotion
     speed: float
     close_pairs: tuple[ClosePair, ...]
     reason: Reason | None
@@ -45,18 +44,19 @@ class CollisionAvoidance:
         self._stops_at = config.margin_m + SPARE
         self._identity, self._every = np.eye(len(limits.names)), np.zeros(len(limits.names), dtype=np.int32)
 
-    def turn_aside(self, q: Array, q_target: Array, dq_target: Array) -> AvoidingTarget:
-        """The target for an arm at `q` (n,) rad whose target (n,) rad moves with (n,) rad/s."""
+    def turn_aside(self, q: Array, target: JointMotion) -> AvoidingTarget:
+        """The allowed target for an arm at `q` (n,) rad; near obstacles it moves without acceleration."""
         close_pairs = [pair for pair in self._collision.pairs_within(q, self._config.slow_m) if pair.gradient.any()]
         if not close_pairs:
-            return AvoidingTarget(q_target, dq_target, 1.0, (), None)
-        ahead = q_target - q
+            return AvoidingTarget(target, 1.0, (), None)
+        ahead = target.q - q
         speed = min((self._speed(pair) for pair in close_pairs if pair.gradient @ ahead < 0.0), default=1.0)
         clearances = [self._clearance(pair) for pair in close_pairs]
         turned = _beside(ahead, close_pairs, clearances)
-        slowed = _beside(dq_target, close_pairs, [BRAKING * metres for metres in clearances])
+        slowed = _beside(target.dq, close_pairs, [BRAKING * metres for metres in clearances])
         why = self._reason(close_pairs) if turned is not ahead else None
-        return AvoidingTarget(q + turned, slowed, speed, tuple(close_pairs), why)
+        moving = JointMotion(q + turned, slowed, np.zeros(len(q)))
+        return AvoidingTarget(moving, speed, tuple(close_pairs), why)
 
     def temper(
         self, proposed: JointMotion, sent: JointMotion, close_pairs: tuple[ClosePair, ...]

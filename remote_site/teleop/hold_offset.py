@@ -8,7 +8,7 @@ from common.geometry import Array, rotation_from_vector, transform, vector_from_
 from remote_site.motion.catch_up import CATCH_UP_M_S, CATCH_UP_RAD_S
 
 MOST_M, MOST_RAD = 0.03, math.radians(10.0)
-FULL_S = 0.7  # from the greatest offset to none at the greatest speed, which is slower than the tool may catch up
+FULL_S = 0.8  # from the greatest offset to none at the greatest speed, which is slower than the tool may catch up
 RAMP_S = 0.25  # until the target moves at the greatest speed
 SLOW_FRACTION = 0.3  # of the greatest offset, from which on it slows down again
 

@@ -36,7 +36,8 @@ from tests.faults.pair_setup import A465, CELL, OPERATOR, PairSetup
 FARHAND = (sys.executable, "-m", "farhand")
 PATIENCE_S = 90.0
 MOVING_RAD_S = 0.15
-CIRCLE_M, CIRCLE_HZ = (0.05, 0.04, 0.04), 0.5
+CIRCLE_M, CIRCLE_HZ = (0.05, 0.04, 0.04), 0.5  # up to two thirds of what joint 3 can accelerate
+CENTRE = (0.0, 0.05, -0.05, 0.0, 0.0, 0.0)  # from home, with the elbow well bent
 NEAR = 0.02  # m and rad
 SETTLES_S = 0.7  # of a glide, of what smooths it, and of the calm before a turned hand counts again
 ATTEMPTS = 3
@@ -195,7 +196,7 @@ class CellPair:
     def move(self) -> None:
         """Have the hand circle, as fast as the arm may go, and wait until it does."""
         pace = self.state.speed_scale
-        self.hand(to=(0, 0.05, 0, 0, 0, 0), seconds=0.5 / pace, circle_m=CIRCLE_M, hz=CIRCLE_HZ * pace)
+        self.hand(to=CENTRE, seconds=0.5 / pace, circle_m=CIRCLE_M, hz=CIRCLE_HZ * pace)
         time.sleep(0.6 / pace)
         self.wait(
             "the arm to move", lambda: self.log(time.monotonic_ns() - NS_PER_S).speed_at_end > MOVING_RAD_S * pace, 10

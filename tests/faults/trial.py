@@ -177,9 +177,11 @@ class Trial:
         self.check(not (latched and least_fraction), f"it latched: {self.pair.state.reason}")
         self.check(fraction >= least_fraction, f"it followed only {fraction:.0%} of the time")
 
-    def error_mm(self, since_ns: int, delay_ns: int) -> float:
-        """The distance of the tool from where the hand asked for it `delay_ns` before, rms in mm."""
-        pair, writes = self.pair, self.pair.log(since_ns).writes[::EVERY]
+    def error_mm(self, between_ns: tuple[int, int], lag_ms: float) -> float:
+        """The distance of the tool from where the hand asked for it `lag_ms` before, rms in mm."""
+        pair, (since_ns, until_ns), delay_ns = self.pair, between_ns, round(lag_ms * NS_PER_MS)
+        writes = pair.log(since_ns).writes[::EVERY]
+        writes = writes[writes["t_ns"] < until_ns]
         start, scale = pair.model.forward(pair.config.robot.start)[:3, 3], pair.config.mapping.scale
         hand = np.array([pair.path.at(int(t_ns) - delay_ns)[:3] for t_ns in writes["t_ns"]])
         wanted = start + scale * hand @ np.array(pair.config.mapping.base_R_operator).T

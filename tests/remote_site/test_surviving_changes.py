@@ -9,6 +9,7 @@ from common.messages.robot import SessionState
 from remote_site.drivers.supervisor.supervisor import DriverSupervisor
 from remote_site.drivers.supervisor.write_scheduler import WriteScheduler
 from remote_site.kinematics.joints import JointMotion
+from remote_site.motion import jerk_limited
 from remote_site.motion.jerk_limited import JerkLimitedTracker
 from remote_site.motion.planner import MotionPlanner
 from remote_site.reasons import Code
@@ -63,7 +64,7 @@ def test_a_moving_target_is_approached_at_full_speed_and_no_faster(moving: float
     axis, speeds = np.eye(6)[0], []
     for k in range(400):
         target = (4.0 * side + moving * most * k * DT) * axis
-        motion = tracker.track(target, moving * most * axis)
+        motion = tracker.track(JointMotion(target, moving * most * axis, np.zeros(6)))
         assert isinstance(motion, JointMotion)
         speeds.append(motion.dq[0])
     assert max(side * np.array(speeds)) == pytest.approx(most, rel=1e-6)
@@ -163,17 +164,17 @@ CHANGES: list[tuple[object, str, str, str, Callable[[], None]]] = [
         test_the_pipeline_leashes_the_target_to_the_measured_arm,
     ),
     (
-        JerkLimitedTracker,
-        "_plan_from",
-        "-most - moving",
-        "-most + moving",
+        jerk_limited,
+        "seen_from",
+        "-fastest - velocity",
+        "-fastest + velocity",
         lambda: test_a_moving_target_is_approached_at_full_speed_and_no_faster(0.7, -1.0),
     ),
     (
-        JerkLimitedTracker,
-        "_plan_from",
-        "-most - moving",
-        "-most",
+        jerk_limited,
+        "seen_from",
+        "-fastest - velocity",
+        "-fastest",
         lambda: test_a_moving_target_is_approached_at_full_speed_and_no_faster(-0.7, -1.0),
     ),
     (

@@ -164,7 +164,7 @@ class Trial:
         """Command motion to `target` for `ms`, and the gripper, one command a tick."""
         for _ in range(round(ms / 1000 / self.setup.dt)):
             self._follower.reset(self.supervisor.commanded.motion)
-            motion = self._follower.track(target, np.zeros(len(target)))
+            motion = self._follower.track(JointMotion.at_rest(target))
             if not isinstance(motion, JointMotion):
                 raise Failed(f"no trajectory to {target}: {motion.sentence}")
             self.command(motion, gripper)

@@ -126,7 +126,7 @@ def control(memory):
     for seq in range(1, 100_000):
         link.read()
         follower.reset(sent)
-        motion = follower.track(goal, np.zeros(6))
+        motion = follower.track(JointMotion.at_rest(goal))
         command = JointCommand(seq, CLOCK.now_ns(), motion.q, motion.dq, motion.ddq, GripperCommand.KEEP)
         sent = link.write(command).motion
         time.sleep(DT)

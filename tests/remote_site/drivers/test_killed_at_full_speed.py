@@ -53,7 +53,7 @@ def run_up(*, accelerating):
     follower.reset(JointMotion.at_rest(SLOW.robot.start))
     far = SLOW.robot.start + 10.0 * np.eye(6)[0]
     while follower.motion.dq[0] < SPEED - (0.02 if accelerating else 1e-9):
-        yield follower.track(far, np.zeros(6), 1.0 if accelerating else SPEED / LIMITS.velocity[0])
+        yield follower.track(JointMotion.at_rest(far), 1.0 if accelerating else SPEED / LIMITS.velocity[0])
 
 
 def control_until_killed(memory, accelerating):

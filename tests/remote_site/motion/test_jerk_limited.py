@@ -38,7 +38,7 @@ def follow(predictor, samples, seconds, latency_s=0.0):
             t, q = pending.pop(0)
             predictor.aim(round(t * NS_PER_S), q, now_ns)
         before = follower.motion
-        motion = follower.track(*predictor.at(now_ns))
+        motion = follower.track(JointMotion(*predictor.at(now_ns)))
         assert isinstance(motion, JointMotion)
         if not isinstance(guard.check(motion, before), Passed):
             refusals += 1
@@ -53,15 +53,15 @@ def ramp(speed, seconds, fps=30.0):
     return {t: START + np.eye(6)[0] * speed * min(t, seconds) for t in times}
 
 
-@pytest.mark.parametrize("latency_s", [0.015, 0.045, 0.09])
-def test_a_steady_target_is_followed_without_lag_or_stutter(latency_s):
+@pytest.mark.parametrize(("latency_s", "lag_s"), [(0.015, 0.0), (0.035, 0.0), (0.09, 0.052), (0.2, 0.162)])
+def test_a_steady_target_is_followed_without_stutter_and_lags_by_what_samples_are_older_than_40_ms(latency_s, lag_s):
     history, refusals = follow(joint_target_predictor(MODEL, LIMITS, EXACT), ramp(0.5, 2.0), 1.9, latency_s=latency_s)
     assert refusals == 0
     times = np.arange(1, len(history) + 1) * DT
     settled = times > 1.5  # it catches up slowly with a target that moves from the first
     q = np.array([motion.q[0] for motion in history])
     dq = np.array([motion.dq[0] for motion in history])
-    assert np.abs(q - 0.5 * times)[settled].max() < 1e-3
+    assert np.abs(q - 0.5 * (times - lag_s))[settled].max() < 2e-3
     assert np.abs(dq - 0.5)[settled].max() < 0.01
 
 
@@ -69,7 +69,7 @@ def test_a_step_is_reached_without_overshoot():
     target = START + np.array([0.5, -0.3, 0.2, 1.0, -0.4, -2.0])
     follower = JerkLimitedTracker(LIMITS, DT)
     follower.reset(JointMotion.at_rest(START))
-    path = np.array([follower.track(target, np.zeros(6)).q for _ in range(400)])
+    path = np.array([follower.track(JointMotion.at_rest(target)).q for _ in range(400)])
     assert np.abs(path[-1] - target).max() < 1e-9
     assert ((path - target) * np.sign(START - target) >= -1e-8).all()
 
@@ -77,7 +77,7 @@ def test_a_step_is_reached_without_overshoot():
 def test_the_speed_scale_slows_the_follower():
     follower = JerkLimitedTracker(LIMITS, DT)
     follower.reset(JointMotion.at_rest(START))
-    speeds = [np.abs(follower.track(START + 1.0, np.zeros(6), 0.25).dq) for _ in range(100)]
+    speeds = [np.abs(follower.track(JointMotion.at_rest(START + 1.0), 0.25).dq) for _ in range(100)]
     assert np.max(speeds, axis=0) == pytest.approx(0.25 * LIMITS.velocity)
 
 
@@ -85,10 +85,10 @@ def test_a_sample_that_comes_after_the_course_has_ended_counts_as_any_other():
     predictor, way = joint_target_predictor(MODEL, LIMITS, EXACT), 0.02 * np.eye(6)[0]
     predictor.reset(0, START)
     predictor.aim(40 * NS_PER_MS, START + 0.04 * way, 100 * NS_PER_MS)
-    place, speed = (number[0] / way[0] for number in predictor.at(250 * NS_PER_MS))
-    assert (place, speed) == (pytest.approx(0.16, abs=0.02), pytest.approx(0.0, abs=0.5))  # it ended at 160 ms
+    place, speed = (number[0] / way[0] for number in predictor.at(250 * NS_PER_MS)[:2])
+    assert (place, speed) == (pytest.approx(0.14, abs=0.02), pytest.approx(0.0, abs=0.5))  # at 160 ms, 20 behind
     predictor.aim(80 * NS_PER_MS, START + 0.08 * way, 255 * NS_PER_MS)
-    place, moving = (number[0] / way[0] for number in predictor.at(314 * NS_PER_MS))
+    place, moving = (number[0] / way[0] for number in predictor.at(314 * NS_PER_MS)[:2])
     assert place > 0.2  # moving to 0.314
     assert moving > 1.0
 
@@ -105,7 +105,7 @@ def test_an_arm_that_a_long_t_soft_makes_slower_is_carried_on_for_longer(stretch
     for at_ms in range(33, 600, 33):
         target = transform(target[:3, :3], target[:3, 3] + [0.0, 0.002, 0.0])
         tracker.aim(ToolSample(at_ms * NS_PER_MS, at_ms * NS_PER_MS, target, None, None, stretch), START)
-    earlier, later = (tracker.at((at_ms + ms) * NS_PER_MS, START)[0][0] for ms in (160, 230))
+    earlier, later = (tracker.at((at_ms + ms) * NS_PER_MS, START).q[0] for ms in (160, 230))
     assert bool(later - earlier > 0.003) is carried
 
 
@@ -117,7 +117,7 @@ def test_a_course_ends_after_its_prediction_and_comes_to_rest_there():
     for k in range(1, 31):
         predictor.aim(k * 33 * NS_PER_MS, START + 0.01 * k, k * 33 * NS_PER_MS)
     last_ns = 30 * 33 * NS_PER_MS
-    q, dq = predictor.at(last_ns + 1000 * NS_PER_MS)
+    q, dq, _ = predictor.at(last_ns + 1000 * NS_PER_MS)
     assert dq == pytest.approx(np.zeros(6), abs=1e-6)
     assert q == pytest.approx(START + 0.3 + 0.01 * 60 / 33, abs=1e-3)
 
@@ -196,7 +196,7 @@ def test_a_target_outside_the_limits_ends_at_the_limit_slowly_enough():
 @settings(max_examples=30, deadline=None, derandomize=True)
 @given(
     st.lists(
-        st.tuples(st.lists(st.floats(-2, 2), min_size=6, max_size=6), st.integers(1, 30), st.sampled_from("tsv")),
+        st.tuples(st.lists(st.floats(-2, 2), min_size=6, max_size=6), st.integers(1, 30), st.sampled_from("tsva")),
         min_size=1,
         max_size=12,
     )
@@ -206,10 +206,11 @@ def test_whatever_the_target_the_joints_stay_within_velocity_acceleration_and_je
     follower.reset(JointMotion.at_rest(START))
     for values, ticks, kind in sequence:
         target = np.clip(START + np.array(values), LIMITS.lower, LIMITS.upper)
-        speed = np.array(values) if kind == "v" else np.zeros(6)
+        moved = {kind: 10.0 ** np.array(values) * np.sign(values) if kind == "a" else np.array(values)}
+        goal = JointMotion(target, moved.get("v", np.zeros(6)), moved.get("a", np.zeros(6)))
         for _ in range(ticks):
             before = follower.motion
-            motion = follower.stop() if kind == "s" else follower.track(target, speed)
+            motion = follower.stop() if kind == "s" else follower.track(goal)
             assert isinstance(motion, JointMotion)
             verdict = guard.check(motion, before)
             if not isinstance(verdict, Passed):
@@ -220,11 +221,11 @@ def test_whatever_the_target_the_joints_stay_within_velocity_acceleration_and_je
 def test_a_target_that_is_not_finite_gives_a_reason_and_no_motion():
     follower = JerkLimitedTracker(LIMITS, DT)
     follower.reset(JointMotion.at_rest(START))
-    result = follower.track(START * np.nan, np.zeros(6))
+    result = follower.track(JointMotion.at_rest(START * np.nan))
     assert isinstance(result, Reason)
     assert result.code is Code.NO_TRAJECTORY
     assert np.array_equal(follower.motion.q, START)
-    assert isinstance(follower.track(START + 0.1, np.zeros(6)), JointMotion)
+    assert isinstance(follower.track(JointMotion.at_rest(START + 0.1)), JointMotion)
 
 
 def test_the_leash_holds_position_and_orientation():

@@ -39,7 +39,7 @@ class Aims:
         return self.unreached
 
     def at(self, now_ns, q):  # noqa: ARG002  # as trackers are asked
-        return self.q_target, np.zeros(6)
+        return JointMotion.at_rest(self.q_target)
 
 
 class Slows:

@@ -13,8 +13,9 @@ from tests.remote_site.teleop.far_link import FarLink, Run, circle, engaged_over
 
 SECONDS = 20.0
 CAUGHT_UP_S = 1.0
+NOTHING_MM = 0.2
 OVERSHOOT = 1.02  # of a speed below the joints' own, towards a target that changes its own
-LAGS_S = [k / 100 for k in range(-4, 24, 2)]
+LAGS_S = [k / 200 for k in range(-8, 48)]
 
 
 def least_error_mm(run: Run) -> float:
@@ -36,7 +37,7 @@ def test_the_arm_follows_over_a_link_that_spreads_and_loses_samples(delay_ms: fl
     assert run.followed >= 0.99
     assert run.holds <= 1
     assert run.most_changes(1.0) <= 2
-    assert least_error_mm(run) <= 1.2 * perfect(delay_ms)
+    assert least_error_mm(run) <= max(1.2 * perfect(delay_ms), perfect(delay_ms) + NOTHING_MM)
     assert max(run.limits_ms) <= 400
     assert_within_limits(run.loop)
 

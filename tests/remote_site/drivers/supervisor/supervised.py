@@ -133,7 +133,7 @@ class Supervised:
         goal = START.copy()
         goal[0] += 0.8
         self.tracker.reset(self.sent)
-        planned = self.tracker.track(goal, np.zeros(6))
+        planned = self.tracker.track(JointMotion.at_rest(goal))
         assert isinstance(planned, JointMotion)
         return planned
 

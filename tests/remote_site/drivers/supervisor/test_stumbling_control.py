@@ -70,7 +70,7 @@ class Rig:
         self.rate.wait()
         assert self.link.read().ready
         self.follower.reset(self.sent)
-        motion = self.follower.track(GOAL, np.zeros(6))
+        motion = self.follower.track(JointMotion.at_rest(GOAL))
         self.seq += 1
         command = JointCommand(self.seq, self.clock.now_ns(), motion.q, motion.dq, motion.ddq, GripperCommand.KEEP)
         self.sent = self.link.write(command).motion
@@ -182,7 +182,7 @@ class LateRig:
         while self.rate.next_ns <= until_ns:
             self.rate.wait()
             self.follower.reset(self.sent)
-            motion = self.follower.track(GOAL, np.zeros(6))
+            motion = self.follower.track(JointMotion.at_rest(GOAL))
             self.seq += 1
             command = JointCommand(self.seq, self.clock.now_ns(), motion.q, motion.dq, motion.ddq, GripperCommand.KEEP)
             report = self.link.read()

@@ -1,0 +1,89 @@
+"""Estimates how a target moves from its samples: position, velocity and a decaying acceleration; pure."""
+
+import math
+from collections.abc import Callable
+from typing import NamedTuple
+
+from common.clock import NS_PER_S
+from common.geometry import Array
+from remote_site.motion.config import ControlConfig
+from remote_site.motion.gains import Gains
+
+SHORTEST_S = 0.01  # least interval between two samples from which a velocity is estimated
+CORRELATION_S = 0.2  # time constant with which an acceleration decays, as a hand's does
+
+Numbers = list[float]
+State = tuple[float, float, float]  # position, velocity and acceleration
+Clamp = Callable[[Numbers, Numbers], tuple[Numbers, Numbers]]
+
+
+class Transition(NamedTuple):
+    """What a time does to a state, by Singer's model of a manoeuvring target: the acceleration decays."""
+
+    seconds: float
+    way: float  # for each unit of acceleration
+    velocity: float
+    acceleration: float
+
+    @classmethod
+    def over(cls, seconds: float) -> "Transition":
+        """The transition over this time, which may be negative."""
+        decay = math.exp(-seconds / CORRELATION_S)
+        gained = CORRELATION_S * (1.0 - decay)
+        return cls(seconds, CORRELATION_S * (seconds - gained), gained, decay)
+
+    def of(self, states: list[State]) -> list[State]:
+        """The states afterwards."""
+        seconds, way, gained, decay = self
+        return [(x + seconds * v + way * a, v + gained * a, decay * a) for x, v, a in states]
+
+
+class TargetEstimator:
+    """An alpha-beta-gamma filter with the gains of `gains.py`; `clamp` keeps position and velocity within bounds."""
+
+    def __init__(self, config: ControlConfig, clamp: Clamp) -> None:
+        self._gains, self._clamp = Gains(config), clamp
+        self.rate_at_rest = self._gains.rate_at_rest
+        self.reset(0, [])
+
+    def reset(self, t_ns: int, q: Numbers) -> None:
+        """A target at rest at `q` (n,)."""
+        self.sample_ns = t_ns
+        self.states: list[State] = [(position, 0.0, 0.0) for position in q]
+        self._gains.reset(len(q))
+
+    def take(self, t_ns: int, q: Array, rested: Numbers | None, *, moving: bool, settled: bool) -> float:
+        """Take a sample (n,) later than the last; the convergence rate in rad/s that it deserves.
+
+        `rested` is where the target has come to rest meanwhile, None while it moves. A target that only seems to move
+        (not `moving`) has no velocity; while it has only just begun to (not `settled`), no acceleration is learned.
+        """
+        elapsed = (t_ns - self.sample_ns) / NS_PER_S
+        expected = Transition.over(elapsed).of(self.states) if rested is None else [(at, 0.0, 0.0) for at in rested]
+        error = [new - old for new, (old, _, _) in zip(q.tolist(), expected, strict=True)]
+        gains = self._gains.take(error)
+        position_gain = gains.position if rested is None else 1.0
+        acceleration_gain = gains.acceleration if settled else 0.0
+        interval = max(elapsed, SHORTEST_S)
+        steps = position_gain, gains.velocity / interval, acceleration_gain / interval**2
+        corrected = [_corrected(state, off, steps) for state, off in zip(expected, error, strict=True)]
+        self.states = self._bounded(corrected if moving else [(position, 0.0, 0.0) for position, _, _ in corrected])
+        self.sample_ns = t_ns
+        return gains.convergence
+
+    def at(self, t_ns: int) -> Numbers:
+        """Where the target is at a time, by the newest sample."""
+        return [position for position, *_ in Transition.over((t_ns - self.sample_ns) / NS_PER_S).of(self.states)]
+
+    def _bounded(self, states: list[State]) -> list[State]:
+        positions, wanted, _ = (list(column) for column in zip(*states, strict=True))
+        velocities = self._clamp(positions, wanted)[1]
+        return [
+            (position, bounded, acceleration if bounded == velocity else 0.0)
+            for (position, velocity, acceleration), bounded in zip(states, velocities, strict=True)
+        ]
+
+
+def _corrected(state: State, error: float, steps: State) -> State:
+    (position, velocity, acceleration), (first, second, third) = state, steps
+    return position + first * error, velocity + second * error, acceleration + third * error
