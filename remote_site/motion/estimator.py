@@ -11,6 +11,7 @@ from remote_site.motion.gains import Gains
 
 SHORTEST_S = 0.01  # least interval between two samples from which a velocity is estimated
 CORRELATION_S = 0.2  # time constant with which an acceleration decays, as a hand's does
+INTERVAL_MEMORY = 1 / 16  # weight of the newest interval in the usual one
 
 Numbers = list[float]
 State = tuple[float, float, float]  # position, velocity and acceleration
@@ -48,7 +49,7 @@ class TargetEstimator:
 
     def reset(self, t_ns: int, q: Numbers) -> None:
         """A target at rest at `q` (n,)."""
-        self.sample_ns = t_ns
+        self.sample_ns, self._usual_s = t_ns, 0.0
         self.states: list[State] = [(position, 0.0, 0.0) for position in q]
         self._gains.reset(len(q))
 
@@ -65,11 +66,19 @@ class TargetEstimator:
         position_gain = gains.position if rested is None else 1.0
         acceleration_gain = gains.acceleration if settled else 0.0
         interval = max(elapsed, SHORTEST_S)
-        steps = position_gain, gains.velocity / interval, acceleration_gain / interval**2
+        usual = interval if rested is not None else self._usual_interval(interval)
+        # After a lost sample the deviation tells more of velocity and acceleration than otherwise.
+        velocity_step = min(gains.velocity / usual, 1.0 / interval)
+        steps = position_gain, velocity_step, min(acceleration_gain / usual**2, 1.0 / interval**2)
         corrected = [_corrected(state, off, steps) for state, off in zip(expected, error, strict=True)]
         self.states = self._bounded(corrected if moving else [(position, 0.0, 0.0) for position, _, _ in corrected])
         self.sample_ns = t_ns
         return gains.convergence
+
+    def _usual_interval(self, interval_s: float) -> float:
+        """The mean interval in s between samples, or this one, if it is shorter."""
+        self._usual_s += (interval_s - self._usual_s) * (INTERVAL_MEMORY if self._usual_s else 1.0)
+        return min(self._usual_s, interval_s)
 
     def at(self, t_ns: int) -> Numbers:
         """Where the target is at a time, by the newest sample."""

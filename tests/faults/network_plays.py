@@ -19,17 +19,20 @@ SETTLES_WATCHED_S = 4.0
 
 def partition(seconds: float, **healed: Any) -> Play:
     """A partition latches the arm, and the command path is back soon after it heals."""
-    play_latch = latch(impair(cut=True), lambda _: None, says="old", for_s=seconds)
 
     def play(trial: Trial) -> None:
-        play_latch(trial)
-        healed_ns = time.monotonic_ns()
-        trial.pair.impair(**healed)
-        trial.pair.wait("the command path", lambda: _receives(trial.pair), 20)
-        took_ns = time.monotonic_ns() - healed_ns
+        took_ns = 0
+
+        def heal(pair: CellPair) -> None:
+            nonlocal took_ns
+            healed_ns = time.monotonic_ns()
+            pair.impair(**healed)
+            pair.wait("the command path", lambda: _receives(pair), 20)
+            took_ns = time.monotonic_ns() - healed_ns
+
+        latch(impair(cut=True), heal, says="old", for_s=seconds)(trial)
         trial.note(f"a fresh sample {ms(took_ns):.0f} ms after it healed")
         trial.check(took_ns < BACK_S * NS_PER_S, f"the command path came back after {ms(took_ns):.0f} ms")
-        trial.stays()
 
     return play
 
