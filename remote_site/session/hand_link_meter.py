@@ -61,7 +61,7 @@ class HandLinkMeter:
     def __init__(self) -> None:
         self.network_ms: float | None = None
         self._session: int | None = None
-        self._newest = -1
+        self._newest_ns = -1
         self._arrivals: deque[MeteredSample] = deque()
         self._measured: HandLink | None = None
         self._measured_ns: int | None = None
@@ -69,13 +69,13 @@ class HandLinkMeter:
     def arrive(self, sample: HandArm, offset: ClockOffset | None, now_ns: int) -> None:
         """A sample has come; `offset` is the local clock minus ours, None while it cannot be used."""
         if sample.session != self._session:
-            self._session, self._measured_ns, self._newest = sample.session, None, -1
+            self._session, self._measured_ns, self._newest_ns = sample.session, None, -1
             self._arrivals.clear()
         age = SampleAge.of(sample, offset, now_ns) if offset is not None else None
         sent_ns = sample.capture_ns if sample.sent_ns is None else sample.sent_ns
-        superseded = sample.seq <= self._newest
+        superseded = sample.capture_ns <= self._newest_ns
         self._arrivals.append(MeteredSample(now_ns, sample.seq, now_ns - sent_ns, age, superseded))
-        self._newest = max(self._newest, sample.seq)
+        self._newest_ns = max(self._newest_ns, sample.capture_ns)
 
     def figures(self, now_ns: int) -> HandLink | None:
         """The figures of the last seconds, measured five times a second; None before LEAST_ARRIVALS samples."""
@@ -109,7 +109,7 @@ def _measure(arrivals: list[MeteredSample], seqs: list[int]) -> HandLink | None:
         tracking_ms=age.tracking_ns / NS_PER_MS if age is not None else None,
         interval_ms=interval_ns / NS_PER_MS,
         jitter_ms=jitter_ns / NS_PER_MS,
-        loss=_loss(seqs),
+        loss=_loss(seqs, arrivals[-1].seq),
     )
 
 
@@ -121,10 +121,11 @@ def _reported(arrivals: list[MeteredSample]) -> SampleAge | None:
     return ages[int(len(ages) * (1.0 - EXCEEDED_BY))]
 
 
-def _loss(seqs: list[int]) -> float:
-    """The fraction of numbers that never came; reordered and doubled ones are none.
+def _loss(seqs: list[int], newest: int) -> float:
+    """The fraction of numbers up to the newest that never came; reordered and doubled ones are none.
 
-    Counted from the window's first arrival: what was overtaken by it belongs to the window before.
+    Counted from the window's first arrival: what was overtaken by it belongs to the window before. A greater number
+    than that of the newest capture is a damaged one.
     """
-    come = {seq for seq in seqs if seq >= seqs[0]}
-    return 1.0 - len(come) / (max(come) - seqs[0] + 1)
+    come = {seq for seq in seqs if seqs[0] <= seq <= newest}
+    return 1.0 - len(come) / max(newest - seqs[0] + 1, 1)

@@ -44,13 +44,13 @@ class LinkAges:
     def note(self, arrival: ArrivedSample) -> None:
         """Note a sample; one that has been overtaken says nothing."""
         last = self._last
-        if last is not None and (arrival.seq <= last.seq or arrival.capture_ns <= last.capture_ns):
+        if last is not None and arrival.capture_ns <= last.capture_ns:
             return
         self._last = arrival
         if last is None or arrival.now_ns - last.now_ns > self._outage_ns:
             self._recent.clear()
             return
-        sent = arrival.seq - last.seq
+        sent = max(arrival.seq - last.seq, 1)
         self._interval_ns = min((arrival.capture_ns - last.capture_ns) // sent, LONGEST_INTERVAL_NS)
         if sent > 1:
             self._lost_ns = arrival.now_ns

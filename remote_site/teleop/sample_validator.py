@@ -45,7 +45,7 @@ class SampleValidator:
         if isinstance(offset, Reason):
             return self.refuse(offset)
         self.clock = sample.clock
-        broken = self._order(sample) or self._time(sample, now_ns, offset)
+        broken = self._time(sample, now_ns, offset)
         if broken is not None:
             return self.refuse(broken)
         new_session = self._remember(sample)
@@ -78,13 +78,6 @@ class SampleValidator:
         orientation = self._gate.judge(shown, born_ns, certainty.orientation)
         return Accepted(sample, position, orientation, born_ns, new_session, certainty.position)
 
-    def _order(self, sample: HandArm) -> Reason | None:
-        if sample.session != self._session or sample.seq > self._seq:
-            return None
-        if sample.seq == self._seq:
-            return reason(Code.DUPLICATE, seq=sample.seq)
-        return reason(Code.OLD, seq=sample.seq, newest=self._seq)
-
     def _time(self, sample: HandArm, now_ns: int, offset: ClockOffset) -> Reason | None:
         age_ns = offset.age_ns(sample.capture_ns, now_ns)
         if age_ns < 0:
@@ -92,9 +85,11 @@ class SampleValidator:
         self._age_limit.see(sample, now_ns - age_ns, now_ns)
         if age_ns > (limit_ns := self._age_limit.soft_ns):
             return reason(Code.STALE, age_ms=age_ns / NS_PER_MS, limit_ms=limit_ns / NS_PER_MS)
-        if sample.session == self._session and sample.capture_ns <= self._capture_ns:
-            return reason(Code.OLD, seq=sample.seq, newest=self._seq)
-        return None
+        if sample.session != self._session or sample.capture_ns > self._capture_ns:
+            return None  # whatever its number: one that was damaged does not make all samples after it old
+        if sample.seq == self._seq:
+            return reason(Code.DUPLICATE, seq=sample.seq)
+        return reason(Code.OLD, seq=sample.seq, newest=self._seq)
 
     def _remember(self, sample: HandArm) -> bool:
         """Note the sample's position in the sequence; True when it opens a new local session after another."""

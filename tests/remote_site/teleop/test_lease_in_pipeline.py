@@ -117,3 +117,16 @@ def test_without_clock_offset_nothing_engages():
     assert loop.states[-1] is SessionState.DISENGAGED
     answer = loop.ask(EngagementAction.ENGAGE)
     assert (answer.done, answer.reason.code) == (False, Code.NO_OFFSET)
+
+
+@pytest.mark.parametrize("ahead", [2, 255, 2**40])
+def test_a_sample_with_a_damaged_number_holds_nothing_up(ahead: int) -> None:
+    """It used to make every true sample after it an old one, until the local site was started again."""
+    loop = following()
+    capture_ns = loop.clock.now_ns()
+    loop.tick(hand(loop.hand_seq + ahead, capture_ns, swaying(capture_ns)))
+    loop.run(1000, swaying)
+    assert loop.states[-1000:].count(SessionState.ENGAGED) == 1000
+    assert not loop.snapshot.rejected
+    assert loop.snapshot.hand_link is not None
+    assert loop.snapshot.hand_link.loss == 0.0

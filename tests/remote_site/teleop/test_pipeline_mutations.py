@@ -61,8 +61,8 @@ CONDITIONS = [
     (
         SampleValidator,
         "_time",
-        "sample.session == self._session and sample.capture_ns <= self._capture_ns",
-        validator(of_validator.test_a_later_number_on_the_same_picture_is_refused),
+        "sample.seq == self._seq",
+        validator(of_validator.test_duplicates_and_older_samples_are_refused),
     ),
     (
         SampleValidator,
@@ -94,8 +94,8 @@ CONDITIONS = [
 TEXTS = [
     (
         SampleValidator,
-        "_order",
-        "sample.seq > self._seq",
+        "_time",
+        "sample.capture_ns > self._capture_ns",
         "True",
         validator(of_validator.test_duplicates_and_older_samples_are_refused),
     ),
@@ -188,10 +188,11 @@ def a_late_sample_is_not_taken():
     assert loop.snapshot.rejected[Code.STALE] == 1
 
 
-def an_older_number_is_not_taken():
+def an_older_sample_is_not_taken():
     loop = engaged()
     before = loop.newest
-    loop.tick(hand(before.sample.seq - 3, loop.clock.now_ns(), (0.05, 0.0, 0.3)))
+    loop.tick(hand(before.sample.seq - 3, before.sample.capture_ns - NS_PER_MS, (0.05, 0.0, 0.3)))
+    assert loop.snapshot.rejected == {Code.OLD: 1}
     assert loop.newest is before
 
 
@@ -204,7 +205,7 @@ SESSION = [
     (Session, "_leave", staying_armed, a_link_regained_does_not_resume),
     (SampleValidator, "_jump", lambda *_: None, a_jump_moves_nothing),
     (SampleValidator, "_time", lambda *_: None, a_late_sample_is_not_taken),
-    (SampleValidator, "_order", lambda *_: None, an_older_number_is_not_taken),
+    (SampleValidator, "_time", lambda *_: None, an_older_sample_is_not_taken),
 ]
 
 

@@ -235,7 +235,7 @@ samples = st.lists(
 
 @settings(max_examples=200, deadline=None, derandomize=True)
 @given(samples)
-def test_accepted_samples_always_rise_in_sequence_and_time_and_are_young(sequence):
+def test_accepted_samples_always_rise_in_time_and_are_young(sequence):
     intake = SampleValidator(SafetyConfig(), AgeLimit(SafetyConfig()))
     accepted, now_ns = [], NOW
     for seq, capture, session, delay_ms in sequence:
@@ -249,7 +249,6 @@ def test_accepted_samples_always_rise_in_sequence_and_time_and_are_young(sequenc
             accepted.append(sample)
     for before, after in itertools.pairwise(accepted):
         if before.session == after.session:
-            assert after.seq > before.seq
             assert after.capture_ns > before.capture_ns
     assert sum(intake.rejected.values()) == len(sequence) - len(accepted)
 
