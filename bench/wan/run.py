@@ -75,7 +75,8 @@ def run(links: Sequence[WanLink], changes: Sequence[Change]) -> None:
         render_source(Path(folder))
         with Stage(Path(folder)) as stage:
             bench = WanBench(stage, Likeness(Path(folder)))
-            measured = {link: bench.link(link) for link in links}
+            # Before any page: once one has sent the operator's intent, nothing engages while it is silent.
+            measured = {link: bench.link(link) for link in sorted(links, key=lambda link: link != HAND_ALONE)}
             changed = {change: bench.change(change) for change in changes}
     verdicts = judge_links(measured)
     verdicts += [one for change, figures in changed.items() for one in judge_change(change, figures, hand_mm_s())]
