@@ -4,6 +4,7 @@ import gc
 import secrets
 import time
 from collections.abc import Callable, Iterator, Sequence
+from functools import partial
 
 from common.clock import NS_PER_S, MonotonicClock
 from common.errors import DriverError, MessageError
@@ -25,7 +26,7 @@ from remote_site.kinematics.limits import load_arm
 from remote_site.runtime.driven_pipeline import DrivenPipeline
 from remote_site.runtime.links import open_site_link
 from remote_site.runtime.rate import Rate
-from remote_site.runtime.reporting import Reporter
+from remote_site.runtime.reporting import Reporter, loop_timing
 from remote_site.runtime.request_server import RequestServer, describe
 from remote_site.runtime.site_memory import SiteMemory
 from remote_site.runtime.state_pace import StatePace
@@ -77,7 +78,8 @@ def run_control(
         rate = Rate(config.control.rate_hz, clock, least_fraction=LEAST_FRACTION)
         states = link.publisher(STATE, config.cell)
         one_host = stays_here(config.links.control_endpoint)
-        reporter = Reporter(states, site, model, reported_collision, rate, real_time=real_time, one_host=one_host)
+        timing = partial(loop_timing, rate, real_time=real_time)
+        reporter = Reporter(states, site, model, reported_collision, timing, one_host=one_host)
         refusals = RefusalLog()
         server = RequestServer(link, description, leases, clock, refusals.note, config.links.heard)
         driven, inbox = DrivenPipeline(pipeline, driver), Inbox(link, config.cell, refusals, config.links.heard)

@@ -2,7 +2,7 @@
 
 import math
 import secrets
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 
 from common.link.pubsub import Publisher
 from common.messages.base import SESSION_BITS
@@ -40,9 +40,8 @@ class Reporter:
         site: SiteMemory,
         model: ArmModel,
         collision: CollisionModel,
-        rate: Rate,
+        measure_timing: Callable[[], LoopTiming],
         *,
-        real_time: bool,
         one_host: bool,
     ) -> None:
         self._one_host = one_host
@@ -50,12 +49,11 @@ class Reporter:
         self._site = site
         self._model = model
         self._collision = collision
-        self._rate = rate
-        self._real_time = real_time
+        self._measure_timing = measure_timing
         self._session = secrets.randbits(SESSION_BITS)
         self._seq = 0
         self._tracing = Tracing()
-        self._timing = self._measured_timing()
+        self._timing = measure_timing()
         self._log, self._link_log = TransitionLog(), LinkLog()
 
     def note(self, snapshot: Snapshot, driven: DrivenPipeline) -> None:
@@ -69,7 +67,7 @@ class Reporter:
         """Send the robot's state as measured and commanded; its size in bytes."""
         self._seq += 1
         if self._seq % STATES_PER_TIMING == 0:
-            self._timing = self._measured_timing()
+            self._timing = self._measure_timing()
         lease, report = _lease(snapshot.lease), driven.report
         self._site.show_lease(snapshot.lease.lease)
         answer, following = snapshot.readiness, snapshot.state is SessionState.ENGAGED
@@ -112,10 +110,10 @@ class Reporter:
         )
         return self._publisher.payload_bytes
 
-    def _measured_timing(self) -> LoopTiming:
-        rate = self._rate
-        late_us = rate.late_us(LATE_PERCENTILE)
-        return LoopTiming(rate.hz, late_us, rate.missed, rate.ticks, self._real_time)
+
+def loop_timing(rate: Rate, *, real_time: bool) -> LoopTiming:
+    """How well the control loop keeps its rate, and whether the kernel schedules it in real time."""
+    return LoopTiming(rate.hz, rate.late_us(LATE_PERCENTILE), rate.missed, rate.ticks, real_time)
 
 
 def _lease(status: LeaseStatus) -> LeaseState | None:

@@ -10,7 +10,7 @@ from functools import partial
 import numpy as np
 import pytest
 
-from common.clock import NS_PER_MS, NS_PER_S, MonotonicClock
+from common.clock import NS_PER_S, MonotonicClock
 from common.errors import DriverError
 from common.messages.robot import GripperCommand
 from common.process.children import Children
@@ -257,61 +257,3 @@ def test_a_process_that_is_gone_is_told(make_rig):
     rig.driver.process.join(30)
     time.sleep(0.15)
     assert link.read().fault.code is FaultCode.PROCESS
-
-
-def test_the_first_command_after_a_stop_began_is_where_the_stop_is_at_its_time():
-    memory = DriverMemory.create(6)
-    link = DriverLink(memory, LIMITS, CLOCK)
-    now_ns, moving = CLOCK.now_ns(), np.full((5, 6), 0.3)
-    raw = memory.report.read()
-    memory.report.write(raw._replace(at_ns=now_ns, stop_count=1, onset_ns=now_ns - 20 * NS_PER_MS, motions=moving))
-    link.read()
-    zero = np.zeros(6)
-    command = JointCommand(1, now_ns, zero, zero, zero, GripperCommand.KEEP)
-    stop = stopping(JointMotion(*moving[2:]), LIMITS, 0.02)
-    sent = link.write(command).motion
-    assert (sent.q == stop.q).all()
-    assert (sent.dq == stop.dq).all()
-    assert link.write(command) is command
-    first, second = memory.orders.take()
-    assert (first.stop_count, second.stop_count) == (1, 1)
-    assert (first.command.q == stop.q).all()
-
-
-def test_until_an_activation_is_answered_control_goes_on_from_where_it_was_asked():
-    """A robot that answers within a tick is never seen in between: what it was sent before is not where it is."""
-    memory = DriverMemory.create(6)
-    link = DriverLink(memory, LIMITS, CLOCK)
-    memory.report.write(memory.report.read()._replace(at_ns=CLOCK.now_ns(), motions=np.full((5, 6), 0.3)))
-    assert (link.read().sent.q == 0.3).all()
-    link.activate(np.full(6, 0.2))
-    report = link.read()
-    assert not report.ready
-    assert (report.sent.q == 0.2).all()
-    assert report.sent.resting
-
-
-def test_an_activation_and_a_stop_keep_the_gripper_whatever_was_commanded_before():
-    memory = DriverMemory.create(6)
-    link, zero = DriverLink(memory, LIMITS, CLOCK), np.zeros(6)
-    for command in GripperCommand:
-        link.write(JointCommand(1, 0, zero, zero, zero, command))
-        link.stop()
-        link.activate(zero)
-        keep = GripperCommand.KEEP
-        assert [order.command.gripper for order in memory.orders.take()] == [command, keep, keep]
-
-
-def test_every_order_arrives_once_and_lost_ones_are_never_torn():
-    memory = DriverMemory.create(6)
-    link = DriverLink(memory, LIMITS, CLOCK)
-    zero = np.zeros(6)
-    for seq in range(1, 201):
-        link.write(JointCommand(seq, 7 * NS_PER_MS, zero + seq, zero, zero, GripperCommand.CLOSED))
-        if seq == 10:
-            assert [order.command.seq for order in memory.orders.take()] == list(range(1, 11))
-    late = memory.orders.take()
-    assert [order.command.seq for order in late] == list(range(201 - len(late), 201))
-    assert len(late) == 63
-    assert all((order.command.q == order.command.seq).all() for order in late)
-    assert memory.orders.take() == []
