@@ -78,7 +78,7 @@ def soak(make: MakeRobot, seconds: float, seed: int = SEED) -> dict[str, float]:
         **margins(world, log),
         "moving commands after disengagement": float(moving_while_disengaged(world, log)),
         "rest after the last obeyed sample, ms beyond the bound": rest_beyond_bound_ms(world, log),
-        "oldest sample obeyed, ms": oldest_obeyed_ms(world),
+        "oldest sample obeyed, fraction of the age limit": oldest_obeyed(world),
     }
 
 
@@ -159,10 +159,11 @@ def rest_beyond_bound_ms(world: World, log: CommandLog) -> float:
     return worst
 
 
-def oldest_obeyed_ms(world: World) -> float:
-    """The greatest age of a sample that control obeyed, ms; 0 without any."""
+def oldest_obeyed(world: World) -> float:
+    """The greatest age of a sample that control obeyed, as a fraction of the limit in force then; 0 without any."""
     ticks = world.ticks
-    return max((t - born for t, born in zip(ticks.t_ns, ticks.born_ns, strict=True) if born), default=0) / NS_PER_MS
+    columns = zip(ticks.t_ns, ticks.born_ns, ticks.age_limit_ns, strict=True)
+    return max(((t - born) / limit for t, born, limit in columns if born), default=0.0)
 
 
 def _rest_ns(world: World, log: CommandLog, onset_ns: int, motion_ns: int) -> int:
