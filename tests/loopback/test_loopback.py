@@ -12,7 +12,7 @@ VIEWS = {"front_high", "front_low", "side", "gripper", "operator_left", "operato
 def test_the_loop_closes(tmp_path: Path) -> None:
     report, views = tmp_path / "out.json", tmp_path / "views"
     # A hold on a busy machine shifts the hand against the tool, and this operator is blind: nothing is touched here.
-    command = ["loopback", "--seconds", "6", "--headless", "--motion", "toggles"]
+    command = ["loopback", "--seconds", "9", "--headless", "--motion", "toggles"]
     command += ["--set", "safety.t_latch_ms=1500"]  # no pause of the machine ends the engagement
     command += ["--report", str(report), "--save-views", str(views)]
     done = subprocess.run(
