@@ -62,10 +62,7 @@ def lose(loss: float, delay_ms: float, seconds: float) -> Play:
     def play(trial: Trial) -> None:
         trial.pair.impair(delay_ms=delay_ms, loss=loss)
         time.sleep(LEARNT_S)
-        trial.pair.move()
-        trial.begin(lambda _: time.sleep(seconds))
-        trial.follows(0.9)
-        trial.obeys_nothing_old()
+        bear(seconds, 0.9, delay_ms=delay_ms, loss=loss)(trial)
         lossy_ns = trial.fault_ns + 2 * NS_PER_S, time.monotonic_ns()
         trial.pair.impair(delay_ms=delay_ms)
         time.sleep(CALIBRATION_S)

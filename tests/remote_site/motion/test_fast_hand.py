@@ -1,5 +1,7 @@
 """A fast hand: the joints do not overshoot a target that turns hard, nor the target a hand that turns."""
 
+from collections.abc import Callable
+
 import numpy as np
 import pytest
 
@@ -52,7 +54,7 @@ def test_a_joint_that_is_behind_an_accelerating_target_does_not_overshoot_it(beh
     assert abs(off[-1]) < 1e-3
 
 
-def predicted(hand: object, age_ms: float, seconds: float) -> tuple[np.ndarray, np.ndarray]:
+def predicted(hand: Callable[[float], float], age_ms: float, seconds: float) -> tuple[np.ndarray, np.ndarray]:
     """Times in s and the target in m of a hand that is seen every 33 ms."""
     predictor, pending = TargetPredictor(1, ControlConfig()), [k * PERIOD_MS for k in range(1, 400)]
     times, places = [], []
@@ -60,7 +62,7 @@ def predicted(hand: object, age_ms: float, seconds: float) -> tuple[np.ndarray, 
         now_ms = k * TICK_NS / NS_PER_MS
         while pending and pending[0] + age_ms <= now_ms:
             t_ms = pending.pop(0)
-            predictor.aim(t_ms * NS_PER_MS, np.array([hand(t_ms / 1e3)]), k * TICK_NS)  # type: ignore[operator]
+            predictor.aim(t_ms * NS_PER_MS, np.array([hand(t_ms / 1e3)]), k * TICK_NS)
         times.append(k * DT)
         places.append(predictor.at(k * TICK_NS)[0][0])
     return np.array(times), np.array(places)
