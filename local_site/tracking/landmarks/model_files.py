@@ -1,0 +1,67 @@
+"""The landmark models: which files they are, where they lie on this machine, and whether they are unchanged."""
+
+import hashlib
+import os
+from dataclasses import dataclass
+from pathlib import Path
+
+from common.errors import ModelError
+
+INSTALL = "farhand models install"
+FOLDER = "farhand/models"
+
+
+@dataclass(frozen=True, slots=True)
+class ModelFile:
+    """One model: its name, its path inside the wheel that it comes from, and its checksum."""
+
+    name: str
+    path: str
+    sha256: str
+
+
+def _model(folder: str, name: str, sha256: str) -> ModelFile:
+    return ModelFile(name, f"mediapipe/modules/{folder}/{name}", sha256)
+
+
+PALM_DETECTION = _model(
+    "palm_detection",
+    "palm_detection_full.tflite",
+    "1b14e9422c6ad006cde6581a46c8b90dd573c07ab7f3934b5589e7cea3f89a54",
+)
+HAND_LANDMARKS = _model(
+    "hand_landmark",
+    "hand_landmark_full.tflite",
+    "11c272b891e1a99ab034208e23937a8008388cf11ed2a9d776ed3d01d0ba00e3",
+)
+POSE_DETECTION = _model(
+    "pose_detection",
+    "pose_detection.tflite",
+    "9ba9dd3d42efaaba86b4ff0122b06f29c4122e756b329d89dca1e297fd8f866c",
+)
+POSE_LANDMARKS = _model(
+    "pose_landmark",
+    "pose_landmark_full.tflite",
+    "e9a5c5cb17f736fafd4c2ec1da3b3d331d6edbe8a0d32395855aeb2cdfd64b9f",
+)
+MODEL_FILES = (PALM_DETECTION, HAND_LANDMARKS, POSE_DETECTION, POSE_LANDMARKS)
+
+
+def model_folder() -> Path:
+    """Where the models lie: in the service's cache folder, else in the user's."""
+    service = os.environ.get("CACHE_DIRECTORY", "").partition(":")[0]
+    if service:
+        return Path(service) / "models"
+    return Path(os.environ.get("XDG_CACHE_HOME") or Path.home() / ".cache") / FOLDER
+
+
+def read_model(model: ModelFile, folder: Path | None = None) -> bytes:
+    """An installed model's bytes; ModelError that names the cure when it is missing or has been changed."""
+    path = (folder or model_folder()) / model.name
+    try:
+        content = path.read_bytes()
+    except OSError as error:
+        raise ModelError(f"the landmark model {path} is not there ({error.strerror}): run '{INSTALL}'") from error
+    if hashlib.sha256(content).hexdigest() != model.sha256:
+        raise ModelError(f"the landmark model {path} is damaged or another version: run '{INSTALL}'")
+    return content

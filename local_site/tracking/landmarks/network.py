@@ -1,0 +1,36 @@
+"""Runs one landmark model on the processor: a picture in, its outputs."""
+
+from collections.abc import Sequence
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from common.errors import ModelError
+
+Tensor = NDArray[np.float32]
+
+
+class Network:
+    """A model with one picture as its input; ModelError when the runtime is not installed or refuses the model."""
+
+    def __init__(self, content: bytes, outputs: int) -> None:
+        try:
+            from ai_edge_litert.interpreter import Interpreter  # noqa: PLC0415  # an extra
+        except ImportError as error:
+            raise ModelError("the landmark tracker needs its runtime: pip install 'farhand[learned]'") from error
+        try:
+            self._interpreter: Any = Interpreter(model_content=content, num_threads=1)
+            self._interpreter.allocate_tensors()
+        except (ValueError, RuntimeError) as error:
+            raise ModelError(f"the runtime cannot read a landmark model: {error}") from error
+        given = self._interpreter.get_input_details()[0]
+        self._input: int = given["index"]
+        self._outputs: list[int] = [output["index"] for output in self._interpreter.get_output_details()[:outputs]]
+        self.side_px = int(given["shape"][1])
+
+    def run(self, picture: Tensor) -> Sequence[Tensor]:
+        """The outputs for a square RGB picture (side, side, 3) from 0 to 1, each flat."""
+        self._interpreter.set_tensor(self._input, picture[None])
+        self._interpreter.invoke()
+        return [self._interpreter.get_tensor(index)[0] for index in self._outputs]
