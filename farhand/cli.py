@@ -9,7 +9,7 @@ from common.errors import ConfigError, FarhandError, InterruptionError
 from common.process.log import finish_log
 from farhand.commands.calibrate import calibrate_app
 from farhand.commands.checks import doctor, driver_app
-from farhand.commands.files import certificates_app, config_app
+from farhand.commands.files import certificates_app, config_app, models_app
 from farhand.commands.requests import engage, lease_app, maintenance_app
 from farhand.commands.simulations import experiment, loopback
 from farhand.commands.sites import console, local, remote, router
@@ -31,6 +31,7 @@ for name, group in {
     "calibrate": calibrate_app,
     "certificates": certificates_app,
     "config": config_app,
+    "models": models_app,
     "driver": driver_app,
 }.items():
     app.add_typer(group, name=name)

