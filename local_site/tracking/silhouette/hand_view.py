@@ -11,7 +11,7 @@ from local_site.calibration.triangulation import focal_length
 from local_site.kernels.compiled import compiled
 from local_site.kernels.pictures import grey_at
 from local_site.tracking.features.features import Features
-from local_site.tracking.silhouette.hand_model.fit import HandView
+from local_site.tracking.silhouette.hand_model.fit import NO_PIXELS, HandView
 
 MIN_PIXELS = 24
 MARGIN_PX = 16
@@ -39,7 +39,8 @@ def make_hand_view(projection: Array, view: Features, wrist: Array) -> HandView 
     outline = _refined(silhouette.grey, contour) + view.hand_shift
     step = max(1, round(len(outline) / PIXELS_WANTED))
     pixels, origin = np.ascontiguousarray(outline[::step]), np.array([x0, y0], dtype=np.float64) + view.hand_shift
-    return HandView(projection, focal_px, pixels, field, origin, sigma, outline, silhouette.grey, view.hand_shift)
+    grey, shift = silhouette.grey, view.hand_shift
+    return HandView(projection, focal_px, pixels, field, origin, sigma, outline, grey, shift, NO_PIXELS, 1.0)
 
 
 @compiled

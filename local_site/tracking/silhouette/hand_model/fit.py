@@ -1,4 +1,4 @@
-"""Fits the hand model to outlines in all views at once by Gauss-Newton, regularised by a prior, from one start or many.
+"""Fits the hand model to outlines and landmarks in all views at once by Gauss-Newton, regularised by a prior, from one start or many.
 
 The iteration is compiled from end to end, so that many starts can be tried.
 """
@@ -13,6 +13,7 @@ from numpy.typing import NDArray
 
 from common.geometry import Array
 from local_site.kernels.compiled import compiled
+from local_site.tracking.silhouette.hand_model.landmark_equations import add_landmarks
 from local_site.tracking.silhouette.hand_model.outline_equations import (
     Contact,
     add_outline,
@@ -48,7 +49,8 @@ class HandView(NamedTuple):
     Projection (3, 4) and its focal length in px; outline pixels (N, 2); the silhouette's distance field (H, W) in px,
     positive inside, whose first pixel is at `origin` (2,); the standard deviation in px of an outline pixel from the
     model, which includes the model's own error; the whole outline (M, 2), from which `pixels` are sampled; the grey
-    picture, empty where there is no view, and the shift (2,) that takes it to the instant measured.
+    picture, empty where there is no outline, and the shift (2,) that takes it to the instant measured; the hand's 21
+    landmarks (21, 2) in px, none (0, 2) where they are not known, and their standard deviation in px.
     """
 
     projection: Array
@@ -60,6 +62,8 @@ class HandView(NamedTuple):
     outline: Array
     grey: NDArray[np.uint8]
     shift: Array
+    landmarks: Array
+    landmark_sigma: float
 
 
 NO_PIXELS = np.empty((0, 2))
@@ -73,6 +77,8 @@ NO_VIEW = HandView(
     NO_PIXELS,
     np.empty((0, 0), np.uint8),
     np.zeros(2),
+    NO_PIXELS,
+    1.0,
 )
 
 
@@ -122,7 +128,7 @@ def contact(view: HandView, spheres: HandSpheres, pixels: Array) -> Contact:
 def _descend(
     views: tuple[HandView, ...], start: HandPose, prior: Prior, person: Person, iterations: int
 ) -> tuple[HandPose, Array, float]:
-    """The improved hand, the outlines' information (16, 16), and the cost per outline pixel."""
+    """The improved hand, the views' information (16, 16), and the cost per outline pixel and landmark."""
     wrist, rotation, posture = start
     information, gradient = np.zeros((STATE, STATE)), np.zeros(STATE)
     cost, strain = 0.0, np.zeros(STATE)
@@ -141,22 +147,24 @@ def _descend(
             break
     count = 0
     for view in views:
-        count += len(view.pixels)
+        count += len(view.pixels) + len(view.landmarks)
     strained = float(strain @ prior.information @ strain)
     return HandPose(wrist, rotation, posture), information, (cost + strained) / max(count, 1)
 
 
 @compiled
 def _add_views(views: tuple[HandView, ...], spheres: HandSpheres, information: Array, gradient: Array) -> float:
-    """Add the outlines of all views to the normal equations; returns their cost."""
+    """Add outlines and landmarks of all views to the normal equations; returns their cost."""
     cost = 0.0
     for view in views:
-        if len(view.pixels) == 0:
+        if len(view.pixels) == 0 and len(view.landmarks) == 0:
             continue
         circles, sigma = project_spheres(view.projection, view.focal_px, spheres), view.sigma
         contact = touch(view.pixels, circles)
         cost += add_outline(view.pixels, contact, circles, sigma, ROBUST_SIGMAS, information, gradient)
-        cost += add_outside(view.field, view.origin, circles, CONTAINED, sigma, OUTSIDE, information, gradient)
+        if len(view.pixels) > 0:
+            cost += add_outside(view.field, view.origin, circles, CONTAINED, sigma, OUTSIDE, information, gradient)
+        cost += add_landmarks(view.landmarks, circles, view.landmark_sigma, ROBUST_SIGMAS, information, gradient)
     return cost
 
 

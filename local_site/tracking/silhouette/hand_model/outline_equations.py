@@ -108,7 +108,7 @@ def add_outline(
         residual = distances[n] / sigma
         square = (residual / robust) ** 2
         cost += math.log1p(square) * robust**2
-        _add(information, gradient, row, residual, 1.0 / (1.0 + square))
+        add_row(information, gradient, row, residual, 1.0 / (1.0 + square))
     return cost
 
 
@@ -139,7 +139,7 @@ def add_outside(
             row[p] = (slope_x * moved[s, 0, p] + slope_y * moved[s, 1, p] - growth[s, p]) / sigma
         weight = weights[0] / max(1.0, -residual / weights[1])
         cost += weight * residual * residual
-        _add(information, gradient, row, residual, weight)
+        add_row(information, gradient, row, residual, weight)
     return cost
 
 
@@ -156,7 +156,7 @@ def _sample(field: NDArray[np.float32], px: float, py: float) -> tuple[float, fl
 
 
 @compiled
-def _add(information: Array, gradient: Array, row: Array, residual: float, weight: float) -> None:
+def add_row(information: Array, gradient: Array, row: Array, residual: float, weight: float) -> None:
     """Add one weighted row to the normal equations; only the lower half of the information is kept."""
     for p in range(len(row)):
         w = weight * row[p]

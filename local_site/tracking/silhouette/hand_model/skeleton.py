@@ -42,7 +42,7 @@ _WRIST_RADIUS = 0.0185
 FOREARM_SPHERE_DISTANCE = 0.06
 
 THUMB, WRIST, FOREARM, SPHERES = 16, 20, 22, 24
-INDEX_TIP, MIDDLE_TIP, THUMB_TIP = 3, 7, 19
+INDEX_TIP, MIDDLE_KNUCKLE, MIDDLE_TIP, THUMB_TIP = 3, 4, 7, 19
 
 _fingers = [(4 * f + j, 4 * f + j + 1) for f in range(4) for j in range(3)]
 _palm = [(20, 0), (20, 4), (21, 8), (21, 12), (0, 4), (4, 8), (8, 12), (20, 21), (20, 16), (16, 0)]
