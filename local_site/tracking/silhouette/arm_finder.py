@@ -25,7 +25,7 @@ ALONG_SIGMA, ACROSS_SIGMA = 0.006, 0.002
 
 
 @dataclass(frozen=True, slots=True)
-class FoundArm:
+class SeenArm:
     """An arm at one instant: its joints, and the features of the views that saw it, by their number.
 
     `residual_px` is the epipolar residual between the silhouettes, None if they were not compared.
@@ -54,10 +54,10 @@ class ArmFinder:
         self.projections = rig.matrices
         self._meters = tuple(ViewMeter(camera) for camera in rig.cameras)
         self._tangency = Tangency(self.projections)
-        self._last: tuple[FoundArm, Array] | None = None
-        self._before: tuple[FoundArm, Array] | None = None
+        self._last: tuple[SeenArm, Array] | None = None
+        self._before: tuple[SeenArm, Array] | None = None
 
-    def find(self, views: Views, body: Body) -> FoundArm | NoArm:
+    def find(self, views: Views, body: Body) -> SeenArm | NoArm:
         """The arm at the views' instant."""
         if len(views.views) != len(self._meters) or len(self._meters) < MIN_VIEWS:
             return NoArm(f"{len(views.views)} views for {len(self._meters)} calibrated cameras")
@@ -77,13 +77,13 @@ class ArmFinder:
         problem = objection(joints)
         if joints is None or problem:
             return NoArm(problem or TrackingReason.NO_ARM, residual_px)
-        return FoundArm(views.t_ns, joints, seen, features, limbs, residual_px)
+        return SeenArm(views.t_ns, joints, seen, features, limbs, residual_px)
 
     def matrices(self, seen: Sequence[int]) -> list[Array]:
         """The projections (3, 4) of some views."""
         return [self.projections[k] for k in seen]
 
-    def hand_views(self, arm: FoundArm) -> dict[int, HandView]:
+    def hand_views(self, arm: SeenArm) -> dict[int, HandView]:
         """The hand's part of each silhouette, by the view's number."""
         hands = {
             k: make_hand_view(self.projections[k], features, arm.joints.wrist)
@@ -91,7 +91,7 @@ class ArmFinder:
         }
         return {k: view for k, view in hands.items() if view is not None}
 
-    def evidence(self, arm: FoundArm) -> LimbEvidence:
+    def evidence(self, arm: SeenArm) -> LimbEvidence:
         """What the limbs show of the hand."""
         far_end = triangulate(self.matrices(arm.seen), [_farthest(f) for f in arm.features])
         along = arm.joints.wrist - arm.joints.elbow
@@ -100,18 +100,18 @@ class ArmFinder:
         wrist_covariance = ACROSS_SIGMA**2 * np.eye(3) + ALONG_SIGMA**2 * np.outer(axis, axis)
         return LimbEvidence(arm.joints.wrist, wrist_covariance, arm.joints.elbow, far_end)
 
-    def sleeve(self, arm: FoundArm) -> Array | None:
+    def sleeve(self, arm: SeenArm) -> Array | None:
         """Where the sleeve ends (3,) in m; None where it is not seen."""
         return sleeve_end(self.matrices(arm.seen), arm.features)
 
-    def overlays(self, arm: FoundArm, points: Sequence[Array]) -> tuple[Overlay, ...]:
+    def overlays(self, arm: SeenArm, points: Sequence[Array]) -> tuple[Overlay, ...]:
         """What to draw over each view; points (3,) in m are elbow and wrist, and index and thumb where known."""
         seen = dict(zip(arm.seen, arm.features, strict=True))
         return tuple(
             meter.overlay(seen[k], points) if k in seen else Overlay() for k, meter in enumerate(self._meters)
         )
 
-    def keep(self, arm: FoundArm, wrist: Array) -> None:
+    def keep(self, arm: SeenArm, wrist: Array) -> None:
         """Search near this arm from now on; its wrist (3,) in m may be known better by now."""
         self._before, self._last = self._last, (arm, wrist)
 

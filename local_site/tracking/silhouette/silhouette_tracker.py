@@ -8,7 +8,7 @@ from common.errors import CalibrationError
 from common.messages.hand import TrackingStatus
 from local_site.calibration.rig import Rig
 from local_site.tracking.config import SilhouetteConfig
-from local_site.tracking.silhouette.arm_finder import ArmFinder, FoundArm, NoArm
+from local_site.tracking.silhouette.arm_finder import ArmFinder, SeenArm, NoArm
 from local_site.tracking.silhouette.hand_model.fit import MAX_VIEWS, MIN_VIEWS
 from local_site.tracking.silhouette.hand_tracker import HandEstimate
 from local_site.tracking.silhouette.joints import elbow_covariance, wrist_covariance
@@ -47,14 +47,14 @@ class SilhouetteTracker:
         arm = self._finder.find(views, self._learning.body)
         return self._lost(views.t_ns, arm) if isinstance(arm, NoArm) else self._found(arm, self._track_hand(arm))
 
-    def _track_hand(self, arm: FoundArm) -> HandEstimate | None:
+    def _track_hand(self, arm: SeenArm) -> HandEstimate | None:
         views = tuple(self._finder.hand_views(arm).values())
         if len(views) < MIN_VIEWS:
             self._learning.hand.forget()
             return None
         return self._learning.track_hand(views, self._finder.evidence(arm))
 
-    def _found(self, arm: FoundArm, hand: HandEstimate | None) -> ArmEstimate:
+    def _found(self, arm: SeenArm, hand: HandEstimate | None) -> ArmEstimate:
         status, reason = self._judge(arm, hand)
         joints, wrist = arm.joints, arm.joints.wrist if hand is None else hand.wrist
         self._finder.keep(arm, wrist)
@@ -75,7 +75,7 @@ class SilhouetteTracker:
             residual_px=arm.residual_px,
         )
 
-    def _judge(self, arm: FoundArm, hand: HandEstimate | None) -> tuple[TrackingStatus, str]:
+    def _judge(self, arm: SeenArm, hand: HandEstimate | None) -> tuple[TrackingStatus, str]:
         """Learn while initialising; afterwards the doubts about the result."""
         reasons = doubts(self._rig, arm.limbs, arm.features, arm.joints)
         if hand is None:
