@@ -15,6 +15,7 @@ from local_site.tracking.config import SilhouetteConfig
 from local_site.tracking.features.features import Features
 from local_site.tracking.features.posture import Posture
 from local_site.tracking.features.view_meter import ViewMeter
+from local_site.tracking.foreground.dark_wall import DarkWall
 from local_site.tracking.silhouette.hand_model.fit import MAX_VIEWS, MIN_VIEWS
 from local_site.tracking.silhouette.hand_model.habits import LimbEvidence
 from local_site.tracking.silhouette.hand_tracker import HandEstimate
@@ -64,7 +65,7 @@ class SilhouetteTracker:
             raise CalibrationError(f"the tracker takes {MAX_VIEWS} cameras at most, the rig has {len(rig.cameras)}")
         self._rig = rig
         self._projections = rig.matrices
-        self._meters = tuple(ViewMeter(camera) for camera in rig.cameras)
+        self._meters = tuple(ViewMeter(camera, DarkWall()) for camera in rig.cameras)
         self._tangency = Tangency(self._projections)
         self._learning = BodyLearning(config or SilhouetteConfig(), profile)
         self._last: _Moment | None = None
