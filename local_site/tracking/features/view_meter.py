@@ -3,6 +3,7 @@
 from collections.abc import Sequence
 from dataclasses import replace
 from functools import partial
+from typing import Protocol
 
 import cv2
 import numpy as np
@@ -15,23 +16,29 @@ from local_site.calibration.triangulation import project
 from local_site.tracking.features.features import Features, measure
 from local_site.tracking.features.medial import MedialLine
 from local_site.tracking.features.posture import Posture
-from local_site.tracking.features.silhouette import find_silhouette, find_threshold, to_grey
+from local_site.tracking.features.silhouette import Silhouette, to_grey
 from local_site.tracking.tracker import FrameCache, Overlay, View
 
 MIN_SIDE_PX = 32
-UPDATE_EVERY = 15
-UPDATE_GAIN = 0.3
+
+
+class Foreground(Protocol):
+    """Tells the arm from the rest of one camera's undistorted, smoothed grey pictures (H, W)."""
+
+    def silhouette(self, grey: Image) -> Silhouette | str:
+        """The arm, or a sentence with the reason why there is none."""
+
+    def forget(self) -> None:
+        """Forget what followed the pictures so far."""
 
 
 class ViewMeter:
-    """Measures the frames of one camera with a threshold that follows slow changes of the light."""
+    """Measures the frames of one camera, in which a foreground shows the arm."""
 
-    def __init__(self, camera: CameraCalibration) -> None:
-        self._camera = camera
+    def __init__(self, camera: CameraCalibration, foreground: Foreground) -> None:
+        self._camera, self._foreground = camera, foreground
         self._undistorter = Undistorter(camera.lens, cv2.BORDER_REPLICATE)
         self._frames = FrameCache(blend)
-        self._level: float | None = None
-        self._since = 0
 
     def features(self, view: View, guess: Posture | None) -> Features | str:
         """The features at the view's instant, or a sentence with the reason why there are none."""
@@ -39,8 +46,8 @@ class ViewMeter:
         return f"{self._camera.name}: {found}" if isinstance(found, str) else found
 
     def forget(self) -> None:
-        """Find the threshold again with the next frame."""
-        self._level = None
+        """Find the arm again with the next frame, as if it were the first."""
+        self._foreground.forget()
 
     def overlay(self, view: Features, points: Sequence[Array]) -> Overlay:
         """The overlay of a view; points (3,) in m are elbow and wrist, and index and thumb where they are known."""
@@ -67,35 +74,17 @@ class ViewMeter:
             expected = "{}x{}".format(*self._camera.size_px or ())
             return f"the picture is {width}x{height}, but was calibrated at {expected}"
         grey = self._undistorter.undistorted(to_grey(image))
-        level = self._threshold(grey)
-        if isinstance(level, str):
-            return level
-        silhouette = find_silhouette(grey, level)
-        if silhouette is None:
-            return "no arm in the picture"
-        features = measure(silhouette, guess)
-        if features is None:
-            return "no forearm can be made out; hold the arm bent and across the view"
-        cropped = features.hand is not None and silhouette.touches_border(features.hand).any()
-        return "the hand is cropped by the border" if cropped else features
+        silhouette = self._foreground.silhouette(grey)
+        return silhouette if isinstance(silhouette, str) else features_of(silhouette, guess)
 
-    def _threshold(self, grey: Image) -> float | str:
-        """The threshold, updated every few frames by a low-pass filter, or why there is none yet.
 
-        A later picture without two clear modes changes nothing: the arm may just have left it.
-        """
-        self._since += 1
-        if self._level is not None and self._since < UPDATE_EVERY:
-            return self._level
-        self._since = 0
-        found = find_threshold(grey)
-        if self._level is None:
-            if isinstance(found, str):
-                return found
-            self._level = found
-        elif not isinstance(found, str):
-            self._level += UPDATE_GAIN * (found - self._level)
-        return self._level
+def features_of(silhouette: Silhouette, guess: Posture | None) -> Features | str:
+    """The features of a silhouette near a guess, or else found without one; a sentence if it shows none to be used."""
+    features = measure(silhouette, guess)
+    if features is None:
+        return "no forearm can be made out; hold the arm bent and across the view"
+    cropped = features.hand is not None and silhouette.touches_border(features.hand).any()
+    return "the hand is cropped by the border" if cropped else features
 
 
 def blend(before: Features, now: Features, weight: float) -> Features:

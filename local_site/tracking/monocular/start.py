@@ -11,6 +11,7 @@ from local_site.calibration.rig import CameraCalibration
 from local_site.tracking.config import MonocularConfig
 from local_site.tracking.features.features import Features
 from local_site.tracking.features.view_meter import ViewMeter
+from local_site.tracking.foreground.dark_wall import DarkWall
 from local_site.tracking.monocular.arm_model import MM, ArmPose, facing
 from local_site.tracking.monocular.outline_fit import OutlineFit, OutlineFitter
 from local_site.tracking.tracker import TrackingReason, View
@@ -50,7 +51,7 @@ class SilhouetteStart:
 
     def __init__(self, camera: CameraCalibration, lens: Lens, config: MonocularConfig) -> None:
         """`lens` is the pinhole's to which the camera's frames are undistorted."""
-        self._meter = ViewMeter(camera)
+        self._meter = ViewMeter(camera, DarkWall())
         self._fitter = OutlineFitter(lens, config)
         self._due_ns = 0
         self._problem = ""

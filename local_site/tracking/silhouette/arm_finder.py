@@ -2,6 +2,7 @@
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
+from typing import Protocol
 
 import numpy as np
 
@@ -10,14 +11,13 @@ from local_site.calibration.rig import Rig
 from local_site.calibration.triangulation import project, triangulate
 from local_site.tracking.features.features import Features
 from local_site.tracking.features.posture import Posture
-from local_site.tracking.features.view_meter import ViewMeter
 from local_site.tracking.silhouette.hand_model.fit import MIN_VIEWS, HandView
 from local_site.tracking.silhouette.hand_model.habits import LimbEvidence
 from local_site.tracking.silhouette.hand_view import make_hand_view
 from local_site.tracking.silhouette.joints import Body, Joints, sleeve_end, solve_joints
 from local_site.tracking.silhouette.limbs import Limbs, limbs_of
 from local_site.tracking.silhouette.quality import Tangency, objection
-from local_site.tracking.tracker import Overlay, TrackingReason, Views, extrapolation
+from local_site.tracking.tracker import Overlay, TrackingReason, View, Views, extrapolation
 
 MAX_PREDICTED_SIGMA = 0.015
 MAX_TANGENT_RESIDUAL = 0.4
@@ -47,12 +47,23 @@ class NoArm:
     residual_px: float | None = None
 
 
+class Meter(Protocol):
+    """Measures the pictures of one camera."""
+
+    def features(self, view: View, guess: Posture | None) -> Features | str: ...
+
+    def overlay(self, view: Features, points: Sequence[Array]) -> Overlay: ...
+
+    def forget(self) -> None: ...
+
+
 class ArmFinder:
     """Finds elbow and wrist in the views; only the search regions come from the last instants."""
 
-    def __init__(self, rig: Rig) -> None:
+    def __init__(self, rig: Rig, meters: Sequence[Meter]) -> None:
+        """`meters` measure the pictures of the rig's cameras, in their order."""
         self.projections = rig.matrices
-        self._meters = tuple(ViewMeter(camera) for camera in rig.cameras)
+        self._meters = tuple(meters)
         self._tangency = Tangency(self.projections)
         self._last: tuple[SeenArm, Array] | None = None
         self._before: tuple[SeenArm, Array] | None = None

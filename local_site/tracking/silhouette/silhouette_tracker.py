@@ -8,6 +8,8 @@ from common.errors import CalibrationError
 from common.messages.hand import TrackingStatus
 from local_site.calibration.rig import Rig
 from local_site.tracking.config import SilhouetteConfig
+from local_site.tracking.features.view_meter import ViewMeter
+from local_site.tracking.foreground.dark_wall import DarkWall
 from local_site.tracking.silhouette.arm_finder import ArmFinder, SeenArm, NoArm
 from local_site.tracking.silhouette.hand_model.fit import MAX_VIEWS, MIN_VIEWS
 from local_site.tracking.silhouette.hand_tracker import HandEstimate
@@ -34,7 +36,7 @@ class SilhouetteTracker:
         if len(rig.cameras) > MAX_VIEWS:
             raise CalibrationError(f"the tracker takes {MAX_VIEWS} cameras at most, the rig has {len(rig.cameras)}")
         self._rig = rig
-        self._finder = ArmFinder(rig)
+        self._finder = ArmFinder(rig, [ViewMeter(camera, DarkWall()) for camera in rig.cameras])
         self._learning = BodyLearning(config or SilhouetteConfig(), profile)
 
     @property
