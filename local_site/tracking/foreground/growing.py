@@ -1,0 +1,124 @@
+"""The arm's region in a map of log ratios: what is connected to the hand, where an arm can be."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import cv2
+import numpy as np
+from numpy.typing import NDArray
+
+from common.geometry import Array
+from local_site.calibration.triangulation import project
+from local_site.kernels.compiled import compiled
+from local_site.tracking.foreground.likelihood import LogRatios
+from local_site.tracking.foreground.room import Mask
+from local_site.tracking.foreground.tubes import ArmTubes, RatioMap, Tube, px_per_m
+
+FINGERS = ((0, 1, 2, 3, 4), (0, 5, 6, 7, 8), (0, 9, 10, 11, 12), (0, 13, 14, 15, 16), (0, 17, 18, 19, 20))
+PALM = (0, 1, 5, 9, 13, 17)
+FLESH_M = 0.024  # skin is at most so far from the bones of a hand
+WIDER = 1.6  # than the tube: an arm that bulges, a tube a little beside it
+ELBOW_M, UPPER_ARM_M = 0.13, 0.075  # the elbow is only known roughly
+NEVER, PERHAPS, LIKELY, SURE = 0, 1, 2, 3
+LEAST_PERHAPS, LEAST_LIKELY = 0.4, -0.4  # the log ratio that continues the region
+
+
+@dataclass(frozen=True, slots=True)
+class Region:
+    """The arm's squares (h, w) of one view, 1 where it is; where it could be, as NEVER to SURE."""
+
+    arm: Mask
+    zones: Mask
+
+
+def grow(view: RatioMap, hand: Array, tubes: ArmTubes) -> Region:
+    """The region of the arm with a hand's landmarks at pixels (21, 2)."""
+    smooth = np.asarray(cv2.GaussianBlur(view.ratios, (3, 3), 0), dtype=np.float32)
+    zones = _zones(view, hand, tubes)
+    arm = _connected(smooth, zones)
+    return Region(_filled(arm), zones)
+
+
+def bones(view: RatioMap, hand: Array) -> Mask:
+    """The squares (h, w) that are surely on the hand: its bones and what they enclose of the palm."""
+    drawn = np.zeros(view.ratios.shape, np.uint8)
+    squares = np.rint(view.to_squares(hand)).astype(np.int32)
+    cv2.polylines(drawn, [squares[list(finger)] for finger in FINGERS], False, 1)
+    cv2.fillConvexPoly(drawn, cv2.convexHull(squares[list(PALM)]), 1)
+    return drawn
+
+
+def draw_tube(drawn: Mask, view: RatioMap, tube: Tube, value: int, wider: float) -> None:
+    """Draw a tube into squares (h, w)."""
+    ends = np.array([tube.start, tube.end])
+    middles = view.to_squares(project(view.projection, ends))
+    along = middles[1] - middles[0]
+    normal = np.array([-along[1], along[0]]) / max(float(np.hypot(*along)), 1e-6)
+    half = [
+        wider * width * px_per_m(view.projection, end) / view.stride
+        for width, end in zip(tube.half_widths, ends, strict=True)
+    ]
+    corners = [
+        middles[0] + half[0] * normal,
+        middles[1] + half[1] * normal,
+        middles[1] - half[1] * normal,
+        middles[0] - half[0] * normal,
+    ]
+    cv2.fillConvexPoly(drawn, np.rint(corners).astype(np.int32), value)
+    for middle, radius in zip(middles, half, strict=True):
+        cv2.circle(drawn, _point(middle), round(radius), value, cv2.FILLED)
+
+
+def _point(position: Array) -> tuple[int, int]:
+    x, y = np.rint(position).astype(int).tolist()
+    return x, y
+
+
+def _zones(view: RatioMap, hand: Array, tubes: ArmTubes) -> Mask:
+    drawn = np.zeros(view.ratios.shape, np.uint8)
+    squares = np.rint(view.to_squares(hand)).astype(np.int32)
+    flesh = px_per_m(view.projection, tubes.forearm.start) * FLESH_M / view.stride
+    cv2.polylines(drawn, [squares[list(finger)] for finger in FINGERS], False, PERHAPS, max(round(2 * flesh), 1))
+    scale = px_per_m(view.projection, tubes.forearm.end) / view.stride
+    middles = view.to_squares(project(view.projection, np.array([tubes.forearm.end, tubes.upper_arm.end])))
+    cv2.circle(drawn, _point(middles[0]), round(ELBOW_M * scale), PERHAPS, cv2.FILLED)
+    cv2.line(drawn, _point(middles[0]), _point(middles[1]), PERHAPS, max(round(2 * UPPER_ARM_M * scale), 1))
+    draw_tube(drawn, view, tubes.forearm, PERHAPS, WIDER)
+    draw_tube(drawn, view, tubes.forearm, LIKELY, 0.8)
+    drawn[bones(view, hand) > 0] = SURE
+    return drawn
+
+
+@compiled
+def _connected(ratios: LogRatios, zones: Mask) -> Mask:
+    """The squares (h, w) that are connected to those that are SURE."""
+    height, width = zones.shape
+    region = np.zeros((height, width), np.uint8)
+    queue = np.empty((height * width, 2), np.int32)
+    count = 0
+    for j in range(height):
+        for i in range(width):
+            if zones[j, i] == SURE:
+                region[j, i] = 1
+                queue[count] = i, j
+                count += 1
+    begin = 0
+    while begin < count:
+        i, j = queue[begin]
+        begin += 1
+        for n in range(4):
+            x, y = i + (1 - n) * (n % 2 == 0), j + (2 - n) * (n % 2 == 1)
+            if 0 <= x < width and 0 <= y < height and region[y, x] == 0 and zones[y, x] != NEVER:
+                if ratios[y, x] > (LEAST_LIKELY if zones[y, x] == LIKELY else LEAST_PERHAPS):
+                    region[y, x] = 1
+                    queue[count] = x, y
+                    count += 1
+    return region
+
+
+def _filled(region: Mask) -> Mask:
+    """The region without holes and threads."""
+    contours: Sequence[NDArray[np.int32]] = cv2.findContours(region, cv2.RETR_EXTERNAL, cv2.CHAIN_APPROX_NONE)[0]  # type: ignore[assignment]
+    filled = np.zeros_like(region)
+    cv2.drawContours(filled, contours, -1, 1, cv2.FILLED)
+    return filled
