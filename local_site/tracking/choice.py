@@ -6,7 +6,8 @@ import msgspec
 from msgspec import Meta, field
 
 from local_site.calibration.rig import Rig
-from local_site.tracking.config import MarkersConfig, Method, MonocularConfig, SilhouetteConfig
+from local_site.tracking.config import LearnedConfig, MarkersConfig, Method, MonocularConfig, SilhouetteConfig
+from local_site.tracking.landmarks.learned_tracker import LearnedTracker
 from local_site.tracking.markers.marker_tracker import MarkerTracker
 from local_site.tracking.monocular.monocular_tracker import MonocularTracker
 from local_site.tracking.silhouette.operator_profile import OperatorProfile
@@ -20,10 +21,12 @@ class TrackingConfig(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_f
     method: Annotated[
         Method,
         Meta(
-            description="silhouette: a bare arm; markers: three bright markers on a dark glove; monocular: one camera"
+            description="silhouette: a bare arm before a dark wall; learned: a bare arm in any room, by hand landmarks; "
+            "markers: three bright markers on a dark glove; monocular: one camera"
         ),
     ] = "silhouette"
     silhouette: SilhouetteConfig = field(default_factory=SilhouetteConfig)
+    learned: LearnedConfig = field(default_factory=LearnedConfig)
     markers: MarkersConfig = field(default_factory=MarkersConfig)
     monocular: MonocularConfig = field(default_factory=MonocularConfig)
     profile_dir: Annotated[
@@ -37,9 +40,11 @@ def make_tracker(rig: Rig, config: TrackingConfig, profile: OperatorProfile | No
         return MarkerTracker(rig, config.markers)
     if config.method == "monocular":
         return MonocularTracker(rig, config.monocular)
+    if config.method == "learned":
+        return LearnedTracker(rig, config.learned, profile)
     return SilhouetteTracker(rig, config.silhouette, profile)
 
 
 def profile_of(tracker: Tracker) -> OperatorProfile | None:
     """The operator's profile as a tracker has learned it; None for trackers that learn none."""
-    return tracker.profile if isinstance(tracker, SilhouetteTracker) else None
+    return tracker.profile if isinstance(tracker, SilhouetteTracker | LearnedTracker) else None

@@ -5,7 +5,7 @@ from typing import Annotated, Literal
 import msgspec
 from msgspec import Meta, field
 
-Method = Literal["silhouette", "markers", "monocular"]
+Method = Literal["silhouette", "markers", "monocular", "learned"]
 
 
 class SilhouetteConfig(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
@@ -17,6 +17,15 @@ class SilhouetteConfig(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown
     right_arm: Annotated[
         bool, Meta(description="which arm is tracked; it decides on which side of the hand the index finger is")
     ] = True
+
+
+class LearnedConfig(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
+    """How the tracker for ordinary rooms learns a body, and which arm it tracks."""
+
+    initial_pairs: Annotated[
+        int, Meta(ge=5, le=1000, description="pairs of images from which side and lengths of the arm are learned")
+    ] = 10
+    right_arm: Annotated[bool, Meta(description="which arm is tracked; a hand of the other side is refused")] = True
 
 
 class MarkersConfig(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):

@@ -72,6 +72,10 @@ class TrackingReason(StrEnum):
         "the hand looks like one of the other arm: the pictures are mirrored and exchanged, or right_arm is set wrongly"
     )
     OTHER_BODY = "the arm does not fit the operator's profile and is learned again: hold it bent, thumb and index apart"
+    NO_HAND = "no hand is seen: hold it up before all cameras"
+    HANDS_DIFFER = "a hand is seen, but two views do not agree on it: hold it where all cameras see it"
+    OTHER_HAND = "only a hand is seen that is not the operator's: hold up yours"
+    OTHER_SIDE = "this looks like the operator's other hand, or the pictures are mirrored; right_arm says which is meant"
     THUMB_INFERRED = "the thumb is not seen in outline by two cameras; its position follows from the hand's shape"
     LEARNING = "learning the arm: hold it bent, thumb and index apart"
 

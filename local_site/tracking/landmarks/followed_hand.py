@@ -1,15 +1,15 @@
 """The hand between instants: the hand model fitted to landmarks, and to the outlines where they agree with them."""
 
 from collections import deque
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from statistics import median
 
 import numpy as np
 
 from common.geometry import Array
-from local_site.tracking.landmarks.hand_starts import any_posture, laid_upon, pose_from_landmarks, scale_of
-from local_site.tracking.silhouette.hand_model.fit import HandFit, HandView, Prior, fit_hand
+from local_site.tracking.landmarks.hand_starts import PALM_LANDMARKS, any_posture, pose_from_landmarks, scale_of
+from local_site.tracking.silhouette.hand_model.fit import NO_VIEW, HandFit, HandView, Prior, fit_hand
 from local_site.tracking.silhouette.hand_model.habits import (
     Belief,
     Habits,
@@ -18,13 +18,15 @@ from local_site.tracking.silhouette.hand_model.habits import (
     prior_information,
 )
 from local_site.tracking.silhouette.hand_model.landmark_equations import landmark_points
-from local_site.tracking.silhouette.hand_model.skeleton import EXTRA_CURL, PALM, HandPose, Person
+from local_site.tracking.silhouette.hand_model.skeleton import PALM, HandPose, Person
 from local_site.tracking.silhouette.tips import INDEX, THUMB, Tip, find_tips
 
 ITERATIONS = 6
+START_ITERATIONS, START_SIGMAS = 5, 3.0
 LOOSE_WRIST_M = 0.03
+HABITUAL = 2.0  # mean squared deviation from a habit in its own standard deviations
+CLEARLY_BETTER = 0.9
 REMEMBERED_SCALES = 60
-"""The hand's own landmarks of the palm, which move as one."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -35,6 +37,12 @@ class FittedHand:
     index: Tip
     thumb: Tip
     hand_open: bool
+
+    @property
+    def wrist_covariance(self) -> Array:
+        """The wrist's covariance (3, 3) in m²."""
+        covariance: Array = np.linalg.inv(self.fit.information)[:3, :3]
+        return covariance
 
 
 class FollowedHand:
@@ -52,15 +60,14 @@ class FollowedHand:
         """Start from an unknown pose with the next instant."""
         self._last, self._open = None, False
 
-    def track(self, views: Sequence[HandView], landmarks: Array, arm: LimbEvidence | None) -> FittedHand | None:
+    def track(self, views: Sequence[HandView], landmarks: Array, arm: LimbEvidence | None) -> FittedHand:
         """The hand of views with landmarks, whose triangulation (21, 3) in m is `landmarks`."""
-        person = self._person(landmarks, arm)
-        belief = any_posture(self._habits.own)
+        person = self._person_last = self._person(landmarks, arm)
         fits = [
-            fit_hand(views, start, _prior(known, start, arm), person, ITERATIONS)
-            for start, known in self._starts(landmarks, person, belief)
+            fit_hand(views, start, _prior(belief, start, arm), person, ITERATIONS)
+            for start, belief in self._starts(views, landmarks, person)
         ]
-        fit = min(fits, key=lambda fit: fit.cost)
+        fit = fits[0] if fits[0].cost * CLEARLY_BETTER <= fits[-1].cost else fits[-1]
         self._last = fit.pose, landmarks
         self._habits.learn_fit(fit)
         index, thumb = find_tips(views, fit.spheres, (INDEX, THUMB))
@@ -72,15 +79,36 @@ class FollowedHand:
         away = landmarks[0] - landmarks[9] if arm is None else arm.elbow - arm.wrist
         return Person(median(self._scales), self._right_arm, away / max(float(np.linalg.norm(away)), 1e-6))
 
-    def _starts(self, landmarks: Array, person: Person, belief: Belief) -> list[tuple[HandPose, Belief]]:
-        """The last pose moved with the landmarks, and a new one from the landmarks alone."""
-        new = pose_from_landmarks(landmarks, person, belief.posture[PALM:])
-        if self._last is None:
-            return [(new, belief)]
-        last, before = self._last
-        rotation, shift, _ = laid_upon(before, landmarks)
-        moved = HandPose(rotation @ last.wrist + shift, rotation @ last.rotation, last.posture)
-        return [(moved, near_last(belief, last.posture)), (new, belief)]
+    def _expected(self, posture: Array) -> Belief:
+        """What is believed of a hand that was last held like this: a habit if it was one."""
+        for habit in (self._habits.closed, self._habits.opened):
+            off = posture - habit.posture
+            if off @ habit.information @ off < HABITUAL * len(off):
+                return habit
+        return any_posture(self._habits.own)
+
+    def _starts(
+        self, views: Sequence[HandView], landmarks: Array, person: Person
+    ) -> Iterator[tuple[HandPose, Belief]]:
+        """The last pose moved with the palm, and a new one where landmarks show it; each with what is believed."""
+        belief = any_posture(self._habits.own)
+        if self._last is not None:
+            last, before = self._last
+            palm = list(PALM_LANDMARKS)
+            moved = last._replace(wrist=last.wrist + np.mean(landmarks[palm] - before[palm], axis=0))
+            yield moved, near_last(self._expected(last.posture), last.posture)
+        if any(len(view.landmarks) for view in views):
+            start = pose_from_landmarks(landmarks, person, belief.posture[PALM:])
+            alone = [
+                NO_VIEW._replace(
+                    projection=view.projection,
+                    focal_px=view.focal_px,
+                    landmarks=view.landmarks,
+                    landmark_sigma=START_SIGMAS * view.landmark_sigma,
+                )
+                for view in views
+            ]
+            yield fit_hand(alone, start, _prior(belief, start, None), person, START_ITERATIONS).pose, belief
 
 
 def _prior(belief: Belief, start: HandPose, arm: LimbEvidence | None) -> Prior:

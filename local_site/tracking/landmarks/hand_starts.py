@@ -13,7 +13,7 @@ POINTING = np.array([0.1, 0.1, 1.2, 0.0, 0.5, 0.6, 0.5, 0.0, 0.0, 0.0])
 TYPICAL = (GRIPPER, FLAT, FIST, POINTING)
 ANY_SIGMA = np.array([0.6, 0.6, 0.5, 0.12, 0.35, 0.35, 0.35])
 PALM_LANDMARKS = (1, 5, 9, 13, 17)
-_PAIRS = np.triu_indices(len(PALM_LANDMARKS), 1)
+KNUCKLES = (5, 9, 13, 17)
 
 
 def any_posture(sizes: Belief) -> Belief:
@@ -27,15 +27,10 @@ def any_posture(sizes: Belief) -> Belief:
 
 
 def scale_of(landmarks: Array, right_arm: bool) -> float:
-    """The size of a palm (21, 3) in m against the average one's."""
+    """The size of a palm with landmarks (21, 3) in m against the average one's, by its length."""
     average = landmark_points(pose_spheres(GRIPPER, 1.0, right_arm)[0])
-    seen, usual = (np.linalg.norm(np.subtract(*_ends(points)), axis=1) for points in (landmarks, average))
+    seen, usual = (np.linalg.norm(hand[list(KNUCKLES)] - hand[0], axis=1) for hand in (landmarks, average))
     return float(np.median(seen / usual))
-
-
-def _ends(landmarks: Array) -> tuple[Array, Array]:
-    palm = landmarks[list(PALM_LANDMARKS)]
-    return palm[_PAIRS[0]], palm[_PAIRS[1]]
 
 
 def pose_from_landmarks(landmarks: Array, person: Person, sizes: Array) -> HandPose:

@@ -14,7 +14,7 @@ from local_site.kernels.pictures import grey_at
 from local_site.tracking.silhouette.hand_model.fit import MAX_VIEWS, MIN_VIEWS, HandView, contact, padded
 from local_site.tracking.silhouette.hand_model.skeleton import CAPSULES, INDEX_TIP, THUMB_TIP, HandSpheres
 
-FREEDOM_M = 0.008
+FREEDOM_M, SEEN_FREEDOM_M = 0.008, 0.02  # of a tip in its model, without and with landmarks
 SHAPE_SIGMA_M = 0.001
 MISFIT_WEIGHT = 0.1
 PIXEL_SIGMA = 1.4
@@ -38,13 +38,14 @@ Circle = tuple[Array, float, Array, Array]
 
 @dataclass(frozen=True, slots=True)
 class Finger:
-    """A finger by the number of its last sphere, and the error model of its tip.
+    """A finger by the numbers of its last sphere and landmark, and the error model of its tip.
 
     `edges` weights the covariance from its edges, `depth_sigma_m` is how deep in its round end the tip lies,
     `hidden_sigmas_m` is the model's error where no view and where one view shows the end in outline.
     """
 
     sphere: int
+    landmark: int
     edges: float
     depth_sigma_m: float
     hidden_sigmas_m: tuple[float, float]
@@ -52,8 +53,8 @@ class Finger:
 
 # The index's end is seldom hidden by more than another finger, in front of which its grey edges are visible; the thumb
 # disappears behind the hand, where only habit predicts it.
-INDEX = Finger(INDEX_TIP, 1.0, 0.0, (0.0025, 0.0025))
-THUMB = Finger(THUMB_TIP, 0.35, 0.0045, (0.019, 0.0095))
+INDEX = Finger(INDEX_TIP, 8, 1.0, 0.0, (0.0025, 0.0025))
+THUMB = Finger(THUMB_TIP, 4, 0.35, 0.0045, (0.019, 0.0095))
 
 
 @dataclass(frozen=True, slots=True)
@@ -76,7 +77,7 @@ def find_tips(views: Sequence[HandView], spheres: HandSpheres, fingers: Sequence
     for finger in fingers:
         sphere = finger.sphere
         tip = (spheres.centres[sphere], spheres.centres[sphere - 1], float(spheres.radii[sphere]))
-        shift, spread, seen = _settle(padded(views), tuple(capsules), CAPSULES[:, 1] == sphere, tip)
+        shift, spread, seen = _settle(padded(views), tuple(capsules), CAPSULES[:, 1] == sphere, tip, finger.landmark)
         point = spheres.tip(sphere) + shift
         rays = [point + np.linalg.solve(v.projection[:, :3], v.projection[:, 3]) for v in views]
         sight = np.mean([ray / np.linalg.norm(ray) for ray in rays], axis=0)
@@ -97,21 +98,32 @@ def _covariance(finger: Finger, shift: Array, spread: Array, seen: int, sight: A
 
 @compiled
 def _settle(
-    views: tuple[HandView, ...], capsules: tuple[NDArray[np.intp], ...], owned: NDArray[np.bool_], tip: TipSphere
+    views: tuple[HandView, ...],
+    capsules: tuple[NDArray[np.intp], ...],
+    owned: NDArray[np.bool_],
+    tip: TipSphere,
+    landmark: int,
 ) -> tuple[Array, Array, int]:
     """Move a tip to its edges: its shift (3,), the covariance (3, 3) of that, and how many views show it in outline.
 
     `capsules` (M,) are those that each outline pixel of a view touches; `owned` marks those (K,) that end in the tip.
     """
-    shift, information, seen = np.zeros(3), np.eye(3), 0
+    shift, information, seen, freedom = np.zeros(3), np.eye(3), 0, FREEDOM_M
+    for view in views:
+        if len(view.landmarks) > 0:
+            freedom = SEEN_FREEDOM_M
     for _ in range(STEPS):
-        information, pull, seen = np.eye(3) / FREEDOM_M**2, shift / FREEDOM_M**2, 0
+        information, pull, seen = np.eye(3) / freedom**2, shift / freedom**2, 0
         moved = (tip[0] + shift, tip[1] + shift, tip[2])
         for k in range(len(views)):
             view = views[k]
-            if view.grey.size == 0:
+            if view.grey.size == 0 and len(view.landmarks) == 0:
                 continue
             circle = _circle(view, moved)
+            if len(view.landmarks) > 0:
+                _add_landmark(circle, view.landmarks[landmark], view.landmark_sigma, information, pull)
+            if view.grey.size == 0:
+                continue
             ahead = _add_outline(circle, view.outline, owned, capsules[k], information, pull)
             if ahead >= max(MIN_PIXELS, END_RADII * circle[1]):
                 seen += 1
@@ -139,6 +151,14 @@ def _add(
         pull[p] += row[p] * residual_px / sigma
         for q in range(3):
             information[p, q] += row[p] * row[q]
+
+
+@compiled
+def _add_landmark(circle: Circle, landmark: Array, sigma: float, information: Array, pull: Array) -> None:
+    """Add the landmark (2,) in px of a tip: the centre of its round end."""
+    centre, _, _, gradient = circle
+    _add(gradient, 1.0, 0.0, landmark[0] - centre[0], sigma, information, pull)
+    _add(gradient, 0.0, 1.0, landmark[1] - centre[1], sigma, information, pull)
 
 
 @compiled
