@@ -7,7 +7,7 @@ from msgspec import Meta, field
 
 from local_site.calibration.rig import Rig
 from local_site.tracking.config import LearnedConfig, MarkersConfig, Method, MonocularConfig, SilhouetteConfig
-from local_site.tracking.landmarks.learned_tracker import LearnedTracker
+from local_site.tracking.learned.learned_tracker import LearnedTracker
 from local_site.tracking.markers.marker_tracker import MarkerTracker
 from local_site.tracking.monocular.monocular_tracker import MonocularTracker
 from local_site.tracking.silhouette.operator_profile import OperatorProfile

@@ -51,18 +51,7 @@ class ViewMeter:
 
     def overlay(self, view: Features, points: Sequence[Array]) -> Overlay:
         """The overlay of a view; points (3,) in m are elbow and wrist, and index and thumb where they are known."""
-        camera, upper = self._camera, view.upper_arm
-        elbow, wrist, index, thumb, *_ = (*camera.distort_pixels(project(camera.matrix, np.array(points))), None, None)
-        upper_line = None if upper is None else np.array([upper.at(0.0), view.guess.shoulder_end])
-        return Overlay(
-            contour=np.rint(camera.distort_pixels(view.silhouette.contour)).astype(np.int32),
-            forearm_line=camera.distort_pixels(np.array([view.forearm.at(0.0), view.guess.wrist])),
-            upper_arm_line=None if upper_line is None else camera.distort_pixels(upper_line),
-            elbow=elbow,
-            wrist=wrist,
-            index=index,
-            thumb=thumb,
-        )
+        return overlay_of(self._camera, view, points)
 
     def _measure(self, frame: Frame, guess: Posture | None) -> Features | str:
         image = frame.image
@@ -85,6 +74,22 @@ def features_of(silhouette: Silhouette, guess: Posture | None) -> Features | str
         return "no forearm can be made out; hold the arm bent and across the view"
     cropped = features.hand is not None and silhouette.touches_border(features.hand).any()
     return "the hand is cropped by the border" if cropped else features
+
+
+def overlay_of(camera: CameraCalibration, view: Features, points: Sequence[Array]) -> Overlay:
+    """What to draw over a view: its outline and lines, and points (3,) in m: elbow, wrist, then index and thumb."""
+    upper = view.upper_arm
+    elbow, wrist, index, thumb, *_ = (*camera.distort_pixels(project(camera.matrix, np.array(points))), None, None)
+    upper_line = None if upper is None else np.array([upper.at(0.0), view.guess.shoulder_end])
+    return Overlay(
+        contour=np.rint(camera.distort_pixels(view.silhouette.contour)).astype(np.int32),
+        forearm_line=camera.distort_pixels(np.array([view.forearm.at(0.0), view.guess.wrist])),
+        upper_arm_line=None if upper_line is None else camera.distort_pixels(upper_line),
+        elbow=elbow,
+        wrist=wrist,
+        index=index,
+        thumb=thumb,
+    )
 
 
 def blend(before: Features, now: Features, weight: float) -> Features:

@@ -9,7 +9,7 @@ from common.geometry import Array
 from local_site.tracking.landmarks.crop import Crop, upright
 from local_site.tracking.landmarks.network import Network
 
-WRIST, THUMB_TIP, INDEX_KNUCKLE, INDEX_TIP, MIDDLE_KNUCKLE = 0, 4, 5, 8, 9
+WRIST, THUMB_TIP, INDEX_TIP, MIDDLE_KNUCKLE, MIDDLE_TIP = 0, 4, 8, 9, 12
 PALM = (0, 1, 2, 3, 5, 6, 9, 10, 13, 14, 17, 18)  # the landmarks that move least with the fingers
 POINTERS = (6, 10, 14)  # the middle joints of index, middle and ring finger
 NEXT_SCALE, NEXT_SHIFT = 2.0, 0.1

@@ -68,11 +68,11 @@ class ArmFinder:
         self._last: tuple[SeenArm, Array] | None = None
         self._before: tuple[SeenArm, Array] | None = None
 
-    def find(self, views: Views, body: Body) -> SeenArm | NoArm:
-        """The arm at the views' instant."""
+    def find(self, views: Views, body: Body, hints: Sequence[Posture | None] = ()) -> SeenArm | NoArm:
+        """The arm at the views' instant; `hints` say by view where to begin when no arm was kept."""
         if len(views.views) != len(self._meters) or len(self._meters) < MIN_VIEWS:
             return NoArm(f"{len(views.views)} views for {len(self._meters)} calibrated cameras")
-        guesses = self._guesses(views.t_ns)
+        guesses = self._guesses(views.t_ns) if self._last is not None or not hints else hints
         measured = [m.features(v, g) for m, v, g in zip(self._meters, views.views, guesses, strict=True)]
         seen = tuple(k for k, found in enumerate(measured) if isinstance(found, Features))
         features = tuple(found for found in measured if isinstance(found, Features))

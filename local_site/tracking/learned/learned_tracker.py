@@ -10,9 +10,9 @@ from common.messages.hand import TrackingStatus
 from local_site.calibration.rig import Rig
 from local_site.calibration.triangulation import focal_length
 from local_site.tracking.config import LearnedConfig
-from local_site.tracking.landmarks.arm_length import ArmLength
-from local_site.tracking.landmarks.arm_outlines import ArmOutlines
-from local_site.tracking.landmarks.followed_hand import FittedHand, FollowedHand
+from local_site.tracking.learned.arm_length import ArmLength
+from local_site.tracking.learned.arm_outlines import ArmOutlines
+from local_site.tracking.learned.followed_hand import FittedHand, FollowedHand
 from local_site.tracking.landmarks.hand_finder import HandFinder
 from local_site.tracking.landmarks.hand_pairing import SeenHand
 from local_site.tracking.landmarks.models import view_hands
@@ -66,7 +66,7 @@ class LearnedTracker:
             self._finder.forget()
             self._side.forget()
             return self._lost(views.t_ns, TrackingReason.OTHER_SIDE, seen.residual_px)
-        arm = self._outlines.find(views, self._length.body, seen)
+        arm = self._outlines.find(views, self._length.body, seen, starting=not self._length.is_known)
         hand = self._fit(seen, arm)
         return self._found(views.t_ns, seen, arm, hand)
 

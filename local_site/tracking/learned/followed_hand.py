@@ -8,7 +8,7 @@ from statistics import median
 import numpy as np
 
 from common.geometry import Array
-from local_site.tracking.landmarks.hand_starts import PALM_LANDMARKS, any_posture, pose_from_landmarks, scale_of
+from local_site.tracking.learned.hand_starts import PALM_LANDMARKS, any_posture, pose_from_landmarks, scale_of
 from local_site.tracking.silhouette.hand_model.fit import NO_VIEW, HandFit, HandView, Prior, fit_hand
 from local_site.tracking.silhouette.hand_model.habits import (
     Belief,

@@ -1,0 +1,95 @@
+"""The arm's outlines in all views: before a dark wall by a threshold, else by this arm's colour and the empty room."""
+
+import cv2
+import numpy as np
+
+from common.cameras.camera import Image
+from local_site.calibration.physical_camera import Undistorter
+from local_site.calibration.rig import Rig
+from local_site.tracking.features.view_meter import ViewMeter
+from local_site.tracking.foreground.dark_wall import DarkWall
+from local_site.tracking.foreground.found_foreground import FoundForeground
+from local_site.tracking.landmarks.hand_landmarks import MIDDLE_TIP
+from local_site.tracking.landmarks.hand_pairing import SeenHand
+from local_site.tracking.landmarks.view_hands import as_bgr
+from local_site.tracking.learned.found_meter import FoundMeter
+from local_site.tracking.silhouette.arm_finder import ArmFinder, NoArm, SeenArm
+from local_site.tracking.silhouette.joints import Body
+from local_site.tracking.tracker import TrackingReason, Views
+
+MOST_WRIST_OFF_M = 0.06  # the wrist's landmark lies on the crease, 2 cm from the joint
+WITHIN = 0.9  # of the landmarks: inside the silhouette of a hand before a dark wall
+
+
+class ArmOutlines:
+    """Finds the arm that belongs to a hand."""
+
+    def __init__(self, rig: Rig) -> None:
+        self._rig = rig
+        self._undistorters = [Undistorter(camera.lens, cv2.BORDER_REPLICATE) for camera in rig.cameras]
+        self._meters = [FoundMeter(camera) for camera in rig.cameras]
+        self._before_wall = ArmFinder(rig, [ViewMeter(camera, DarkWall()) for camera in rig.cameras])
+        self._in_room = ArmFinder(rig, self._meters)
+        self._foreground = FoundForeground(rig)
+        self.finder = self._before_wall
+
+    def learn_room(self, views: Views) -> None:
+        """Learn the room from pictures without the arm."""
+        self._foreground.learn_room(self._pictures(views))
+
+    def find(self, views: Views, body: Body, hand: SeenHand, *, starting: bool) -> SeenArm | NoArm:
+        """The arm whose wrist is that of the hand.
+
+        While `starting`, the wall behind the arm is tried first: a threshold is more exact and faster where it serves.
+        """
+        if starting:
+            arm = _with_hand(self._before_wall.find(views, body), hand)
+            if isinstance(arm, SeenArm) and _hold(arm, hand):
+                self.finder = self._before_wall
+                return arm
+            self.finder = self._in_room
+        arm = self._before_wall.find(views, body) if self.finder is self._before_wall else self._found(views, body, hand)
+        return _with_hand(arm, hand)
+
+    def forget(self) -> None:
+        """Search everywhere from now on."""
+        self._before_wall.forget()
+        self._in_room.forget()
+        self._foreground.forget()
+
+    def _found(self, views: Views, body: Body, hand: SeenHand) -> SeenArm | NoArm:
+        found = self._foreground.find(self._pictures(views), hand)
+        for meter, view, silhouette in zip(self._meters, views.views, found.silhouettes, strict=True):
+            meter.show(view.current, silhouette)
+        hints = [
+            found.tubes.posture(matrix, hand.pixels[k][MIDDLE_TIP]) if k in hand.pixels else None
+            for k, matrix in enumerate(self._rig.matrices)
+        ]
+        return self._in_room.find(views, body, hints)
+
+    def _pictures(self, views: Views) -> list[Image]:
+        return [
+            undistorter.undistorted(as_bgr(view.current.image))
+            for undistorter, view in zip(self._undistorters, views.views, strict=True)
+        ]
+
+
+def _with_hand(arm: SeenArm | NoArm, hand: SeenHand) -> SeenArm | NoArm:
+    """The arm, if its wrist is that of the hand."""
+    if isinstance(arm, NoArm):
+        return arm
+    off_m = float(np.linalg.norm(arm.joints.wrist - hand.points[0]))
+    return arm if off_m < MOST_WRIST_OFF_M else NoArm(TrackingReason.NO_ARM)
+
+
+def _hold(arm: SeenArm, hand: SeenHand) -> bool:
+    """Whether every silhouette holds the hand that its view sees."""
+    for k, features in zip(arm.seen, arm.features, strict=True):
+        if k in hand.pixels:
+            grey, level = features.silhouette.grey, features.silhouette.level
+            x, y = np.rint(hand.pixels[k]).astype(int).T
+            inside = (x >= 0) & (y >= 0) & (x < grey.shape[1]) & (y < grey.shape[0])
+            bright = grey[y[inside], x[inside]] > level
+            if float(np.sum(bright)) < WITHIN * len(x):
+                return False
+    return True
