@@ -60,17 +60,21 @@ class FollowedHand:
         """Start from an unknown pose with the next instant."""
         self._last, self._open = None, False
 
-    def track(self, views: Sequence[HandView], landmarks: Array, arm: LimbEvidence | None) -> FittedHand:
-        """The hand of views with landmarks, whose triangulation (21, 3) in m is `landmarks`."""
+    def track(self, views: Sequence[HandView], landmarks: Array, arm: LimbEvidence | None) -> FittedHand | None:
+        """The hand of views with landmarks, whose triangulation (21, 3) in m is `landmarks`; None without a start."""
         person = self._person_last = self._person(landmarks, arm)
         fits = [
             fit_hand(views, start, _prior(belief, start, arm), person, ITERATIONS)
             for start, belief in self._starts(views, landmarks, person)
         ]
+        if not fits:
+            return None
         fit = fits[0] if fits[0].cost * CLEARLY_BETTER <= fits[-1].cost else fits[-1]
         self._last = fit.pose, landmarks
         self._habits.learn_fit(fit)
+        self._spheres = fit.spheres
         index, thumb = find_tips(views, fit.spheres, (INDEX, THUMB))
+        self._views = index.views
         return FittedHand(fit, index, thumb, self._open)
 
     def _person(self, landmarks: Array, arm: LimbEvidence | None) -> Person:

@@ -68,12 +68,14 @@ class LearnedTracker:
             return self._lost(views.t_ns, TrackingReason.OTHER_SIDE, seen.residual_px)
         arm = self._outlines.find(views, self._length.body, seen, starting=not self._length.is_known)
         hand = self._fit(seen, arm)
+        if hand is None:
+            return self._lost(views.t_ns, TrackingReason.HAND_UNCLEAR, seen.residual_px)
         return self._found(views.t_ns, seen, arm, hand)
 
     def _is_operators(self, seen: SeenHand) -> bool:
         return True
 
-    def _fit(self, seen: SeenHand, arm: SeenArm | NoArm) -> FittedHand:
+    def _fit(self, seen: SeenHand, arm: SeenArm | NoArm) -> FittedHand | None:
         finder = self._outlines.finder
         outlines = finder.hand_views(arm) if isinstance(arm, SeenArm) else {}
         views = [
