@@ -43,7 +43,8 @@ class CameraSettings(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_f
         Milliseconds | None, Meta(description="exposure to arrival, where the driver gives no time stamps")
     ] = None
     stamp_latency_ms: Annotated[
-        Milliseconds | None, Meta(description="exposure to the driver's time stamp, where it gives them; else 0")
+        Annotated[float, Meta(ge=-100, le=1000)] | None,
+        Meta(description="exposure to the driver's time stamp, where it gives them; negative where it comes first"),
     ] = None
 
     def __post_init__(self) -> None:
