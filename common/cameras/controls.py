@@ -13,6 +13,7 @@ from common.cameras.settings import Auto, CameraSettings
 from common.errors import CameraError
 
 V4L2 = "V4L2"
+CURE = ". Cure: "  # ends what is wrong in an error's text
 # V4L2_CID_EXPOSURE_AUTO is a menu. In mode 2 the driver chooses the iris alone, so the time is fixed as in mode 1.
 AUTOMATIC, MANUAL, APERTURE_PRIORITY = 0, 1, 3
 EXPOSURE_UNIT_MS = 0.1  # of V4L2_CID_EXPOSURE_ABSOLUTE
@@ -134,7 +135,7 @@ def check_state(name: str, source: str, settings: CameraSettings, state: CameraS
         cures.append(
             f"see what can be set, and in which steps, with: v4l2-ctl -d {device} --list-ctrls, or leave these keys out"
         )
-    raise CameraError(f"camera {name}: {source} {'; '.join(modes + controls)}. Cure: {'; '.join(cures)}")
+    raise CameraError(f"camera {name}: {source} {'; '.join(modes + controls)}{CURE}{'; '.join(cures)}")
 
 
 def _other_modes(settings: CameraSettings, state: CameraState) -> Iterator[str]:
