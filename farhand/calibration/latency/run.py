@@ -12,7 +12,7 @@ from farhand.calibration.cameras import CameraSetup, open_named
 from farhand.calibration.latency.delay import Delay, estimate_delay
 from farhand.calibration.latency.page import PatternScreen
 from farhand.calibration.latency.pattern import ShownPattern, pattern_of
-from farhand.calibration.latency.watching import Watch, Watched
+from farhand.calibration.latency.watching import Watch, WatchedFrames
 
 POLL_S = 0.2
 IN_STEP_MS = 4.0
@@ -90,7 +90,7 @@ def measure(
     return measured, refused
 
 
-def _latency(name: str, watched: Watched, pattern: ShownPattern, screen_ms: float | None) -> CameraLatency:
+def _latency(name: str, watched: WatchedFrames, pattern: ShownPattern, screen_ms: float | None) -> CameraLatency:
     if not len(watched.stamps_ns):
         raise CalibrationError("it gave no frames")
     delay = estimate_delay(watched.stamps_ns, watched.brightness, pattern)

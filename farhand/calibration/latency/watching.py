@@ -19,7 +19,7 @@ OF_GREATEST = 0.5
 
 
 @dataclass(frozen=True, slots=True)
-class Watched:
+class WatchedFrames:
     """Frames: time stamps (n,), ns; brightness (n, 48, 64) of their parts; whether the driver gave the stamps."""
 
     stamps_ns: NDArray[np.int64]
@@ -49,7 +49,7 @@ class Watch:
         """Why the camera gives no more frames; None while it does."""
         return self._failure
 
-    def stop(self) -> Watched:
+    def stop(self) -> WatchedFrames:
         """Wait for the frames on their way, and return all; CalibrationError when the driver's stamps ended."""
         self._thread.join(LINGER_S)
         self._stopped.set()
@@ -57,7 +57,7 @@ class Watch:
         stamps, estimated, parts = zip(*self._frames, strict=True) if self._frames else ((), (), ())
         if len(set(estimated)) > 1:
             raise CalibrationError("its driver's time stamps went wrong meanwhile; measure again")
-        return Watched(np.array(stamps, dtype=np.int64), np.array(parts, dtype=float), not any(estimated))
+        return WatchedFrames(np.array(stamps, dtype=np.int64), np.array(parts, dtype=float), not any(estimated))
 
     def _read(self) -> None:
         try:

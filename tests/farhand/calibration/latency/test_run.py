@@ -20,7 +20,7 @@ from tests.farhand.calibration.latency.shown_screen import REFRESH_MS, seen, sho
 PATTERN = pattern_of(shown())
 
 
-class FakeCamera:
+class CameraBeforeScreen:
     """Sees the screen in the middle of its pictures, and ends."""
 
     def __init__(self, name, delay_ms, *, by_driver=False, failure=None, **light):
@@ -59,7 +59,7 @@ def measured(*cameras, screen_ms=None):
 
 
 def test_each_camera_gets_its_own_latency_less_the_screens():
-    cameras = FakeCamera("left", 60.0), FakeCamera("right", 72.0, by_driver=True)
+    cameras = CameraBeforeScreen("left", 60.0), CameraBeforeScreen("right", 72.0, by_driver=True)
     latencies, refused = measured(*cameras, screen_ms=20.0)
     assert refused == []
     assert [latency.latency_ms for latency in latencies] == pytest.approx([40.0, 52.0], abs=1.0)
@@ -70,25 +70,25 @@ def test_each_camera_gets_its_own_latency_less_the_screens():
 
 
 def test_an_unknown_screen_is_one_refresh_and_said_to_be_unknown():
-    latencies, _ = measured(FakeCamera("left", 60.0))
+    latencies, _ = measured(CameraBeforeScreen("left", 60.0))
     assert latencies[0].latency_ms == pytest.approx(60.0 - REFRESH_MS, abs=1.0)
     assert "16.7 ms, one refresh, is taken off, and all latencies may be wrong by as much" in describe(latencies, None)
 
 
 def test_a_camera_that_sees_no_screen_does_not_spoil_the_other():
-    latencies, refused = measured(FakeCamera("left", 60.0, contrast=2.0), FakeCamera("right", 60.0))
+    latencies, refused = measured(CameraBeforeScreen("left", 60.0, contrast=2.0), CameraBeforeScreen("right", 60.0))
     assert [latency.name for latency in latencies] == ["right"]
     assert len(refused) == 1
     assert refused[0].startswith("camera left: it sees the screen change by")
 
 
 def test_a_screen_slower_than_everything_together_is_refused():
-    _, refused = measured(FakeCamera("left", 60.0), screen_ms=90.0)
+    _, refused = measured(CameraBeforeScreen("left", 60.0), screen_ms=90.0)
     assert "--screen-ms must be less" in refused[0]
 
 
 def test_only_the_drivers_stamps_may_come_before_the_exposure():
-    by_driver, by_arrival = FakeCamera("left", 10.0, by_driver=True), FakeCamera("right", 10.0)
+    by_driver, by_arrival = CameraBeforeScreen("left", 10.0, by_driver=True), CameraBeforeScreen("right", 10.0)
     latencies, _ = measured(by_driver, by_arrival)
     assert latencies[0].latency_ms == pytest.approx(10.0 - REFRESH_MS, abs=1.0)
     assert latencies[1].latency_ms == 0.0
@@ -96,12 +96,12 @@ def test_only_the_drivers_stamps_may_come_before_the_exposure():
 
 def test_a_camera_that_fails_ends_the_measurement_with_its_reason():
     with pytest.raises(CameraError, match="unplugged"):
-        watch_screen([FakeCamera("left", 0.0, failure="unplugged")], FakeScreen(None), lambda: False)
+        watch_screen([CameraBeforeScreen("left", 0.0, failure="unplugged")], FakeScreen(None), lambda: False)
 
 
 def test_ctrl_c_ends_it():
     with pytest.raises(InterruptionError, match="before the screen"):
-        watch_screen([FakeCamera("left", 0.0)], FakeScreen(None), lambda: True)
+        watch_screen([CameraBeforeScreen("left", 0.0)], FakeScreen(None), lambda: True)
 
 
 def test_a_recording_is_refused(tmp_path):
