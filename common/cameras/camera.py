@@ -15,7 +15,7 @@ class Frame:
 
     `image` is (H, W) grey or (H, W, 3) BGR, uint8; `capture_ns` the capture time on this host's monotonic clock
     (in a recording, from its start); `seq` counts this camera's frames from 0. With `capture_estimated` the capture
-    time is the arrival minus a configured latency, as the camera's driver gives no time stamp.
+    time is the arrival minus a configured latency, as the camera's driver gives no time stamp on this clock.
     """
 
     image: Image

@@ -1,7 +1,6 @@
 """Opens a camera by device, URL, video file or folder of images; OpenCV reads all but the folder."""
 
 import math
-import time
 from pathlib import Path
 from typing import Annotated
 
@@ -10,10 +9,11 @@ from msgspec import Meta
 
 from common.cameras.camera import Camera, Frame, Image
 from common.cameras.images import ImageFolder
-from common.clock import NS_PER_MS, NS_PER_S
+from common.cameras.live import LiveCamera
+from common.cameras.settings import AS_IT_IS, CameraSettings
+from common.clock import NS_PER_S
 from common.errors import CameraError, ConfigError
 
-DEFAULT_LATENCY_MS = 30.0
 DEFAULT_FOLDER_FPS = 30.0
 
 Source = Annotated[int, Meta(ge=0)] | Annotated[str, Meta(min_length=1)]
@@ -21,37 +21,6 @@ Source = Annotated[int, Meta(ge=0)] | Annotated[str, Meta(min_length=1)]
 
 def _as_image(array: object) -> Image:
     return array  # type: ignore[return-value]  # cv2's stubs allow any dtype; an 8-bit source gives uint8
-
-
-class LiveCamera:
-    """A device number, device path or URL; frames are stamped with their arrival minus a configured latency."""
-
-    def __init__(
-        self, source: str, name: str, fps: float | None = None, latency_ms: float = DEFAULT_LATENCY_MS
-    ) -> None:
-        self.name = name
-        self._source = source
-        self._latency_ns = round(latency_ms * NS_PER_MS)
-        self._capture = cv2.VideoCapture(int(source) if source.isdecimal() else source)
-        if not self._capture.isOpened():
-            raise CameraError(f"camera {name}: cannot open {source}; is it plugged in, and may this user read it?")
-        if fps is not None:
-            self._capture.set(cv2.CAP_PROP_FPS, fps)
-        self._capture.set(cv2.CAP_PROP_BUFFERSIZE, 1)
-        self._seq = 0
-
-    def read(self) -> Frame | None:
-        """Wait for the newest frame; CameraError when the camera delivers none."""
-        ok, image = self._capture.read()
-        arrival_ns = time.monotonic_ns()
-        if not ok:
-            raise CameraError(f"camera {self.name}: {self._source} delivers no more frames; was it unplugged?")
-        frame = Frame(_as_image(image), arrival_ns - self._latency_ns, self._seq, capture_estimated=True)
-        self._seq += 1
-        return frame
-
-    def close(self) -> None:
-        self._capture.release()
 
 
 class VideoFile:
@@ -80,16 +49,25 @@ class VideoFile:
         self._capture.release()
 
 
-def open_camera(source: Source, name: str, fps: float | None = None, latency_ms: float = DEFAULT_LATENCY_MS) -> Camera:
+def open_camera(
+    source: Source,
+    name: str,
+    fps: float | None = None,
+    latency_ms: float | None = None,
+    settings: CameraSettings = AS_IT_IS,
+) -> Camera:
     """Open a device number or /dev path, a URL, a video file or a folder of images.
 
-    `fps` overrides the rate of a recording and is requested from a live camera. Raises CameraError with the cure.
+    `fps` overrides the rate of a recording and is asked of a live camera, which may give another. `settings` are
+    asked of a live camera too, and verified; where they have a rate or a latency, it counts instead of `fps` or
+    `latency_ms`. Raises CameraError with the cure.
     """
     source = str(source)
+    fps = fps if settings.fps is None else settings.fps
     if fps is not None and not 0 < fps < math.inf:
         raise ConfigError(f"camera {name}: the frame rate must be positive, not {fps:g}")
     if source.isdecimal() or "://" in source or source.startswith("/dev/"):
-        return LiveCamera(source, name, fps, latency_ms)
+        return LiveCamera(source, name, CameraSettings(latency_ms=latency_ms).overridden_by(settings), fps)
     path = Path(source)
     if path.is_dir():
         return ImageFolder(path, name, fps if fps is not None else DEFAULT_FOLDER_FPS)

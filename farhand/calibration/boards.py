@@ -6,9 +6,9 @@ from contextlib import ExitStack, closing
 import numpy as np
 
 from common.cameras.camera import Camera, Image
-from common.cameras.sources import open_camera
 from common.errors import CalibrationError, ConfigError, InterruptionError
 from common.geometry import Array
+from farhand.calibration.cameras import open_named
 from farhand.calibration.pictures import PictureJob, read_pictures, size_of, write_coverage, write_found
 from farhand.calibration.points import Calibrated, now, write_rig
 from local_site.calibration.board_rig import BoardPictures, solve_boards
@@ -89,7 +89,7 @@ def calibrate_live(
     """The rig from running cameras: keeps each new pose of the board that is held still, until there are enough."""
     finder, album, gate = BoardFinder(board), _Album(job, board, standing), PoseGate()
     with ExitStack() as stack:
-        cameras = [stack.enter_context(closing(open_camera(source, name))) for name, source in job.sources.items()]
+        cameras = [stack.enter_context(closing(camera)) for camera in open_named(job.sources, job.setup)]
         for pictures in _instants(cameras, should_stop):
             pose = [finder.find(picture) for picture in pictures]
             if gate.offer(pose):

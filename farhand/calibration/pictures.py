@@ -3,7 +3,7 @@
 import glob
 from collections.abc import Mapping, Sequence
 from contextlib import closing
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from pathlib import Path
 
 import cv2
@@ -14,6 +14,7 @@ from common.cameras.images import IMAGE_SUFFIXES, write_image
 from common.cameras.sources import open_camera
 from common.errors import CalibrationError, CameraError, ConfigError
 from common.geometry import Array
+from farhand.calibration.cameras import CameraSetup
 from farhand.calibration.points import Calibrated, calibrate_control
 from local_site.calibration.control_points import CAMERAS
 from local_site.calibration.coverage import coverage_map, draw_found
@@ -25,19 +26,23 @@ MAX_PICTURES = 500
 
 @dataclass(frozen=True, slots=True)
 class PictureJob:
-    """The cameras' sources by name, the rig file to write, a folder for found pictures, serial numbers NAME=NUMBER."""
+    """The cameras' sources by name, the rig file to write, a folder for found pictures, serial numbers NAME=NUMBER.
+
+    `setup` is that of running cameras.
+    """
 
     sources: Mapping[str, str]
     out: Path
     pictures: Path | None = None
     serials: Sequence[str] = ()
+    setup: CameraSetup = field(default_factory=CameraSetup)
 
 
 def by_name(sources: Sequence[str | None]) -> dict[str, str]:
     """The sources that were given, by their cameras' names; ConfigError if one was left out between others."""
     present = [source for source in sources if source is not None]
     if list(sources[: len(present)]) != present:
-        raise ConfigError("a fourth camera needs a third; give it as --third")
+        raise ConfigError("a camera was left out; give them in this order: --left, --right, --third, --fourth")
     return dict(zip(CAMERAS, present, strict=False))
 
 

@@ -1,5 +1,6 @@
 """The commands under `farhand calibrate`."""
 
+from contextlib import ExitStack, closing
 from pathlib import Path
 from typing import Annotated
 
@@ -18,6 +19,9 @@ SquareMm = Annotated[float, typer.Option(help="Board: side of a square, measured
 MarkerMm = Annotated[float, typer.Option(help="Board: side of a marker (charuco).", min=1)]
 Dictionary = Annotated[str, typer.Option(help="Board: its markers' dictionary (charuco).")]
 Standing = Annotated[bool, typer.Option("--standing", help="The board is upright in the first pose, not flat.")]
+CameraConfigFile = Annotated[
+    Path | None, typer.Option("--config", help="A local site's TOML file: how its [operator] sets the cameras.")
+]
 FoundPictures = Annotated[Path | None, typer.Option(help="Folder for what was found and covered, as PNG.")]
 
 calibrate_app = typer.Typer(help="Compute a rig from measurements.", no_args_is_help=True)
@@ -104,12 +108,14 @@ def calibrate_live_command(
     out: RigFile = Path("rig.json"),
     pictures: FoundPictures = Path("calibration"),
     serial: Serials = None,
+    config: CameraConfigFile = None,
 ) -> None:
     """Solve the cameras while a printed board is held still in one pose after another; Ctrl-C ends the taking early.
 
     Example: farhand calibrate live --left 0 --right 1 --board charuco --squares 8x6 --square-mm 30 --marker-mm 22
     """
     from farhand.calibration.boards import calibrate_live, make_board
+    from farhand.calibration.cameras import configured_cameras
     from farhand.calibration.pictures import PictureJob, by_name
     from farhand.calibration.points import describe, parse_pair
     from farhand.outputs import check_file, check_folder
@@ -118,5 +124,44 @@ def calibrate_live_command(
     check_file("--out", out, sources.values())
     check_folder("--pictures", pictures, sources.values())
     printed = make_board(board, parse_pair(squares, "--squares"), square_mm, marker_mm, dictionary)
-    job = PictureJob(sources, out, pictures, serial or ())
+    job = PictureJob(sources, out, pictures, serial or (), configured_cameras(config, list(sources)))
     typer.echo(describe(calibrate_live(job, printed, standing, poses, until_signal(), typer.echo)))
+
+
+@calibrate_app.command("latency")
+def calibrate_latency_command(
+    left: Annotated[str, typer.Option(help="Device or URL of a running camera.")],
+    right: Annotated[str | None, typer.Option(help="The same for the right camera.")] = None,
+    third: Third = None,
+    fourth: Fourth = None,
+    config: CameraConfigFile = None,
+    screen_ms: Annotated[
+        float | None, typer.Option(help="The screen's own delay, if it was measured.", min=0, max=500)
+    ] = None,
+    port: Annotated[int, typer.Option(help="Where the page is served on this host; 0: anywhere.", min=0)] = 0,
+) -> None:
+    """Measure each camera's latency before a screen that fades between black and white, and print what to configure.
+
+    Example: farhand calibrate latency --left 0 --right 2 --config local.toml
+    """
+    import secrets
+
+    from common.clock import MonotonicClock
+    from common.errors import CalibrationError
+    from farhand.calibration.cameras import configured_cameras
+    from farhand.calibration.latency.page import PatternPage
+    from farhand.calibration.latency.run import describe, measure, open_for_latency, watch_screen
+    from farhand.calibration.pictures import by_name
+
+    sources = by_name((left, right, third, fourth))
+    setup = configured_cameras(config, list(sources))
+    should_stop = until_signal()
+    with ExitStack() as stack:
+        page = stack.enter_context(PatternPage(MonotonicClock(), secrets.token_urlsafe(8), port))
+        cameras = [stack.enter_context(closing(camera)) for camera in open_for_latency(sources, setup)]
+        typer.echo(f"open {page.url} on the screen that the cameras see, and press Start there; Ctrl-C ends this")
+        measured, refused = measure(*watch_screen(cameras, page, should_stop), screen_ms)
+    if measured:
+        typer.echo(describe(measured, screen_ms))
+    if refused:
+        raise CalibrationError("\n".join(refused))

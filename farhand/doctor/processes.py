@@ -24,6 +24,11 @@ def holder_of_device(path: Path) -> str:
     return _holder_of({str(path.resolve())})
 
 
+def is_ours(holder: str) -> bool:
+    """Whether a process by this name is one of Farhand's."""
+    return holder.startswith("farhand")
+
+
 def _holder_of(targets: set[str]) -> str:
     for process in PROC.iterdir():
         if process.name.isdecimal() and not targets.isdisjoint(_open_files(process)):

@@ -1,17 +1,16 @@
 """Runs all checks: the machine first, then what the configuration names."""
 
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Iterable, Sequence
 from datetime import UTC, datetime
 from pathlib import Path
 
-from common.cameras.sources import Source
 from common.config import apply_setting, load_config, read_tables
 from common.errors import ConfigError, TransportError
 from common.link.config import LinkSecurity
 from common.link.endpoints import check_endpoint
 from common.link.roles import Identity, Role
 from farhand.deployment.kinds import KINDS, Configuration, likeliest
-from farhand.doctor import machine, site
+from farhand.doctor import cameras, machine, site
 from farhand.doctor.findings import Finding, error, ok
 from farhand.doctor.link.run import examine_link
 from farhand.router import ROUTER
@@ -98,7 +97,7 @@ def examine_remote(config: RemoteConfig) -> list[Finding]:
     if config.views_are_simulated:
         findings.append(machine.check_rendering(machine.probe_rendering()))
     real = {camera.name: camera.source for camera in config.video.cameras if camera.source != SIMULATED}
-    findings += map(site.check_camera, _probe_cameras(real, config.video.fps))
+    findings += (cameras.check_camera(cameras.probe_camera(*camera, config.video.fps)) for camera in real.items())
     return [*findings, *_examine_ports(zip(("control", "video"), config.links.listened, strict=False), config)]
 
 
@@ -108,11 +107,24 @@ def examine_local(config: LocalConfig) -> list[Finding]:
     findings = [machine.check_cache(*machine.probe_cache())]
     findings += _examine_links(links, (links.remote, links.listen), config.bearer)
     if not operator.is_simulated:
-        rig = site.probe_rig(operator.rig, datetime.now(UTC))
-        cameras = _probe_cameras(dict(zip(CAMERAS, operator.sources, strict=False)), operator.fps)
-        findings += [site.check_rig(rig), *map(site.check_camera, cameras), *site.check_sizes(rig, cameras)]
+        rig = cameras.probe_rig(operator.rig, datetime.now(UTC))
+        findings += [cameras.check_rig(rig), *_examine_cameras(rig, config)]
     findings += _examine_ports([("local", links.listen)], config)
     return [*findings, site.check_clock(site.probe_clock(config.cell, links.remote, links))]
+
+
+def _examine_cameras(rig: cameras.RigFacts, config: LocalConfig) -> list[Finding]:
+    """The operator's cameras with their settings; where no rig names them, by the names that a calibration gives."""
+    sources = config.operator.sources
+    known = rig.names[config.tracking.monocular.camera :][:1] if config.operator.alone else rig.names
+    names = known if len(known) == len(sources) else CAMERAS[: len(sources)]
+    try:
+        settings = config.operator.settings_of(names)
+    except ConfigError as wrong:
+        return [error("configuration", str(wrong), "correct that name")]
+    given = zip(names, sources, strict=True)
+    probed = [cameras.probe_camera(name, source, config.operator.fps, settings[name]) for name, source in given]
+    return [*map(cameras.check_camera, probed), *cameras.check_sizes(rig, probed)]
 
 
 def _examine_links(links: LinkSecurity, endpoints: Sequence[str], *bearers: Identity) -> list[Finding]:
@@ -128,10 +140,6 @@ def _examine_links(links: LinkSecurity, endpoints: Sequence[str], *bearers: Iden
         names = [bearer.common_name for bearer in bearers]
         findings += site.check_certificate(facts, facts.names if facts.names in names else names[0])
     return findings
-
-
-def _probe_cameras(sources: Mapping[str, Source], fps: float) -> list[site.CameraFacts]:
-    return [site.probe_camera(name, source, fps) for name, source in sources.items()]
 
 
 def _examine_ports(endpoints: Iterable[tuple[str, str]], config: Site) -> list[Finding]:

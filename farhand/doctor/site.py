@@ -1,15 +1,13 @@
-"""What a configured site needs: robot, cameras, calibration, ports, clocks, certificates; probes, and pure checks."""
+"""What a configured site needs: robot, ports, clocks, certificates; probes, and pure checks."""
 
-import threading
 import time
 from collections.abc import Sequence
 from dataclasses import dataclass
-from datetime import UTC, datetime
+from datetime import datetime
 from pathlib import Path
 
-from common.cameras.sources import Source, open_camera
 from common.clock import NS_PER_S
-from common.errors import CalibrationError, CameraError, ConfigError, DriverError, RefusedError, TransportError
+from common.errors import ConfigError, DriverError, RefusedError, TransportError
 from common.link.config import NAME_OPERATORS, ON_THIS_HOST, LinkSecurity, OperatorLinks, TlsConfig
 from common.link.credentials import load_credentials
 from common.link.endpoints import check_endpoint, check_free
@@ -17,17 +15,14 @@ from common.link.remote_clock import RemoteClock
 from common.link.transport import open_link
 from farhand.certificates.folder import read_certificate
 from farhand.doctor.findings import Finding, error, ok, warning
-from farhand.doctor.processes import holder_of_device, listener_on
-from local_site.calibration.rig_file import load_rig
+from farhand.doctor.processes import is_ours, listener_on
 from remote_site.config import RemoteConfig
 
-PICTURE_TIMEOUT_S = 10.0
 CLOCK_TIMEOUT_NS = 2 * NS_PER_S
 ROUND_TRIPS = 20
 ROUND_TRIP_PERIOD_S = 0.05
 SECONDS_PER_DAY = 86400.0
 PERMISSION_BITS = 0o777
-OLD_CALIBRATION_DAYS = 90
 UNCERTAIN_NS = 5_000_000
 EXPIRES_SOON_DAYS = 30
 GROUP, OTHERS = 0o070, 0o007
@@ -56,118 +51,6 @@ def check_robot(model: str, driver: str, mistakes: Sequence[tuple[str, str, str]
     if not mistakes:
         return [ok("robot", f"the model {model} loads, its start posture is valid; driver {driver}")]
     return [error(part, sentence, cure) for part, sentence, cure in mistakes]
-
-
-def is_ours(holder: str) -> bool:
-    """Whether a process by this name is one of Farhand's."""
-    return holder.startswith("farhand")
-
-
-@dataclass(frozen=True, slots=True)
-class CameraFacts:
-    """A camera that was tried: its picture's size (width, height), or what went wrong, or who holds the device."""
-
-    name: str
-    source: str
-    size_px: tuple[int, int] | None = None
-    problem: str = ""
-    holder: str = ""
-
-
-def probe_camera(name: str, source: Source, fps: float) -> CameraFacts:
-    """Read one picture from a camera, within PICTURE_TIMEOUT_S, unless another process holds its device."""
-    device = Path(f"/dev/video{source}" if str(source).isdecimal() else str(source))
-    holder = holder_of_device(device) if device.is_char_device() else ""
-    if holder:
-        return CameraFacts(name, str(source), holder=holder)
-    found: list[CameraFacts] = []
-    # Opening a stream may hang and cannot be interrupted; the daemon thread is then abandoned.
-    thread = threading.Thread(target=lambda: found.append(_first_picture(name, source, fps)), daemon=True)
-    thread.start()
-    thread.join(PICTURE_TIMEOUT_S)
-    timed_out = CameraFacts(name, str(source), problem=f"{source} gave no picture in {PICTURE_TIMEOUT_S:g} s")
-    return found[0] if found else timed_out
-
-
-def _first_picture(name: str, source: Source, fps: float) -> CameraFacts:
-    try:
-        camera = open_camera(source, name, fps)
-        try:
-            frame = camera.read()
-        finally:
-            camera.close()
-    except CameraError as wrong:
-        return CameraFacts(name, str(source), problem=str(wrong).removeprefix(f"camera {name}: "))
-    if frame is None:
-        return CameraFacts(name, str(source), problem=f"{source} holds no picture")
-    height, width = frame.image.shape[:2]
-    return CameraFacts(name, str(source), (width, height))
-
-
-def check_camera(facts: CameraFacts) -> Finding:
-    """A picture came, or the running site has the camera."""
-    check = f"camera {facts.name}"
-    if facts.size_px is not None:
-        width, height = facts.size_px
-        return ok(check, f"{facts.source} gives pictures of {width} x {height}")
-    if is_ours(facts.holder):
-        return ok(check, f"{facts.source} is in use by {facts.holder}, which is running")
-    if facts.holder:
-        return error(check, f"{facts.source} is in use by {facts.holder}", "stop that program")
-    cure = "plug it in, check its name (v4l2-ctl --list-devices), and add this user to the group video"
-    return error(check, facts.problem or f"{facts.source} gives no picture", cure)
-
-
-@dataclass(frozen=True, slots=True)
-class RigFacts:
-    """A rig file: its age in days (None where it has no date), its cameras' picture sizes, or what is wrong."""
-
-    path: str
-    age_days: float | None = None
-    sizes_px: tuple[tuple[int, int] | None, ...] = ()
-    problem: str = ""
-
-
-def probe_rig(path: str, now: datetime) -> RigFacts:
-    """Read a rig file's age at `now` and its cameras' picture sizes; a date without a time zone is taken as UTC."""
-    try:
-        rig = load_rig(Path(path))
-    except CalibrationError as wrong:
-        return RigFacts(path, problem=str(wrong))
-    sizes = tuple(camera.size_px for camera in rig.cameras)
-    try:
-        created = datetime.fromisoformat(rig.created)
-    except ValueError:
-        return RigFacts(path, sizes_px=sizes)
-    created_utc = created if created.tzinfo else created.replace(tzinfo=UTC)
-    return RigFacts(path, (now - created_utc).total_seconds() / SECONDS_PER_DAY, sizes)
-
-
-def check_rig(facts: RigFacts) -> Finding:
-    """The calibration can be read and is not old."""
-    calibrate = "calibrate: farhand calibrate live"
-    if facts.problem:
-        return error("calibration", facts.problem, calibrate)
-    if facts.age_days is None:
-        return warning("calibration", f"{facts.path} has no date", calibrate)
-    sentence = f"{facts.path} is {facts.age_days:.0f} days old"
-    if facts.age_days > OLD_CALIBRATION_DAYS:
-        return warning("calibration", sentence, f"{calibrate}, or check that the drift alarm stays silent")
-    return ok("calibration", sentence)
-
-
-def check_sizes(rig: RigFacts, cameras: Sequence[CameraFacts]) -> list[Finding]:
-    """Cameras give pictures of the size with which they were calibrated; one finding for each that does not."""
-    return [
-        error(
-            f"camera {camera.name}",
-            f"its pictures are {camera.size_px[0]} x {camera.size_px[1]}, "
-            f"but it was calibrated with {size[0]} x {size[1]}",
-            "set the camera to that size, or calibrate again",
-        )
-        for camera, size in zip(cameras, rig.sizes_px, strict=False)
-        if size is not None and camera.size_px is not None and camera.size_px != size
-    ]
 
 
 @dataclass(frozen=True, slots=True)

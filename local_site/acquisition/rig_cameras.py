@@ -1,6 +1,6 @@
 """The cameras that see the operator: a source for each camera of the rig, one of them alone, or simulated ones."""
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from contextlib import ExitStack, closing
 from dataclasses import dataclass
 from pathlib import Path
@@ -10,7 +10,8 @@ import msgspec
 from msgspec import Meta
 
 from common.cameras.camera import Camera
-from common.cameras.sources import DEFAULT_LATENCY_MS, Source, open_camera
+from common.cameras.settings import AS_IT_IS, DEFAULT_LATENCY_MS, CameraSettings
+from common.cameras.sources import Source, open_camera
 from common.errors import CameraError, ConfigError
 from local_site.acquisition.simulated_cameras import SimulatedCameras
 from local_site.calibration.rig import Rig
@@ -34,8 +35,18 @@ class OperatorConfig(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_f
         bool, Meta(description='left is the only camera, for tracking.method = "monocular"; right is ignored')
     ] = False
     rig: Annotated[str, Meta(description="rig file from 'farhand calibrate'; simulated cameras bring their own")] = ""
-    fps: Annotated[float, Meta(gt=0, le=240, description="frames per second asked of the cameras")] = 30.0
-    latency_ms: Annotated[float, Meta(ge=0, le=1000, description="exposure to arrival of a live camera")] = 30.0
+    fps: Annotated[
+        float, Meta(gt=0, le=240, description="frames per second asked of the cameras, which may give others")
+    ] = 30.0
+    latency_ms: Annotated[
+        float, Meta(ge=0, le=1000, description="exposure to arrival, of cameras whose driver gives no time stamps")
+    ] = DEFAULT_LATENCY_MS
+    cameras: Annotated[
+        CameraSettings, Meta(description="what every live camera is set to; one that gives something else is refused")
+    ] = AS_IT_IS
+    camera: Annotated[
+        dict[str, CameraSettings], Meta(description="the same for one camera, by its name in the rig; over cameras")
+    ] = msgspec.field(default_factory=dict)
 
     def __post_init__(self) -> None:
         if not self.alone and (self.left == SIMULATED) != (self.right == SIMULATED):
@@ -56,6 +67,15 @@ class OperatorConfig(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_f
     def sources(self) -> tuple[Source, ...]:
         """All cameras, in the rig's order."""
         return (self.left,) if self.alone else (self.left, self.right, *self.also)
+
+    def settings_of(self, names: Sequence[str]) -> dict[str, CameraSettings]:
+        """The settings of each camera by its name; ConfigError for settings of a camera that is none of these."""
+        if unknown := self.camera.keys() - set(names):
+            raise ConfigError(
+                f"operator.camera.{min(unknown)}: the rig has no such camera; its cameras are {', '.join(names)}"
+            )
+        every = CameraSettings(latency_ms=self.latency_ms).overridden_by(self.cameras)
+        return {name: every.overridden_by(self.camera.get(name, AS_IT_IS)) for name in names}
 
 
 @dataclass(frozen=True, slots=True)
@@ -78,7 +98,8 @@ def open_operator(operator: OperatorConfig, simulation: SimulationConfig, tracki
     rig = load_rig(Path(operator.rig))
     if operator.alone:
         rig, tracking = of_one_camera(rig, tracking)
-    cameras = open_rig_cameras(rig, operator.sources, operator.fps, operator.latency_ms)
+    settings = operator.settings_of([camera.name for camera in rig.cameras])
+    cameras = open_rig_cameras(rig, operator.sources, operator.fps, settings)
     return OperatorRig(rig, tracking, cameras, lambda _t_ns: None)
 
 
@@ -93,19 +114,23 @@ def of_one_camera(rig: Rig, tracking: TrackingConfig) -> tuple[Rig, TrackingConf
 
 
 def open_rig_cameras(
-    rig: Rig, sources: Sequence[Source], fps: float | None, latency_ms: float = DEFAULT_LATENCY_MS
+    rig: Rig, sources: Sequence[Source], fps: float | None, settings: Mapping[str, CameraSettings] | None = None
 ) -> list[Camera]:
-    """A camera for each of the rig's, by its name there; CameraError if one cannot be opened or the numbers differ."""
+    """A camera for each of the rig's, by its name there, with the settings of that name.
+
+    CameraError if one cannot be opened or the numbers differ.
+    """
     if len(sources) != len(rig.cameras):
         names = ", ".join(camera.name for camera in rig.cameras)
         raise CameraError(
             f"the rig has {len(rig.cameras)} cameras ({names}), but {len(sources)} are given: "
             "give one for each, in this order, or calibrate again with those you have"
         )
+    by_name = settings or {}
     with ExitStack() as opened:
         cameras = [
-            opened.enter_context(closing(open_camera(source, calibrated.name, fps, latency_ms)))
-            for calibrated, source in zip(rig.cameras, sources, strict=True)
+            opened.enter_context(closing(open_camera(source, own.name, fps, settings=by_name.get(own.name, AS_IT_IS))))
+            for own, source in zip(rig.cameras, sources, strict=True)
         ]
         opened.pop_all()
     return cameras

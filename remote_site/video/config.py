@@ -20,7 +20,9 @@ class CameraConfig(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fie
     source: Annotated[
         Source, Meta(description="'simulated' (the cell's view of this name), device, URL, file or folder")
     ] = SIMULATED
-    latency_ms: Annotated[float, Meta(ge=0, le=1000, description="exposure to arrival of a live camera")] = 30.0
+    latency_ms: Annotated[
+        float, Meta(ge=0, le=1000, description="exposure to arrival, where the camera's driver gives no time stamps")
+    ] = 30.0
     projection: Annotated[
         tuple[float, ...] | None,
         Meta(description="of a calibrated camera: 3 x 4, row by row, from the base frame (m) to pixels"),

@@ -8,7 +8,8 @@ from functools import partial
 from typing import Protocol
 
 from common.cameras.camera import Camera, Frame
-from common.cameras.sources import LiveCamera, open_camera
+from common.cameras.live import LiveCamera
+from common.cameras.sources import open_camera
 from common.clock import NS_PER_S
 from common.errors import CameraError, ConfigError
 from remote_site.kinematics.config import RobotConfig

@@ -6,6 +6,7 @@ import cv2
 import numpy as np
 import pytest
 
+from common.cameras.settings import CameraSettings
 from common.cameras.sources import open_camera
 from common.errors import CameraError, ConfigError
 
@@ -56,6 +57,11 @@ def test_what_is_no_camera_is_refused_by_name(source: str | int, tmp_path: Path)
     place = source if isinstance(source, int) or source.startswith("/") else str(tmp_path / source)
     with pytest.raises(CameraError, match="camera left"):
         open_camera(place, "left")
+
+
+def test_settings_override_the_rate_of_a_recording(folder: Path) -> None:
+    camera = open_camera(str(folder), "left", fps=10, settings=CameraSettings(fps=20.0, gain=3))
+    assert [frame.capture_ns for frame in (camera.read(), camera.read()) if frame] == [0, 50_000_000]
 
 
 def test_a_rate_that_is_none_is_refused(folder: Path) -> None:

@@ -208,7 +208,7 @@ def test_unequal_counts_and_sizes_of_pictures_are_refused(tmp_path):
 
 def test_sources_are_named_in_order_and_missing_ones_refused(tmp_path):
     assert by_name(("a", "b", "c", None)) == {"left": "a", "right": "b", "third": "c"}
-    with pytest.raises(ConfigError, match="give it as --third"):
+    with pytest.raises(ConfigError, match="--left, --right, --third, --fourth"):
         by_name(("a", "b", None, "d"))
     with pytest.raises(FarhandError, match="no file matches"):
         read_pictures(str(tmp_path / "*.png"), "left")

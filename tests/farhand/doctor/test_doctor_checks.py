@@ -4,7 +4,7 @@ import json
 
 import pytest
 
-from farhand.doctor import machine, site
+from farhand.doctor import cameras, machine, site
 from farhand.doctor.findings import Finding, Severity, as_json, as_text, error, ok, warning, worst
 
 SHARED = "/run/shared"
@@ -33,14 +33,26 @@ CASES = [
     (machine.check_cache("/c", writable=False, compiled=0), "warning", "every start"),
     (site.check_robot("a465", "kinematic", ())[0], "ok", "driver kinematic"),
     (site.check_robot("a", "b", [("robot", "no file", "give one")])[0], "error", "no file"),
-    (site.check_camera(site.CameraFacts("left", "0", (640, 480))), "ok", "640 x 480"),
-    (site.check_camera(site.CameraFacts("left", "0", holder="farhand (process 7)")), "ok", "process 7"),
-    (site.check_camera(site.CameraFacts("left", "0", holder="cheese (process 7)")), "error", "cheese"),
-    (site.check_camera(site.CameraFacts("left", "0", problem="cannot open 0")), "error", "cannot open 0"),
-    (site.check_rig(site.RigFacts("rig.json", 3.2)), "ok", "3 days"),
-    (site.check_rig(site.RigFacts("rig.json", 200.0)), "warning", "200 days"),
-    (site.check_rig(site.RigFacts("rig.json")), "warning", "has no date"),
-    (site.check_rig(site.RigFacts("rig.json", problem="is no rig")), "error", "is no rig"),
+    (cameras.check_camera(cameras.CameraFacts("left", "0", (640, 480))), "ok", "640 x 480"),
+    (
+        cameras.check_camera(
+            cameras.CameraFacts("left", "0", (640, 480), state="640 x 480, MJPG; stamped by its driver")
+        ),
+        "ok",
+        "gives 640 x 480, MJPG; stamped",
+    ),
+    (
+        cameras.check_camera(cameras.CameraFacts("left", "0", problem="gives 15 fps. Cure: choose 30")),
+        "error",
+        "gives 15 fps",
+    ),
+    (cameras.check_camera(cameras.CameraFacts("left", "0", holder="farhand (process 7)")), "ok", "process 7"),
+    (cameras.check_camera(cameras.CameraFacts("left", "0", holder="cheese (process 7)")), "error", "cheese"),
+    (cameras.check_camera(cameras.CameraFacts("left", "0", problem="cannot open 0")), "error", "cannot open 0"),
+    (cameras.check_rig(cameras.RigFacts("rig.json", 3.2)), "ok", "3 days"),
+    (cameras.check_rig(cameras.RigFacts("rig.json", 200.0)), "warning", "200 days"),
+    (cameras.check_rig(cameras.RigFacts("rig.json")), "warning", "has no date"),
+    (cameras.check_rig(cameras.RigFacts("rig.json", problem="is no rig")), "error", "is no rig"),
     (site.check_port(site.PortFacts("control", "tcp/127.0.0.1:7447", free=True)), "ok", "free"),
     (site.check_port(site.PortFacts("control", "e", holder="farhand-control (process 9)")), "ok", "farhand-control"),
     (site.check_port(site.PortFacts("control", "e", holder="nginx (process 9)")), "error", "nginx"),
@@ -68,13 +80,13 @@ def test_bbr_that_is_not_loaded_is_loaded_first() -> None:
 
 
 def test_pictures_of_another_size_than_calibrated_are_an_error() -> None:
-    rig = site.RigFacts("rig.json", 1.0, ((640, 480), (640, 480), None))
-    cameras = (
-        site.CameraFacts("left", "0", (640, 480)),
-        site.CameraFacts("right", "2", (1280, 720)),
-        site.CameraFacts("third", "4", (1280, 720)),
+    rig = cameras.RigFacts("rig.json", 1.0, ((640, 480), (640, 480), None))
+    probed = (
+        cameras.CameraFacts("left", "0", (640, 480)),
+        cameras.CameraFacts("right", "2", (1280, 720)),
+        cameras.CameraFacts("third", "4", (1280, 720)),
     )
-    (wrong,) = site.check_sizes(rig, cameras)
+    (wrong,) = cameras.check_sizes(rig, probed)
     assert (wrong.check, wrong.level) == ("camera right", Severity.ERROR)
     assert "1280 x 720, but it was calibrated with 640 x 480" in wrong.sentence
 

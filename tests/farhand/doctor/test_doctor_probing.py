@@ -7,6 +7,7 @@ import subprocess
 import sys
 import threading
 from datetime import UTC, datetime, timedelta
+from functools import partial
 from pathlib import Path
 
 import cv2
@@ -15,15 +16,18 @@ import numpy as np
 import pytest
 from typer.testing import CliRunner
 
+from common.cameras.live import LiveCamera
+from common.cameras.settings import CameraSettings
 from common.clock import NS_PER_MS, FakeClock
 from common.link.channels import CLOCK
 from common.link.config import ON_THIS_HOST
 from common.link.transport import open_link
 from common.messages.requests import ClockAnswer
 from farhand.cli import app
+from farhand.doctor.cameras import check_camera, probe_camera, probe_rig
 from farhand.doctor.processes import holder_of_device, listener_on
 from farhand.doctor.run import examine, which_site
-from farhand.doctor.site import probe_camera, probe_clock, probe_port, probe_rig
+from farhand.doctor.site import probe_clock, probe_port
 from farhand.loopback.site_process import free_ports
 from farhand.router import RouterConfig
 from local_site.calibration.rig_file import save_rig
@@ -32,6 +36,7 @@ from local_site.console.config import ConsoleConfig
 from local_site.simulation.cameras import exact_rig
 from local_site.simulation.config import SimulationConfig
 from remote_site.config import RemoteConfig
+from tests.common.cameras.fake_capture import FakeCapture
 
 NOW = datetime(2026, 3, 1, tzinfo=UTC)
 
@@ -66,6 +71,26 @@ def test_a_camera_is_opened_for_a_picture(tmp_path: Path) -> None:
     assert probe_camera("left", str(tmp_path), 30.0).size_px == (64, 48)
     assert "does not exist" in probe_camera("left", str(tmp_path / "absent"), 30.0).problem
     assert "cannot open /dev/video97" in probe_camera("left", "/dev/video97", 30.0).problem
+
+
+def test_a_live_camera_tells_what_it_does_and_where_it_does_otherwise(monkeypatch: pytest.MonkeyPatch) -> None:
+    clock = FakeClock(3600 * 10**9)
+    live = partial(LiveCamera, open_source=lambda _: FakeCapture(clock), clock=clock)
+    monkeypatch.setattr("common.cameras.sources.LiveCamera", live)
+    facts = probe_camera("left", 97, 30.0)
+    assert facts.state == "640 x 480, YUYV, 30 fps, exposure auto, gain 0, focus auto; frames are stamped by its driver"
+    refused = check_camera(probe_camera("left", 97, 30.0, CameraSettings(fps=50.0)))
+    assert "gives 60 fps, asked were 50" in refused.sentence
+    assert "v4l2-ctl -d /dev/video97" in refused.cure
+
+
+def test_settings_of_a_camera_that_the_rig_lacks_are_a_mistake(tmp_path: Path) -> None:
+    rig = tmp_path / "rig.json"
+    save_rig(exact_rig(SimulationConfig().stereo), rig)
+    file = tmp_path / "local.toml"
+    file.write_text(f'[operator]\nleft = 97\nright = 98\nrig = "{rig}"\n[operator.camera.middle]\ngain = 3\n')
+    findings = [finding for finding in examine(file, ()) if "operator.camera.middle" in finding.sentence]
+    assert [finding.cure for finding in findings] == ["correct that name"]
 
 
 def test_a_rig_tells_its_age(tmp_path: Path) -> None:

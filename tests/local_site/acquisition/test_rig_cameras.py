@@ -5,6 +5,7 @@ from dataclasses import dataclass
 import pytest
 
 import local_site.acquisition.rig_cameras
+from common.cameras.settings import CameraSettings
 from common.config import load_config
 from common.errors import CameraError, ConfigError
 from local_site.acquisition.rig_cameras import open_rig_cameras
@@ -24,6 +25,7 @@ def rig_of(*names):
 class Opened:
     source: object
     name: str
+    settings: CameraSettings
     is_closed: bool = False
 
     def close(self):
@@ -35,10 +37,10 @@ def opened(monkeypatch):
     """Every camera that was opened; one called broken cannot be."""
     cameras = []
 
-    def open_camera(source, name, _fps, _latency_ms):
+    def open_camera(source, name, _fps, settings):
         if source == "broken":
             raise CameraError(f"camera {name}: cannot open it")
-        cameras.append(Opened(source, name))
+        cameras.append(Opened(source, name, settings))
         return cameras[-1]
 
     monkeypatch.setattr(local_site.acquisition.rig_cameras, "open_camera", open_camera)
@@ -72,11 +74,29 @@ def test_the_configuration_takes_up_to_four_in_the_rigs_order():
     assert load_config(LocalConfig, None, REAL).operator.sources == (0, 1)
 
 
+def test_each_camera_has_the_settings_of_all_and_its_own_over_them():
+    lines = ("operator.latency_ms=40", "operator.cameras.gain=7", "operator.cameras.exposure_ms=4")
+    operator = load_config(LocalConfig, None, (*REAL, *lines, "operator.camera.right.gain=9")).operator
+    settings = operator.settings_of(["left", "right"])
+    assert settings["left"] == CameraSettings(latency_ms=40.0, gain=7, exposure_ms=4.0)
+    assert settings["right"] == CameraSettings(latency_ms=40.0, gain=9, exposure_ms=4.0)
+    with pytest.raises(ConfigError, match=r"operator\.camera\.right: .*its cameras are left, middle"):
+        operator.settings_of(["left", "middle"])
+
+
+def test_a_camera_is_opened_with_the_settings_of_its_name(opened):
+    by_name = {"right": CameraSettings(gain=3)}
+    open_rig_cameras(rig_of("left", "right"), [0, 1], 30.0, by_name)
+    assert [camera.settings for camera in opened] == [CameraSettings(), CameraSettings(gain=3)]
+
+
 @pytest.mark.parametrize(
     ("settings", "words"),
     [
         ((*REAL, "operator.also=[2, 3, 4]"), "length <= 2"),
         ((*REAL, 'operator.also=[""]'), "length >= 1"),
+        ((*REAL, "operator.cameras.width_px=640"), "give both or neither"),
+        ((*REAL, "operator.camera.left.gian=3"), "gian"),
         (("operator.also=[2]",), "simulated operator brings its own"),
     ],
 )

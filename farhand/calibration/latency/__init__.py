@@ -1,0 +1,1 @@
+"""The latency of cameras, measured by a screen that blinks before them."""
