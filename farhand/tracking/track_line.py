@@ -65,7 +65,7 @@ def _sigma(estimate: ArmEstimate, name: str) -> float | None:
 
 
 def _finite(value: float | None) -> float | None:
-    return round(value, 3) if value is not None and math.isfinite(value) else None
+    return round(float(value), 3) if value is not None and math.isfinite(value) else None
 
 
 def _vector(point: Array | None) -> Vector3 | None:

@@ -37,7 +37,7 @@ class TrackHistory:
         self._rows.extend(_known(line.sigma[name]) for name in POINTS)
 
     def _columns(self, first: int, count: int = 1) -> Array:
-        table = np.array(self._rows).reshape(-1, WIDTH)[:, first : first + count]
+        table = np.frombuffer(self._rows).reshape(-1, WIDTH)[:, first : first + count].copy()
         return table[:, 0] if count == 1 else table
 
     @property

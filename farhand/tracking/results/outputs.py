@@ -58,16 +58,17 @@ class TrackOutputs:
 
     def results(self, fps: float | None) -> list[Result]:
         """What takes the pairs of a recording of this rate (Hz); nothing is written before it is entered."""
-        chosen = [json_lines(self.out)]
+        chosen: list[Result] = []
+        if self.video is not None and fps is not None:
+            chosen.append(overlay_video(self.video, fps))  # first, as it may refuse the first picture
+        chosen.append(json_lines(self.out))
         if self.csv is not None:
             chosen.append(csv_rows(self.csv))
         if self.annotate is not None:
             chosen.append(annotated_pictures(self.annotate))
-        if self.video is not None and fps is not None:
-            chosen.append(overlay_video(self.video, fps))
         if self.report is not None:
             chosen.append(track_report(self.report))
-        return list(chosen)
+        return chosen
 
     @property
     def written(self) -> list[Path]:

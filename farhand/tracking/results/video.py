@@ -55,12 +55,21 @@ class _Video:
         """Write the picture of a pair; OSError before the disk is full."""
         picture = _even(pair.picture)
         if self._writer is None:
-            height, width = picture.shape[:2]
-            self._writer = _writer(self._part, self._fps, (width, height))
+            self._writer = self._opened(picture)
         if shutil.disk_usage(self._part.parent).free < ROOM_BYTES:
             raise OSError(errno.ENOSPC, "no space is left on the disk", str(self._out))
         self._writer.write(picture)
         self._count += 1
+
+    def _opened(self, picture: Image) -> cv2.VideoWriter:
+        height, width = picture.shape[:2]
+        writer = _writer(self._part, self._fps, (width, height))
+        if not writer.isOpened():
+            raise CameraError(
+                f"cannot write {self._out}: OpenCV cannot make a video of {width}x{height} pixels; "
+                "leave the video out and take --annotate with a folder"
+            )
+        return writer
 
     def finish(self) -> None:
         """Complete the file; CameraError if it does not hold what was drawn."""
