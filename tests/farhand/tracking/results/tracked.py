@@ -34,9 +34,8 @@ def pair(
     view = View(Frame(np.full((HEIGHT, WIDTH), grey, np.uint8), t_ns, frame))
     found = status or (TrackingStatus.LOST if wrist is None else TrackingStatus.TRACKED)
     covariance = np.eye(3) * (sigma_mm * 1e-3) ** 2 / 3
-    points = {} if wrist is None else {"wrist": np.array(wrist)}
-    covariances = dict.fromkeys(points, covariance)
-    estimate = ArmEstimate(t_ns, found, reason, **points, covariances=covariances, residual_px=residual_px)
+    place, covariances = (None, {}) if wrist is None else (np.array(wrist), {"wrist": covariance})
+    estimate = ArmEstimate(t_ns, found, reason, wrist=place, covariances=covariances, residual_px=residual_px)
     line = track_line(frame, estimate, OpenHand(), 5.0)
     return TrackedPair(RIG, Views(t_ns, (view, view)), estimate, line, frame / fps)
 
