@@ -7,7 +7,8 @@ STYLE = (
     "body{font:15px/1.5 sans-serif;max-width:1620px;margin:2em auto;padding:0 1em;color:#222}"
     "img{max-width:100%}figure{margin:1em 0}a:focus-visible{outline:3px solid #1558b0}"
     "table{border-collapse:collapse;margin:1em 0}td,th{padding:.2em 1em;border-bottom:1px solid #ddd;"
-    "text-align:right}td:first-child,th:first-child{text-align:left;font-weight:normal}thead th:first-child{font-weight:bold}"
+    "text-align:right}td:first-child,th:first-child{text-align:left;font-weight:normal}"
+    "thead th:first-child{font-weight:bold}"
 )
 
 

@@ -8,7 +8,7 @@ from common.errors import ConfigError
 from farhand.outputs import check_file, check_folder, refuse_shared
 from farhand.reports.plotting import require_matplotlib
 from farhand.tracking.results.pictures import annotated_pictures
-from farhand.tracking.results.report import PAGE, track_report
+from farhand.tracking.results.report.track_report import PAGE, track_report
 from farhand.tracking.results.tables import csv_rows, json_lines
 from farhand.tracking.results.tracked_pair import Result
 from farhand.tracking.results.video import SUFFIX, check_video, overlay_video

@@ -9,10 +9,10 @@ import numpy as np
 from common.geometry import Array
 from farhand.outputs import make_folder, write_result
 from farhand.reports.page import heading, page, paragraph, picture, table
-from farhand.tracking.results.history import STATUSES, Mask, TrackHistory
-from farhand.tracking.results.report_plots import SHOWN_REASONS, Plot, plots
+from farhand.tracking.results.report.history import STATUSES, Mask, TrackHistory
+from farhand.tracking.results.report.plots import SHOWN_REASONS, Plot, plots
+from farhand.tracking.results.report.worst_pairs import APART_S, ShownPair, WorstPairs
 from farhand.tracking.results.tracked_pair import Take, TrackedPair
-from farhand.tracking.results.worst_pairs import APART_S, ShownPair, WorstPairs
 
 PAGE = "report.html"
 NONE = "–"

@@ -10,8 +10,8 @@ import pytest
 
 from common.errors import CameraError
 from common.messages.hand import TrackingStatus
-from farhand.tracking.results.history import TrackHistory
-from farhand.tracking.results.report import PAGE, track_report
+from farhand.tracking.results.report.history import TrackHistory
+from farhand.tracking.results.report.track_report import PAGE, track_report
 from tests.farhand.tracking.results.tracked import FPS, TrackedPair, pair, write_then_fail
 
 RED = (0x30, 0x30, 0xC2)  # blue, green, red of a loss

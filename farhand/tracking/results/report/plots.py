@@ -8,7 +8,7 @@ import numpy as np
 from common.geometry import Array
 from common.messages.hand import TrackingStatus
 from farhand.reports.plotting import describe_panel, panels, png
-from farhand.tracking.results.history import STATUSES, Mask, TrackHistory
+from farhand.tracking.results.report.history import STATUSES, Mask, TrackHistory
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes

@@ -4,7 +4,7 @@ import cv2
 import numpy as np
 
 from common.messages.hand import TrackingStatus
-from farhand.tracking.results.worst_pairs import APART_S, REASONS, WORST, ShownPair, WorstPairs
+from farhand.tracking.results.report.worst_pairs import APART_S, REASONS, WORST, ShownPair, WorstPairs
 from tests.farhand.tracking.results.tracked import FPS, TrackedPair, pair
 
 APART = round(APART_S * FPS)
