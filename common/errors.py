@@ -29,6 +29,10 @@ class CameraError(FarhandError):
     """A camera or recording cannot be opened or has stopped giving frames."""
 
 
+class TrackingError(FarhandError):
+    """A recording was tracked to its end, and no arm was found in it."""
+
+
 class CalibrationError(FarhandError):
     """A calibration cannot be computed or read."""
 

@@ -2,8 +2,10 @@
 
 import glob
 import os
-from collections.abc import Iterable
+from collections.abc import Iterable, Iterator, Mapping
+from contextlib import contextmanager
 from pathlib import Path
+from typing import TextIO
 
 from common.atomic_file import write_atomically
 from common.cameras.images import IMAGE_SUFFIXES
@@ -43,6 +45,14 @@ def _refuse_inputs(option: str, out: Path, inputs: Iterable[str | Path]) -> None
             raise ConfigError(f"{option} {out} would overwrite what is read; choose another name")
 
 
+def refuse_shared(outputs: Mapping[str, Path | None]) -> None:
+    """ConfigError if two options, by their names, would write to the same place."""
+    seen: dict[Path, str] = {}
+    for option, out in outputs.items():
+        if out is not None and (other := seen.setdefault(out.resolve(), option)) != option:
+            raise ConfigError(f"{other} and {option} are both {out}; give each a name of its own")
+
+
 def make_folder(option: str, folder: Path) -> None:
     """Create a folder of results if it is missing; ConfigError, before any work, if it cannot be made or written."""
     try:
@@ -59,3 +69,26 @@ def write_result(path: Path, content: bytes) -> None:
         write_atomically(path, content)
     except OSError as error:
         raise ConfigError(f"cannot write {path}: {error.strerror}; choose a folder that can be written") from error
+
+
+@contextmanager
+def written_at_end(out: Path) -> Iterator[TextIO]:
+    """A text file that replaces an earlier one once it has a line, so that a failure leaves the earlier file alone."""
+    if out.exists() and not out.is_file():
+        with out.open("w", encoding="utf-8") as lines:
+            yield lines
+        return
+    out = out.resolve()
+    part = out.with_name(f"{out.name}.part")
+    try:
+        with part.open("w", encoding="utf-8", buffering=1) as lines:
+            yield lines
+    finally:
+        text = part.read_bytes() if part.exists() else b""
+        whole = text.rfind(b"\n") + 1
+        if whole < len(text):
+            os.truncate(part, whole)  # an incomplete last line, as of a full disk
+        if whole:
+            part.replace(out)
+        else:
+            part.unlink(missing_ok=True)

@@ -21,6 +21,7 @@ class ImageFolder:
         if not self._paths:
             raise CameraError(f"camera {name}: {folder} holds no image ({', '.join(sorted(IMAGE_SUFFIXES))})")
         self.fps = fps
+        self.stated_frames = len(self._paths)
         self._seq = 0
 
     def read(self) -> Frame | None:

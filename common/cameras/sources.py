@@ -15,6 +15,7 @@ from common.clock import NS_PER_S
 from common.errors import CameraError, ConfigError
 
 DEFAULT_FOLDER_FPS = 30.0
+MAX_STATED_FRAMES = 1e8  # more is what OpenCV makes of an index without a duration
 
 Source = Annotated[int, Meta(ge=0)] | Annotated[str, Meta(min_length=1)]
 
@@ -34,6 +35,8 @@ class VideoFile:
         self.fps = fps if fps is not None else float(self._capture.get(cv2.CAP_PROP_FPS))
         if not (math.isfinite(self.fps) and self.fps > 0):
             raise CameraError(f"camera {name}: {path} does not state its frame rate; give it with --fps")
+        count = float(self._capture.get(cv2.CAP_PROP_FRAME_COUNT))
+        self.stated_frames = int(count) if 0 < count < MAX_STATED_FRAMES else None
         self._seq = 0
 
     def read(self) -> Frame | None:
@@ -81,3 +84,11 @@ def open_camera(
 def recorded_fps(camera: Camera) -> float | None:
     """The frame rate of a recording, Hz; None for a live camera."""
     return camera.fps if isinstance(camera, VideoFile | ImageFolder) else None
+
+
+def stated_frames(camera: Camera) -> int | None:
+    """How many frames a recording says it holds; None for a live camera, and where a file says nothing.
+
+    Of a folder the number is exact. A file's index may be damaged or guessed, so it is a hint.
+    """
+    return camera.stated_frames if isinstance(camera, VideoFile | ImageFolder) else None

@@ -41,12 +41,23 @@ def track(
         Method | None, typer.Option(help=f"{TRACKER_HELP} The same as --set tracking.method=NAME.")
     ] = None,
     annotate: Annotated[Path | None, typer.Option(help="Folder for annotated pairs, as PNG.")] = None,
+    video: Annotated[
+        Path | None, typer.Option(help="Video of the annotated pairs (.mp4), all views side by side.")
+    ] = None,
+    report: Annotated[
+        Path | None, typer.Option(help="Folder for report.html: tables, plots and the worst pairs. Needs matplotlib.")
+    ] = None,
+    csv: Annotated[Path | None, typer.Option(help="CSV to write, a row per instant.")] = None,
 ) -> None:
     """Track a recording or one to four cameras, one JSON line per instant; causal, unsmoothed.
 
+    The exit code is 1 if no instant was tracked; degraded ones count as tracked.
+
     Example: farhand track --rig rig.json --left left.avi --right right.avi --set tracking.silhouette.right_arm=false
     """
+    from farhand.tracking.results.outputs import TrackOutputs
     from farhand.tracking.run import TrackSources, joint_settings, run_track
+    from farhand.tracking.summary import describe, refuse_nothing
     from local_site.config import LocalConfig
 
     if (monocular is None) == (left is None or right is None) or (monocular and (left or right or also)):
@@ -55,7 +66,10 @@ def track(
     chosen += joint_settings(shown_joints) if shown_joints else []
     site = load_config(LocalConfig, config, [*(settings or ()), *chosen])
     sources = TrackSources(rig, monocular or left or "", right, fps, site, tuple(also or ()))
+    outputs = TrackOutputs(out, annotate, video, report, csv)
     should_stop = until_signal()
-    typer.echo(run_track(sources, out, annotate, should_stop))
+    summary = run_track(sources, outputs, should_stop)
+    typer.echo(describe(summary, outputs.written))
     if should_stop():
         raise InterruptionError(f"interrupted; {out} ends where it was")
+    refuse_nothing(summary)

@@ -9,9 +9,9 @@ from common.config import load_config
 from common.geometry import Array, transform
 from common.messages.hand import TrackingStatus
 from farhand.experiments.following import FollowingArm
-from farhand.experiments.plotting import describe_panel, panels, png
 from farhand.experiments.report import CsvTable, ExperimentReport, Figures, Progress, rounded
 from farhand.loopback.scenario import ARM_FILES, HUMANOID, MONOCULAR, arm_settings
+from farhand.reports.plotting import describe_panel, panels, png
 from local_site.simulation.hazel import FRAMES_PER_S, HAZEL_S_FRAMES, Swing, true_points
 from local_site.tracking.tracker import ArmEstimate
 from remote_site.config import RemoteConfig

@@ -19,8 +19,8 @@ from farhand.experiments.follow_figures import (
     tool_rows,
 )
 from farhand.experiments.following import Film, ToolPath, film, follow_by_mean, follow_by_pipeline
-from farhand.experiments.plotting import describe_panel, panels, png, widen
 from farhand.experiments.report import CsvTable, ExperimentReport, Figures, Progress
+from farhand.reports.plotting import describe_panel, panels, png, widen
 from local_site.samples.smoothing import SmoothingConfig
 from local_site.simulation.config import MotionConfig, SimulationConfig
 from local_site.tracking.choice import TrackingConfig

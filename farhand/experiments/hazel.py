@@ -24,8 +24,8 @@ from farhand.experiments.hazel_figures import (
     true_and_measured,
     with_occluder,
 )
-from farhand.experiments.plotting import MEASURED, TRUE, describe_panel, panels, png, widen
 from farhand.experiments.report import CsvTable, ExperimentReport, Figures, Progress
+from farhand.reports.plotting import MEASURED, TRUE, describe_panel, panels, png, widen
 from local_site.simulation.hazel import (
     HAZEL_C_FRAMES,
     HAZEL_S_FRAMES,

@@ -1,6 +1,5 @@
 """Writes an experiment's results to a folder: report.json, report.html, plots as PNG, data as CSV; other files stay."""
 
-import html
 import json
 from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass
@@ -11,12 +10,7 @@ import numpy as np
 
 from common.geometry import Array
 from farhand.outputs import write_result
-
-STYLE = (
-    "body{font:15px/1.5 sans-serif;max-width:1620px;margin:2em auto;padding:0 1em;color:#222}"
-    "img{max-width:100%}table{border-collapse:collapse}td,th{padding:.2em 1em;border-bottom:1px solid #ddd;"
-    "text-align:right}td:first-child,th:first-child{text-align:left}"
-)
+from farhand.reports.page import files, page, paragraph, picture, table
 
 Figures = dict[str, Any]  # numbers by name, possibly nested
 Progress = Callable[[], object]  # called after every frame; may raise, as InterruptionError when a person ends the work
@@ -54,9 +48,9 @@ def rounded(value: float | np.floating[Any]) -> float:
 
 def write_report(report: ExperimentReport, folder: Path) -> None:
     """Write all files, each whole or not at all; ConfigError when the folder cannot be written."""
-    for name, table in report.data.items():
-        lines = [",".join(table.columns)]
-        lines += [",".join("" if np.isnan(value) else f"{value:.10g}" for value in row) for row in table.rows.round(4)]
+    for name, data in report.data.items():
+        lines = [",".join(data.columns)]
+        lines += [",".join("" if np.isnan(value) else f"{value:.10g}" for value in row) for row in data.rows.round(4)]
         write_result(folder / f"{name}.csv", ("\n".join(lines) + "\n").encode())
     for name, plot in report.plots.items():
         write_result(folder / f"{name}.png", plot)
@@ -67,17 +61,10 @@ def write_report(report: ExperimentReport, folder: Path) -> None:
 def _page(report: ExperimentReport) -> str:
     flat = {name: dict(_flat(figures)) for name, figures in report.compared.items()}
     keys = list(dict.fromkeys(key for figures in flat.values() for key in figures))
-    head = "".join(f"<th>{html.escape(name)}</th>" for name in ("", *flat))
-    rows = ([html.escape(key), *(str(figures.get(key, "–")) for figures in flat.values())] for key in keys)
-    body = "".join(f"<tr><td>{'</td><td>'.join(row)}</td></tr>" for row in rows)
-    plots = "".join(f'<p><img src="{name}.png" alt="{name}"></p>' for name in report.plots)
-    files = ", ".join(f'<a href="{name}">{name}</a>' for name in ("report.json", *(f"{n}.csv" for n in report.data)))
-    title = html.escape(report.title)
-    return (
-        f'<!doctype html><html lang="en"><meta charset="utf-8"><title>{title}</title><style>{STYLE}</style>'
-        f"<h1>{title}</h1><p>{html.escape(report.text)}</p><table><tr>{head}</tr>{body}</table>"
-        f"{plots}<p>Files: {files}</p></html>\n"
-    )
+    rows = ([key, *(figures.get(key, "–") for figures in flat.values())] for key in keys)
+    plots = [picture(f"{name}.png", f"plot: {name.replace('_', ' ')}") for name in report.plots]
+    names = files(("report.json", *(f"{name}.csv" for name in report.data)))
+    return page(report.title, [paragraph(report.text), table(("figure", *flat), rows), *plots, names])
 
 
 def _flat(figures: Figures, prefix: str = "") -> Iterator[tuple[str, Any]]:

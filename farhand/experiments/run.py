@@ -8,9 +8,9 @@ from rich.progress import Progress as ProgressBar
 
 from common.errors import ConfigError, InterruptionError
 from farhand.experiments import drift, follow, hazel
-from farhand.experiments.plotting import require_matplotlib
 from farhand.experiments.report import ExperimentReport, Progress, write_report
 from farhand.outputs import check_folder, make_folder
+from farhand.reports.plotting import require_matplotlib
 from farhand.tracking.run import prepare_tracker
 from local_site.tracking.choice import TrackingConfig
 

@@ -4,7 +4,7 @@ from collections import deque
 from collections.abc import Iterator, Sequence
 
 from common.cameras.camera import Camera, Frame
-from common.cameras.sources import recorded_fps
+from common.cameras.sources import recorded_fps, stated_frames
 from common.errors import ConfigError
 from local_site.tracking.tracker import View, Views
 
@@ -20,6 +20,12 @@ def refuse_other_rates(cameras: Sequence[Camera]) -> None:
             f"the recordings differ in frames per second ({stated}), so that they cannot have been exposed together; "
             "give those of one session, or with --fps the rate that all were really taken at"
         )
+
+
+def stated_pairs(cameras: Sequence[Camera]) -> int | None:
+    """How many pairs to expect of recordings by what they state; None if a camera does not state it, as a live one."""
+    counts = [stated_frames(camera) for camera in cameras]
+    return None if None in counts else min(count for count in counts if count is not None)
 
 
 class RecordedPairs:

@@ -1,20 +1,20 @@
-"""`farhand track`: opens rig and cameras, shows progress, sums up what was found."""
+"""`farhand track`: opens rig and cameras, checks where the results go, shows progress."""
 
-from collections.abc import Callable
-from contextlib import ExitStack, closing
+from collections.abc import Callable, Iterator
+from contextlib import ExitStack, closing, contextmanager
 from dataclasses import dataclass, field
 from pathlib import Path
 
 import msgspec
-import numpy as np
 from rich.console import Console
-from rich.progress import MofNCompleteColumn, Progress, SpinnerColumn, TextColumn
+from rich.progress import BarColumn, MofNCompleteColumn, Progress, SpinnerColumn, TextColumn, TimeRemainingColumn
 
+from common.cameras.sources import recorded_fps
 from common.errors import ConfigError
-from common.messages.hand import TrackingStatus
-from farhand.outputs import check_file, check_folder
-from farhand.tracking.recorded_pairs import refuse_other_rates
-from farhand.tracking.track import POINTS, Summary, track_recording
+from farhand.tracking.recorded_pairs import refuse_other_rates, stated_pairs
+from farhand.tracking.results.outputs import TrackOutputs
+from farhand.tracking.summary import Summary
+from farhand.tracking.track import track_recording
 from local_site.acquisition.rig_cameras import of_one_camera, open_rig_cameras
 from local_site.calibration.rig_file import load_rig
 from local_site.config import LocalConfig
@@ -41,35 +41,37 @@ class TrackSources:
     also: tuple[str, ...] = ()
 
 
-def run_track(
-    sources: TrackSources, out: Path, annotate_dir: Path | None, should_stop: Callable[[], bool] = lambda: False
-) -> str:
-    """Track every instant of the sources until asked to stop, and sum it up in words.
+def run_track(sources: TrackSources, outputs: TrackOutputs, should_stop: Callable[[], bool] = lambda: False) -> Summary:
+    """Track every instant of the sources until asked to stop, and sum it up.
 
-    FarhandError names what cannot be opened; ConfigError what cannot be written, or what was not recorded together.
+    Before any work, FarhandError names what cannot be opened, or that matplotlib is missing; ConfigError what cannot be
+    written, or what was not recorded together.
     """
     given = [source for source in (sources.left, sources.right, *sources.also) if source is not None]
-    check_file("--out", out, [sources.rig, *given])
-    check_folder("--annotate", annotate_dir, given)
+    outputs.check([sources.rig, *given])
     rig, site = load_rig(sources.rig), sources.site
     if sources.right is None:
         rig, tracking = of_one_camera(rig, site.tracking)
         site = msgspec.structs.replace(site, tracking=tracking)
-    columns = (SpinnerColumn(), TextColumn("tracking"), MofNCompleteColumn())
     with ExitStack() as opened:
         cameras = open_rig_cameras(rig, given, sources.fps)
         left, *others = (opened.enter_context(closing(camera)) for camera in cameras)
         if sources.fps is None:
             refuse_other_rates(cameras)
+        fps = recorded_fps(left) or sources.fps
+        outputs.check_rate(fps)
         prepare_tracker(site.tracking)
-        progress = opened.enter_context(Progress(*columns, console=Console(stderr=True)))
-        task = progress.add_task("tracking", total=None)
+        show = opened.enter_context(_shown_progress(stated_pairs(cameras)))
+        return track_recording(rig, left, others, outputs.results(fps), show, site, should_stop)
 
-        def show(pairs: int) -> None:
-            progress.update(task, completed=pairs)
 
-        done = track_recording(rig, left, others, out, annotate_dir, show, site, should_stop)
-    return describe(done, out)
+@contextmanager
+def _shown_progress(total: int | None) -> Iterator[Callable[[int], None]]:
+    """A bar to the expected number of pairs, which gives way to more; without a number, one that only moves."""
+    columns = SpinnerColumn(), TextColumn("tracking"), BarColumn(), MofNCompleteColumn(), TimeRemainingColumn()
+    with Progress(*columns, console=Console(stderr=True)) as progress:
+        task = progress.add_task("tracking", total=total)
+        yield lambda pairs: progress.update(task, completed=pairs, total=total and max(total, pairs))
 
 
 def prepare_tracker(tracking: TrackingConfig) -> None:
@@ -94,21 +96,3 @@ def joint_settings(text: str) -> list[str]:
         )
     given = [f"{START}.{joint}_px=[{x}, {y}]" for joint, (x, y) in zip(JOINTS, pixels, strict=True)]
     return [f"{START}.by=joints", *given]
-
-
-def describe(summary: Summary, out: Path) -> str:
-    """What was found in a recording, in three lines, and a line for each warning."""
-    if not summary.pairs:
-        return "no pair was tracked"
-    found = ", ".join(f"{name} {summary.found[name]}" for name in POINTS)
-    statuses = ", ".join(f"{count} {status.value}" for status, count in summary.statuses.items() if count)
-    median, p95 = np.percentile(summary.ms, [50, 95])
-    lines = [
-        f"{summary.pairs} pairs: {statuses}",
-        f"points found: {found}; gripper toggles: {summary.gripper_toggles}",
-        f"{median:.1f} ms per pair (p95 {p95:.1f}); written to {out}",
-    ]
-    warnings = [sentence for sentence in (summary.left_out, summary.drift) if sentence]
-    if not summary.statuses[TrackingStatus.TRACKED] + summary.statuses[TrackingStatus.DEGRADED]:
-        warnings.append(f"nothing was tracked; most often: {summary.reasons.most_common(1)[0][0]}")
-    return "\n".join([*lines, *(f"warning: {sentence}" for sentence in warnings)])

@@ -12,8 +12,9 @@ from common.cameras.camera import Frame
 from common.errors import ConfigError, FarhandError
 from farhand.calibration.points import doubts, solvable
 from farhand.cli import app
-from farhand.outputs import check_file, check_folder
-from farhand.tracking.track import _written_at_end, track_recording
+from farhand.outputs import check_file, check_folder, written_at_end
+from farhand.tracking.results.tables import json_lines
+from farhand.tracking.track import track_recording
 from local_site.calibration.rig_file import save_rig
 from local_site.simulation.cameras import calibrate_simulated, control_point_rows
 from local_site.simulation.config import SimulationConfig, StereoConfig
@@ -94,14 +95,14 @@ def test_an_earlier_track_is_replaced_only_by_a_new_one(tmp_path, pictures, kept
     rig = calibrate_simulated(SimulationConfig())
     cameras = Blank("left", pictures, fails=False), Blank("right", max(pictures - 1, 0), fails=True)
     with pytest.raises(FarhandError):
-        track_recording(rig, cameras[0], cameras[1:], out, None, lambda _: None)
+        track_recording(rig, cameras[0], cameras[1:], [json_lines(out)], lambda _: None)
     assert (out.read_text() == "earlier\n") is kept
     assert list(tmp_path.iterdir()) == [out]
 
 
 def test_a_last_line_that_found_no_room_is_cut(tmp_path):
     out = tmp_path / "track.jsonl"
-    with _written_at_end(out) as lines:
+    with written_at_end(out) as lines:
         lines.write('{"frame":0}\n{"fra')
     assert out.read_text() == '{"frame":0}\n'
     assert list(tmp_path.iterdir()) == [out]

@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 from common.cameras.settings import CameraSettings
-from common.cameras.sources import open_camera
+from common.cameras.sources import open_camera, stated_frames
 from common.errors import CameraError, ConfigError
 
 
@@ -67,3 +67,36 @@ def test_settings_override_the_rate_of_a_recording(folder: Path) -> None:
 def test_a_rate_that_is_none_is_refused(folder: Path) -> None:
     with pytest.raises(ConfigError, match="positive"):
         open_camera(str(folder), "left", fps=0)
+
+
+def test_a_recording_states_its_frames_and_a_nonsense_count_is_none(
+    folder: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    (folder / "notes.txt").touch()
+    assert stated_frames(open_camera(str(folder), "left")) == 3
+    path = tmp_path / "a.avi"
+    writer = cv2.VideoWriter(str(path), cv2.VideoWriter.fourcc(*"MJPG"), 20.0, (64, 48))
+    for _ in range(5):
+        writer.write(np.zeros((48, 64, 3), np.uint8))
+    writer.release()
+    assert stated_frames(open_camera(str(path), "left")) == 5
+    for stated in (0.0, -9.2e18, 9.2e18, float("nan")):
+        monkeypatch.setattr("cv2.VideoCapture", lambda _, stated=stated: Stating(stated))
+        assert stated_frames(open_camera(str(path), "left")) is None
+        assert stated_frames(open_camera("0", "left")) is None
+
+
+class Stating:
+    """A capture of a file or a camera that states this number of frames."""
+
+    def __init__(self, frames: float) -> None:
+        self._frames = frames
+
+    def isOpened(self) -> bool:
+        return True
+
+    def get(self, key: int) -> float:
+        return self._frames if key == cv2.CAP_PROP_FRAME_COUNT else 20.0
+
+    def set(self, _key: int, _value: float) -> bool:
+        return True

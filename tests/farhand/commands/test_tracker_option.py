@@ -9,6 +9,7 @@ from common.config import load_config
 from common.errors import ConfigError
 from farhand.cli import app
 from farhand.loopback.plan import LoopbackOptions, plan_of
+from farhand.tracking.summary import Summary
 from local_site.config import LocalConfig
 from local_site.simulation.cameras import calibrate_simulated
 from local_site.simulation.config import SimulationConfig
@@ -42,7 +43,7 @@ def test_each_tracker_has_a_table_of_its_own():
 def tracked_with(monkeypatch, *arguments):
     """The local site's configuration that a track command comes to."""
     seen = []
-    monkeypatch.setattr("farhand.tracking.run.run_track", lambda sources, *_: seen.append(sources.site) or "done")
+    monkeypatch.setattr("farhand.tracking.run.run_track", lambda sources, *_: seen.append(sources.site) or Summary())
     result = CliRunner().invoke(app, ["track", "--rig", "r", "--left", "a", "--right", "b", *map(str, arguments)])
     if isinstance(result.exception, ConfigError):
         raise result.exception

@@ -9,7 +9,8 @@ import farhand.tracking.track
 from common.cameras.camera import Frame
 from common.clock import NS_PER_S
 from common.messages.hand import TrackingStatus
-from farhand.tracking.run import describe
+from farhand.tracking.results.tables import json_lines
+from farhand.tracking.summary import describe
 from farhand.tracking.track import track_recording
 from local_site.simulation.cameras import exact_rig
 from local_site.simulation.config import StereoConfig
@@ -49,7 +50,7 @@ def track(monkeypatch, tmp_path):
         monkeypatch.setattr(farhand.tracking.track, "make_tracker", lambda *_: Scripted(answer))
         path = tmp_path / "track.jsonl"
         rig = exact_rig(StereoConfig())
-        summary = track_recording(rig, Recording(count), [Recording(count)], path, None, lambda _: None)
+        summary = track_recording(rig, Recording(count), [Recording(count)], [json_lines(path)], lambda _: None)
         return summary, [json.loads(line) for line in path.read_text().splitlines()]
 
     return run
@@ -92,11 +93,11 @@ def test_a_camera_that_moves_is_told_in_the_reasons_and_the_summary(track):
     assert told == list(range(told[0], len(lines)))
     assert 15 < lines[told[0]]["t_ns"] / NS_PER_S < 26
     assert lines[-1]["reason"].startswith("folded; tracked points miss")
-    assert f"\nwarning: {summary.drift}" in describe(summary, "track.jsonl")
+    assert f"\nwarning: {summary.drift}" in describe(summary, [])
 
 
 def test_cameras_that_stand_give_no_warning(track):
     summary, lines = track(wobbling(bump_s=60), 30 * 30)
     assert {line["reason"] for line in lines} == {"folded"}
     assert summary.drift is None
-    assert "warning" not in describe(summary, "track.jsonl")
+    assert "warning" not in describe(summary, [])

@@ -9,7 +9,7 @@ import pytest
 from typer.testing import CliRunner
 
 from common.config import load_config
-from common.errors import ConfigError
+from common.errors import ConfigError, TrackingError
 from farhand.cli import app
 from farhand.tracking.run import joint_settings
 from local_site.calibration.rig_file import save_rig
@@ -78,7 +78,9 @@ def test_before_a_bright_wall_the_silhouette_is_not_guessed(folder):
         "--out",
         str(folder / "t"),
     )
-    assert "darken the background" in done.output
+    assert isinstance(done.exception, TrackingError)
+    assert "darken the background" in str(done.exception)
+    assert len((folder / "t").read_text().splitlines()) == FRAMES
 
 
 def test_joints_on_the_command_line_come_before_a_silhouette_in_a_file():

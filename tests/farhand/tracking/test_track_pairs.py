@@ -12,7 +12,11 @@ from msgspec.structs import replace
 from common.cameras.camera import Frame
 from common.errors import CameraError, ConfigError
 from farhand.tracking.recorded_pairs import RecordedPairs
-from farhand.tracking.run import TrackSources, describe, run_track
+from farhand.tracking.results.outputs import TrackOutputs
+from farhand.tracking.results.pictures import annotated_pictures
+from farhand.tracking.results.tables import json_lines
+from farhand.tracking.run import TrackSources, run_track
+from farhand.tracking.summary import describe
 from farhand.tracking.track import track_recording
 from local_site.calibration.control_points import CAMERAS
 from local_site.calibration.rig import Rig
@@ -20,6 +24,7 @@ from local_site.calibration.rig_file import save_rig
 from local_site.config import LocalConfig
 from local_site.simulation.cameras import exact_rig
 from local_site.simulation.config import StereoConfig
+from local_site.tracking.annotate import LINE_HEIGHT_PX
 from local_site.tracking.choice import TrackingConfig
 
 IMAGE = np.full((48, 64), 8, np.uint8)
@@ -88,10 +93,10 @@ def test_a_recording_that_goes_on_is_told(counts, said):
     assert pairs.left_out.partition(";")[0] == said
 
 
-def test_what_was_left_out_stands_in_the_summary(tmp_path):
+def test_what_was_left_out_stands_in_the_summary():
     left, right = Recording(0, 10, name="left"), Recording(0, 10, 20, name="right")
-    summary = track_recording(exact_rig(StereoConfig()), left, [right], tmp_path / "a.jsonl", None, lambda _: None)
-    assert "warning: left ended after 2 pairs while right continued" in describe(summary, tmp_path)
+    summary = track_recording(exact_rig(StereoConfig()), left, [right], [], lambda _: None)
+    assert "warning: left ended after 2 pairs while right continued" in describe(summary, [])
 
 
 def folder(tmp_path, name, sizes):
@@ -123,11 +128,11 @@ def test_recordings_of_different_rates_are_refused_unless_the_rate_is_given(tmp_
     out = tmp_path / "track.jsonl"
     if refused:
         with pytest.raises(ConfigError, match=r"left .*right .*--fps"):
-            run_track(given, out, None)
+            run_track(given, TrackOutputs(out))
         assert not out.exists()
     else:
-        assert run_track(given, out, None).startswith("3 pairs")
-    assert run_track(dataclasses.replace(given, fps=20.0), out, None).startswith("3 pairs")
+        assert run_track(given, TrackOutputs(out)).pairs == 3
+    assert run_track(dataclasses.replace(given, fps=20.0), TrackOutputs(out)).pairs == 3
     assert [json.loads(line)["t_ns"] for line in out.read_text().splitlines()] == [0, 50_000_000, 100_000_000]
 
 
@@ -135,7 +140,7 @@ def test_a_picture_of_another_size_is_named_and_what_was_tracked_is_kept(tmp_pat
     left = folder(tmp_path, "left", [(48, 64), (48, 64), (24, 32)])
     right = folder(tmp_path, "right", [(48, 64)] * 3)
     with pytest.raises(CameraError, match="camera left: its picture 2 is 32x24, but its first was 64x48"):
-        run_track(sources(tmp_path, left, right), tmp_path / "track.jsonl", None)
+        run_track(sources(tmp_path, left, right), TrackOutputs(tmp_path / "track.jsonl"))
     assert len((tmp_path / "track.jsonl").read_text().splitlines()) == 2
 
 
@@ -145,7 +150,7 @@ def test_pictures_of_another_size_than_calibrated_are_refused_and_an_earlier_tra
     save_rig(replace(rig, cameras=tuple(replace(c, size_px=(640, 480)) for c in rig.cameras)), given.rig)
     (tmp_path / "track.jsonl").write_text("earlier")
     with pytest.raises(CameraError, match="its picture 0 is 64x48, but it was calibrated at 640x480"):
-        run_track(given, tmp_path / "track.jsonl", None)
+        run_track(given, TrackOutputs(tmp_path / "track.jsonl"))
     assert (tmp_path / "track.jsonl").read_text() == "earlier"
 
 
@@ -155,8 +160,7 @@ def test_an_interruption_keeps_the_pairs_tracked_so_far(tmp_path):
         exact_rig(StereoConfig()),
         Recording(0, 10, 20),
         [Recording(0, 10, 20)],
-        tmp_path / "track.jsonl",
-        None,
+        [json_lines(tmp_path / "track.jsonl")],
         done.append,
         should_stop=lambda: len(done) == 2,
     )
@@ -166,8 +170,8 @@ def test_an_interruption_keeps_the_pairs_tracked_so_far(tmp_path):
 
 def test_an_interruption_before_the_first_pair_is_no_failure(tmp_path):
     rig, out = exact_rig(StereoConfig()), tmp_path / "track.jsonl"
-    summary = track_recording(rig, Recording(0), [Recording(0)], out, None, lambda _: None, should_stop=lambda: True)
-    assert describe(summary, out) == "no pair was tracked"
+    summary = track_recording(rig, Recording(0), [Recording(0)], [json_lines(out)], lambda _: None, None, lambda: True)
+    assert describe(summary, [out]) == "no pair was tracked"
     assert not out.exists()
 
 
@@ -176,7 +180,7 @@ def test_what_is_no_file_is_written_through(tmp_path):
     aim.write_text("earlier")
     (tmp_path / "link.jsonl").symlink_to(aim)
     for out in (tmp_path / "link.jsonl", Path("/dev/null")):
-        assert track_recording(rig, Recording(0), [Recording(0)], out, None, lambda _: None).pairs == 1
+        assert track_recording(rig, Recording(0), [Recording(0)], [json_lines(out)], lambda _: None).pairs == 1
     assert Path("/dev/null").is_char_device()
     assert (tmp_path / "link.jsonl").is_symlink()
     assert '"status":"lost"' in aim.read_text()
@@ -189,8 +193,7 @@ def test_dark_recordings_give_lost_lines_and_their_summary(tmp_path):
         exact_rig(StereoConfig()),
         Recording(0, 10),
         [Recording(0, 10)],
-        tmp_path / "track.jsonl",
-        annotated,
+        [json_lines(tmp_path / "track.jsonl"), annotated_pictures(annotated)],
         done.append,
     )
     assert (summary.pairs, summary.statuses["lost"], summary.found["wrist"]) == (2, 2, 0)
@@ -200,11 +203,11 @@ def test_dark_recordings_give_lost_lines_and_their_summary(tmp_path):
 
 
 def test_nothing_to_track_and_nowhere_to_write_are_told(tmp_path):
-    rig = exact_rig(StereoConfig())
+    rig, absent = exact_rig(StereoConfig()), tmp_path / "absent" / "track.jsonl"
     with pytest.raises(CameraError, match="no pair"):
-        track_recording(rig, Recording(), [Recording(0)], tmp_path / "track.jsonl", None, lambda _: None)
+        track_recording(rig, Recording(), [Recording(0)], [], lambda _: None)
     with pytest.raises(CameraError, match="cannot write"):
-        track_recording(rig, Recording(0), [Recording(0)], tmp_path / "absent" / "track.jsonl", None, lambda _: None)
+        track_recording(rig, Recording(0), [Recording(0)], [json_lines(absent)], lambda _: None)
 
 
 def test_the_command_tracks_four_cameras(tmp_path):
@@ -217,6 +220,6 @@ def test_the_command_tracks_four_cameras(tmp_path):
     left, right, *also = (str(tmp_path / name) for name in ("left", "right", "third", "fourth"))
     markers = LocalConfig(tracking=TrackingConfig(method="markers"))
     given = TrackSources(tmp_path / "rig.json", left, right, None, markers, tuple(also))
-    said = run_track(given, tmp_path / "track.jsonl", tmp_path / "pictures")
-    assert said.startswith("1 pairs: 1 lost")
-    assert cv2.imread(str(tmp_path / "pictures" / "000000.png")).shape == (48, 4 * 64, 3)
+    summary = run_track(given, TrackOutputs(tmp_path / "track.jsonl", tmp_path / "pictures"))
+    assert describe(summary, []).startswith("1 pairs: 1 lost")
+    assert cv2.imread(str(tmp_path / "pictures" / "000000.png")).shape == (48 + LINE_HEIGHT_PX, 4 * 64, 3)

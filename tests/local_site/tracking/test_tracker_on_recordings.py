@@ -9,6 +9,7 @@ import pytest
 
 from common.cameras.sources import open_camera
 from farhand.calibration.points import calibrate_points
+from farhand.tracking.results.tables import json_lines
 from farhand.tracking.track import track_recording
 
 DATA = Path(__file__).parents[4] / "shared/data/recordings"
@@ -51,7 +52,7 @@ def track(request, tmp_path_factory):
     rig = calibrate_points(folder / "control_points.csv", out / "rig.json").rig
     cameras = [open_camera(str(folder / f"{side}.avi"), side) for side in ("left", "right")]
     counted = []
-    summary = track_recording(rig, cameras[0], [cameras[1]], out / "track.jsonl", None, counted.append)
+    summary = track_recording(rig, cameras[0], [cameras[1]], [json_lines(out / "track.jsonl")], counted.append)
     for camera in cameras:
         camera.close()
     lines = [json.loads(line) for line in (out / "track.jsonl").read_text().splitlines()]

@@ -8,13 +8,13 @@ import cv2
 import numpy as np
 
 from common.cameras.camera import Image
-from farhand.experiments.plotting import describe_panel, panels, png, widen
+from farhand.reports.plotting import describe_panel, panels, png, widen
 
 WITHOUT_MATPLOTLIB = (
     "import sys; sys.modules['matplotlib'] = None; sys.argv[0] = 'farhand';from farhand.__main__ import main; main()"
 )
 NO_PYPLOT = (
-    "import sys; from farhand.experiments.plotting import panels, png;"
+    "import sys; from farhand.reports.plotting import panels, png;"
     "png(*panels('nothing', 1), 'frame'); sys.exit('matplotlib.pyplot' in sys.modules)"
 )
 RED = {"color": "#ff0000", "linewidth": 3.0}

@@ -33,9 +33,7 @@ MEASURED: dict[str, Any] = {"label": "measured", "color": "#d72828", "linewidth"
 def require_matplotlib() -> None:
     """FarhandError states what to install where matplotlib is missing."""
     if importlib.util.find_spec("matplotlib") is None:
-        raise FarhandError(
-            "experiments draw with matplotlib, which is not installed: pip install 'farhand[experiments]'"
-        )
+        raise FarhandError("plots need matplotlib, which is not installed: pip install 'farhand[experiments]'")
 
 
 def panels(title: str, rows: int, columns: int = 1, **shared: Any) -> "tuple[Figure, Any]":

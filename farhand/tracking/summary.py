@@ -1,0 +1,76 @@
+"""What a track comes to: how many pairs of each status, which points, how long it took, and in words."""
+
+import re
+from collections import Counter
+from collections.abc import Sequence
+from dataclasses import dataclass, field
+from pathlib import Path
+
+import numpy as np
+
+from common.errors import TrackingError
+from common.messages.hand import TrackingStatus
+from farhand.tracking.track_line import POINTS, TrackLine
+
+LEARNED_SO_FAR = re.compile(r" \(\d+ of \d+ pairs\)")
+
+
+@dataclass
+class Summary:
+    """A recording's result: pairs, how many of each status, how often each point was found, toggles, ms per pair.
+
+    `drift` is the sentence of the first drift alarm, if there was one; `left_out` names what was not tracked because a
+    camera ended before another.
+    """
+
+    pairs: int = 0
+    statuses: dict[TrackingStatus, int] = field(default_factory=lambda: dict.fromkeys(TrackingStatus, 0))
+    found: dict[str, int] = field(default_factory=lambda: dict.fromkeys(POINTS, 0))
+    gripper_toggles: int = 0
+    ms: list[float] = field(default_factory=list)
+    reasons: Counter[str] = field(default_factory=Counter)
+    drift: str | None = None
+    left_out: str = ""
+
+    def add(self, line: TrackLine) -> None:
+        """Count one pair."""
+        self.pairs += 1
+        self.statuses[line.status] += 1
+        self.reasons[lasting_reason(line)] += 1
+        for name in POINTS:
+            self.found[name] += getattr(line, name) is not None
+        self.gripper_toggles = line.gripper_toggles
+        self.ms.append(line.ms)
+
+    def warn_of_drift(self, sentence: str) -> None:
+        """Keep the drift alarm's sentence."""
+        self.drift = sentence
+
+
+def lasting_reason(line: TrackLine) -> str:
+    """A pair's reason without the count of what has been learned, so that equal reasons are equal."""
+    return LEARNED_SO_FAR.sub("", line.reason)
+
+
+def describe(summary: Summary, written: Sequence[Path]) -> str:
+    """What was found in a recording, in three lines, and a line for each warning; `written` is what was written."""
+    if not summary.pairs:
+        return "no pair was tracked"
+    found = ", ".join(f"{name} {summary.found[name]}" for name in POINTS)
+    statuses = ", ".join(f"{count} {status.value}" for status, count in summary.statuses.items() if count)
+    median, p95 = np.percentile(summary.ms, [50, 95])
+    lines = [
+        f"{summary.pairs} pairs: {statuses}",
+        f"points found: {found}; gripper toggles: {summary.gripper_toggles}",
+        f"{median:.1f} ms per pair (p95 {p95:.1f}); written to {', '.join(map(str, written))}",
+    ]
+    warnings = [sentence for sentence in (summary.left_out, summary.drift) if sentence]
+    return "\n".join([*lines, *(f"warning: {sentence}" for sentence in warnings)])
+
+
+def refuse_nothing(summary: Summary) -> None:
+    """TrackingError if pairs were read, but none was tracked or degraded; it says why most of them were not."""
+    usable = summary.statuses[TrackingStatus.TRACKED] + summary.statuses[TrackingStatus.DEGRADED]
+    if summary.pairs and not usable:
+        ((reason, _),) = summary.reasons.most_common(1)
+        raise TrackingError(f"nothing was tracked; most often: {reason}")
