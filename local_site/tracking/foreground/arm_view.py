@@ -8,16 +8,17 @@ from common.geometry import Array
 from local_site.calibration.triangulation import project
 from local_site.tracking.features.silhouette import Silhouette
 from local_site.tracking.foreground.arm_colour import ArmColour, Positions
-from local_site.tracking.foreground.growing import Region, bones, grow
-from local_site.tracking.foreground.likelihood import coarse_log_ratios
+from local_site.tracking.foreground.growing import Region, bones, grow, zones
+from local_site.tracking.foreground.likelihood import log_ratios
 from local_site.tracking.foreground.outline import find_outline
 from local_site.tracking.foreground.reasons import ForegroundReason
-from local_site.tracking.foreground.room import Mask, Room
+from local_site.tracking.foreground.room import Behind, Mask, Place, Room
 from local_site.tracking.foreground.tubes import ArmTubes, RatioMap, px_per_m
 
 SQUARE_M = 0.004  # the side of a square at the hand
 MOST_STRIDE = 8
-REACH_M, MARGIN_M = 0.55, 0.10
+REACH_M, MARGIN_M = 0.55, 0.06
+ELBOW_M = 0.28  # around the elbow, for the upper arm
 REST_STRIDE = 7  # px between the pixels that are counted as the rest
 KEPT, LEARN_EVERY = 0.9, 8
 
@@ -31,6 +32,7 @@ class ArmView:
         self._room: Room | None = None
         self._map: RatioMap | None = None
         self._colours: Image = np.empty((0, 0, 3), np.uint8)
+        self._behind: Behind | None = None
         self._hand: Array = np.empty((0, 2))
         self._pairs = 0
 
@@ -38,10 +40,10 @@ class ArmView:
         """Learn the room from a picture (H, W, 3) without the arm."""
         self._room_for(picture).learn(picture)
 
-    def look(self, picture: Image, hand: Array, points: Array, before: ArmTubes | None, scale: float) -> RatioMap:
-        """Log ratios around the arm, whose hand has landmarks at pixels (21, 2) and points (21, 3) in m."""
+    def look(self, picture: Image, hand: Array, wrist: Array, before: ArmTubes | None) -> RatioMap:
+        """Log ratios around the arm, whose hand has landmarks at pixels (21, 2) and a wrist (3,) in m."""
         room = self._room_for(picture)
-        left, top, columns, rows, stride = self._box(picture, hand, points, before, scale)
+        left, top, columns, rows, stride = self._box(picture, hand, wrist, before)
         part = picture[top : top + rows * stride, left : left + columns * stride]
         self._colours = np.asarray(cv2.resize(part, (columns, rows), interpolation=cv2.INTER_AREA), dtype=np.uint8)
         place = left, top, stride
@@ -51,7 +53,9 @@ class ArmView:
             everywhere = np.zeros(picture.shape[:2], np.uint8)
             self._colour.learn(picture, on_hand, _elsewhere(everywhere), 0.0)
         tables = self._colour.arm, self._colour.rest
-        ratios = coarse_log_ratios(self._colours, (room.mean, room.seen, room.gain), tables, place)
+        maybe = zones(empty, hand, before) if before is not None else np.ones((rows, columns), np.uint8)
+        self._behind = room.behind(self._colours, maybe, place)
+        ratios = log_ratios(self._colours, self._behind.colours, self._behind.known, tables)
         self._hand = hand
         self._map = RatioMap(self._projection, ratios, *place)
         return self._map
@@ -59,20 +63,18 @@ class ArmView:
     def silhouette(self, picture: Image, tubes: ArmTubes) -> Silhouette | str:
         """The arm's silhouette in the picture that was looked at last, or why it is not to be trusted."""
         view, room = self._map, self._room
-        if view is None or room is None:
+        if view is None or room is None or self._behind is None:
             return ForegroundReason.NOT_SEEN
         region = grow(view, self._hand, tubes)
         tables = self._colour.arm, self._colour.rest
         place = view.place
-        found = find_outline(
-            picture, self._colours, region.arm, place, (room.mean, room.seen, room.gain), tables, room.seen.shape
-        )
+        found = find_outline(picture, self._colours, region.arm, place, room, self._behind, tables)
         if found is None:
             return ForegroundReason.HAND_CUT
         self._learn(picture, region, place, room)
         return found
 
-    def _learn(self, picture: Image, region: Region, place: tuple[int, int, int], room: Room) -> None:
+    def _learn(self, picture: Image, region: Region, place: Place, room: Room) -> None:
         left, top, stride = place
         rows, columns = region.arm.shape
         near = np.zeros(room.seen.shape, np.uint8)
@@ -93,17 +95,18 @@ class ArmView:
         return self._room
 
     def _box(
-        self, picture: Image, hand: Array, points: Array, before: ArmTubes | None, scale: float
+        self, picture: Image, hand: Array, wrist: Array, before: ArmTubes | None
     ) -> tuple[int, int, int, int, int]:
         """Left and top in px, columns and rows of squares, and a square's side in px: what the arm can reach."""
-        wrist = points[0]
         metre = px_per_m(self._projection, wrist)
         stride = min(max(round(SQUARE_M * metre), 1), MOST_STRIDE)
         if before is None:
-            corners, margin = hand, REACH_M * scale * metre
+            corners, margin = hand, REACH_M * metre
         else:
-            limbs = project(self._projection, np.array([wrist, before.forearm.end, before.upper_arm.end]))
-            corners, margin = np.vstack([hand, limbs]), MARGIN_M * scale * metre
+            elbow = before.forearm.end
+            around = ELBOW_M * px_per_m(self._projection, elbow)
+            limbs = project(self._projection, elbow) + np.array([(-around, -around), (around, around)])
+            corners, margin = np.vstack([hand, limbs]), MARGIN_M * metre
         height, width = picture.shape[:2]
         low = np.clip(corners.min(axis=0) - margin, 0, (width - 2 * stride, height - 2 * stride)).astype(int)
         high = np.clip(corners.max(axis=0) + margin, low + stride, (width, height)).astype(int)
@@ -112,7 +115,7 @@ class ArmView:
         return left, top, columns, rows, stride
 
 
-def _positions(squares: Mask, place: tuple[int, int, int]) -> Positions:
+def _positions(squares: Mask, place: Place) -> Positions:
     """One pixel (N, 2) of each square (h, w) that is set."""
     left, top, stride = place
     j, i = np.nonzero(squares)

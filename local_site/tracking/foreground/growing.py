@@ -34,9 +34,8 @@ class Region:
 def grow(view: RatioMap, hand: Array, tubes: ArmTubes) -> Region:
     """The region of the arm with a hand's landmarks at pixels (21, 2)."""
     smooth = np.asarray(cv2.GaussianBlur(view.ratios, (3, 3), 0), dtype=np.float32)
-    zones = _zones(view, hand, tubes)
-    arm = _connected(smooth, zones)
-    return Region(_filled(arm), zones)
+    possible = zones(view, hand, tubes)
+    return Region(_filled(_connected(smooth, possible)), possible)
 
 
 def bones(view: RatioMap, hand: Array) -> Mask:
@@ -74,7 +73,8 @@ def _point(position: Array) -> tuple[int, int]:
     return x, y
 
 
-def _zones(view: RatioMap, hand: Array, tubes: ArmTubes) -> Mask:
+def zones(view: RatioMap, hand: Array, tubes: ArmTubes) -> Mask:
+    """Where the arm can be (h, w), from NEVER to SURE."""
     drawn = np.zeros(view.ratios.shape, np.uint8)
     squares = np.rint(view.to_squares(hand)).astype(np.int32)
     flesh = px_per_m(view.projection, tubes.forearm.start) * FLESH_M / view.stride
