@@ -11,9 +11,11 @@ from local_site.calibration.rig import Rig
 from local_site.calibration.triangulation import project
 from local_site.tracking.features.silhouette import Silhouette
 from local_site.tracking.foreground.arm_view import ArmView
+from local_site.tracking.foreground.trust import LEAST_FOREARM, forearm_ratio
 from local_site.tracking.foreground.tubes import ArmTubes, TubeSearch
 from local_site.tracking.landmarks.hand_landmarks import MIDDLE_KNUCKLE, WRIST
 from local_site.tracking.landmarks.hand_pairing import SeenHand
+
 
 @dataclass(frozen=True, slots=True)
 class FoundArm:
@@ -39,6 +41,8 @@ class FoundForeground:
     def forget(self) -> None:
         """Search the arm all round with the next pictures; its colour and the room are kept."""
         self._tubes.forget()
+        for view in self._views:
+            view.forget()
 
     def find(self, pictures: Sequence[Image], hand: SeenHand) -> FoundArm:
         """The arm of a hand, seen in undistorted BGR pictures (H, W, 3), one of each view."""
@@ -50,7 +54,14 @@ class FoundForeground:
         ]
         along = wrist - hand.points[MIDDLE_KNUCKLE]
         tubes = self._tubes.find(maps, wrist, along / max(float(np.linalg.norm(along)), 1e-9))
-        return FoundArm(tuple(view.silhouette(p, tubes) for view, p in zip(self._views, pictures, strict=True)), tubes)
+        if max(forearm_ratio(view, tubes.forearm) for view in maps) < LEAST_FOREARM:
+            return FoundArm((ForegroundReason.COVERED,) * len(maps), tubes)
+        silhouettes = tuple(view.silhouette(tubes) for view in self._views)
+        if all(isinstance(found, Silhouette) for found in silhouettes):
+            # A wrong outline that is learned from would spoil all that follow.
+            for view in self._views:
+                view.learn()
+        return FoundArm(silhouettes, tubes)
 
     def _pixels(self, hand: SeenHand) -> list[Array]:
         """The landmarks (21, 2) in each view, undistorted: as seen, or projected where the view was not asked."""

@@ -25,14 +25,19 @@ def find_outline(
     picture: Image, colours: Image, arm: Mask, place: Place, room: Room, behind: Behind, tables: Tables
 ) -> Silhouette | None:
     """The silhouette in a picture (H, W, 3) of the arm's squares (h, w), whose mean colours are (h, w, 3)."""
-    left, top, stride = place
+    x, y, w, h = cv2.boundingRect(cv2.dilate(arm, KERNEL, iterations=2))
+    part = np.s_[y : y + h, x : x + w]
+    left, top, stride = place[0] + x * place[2], place[1] + y * place[2], place[2]
+    arm, colours, gain = np.ascontiguousarray(arm[part]), colours[part], np.ascontiguousarray(behind.gain[part])
     inside = np.asarray(cv2.erode(arm, KERNEL, borderType=cv2.BORDER_REPLICATE), np.uint8)
     outside = np.asarray(1 - cv2.dilate(arm, KERNEL, borderType=cv2.BORDER_REPLICATE), np.uint8)
     size = (arm.shape[1] * stride, arm.shape[0] * stride)
     prior = cv2.resize(cv2.blur(arm * np.float32(2.0 * TRUST) - np.float32(TRUST), (3, 3)), size)
     nearby = _mean_where(colours, inside), _mean_where(colours, outside)
     kinds = np.asarray(2 * inside + outside, np.uint8)
-    cover = _cover(picture, (room.mean, room.seen, behind.gain), nearby, kinds, np.asarray(prior, np.float32), place, tables)
+    cover = _cover(
+        picture, (room.mean, room.seen, gain), nearby, kinds, np.asarray(prior, np.float32), (left, top, stride), tables
+    )
     cover = np.asarray(cv2.GaussianBlur(cover, (3, 3), 0), dtype=np.uint8)
     mask = cv2.threshold(cover, LEVEL, 255, cv2.THRESH_BINARY)[1]
     contours = cv2.findContours(mask, cv2.RETR_EXTERNAL, cv2.CHAIN_APPROX_NONE)[0]

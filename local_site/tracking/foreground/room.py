@@ -18,6 +18,7 @@ STRIPS = 16  # a picture's rows are learned in turn, so that each pair costs lit
 LEAST_SHARE = 0.03  # of a new picture in the mean: half a second is remembered at 30 pairs/s and 16 strips
 GAIN_STRIDE, GAIN_KEPT = 16, 0.8
 MOST_GAIN = 1.5
+SUM = np.ones((1, 3), np.float32)
 AROUND = 25  # squares over which shadows are alike: a tenth of a metre
 LARGEST_SHADOW = 3.0
 FEW = 0.02  # of the squares around are enough to know the light
@@ -107,7 +108,10 @@ def _gain(mean: Levels, seen: Mask, picture: Image, arm: Mask) -> float:
 def _local_gain(colours: Image, mean: Levels, weights: Levels, overall: float) -> Levels:
     """The gain (h, w) of the light over the mean, from the squares around that surely show the room; else `overall`."""
     window = (AROUND, AROUND)
-    now, before = (cv2.boxFilter(weights * picture.sum(axis=2), cv2.CV_32F, window) for picture in (colours, mean))
+    now, before = (
+        cv2.boxFilter(weights * cv2.transform(picture, SUM), cv2.CV_32F, window)
+        for picture in (np.asarray(colours, np.float32), mean)
+    )
     share = cv2.boxFilter(weights, cv2.CV_32F, window)
     with np.errstate(divide="ignore", invalid="ignore"):
         gain = np.where((share > FEW) & (before > 0), now / before, overall)

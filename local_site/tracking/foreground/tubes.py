@@ -31,9 +31,13 @@ GOLDEN_ANGLE = math.pi * (3.0 - math.sqrt(5.0))
 
 @dataclass(frozen=True, slots=True)
 class RatioMap:
-    """Log ratios (h, w) of squares of one view: the px of the first square's corner, the squares' side in px."""
+    """Log ratios (h, w) of squares of one view: the px of the first square's corner, the squares' side in px.
+
+    `projection` (3, 4) and `focal_px` are the view's.
+    """
 
     projection: Array
+    focal_px: float
     ratios: LogRatios
     left: int
     top: int
@@ -43,6 +47,10 @@ class RatioMap:
     def place(self) -> tuple[int, int, int]:
         """Left and top in px, and the stride."""
         return self.left, self.top, self.stride
+
+    def squares_per_m(self, point: Array) -> float:
+        """How many squares a metre across the view has at a point (3,) in m."""
+        return self.focal_px / (self.stride * depth_of(self.projection, point))
 
     def to_squares(self, pixels: Array) -> Array:
         """Positions (..., 2) in squares, whole numbers at their middles, of pixels (..., 2)."""
@@ -90,14 +98,13 @@ class ArmTubes:
         """The posture in a view, with the hand's end (2,) in px."""
         points = np.array([self.upper_arm.end, self.forearm.end, self.forearm.start])
         shoulder_end, elbow, wrist = project(projection, points)
-        half_width_px = self.forearm.half_widths[1] * px_per_m(projection, self.forearm.end)
+        half_width_px = self.forearm.half_widths[1] * focal_length(projection) / depth_of(projection, self.forearm.end)
         return Posture(shoulder_end, elbow, wrist, hand_end, half_width_px)
 
 
-def px_per_m(projection: Array, point: Array) -> float:
-    """How many px a metre across the view has at a point (3,) in m."""
-    depth = float(projection[2, :3] @ point + projection[2, 3])
-    return focal_length(projection) / max(depth, 1e-6)
+def depth_of(projection: Array, point: Array) -> float:
+    """The depth in m of a point (3,) in m in a view, a millimetre at least."""
+    return max(float(projection[2, :3] @ point + projection[2, 3]), 1e-3)
 
 
 class TubeSearch:
@@ -139,9 +146,7 @@ class TubeSearch:
         most = -math.inf
         for length in ELBOWS_M if self._length is None else [self._length + step for step in ELBOW_STEPS_M]:
             forearm = _best(maps, sure.start, length * sure.direction[None], sure.half_widths)
-            upper = _best(
-                maps, forearm.end, (PATH_M - length) * self._uppers(sure), (ELBOW_HALF_M, SHOULDER_HALF_M)
-            )
+            upper = _best(maps, forearm.end, (PATH_M - length) * self._uppers(sure), (ELBOW_HALF_M, SHOULDER_HALF_M))
             off = 0.0 if self._length is None else (length - self._length) / LENGTH_SIGMA_M
             score = (length * forearm.score + (PATH_M - length) * upper.score) / PATH_M - 0.05 * off * off
             if score > most:
@@ -159,15 +164,12 @@ class TubeSearch:
 def _best(maps: Sequence[RatioMap], start: Array, ways: Array, half_widths: tuple[float, float]) -> Tube:
     """The tube from a start (3,) by one of the ways (N, 3) in m that the views show best."""
     ends = start + ways
-    scores = np.array([_scores(m.projection, m.ratios, m.place, start, ends, _in_px(m, half_widths)) for m in maps])
+    wrist, elbow = half_widths
+    scores = np.array(
+        [_scores(m.projection, m.ratios, m.place, start, ends, (m.focal_px * wrist, m.focal_px * elbow)) for m in maps]
+    )
     k = int(np.argmax(scores.sum(axis=0)))
     return Tube(start, ends[k], half_widths, tuple(scores[:, k].tolist()))
-
-
-def _in_px(view: RatioMap, half_widths: tuple[float, float]) -> tuple[float, float]:
-    """Half widths in px at depth 1."""
-    focal_px = focal_length(view.projection)
-    return focal_px * half_widths[0], focal_px * half_widths[1]
 
 
 def cap(axis: Array, most_angle: float, count: int, spin: float = 0.0) -> Array:
