@@ -1,90 +1,116 @@
 """One view's part in finding the arm: where to look, what is learned of its colours, and the silhouette."""
 
+from dataclasses import dataclass
+
 import cv2
 import numpy as np
 
 from common.cameras.camera import Image
 from common.geometry import Array
-from local_site.calibration.triangulation import project
+from local_site.calibration.triangulation import focal_length, project
 from local_site.tracking.features.silhouette import Silhouette
 from local_site.tracking.foreground.arm_colour import ArmColour, Positions
-from local_site.tracking.foreground.growing import Region, bones, grow
-from local_site.tracking.foreground.likelihood import coarse_log_ratios
+from local_site.tracking.foreground.growing import LIKELY, NEVER, bones, grow, zones
+from local_site.tracking.foreground.likelihood import Tables, log_ratios
 from local_site.tracking.foreground.outline import find_outline
 from local_site.tracking.foreground.reasons import ForegroundReason
-from local_site.tracking.foreground.room import Mask, Room
-from local_site.tracking.foreground.tubes import ArmTubes, RatioMap, px_per_m
+from local_site.tracking.foreground.room import Behind, Mask, Place, Room
+from local_site.tracking.foreground.trust import AreaWatch, objection
+from local_site.tracking.foreground.tubes import ArmTubes, RatioMap, depth_of
 
 SQUARE_M = 0.004  # the side of a square at the hand
 MOST_STRIDE = 8
-REACH_M, MARGIN_M = 0.55, 0.10
+REACH_M = 0.55  # around the wrist, until the arm was found once
+MARGIN_M = 0.06
+ELBOW_M = 0.24  # around the elbow, for the upper arm
 REST_STRIDE = 7  # px between the pixels that are counted as the rest
-KEPT, LEARN_EVERY = 0.9, 8
+KEPT, LEARN_EVERY = 0.9, 8  # pairs; the first ones are all learned
+
+
+@dataclass(frozen=True, slots=True)
+class _Look:
+    """What is known of one picture before the arm's region: landmarks (21, 2) in px, mean colours (h, w, 3)."""
+
+    picture: Image
+    hand: Array
+    map: RatioMap
+    colours: Image
+    behind: Behind
 
 
 class ArmView:
     """Finds the arm in the pictures of one camera with a projection (3, 4)."""
 
     def __init__(self, projection: Array) -> None:
-        self._projection = projection
+        self._projection, self._focal_px = projection, focal_length(projection)
         self._colour = ArmColour()
+        self._areas = AreaWatch()
         self._room: Room | None = None
-        self._map: RatioMap | None = None
-        self._colours: Image = np.empty((0, 0, 3), np.uint8)
-        self._hand: Array = np.empty((0, 2))
-        self._pairs = 0
+        self._look: _Look | None = None
+        self._possible: Mask = np.empty((0, 0), np.uint8)
+        self._arm: Mask = self._possible
+        self._learned = 0
 
     def learn_room(self, picture: Image) -> None:
         """Learn the room from a picture (H, W, 3) without the arm."""
         self._room_for(picture).learn(picture)
 
-    def look(self, picture: Image, hand: Array, points: Array, before: ArmTubes | None, scale: float) -> RatioMap:
-        """Log ratios around the arm, whose hand has landmarks at pixels (21, 2) and points (21, 3) in m."""
-        room = self._room_for(picture)
-        left, top, columns, rows, stride = self._box(picture, hand, points, before, scale)
-        part = picture[top : top + rows * stride, left : left + columns * stride]
-        self._colours = np.asarray(cv2.resize(part, (columns, rows), interpolation=cv2.INTER_AREA), dtype=np.uint8)
-        place = left, top, stride
-        empty = RatioMap(self._projection, np.zeros((rows, columns), np.float32), *place)
-        if not self._colour.is_known:
-            on_hand = _positions(bones(empty, hand), place)
-            everywhere = np.zeros(picture.shape[:2], np.uint8)
-            self._colour.learn(picture, on_hand, _elsewhere(everywhere), 0.0)
-        tables = self._colour.arm, self._colour.rest
-        ratios = coarse_log_ratios(self._colours, (room.mean, room.seen, room.gain), tables, place)
-        self._hand = hand
-        self._map = RatioMap(self._projection, ratios, *place)
-        return self._map
+    def forget(self) -> None:
+        """Forget how large the arm was."""
+        self._areas = AreaWatch()
 
-    def silhouette(self, picture: Image, tubes: ArmTubes) -> Silhouette | str:
-        """The arm's silhouette in the picture that was looked at last, or why it is not to be trusted."""
-        view, room = self._map, self._room
-        if view is None or room is None:
-            return ForegroundReason.NOT_SEEN
-        region = grow(view, self._hand, tubes)
-        tables = self._colour.arm, self._colour.rest
-        place = view.place
-        found = find_outline(
-            picture, self._colours, region.arm, place, (room.mean, room.seen, room.gain), tables, room.seen.shape
-        )
-        if found is None:
-            return ForegroundReason.HAND_CUT
-        self._learn(picture, region, place, room)
+    def look(self, picture: Image, hand: Array, wrist: Array, before: ArmTubes | None) -> RatioMap:
+        """Log ratios around the arm, whose hand has landmarks at pixels (21, 2) and a wrist (3,) in m."""
+        room = self._room_for(picture)
+        left, top, columns, rows, stride = self._box(picture, hand, wrist, before)
+        place = left, top, stride
+        part = picture[top : top + rows * stride, left : left + columns * stride]
+        colours = np.asarray(cv2.resize(part, (columns, rows), interpolation=cv2.INTER_AREA), dtype=np.uint8)
+        unknown = RatioMap(self._projection, self._focal_px, np.zeros((rows, columns), np.float32), *place)
+        if not self._colour.is_known:
+            on_hand = _positions(bones(unknown, hand), place)
+            self._colour.learn(picture, on_hand, _elsewhere(np.zeros(picture.shape[:2], np.uint8)), 0.0)
+        maybe = np.ones((rows, columns), np.uint8) if before is None else zones(unknown, hand, before)
+        behind = room.behind(colours, maybe, place)
+        ratios = log_ratios(colours, behind.colours, behind.known, self._tables)
+        found = RatioMap(self._projection, self._focal_px, ratios, *place)
+        self._look = _Look(picture, hand, found, colours, behind)
         return found
 
-    def _learn(self, picture: Image, region: Region, place: tuple[int, int, int], room: Room) -> None:
-        left, top, stride = place
-        rows, columns = region.arm.shape
+    def silhouette(self, tubes: ArmTubes) -> Silhouette | ForegroundReason:
+        """The arm's silhouette in the picture that was looked at last, or why it is not to be trusted."""
+        look, room = self._look, self._room
+        if look is None or room is None:
+            return ForegroundReason.NOT_SEEN
+        self._possible = zones(look.map, look.hand, tubes)
+        self._arm = grow(look.map, self._possible, tubes)
+        problem = objection(look.map, look.hand, self._arm, tubes) or self._areas.objection(self._arm, look.map)
+        if problem is not None:
+            return problem
+        found = find_outline(look.picture, look.colours, self._arm, look.map.place, room, look.behind, self._tables)
+        return found or ForegroundReason.HAND_CUT
+
+    def learn(self) -> None:
+        """Learn the colours of the arm, and the room around it, from the silhouette found last."""
+        look, room = self._look, self._room
+        if look is None or room is None:
+            return
+        left, top, stride = look.map.place
+        rows, columns = self._arm.shape
         near = np.zeros(room.seen.shape, np.uint8)
-        could_be = cv2.max(region.arm, cv2.threshold(region.zones, 0, 1, cv2.THRESH_BINARY)[1])
+        maybe = np.asarray((self._possible != NEVER) | (self._arm > 0), np.uint8)
         near[top : top + rows * stride, left : left + columns * stride] = cv2.resize(
-            could_be, (columns * stride, rows * stride), interpolation=cv2.INTER_NEAREST
+            maybe, (columns * stride, rows * stride), interpolation=cv2.INTER_NEAREST
         )
-        room.follow(picture, near)
-        self._pairs += 1
-        if self._pairs < LEARN_EVERY or self._pairs % LEARN_EVERY == 0:
-            sure = cv2.erode(region.arm, np.ones((3, 3), np.uint8)) * (region.zones >= 2)
-            self._colour.learn(picture, _positions(sure, place), _elsewhere(near), KEPT)
+        room.follow(look.picture, near)
+        self._learned += 1
+        if self._learned < LEARN_EVERY or self._learned % LEARN_EVERY == 0:
+            sure = np.asarray(cv2.erode(self._arm, np.ones((3, 3), np.uint8)), np.uint8) * (self._possible >= LIKELY)
+            self._colour.learn(look.picture, _positions(sure, look.map.place), _elsewhere(near), KEPT)
+
+    @property
+    def _tables(self) -> Tables:
+        return self._colour.arm, self._colour.rest
 
     def _room_for(self, picture: Image) -> Room:
         shape = (picture.shape[0], picture.shape[1])
@@ -93,26 +119,26 @@ class ArmView:
         return self._room
 
     def _box(
-        self, picture: Image, hand: Array, points: Array, before: ArmTubes | None, scale: float
+        self, picture: Image, hand: Array, wrist: Array, before: ArmTubes | None
     ) -> tuple[int, int, int, int, int]:
         """Left and top in px, columns and rows of squares, and a square's side in px: what the arm can reach."""
-        wrist = points[0]
-        metre = px_per_m(self._projection, wrist)
-        stride = min(max(round(SQUARE_M * metre), 1), MOST_STRIDE)
-        if before is None:
-            corners, margin = hand, REACH_M * scale * metre
-        else:
-            limbs = project(self._projection, np.array([wrist, before.forearm.end, before.upper_arm.end]))
-            corners, margin = np.vstack([hand, limbs]), MARGIN_M * scale * metre
+        px_per_m = self._focal_px / depth_of(self._projection, wrist)
+        stride = min(max(round(SQUARE_M * px_per_m), 1), MOST_STRIDE)
+        corners, margin = hand, REACH_M * px_per_m
+        if before is not None:
+            elbow = before.forearm.end
+            around = ELBOW_M * self._focal_px / depth_of(self._projection, elbow)
+            limbs = project(self._projection, elbow) + np.array([(-around, -around), (around, around)])
+            corners, margin = np.vstack([hand, limbs]), MARGIN_M * px_per_m
         height, width = picture.shape[:2]
         low = np.clip(corners.min(axis=0) - margin, 0, (width - 2 * stride, height - 2 * stride)).astype(int)
-        high = np.clip(corners.max(axis=0) + margin, low + stride, (width, height)).astype(int)
+        high = np.clip(corners.max(axis=0) + margin, low + 2 * stride, (width, height)).astype(int)
         left, top = (low // stride * stride).tolist()
         columns, rows = ((high - (left, top)) // stride).tolist()
         return left, top, columns, rows, stride
 
 
-def _positions(squares: Mask, place: tuple[int, int, int]) -> Positions:
+def _positions(squares: Mask, place: Place) -> Positions:
     """One pixel (N, 2) of each square (h, w) that is set."""
     left, top, stride = place
     j, i = np.nonzero(squares)

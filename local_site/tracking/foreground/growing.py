@@ -1,7 +1,6 @@
 """The arm's region in a map of log ratios: what is connected to the hand, where an arm can be."""
 
 from collections.abc import Sequence
-from dataclasses import dataclass
 
 import cv2
 import numpy as np
@@ -12,7 +11,7 @@ from local_site.calibration.triangulation import project
 from local_site.kernels.compiled import compiled
 from local_site.tracking.foreground.likelihood import LogRatios
 from local_site.tracking.foreground.room import Mask
-from local_site.tracking.foreground.tubes import ArmTubes, RatioMap, Tube, px_per_m
+from local_site.tracking.foreground.tubes import ArmTubes, RatioMap, Tube
 
 FINGERS = ((0, 1, 2, 3, 4), (0, 5, 6, 7, 8), (0, 9, 10, 11, 12), (0, 13, 14, 15, 16), (0, 17, 18, 19, 20))
 PALM = (0, 1, 5, 9, 13, 17)
@@ -20,23 +19,40 @@ FLESH_M = 0.024  # skin is at most so far from the bones of a hand
 WIDER = 1.6  # than the tube: an arm that bulges, a tube a little beside it
 ELBOW_M, UPPER_ARM_M = 0.13, 0.075  # the elbow is only known roughly
 NEVER, PERHAPS, LIKELY, SURE = 0, 1, 2, 3
+CORE, CLEARLY = 0.5, 1.0  # the tube's middle, and the log ratio that is the arm's there, whatever lies between
+BAND_M = 0.04  # the widest watch or band around the wrist
 LEAST_PERHAPS, LEAST_LIKELY = 0.4, -0.4  # the log ratio that continues the region
 
 
-@dataclass(frozen=True, slots=True)
-class Region:
-    """The arm's squares (h, w) of one view, 1 where it is; where it could be, as NEVER to SURE."""
-
-    arm: Mask
-    zones: Mask
-
-
-def grow(view: RatioMap, hand: Array, tubes: ArmTubes) -> Region:
-    """The region of the arm with a hand's landmarks at pixels (21, 2)."""
+def grow(view: RatioMap, possible: Mask, tubes: ArmTubes) -> Mask:
+    """The arm's squares (h, w), 1 where it is: connected to the hand, or beyond a band around the wrist."""
     smooth = np.asarray(cv2.GaussianBlur(view.ratios, (3, 3), 0), dtype=np.float32)
-    zones = _zones(view, hand, tubes)
-    arm = _connected(smooth, zones)
-    return Region(_filled(arm), zones)
+    seeds = possible.copy()
+    seeds[(within(view, tubes.forearm, CORE) > 0) & (smooth > CLEARLY)] = SURE
+    arm = _connected(smooth, seeds)
+    if cv2.connectedComponents(arm)[0] > 2:
+        arm = _bridged(arm, view, tubes)
+    return _filled(arm)
+
+
+def within(view: RatioMap, tube: Tube, wider: float) -> Mask:
+    """The squares (h, w) of a tube, that many times as wide."""
+    drawn = np.zeros(view.ratios.shape, np.uint8)
+    draw_tube(drawn, view, tube, 1, wider)
+    return drawn
+
+
+def _bridged(arm: Mask, view: RatioMap, tubes: ArmTubes) -> Mask:
+    """The arm's parts joined over a watch or a band on the forearm; without what is still apart from the hand."""
+    reach = round(BAND_M * view.squares_per_m(tubes.forearm.start)) | 1
+    kernel = cv2.getStructuringElement(cv2.MORPH_ELLIPSE, (reach, reach))
+    closed = np.asarray(cv2.morphologyEx(arm, cv2.MORPH_CLOSE, kernel), np.uint8)
+    joined = np.asarray(cv2.max(arm, closed * within(view, tubes.forearm, 1.0)), np.uint8)
+    labels = cv2.connectedComponents(joined)[1]
+    x, y = _point(view.to_squares(project(view.projection, tubes.forearm.start)))
+    rows, columns = arm.shape
+    wrist = labels[min(max(y, 0), rows - 1), min(max(x, 0), columns - 1)]
+    return np.asarray((labels == wrist) & (joined > 0), np.uint8) if wrist else joined
 
 
 def bones(view: RatioMap, hand: Array) -> Mask:
@@ -54,10 +70,7 @@ def draw_tube(drawn: Mask, view: RatioMap, tube: Tube, value: int, wider: float)
     middles = view.to_squares(project(view.projection, ends))
     along = middles[1] - middles[0]
     normal = np.array([-along[1], along[0]]) / max(float(np.hypot(*along)), 1e-6)
-    half = [
-        wider * width * px_per_m(view.projection, end) / view.stride
-        for width, end in zip(tube.half_widths, ends, strict=True)
-    ]
+    half = [wider * width * view.squares_per_m(end) for width, end in zip(tube.half_widths, ends, strict=True)]
     corners = [
         middles[0] + half[0] * normal,
         middles[1] + half[1] * normal,
@@ -74,12 +87,13 @@ def _point(position: Array) -> tuple[int, int]:
     return x, y
 
 
-def _zones(view: RatioMap, hand: Array, tubes: ArmTubes) -> Mask:
+def zones(view: RatioMap, hand: Array, tubes: ArmTubes) -> Mask:
+    """Where the arm can be (h, w), from NEVER to SURE."""
     drawn = np.zeros(view.ratios.shape, np.uint8)
     squares = np.rint(view.to_squares(hand)).astype(np.int32)
-    flesh = px_per_m(view.projection, tubes.forearm.start) * FLESH_M / view.stride
+    flesh = view.squares_per_m(tubes.forearm.start) * FLESH_M
     cv2.polylines(drawn, [squares[list(finger)] for finger in FINGERS], False, PERHAPS, max(round(2 * flesh), 1))
-    scale = px_per_m(view.projection, tubes.forearm.end) / view.stride
+    scale = view.squares_per_m(tubes.forearm.end)
     middles = view.to_squares(project(view.projection, np.array([tubes.forearm.end, tubes.upper_arm.end])))
     cv2.circle(drawn, _point(middles[0]), round(ELBOW_M * scale), PERHAPS, cv2.FILLED)
     cv2.line(drawn, _point(middles[0]), _point(middles[1]), PERHAPS, max(round(2 * UPPER_ARM_M * scale), 1))

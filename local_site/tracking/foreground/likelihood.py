@@ -27,9 +27,7 @@ BRIGHTNESS_NOISE, BRIGHTNESS_SPREAD = 9.0, 0.04
 DARKEST, BRIGHTEST = 0.4, 1.2
 
 LogRatios = NDArray[np.float32]
-Box = tuple[int, int, int, int]
 Tables = tuple[Table, Table]
-RoomPicture = tuple[Levels, Mask, float]
 
 
 @compiled
@@ -68,20 +66,12 @@ def _of_room(red: float, green: float, brightness: float, behind: tuple[float, f
 
 
 @compiled
-def coarse_log_ratios(colours: Image, room: RoomPicture, tables: Tables, place: tuple[int, int, int]) -> LogRatios:
-    """Log ratios (h, w) of the mean colours (h, w, 3) of squares; `place` is left and top of the first and the side."""
-    mean, seen, gain = room
-    left, top, stride = place
-    ratios = np.empty(colours.shape[:2], np.float32)
-    for j in range(colours.shape[0]):
-        for i in range(colours.shape[1]):
-            blue, green, red = 0.0, 0.0, 0.0
-            known = True
-            for y in range(top + j * stride, top + (j + 1) * stride):
-                for x in range(left + i * stride, left + (i + 1) * stride):
-                    blue, green, red = blue + mean[y, x, 0], green + mean[y, x, 1], red + mean[y, x, 2]
-                    known = known and seen[y, x] > 0
-            share = gain / (stride * stride)
+def log_ratios(colours: Image, behind: Levels, known: Mask, tables: Tables) -> LogRatios:
+    """Log ratios (h, w) of colours (h, w, 3), in front of what is behind them (h, w, 3) where that is known (h, w)."""
+    ratios = np.empty(known.shape, np.float32)
+    for j in range(known.shape[0]):
+        for i in range(known.shape[1]):
             colour = (float(colours[j, i, 0]), float(colours[j, i, 1]), float(colours[j, i, 2]))
-            ratios[j, i] = log_ratio(colour, (share * blue, share * green, share * red), known, tables)
+            back = (float(behind[j, i, 0]), float(behind[j, i, 1]), float(behind[j, i, 2]))
+            ratios[j, i] = log_ratio(colour, back, known[j, i] > 0, tables)
     return ratios

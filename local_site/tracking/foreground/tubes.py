@@ -12,22 +12,32 @@ from local_site.kernels.compiled import compiled
 from local_site.tracking.features.posture import Posture
 from local_site.tracking.foreground.likelihood import LogRatios
 
-# Of an average adult; all lengths are scaled with the hand's.
-FOREARM_M, FOREARM_HALF_WIDTHS_M = 0.265, (0.028, 0.042)
-UPPER_ARM_M, UPPER_ARM_HALF_WIDTHS_M = 0.25, (0.042, 0.055)
+# Of adults, from the wrist's landmark on: the part of the forearm that everybody has, where the elbow can be, how far
+# the path along both limbs is looked at, and their half widths at wrist, elbow and shoulder.
+SURE_M, PATH_M = 0.20, 0.45
+ELBOWS_M = (0.22, 0.25, 0.28, 0.31)
+ELBOW_STEPS_M = (-0.015, 0.0, 0.015)
+LENGTH_SIGMA_M, LENGTH_KEPT = 0.03, 0.95
+WRIST_HALF_M, ELBOW_HALF_M, SHOULDER_HALF_M = 0.028, 0.042, 0.052
 STATIONS = 12
 INSIDE, OUTSIDE = (-0.75, -0.375, 0.0, 0.375, 0.75), (-1.7, -1.35, 1.35, 1.7)
 OUTSIDE_WEIGHT = 0.6
-ALL_ROUND, NEAR, NEARER = 600, 120, 80
+FOREARM_ANGLE, UPPER_ARM_ANGLE = math.radians(100.0), math.radians(110.0)
+ALL_ROUND, NEAR, NEARER, ELSEWHERE = 600, 100, 60, 60
+UPPER_ALL_ROUND, UPPER_NEAR, UPPER_ELSEWHERE = 150, 40, 20
 NEAR_ANGLE, NEARER_ANGLE = math.radians(25.0), math.radians(8.0)
 GOLDEN_ANGLE = math.pi * (3.0 - math.sqrt(5.0))
 
 
 @dataclass(frozen=True, slots=True)
 class RatioMap:
-    """Log ratios (h, w) of squares of one view: the px of the first square's corner, the squares' side in px."""
+    """Log ratios (h, w) of squares of one view: the px of the first square's corner, the squares' side in px.
+
+    `projection` (3, 4) and `focal_px` are the view's.
+    """
 
     projection: Array
+    focal_px: float
     ratios: LogRatios
     left: int
     top: int
@@ -37,6 +47,10 @@ class RatioMap:
     def place(self) -> tuple[int, int, int]:
         """Left and top in px, and the stride."""
         return self.left, self.top, self.stride
+
+    def squares_per_m(self, point: Array) -> float:
+        """How many squares a metre across the view has at a point (3,) in m."""
+        return self.focal_px / (self.stride * depth_of(self.projection, point))
 
     def to_squares(self, pixels: Array) -> Array:
         """Positions (..., 2) in squares, whole numbers at their middles, of pixels (..., 2)."""
@@ -63,6 +77,11 @@ class Tube:
         result: Array = along / max(float(np.linalg.norm(along)), 1e-9)
         return result
 
+    @property
+    def score(self) -> float:
+        """How well all views show it together."""
+        return sum(self.scores)
+
     def moved(self, start: Array) -> "Tube":
         """The tube from another start (3,)."""
         return Tube(start, self.end + start - self.start, self.half_widths, self.scores)
@@ -79,50 +98,90 @@ class ArmTubes:
         """The posture in a view, with the hand's end (2,) in px."""
         points = np.array([self.upper_arm.end, self.forearm.end, self.forearm.start])
         shoulder_end, elbow, wrist = project(projection, points)
-        half_width_px = self.forearm.half_widths[1] * px_per_m(projection, self.forearm.end)
+        half_width_px = self.forearm.half_widths[1] * focal_length(projection) / depth_of(projection, self.forearm.end)
         return Posture(shoulder_end, elbow, wrist, hand_end, half_width_px)
 
 
-def px_per_m(projection: Array, point: Array) -> float:
-    """How many px a metre across the view has at a point (3,) in m."""
-    depth = float(projection[2, :3] @ point + projection[2, 3])
-    return focal_length(projection) / max(depth, 1e-6)
+def depth_of(projection: Array, point: Array) -> float:
+    """The depth in m of a point (3,) in m in a view, a millimetre at least."""
+    return max(float(projection[2, :3] @ point + projection[2, 3]), 1e-3)
 
 
-def find_tube(maps: Sequence[RatioMap], like: Tube, axis: Array, most_angle: float, last: Array | None) -> Tube:
-    """The tube in place of `like` that the views show best, with its direction within an angle in rad of an axis (3,).
+class TubeSearch:
+    """Finds forearm and upper arm: at first all round, then near the last, with some looks elsewhere."""
 
-    It is searched all round, or near the last direction (3,).
-    """
-    first = cap(axis, most_angle, ALL_ROUND) if last is None else cap(last, NEAR_ANGLE, NEAR)
-    best = _best(maps, like, first)
-    return _best(maps, best, cap(best.direction, NEARER_ANGLE, NEARER))
+    def __init__(self) -> None:
+        self._last: ArmTubes | None = None
+        self._length: float | None = None
+        self._spin = 0.0
+
+    def expected(self, wrist: Array) -> ArmTubes | None:
+        """The limbs as they were last, at a wrist (3,) in m; None at first."""
+        if self._last is None:
+            return None
+        forearm = self._last.forearm.moved(wrist)
+        return ArmTubes(forearm, self._last.upper_arm.moved(forearm.end))
+
+    def forget(self) -> None:
+        """Search all round next time; the forearm's length is kept."""
+        self._last = None
+
+    def find(self, maps: Sequence[RatioMap], wrist: Array, axis: Array) -> ArmTubes:
+        """The limbs that the views show best from a wrist (3,) on; `axis` (3,) leads from the knuckles to the wrist."""
+        self._spin += GOLDEN_ANGLE
+        if self._last is None:
+            directions = cap(axis, FOREARM_ANGLE, ALL_ROUND)
+        else:
+            near = cap(self._last.forearm.direction, NEAR_ANGLE, NEAR, self._spin)
+            directions = np.vstack([near, cap(axis, FOREARM_ANGLE, ELSEWHERE, self._spin)])
+        best = _best(maps, wrist, SURE_M * directions, (WRIST_HALF_M, ELBOW_HALF_M))
+        closer = SURE_M * cap(best.direction, NEARER_ANGLE, NEARER, self._spin)
+        best = _best(maps, wrist, closer, best.half_widths)
+        self._last = self._with_elbow(maps, best)
+        return self._last
+
+    def _with_elbow(self, maps: Sequence[RatioMap], sure: Tube) -> ArmTubes:
+        """Both limbs, with the elbow where the arm bends."""
+        found: ArmTubes | None = None
+        most = -math.inf
+        for length in ELBOWS_M if self._length is None else [self._length + step for step in ELBOW_STEPS_M]:
+            forearm = _best(maps, sure.start, length * sure.direction[None], sure.half_widths)
+            upper = _best(maps, forearm.end, (PATH_M - length) * self._uppers(sure), (ELBOW_HALF_M, SHOULDER_HALF_M))
+            off = 0.0 if self._length is None else (length - self._length) / LENGTH_SIGMA_M
+            score = (length * forearm.score + (PATH_M - length) * upper.score) / PATH_M - 0.05 * off * off
+            if score > most:
+                found, most = ArmTubes(forearm, upper), score
+        assert found is not None
+        return found
+
+    def _uppers(self, forearm: Tube) -> Array:
+        if self._last is None:
+            return cap(forearm.direction, UPPER_ARM_ANGLE, UPPER_ALL_ROUND)
+        near = cap(self._last.upper_arm.direction, NEAR_ANGLE, UPPER_NEAR, self._spin)
+        return np.vstack([near, cap(forearm.direction, UPPER_ARM_ANGLE, UPPER_ELSEWHERE, self._spin)])
 
 
-def _best(maps: Sequence[RatioMap], like: Tube, directions: Array) -> Tube:
-    ends = like.start + float(np.linalg.norm(like.end - like.start)) * directions
+def _best(maps: Sequence[RatioMap], start: Array, ways: Array, half_widths: tuple[float, float]) -> Tube:
+    """The tube from a start (3,) by one of the ways (N, 3) in m that the views show best."""
+    ends = start + ways
+    wrist, elbow = half_widths
     scores = np.array(
-        [_scores(m.projection, m.ratios, m.place, like.start, ends, half_widths_px(m, like)) for m in maps]
+        [_scores(m.projection, m.ratios, m.place, start, ends, (m.focal_px * wrist, m.focal_px * elbow)) for m in maps]
     )
     k = int(np.argmax(scores.sum(axis=0)))
-    return Tube(like.start, ends[k], like.half_widths, tuple(scores[:, k].tolist()))
+    return Tube(start, ends[k], half_widths, tuple(scores[:, k].tolist()))
 
 
-def half_widths_px(view: RatioMap, tube: Tube) -> tuple[float, float]:
-    """A tube's half widths in px at depth 1."""
-    focal_px = focal_length(view.projection)
-    return focal_px * tube.half_widths[0], focal_px * tube.half_widths[1]
-
-
-def cap(axis: Array, most_angle: float, count: int) -> Array:
+def cap(axis: Array, most_angle: float, count: int, spin: float = 0.0) -> Array:
     """Unit vectors (count, 3) spread evenly within an angle in rad of an axis (3,); the first is the axis."""
     n = np.arange(count)
     z = 1.0 - (1.0 - math.cos(most_angle)) * n / max(count - 1, 1)
     radius = np.sqrt(np.maximum(1.0 - z * z, 0.0))
-    side = np.cross(axis, np.eye(3)[int(np.argmin(np.abs(axis)))])
-    side /= np.linalg.norm(side)
-    other = np.cross(axis, side)
-    angle = GOLDEN_ANGLE * n
+    x, y, w = axis.tolist()
+    side = np.array([0.0, -w, y] if abs(x) < 0.6 else [w, 0.0, -x])
+    side /= math.hypot(*side)
+    other = np.array([y * side[2] - w * side[1], w * side[0] - x * side[2], x * side[1] - y * side[0]])
+    angle = GOLDEN_ANGLE * n + spin
     spread: Array = (
         z[:, None] * axis + (radius * np.cos(angle))[:, None] * side + (radius * np.sin(angle))[:, None] * other
     )

@@ -1,0 +1,72 @@
+"""Whether the arm's region can be trusted: it holds the hand, shows a forearm, and does not run out into the room."""
+
+import cv2
+import numpy as np
+
+from common.geometry import Array
+from local_site.calibration.triangulation import project
+from local_site.tracking.foreground.growing import bones, within
+from local_site.tracking.foreground.reasons import ForegroundReason
+from local_site.tracking.foreground.room import Mask
+from local_site.tracking.foreground.tubes import ArmTubes, RatioMap, Tube
+
+MOST_LANDMARKS_OUTSIDE = 10
+LEAST_HAND, LEAST_FOREARM = 0.0, 0.3  # mean log ratios
+NARROW, WIDE, WIDEST = 0.5, 1.25, 1.6  # half widths of the forearm's tube
+MOST_BESIDE = 0.4  # of the squares beside the forearm may be the arm's: a tube is not quite where the forearm is
+MOST_AROUND_ELBOW = 0.85  # of a disc: two limbs cover a half of it
+ELBOW_DISC_M = 0.12
+FEW = 30
+LARGER, SMALLER, AREA_KEPT = 1.6, 0.6, 0.7
+
+
+def objection(view: RatioMap, hand: Array, arm: Mask, tubes: ArmTubes) -> ForegroundReason | None:
+    """Why the region (h, w) of an arm with landmarks at pixels (21, 2) is not to be trusted; None if it is."""
+    rows, columns = arm.shape
+    squares = view.to_squares(hand)
+    outside = np.any((squares < 0) | (squares > (columns - 1, rows - 1)), axis=1)
+    if np.count_nonzero(outside) > MOST_LANDMARKS_OUTSIDE:
+        return ForegroundReason.NOT_SEEN
+    if _mean(view, bones(view, hand)) < LEAST_HAND:
+        return ForegroundReason.HAND_CUT
+    if forearm_ratio(view, tubes.forearm) < LEAST_FOREARM:
+        return ForegroundReason.NO_FOREARM
+    return ForegroundReason.LEAKS if _leaks(view, arm, tubes) else None
+
+
+def forearm_ratio(view: RatioMap, forearm: Tube) -> float:
+    """The mean log ratio along the middle of the forearm; 0 where it is outside of the picture."""
+    return _mean(view, within(view, forearm, NARROW))
+
+
+def _mean(view: RatioMap, squares: Mask) -> float:
+    return float(cv2.mean(view.ratios, squares)[0])
+
+
+def _leaks(view: RatioMap, arm: Mask, tubes: ArmTubes) -> bool:
+    elbow = np.zeros(arm.shape, np.uint8)
+    x, y = np.rint(view.to_squares(project(view.projection, tubes.forearm.end))).astype(int).tolist()
+    cv2.circle(elbow, (x, y), round(ELBOW_DISC_M * view.squares_per_m(tubes.forearm.end)), 1, cv2.FILLED)
+    wide = within(view, tubes.forearm, WIDE)
+    beside = within(view, tubes.forearm, WIDEST) * (1 - wide) * (1 - elbow)
+    disc = np.count_nonzero(elbow)
+    return _share(arm, beside) > MOST_BESIDE or (disc > FEW and _share(arm, elbow) > MOST_AROUND_ELBOW)
+
+
+def _share(arm: Mask, squares: Mask) -> float:
+    count = np.count_nonzero(squares)
+    return np.count_nonzero(arm & squares) / count if count > FEW else 0.0
+
+
+class AreaWatch:
+    """Refuses an outline whose area differs much from those before, until it stays."""
+
+    def __init__(self) -> None:
+        self._area: float | None = None
+
+    def objection(self, arm: Mask, view: RatioMap) -> ForegroundReason | None:
+        """Why the region's area is not to be trusted; None if it is. It is learned in any case."""
+        area = float(np.count_nonzero(arm)) * view.stride**2
+        before = area if self._area is None else self._area
+        self._area = AREA_KEPT * before + (1.0 - AREA_KEPT) * area
+        return None if SMALLER * before < area < LARGER * before else ForegroundReason.JUMPED
