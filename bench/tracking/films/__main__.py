@@ -5,7 +5,7 @@ import re
 from pathlib import Path
 
 from bench.tracking.films.film_file import write_film
-from bench.tracking.films.listing import mesh_films
+from bench.tracking.films.listing import composed_films, mesh_films
 
 
 def main() -> None:
@@ -15,7 +15,7 @@ def main() -> None:
     parser.add_argument("--only", default="", help="only films whose name contains this")
     parser.add_argument("--seed", type=int, default=1, help="of rooms, light and tremor")
     options = parser.parse_args()
-    for film in mesh_films(options.seed):
+    for film in [*mesh_films(options.seed), *composed_films(options.seed)]:
         if options.only in film.name:
             folder = options.out / re.sub(r"[^a-z0-9]+", "_", film.name)
             print(f"{folder}: {write_film(film, folder)} instants", flush=True)

@@ -14,11 +14,11 @@ class HandTruth:
     """The arm of one instant: its points, the hand's frame, which hand it is, and the posture by name.
 
     `operator_R_hand` (3, 3) has its columns along the hand: x distal, z dorsal, y = z cross x, which is the thumb's
-    side of a right hand and the other side of a left one.
+    side of a right hand and the other side of a left one; None where it is not known.
     """
 
     arm: ArmTruth
-    operator_R_hand: Array
+    operator_R_hand: Array | None
     right: bool
     posture: str
 

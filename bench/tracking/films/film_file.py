@@ -88,7 +88,7 @@ def _line(number: int, instant: FilmInstant) -> dict[str, object] | None:
         "t": round(instant.views.t_ns * 1e-9, 6),
         **points,
         "hand_open": truth.arm.hand_open,
-        "operator_R_hand": np.round(truth.operator_R_hand, 6).tolist(),
+        "operator_R_hand": None if truth.operator_R_hand is None else np.round(truth.operator_R_hand, 6).tolist(),
         "right": truth.right,
         "posture": truth.posture,
     }
@@ -99,4 +99,5 @@ def _truth(line: dict[str, object] | None) -> HandTruth | None:
         return None
     elbow, wrist, index, thumb = (np.array(line[name]) for name in POINTS)
     arm = ArmTruth(elbow, wrist, index, thumb, bool(line["hand_open"]))
-    return HandTruth(arm, np.array(line["operator_R_hand"]), bool(line["right"]), str(line["posture"]))
+    rotation = None if line["operator_R_hand"] is None else np.array(line["operator_R_hand"])
+    return HandTruth(arm, rotation, bool(line["right"]), str(line["posture"]))

@@ -105,9 +105,9 @@ class PersonInMotion:
 def _body(shoulder: Array, cloth: Array, tone: Tone) -> Surface:
     skin = linear(np.array(TONES[tone]))
     surfaces = [
-        _ellipsoid(shoulder + NECK[0], NECK[1], skin),
-        _ellipsoid(shoulder + TORSO[0], TORSO[1], cloth),
-        _ellipsoid(shoulder + SHOULDER[0], SHOULDER[1], cloth),
+        ellipsoid(shoulder + NECK[0], NECK[1], skin),
+        ellipsoid(shoulder + TORSO[0], TORSO[1], cloth),
+        ellipsoid(shoulder + SHOULDER[0], SHOULDER[1], cloth),
         _head(shoulder + HEAD[0], skin),
     ]
     counts = np.cumsum([0, *(len(s.vertices) for s in surfaces)])
@@ -118,7 +118,8 @@ def _body(shoulder: Array, cloth: Array, tone: Tone) -> Surface:
     )
 
 
-def _ellipsoid(middle: Array, axes: Array, rgb: Array) -> Surface:
+def ellipsoid(middle: Array, axes: Array, rgb: Array) -> Surface:
+    """An ellipsoid along the axes of the operator frame, with half axes (3,) in m, of one linear colour."""
     tilt, turn = np.meshgrid(np.linspace(0.0, np.pi, RINGS), np.linspace(0.0, 2.0 * np.pi, SPOKES), indexing="ij")
     unit = np.dstack([np.sin(tilt) * np.cos(turn), np.sin(tilt) * np.sin(turn), np.cos(tilt)]).reshape(-1, 3)
     at = np.arange(RINGS * SPOKES).reshape(RINGS, SPOKES)
@@ -129,7 +130,7 @@ def _ellipsoid(middle: Array, axes: Array, rgb: Array) -> Surface:
 
 def _head(middle: Array, skin: Array) -> Surface:
     """A head that looks along -x, with hair, eyes and a mouth."""
-    head = _ellipsoid(middle, HEAD[1], skin)
+    head = ellipsoid(middle, HEAD[1], skin)
     x, y, z = ((head.vertices - middle) / HEAD[1]).T
     hair = (z > 0.55) | ((x > 0.1) & (z > -0.35))
     eyes = (x < 0) & (np.abs(np.abs(y) - 0.42) < 0.16) & (np.abs(z - 0.18) < 0.10)

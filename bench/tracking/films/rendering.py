@@ -114,3 +114,10 @@ def _add(
             for k in range(3):
                 total[y, x, k] += share * (of_a * colours[a, k] + of_b * colours[b, k] + of_c * colours[c, k])
             total[y, x, 3] += share
+
+
+def lay(layers: Sequence[Layer | None], pictures: Sequence[Picture]) -> None:
+    """Lay one layer over each picture, where there is one."""
+    for layer, picture in zip(layers, pictures, strict=True):
+        if layer is not None:
+            layer.over(picture)
