@@ -4,8 +4,8 @@ from collections import deque
 from statistics import fmean
 
 REMEMBERED = 15  # instants: a wrong run of one view lasts five at most
-ENOUGH = 5
-UNDECIDED = 0.5
+ENOUGH, ENOUGH_IF_CLEAR = 8, 3
+CLEAR = 0.3  # from undecided
 
 
 class SideEvidence:
@@ -21,12 +21,16 @@ class SideEvidence:
     @property
     def right(self) -> float | None:
         """The mean so far, None before it can be trusted."""
-        return fmean(self._seen) if len(self._seen) >= ENOUGH else None
+        if not self._seen:
+            return None
+        mean = fmean(self._seen)
+        needed = ENOUGH_IF_CLEAR if abs(mean - 0.5) > CLEAR else ENOUGH
+        return mean if len(self._seen) >= needed else None
 
     def supports(self, right_arm: bool) -> bool:
         """Whether this may be a hand of that arm; true also while too little has been seen."""
         right = self.right
-        return right is None or (right > UNDECIDED) == right_arm
+        return right is None or (right > 0.5) == right_arm
 
     def forget(self) -> None:
         """Begin again with another hand."""

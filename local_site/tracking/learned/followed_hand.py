@@ -9,16 +9,18 @@ import numpy as np
 
 from common.geometry import Array
 from local_site.tracking.learned.hand_starts import PALM_LANDMARKS, any_posture, pose_from_landmarks, scale_of
-from local_site.tracking.silhouette.hand_model.fit import NO_VIEW, HandFit, HandView, Prior, fit_hand
+from local_site.tracking.silhouette.hand_model.fit import MIN_VIEWS, NO_VIEW, HandFit, HandView, Prior, fit_hand
 from local_site.tracking.silhouette.hand_model.habits import (
+    OPEN_CURL,
+    STILL_OPEN_CURL,
     Belief,
     Habits,
     LimbEvidence,
     near_last,
     prior_information,
 )
-from local_site.tracking.silhouette.hand_model.landmark_equations import landmark_points
-from local_site.tracking.silhouette.hand_model.skeleton import PALM, HandPose, Person
+from local_site.tracking.silhouette.hand_model.skeleton import PALM, HandPose, Person, most_curled
+from local_site.tracking.silhouette.operator_profile import OperatorProfile
 from local_site.tracking.silhouette.tips import INDEX, THUMB, Tip, find_tips
 
 ITERATIONS = 6
@@ -26,17 +28,23 @@ START_ITERATIONS, START_SIGMAS = 5, 3.0
 LOOSE_WRIST_M = 0.03
 HABITUAL = 2.0  # mean squared deviation from a habit in its own standard deviations
 CLEARLY_BETTER = 0.9
+MAX_COST = 1.5
+LEAST_USUAL_CURL = 0.8  # rad, of a hand held like a gripper
 REMEMBERED_SCALES = 60
 
 
 @dataclass(frozen=True, slots=True)
 class FittedHand:
-    """A hand at one instant: the fit, and the tips of index and thumb on the skin."""
+    """A hand at one instant: the fit, the tips of index and thumb on the skin, and whether the fingers are open.
+
+    `landmark_views` is how many views showed it rightly.
+    """
 
     fit: HandFit
     index: Tip
     thumb: Tip
     hand_open: bool
+    landmark_views: int
 
     @property
     def wrist_covariance(self) -> Array:
@@ -44,17 +52,33 @@ class FittedHand:
         covariance: Array = np.linalg.inv(self.fit.information)[:3, :3]
         return covariance
 
+    @property
+    def is_clear(self) -> bool:
+        """Whether landmarks or outlines of two views show a hand that the model explains."""
+        return self.fit.cost < MAX_COST and max(self.landmark_views, self.index.views) >= MIN_VIEWS
+
+    @property
+    def thumb_inferred(self) -> bool:
+        """Whether neither landmarks nor outlines of two views show the thumb."""
+        return max(self.landmark_views, self.thumb.views) < MIN_VIEWS
+
 
 class FollowedHand:
     """Fits a hand from instant to instant; the sizes that it learns are one operator's and are kept through losses."""
 
-    def __init__(self, right_arm: bool, own: Belief | None = None, scale: float | None = None) -> None:
-        """`own` and `scale`, the size relative to the average hand, were learned in an earlier run."""
+    def __init__(self, right_arm: bool, profile: OperatorProfile | None) -> None:
+        """`profile` is what an earlier run has learned."""
         self._right_arm = right_arm
-        self._habits = Habits(own)
-        self._scales: deque[float] = deque([] if scale is None else [scale] * REMEMBERED_SCALES, REMEMBERED_SCALES)
+        self._habits = Habits(None if profile is None else profile.habits)
+        known = [] if profile is None else [profile.scale] * REMEMBERED_SCALES
+        self._scales: deque[float] = deque(known, REMEMBERED_SCALES)
         self._last: tuple[HandPose, Array] | None = None
         self._open = False
+
+    @property
+    def learned(self) -> tuple[float, Belief] | None:
+        """The hand's size against the average and its habits, None until they are known."""
+        return (median(self._scales), self._habits.own) if self._habits.learned and self._scales else None
 
     def forget(self) -> None:
         """Start from an unknown pose with the next instant."""
@@ -62,7 +86,7 @@ class FollowedHand:
 
     def track(self, views: Sequence[HandView], landmarks: Array, arm: LimbEvidence | None) -> FittedHand | None:
         """The hand of views with landmarks, whose triangulation (21, 3) in m is `landmarks`; None without a start."""
-        person = self._person_last = self._person(landmarks, arm)
+        person = self._person(landmarks, arm)
         fits = [
             fit_hand(views, start, _prior(belief, start, arm), person, ITERATIONS)
             for start, belief in self._starts(views, landmarks, person)
@@ -71,11 +95,17 @@ class FollowedHand:
             return None
         fit = fits[0] if fits[0].cost * CLEARLY_BETTER <= fits[-1].cost else fits[-1]
         self._last = fit.pose, landmarks
-        self._habits.learn_fit(fit)
-        self._spheres = fit.spheres
+        if _is_habitual(fit.pose.posture, self._habits.closed):
+            self._habits.learn_fit(fit)
+        self._open = self._is_open(fit.pose.posture)
         index, thumb = find_tips(views, fit.spheres, (INDEX, THUMB))
-        self._views = index.views
-        return FittedHand(fit, index, thumb, self._open)
+        shown = sum(len(view.landmarks) > 0 for view in views)
+        return FittedHand(fit, index, thumb, self._open, shown)
+
+    def _is_open(self, posture: Array) -> bool:
+        """Whether all fingers are stretched well beyond their usual curl; with hysteresis (thesis 4.2)."""
+        usual = max(most_curled(self._habits.own.posture), LEAST_USUAL_CURL)
+        return most_curled(posture) < (STILL_OPEN_CURL if self._open else OPEN_CURL) * usual
 
     def _person(self, landmarks: Array, arm: LimbEvidence | None) -> Person:
         if len(self._scales) < REMEMBERED_SCALES:
@@ -86,8 +116,7 @@ class FollowedHand:
     def _expected(self, posture: Array) -> Belief:
         """What is believed of a hand that was last held like this: a habit if it was one."""
         for habit in (self._habits.closed, self._habits.opened):
-            off = posture - habit.posture
-            if off @ habit.information @ off < HABITUAL * len(off):
+            if _is_habitual(posture, habit):
                 return habit
         return any_posture(self._habits.own)
 
@@ -113,6 +142,11 @@ class FollowedHand:
                 for view in views
             ]
             yield fit_hand(alone, start, _prior(belief, start, None), person, START_ITERATIONS).pose, belief
+
+
+def _is_habitual(posture: Array, habit: Belief) -> bool:
+    off = posture - habit.posture
+    return bool(off @ habit.information @ off < HABITUAL * len(off))
 
 
 def _prior(belief: Belief, start: HandPose, arm: LimbEvidence | None) -> Prior:

@@ -1,26 +1,22 @@
 """The tracker for ordinary rooms: hand landmarks in two or more views, sharpened by the arm's outlines."""
 
-import math
-
-import numpy as np
-
 from common.errors import CalibrationError
 from common.geometry import Array
 from common.messages.hand import TrackingStatus
 from local_site.calibration.rig import Rig
 from local_site.calibration.triangulation import focal_length
 from local_site.tracking.config import LearnedConfig
-from local_site.tracking.learned.arm_length import ArmLength
-from local_site.tracking.learned.arm_outlines import ArmOutlines
-from local_site.tracking.learned.followed_hand import FittedHand, FollowedHand
 from local_site.tracking.landmarks.hand_finder import HandFinder
 from local_site.tracking.landmarks.hand_pairing import SeenHand
 from local_site.tracking.landmarks.models import view_hands
-from local_site.tracking.landmarks.side_evidence import SideEvidence
+from local_site.tracking.learned.acquaintance import Acquaintance
+from local_site.tracking.learned.arm_outlines import ArmOutlines
+from local_site.tracking.learned.followed_hand import FittedHand, FollowedHand
+from local_site.tracking.learned.room_pictures import RoomPictures
 from local_site.tracking.silhouette.arm_finder import NoArm, SeenArm
-from local_site.tracking.silhouette.hand_model.fit import MAX_VIEWS, NO_VIEW, HandView
+from local_site.tracking.silhouette.hand_model.fit import MAX_VIEWS, MIN_VIEWS, NO_VIEW, HandView
 from local_site.tracking.silhouette.joints import elbow_covariance
-from local_site.tracking.silhouette.operator_profile import OperatorProfile
+from local_site.tracking.silhouette.operator_profile import OperatorProfile, make_profile
 from local_site.tracking.silhouette.quality import doubts
 from local_site.tracking.tracker import ArmEstimate, Overlay, TrackingReason, Views
 
@@ -42,38 +38,38 @@ class LearnedTracker:
         """`profile` is what an earlier run has learned of the operator."""
         if len(rig.cameras) > MAX_VIEWS:
             raise CalibrationError(f"the tracker takes {MAX_VIEWS} cameras at most, the rig has {len(rig.cameras)}")
-        self._rig, self._config = rig, config or LearnedConfig()
-        self._finder = HandFinder(rig, view_hands(rig, self._config.right_arm))
+        self._rig = rig
+        config = config or LearnedConfig()
+        self._right_arm = config.right_arm
+        self._finder = HandFinder(rig, view_hands(rig, config.right_arm))
         self._outlines = ArmOutlines(rig)
-        self._side = SideEvidence()
-        self._length = ArmLength(self._config.initial_pairs)
-        self._hand = FollowedHand(self._config.right_arm)
+        self._room = RoomPictures()
+        self._operator = Acquaintance(config, profile)
+        self._hand = FollowedHand(config.right_arm, profile)
 
     @property
     def profile(self) -> OperatorProfile | None:
         """What has been learned of the operator in all runs, None until this one has learned the arm and the hand."""
-        return None
+        length, hand = self._operator.body.forearm_length, self._hand.learned
+        if length is None or hand is None or not self._operator.is_known:
+            return None
+        return make_profile(*hand, length, self._operator.pairs)
 
     def track(self, views: Views) -> ArmEstimate:
         """The arm at the views' instant; a frame that cannot be tracked gives the reason."""
-        if len(views.views) != len(self._rig.cameras) or len(views.views) < 2:
-            return self._lost(views.t_ns, f"{len(views.views)} views for {len(self._rig.cameras)} calibrated cameras")
-        seen = self._finder.find(views, self._is_operators)
+        if len(views.views) != len(self._rig.cameras) or len(views.views) < MIN_VIEWS:
+            return self._lost(views, f"{len(views.views)} views for {len(self._rig.cameras)} calibrated cameras")
+        seen = self._finder.find(views, self._operator.may_be)
         if isinstance(seen, str):
-            return self._lost(views.t_ns, seen)
-        self._side.add(seen.right)
-        if not self._side.supports(self._config.right_arm):
+            return self._lost(views, seen)
+        if not self._operator.has_side(views.t_ns, seen):
             self._finder.forget()
-            self._side.forget()
-            return self._lost(views.t_ns, TrackingReason.OTHER_SIDE, seen.residual_px)
-        arm = self._outlines.find(views, self._length.body, seen, starting=not self._length.is_known)
+            return self._lost(views, TrackingReason.OTHER_SIDE)
+        arm = self._outlines.find(views, self._operator.body, seen, starting=not self._operator.is_known)
         hand = self._fit(seen, arm)
         if hand is None:
-            return self._lost(views.t_ns, TrackingReason.HAND_UNCLEAR, seen.residual_px)
+            return self._lost(views, TrackingReason.HAND_UNCLEAR)
         return self._found(views.t_ns, seen, arm, hand)
-
-    def _is_operators(self, seen: SeenHand) -> bool:
-        return True
 
     def _fit(self, seen: SeenHand, arm: SeenArm | NoArm) -> FittedHand | None:
         finder = self._outlines.finder
@@ -85,41 +81,67 @@ class LearnedTracker:
         ]
         return self._hand.track(views, seen.points, finder.evidence(arm) if isinstance(arm, SeenArm) else None)
 
-    def _found(self, t_ns: int, seen: SeenHand, arm: SeenArm | NoArm, hand: FittedHand) -> ArmEstimate:
-        wrist = hand.fit.pose.wrist
-        points = {"wrist": wrist, "index": hand.index.point, "thumb": hand.thumb.point}
-        covariances = {
-            "wrist": hand.wrist_covariance, "index": hand.index.covariance, "thumb": hand.thumb.covariance
-        }
-        status, reason = self._judge(arm, hand)
-        if isinstance(arm, SeenArm):
-            self._outlines.finder.keep(arm, wrist)
-            points["elbow"], covariances["elbow"] = arm.joints.elbow, elbow_covariance(arm.joints, arm.limbs)
-        return ArmEstimate(t_ns, status, reason, **points, thumb_inferred=False, hand_open=hand.hand_open, covariances=covariances, residual_px=seen.residual_px)
-
-    def _judge(self, arm: SeenArm | NoArm, hand: FittedHand) -> tuple[TrackingStatus, str]:
-        if isinstance(arm, SeenArm) and not self._length.is_known:
-            reasons = doubts(self._rig, arm.limbs, arm.features, arm.joints)
-            if not reasons:
-                sleeve, elbow = self._outlines.finder.sleeve(arm), arm.joints.elbow
-                to_sleeve_m = math.nan if sleeve is None else float(np.linalg.norm(sleeve - elbow))
-                self._length.add(float(np.linalg.norm(hand.fit.pose.wrist - elbow)), to_sleeve_m)
-        if not self._length.is_known:
-            return TrackingStatus.INITIALISING, f"{TrackingReason.LEARNING} ({self._length.seen} of {self._length.needed} pairs)"
-        return TrackingStatus.TRACKED, ""
-
-    def _lost(self, t_ns: int, reason: str, residual_px: float | None = None) -> ArmEstimate:
-        self._hand.forget()
-        self._outlines.forget()
-        return ArmEstimate(t_ns, TrackingStatus.LOST, reason, residual_px=residual_px)
-
     def _with_landmarks(self, outline: HandView | None, matrix: Array, seen: SeenHand, k: int) -> HandView:
         view = outline or NO_VIEW._replace(projection=matrix, focal_px=focal_length(matrix))
         if k not in seen.views:
             return view
-        hand = seen.views[k]
-        side = hand.right if self._config.right_arm else 1.0 - hand.right
+        side = seen.views[k].right if self._right_arm else 1.0 - seen.views[k].right
         if side < DOUBTFUL_SIDE:
             return view
         sigma = LANDMARK_SIGMA if side > SURE_SIDE else DOUBTFUL_SIGMA
-        return view._replace(landmarks=seen.pixels[k], landmark_sigma=sigma * hand.crop.side_px)
+        return view._replace(landmarks=seen.pixels[k], landmark_sigma=sigma * seen.views[k].crop.side_px)
+
+    def _found(self, t_ns: int, seen: SeenHand, arm: SeenArm | NoArm, hand: FittedHand) -> ArmEstimate:
+        wrist = hand.fit.pose.wrist
+        points = {"wrist": wrist, "index": hand.index.point, "thumb": hand.thumb.point}
+        covariances = {
+            "wrist": hand.wrist_covariance,
+            "index": hand.index.covariance,
+            "thumb": hand.thumb.covariance,
+        }
+        reasons = [] if hand.is_clear else [TrackingReason.HAND_UNCLEAR]
+        if not self._rig.contains(wrist):
+            reasons.append(TrackingReason.OUTSIDE_VOLUME)
+        elbow_reason = self._judge_arm(arm, wrist, reasons)
+        overlays: tuple[Overlay, ...] = ()
+        if isinstance(arm, SeenArm):
+            self._outlines.finder.keep(arm, wrist)
+            overlays = self._outlines.finder.overlays(arm, [arm.joints.elbow, *points.values()])
+            if not elbow_reason:
+                points["elbow"] = arm.joints.elbow
+                covariances["elbow"] = elbow_covariance(arm.joints, arm.limbs)
+        status, reason = self._operator.status(t_ns, reasons, elbow_reason)
+        return ArmEstimate(
+            t_ns,
+            status,
+            reason,
+            **points,
+            thumb_inferred=hand.thumb_inferred,
+            hand_open=hand.hand_open,
+            overlays=overlays,
+            covariances=covariances,
+            residual_px=seen.residual_px,
+        )
+
+    def _judge_arm(self, arm: SeenArm | NoArm, wrist: Array, hand_reasons: list[TrackingReason]) -> str:
+        """Learn the arm where all agrees; why its elbow is not to be trusted, else empty."""
+        if isinstance(arm, NoArm):
+            return arm.reason
+        reasons = doubts(self._rig, arm.limbs, arm.features, arm.joints)
+        if not hand_reasons:
+            self._operator.learn(arm, wrist, self._outlines.finder.sleeve(arm), reasons)
+        return "; ".join(reasons) or ("" if self._operator.has_length(arm, wrist) else TrackingReason.NO_ARM)
+
+    def _lost(self, views: Views, reason: str) -> ArmEstimate:
+        self._hand.forget()
+        self._outlines.forget()
+        if reason == TrackingReason.NO_HAND and not self._operator.is_known:
+            room = self._room.take(views)
+            if room is not None:
+                self._outlines.learn_room(room)
+            if self._room.is_learning:
+                return ArmEstimate(views.t_ns, TrackingStatus.INITIALISING, TrackingReason.LEARNING_ROOM)
+        else:
+            self._room.forget()
+        self._operator.lose(views.t_ns)
+        return ArmEstimate(views.t_ns, TrackingStatus.LOST, reason)

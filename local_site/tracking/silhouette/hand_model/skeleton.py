@@ -74,6 +74,12 @@ def pose_spheres(posture: Array, scale: float, right_arm: bool) -> tuple[Array, 
     return centres, radii
 
 
+def most_curled(posture: Array) -> float:
+    """The curl in rad of the finger that is curled most, for a posture (10,)."""
+    curl: float = posture[MCP_CURL] + posture[PIP_CURL] + 2 * max(0.0, posture[EXTRA_CURL])
+    return curl
+
+
 @compiled
 def _fill_finger(centres: Array, finger: int, posture: Array, sizes: Array, length: float) -> None:
     """Knuckle, two joints and tip's centre."""
