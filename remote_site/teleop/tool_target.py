@@ -25,14 +25,13 @@ AGE_MEMORY = 1 / 30  # weight of the newest sample in the mean age
 class ToolTarget:
     """Where the tool should be: `base_T_tool` (4 x 4), relative to both origins of the `engagement`.
 
-    `reference` is what the next targets count from.
+    `reference` is what the next targets count from; None where that does not outlast a hold.
     """
 
     def __init__(
         self, mapping: MappingConfig, control: ControlConfig, box: Workspace, model: ArmModel, q: Array
     ) -> None:
         self._mapping = make_mapping(mapping)
-        self._outlasts = mapping.command == "relative"  # whether the origins outlast a short hold
         self._offset = HoldOffset()
         self._orientation = FollowedOrientation()
         self._followed: Accepted | None = None
@@ -71,7 +70,7 @@ class ToolTarget:
 
         They are where the hand went too far meanwhile, where too much is left to make up, or the settings are others.
         """
-        if not self._outlasts or settings != self._settings or self._strayed(sample, since_ns):
+        if self.reference is None or settings != self._settings or self._strayed(sample, since_ns):
             return False
         base_T_tool, operator_R_hand = self._model.forward(q), self._orientation.resume(sample)
         if not self._offset.begin(self._mapping.target(sample.position, operator_R_hand), base_T_tool):
