@@ -184,6 +184,13 @@ def test_an_inferred_thumb_that_is_known_well_enough_turns_the_tool_but_never_fa
     assert np.degrees(results[-1].turn_rad_s) == pytest.approx([45.0] * 3)
 
 
+def test_where_only_the_roll_is_poorly_known_the_hand_still_points(intake):
+    known = PointCovariances(wrist=SURE, index=SURE, thumb=(4e-4, 0.0, 0.0, 4e-4, 0.0, 4e-4))  # 20 mm along each axis
+    results = [accept(intake, hand(k, NOW + k * PERIOD, covariance=known)) for k in range(1, 10)]
+    assert results[-1].operator_R_hand is not None
+    assert results[-1].turn_rad_s == (0.0, np.inf, np.inf)
+
+
 def test_a_wrist_that_is_poorly_known_counts_as_a_lost_hand(intake):
     poor = PointCovariances(wrist=(0.0036, 0.0, 0.0, 0.0, 0.0, 0.0))
     result = accept(intake, hand(1, NOW, covariance=poor))

@@ -65,6 +65,7 @@ def test_a_thumb_that_is_poorly_known_takes_from_the_roll_and_leaves_the_pointin
     roll, pitch, yaw = speeds(even(12.0))
     assert 0.0 < roll < 120.0
     assert (pitch, yaw) == (np.inf, np.inf)
+    assert roll == pytest.approx(speeds(even(12.0), inferred=True)[0] * 120.0 / 45.0)
 
 
 def test_an_inferred_thumb_never_turns_the_tool_faster_than_configured_and_slower_where_it_is_less_sure():
