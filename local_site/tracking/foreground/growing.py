@@ -87,12 +87,18 @@ def _point(position: Array) -> tuple[int, int]:
     return x, y
 
 
-def zones(view: RatioMap, hand: Array, tubes: ArmTubes) -> Mask:
-    """Where the arm can be (h, w), from NEVER to SURE."""
+def near_bones(view: RatioMap, hand: Array, wrist: Array) -> Mask:
+    """The squares (h, w) that can be on a hand with landmarks at pixels (21, 2) and a wrist (3,) in m, as PERHAPS."""
     drawn = np.zeros(view.ratios.shape, np.uint8)
     squares = np.rint(view.to_squares(hand)).astype(np.int32)
-    flesh = view.squares_per_m(tubes.forearm.start) * FLESH_M
-    cv2.polylines(drawn, [squares[list(finger)] for finger in FINGERS], False, PERHAPS, max(round(2 * flesh), 1))
+    width = max(round(2 * FLESH_M * view.squares_per_m(wrist)), 1)
+    cv2.polylines(drawn, [squares[list(finger)] for finger in FINGERS], False, PERHAPS, width)
+    return drawn
+
+
+def zones(view: RatioMap, hand: Array, tubes: ArmTubes) -> Mask:
+    """Where the arm can be (h, w), from NEVER to SURE."""
+    drawn = near_bones(view, hand, tubes.forearm.start)
     scale = view.squares_per_m(tubes.forearm.end)
     middles = view.to_squares(project(view.projection, np.array([tubes.forearm.end, tubes.upper_arm.end])))
     cv2.circle(drawn, _point(middles[0]), round(ELBOW_M * scale), PERHAPS, cv2.FILLED)

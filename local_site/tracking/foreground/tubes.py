@@ -22,7 +22,7 @@ WRIST_HALF_M, ELBOW_HALF_M, SHOULDER_HALF_M = 0.028, 0.042, 0.052
 STATIONS = 12
 INSIDE, OUTSIDE = (-0.75, -0.375, 0.0, 0.375, 0.75), (-1.7, -1.35, 1.35, 1.7)
 OUTSIDE_WEIGHT = 0.6
-FOREARM_ANGLE, UPPER_ARM_ANGLE = math.radians(100.0), math.radians(110.0)
+FOREARM_ANGLE, UPPER_ARM_ANGLE = math.radians(95.0), math.radians(110.0)
 ALL_ROUND, NEAR, NEARER, ELSEWHERE = 600, 100, 60, 60
 UPPER_ALL_ROUND, UPPER_NEAR, UPPER_ELSEWHERE = 150, 40, 20
 NEAR_ANGLE, NEARER_ANGLE = math.radians(25.0), math.radians(8.0)
@@ -134,9 +134,9 @@ class TubeSearch:
         else:
             near = cap(self._last.forearm.direction, NEAR_ANGLE, NEAR, self._spin)
             directions = np.vstack([near, cap(axis, FOREARM_ANGLE, ELSEWHERE, self._spin)])
-        best = _best(maps, wrist, SURE_M * directions, (WRIST_HALF_M, ELBOW_HALF_M))
-        closer = SURE_M * cap(best.direction, NEARER_ANGLE, NEARER, self._spin)
-        best = _best(maps, wrist, closer, best.half_widths)
+        best = _best(maps, wrist, SURE_M * _bendable(directions, axis), (WRIST_HALF_M, ELBOW_HALF_M))
+        closer = _bendable(cap(best.direction, NEARER_ANGLE, NEARER, self._spin), axis)
+        best = _best(maps, wrist, SURE_M * closer, best.half_widths)
         self._last = self._with_elbow(maps, best)
         return self._last
 
@@ -159,6 +159,12 @@ class TubeSearch:
             return cap(forearm.direction, UPPER_ARM_ANGLE, UPPER_ALL_ROUND)
         near = cap(self._last.upper_arm.direction, NEAR_ANGLE, UPPER_NEAR, self._spin)
         return np.vstack([near, cap(forearm.direction, UPPER_ARM_ANGLE, UPPER_ELSEWHERE, self._spin)])
+
+
+def _bendable(directions: Array, axis: Array) -> Array:
+    """Those of the directions (N, 3) to which a wrist can bend from an axis (3,); the axis where there are none."""
+    kept = directions[directions @ axis > math.cos(FOREARM_ANGLE)]
+    return kept if len(kept) else axis[None]
 
 
 def _best(maps: Sequence[RatioMap], start: Array, ways: Array, half_widths: tuple[float, float]) -> Tube:
