@@ -11,6 +11,7 @@ from local_site.calibration.rig import Rig
 from local_site.calibration.triangulation import project
 from local_site.tracking.features.silhouette import Silhouette
 from local_site.tracking.foreground.arm_view import ArmView
+from local_site.tracking.foreground.reasons import ForegroundReason
 from local_site.tracking.foreground.trust import LEAST_FOREARM, forearm_ratio
 from local_site.tracking.foreground.tubes import ArmTubes, TubeSearch
 from local_site.tracking.landmarks.hand_landmarks import MIDDLE_KNUCKLE, WRIST

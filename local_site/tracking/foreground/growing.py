@@ -15,7 +15,7 @@ from local_site.tracking.foreground.tubes import ArmTubes, RatioMap, Tube
 
 FINGERS = ((0, 1, 2, 3, 4), (0, 5, 6, 7, 8), (0, 9, 10, 11, 12), (0, 13, 14, 15, 16), (0, 17, 18, 19, 20))
 PALM = (0, 1, 5, 9, 13, 17)
-FLESH_M = 0.024  # skin is at most so far from the bones of a hand
+FINGER_M, FLESH_M = 0.016, 0.024  # skin is at most so far from the bones of fingers and palm, as they are found
 WIDER = 1.6  # than the tube: an arm that bulges, a tube a little beside it
 ELBOW_M, UPPER_ARM_M = 0.13, 0.075  # the elbow is only known roughly
 NEVER, PERHAPS, LIKELY, SURE = 0, 1, 2, 3
@@ -91,8 +91,10 @@ def near_bones(view: RatioMap, hand: Array, wrist: Array) -> Mask:
     """The squares (h, w) that can be on a hand with landmarks at pixels (21, 2) and a wrist (3,) in m, as PERHAPS."""
     drawn = np.zeros(view.ratios.shape, np.uint8)
     squares = np.rint(view.to_squares(hand)).astype(np.int32)
-    width = max(round(2 * FLESH_M * view.squares_per_m(wrist)), 1)
-    cv2.polylines(drawn, [squares[list(finger)] for finger in FINGERS], False, PERHAPS, width)
+    finger, palm = (max(round(2 * flesh * view.squares_per_m(wrist)), 1) for flesh in (FINGER_M, FLESH_M))
+    cv2.polylines(drawn, [squares[list(bones)] for bones in FINGERS], False, PERHAPS, finger)
+    cv2.polylines(drawn, [squares[list(PALM)]], True, PERHAPS, palm)
+    cv2.fillConvexPoly(drawn, cv2.convexHull(squares[list(PALM)]), PERHAPS)
     return drawn
 
 
