@@ -18,7 +18,7 @@ from local_site.tracking.foreground.room import Behind, Mask, Place, Room
 from local_site.tracking.foreground.trust import AreaWatch, objection
 from local_site.tracking.foreground.tubes import ArmTubes, RatioMap, depth_of
 
-SQUARE_M = 0.004  # the side of a square at the hand
+SQUARE_M = 0.0045  # the side of a square at the hand
 MOST_STRIDE = 8
 REACH_M = 0.55  # around the wrist, until the arm was found once
 MARGIN_M = 0.06
@@ -60,7 +60,7 @@ class ArmView:
         self._areas = AreaWatch()
 
     def look(self, picture: Image, hand: Array, wrist: Array, before: ArmTubes | None) -> RatioMap:
-        """Log ratios around the arm, whose hand has landmarks at pixels (21, 2) and a wrist (3,) in m; 0 on the hand."""
+        """Log ratios around the arm, 0 on the hand, which has landmarks at pixels (21, 2) and a wrist (3,) in m."""
         room = self._room_for(picture)
         left, top, columns, rows, stride = self._box(picture, hand, wrist, before)
         place = left, top, stride

@@ -8,7 +8,6 @@ from numpy.typing import NDArray
 
 from common.geometry import Array
 from local_site.calibration.triangulation import project
-from local_site.kernels.compiled import compiled
 from local_site.tracking.foreground.likelihood import LogRatios
 from local_site.tracking.foreground.room import Mask
 from local_site.tracking.foreground.tubes import ArmTubes, RatioMap, Tube
@@ -111,31 +110,15 @@ def zones(view: RatioMap, hand: Array, tubes: ArmTubes) -> Mask:
     return drawn
 
 
-@compiled
-def _connected(ratios: LogRatios, zones: Mask) -> Mask:
+def _connected(ratios: LogRatios, possible: Mask) -> Mask:
     """The squares (h, w) that are connected to those that are SURE."""
-    height, width = zones.shape
-    region = np.zeros((height, width), np.uint8)
-    queue = np.empty((height * width, 2), np.int32)
-    count = 0
-    for j in range(height):
-        for i in range(width):
-            if zones[j, i] == SURE:
-                region[j, i] = 1
-                queue[count] = i, j
-                count += 1
-    begin = 0
-    while begin < count:
-        i, j = queue[begin]
-        begin += 1
-        for n in range(4):
-            x, y = i + (1 - n) * (n % 2 == 0), j + (2 - n) * (n % 2 == 1)
-            if 0 <= x < width and 0 <= y < height and region[y, x] == 0 and zones[y, x] != NEVER:
-                if ratios[y, x] > (LEAST_LIKELY if zones[y, x] == LIKELY else LEAST_PERHAPS):
-                    region[y, x] = 1
-                    queue[count] = x, y
-                    count += 1
-    return region
+    sure = possible == SURE
+    likely = (possible == LIKELY) & (ratios > LEAST_LIKELY)
+    allowed = sure | likely | ((possible == PERHAPS) & (ratios > LEAST_PERHAPS))
+    count, labels = cv2.connectedComponents(allowed.astype(np.uint8), connectivity=4)
+    kept = np.zeros(count, np.uint8)
+    kept[labels[sure]] = 1
+    return np.asarray(kept[labels], np.uint8)
 
 
 def _filled(region: Mask) -> Mask:

@@ -13,7 +13,7 @@ from local_site.tracking.foreground.tubes import ArmTubes, RatioMap, Tube
 MOST_LANDMARKS_OUTSIDE = 10
 LEAST_HAND, LEAST_FOREARM = 0.0, 0.3  # mean log ratios
 NARROW = 0.5  # half widths of the forearm's tube
-MOST_AROUND_FOREARM = 0.9  # of where a forearm can be: it covers two thirds of it
+MOST_AROUND_FOREARM = 0.85  # of where a forearm can be: it covers two thirds of it
 MOST_AROUND_ELBOW = 0.85  # of a disc: two limbs cover a half of it
 ELBOW_DISC_M = 0.12
 FEW = 30
