@@ -11,9 +11,12 @@ from local_site.calibration.triangulation import project
 from local_site.tracking.foreground.likelihood import LogRatios
 from local_site.tracking.foreground.room import Mask
 from local_site.tracking.foreground.tubes import ArmTubes, RatioMap, Tube
+from local_site.tracking.landmarks.hand_landmarks import MIDDLE_KNUCKLE, WRIST
 
 FINGERS = ((0, 1, 2, 3, 4), (0, 5, 6, 7, 8), (0, 9, 10, 11, 12), (0, 13, 14, 15, 16), (0, 17, 18, 19, 20))
 PALM = (0, 1, 5, 9, 13, 17)
+BARE = 2  # joint of a finger's chain, from which on no cuff covers it
+KNUCKLES, HEEL = (2, 5, 9, 13, 17), 0.4  # the palm begins so far on the way from the wrist to the middle knuckle
 FINGER_M, FLESH_M = 0.016, 0.024  # skin is at most so far from the bones of fingers and palm, as they are found
 WIDER = 1.6  # than the tube: an arm that bulges, a tube a little beside it
 ELBOW_M, UPPER_ARM_M = 0.13, 0.075  # the elbow is only known roughly
@@ -55,11 +58,14 @@ def _bridged(arm: Mask, view: RatioMap, tubes: ArmTubes) -> Mask:
 
 
 def bones(view: RatioMap, hand: Array) -> Mask:
-    """The squares (h, w) that are surely on the hand: its bones and what they enclose of the palm."""
+    """The squares (h, w) surely on the hand's skin: its bones and the palm, but for the wrist, where a cuff may be."""
     drawn = np.zeros(view.ratios.shape, np.uint8)
-    squares = np.rint(view.to_squares(hand)).astype(np.int32)
-    cv2.polylines(drawn, [squares[list(finger)] for finger in FINGERS], False, 1)
-    cv2.fillConvexPoly(drawn, cv2.convexHull(squares[list(PALM)]), 1)
+    positions = view.to_squares(hand)
+    squares = np.rint(positions).astype(np.int32)
+    cv2.polylines(drawn, [squares[list(finger[BARE:])] for finger in FINGERS], False, 1)
+    heel = positions[WRIST] + HEEL * (positions[MIDDLE_KNUCKLE] - positions[WRIST])
+    corners = np.vstack([squares[list(KNUCKLES)], np.rint(heel).astype(np.int32)])
+    cv2.fillConvexPoly(drawn, cv2.convexHull(corners), 1)
     return drawn
 
 

@@ -1,6 +1,6 @@
 """A bare arm drawn before two cameras: pictures in colour, the mask of its skin, and the hand as landmarks give it."""
 
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 
 import cv2
 import numpy as np
@@ -23,6 +23,7 @@ SKIN: Colour = (95.0, 135.0, 190.0)
 CLOTH: Colour = (90.0, 70.0, 50.0)
 SIZE = (480, 640)
 SHARES = (0.25, 0.5, 0.7, 0.85, 1.0)  # of a finger's length, joint by joint
+_JOINTS = SimulatedOperator(SimulationConfig()).truth(0.0)
 ACROSS_M = (0.045, 0.028, 0.008, -0.012, -0.03)
 
 
@@ -39,18 +40,17 @@ class DrawnArm:
     long_sleeve: bool = False
     band: bool = False
     skin: Colour = SKIN
-    joints: tuple[Array, Array] = field(default_factory=lambda: _joints())
 
     @property
     def wrist(self) -> Array:
         """The wrist (3,) in m."""
-        result: Array = self.joints[1] + self.shift
+        result: Array = _JOINTS.wrist + self.shift
         return result
 
     @property
     def elbow(self) -> Array:
         """The elbow (3,) in m."""
-        result: Array = self.joints[0] + self.shift
+        result: Array = _JOINTS.elbow + self.shift
         return result
 
     def hand(self) -> Array:
@@ -82,15 +82,18 @@ class DrawnArm:
             _limb(cloth, projection, self.elbow, shoulder, 0.048)
         if self.band:
             along = (self.elbow - self.wrist) / np.linalg.norm(self.elbow - self.wrist)
-            ends = project(projection, np.array([self.wrist + 0.04 * along, self.wrist + 0.06 * along]))
-            cv2.line(cloth, _px(ends[0]), _px(ends[1]), 1, round(0.08 * _px_per_m(projection, self.wrist)))
+            ends = project(projection, np.array([self.wrist + 0.04 * along, self.wrist + 0.065 * along]))
+            across = (ends[1] - ends[0])[::-1] * (-1.0, 1.0) / np.linalg.norm(ends[1] - ends[0])
+            across *= 0.038 * _px_per_m(projection, self.wrist)
+            corners = [ends[0] + across, ends[1] + across, ends[1] - across, ends[0] - across]
+            cv2.fillConvexPoly(cloth, np.rint(corners).astype(np.int32), 1)
         pixels = project(projection, self.hand())
         thick = round(0.020 * _px_per_m(projection, self.wrist))
         for finger in FINGERS:
             cv2.polylines(skin, [np.rint(pixels[list(finger)]).astype(np.int32)], False, 1, thick)
         cv2.fillConvexPoly(skin, cv2.convexHull(np.rint(pixels[list(PALM)]).astype(np.int32)), 1)
         picture = _laid(_laid(room.astype(np.float32), skin, self.skin), cloth, CLOTH)
-        return np.clip(picture, 0, 255).astype(np.uint8), skin if self.band else skin * (1 - cloth)
+        return np.clip(picture, 0, 255).astype(np.uint8), cv2.max(skin, cloth) if self.band else skin * (1 - cloth)
 
 
 def shelf_room(seed: int) -> Image:
@@ -115,11 +118,6 @@ def overlap(contour: Array, truth: NDArray[np.uint8]) -> float:
     found = np.zeros(truth.shape, np.uint8)
     cv2.drawContours(found, [contour.astype(np.int32)], -1, 1, cv2.FILLED)
     return float(np.count_nonzero(found & truth) / np.count_nonzero(found | truth))
-
-
-def _joints() -> tuple[Array, Array]:
-    truth = SimulatedOperator(SimulationConfig()).truth(0.0)
-    return truth.elbow, truth.wrist
 
 
 def _laid(picture: Array, mask: NDArray[np.uint8], colour: Colour) -> Array:

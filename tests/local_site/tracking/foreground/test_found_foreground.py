@@ -60,7 +60,7 @@ def test_something_of_skins_colour_that_was_there_before_is_not_the_arm() -> Non
     for room, matrix in zip(rooms, RIG.matrices, strict=True):
         truth = arm.draw(room, matrix)[1]
         x, y, w, h = cv2.boundingRect(truth)
-        cv2.rectangle(room, (x + w // 3, y - 60), (x + w // 3 + 60, y + h + 60), (90.0, 128.0, 180.0), cv2.FILLED)
+        cv2.rectangle(room, (x + w // 2, y - 60), (x + w // 2 + 24, y + h + 60), (90.0, 128.0, 180.0), cv2.FILLED)
     random = np.random.default_rng(3)
     foreground = FoundForeground(RIG)
     for _ in range(15):
@@ -70,7 +70,7 @@ def test_something_of_skins_colour_that_was_there_before_is_not_the_arm() -> Non
 
 
 def test_another_arm_that_does_not_touch_the_operators_is_left_out() -> None:
-    arm, other = DrawnArm(), DrawnArm(shift=(0.0, 0.0, 0.22))
+    arm, other = DrawnArm(), DrawnArm(shift=(0.0, 0.0, 0.4))
     rooms = [other.draw(room, m)[0] for room, m in zip((shelf_room(1), shelf_room(2)), RIG.matrices, strict=True)]
     assert min(overlaps(follow(FoundForeground(RIG), arm, rooms), arm, rooms)) > 0.9
 
