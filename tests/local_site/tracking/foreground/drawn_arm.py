@@ -93,7 +93,7 @@ class DrawnArm:
             cv2.polylines(skin, [np.rint(pixels[list(finger)]).astype(np.int32)], False, 1, thick)
         cv2.fillConvexPoly(skin, cv2.convexHull(np.rint(pixels[list(PALM)]).astype(np.int32)), 1)
         picture = _laid(_laid(room.astype(np.float32), skin, self.skin), cloth, CLOTH)
-        return np.clip(picture, 0, 255).astype(np.uint8), cv2.max(skin, cloth) if self.band else skin * (1 - cloth)
+        return np.clip(picture, 0, 255).astype(np.uint8), skin | cloth if self.band else skin * (1 - cloth)
 
 
 def shelf_room(seed: int) -> Image:

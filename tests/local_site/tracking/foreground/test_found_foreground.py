@@ -60,7 +60,8 @@ def test_something_of_skins_colour_that_was_there_before_is_not_the_arm() -> Non
     for room, matrix in zip(rooms, RIG.matrices, strict=True):
         truth = arm.draw(room, matrix)[1]
         x, y, w, h = cv2.boundingRect(truth)
-        cv2.rectangle(room, (x + w // 2, y - 60), (x + w // 2 + 24, y + h + 60), (90.0, 128.0, 180.0), cv2.FILLED)
+        middle = y + round(0.6 * h)
+        cv2.rectangle(room, (x - 80, middle), (x + w + 80, middle + 24), (80.0, 120.0, 175.0), cv2.FILLED)
     random = np.random.default_rng(3)
     foreground = FoundForeground(RIG)
     for _ in range(15):
