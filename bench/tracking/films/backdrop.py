@@ -11,6 +11,7 @@ from bench.tracking.films.rooms import (
     DESK_PX_PER_M,
     DESK_SHAPE,
     DESK_Z,
+    SHADE_PX,
     WALL_LEFT,
     WALL_PX_PER_M,
     WALL_TOP,
@@ -35,6 +36,8 @@ class SeenRoom:
         self._sigma = BLUR_SHARE * size[0]
         wall, desk, desk_is_nearer = _warps(camera, size)
         desk_inside = _inside(desk, DESK_SHAPE) & desk_is_nearer
+        shaded = np.where(desk_inside[..., None], desk, wall) / SHADE_PX
+        self._shaded = cv2.convertMaps(shaded.astype(np.float32), np.empty(0), cv2.CV_16SC2)
         self._wall = cv2.convertMaps(wall, np.empty(0), cv2.CV_16SC2)
         self._desk_at = desk_inside
         seen_desk = cv2.remap(room.desk, desk, np.empty(0), cv2.INTER_LINEAR, borderMode=cv2.BORDER_REPLICATE)
@@ -44,11 +47,15 @@ class SeenRoom:
     def at(self, t_s: float) -> Picture:
         """The picture (H, W, 3), BGR from 0 to 255, at a time in s; the caller may draw on it."""
         if self._still is not None:
-            return self._still.copy()
+            return self._still.copy() if self._room.shade is None else self._still * self._shade(self._room.shade(t_s))
         wall = self._room.wall.copy()
         if self._room.moving is not None:
             self._room.moving(wall, t_s)
         return self._seen(wall)
+
+    def _shade(self, shade: Picture) -> Picture:
+        seen = cv2.remap(shade, *self._shaded, cv2.INTER_LINEAR, borderMode=cv2.BORDER_REFLECT)
+        return np.asarray(seen, dtype=np.float32)[..., None]
 
     def _seen(self, wall: Image) -> Picture:
         picture = np.asarray(cv2.remap(wall, *self._wall, cv2.INTER_LINEAR, borderMode=cv2.BORDER_REFLECT), np.uint8)

@@ -49,10 +49,15 @@ def arm_albedo(mesh: ArmMesh, tone: Tone, sleeve_srgb: tuple[int, int, int], see
             colour *= 1.0 + 0.8 * near[:, None] * (KNUCKLE_TOWARDS - 1.0)
     colour *= 1.0 + (_nails(mesh, rest, outward, weights)[:, None]) * (NAIL_TOWARDS * 1.15 - 1.0)
     colour *= 1.0 + MOTTLE * random.standard_normal((len(rest), 1)) * (0.6, 1.0, 1.0)
-    shoulder, elbow = mesh.heads[mesh.bone("upperarm01")], mesh.heads[mesh.bone("lowerarm01")]
-    along = (rest - shoulder) @ (elbow - shoulder) / np.sum((elbow - shoulder) ** 2)
-    colour[along < SLEEVE_SHARE] = linear(np.array(sleeve_srgb))
+    colour[along_upper_arm(mesh, rest) < SLEEVE_SHARE] = linear(np.array(sleeve_srgb))
     return colour[:, ::-1].copy()
+
+
+def along_upper_arm(mesh: ArmMesh, rest: Array) -> Array:
+    """Where points (N, 3) at rest lie along the upper arm: 0 at the shoulder, 1 at the elbow and all beyond it."""
+    shoulder, elbow = mesh.heads[mesh.bone("upperarm01")], mesh.heads[mesh.bone("lowerarm01")]
+    along: Array = (rest - shoulder) @ (elbow - shoulder) / np.sum((elbow - shoulder) ** 2)
+    return np.minimum(along, 1.0)
 
 
 def _nails(mesh: ArmMesh, rest: Array, outward: Array, weights: Array) -> Array:
