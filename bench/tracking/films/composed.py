@@ -6,11 +6,12 @@ from typing import Literal
 
 import numpy as np
 
+from bench.tracking.films.arm.person import Surface, body_of, ellipsoid
+from bench.tracking.films.arm.skin import TONES, Tone
 from bench.tracking.films.cutout import Cutout, cut_out
 from bench.tracking.films.film import FilmInstant, HandTruth, TrackingFilm
-from bench.tracking.films.person import Surface, body_of, ellipsoid
-from bench.tracking.films.rendering import Layer, Picture, lay
-from bench.tracking.films.skin import TONES, Tone, linear, srgb
+from bench.tracking.films.picture.light import linear, srgb
+from bench.tracking.films.picture.rendering import Layer, Picture, lay
 from bench.tracking.films.surroundings import FilmSetting, Surroundings
 from bench.tracking.scenes import RECORDINGS, Instant, recorded
 from common.errors import CalibrationError

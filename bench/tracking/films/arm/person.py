@@ -5,12 +5,13 @@ from dataclasses import dataclass, field, replace
 import numpy as np
 from numpy.typing import NDArray
 
-from bench.tracking.films.arm_mesh import ArmMesh
+from bench.tracking.films.arm.arm_mesh import ArmMesh
+from bench.tracking.films.arm.motions import ArmMotion
+from bench.tracking.films.arm.posing import PosedArm
+from bench.tracking.films.arm.postures import PostureName, posture_angles
+from bench.tracking.films.arm.skin import TONES, Tone, along_upper_arm, arm_albedo
 from bench.tracking.films.film import HandTruth
-from bench.tracking.films.motions import ArmMotion
-from bench.tracking.films.posing import PosedArm
-from bench.tracking.films.postures import PostureName, posture_angles
-from bench.tracking.films.skin import TONES, Tone, along_upper_arm, arm_albedo, linear
+from bench.tracking.films.picture.light import linear
 from common.geometry import Array
 from local_site.kernels.rasterising import Triangles
 from local_site.simulation.body import ArmTruth

@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from bench.tracking.films.arm_mesh import ArmMesh
+from bench.tracking.films.arm.arm_mesh import ArmMesh
 from common.geometry import Array, rotation_from_vector
 from local_site.simulation.body import OPEN_ABOVE, ArmTruth, BodyPose
 

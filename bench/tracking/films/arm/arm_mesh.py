@@ -8,10 +8,10 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.sparse import csr_array
 
-from bench.tracking.films.subdivision import subdivided
+from bench.tracking.films.arm.subdivision import subdivided
 from common.geometry import Array
 
-MESH = Path(__file__).resolve().parents[3] / "../shared/data/arm_model.npz"
+MESH = Path(__file__).resolve().parents[4] / "../shared/data/arm_model.npz"
 MM = 1e-3
 
 Body = Literal["average", "thin", "muscular"]

@@ -12,8 +12,8 @@ import numpy as np
 from numpy.random import Generator
 from numpy.typing import NDArray
 
-from bench.tracking.films import furniture
-from bench.tracking.films.portrait import hand_portrait
+from bench.tracking.films.room import furniture
+from bench.tracking.films.room.portrait import hand_portrait
 from common.cameras.camera import Image
 from common.errors import CameraError
 
@@ -108,7 +108,7 @@ def _photograph(random: Generator) -> Room:
 def _poster(random: Generator) -> Room:
     """The plain office, with a poster of a hand, larger than life."""
     plain = _plain(random)
-    furniture.poster(plain.wall, hand_portrait(), 850 + int(random.integers(0, 80)), 420, 620)
+    furniture.poster(plain.wall, hand_portrait(), 940 + int(random.integers(0, 80)), 560, 560)
     return plain
 
 
