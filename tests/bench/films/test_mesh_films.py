@@ -13,6 +13,7 @@ from bench.tracking.films.arm.postures import posture_angles
 from bench.tracking.films.listing import mesh_films
 from bench.tracking.films.meshed import FilmedArm, MeshFilm, mesh_film
 from bench.tracking.films.surroundings import FilmSetting
+from common.errors import ConfigError
 from local_site.calibration.triangulation import project
 
 pytestmark = pytest.mark.skipif(not MESH.exists(), reason="the arm's mesh is not here")
@@ -20,6 +21,11 @@ pytestmark = pytest.mark.skipif(not MESH.exists(), reason="the arm's mesh is not
 QUIET = FilmSetting(shutter_s=0.0, noise=0.0)
 SMALL = MeshFilm(name="small", setting=QUIET, size=(320, 240), seconds=0.2)
 POINTS = ("elbow", "wrist", "index", "thumb")
+
+
+def test_a_missing_mesh_is_named(tmp_path):
+    with pytest.raises(ConfigError, match="nothing.npz is missing"):
+        load_arm_mesh(tmp_path / "nothing.npz", "average")
 
 
 def instants(config):
