@@ -16,7 +16,7 @@ from tests.faults.trial import FOLLOWING, Trial
 Play = Callable[[Trial], None]
 
 STILL_MM = 1.0
-SWING_DEG, BACK_DEG = 20.0, 1.0  # what a swap of two fingers may turn the tool, and leave turned
+SWING_DEG, BACK_DEG = 5.0, 1.0  # what a swap of two fingers may turn the tool, and leave turned
 MAKES_UP_S = 3.0
 ASKING_S = 8.0  # longer than who asked once is named
 NOTICED_S = 1.5  # the arm has to be commanded 0.1 rad away, by a hand that circles
