@@ -37,8 +37,8 @@ EXCHANGED = (
 )
 
 UPSIDE_DOWN = (
-    "is upside down: turn it, or its picture, by 180 degrees and calibrate again, unless it hangs so on purpose; with a "
-    "printed board, lay it level in the first pose"
+    "is upside down: turn it, or its picture, by 180 degrees and calibrate again, unless it hangs so on purpose; "
+    "with a printed board, lay it level in the first pose"
 )
 TURNED_AXES = (
     "sees X_mm run to the left, so that the robot would move against the hand: give the control points with x to "
