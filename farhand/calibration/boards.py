@@ -100,7 +100,7 @@ def calibrate_live(
     finder, album, gate = BoardFinder(board), _Album(job, board, standing), PoseGate()
     with ExitStack() as stack:
         cameras = [stack.enter_context(closing(camera)) for camera in open_named(job.sources, job.setup)]
-        for pictures in _instants(cameras, should_stop):
+        for pictures in instants(cameras, should_stop):
             pose = [finder.find(picture) for picture in pictures]
             if gate.offer(pose):
                 echo(f"{album.keep(pictures, pose)}; {poses - len(gate.taken)} to go, move the board")
@@ -116,7 +116,8 @@ def calibrate_live(
     return album.solve()
 
 
-def _instants(cameras: Sequence[Camera], should_stop: Callable[[], bool]) -> Iterator[Pictures]:
+def instants(cameras: Sequence[Camera], should_stop: Callable[[], bool]) -> Iterator[Pictures]:
+    """The newest picture of each camera, again and again, until one ends or it is to stop."""
     while not should_stop():
         frames = [camera.read() for camera in cameras]
         if any(frame is None for frame in frames):

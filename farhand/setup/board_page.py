@@ -11,6 +11,7 @@ from local_site.calibration.boards import Board
 
 PAPERS = {"A4": (297.0, 210.0), "Letter": (279.4, 215.9)}
 BOARD = Board("charuco", 8, 6, 0.030, 0.022)
+RULER_MM = 100.0
 
 TOP_MM = 8.0
 RULER_GAP_MM = 5.0
@@ -28,11 +29,15 @@ def board_page(board: Board, paper: tuple[float, float]) -> Page:
     left = (width - board.columns * square) / 2
     bottom = TOP_MM + board.rows * square
     rulers = bottom + RULER_GAP_MM
-    inches = left + 100.0 + BETWEEN_RULERS_MM
+    inches = left + RULER_MM + BETWEEN_RULERS_MM
     return Page(
         width,
         height,
-        (*_printed(board, left, TOP_MM), *_ruler(left, rulers, 10.0, 10), *_ruler(inches, rulers, INCH_MM / 2, 8)),
+        (
+            *_printed(board, left, TOP_MM),
+            *_ruler(left, rulers, RULER_MM / 10, 10),
+            *_ruler(inches, rulers, INCH_MM / 2, 8),
+        ),
         (
             Words(left, rulers + 6.5, LETTER_MM, "100 mm"),
             Words(inches, rulers + 6.5, LETTER_MM, "4 in"),
