@@ -1,7 +1,7 @@
 """The configuration that a setup writes: the local site's tables, each value with what it means."""
 
 import json
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping
 from pathlib import Path
 from typing import get_args
 
@@ -28,9 +28,9 @@ HEAD = """\
 """
 
 
-def offered_methods(methods: Sequence[str] = get_args(Method)) -> dict[str, str]:
+def offered_methods() -> dict[str, str]:
     """The trackers to choose from, and what each needs."""
-    return {method: OFFERED[method] for method in OFFERED if method in methods}
+    return {method: OFFERED[method] for method in get_args(Method) if method in OFFERED}
 
 
 def configuration(answers: SetupAnswers, rig: Path, path: Path) -> str:

@@ -4,11 +4,12 @@ from collections.abc import Callable, Iterator, Sequence
 from contextlib import ExitStack, closing
 from dataclasses import dataclass
 from pathlib import Path
+from typing import get_args
 
 from msgspec.structs import replace
 
 from common.cameras.camera import Camera
-from common.cameras.settings import CameraSettings
+from common.cameras.settings import CameraSettings, given
 from common.config import load_config
 from common.errors import CameraError, InterruptionError
 from farhand.doctor.findings import as_text
@@ -79,8 +80,7 @@ def _modes(_folder: SetupFolder, answers: SetupAnswers, person: Person, tools: T
 
 
 def _describe(settings: CameraSettings) -> str:
-    width, height = settings.size_px or (0, 0)
-    return f"{width}x{height} at {settings.fps:g} a second"
+    return ", ".join(f"{key} {value}" for key, value in given(settings).items())
 
 
 def _board(folder: SetupFolder, answers: SetupAnswers, person: Person, _tools: Tools) -> SetupAnswers:
@@ -106,7 +106,7 @@ def _tracker(_folder: SetupFolder, answers: SetupAnswers, person: Person, _tools
         return answers
     offered = offered_methods()
     chosen = choose(person, "How is the arm tracked?", offered, next(iter(offered)))
-    method: Method = next(name for name in offered if name == chosen)
+    method: Method = next(name for name in get_args(Method) if name == chosen)
     right_arm = not has_sides(method) or choose(person, "Which arm?", {"right": "", "left": ""}, "right") == "right"
     return replace(answers, method=method, right_arm=right_arm)
 

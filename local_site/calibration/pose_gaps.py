@@ -62,7 +62,7 @@ def _view_gaps(seen: Sequence[BoardView], board: Board, size: Size) -> Iterator[
     covered = picture_coverage(pixels, size)
     if covered < MIN_PICTURE:
         places = ", ".join(empty_places(pixels, size)[:NAMED_PLACES]) or "all edges"
-        yield f"{100 * covered:.0f} % of its picture covered, needs {100 * MIN_PICTURE:.0f} %: show it at {places}"
+        yield f"{int(100 * covered)} % of its picture covered, needs {100 * MIN_PICTURE:.0f} %: show it at {places}"
     aspects = [aspect_of(view, board, size) for view in seen]
     yield from _tilt_gap([aspect.right_nearer_deg for aspect in aspects], "right", "left")
     yield from _tilt_gap([aspect.lower_nearer_deg for aspect in aspects], "lower", "upper")
