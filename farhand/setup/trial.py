@@ -31,7 +31,7 @@ from local_site.calibration.rig import Rig
 from local_site.kernels.pictures import as_grey
 from local_site.tracking.tracker import ArmEstimate, Tracker, Views
 
-GOOD_SHARE, POOR_SHARE = 0.9, 0.5
+GOOD_SHARE, POOR_SHARE, RARE_SHARE = 0.9, 0.5, 0.1
 NAMED_REASONS = 3
 EACH = 5  # of so many instants one is measured, which leaves the tracker its time
 WAIT_S = 0.1
@@ -138,5 +138,5 @@ def _judge_reasons(trial: Trial) -> list[Finding]:
     return [
         warning("reason", f"{100 * times / count:.0f} %: {reason}", cure_of(reason))
         for reason, times in trial.reasons.most_common(NAMED_REASONS)
-        if times > (1 - GOOD_SHARE) * count
+        if times > RARE_SHARE * count
     ]

@@ -4,6 +4,7 @@ from functools import lru_cache
 
 import numpy as np
 import pytest
+from msgspec.structs import replace
 
 from common.cameras.settings import CameraSettings
 from common.config import load_config
@@ -93,13 +94,10 @@ def test_a_setup_that_was_left_keeps_its_pairs_and_goes_on(tmp_path):
 
 def prepared(tmp_path):
     """A folder whose cameras and rig are the simulated operator's."""
-    answers = SetupAnswers(
-        left="a", right="b", cameras=CameraSettings(width_px=640, height_px=480), square_mm=30, method="silhouette"
-    )
+    size = CameraSettings(width_px=640, height_px=480)
+    answers = SetupAnswers(left="a", right="b", cameras=size, square_mm=30.0, method="silhouette")
     folder = SetupFolder(tmp_path)
-    folder.keep(
-        SetupAnswers(**{**{k: getattr(answers, k) for k in answers.__struct_fields__}, "rig_by": answers.rig_needs})
-    )
+    folder.keep(replace(answers, rig_by=answers.rig_needs))
     save_rig(exact_rig(SimulationConfig().stereo), folder.rig)
     return folder
 
@@ -133,8 +131,7 @@ def test_another_board_needs_another_calibration(tmp_path):
 
 def test_pairs_of_other_cameras_are_put_aside(tmp_path):
     folder = prepared(tmp_path)
-    answers = folder.answers()
-    folder.keep(SetupAnswers(left="a", right="b", cameras=answers.cameras, square_mm=30, pairs_by="others"))
+    folder.keep(replace(folder.answers(), rig_by=None, pairs_by="others"))
     (folder.pictures("left")).mkdir(parents=True)
     (folder.pictures("left") / "001.png").write_bytes(b"a picture")
     with pytest.raises(InterruptionError):
