@@ -32,6 +32,7 @@ from local_site.tracking.config import Method
 from local_site.tracking.tracker import Views
 
 TRIAL_S = 10.0
+ARMS = {"right": "the right arm", "left": "the left arm"}
 ViewsFor = Callable[[Sequence[Camera], PairingConfig, float], Iterator[Views]]  # cameras, pairing, seconds
 
 
@@ -57,7 +58,8 @@ def set_up(path: Path, person: Person, tools: Tools) -> None:
         _trial(folder, person, tools)
     except KeyboardInterrupt as error:
         raise InterruptionError(f"left; go on with: farhand setup --out {path}") from error
-    person.tell(f"done: farhand doctor --config {folder.configuration}, then farhand local --config the same")
+    person.tell(f"done; check it: farhand doctor --config {folder.configuration}")
+    person.tell(f"and start it: farhand local --config {folder.configuration}")
 
 
 def _keeps(person: Person, what: str) -> bool:
@@ -107,7 +109,7 @@ def _tracker(_folder: SetupFolder, answers: SetupAnswers, person: Person, _tools
     offered = offered_methods()
     chosen = choose(person, "How is the arm tracked?", offered, next(iter(offered)))
     method: Method = next(name for name in get_args(Method) if name == chosen)
-    right_arm = not has_sides(method) or choose(person, "Which arm?", {"right": "", "left": ""}, "right") == "right"
+    right_arm = not has_sides(method) or choose(person, "Which arm?", ARMS, "right") == "right"
     return replace(answers, method=method, right_arm=right_arm)
 
 

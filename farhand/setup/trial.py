@@ -29,7 +29,7 @@ from local_site.acquisition.capture import Capture
 from local_site.acquisition.pairing import PairingConfig
 from local_site.calibration.rig import Rig
 from local_site.kernels.pictures import as_grey
-from local_site.tracking.tracker import ArmEstimate, Tracker, Views
+from local_site.tracking.tracker import ArmEstimate, Tracker, TrackingReason, Views
 
 GOOD_SHARE, POOR_SHARE, RARE_SHARE = 0.9, 0.5, 0.1
 NAMED_REASONS = 3
@@ -39,7 +39,10 @@ WAIT_S = 0.1
 
 @dataclass
 class Trial:
-    """What a trial has seen, by the names of the views; `ms` is the time that each instant took to track."""
+    """What a trial has seen, by the names of the views; `ms` is the time that each instant took to track.
+
+    Instants in which the tracker still learned the arm count as `learning` alone.
+    """
 
     names: tuple[str, ...]
     statuses: Counter[TrackingStatus] = field(default_factory=Counter)
@@ -48,6 +51,16 @@ class Trial:
     lights: dict[str, list[Light]] = field(default_factory=dict)
     arms: dict[str, list[ArmInPicture]] = field(default_factory=dict)
     ms: list[float] = field(default_factory=list)
+    learning: int = 0
+
+    def count(self, estimate: ArmEstimate) -> None:
+        """Count an instant."""
+        if TrackingReason.LEARNING in estimate.reason:
+            self.learning += 1
+            return
+        self.statuses[estimate.status] += 1
+        if estimate.reason:
+            self.reasons[without_counts(estimate.reason)] += 1
 
     @property
     def tracked_share(self) -> float:
@@ -81,9 +94,7 @@ def run_trial(rig: Rig, tracker: Tracker, views: Iterable[Views]) -> Trial:
         begin_s = time.perf_counter()
         estimate = tracker.track(pair)
         trial.ms.append(1e3 * (time.perf_counter() - begin_s))
-        trial.statuses[estimate.status] += 1
-        if estimate.reason:
-            trial.reasons[without_counts(estimate.reason)] += 1
+        trial.count(estimate)
         if k % EACH == 0:
             _measure(trial, rig, pair, estimate)
     return trial
@@ -105,8 +116,8 @@ def _measure(trial: Trial, rig: Rig, pair: Views, estimate: ArmEstimate) -> None
 
 def judge_trial(trial: Trial, needs_dark: bool) -> list[Finding]:
     """The trial's findings: the share tracked, the most frequent reasons, and what the room lacks."""
-    if not trial.statuses.total():
-        return [error("tracking", "no pair of pictures came", "start the trial again, and check both cameras")]
+    if not trial.ms:
+        return [error("tracked", "no pair of pictures came", "start the trial again, and check both cameras")]
     findings = [_judge_share(trial), *_judge_reasons(trial)]
     for name in trial.names:
         arms = trial.arms.get(name, [])
@@ -125,7 +136,8 @@ def _middle(lights: Sequence[Light]) -> Light:
 
 def _judge_share(trial: Trial) -> Finding:
     share, count = trial.tracked_share, trial.statuses.total()
-    sentence = f"{100 * share:.0f} % of {count} instants, {float(np.median(trial.ms)):.0f} ms each"
+    learned = f", after {trial.learning} to learn the arm" if trial.learning else ""
+    sentence = f"{100 * share:.0f} % of {count} instants, {float(np.median(trial.ms)):.0f} ms each{learned}"
     if share >= GOOD_SHARE:
         return ok("tracked", sentence)
     cure = "see the reasons below; hold the arm bent, thumb and index apart, in the middle of both pictures"

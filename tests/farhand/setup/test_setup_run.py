@@ -64,7 +64,7 @@ def test_cameras_become_a_calibrated_configuration(tmp_path):
     assert made >= {"answers.json", "thumbnails", "board.pdf", "calibration", "found", "rig.json", "local.toml"}
     assert person.heard("cannot open fake://broken")
     assert person.heard("that is enough")
-    assert person.told[-1].startswith("done: farhand doctor --config")
+    assert person.told[-1] == f"and start it: farhand local --config {tmp_path / 'local.toml'}"
 
 
 def test_a_setup_that_was_left_keeps_its_pairs_and_goes_on(tmp_path):
