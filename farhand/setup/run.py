@@ -11,8 +11,8 @@ from msgspec.structs import replace
 from common.cameras.camera import Camera
 from common.cameras.settings import CameraSettings, given
 from common.config import load_config
-from common.errors import CameraError, InterruptionError
-from farhand.doctor.findings import as_text
+from common.errors import CameraError, InterruptionError, ModelError
+from farhand.doctor.findings import Severity, as_text, worst
 from farhand.outputs import make_folder, write_result
 from farhand.setup.board_page import BOARD, PAPERS, RULER_MM, board_page
 from farhand.setup.calibrating import Progress, calibrate
@@ -22,7 +22,7 @@ from farhand.setup.conversation import Person, ask_number, choose, confirm
 from farhand.setup.finding_cameras import OpenCamera, choose_cameras, try_cameras
 from farhand.setup.notes import NAMES, SetupAnswers, SetupFolder
 from farhand.setup.pdf import pdf_of
-from farhand.setup.trial import judge_trial, run_trial
+from farhand.setup.trial import Trial, judge_trial, run_trial
 from farhand.tracking.run import prepare_tracker
 from local_site.acquisition.pairing import PairingConfig
 from local_site.calibration.rig_file import load_rig
@@ -32,6 +32,7 @@ from local_site.tracking.config import Method
 from local_site.tracking.tracker import Views
 
 TRIAL_S = 10.0
+ROOM_FIRST = ("learned",)  # the trackers that first learn the room without the arm
 ARMS = {"right": "the right arm", "left": "the left arm"}
 ViewsFor = Callable[[Sequence[Camera], PairingConfig, float], Iterator[Views]]  # cameras, pairing, seconds
 
@@ -129,19 +130,28 @@ def _write_configuration(folder: SetupFolder, person: Person) -> None:
 
 def _trial(folder: SetupFolder, person: Person, tools: Tools) -> None:
     """Try what the configuration says, as the local site would, until the person is content."""
-    while confirm(person, f"Try the tracker for {TRIAL_S:.0f} seconds, the bent arm before both cameras?", True):
+    proposed = True
+    while confirm(person, f"Try the tracker for {TRIAL_S:.0f} seconds, the bent arm before both cameras?", proposed):
         config = load_config(LocalConfig, folder.configuration)
-        operator, rig = config.operator, load_rig(Path(config.operator.rig))
-        settings = operator.settings_of(NAMES)
         prepare_tracker(config.tracking)
+        if config.tracking.method in ROOM_FIRST:
+            person.tell("keep the arm out of both pictures for the first second, then hold it bent before the cameras")
         try:
-            with ExitStack() as opened:
-                sources = zip(NAMES, operator.sources, strict=True)
-                cameras = [opened.enter_context(closing(tools.open(str(s), n, settings[n]))) for n, s in sources]
-                tracker = make_tracker(rig, config.tracking)
-                trial = run_trial(rig, tracker, tools.views(cameras, config.capture, TRIAL_S))
-        except CameraError as error:
+            findings = judge_trial(_try_tracker(config, tools), config.tracking.method in NEEDS_DARK)
+        except (CameraError, ModelError) as error:
             person.tell(str(error))
             continue
-        for line in as_text(judge_trial(trial, config.tracking.method in NEEDS_DARK)).splitlines():
+        for line in as_text(findings).splitlines():
             person.tell(line)
+        proposed = worst(findings) is not Severity.OK
+
+
+def _try_tracker(config: LocalConfig, tools: Tools) -> Trial:
+    """A trial of the configured tracker with the configured cameras."""
+    operator, rig = config.operator, load_rig(Path(config.operator.rig))
+    settings = operator.settings_of(NAMES)
+    tracker = make_tracker(rig, config.tracking)
+    with ExitStack() as opened:
+        sources = zip(NAMES, operator.sources, strict=True)
+        cameras = [opened.enter_context(closing(tools.open(str(s), n, settings[n]))) for n, s in sources]
+        return run_trial(rig, tracker, tools.views(cameras, config.capture, TRIAL_S))

@@ -19,6 +19,7 @@ CURES: Mapping[TrackingReason, str] = {
     TrackingReason.OUTSIDE_VOLUME: "work where the board was shown, or calibrate again with the board shown there",
     TrackingReason.HAND_UNCLEAR: "hold thumb and index apart, the other fingers closed, the hand across the views",
     TrackingReason.OTHER_ARM: "answer which arm is tracked again; check that left is left and no picture is mirrored",
+    TrackingReason.OTHER_SIDE: "answer which arm is tracked again; check that left is left and no picture is mirrored",
     TrackingReason.THUMB_INFERRED: "turn the hand so that both cameras see the thumb",
 }
 OTHERWISE = "let the bent arm alone be seen by both cameras, well lit, before something dark and plain"

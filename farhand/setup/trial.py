@@ -35,13 +35,14 @@ GOOD_SHARE, POOR_SHARE, RARE_SHARE = 0.9, 0.5, 0.1
 NAMED_REASONS = 3
 EACH = 5  # of so many instants one is measured, which leaves the tracker its time
 WAIT_S = 0.1
+PROGRESS = (TrackingReason.LEARNING, TrackingReason.LEARNING_ROOM)  # how far it is, not why it fails
 
 
 @dataclass
 class Trial:
     """What a trial has seen, by the names of the views; `ms` is the time that each instant took to track.
 
-    Instants in which the tracker still learned the arm count as `learning` alone.
+    `statuses` are those of the instants after the `learning` ones, in which the tracker still learned arm or room.
     """
 
     names: tuple[str, ...]
@@ -55,12 +56,13 @@ class Trial:
 
     def count(self, estimate: ArmEstimate) -> None:
         """Count an instant."""
-        if TrackingReason.LEARNING in estimate.reason:
+        if estimate.status is TrackingStatus.INITIALISING:
             self.learning += 1
-            return
-        self.statuses[estimate.status] += 1
-        if estimate.reason:
-            self.reasons[without_counts(estimate.reason)] += 1
+        else:
+            self.statuses[estimate.status] += 1
+        reason = without_counts(estimate.reason)
+        if reason and reason not in PROGRESS:
+            self.reasons[reason] += 1
 
     @property
     def tracked_share(self) -> float:
@@ -136,7 +138,7 @@ def _middle(lights: Sequence[Light]) -> Light:
 
 def _judge_share(trial: Trial) -> Finding:
     share, count = trial.tracked_share, trial.statuses.total()
-    learned = f", after {trial.learning} to learn the arm" if trial.learning else ""
+    learned = f", after {trial.learning} to learn arm or room" if trial.learning else ""
     sentence = f"{100 * share:.0f} % of {count} instants, {float(np.median(trial.ms)):.0f} ms each{learned}"
     if share >= GOOD_SHARE:
         return ok("tracked", sentence)
@@ -146,7 +148,7 @@ def _judge_share(trial: Trial) -> Finding:
 
 def _judge_reasons(trial: Trial) -> list[Finding]:
     """The most frequent reasons with their cures, as warnings where too little is tracked."""
-    count = trial.statuses.total()
+    count = len(trial.ms)
     return [
         warning("reason", f"{100 * times / count:.0f} %: {reason}", cure_of(reason))
         for reason, times in trial.reasons.most_common(NAMED_REASONS)

@@ -120,6 +120,14 @@ def test_what_is_there_is_kept_and_the_configured_tracker_is_tried(tmp_path):
     assert person.heard("elbow in view: left 100 %, right 100 %")
 
 
+def test_a_camera_that_fails_in_the_trial_is_told_and_the_trial_offered_again(tmp_path):
+    prepared(tmp_path)  # its cameras are none of the board's
+    person = ScriptedPerson({"Try the tracker": ["y", "n"]})
+    set_up(tmp_path, person, tools())
+    assert person.heard("camera left: cannot open a")
+    assert person.told[-1].startswith("and start it")
+
+
 def test_another_board_needs_another_calibration(tmp_path):
     folder = prepared(tmp_path)
     person = ScriptedPerson({"printed board": "n", "ruler": "97", "level at first": [InterruptionError("left")]})

@@ -91,13 +91,14 @@ def test_an_elbow_outside_one_picture_is_seen_by_its_projection():
     assert trial.elbows["left"] == [False]
 
 
-def test_learning_the_arm_counts_for_nothing_else():
-    learning = (TrackingStatus.LOST, f"{TrackingReason.LEARNING} (3 of 10 pairs)", None)
+def test_learning_counts_neither_for_nor_against_tracking():
+    learning = (TrackingStatus.INITIALISING, f"{TrackingReason.LEARNING} (3 of 10 pairs)", None)
     trial = scripted(*[learning] * 4, (TrackingStatus.TRACKED, "", None))
     assert finding(judge_trial(trial, needs_dark=False), "tracked").sentence.startswith("100 % of 1 instants")
+    assert not trial.reasons
     only = finding(judge_trial(scripted(learning), needs_dark=False), "tracked")
     assert only.level is Severity.ERROR
-    assert only.sentence.endswith("after 1 to learn the arm")
+    assert only.sentence.endswith("after 1 to learn arm or room")
 
 
 @pytest.mark.parametrize(("good", "level"), [(10, Severity.OK), (7, Severity.WARNING), (3, Severity.ERROR)])
