@@ -6,7 +6,7 @@ import cv2
 import numpy as np
 from numpy.typing import NDArray
 
-from farhand.setup.pdf import Page, Rectangle, Words
+from farhand.setup.pdf import BlackRectangle, PrintedPage, PrintedWords
 from local_site.calibration.boards import Board
 
 PAPERS = {"A4": (297.0, 210.0), "Letter": (279.4, 215.9)}
@@ -22,7 +22,7 @@ LETTER_MM = 2.6
 BETWEEN_RULERS_MM = 14.0
 
 
-def board_page(board: Board, paper: tuple[float, float]) -> Page:
+def board_page(board: Board, paper: tuple[float, float]) -> PrintedPage:
     """A ChArUco board on a landscape page of this width and height in mm, above two rulers and a line of words."""
     width, height = paper
     square = 1000 * board.square
@@ -30,7 +30,7 @@ def board_page(board: Board, paper: tuple[float, float]) -> Page:
     bottom = TOP_MM + board.rows * square
     rulers = bottom + RULER_GAP_MM
     inches = left + RULER_MM + BETWEEN_RULERS_MM
-    return Page(
+    return PrintedPage(
         width,
         height,
         (
@@ -39,9 +39,9 @@ def board_page(board: Board, paper: tuple[float, float]) -> Page:
             *_ruler(inches, rulers, INCH_MM / 2, 8),
         ),
         (
-            Words(left, rulers + 6.5, LETTER_MM, "100 mm"),
-            Words(inches, rulers + 6.5, LETTER_MM, "4 in"),
-            Words(left, rulers + 11.5, LETTER_MM, _advice(board)),
+            PrintedWords(left, rulers + 6.5, LETTER_MM, "100 mm"),
+            PrintedWords(inches, rulers + 6.5, LETTER_MM, "4 in"),
+            PrintedWords(left, rulers + 11.5, LETTER_MM, _advice(board)),
         ),
     )
 
@@ -54,14 +54,14 @@ def _advice(board: Board) -> str:
     )
 
 
-def _printed(board: Board, left: float, top: float) -> Iterator[Rectangle]:
+def _printed(board: Board, left: float, top: float) -> Iterator[BlackRectangle]:
     """The board's black parts, its upper left corner there, mm."""
     square, marker = 1000 * board.square, 1000 * board.marker
     dictionary = cv2.aruco.getPredefinedDictionary(getattr(cv2.aruco, f"DICT_{board.dictionary}"))
     printed = cv2.aruco.CharucoBoard((board.columns, board.rows), square, marker, dictionary)
     for row, column in np.ndindex(board.rows, board.columns):
         if (row + column) % 2 == 0:
-            yield Rectangle(left + column * square, top + row * square, square, square)
+            yield BlackRectangle(left + column * square, top + row * square, square, square)
     side = dictionary.markerSize + 2
     for number, corners in zip(np.ravel(printed.getIds()).tolist(), printed.getObjPoints(), strict=True):
         black = np.asarray(dictionary.generateImageMarker(number, side)) == 0
@@ -69,17 +69,17 @@ def _printed(board: Board, left: float, top: float) -> Iterator[Rectangle]:
         yield from _runs(black, left + x, top + y, marker / side)
 
 
-def _runs(black: NDArray[np.bool_], left: float, top: float, module: float) -> Iterator[Rectangle]:
+def _runs(black: NDArray[np.bool_], left: float, top: float, module: float) -> Iterator[BlackRectangle]:
     """The black modules (N, N) of a marker, a rectangle for each run of them in a row."""
     for row, own in enumerate(black):
         edges = np.flatnonzero(np.diff(np.concatenate([[0], own.astype(np.int8), [0]]))).reshape(-1, 2)
         for begin, end in edges.tolist():
-            yield Rectangle(left + begin * module, top + row * module, (end - begin) * module, module)
+            yield BlackRectangle(left + begin * module, top + row * module, (end - begin) * module, module)
 
 
-def _ruler(left: float, top: float, step: float, count: int) -> Iterator[Rectangle]:
+def _ruler(left: float, top: float, step: float, count: int) -> Iterator[BlackRectangle]:
     """A ruler of so many steps in mm, from the middle of its first tick to that of its last."""
-    yield Rectangle(left - LINE_MM / 2, top, count * step + LINE_MM, LINE_MM)
+    yield BlackRectangle(left - LINE_MM / 2, top, count * step + LINE_MM, LINE_MM)
     for k in range(count + 1):
         tick = LONG_TICK_MM if k in (0, count) else TICK_MM
-        yield Rectangle(left + k * step - LINE_MM / 2, top, LINE_MM, tick)
+        yield BlackRectangle(left + k * step - LINE_MM / 2, top, LINE_MM, tick)

@@ -13,14 +13,14 @@ from farhand.calibration.pictures import PictureJob, read_pictures
 from farhand.calibration.points import describe, solvable
 from farhand.doctor.findings import Severity, as_text, worst
 from farhand.setup.board_page import BOARD
-from farhand.setup.conversation import Person, choose, confirm
+from farhand.setup.conversation import SetupPerson, choose, confirm
 from farhand.setup.finding_cameras import OpenCamera
 from farhand.setup.guided_calibration import Guide, judge_rig, take_pairs
 from farhand.setup.notes import NAMES, SetupAnswers, SetupFolder
 from farhand.terminal import ShowProgress
 from local_site.calibration.boards import Board
 
-Progress = Callable[[], AbstractContextManager[ShowProgress]]  # a bar, while it is entered
+BarMaker = Callable[[], AbstractContextManager[ShowProgress]]  # a bar, while it is entered
 
 NEXT = {"more": "take more pairs", "again": "put these pairs aside and begin anew", "solve": "solve with these pairs"}
 KEEP = {"keep": "keep this calibration", **{key: NEXT[key] for key in ("more", "again")}}
@@ -33,7 +33,7 @@ def printed_board(answers: SetupAnswers) -> Board:
 
 
 def calibrate(
-    folder: SetupFolder, answers: SetupAnswers, person: Person, open_camera: OpenCamera, progress: Progress
+    folder: SetupFolder, answers: SetupAnswers, person: SetupPerson, open_camera: OpenCamera, progress: BarMaker
 ) -> SetupAnswers:
     """Take pairs until they suffice and the person is content with the rig, which is then in the folder."""
     board = printed_board(answers)
@@ -69,7 +69,7 @@ def kept_pairs(folder: SetupFolder) -> list[Pictures]:
 
 
 def _take(
-    folder: SetupFolder, answers: SetupAnswers, person: Person, open_camera: OpenCamera, progress: Progress
+    folder: SetupFolder, answers: SetupAnswers, person: SetupPerson, open_camera: OpenCamera, progress: BarMaker
 ) -> None:
     """Take pairs with the cameras as they are set; a person who interrupts has kept what was taken."""
     guide = Guide(printed_board(answers), NAMES)
@@ -95,7 +95,7 @@ def _keep(folder: SetupFolder, number: int, pictures: Pictures) -> None:
         write_image(folder.pictures(name), f"{number:03d}", picture)
 
 
-def _solve(folder: SetupFolder, answers: SetupAnswers, board: Board, person: Person, progress: Progress) -> str:
+def _solve(folder: SetupFolder, answers: SetupAnswers, board: Board, person: SetupPerson, progress: BarMaker) -> str:
     """Solve the rig of the pairs on disk; what the person wants next."""
     sources = {name: str(folder.pictures(name)) for name in NAMES}
     job = PictureJob(sources, folder.rig, folder.path / "found")
@@ -117,6 +117,6 @@ def _without(options: dict[str, str], key: str) -> dict[str, str]:
     return {name: meaning for name, meaning in options.items() if name != key}
 
 
-def _tell(person: Person, lines: Sequence[str]) -> None:
+def _tell(person: SetupPerson, lines: Sequence[str]) -> None:
     for line in lines:
         person.tell(line)

@@ -8,7 +8,7 @@ from common.cameras.modes import CameraMode
 from common.cameras.settings import CameraSettings
 from common.errors import CameraError, ConfigError
 from farhand.calibration.points import parse_pair
-from farhand.setup.conversation import Person, ask_number
+from farhand.setup.conversation import SetupPerson, ask_number
 from farhand.setup.finding_cameras import OpenCamera
 
 ListModes = Callable[[str], Sequence[CameraMode]]  # of a source; none where it does not say
@@ -18,7 +18,9 @@ MIN_SIZE, MAX_SIZE = (320, 240), (1920, 1200)  # with fewer pixels fingers are l
 TRIED_FRAMES = 15
 
 
-def choose_settings(sources: Mapping[str, str], modes: ListModes, tried: OpenCamera, person: Person) -> CameraSettings:
+def choose_settings(
+    sources: Mapping[str, str], modes: ListModes, tried: OpenCamera, person: SetupPerson
+) -> CameraSettings:
     """Size and rate, as a person chooses them until both cameras give them at once."""
     offered = [modes(source) for source in sources.values()]
     sizes = common_sizes(offered)
@@ -39,7 +41,7 @@ def choose_settings(sources: Mapping[str, str], modes: ListModes, tried: OpenCam
         return settings
 
 
-def _ask_size(person: Person, sizes: Sequence[tuple[int, int]]) -> tuple[int, int]:
+def _ask_size(person: SetupPerson, sizes: Sequence[tuple[int, int]]) -> tuple[int, int]:
     usual = USUAL_SIZE if USUAL_SIZE in sizes or not sizes else sizes[0]
     while True:
         try:

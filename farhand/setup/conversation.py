@@ -9,7 +9,7 @@ from common.text import escaped
 from farhand.terminal import say
 
 
-class Person(Protocol):
+class SetupPerson(Protocol):
     """Who sets up: `tell` a sentence, `show` a line that the next one replaces, `ask` a question."""
 
     def tell(self, sentence: str) -> None: ...
@@ -55,7 +55,7 @@ class TerminalPerson:
             self._showing = False
 
 
-def choose(person: Person, question: str, options: Mapping[str, str], default: str) -> str:
+def choose(person: SetupPerson, question: str, options: Mapping[str, str], default: str) -> str:
     """Which of the options (what to answer, and what it means) a person chooses."""
     for key, meaning in options.items():
         person.tell(f"  {key}: {meaning}")
@@ -64,7 +64,7 @@ def choose(person: Person, question: str, options: Mapping[str, str], default: s
     return answer
 
 
-def confirm(person: Person, question: str, default: bool) -> bool:
+def confirm(person: SetupPerson, question: str, default: bool) -> bool:
     """Whether a person agrees."""
     words = {"y": True, "yes": True, "n": False, "no": False}
     while (answer := person.ask(f"{question} (y/n)", "y" if default else "n").lower()) not in words:
@@ -72,7 +72,7 @@ def confirm(person: Person, question: str, default: bool) -> bool:
     return words[answer]
 
 
-def ask_number(person: Person, question: str, default: float, low: float, high: float) -> float:
+def ask_number(person: SetupPerson, question: str, default: float, low: float, high: float) -> float:
     """A number from low to high."""
     while True:
         try:

@@ -11,7 +11,7 @@ from common.cameras.camera import Camera, Image
 from common.cameras.images import write_image
 from common.cameras.settings import AS_IT_IS, CameraSettings
 from common.errors import CameraError
-from farhand.setup.conversation import Person, choose
+from farhand.setup.conversation import SetupPerson, choose
 
 OpenCamera = Callable[[str, str, CameraSettings], Camera]  # source, name, settings; CameraError with the cure
 
@@ -32,7 +32,7 @@ def find_devices(devices: Path = DEVICES, paths: Path = PATHS) -> list[str]:
     return [str(by_port.get(path.resolve(), path)) for path in numbered]
 
 
-def try_cameras(sources: Sequence[str], open_camera: OpenCamera, person: Person) -> dict[str, Image]:
+def try_cameras(sources: Sequence[str], open_camera: OpenCamera, person: SetupPerson) -> dict[str, Image]:
     """A picture of each source that gives one; of the others, why not."""
     pictures = {}
     for source in sources:
@@ -57,7 +57,7 @@ def _picture(source: str, open_camera: OpenCamera) -> Image:
     return last.image
 
 
-def choose_cameras(pictures: Mapping[str, Image], thumbnails: Path, person: Person) -> tuple[str, str]:
+def choose_cameras(pictures: Mapping[str, Image], thumbnails: Path, person: SetupPerson) -> tuple[str, str]:
     """The left and the right camera, as a person chooses them by their thumbnails; CameraError without two."""
     if len(pictures) < 2:
         raise CameraError(f"{len(pictures)} of the two cameras that are needed give pictures: {NONE_FOUND}")

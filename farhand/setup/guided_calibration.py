@@ -9,7 +9,7 @@ from common.cameras.camera import Image
 from farhand.calibration.boards import Pictures
 from farhand.calibration.pictures import size_of
 from farhand.doctor.findings import Finding, ok, warning
-from farhand.setup.conversation import Person
+from farhand.setup.conversation import SetupPerson
 from farhand.terminal import ShowProgress
 from local_site.calibration.boards import Board, BoardFinder, BoardView, PoseGate
 from local_site.calibration.pose_gaps import pose_gaps
@@ -87,7 +87,7 @@ class Guide:
 
 
 def take_pairs(
-    guide: Guide, instants: Iterable[Pictures], keep: Callable[[int, Pictures], None], person: Person
+    guide: Guide, instants: Iterable[Pictures], keep: Callable[[int, Pictures], None], person: SetupPerson
 ) -> None:
     """Keep pairs with `keep` (number from 1, pictures) until nothing is missing or the cameras end."""
     for pictures in instants:

@@ -7,7 +7,7 @@ POINTS_PER_MM = 72 / 25.4
 
 
 @dataclass(frozen=True, slots=True)
-class Rectangle:
+class BlackRectangle:
     """A black rectangle: its upper left corner from the page's, its width and height, mm."""
 
     x: float
@@ -17,7 +17,7 @@ class Rectangle:
 
 
 @dataclass(frozen=True, slots=True)
-class Words:
+class PrintedWords:
     """A line of text: the left end of its baseline from the page's upper left corner, the size of its letters, mm."""
 
     x: float
@@ -27,16 +27,16 @@ class Words:
 
 
 @dataclass(frozen=True, slots=True)
-class Page:
+class PrintedPage:
     """A page of this width and height in mm, and what is on it."""
 
     width: float
     height: float
-    rectangles: Sequence[Rectangle] = field(default=())
-    words: Sequence[Words] = field(default=())
+    rectangles: Sequence[BlackRectangle] = field(default=())
+    words: Sequence[PrintedWords] = field(default=())
 
 
-def pdf_of(page: Page) -> bytes:
+def pdf_of(page: PrintedPage) -> bytes:
     """The page as a PDF file; the same page gives the same bytes."""
     content = _content(page).encode("latin-1")
     box = f"[0 0 {_points(page.width)} {_points(page.height)}]"
@@ -64,7 +64,7 @@ def _file(objects: Sequence[bytes]) -> bytes:
     return written + b"xref\n0 %d\n0000000000 65535 f \n%b%b" % (count, table, end)
 
 
-def _content(page: Page) -> str:
+def _content(page: PrintedPage) -> str:
     """The page's drawing: PDF counts from the lower left corner, in points."""
     # One fill for all: rectangles that touch leave no seam between them, whatever draws them.
     lines = ["0 g"]

@@ -15,14 +15,14 @@ from common.errors import CameraError, InterruptionError, ModelError
 from farhand.doctor.findings import Severity, as_text, worst
 from farhand.outputs import make_folder, write_result
 from farhand.setup.board_page import BOARD, PAPERS, RULER_MM, board_page
-from farhand.setup.calibrating import Progress, calibrate
+from farhand.setup.calibrating import BarMaker, calibrate
 from farhand.setup.camera_modes import ListModes, choose_settings
 from farhand.setup.configuration import NEEDS_DARK, configuration, has_sides, offered_methods
-from farhand.setup.conversation import Person, ask_number, choose, confirm
+from farhand.setup.conversation import SetupPerson, ask_number, choose, confirm
 from farhand.setup.finding_cameras import OpenCamera, choose_cameras, try_cameras
 from farhand.setup.notes import NAMES, SetupAnswers, SetupFolder
 from farhand.setup.pdf import pdf_of
-from farhand.setup.trial import Trial, judge_trial, run_trial
+from farhand.setup.trial import TrackerTrial, judge_trial, run_trial
 from farhand.tracking.run import prepare_tracker
 from local_site.acquisition.pairing import PairingConfig
 from local_site.calibration.rig_file import load_rig
@@ -45,10 +45,10 @@ class Tools:
     modes: ListModes
     open: OpenCamera
     views: ViewsFor
-    progress: Progress
+    progress: BarMaker
 
 
-def set_up(path: Path, person: Person, tools: Tools) -> None:
+def set_up(path: Path, person: SetupPerson, tools: Tools) -> None:
     """Lead a person through all steps, with everything in a folder; InterruptionError when left, with all kept."""
     make_folder("--out", path)
     folder = SetupFolder(path)
@@ -63,11 +63,11 @@ def set_up(path: Path, person: Person, tools: Tools) -> None:
     person.tell(f"and start it: farhand local --config {folder.configuration}")
 
 
-def _keeps(person: Person, what: str) -> bool:
+def _keeps(person: SetupPerson, what: str) -> bool:
     return confirm(person, f"Keep {what}?", True)
 
 
-def _cameras(folder: SetupFolder, answers: SetupAnswers, person: Person, tools: Tools) -> SetupAnswers:
+def _cameras(folder: SetupFolder, answers: SetupAnswers, person: SetupPerson, tools: Tools) -> SetupAnswers:
     if answers.sources and _keeps(person, f"the cameras, left {answers.left}, right {answers.right}"):
         return answers
     pictures = try_cameras(tools.find(), tools.open, person)
@@ -75,7 +75,7 @@ def _cameras(folder: SetupFolder, answers: SetupAnswers, person: Person, tools: 
     return replace(answers, left=left, right=right, cameras=None)
 
 
-def _modes(_folder: SetupFolder, answers: SetupAnswers, person: Person, tools: Tools) -> SetupAnswers:
+def _modes(_folder: SetupFolder, answers: SetupAnswers, person: SetupPerson, tools: Tools) -> SetupAnswers:
     settings = answers.cameras
     if settings is not None and _keeps(person, f"the pictures, {_describe(settings)}"):
         return answers
@@ -86,7 +86,7 @@ def _describe(settings: CameraSettings) -> str:
     return ", ".join(f"{key} {value}" for key, value in given(settings).items())
 
 
-def _board(folder: SetupFolder, answers: SetupAnswers, person: Person, _tools: Tools) -> SetupAnswers:
+def _board(folder: SetupFolder, answers: SetupAnswers, person: SetupPerson, _tools: Tools) -> SetupAnswers:
     if answers.square_mm is not None and _keeps(person, f"the printed board with squares of {answers.square_mm:g} mm"):
         return answers
     paper = choose(person, "Which paper?", dict.fromkeys(PAPERS, "landscape"), next(iter(PAPERS)))
@@ -96,7 +96,7 @@ def _board(folder: SetupFolder, answers: SetupAnswers, person: Person, _tools: T
     return replace(answers, square_mm=1000 * BOARD.square * ruler / RULER_MM)
 
 
-def _calibration(folder: SetupFolder, answers: SetupAnswers, person: Person, tools: Tools) -> SetupAnswers:
+def _calibration(folder: SetupFolder, answers: SetupAnswers, person: SetupPerson, tools: Tools) -> SetupAnswers:
     if folder.rig.exists() and answers.rig_by != answers.rig_needs:
         person.tell(f"{folder.rig} was made with other cameras, another size or another board: calibrate again")
     elif folder.rig.exists() and _keeps(person, f"the calibration {folder.rig}"):
@@ -104,7 +104,7 @@ def _calibration(folder: SetupFolder, answers: SetupAnswers, person: Person, too
     return calibrate(folder, answers, person, tools.open, tools.progress)
 
 
-def _tracker(_folder: SetupFolder, answers: SetupAnswers, person: Person, _tools: Tools) -> SetupAnswers:
+def _tracker(_folder: SetupFolder, answers: SetupAnswers, person: SetupPerson, _tools: Tools) -> SetupAnswers:
     if answers.method is not None and _keeps(person, f"the tracker {answers.method}"):
         return answers
     offered = offered_methods()
@@ -114,7 +114,7 @@ def _tracker(_folder: SetupFolder, answers: SetupAnswers, person: Person, _tools
     return replace(answers, method=method, right_arm=right_arm)
 
 
-def _write_configuration(folder: SetupFolder, person: Person) -> None:
+def _write_configuration(folder: SetupFolder, person: SetupPerson) -> None:
     """Write the configuration; one that says something else, as after an edit, is kept or put aside as asked."""
     path = folder.configuration
     text = configuration(folder.answers(), folder.rig, path).encode()
@@ -128,7 +128,7 @@ def _write_configuration(folder: SetupFolder, person: Person) -> None:
     person.tell(f"the configuration is in {path}")
 
 
-def _trial(folder: SetupFolder, person: Person, tools: Tools) -> None:
+def _trial(folder: SetupFolder, person: SetupPerson, tools: Tools) -> None:
     """Try what the configuration says, as the local site would, until the person is content."""
     proposed = True
     while confirm(person, f"Try the tracker for {TRIAL_S:.0f} seconds, the bent arm before both cameras?", proposed):
@@ -146,7 +146,7 @@ def _trial(folder: SetupFolder, person: Person, tools: Tools) -> None:
         proposed = worst(findings) is not Severity.OK
 
 
-def _try_tracker(config: LocalConfig, tools: Tools) -> Trial:
+def _try_tracker(config: LocalConfig, tools: Tools) -> TrackerTrial:
     """A trial of the configured tracker with the configured cameras."""
     operator, rig = config.operator, load_rig(Path(config.operator.rig))
     settings = operator.settings_of(NAMES)

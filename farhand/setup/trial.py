@@ -39,7 +39,7 @@ PROGRESS = (TrackingReason.LEARNING, TrackingReason.LEARNING_ROOM)  # how far it
 
 
 @dataclass
-class Trial:
+class TrackerTrial:
     """What a trial has seen, by the names of the views; `ms` is the time that each instant took to track.
 
     `statuses` are those of the instants after the `learning` ones, in which the tracker still learned arm or room.
@@ -89,9 +89,9 @@ def views_for(cameras: Sequence[Camera], pairing: PairingConfig, clock: Clock, s
         capture.close()
 
 
-def run_trial(rig: Rig, tracker: Tracker, views: Iterable[Views]) -> Trial:
+def run_trial(rig: Rig, tracker: Tracker, views: Iterable[Views]) -> TrackerTrial:
     """Track all views, and measure light, contrast and the elbow's place in some of them."""
-    trial = Trial(tuple(camera.name for camera in rig.cameras))
+    trial = TrackerTrial(tuple(camera.name for camera in rig.cameras))
     for k, pair in enumerate(views):
         begin_s = time.perf_counter()
         estimate = tracker.track(pair)
@@ -102,7 +102,7 @@ def run_trial(rig: Rig, tracker: Tracker, views: Iterable[Views]) -> Trial:
     return trial
 
 
-def _measure(trial: Trial, rig: Rig, pair: Views, estimate: ArmEstimate) -> None:
+def _measure(trial: TrackerTrial, rig: Rig, pair: Views, estimate: ArmEstimate) -> None:
     for k, (camera, view) in enumerate(zip(rig.cameras, pair.views, strict=True)):
         picture = view.current.image
         trial.lights.setdefault(camera.name, []).append(light_of(as_grey(picture)))
@@ -116,7 +116,7 @@ def _measure(trial: Trial, rig: Rig, pair: Views, estimate: ArmEstimate) -> None
             trial.elbows.setdefault(camera.name, []).append(in_view(pixel, size_of(picture)))
 
 
-def judge_trial(trial: Trial, needs_dark: bool) -> list[Finding]:
+def judge_trial(trial: TrackerTrial, needs_dark: bool) -> list[Finding]:
     """The trial's findings: the share tracked, the most frequent reasons, and what the room lacks."""
     if not trial.ms:
         return [error("tracked", "no pair of pictures came", "start the trial again, and check both cameras")]
@@ -136,7 +136,7 @@ def _middle(lights: Sequence[Light]) -> Light:
     return Light(*np.median([(light.mean, light.bright, light.saturated) for light in lights], axis=0).tolist())
 
 
-def _judge_share(trial: Trial) -> Finding:
+def _judge_share(trial: TrackerTrial) -> Finding:
     share, count = trial.tracked_share, trial.statuses.total()
     learned = f", after {trial.learning} to learn arm or room" if trial.learning else ""
     sentence = f"{100 * share:.0f} % of {count} instants, {float(np.median(trial.ms)):.0f} ms each{learned}"
@@ -146,7 +146,7 @@ def _judge_share(trial: Trial) -> Finding:
     return (warning if share >= POOR_SHARE else error)("tracked", sentence, cure)
 
 
-def _judge_reasons(trial: Trial) -> list[Finding]:
+def _judge_reasons(trial: TrackerTrial) -> list[Finding]:
     """The most frequent reasons with their cures, as warnings where too little is tracked."""
     count = len(trial.ms)
     return [

@@ -29,7 +29,7 @@ def before_a_wall(instants: list[list[Image]], level: int) -> list[list[Image]]:
     return [[np.maximum(picture, np.uint8(level)) for picture in pictures] for pictures in instants]
 
 
-class PlayedCamera:
+class FilmedCamera:
     """Gives pictures once, stamped a period apart."""
 
     def __init__(self, name: str, pictures: list[Image]) -> None:

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from farhand.setup.board_page import BOARD, PAPERS, RULER_MM, board_page
-from farhand.setup.pdf import Page, Rectangle, Words, pdf_of
+from farhand.setup.pdf import BlackRectangle, PrintedPage, PrintedWords, pdf_of
 from local_site.calibration.boards import BoardFinder
 
 POINTS_PER_MM = 72 / 25.4
@@ -43,6 +43,7 @@ def test_the_file_is_a_valid_pdf_of_the_papers_size(paper):
     pdf = written(paper)
     assert pdf.startswith(b"%PDF-1.4\n")
     assert pdf.endswith(b"%%EOF\n")
+    assert b"/Type /Page /Parent 2 0 R" in pdf
     begin = int(re.search(rb"startxref\n(\d+)\n", pdf)[1])
     table = pdf[begin:].split(b"trailer")[0].splitlines()
     assert table[:2] == [b"xref", b"0 6"]
@@ -113,5 +114,5 @@ def test_the_page_says_how_to_print_it_and_what_it_is():
 
 
 def test_brackets_in_words_do_not_end_them():
-    pdf = pdf_of(Page(100, 50, (Rectangle(0, 0, 1, 1),), (Words(1, 1, 2, r"a (b) \c"),)))
+    pdf = pdf_of(PrintedPage(100, 50, (BlackRectangle(0, 0, 1, 1),), (PrintedWords(1, 1, 2, r"a (b) \c"),)))
     assert rb"(a \(b\) \\c) Tj" in pdf

@@ -18,7 +18,7 @@ from local_site.config import LocalConfig
 from local_site.simulation.cameras import exact_rig
 from local_site.simulation.config import SimulationConfig
 from tests.farhand.setup.board_cameras import BoardCamera
-from tests.farhand.setup.operator_views import PlayedCamera, filmed, views_of
+from tests.farhand.setup.operator_views import FilmedCamera, filmed, views_of
 from tests.farhand.setup.scripted_person import ScriptedPerson, no_bar
 
 NO_TRIAL = {"Try the tracker": "n"}
@@ -111,7 +111,7 @@ def test_what_is_there_is_kept_and_the_configured_tracker_is_tried(tmp_path):
 
     def camera(source, name, settings):
         opened.append((source, name, settings.size_px))
-        return PlayedCamera(name, [])
+        return FilmedCamera(name, [])
 
     person = ScriptedPerson({"Try the tracker": ["y", "n"]})
     set_up(tmp_path, person, tools(camera, lambda _cameras, _pairing, _seconds: views_of(film(30))))

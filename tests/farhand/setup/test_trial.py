@@ -11,13 +11,13 @@ from common.errors import CameraError
 from common.messages.hand import TrackingStatus
 from farhand.doctor.findings import Severity
 from farhand.setup.tracking_cures import CURES, OTHERWISE, cure_of, without_counts
-from farhand.setup.trial import Trial, judge_trial, run_trial, views_for
+from farhand.setup.trial import TrackerTrial, judge_trial, run_trial, views_for
 from local_site.acquisition.pairing import PairingConfig
 from local_site.simulation.cameras import exact_rig
 from local_site.simulation.config import SimulationConfig
 from local_site.tracking.choice import TrackingConfig, make_tracker
 from local_site.tracking.tracker import ArmEstimate, TrackingReason
-from tests.farhand.setup.operator_views import PlayedCamera, before_a_wall, filmed, views_of
+from tests.farhand.setup.operator_views import FilmedCamera, before_a_wall, filmed, views_of
 
 COUNT = 30
 RIG = exact_rig(SimulationConfig().stereo)
@@ -56,7 +56,7 @@ def test_a_dark_room_is_told():
     assert finding(findings, "light right").cure.startswith("more light on the arm")
 
 
-class Scripted:
+class EstimatesTracker:
     """Tracks as scripted, whatever it sees."""
 
     def __init__(self, estimates):
@@ -68,7 +68,7 @@ class Scripted:
 
 
 def scripted(*estimates):
-    return run_trial(RIG, Scripted(estimates), views_of(pictures(len(estimates))))
+    return run_trial(RIG, EstimatesTracker(estimates), views_of(pictures(len(estimates))))
 
 
 def test_the_most_frequent_reasons_come_first_with_their_cures_and_rare_ones_are_left_out():
@@ -109,7 +109,7 @@ def test_the_share_that_is_tracked_decides(good, level):
 
 
 def test_a_trial_without_pictures_is_an_error():
-    (only,) = judge_trial(Trial(("left", "right")), needs_dark=True)
+    (only,) = judge_trial(TrackerTrial(("left", "right")), needs_dark=True)
     assert only.level is Severity.ERROR
 
 
@@ -121,13 +121,13 @@ def test_reasons_that_tell_their_cure_need_no_other():
 
 
 def test_running_cameras_that_end_are_told_and_closed():
-    cameras = [PlayedCamera(name, [pair[k] for pair in pictures(3)]) for k, name in enumerate(("left", "right"))]
+    cameras = [FilmedCamera(name, [pair[k] for pair in pictures(3)]) for k, name in enumerate(("left", "right"))]
     with pytest.raises(CameraError, match="has come to its end"):
         list(views_for(cameras, PairingConfig(), FakeClock(), 10.0))
 
 
 def test_views_end_with_the_time_and_the_cameras_are_closed():
-    class Open(PlayedCamera):
+    class Open(FilmedCamera):
         """Waits after its last frame until it is closed."""
 
         def __init__(self, name, own):
