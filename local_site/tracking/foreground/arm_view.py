@@ -22,7 +22,7 @@ SQUARE_M = 0.0045  # the side of a square at the hand
 MOST_STRIDE = 8
 REACH_M = 0.55  # around the wrist, until the arm was found once
 MARGIN_M = 0.06
-ELBOW_M = 0.24  # around the elbow, for the upper arm
+ELBOW_M = 0.19  # around the elbow, for the upper arm
 REST_STRIDE = 7  # px between the pixels that are counted as the rest
 KEPT, LEARN_EVERY = 0.9, 8  # pairs; the first ones are all learned
 
