@@ -16,7 +16,7 @@ Field = NDArray[np.float32]
 BLEND = 0.35  # of a ball's radius: how far below the foremost ball another still counts
 FAR_M = 1e9
 COARSE = 4
-HOLLOW_PX = 7.0
+HOLLOW_WIDE_M = 0.013
 HOLLOW_M = 0.011
 DARKEST_HOLLOW = 0.20
 SUMS = 7  # weight, normal (3), reflectance (3)
@@ -73,7 +73,7 @@ class Shader:
             coat.palm, coat.back, coat.turn, nearest, sums,
         )  # fmt: skip
         layer = np.zeros((*cover.shape, 4), np.uint8)
-        open_to = _openness(nearest)
+        open_to = _openness(nearest, HOLLOW_WIDE_M * float(np.mean(balls.radii_px / balls.radii)))
         _light(sums, open_to, cover, lamps.directions, lamps.colours, lamps.ambient, lamps.up, _LEVELS, layer)
         return layer
 
@@ -83,14 +83,14 @@ def lay_on(picture: Image, layer: Image) -> None:
     _lay_on(picture, layer)
 
 
-def _openness(nearest: Field) -> Field:
+def _openness(nearest: Field, sigma_px: float) -> Field:
     """How much light from all sides reaches each pixel (H, W): less where its surroundings are nearer to the camera."""
     height, width = nearest.shape
     size = max(1, width // COARSE), max(1, height // COARSE)
     few = cv2.resize(nearest, size, interpolation=cv2.INTER_NEAREST)
     seen = np.asarray(few < FAR_M, np.float32)
-    weighted = cv2.GaussianBlur(few * seen, (0, 0), HOLLOW_PX / COARSE)
-    around = weighted / np.maximum(cv2.GaussianBlur(seen, (0, 0), HOLLOW_PX / COARSE), np.float32(1e-3))
+    weighted = cv2.GaussianBlur(few * seen, (0, 0), sigma_px / COARSE)
+    around = weighted / np.maximum(cv2.GaussianBlur(seen, (0, 0), sigma_px / COARSE), np.float32(1e-3))
     fine = cv2.resize(around, (width, height), interpolation=cv2.INTER_LINEAR)
     deeper = np.clip((nearest - fine) * np.float32(1.0 / HOLLOW_M), 0.0, 1.0)
     return np.asarray(1.0 - np.float32(1.0 - DARKEST_HOLLOW) * deeper, dtype=np.float32)
