@@ -1,0 +1,63 @@
+"""The office behind the operator, drawn from a random generator: which furniture stands where."""
+
+import cv2
+import numpy as np
+
+from common.cameras.camera import Image
+from common.geometry import Array
+from local_site.simulation.cameras import PinholeCamera
+from local_site.simulation.room import furniture, surroundings
+from local_site.simulation.room.panels import Panel, film, lines_of_sight
+
+WALL_Y, FLOOR_Z = 2.6, -0.80
+WALL_X, WALL_TOP_Z, WALL_WIDTH = -3.4, 1.5, 8.0
+DESK_Y, DESK_DEEP, DESK_Z = 1.75, 0.75, -0.06
+ACROSS, DOWN, NEARER = np.array([1.0, 0.0, 0.0]), np.array([0.0, 0.0, -1.0]), np.array([0.0, -1.0, 0.0])
+DEFOCUS = 0.0016  # sigma of the blur behind the operator, of the picture's width
+PX_PER_M = 320.0
+
+
+def draw_office(camera: PinholeCamera, size: tuple[int, int], random: np.random.Generator) -> Image:
+    """The empty office (H, W, 3) BGR, out of focus; two cameras see the same office from the same state of `random`."""
+    picture = film(office(random), camera.centre, lines_of_sight(camera, size))
+    return np.asarray(cv2.GaussianBlur(picture, (0, 0), DEFOCUS * size[0]), dtype=np.uint8)
+
+
+def office(random: np.random.Generator) -> list[Panel]:
+    """What stands in it, the farthest first."""
+    floor = surroundings.floor(random, PX_PER_M, WALL_WIDTH, WALL_Y + 1.0)
+    wall = surroundings.wall(random, PX_PER_M, WALL_WIDTH, WALL_TOP_Z - FLOOR_Z)
+    panels = [
+        _panel(floor, (WALL_X, WALL_Y, FLOOR_Z), NEARER),
+        _panel(wall, (WALL_X, WALL_Y, WALL_TOP_Z), DOWN),
+    ]
+    side = float(random.choice([-1.0, 1.0]))
+    shelf_x = 0.25 - 1.05 * side + random.uniform(-0.1, 0.1)
+    shelf = furniture.shelf(random, PX_PER_M, 1.0, 0.75)
+    panels.append(_panel(shelf, (shelf_x - 0.5, WALL_Y - 0.25, 0.95 + random.uniform(-0.1, 0.1)), DOWN))
+    cupboard = furniture.cupboard(random, PX_PER_M, 0.9, 0.78)
+    panels.append(_panel(cupboard, (shelf_x - 0.5, WALL_Y - 0.4, FLOOR_Z + 0.78), DOWN))
+    return panels + _desk(random, 0.35 + 0.75 * side + random.uniform(-0.1, 0.1))
+
+
+def _desk(random: np.random.Generator, middle_x: float) -> list[Panel]:
+    """A desk with what lies and stands on it."""
+    left, back = middle_x - 0.8, DESK_Y + DESK_DEEP
+    top = furniture.desk_top(random, PX_PER_M, 1.6, DESK_DEEP)
+    panels = [
+        _panel(furniture.drawers(random, PX_PER_M, 0.42, 0.70), (left + 1.1, DESK_Y + 0.05, DESK_Z - 0.03), DOWN),
+        _panel(furniture.legs(PX_PER_M, 1.6, DESK_Z - FLOOR_Z), (left, DESK_Y + 0.02, DESK_Z), DOWN),
+        _panel(top, (left, back, DESK_Z), NEARER),
+    ]
+    screen_x = middle_x + random.uniform(-0.25, 0.05)
+    monitor = furniture.monitor(random, PX_PER_M, 0.56, 0.48)
+    panels.append(_panel(monitor, (screen_x - 0.28, back - 0.2, DESK_Z + 0.48), DOWN))
+    for x, thing in ((-0.72, furniture.books), (0.48, furniture.plant), (0.34, furniture.mug)):
+        picture = thing(random, PX_PER_M)
+        corner = middle_x + x, back - 0.3 - random.uniform(0.0, 0.15), DESK_Z + picture.shape[0] / PX_PER_M
+        panels.append(_panel(picture, corner, DOWN))
+    return panels
+
+
+def _panel(picture: Image, corner: tuple[float, float, float], down: Array) -> Panel:
+    return Panel(picture, PX_PER_M, np.array(corner), ACROSS, down)
