@@ -124,7 +124,7 @@ class Renderer:
         if box is not None:
             left, top, right, bottom = box
             region = image[top:bottom, left:right]
-            arm = _mean([_draw(outline, self._parts, box) for outline in outlines])
+            arm = mean_picture([_draw(outline, self._parts, box) for outline in outlines])
             if self._picture.blur_sigma_px:
                 cv2.GaussianBlur(arm, (0, 0), self._picture.blur_sigma_px, dst=arm)
             cv2.add(region, arm, dst=region)
@@ -149,7 +149,8 @@ def box_around(outlines: list[Outlines], margin_px: int, size: tuple[int, int]) 
     return int(low[0]), int(low[1]), int(high[0]), int(high[1])
 
 
-def _mean(pictures: list[Image]) -> Image:
+def mean_picture(pictures: list[Image]) -> Image:
+    """The mean of pictures of one shape; the picture itself where there is but one."""
     if len(pictures) == 1:
         return pictures[0]
     total = np.zeros(pictures[0].shape, np.float32)

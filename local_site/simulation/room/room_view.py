@@ -10,7 +10,7 @@ from local_site.simulation.body import ArmBody, BodyPose
 from local_site.simulation.cameras import PinholeCamera
 from local_site.simulation.config import SimulationConfig
 from local_site.simulation.room.lamps import office_lamps
-from local_site.simulation.room.layer import Body, lay_on
+from local_site.simulation.room.layer import Body, draw
 from local_site.simulation.room.scenery import draw_office
 from local_site.simulation.room.skin import TONES
 from local_site.simulation.room.surface import ArmSurface
@@ -37,7 +37,7 @@ class RoomView:
     def render(self, poses: Sequence[BodyPose]) -> Image:
         """The picture (H, W, 3) BGR of the operator in poses spread over one exposure."""
         image = self._background.copy()
-        lay_on(image, [self._skin.body(pose) for pose in poses], self._camera, self._lamps, self._blur_px)
+        draw(image, [self._skin.body(pose) for pose in poses], self._camera, self._lamps, self._blur_px)
         return self._with_noise(image)
 
     def _with_noise(self, image: Image) -> Image:

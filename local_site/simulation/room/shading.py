@@ -6,6 +6,7 @@ import cv2
 import numpy as np
 from numpy.typing import NDArray
 
+from common.cameras.camera import Image
 from common.geometry import Array
 from local_site.kernels.compiled import compiled
 from local_site.simulation.room.surface import Coat
@@ -14,9 +15,15 @@ Field = NDArray[np.float32]
 
 BLEND = 0.35  # of a ball's radius: how far below the foremost ball another still counts
 FAR_M = 1e9
+COARSE = 4
 HOLLOW_PX = 7.0
 HOLLOW_M = 0.016
 DARKEST_HOLLOW = 0.45
+SUMS = 7  # weight, normal (3), reflectance (3)
+SPILL_PX = 3
+GLOSS, GLOSS_POWER = 0.035, 24
+GAMMA = 2.2
+STEPS = 1024
 
 
 @dataclass(frozen=True, slots=True)
@@ -42,27 +49,39 @@ class Lamps:
     up: Array
 
 
-def shade(balls: SeenBalls, coat: Coat, lamps: Lamps, width: int, height: int) -> tuple[Field, Field]:
-    """The light (H, W, 3) that the surface sends to the camera, and where it is seen (H, W), 0 or 1."""
-    nearest = np.full((height, width), FAR_M, np.float32)
+def shade(balls: SeenBalls, coat: Coat, lamps: Lamps, cover: Image) -> Image:
+    """What the camera sees of the balls: BGR times cover, and cover, (H, W, 4) for a cover (H, W) of 0 to 255.
+
+    Covered pixels just beyond the balls look like their neighbours.
+    """
+    nearest = np.full(cover.shape, FAR_M, np.float32)
     _foremost(balls.centres_px, balls.radii_px, balls.depths, balls.radii, nearest)
-    blended = np.zeros((height, width, 7), np.float32)
+    sums = np.zeros((*cover.shape, SUMS), np.float32)
     _blend(
         balls.centres_px, balls.radii_px, balls.depths, balls.radii, balls.backs,
-        coat.palm, coat.back, coat.turn, nearest, blended,
+        coat.palm, coat.back, coat.turn, nearest, sums,
     )  # fmt: skip
-    seen = (nearest < FAR_M).astype(np.float32)
-    light = np.zeros((height, width, 3), np.float32)
-    _light(blended, _hollows(nearest, seen), lamps.directions, lamps.colours, lamps.ambient, lamps.up, light)
-    return light, seen
+    layer = np.zeros((*cover.shape, 4), np.uint8)
+    _light(sums, _openness(nearest), cover, lamps.directions, lamps.colours, lamps.ambient, lamps.up, _LEVELS, layer)
+    return layer
 
 
-def _hollows(nearest: Field, seen: Field) -> Field:
-    """How much light reaches each pixel (H, W): less where its surroundings stand out towards the camera."""
-    weighted = cv2.GaussianBlur(np.where(seen > 0.0, nearest, np.float32(0.0)), (0, 0), HOLLOW_PX)
-    around = weighted / np.maximum(cv2.GaussianBlur(seen, (0, 0), HOLLOW_PX), np.float32(1e-3))
-    deeper = np.clip((nearest - around) / np.float32(HOLLOW_M), 0.0, 1.0)
-    return np.asarray(1.0 - (1.0 - DARKEST_HOLLOW) * deeper, dtype=np.float32)
+def lay_on(picture: Image, layer: Image) -> None:
+    """Draw a layer (H, W, 4) of BGR times cover, and cover, on a BGR picture (H, W, 3)."""
+    _lay_on(picture, layer)
+
+
+def _openness(nearest: Field) -> Field:
+    """How much light from all sides reaches each pixel (H, W): less where its surroundings are nearer to the camera."""
+    height, width = nearest.shape
+    size = max(1, width // COARSE), max(1, height // COARSE)
+    few = cv2.resize(nearest, size, interpolation=cv2.INTER_NEAREST)
+    seen = np.asarray(few < FAR_M, np.float32)
+    weighted = cv2.GaussianBlur(few * seen, (0, 0), HOLLOW_PX / COARSE)
+    around = weighted / np.maximum(cv2.GaussianBlur(seen, (0, 0), HOLLOW_PX / COARSE), np.float32(1e-3))
+    fine = cv2.resize(around, (width, height), interpolation=cv2.INTER_LINEAR)
+    deeper = np.clip((nearest - fine) * np.float32(1.0 / HOLLOW_M), 0.0, 1.0)
+    return np.asarray(1.0 - np.float32(1.0 - DARKEST_HOLLOW) * deeper, dtype=np.float32)
 
 
 @compiled
@@ -70,11 +89,12 @@ def _foremost(centres_px: Array, radii_px: Array, depths: Array, radii: Array, n
     height, width = nearest.shape
     for k in range(len(depths)):
         u, v, reach = centres_px[k, 0], centres_px[k, 1], radii_px[k]
+        steep = radii[k] / reach
         for y in range(max(int(np.ceil(v - reach)), 0), min(int(v + reach), height - 1) + 1):
-            half = np.sqrt(max(reach * reach - (y - v) ** 2, 0.0))
+            room = reach * reach - (y - v) ** 2
+            half = np.sqrt(max(room, 0.0))
             for x in range(max(int(np.ceil(u - half)), 0), min(int(u + half), width - 1) + 1):
-                inside = 1.0 - ((x - u) ** 2 + (y - v) ** 2) / (reach * reach)
-                depth = depths[k] - radii[k] * np.sqrt(max(inside, 0.0))
+                depth = np.float32(depths[k] - steep * np.sqrt(max(room - (x - u) ** 2, 0.0)))
                 nearest[y, x] = min(nearest[y, x], depth)
 
 
@@ -91,56 +111,88 @@ def _blend(
     nearest: Field,
     out: Field,
 ) -> None:
-    """Sums of weight, normal (3) and reflectance (3) of all balls near the surface."""
+    """Sums of weight, normal and reflectance over all balls near the surface."""
     height, width = nearest.shape
     for k in range(len(depths)):
         u, v, reach = centres_px[k, 0], centres_px[k, 1], radii_px[k]
-        thick = BLEND * radii[k]
         for y in range(max(int(np.ceil(v - reach)), 0), min(int(v + reach), height - 1) + 1):
             half = np.sqrt(max(reach * reach - (y - v) ** 2, 0.0))
             for x in range(max(int(np.ceil(u - half)), 0), min(int(u + half), width - 1) + 1):
                 nx, ny = (x - u) / reach, (y - v) / reach
                 nz = np.sqrt(max(1.0 - nx * nx - ny * ny, 0.0))
-                below = (depths[k] - radii[k] * nz - nearest[y, x]) / thick
-                if below >= 1.0:
+                above = 1.0 - ((depths[k] - nearest[y, x]) / radii[k] - nz) / BLEND
+                if above <= 0.0:
                     continue
-                weight = (1.0 - below) ** 2 * (0.05 + nz)
+                weight = above * above * (0.05 + nz)
                 facing = nx * backs[k, 0] + ny * backs[k, 1] - nz * backs[k, 2]
-                side = min(max(turn[k, 0] + turn[k, 1] * facing, 0.0), 1.0)
-                out[y, x, 0] += weight
-                out[y, x, 1] += weight * nx
-                out[y, x, 2] += weight * ny
-                out[y, x, 3] -= weight * nz
+                side = weight * min(max(turn[k, 0] + turn[k, 1] * facing, 0.0), 1.0)
+                sums = out[y, x]
+                sums[0] += weight
+                sums[1] += weight * nx
+                sums[2] += weight * ny
+                sums[3] -= weight * nz
                 for c in range(3):
-                    out[y, x, 4 + c] += weight * (palm[k, c] + side * (back[k, c] - palm[k, c]))
+                    sums[4 + c] += weight * palm[k, c] + side * (back[k, c] - palm[k, c])
 
 
 @compiled
 def _light(
-    blended: Field, open_to_light: Field, directions: Array, colours: Array, ambient: Array, up: Array, out: Field
+    sums: Field,
+    openness: Field,
+    cover: Image,
+    directions: Array,
+    colours: Array,
+    ambient: Array,
+    up: Array,
+    levels: Field,
+    out: Image,
 ) -> None:
-    height, width = open_to_light.shape
+    height, width = cover.shape
+    found = np.empty(SUMS, np.float32)
     for y in range(height):
         for x in range(width):
-            weight = blended[y, x, 0]
-            if weight <= 0.0:
+            if cover[y, x] == 0:
                 continue
-            nx, ny, nz = blended[y, x, 1], blended[y, x, 2], blended[y, x, 3]
-            length = np.sqrt(nx * nx + ny * ny + nz * nz) + 1e-9
-            nx, ny, nz = nx / length, ny / length, nz / length
+            found[:] = sums[y, x]
+            if found[0] == 0.0:
+                for row in range(max(y - SPILL_PX, 0), min(y + SPILL_PX + 1, height)):
+                    for column in range(max(x - SPILL_PX, 0), min(x + SPILL_PX + 1, width)):
+                        found += sums[row, column]
+            if found[0] == 0.0:
+                found[0], found[3] = 1.0, -1.0
+            length = np.sqrt(found[1] ** 2 + found[2] ** 2 + found[3] ** 2) + 1e-9
+            nx, ny, nz = found[1] / length, found[2] / length, found[3] / length
             sky = 0.7 + 0.3 * (nx * up[0] + ny * up[1] + nz * up[2])
+            share = openness[y, x] / found[0]
             for c in range(3):
                 # Light enters skin and comes out again where none falls, red farthest.
                 wrap = 0.15 + 0.10 * c
-                total = ambient[c] * sky * open_to_light[y, x]
+                total = ambient[c] * sky
+                gloss = 0.0
                 for lamp in range(len(directions)):
-                    falling = nx * directions[lamp, 0] + ny * directions[lamp, 1] + nz * directions[lamp, 2]
-                    total += colours[lamp, c] * max((falling + wrap) / (1.0 + wrap), 0.0) * open_to_light[y, x]
-                out[y, x, c] = total * blended[y, x, 4 + c] / weight
-            for lamp in range(len(directions)):
-                # The camera looks along z; a lamp's mirror image shows as a faint gloss.
-                hx, hy, hz = directions[lamp, 0], directions[lamp, 1], directions[lamp, 2] - 1.0
-                half = np.sqrt(hx * hx + hy * hy + hz * hz)
-                gloss = max((nx * hx + ny * hy + nz * hz) / half, 0.0) ** 24
-                for c in range(3):
-                    out[y, x, c] += 0.035 * colours[lamp, c] * gloss * open_to_light[y, x]
+                    lx, ly, lz = directions[lamp, 0], directions[lamp, 1], directions[lamp, 2]
+                    total += colours[lamp, c] * max((nx * lx + ny * ly + nz * lz + wrap) / (1.0 + wrap), 0.0)
+                    # Half way between lamp and camera, which looks along z.
+                    half = np.sqrt(lx * lx + ly * ly + (lz - 1.0) ** 2)
+                    mirrored = max((nx * lx + ny * ly + nz * (lz - 1.0)) / half, 0.0)
+                    gloss += colours[lamp, c] * mirrored**GLOSS_POWER
+                light = share * total * found[4 + c] + GLOSS * gloss * openness[y, x]
+                level = levels[min(int(light * STEPS), len(levels) - 1)]
+                out[y, x, c] = np.uint8(level * cover[y, x] + 0.5)
+            out[y, x, 3] = cover[y, x]
+
+
+@compiled
+def _lay_on(picture: Image, layer: Image) -> None:
+    height, width = layer.shape[:2]
+    for y in range(height):
+        for x in range(width):
+            cover = int(layer[y, x, 3])
+            if cover == 0:
+                continue
+            for c in range(3):
+                behind = (int(picture[y, x, c]) * (255 - cover) + 127) // 255
+                picture[y, x, c] = min(behind + int(layer[y, x, c]), 255)
+
+
+_LEVELS = np.asarray((np.arange(STEPS + 1) / STEPS) ** (1.0 / GAMMA), np.float32)

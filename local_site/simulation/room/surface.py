@@ -11,7 +11,7 @@ from local_site.simulation.body import ArmBody, BodyPose, Part
 from local_site.simulation.hand import DIGITS
 from local_site.simulation.room.skin import SkinTone, reflectance
 
-SPACING = 0.4  # of the smaller radius: closer balls would look no smoother
+SPACING = 0.5  # of the smaller radius: closer balls would look no smoother
 MOTTLE = 0.035
 NAIL_FROM, CREASE_FROM, FLUSH_FROM = 0.5, 0.86, 0.3
 CREASE = 0.80
