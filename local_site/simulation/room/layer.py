@@ -11,7 +11,7 @@ from common.geometry import Array
 from local_site.simulation.body import Part, Solid
 from local_site.simulation.cameras import PinholeCamera
 from local_site.simulation.rendering import FILL_EXCESS_PX, Box, Outlines, box_around, coverage, mean_picture, project
-from local_site.simulation.room.shading import Lamps, SeenBalls, lay_on, shade
+from local_site.simulation.room.shading import SeenBalls, Shader, lay_on
 from local_site.simulation.room.surface import Coat
 
 
@@ -27,22 +27,22 @@ class Body:
     coat: Coat
 
 
-def draw(image: Image, exposures: Sequence[Body], camera: PinholeCamera, lamps: Lamps, blur_sigma_px: float) -> None:
+def draw(image: Image, exposures: Sequence[Body], camera: PinholeCamera, shader: Shader, blur_sigma_px: float) -> None:
     """Draw a body, seen at instants spread over one exposure, on a BGR picture (H, W, 3)."""
     outlines = [project(body.solid, camera, FILL_EXCESS_PX) for body in exposures]
     box = box_around(outlines, int(np.ceil(3.0 * blur_sigma_px)) + 2, (image.shape[1], image.shape[0]))
     if box is None:
         return
     seen = zip(exposures, outlines, strict=True)
-    layer = mean_picture([_layer(body, outline, camera, lamps, box) for body, outline in seen])
+    layer = mean_picture([_layer(body, outline, camera, shader, box) for body, outline in seen])
     if blur_sigma_px:
         cv2.GaussianBlur(layer, (0, 0), blur_sigma_px, dst=layer)
     left, top, right, bottom = box
     lay_on(image[top:bottom, left:right], layer)
 
 
-def _layer(body: Body, outlines: Outlines, camera: PinholeCamera, lamps: Lamps, box: Box) -> Image:
-    return shade(_seen(body, camera, box), body.coat, lamps, coverage(outlines, body.parts, box))
+def _layer(body: Body, outlines: Outlines, camera: PinholeCamera, shader: Shader, box: Box) -> Image:
+    return shader.shade(_seen(body, camera, box), body.coat, coverage(outlines, body.parts, box))
 
 
 def _seen(body: Body, camera: PinholeCamera, box: Box) -> SeenBalls:

@@ -6,12 +6,15 @@ import cv2
 import numpy as np
 
 from common.cameras.camera import Image
+from common.geometry import Array
 from local_site.simulation.body import ArmBody, BodyPose
 from local_site.simulation.cameras import PinholeCamera
 from local_site.simulation.config import SimulationConfig
+from local_site.simulation.room.clothes import Shirt, is_before
 from local_site.simulation.room.lamps import office_lamps
 from local_site.simulation.room.layer import Body, draw
 from local_site.simulation.room.scenery import draw_office
+from local_site.simulation.room.shading import Shader
 from local_site.simulation.room.skin import TONES
 from local_site.simulation.room.surface import ArmSurface
 
@@ -28,17 +31,34 @@ class RoomView:
         self._camera, self._body = camera, body
         self._blur_px = config.picture.blur_sigma_px
         size = config.stereo.width_px, config.stereo.height_px
-        self._background = draw_office(camera, size, np.random.default_rng(config.seed))
-        self._lamps = office_lamps(camera)
+        self._room = draw_office(camera, size, np.random.default_rng(config.seed))
+        self._with_chest, self._shoulder = self._room, np.full(3, np.nan)
+        self._shader = Shader(office_lamps(camera), size)
         self._skin = _Skin(body, config)
+        self._shirt = Shirt(body, np.random.default_rng(config.seed))
         self._random = np.random.default_rng(seed)
         self._noise = _noise(size, config.picture.noise_sigma, self._random)
 
     def render(self, poses: Sequence[BodyPose]) -> Image:
         """The picture (H, W, 3) BGR of the operator in poses spread over one exposure."""
-        image = self._background.copy()
-        draw(image, [self._skin.body(pose) for pose in poses], self._camera, self._lamps, self._blur_px)
+        image = self._behind(poses[0].shoulder).copy()
+        skins = [self._skin.body(pose) for pose in poses]
+        sleeves = [self._shirt.sleeve(pose, skin.solid) for pose, skin in zip(poses, skins, strict=True)]
+        in_order = [skins, sleeves] if is_before(sleeves[0], self._camera.centre) else [sleeves, skins]
+        for bodies in in_order:
+            self._draw(image, bodies)
         return self._with_noise(image)
+
+    def _behind(self, shoulder: Array) -> Image:
+        """The room with the operator's chest, which is drawn again only when the operator has moved."""
+        if not np.array_equal(shoulder, self._shoulder):
+            self._with_chest = self._room.copy()
+            self._draw(self._with_chest, [self._shirt.chest(shoulder)])
+            self._shoulder = shoulder
+        return self._with_chest
+
+    def _draw(self, image: Image, exposures: Sequence[Body]) -> None:
+        draw(image, exposures, self._camera, self._shader, self._blur_px)
 
     def _with_noise(self, image: Image) -> Image:
         x, y = self._random.integers(0, NOISE_ROOM_PX, size=2)

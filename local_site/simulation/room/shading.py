@@ -49,21 +49,33 @@ class Lamps:
     up: Array
 
 
-def shade(balls: SeenBalls, coat: Coat, lamps: Lamps, cover: Image) -> Image:
-    """What the camera sees of the balls: BGR times cover, and cover, (H, W, 4) for a cover (H, W) of 0 to 255.
+class Shader:
+    """Shades what one camera sees; keeps its working memory, since the system is slow to give so much anew."""
 
-    Covered pixels just beyond the balls look like their neighbours.
-    """
-    nearest = np.full(cover.shape, FAR_M, np.float32)
-    _foremost(balls.centres_px, balls.radii_px, balls.depths, balls.radii, nearest)
-    sums = np.zeros((*cover.shape, SUMS), np.float32)
-    _blend(
-        balls.centres_px, balls.radii_px, balls.depths, balls.radii, balls.backs,
-        coat.palm, coat.back, coat.turn, nearest, sums,
-    )  # fmt: skip
-    layer = np.zeros((*cover.shape, 4), np.uint8)
-    _light(sums, _openness(nearest), cover, lamps.directions, lamps.colours, lamps.ambient, lamps.up, _LEVELS, layer)
-    return layer
+    def __init__(self, lamps: Lamps, size: tuple[int, int]) -> None:
+        self._lamps = lamps
+        self._nearest = np.empty(size[0] * size[1], np.float32)
+        self._sums = np.empty(size[0] * size[1] * SUMS, np.float32)
+
+    def shade(self, balls: SeenBalls, coat: Coat, cover: Image) -> Image:
+        """What the camera sees of the balls: BGR times cover, and cover, (H, W, 4) for a cover (H, W) of 0 to 255.
+
+        Covered pixels just beyond the balls look like their neighbours.
+        """
+        lamps = self._lamps
+        nearest = self._nearest[: cover.size].reshape(cover.shape)
+        nearest.fill(FAR_M)
+        sums = self._sums[: cover.size * SUMS].reshape(*cover.shape, SUMS)
+        sums.fill(0.0)
+        _foremost(balls.centres_px, balls.radii_px, balls.depths, balls.radii, nearest)
+        _blend(
+            balls.centres_px, balls.radii_px, balls.depths, balls.radii, balls.backs,
+            coat.palm, coat.back, coat.turn, nearest, sums,
+        )  # fmt: skip
+        layer = np.zeros((*cover.shape, 4), np.uint8)
+        open_to = _openness(nearest)
+        _light(sums, open_to, cover, lamps.directions, lamps.colours, lamps.ambient, lamps.up, _LEVELS, layer)
+        return layer
 
 
 def lay_on(picture: Image, layer: Image) -> None:
@@ -115,12 +127,14 @@ def _blend(
     height, width = nearest.shape
     for k in range(len(depths)):
         u, v, reach = centres_px[k, 0], centres_px[k, 1], radii_px[k]
+        shrink, thin, highest = 1.0 / reach, 1.0 / (BLEND * radii[k]), 1.0 - depths[k] / (BLEND * radii[k])
         for y in range(max(int(np.ceil(v - reach)), 0), min(int(v + reach), height - 1) + 1):
             half = np.sqrt(max(reach * reach - (y - v) ** 2, 0.0))
+            ny = (y - v) * shrink
             for x in range(max(int(np.ceil(u - half)), 0), min(int(u + half), width - 1) + 1):
-                nx, ny = (x - u) / reach, (y - v) / reach
+                nx = (x - u) * shrink
                 nz = np.sqrt(max(1.0 - nx * nx - ny * ny, 0.0))
-                above = 1.0 - ((depths[k] - nearest[y, x]) / radii[k] - nz) / BLEND
+                above = highest + nearest[y, x] * thin + nz * (1.0 / BLEND)
                 if above <= 0.0:
                     continue
                 weight = above * above * (0.05 + nz)
@@ -148,7 +162,7 @@ def _light(
     out: Image,
 ) -> None:
     height, width = cover.shape
-    found = np.empty(SUMS, np.float32)
+    found, light, gloss = np.empty(SUMS, np.float32), np.empty(3), np.empty(3)
     for y in range(height):
         for x in range(width):
             if cover[y, x] == 0:
@@ -163,21 +177,22 @@ def _light(
             length = np.sqrt(found[1] ** 2 + found[2] ** 2 + found[3] ** 2) + 1e-9
             nx, ny, nz = found[1] / length, found[2] / length, found[3] / length
             sky = 0.7 + 0.3 * (nx * up[0] + ny * up[1] + nz * up[2])
-            share = openness[y, x] / found[0]
+            light[:] = sky * ambient
+            gloss[:] = 0.0
+            for lamp in range(len(directions)):
+                lx, ly, lz = directions[lamp, 0], directions[lamp, 1], directions[lamp, 2]
+                falling = nx * lx + ny * ly + nz * lz
+                # Half way between lamp and camera, which looks along z.
+                half = np.sqrt(lx * lx + ly * ly + (lz - 1.0) ** 2)
+                mirrored = max((nx * lx + ny * ly + nz * (lz - 1.0)) / half, 0.0) ** GLOSS_POWER
+                for c in range(3):
+                    # Light enters skin and comes out again where none falls, red farthest.
+                    wrap = 0.15 + 0.10 * c
+                    light[c] += colours[lamp, c] * max((falling + wrap) / (1.0 + wrap), 0.0)
+                    gloss[c] += colours[lamp, c] * mirrored
             for c in range(3):
-                # Light enters skin and comes out again where none falls, red farthest.
-                wrap = 0.15 + 0.10 * c
-                total = ambient[c] * sky
-                gloss = 0.0
-                for lamp in range(len(directions)):
-                    lx, ly, lz = directions[lamp, 0], directions[lamp, 1], directions[lamp, 2]
-                    total += colours[lamp, c] * max((nx * lx + ny * ly + nz * lz + wrap) / (1.0 + wrap), 0.0)
-                    # Half way between lamp and camera, which looks along z.
-                    half = np.sqrt(lx * lx + ly * ly + (lz - 1.0) ** 2)
-                    mirrored = max((nx * lx + ny * ly + nz * (lz - 1.0)) / half, 0.0)
-                    gloss += colours[lamp, c] * mirrored**GLOSS_POWER
-                light = share * total * found[4 + c] + GLOSS * gloss * openness[y, x]
-                level = levels[min(int(light * STEPS), len(levels) - 1)]
+                sent = openness[y, x] * (light[c] * found[4 + c] / found[0] + GLOSS * gloss[c])
+                level = levels[min(int(sent * STEPS), len(levels) - 1)]
                 out[y, x, c] = np.uint8(level * cover[y, x] + 0.5)
             out[y, x, 3] = cover[y, x]
 

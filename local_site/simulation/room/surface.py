@@ -63,14 +63,14 @@ class ArmSurface:
         back[nail], turn[nail] = reflectance(tone.nail), NAIL_TURN
 
 
-def between(parts: tuple[Part, ...], centres: Array, radii: Array) -> NDArray[np.float64]:
-    """Along every line between two balls of a piece, one row each."""
+def between(parts: tuple[Part, ...], centres: Array, radii: Array, spacing: float = SPACING) -> NDArray[np.float64]:
+    """Weights (M, N) of balls along every line between two of the N balls of a piece."""
     rows = []
     for part in parts:
         for piece in part.pieces:
             for a, b in combinations(piece.tolist(), 2):
                 length = float(np.linalg.norm(centres[b] - centres[a]))
-                count = 2 + int(length / (SPACING * min(radii[a], radii[b])))
+                count = 2 + int(length / (spacing * min(radii[a], radii[b])))
                 row = np.zeros((count, len(centres)))
                 row[:, b] = np.linspace(0.0, 1.0, count)
                 row[:, a] += 1.0 - row[:, b]
