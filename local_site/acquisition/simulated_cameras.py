@@ -96,7 +96,9 @@ class ExposureLoop:
         self._clock.sleep_until_ns(exposure.t_ns)
         capture_ns = self._clock.now_ns()
         t_s = self._beginning.elapsed_s(capture_ns)
-        for camera, image in zip(exposure.cameras, self._operator.render(t_s, exposure.cameras), strict=True):
+        filmed_s = (capture_ns - self._schedule.start_ns) / NS_PER_S
+        images = self._operator.render(t_s, exposure.cameras, filmed_s)
+        for camera, image in zip(exposure.cameras, images, strict=True):
             self._publish(camera, image, capture_ns)
 
 

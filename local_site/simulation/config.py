@@ -106,5 +106,7 @@ class SimulationConfig(Struct, frozen=True, kw_only=True, forbid_unknown_fields=
     ] = 0.0
 
     def __post_init__(self) -> None:
+        if self.room.scene == "dark" and self.room != RoomConfig():
+            raise ValueError('only an office shows colours and disturbances: set room.scene = "office"')
         if self.room.scene != "dark" and (self.markers or self.textured):
             raise ValueError('markers and textured are filmed in the dark: take them off or set room.scene = "dark"')

@@ -10,6 +10,8 @@ from local_site.simulation.room.surface import Coat, between
 
 SHIRTS: tuple[Colour, ...] = ((58, 84, 120), (92, 104, 92), (120, 60, 62), (70, 70, 76), (188, 190, 194))
 FOLDS = 0.06
+SLEEVE_SECTIONS = 8  # of the forearm's nine: a long sleeve ends before the wrist
+THICK_M = 0.007
 WIDER = 1.10  # the sleeve than the arm
 SLEEVE_SPACING, CHEST_SPACING = 0.6, 0.35
 # From the right shoulder, m: the left one, the chest, the waist. The operator faces -y.
@@ -38,7 +40,11 @@ class Shirt:
         self._sleeve_weights = between(self._sleeve, start, np.full(2, radius), SLEEVE_SPACING)
         self._chest_weights = between(self._chest, CHEST, CHEST_RADII, CHEST_SPACING)
         colour = SHIRTS[random.integers(len(SHIRTS))]
+        self._long_sleeve = tuple(_without_hand(part) for part in body.parts if part.name in ("upper_arm", "forearm"))
+        arm = np.vstack([solid.centres, start[1]])
+        self._long_weights = between(self._long_sleeve, arm, np.append(solid.radii, radius), SLEEVE_SPACING)
         self._sleeve_coat = _cloth(len(self._sleeve_weights), colour, random)
+        self._long_coat = _cloth(len(self._long_weights), colour, random)
         self._chest_coat = _cloth(len(self._chest_weights), colour, random)
 
     def sleeve(self, pose: BodyPose, skin: Solid) -> Body:
@@ -48,6 +54,12 @@ class Shirt:
         radius = np.linalg.norm(rim - middle, axis=1).max()
         solid = Solid(pose.shoulder[None], np.array([radius]), rim)
         return Body(solid, self._sleeve, self._sleeve_weights, np.zeros((1, 3)), self._sleeve_coat)
+
+    def long_sleeve(self, skin: Solid) -> Body:
+        """From the arm's rim to the wrist."""
+        middle = skin.rim.mean(axis=0)
+        solid = Solid(skin.centres, skin.radii + THICK_M, middle + WIDER * (skin.rim - middle))
+        return Body(solid, self._long_sleeve, self._long_weights, np.zeros_like(skin.centres), self._long_coat)
 
     def chest(self, shoulder: Array) -> Body:
         """Both shoulders, chest and waist, seen from the front."""
@@ -61,6 +73,13 @@ def is_before(sleeve: Body, centre: Array) -> bool:
     """Whether a camera at `centre` (3,) in m sees the sleeve before the arm's end, not the arm before the sleeve."""
     rim, shoulder = sleeve.solid.rim.mean(axis=0), sleeve.solid.centres[0]
     return bool((centre - rim) @ (shoulder - rim) > 0.0)
+
+
+def _without_hand(limb: Part) -> Part:
+    """The limb's pieces as far as a sleeve reaches."""
+    wrist = 2 * SLEEVE_SECTIONS
+    pieces = [piece for piece in limb.pieces if limb.name == "upper_arm" or piece.max() < wrist]
+    return Part(limb.name, tuple(pieces))
 
 
 def _cloth(count: int, colour: Colour, random: np.random.Generator) -> Coat:

@@ -11,7 +11,7 @@ from common.geometry import Array
 from local_site.simulation.body import Part, Solid
 from local_site.simulation.cameras import PinholeCamera
 from local_site.simulation.rendering import FILL_EXCESS_PX, Box, Outlines, box_around, coverage, mean_picture, project
-from local_site.simulation.room.shading import SeenBalls, Shader, lay_on
+from local_site.simulation.room.shading import Lamps, SeenBalls, Shader, lay_on
 from local_site.simulation.room.surface import Coat
 
 
@@ -27,22 +27,46 @@ class Body:
     coat: Coat
 
 
-def draw(image: Image, exposures: Sequence[Body], camera: PinholeCamera, shader: Shader, blur_sigma_px: float) -> None:
-    """Draw a body, seen at instants spread over one exposure, on a BGR picture (H, W, 3)."""
-    outlines = [project(body.solid, camera, FILL_EXCESS_PX) for body in exposures]
-    box = box_around(outlines, int(np.ceil(3.0 * blur_sigma_px)) + 2, (image.shape[1], image.shape[0]))
-    if box is None:
-        return
-    seen = zip(exposures, outlines, strict=True)
-    layer = mean_picture([_layer(body, outline, camera, shader, box) for body, outline in seen])
-    if blur_sigma_px:
-        cv2.GaussianBlur(layer, (0, 0), blur_sigma_px, dst=layer)
-    left, top, right, bottom = box
-    lay_on(image[top:bottom, left:right], layer)
+@dataclass(frozen=True, slots=True)
+class Layer:
+    """What is laid on a box of the picture: (H, W, 4), BGR times cover, and cover."""
+
+    box: Box
+    picture: Image
+
+    def lay_on(self, image: Image) -> None:
+        """Lay it on a BGR picture (H, W, 3)."""
+        left, top, right, bottom = self.box
+        lay_on(image[top:bottom, left:right], self.picture)
 
 
-def _layer(body: Body, outlines: Outlines, camera: PinholeCamera, shader: Shader, box: Box) -> Image:
-    return shader.shade(_seen(body, camera, box), body.coat, coverage(outlines, body.parts, box))
+class Brush:
+    """Draws bodies on the pictures of one camera of `size` (W, H)."""
+
+    def __init__(self, camera: PinholeCamera, lamps: Lamps, size: tuple[int, int], blur_sigma_px: float) -> None:
+        self._camera, self._size, self._blur_px = camera, size, blur_sigma_px
+        self._shader = Shader(lamps, size)
+
+    def draw(self, image: Image, exposures: Sequence[Body]) -> None:
+        """Draw a body, seen at instants spread over one exposure, on a BGR picture (H, W, 3)."""
+        layer = self.layer(exposures)
+        if layer is not None:
+            layer.lay_on(image)
+
+    def layer(self, exposures: Sequence[Body]) -> "Layer | None":
+        """What `draw` lays on the picture, to be kept while nothing moves; None when it is out of view."""
+        outlines = [project(body.solid, self._camera, FILL_EXCESS_PX) for body in exposures]
+        box = box_around(outlines, int(np.ceil(3.0 * self._blur_px)) + 2, self._size)
+        if box is None:
+            return None
+        seen = zip(exposures, outlines, strict=True)
+        picture = mean_picture([self._shade(body, outline, box) for body, outline in seen])
+        if self._blur_px:
+            cv2.GaussianBlur(picture, (0, 0), self._blur_px, dst=picture)
+        return Layer(box, picture)
+
+    def _shade(self, body: Body, outlines: Outlines, box: Box) -> Image:
+        return self._shader.shade(_seen(body, self._camera, box), body.coat, coverage(outlines, body.parts, box))
 
 
 def _seen(body: Body, camera: PinholeCamera, box: Box) -> SeenBalls:

@@ -1,13 +1,17 @@
 """The office behind the operator, drawn from a random generator: which furniture stands where."""
 
+from collections.abc import Collection
+
 import cv2
 import numpy as np
 
 from common.cameras.camera import Image
 from common.geometry import Array
 from local_site.simulation.cameras import PinholeCamera
-from local_site.simulation.room import furniture, surroundings
+from local_site.simulation.room import furniture, lookalikes, surroundings
+from local_site.simulation.room.config import DisturbanceName
 from local_site.simulation.room.panels import Panel, film, lines_of_sight
+from local_site.simulation.room.surroundings import opaque
 
 WALL_Y, FLOOR_Z = 2.6, -0.80
 WALL_X, WALL_TOP_Z, WALL_WIDTH = -3.4, 1.5, 8.0
@@ -15,15 +19,21 @@ DESK_Y, DESK_DEEP, DESK_Z = 1.75, 0.75, -0.06
 ACROSS, DOWN, NEARER = np.array([1.0, 0.0, 0.0]), np.array([0.0, 0.0, -1.0]), np.array([0.0, -1.0, 0.0])
 DEFOCUS = 0.0016  # sigma of the blur behind the operator, of the picture's width
 PX_PER_M = 320.0
+POSTER_M = 0.42
 
 
-def draw_office(camera: PinholeCamera, size: tuple[int, int], random: np.random.Generator) -> Image:
-    """The empty office (H, W, 3) BGR, out of focus; two cameras see the same office from the same state of `random`."""
-    picture = film(office(random), camera.centre, lines_of_sight(camera, size))
+def draw_office(
+    camera: PinholeCamera, size: tuple[int, int], random: np.random.Generator, also: Collection[DisturbanceName] = ()
+) -> Image:
+    """The empty office (H, W, 3) BGR, out of focus; two cameras see the same office from the same state of `random`.
+
+    Of the disturbances, those that are part of the room are drawn: wood and the poster of a hand.
+    """
+    picture = film(office(random, also), camera.centre, lines_of_sight(camera, size))
     return np.asarray(cv2.GaussianBlur(picture, (0, 0), DEFOCUS * size[0]), dtype=np.uint8)
 
 
-def office(random: np.random.Generator) -> list[Panel]:
+def office(random: np.random.Generator, also: Collection[DisturbanceName] = ()) -> list[Panel]:
     """What stands in it, the farthest first."""
     floor = surroundings.floor(random, PX_PER_M, WALL_WIDTH, WALL_Y + 1.0)
     wall = surroundings.wall(random, PX_PER_M, WALL_WIDTH, WALL_TOP_Z - FLOOR_Z)
@@ -37,7 +47,19 @@ def office(random: np.random.Generator) -> list[Panel]:
     panels.append(_panel(shelf, (shelf_x - 0.5, WALL_Y - 0.25, 0.95 + random.uniform(-0.1, 0.1)), DOWN))
     cupboard = furniture.cupboard(random, PX_PER_M, 0.9, 0.78)
     panels.append(_panel(cupboard, (shelf_x - 0.5, WALL_Y - 0.4, FLOOR_Z + 0.78), DOWN))
-    return panels + _desk(random, 0.35 + 0.75 * side + random.uniform(-0.1, 0.1))
+    return panels + _lookalikes(random, also) + _desk(random, 0.35 + 0.75 * side + random.uniform(-0.1, 0.1))
+
+
+def _lookalikes(random: np.random.Generator, also: Collection[DisturbanceName]) -> list[Panel]:
+    """Wood behind the operator's hand, and a poster of a hand."""
+    panels = []
+    if "wood" in also:
+        boards = lookalikes.wood(random, PX_PER_M, 1.5, 2.0)
+        panels.append(_panel(boards, (-0.3, WALL_Y - 0.45, FLOOR_Z + 2.0), DOWN))
+    if "hand_poster" in also:
+        sheet = opaque(lookalikes.hand_poster(random, round(POSTER_M * PX_PER_M)))
+        panels.append(_panel(sheet, (0.72, WALL_Y - 0.46, 0.86), DOWN))
+    return panels
 
 
 def _desk(random: np.random.Generator, middle_x: float) -> list[Panel]:
