@@ -16,7 +16,7 @@ from local_site.simulation.hand import POSTURES
 from local_site.simulation.hazel import TexturedOperator, film_camera
 from local_site.simulation.motion import Motion, minimum_jerk
 from local_site.simulation.rendering import Renderer
-from local_site.simulation.room.room_view import RoomView
+from local_site.simulation.room.room_view import room_views
 
 SUB_FRAMES = 3
 COMES_FROM_M, COMES_IN_S = (1.2, 0.0, 0.0), 0.8  # an operator whom the cameras awaited steps in from the side
@@ -51,16 +51,16 @@ class SimulatedOperator:
 
     def __init__(self, config: SimulationConfig) -> None:
         self.motion = Motion(config.motion, config.body, config.seed)
-        body = ArmBody(config.body, POSTURES[config.motion.posture])
-        self._body = MarkedArm(body) if config.markers else body
+        self._skin = ArmBody(config.body, POSTURES[config.motion.posture])
+        self._body = MarkedArm(self._skin) if config.markers else self._skin
         self._empty_s = config.room.empty_s
         self._shutter_s = config.picture.shutter_ms * 1e-3
-        self._views: list[_View] = [
-            RoomView(camera, body, config, config.seed + k)
+        cameras = stereo_pair(config.stereo)
+        self._views: Sequence[_View] = (
+            room_views(cameras, self._skin, config)
             if config.room.scene == "office"
-            else _DarkView(camera, self._body, config, config.seed + k)
-            for k, camera in enumerate(stereo_pair(config.stereo))
-        ]
+            else [_DarkView(camera, self._body, config, config.seed + k) for k, camera in enumerate(cameras)]
+        )
 
     def render(self, t_s: float, cameras: tuple[int, ...] = (0, 1), filmed_s: float | None = None) -> list[Image]:
         """The pictures of these cameras (0 left, 1 right), exposed about this time: (H, W) grey in the dark, else
@@ -83,8 +83,12 @@ class SimulatedOperator:
         """The points to be found at this time."""
         return self._body.truth(self.pose(t_s, filmed_s))
 
+    def joints(self, t_s: float, filmed_s: float | None = None) -> Array:
+        """Joint centres (5, 4, 3) of index, middle, ring, little finger and thumb, from base to tip."""
+        return self._skin.joints(self.pose(t_s, filmed_s))
+
     def points(self, t_s: float) -> Mapping[str, Array]:
-        """The same by name."""
+        """The points of the truth by name."""
         truth = self.truth(t_s)
         return {"elbow": truth.elbow, "wrist": truth.wrist, "index": truth.index, "thumb": truth.thumb}
 

@@ -6,7 +6,7 @@ from common.geometry import Array
 from local_site.simulation.body import ArmBody, BodyPose, Part, Solid
 from local_site.simulation.room.layer import Body
 from local_site.simulation.room.skin import Colour, reflectance
-from local_site.simulation.room.surface import Coat, between
+from local_site.simulation.room.surface import STRETCHED, Coat, between
 
 SHIRTS: tuple[Colour, ...] = ((58, 84, 120), (92, 104, 92), (120, 60, 62), (70, 70, 76), (188, 190, 194))
 FOLDS = 0.06
@@ -32,10 +32,10 @@ class Shirt:
     """The shirt's bodies by the operator's pose."""
 
     def __init__(self, body: ArmBody, random: np.random.Generator) -> None:
-        solid = body.solid(_HANGING)
+        solid = body.solid(STRETCHED)
         self._sleeve = (Part("sleeve", (np.array([0, 1]),)),)
         self._chest = (Part("chest", (np.arange(len(CHEST)),)),)
-        start = np.vstack([_HANGING.shoulder, solid.rim.mean(axis=0)])
+        start = np.vstack([STRETCHED.shoulder, solid.rim.mean(axis=0)])
         radius = WIDER * solid.radii.max()
         self._sleeve_weights = between(self._sleeve, start, np.full(2, radius), SLEEVE_SPACING)
         self._chest_weights = between(self._chest, CHEST, CHEST_RADII, CHEST_SPACING)
@@ -85,7 +85,3 @@ def _without_hand(limb: Part) -> Part:
 def _cloth(count: int, colour: Colour, random: np.random.Generator) -> Coat:
     shade = reflectance(colour) * (1.0 + FOLDS * random.standard_normal((count, 1)))
     return Coat(shade, shade, np.zeros((count, 2)))
-
-
-# Decides only about how many balls lie between two.
-_HANGING = BodyPose(np.zeros(3), np.array([0.0, 0.05, -0.33]), np.array([0.0, -0.2, -0.4]), np.eye(3), openness=1.0)

@@ -1,6 +1,7 @@
 """One camera's picture of the operator in a room, in colour."""
 
 from collections.abc import Sequence
+from dataclasses import replace
 
 import cv2
 import numpy as np
@@ -15,30 +16,42 @@ from local_site.simulation.room.clothes import Shirt, is_before
 from local_site.simulation.room.disturbances import make_disturbances
 from local_site.simulation.room.lamps import office_lamps
 from local_site.simulation.room.layer import Brush, Layer
-from local_site.simulation.room.scenery import draw_office
+from local_site.simulation.room.panels import Panel
+from local_site.simulation.room.scenery import draw_office, office
+from local_site.simulation.room.surface import STRETCHED
 
 NOISE_ROOM_PX = 128
 
 
+def room_views(cameras: Sequence[PinholeCamera], body: ArmBody, config: SimulationConfig) -> list["RoomView"]:
+    """A view for each camera, of the one room that the configuration's seed decides about."""
+    panels = office(np.random.default_rng(config.seed), config.room.disturbances)
+    return [RoomView(camera, body, config, panels, config.seed + k) for k, camera in enumerate(cameras)]
+
+
 class RoomView:
-    """What one camera sees; `seed` decides about its noise, the configuration's about the room.
+    """What one camera sees of the operator and of an office's `panels`; `seed` decides about its noise.
 
     Noise is drawn once and shifted about at random from frame to frame.
     """
 
-    def __init__(self, camera: PinholeCamera, body: ArmBody, config: SimulationConfig, seed: int) -> None:
+    def __init__(
+        self, camera: PinholeCamera, body: ArmBody, config: SimulationConfig, panels: Sequence[Panel], seed: int
+    ) -> None:
         size, room = (config.stereo.width_px, config.stereo.height_px), config.room
         self._camera = camera
         self._brush = Brush(camera, office_lamps(camera), size, config.picture.blur_sigma_px)
         self._arm = Arm(body, room, np.random.default_rng(config.seed))
         self._shirt = Shirt(body, np.random.default_rng(config.seed))
         self._disturbances = make_disturbances(room.disturbances, camera, self._brush, size, config.seed)
-        self._room = draw_office(camera, size, np.random.default_rng(config.seed), room.disturbances)
+        self._room = draw_office(panels, camera, size)
         for disturbance in self._disturbances:
             disturbance.stand(self._room)
         self._is_covered = room.sleeve == "long"
         self._shoulder: Array = np.full(3, np.nan)
         self._chest: Layer | None = None
+        # Inner loops are compiled now, not during the first exposure.
+        self._draw_operator(self._room.copy(), [_in_view(np.array(config.stereo.centre))])
         self._random = np.random.default_rng(seed)
         self._noise = _noise(size, config.picture.noise_sigma, self._random)
 
@@ -79,6 +92,15 @@ class RoomView:
         brighter, darker = (part[y : y + height, x : x + width] for part in self._noise)
         cv2.add(image, brighter, dst=image)
         return np.asarray(cv2.subtract(image, darker, dst=image), dtype=np.uint8)
+
+
+def _in_view(centre: Array) -> BodyPose:
+    return replace(
+        STRETCHED,
+        shoulder=STRETCHED.shoulder + centre,
+        elbow=STRETCHED.elbow + centre,
+        wrist=STRETCHED.wrist + centre,
+    )
 
 
 def _noise(size: tuple[int, int], sigma: float, random: np.random.Generator) -> tuple[Image, Image]:

@@ -1,6 +1,6 @@
 """The office behind the operator, drawn from a random generator: which furniture stands where."""
 
-from collections.abc import Collection
+from collections.abc import Collection, Sequence
 
 import cv2
 import numpy as np
@@ -18,27 +18,22 @@ WALL_X, WALL_TOP_Z, WALL_WIDTH = -3.4, 1.5, 8.0
 DESK_Y, DESK_DEEP, DESK_Z = 1.75, 0.75, -0.06
 ACROSS, DOWN, NEARER = np.array([1.0, 0.0, 0.0]), np.array([0.0, 0.0, -1.0]), np.array([0.0, -1.0, 0.0])
 DEFOCUS = 0.0016  # sigma of the blur behind the operator, of the picture's width
-PX_PER_M = 320.0
+PX_PER_M, FLOOR_PX_PER_M = 320.0, 150.0
 POSTER_M = 0.42
 
 
-def draw_office(
-    camera: PinholeCamera, size: tuple[int, int], random: np.random.Generator, also: Collection[DisturbanceName] = ()
-) -> Image:
-    """The empty office (H, W, 3) BGR, out of focus; two cameras see the same office from the same state of `random`.
-
-    Of the disturbances, those that are part of the room are drawn: wood and the poster of a hand.
-    """
-    picture = film(office(random, also), camera.centre, lines_of_sight(camera, size))
+def draw_office(panels: Sequence[Panel], camera: PinholeCamera, size: tuple[int, int]) -> Image:
+    """The empty office (H, W, 3) BGR as a camera sees it, out of focus."""
+    picture = film(panels, camera.centre, lines_of_sight(camera, size))
     return np.asarray(cv2.GaussianBlur(picture, (0, 0), DEFOCUS * size[0]), dtype=np.uint8)
 
 
 def office(random: np.random.Generator, also: Collection[DisturbanceName] = ()) -> list[Panel]:
-    """What stands in it, the farthest first."""
-    floor = surroundings.floor(random, PX_PER_M, WALL_WIDTH, WALL_Y + 1.0)
+    """What stands in it, the farthest first; `also` wood and the poster of a hand, which are part of it."""
+    floor = surroundings.floor(random, FLOOR_PX_PER_M, WALL_WIDTH, WALL_Y + 1.0)
     wall = surroundings.wall(random, PX_PER_M, WALL_WIDTH, WALL_TOP_Z - FLOOR_Z)
     panels = [
-        _panel(floor, (WALL_X, WALL_Y, FLOOR_Z), NEARER),
+        Panel(floor, FLOOR_PX_PER_M, np.array([WALL_X, WALL_Y, FLOOR_Z]), ACROSS, NEARER),
         _panel(wall, (WALL_X, WALL_Y, WALL_TOP_Z), DOWN),
     ]
     side = float(random.choice([-1.0, 1.0]))

@@ -17,8 +17,8 @@ BLEND = 0.35  # of a ball's radius: how far below the foremost ball another stil
 FAR_M = 1e9
 COARSE = 4
 HOLLOW_PX = 7.0
-HOLLOW_M = 0.016
-DARKEST_HOLLOW = 0.45
+HOLLOW_M = 0.011
+DARKEST_HOLLOW = 0.20
 SUMS = 7  # weight, normal (3), reflectance (3)
 SPILL_PX = 3
 GLOSS, GLOSS_POWER = 0.035, 24
@@ -176,8 +176,10 @@ def _light(
                 found[0], found[3] = 1.0, -1.0
             length = np.sqrt(found[1] ** 2 + found[2] ** 2 + found[3] ** 2) + 1e-9
             nx, ny, nz = found[1] / length, found[2] / length, found[3] / length
-            sky = 0.7 + 0.3 * (nx * up[0] + ny * up[1] + nz * up[2])
+            sky = 0.55 + 0.45 * (nx * up[0] + ny * up[1] + nz * up[2])
             light[:] = sky * ambient
+            # What turns away from the camera lies deeper than its surroundings without being hollow.
+            reached = 1.0 - (1.0 - openness[y, x]) * nz * nz
             gloss[:] = 0.0
             for lamp in range(len(directions)):
                 lx, ly, lz = directions[lamp, 0], directions[lamp, 1], directions[lamp, 2]
@@ -187,11 +189,11 @@ def _light(
                 mirrored = max((nx * lx + ny * ly + nz * (lz - 1.0)) / half, 0.0) ** GLOSS_POWER
                 for c in range(3):
                     # Light enters skin and comes out again where none falls, red farthest.
-                    wrap = 0.15 + 0.10 * c
+                    wrap = 0.05 + 0.08 * c
                     light[c] += colours[lamp, c] * max((falling + wrap) / (1.0 + wrap), 0.0)
                     gloss[c] += colours[lamp, c] * mirrored
             for c in range(3):
-                sent = openness[y, x] * (light[c] * found[4 + c] / found[0] + GLOSS * gloss[c])
+                sent = reached * (light[c] * found[4 + c] / found[0] + GLOSS * gloss[c])
                 level = levels[min(int(sent * STEPS), len(levels) - 1)]
                 out[y, x, c] = np.uint8(level * cover[y, x] + 0.5)
             out[y, x, 3] = cover[y, x]

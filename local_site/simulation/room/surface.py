@@ -16,7 +16,7 @@ MOTTLE = 0.035
 NAIL_FROM, CREASE_FROM, FLUSH_FROM = 0.5, 0.86, 0.3
 CREASE = 0.80
 SKIN_TURN, NAIL_TURN = (0.5, 0.9), (-2.6, 5.0)
-# Decides only about how many balls lie between two.
+# Any pose does to count the balls that fit between two.
 STRETCHED = BodyPose(np.zeros(3), np.array([0.0, 0.1, -0.3]), np.array([0.3, 0.0, -0.3]), np.eye(3), openness=1.0)
 
 

@@ -51,9 +51,9 @@ def floor(random: np.random.Generator, px_per_m: float, width_m: float, deep_m: 
     shape = round(deep_m * px_per_m), round(width_m * px_per_m)
     tile = round(0.5 * px_per_m)
     rows, columns = np.indices(shape) // tile
-    shades = 1.0 + 0.05 * random.standard_normal((rows.max() + 1, columns.max() + 1))
-    level = shades[rows, columns] + 0.05 * random.standard_normal(shape)
-    return opaque(level[:, :, None] * np.array(CARPETS[random.integers(len(CARPETS))]))
+    shades = 1.0 + 0.05 * random.standard_normal((rows.max() + 1, columns.max() + 1), dtype=np.float32)
+    level = shades[rows, columns] + np.float32(0.05) * random.standard_normal(shape, dtype=np.float32)
+    return opaque(level[:, :, None] * np.array(CARPETS[random.integers(len(CARPETS))], np.float32))
 
 
 def poster(random: np.random.Generator, width: int) -> Image:
