@@ -5,7 +5,7 @@ import os
 from dataclasses import dataclass
 from pathlib import Path
 
-from common.errors import ModelError
+from common.errors import NotInstalledError
 
 INSTALL = "farhand models install"
 FOLDER = "farhand/models"
@@ -34,17 +34,7 @@ HAND_LANDMARKS = _model(
     "hand_landmark_full.tflite",
     "11c272b891e1a99ab034208e23937a8008388cf11ed2a9d776ed3d01d0ba00e3",
 )
-POSE_DETECTION = _model(
-    "pose_detection",
-    "pose_detection.tflite",
-    "9ba9dd3d42efaaba86b4ff0122b06f29c4122e756b329d89dca1e297fd8f866c",
-)
-POSE_LANDMARKS = _model(
-    "pose_landmark",
-    "pose_landmark_full.tflite",
-    "e9a5c5cb17f736fafd4c2ec1da3b3d331d6edbe8a0d32395855aeb2cdfd64b9f",
-)
-MODEL_FILES = (PALM_DETECTION, HAND_LANDMARKS, POSE_DETECTION, POSE_LANDMARKS)
+MODEL_FILES = (PALM_DETECTION, HAND_LANDMARKS)
 
 
 def model_folder() -> Path:
@@ -55,13 +45,19 @@ def model_folder() -> Path:
     return Path(os.environ.get("XDG_CACHE_HOME") or Path.home() / ".cache") / FOLDER
 
 
+def how_to_install() -> str:
+    """The command that puts the models where they are looked for: a service's user has no cache folder of its own."""
+    service = os.environ.get("CACHE_DIRECTORY", "").partition(":")[0]
+    return f"sudo -u farhand env CACHE_DIRECTORY={service} {INSTALL}" if service else INSTALL
+
+
 def read_model(model: ModelFile, folder: Path | None = None) -> bytes:
-    """An installed model's bytes; ModelError that names the cure when it is missing or has been changed."""
+    """An installed model's bytes; NotInstalledError that names the cure when it is missing or has been changed."""
     path = (folder or model_folder()) / model.name
     try:
         content = path.read_bytes()
     except OSError as error:
-        raise ModelError(f"the landmark model {path} is not there ({error.strerror}): run '{INSTALL}'") from error
+        raise NotInstalledError(f"the landmark model {path} is not there: run '{how_to_install()}'") from error
     if hashlib.sha256(content).hexdigest() != model.sha256:
-        raise ModelError(f"the landmark model {path} is damaged or another version: run '{INSTALL}'")
+        raise NotInstalledError(f"the landmark model {path} is damaged or another version: run '{how_to_install()}'")
     return content

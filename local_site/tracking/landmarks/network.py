@@ -6,19 +6,20 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from common.errors import ModelError
+from common.errors import ModelError, NotInstalledError
 
 Tensor = NDArray[np.float32]
+CURE = "pip install 'farhand[learned]'"
 
 
 class Network:
-    """A model with one picture as its input; ModelError when the runtime is not installed or refuses the model."""
+    """A model with one picture as its input; NotInstalledError without the runtime, ModelError when that refuses it."""
 
     def __init__(self, content: bytes, outputs: int) -> None:
         try:
             from ai_edge_litert.interpreter import Interpreter  # noqa: PLC0415  # an extra
         except ImportError as error:
-            raise ModelError("the landmark tracker needs its runtime: pip install 'farhand[learned]'") from error
+            raise NotInstalledError(f"the tracker 'learned' needs its runtime: {CURE}") from error
         try:
             self._interpreter: Any = Interpreter(model_content=content, num_threads=1)
             self._interpreter.allocate_tensors()
