@@ -1,6 +1,9 @@
 """Runs one landmark model on the processor: a picture in, its outputs."""
 
-from collections.abc import Sequence
+import os
+import sys
+from collections.abc import Iterator, Sequence
+from contextlib import contextmanager
 from typing import Any
 
 import numpy as np
@@ -21,8 +24,9 @@ class Network:
         except ImportError as error:
             raise NotInstalledError(f"the tracker 'learned' needs its runtime: {CURE}") from error
         try:
-            self._interpreter: Any = Interpreter(model_content=content, num_threads=1)
-            self._interpreter.allocate_tensors()
+            with _silenced():
+                self._interpreter: Any = Interpreter(model_content=content, num_threads=1)
+                self._interpreter.allocate_tensors()
         except (ValueError, RuntimeError) as error:
             raise ModelError(f"the runtime cannot read a landmark model: {error}") from error
         given = self._interpreter.get_input_details()[0]
@@ -35,3 +39,18 @@ class Network:
         self._interpreter.set_tensor(self._input, picture[None])
         self._interpreter.invoke()
         return [self._interpreter.get_tensor(index)[0] for index in self._outputs]
+
+
+@contextmanager
+def _silenced() -> Iterator[None]:
+    """Nothing on standard error meanwhile: the runtime prints there what it does, and has no switch for it."""
+    sys.stderr.flush()
+    kept = os.dup(2)
+    nowhere = os.open(os.devnull, os.O_WRONLY)
+    os.dup2(nowhere, 2)
+    os.close(nowhere)
+    try:
+        yield
+    finally:
+        os.dup2(kept, 2)
+        os.close(kept)
