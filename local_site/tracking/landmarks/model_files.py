@@ -37,18 +37,23 @@ HAND_LANDMARKS = _model(
 MODEL_FILES = (PALM_DETECTION, HAND_LANDMARKS)
 
 
-def model_folder() -> Path:
-    """Where the models lie: in the service's cache folder, else in the user's."""
-    service = os.environ.get("CACHE_DIRECTORY", "").partition(":")[0]
-    if service:
-        return Path(service) / "models"
+def service_cache() -> str:
+    """The service's cache folder, as systemd gives it to the service; empty elsewhere."""
+    return os.environ.get("CACHE_DIRECTORY", "").partition(":")[0]
+
+
+def model_folder(service: str | None = None) -> Path:
+    """Where the models lie: in the service's cache folder, which is this process's if not given, else in the user's."""
+    cache = service_cache() if service is None else service
+    if cache:
+        return Path(cache) / "models"
     return Path(os.environ.get("XDG_CACHE_HOME") or Path.home() / ".cache") / FOLDER
 
 
-def how_to_install() -> str:
-    """The command that puts the models where they are looked for: a service's user has no cache folder of its own."""
-    service = os.environ.get("CACHE_DIRECTORY", "").partition(":")[0]
-    return f"sudo -u farhand env CACHE_DIRECTORY={service} {INSTALL}" if service else INSTALL
+def how_to_install(service: str | None = None) -> str:
+    """The command that puts the models there: a service's user has no cache folder but the service's."""
+    cache = service_cache() if service is None else service
+    return f"sudo -u farhand env CACHE_DIRECTORY={cache} {INSTALL}" if cache else INSTALL
 
 
 def read_model(model: ModelFile, folder: Path | None = None) -> bytes:

@@ -12,6 +12,7 @@ from numpy.typing import NDArray
 from common.errors import ModelError, NotInstalledError
 
 Tensor = NDArray[np.float32]
+RUNTIME = "ai-edge-litert"
 CURE = "pip install 'farhand[learned]'"
 
 
