@@ -14,6 +14,9 @@ EXPLAINED = {
     "remote_site/safety/stopping.py:span: 0.0 -> 1.0": "a bound that is wider, and still one",
     "common/mapping/rotation_mapping.py:_update: if self._scale == 1.0: -> if False:": "a shortcut: at a scale of 1 "
     "both ways give the same turn, up to rounding",
+    "remote_site/teleop/turn_certainty.py:rotation_covariance: True -> False": "both sequences have three entries, so "
+    "strict never acts",
+    "remote_site/teleop/followed_orientation.py:_turned: if np.isinf(most).all(): -> if False:": QUICKER,
     "remote_site/teleop/tool_target.py:_strayed: fraction * way > MOST_M -> fraction * way >= MOST_M": "a way of "
     "exactly 30 mm, to the last bit, may count as either",
 }

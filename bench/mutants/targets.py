@@ -6,8 +6,14 @@ from typing import NamedTuple
 REMOTE, TESTS = Path("remote_site"), Path("tests/remote_site")
 SESSION = (TESTS / "session",)
 TELEOP = TESTS / "teleop"
-VALIDATION = tuple(TELEOP / f"test_{name}.py" for name in ("sample_validator", "certainty", "orientation_gate"))
-MAPPING = tuple(TELEOP / f"test_{name}.py" for name in ("mapping", "clutch", "tool_target", "short_hold", "humanoid"))
+VALIDATION = tuple(
+    TELEOP / f"test_{name}.py" for name in ("sample_validator", "certainty", "turn_certainty", "orientation_gate")
+)
+TURNS = tuple(TELEOP / f"test_{name}.py" for name in ("followed_orientation", "turning_target"))
+MAPPING = tuple(
+    TELEOP / f"test_{name}.py"
+    for name in ("mapping", "clutch", "tool_target", "turning_target", "short_hold", "humanoid")
+)
 PIPELINE = (
     *(
         TELEOP / f"test_{name}.py"
@@ -39,6 +45,9 @@ TARGETS = (
     Target(REMOTE / "session" / "operator_page.py", 6, PAGE),
     Target(REMOTE / "teleop" / "sample_validator.py", 14, VALIDATION),
     Target(REMOTE / "teleop" / "certainty.py", 5, VALIDATION),
+    Target(REMOTE / "teleop" / "turn_certainty.py", 6, VALIDATION),
+    Target(REMOTE / "teleop" / "orientation_gate.py", 4, VALIDATION),
+    Target(REMOTE / "teleop" / "followed_orientation.py", 10, TURNS),
     Target(Path("common/mapping/relative_mapping.py"), 8, MAPPING),
     Target(Path("common/mapping/rotation_mapping.py"), 4, MAPPING),
     Target(REMOTE / "teleop" / "tool_target.py", 4, MAPPING),

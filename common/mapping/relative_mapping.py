@@ -92,10 +92,14 @@ class RelativeMapping:
         scale = min(max(settings.scale, least), most)
         return settings if scale == settings.scale else replace(settings, scale=scale)
 
-    def reference(self, sample: HandArm) -> MappingReference | None:
-        """What the next targets count from, after that of `sample`; None where they depend on the measured tool too."""
+    def reference(self, sample: HandArm, hand_R_followed: Array | None) -> MappingReference | None:
+        """What the next targets count from, after that of `sample`; None where they depend on the measured tool too.
+
+        The target followed the orientation that the sample shows times `hand_R_followed` (3 x 3); None where it showed
+        none that counted.
+        """
         x, y, z = self._offset.tolist()
-        offset, rotation = (x, y, z), self._rotation.reference()
+        offset, rotation = (x, y, z), self._rotation.reference(hand_R_followed)
         return MappingReference(sample.session, sample.seq, self._settings.revision, offset, rotation)
 
     def restore(self, reference: MappingReference, settings: OperatorSettings) -> None:

@@ -47,9 +47,14 @@ class RotationMapping:
             return self._base_R_origin @ _without_locked(self._base_R_origin.T @ self._base_R_unlocked, self._free)
         return self._base_R_unlocked
 
-    def reference(self) -> RotationReference:
-        """What the next targets count from."""
+    def reference(self, hand_R_followed: Array | None) -> RotationReference:
+        """What the next targets count from, for hands that go on as shown: `hand_R_followed` (3 x 3) stays as it is.
+
+        It is the rotation from the followed to the shown orientation, None while the hand shows none.
+        """
         hand, tool = self._operator_R_reference, self._base_R_reference
+        if hand is not None:
+            hand = hand @ hand_R_followed.T if hand_R_followed is not None else None
         x, y, z = self._rotation_vector.tolist()
         if self._scale == 1.0:  # the vector is not kept
             x, y, z = vector_from_rotation(self._base_R_unlocked @ tool.T).tolist()

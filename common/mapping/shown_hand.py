@@ -13,16 +13,20 @@ def shown_position(sample: HandArm, point: HandPoint) -> Vector3 | None:
 
 
 def shown_orientation(sample: HandArm) -> Array | None:
-    """The orientation `operator_R_hand` (3 x 3); None while a tip is missing or inferred, or the hand is open."""
-    if (
-        sample.wrist is None
-        or sample.index is None
-        or sample.thumb is None
-        or sample.hand_open
-        or sample.thumb_inferred
-    ):
+    """The orientation `operator_R_hand` (3 x 3); None while a tip is missing or the hand is open.
+
+    Also None where the thumb is inferred and the sample does not tell how well its points are known.
+    """
+    if sample.wrist is None or sample.index is None or sample.thumb is None or sample.hand_open:
+        return None
+    if sample.thumb_inferred and not _tells_covariances(sample):
         return None
     points = sample.wrist, sample.index, sample.thumb
     if not math.isfinite(sum(map(sum, points))):
         return None
     return hand_rotation(*points)
+
+
+def _tells_covariances(sample: HandArm) -> bool:
+    known = sample.covariance
+    return known is not None and None not in (known.wrist, known.index, known.thumb)

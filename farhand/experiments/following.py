@@ -153,10 +153,8 @@ class FollowingArm:
 
 
 def _orientation(estimate: ArmEstimate) -> Array | None:
-    """The hand's orientation where it is shown, as the remote site would take it."""
-    if estimate.wrist is None or estimate.index is None or estimate.thumb is None:
-        return None
-    if estimate.hand_open or estimate.thumb_inferred:
+    """The hand's orientation where it is shown, its thumb seen or inferred (thesis section 3.2.11)."""
+    if estimate.wrist is None or estimate.index is None or estimate.thumb is None or estimate.hand_open:
         return None
     return hand_rotation(*(np.asarray(point) for point in (estimate.wrist, estimate.index, estimate.thumb)))
 

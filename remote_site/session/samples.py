@@ -1,9 +1,11 @@
 """Hand samples as they arrive, and the outcome of validation: accepted, or rejected with the reason; pure."""
 
+import math
 from dataclasses import dataclass
 from typing import NamedTuple
 
 from common.geometry import Array
+from common.messages.base import Vector3
 from common.messages.hand import HandArm
 from remote_site.reasons import Reason
 
@@ -21,8 +23,9 @@ class Accepted:
 
     The position is the wrist's or the palm's, as configured for the mapping.
     `born_ns` is its capture on our clock, the earliest it can be; the age counts from there. The orientation is None
-    while a fingertip is missing, inferred or poorly known, the hand is open or turns too fast to be meant.
-    `speed` is the fraction of full speed that the wrist's covariance allows.
+    while a fingertip is missing or poorly known, the hand is open or turns too fast to be meant.
+    `speed` is the fraction of full speed that the wrist's covariance allows, `turn_rad_s` how fast the tool may turn
+    about the hand's x, y and z.
     """
 
     sample: HandArm
@@ -31,6 +34,7 @@ class Accepted:
     born_ns: int
     new_session: bool
     speed: float = 1.0
+    turn_rad_s: Vector3 = (math.inf, math.inf, math.inf)
 
     @property
     def captured_ns(self) -> int:

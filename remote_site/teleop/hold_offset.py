@@ -42,13 +42,13 @@ class HoldOffset:
         speed = min(self._elapsed_s / RAMP_S, 1.0) / FULL_S
         step = speed * elapsed_s
         self.spare = 1.0 - speed * max(MOST_M / CATCH_UP_M_S, MOST_RAD / CATCH_UP_RAD_S)
-        self._way = MOST_M * _shortened(self._way / MOST_M, step)
-        self._turn = MOST_RAD * _shortened(self._turn / MOST_RAD, step)
+        self._way = MOST_M * shortened(self._way / MOST_M, step)
+        self._turn = MOST_RAD * shortened(self._turn / MOST_RAD, step)
         rotation = rotation_from_vector(self._turn) @ base_T_origins[:3, :3]
         return transform(rotation, base_T_origins[:3, 3] + self._way)
 
 
-def _shortened(vector: Array, step: float) -> Array:
+def shortened(vector: Array, step: float) -> Array:
     """A vector, of length 1 at most, shortened by a step that becomes smaller towards its end."""
     length = math.hypot(*vector)
     by = step * min(max(length / SLOW_FRACTION, 0.1), 1.0)

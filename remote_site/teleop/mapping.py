@@ -29,7 +29,7 @@ class IncrementalMapping(RelativeMapping):
         self._hand = hand_in_operator.copy()
         return super().target(hand_in_operator, operator_R_hand)
 
-    def reference(self, sample: HandArm) -> None:
+    def reference(self, sample: HandArm, hand_R_followed: Array | None) -> None:
         """None: the next target depends on where the tool is measured when its sample comes."""
 
 

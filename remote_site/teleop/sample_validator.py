@@ -16,6 +16,7 @@ from remote_site.session.age_limit import AgeLimit
 from remote_site.session.samples import Accepted, Rejected
 from remote_site.teleop.certainty import certainty_of
 from remote_site.teleop.orientation_gate import OrientationGate
+from remote_site.teleop.turn_certainty import FREE, turn_speeds
 
 OFFSET_VALID_NS = 5 * NS_PER_S  # an older measurement of the clocks no longer counts
 
@@ -74,9 +75,10 @@ class SampleValidator:
             return self.refuse(reason(Code.NOT_FINITE, what=self._point))
         if (jump := self._jump(position, sample.capture_ns)) is not None:
             return self._jumped(jump)
-        shown = shown_orientation(sample) if certainty.orientation else None
-        orientation = self._gate.judge(shown, born_ns, certainty.orientation)
-        return Accepted(sample, position, orientation, born_ns, new_session, certainty.position)
+        shown = shown_orientation(sample)
+        speeds = turn_speeds(sample, shown, self._config) if shown is not None else FREE
+        orientation = self._gate.judge(shown if any(speeds) else None, born_ns)
+        return Accepted(sample, position, orientation, born_ns, new_session, certainty.position, speeds)
 
     def _time(self, sample: HandArm, now_ns: int, offset: ClockOffset) -> Reason | None:
         age_ns = offset.age_ns(sample.capture_ns, now_ns)

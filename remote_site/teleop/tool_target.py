@@ -13,6 +13,7 @@ from remote_site.motion.target_tracker import ToolSample
 from remote_site.safety.clearance import Workspace
 from remote_site.session.samples import Accepted
 from remote_site.teleop.config import MappingConfig
+from remote_site.teleop.followed_orientation import FollowedOrientation
 from remote_site.teleop.hold_offset import MOST_M, MOST_RAD, HoldOffset
 from remote_site.teleop.mapping import make_mapping
 
@@ -24,15 +25,15 @@ AGE_MEMORY = 1 / 30  # weight of the newest sample in the mean age
 class ToolTarget:
     """Where the tool should be: `base_T_tool` (4 x 4), relative to both origins of the `engagement`.
 
-    `reference` is what the next targets count from.
+    `reference` is what the next targets count from; None where that does not outlast a hold.
     """
 
     def __init__(
         self, mapping: MappingConfig, control: ControlConfig, box: Workspace, model: ArmModel, q: Array
     ) -> None:
         self._mapping = make_mapping(mapping)
-        self._outlasts = mapping.command == "relative"  # whether the origins outlast a short hold
         self._offset = HoldOffset()
+        self._orientation = FollowedOrientation()
         self._followed: Accepted | None = None
         self._mean_age_ns: float | None = None
         self._settings = OperatorSettings()
@@ -58,42 +59,48 @@ class ToolTarget:
         self._mapping.steer(settings, sample.position, sample.operator_R_hand, base_T_tool)
         self._mapping.engage(sample.position, sample.operator_R_hand, base_T_tool)
         self._offset.clear()
+        self._orientation.begin(sample.operator_R_hand)
         self._followed, self._settings = sample, settings
         pose = Pose.from_transform(base_T_tool)
         self.engagement = Engagement(engagements, sample.sample.capture_ns, pose, shift_mm, shift_deg)
-        self.reference = self._mapping.reference(sample.sample)
+        self.reference = self._mapping.reference(sample.sample, self._orientation.hand_R_followed)
 
     def resume(self, sample: Accepted, settings: OperatorSettings, q: Array, since_ns: int) -> bool:
         """Go on from `q` (n,) rad to the same origins after a hold since `since_ns`; False where new ones are due.
 
         They are where the hand went too far meanwhile, where too much is left to make up, or the settings are others.
         """
-        if not self._outlasts or settings != self._settings or self._strayed(sample, since_ns):
+        if self.reference is None or settings != self._settings or self._strayed(sample, since_ns):
             return False
-        base_T_tool = self._model.forward(q)
-        if not self._offset.begin(self._mapping.target(sample.position, sample.operator_R_hand), base_T_tool):
+        base_T_tool, operator_R_hand = self._model.forward(q), self._orientation.resume(sample)
+        if not self._offset.begin(self._mapping.target(sample.position, operator_R_hand), base_T_tool):
             return False
         self.base_T_tool, self._followed = base_T_tool, sample
-        self.reference = self._mapping.reference(sample.sample)
+        self.reference = self._mapping.reference(sample.sample, self._orientation.hand_R_followed)
         return True
 
     def aim(
         self, sample: Accepted, settings: OperatorSettings, q_measured: Array, now_ns: int, stretch: float = 1.0
     ) -> ToolSample:
         """The target for the newest sample, inside the workspace box and within the leash from the measured arm."""
-        position, operator_R_hand = sample.position, sample.operator_R_hand
+        position, elapsed_s = sample.position, self._elapsed_s(sample)
         if settings != self._settings:
             self._offset.clear()
+            self._orientation.begin(sample.operator_R_hand)
+        # the bounds are the tool's: a scale that enlarges the hand's rotation leaves the hand less of them
+        operator_R_hand = self._orientation.follow(
+            sample, elapsed_s / max(settings.rotation_scale, 1.0), self._offset.spare
+        )
         self._mapping.steer(settings, position, operator_R_hand, self.base_T_tool)
         measured = self._model.forward(q_measured)
         self._mapping.read(measured)
-        target = self._offset.apply(self._mapping.target(position, operator_R_hand), self._elapsed_s(sample))
-        self.reference = self._mapping.reference(sample.sample)
+        target = self._offset.apply(self._mapping.target(position, operator_R_hand), elapsed_s)
+        self.reference = self._mapping.reference(sample.sample, self._orientation.hand_R_followed)
         target[:3, 3] = self._workspace.clamp(target[:3, 3])
         self.base_T_tool, leashed = leash(target, measured, *self._leash)
         self._followed, self._settings = sample, settings
         elbow = self._mapping.elbow(sample.sample.wrist, sample.sample.elbow)
-        t_ns, spare = self._holds_at_ns(sample, now_ns), self._offset.spare
+        t_ns, spare = self._holds_at_ns(sample, now_ns), max(self._offset.spare + self._orientation.spare - 1.0, 0.0)
         return ToolSample(t_ns, now_ns, self.base_T_tool, elbow, leashed, stretch, spare)
 
     def _holds_at_ns(self, sample: Accepted, now_ns: int) -> int:

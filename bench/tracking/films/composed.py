@@ -6,27 +6,29 @@ from typing import Literal
 
 import numpy as np
 
+from bench.tracking.films.arm.person import Surface, body_of, ellipsoid
+from bench.tracking.films.arm.skin import TONES, Tone
 from bench.tracking.films.cutout import Cutout, cut_out
 from bench.tracking.films.film import FilmInstant, HandTruth, TrackingFilm
-from bench.tracking.films.person import ellipsoid
-from bench.tracking.films.rendering import Layer, Picture, lay
-from bench.tracking.films.skin import TONES, Tone, linear, srgb
+from bench.tracking.films.picture.light import linear, srgb
+from bench.tracking.films.picture.rendering import Layer, Picture, lay
 from bench.tracking.films.surroundings import FilmSetting, Surroundings
 from bench.tracking.scenes import RECORDINGS, Instant, recorded
 from common.errors import CalibrationError
 from common.geometry import Array
 from local_site.calibration.physical_camera import PhysicalCamera, decomposed
 from local_site.calibration.rig import CameraCalibration, Rig
-from local_site.calibration.triangulation import triangulate_many
+from local_site.calibration.triangulation import project, triangulate_many
 
 RecordingName = Literal["yz", "toggle", "icr_elbow", "pick"]
 
 FPS: dict[RecordingName, float] = {"yz": 15.0, "toggle": 15.0, "icr_elbow": 15.0, "pick": 30.0}
 EVENLY_LIT = 175.0  # the grey level of evenly lit skin in the recordings
 SHADOW_REDNESS = np.array([1.12, 1.04, 0.94])  # BGR exponents: light that skin scatters into its shadows is red
-END_PX = 6  # columns at the right of the arm, where it ends in every recording
+END_PX = 8  # at the right of the arm, where it ends in every recording
 END_FOLLOWED = 0.2  # how much of the newest end the sleeve takes on, so that it does not tremble
-SLEEVE_M, SLEEVE_BEYOND_M = 0.075, 0.045
+UPPER_ARM_M = 0.26
+SLEEVE_M, SLEEVE_BEYOND_M = 0.066, 0.03
 CLOTH = (84, 96, 120)
 SIZE = (640, 480)
 
@@ -74,7 +76,7 @@ class _Composer:
         self._config, self._rig = config, rig
         self._around = Surroundings(config.setting, cameras, SIZE, config.tone, config.seed)
         self._skin = _tinted(config.tone)
-        self._end: Array | None = None
+        self._upper_arm: Array | None = None  # from the elbow to where the recorded arm ends, m
 
     def instant(self, recorded_instant: Instant | None, number: int) -> FilmInstant:
         """The instant of a number: with the arm of a recorded instant, or without."""
@@ -83,9 +85,13 @@ class _Composer:
         if recorded_instant is None:
             return FilmInstant(self._around.views(pictures, number, fps), None)
         cutouts = [cut_out(view.current.image) for view in recorded_instant.views.views]
-        lay([None if cutout is None else self._layer(cutout) for cutout in cutouts], pictures)
-        self._lay_sleeve(cutouts, pictures)
         arm = recorded_instant.truth
+        clothes = self._clothes(cutouts, arm.elbow)
+        if clothes is not None:
+            lay(self._around.layers(clothes[:1]), pictures)
+        lay([None if cutout is None else self._layer(cutout) for cutout in cutouts], pictures)
+        if clothes is not None:
+            lay(self._around.layers(clothes[1:]), pictures)
         truth = HandTruth(arm, None, right=True, posture="open" if arm.hand_open else "u_shape")
         return FilmInstant(self._around.views(pictures, number, fps), truth)
 
@@ -93,23 +99,37 @@ class _Composer:
         alpha = cutout.matte.astype(np.float32) / 255.0
         return Layer(cutout.left, cutout.top, self._skin[cutout.grey] * alpha[..., None], alpha)
 
-    def _lay_sleeve(self, cutouts: Sequence[Cutout | None], pictures: Sequence[Picture]) -> None:
-        """A sleeve of cloth where the recorded arm ends."""
-        ends = [_end_px(cutout) for cutout in cutouts if cutout is not None]
+    def _clothes(self, cutouts: Sequence[Cutout | None], elbow: Array) -> tuple[Surface, Surface] | None:
+        """The operator's body, and a sleeve over the recorded arm's end; None until both views have shown the end."""
+        ends = [
+            _end_px(cutout, calibration.distort_pixels(project(calibration.matrix, elbow)))
+            for cutout, calibration in zip(cutouts, self._rig.cameras, strict=True)
+            if cutout is not None
+        ]
         if len(ends) == len(cutouts):
             seen = [c.undistort_pixels(end) for c, end in zip(self._rig.cameras, ends, strict=True)]
-            end = triangulate_many(self._rig.matrices, np.array(seen)[None])[0]
-            self._end = end if self._end is None else self._end + END_FOLLOWED * (end - self._end)
-        if self._end is not None:
-            middle = self._end + np.array([SLEEVE_BEYOND_M, 0.0, 0.0])
-            lay(self._around.layers([ellipsoid(middle, np.full(3, SLEEVE_M), linear(np.array(CLOTH)))]), pictures)
+            upper_arm = triangulate_many(self._rig.matrices, np.array(seen)[None])[0] - elbow
+            self._upper_arm = upper_arm if self._upper_arm is None else _nearer(self._upper_arm, upper_arm)
+        if self._upper_arm is None:
+            return None
+        length = float(np.linalg.norm(self._upper_arm))
+        shoulder = elbow + UPPER_ARM_M / length * self._upper_arm
+        end = elbow + (length + SLEEVE_BEYOND_M) / length * self._upper_arm
+        cloth = linear(np.array(CLOTH))
+        return body_of(shoulder, cloth, self._config.tone), ellipsoid(end, np.full(3, SLEEVE_M), cloth)
 
 
-def _end_px(cutout: Cutout) -> Array:
-    """The middle (2,) of the arm's right end in px."""
+def _nearer(old: Array, new: Array) -> Array:
+    return np.asarray(old + END_FOLLOWED * (new - old), dtype=np.float64)
+
+
+def _end_px(cutout: Cutout, elbow_px: Array) -> Array:
+    """The middle (2,) in px of the arm's right end, as seen from the elbow at (2,) in px."""
     rows, columns = np.nonzero(cutout.matte > 128)
-    last = columns > columns.max() - END_PX
-    return np.array([columns[last].mean() + cutout.left, rows[last].mean() + cutout.top])
+    pixels = np.column_stack([columns + cutout.left, rows + cutout.top]) - elbow_px
+    right = pixels[pixels[:, 0] > 0.7 * pixels[:, 0].max()].mean(axis=0)
+    along = pixels @ right / np.linalg.norm(right)
+    return np.asarray(pixels[along > along.max() - END_PX].mean(axis=0) + elbow_px, dtype=np.float64)
 
 
 def _tinted(tone: Tone) -> Picture:

@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 from common.cameras.camera import Image
 
 ARM_ABOVE = 26  # grey levels; the wall stays below
-SURE_PX, EDGE_PX = 2, 3  # how far inside and outside of the arm's edge the matte is mixed
+SURE_PX, EDGE_PX = 3, 3  # how far inside and outside of the arm's edge the matte is mixed
 INNER_SIGMA_PX = 3.0
 LEAST_CONTRAST = 20.0
 

@@ -7,12 +7,13 @@ from bench.tracking.films.film import TrackingFilm
 from bench.tracking.films.meshed import FilmedArm, MeshFilm, mesh_film
 from bench.tracking.films.surroundings import FilmSetting
 
-_PLAIN, _OFFICE, _WOOD, _PHOTOGRAPH, _FAN = (
+_PLAIN, _OFFICE, _WOOD, _PHOTOGRAPH, _FAN, _POSTER = (
     FilmSetting(room="plain"),
     FilmSetting(room="office"),
     FilmSetting(room="wood"),
     FilmSetting(room="photograph"),
     FilmSetting(room="fan"),
+    FilmSetting(room="poster"),
 )
 _CROWDED = FilmSetting(room="office", second_person=True)
 
@@ -45,6 +46,7 @@ _MESHED = (
     MeshFilm(name="plain, four cameras, hold", arm=FilmedArm(motion="hold"), rig="four", seconds=2.0),
     MeshFilm(name="no arm, fan", arm=None, setting=_FAN),
     MeshFilm(name="no arm, wood and shadows", arm=None, setting=_WOOD),
+    MeshFilm(name="no arm, poster of a hand", arm=None, setting=_POSTER),
     MeshFilm(name="no arm, another person", arm=None, setting=_CROWDED),
 )
 _COMPOSED = (

@@ -5,14 +5,14 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from bench.tracking.films.arm_mesh import MESH, Body, load_arm_mesh
+from bench.tracking.films.arm.arm_mesh import MESH, Body, load_arm_mesh
+from bench.tracking.films.arm.motions import ArmMotion, FilmMotion
+from bench.tracking.films.arm.person import FilmedPerson, PersonInMotion
+from bench.tracking.films.arm.postures import PostureName
+from bench.tracking.films.arm.skin import Tone
 from bench.tracking.films.film import FilmInstant, TrackingFilm
-from bench.tracking.films.motions import ArmMotion, FilmMotion
-from bench.tracking.films.person import FilmedPerson, PersonInMotion
-from bench.tracking.films.postures import PostureName
-from bench.tracking.films.rendering import Layer, Picture, lay
-from bench.tracking.films.rigs import RigName, Size, film_cameras, film_rig
-from bench.tracking.films.skin import Tone
+from bench.tracking.films.picture.rendering import Layer, Picture, lay
+from bench.tracking.films.picture.rigs import RigName, Size, film_cameras, film_rig
 from bench.tracking.films.surroundings import FilmSetting, Surroundings
 from common.geometry import Array
 from local_site.calibration.physical_camera import PhysicalCamera

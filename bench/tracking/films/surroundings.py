@@ -5,15 +5,16 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from bench.tracking.films.arm_mesh import MESH, load_arm_mesh
-from bench.tracking.films.backdrop import SeenRoom
-from bench.tracking.films.motions import ArmMotion
-from bench.tracking.films.person import FilmedPerson, Surface
-from bench.tracking.films.rendering import Layer, Lighting, Picture, lay, lit, rendered
-from bench.tracking.films.rigs import Size
-from bench.tracking.films.rooms import RoomName, furnished
-from bench.tracking.films.sensor import Sensor
-from bench.tracking.films.skin import Tone
+from bench.tracking.films.arm.arm_mesh import MESH, load_arm_mesh
+from bench.tracking.films.arm.motions import ArmMotion
+from bench.tracking.films.arm.person import FilmedPerson, Surface
+from bench.tracking.films.arm.skin import Tone
+from bench.tracking.films.picture.light import Lighting, lit
+from bench.tracking.films.picture.rendering import Layer, Picture, lay, rendered
+from bench.tracking.films.picture.rigs import Size
+from bench.tracking.films.picture.sensor import Sensor
+from bench.tracking.films.room.backdrop import SeenRoom
+from bench.tracking.films.room.rooms import RoomName, furnished
 from common.cameras.camera import Frame
 from common.clock import NS_PER_S
 from common.geometry import Array

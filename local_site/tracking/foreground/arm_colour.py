@@ -8,7 +8,6 @@ import numpy as np
 from numpy.typing import NDArray
 
 from common.cameras.camera import Image
-from common.geometry import Array
 from local_site.kernels.compiled import compiled
 
 CHROMAS, BRIGHTNESSES = 48, 16
@@ -39,7 +38,7 @@ def bin_of(red: float, green: float, brightness: float) -> int:
 
 
 class ArmColour:
-    """How likely each colour is on the arm and elsewhere in one camera's pictures; old pictures are forgotten slowly."""
+    """How likely each colour is on the arm and elsewhere in one camera's pictures; old ones are forgotten slowly."""
 
     def __init__(self) -> None:
         self._counts = np.zeros((2, BRIGHTNESSES * CHROMAS * CHROMAS), np.float32)
@@ -52,9 +51,9 @@ class ArmColour:
         return bool(self.arm.any())
 
     def learn(self, picture: Image, arm: Positions, rest: Positions, kept: float) -> None:
-        """Count pixels (N, 2) surely on the arm and pixels (M, 2) surely elsewhere; `kept` is what remains of before."""
+        """Count pixels (N, 2) surely on the arm and (M, 2) surely elsewhere; `kept` is what remains of before."""
+        self._counts *= kept
         for counts, pixels in zip(self._counts, (arm, rest), strict=True):
-            counts *= kept
             _count(counts, picture, pixels)
         self.arm, self.rest = (_smoothed(counts) for counts in self._counts)
 
@@ -71,7 +70,7 @@ def _count(counts: Table, picture: Image, pixels: Positions) -> None:
 def _smoothed(counts: Table) -> Table:
     """The share of each bin, spread over its neighbours."""
     layers = counts.reshape(BRIGHTNESSES, CHROMAS * CHROMAS)
-    along: Array = cv2.GaussianBlur(layers, (1, 0), sigmaX=1.0, sigmaY=BRIGHTNESS_SMOOTHING)
+    along = cv2.GaussianBlur(layers, (1, 0), sigmaX=1.0, sigmaY=BRIGHTNESS_SMOOTHING)
     spread = [cv2.GaussianBlur(layer.reshape(CHROMAS, CHROMAS), (0, 0), CHROMA_SMOOTHING) for layer in along]
     total = float(counts.sum())
     return np.ascontiguousarray(np.array(spread, np.float32).reshape(-1) / max(total, 1.0))

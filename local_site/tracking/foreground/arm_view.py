@@ -1,6 +1,6 @@
 """One view's part in finding the arm: where to look, what is learned of its colours, and the silhouette."""
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import cv2
 import numpy as np
@@ -10,7 +10,7 @@ from common.geometry import Array
 from local_site.calibration.triangulation import focal_length, project
 from local_site.tracking.features.silhouette import Silhouette
 from local_site.tracking.foreground.arm_colour import ArmColour, Positions
-from local_site.tracking.foreground.growing import LIKELY, NEVER, bones, grow, zones
+from local_site.tracking.foreground.growing import LIKELY, NEVER, bones, grow, near_bones, zones
 from local_site.tracking.foreground.likelihood import Tables, log_ratios
 from local_site.tracking.foreground.outline import find_outline
 from local_site.tracking.foreground.reasons import ForegroundReason
@@ -18,7 +18,7 @@ from local_site.tracking.foreground.room import Behind, Mask, Place, Room
 from local_site.tracking.foreground.trust import AreaWatch, objection
 from local_site.tracking.foreground.tubes import ArmTubes, RatioMap, depth_of
 
-SQUARE_M = 0.004  # the side of a square at the hand
+SQUARE_M = 0.0045  # the side of a square at the hand
 MOST_STRIDE = 8
 REACH_M = 0.55  # around the wrist, until the arm was found once
 MARGIN_M = 0.06
@@ -60,7 +60,7 @@ class ArmView:
         self._areas = AreaWatch()
 
     def look(self, picture: Image, hand: Array, wrist: Array, before: ArmTubes | None) -> RatioMap:
-        """Log ratios around the arm, whose hand has landmarks at pixels (21, 2) and a wrist (3,) in m."""
+        """Log ratios around the arm, 0 on the hand, which has landmarks at pixels (21, 2) and a wrist (3,) in m."""
         room = self._room_for(picture)
         left, top, columns, rows, stride = self._box(picture, hand, wrist, before)
         place = left, top, stride
@@ -75,7 +75,9 @@ class ArmView:
         ratios = log_ratios(colours, behind.colours, behind.known, self._tables)
         found = RatioMap(self._projection, self._focal_px, ratios, *place)
         self._look = _Look(picture, hand, found, colours, behind)
-        return found
+        # A tube that runs back over the hand would fit everywhere.
+        off_hand = np.where(near_bones(unknown, hand, wrist) > 0, np.float32(0.0), ratios)
+        return replace(found, ratios=off_hand)
 
     def silhouette(self, tubes: ArmTubes) -> Silhouette | ForegroundReason:
         """The arm's silhouette in the picture that was looked at last, or why it is not to be trusted."""

@@ -1,4 +1,4 @@
-"""The operator's bare arm in an ordinary room: found by its colour and the room in all views, starting from the hand."""
+"""The operator's bare arm in an ordinary room: found in all views by its colour, starting from the hand."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -11,22 +11,27 @@ from local_site.calibration.rig import Rig
 from local_site.calibration.triangulation import project
 from local_site.tracking.features.silhouette import Silhouette
 from local_site.tracking.foreground.arm_view import ArmView
+from local_site.tracking.foreground.reasons import ForegroundReason
 from local_site.tracking.foreground.trust import LEAST_FOREARM, forearm_ratio
-from local_site.tracking.foreground.tubes import ArmTubes, TubeSearch
+from local_site.tracking.foreground.tube_search import TubeSearch
+from local_site.tracking.foreground.tubes import ArmTubes
 from local_site.tracking.landmarks.hand_landmarks import MIDDLE_KNUCKLE, WRIST
 from local_site.tracking.landmarks.hand_pairing import SeenHand
 
 
 @dataclass(frozen=True, slots=True)
 class FoundArm:
-    """By view the arm's silhouette, or a sentence why it is not to be trusted; and roughly where the limbs are."""
+    """By view the arm's silhouette in undistorted px, or a sentence why there is none to be trusted; rough limbs."""
 
     silhouettes: tuple[Silhouette | str, ...]
     tubes: ArmTubes
 
 
 class FoundForeground:
-    """Finds the arm in the pictures of all views; its colour is learned from the hand on the way."""
+    """Finds the arm in the pictures of all views; its colour is learned from the hand on the way.
+
+    Pictures are BGR (H, W, 3) and undistorted, one of each camera in the rig's order.
+    """
 
     def __init__(self, rig: Rig) -> None:
         self._rig = rig
@@ -34,7 +39,7 @@ class FoundForeground:
         self._tubes = TubeSearch()
 
     def learn_room(self, pictures: Sequence[Image]) -> None:
-        """Learn the room from undistorted BGR pictures (H, W, 3), one of each view, without the arm."""
+        """Learn the room from pictures without the arm."""
         for view, picture in zip(self._views, pictures, strict=True):
             view.learn_room(picture)
 
@@ -45,7 +50,7 @@ class FoundForeground:
             view.forget()
 
     def find(self, pictures: Sequence[Image], hand: SeenHand) -> FoundArm:
-        """The arm of a hand, seen in undistorted BGR pictures (H, W, 3), one of each view."""
+        """The arm of a hand that was seen in these pictures."""
         wrist, pixels = hand.points[WRIST], self._pixels(hand)
         before = self._tubes.expected(wrist)
         maps = [

@@ -8,14 +8,16 @@ from numpy.typing import NDArray
 
 from common.geometry import Array
 from local_site.calibration.triangulation import project
-from local_site.kernels.compiled import compiled
 from local_site.tracking.foreground.likelihood import LogRatios
 from local_site.tracking.foreground.room import Mask
 from local_site.tracking.foreground.tubes import ArmTubes, RatioMap, Tube
+from local_site.tracking.landmarks.hand_landmarks import MIDDLE_KNUCKLE, WRIST
 
 FINGERS = ((0, 1, 2, 3, 4), (0, 5, 6, 7, 8), (0, 9, 10, 11, 12), (0, 13, 14, 15, 16), (0, 17, 18, 19, 20))
 PALM = (0, 1, 5, 9, 13, 17)
-FLESH_M = 0.024  # skin is at most so far from the bones of a hand
+BARE = 2  # joint of a finger's chain, from which on no cuff covers it
+KNUCKLES, HEEL = (2, 5, 9, 13, 17), 0.4  # the palm begins so far on the way from the wrist to the middle knuckle
+FINGER_M, FLESH_M = 0.016, 0.024  # skin is at most so far from the bones of fingers and palm, as they are found
 WIDER = 1.6  # than the tube: an arm that bulges, a tube a little beside it
 ELBOW_M, UPPER_ARM_M = 0.13, 0.075  # the elbow is only known roughly
 NEVER, PERHAPS, LIKELY, SURE = 0, 1, 2, 3
@@ -56,11 +58,14 @@ def _bridged(arm: Mask, view: RatioMap, tubes: ArmTubes) -> Mask:
 
 
 def bones(view: RatioMap, hand: Array) -> Mask:
-    """The squares (h, w) that are surely on the hand: its bones and what they enclose of the palm."""
+    """The squares (h, w) surely on the hand's skin: its bones and the palm, but for the wrist, where a cuff may be."""
     drawn = np.zeros(view.ratios.shape, np.uint8)
-    squares = np.rint(view.to_squares(hand)).astype(np.int32)
-    cv2.polylines(drawn, [squares[list(finger)] for finger in FINGERS], False, 1)
-    cv2.fillConvexPoly(drawn, cv2.convexHull(squares[list(PALM)]), 1)
+    positions = view.to_squares(hand)
+    squares = np.rint(positions).astype(np.int32)
+    cv2.polylines(drawn, [squares[list(finger[BARE:])] for finger in FINGERS], False, 1)
+    heel = positions[WRIST] + HEEL * (positions[MIDDLE_KNUCKLE] - positions[WRIST])
+    corners = np.vstack([squares[list(KNUCKLES)], np.rint(heel).astype(np.int32)])
+    cv2.fillConvexPoly(drawn, cv2.convexHull(corners), 1)
     return drawn
 
 
@@ -87,12 +92,20 @@ def _point(position: Array) -> tuple[int, int]:
     return x, y
 
 
-def zones(view: RatioMap, hand: Array, tubes: ArmTubes) -> Mask:
-    """Where the arm can be (h, w), from NEVER to SURE."""
+def near_bones(view: RatioMap, hand: Array, wrist: Array) -> Mask:
+    """The squares (h, w) that can be on a hand with landmarks at pixels (21, 2) and a wrist (3,) in m, as PERHAPS."""
     drawn = np.zeros(view.ratios.shape, np.uint8)
     squares = np.rint(view.to_squares(hand)).astype(np.int32)
-    flesh = view.squares_per_m(tubes.forearm.start) * FLESH_M
-    cv2.polylines(drawn, [squares[list(finger)] for finger in FINGERS], False, PERHAPS, max(round(2 * flesh), 1))
+    finger, palm = (max(round(2 * flesh * view.squares_per_m(wrist)), 1) for flesh in (FINGER_M, FLESH_M))
+    cv2.polylines(drawn, [squares[list(bones)] for bones in FINGERS], False, PERHAPS, finger)
+    cv2.polylines(drawn, [squares[list(PALM)]], True, PERHAPS, palm)
+    cv2.fillConvexPoly(drawn, cv2.convexHull(squares[list(PALM)]), PERHAPS)
+    return drawn
+
+
+def zones(view: RatioMap, hand: Array, tubes: ArmTubes) -> Mask:
+    """Where the arm can be (h, w), from NEVER to SURE."""
+    drawn = near_bones(view, hand, tubes.forearm.start)
     scale = view.squares_per_m(tubes.forearm.end)
     middles = view.to_squares(project(view.projection, np.array([tubes.forearm.end, tubes.upper_arm.end])))
     cv2.circle(drawn, _point(middles[0]), round(ELBOW_M * scale), PERHAPS, cv2.FILLED)
@@ -103,31 +116,15 @@ def zones(view: RatioMap, hand: Array, tubes: ArmTubes) -> Mask:
     return drawn
 
 
-@compiled
-def _connected(ratios: LogRatios, zones: Mask) -> Mask:
+def _connected(ratios: LogRatios, possible: Mask) -> Mask:
     """The squares (h, w) that are connected to those that are SURE."""
-    height, width = zones.shape
-    region = np.zeros((height, width), np.uint8)
-    queue = np.empty((height * width, 2), np.int32)
-    count = 0
-    for j in range(height):
-        for i in range(width):
-            if zones[j, i] == SURE:
-                region[j, i] = 1
-                queue[count] = i, j
-                count += 1
-    begin = 0
-    while begin < count:
-        i, j = queue[begin]
-        begin += 1
-        for n in range(4):
-            x, y = i + (1 - n) * (n % 2 == 0), j + (2 - n) * (n % 2 == 1)
-            if 0 <= x < width and 0 <= y < height and region[y, x] == 0 and zones[y, x] != NEVER:
-                if ratios[y, x] > (LEAST_LIKELY if zones[y, x] == LIKELY else LEAST_PERHAPS):
-                    region[y, x] = 1
-                    queue[count] = x, y
-                    count += 1
-    return region
+    sure = possible == SURE
+    likely = (possible == LIKELY) & (ratios > LEAST_LIKELY)
+    allowed = sure | likely | ((possible == PERHAPS) & (ratios > LEAST_PERHAPS))
+    count, labels = cv2.connectedComponents(allowed.astype(np.uint8), connectivity=4)
+    kept = np.zeros(count, np.uint8)
+    kept[labels[sure]] = 1
+    return np.asarray(kept[labels], np.uint8)
 
 
 def _filled(region: Mask) -> Mask:

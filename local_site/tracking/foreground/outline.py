@@ -8,7 +8,7 @@ import numpy as np
 from common.cameras.camera import Image
 from common.geometry import Array
 from local_site.kernels.compiled import compiled
-from local_site.tracking.features.silhouette import Silhouette
+from local_site.tracking.features.silhouette import MIN_CONTOUR_POINTS, Silhouette
 from local_site.tracking.foreground.likelihood import Tables, log_ratio
 from local_site.tracking.foreground.room import Behind, Levels, Mask, Place, Room
 
@@ -41,15 +41,16 @@ def find_outline(
     cover = np.asarray(cv2.GaussianBlur(cover, (3, 3), 0), dtype=np.uint8)
     mask = cv2.threshold(cover, LEVEL, 255, cv2.THRESH_BINARY)[1]
     contours = cv2.findContours(mask, cv2.RETR_EXTERNAL, cv2.CHAIN_APPROX_NONE)[0]
-    if not contours:
+    largest = max(contours, key=cv2.contourArea, default=np.empty((0, 1, 2), np.int32))
+    if len(largest) < MIN_CONTOUR_POINTS:
         return None
-    largest = max(contours, key=cv2.contourArea)
     solid = np.zeros_like(cover)
     cv2.drawContours(solid, [largest], -1, math.ceil(LEVEL) + 1, cv2.FILLED)
     grey = np.zeros(room.seen.shape, np.uint8)
     rows, columns = cover.shape
     grey[top : top + rows, left : left + columns] = cv2.max(solid, cover)
-    return Silhouette(grey, LEVEL, largest.reshape(-1, 2).astype(np.float64) + (left, top))
+    contour = np.asarray(largest.reshape(-1, 2) + (left, top), dtype=np.float64)
+    return Silhouette(grey, LEVEL, contour)
 
 
 def _mean_where(colours: Image, where: Mask) -> Levels:

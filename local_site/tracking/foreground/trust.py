@@ -5,15 +5,15 @@ import numpy as np
 
 from common.geometry import Array
 from local_site.calibration.triangulation import project
-from local_site.tracking.foreground.growing import bones, within
+from local_site.tracking.foreground.growing import WIDER, bones, near_bones, within
 from local_site.tracking.foreground.reasons import ForegroundReason
 from local_site.tracking.foreground.room import Mask
 from local_site.tracking.foreground.tubes import ArmTubes, RatioMap, Tube
 
 MOST_LANDMARKS_OUTSIDE = 10
 LEAST_HAND, LEAST_FOREARM = 0.0, 0.3  # mean log ratios
-NARROW, WIDE, WIDEST = 0.5, 1.25, 1.6  # half widths of the forearm's tube
-MOST_BESIDE = 0.4  # of the squares beside the forearm may be the arm's: a tube is not quite where the forearm is
+NARROW = 0.5  # half widths of the forearm's tube
+MOST_AROUND_FOREARM = 0.85  # of where a forearm can be: it covers two thirds of it
 MOST_AROUND_ELBOW = 0.85  # of a disc: two limbs cover a half of it
 ELBOW_DISC_M = 0.12
 FEW = 30
@@ -31,7 +31,7 @@ def objection(view: RatioMap, hand: Array, arm: Mask, tubes: ArmTubes) -> Foregr
         return ForegroundReason.HAND_CUT
     if forearm_ratio(view, tubes.forearm) < LEAST_FOREARM:
         return ForegroundReason.NO_FOREARM
-    return ForegroundReason.LEAKS if _leaks(view, arm, tubes) else None
+    return ForegroundReason.LEAKS if _leaks(view, hand, arm, tubes) else None
 
 
 def forearm_ratio(view: RatioMap, forearm: Tube) -> float:
@@ -43,14 +43,13 @@ def _mean(view: RatioMap, squares: Mask) -> float:
     return float(cv2.mean(view.ratios, squares)[0])
 
 
-def _leaks(view: RatioMap, arm: Mask, tubes: ArmTubes) -> bool:
+def _leaks(view: RatioMap, hand: Array, arm: Mask, tubes: ArmTubes) -> bool:
     elbow = np.zeros(arm.shape, np.uint8)
     x, y = np.rint(view.to_squares(project(view.projection, tubes.forearm.end))).astype(int).tolist()
     cv2.circle(elbow, (x, y), round(ELBOW_DISC_M * view.squares_per_m(tubes.forearm.end)), 1, cv2.FILLED)
-    wide = within(view, tubes.forearm, WIDE)
-    beside = within(view, tubes.forearm, WIDEST) * (1 - wide) * (1 - elbow)
-    disc = np.count_nonzero(elbow)
-    return _share(arm, beside) > MOST_BESIDE or (disc > FEW and _share(arm, elbow) > MOST_AROUND_ELBOW)
+    off_hand = np.asarray(near_bones(view, hand, tubes.forearm.start) == 0, np.uint8)
+    forearm = within(view, tubes.forearm, WIDER) * (1 - elbow) * off_hand
+    return _share(arm, forearm) > MOST_AROUND_FOREARM or _share(arm, elbow * off_hand) > MOST_AROUND_ELBOW
 
 
 def _share(arm: Mask, squares: Mask) -> float:

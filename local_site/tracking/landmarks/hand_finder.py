@@ -29,14 +29,18 @@ class HandFinder:
         self._alone = [0] * len(self._views)
         self._attempts = 0
 
-    def find(self, views: Views, accept: Accept) -> SeenHand | str:
-        """The hand at the views' instant that `accept` takes for the operator's; or a sentence why there is none."""
-        candidates = [self._views[k].hands(view) for k, view in enumerate(views.views)]
+    def find(self, views: Views, accept: Accept, *, quickly: bool) -> SeenHand | str:
+        """The hand at the views' instant, or a sentence why there is none.
+
+        A hand that is new must be one that `accept` takes for the operator's. Outlines make up for less exact landmarks
+        that are found `quickly`.
+        """
+        candidates = [self._views[k].hands(view, quickly=quickly) for k, view in enumerate(views.views)]
         found = [seen for seen in self._pairing.pairs(candidates) if _is_sure(seen)]
         if not found:
             self._give_up_single_hands(candidates)
             return TrackingReason.NO_HAND if not any(candidates) else TrackingReason.HANDS_DIFFER
-        fitting = [seen for seen in found if accept(seen) and self._is_near(views.t_ns, seen)]
+        fitting = [seen for seen in found if (self._is_near(views.t_ns, seen) if self._last else accept(seen))]
         if not fitting:
             self.forget()
             return TrackingReason.OTHER_HAND

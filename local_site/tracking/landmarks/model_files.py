@@ -34,17 +34,12 @@ HAND_LANDMARKS = _model(
     "hand_landmark_full.tflite",
     "11c272b891e1a99ab034208e23937a8008388cf11ed2a9d776ed3d01d0ba00e3",
 )
-POSE_DETECTION = _model(
-    "pose_detection",
-    "pose_detection.tflite",
-    "9ba9dd3d42efaaba86b4ff0122b06f29c4122e756b329d89dca1e297fd8f866c",
+QUICK_HAND_LANDMARKS = _model(
+    "hand_landmark",
+    "hand_landmark_lite.tflite",
+    "048edd3645c9bf7397d19a9f6e3a42957d6e414c9bea6598030a2e9b624156e6",
 )
-POSE_LANDMARKS = _model(
-    "pose_landmark",
-    "pose_landmark_full.tflite",
-    "e9a5c5cb17f736fafd4c2ec1da3b3d331d6edbe8a0d32395855aeb2cdfd64b9f",
-)
-MODEL_FILES = (PALM_DETECTION, HAND_LANDMARKS, POSE_DETECTION, POSE_LANDMARKS)
+MODEL_FILES = (PALM_DETECTION, HAND_LANDMARKS, QUICK_HAND_LANDMARKS)
 
 
 def model_folder() -> Path:

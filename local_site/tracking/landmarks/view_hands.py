@@ -1,6 +1,7 @@
 """The hands in one camera's frames: each frame is searched or followed once, and interpolated between two exposures."""
 
 from dataclasses import replace
+from functools import partial
 
 import cv2
 import numpy as np
@@ -25,10 +26,10 @@ class ViewHands:
         self._camera, self._follower, self._right_arm = camera, follower, right_arm
         self._frames = FrameCache(_blend)
 
-    def hands(self, view: View) -> list[HandLandmarks]:
+    def hands(self, view: View, *, quickly: bool = False) -> list[HandLandmarks]:
         """The hand that is followed, or, with none, what the next search finds."""
         if self._follower.is_following:
-            found = self._frames.at(view, self._follow)
+            found = self._frames.at(view, partial(self._follow, quickly=quickly))
             if not isinstance(found, str):
                 return [found]
             self.lose()
@@ -58,8 +59,11 @@ class ViewHands:
         """Whether it knows where the hand is."""
         return self._follower.is_following
 
-    def _follow(self, frame: Frame) -> HandLandmarks | str:
-        hand = self._follower.follow(as_bgr(frame.image))
+    def _follow(self, frame: Frame, *, quickly: bool) -> HandLandmarks | str:
+        image = as_bgr(frame.image)
+        hand = self._follower.follow(image, quickly=quickly)
+        if quickly and (hand is None or hand.score < FOUND_SCORE or self.side(hand) < TURNED_RIGHT):
+            hand = self._follower.follow(image, quickly=False)
         if hand is None or hand.score < FOLLOWED_SCORE:
             return f"{self._camera.name}: the hand is not seen where it was"
         return hand

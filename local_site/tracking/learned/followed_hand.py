@@ -37,7 +37,7 @@ REMEMBERED_SCALES = 60
 class FittedHand:
     """A hand at one instant: the fit, the tips of index and thumb on the skin, and whether the fingers are open.
 
-    `landmark_views` is how many views showed it rightly.
+    `landmark_views` and `outline_views` are how many views showed its landmarks rightly, and its outline.
     """
 
     fit: HandFit
@@ -45,22 +45,22 @@ class FittedHand:
     thumb: Tip
     hand_open: bool
     landmark_views: int
+    outline_views: int
 
     @property
     def wrist_covariance(self) -> Array:
         """The wrist's covariance (3, 3) in m²."""
-        covariance: Array = np.linalg.inv(self.fit.information)[:3, :3]
-        return covariance
+        return np.asarray(np.linalg.inv(self.fit.information)[:3, :3], dtype=np.float64)
 
     @property
     def is_clear(self) -> bool:
         """Whether landmarks or outlines of two views show a hand that the model explains."""
-        return self.fit.cost < MAX_COST and max(self.landmark_views, self.index.views) >= MIN_VIEWS
+        return self.fit.cost < MAX_COST and max(self.landmark_views, self.outline_views) >= MIN_VIEWS
 
     @property
     def thumb_inferred(self) -> bool:
         """Whether neither landmarks nor outlines of two views show the thumb."""
-        return max(self.landmark_views, self.thumb.views) < MIN_VIEWS
+        return self.landmark_views + self.thumb.views < MIN_VIEWS
 
 
 class FollowedHand:
@@ -99,8 +99,9 @@ class FollowedHand:
             self._habits.learn_fit(fit)
         self._open = self._is_open(fit.pose.posture)
         index, thumb = find_tips(views, fit.spheres, (INDEX, THUMB))
-        shown = sum(len(view.landmarks) > 0 for view in views)
-        return FittedHand(fit, index, thumb, self._open, shown)
+        landmark_views = sum(len(view.landmarks) > 0 for view in views)
+        outline_views = sum(len(view.pixels) > 0 for view in views)
+        return FittedHand(fit, index, thumb, self._open, landmark_views, outline_views)
 
     def _is_open(self, posture: Array) -> bool:
         """Whether all fingers are stretched well beyond their usual curl; with hysteresis (thesis 4.2)."""
@@ -130,7 +131,7 @@ class FollowedHand:
             palm = list(PALM_LANDMARKS)
             moved = last._replace(wrist=last.wrist + np.mean(landmarks[palm] - before[palm], axis=0))
             yield moved, near_last(self._expected(last.posture), last.posture)
-        if any(len(view.landmarks) for view in views):
+        if sum(len(view.landmarks) > 0 for view in views) >= MIN_VIEWS:
             start = pose_from_landmarks(landmarks, person, belief.posture[PALM:])
             alone = [
                 NO_VIEW._replace(

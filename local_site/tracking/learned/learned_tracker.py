@@ -46,6 +46,7 @@ class LearnedTracker:
         self._room = RoomPictures()
         self._operator = Acquaintance(config, profile)
         self._hand = FollowedHand(config.right_arm, profile)
+        self._outlined = False
 
     @property
     def profile(self) -> OperatorProfile | None:
@@ -59,7 +60,7 @@ class LearnedTracker:
         """The arm at the views' instant; a frame that cannot be tracked gives the reason."""
         if len(views.views) != len(self._rig.cameras) or len(views.views) < MIN_VIEWS:
             return self._lost(views, f"{len(views.views)} views for {len(self._rig.cameras)} calibrated cameras")
-        seen = self._finder.find(views, self._operator.may_be)
+        seen = self._finder.find(views, self._operator.may_be, quickly=self._outlined)
         if isinstance(seen, str):
             return self._lost(views, seen)
         if not self._operator.has_side(views.t_ns, seen):
@@ -110,6 +111,7 @@ class LearnedTracker:
             if not elbow_reason:
                 points["elbow"] = arm.joints.elbow
                 covariances["elbow"] = elbow_covariance(arm.joints, arm.limbs)
+        self._outlined = self._operator.is_known and hand.is_clear and hand.outline_views >= MIN_VIEWS
         status, reason = self._operator.status(t_ns, reasons, elbow_reason)
         return ArmEstimate(
             t_ns,
@@ -120,7 +122,7 @@ class LearnedTracker:
             hand_open=hand.hand_open,
             overlays=overlays,
             covariances=covariances,
-            residual_px=seen.residual_px,
+            residual_px=arm.residual_px if isinstance(arm, SeenArm) and arm.residual_px else seen.residual_px,
         )
 
     def _judge_arm(self, arm: SeenArm | NoArm, wrist: Array, hand_reasons: list[TrackingReason]) -> str:
@@ -134,6 +136,7 @@ class LearnedTracker:
 
     def _lost(self, views: Views, reason: str) -> ArmEstimate:
         self._hand.forget()
+        self._outlined = False
         self._outlines.forget()
         if reason == TrackingReason.NO_HAND and not self._operator.is_known:
             room = self._room.take(views)

@@ -249,5 +249,23 @@ def test_a_mapping_restored_from_a_reference_goes_on_as_the_one_that_gave_it(set
     given, restored = engaged(first), RelativeMapping(MappingConfig())
     given.steer(settings, WRIST, first, TOOL)
     given.target(WRIST, first)
-    restored.restore(given.reference(hand_sample(1, 0)), settings)
+    restored.restore(given.reference(hand_sample(1, 0), np.eye(3)), settings)
     assert restored.target(WRIST + 0.1, then) == pytest.approx(given.target(WRIST + 0.1, then), abs=1e-9)
+
+
+@pytest.mark.parametrize("settings", [OperatorSettings(), OperatorSettings(rotation_scale=0.5, locks=Locks(roll=True))])
+def test_a_mapping_restored_while_the_tool_lags_behind_the_hand_goes_on_with_the_same_lag(settings):
+    first, shown, then = (rotation_from_vector(np.array(v)) for v in ([0.2, 0, 0.3], [0.5, 0.4, 0], [0.1, 0.6, 0.1]))
+    lag = rotation_from_vector(np.array([0.3, -0.1, 0.05]))
+    given, restored = engaged(first), RelativeMapping(MappingConfig())
+    given.steer(settings, WRIST, first, TOOL)
+    given.target(WRIST, shown @ lag)
+    restored.restore(given.reference(hand_sample(1, 0), lag), settings)
+    assert restored.target(WRIST, then) == pytest.approx(given.target(WRIST, then @ lag), abs=1e-9)
+
+
+def test_a_mapping_restored_while_the_hand_is_withheld_follows_from_the_next_orientation():
+    given, restored = engaged(np.eye(3)), RelativeMapping(MappingConfig())
+    kept = given.target(WRIST, rotation_from_vector(np.array([0.0, 0.2, 0.0])))
+    restored.restore(given.reference(hand_sample(1, 0), None), OperatorSettings())
+    assert restored.target(WRIST, rotation_from_vector(np.array([0.5, 0.0, 0.0]))) == pytest.approx(kept, abs=1e-9)

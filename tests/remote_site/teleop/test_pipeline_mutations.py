@@ -33,7 +33,7 @@ def not_tracked(status, expected):
 
 
 def no_orientation(**changes):
-    test = of_validator.test_no_orientation_while_a_tip_is_missing_or_inferred_or_the_hand_is_open
+    test = of_validator.test_no_orientation_while_a_tip_is_missing_or_inferred_blindly_or_the_hand_is_open
     return validator(test, changes)
 
 
@@ -116,12 +116,18 @@ TEXTS = [
     (
         SampleValidator,
         "_judge",
-        " if certainty.orientation else None",
-        "",
+        "shown if any(speeds) else None",
+        "shown",
         validator(of_validator.test_the_orientation_of_tips_that_are_poorly_known_never_acts_however_calm),
     ),
     (validator_module, "shown_orientation", "or sample.hand_open", "", no_orientation(hand_open=True)),
-    (validator_module, "shown_orientation", "or sample.thumb_inferred", "", no_orientation(thumb_inferred=True)),
+    (
+        validator_module,
+        "shown_orientation",
+        "sample.thumb_inferred and not _tells_covariances(sample)",
+        "False",
+        no_orientation(thumb_inferred=True),
+    ),
     (
         validator_module,
         "clock_offset",

@@ -25,6 +25,7 @@ from tests.remote_site.remote_loop import hand
 
 NOW = 1_000 * NS_PER_MS
 PERIOD = 33 * NS_PER_MS
+SURE = (1e-6, 0.0, 0.0, 1e-6, 0.0, 1e-6)  # 1 mm along each axis
 
 
 @pytest.fixture
@@ -151,12 +152,13 @@ def test_a_wrist_that_is_not_finite_is_refused(intake, value):
         {"index": None},
         {"thumb": None},
         {"thumb_inferred": True},
+        {"thumb_inferred": True, "covariance": PointCovariances(wrist=SURE, index=SURE)},
         {"hand_open": True},
         {"index": (0.0, np.nan, 0.0)},
         {"thumb": (0.0, 0.0, 0.3)},
     ],
 )
-def test_no_orientation_while_a_tip_is_missing_or_inferred_or_the_hand_is_open(intake, changes):
+def test_no_orientation_while_a_tip_is_missing_or_inferred_blindly_or_the_hand_is_open(intake, changes):
     def result(seq, **changes):
         return accept(intake, hand(seq, NOW + seq * 33 * NS_PER_MS, **changes))
 
@@ -164,15 +166,29 @@ def test_no_orientation_while_a_tip_is_missing_or_inferred_or_the_hand_is_open(i
     assert calm[-1].operator_R_hand is not None
     changed = [result(seq, **changes) for seq in range(21, 24)]
     assert all(isinstance(r, Accepted) for r in changed)
-    assert [r.operator_R_hand for r in changed[1:]] == [None, None]
+    assert [r.operator_R_hand for r in changed] == [None] * 3
 
 
 def test_the_orientation_of_tips_that_are_poorly_known_never_acts_however_calm(intake):
-    poor = (0.0036, 0.0, 0.0, 0.0, 0.0, 0.0)  # 60 mm
+    poor = (0.0036, 0.0, 0.0, 0.0036, 0.0, 0.0036)  # 60 mm along each axis
     covariance = PointCovariances(index=poor, thumb=poor)
     results = [accept(intake, hand(k, NOW + k * PERIOD, covariance=covariance)) for k in range(1, 31)]
     assert all(isinstance(result, Accepted) for result in results)
     assert {result.operator_R_hand is None for result in results} == {True}
+
+
+def test_an_inferred_thumb_that_is_known_well_enough_turns_the_tool_but_never_fast(intake):
+    known = PointCovariances(wrist=SURE, index=SURE, thumb=SURE)
+    results = [accept(intake, hand(k, NOW + k * PERIOD, thumb_inferred=True, covariance=known)) for k in range(1, 10)]
+    assert results[-1].operator_R_hand is not None
+    assert np.degrees(results[-1].turn_rad_s) == pytest.approx([45.0] * 3)
+
+
+def test_where_only_the_roll_is_poorly_known_the_hand_still_points(intake):
+    known = PointCovariances(wrist=SURE, index=SURE, thumb=(4e-4, 0.0, 0.0, 4e-4, 0.0, 4e-4))  # 20 mm along each axis
+    results = [accept(intake, hand(k, NOW + k * PERIOD, covariance=known)) for k in range(1, 10)]
+    assert results[-1].operator_R_hand is not None
+    assert results[-1].turn_rad_s == (0.0, np.inf, np.inf)
 
 
 def test_a_wrist_that_is_poorly_known_counts_as_a_lost_hand(intake):

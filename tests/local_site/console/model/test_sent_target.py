@@ -16,6 +16,7 @@ from common.messages.requests import Description
 from common.messages.robot import RobotState, SessionState
 from local_site.console.model.sent_target import SentTarget
 from remote_site.teleop.config import LocksConfig, MappingConfig
+from remote_site.teleop.followed_orientation import FollowedOrientation
 from tests.local_site.console.followed_remote import BORN, CONFIG, LEASE, SESSION, Remote, cell, sample
 
 EXACT = 1e-6  # m and rad: numbers travel with single precision
@@ -59,11 +60,18 @@ def hands(given_moves: list[Any]) -> list[HandArm]:
     st.sampled_from([LocksConfig(), LocksConfig(y=True, yaw=True)]),
     st.sampled_from(list(HandPoint)),
 )
-def test_it_is_what_the_remote_site_makes_of_the_same_samples(
+def test_it_is_what_the_remote_site_makes_of_the_same_samples_but_for_what_it_makes_up_or_takes_back(
     given_moves: list[Any], answered: int, scale: float, own: LocksConfig, point: HandPoint
 ) -> None:
     mapping = MappingConfig(scale=scale, locks=own, point=point)
     samples, remote = hands(given_moves), Remote(mapping)
+    with pytest.MonkeyPatch.context() as patched:
+        patched.setattr(FollowedOrientation, "_made_up", lambda _self, lag, *_: lag)
+        patched.setattr(FollowedOrientation, "_take_back", lambda *_: None)
+        assert_foreseen(mapping, samples, remote, answered)
+
+
+def assert_foreseen(mapping: MappingConfig, samples: list[HandArm], remote: Remote, answered: int) -> None:
     answered = min(answered, len(samples) - 1)
     for hand in samples[: answered + 1]:
         remote.follow(hand)

@@ -1,25 +1,28 @@
 """A filmed person: a posed arm of the mesh in skin and sleeve, of either side, and a simple torso with a head."""
 
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 
 import numpy as np
 from numpy.typing import NDArray
 
-from bench.tracking.films.arm_mesh import ArmMesh
+from bench.tracking.films.arm.arm_mesh import ArmMesh
+from bench.tracking.films.arm.motions import ArmMotion
+from bench.tracking.films.arm.posing import PosedArm
+from bench.tracking.films.arm.postures import PostureName, posture_angles
+from bench.tracking.films.arm.skin import TONES, Tone, along_upper_arm, arm_albedo
 from bench.tracking.films.film import HandTruth
-from bench.tracking.films.motions import ArmMotion
-from bench.tracking.films.posing import PosedArm
-from bench.tracking.films.postures import PostureName, posture_angles
-from bench.tracking.films.skin import TONES, Tone, arm_albedo, linear
+from bench.tracking.films.picture.light import linear
 from common.geometry import Array
+from local_site.kernels.rasterising import Triangles
 from local_site.simulation.body import ArmTruth
 
 MIRROR_X = 0.53  # a left arm is a right one mirrored in the plane x = MIRROR_X
 RINGS, SPOKES = 18, 28
+BEGINS_AT = 0.06  # of the upper arm: what the mesh has before is the rim of a cut
 # Middle from the shoulder and half axes, in m: the torso stands between shoulder and cameras, seen from its side.
-TORSO = (np.array([0.09, -0.17, -0.26]), np.array([0.12, 0.20, 0.36]))
+TORSO = (np.array([0.09, -0.17, -0.42]), np.array([0.12, 0.20, 0.53]))
 HEAD = (np.array([0.06, -0.17, 0.27]), np.array([0.095, 0.075, 0.125]))
-SHOULDER = (np.array([0.02, -0.02, 0.0]), np.array([0.08, 0.085, 0.08]))
+SHOULDER = (np.array([-0.015, -0.015, -0.015]), np.array([0.084, 0.082, 0.078]))
 NECK = (np.array([0.08, -0.17, 0.12]), np.array([0.055, 0.055, 0.12]))
 
 
@@ -28,7 +31,7 @@ class Surface:
     """A surface: vertices (V, 3) in m in the operator frame, triangles (T, 3), albedo (V, 3), linear BGR."""
 
     vertices: Array
-    triangles: NDArray[np.int32]
+    triangles: Triangles
     albedo: Array
 
 
@@ -61,9 +64,10 @@ class PersonInMotion:
         self._arm = PosedArm(person.mesh)
         self._albedo = arm_albedo(person.mesh, person.tone, person.sleeve_srgb, person.seed)
         self._closed, self._open = posture_angles(person.posture), posture_angles("open")
-        triangles = person.mesh.triangles
-        self._triangles = triangles if person.right else np.ascontiguousarray(triangles[:, ::-1])
-        self._body = _body(person.motion.pose(0.0).shoulder, linear(np.array(person.sleeve_srgb)), person.tone)
+        self._triangles = _handed(person.mesh.triangles[_beyond_shoulder(person.mesh)], person.right)
+        cloth = linear(np.array(person.sleeve_srgb))
+        body = body_of(person.motion.pose(0.0).shoulder, cloth, person.tone)
+        self._body = replace(body, triangles=_handed(body.triangles, person.right))
 
     def arm(self, t_s: float, offset: Array) -> Surface:
         """The arm's surface, moved by an offset (3,) in m."""
@@ -72,8 +76,7 @@ class PersonInMotion:
 
     def body(self, offset: Array) -> Surface:
         """Torso, neck and head."""
-        triangles = self._body.triangles if self._person.right else self._body.triangles[:, ::-1].copy()
-        return Surface(self._placed(self._body.vertices) + offset, triangles, self._body.albedo)
+        return replace(self._body, vertices=self._placed(self._body.vertices) + offset)
 
     def truth(self, t_s: float, offset: Array) -> HandTruth:
         """What is to be found of the arm, moved by an offset (3,) in m."""
@@ -102,7 +105,20 @@ class PersonInMotion:
         return mirrored + self._person.offset
 
 
-def _body(shoulder: Array, cloth: Array, tone: Tone) -> Surface:
+def _handed(triangles: Triangles, right: bool) -> Triangles:
+    """Triangles that are seen from outside, also on a mirrored surface."""
+    return np.ascontiguousarray(triangles if right else triangles[:, ::-1])
+
+
+def _beyond_shoulder(mesh: ArmMesh) -> NDArray[np.bool_]:
+    """Which triangles (T,) lie beyond the shoulder, of which the mesh has only a rim."""
+    at = np.asarray(mesh.fine @ along_upper_arm(mesh, mesh.vertices))
+    kept: NDArray[np.bool_] = at[mesh.triangles].min(axis=1) > BEGINS_AT
+    return kept
+
+
+def body_of(shoulder: Array, cloth: Array, tone: Tone) -> Surface:
+    """Torso, neck and head of a person whose right shoulder is at (3,) in m; `cloth` (3,) is linear RGB."""
     skin = linear(np.array(TONES[tone]))
     surfaces = [
         ellipsoid(shoulder + NECK[0], NECK[1], skin),

@@ -34,10 +34,10 @@ class Placing:
 PLACINGS: dict[RigName, tuple[Placing, ...]] = {
     "standard": (Placing(-25.0), Placing(25.0)),
     "close": (Placing(-20.0, 20.0, 0.9, 560.0), Placing(22.0, 18.0, 0.95, 560.0)),
-    "wide": (Placing(-42.0, 10.0, 1.4, 700.0), Placing(38.0, 22.0, 1.6, 760.0)),
+    "wide": (Placing(-46.0, 10.0, 1.4, 700.0), Placing(30.0, 22.0, 1.6, 760.0)),
     "high": (Placing(-22.0, 45.0, 1.3, 640.0), Placing(24.0, 32.0, 1.3, 640.0)),
     "distorted": (Placing(-25.0, 15.0, 1.2, 620.0, -0.1), Placing(25.0, 18.0, 1.2, 620.0, -0.1)),
-    "four": (Placing(-25.0), Placing(25.0), Placing(-8.0, 40.0), Placing(50.0, 20.0)),
+    "four": (Placing(-25.0), Placing(25.0), Placing(-8.0, 40.0), Placing(-48.0, 20.0)),
 }
 
 

@@ -4,9 +4,9 @@ from typing import Literal
 
 import numpy as np
 
-from bench.tracking.films.arm_mesh import ArmMesh
+from bench.tracking.films.arm.arm_mesh import ArmMesh
+from bench.tracking.films.picture.light import linear, vertex_normals
 from common.geometry import Array
-from local_site.kernels.rasterising import Triangles
 
 Tone = Literal["light", "medium", "dark"]
 
@@ -18,18 +18,6 @@ NAIL_TOWARDS = np.array([1.08, 1.02, 1.03])
 PALM_LIGHTER = {"light": 1.0, "medium": 1.18, "dark": 1.7}
 MOTTLE = 0.05
 SLEEVE_SHARE = 0.45  # of the upper arm, from the shoulder, that the sleeve covers
-
-
-def linear(srgb: Array) -> Array:
-    """Linear light from 0 to 1, of sRGB from 0 to 255."""
-    unit = np.asarray(srgb, float) / 255.0
-    return np.where(unit <= 0.04045, unit / 12.92, ((unit + 0.055) / 1.055) ** 2.4)
-
-
-def srgb(light: Array) -> Array:
-    """sRGB from 0 to 255, of linear light."""
-    clipped = np.clip(light, 0.0, 1.0)
-    return 255.0 * np.where(clipped <= 0.0031308, 12.92 * clipped, 1.055 * clipped ** (1 / 2.4) - 0.055)
 
 
 def arm_albedo(mesh: ArmMesh, tone: Tone, sleeve_srgb: tuple[int, int, int], seed: int) -> Array:
@@ -49,10 +37,15 @@ def arm_albedo(mesh: ArmMesh, tone: Tone, sleeve_srgb: tuple[int, int, int], see
             colour *= 1.0 + 0.8 * near[:, None] * (KNUCKLE_TOWARDS - 1.0)
     colour *= 1.0 + (_nails(mesh, rest, outward, weights)[:, None]) * (NAIL_TOWARDS * 1.15 - 1.0)
     colour *= 1.0 + MOTTLE * random.standard_normal((len(rest), 1)) * (0.6, 1.0, 1.0)
-    shoulder, elbow = mesh.heads[mesh.bone("upperarm01")], mesh.heads[mesh.bone("lowerarm01")]
-    along = (rest - shoulder) @ (elbow - shoulder) / np.sum((elbow - shoulder) ** 2)
-    colour[along < SLEEVE_SHARE] = linear(np.array(sleeve_srgb))
+    colour[along_upper_arm(mesh, rest) < SLEEVE_SHARE] = linear(np.array(sleeve_srgb))
     return colour[:, ::-1].copy()
+
+
+def along_upper_arm(mesh: ArmMesh, rest: Array) -> Array:
+    """Where points (N, 3) at rest lie along the upper arm: 0 at the shoulder, 1 at the elbow and all beyond it."""
+    shoulder, elbow = mesh.heads[mesh.bone("upperarm01")], mesh.heads[mesh.bone("lowerarm01")]
+    along: Array = (rest - shoulder) @ (elbow - shoulder) / np.sum((elbow - shoulder) ** 2)
+    return np.minimum(along, 1.0)
 
 
 def _nails(mesh: ArmMesh, rest: Array, outward: Array, weights: Array) -> Array:
@@ -67,15 +60,3 @@ def _nails(mesh: ArmMesh, rest: Array, outward: Array, weights: Array) -> Array:
         facing = outward @ back / np.linalg.norm(back)
         nails += (weights[:, bone] > 0.5) * np.clip(8.0 * (at - 0.42), 0, 1) * np.clip(4.0 * (facing - 0.62), 0, 1)
     return nails
-
-
-def vertex_normals(vertices: Array, triangles: Triangles) -> Array:
-    """The unit normals (V, 3) of a surface, outwards, each the mean of its triangles' by area."""
-    a, b, c = (vertices[triangles[:, k]] for k in range(3))
-    across = np.cross(b - a, c - a)
-    normals = np.zeros_like(vertices)
-    for k in range(3):
-        for axis in range(3):
-            normals[:, axis] += np.bincount(triangles[:, k], across[:, axis], len(vertices))
-    unit: Array = normals / np.maximum(np.linalg.norm(normals, axis=1, keepdims=True), 1e-12)
-    return unit

@@ -2,11 +2,12 @@
 
 import numpy as np
 
-from bench.tracking.films.arm_mesh import ArmMesh
+from bench.tracking.films.arm.arm_mesh import ArmMesh
 from common.geometry import Array, rotation_from_vector
 from local_site.simulation.body import OPEN_ABOVE, ArmTruth, BodyPose
 
 PHALANX_SHARE = 0.5  # of a vertex's weights, by which it belongs to the last phalanx
+THUMB = 1
 FOREARM_TWISTS = (0.35, 0.8)  # which part of the hand's turn each half of the forearm follows
 
 
@@ -20,6 +21,7 @@ class PosedArm:
         self._hinge = _unit(np.cross(wrist - elbow, elbow - shoulder))
         self._rest_upper = _frame(elbow - shoulder, self._hinge)
         self._rest_forearm = _frame(wrist - elbow, self._hinge)
+        self._hinges = [[_hinge(mesh, digit, k) for k in range(3)] for digit in range(1, 6)]
         weights = mesh.fine @ mesh.weights
         self._phalanges = {
             name: np.flatnonzero(weights[:, mesh.bone(f"finger{k}-3")] > PHALANX_SHARE)
@@ -83,19 +85,21 @@ class PosedArm:
 
     def _joint(self, digit: int, k: int, flexion: float, aside: float) -> Array:
         """The rotation (3, 3) of one joint in the mesh's frame at rest."""
-        mesh, (x, _, z) = self._mesh, self._rest_hand.T
-        bone = mesh.bone(f"finger{digit}-{k + 1}")
-        along = _unit(mesh.tails[bone] - mesh.heads[bone])
-        if digit == 1:
-            opposition = rotation_from_vector(-flexion * x) @ rotation_from_vector(aside * z)
-            return opposition if k == 0 else rotation_from_vector(flexion * self._thumb_hinge())
-        bend = rotation_from_vector(flexion * _unit(np.cross(along, -z)))
-        return bend if k else rotation_from_vector(aside * z) @ bend
+        bend = rotation_from_vector(flexion * self._hinges[digit - 1][k])
+        if k:
+            return bend
+        spread = rotation_from_vector(aside * self._rest_hand[:, 2])
+        return bend @ spread if digit == THUMB else spread @ bend
 
-    def _thumb_hinge(self) -> Array:
-        mesh = self._mesh
-        first, last = (mesh.tails[b] - mesh.heads[b] for b in (mesh.bone("finger1-1"), mesh.bone("finger1-3")))
-        return _unit(np.cross(first, last))
+
+def _hinge(mesh: ArmMesh, digit: int, k: int) -> Array:
+    """The unit axis of a joint at rest: a finger's bends to the palm, the thumb's first turns it before the palm."""
+    x, _, z = mesh.hand_at_rest().T
+    if digit == THUMB and k == 0:
+        return np.asarray(-x, dtype=np.float64)
+    first, bone, last = (mesh.bone(f"finger{digit}-{n}") for n in (1, k + 1, 3))
+    along, start, end = (mesh.tails[b] - mesh.heads[b] for b in (bone, first, last))
+    return _unit(np.cross(start, end) if digit == THUMB else np.cross(_unit(along), -z))
 
 
 def _twist(axis: Array, one: Array, other: Array) -> float:

@@ -8,10 +8,11 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.sparse import csr_array
 
-from bench.tracking.films.subdivision import subdivided
+from bench.tracking.films.arm.subdivision import subdivided
+from common.errors import ConfigError
 from common.geometry import Array
 
-MESH = Path(__file__).resolve().parents[3] / "../shared/data/arm_model.npz"
+MESH = Path(__file__).resolve().parents[4] / "../shared/data/arm_model.npz"
 MM = 1e-3
 
 Body = Literal["average", "thin", "muscular"]
@@ -59,7 +60,12 @@ class ArmMesh:
 
 
 def load_arm_mesh(path: Path, body: Body) -> ArmMesh:
-    """The mesh of a body in a file with quads, weights, bones, and verts, head and tail of each body in mm."""
+    """The mesh of a body in a file with quads, weights, bones, and verts, head and tail of each body in mm.
+
+    ConfigError when the file is missing.
+    """
+    if not path.exists():
+        raise ConfigError(f"{path} is missing: put the arm's mesh there, it comes with the recordings")
     with np.load(path, allow_pickle=False) as data:
         quads = np.asarray(data["quads"], np.int32)
         vertices = MM * np.asarray(data[f"verts_{body}"], float)

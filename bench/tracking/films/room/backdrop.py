@@ -4,13 +4,14 @@ import cv2
 import numpy as np
 from numpy.typing import NDArray
 
-from bench.tracking.films.rendering import Picture
-from bench.tracking.films.rooms import (
+from bench.tracking.films.picture.rendering import Picture
+from bench.tracking.films.room.rooms import (
     DESK_FRONT,
     DESK_LEFT,
     DESK_PX_PER_M,
     DESK_SHAPE,
     DESK_Z,
+    SHADE_PX,
     WALL_LEFT,
     WALL_PX_PER_M,
     WALL_TOP,
@@ -24,6 +25,7 @@ from local_site.calibration.physical_camera import PhysicalCamera
 Mask = NDArray[np.bool_]
 
 FAR_M = 1e3
+MOST_PX = 16000.0  # a warp in whole and parts of px holds no more
 BLUR_SHARE = 0.0016  # of the picture's width: the room lies behind the focus
 
 
@@ -35,26 +37,38 @@ class SeenRoom:
         self._sigma = BLUR_SHARE * size[0]
         wall, desk, desk_is_nearer = _warps(camera, size)
         desk_inside = _inside(desk, DESK_SHAPE) & desk_is_nearer
-        self._wall = cv2.convertMaps(wall, np.empty(0), cv2.CV_16SC2)
+        shaded = np.where(desk_inside[..., None], desk, wall) / SHADE_PX
+        self._shaded = _fixed(shaded.astype(np.float32))
+        self._wall = _fixed(wall)
         self._desk_at = desk_inside
-        seen_desk = cv2.remap(room.desk, desk, np.empty(0), cv2.INTER_LINEAR, borderMode=cv2.BORDER_REPLICATE)
+        seen_desk = cv2.remap(room.desk, *_fixed(desk), cv2.INTER_LINEAR, borderMode=cv2.BORDER_REPLICATE)
         self._desk = np.asarray(seen_desk, np.uint8)[desk_inside]
         self._still = self._seen(room.wall) if room.moving is None else None
 
     def at(self, t_s: float) -> Picture:
         """The picture (H, W, 3), BGR from 0 to 255, at a time in s; the caller may draw on it."""
         if self._still is not None:
-            return self._still.copy()
+            return self._still.copy() if self._room.shade is None else self._still * self._shade(self._room.shade(t_s))
         wall = self._room.wall.copy()
         if self._room.moving is not None:
             self._room.moving(wall, t_s)
         return self._seen(wall)
+
+    def _shade(self, shade: Picture) -> Picture:
+        seen = cv2.remap(shade, *self._shaded, cv2.INTER_LINEAR, borderMode=cv2.BORDER_REFLECT)
+        return np.asarray(seen, dtype=np.float32)[..., None]
 
     def _seen(self, wall: Image) -> Picture:
         picture = np.asarray(cv2.remap(wall, *self._wall, cv2.INTER_LINEAR, borderMode=cv2.BORDER_REFLECT), np.uint8)
         picture[self._desk_at] = self._desk
         blurred = cv2.GaussianBlur(picture, (0, 0), self._sigma)
         return np.asarray(blurred, np.float32)
+
+
+def _fixed(warp: Picture) -> tuple[cv2.typing.MatLike, cv2.typing.MatLike]:
+    """A warp in the form that is applied fastest."""
+    clipped = np.clip(warp, -MOST_PX, MOST_PX)
+    return cv2.convertMaps(clipped[..., 0], clipped[..., 1], cv2.CV_16SC2)
 
 
 def _warps(camera: PhysicalCamera, size: tuple[int, int]) -> tuple[Picture, Picture, Mask]:

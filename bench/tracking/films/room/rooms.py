@@ -10,12 +10,14 @@ import cv2
 import matplotlib as mpl
 import numpy as np
 from numpy.random import Generator
+from numpy.typing import NDArray
 
-from bench.tracking.films import furniture
+from bench.tracking.films.room import furniture
+from bench.tracking.films.room.portrait import hand_portrait
 from common.cameras.camera import Image
 from common.errors import CameraError
 
-RoomName = Literal["plain", "office", "wood", "photograph", "fan"]
+RoomName = Literal["plain", "office", "wood", "photograph", "fan", "poster"]
 
 # The wall is the plane y = WALL_Y, the desk z = DESK_Z, both in m in the operator frame.
 WALL_Y, WALL_LEFT, WALL_TOP = 1.75, -2.2, 2.2
@@ -23,16 +25,21 @@ DESK_Z, DESK_LEFT, DESK_FRONT = 0.02, -0.9, -0.5
 WALL_SHAPE, WALL_PX_PER_M = (1600, 2600), 480.0
 DESK_SHAPE, DESK_PX_PER_M = (900, 1300), 480.0
 PHOTOGRAPH = Path(mpl.get_data_path()) / "sample_data" / "grace_hopper.jpg"  # public domain
+SHADE_PX = 8  # of the wall, to one of a shade
 FAN_AT, FAN_RADIUS = (1500, 560), 210
 
 
 @dataclass(frozen=True, slots=True)
 class Room:
-    """A wall and a desk (H, W, 3), BGR, and what moves: it changes a copy of the wall for a time in s."""
+    """A wall and a desk (H, W, 3), BGR, and what moves by the time in s: it draws on a copy of the wall, or shades.
+
+    The shade (h, w) is how much light is left, from 0 to 1, on the whole wall and as much on the desk.
+    """
 
     wall: Image
     desk: Image
     moving: Callable[[Image, float], None] | None = None
+    shade: Callable[[float], NDArray[np.float32]] | None = None
 
 
 def furnished(name: RoomName, seed: int) -> Room:
@@ -70,19 +77,17 @@ def _office(random: Generator) -> Room:
 def _wood(random: Generator) -> Room:
     """Wood of skin's colour everywhere, over which shadows move."""
     wall, desk = furniture.wooden(WALL_SHAPE, random), furniture.wooden(DESK_SHAPE, random)
-    height, width = WALL_SHAPE
     drifts = random.uniform(0.6, 1.4, (3, 2))
 
-    def shadows(picture: Image, t_s: float) -> None:
-        dark = np.zeros((height // 8, width // 8), np.float32)
+    def shade(t_s: float) -> NDArray[np.float32]:
+        dark = np.zeros((WALL_SHAPE[0] // SHADE_PX, WALL_SHAPE[1] // SHADE_PX), np.float32)
         for k, (across, down) in enumerate(drifts):
             x = (0.3 + 0.2 * k + 0.12 * math.sin(across * t_s + k)) * dark.shape[1]
             y = (0.35 + 0.12 * math.sin(down * t_s + 2.0 * k)) * dark.shape[0]
             cv2.ellipse(dark, (round(x), round(y)), (26, 60), 20.0 * k, 0, 360, 1.0, -1)
-        soft = cv2.resize(cv2.GaussianBlur(dark, (0, 0), 5.0), (width, height))
-        np.copyto(picture, cv2.multiply(picture, cv2.merge([1.0 - 0.45 * soft] * 3), dtype=cv2.CV_8U))
+        return np.asarray(1.0 - 0.45 * cv2.GaussianBlur(dark, (0, 0), 5.0), dtype=np.float32)
 
-    return Room(wall, desk, shadows)
+    return Room(wall, desk, shade=shade)
 
 
 def _photograph(random: Generator) -> Room:
@@ -98,6 +103,13 @@ def _photograph(random: Generator) -> Room:
     desk = furniture.painted(DESK_SHAPE, (90, 96, 104), random)
     furniture.clutter(desk, 8, random)
     return Room(wall, desk)
+
+
+def _poster(random: Generator) -> Room:
+    """The plain office, with a poster of a hand, larger than life."""
+    plain = _plain(random)
+    furniture.poster(plain.wall, hand_portrait(), 940 + int(random.integers(0, 80)), 560, 560)
+    return plain
 
 
 def _fan(random: Generator) -> Room:
@@ -120,4 +132,5 @@ _ROOMS: dict[RoomName, Callable[[Generator], Room]] = {
     "wood": _wood,
     "photograph": _photograph,
     "fan": _fan,
+    "poster": _poster,
 }

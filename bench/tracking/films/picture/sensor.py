@@ -4,7 +4,7 @@ import cv2
 import numpy as np
 from numpy.random import Generator
 
-from bench.tracking.films.rendering import Picture
+from bench.tracking.films.picture.rendering import Picture
 from common.cameras.camera import Image
 
 FOCUS_SIGMA_PX = 0.55

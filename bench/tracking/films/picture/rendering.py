@@ -1,4 +1,4 @@
-"""Surfaces before a camera: lit, rasterised, blurred by motion, as a layer that lies over a background."""
+"""Surfaces before a camera: rasterised, blurred by motion, as a layer that lies over a background."""
 
 import math
 from collections.abc import Sequence
@@ -8,7 +8,6 @@ import cv2
 import numpy as np
 from numpy.typing import NDArray
 
-from bench.tracking.films.skin import srgb, vertex_normals
 from common.geometry import Array
 from local_site.calibration.physical_camera import PhysicalCamera
 from local_site.kernels.compiled import compiled
@@ -18,16 +17,6 @@ Picture = NDArray[np.float32]
 
 FINE = 2  # samples a pixel, each way
 LEAST_STEP_PX, MOST_EXPOSURES = 1.5, 5
-AMBIENT, KEY, FILL = 0.42, 0.62, 0.25
-CAVITY, DARKEST = 160.0, 0.55
-
-
-@dataclass(frozen=True, slots=True)
-class Lighting:
-    """The directions (3,) towards a window and towards a weaker lamp, unit, in the operator frame."""
-
-    window: Array
-    lamp: Array
 
 
 @dataclass(frozen=True, slots=True)
@@ -45,28 +34,6 @@ class Layer:
         part = picture[self.top : self.top + height, self.left : self.left + width]
         part *= 1.0 - self.alpha[..., None]
         part += self.colour
-
-
-def lit(vertices: Array, triangles: Triangles, albedo: Array, lighting: Lighting) -> Array:
-    """The colours (V, 3), BGR from 0 to 255, of a surface's vertices, by their normals; hollows are darker."""
-    normals = vertex_normals(vertices, triangles)
-    key = np.clip(normals @ lighting.window, -0.15, None) + 0.15  # light scatters under the skin a little way
-    fill = np.clip(normals @ lighting.lamp, 0.0, None)
-    sky = 0.75 + 0.25 * normals[:, 2]
-    light = AMBIENT * sky + KEY * key / 1.15 + FILL * fill
-    hollow = np.clip(1.0 - CAVITY * _hollowness(vertices, triangles, normals), DARKEST, 1.1)
-    return srgb(albedo * (light * hollow)[:, None])
-
-
-def _hollowness(vertices: Array, triangles: Triangles, normals: Array) -> Array:
-    """How far (V,) in m the neighbours of each vertex lie outside of its tangent plane, in the mean."""
-    mean, count = np.zeros_like(vertices), np.bincount(triangles.ravel(), minlength=len(vertices))
-    for one, other in ((0, 1), (1, 2), (2, 0)):
-        for axis in range(3):
-            mean[:, axis] += np.bincount(triangles[:, one], vertices[triangles[:, other], axis], len(vertices))
-    mean /= np.maximum(count, 1)[:, None]
-    hollowness: Array = np.sum((mean - vertices) * normals, axis=1)
-    return hollowness
 
 
 def rendered(

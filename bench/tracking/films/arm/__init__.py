@@ -1,0 +1,1 @@
+"""The filmed arm: its mesh posed and moved, its skin, and the person who has it."""
