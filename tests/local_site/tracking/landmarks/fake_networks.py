@@ -48,7 +48,8 @@ def middle_palm(_: Tensor) -> list[Tensor]:
     """A palm in the middle, a fifth as wide as the picture, whose fingers point up."""
     middle = int(np.argmin(np.sum((anchors() - 0.5) ** 2, axis=1)))
     off = DETECTOR_SIDE * (0.5 - anchors()[middle])
-    points = [off, (40.0, 40.0), off + (0, 20), off, off - (0, 20), off, off, off, off]
+    down = np.array([0.0, 20.0])
+    points = [off, (40.0, 40.0), off + down, off, off - down, off, off, off, off]
     return palm_outputs([(middle, 4.0, np.ravel(points).tolist())])
 
 
@@ -58,7 +59,9 @@ def upright_hand(_: Tensor) -> list[Tensor]:
     return hand_outputs(np.column_stack([across.ravel(), down.ravel()]))
 
 
-def fake_follower(palms: Answer = middle_palm, hands: Answer = upright_hand, quick: Answer | None = None) -> ViewFollower:
+def fake_follower(
+    palms: Answer = middle_palm, hands: Answer = upright_hand, quick: Answer | None = None
+) -> ViewFollower:
     """A follower of one view whose networks are fakes."""
     detector = PalmDetector(FakeNetwork(DETECTOR_SIDE, palms))
     careful, quickly = (HandLandmarker(FakeNetwork(LANDMARKER_SIDE, answer)) for answer in (hands, quick or hands))

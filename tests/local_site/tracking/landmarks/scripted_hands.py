@@ -27,10 +27,12 @@ class ScriptedHands(ViewHands):
 
     def hands(self, view: View, *, quickly: bool = False) -> list[HandLandmarks]:
         """What the test shows."""
+        del view, quickly
         return list(self.shown)
 
     def again(self, view: View, seen: HandLandmarks, attempt: int) -> HandLandmarks:
         """What the test says another crop shows."""
+        del view
         self.retries.append(attempt)
         return self.clearer or seen
 

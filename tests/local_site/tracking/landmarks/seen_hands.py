@@ -59,4 +59,5 @@ def landmark_view(
 
 def moved(landmarks: Array, by: Sequence[float] | Array) -> Array:
     """The landmarks (21, 3) elsewhere, in m."""
-    return landmarks + np.asarray(by, dtype=float)
+    elsewhere: Array = landmarks + np.asarray(by, dtype=float)
+    return elsewhere

@@ -160,7 +160,7 @@ def test_a_hand_that_a_view_doubts_must_fit_the_better(pair):
     left, right = seen(score=0.2)
     show(views, [left, right])
     assert is_at(find(finder, 0), (0.0, 0.0, 0.0))
-    off = replace(right, points=right.points + [0.0, 13.0])
+    off = replace(right, points=np.add(right.points, (0.0, 13.0)))
     show(views, [left, off])
     doubted = find(finder, 1)
     show(views, [replace(left, score=0.9), replace(off, score=0.9)])

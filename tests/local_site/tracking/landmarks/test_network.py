@@ -25,7 +25,9 @@ def test_without_the_runtime_the_cure_is_named(monkeypatch):
 
 @pytest.mark.parametrize("content", [b"", b"no model", b"TFL3" + bytes(64), bytes(4096)])
 def test_a_broken_model_is_refused(content):
-    pytest.importorskip("ai_edge_litert", reason="the landmark runtime is not installed: pip install 'farhand[learned]'")
+    pytest.importorskip(
+        "ai_edge_litert", reason="the landmark runtime is not installed: pip install 'farhand[learned]'"
+    )
     with pytest.raises(ModelError, match="cannot read a landmark model"):
         Network(content, 2)
 

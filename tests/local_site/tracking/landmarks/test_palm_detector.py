@@ -66,7 +66,7 @@ def test_unsure_ones_are_left_out_and_the_surest_comes_first():
 
 def test_overlapping_ones_are_one_palm_between_them():
     near = anchors()[600] * DETECTOR_SIDE - anchors()[602] * DETECTOR_SIDE
-    (palm,), _ = found([(600, SURE, box()), (602, SURE, box(near + (4.0, 0.0)))], SQUARE)
+    (palm,), _ = found([(600, SURE, box()), (602, SURE, box(np.add(near, (4.0, 0.0))))], SQUARE)
     one, other = (found([(600, SURE, box(s))], SQUARE)[0][0].crop.centre for s in ((0.0, 0.0), (4.0, 0.0)))
     np.testing.assert_allclose(palm.crop.centre, (one + other) / 2, atol=1e-3)
 
@@ -82,7 +82,9 @@ def test_a_box_without_extent_is_a_palm_of_its_own():
     assert len(palms) == 2
 
 
-@pytest.mark.parametrize(("shape", "rows", "columns"), [(LANDSCAPE, 144, 192), (PORTRAIT, 192, 144), (SQUARE, 192, 192)])
+@pytest.mark.parametrize(
+    ("shape", "rows", "columns"), [(LANDSCAPE, 144, 192), (PORTRAIT, 192, 144), (SQUARE, 192, 192)]
+)
 def test_the_picture_is_shown_whole_between_black_bars(shape, rows, columns):
     _, network = found([], shape)
     (shown,) = network.shown

@@ -1,4 +1,4 @@
-"""The side of a hand: decided early where it is clear, kept through flips of single views, and forgotten with the hand."""
+"""A hand's side is decided early where it is clear, kept through flips of single views, and forgotten with it."""
 
 import pytest
 

@@ -70,7 +70,9 @@ def test_every_part_of_the_picture_is_searched_and_then_brighter():
     network, shown = counted(no_palm)
     follower = fake_follower(network)
     picture = np.zeros((480, 640, 3), np.uint8)
-    for k, (rows, columns) in enumerate(((r, c) for r in (slice(0, 240), slice(240, 480)) for c in (slice(0, 320), slice(320, 640)))):
+    for k, (rows, columns) in enumerate(
+        (r, c) for r in (slice(0, 240), slice(240, 480)) for c in (slice(0, 320), slice(320, 640))
+    ):
         picture[rows, columns] = 40 + 15 * k
     for _ in SEARCHES:
         follower.search(picture)
@@ -138,7 +140,7 @@ def test_a_doubtful_hand_is_followed_but_not_found():
 
 def test_each_frame_is_looked_at_once_and_exposures_are_interpolated():
     def at(picture):
-        return hand_outputs(POINTS + [100 * float(picture.mean()), 0.0])
+        return hand_outputs(np.add(POINTS, (100 * float(picture.mean()), 0.0)))
 
     network, shown = counted(at)
     view = hands_of(fake_follower(middle_palm, network))
@@ -157,7 +159,11 @@ def test_each_frame_is_looked_at_once_and_exposures_are_interpolated():
 
 @pytest.mark.parametrize("right_arm", [True, False])
 def test_another_crop_counts_only_where_it_shows_this_side_more_clearly(right_arm):
-    for right, score, taken in ((0.9, 0.9, right_arm), (0.1, 0.9, not right_arm), (0.9 if right_arm else 0.1, 0.01, False)):
+    for right, score, taken in (
+        (0.9, 0.9, right_arm),
+        (0.1, 0.9, not right_arm),
+        (0.9 if right_arm else 0.1, 0.01, False),
+    ):
         view = hands_of(fake_follower(middle_palm, says(score, right)), right_arm)
         seen = hands_of(fake_follower(middle_palm, says(0.9, 0.5))).hands(View(frame(0)))[0]
         other = view.again(View(frame(0)), seen, 0)

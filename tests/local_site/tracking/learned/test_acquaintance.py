@@ -134,7 +134,7 @@ def test_the_distance_to_the_sleeve_is_the_median_of_those_seen():
     operator, elbow = Acquaintance(CONFIG, None), arm().joints.elbow
     for k in range(PAIRS):
         operator.has_side(k * PERIOD_NS, HAND)
-        operator.learn(arm(), WRIST, None if k % 2 else elbow + [0.0, 0.0, -0.1], [])
+        operator.learn(arm(), WRIST, None if k % 2 else np.add(elbow, (0.0, 0.0, -0.1)), [])
     assert operator.body.sleeve_distance == pytest.approx(0.1)
 
 

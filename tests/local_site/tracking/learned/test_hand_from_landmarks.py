@@ -100,7 +100,9 @@ def test_the_other_hand_does_not_fit(posture, turn):
 def test_a_hand_that_closes_is_followed():
     hand = FollowedHand(True, None)
     for share in np.linspace(0.0, 1.0, 12):
-        pose = pose_of((0.5 * share, 0.0, 0.0), (1 - share) * FLAT + share * FIST, np.array([0.5 - 0.1 * share, 0.45, 0.6]))
+        pose = pose_of(
+            (0.5 * share, 0.0, 0.0), (1 - share) * FLAT + share * FIST, np.array([0.5 - 0.1 * share, 0.45, 0.6])
+        )
         found = fitted(pose, hand=hand, instants=1)
         assert errors_m(found, pose).max() < 3 * EXACT_M
 

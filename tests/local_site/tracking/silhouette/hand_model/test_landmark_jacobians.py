@@ -92,7 +92,9 @@ def test_no_landmarks_add_nothing():
     assert not gradient.any()
 
 
-@pytest.mark.parametrize(("landmark", "sphere"), [(4, THUMB_TIP), (8, INDEX_TIP), (9, MIDDLE_KNUCKLE), (12, MIDDLE_TIP)])
+@pytest.mark.parametrize(
+    ("landmark", "sphere"), [(4, THUMB_TIP), (8, INDEX_TIP), (9, MIDDLE_KNUCKLE), (12, MIDDLE_TIP)]
+)
 def test_each_landmark_is_its_joint(landmark, sphere):
     centres = hand_spheres(pose_of((0.2, 0.1, -0.3)), PERSON).centres
     np.testing.assert_allclose(landmark_points(centres)[landmark], centres[sphere], atol=1e-12)
