@@ -8,6 +8,7 @@ import cv2
 
 from local_site.simulation.config import PictureConfig, SimulationConfig, StereoConfig
 from local_site.simulation.operator import SimulatedOperator
+from local_site.simulation.room.config import RoomConfig
 from remote_site.kinematics.config import RobotConfig
 from remote_site.simulation.cell import build_cell
 from remote_site.simulation.config import CellConfig
@@ -22,6 +23,7 @@ CONFIGS = {
     "plain": SimulationConfig(picture=PictureConfig(blur_sigma_px=0.0, noise_sigma=0.0)),
     "noise, blur, distortion": SimulationConfig(stereo=StereoConfig(k1=-0.1)),
     "and motion blur": SimulationConfig(stereo=StereoConfig(k1=-0.1), picture=PictureConfig(shutter_ms=15.0)),
+    "in an office": SimulationConfig(room=RoomConfig(scene="office")),
 }
 
 

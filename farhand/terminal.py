@@ -1,11 +1,17 @@
 """What a command says at a terminal: words of another site, of a driver or of an operator do nothing to it."""
 
 import sys
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
 
 import typer
+from rich.console import Console
+from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, TimeRemainingColumn
 
 from common.errors import FarhandError, TransportError
 from common.text import escaped
+
+ShowProgress = Callable[[str, int, int | None], None]  # what is being done, how much of it, of how much (if known)
 
 
 def say(sentence: str) -> None:
@@ -18,3 +24,18 @@ def complain(error: FarhandError) -> None:
     words = str(error)
     lines = [words] if isinstance(error, TransportError) else words.split("\n")
     print("\n".join(map(escaped, [f"farhand: {lines[0]}", *lines[1:]])), file=sys.stderr)  # noqa: T201  # the command line's own voice
+
+
+@contextmanager
+def progress_bar() -> Iterator[ShowProgress]:
+    """A bar on standard error for work that takes long; a new name of the work begins a new bar."""
+    columns = (TextColumn("{task.description}"), BarColumn(), MofNCompleteColumn(), TimeRemainingColumn())
+    with Progress(*columns, console=Console(stderr=True)) as bars:
+        tasks = {}
+
+        def show(what: str, done: int, total: int | None) -> None:
+            if what not in tasks:
+                tasks[what] = bars.add_task(what, total=None)
+            bars.update(tasks[what], completed=done, total=total)
+
+        yield show

@@ -17,6 +17,8 @@ EXPLAINED = {
     "remote_site/teleop/turn_certainty.py:rotation_covariance: True -> False": "both sequences have three entries, so "
     "strict never acts",
     "remote_site/teleop/followed_orientation.py:_turned: if np.isinf(most).all(): -> if False:": QUICKER,
+    "remote_site/teleop/followed_orientation.py:_take_back: t_ns <= born_ns - TAKEN_BACK_NS -> "
+    "t_ns < born_ns - TAKEN_BACK_NS": "an orientation of exactly 150 ms before, to the nanosecond, may count as either",
     "remote_site/teleop/tool_target.py:_strayed: fraction * way > MOST_M -> fraction * way >= MOST_M": "a way of "
     "exactly 30 mm, to the last bit, may count as either",
 }

@@ -39,7 +39,7 @@ class Script:
         self._commands = commands
         self.path = ScriptedPath.still()
         self._jump_m, self._jumps = np.zeros(3), 0
-        self.lost = self.open = False
+        self.lost = self.open = self.swapped = self.inferred = False
         self.camera = ""
 
     def jump(self) -> Array:
@@ -52,6 +52,7 @@ class Script:
         while fields := self._commands.take():
             self.lost, self.camera = fields.get("lost", self.lost), fields.get("camera", self.camera)
             self.open = fields.get("open", self.open)
+            self.swapped, self.inferred = fields.get("swapped", self.swapped), fields.get("inferred", self.inferred)
             if "jump_m" in fields:
                 self._jump_m, self._jumps = np.array(fields["jump_m"]), fields["jumps"]
             if "to" in fields:
@@ -104,7 +105,8 @@ class ScriptedTracker:
         shown = min(struct.unpack("<q", view.current.image[0, :8].tobytes())[0] for view in views.views)
         pose = self._script.path.at(min(shown, views.t_ns))
         wrist, rotation = HOME + pose[:3] + self._script.jump(), rotation_from_vector(pose[3:])
-        points = {"wrist": wrist, "index": wrist + rotation @ INDEX, "thumb": wrist + rotation @ THUMB}
+        index, thumb = (THUMB, INDEX) if self._script.swapped else (INDEX, THUMB)
+        points = {"wrist": wrist, "index": wrist + rotation @ index, "thumb": wrist + rotation @ thumb}
         covariances = dict.fromkeys(("elbow", *points), COVARIANCE)
         return ArmEstimate(
             views.t_ns,
@@ -112,6 +114,7 @@ class ScriptedTracker:
             "",
             elbow=wrist + ELBOW,
             covariances=covariances,
+            thumb_inferred=self._script.inferred,
             hand_open=self._script.open,
             **points,
         )

@@ -11,11 +11,14 @@ from common.geometry import Array
 from farhand.calibration.cameras import open_named
 from farhand.calibration.pictures import PictureJob, read_pictures, size_of, write_coverage, write_found
 from farhand.calibration.points import Calibrated, now, write_rig
+from farhand.terminal import ShowProgress
 from local_site.calibration.board_rig import BoardPictures, solve_boards
 from local_site.calibration.boards import Board, BoardFinder, BoardKind, BoardView, PoseGate
 from local_site.calibration.coverage import picture_coverage
 
 Pictures = tuple[Image, ...]
+
+LOOKING, SOLVING = "looking for the board", "solving the cameras"
 
 
 def make_board(kind: str, squares: tuple[int, int], square_mm: float, marker_mm: float, dictionary: str) -> Board:
@@ -56,26 +59,33 @@ class _Album:
         return write_rig(rig, control, self._job.out, self._job.serials)
 
 
-def calibrate_board_pictures(job: PictureJob, board: Board, standing: bool) -> Calibrated:
+def calibrate_board_pictures(job: PictureJob, board: Board, standing: bool, show: ShowProgress) -> Calibrated:
     """The rig from pictures of a board, the n-th of each camera taken at one instant.
 
-    `standing` is whether the board is upright in its first pose.
+    `standing` is whether the board is upright in its first pose; `show` is told of each picture that was searched.
     """
     pictures = {name: read_pictures(source, name) for name, source in job.sources.items()}
     if len({len(own) for own in pictures.values()}) > 1:
         counts = ", ".join(f"{name} {len(own)}" for name, own in pictures.items())
         raise CalibrationError(f"the cameras have different numbers of pictures ({counts}); give one each per instant")
     finder, album = BoardFinder(board), _Album(job, board, standing)
-    unseen = set(pictures)
-    for instant in zip(*pictures.values(), strict=True):
+    unseen, total = set(pictures), sum(map(len, pictures.values()))
+    show(LOOKING, 0, total)
+    for k, instant in enumerate(zip(*pictures.values(), strict=True)):
         for picture, (name, own) in zip(instant, pictures.items(), strict=True):
             if picture.shape[:2] != own[0].shape[:2]:
                 raise CalibrationError(f"camera {name}: its pictures differ in size; take all with the same settings")
-        pose = [finder.find(picture) for picture in instant]
+        pose = []
+        for picture in instant:
+            pose.append(finder.find(picture))
+            show(LOOKING, k * len(pictures) + len(pose), total)
         unseen -= {name for name, view in zip(pictures, pose, strict=True) if view is not None}
         album.keep(instant, pose)
     _refuse_unseen(finder, {name: own for name, own in pictures.items() if name in unseen})
-    return album.solve()
+    show(SOLVING, 0, None)
+    solved = album.solve()
+    show(SOLVING, 1, 1)
+    return solved
 
 
 def calibrate_live(
@@ -90,7 +100,7 @@ def calibrate_live(
     finder, album, gate = BoardFinder(board), _Album(job, board, standing), PoseGate()
     with ExitStack() as stack:
         cameras = [stack.enter_context(closing(camera)) for camera in open_named(job.sources, job.setup)]
-        for pictures in _instants(cameras, should_stop):
+        for pictures in instants(cameras, should_stop):
             pose = [finder.find(picture) for picture in pictures]
             if gate.offer(pose):
                 echo(f"{album.keep(pictures, pose)}; {poses - len(gate.taken)} to go, move the board")
@@ -106,7 +116,8 @@ def calibrate_live(
     return album.solve()
 
 
-def _instants(cameras: Sequence[Camera], should_stop: Callable[[], bool]) -> Iterator[Pictures]:
+def instants(cameras: Sequence[Camera], should_stop: Callable[[], bool]) -> Iterator[Pictures]:
+    """The newest picture of each camera, again and again, until one ends or it is to stop."""
     while not should_stop():
         frames = [camera.read() for camera in cameras]
         if any(frame is None for frame in frames):

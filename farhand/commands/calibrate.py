@@ -75,6 +75,7 @@ def calibrate_images_command(
     from farhand.calibration.pictures import PictureJob, by_name, calibrate_plate, parse_heights
     from farhand.calibration.points import describe, parse_pair, solvable
     from farhand.outputs import check_file, check_folder
+    from farhand.terminal import progress_bar
     from local_site.calibration.plate import Plate
 
     sources = by_name((left, right, third, fourth))
@@ -89,7 +90,9 @@ def calibrate_images_command(
         return
     printed = make_board(board, parse_pair(squares, "--squares"), square_mm, marker_mm, dictionary)
     with solvable():
-        typer.echo(describe(calibrate_board_pictures(job, printed, standing)))
+        with progress_bar() as show:
+            calibrated = calibrate_board_pictures(job, printed, standing, show)
+        typer.echo(describe(calibrated))
 
 
 @calibrate_app.command("live")

@@ -1,5 +1,6 @@
 """The simulated operator's cameras: exposed on time, rendered in a process of their own, read like any camera."""
 
+import math
 import mmap
 import multiprocessing
 import os
@@ -95,7 +96,9 @@ class ExposureLoop:
         self._clock.sleep_until_ns(exposure.t_ns)
         capture_ns = self._clock.now_ns()
         t_s = self._beginning.elapsed_s(capture_ns)
-        for camera, image in zip(exposure.cameras, self._operator.render(t_s, exposure.cameras), strict=True):
+        filmed_s = (capture_ns - self._schedule.start_ns) / NS_PER_S
+        images = self._operator.render(t_s, exposure.cameras, filmed_s)
+        for camera, image in zip(exposure.cameras, images, strict=True):
             self._publish(camera, image, capture_ns)
 
 
@@ -119,7 +122,7 @@ class SimulatedCameras:
         period_ns, offset_ns = round(NS_PER_S / config.fps), round(config.phase_offset_ms * NS_PER_MS)
         schedule = ExposureSchedule(self.start_ns, period_ns, offset_ns, len(self.rig.cameras))
         size = SIZE_PX if config.textured else (config.stereo.width_px, config.stereo.height_px)
-        rings = [FrameRing(*size) for _ in self.rig.cameras]
+        rings = [FrameRing(*size, in_colour=config.room.scene != "dark") for _ in self.rig.cameras]
         loop = ExposureLoop(
             operator, self._beginning, schedule, clock, lambda k, image, t_ns: rings[k].publish(image, t_ns)
         )
@@ -163,20 +166,21 @@ class FrameRing:
     reader that finds the number changed reads again. `wake_fd` becomes readable with each picture.
     """
 
-    def __init__(self, width_px: int, height_px: int) -> None:
+    def __init__(self, width_px: int, height_px: int, in_colour: bool = False) -> None:
+        shape = (height_px, width_px, 3) if in_colour else (height_px, width_px)
         stamp_bytes = 8 * (2 * SLOTS + 1)
-        memory = mmap.mmap(-1, stamp_bytes + SLOTS * width_px * height_px)
+        memory = mmap.mmap(-1, stamp_bytes + SLOTS * math.prod(shape))
         stamps = np.frombuffer(memory, np.int64, 2 * SLOTS + 1)
         self._newest, self._numbers, self._times_ns = stamps[:1], stamps[1 : SLOTS + 1], stamps[SLOTS + 1 :]
         pixels = np.frombuffer(memory, np.uint8, offset=stamp_bytes)
-        self._pictures = pixels.reshape(SLOTS, height_px, width_px)
+        self._pictures = pixels.reshape(SLOTS, *shape)
         self._newest[0] = -1
         self._numbers[:] = WRITING
         self.wake_fd = os.eventfd(0, os.EFD_NONBLOCK | os.EFD_CLOEXEC)
         weakref.finalize(self, os.close, self.wake_fd)
 
     def publish(self, image: Image, capture_ns: int) -> None:
-        """Make this picture (H, W) the newest."""
+        """Make this picture, (H, W) or (H, W, 3) as the ring was made for, the newest."""
         number = int(self._newest[0]) + 1
         slot = number % SLOTS
         self._numbers[slot] = WRITING

@@ -16,6 +16,7 @@ MIN_AGREEING = 2 / 3
 MIN_SPREAD = 1e-6
 MIN_SIDEWAYS = 0.3
 MIN_TURNED = 0.3
+MIN_OVERTURNED = 0.7
 MIN_PARALLAX = 0.02
 
 MIRRORED = (
@@ -36,7 +37,8 @@ EXCHANGED = (
 )
 
 UPSIDE_DOWN = (
-    "is upside down: turn it, or its picture, by 180 degrees and calibrate again, unless it hangs so on purpose"
+    "is upside down: turn it, or its picture, by 180 degrees and calibrate again, unless it hangs so on purpose; "
+    "with a printed board, lay it level in the first pose"
 )
 TURNED_AXES = (
     "sees X_mm run to the left, so that the robot would move against the hand: give the control points with x to "
@@ -65,7 +67,14 @@ def same_view(cameras: Sequence[PhysicalCamera], points: Array) -> str:
 
 def upside_down(camera: PhysicalCamera) -> bool:
     """Whether what is below in the camera's picture lies above in the operator frame."""
-    return float(camera.camera_R_operator[1, 2]) > MIN_TURNED
+    # A camera that faces a tilted first board looks past the vertical of its frame, and is not upside down.
+    return rolled_over(camera) or float(camera.camera_R_operator[1, 2]) > MIN_OVERTURNED
+
+
+def rolled_over(camera: PhysicalCamera) -> bool:
+    """Whether both axes of the camera's picture run the other way in the operator frame."""
+    right, down, _ = camera.camera_R_operator
+    return float(down[2]) > MIN_TURNED and float(right[0]) < 0
 
 
 def odd_orientation(camera: PhysicalCamera) -> str:
@@ -80,7 +89,7 @@ def exchanged(cameras: Sequence[PhysicalCamera]) -> str:
     left, right = cameras[:2]
     baseline = right.centre - left.centre
     sideways = baseline / max(float(np.linalg.norm(baseline)), 1e-12)
-    to_the_right = [camera.camera_R_operator[0] * (-1.0 if upside_down(camera) else 1.0) for camera in (left, right)]
+    to_the_right = [camera.camera_R_operator[0] * (-1.0 if rolled_over(camera) else 1.0) for camera in (left, right)]
     return EXCHANGED if all(float(axis @ sideways) < -MIN_SIDEWAYS for axis in to_the_right) else ""
 
 

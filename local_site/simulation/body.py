@@ -8,7 +8,7 @@ from numpy.typing import NDArray
 
 from common.geometry import Array, skew
 from local_site.simulation.config import BodyConfig
-from local_site.simulation.hand import DIGITS, JOINTS, Hand, unit
+from local_site.simulation.hand import DIGITS, JOINTS, U_SHAPE, FingerPosture, Hand, unit
 
 RIM_POINTS = 32
 OPEN_ABOVE = 0.5
@@ -33,7 +33,7 @@ class BodyPose:
     """The skeleton at one instant, operator frame, m.
 
     `operator_R_hand` has its columns along the hand: x distal, y radial (the thumb's side), z dorsal.
-    `openness` is 0 in the U shape and 1 with all fingers spread.
+    `openness` is 0 in the hand's posture at rest and 1 with all fingers spread.
     """
 
     shoulder: Array
@@ -85,9 +85,9 @@ class Solid:
 class ArmBody:
     """One person's arm: turns a pose into a solid and into the truth."""
 
-    def __init__(self, config: BodyConfig) -> None:
+    def __init__(self, config: BodyConfig, rest: FingerPosture = U_SHAPE) -> None:
         self._config = config
-        self._hand = Hand(config.hand_scale)
+        self._hand = Hand(config.hand_scale, rest)
         taper = config.elbow_girth + (config.wrist_girth - config.elbow_girth) * FOREARM_AT
         bulge = config.forearm_girth - float(np.interp(BELLY_AT, FOREARM_AT, taper))
         flatness = ELBOW_FLATNESS + (WRIST_FLATNESS - ELBOW_FLATNESS) * FOREARM_AT**2
@@ -121,6 +121,18 @@ class ArmBody:
             thumb=pose.wrist + rotation @ thumb,
             hand_open=pose.openness > OPEN_ABOVE,
         )
+
+    def backs(self, pose: BodyPose) -> Array:
+        """Unit vectors (N, 3) out of the back of the limb at each ball; (0, 0, 0) for the upper arm, which has none."""
+        bones = self._hand.backs(pose.openness)
+        digits = np.concatenate([bones, bones[:, 2:]], axis=1).reshape(-1, 3) @ pose.operator_R_hand.T
+        dorsal = pose.operator_R_hand[:, 2]
+        upper_arm = np.zeros((2 * len(UPPER_ARM_AT) - 2, 3))
+        return np.vstack([np.tile(dorsal, (2 * len(FOREARM_AT), 1)), upper_arm, digits, np.tile(dorsal, (4, 1))])
+
+    def joints(self, pose: BodyPose) -> Array:
+        """Joint centres (5, 4, 3) of index, middle, ring, little finger and thumb, from base to tip."""
+        return pose.wrist + self._hand.joints(pose.openness) @ pose.operator_R_hand.T
 
     def _forearm_balls(self, pose: BodyPose, along: Array, hinge: Array) -> Array:
         """Pairs of balls (2N, 3): flat across the hinge at the elbow, across the hand at the wrist."""

@@ -4,10 +4,13 @@ from typing import Annotated, Literal
 
 from msgspec import Meta, Struct
 
+from local_site.simulation.room.config import RoomConfig
+
 Vector3 = tuple[float, float, float]
 MotionName = Literal[
     "hold", "figure_of_eight", "rotate_x", "rotate_y", "rotate_z", "pick_and_place", "reach_and_adjust", "toggles"
 ]
+PostureName = Literal["u", "fist", "pointing", "flat"]
 
 
 class BodyConfig(Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
@@ -66,6 +69,15 @@ class MotionConfig(Struct, frozen=True, kw_only=True, forbid_unknown_fields=True
     swivel_deg: Annotated[
         float, Meta(ge=-180, le=180, description="elbow about the line shoulder to wrist, 0 is hanging down")
     ] = 16.0
+    posture: Annotated[
+        PostureName, Meta(description="the closed hand: index and thumb as a U, a fist, a pointing index, or flat")
+    ] = "u"
+    roll_deg: Annotated[
+        float,
+        Meta(
+            ge=-180, le=180, description="hand about its own length, 0 is thumb ahead, 90 the palm towards the cameras"
+        ),
+    ] = 0.0
 
 
 class SimulationConfig(Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
@@ -75,6 +87,7 @@ class SimulationConfig(Struct, frozen=True, kw_only=True, forbid_unknown_fields=
     stereo: StereoConfig = StereoConfig()
     picture: PictureConfig = PictureConfig()
     motion: MotionConfig = MotionConfig()
+    room: RoomConfig = RoomConfig()
     markers: Annotated[
         bool, Meta(description="a dark glove with bright markers on wrist, index and thumb instead of a bare arm")
     ] = False
@@ -91,3 +104,9 @@ class SimulationConfig(Struct, frozen=True, kw_only=True, forbid_unknown_fields=
         float,
         Meta(ge=0, lt=100, description="how much later than the left camera the right one exposes, 0 is synchronous"),
     ] = 0.0
+
+    def __post_init__(self) -> None:
+        if self.room.scene == "dark" and self.room != RoomConfig():
+            raise ValueError('only an office shows colours and disturbances: set room.scene = "office"')
+        if self.room.scene != "dark" and (self.markers or self.textured):
+            raise ValueError('markers and textured are filmed in the dark: take them off or set room.scene = "dark"')

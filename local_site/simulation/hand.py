@@ -1,14 +1,16 @@
-"""The hand of the simulated arm: palm, four fingers and thumb, between the U shape and spread fingers.
+"""The hand of the simulated arm: palm, four fingers and thumb, between a posture at rest and spread fingers.
 
 Hand frame, m: origin in the wrist's centre, x distal along the palm, y radial (the thumb's side), z dorsal.
 """
 
+from collections.abc import Mapping
 from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
 
 from common.geometry import Array
+from local_site.simulation.config import PostureName
 
 DIGITS = ("index", "middle", "ring", "little", "thumb")
 JOINTS = 4
@@ -74,13 +76,33 @@ SPREAD = _posture(
     thumb_curl=np.array([0.78, -0.62, 0.0]),
     bend_deg=[[-4, 0, 2], [-4, 0, 2], [-4, 0, 2], [-4, 0, 2], [0, 0, -8]],
 )
+FIST = _posture(
+    fan_deg=(-4, -1, 3, 7),
+    thumb=np.array([0.72, -0.05, -0.69]),
+    thumb_curl=np.array([0.25, -0.90, 0.30]),
+    bend_deg=[[78, 172, 236], [80, 176, 240], [80, 176, 240], [78, 172, 236], [0, 34, 78]],
+)
+POINTING = _posture(
+    fan_deg=(2, -1, 3, 7),
+    thumb=np.array([0.72, -0.05, -0.69]),
+    thumb_curl=np.array([0.25, -0.90, 0.30]),
+    bend_deg=[[2, 8, 12], [78, 172, 236], [80, 176, 240], [78, 172, 236], [0, 30, 72]],
+)
+FLAT = _posture(
+    fan_deg=(3, 0, -3, -7),
+    thumb=np.array([0.88, 0.44, -0.16]),
+    thumb_curl=np.array([0.44, -0.88, 0.0]),
+    bend_deg=[[2, 4, 6], [2, 4, 6], [2, 4, 6], [2, 4, 6], [0, 4, 4]],
+)
+POSTURES: Mapping[PostureName, FingerPosture] = {"u": U_SHAPE, "fist": FIST, "pointing": POINTING, "flat": FLAT}
 
 
 class Hand:
-    """The hand at a size: its balls and tips for every openness."""
+    """The hand at a size: its balls and tips for every openness, from a posture at rest (0) to spread fingers (1)."""
 
-    def __init__(self, scale: float) -> None:
+    def __init__(self, scale: float, rest: FingerPosture = U_SHAPE) -> None:
         self._scale = scale
+        self._rest = rest
         palm_radii = [HYPOTHENAR_RADIUS, THENAR_RADIUS, WEB_RADIUS, WEB_RADIUS]
         self.radii = scale * np.concatenate([RADII.ravel(), palm_radii])
 
@@ -98,17 +120,31 @@ class Hand:
         skin = joints[:, 3] + RADII[:, 3:] * last
         return self._scale * skin[0], self._scale * skin[4]
 
+    def joints(self, openness: float) -> Array:
+        """Joint centres (5, 4, 3) of the digits, from base to tip; the last is that of the tip's ball."""
+        return self._scale * self._joints(openness)[0]
+
+    def backs(self, openness: float) -> Array:
+        """Unit vectors (5, 3, 3) out of the back of each bone, where the last bone has its nail."""
+        forward, curl, bend = self._bends(openness)
+        return np.sin(bend) * forward[:, None] - np.cos(bend) * curl[:, None]
+
     def _joints(self, openness: float) -> tuple[NDArray[np.float64], Array]:
         """Joint centres (5, 4, 3) at scale 1, and the direction of each last bone (5, 3)."""
-        forward = unit(_blend(U_SHAPE.forward, SPREAD.forward, openness))
-        curl = _blend(U_SHAPE.curl, SPREAD.curl, openness)
-        curl = unit(curl - np.sum(curl * forward, axis=1, keepdims=True) * forward)
-        bend = np.radians(_blend(U_SHAPE.bend_deg, SPREAD.bend_deg, openness))[..., None]
+        forward, curl, bend = self._bends(openness)
         bones = np.cos(bend) * forward[:, None] + np.sin(bend) * curl[:, None]
         joints = np.empty((len(DIGITS), JOINTS, 3))
         joints[:, 0] = BASES
         joints[:, 1:] = BASES[:, None] + np.cumsum(BONES[..., None] * bones, axis=1)
         return joints, bones[:, 2]
+
+    def _bends(self, openness: float) -> tuple[Array, Array, Array]:
+        """Along each straight digit and to where it bends, (5, 3) each, and how far its bones do, (5, 3, 1) in rad."""
+        rest = self._rest
+        forward = unit(_blend(rest.forward, SPREAD.forward, openness))
+        curl = _blend(rest.curl, SPREAD.curl, openness)
+        curl = unit(curl - np.sum(curl * forward, axis=1, keepdims=True) * forward)
+        return forward, curl, np.radians(_blend(rest.bend_deg, SPREAD.bend_deg, openness))[..., None]
 
 
 def _blend(a: Array, b: Array, fraction: float) -> Array:

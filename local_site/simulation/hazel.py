@@ -159,8 +159,9 @@ class TexturedOperator:
         self._still_s = still_s
         self._swing = Swing()
 
-    def render(self, t_s: float, cameras: tuple[int, ...] = (0,)) -> list[Image]:
+    def render(self, t_s: float, cameras: tuple[int, ...] = (0,), filmed_s: float | None = None) -> list[Image]:
         """The picture (H, W) grey with camera noise, once for each camera that is asked for."""
+        del filmed_s
         clean = self._film.render(self._arm(t_s).limb_poses())
         return [np.asarray(cv2.add(clean, next(self._noises), dtype=cv2.CV_8U), dtype=np.uint8) for _ in cameras]
 

@@ -175,6 +175,7 @@ class Motion:
         self._config = config
         self._upper_arm, self._forearm = body.upper_arm_length, body.forearm_length
         self._path = PATHS[config.name]
+        self._roll = START_ROLL + math.radians(config.roll_deg)
         self._shoulder = np.array(config.shoulder)
         self._start = np.array(config.wrist)
         self._phases = np.random.default_rng(seed).uniform(0.0, 2.0 * np.pi, (len(TREMOR_HZ), 3))
@@ -185,7 +186,7 @@ class Motion:
         """The pose at a time; ConfigError when the arm cannot reach so far from its shoulder."""
         offset, turn, openness = self._path.at(max(t_s - self._config.still_s, 0.0))
         wrist = self._start + offset + self._tremor(t_s)
-        roll = rotation_from_vector(np.array([START_ROLL + OPENING_ROLL * openness, 0.0, 0.0]))
+        roll = rotation_from_vector(np.array([self._roll + OPENING_ROLL * openness, 0.0, 0.0]))
         return BodyPose(
             shoulder=self._shoulder,
             elbow=self._elbow(wrist),

@@ -1,28 +1,35 @@
 """Which operator is simulated: what all have in common, the one with a bare arm or markers, and how one is made."""
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
+from dataclasses import replace
 from typing import Protocol
+
+import numpy as np
 
 from common.cameras.camera import Image
 from common.geometry import Array
 from local_site.calibration.rig import Rig
-from local_site.simulation.body import ArmBody, ArmTruth, MarkedArm
-from local_site.simulation.cameras import exact_rig, stereo_pair
+from local_site.simulation.body import ArmBody, ArmTruth, BodyPose, MarkedArm
+from local_site.simulation.cameras import PinholeCamera, exact_rig, stereo_pair
 from local_site.simulation.config import SimulationConfig
+from local_site.simulation.hand import POSTURES
 from local_site.simulation.hazel import TexturedOperator, film_camera
-from local_site.simulation.motion import Motion
+from local_site.simulation.motion import Motion, minimum_jerk
 from local_site.simulation.rendering import Renderer
+from local_site.simulation.room.room_view import room_views
 
 SUB_FRAMES = 3
+COMES_FROM_M, COMES_IN_S = (1.2, 0.0, 0.0), 0.8  # an operator whom the cameras awaited steps in from the side
 
 
 class Operator(Protocol):
     """An operator who moves in front of cameras; times are s since the start of the motion.
 
+    `filmed_s` is the time since the cameras began, for what happens in the room by itself; if None, `t_s`.
     `points` are those that a tracker measures, by name, (3,) in m in the operator frame.
     """
 
-    def render(self, t_s: float, cameras: tuple[int, ...]) -> list[Image]: ...
+    def render(self, t_s: float, cameras: tuple[int, ...], filmed_s: float | None = None) -> list[Image]: ...
 
     def points(self, t_s: float) -> Mapping[str, Array]: ...
 
@@ -44,29 +51,65 @@ class SimulatedOperator:
 
     def __init__(self, config: SimulationConfig) -> None:
         self.motion = Motion(config.motion, config.body, config.seed)
-        body = ArmBody(config.body)
-        self._body = MarkedArm(body) if config.markers else body
+        self._skin = ArmBody(config.body, POSTURES[config.motion.posture])
+        self._body = MarkedArm(self._skin) if config.markers else self._skin
+        self._empty_s = config.room.empty_s
         self._shutter_s = config.picture.shutter_ms * 1e-3
-        self._renderers = [
-            Renderer(camera, self._body.parts, config.stereo, config.picture, config.seed + k)
-            for k, camera in enumerate(stereo_pair(config.stereo))
-        ]
+        cameras = stereo_pair(config.stereo)
+        self._views: Sequence[_View] = (
+            room_views(cameras, self._skin, config)
+            if config.room.scene == "office"
+            else [_DarkView(camera, self._body, config, config.seed + k) for k, camera in enumerate(cameras)]
+        )
 
-    def render(self, t_s: float, cameras: tuple[int, ...] = (0, 1)) -> list[Image]:
-        """The pictures (H, W) grey of these cameras (0 left, 1 right), exposed about this time."""
+    def render(self, t_s: float, cameras: tuple[int, ...] = (0, 1), filmed_s: float | None = None) -> list[Image]:
+        """The pictures of these cameras (0 left, 1 right), exposed about this time: (H, W) grey in the dark, else
+        (H, W, 3) BGR."""
+        now_s = t_s if filmed_s is None else filmed_s
         offsets = [(k + 0.5) / SUB_FRAMES - 0.5 for k in range(SUB_FRAMES)] if self._shutter_s else [0.0]
-        solids = [self._body.solid(self.motion.pose(t_s + offset * self._shutter_s)) for offset in offsets]
-        return [self._renderers[camera].render(solids) for camera in cameras]
+        poses = [self.pose(t_s + offset * self._shutter_s, now_s + offset * self._shutter_s) for offset in offsets]
+        return [self._views[camera].render(poses if now_s >= self._empty_s else [], now_s) for camera in cameras]
 
-    def truth(self, t_s: float) -> ArmTruth:
+    def pose(self, t_s: float, filmed_s: float | None = None) -> BodyPose:
+        """The arm's pose at this time: as the motion has it, but for an operator who has only just come in."""
+        pose = self.motion.pose(t_s)
+        present_s = (t_s if filmed_s is None else filmed_s) - self._empty_s
+        if not self._empty_s or present_s >= COMES_IN_S:
+            return pose
+        away = (1.0 - minimum_jerk(present_s / COMES_IN_S)) * np.array(COMES_FROM_M)
+        return replace(pose, shoulder=pose.shoulder + away, elbow=pose.elbow + away, wrist=pose.wrist + away)
+
+    def truth(self, t_s: float, filmed_s: float | None = None) -> ArmTruth:
         """The points to be found at this time."""
-        return self._body.truth(self.motion.pose(t_s))
+        return self._body.truth(self.pose(t_s, filmed_s))
+
+    def joints(self, t_s: float, filmed_s: float | None = None) -> Array:
+        """Joint centres (5, 4, 3) of index, middle, ring, little finger and thumb, from base to tip."""
+        return self._skin.joints(self.pose(t_s, filmed_s))
 
     def points(self, t_s: float) -> Mapping[str, Array]:
-        """The same by name."""
+        """The points of the truth by name."""
         truth = self.truth(t_s)
         return {"elbow": truth.elbow, "wrist": truth.wrist, "index": truth.index, "thumb": truth.thumb}
 
     def openings_until(self, t_s: float) -> int:
         """How often the hand has begun to open by this time."""
         return self.motion.openings_until(t_s)
+
+
+class _View(Protocol):
+    """One camera's pictures of an operator in poses spread over one exposure, or in none while not there."""
+
+    def render(self, poses: Sequence[BodyPose], filmed_s: float) -> Image: ...
+
+
+class _DarkView:
+    """The arm alone, grey before black cloth."""
+
+    def __init__(self, camera: PinholeCamera, body: ArmBody | MarkedArm, config: SimulationConfig, seed: int) -> None:
+        self._body = body
+        self._renderer = Renderer(camera, body.parts, config.stereo, config.picture, seed)
+
+    def render(self, poses: Sequence[BodyPose], filmed_s: float) -> Image:
+        del filmed_s
+        return self._renderer.render([self._body.solid(pose) for pose in poses])

@@ -120,24 +120,15 @@ class Renderer:
         """The picture (H, W) grey of the arm as it was at instants spread over one exposure."""
         outlines = [project(solid, self._camera, FILL_EXCESS_PX) for solid in exposures]
         image = self._background.copy()
-        box = self._box(outlines)
+        box = box_around(outlines, self._margin_px, self._size)
         if box is not None:
             left, top, right, bottom = box
             region = image[top:bottom, left:right]
-            arm = _mean([_draw(outline, self._parts, box) for outline in outlines])
+            arm = mean_picture([_draw(outline, self._parts, box) for outline in outlines])
             if self._picture.blur_sigma_px:
                 cv2.GaussianBlur(arm, (0, 0), self._picture.blur_sigma_px, dst=arm)
             cv2.add(region, arm, dst=region)
         return self._with_noise(image)
-
-    def _box(self, outlines: list[Outlines]) -> Box | None:
-        """The part of the picture that the arm fills, or None when it is out of view."""
-        rims = np.concatenate([outline.rims for outline in outlines])
-        low = np.maximum(np.floor(rims.min(axis=(0, 1))).astype(int) - self._margin_px, 0)
-        high = np.minimum(np.ceil(rims.max(axis=(0, 1))).astype(int) + self._margin_px, self._size)
-        if np.any(high - low < 2):
-            return None
-        return int(low[0]), int(low[1]), int(high[0]), int(high[1])
 
     def _with_noise(self, image: Image) -> Image:
         if not self._picture.noise_sigma:
@@ -148,7 +139,18 @@ class Renderer:
         return noisy.astype(np.uint8, copy=False)
 
 
-def _mean(pictures: list[Image]) -> Image:
+def box_around(outlines: list[Outlines], margin_px: int, size: tuple[int, int]) -> Box | None:
+    """Left, top, right, bottom of the part of a picture (W, H) that these fill, or None when they are out of view."""
+    rims = np.concatenate([outline.rims for outline in outlines])
+    low = np.maximum(np.floor(rims.min(axis=(0, 1))).astype(int) - margin_px, 0)
+    high = np.minimum(np.ceil(rims.max(axis=(0, 1))).astype(int) + margin_px, size)
+    if np.any(high - low < 2):
+        return None
+    return int(low[0]), int(low[1]), int(high[0]), int(high[1])
+
+
+def mean_picture(pictures: list[Image]) -> Image:
+    """The mean of pictures of one shape; the picture itself where there is but one."""
     if len(pictures) == 1:
         return pictures[0]
     total = np.zeros(pictures[0].shape, np.float32)
@@ -157,14 +159,29 @@ def _mean(pictures: list[Image]) -> Image:
     return cv2.convertScaleAbs(total, alpha=1.0 / len(pictures)).astype(np.uint8, copy=False)
 
 
+def coverage(outlines: Outlines, parts: tuple[Part, ...], box: Box) -> Image:
+    """How much of each pixel (H, W) in the box the parts cover together, 0 to 255."""
+    fixed, fine = _finely(outlines, box)
+    for polygons in part_polygons(fixed, outlines.depths, parts):
+        for polygon in polygons:
+            cv2.fillConvexPoly(fine, polygon, 255, cv2.LINE_8, SHIFT)
+    return _coarse(fine)
+
+
+def _finely(outlines: Outlines, box: Box) -> tuple[FixedPoints, Image]:
+    """The outlines in fixed point pixels of an empty picture of the box that is `FINE` times finer."""
+    left, top, right, bottom = box
+    # Corner (0, 0) of a picture is the centre of its first pixel, at every resolution.
+    fine_px = FINE * (outlines.rims - (left, top)) + (FINE - 1) / 2
+    fixed = np.rint(fine_px * (1 << SHIFT)).astype(np.int32)
+    return fixed, np.zeros((FINE * (bottom - top), FINE * (right - left)), np.uint8)
+
+
 def _draw(outlines: Outlines, parts: tuple[Part, ...], box: Box) -> Image:
     """The arm within the box, lit from the front, without its background."""
     left, top, right, bottom = box
     size = (right - left, bottom - top)
-    # Corner (0, 0) of a picture is the centre of its first pixel, at every resolution.
-    fine_px = FINE * (outlines.rims - (left, top)) + (FINE - 1) / 2
-    fixed = np.rint(fine_px * (1 << SHIFT)).astype(np.int32)
-    fine = np.zeros((FINE * size[1], FINE * size[0]), np.uint8)
+    fixed, fine = _finely(outlines, box)
     if any(part.worn_on for part in parts):
         # A dark glove and evenly bright markers, as their foil throws light back.
         ordered = farthest_first(outlines.depths, parts)

@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from common.clock import NS_PER_MS, NS_PER_S
-from common.geometry import Array
+from common.geometry import Array, angle_between
 from remote_site.drivers.supervisor.write_scheduler import LEAST_FRACTION
 from remote_site.kinematics.joints import JointMotion
 from remote_site.kinematics.limits import JointLimits
@@ -105,6 +105,12 @@ class DriverLog:
     def positions(self) -> Array:
         """The tool's position by every command, (k, 3) in m in the base frame."""
         return np.array([self._model.forward(q)[:3, 3] for q in self.writes["motion"][:, 0]]).reshape(-1, 3)
+
+    @property
+    def turned_deg(self) -> Array:
+        """How far the tool has turned since the first command, by every command, (k,) in deg."""
+        turns = [self._model.forward(q)[:3, :3] for q in self.writes["motion"][:, 0]]
+        return np.degrees([angle_between(turns[0], turn) for turn in turns])
 
     @property
     def q(self) -> Array:

@@ -24,6 +24,7 @@ from tests.faults.plays import (
     outlast,
     second_operator,
     unmoved,
+    unswung,
     usurped,
 )
 from tests.faults.process_plays import close_page, kill_console, kill_control, kill_remote
@@ -78,6 +79,8 @@ ROWS = (
     Row("malformed, oversized, hostile payloads", "dropped by the link or rejected and counted, no crash", unmoved(lambda pair: hostile_ones(pair, 1.0), "malformed", "invalid")),
     Row("NaN or infinity", "rejected at decode", unmoved(lambda pair: infinite_ones(pair, 0.5), "not_finite"), quick=True),
     Row("wrist jumps 1 m", "rejected; three LATCH; motion under 1 mm", jump_then_three, quick=True),
+    Row("index and thumb are taken for each other", "the orientation is withheld, no swing, no drift", unswung(hand(swapped=True), hand(swapped=False), 1.5)),
+    Row("an inferred thumb is on the wrong side", "the orientation is withheld, no swing, no drift", unswung(hand(swapped=True, inferred=True), hand(swapped=False, inferred=False), 1.5), quick=True),
     Row("unreachable target", "leashed, reported, no thrash", reach_out((0, -3.0, 0, 0, 0, 0), 3.5, "saturated", "out_of_reach")),
     Row("singularity", "speed within limits, can back out", sweep_wrist),
     Row("self- or table collision", "never below the margin, can retreat", wander(60.0)),

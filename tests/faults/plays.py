@@ -16,6 +16,8 @@ from tests.faults.trial import FOLLOWING, Trial
 Play = Callable[[Trial], None]
 
 STILL_MM = 1.0
+SWING_DEG, BACK_DEG = 5.0, 1.0  # what a swap of two fingers may turn the tool, and leave turned
+MAKES_UP_S = 3.0
 ASKING_S = 8.0  # longer than who asked once is named
 NOTICED_S = 1.5  # the arm has to be commanded 0.1 rad away, by a hand that circles
 
@@ -92,6 +94,24 @@ def unmoved(fault: Act, *counted: str) -> Play:
         trial.note(f"commanded motion {moved_mm:.2f} mm")
         trial.check(moved_mm < STILL_MM, f"the tool was sent {moved_mm:.1f} mm away")
         trial.ticks()
+
+    return play
+
+
+def unswung(fault: Act, heal: Act, for_s: float) -> Play:
+    """The tool that follows a hand at rest turns a little at most, and back afterwards."""
+
+    def play(trial: Trial) -> None:
+        trial.settle()
+        trial.begin(fault)
+        time.sleep(for_s)
+        heal(trial.pair)
+        time.sleep(MAKES_UP_S)
+        turned = trial.log.turned_deg
+        trial.note(f"turned by up to {turned.max():.1f} deg, {turned[-1]:.1f} in the end")
+        trial.check(turned.max() < SWING_DEG, f"the tool swung by {turned.max():.1f} deg")
+        trial.check(turned[-1] < BACK_DEG, f"the tool is still turned by {turned[-1]:.1f} deg")
+        trial.check(trial.pair.is_in(SessionState.ENGAGED), f"it does not follow: {trial.pair.state.reason}")
 
     return play
 

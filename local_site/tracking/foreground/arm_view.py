@@ -11,7 +11,7 @@ from local_site.calibration.triangulation import focal_length, project
 from local_site.tracking.features.silhouette import Silhouette
 from local_site.tracking.foreground.arm_colour import ArmColour, Positions
 from local_site.tracking.foreground.growing import LIKELY, NEVER, bones, grow, near_bones, zones
-from local_site.tracking.foreground.likelihood import Tables, log_ratios
+from local_site.tracking.foreground.likelihood import log_ratios, ratio_tables
 from local_site.tracking.foreground.outline import find_outline
 from local_site.tracking.foreground.reasons import ForegroundReason
 from local_site.tracking.foreground.room import Behind, Mask, Place, Room
@@ -22,17 +22,21 @@ SQUARE_M = 0.0045  # the side of a square at the hand
 MOST_STRIDE = 8
 REACH_M = 0.55  # around the wrist, until the arm was found once
 MARGIN_M = 0.06
-ELBOW_M = 0.24  # around the elbow, for the upper arm
+ELBOW_M = 0.19  # around the elbow, for the upper arm
 REST_STRIDE = 7  # px between the pixels that are counted as the rest
 KEPT, LEARN_EVERY = 0.9, 8  # pairs; the first ones are all learned
 
 
 @dataclass(frozen=True, slots=True)
 class _Look:
-    """What is known of one picture before the arm's region: landmarks (21, 2) in px, mean colours (h, w, 3)."""
+    """What is known of one picture before the arm's region.
+
+    By squares (h, w): where the hand's bones are and what is near them, log ratios, mean colours, what is behind.
+    """
 
     picture: Image
-    hand: Array
+    bones: Mask
+    near_hand: Mask
     map: RatioMap
     colours: Image
     behind: Behind
@@ -44,6 +48,7 @@ class ArmView:
     def __init__(self, projection: Array) -> None:
         self._projection, self._focal_px = projection, focal_length(projection)
         self._colour = ArmColour()
+        self._tables = ratio_tables(self._colour.arm, self._colour.rest)
         self._areas = AreaWatch()
         self._room: Room | None = None
         self._look: _Look | None = None
@@ -67,16 +72,17 @@ class ArmView:
         part = picture[top : top + rows * stride, left : left + columns * stride]
         colours = np.asarray(cv2.resize(part, (columns, rows), interpolation=cv2.INTER_AREA), dtype=np.uint8)
         unknown = RatioMap(self._projection, self._focal_px, np.zeros((rows, columns), np.float32), *place)
+        on_bones, near_hand = bones(unknown, hand), near_bones(unknown, hand, wrist)
         if not self._colour.is_known:
-            on_hand = _positions(bones(unknown, hand), place)
-            self._colour.learn(picture, on_hand, _elsewhere(np.zeros(picture.shape[:2], np.uint8)), 0.0)
-        maybe = np.ones((rows, columns), np.uint8) if before is None else zones(unknown, hand, before)
+            on_hand = _positions(on_bones, place)
+            self._learn_colour(picture, on_hand, np.zeros(picture.shape[:2], np.uint8), 0.0)
+        maybe = np.ones((rows, columns), np.uint8) if before is None else zones(unknown, on_bones, near_hand, before)
         behind = room.behind(colours, maybe, place)
         ratios = log_ratios(colours, behind.colours, behind.known, self._tables)
         found = RatioMap(self._projection, self._focal_px, ratios, *place)
-        self._look = _Look(picture, hand, found, colours, behind)
+        self._look = _Look(picture, on_bones, near_hand, found, colours, behind)
         # A tube that runs back over the hand would fit everywhere.
-        off_hand = np.where(near_bones(unknown, hand, wrist) > 0, np.float32(0.0), ratios)
+        off_hand = np.where(near_hand > 0, np.float32(0.0), ratios)
         return replace(found, ratios=off_hand)
 
     def silhouette(self, tubes: ArmTubes) -> Silhouette | ForegroundReason:
@@ -84,9 +90,11 @@ class ArmView:
         look, room = self._look, self._room
         if look is None or room is None:
             return ForegroundReason.NOT_SEEN
-        self._possible = zones(look.map, look.hand, tubes)
+        self._possible = zones(look.map, look.bones, look.near_hand, tubes)
         self._arm = grow(look.map, self._possible, tubes)
-        problem = objection(look.map, look.hand, self._arm, tubes) or self._areas.objection(self._arm, look.map)
+        problem = objection(look.map, (look.bones, look.near_hand), self._arm, tubes) or self._areas.objection(
+            self._arm, look.map
+        )
         if problem is not None:
             return problem
         found = find_outline(look.picture, look.colours, self._arm, look.map.place, room, look.behind, self._tables)
@@ -108,11 +116,11 @@ class ArmView:
         self._learned += 1
         if self._learned < LEARN_EVERY or self._learned % LEARN_EVERY == 0:
             sure = np.asarray(cv2.erode(self._arm, np.ones((3, 3), np.uint8)), np.uint8) * (self._possible >= LIKELY)
-            self._colour.learn(look.picture, _positions(sure, look.map.place), _elsewhere(near), KEPT)
+            self._learn_colour(look.picture, _positions(sure, look.map.place), near, KEPT)
 
-    @property
-    def _tables(self) -> Tables:
-        return self._colour.arm, self._colour.rest
+    def _learn_colour(self, picture: Image, on_arm: Positions, near: Mask, kept: float) -> None:
+        self._colour.learn(picture, on_arm, _elsewhere(near), kept)
+        self._tables = ratio_tables(self._colour.arm, self._colour.rest)
 
     def _room_for(self, picture: Image) -> Room:
         shape = (picture.shape[0], picture.shape[1])

@@ -34,8 +34,8 @@ class FoundForeground:
     """
 
     def __init__(self, rig: Rig) -> None:
-        self._rig = rig
-        self._views = tuple(ArmView(matrix) for matrix in rig.matrices)
+        self._matrices = rig.matrices
+        self._views = tuple(ArmView(matrix) for matrix in self._matrices)
         self._tubes = TubeSearch()
 
     def learn_room(self, pictures: Sequence[Image]) -> None:
@@ -70,7 +70,4 @@ class FoundForeground:
 
     def _pixels(self, hand: SeenHand) -> list[Array]:
         """The landmarks (21, 2) in each view, undistorted: as seen, or projected where the view was not asked."""
-        return [
-            self._rig.cameras[k].undistort_pixels(hand.views[k].points) if k in hand.views else project(m, hand.points)
-            for k, m in enumerate(self._rig.matrices)
-        ]
+        return [hand.pixels[k] if k in hand.pixels else project(m, hand.points) for k, m in enumerate(self._matrices)]

@@ -103,16 +103,16 @@ def near_bones(view: RatioMap, hand: Array, wrist: Array) -> Mask:
     return drawn
 
 
-def zones(view: RatioMap, hand: Array, tubes: ArmTubes) -> Mask:
-    """Where the arm can be (h, w), from NEVER to SURE."""
-    drawn = near_bones(view, hand, tubes.forearm.start)
+def zones(view: RatioMap, on_bones: Mask, near_hand: Mask, tubes: ArmTubes) -> Mask:
+    """Where the arm can be (h, w), from NEVER to SURE, by where the hand's bones are and what is near them."""
+    drawn = near_hand.copy()
     scale = view.squares_per_m(tubes.forearm.end)
     middles = view.to_squares(project(view.projection, np.array([tubes.forearm.end, tubes.upper_arm.end])))
     cv2.circle(drawn, _point(middles[0]), round(ELBOW_M * scale), PERHAPS, cv2.FILLED)
     cv2.line(drawn, _point(middles[0]), _point(middles[1]), PERHAPS, max(round(2 * UPPER_ARM_M * scale), 1))
     draw_tube(drawn, view, tubes.forearm, PERHAPS, WIDER)
     draw_tube(drawn, view, tubes.forearm, LIKELY, 0.8)
-    drawn[bones(view, hand) > 0] = SURE
+    drawn[on_bones > 0] = SURE
     return drawn
 
 

@@ -20,6 +20,7 @@ from local_site.tracking.foreground.room import Levels, Mask
 MOST = 4.0  # the log ratio that one pixel may have: none decides alone
 UNSEEN = 1e-5  # the share of a colour that was never counted
 MOVING = 0.1  # of the pixels do not show the room as it was
+LOG_MOVING = math.log(MOVING)
 CHROMA_NOISE = 4.0  # of the sum of channels
 CHROMA_FLOOR = 0.006
 STEADY = 0.7  # of the pixels are as bright as before, the others in shadow or light
@@ -27,7 +28,7 @@ BRIGHTNESS_NOISE, BRIGHTNESS_SPREAD = 9.0, 0.04
 DARKEST, BRIGHTEST = 0.4, 1.2
 
 LogRatios = NDArray[np.float32]
-Tables = tuple[Table, Table]
+Tables = tuple[Table, Table, Table]
 
 
 @compiled
@@ -35,15 +36,24 @@ def log_ratio(
     colour: tuple[float, float, float], behind: tuple[float, float, float], known: bool, tables: Tables
 ) -> float:
     """The log ratio of one colour (blue, green, red), in front of what is behind it, if that is known."""
-    arm, rest = tables
+    arm, rest, unseen = tables
     brightness = colour[0] + colour[1] + colour[2]
     red, green = chromaticity(colour[0], colour[1], colour[2])
     number = bin_of(red, green, brightness)
-    of_rest = float(rest[number])
-    if known:
-        of_rest = MOVING * of_rest + (1.0 - MOVING) * _of_room(red, green, brightness, behind)
+    if not known:
+        return float(unseen[number])
+    of_room = _of_room(red, green, brightness, behind)
+    if of_room == 0.0:
+        return min(float(unseen[number]) - LOG_MOVING, MOST)
+    of_rest = MOVING * rest[number] + (1.0 - MOVING) * of_room
     ratio = math.log((arm[number] + UNSEEN) / (of_rest + UNSEEN))
     return min(max(ratio, -MOST), MOST)
+
+
+def ratio_tables(arm: Table, rest: Table) -> Tables:
+    """The shares of the colours on the arm and elsewhere, and their log ratios where the room is not known."""
+    unseen = np.log((arm + UNSEEN) / (rest + UNSEEN))
+    return arm, rest, np.asarray(np.clip(unseen, -MOST, MOST), np.float32)
 
 
 @compiled

@@ -49,7 +49,7 @@ def find_outline(
     grey = np.zeros(room.seen.shape, np.uint8)
     rows, columns = cover.shape
     grey[top : top + rows, left : left + columns] = cv2.max(solid, cover)
-    contour = np.asarray(largest.reshape(-1, 2) + (left, top), dtype=np.float64)
+    contour = np.asarray(largest.reshape(-1, 2) + np.array([left, top]), dtype=np.float64)
     return Silhouette(grey, LEVEL, contour)
 
 

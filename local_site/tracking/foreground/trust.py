@@ -3,14 +3,12 @@
 import cv2
 import numpy as np
 
-from common.geometry import Array
 from local_site.calibration.triangulation import project
-from local_site.tracking.foreground.growing import WIDER, bones, near_bones, within
+from local_site.tracking.foreground.growing import WIDER, within
 from local_site.tracking.foreground.reasons import ForegroundReason
 from local_site.tracking.foreground.room import Mask
 from local_site.tracking.foreground.tubes import ArmTubes, RatioMap, Tube
 
-MOST_LANDMARKS_OUTSIDE = 10
 LEAST_HAND, LEAST_FOREARM = 0.0, 0.3  # mean log ratios
 NARROW = 0.5  # half widths of the forearm's tube
 MOST_AROUND_FOREARM = 0.85  # of where a forearm can be: it covers two thirds of it
@@ -20,18 +18,19 @@ FEW = 30
 LARGER, SMALLER, AREA_KEPT = 1.6, 0.6, 0.7
 
 
-def objection(view: RatioMap, hand: Array, arm: Mask, tubes: ArmTubes) -> ForegroundReason | None:
-    """Why the region (h, w) of an arm with landmarks at pixels (21, 2) is not to be trusted; None if it is."""
-    rows, columns = arm.shape
-    squares = view.to_squares(hand)
-    outside = np.any((squares < 0) | (squares > (columns - 1, rows - 1)), axis=1)
-    if np.count_nonzero(outside) > MOST_LANDMARKS_OUTSIDE:
+def objection(view: RatioMap, hand: tuple[Mask, Mask], arm: Mask, tubes: ArmTubes) -> ForegroundReason | None:
+    """Why the region (h, w) of an arm is not to be trusted; None if it is.
+
+    `hand` is where its bones are, and what is near them.
+    """
+    on_bones, near_hand = hand
+    if np.count_nonzero(on_bones) < FEW:
         return ForegroundReason.NOT_SEEN
-    if _mean(view, bones(view, hand)) < LEAST_HAND:
+    if _mean(view, on_bones) < LEAST_HAND:
         return ForegroundReason.HAND_CUT
     if forearm_ratio(view, tubes.forearm) < LEAST_FOREARM:
         return ForegroundReason.NO_FOREARM
-    return ForegroundReason.LEAKS if _leaks(view, hand, arm, tubes) else None
+    return ForegroundReason.LEAKS if _leaks(view, near_hand, arm, tubes) else None
 
 
 def forearm_ratio(view: RatioMap, forearm: Tube) -> float:
@@ -43,11 +42,11 @@ def _mean(view: RatioMap, squares: Mask) -> float:
     return float(cv2.mean(view.ratios, squares)[0])
 
 
-def _leaks(view: RatioMap, hand: Array, arm: Mask, tubes: ArmTubes) -> bool:
+def _leaks(view: RatioMap, near_hand: Mask, arm: Mask, tubes: ArmTubes) -> bool:
     elbow = np.zeros(arm.shape, np.uint8)
     x, y = np.rint(view.to_squares(project(view.projection, tubes.forearm.end))).astype(int).tolist()
     cv2.circle(elbow, (x, y), round(ELBOW_DISC_M * view.squares_per_m(tubes.forearm.end)), 1, cv2.FILLED)
-    off_hand = np.asarray(near_bones(view, hand, tubes.forearm.start) == 0, np.uint8)
+    off_hand = np.asarray(near_hand == 0, np.uint8)
     forearm = within(view, tubes.forearm, WIDER) * (1 - elbow) * off_hand
     return _share(arm, forearm) > MOST_AROUND_FOREARM or _share(arm, elbow * off_hand) > MOST_AROUND_ELBOW
 

@@ -59,19 +59,20 @@ class TubeSearch:
 
     def _with_elbow(self, maps: Sequence[RatioMap], sure: Tube) -> ArmTubes:
         """Both limbs, with the elbow where the arm bends."""
-        return max((self._arm(maps, sure, length) for length in ELBOWS_M), key=_path_score)
-
-    def _arm(self, maps: Sequence[RatioMap], sure: Tube, length: float) -> ArmTubes:
-        """Both limbs with a forearm of this length in m."""
-        forearm = _best(maps, sure.start, length * sure.direction[None], sure.half_widths)
-        ways = (PATH_M - length) * self._uppers(sure)
-        return ArmTubes(forearm, _best(maps, forearm.end, ways, (ELBOW_HALF_M, SHOULDER_HALF_M)))
+        uppers = self._uppers(sure)
+        return max((_arm(maps, sure, length, uppers) for length in ELBOWS_M), key=_path_score)
 
     def _uppers(self, forearm: Tube) -> Array:
         if self._last is None:
             return cap(forearm.direction, UPPER_ARM_ANGLE, UPPER_ALL_ROUND)
         near = cap(self._last.upper_arm.direction, NEAR_ANGLE, UPPER_NEAR, self._spin)
         return np.vstack([near, cap(forearm.direction, UPPER_ARM_ANGLE, UPPER_ELSEWHERE, self._spin)])
+
+
+def _arm(maps: Sequence[RatioMap], sure: Tube, length: float, uppers: Array) -> ArmTubes:
+    """Both limbs with a forearm of this length in m, and an upper arm in one of the directions (N, 3)."""
+    forearm = _best(maps, sure.start, length * sure.direction[None], sure.half_widths)
+    return ArmTubes(forearm, _best(maps, forearm.end, (PATH_M - length) * uppers, (ELBOW_HALF_M, SHOULDER_HALF_M)))
 
 
 def _path_score(tubes: ArmTubes) -> float:

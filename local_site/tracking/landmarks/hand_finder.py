@@ -13,7 +13,6 @@ from local_site.tracking.tracker import TrackingReason, Views, extrapolation
 FOLLOWED_MISFIT = 0.12  # of a hand that a view is not sure of
 SURE_SCORE = 0.5
 MOST_RETRIES = 2  # crops run again in one instant
-UNPAIRED_INSTANTS = 4  # after which a hand that no other view sees is given up
 MOST_JUMP_M = 0.12  # beyond the expected place within one instant: nobody moves like that
 
 Accept = Callable[[SeenHand], bool]
@@ -26,7 +25,6 @@ class HandFinder:
         self._views, self._pairing = tuple(views), HandPairing(rig)
         self._last: tuple[int, SeenHand] | None = None
         self._before: tuple[int, SeenHand] | None = None
-        self._alone = [0] * len(self._views)
         self._attempts = 0
 
     def find(self, views: Views, accept: Accept, *, quickly: bool) -> SeenHand | str:
@@ -38,7 +36,7 @@ class HandFinder:
         candidates = [self._views[k].hands(view, quickly=quickly) for k, view in enumerate(views.views)]
         found = [seen for seen in self._pairing.pairs(candidates) if _is_sure(seen)]
         if not found:
-            self._give_up_single_hands(candidates)
+            self.forget()
             return TrackingReason.NO_HAND if not any(candidates) else TrackingReason.HANDS_DIFFER
         fitting = [seen for seen in found if (self._is_near(views.t_ns, seen) if self._last else accept(seen))]
         if not fitting:
@@ -47,7 +45,6 @@ class HandFinder:
         seen = self._seen_rightly(views, fitting[0])
         for k, hand in seen.views.items():
             self._views[k].keep(hand)
-            self._alone[k] = 0
         self._before, self._last = self._last, (views.t_ns, seen)
         return seen
 
@@ -74,16 +71,6 @@ class HandFinder:
                 hands[k] = self._views[k].again(views.views[k], hands[k], self._attempts)
                 self._attempts += 1
         return self._pairing.meet(hands) or seen
-
-    def _give_up_single_hands(self, candidates: Sequence[Sequence[HandLandmarks]]) -> None:
-        """Follow the surest hand of each view for a while, so that the other views can find it, too."""
-        self._last = self._before = None
-        for k, (view, hands) in enumerate(zip(self._views, candidates, strict=True)):
-            self._alone[k] = self._alone[k] + 1 if hands else 0
-            if hands and self._alone[k] < UNPAIRED_INSTANTS:
-                view.keep(hands[0])
-            else:
-                view.lose()
 
 
 def _is_sure(seen: SeenHand) -> bool:

@@ -3,34 +3,31 @@
 from collections import deque
 from statistics import fmean
 
-REMEMBERED = 15  # instants: a wrong run of one view lasts five at most
+REMEMBERED = 30  # instants: a wrong run of one view lasts five at most
 ENOUGH, ENOUGH_IF_CLEAR = 8, 3
-CLEAR = 0.3  # from undecided
+SURE, CLEAR = 0.05, 0.3  # from undecided
 
 
 class SideEvidence:
-    """The mean of what the views say, from 0, a left hand, to 1, a right one."""
+    """The mean of what speaks for the operator's side, from 0, the other one, to 1."""
 
     def __init__(self) -> None:
         self._seen: deque[float] = deque(maxlen=REMEMBERED)
 
-    def add(self, right: float) -> None:
-        """Take what the views of one instant say."""
-        self._seen.append(right)
+    def add(self, for_side: float) -> None:
+        """Take what one instant shows."""
+        self._seen.append(for_side)
 
     @property
-    def right(self) -> float | None:
-        """The mean so far, None before it can be trusted."""
-        if not self._seen:
-            return None
-        mean = fmean(self._seen)
-        needed = ENOUGH_IF_CLEAR if abs(mean - 0.5) > CLEAR else ENOUGH
-        return mean if len(self._seen) >= needed else None
+    def is_sure(self) -> bool:
+        """Whether enough has been seen to take the hand for the operator's."""
+        beyond = fmean(self._seen) - 0.5 if self._seen else 0.0
+        return beyond > SURE and len(self._seen) >= (ENOUGH_IF_CLEAR if beyond > CLEAR else ENOUGH)
 
-    def supports(self, right_arm: bool) -> bool:
-        """Whether this may be a hand of that arm; true also while too little has been seen."""
-        right = self.right
-        return right is None or (right > 0.5) == right_arm
+    @property
+    def is_other(self) -> bool:
+        """Whether enough has been seen to take it for the other hand."""
+        return len(self._seen) >= ENOUGH_IF_CLEAR and fmean(self._seen) < 0.5
 
     def forget(self) -> None:
         """Begin again with another hand."""

@@ -14,6 +14,8 @@ from local_site.tracking.landmarks.palm_detector import Palm, PalmDetector
 SQUARE = 0.83  # of the picture's height: small hands are found in parts of the picture only
 BRIGHTER = 1.8
 MOST_HANDS = 3
+CANDIDATE_SCORE = 0.3
+SEARCH_EVERY = 2  # instants, once there is a hand that only this camera sees
 
 
 @dataclass(frozen=True, slots=True)
@@ -42,7 +44,8 @@ class ViewFollower:
         """`quick` takes half the time of `careful`: exact enough where outlines show the hand, too."""
         self._detector, self._landmarker, self._quick = detector, careful, quick
         self._crop: Crop | None = None
-        self._searches = 0
+        self._candidates: list[Crop] = []
+        self._searches = self._instants = 0
 
     @property
     def is_following(self) -> bool:
@@ -55,10 +58,17 @@ class ViewFollower:
         return None if self._crop is None else landmarker.find(image, self._crop)
 
     def search(self, image: Image) -> list[HandLandmarks]:
-        """All hands that the next search finds, the surest first."""
-        region = SEARCHES[self._searches % len(SEARCHES)]
-        self._searches += 1
-        return [self._landmarker.find(image, palm.crop) for palm in self._palms(image, region)[:MOST_HANDS]]
+        """All hands found so far and still seen, and those that the next search finds, the surest first."""
+        hands = [hand for crop in self._candidates if (hand := self._quick.find(image, crop)).score >= CANDIDATE_SCORE]
+        self._instants += 1
+        if not hands or self._instants % SEARCH_EVERY == 0:
+            region = SEARCHES[self._searches % len(SEARCHES)]
+            self._searches += 1
+            found = [self._landmarker.find(image, palm.crop) for palm in self._palms(image, region)[:MOST_HANDS]]
+            hands += [hand for hand in found if not any(_is_same(hand, known) for known in hands)]
+        best = sorted(hands, key=lambda hand: -hand.score)[:MOST_HANDS]
+        self._candidates = [hand.next_crop() for hand in best if hand.score >= CANDIDATE_SCORE]
+        return best
 
     def again(self, image: Image, crop: Crop) -> HandLandmarks:
         """The hand in a crop of one's own choice."""
@@ -66,7 +76,7 @@ class ViewFollower:
 
     def keep(self, hand: HandLandmarks) -> None:
         """Follow this hand from now on."""
-        self._crop, self._searches = hand.next_crop(), 0
+        self._crop, self._searches, self._candidates = hand.next_crop(), 0, []
 
     def lose(self) -> None:
         """Search from now on."""
@@ -83,3 +93,9 @@ class ViewFollower:
         moved = np.array([left, top], dtype=float)
         found = self._detector.find(part)
         return [Palm(palm.score, Crop(palm.crop.centre + moved, palm.crop.side_px, palm.crop.angle)) for palm in found]
+
+
+def _is_same(one: HandLandmarks, other: HandLandmarks) -> bool:
+    """Whether two results are the same hand: their middles lie within half a crop."""
+    apart = float(np.linalg.norm(one.points.mean(axis=0) - other.points.mean(axis=0)))
+    return apart < 0.25 * (one.crop.side_px + other.crop.side_px)

@@ -12,7 +12,7 @@ from common.messages.hand import TrackingStatus
 from local_site.tracking.config import LearnedConfig
 from local_site.tracking.landmarks.hand_pairing import SeenHand
 from local_site.tracking.landmarks.side_evidence import SideEvidence
-from local_site.tracking.learned.hand_starts import scale_of
+from local_site.tracking.learned.hand_starts import right_by_shape, scale_of
 from local_site.tracking.silhouette.arm_finder import SeenArm
 from local_site.tracking.silhouette.joints import Body
 from local_site.tracking.silhouette.operator_profile import MOST_PAIRS, OTHER_BODY_FRACTION, OperatorProfile
@@ -53,10 +53,11 @@ class Acquaintance:
     def has_side(self, t_ns: int, seen: SeenHand) -> bool:
         """Whether what has been seen so far, and now, may be a hand of the operator's side."""
         self._seen_ns = t_ns
-        self._side.add(seen.right)
+        right = seen.right if self.is_known else 0.5 * (seen.right + right_by_shape(seen.points))
+        self._side.add(right if self._right_arm else 1.0 - right)
         if not self.is_known:
             self._sizes.append(scale_of(seen.points, self._right_arm))
-        return self._side.supports(self._right_arm)
+        return not self._side.is_other
 
     def has_length(self, arm: SeenArm, wrist: Array) -> bool:
         """Whether the forearm is as long as it was learned; true before that."""
@@ -84,7 +85,7 @@ class Acquaintance:
 
     def status(self, t_ns: int, reasons: Sequence[TrackingReason], elbow: str) -> tuple[TrackingStatus, str]:
         """How sure a result is, with `reasons` against the hand, and one against the elbow."""
-        if self._side.right is None or self._agreed < BEGUN:
+        if not self._side.is_sure or self._agreed < BEGUN:
             return TrackingStatus.INITIALISING, elbow or TrackingReason.LEARNING
         if not self.is_known:
             progress = f"{TrackingReason.LEARNING} ({len(self._lengths)} of {self._needed} pairs)"

@@ -91,7 +91,7 @@ class FollowedHand:
             fit_hand(views, start, _prior(belief, start, arm), person, ITERATIONS)
             for start, belief in self._starts(views, landmarks, person)
         ]
-        if not fits:
+        if not fits or not any(len(view.landmarks) + len(view.pixels) for view in views):
             return None
         fit = fits[0] if fits[0].cost * CLEARLY_BETTER <= fits[-1].cost else fits[-1]
         self._last = fit.pose, landmarks

@@ -18,7 +18,7 @@ FREEDOM_M, SEEN_FREEDOM_M = 0.008, 0.02  # of a tip in its model, without and wi
 SHAPE_SIGMA_M = 0.001
 MISFIT_WEIGHT = 0.1
 PIXEL_SIGMA = 1.4
-REACH_PX = 3.0
+REACH_PX, REACH_RADII = 3.0, 0.9  # how far from a tip its edges are searched
 CAP_BACK = 0.3
 AHEAD = 0.7
 EDGE_SIGMA = 2.5
@@ -182,7 +182,7 @@ def _add_outline(
         x, y = outline[n, 0] - centre[0], outline[n, 1] - centre[1]
         distance = max(math.sqrt(x * x + y * y), MIN_DISTANCE_PX)
         forward = x * ahead[0] + y * ahead[1]
-        if abs(distance - radius) < REACH_PX and forward > -CAP_BACK * radius:
+        if abs(distance - radius) < max(REACH_PX, REACH_RADII * radius) and forward > -CAP_BACK * radius:
             count += forward > AHEAD * distance
             _add(gradient, x / distance, y / distance, distance - radius, PIXEL_SIGMA, information, pull)
     return count

@@ -39,6 +39,10 @@ def write_points(tmp_path, noise=0.3, **stereo):
     return path
 
 
+def unseen(_what, _done, _total):
+    """Progress that nobody watches."""
+
+
 def run(*arguments):
     return CliRunner().invoke(app, ["calibrate", *map(str, arguments)])
 
@@ -192,7 +196,18 @@ def test_pictures_without_the_board_are_refused_by_their_camera(tmp_path):
         cv2.imwrite(str(tmp_path / "dark" / f"{k}.png"), np.zeros((480, 640), np.uint8))
     job = PictureJob({**sources, "right": str(tmp_path / "dark")}, tmp_path / "rig.json")
     with pytest.raises(CalibrationError, match=r"camera right: none of its 6 pictures shows the board; check --board"):
-        calibrate_board_pictures(job, BOARD, False)
+        calibrate_board_pictures(job, BOARD, False, unseen)
+
+
+def test_every_picture_counts_in_the_progress_and_the_total_is_known_from_the_start(tmp_path):
+    told = []
+    sources = board_folders(tmp_path)
+    calibrate_board_pictures(
+        PictureJob(sources, tmp_path / "rig.json"), BOARD, True, lambda *progress: told.append(progress)
+    )
+    count = 2 * len(POSES)
+    assert told[: count + 1] == [("looking for the board", k, count) for k in range(count + 1)]
+    assert told[count + 1 :] == [("solving the cameras", 0, None), ("solving the cameras", 1, 1)]
 
 
 def test_unequal_counts_and_sizes_of_pictures_are_refused(tmp_path):
@@ -200,10 +215,10 @@ def test_unequal_counts_and_sizes_of_pictures_are_refused(tmp_path):
     first = tmp_path / "right" / "000.png"
     cv2.imwrite(str(first), np.zeros((48, 64), np.uint8))
     with pytest.raises(CalibrationError, match="camera right: its pictures differ in size"):
-        calibrate_board_pictures(PictureJob(sources, tmp_path / "rig.json"), BOARD, False)
+        calibrate_board_pictures(PictureJob(sources, tmp_path / "rig.json"), BOARD, False, unseen)
     first.unlink()
     with pytest.raises(CalibrationError, match=r"different numbers of pictures.*left 6, right 5"):
-        calibrate_board_pictures(PictureJob(sources, tmp_path / "rig.json"), BOARD, False)
+        calibrate_board_pictures(PictureJob(sources, tmp_path / "rig.json"), BOARD, False, unseen)
 
 
 def test_sources_are_named_in_order_and_missing_ones_refused(tmp_path):

@@ -60,6 +60,7 @@ def here(monkeypatch, capsys, tmp_path) -> Iterator[Callable[..., subprocess.Com
         ["certificates", "create"],
         ["certificates", "renew"],
         ["track"],
+        ["setup"],
         ["calibrate"],
         ["calibrate", "points"],
         ["calibrate", "images"],

@@ -22,6 +22,7 @@ from local_site.acquisition.simulated_cameras import (
 )
 from local_site.simulation.config import BodyConfig, MotionConfig, PictureConfig, SimulationConfig, StereoConfig
 from local_site.simulation.operator import SimulatedOperator
+from local_site.simulation.room.config import RoomConfig
 
 SMALL = StereoConfig(width_px=160, height_px=120, focal_px=200.0)
 CONFIG = SimulationConfig(stereo=SMALL, fps=100.0)
@@ -100,6 +101,22 @@ def test_the_ring_gives_the_newest_frame_once():
     ring.publish(np.zeros((3, 4), np.uint8), 200)
     assert frame.image.max() == SLOTS + 2
     assert ring.newest(frame.seq).seq == SLOTS + 3
+
+
+def test_the_ring_carries_colour():
+    ring = FrameRing(4, 3, in_colour=True)
+    image = np.arange(36, dtype=np.uint8).reshape(3, 4, 3)
+    ring.publish(image, 100)
+    assert np.array_equal(ring.newest(-1).image, image)
+
+
+def test_cameras_in_an_office_give_pictures_in_colour():
+    source = SimulatedCameras(SimulationConfig(stereo=SMALL, room=RoomConfig(scene="office")))
+    try:
+        for camera in source.cameras:
+            assert camera.read().image.shape == (120, 160, 3)
+    finally:
+        source.close()
 
 
 @pytest.mark.parametrize("begins", ["at_once", "when_engaged"])

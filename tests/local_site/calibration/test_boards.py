@@ -6,11 +6,14 @@ from functools import lru_cache
 import cv2
 import numpy as np
 import pytest
+from scipy.spatial.transform import Rotation
 
 from common.errors import CalibrationError, ConfigError
 from local_site.calibration.accuracy import align_rigidly
 from local_site.calibration.board_rig import BoardPictures, solve_boards
 from local_site.calibration.boards import Board, BoardFinder, BoardView
+from local_site.calibration.checks import rig_mistakes
+from local_site.calibration.physical_camera import Lens, PhysicalCamera
 from local_site.calibration.triangulation import triangulate
 from tests.local_site.calibration.board_scenes import (
     SIZE,
@@ -126,6 +129,32 @@ def test_a_first_board_laid_the_other_way_round_gives_the_same_frame():
     turned = (round_R @ placed[0][0], -(round_R @ placed[0][0]) @ CHARUCO.middle)
     rig, _ = solve_boards(pictures(exact_views(CHARUCO, cameras, [turned, *placed[1:]])), CHARUCO, "now")
     assert worst_mm(rig, cameras) < 0.3
+
+
+def facing(side):
+    """A camera 0.9 m in front of a board that is held up, on the left (-1) or right (1)."""
+    turn = Rotation.from_euler("y", 20 * side, degrees=True).as_matrix()
+    return PhysicalCamera(Lens(800.0, 800.0, 320.0, 240.0), turn, np.array([0.0, 0.0, 0.9]))
+
+
+@pytest.mark.parametrize("tilt", [("x", 34), ("x", -34), ("y", 34), ("x", 50)], ids=str)
+def test_a_tilted_first_board_before_cameras_that_face_it_is_solved_and_not_taken_for_exchanged_cameras(tilt):
+    cameras = [facing(side) for side in (-1, 1)]
+    first = Rotation.from_euler(*tilt, degrees=True).as_matrix()
+    random = np.random.default_rng(0)
+    turns = [Rotation.from_euler("xyz", random.uniform(-30, 30, 3), degrees=True).as_matrix() for _ in range(8)]
+    placed = [(R, random.uniform(-0.08, 0.08, 3) - R @ CHARUCO.middle) for R in turns]
+    placed[0] = (first, -first @ CHARUCO.middle)
+    views = [
+        [BoardFinder(CHARUCO).find(Renderer(CHARUCO, camera, k).picture(*pose)) for pose in placed]
+        for k, camera in enumerate(cameras)
+    ]
+    rig, _ = solve_boards(pictures(views), CHARUCO, "now")
+    assert not rig_mistakes(rig)
+    centres = [-np.linalg.solve(m[:, :3], m[:, 3]) for m in rig.matrices]
+    assert np.linalg.norm(centres[1] - centres[0]) == pytest.approx(2 * 0.9 * np.sin(np.radians(20)), abs=0.003)
+    with pytest.raises(CalibrationError, match="exchange the two"):
+        solve_boards(pictures(views[::-1]), CHARUCO, "now")
 
 
 def test_exchanged_cameras_are_refused():

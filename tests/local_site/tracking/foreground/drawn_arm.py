@@ -68,8 +68,9 @@ class DrawnArm:
         """The hand as it is found in all views."""
         points = self.hand()
         crop = Crop(np.zeros(2), 1.0, 0.0)
-        views = {k: HandLandmarks(project(m, points), 0.9, 0.9, crop) for k, m in enumerate(cameras.matrices)}
-        return SeenHand(points, views, 0.0)
+        pixels = {k: project(matrix, points) for k, matrix in enumerate(cameras.matrices)}
+        views = {k: HandLandmarks(seen, 0.9, 0.9, crop) for k, seen in pixels.items()}
+        return SeenHand(points, views, pixels, 0.0, 0.0)
 
     def draw(self, room: Image, projection: Array) -> tuple[Image, NDArray[np.uint8]]:
         """The arm before a room (H, W, 3), and the mask (H, W) of its bare skin, 1 on the arm."""

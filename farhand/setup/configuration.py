@@ -1,0 +1,72 @@
+"""The configuration that a setup writes: the local site's tables, each value with what it means."""
+
+import json
+from collections.abc import Mapping
+from pathlib import Path
+from typing import get_args
+
+import msgspec
+
+from common.cameras.settings import given
+from common.errors import ConfigError
+from farhand.setup.notes import SetupAnswers
+from local_site.tracking.choice import TrackingConfig
+from local_site.tracking.config import Method
+
+# The trackers for two cameras and what each needs; those that the configuration does not know are not offered.
+OFFERED: Mapping[str, str] = {
+    "silhouette": "a bare arm before a dark, plain background",
+    "learned": "a bare arm in any room; needs the models: farhand models install",
+    "markers": "three bright markers on a dark glove",
+}
+NEEDS_DARK = ("silhouette",)
+
+HEAD = """\
+# The operator's side with two cameras, written by farhand setup. Every key that there is: farhand config show local
+# Start it with: farhand local --config {path}
+# A remote site on another host: [links] remote = "tls/HOST:PORT", see docs/security.md
+"""
+
+
+def offered_methods() -> dict[str, str]:
+    """The trackers to choose from, and what each needs."""
+    return {method: OFFERED[method] for method in get_args(Method) if method in OFFERED}
+
+
+def configuration(answers: SetupAnswers, rig: Path, path: Path) -> str:
+    """The TOML file of these answers, for a rig file; ConfigError for an answer that is missing."""
+    if answers.left is None or answers.right is None or answers.method is None:
+        raise ConfigError("cameras or tracker are not chosen yet; start farhand setup again")
+    lines = [
+        HEAD.format(path=path),
+        "[operator]",
+        f"left = {_text(answers.left)} # as the cameras see it",
+        f"right = {_text(answers.right)}",
+        f"rig = {_text(str(rig.resolve()))} # the calibration; it holds until a camera is touched",
+        "",
+    ]
+    if settings := given(answers.settings):
+        lines += ["[operator.cameras] # both are set to this, and refused where they do otherwise"]
+        lines += [f"{key} = {_value(value)}" for key, value in settings.items()] + [""]
+    lines += ["[tracking]", f"method = {_text(answers.method)} # {OFFERED[answers.method]}"]
+    lines.append(
+        f"profile_dir = {_text(str((path.parent / 'operators').resolve()))} # each operator's hand and forearm"
+    )
+    if has_sides(answers.method):
+        lines += ["", f"[tracking.{answers.method}]", f"right_arm = {_value(answers.right_arm)} # which arm is tracked"]
+    return "\n".join(lines) + "\n"
+
+
+def has_sides(method: Method) -> bool:
+    """Whether a tracker has to know which arm it tracks."""
+    own = getattr(TrackingConfig(), method, None)
+    return isinstance(own, msgspec.Struct) and "right_arm" in own.__struct_fields__
+
+
+def _text(words: str) -> str:
+    """A TOML string: JSON's escapes are among TOML's."""
+    return json.dumps(words, ensure_ascii=False).replace("\x7f", "\\u007f")
+
+
+def _value(value: object) -> str:
+    return _text(value) if isinstance(value, str) else json.dumps(value)

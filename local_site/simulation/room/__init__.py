@@ -1,0 +1,1 @@
+"""The simulated operator in colour: bare skin in an ordinary room."""

@@ -1,0 +1,87 @@
+"""What the operator wears: a shirt about shoulder and chest, and its sleeve, which begins where the bare arm ends."""
+
+import numpy as np
+
+from common.geometry import Array
+from local_site.simulation.body import ArmBody, BodyPose, Part, Solid
+from local_site.simulation.room.layer import Body
+from local_site.simulation.room.skin import Colour, reflectance
+from local_site.simulation.room.surface import STRETCHED, Coat, between
+
+SHIRTS: tuple[Colour, ...] = ((58, 84, 120), (92, 104, 92), (120, 60, 62), (70, 70, 76), (188, 190, 194))
+FOLDS = 0.06
+SLEEVE_SECTIONS = 8  # of the forearm's nine: a long sleeve ends before the wrist
+THICK_M = 0.007
+WIDER = 1.10  # the sleeve than the arm
+SLEEVE_SPACING, CHEST_SPACING = 0.6, 0.35
+# From the right shoulder, m: the left one, the chest, the waist. The operator faces -y.
+CHEST = np.array(
+    [
+        [0.02, 0.01, -0.01],
+        [0.38, 0.01, -0.01],
+        [0.06, -0.02, -0.17],
+        [0.34, -0.02, -0.17],
+        [0.07, 0.02, -0.50],
+        [0.33, 0.02, -0.50],
+    ]
+)
+CHEST_RADII = np.array([0.062, 0.062, 0.105, 0.105, 0.110, 0.110])
+
+
+class Shirt:
+    """The shirt's bodies by the operator's pose."""
+
+    def __init__(self, body: ArmBody, random: np.random.Generator) -> None:
+        solid = body.solid(STRETCHED)
+        self._sleeve = (Part("sleeve", (np.array([0, 1]),)),)
+        self._chest = (Part("chest", (np.arange(len(CHEST)),)),)
+        start = np.vstack([STRETCHED.shoulder, solid.rim.mean(axis=0)])
+        radius = WIDER * solid.radii.max()
+        self._sleeve_weights = between(self._sleeve, start, np.full(2, radius), SLEEVE_SPACING)
+        self._chest_weights = between(self._chest, CHEST, CHEST_RADII, CHEST_SPACING)
+        colour = SHIRTS[random.integers(len(SHIRTS))]
+        self._long_sleeve = tuple(_without_hand(part) for part in body.parts if part.name in ("upper_arm", "forearm"))
+        arm = np.vstack([solid.centres, start[1]])
+        self._long_weights = between(self._long_sleeve, arm, np.append(solid.radii, radius), SLEEVE_SPACING)
+        self._sleeve_coat = _cloth(len(self._sleeve_weights), colour, random)
+        self._long_coat = _cloth(len(self._long_weights), colour, random)
+        self._chest_coat = _cloth(len(self._chest_weights), colour, random)
+
+    def sleeve(self, pose: BodyPose, skin: Solid) -> Body:
+        """From the shoulder to the arm's rim."""
+        middle = skin.rim.mean(axis=0)
+        rim = middle + WIDER * (skin.rim - middle)
+        radius = np.linalg.norm(rim - middle, axis=1).max()
+        solid = Solid(pose.shoulder[None], np.array([radius]), rim)
+        return Body(solid, self._sleeve, self._sleeve_weights, np.zeros((1, 3)), self._sleeve_coat)
+
+    def long_sleeve(self, skin: Solid) -> Body:
+        """From the arm's rim to the wrist."""
+        middle = skin.rim.mean(axis=0)
+        solid = Solid(skin.centres, skin.radii + THICK_M, middle + WIDER * (skin.rim - middle))
+        return Body(solid, self._long_sleeve, self._long_weights, np.zeros_like(skin.centres), self._long_coat)
+
+    def chest(self, shoulder: Array) -> Body:
+        """Both shoulders, chest and waist, seen from the front."""
+        centres = shoulder + CHEST
+        solid = Solid(centres, CHEST_RADII, np.tile(centres[0], (32, 1)))
+        weights = np.pad(self._chest_weights, ((0, 0), (0, 1)))
+        return Body(solid, self._chest, weights, np.zeros_like(centres), self._chest_coat)
+
+
+def is_before(sleeve: Body, centre: Array) -> bool:
+    """Whether a camera at `centre` (3,) in m sees the sleeve before the arm's end, not the arm before the sleeve."""
+    rim, shoulder = sleeve.solid.rim.mean(axis=0), sleeve.solid.centres[0]
+    return bool((centre - rim) @ (shoulder - rim) > 0.0)
+
+
+def _without_hand(limb: Part) -> Part:
+    """The limb's pieces as far as a sleeve reaches."""
+    wrist = 2 * SLEEVE_SECTIONS
+    pieces = [piece for piece in limb.pieces if limb.name == "upper_arm" or piece.max() < wrist]
+    return Part(limb.name, tuple(pieces))
+
+
+def _cloth(count: int, colour: Colour, random: np.random.Generator) -> Coat:
+    shade = reflectance(colour) * (1.0 + FOLDS * random.standard_normal((count, 1)))
+    return Coat(shade, shade, np.zeros((count, 2)))
