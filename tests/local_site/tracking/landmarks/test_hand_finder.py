@@ -5,7 +5,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from local_site.tracking.landmarks.hand_finder import MOST_RETRIES, UNPAIRED_INSTANTS, HandFinder
+from local_site.tracking.landmarks.hand_finder import MOST_RETRIES, HandFinder
 from local_site.tracking.landmarks.hand_pairing import SeenHand
 from local_site.tracking.tracker import TrackingReason
 from tests.local_site.tracking.landmarks.scripted_hands import instant, scripted_views, show
@@ -125,28 +125,14 @@ def test_forgetting_makes_all_views_search(pair):
     assert is_at(find(finder, 1), ELSEWHERE)
 
 
-def test_a_hand_that_one_view_sees_is_held_for_the_other_and_then_given_up(pair):
+def test_a_hand_that_one_view_alone_sees_is_not_followed(pair):
     finder, views = pair
     views[0].shown = [seen()[0]]
-    following = []
-    for k in range(UNPAIRED_INSTANTS + 2):
+    for k in range(5):
         assert find(finder, k) == TrackingReason.HANDS_DIFFER
-        following.append(views[0].is_following)
-    assert following[: UNPAIRED_INSTANTS - 1] == [True] * (UNPAIRED_INSTANTS - 1)
-    assert following[UNPAIRED_INSTANTS - 1] is False
-    assert not views[1].is_following
-
-
-def test_a_single_hand_counts_anew_after_it_was_found_by_all(pair):
-    finder, views = pair
-    for k in range(3 * UNPAIRED_INSTANTS):
-        if k % UNPAIRED_INSTANTS == UNPAIRED_INSTANTS - 1:
-            show(views, seen())
-            assert is_at(find(finder, k), (0.0, 0.0, 0.0))
-        else:
-            views[0].shown, views[1].shown = [seen()[0]], []
-            assert find(finder, k) == TrackingReason.HANDS_DIFFER
-        assert views[0].is_following
+        assert not any(view.is_following for view in views)
+    show(views, seen())
+    assert is_at(find(finder, 5), (0.0, 0.0, 0.0))
 
 
 def test_views_that_see_different_hands_are_lost_with_the_reason(pair):

@@ -5,64 +5,67 @@ import pytest
 from local_site.tracking.landmarks.side_evidence import ENOUGH, ENOUGH_IF_CLEAR, REMEMBERED, SideEvidence
 
 WRONG_RUN = 5  # the longest that a view was seen to take a hand for its mirror image
-RIGHT, LEFT, FLIPPED_VIEW = 0.97, 0.03, 0.5  # one of two views that flips gives a mean of about a half
+OWN, OTHER, FLIPPED_VIEW = 0.97, 0.03, 0.5  # one of two views that flips gives a mean of about a half
 
 
 def evidence(*seen):
     side = SideEvidence()
-    for right in seen:
-        side.add(right)
+    for for_side in seen:
+        side.add(for_side)
     return side
 
 
-def test_nothing_seen_is_undecided_and_supports_both_sides():
+def test_nothing_seen_is_undecided():
     side = SideEvidence()
-    assert side.right is None
-    assert side.supports(True)
-    assert side.supports(False)
+    assert not side.is_sure
+    assert not side.is_other
 
 
-@pytest.mark.parametrize(("right", "is_right"), [(RIGHT, True), (LEFT, False)])
-def test_a_clear_hand_is_decided_after_a_few_instants(right, is_right):
-    assert evidence(*[right] * (ENOUGH_IF_CLEAR - 1)).right is None
-    side = evidence(*[right] * ENOUGH_IF_CLEAR)
-    assert side.right == pytest.approx(right)
-    assert side.supports(is_right)
-    assert not side.supports(not is_right)
+def test_a_clear_hand_is_decided_after_a_few_instants():
+    assert not evidence(*[OWN] * (ENOUGH_IF_CLEAR - 1)).is_sure
+    assert evidence(*[OWN] * ENOUGH_IF_CLEAR).is_sure
+    assert not evidence(*[OTHER] * (ENOUGH_IF_CLEAR - 1)).is_other
+    assert evidence(*[OTHER] * ENOUGH_IF_CLEAR).is_other
 
 
-@pytest.mark.parametrize(("right", "is_right"), [(0.7, True), (0.3, False)])
-def test_an_unclear_hand_needs_more(right, is_right):
-    assert evidence(*[right] * (ENOUGH - 1)).right is None
-    assert evidence(*[right] * ENOUGH).supports(is_right)
-    assert not evidence(*[right] * ENOUGH).supports(not is_right)
+def test_an_unclear_hand_needs_more():
+    assert not evidence(*[0.7] * (ENOUGH - 1)).is_sure
+    assert evidence(*[0.7] * ENOUGH).is_sure
 
 
-@pytest.mark.parametrize("wrong", [FLIPPED_VIEW, LEFT])
+def test_a_hand_that_could_be_either_is_never_sure():
+    side = evidence(*[0.5] * 100)
+    assert not side.is_sure
+    assert not side.is_other
+
+
+@pytest.mark.parametrize("wrong", [FLIPPED_VIEW, OTHER])
 def test_a_hand_that_was_seen_well_survives_a_wrong_run(wrong):
-    side = evidence(*[RIGHT] * REMEMBERED)
+    side = evidence(*[OWN] * REMEMBERED)
     for _ in range(WRONG_RUN):
         side.add(wrong)
-        assert side.supports(True)
+        assert side.is_sure
+        assert not side.is_other
 
 
-def test_a_left_hand_is_refused_though_views_flip_now_and_then():
+def test_the_other_hand_is_never_sure_though_views_flip_now_and_then():
     side = SideEvidence()
     for k in range(60):
-        side.add(FLIPPED_VIEW if k % 4 == 3 else LEFT)
-        assert k + 1 < ENOUGH or not side.supports(True)
+        side.add(FLIPPED_VIEW if k % 4 == 3 else OTHER)
+        assert not side.is_sure
+        assert side.is_other == (k + 1 >= ENOUGH_IF_CLEAR)
 
 
 def test_another_hand_is_noticed_though_it_is_not_said():
-    side = evidence(*[RIGHT] * 50)
+    side = evidence(*[OWN] * 50)
     for _ in range(REMEMBERED):
-        side.add(LEFT)
-    assert not side.supports(True)
-    assert side.supports(False)
+        side.add(OTHER)
+    assert side.is_other
+    assert not side.is_sure
 
 
 def test_it_can_be_forgotten():
-    side = evidence(*[LEFT] * 20)
+    side = evidence(*[OTHER] * 20)
     side.forget()
-    assert side.right is None
-    assert side.supports(True)
+    assert not side.is_other
+    assert not side.is_sure

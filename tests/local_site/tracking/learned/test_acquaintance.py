@@ -25,14 +25,14 @@ CONFIG = LearnedConfig(initial_pairs=PAIRS)
 DOUBT = [TrackingReason.LEFT_OPEN]
 
 
-def hand(scale=1.0, right=0.95):
-    landmarks = landmarks_of(pose_of(), Person(scale, True, TO_ELBOW))
+def hand(scale=1.0, right=0.95, right_arm=True):
+    landmarks = landmarks_of(pose_of(), Person(scale, right_arm, TO_ELBOW))
     seen = HandPairing(PAIR_RIG).meet(dict(enumerate(seen_by_all(PAIR_RIG, landmarks, right))))
     assert seen is not None
     return seen
 
 
-HAND, LEFT_HAND = hand(), hand(right=0.05)
+HAND, LEFT_HAND = hand(), hand(right=0.05, right_arm=False)
 
 
 def arm(forearm_m=FOREARM_M):

@@ -134,7 +134,6 @@ def test_views_without_landmarks_give_no_start():
     assert FollowedHand(True, None).track(blind(landmarks), landmarks, None) is None
 
 
-@pytest.mark.xfail(strict=True, raises=np.linalg.LinAlgError, reason="learns from a fit to nothing")
 def test_views_that_show_nothing_of_a_followed_hand_are_not_clear():
     pose, hand = pose_of(), FollowedHand(True, None)
     fitted(pose, hand=hand)

@@ -12,6 +12,7 @@ from local_site.tracking.learned.hand_starts import (
     any_posture,
     laid_upon,
     pose_from_landmarks,
+    right_by_shape,
     scale_of,
 )
 from local_site.tracking.silhouette.hand_model.habits import GRIPPER, Habits
@@ -93,6 +94,19 @@ def test_a_left_hands_posture_is_recognised_as_a_left_ones():
     start = pose_from_landmarks(landmarks_of(truth, LEFT), LEFT, SIZES)
     np.testing.assert_allclose(start.posture, POINTING, atol=1e-12)
     assert angle_deg(start.rotation, truth.rotation) < 1e-3
+
+
+@pytest.mark.parametrize("name", ["gripper", "fist", "pointing"])
+@pytest.mark.parametrize("person", [RIGHT, LEFT], ids=["right", "left"])
+def test_bent_fingers_tell_the_side(name, person):
+    share = right_by_shape(landmarks_of(pose_of((0.4, -0.6, 1.0), POSTURES[name]), person))
+    assert share > 0.8 if person.right_arm else share < 0.2
+
+
+def test_a_flat_hand_tells_less_but_never_the_wrong_side():
+    right, left = (right_by_shape(landmarks_of(pose_of(posture=FLAT), person)) for person in (RIGHT, LEFT))
+    assert 0.5 < right <= 1.0
+    assert left == pytest.approx(1.0 - right)
 
 
 def test_any_posture_is_believed_loosely_and_keeps_the_known_sizes():
