@@ -5,7 +5,6 @@ from collections.abc import Callable, Sequence
 import numpy as np
 
 from local_site.calibration.rig import Rig
-from local_site.tracking.landmarks.hand_landmarks import HandLandmarks
 from local_site.tracking.landmarks.hand_pairing import HandPairing, SeenHand
 from local_site.tracking.landmarks.view_hands import TURNED_RIGHT, ViewHands
 from local_site.tracking.tracker import TrackingReason, Views, extrapolation
