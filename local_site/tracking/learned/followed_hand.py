@@ -100,10 +100,11 @@ class FollowedHand:
 
     def track(self, views: Sequence[HandView], landmarks: Array, arm: LimbEvidence | None) -> FittedHand | None:
         """The hand of views with landmarks, whose triangulation (21, 3) in m is `landmarks`; None without a start."""
-        if not any(len(view.landmarks) + len(view.pixels) for view in views):
+        if not _show(views):
             return None
         person = self._person(landmarks, arm)
-        views = [self._unless_mistaken(view, landmarks) for view in views]
+        believed = [self._unless_mistaken(view, landmarks) for view in views]
+        views = believed if _show(believed) else views
         fits = [
             fit_hand(views, start, _prior(belief, start, arm), person, ITERATIONS)
             for start, belief in self._starts(views, landmarks, person)
@@ -155,9 +156,7 @@ class FollowedHand:
                 return habit
         return any_posture(self._habits.own)
 
-    def _starts(
-        self, views: Sequence[HandView], landmarks: Array, person: Person
-    ) -> Iterator[tuple[HandPose, Belief]]:
+    def _starts(self, views: Sequence[HandView], landmarks: Array, person: Person) -> Iterator[tuple[HandPose, Belief]]:
         """The last pose moved with the palm, and a new one where landmarks show it; each with what is believed."""
         belief = any_posture(self._habits.own)
         if self._last is not None:
@@ -177,6 +176,11 @@ class FollowedHand:
                 for view in views
             ]
             yield fit_hand(alone, start, _prior(belief, start, None), person, START_ITERATIONS).pose, belief
+
+
+def _show(views: Sequence[HandView]) -> bool:
+    """Whether the views show anything of the hand."""
+    return any(len(view.landmarks) + len(view.pixels) for view in views)
 
 
 def _is_habitual(posture: Array, habit: Belief) -> bool:
