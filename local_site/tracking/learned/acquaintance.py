@@ -89,7 +89,8 @@ class Acquaintance:
             return TrackingStatus.INITIALISING, elbow or TrackingReason.LEARNING
         if not self.is_known:
             progress = f"{TrackingReason.LEARNING} ({len(self._lengths)} of {self._needed} pairs)"
-            return TrackingStatus.DEGRADED, "; ".join([*reasons, *filter(None, [elbow]), progress])
+            doubts = [doubt for doubt in (*reasons, elbow) if doubt and doubt != TrackingReason.LEARNING]
+            return TrackingStatus.DEGRADED, "; ".join([*doubts, progress])
         if self._seen_ns - self._arm_ns > WITHOUT_ARM_NS:
             return TrackingStatus.DEGRADED, "; ".join([*reasons, elbow or TrackingReason.NO_ARM])
         if reasons:

@@ -38,6 +38,7 @@ START_ITERATIONS, START_SIGMAS = 5, 3.0
 LOOSE_WRIST_M = 0.03
 HABITUAL = 2.0  # mean squared deviation from a habit in its own standard deviations
 CLEARLY_BETTER = 0.9
+START_EVERY, WORSE, REMEMBERED_COSTS = 5, 1.2, 30
 MAX_COST = 1.5
 LEAST_USUAL_CURL, MOST_GRIPPER_CURL = 0.3, 2.0  # rad, of a hand held like a gripper: no flat hand, no fist
 STRETCHED, STILL_STRETCHED = 0.4, 0.55  # rad, of the finger that is curled most in an open hand
@@ -87,7 +88,8 @@ class FollowedHand:
         self._scales: deque[float] = deque(known, REMEMBERED_SCALES)
         self._last: tuple[HandPose, Array, Array] | None = None
         self._open = False
-        self._mistaken = 0
+        self._mistaken = self._instants = 0
+        self._costs: deque[float] = deque(maxlen=REMEMBERED_COSTS)
 
     @property
     def learned(self) -> tuple[float, Belief] | None:
@@ -105,13 +107,9 @@ class FollowedHand:
         person = self._person(landmarks, arm)
         believed = [self._unless_mistaken(view, landmarks) for view in views]
         views = believed if _show(believed) else views
-        fits = [
-            fit_hand(views, start, _prior(belief, start, arm), person, ITERATIONS)
-            for start, belief in self._starts(views, landmarks, person)
-        ]
-        if not fits:
+        fit = self._fit(views, landmarks, arm, person)
+        if fit is None:
             return None
-        fit = fits[0] if fits[0].cost * CLEARLY_BETTER <= fits[-1].cost else fits[-1]
         self._last = fit.pose, landmarks, landmark_points(fit.spheres.centres)
         self._mistaken = self._mistaken + 1 if fit.cost > MAX_COST else 0
         self._open = self._is_open(fit.pose.posture)
@@ -121,6 +119,22 @@ class FollowedHand:
         landmark_views = sum(len(view.landmarks) > 0 for view in views)
         outline_views = sum(len(view.pixels) > 0 for view in views)
         return FittedHand(fit, index, thumb, self._open, landmark_views, outline_views)
+
+    def _fit(
+        self, views: Sequence[HandView], landmarks: Array, arm: LimbEvidence | None, person: Person
+    ) -> HandFit | None:
+        """From the last pose; now and then, and where that fits worse than usual, also from the landmarks alone."""
+        best: HandFit | None = None
+        for start, belief in self._starts(views, landmarks, person):
+            fit = fit_hand(views, start, _prior(belief, start, arm), person, ITERATIONS)
+            if best is None or fit.cost < CLEARLY_BETTER * best.cost:
+                best = fit
+            self._instants += 1
+            if self._instants % START_EVERY and self._costs and fit.cost < WORSE * median(self._costs):
+                break
+        if best is not None:
+            self._costs.append(best.cost)
+        return best
 
     def _unless_mistaken(self, view: HandView, landmarks: Array) -> HandView:
         """The view without its landmarks where these take one finger for another: no finger moves that far at once.

@@ -139,6 +139,8 @@ class LearnedTracker:
         reasons = doubts(self._rig, arm.limbs, arm.features, arm.joints)
         if not hand_reasons:
             self._operator.learn(arm, wrist, self._outlines.finder.sleeve(arm), reasons)
+        if not self._operator.is_known:
+            return "; ".join(reasons) or TrackingReason.LEARNING
         return "; ".join(reasons) or ("" if self._operator.has_length(arm, wrist) else TrackingReason.NO_ARM)
 
     def _lost(self, views: Views, reason: str) -> ArmEstimate:
