@@ -4,10 +4,14 @@ BIN := .venv/bin
 READY := .venv/ready
 export PYTHONDONTWRITEBYTECODE :=  # every process would compile all modules again
 
-.PHONY: loopback test long faults check bench fuzz
+.PHONY: loopback learned test long faults check bench fuzz
 
 loopback: $(READY)  ## both sites on this machine, with a simulated operator and a simulated cell
 	@$(BIN)/farhand loopback $(ARGS)
+
+learned: $(READY)  ## runtime and models of the tracker for ordinary rooms, which the other commands do without
+	@$(BIN)/python -m pip install --quiet --disable-pip-version-check --constraint constraints.txt --editable '.[learned]'
+	@$(BIN)/farhand models install
 
 test: $(READY)  ## the tests, two at once, but for those that take long
 	@$(BIN)/python -m pytest --numprocesses 2 --no-loadscope-reorder $(ARGS)

@@ -38,7 +38,11 @@ class CalibrationError(FarhandError):
 
 
 class ModelError(FarhandError):
-    """A robot model cannot be read or lacks what control needs."""
+    """A model, of a robot or a network for pictures, cannot be had or read, or lacks what is needed of it."""
+
+
+class NotInstalledError(ModelError):
+    """The configuration asks for a model or a runtime that is not installed; the text names the command for it."""
 
 
 class DriverError(FarhandError):

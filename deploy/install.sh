@@ -81,6 +81,8 @@ install_all() {
   if [ -n "$dry" ]; then return; fi
   echo "Farhand is installed. Next:
   edit $configuration/remote.toml or local.toml, then: farhand doctor --config FILE
+  sudo -u farhand env CACHE_DIRECTORY=$cache farhand models install
+                                           (only for tracking.method = \"learned\")
   systemctl enable --now farhand-remote    (the robot's side)
   systemctl enable --now farhand-local     (the operator's side)"
 }
@@ -112,7 +114,7 @@ make_environment() {
   local venv=$home/.venv
   if ! "$venv/bin/python" -c '' 2>/dev/null; then run "$python" -m venv --clear "$venv"; fi
   run "$venv/bin/python" -m pip install --quiet --disable-pip-version-check \
-    --constraint "$home/source/constraints.txt" "$home/source[sim,video]"
+    --constraint "$home/source/constraints.txt" "$home/source[sim,video,learned]"
   run rm -rf "$home/source/build"
   if [ -n "$root" ]; then
     # Scripts name their interpreter by its path once DIR is the root.

@@ -5,7 +5,7 @@ import sys
 
 import typer
 
-from common.errors import ConfigError, FarhandError, InterruptionError
+from common.errors import ConfigError, FarhandError, InterruptionError, NotInstalledError
 from common.process.log import finish_log
 from farhand.commands.calibrate import calibrate_app
 from farhand.commands.checks import doctor, driver_app
@@ -56,6 +56,6 @@ def main() -> None:
 
 
 def _exit_code(error: FarhandError) -> int:
-    if isinstance(error, ConfigError):
+    if isinstance(error, ConfigError | NotInstalledError):
         return MISUSE
     return INTERRUPTED if isinstance(error, InterruptionError) else FAILED

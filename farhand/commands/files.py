@@ -17,7 +17,7 @@ Hosts = Annotated[
 ]
 
 config_app = typer.Typer(help="Print or write the configurations that Farhand ships.", no_args_is_help=True)
-models_app = typer.Typer(help="The models of hand and arm for the tracker `learned`.", no_args_is_help=True)
+models_app = typer.Typer(help="The hand models of the tracker `learned`.", no_args_is_help=True)
 certificates_app = typer.Typer(help="Make and renew the certificates that protect the links.", no_args_is_help=True)
 
 

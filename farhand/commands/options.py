@@ -25,7 +25,10 @@ CellName = Annotated[str, typer.Option("--cell", help="Name of the cell.")]
 RemoteEndpoint = Annotated[str, typer.Option("--remote", help="Control endpoint of the remote site.")]
 LocalEndpoint = Annotated[str, typer.Option("--local", help="Where the local site of this host listens.")]
 
-TRACKER_HELP = "A bare arm's silhouette, three bright markers on a dark glove, or a textured arm before one camera."
+TRACKER_HELP = (
+    "silhouette: a bare arm before a dark wall; learned: a bare arm in an ordinary room; "
+    "markers: three bright ones on a dark glove; monocular: one camera."
+)
 
 
 def until_signal() -> StopFlag:

@@ -10,7 +10,7 @@ from common.link.config import LinkSecurity
 from common.link.endpoints import check_endpoint
 from common.link.roles import Identity, Role
 from farhand.deployment.kinds import KINDS, Configuration, likeliest
-from farhand.doctor import cameras, machine, site
+from farhand.doctor import cameras, landmarks, machine, site
 from farhand.doctor.findings import Finding, error, ok
 from farhand.doctor.link.run import examine_link
 from farhand.router import ROUTER
@@ -102,9 +102,11 @@ def examine_remote(config: RemoteConfig) -> list[Finding]:
 
 
 def examine_local(config: LocalConfig) -> list[Finding]:
-    """Certificate, cameras, calibration, ports and clock of the operator's side."""
+    """Tracker, certificate, cameras, calibration, ports and clock of the operator's side."""
     links, operator = config.links, config.operator
     findings = [machine.check_cache(*machine.probe_cache())]
+    if config.tracking.method == "learned":
+        findings += landmarks.check_landmarks(landmarks.probe_landmarks())
     findings += _examine_links(links, (links.remote, links.listen), config.bearer)
     if not operator.is_simulated:
         rig = cameras.probe_rig(operator.rig, datetime.now(UTC))

@@ -15,7 +15,7 @@ import msgspec
 from common.config import apply_setting, load_config, read_tables
 from common.errors import ConfigError
 from farhand.deployment.kinds import KINDS, Configuration, known_keys, likeliest
-from farhand.loopback.scenario import MONOCULAR, arm_file, arm_settings, check_scenario, operator_settings
+from farhand.loopback.scenario import arm_file, arm_settings, check_scenario, operator_settings, operator_wishes
 from farhand.loopback.site_process import free_ports
 from local_site.config import LocalConfig
 from local_site.console.config import ConsoleConfig
@@ -212,7 +212,9 @@ def _local_needs(local: SitePlan[LocalConfig]) -> SitePlan[LocalConfig]:
     tracker = config.tracking.method
     for setting in operator_settings(tracker):
         local = local.needing(setting, f"for an operator whom the {tracker} tracker can follow from the engagement on")
-    return local.preferring("tracking.monocular.start.by=silhouette") if tracker == MONOCULAR else local
+    for setting in operator_wishes(tracker):
+        local = local.preferring(setting)
+    return local
 
 
 def _list(names: Iterable[str]) -> str:

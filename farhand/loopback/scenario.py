@@ -9,7 +9,8 @@ from remote_site.kinematics.config import MODELS
 
 A465, HUMANOID = "a465", "humanoid"
 ARM_FILES: Mapping[str, Path | None] = {A465: None, HUMANOID: MODELS / HUMANOID / f"{HUMANOID}.toml"}
-MARKERS, MONOCULAR = "markers", "monocular"
+MARKERS, MONOCULAR, LEARNED = "markers", "monocular", "learned"
+EMPTY_S = 3.0  # the tracker learns the room in half of it, on a machine that has time
 USUAL_MOTION = "pick_and_place"
 # One camera at the right of an operator who looks to the right of the picture: its x is ahead, y down, z to the left.
 FROM_THE_RIGHT = "[[1.0, 0.0, 0.0], [0.0, 0.0, 1.0], [0.0, -1.0, 0.0]]"
@@ -33,7 +34,17 @@ def arm_file(arm: str | None) -> Path | None:
 def operator_settings(tracker: str) -> tuple[str, ...]:
     """The local site's settings for an operator that this tracker can follow, who starts to move at the engagement."""
     settings = "simulation.motion.begins=when_engaged", f"simulation.markers={str(tracker == MARKERS).lower()}"
-    return (*settings, "simulation.textured=true") if tracker == MONOCULAR else settings
+    dressed = {MONOCULAR: "simulation.textured=true", LEARNED: "simulation.room.scene=office"}
+    return (*settings, dressed[tracker]) if tracker in dressed else settings
+
+
+def operator_wishes(tracker: str) -> tuple[str, ...]:
+    """The local site's settings with which this tracker begins best."""
+    wishes = {
+        MONOCULAR: ("tracking.monocular.start.by=silhouette",),
+        LEARNED: (f"simulation.room.empty_s={EMPTY_S}",),
+    }
+    return wishes.get(tracker, ())
 
 
 def operator_views(tracker: str) -> tuple[str, ...]:

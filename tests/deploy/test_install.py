@@ -15,7 +15,7 @@ STAND_IN = """#!/bin/sh
 case "$1 $2" in
   "-m venv") mkdir -p "$4/bin" && cp "$0" "$4/bin/python" ;;
   "-m pip") for source in "$@"; do :; done
-    test -f "${source%\\[sim,video]}/pyproject.toml" || exit 1
+    test -f "${source%\\[sim,video,learned]}/pyproject.toml" || exit 1
     folder=$(dirname "$0") && printf '#!%s/python\\n' "$folder" > "$folder/farhand" && echo pip >> "$folder/../calls" ;;
 esac
 """

@@ -9,6 +9,7 @@ from pathlib import Path
 import pytest
 
 from farhand.exit_codes import MISUSE
+from local_site.tracking.landmarks.model_files import how_to_install, model_folder
 
 DEPLOY = Path(__file__).parents[2] / "farhand" / "deployment"
 UNITS = sorted((DEPLOY / "systemd").glob("farhand-*.service"))
@@ -59,6 +60,20 @@ def test_what_the_local_site_compiles_is_kept_where_it_may_write_and_has_time_fo
     service = unit_of("local")["Service"]
     assert service["Environment"] == f"NUMBA_CACHE_DIR=%C/{service['CacheDirectory']}/numba"
     assert float(service["TimeoutStartSec"]) >= 300
+
+
+def test_the_local_site_finds_the_models_where_the_installer_says_that_they_are_put(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    service = unit_of("local")["Service"]
+    monkeypatch.setenv("CACHE_DIRECTORY", f"/var/cache/{service['CacheDirectory']}")  # as systemd does
+    installer = (DEPLOY.parents[1] / "deploy" / "install.sh").read_text()
+    assert how_to_install().replace("/var/cache/farhand", "$cache") in installer
+    assert model_folder() == Path("/var/cache/farhand/models")
+
+
+def test_the_local_site_sees_which_processor_it_has() -> None:
+    assert "ProcSubset" not in unit_of("local")["Service"], "the landmarks' runtime reads /proc/cpuinfo"
 
 
 def test_the_remote_sites_mark_lies_where_it_outlasts_a_power_cut() -> None:

@@ -18,12 +18,14 @@ MIN_CONTOUR_POINTS = 40
 class Silhouette:
     """The arm's blob: smoothed grey image (H, W), threshold level, ordered outer contour (N, 2) in px.
 
-    Shadows within the contour are raised above the level, so that they do not look like the arm's edge.
+    Shadows within the contour are raised above the level, so that they do not look like the arm's edge. Where `grey` is
+    no picture but how far the arm covers each pixel, `picture` (H, W) shows the edges within the arm.
     """
 
     grey: NDArray[np.uint8]
     level: float
     contour: Array
+    picture: NDArray[np.uint8] | None = None
 
     def touches_border(self, points: Array) -> NDArray[np.bool_]:
         """Which pixels (N, 2) lie on the image border, (N,)."""

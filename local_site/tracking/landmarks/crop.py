@@ -37,7 +37,7 @@ class Crop:
         matrix = np.column_stack([axes, self.centre - axes @ np.full(2, (size_px - 1) / 2)])
         flags = cv2.INTER_LINEAR | cv2.WARP_INVERSE_MAP
         turned = cv2.warpAffine(image, matrix, (size_px, size_px), flags=flags, borderMode=cv2.BORDER_CONSTANT)
-        rgb = cv2.cvtColor(turned, cv2.COLOR_BGR2RGB)
+        rgb = np.asarray(cv2.cvtColor(turned, cv2.COLOR_BGR2RGB), dtype=np.uint8)
         return np.asarray(np.minimum(rgb * np.float32(_gain(rgb) / 255.0), 1.0), dtype=np.float32)
 
 

@@ -1,4 +1,4 @@
-"""Finds the operator's hand in all views at once, and follows it: one that the views agree on, and of the right side."""
+"""Finds the operator's hand in all views at once, and follows it: one of the right side that the views agree on."""
 
 from collections.abc import Callable, Sequence
 

@@ -5,7 +5,7 @@ import os
 from dataclasses import dataclass
 from pathlib import Path
 
-from common.errors import ModelError
+from common.errors import NotInstalledError
 
 INSTALL = "farhand models install"
 FOLDER = "farhand/models"
@@ -42,21 +42,32 @@ QUICK_HAND_LANDMARKS = _model(
 MODEL_FILES = (PALM_DETECTION, HAND_LANDMARKS, QUICK_HAND_LANDMARKS)
 
 
-def model_folder() -> Path:
-    """Where the models lie: in the service's cache folder, else in the user's."""
-    service = os.environ.get("CACHE_DIRECTORY", "").partition(":")[0]
-    if service:
-        return Path(service) / "models"
+def service_cache() -> str:
+    """The service's cache folder, as systemd gives it to the service; empty elsewhere."""
+    return os.environ.get("CACHE_DIRECTORY", "").partition(":")[0]
+
+
+def model_folder(service: str | None = None) -> Path:
+    """Where the models lie: in the service's cache folder, which is this process's if not given, else in the user's."""
+    cache = service_cache() if service is None else service
+    if cache:
+        return Path(cache) / "models"
     return Path(os.environ.get("XDG_CACHE_HOME") or Path.home() / ".cache") / FOLDER
 
 
+def how_to_install(service: str | None = None) -> str:
+    """The command that puts the models there: a service's user has no cache folder but the service's."""
+    cache = service_cache() if service is None else service
+    return f"sudo -u farhand env CACHE_DIRECTORY={cache} {INSTALL}" if cache else INSTALL
+
+
 def read_model(model: ModelFile, folder: Path | None = None) -> bytes:
-    """An installed model's bytes; ModelError that names the cure when it is missing or has been changed."""
+    """An installed model's bytes; NotInstalledError that names the cure when it is missing or has been changed."""
     path = (folder or model_folder()) / model.name
     try:
         content = path.read_bytes()
     except OSError as error:
-        raise ModelError(f"the landmark model {path} is not there ({error.strerror}): run '{INSTALL}'") from error
+        raise NotInstalledError(f"the landmark model {path} is not there: run '{how_to_install()}'") from error
     if hashlib.sha256(content).hexdigest() != model.sha256:
-        raise ModelError(f"the landmark model {path} is damaged or another version: run '{INSTALL}'")
+        raise NotInstalledError(f"the landmark model {path} is damaged or another version: run '{how_to_install()}'")
     return content

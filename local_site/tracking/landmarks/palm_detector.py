@@ -48,9 +48,9 @@ class PalmDetector:
         """The palms of a BGR picture (H, W, 3)."""
         side = max(image.shape[:2])
         boxes, logits = self._network.run(_letterboxed(image, self._network.side_px))
-        scores = 1.0 / (1.0 + np.exp(-np.clip(logits.reshape(-1), -MOST_LOGIT, MOST_LOGIT)))
+        scores = 1.0 / (1.0 + np.exp(-np.clip(logits.reshape(-1).astype(float), -MOST_LOGIT, MOST_LOGIT)))
         likely = np.flatnonzero(scores >= LEAST_SCORE)
-        points = boxes[likely].reshape(len(likely), 9, 2) / self._network.side_px
+        points = boxes[likely].reshape(len(likely), 9, 2).astype(float) / self._network.side_px
         points[:, [0, *range(2, 9)]] += self._anchors[likely, None]
         offset = (np.array([image.shape[1], image.shape[0]]) - side) / 2
         return [_palm(float(score), palm * side, offset) for score, palm in _distinct(scores[likely], points)]
@@ -66,18 +66,18 @@ def _letterboxed(image: Image, size_px: int) -> NDArray[np.float32]:
     return square
 
 
-def _distinct(scores: NDArray[np.float32], points: NDArray[np.float32]) -> list[tuple[float, Array]]:
+def _distinct(scores: Array, points: Array) -> list[tuple[float, Array]]:
     """Overlapping detections (N, 9, 2) of the same palm as one: their mean, weighted by the score."""
     found, order = [], list(np.argsort(-scores))
     while order:
         overlapping = [k for k in order if _overlap(points[order[0]], points[k]) > OVERLAP or k == order[0]]
         weights = scores[overlapping]
-        found.append((float(weights[0]), np.tensordot(weights / weights.sum(), points[overlapping], 1).astype(float)))
+        found.append((float(weights[0]), np.tensordot(weights / weights.sum(), points[overlapping], 1)))
         order = [k for k in order if k not in overlapping]
     return found
 
 
-def _overlap(one: NDArray[np.float32], other: NDArray[np.float32]) -> float:
+def _overlap(one: Array, other: Array) -> float:
     """The intersection of two boxes, each a centre and a size, over their union."""
     low = np.maximum(one[0] - one[1] / 2, other[0] - other[1] / 2)
     high = np.minimum(one[0] + one[1] / 2, other[0] + other[1] / 2)

@@ -1,11 +1,14 @@
 """The arm's outlines in all views: before a dark wall by a threshold, else by this arm's colour and the empty room."""
 
+from dataclasses import replace
+
 import cv2
 import numpy as np
 
 from common.cameras.camera import Image
 from local_site.calibration.physical_camera import Undistorter
 from local_site.calibration.rig import Rig
+from local_site.tracking.features.silhouette import Silhouette, to_grey
 from local_site.tracking.features.view_meter import ViewMeter
 from local_site.tracking.foreground.dark_wall import DarkWall
 from local_site.tracking.foreground.found_foreground import FoundForeground
@@ -58,8 +61,12 @@ class ArmOutlines:
         self._foreground.forget()
 
     def _found(self, views: Views, body: Body, hand: SeenHand) -> SeenArm | NoArm:
-        found = self._foreground.find(self._pictures(views), hand)
-        for meter, view, silhouette in zip(self._meters, views.views, found.silhouettes, strict=True):
+        pictures = self._pictures(views)
+        found = self._foreground.find(pictures, hand)
+        seen = zip(self._meters, views.views, pictures, found.silhouettes, strict=True)
+        for meter, view, picture, silhouette in seen:
+            if isinstance(silhouette, Silhouette):
+                silhouette = replace(silhouette, picture=to_grey(picture))
             meter.show(view.current, silhouette)
         hints = [
             found.tubes.posture(matrix, hand.pixels[k][MIDDLE_TIP]) if k in hand.pixels else None

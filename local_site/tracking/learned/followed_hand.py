@@ -106,7 +106,7 @@ class FollowedHand:
     def _is_open(self, posture: Array) -> bool:
         """Whether all fingers are stretched well beyond their usual curl; with hysteresis (thesis 4.2)."""
         usual = max(most_curled(self._habits.own.posture), LEAST_USUAL_CURL)
-        return most_curled(posture) < (STILL_OPEN_CURL if self._open else OPEN_CURL) * usual
+        return bool(most_curled(posture) < (STILL_OPEN_CURL if self._open else OPEN_CURL) * usual)
 
     def _person(self, landmarks: Array, arm: LimbEvidence | None) -> Person:
         if len(self._scales) < REMEMBERED_SCALES:

@@ -39,7 +39,8 @@ def make_hand_view(projection: Array, view: Features, wrist: Array) -> HandView 
     outline = _refined(silhouette.grey, contour) + view.hand_shift
     step = max(1, round(len(outline) / PIXELS_WANTED))
     pixels, origin = np.ascontiguousarray(outline[::step]), np.array([x0, y0], dtype=np.float64) + view.hand_shift
-    grey, shift = silhouette.grey, view.hand_shift
+    grey = silhouette.grey if silhouette.picture is None else silhouette.picture
+    shift = view.hand_shift
     return HandView(projection, focal_px, pixels, field, origin, sigma, outline, grey, shift, NO_PIXELS, 1.0)
 
 

@@ -29,6 +29,17 @@ def test_the_loopback_runs_the_tracker_that_is_asked_for_before_an_operator_dres
     assert local.simulation.markers == (name == "markers")
 
 
+def test_the_tracker_for_ordinary_rooms_gets_an_operator_in_colour_who_comes_into_an_empty_office():
+    room = plan_of(LoopbackOptions(tracker="learned")).local.load().simulation.room
+    assert room.scene == "office"
+    assert room.empty_s > 2.0, "shorter than the second in which the tracker learns the room"
+    settings = ("simulation.room.scene=office", "simulation.room.empty_s=5", "simulation.room.skin=dark")
+    chosen = plan_of(LoopbackOptions(tracker="learned", settings=settings)).local.load().simulation.room
+    assert (chosen.empty_s, chosen.skin) == (5.0, "dark")
+    with pytest.raises(ConfigError, match=r"simulation\.room\.scene"):
+        plan_of(LoopbackOptions(tracker="learned", settings=("simulation.room.scene=dark",)))
+
+
 def test_an_unknown_tracker_is_refused_before_anything_starts():
     with pytest.raises(ConfigError, match=r"tracking\.method"):
         plan_of(LoopbackOptions(tracker="ultrasound"))

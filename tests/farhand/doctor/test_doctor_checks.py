@@ -1,13 +1,15 @@
 """The doctor's judgements over made-up facts: each level, and a cure wherever something is to be done."""
 
 import json
+from dataclasses import replace
 
 import pytest
 
-from farhand.doctor import cameras, machine, site
+from farhand.doctor import cameras, landmarks, machine, site
 from farhand.doctor.findings import Finding, Severity, as_json, as_text, error, ok, warning, worst
 
 SHARED = "/run/shared"
+LANDMARKS = landmarks.LandmarkFacts("2.3.0", "/m", (), "farhand models install")
 GB, MB = 1_000_000_000, 1_000_000
 CASES = [
     (machine.check_python((3, 12, 1), ()), "ok", "3.12.1"),
@@ -31,6 +33,10 @@ CASES = [
     (machine.check_cache("/c", writable=False, compiled=43), "ok", "43 functions"),
     (machine.check_cache("/c", writable=True, compiled=0), "warning", "first start"),
     (machine.check_cache("/c", writable=False, compiled=0), "warning", "every start"),
+    (landmarks.check_landmarks(LANDMARKS)[0], "ok", "ai-edge-litert 2.3.0"),
+    (landmarks.check_landmarks(LANDMARKS)[1], "ok", "/m, unchanged"),
+    (landmarks.check_landmarks(replace(LANDMARKS, runtime=""))[0], "error", "not installed"),
+    (landmarks.check_landmarks(replace(LANDMARKS, wrong=("palm.tflite",)))[1], "error", "changed in /m: palm.tflite"),
     (site.check_robot("a465", "kinematic", ())[0], "ok", "driver kinematic"),
     (site.check_robot("a", "b", [("robot", "no file", "give one")])[0], "error", "no file"),
     (cameras.check_camera(cameras.CameraFacts("left", "0", (640, 480))), "ok", "640 x 480"),

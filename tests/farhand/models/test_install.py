@@ -7,7 +7,7 @@ from pathlib import Path
 
 import pytest
 
-from common.errors import ModelError
+from common.errors import ModelError, NotInstalledError
 from farhand.models import install as module
 from local_site.tracking.landmarks import model_files
 from local_site.tracking.landmarks.model_files import ModelFile, model_folder, read_model
@@ -41,9 +41,12 @@ def test_models_from_a_wheel_are_installed_and_read_again(tmp_path: Path) -> Non
 
 
 @pytest.mark.parametrize(
-    ("contents", "why"), [(CONTENTS | {"hand.tflite": b"other"}, "checksum"), ({"palm.tflite": b"palms"}, "hand.tflite")]
+    ("contents", "why"),
+    [(CONTENTS | {"hand.tflite": b"other"}, "checksum"), ({"palm.tflite": b"palms"}, "hand.tflite")],
 )
-def test_another_wheel_is_refused_and_leaves_what_is_there(tmp_path: Path, contents: dict[str, bytes], why: str) -> None:
+def test_another_wheel_is_refused_and_leaves_what_is_there(
+    tmp_path: Path, contents: dict[str, bytes], why: str
+) -> None:
     module.install(tmp_path, wheel(tmp_path, CONTENTS), lambda _: None)
     with pytest.raises(ModelError, match=why) as caught:
         module.install(tmp_path, wheel(tmp_path, contents), lambda _: None)
@@ -63,16 +66,41 @@ def test_a_file_that_is_missing_or_no_wheel_is_refused(tmp_path: Path, content: 
 def test_what_pip_says_is_passed_on_with_the_cure(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     failed = subprocess.CompletedProcess([], 1, "", "a warning\nERROR: no such host\n")
     monkeypatch.setattr(module.subprocess, "run", lambda *_args, **_options: failed)
-    with pytest.raises(ModelError, match="no such host.*--from FILE"):
+    with pytest.raises(ModelError, match=r"no such host.*--from FILE"):
         module.install(tmp_path, None, lambda _: None)
 
 
-def test_a_model_that_is_missing_or_changed_names_the_one_command(tmp_path: Path) -> None:
-    with pytest.raises(ModelError, match="run 'farhand models install'"):
+def test_models_that_are_there_are_not_got_again(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    module.install(tmp_path, wheel(tmp_path, CONTENTS), lambda _: None)
+
+    def fail(_: Path) -> Path:
+        raise ModelError("got again")
+
+    monkeypatch.setattr(module, "download", fail)
+    said: list[str] = []
+    module.install(tmp_path, None, said.append)
+    assert "already" in said[-1]
+    assert "Apache-2.0" in said[-1]
+    (tmp_path / "hand.tflite").write_bytes(b"changed")
+    with pytest.raises(ModelError, match="got again"):
+        module.install(tmp_path, None, said.append)
+
+
+def test_a_model_that_is_missing_or_changed_names_the_one_command(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.delenv("CACHE_DIRECTORY", raising=False)
+    with pytest.raises(NotInstalledError, match="run 'farhand models install'"):
         read_model(MODELS[0], tmp_path)
     (tmp_path / "palm.tflite").write_bytes(b"changed")
-    with pytest.raises(ModelError, match="run 'farhand models install'"):
+    with pytest.raises(NotInstalledError, match="run 'farhand models install'"):
         read_model(MODELS[0], tmp_path)
+
+
+def test_a_service_is_told_the_command_for_its_own_folder(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setenv("CACHE_DIRECTORY", str(tmp_path))
+    with pytest.raises(NotInstalledError, match=f"CACHE_DIRECTORY={tmp_path} farhand models install"):
+        read_model(MODELS[0])
 
 
 def test_the_folder_is_the_services_or_the_users(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:

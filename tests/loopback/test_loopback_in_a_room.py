@@ -1,0 +1,43 @@
+"""The whole loop in an ordinary room: the operator comes in, is found by the hand's landmarks, and moves the arm."""
+
+import json
+import subprocess
+import sys
+from pathlib import Path
+
+import cv2
+import numpy as np
+import pytest
+
+from common.errors import ModelError
+from local_site.simulation.cameras import exact_rig
+from local_site.simulation.config import StereoConfig
+from local_site.tracking.landmarks.models import view_hands
+
+MAX_FOLLOW_MM = 30.0
+MAX_ERROR_MM = {"elbow": 20.0, "wrist": 15.0, "index": 20.0, "thumb": 20.0}
+
+pytestmark = pytest.mark.long
+
+
+def test_the_loop_closes_in_a_room(tmp_path: Path) -> None:
+    try:
+        view_hands(exact_rig(StereoConfig()), right_arm=True)
+    except ModelError as missing:
+        pytest.skip(str(missing))
+    report, views = tmp_path / "out.json", tmp_path / "views"
+    command = ["loopback", "--seconds", "9", "--headless", "--tracker", "learned", "--motion", "figure_of_eight"]
+    command += ["--set", "safety.t_latch_ms=1500"]  # no pause of the machine ends the engagement
+    command += ["--report", str(report), "--save-views", str(views)]
+    done = subprocess.run(
+        [sys.executable, "-m", "farhand", *command], check=False, capture_output=True, text=True, timeout=180
+    )
+    assert done.returncode == 0, done.stderr
+    figures = json.loads(report.read_text())
+    assert figures["engagements"] == 1
+    assert figures["follow_mm"]["mean"] < MAX_FOLLOW_MM
+    for point, most_mm in MAX_ERROR_MM.items():
+        assert figures["tracking"]["error_mm"][point]["mean"] < most_mm, point
+    assert not any("XNNPACK" in event for event in figures["events"])
+    picture = cv2.imread(str(views / "operator_left.png"))
+    assert np.ptp(picture[-40:, :40].astype(int), axis=2).max() > 20, "the room is in colour"
