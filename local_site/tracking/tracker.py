@@ -75,7 +75,7 @@ class TrackingReason(StrEnum):
     NO_HAND = "no hand is seen: hold it up before all cameras"
     HANDS_DIFFER = "a hand is seen, but two views do not agree on it: hold it where all cameras see it"
     OTHER_HAND = "only a hand is seen that is not the operator's: hold up yours"
-    OTHER_SIDE = "this looks like the operator's other hand, or the pictures are mirrored; right_arm says which is meant"
+    OTHER_SIDE = "this looks like the other hand, or the pictures are mirrored; right_arm says which one is meant"
     LEARNING_ROOM = "learning the room: keep the arm out of the pictures for a second"
     THUMB_INFERRED = "the thumb is not seen in outline by two cameras; its position follows from the hand's shape"
     LEARNING = "learning the arm: hold it bent, thumb and index apart"

@@ -54,17 +54,23 @@ class ViewMeter:
         return overlay_of(self._camera, view, points)
 
     def _measure(self, frame: Frame, guess: Posture | None) -> Features | str:
-        image = frame.image
-        is_picture = image.dtype == np.uint8 and image.ndim in (2, 3) and min(image.shape) > 0
-        if not is_picture or min(image.shape[:2]) < MIN_SIDE_PX:
-            return "the picture is too small or of a wrong kind"
-        height, width = image.shape[:2]
-        if self._camera.size_px not in (None, (width, height)):
-            expected = "{}x{}".format(*self._camera.size_px or ())
-            return f"the picture is {width}x{height}, but was calibrated at {expected}"
-        grey = self._undistorter.undistorted(to_grey(image))
+        problem = picture_problem(frame.image, self._camera)
+        if problem:
+            return problem
+        grey = self._undistorter.undistorted(to_grey(frame.image))
         silhouette = self._foreground.silhouette(grey)
         return silhouette if isinstance(silhouette, str) else features_of(silhouette, guess)
+
+
+def picture_problem(image: Image, camera: CameraCalibration) -> str:
+    """Why a picture cannot be one of this camera's, else empty."""
+    is_picture = image.dtype == np.uint8 and image.ndim in (2, 3) and min(image.shape) > 0
+    if not is_picture or min(image.shape[:2]) < MIN_SIDE_PX:
+        return "the picture is too small or of a wrong kind"
+    height, width = image.shape[:2]
+    if camera.size_px in (None, (width, height)):
+        return ""
+    return "the picture is {}x{}, but was calibrated at {}x{}".format(width, height, *camera.size_px or ())
 
 
 def features_of(silhouette: Silhouette, guess: Posture | None) -> Features | str:

@@ -38,7 +38,8 @@ class Crop:
         flags = cv2.INTER_LINEAR | cv2.WARP_INVERSE_MAP
         turned = cv2.warpAffine(image, matrix, (size_px, size_px), flags=flags, borderMode=cv2.BORDER_CONSTANT)
         rgb = np.asarray(cv2.cvtColor(turned, cv2.COLOR_BGR2RGB), dtype=np.uint8)
-        return np.asarray(np.minimum(rgb * np.float32(_gain(rgb) / 255.0), 1.0), dtype=np.float32)
+        bright = np.multiply(rgb, np.float32(_gain(rgb) / 255.0), dtype=np.float32)
+        return np.minimum(bright, np.float32(1.0), out=bright)
 
 
 def _gain(rgb: NDArray[np.uint8]) -> float:

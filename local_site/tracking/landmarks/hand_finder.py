@@ -4,8 +4,8 @@ from collections.abc import Callable, Sequence
 
 import numpy as np
 
+from common.clock import NS_PER_MS, NS_PER_S
 from local_site.calibration.rig import Rig
-from local_site.tracking.landmarks.hand_landmarks import HandLandmarks
 from local_site.tracking.landmarks.hand_pairing import HandPairing, SeenHand
 from local_site.tracking.landmarks.view_hands import TURNED_RIGHT, ViewHands
 from local_site.tracking.tracker import TrackingReason, Views, extrapolation
@@ -13,7 +13,8 @@ from local_site.tracking.tracker import TrackingReason, Views, extrapolation
 FOLLOWED_MISFIT = 0.12  # of a hand that a view is not sure of
 SURE_SCORE = 0.5
 MOST_RETRIES = 2  # crops run again in one instant
-MOST_JUMP_M = 0.12  # beyond the expected place within one instant: nobody moves like that
+MOST_JUMP_M, MOST_SPEED = 0.1, 1.0  # from the expected place: landmarks vary by half of that; and m/s of what is unseen
+SHORT_LOSS_NS = 300 * NS_PER_MS  # after which another hand may be held up
 
 Accept = Callable[[SeenHand], bool]
 
@@ -36,13 +37,13 @@ class HandFinder:
         candidates = [self._views[k].hands(view, quickly=quickly) for k, view in enumerate(views.views)]
         found = [seen for seen in self._pairing.pairs(candidates) if _is_sure(seen)]
         if not found:
-            self.forget()
+            self._search(views.t_ns)
             return TrackingReason.NO_HAND if not any(candidates) else TrackingReason.HANDS_DIFFER
-        fitting = [seen for seen in found if (self._is_near(views.t_ns, seen) if self._last else accept(seen))]
-        if not fitting:
-            self.forget()
+        seen = self._nearest(views.t_ns, found) if self._last else next(filter(accept, found), None)
+        if seen is None:
+            self._search(views.t_ns)
             return TrackingReason.OTHER_HAND
-        seen = self._seen_rightly(views, fitting[0])
+        seen = self._seen_rightly(views, seen)
         for k, hand in seen.views.items():
             self._views[k].keep(hand)
         self._before, self._last = self._last, (views.t_ns, seen)
@@ -54,14 +55,23 @@ class HandFinder:
         for view in self._views:
             view.lose()
 
-    def _is_near(self, t_ns: int, seen: SeenHand) -> bool:
-        """Whether it is where the last instants let expect it; true without any."""
-        if self._last is None or self._before is None:
-            return True
-        (last_ns, last), (before_ns, before) = self._last, self._before
+    def _search(self, t_ns: int) -> None:
+        """Search in all pictures; for a while only where the hand was."""
+        for view in self._views:
+            view.lose()
+        if self._last is not None and not 0 <= t_ns - self._last[0] < SHORT_LOSS_NS:
+            self._last = self._before = None
+
+    def _nearest(self, t_ns: int, found: Sequence[SeenHand]) -> SeenHand | None:
+        """The hand nearest to where the last instants let expect it, None if that is too far off."""
+        if self._last is None:
+            return None
+        (last_ns, last), (before_ns, before) = self._last, self._before or self._last
         ahead = extrapolation(t_ns, last_ns, before_ns)
         expected = last.palm + ahead * (last.palm - before.palm)
-        return float(np.linalg.norm(seen.palm - expected)) < MOST_JUMP_M * max(1.0, ahead)
+        away = [float(np.linalg.norm(seen.palm - expected)) for seen in found]
+        reach_m = MOST_JUMP_M + MOST_SPEED * max(0, t_ns - last_ns) / NS_PER_S
+        return found[int(np.argmin(away))] if min(away) < reach_m else None
 
     def _seen_rightly(self, views: Views, seen: SeenHand) -> SeenHand:
         """The hand with those views run again in other crops that take it for its mirror image."""

@@ -6,10 +6,11 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from common.clock import NS_PER_MS
+from common.clock import NS_PER_S
 from common.geometry import Array
 from common.messages.hand import TrackingStatus
 from local_site.tracking.config import LearnedConfig
+from local_site.tracking.landmarks.hand_finder import SHORT_LOSS_NS
 from local_site.tracking.landmarks.hand_pairing import SeenHand
 from local_site.tracking.landmarks.side_evidence import SideEvidence
 from local_site.tracking.learned.hand_starts import right_by_shape, scale_of
@@ -23,7 +24,7 @@ MOST_SPREAD = 0.06  # of the forearm's length: outlines that leak into the backg
 WRONG_LENGTH = 0.1
 OTHER_SIZE = 0.2  # of a hand against the operator's: landmarks of one hand vary by half of it
 REMEMBERED_SIZES = 60
-SHORT_LOSS_NS = 300 * NS_PER_MS
+WITHOUT_ARM_NS = NS_PER_S  # a hand whose arm is not found for longer may be another's
 
 
 class Acquaintance:
@@ -35,7 +36,7 @@ class Acquaintance:
         self._sizes: deque[float] = deque(maxlen=REMEMBERED_SIZES)
         self._lengths: deque[tuple[float, float]] = deque(maxlen=config.initial_pairs)
         self._agreed = 0
-        self._seen_ns = 0
+        self._seen_ns = self._arm_ns = 0
         self.body = Body(None if profile is None else profile.forearm_length_m)
         self.is_known = False
 
@@ -64,11 +65,10 @@ class Acquaintance:
         known = self.body.forearm_length
         return known is None or abs(_length(arm, wrist) / known - 1) < WRONG_LENGTH
 
-    def learn(
-        self, arm: SeenArm, wrist: Array, sleeve: Array | None, reasons: Sequence[TrackingReason]
-    ) -> None:
+    def learn(self, arm: SeenArm, wrist: Array, sleeve: Array | None, reasons: Sequence[TrackingReason]) -> None:
         """Take an arm that was found at the hand; `reasons` are doubts about its elbow."""
         self._agreed += 1
+        self._arm_ns = self._seen_ns
         if self.is_known or reasons:
             return
         to_sleeve = math.nan if sleeve is None else float(np.linalg.norm(sleeve - arm.joints.elbow))
@@ -83,13 +83,16 @@ class Acquaintance:
         known = sleeves[np.isfinite(sleeves)]
         self.body, self.is_known = Body(forearm, float(np.median(known)) if len(known) else None), True
 
-    def status(self, t_ns: int, reasons: Sequence[TrackingReason], elbow: str) -> tuple[TrackingStatus, str]:
+    def status(self, reasons: Sequence[TrackingReason], elbow: str) -> tuple[TrackingStatus, str]:
         """How sure a result is, with `reasons` against the hand, and one against the elbow."""
         if not self._side.is_sure or self._agreed < BEGUN:
             return TrackingStatus.INITIALISING, elbow or TrackingReason.LEARNING
         if not self.is_known:
             progress = f"{TrackingReason.LEARNING} ({len(self._lengths)} of {self._needed} pairs)"
-            return TrackingStatus.DEGRADED, "; ".join([*reasons, *filter(None, [elbow]), progress])
+            doubts = [doubt for doubt in (*reasons, elbow) if doubt and doubt != TrackingReason.LEARNING]
+            return TrackingStatus.DEGRADED, "; ".join([*doubts, progress])
+        if self._seen_ns - self._arm_ns > WITHOUT_ARM_NS:
+            return TrackingStatus.DEGRADED, "; ".join([*reasons, elbow or TrackingReason.NO_ARM])
         if reasons:
             return TrackingStatus.DEGRADED, "; ".join(reasons)
         return TrackingStatus.TRACKED, elbow

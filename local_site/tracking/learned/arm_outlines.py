@@ -51,8 +51,9 @@ class ArmOutlines:
                 self.finder = self._before_wall
                 return arm
             self.finder = self._in_room
-        arm = self._before_wall.find(views, body) if self.finder is self._before_wall else self._found(views, body, hand)
-        return _with_hand(arm, hand)
+        if self.finder is self._before_wall:
+            return _with_hand(self._before_wall.find(views, body), hand)
+        return _with_hand(self._found(views, body, hand), hand)
 
     def forget(self) -> None:
         """Search everywhere from now on."""
@@ -65,9 +66,7 @@ class ArmOutlines:
         found = self._foreground.find(pictures, hand)
         seen = zip(self._meters, views.views, pictures, found.silhouettes, strict=True)
         for meter, view, picture, silhouette in seen:
-            if isinstance(silhouette, Silhouette):
-                silhouette = replace(silhouette, picture=to_grey(picture))
-            meter.show(view.current, silhouette)
+            meter.show(view.current, _with_picture(silhouette, picture))
         hints = [
             found.tubes.posture(matrix, hand.pixels[k][MIDDLE_TIP]) if k in hand.pixels else None
             for k, matrix in enumerate(self._rig.matrices)
@@ -79,6 +78,10 @@ class ArmOutlines:
             undistorter.undistorted(as_bgr(view.current.image))
             for undistorter, view in zip(self._undistorters, views.views, strict=True)
         ]
+
+
+def _with_picture(silhouette: Silhouette | str, picture: Image) -> Silhouette | str:
+    return silhouette if isinstance(silhouette, str) else replace(silhouette, picture=to_grey(picture))
 
 
 def _with_hand(arm: SeenArm | NoArm, hand: SeenHand) -> SeenArm | NoArm:

@@ -8,8 +8,17 @@ from statistics import median
 import numpy as np
 
 from common.geometry import Array
+from local_site.calibration.triangulation import project
 from local_site.tracking.learned.hand_starts import PALM_LANDMARKS, any_posture, pose_from_landmarks, scale_of
-from local_site.tracking.silhouette.hand_model.fit import MIN_VIEWS, NO_VIEW, HandFit, HandView, Prior, fit_hand
+from local_site.tracking.silhouette.hand_model.fit import (
+    MIN_VIEWS,
+    NO_PIXELS,
+    NO_VIEW,
+    HandFit,
+    HandView,
+    Prior,
+    fit_hand,
+)
 from local_site.tracking.silhouette.hand_model.habits import (
     OPEN_CURL,
     STILL_OPEN_CURL,
@@ -19,6 +28,7 @@ from local_site.tracking.silhouette.hand_model.habits import (
     near_last,
     prior_information,
 )
+from local_site.tracking.silhouette.hand_model.landmark_equations import landmark_points
 from local_site.tracking.silhouette.hand_model.skeleton import PALM, HandPose, Person, most_curled
 from local_site.tracking.silhouette.operator_profile import OperatorProfile
 from local_site.tracking.silhouette.tips import INDEX, THUMB, Tip, find_tips
@@ -28,8 +38,12 @@ START_ITERATIONS, START_SIGMAS = 5, 3.0
 LOOSE_WRIST_M = 0.03
 HABITUAL = 2.0  # mean squared deviation from a habit in its own standard deviations
 CLEARLY_BETTER = 0.9
+START_EVERY, WORSE, REMEMBERED_COSTS = 5, 1.2, 30
 MAX_COST = 1.5
-LEAST_USUAL_CURL = 0.8  # rad, of a hand held like a gripper
+LEAST_USUAL_CURL, MOST_GRIPPER_CURL = 0.3, 2.0  # rad, of a hand held like a gripper: no flat hand, no fist
+STRETCHED, STILL_STRETCHED = 0.4, 0.55  # rad, of the finger that is curled most in an open hand
+MOST_LANDMARK_MISFIT = 0.6  # of the palm's extent in the picture; index for little finger is more
+BELIEVED_AFTER = 3
 REMEMBERED_SCALES = 60
 
 
@@ -72,8 +86,10 @@ class FollowedHand:
         self._habits = Habits(None if profile is None else profile.habits)
         known = [] if profile is None else [profile.scale] * REMEMBERED_SCALES
         self._scales: deque[float] = deque(known, REMEMBERED_SCALES)
-        self._last: tuple[HandPose, Array] | None = None
+        self._last: tuple[HandPose, Array, Array] | None = None
         self._open = False
+        self._mistaken = self._instants = 0
+        self._costs: deque[float] = deque(maxlen=REMEMBERED_COSTS)
 
     @property
     def learned(self) -> tuple[float, Belief] | None:
@@ -82,31 +98,64 @@ class FollowedHand:
 
     def forget(self) -> None:
         """Start from an unknown pose with the next instant."""
-        self._last, self._open = None, False
+        self._last, self._open, self._mistaken = None, False, 0
 
     def track(self, views: Sequence[HandView], landmarks: Array, arm: LimbEvidence | None) -> FittedHand | None:
         """The hand of views with landmarks, whose triangulation (21, 3) in m is `landmarks`; None without a start."""
-        person = self._person(landmarks, arm)
-        fits = [
-            fit_hand(views, start, _prior(belief, start, arm), person, ITERATIONS)
-            for start, belief in self._starts(views, landmarks, person)
-        ]
-        if not fits or not any(len(view.landmarks) + len(view.pixels) for view in views):
+        if not _show(views):
             return None
-        fit = fits[0] if fits[0].cost * CLEARLY_BETTER <= fits[-1].cost else fits[-1]
-        self._last = fit.pose, landmarks
-        if _is_habitual(fit.pose.posture, self._habits.closed):
-            self._habits.learn_fit(fit)
+        person = self._person(landmarks, arm)
+        believed = [self._unless_mistaken(view, landmarks) for view in views]
+        views = believed if _show(believed) else views
+        fit = self._fit(views, landmarks, arm, person)
+        if fit is None:
+            return None
+        self._last = fit.pose, landmarks, landmark_points(fit.spheres.centres)
+        self._mistaken = self._mistaken + 1 if fit.cost > MAX_COST else 0
         self._open = self._is_open(fit.pose.posture)
+        if not self._open and fit.cost < MAX_COST and most_curled(fit.pose.posture) < MOST_GRIPPER_CURL:
+            self._habits.learn_fit(fit)
         index, thumb = find_tips(views, fit.spheres, (INDEX, THUMB))
         landmark_views = sum(len(view.landmarks) > 0 for view in views)
         outline_views = sum(len(view.pixels) > 0 for view in views)
         return FittedHand(fit, index, thumb, self._open, landmark_views, outline_views)
 
+    def _fit(
+        self, views: Sequence[HandView], landmarks: Array, arm: LimbEvidence | None, person: Person
+    ) -> HandFit | None:
+        """From the last pose; now and then, and where that fits worse than usual, also from the landmarks alone."""
+        best: HandFit | None = None
+        for start, belief in self._starts(views, landmarks, person):
+            fit = fit_hand(views, start, _prior(belief, start, arm), person, ITERATIONS)
+            if best is None or fit.cost < CLEARLY_BETTER * best.cost:
+                best = fit
+            self._instants += 1
+            if self._instants % START_EVERY and self._costs and fit.cost < WORSE * median(self._costs):
+                break
+        if best is not None:
+            self._costs.append(best.cost)
+        return best
+
+    def _unless_mistaken(self, view: HandView, landmarks: Array) -> HandView:
+        """The view without its landmarks where these take one finger for another: no finger moves that far at once.
+
+        After some bad instants they are believed again.
+        """
+        if self._last is None or not len(view.landmarks) or self._mistaken > BELIEVED_AFTER:
+            return view
+        _, before, fitted = self._last
+        palm = list(PALM_LANDMARKS)
+        expected = project(view.projection, fitted + np.mean(landmarks[palm] - before[palm], axis=0))
+        off = view.landmarks - expected
+        palm_px = np.linalg.norm(expected[palm].max(axis=0) - expected[palm].min(axis=0))
+        is_mistaken = float(np.sqrt(np.mean(np.sum(off * off, axis=1)))) > MOST_LANDMARK_MISFIT * palm_px
+        return view._replace(landmarks=NO_PIXELS) if is_mistaken else view
+
     def _is_open(self, posture: Array) -> bool:
         """Whether all fingers are stretched well beyond their usual curl; with hysteresis (thesis 4.2)."""
         usual = max(most_curled(self._habits.own.posture), LEAST_USUAL_CURL)
-        return bool(most_curled(posture) < (STILL_OPEN_CURL if self._open else OPEN_CURL) * usual)
+        share, most = (STILL_OPEN_CURL, STILL_STRETCHED) if self._open else (OPEN_CURL, STRETCHED)
+        return bool(most_curled(posture) < min(share * usual, most))
 
     def _person(self, landmarks: Array, arm: LimbEvidence | None) -> Person:
         if len(self._scales) < REMEMBERED_SCALES:
@@ -121,13 +170,11 @@ class FollowedHand:
                 return habit
         return any_posture(self._habits.own)
 
-    def _starts(
-        self, views: Sequence[HandView], landmarks: Array, person: Person
-    ) -> Iterator[tuple[HandPose, Belief]]:
+    def _starts(self, views: Sequence[HandView], landmarks: Array, person: Person) -> Iterator[tuple[HandPose, Belief]]:
         """The last pose moved with the palm, and a new one where landmarks show it; each with what is believed."""
         belief = any_posture(self._habits.own)
         if self._last is not None:
-            last, before = self._last
+            last, before, _ = self._last
             palm = list(PALM_LANDMARKS)
             moved = last._replace(wrist=last.wrist + np.mean(landmarks[palm] - before[palm], axis=0))
             yield moved, near_last(self._expected(last.posture), last.posture)
@@ -143,6 +190,11 @@ class FollowedHand:
                 for view in views
             ]
             yield fit_hand(alone, start, _prior(belief, start, None), person, START_ITERATIONS).pose, belief
+
+
+def _show(views: Sequence[HandView]) -> bool:
+    """Whether the views show anything of the hand."""
+    return any(len(view.landmarks) + len(view.pixels) for view in views)
 
 
 def _is_habitual(posture: Array, habit: Belief) -> bool:

@@ -35,7 +35,7 @@ def scale_of(landmarks: Array, right_arm: bool) -> float:
 
 
 def pose_from_landmarks(landmarks: Array, person: Person, sizes: Array) -> HandPose:
-    """The pose of the typical posture that can be laid best upon landmarks (21, 3) in m; `sizes` (3,) are logarithms."""
+    """The pose of the typical posture that fits best upon landmarks (21, 3) in m; `sizes` (3,) are logarithms."""
     fits = []
     for typical in TYPICAL:
         posture = np.concatenate([typical[:PALM], sizes])

@@ -6,6 +6,7 @@ from common.messages.hand import TrackingStatus
 from local_site.calibration.rig import Rig
 from local_site.calibration.triangulation import focal_length
 from local_site.tracking.config import LearnedConfig
+from local_site.tracking.features.view_meter import picture_problem
 from local_site.tracking.landmarks.hand_finder import HandFinder
 from local_site.tracking.landmarks.hand_pairing import SeenHand
 from local_site.tracking.landmarks.models import view_hands
@@ -32,9 +33,7 @@ class LearnedTracker:
     them. Raises CalibrationError for a rig of more than four cameras, ModelError without the models.
     """
 
-    def __init__(
-        self, rig: Rig, config: LearnedConfig | None = None, profile: OperatorProfile | None = None
-    ) -> None:
+    def __init__(self, rig: Rig, config: LearnedConfig | None = None, profile: OperatorProfile | None = None) -> None:
         """`profile` is what an earlier run has learned of the operator."""
         if len(rig.cameras) > MAX_VIEWS:
             raise CalibrationError(f"the tracker takes {MAX_VIEWS} cameras at most, the rig has {len(rig.cameras)}")
@@ -60,6 +59,14 @@ class LearnedTracker:
         """The arm at the views' instant; a frame that cannot be tracked gives the reason."""
         if len(views.views) != len(self._rig.cameras) or len(views.views) < MIN_VIEWS:
             return self._lost(views, f"{len(views.views)} views for {len(self._rig.cameras)} calibrated cameras")
+        problems = [
+            f"{camera.name}: {problem}"
+            for camera, view in zip(self._rig.cameras, views.views, strict=True)
+            for frame in (view.current, view.previous or view.current)
+            if (problem := picture_problem(frame.image, camera))
+        ]
+        if problems:
+            return self._lost(views, "; ".join(dict.fromkeys(problems)))
         seen = self._finder.find(views, self._operator.may_be, quickly=self._outlined)
         if isinstance(seen, str):
             return self._lost(views, seen)
@@ -112,7 +119,7 @@ class LearnedTracker:
                 points["elbow"] = arm.joints.elbow
                 covariances["elbow"] = elbow_covariance(arm.joints, arm.limbs)
         self._outlined = self._operator.is_known and hand.is_clear and hand.outline_views >= MIN_VIEWS
-        status, reason = self._operator.status(t_ns, reasons, elbow_reason)
+        status, reason = self._operator.status(reasons, elbow_reason)
         return ArmEstimate(
             t_ns,
             status,
@@ -132,6 +139,8 @@ class LearnedTracker:
         reasons = doubts(self._rig, arm.limbs, arm.features, arm.joints)
         if not hand_reasons:
             self._operator.learn(arm, wrist, self._outlines.finder.sleeve(arm), reasons)
+        if not self._operator.is_known:
+            return "; ".join(reasons) or TrackingReason.LEARNING
         return "; ".join(reasons) or ("" if self._operator.has_length(arm, wrist) else TrackingReason.NO_ARM)
 
     def _lost(self, views: Views, reason: str) -> ArmEstimate:

@@ -118,9 +118,7 @@ class ArmFinder:
     def overlays(self, arm: SeenArm, points: Sequence[Array]) -> tuple[Overlay, ...]:
         """What to draw over each view; points (3,) in m are elbow and wrist, and index and thumb where known."""
         seen = dict(zip(arm.seen, arm.features, strict=True))
-        return tuple(
-            meter.overlay(seen[k], points) if k in seen else Overlay() for k, meter in enumerate(self._meters)
-        )
+        return tuple(meter.overlay(seen[k], points) if k in seen else Overlay() for k, meter in enumerate(self._meters))
 
     def keep(self, arm: SeenArm, wrist: Array) -> None:
         """Search near this arm from now on; its wrist (3,) in m may be known better by now."""

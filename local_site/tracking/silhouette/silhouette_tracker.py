@@ -10,7 +10,7 @@ from local_site.calibration.rig import Rig
 from local_site.tracking.config import SilhouetteConfig
 from local_site.tracking.features.view_meter import ViewMeter
 from local_site.tracking.foreground.dark_wall import DarkWall
-from local_site.tracking.silhouette.arm_finder import ArmFinder, SeenArm, NoArm
+from local_site.tracking.silhouette.arm_finder import ArmFinder, NoArm, SeenArm
 from local_site.tracking.silhouette.hand_model.fit import MAX_VIEWS, MIN_VIEWS
 from local_site.tracking.silhouette.hand_tracker import HandEstimate
 from local_site.tracking.silhouette.joints import elbow_covariance, wrist_covariance

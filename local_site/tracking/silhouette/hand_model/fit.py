@@ -1,4 +1,4 @@
-"""Fits the hand model to outlines and landmarks in all views at once by Gauss-Newton, regularised by a prior, from one start or many.
+"""Fits the hand model to outlines and landmarks in all views at once by Gauss-Newton, regularised by a prior.
 
 The iteration is compiled from end to end, so that many starts can be tried.
 """
