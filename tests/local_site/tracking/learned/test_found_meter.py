@@ -69,3 +69,14 @@ def test_an_earlier_picture_that_was_never_looked_at_is_a_reason(moving, meter):
     meter.show(second.current, silhouette_of(second))
     reason = meter.features(View(Frame(second.current.image, 7, 70), first.current, 0.5), None)
     assert isinstance(reason, str)
+
+
+@pytest.mark.xfail(strict=True, reason="one unknown earlier picture makes all later ones unknown")
+def test_unsynchronised_frames_are_interpolated_from_the_second_on(moving, meter):
+    found = []
+    for k in range(20, 25):
+        now, before = moving.views(k).views[0].current, moving.views(k - 1).views[0].current
+        meter.show(now, silhouette_of(moving.views(k).views[0]))
+        found.append(meter.features(View(now, before, 0.5), None))
+    assert isinstance(found[0], str)
+    assert all(isinstance(features, Features) for features in found[1:])
