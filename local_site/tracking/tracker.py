@@ -134,8 +134,8 @@ class FrameCache(Generic[Measured]):
         if known is None:
             known = measure(frame)
             # The two newest are kept: the current frame is the next instant's earlier one, in whichever order they came.
-            newest = sorted([*self._known, key], key=lambda frame: frame[1])[-FRAMES_KEPT:]
-            self._known = {frame: value for frame, value in {**self._known, key: known}.items() if frame in newest}
+            frames = {**self._known, key: known}
+            self._known = {frame: frames[frame] for frame in sorted(frames, key=lambda f: f[1])[-FRAMES_KEPT:]}
         return known
 
 
