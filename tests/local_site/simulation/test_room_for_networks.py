@@ -28,7 +28,7 @@ def followers():
     if not all(file.exists() for file in files):
         pytest.skip("the landmark models are not installed")
     palms, hands = (Network(file.read_bytes(), outputs) for file, outputs in zip(files, (2, 3), strict=True))
-    return lambda: [ViewFollower(PalmDetector(palms), HandLandmarker(hands)) for _ in range(2)]
+    return lambda: [ViewFollower(PalmDetector(palms), *[HandLandmarker(hands)] * 2) for _ in range(2)]
 
 
 def hand_of(follower, image):
@@ -37,7 +37,7 @@ def hand_of(follower, image):
         found = [hand for hand in follower.search(image) if hand.score >= 0.5]
         if found:
             follower.keep(found[0])
-            return follower.follow(image)
+            return follower.follow(image, quickly=False)
     return None
 
 
