@@ -10,7 +10,7 @@ mutants    small changes to the code that decides about motion: how many a test 
 page       the operator's page in Chromium: glass-to-glass latency, narrow links, from the stop key to rest
 rendering  time to render a stereo pair of the simulated operator and the views of the cell, and their size as JPEG
 soak       ten minutes of simulated time in which everything goes wrong: the worst that each driver received
-tracking   the silhouette tracker beside MediaPipe Hands: time, gaps, errors, and whether its covariances are honest
+tracking   both trackers of a bare arm beside MediaPipe Hands: time, gaps, errors, whether covariances are honest
 video      the four views: processor time, bytes, and what arrives through links of 20, 5 and 2 Mbit/s
 wan        both sites over Internet links of a matrix: following, holds, lag, pictures, beside what is demanded
 

@@ -1,7 +1,6 @@
-"""The silhouette tracker and MediaPipe Hands on the same images: time, gaps, errors, covariance consistency."""
+"""Our trackers of a bare arm and MediaPipe Hands on the same images: time, gaps, errors, covariance consistency."""
 
 import math
-import time
 from collections.abc import Mapping
 from contextlib import ExitStack
 
@@ -11,18 +10,23 @@ from rich.console import Console, Group
 from rich.table import Table
 
 from bench.processes import UnavailableError
+from bench.tracking.contender import Contender
 from bench.tracking.figures import NEES, RANK, SETTLED, Found, TrackingFigures, flat, judge
+from bench.tracking.filmed_scenes import filmed_scenes
 from bench.tracking.mediapipe_hands import MediaPipeHands, install
 from bench.tracking.scenes import RECORDINGS, TrackingScene, recorded_scenes, simulated_scenes
-from local_site.samples.hand_sample import GestureConfig, OpenHand
+from common.errors import NotInstalledError
 from local_site.simulation.body import ArmTruth
-from local_site.tracking.silhouette.silhouette_tracker import SilhouetteTracker
 from local_site.tracking.tracker import Views
 
-NAMES = ("elbow", "wrist", "index", "thumb")
-OURS = "silhouette"
+SILHOUETTE, LEARNED = "silhouette", "learned"
+OTHERS = (LEARNED, MediaPipeHands.name)
 TABLE_WIDTH = 120
-NEEDED = ("elbow", "wrist", "index")
+NEEDED = {
+    SILHOUETTE: ("elbow", "wrist", "index"),
+    LEARNED: ("elbow", "wrist", "index"),
+    MediaPipeHands.name: ("wrist", "index"),
+}
 COLUMNS = {  # heading: figure (errors in mm, bias in the operator frame), decimals
     "frames": ("frames", 0),
     "mean": ("mean mm", 1),
@@ -36,39 +40,15 @@ COLUMNS = {  # heading: figure (errors in mm, bias in the operator frame), decim
 }
 
 
-class SilhouetteContender:
-    """Our tracker, timed, and a counter of the hand's openings that takes its estimates."""
-
-    def __init__(self, scene: TrackingScene) -> None:
-        self._tracker = SilhouetteTracker(scene.rig)
-        self._hand = OpenHand()
-
-    def track(self, views: Views) -> Found:
-        """Track the next pair of images; the counter's time is not included."""
-        wall, processor = time.perf_counter(), time.process_time()
-        estimate = self._tracker.track(views)
-        wall_ms, processor_ms = 1e3 * (time.perf_counter() - wall), 1e3 * (time.process_time() - processor)
-        self._hand = self._hand.observe(estimate, GestureConfig())
-        by_name = {name: getattr(estimate, name) for name in NAMES}
-        return Found(
-            points={name: point for name, point in by_name.items() if point is not None},
-            wall_ms=wall_ms,
-            processor_ms=processor_ms,
-            covariances=estimate.covariances,
-            thumb_inferred=estimate.thumb_inferred,
-            toggles=self._hand.toggles,
-        )
-
-
 class Comparison:
-    """Runs both trackers on each scene; once MediaPipe is unavailable it is skipped, with the reason shown."""
+    """Runs the trackers on each scene; one that is unavailable is skipped from then on, with the reason shown."""
 
     def __init__(self, console: Console, resources: ExitStack) -> None:
         """`resources` ends MediaPipe's process."""
         self._console = console
-        self._skip_reason = ""
+        self._skipped: dict[str, str] = {}
         self._mediapipe: MediaPipeHands | None = None
-        self._wall_ms: dict[str, list[float]] = {OURS: [], MediaPipeHands.name: []}
+        self._wall_ms: dict[str, list[float]] = {SILHOUETTE: [], LEARNED: [], MediaPipeHands.name: []}
         try:
             self._mediapipe = resources.enter_context(MediaPipeHands(install()))
         except UnavailableError as error:
@@ -77,9 +57,8 @@ class Comparison:
     def measure(self, scene: TrackingScene) -> dict[str, float]:
         """The figures of one scene by name; prints them as a table too."""
         found, truth = self._run(scene)
-        needed = {OURS: NEEDED, MediaPipeHands.name: MediaPipeHands.needed}
-        figures = {name: judge(pairs, truth, needed[name]) for name, pairs in found.items()}
-        notes = (f"{MediaPipeHands.name} skipped: {self._skip_reason}",) if self._skip_reason else ()
+        figures = {name: judge(pairs, truth, NEEDED[name]) for name, pairs in found.items()}
+        notes = tuple(f"{name} skipped: {reason}" for name, reason in self._skipped.items())
         self._console.print(as_table(scene.name, figures, notes))
         return {
             f"{scene.name}, {name}, {figure}": value
@@ -88,45 +67,59 @@ class Comparison:
         }
 
     def totals(self) -> dict[str, float]:
-        """Over all pairs of the run: each tracker's time, and MediaPipe's as a multiple of ours."""
-        result = {"MediaPipe measured": float(not self._skip_reason)}
+        """Over all pairs of the run: each tracker's time, and MediaPipe's as a multiple of the silhouette tracker's."""
+        result = {f"{name.split()[0]} measured": float(name not in self._skipped) for name in OTHERS}
         for name, times in self._wall_ms.items():
             if times:
                 result |= {
                     f"{name}, median ms per pair": _percentile(times, 50),
                     f"{name}, p95 ms per pair": _percentile(times, 95),
                 }
-        if not self._skip_reason:
-            ours, theirs = self._wall_ms.values()
+        if MediaPipeHands.name not in self._skipped:
+            ours, theirs = self._wall_ms[SILHOUETTE], self._wall_ms[MediaPipeHands.name]
             result["MediaPipe's median time by ours"] = _percentile(theirs, 50) / _percentile(ours, 50)
         return result
 
     def _run(self, scene: TrackingScene) -> tuple[Mapping[str, list[Found]], list[ArmTruth]]:
-        """Run both trackers alternately, pair by pair, so that other load on the machine affects both alike."""
-        silhouette = SilhouetteContender(scene)
-        ours: list[Found] = []
-        theirs: list[Found] = []
+        """Run all trackers in turn, pair by pair, so that other load on the machine affects them alike.
+
+        What was found of each pair that shows the arm, and the truth of these pairs.
+        """
+        contenders = self._contenders(scene)
+        found: dict[str, list[Found]] = {name: [] for name in (*contenders, MediaPipeHands.name)}
         truth = []
         for instant in scene.instants():
-            ours.append(silhouette.track(instant.views))
-            theirs += self._ask_mediapipe(scene, instant.views)
-            truth.append(instant.truth)
-        complete = {OURS: ours} | ({MediaPipeHands.name: theirs} if len(theirs) == len(ours) else {})
-        for name, found in complete.items():
-            self._wall_ms[name] += [f.wall_ms for f in found[SETTLED:]]
+            here = {name: contender.track(instant.views) for name, contender in contenders.items()}
+            here |= self._ask_mediapipe(scene, instant.views)
+            if instant.truth is not None:
+                truth.append(instant.truth)
+                for name, each in here.items():
+                    found[name].append(each)
+        complete = {name: pairs for name, pairs in found.items() if len(pairs) == len(truth)}
+        for name, pairs in complete.items():
+            self._wall_ms[name] += [pair.wall_ms for pair in pairs[SETTLED:]]
         return complete, truth
 
-    def _ask_mediapipe(self, scene: TrackingScene, views: Views) -> list[Found]:
+    def _contenders(self, scene: TrackingScene) -> dict[str, Contender]:
+        contenders: dict[str, Contender] = {}
+        for method in scene.methods:
+            try:
+                contenders[method] = Contender(method, scene)
+            except NotInstalledError as error:
+                self._skipped[method] = str(error)
+        return contenders
+
+    def _ask_mediapipe(self, scene: TrackingScene, views: Views) -> dict[str, Found]:
         if self._mediapipe is None:
-            return []
+            return {}
         try:
-            return [self._mediapipe.track(scene.name, scene.rig, views)]
+            return {MediaPipeHands.name: self._mediapipe.track(scene.name, scene.rig, views)}
         except UnavailableError as error:
             self._skip_mediapipe(error)
-            return []
+            return {}
 
     def _skip_mediapipe(self, why: UnavailableError) -> None:
-        self._mediapipe, self._skip_reason = None, str(why)
+        self._mediapipe, self._skipped[MediaPipeHands.name] = None, str(why)
 
 
 def _percentile(times_ms: list[float], percent: float) -> float:
@@ -137,7 +130,7 @@ def measure() -> dict[str, float]:
     """The figures of every scene and over all pairs, by name; prints a table after each scene."""
     cv2.setNumThreads(1)
     console = Console(width=max(Console().width, TABLE_WIDTH))
-    scenes = simulated_scenes()
+    scenes = [*simulated_scenes(), *filmed_scenes()]
     if RECORDINGS.exists():
         scenes = [*recorded_scenes(RECORDINGS), *scenes]
     else:

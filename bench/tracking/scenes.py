@@ -28,9 +28,11 @@ from local_site.simulation.config import (
     StereoConfig,
 )
 from local_site.simulation.operator import SimulatedOperator
+from local_site.tracking.config import Method
 from local_site.tracking.tracker import View, Views
 
 RECORDINGS = Path(__file__).resolve().parents[2] / "../shared/data/recordings"
+ANY_BARE_ARM: tuple[Method, ...] = ("silhouette", "learned")
 STILL_S = 0.5
 SECONDS: dict[MotionName, float] = {
     "hold": 1.0,
@@ -51,19 +53,20 @@ BLURRED = PictureConfig(shutter_ms=15.0)
 
 @dataclass(frozen=True, slots=True)
 class Instant:
-    """One pair of pictures and what is to be found in it."""
+    """One pair of pictures and what is to be found in it; None while the arm is not there."""
 
     views: Views
-    truth: ArmTruth
+    truth: ArmTruth | None
 
 
 @dataclass(frozen=True, slots=True)
 class TrackingScene:
-    """A run of instants before a calibrated rig; every call of `instants` starts again."""
+    """A run of instants before a calibrated rig, for trackers of these methods; `instants` starts again each time."""
 
     name: str
     rig: Rig
     instants: Callable[[], Iterator[Instant]]
+    methods: tuple[Method, ...] = ("silhouette",)
 
 
 def simulated_scenes() -> list[TrackingScene]:
@@ -121,4 +124,4 @@ def recorded(folder: Path) -> TrackingScene:
                     raise CameraError(f"{folder} does not have as many pairs as its {len(truths)} lines of truth")
                 yield Instant(views, truth)
 
-    return TrackingScene(folder.name, rig, instants)
+    return TrackingScene(folder.name, rig, instants, ANY_BARE_ARM)

@@ -88,8 +88,8 @@ class SimulatedOperator:
         return self._skin.joints(self.pose(t_s, filmed_s))
 
     def points(self, t_s: float) -> Mapping[str, Array]:
-        """The points of the truth by name."""
-        truth = self.truth(t_s)
+        """The points of the truth by name, of an operator who has come in."""
+        truth = self._body.truth(self.motion.pose(t_s))
         return {"elbow": truth.elbow, "wrist": truth.wrist, "index": truth.index, "thumb": truth.thumb}
 
     def openings_until(self, t_s: float) -> int:

@@ -21,7 +21,7 @@ class TrackingConfig(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_f
     method: Annotated[
         Method,
         Meta(
-            description="silhouette: a bare arm before a dark wall; learned: a bare arm in any room, in colour; "
+            description="silhouette: a bare arm before a dark wall; learned: one in an ordinary room, in colour; "
             "markers: three bright markers on a dark glove; monocular: one camera"
         ),
     ] = "silhouette"

@@ -13,6 +13,7 @@ from common.geometry import Array
 from common.messages.hand import TrackingStatus
 
 MAX_PREDICTION_NS = 200_000_000
+FRAMES_KEPT = 2
 
 Measured = TypeVar("Measured")
 
@@ -132,7 +133,9 @@ class FrameCache(Generic[Measured]):
         known = self._known.get(key)
         if known is None:
             known = measure(frame)
-            self._known = {**dict(list(self._known.items())[-1:]), key: known}
+            # The two newest are kept: the current frame is the next instant's earlier one, in whichever order they came.
+            newest = sorted([*self._known, key], key=lambda frame: frame[1])[-FRAMES_KEPT:]
+            self._known = {frame: value for frame, value in {**self._known, key: known}.items() if frame in newest}
         return known
 
 

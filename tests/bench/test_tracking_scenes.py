@@ -59,6 +59,7 @@ def test_recordings_are_found_with_their_rig_and_truth(tmp_path):
     assert [scene.name for scene in scenes] == ["a", "b"]
     instants = list(scenes[1].instants())
     assert len(instants) == 3
+    assert scenes[1].methods == ("silhouette", "learned")
     assert instants[2].truth.index == pytest.approx(POINT)
     assert instants[2].truth.hand_open
     assert [v.current.image.mean() for v in instants[2].views.views] == pytest.approx([40, 40], abs=2)

@@ -82,10 +82,10 @@ class _Composer:
         """The instant of a number: with the arm of a recorded instant, or without."""
         fps = FPS[self._config.recording]
         pictures = self._around.pictures(number / fps)
-        if recorded_instant is None:
+        arm = None if recorded_instant is None else recorded_instant.truth
+        if recorded_instant is None or arm is None:
             return FilmInstant(self._around.views(pictures, number, fps), None)
         cutouts = [cut_out(view.current.image) for view in recorded_instant.views.views]
-        arm = recorded_instant.truth
         clothes = self._clothes(cutouts, arm.elbow)
         if clothes is not None:
             lay(self._around.layers(clothes[:1]), pictures)

@@ -101,6 +101,12 @@ def test_the_truth_comes_in_with_the_operator():
     assert ways[0] > 1.0 > ways[1] > 0.0 == ways[2]
 
 
+def test_the_points_are_those_of_an_operator_who_has_come_in():
+    operator = SimulatedOperator(config(msgspec.structs.replace(OFFICE, empty_s=1.0), motion="hold"))
+    there = operator.truth(0.0, 5.0)
+    assert all(np.array_equal(point, getattr(there, name)) for name, point in operator.points(0.0).items())
+
+
 def test_a_long_sleeve_leaves_only_the_hand():
     bare, covered = (skin_seen(config(msgspec.structs.replace(OFFICE, sleeve=s)), 0.0) for s in ("short", "long"))
     assert not np.any(covered & ~bare)

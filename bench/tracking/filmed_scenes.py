@@ -1,0 +1,28 @@
+"""Films of an arm in rooms as scenes: for the silhouette tracker, too, whose room is dark."""
+
+from collections.abc import Iterator
+
+from bench.tracking.films.film import TrackingFilm
+from bench.tracking.films.listing import composed_films, mesh_films
+from bench.tracking.scenes import ANY_BARE_ARM, RECORDINGS, Instant, TrackingScene
+
+MESHED = ("office, medium, carry, empty first", "wood, light, toggle, empty first", "office, close, flat hand turns")
+COMPOSED = ("recorded yz, light, office", "recorded toggle, medium, wood")
+SEED = 1
+
+
+def filmed_scenes() -> list[TrackingScene]:
+    """A few films of the mesh, and of the recorded arm where the recordings are."""
+    films = [film for film in mesh_films(SEED) if film.name in MESHED]
+    if RECORDINGS.exists():
+        films += [film for film in composed_films(SEED) if film.name in COMPOSED]
+    return [filmed(film) for film in films]
+
+
+def filmed(film: TrackingFilm) -> TrackingScene:
+    """A film as a scene."""
+
+    def instants() -> Iterator[Instant]:
+        return (Instant(i.views, None if i.truth is None else i.truth.arm) for i in film.instants())
+
+    return TrackingScene(f"film {film.name}", film.rig, instants, ANY_BARE_ARM)
