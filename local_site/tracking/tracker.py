@@ -133,7 +133,7 @@ class FrameCache(Generic[Measured]):
         known = self._known.get(key)
         if known is None:
             known = measure(frame)
-            # The two newest are kept: the current frame is the next instant's earlier one, in whichever order they came.
+            # The two newest stay: the current frame is the next instant's earlier one.
             frames = {**self._known, key: known}
             self._known = {frame: frames[frame] for frame in sorted(frames, key=lambda f: f[1])[-FRAMES_KEPT:]}
         return known

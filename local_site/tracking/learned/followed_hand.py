@@ -42,6 +42,8 @@ START_EVERY, WORSE, REMEMBERED_COSTS = 5, 1.2, 30
 MAX_COST = 1.5
 LEAST_USUAL_CURL, MOST_GRIPPER_CURL = 0.3, 2.0  # rad, of a hand held like a gripper: no flat hand, no fist
 STRETCHED, STILL_STRETCHED = 0.4, 0.55  # rad, of the finger that is curled most in an open hand
+LEAST_SCALE, MOST_SCALE = 0.4, 2.0  # of a hand against the average one
+WRIST_SIGMA_M, HIDDEN_INDEX_SIGMA_M = 0.003, 0.006
 MOST_LANDMARK_MISFIT = 0.6  # of the palm's extent in the picture; index for little finger is more
 BELIEVED_AFTER = 3
 REMEMBERED_SCALES = 60
@@ -63,8 +65,15 @@ class FittedHand:
 
     @property
     def wrist_covariance(self) -> Array:
-        """The wrist's covariance (3, 3) in m²."""
-        return np.asarray(np.linalg.inv(self.fit.information)[:3, :3], dtype=np.float64)
+        """The wrist's covariance (3, 3) in m²: the fit's, and where in this hand the model's wrist is."""
+        return np.asarray(np.linalg.inv(self.fit.information)[:3, :3], dtype=np.float64) + WRIST_SIGMA_M**2 * np.eye(3)
+
+    @property
+    def index_covariance(self) -> Array:
+        """The index tip's covariance (3, 3) in m²; larger where no two outlines show its end before other fingers."""
+        hidden_m = 0.0 if self.index.views >= MIN_VIEWS else HIDDEN_INDEX_SIGMA_M
+        covariance: Array = self.index.covariance + hidden_m**2 * np.eye(3)
+        return covariance
 
     @property
     def is_clear(self) -> bool:
@@ -102,7 +111,7 @@ class FollowedHand:
 
     def track(self, views: Sequence[HandView], landmarks: Array, arm: LimbEvidence | None) -> FittedHand | None:
         """The hand of views with landmarks, whose triangulation (21, 3) in m is `landmarks`; None without a start."""
-        if not _show(views):
+        if not _show(views) or not LEAST_SCALE < scale_of(landmarks, self._right_arm) < MOST_SCALE:
             return None
         person = self._person(landmarks, arm)
         believed = [self._unless_mistaken(view, landmarks) for view in views]

@@ -104,7 +104,7 @@ class LearnedTracker:
         points = {"wrist": wrist, "index": hand.index.point, "thumb": hand.thumb.point}
         covariances = {
             "wrist": hand.wrist_covariance,
-            "index": hand.index.covariance,
+            "index": hand.index_covariance,
             "thumb": hand.thumb.covariance,
         }
         reasons = [] if hand.is_clear else [TrackingReason.HAND_UNCLEAR]

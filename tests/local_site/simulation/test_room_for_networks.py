@@ -7,12 +7,7 @@ from local_site.simulation.cameras import stereo_pair
 from local_site.simulation.config import MotionConfig, SimulationConfig
 from local_site.simulation.operator import SimulatedOperator
 from local_site.simulation.room.config import RoomConfig
-from local_site.tracking.landmarks.model_files import (
-    HAND_LANDMARKS,
-    PALM_DETECTION,
-    QUICK_HAND_LANDMARKS,
-    model_folder,
-)
+from local_site.tracking.landmarks.model_files import HAND_LANDMARKS, PALM_DETECTION, model_folder
 
 pytest.importorskip("ai_edge_litert")
 
@@ -29,11 +24,11 @@ def followers():
     from local_site.tracking.landmarks.palm_detector import PalmDetector
     from local_site.tracking.landmarks.view_follower import ViewFollower
 
-    files = [model_folder() / model.name for model in (PALM_DETECTION, HAND_LANDMARKS, QUICK_HAND_LANDMARKS)]
+    files = [model_folder() / model.name for model in (PALM_DETECTION, HAND_LANDMARKS)]
     if not all(file.exists() for file in files):
         pytest.skip("the landmark models are not installed")
-    palms, *hands = (Network(file.read_bytes(), outputs) for file, outputs in zip(files, (2, 3, 3), strict=True))
-    return lambda: [ViewFollower(PalmDetector(palms), *map(HandLandmarker, hands)) for _ in range(2)]
+    palms, hands = (Network(file.read_bytes(), outputs) for file, outputs in zip(files, (2, 3), strict=True))
+    return lambda: [ViewFollower(PalmDetector(palms), *[HandLandmarker(hands)] * 2) for _ in range(2)]
 
 
 def hand_of(follower, image):

@@ -104,7 +104,7 @@ def test_a_fast_hand_is_followed(pair):
         assert is_at(find(finder, k), at)
 
 
-def test_after_a_loss_it_may_be_anywhere(pair):
+def test_after_a_short_loss_it_is_looked_for_where_it_was(pair):
     finder, views = pair
     for k in range(3):
         show(views, seen())
@@ -112,7 +112,21 @@ def test_after_a_loss_it_may_be_anywhere(pair):
     show(views)
     assert find(finder, 3) == TrackingReason.NO_HAND
     show(views, seen(ELSEWHERE))
-    assert is_at(find(finder, 4), ELSEWHERE)
+    assert find(finder, 4) == TrackingReason.OTHER_HAND
+    show(views, seen(ELSEWHERE), seen(STEP))
+    assert is_at(find(finder, 5), STEP)
+
+
+def test_after_a_long_loss_it_may_be_anywhere(pair):
+    finder, views = pair
+    for k in range(3):
+        show(views, seen())
+        find(finder, k)
+    show(views)
+    for k in range(3, 15):
+        assert find(finder, k) == TrackingReason.NO_HAND
+    show(views, seen(ELSEWHERE))
+    assert is_at(find(finder, 15), ELSEWHERE)
 
 
 def test_forgetting_makes_all_views_search(pair):

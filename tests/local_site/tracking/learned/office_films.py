@@ -74,7 +74,8 @@ class Tracked:
             for estimate, truth in zip(self.estimates, self.sequence.truths, strict=True)
             if estimate.status is TrackingStatus.TRACKED and getattr(estimate, name) is not None
         ]
-        return 1e3 * np.linalg.norm(np.array(off).reshape(-1, 3), axis=1)
+        errors: Array = 1e3 * np.linalg.norm(np.array(off).reshape(-1, 3), axis=1)
+        return errors
 
     @property
     def statuses(self) -> set[TrackingStatus]:

@@ -46,7 +46,7 @@ def meet(operator, pairs, forearm_m=FOREARM_M, scale=1.0, reasons=(), since=0):
         t_ns = (since + k) * PERIOD_NS
         operator.has_side(t_ns, seen)
         operator.learn(arm(forearm_m), WRIST, None, list(reasons))
-        status = operator.status(t_ns, [], "")
+        status = operator.status([], "")
     return status
 
 
@@ -82,7 +82,7 @@ def test_a_hand_on_a_poster_has_no_arm_and_is_never_more_than_initialising():
     operator = Acquaintance(CONFIG, None)
     for k in range(200):
         assert operator.has_side(k * PERIOD_NS, HAND)
-        status, reason = operator.status(k * PERIOD_NS, [], TrackingReason.NO_ARM)
+        status, reason = operator.status([], TrackingReason.NO_ARM)
         assert status is TrackingStatus.INITIALISING
         assert reason == TrackingReason.NO_ARM
     assert not operator.is_known
@@ -142,9 +142,9 @@ def test_a_short_loss_changes_nothing_and_after_a_long_one_the_arm_must_be_seen_
     operator = known()
     last_ns = (PAIRS - 1) * PERIOD_NS
     operator.lose(last_ns + SHORT_LOSS_NS // 2)
-    assert operator.status(last_ns, [], "")[0] is TrackingStatus.TRACKED
+    assert operator.status([], "")[0] is TrackingStatus.TRACKED
     operator.lose(last_ns + 2 * SHORT_LOSS_NS)
-    assert operator.status(last_ns, [], "")[0] is TrackingStatus.INITIALISING
+    assert operator.status([], "")[0] is TrackingStatus.INITIALISING
     assert operator.is_known
     assert meet(operator, 1, since=100)[0] is TrackingStatus.INITIALISING
     assert meet(operator, BEGUN, since=101)[0] is TrackingStatus.TRACKED
@@ -159,9 +159,9 @@ def test_after_a_long_loss_a_left_hand_is_refused_within_a_few_instants():
 
 def test_doubts_about_the_hand_degrade_and_those_about_the_elbow_are_told():
     operator = known()
-    doubtful = operator.status(0, [TrackingReason.HAND_UNCLEAR], "")
+    doubtful = operator.status([TrackingReason.HAND_UNCLEAR], "")
     assert doubtful == (TrackingStatus.DEGRADED, TrackingReason.HAND_UNCLEAR)
-    assert operator.status(0, [], TrackingReason.NO_UPPER_ARM) == (
+    assert operator.status([], TrackingReason.NO_UPPER_ARM) == (
         TrackingStatus.TRACKED,
         TrackingReason.NO_UPPER_ARM,
     )
@@ -172,7 +172,7 @@ def test_every_status_but_tracked_has_a_reason():
     meet(learning, BEGUN + 1)
     for operator in (fresh, learning, ready):
         for reasons in ([], [TrackingReason.OUTSIDE_VOLUME]):
-            status, reason = operator.status(0, reasons, "")
+            status, reason = operator.status(reasons, "")
             assert reason or status is TrackingStatus.TRACKED
 
 

@@ -102,7 +102,6 @@ def test_bent_lenses_track(make_tracker):
     check(Tracked(sequence.tracked(tracker), sequence), USUAL_MM)
 
 
-@pytest.mark.xfail(strict=True, reason="one unknown earlier picture makes all later ones unknown")
 def test_cameras_out_of_phase_are_brought_to_one_instant(make_tracker):
     sequence = filmed(office(room()), PAIRS, late_s=LATE_S)
     tracker = make_tracker(rig_of(sequence.projections))
