@@ -123,20 +123,27 @@ class FrameCache(Generic[Measured]):
     def at(self, view: View, measure: Callable[[Frame], Measured | str]) -> Measured | str:
         """The measurement at the view's instant, or a sentence with the reason why there is none."""
         now = self._once(view.current, measure)
-        if view.previous is None or view.weight >= 1.0 or isinstance(now, str):
-            return now
-        before = self._once(view.previous, measure)
-        return before if isinstance(before, str) else self._blend(before, now, view.weight)
+        frames = (view.current,) if view.previous is None else (view.current, view.previous)
+        before = now
+        if view.previous is not None and view.weight < 1.0 and not isinstance(now, str):
+            before = self._once(view.previous, measure)
+        # What this instant and the last one used is all that the next may ask for.
+        asked = [key for key in map(_key, frames) if key in self._known]
+        others = [key for key in self._known if key not in asked]
+        self._known = {key: self._known[key] for key in [*others, *reversed(asked)][-FRAMES_KEPT:]}
+        if isinstance(now, str) or isinstance(before, str):
+            return now if isinstance(now, str) else before
+        return now if view.previous is None or view.weight >= 1.0 else self._blend(before, now, view.weight)
 
     def _once(self, frame: Frame, measure: Callable[[Frame], Measured | str]) -> Measured | str:
-        key = (frame.seq, frame.capture_ns)
-        known = self._known.get(key)
+        known = self._known.get(_key(frame))
         if known is None:
-            known = measure(frame)
-            # The two newest stay: the current frame is the next instant's earlier one.
-            frames = {**self._known, key: known}
-            self._known = {frame: frames[frame] for frame in sorted(frames, key=lambda f: f[1])[-FRAMES_KEPT:]}
+            known = self._known[_key(frame)] = measure(frame)
         return known
+
+
+def _key(frame: Frame) -> tuple[int, int]:
+    return frame.seq, frame.capture_ns
 
 
 def extrapolation(t_ns: int, last_ns: int, before_ns: int) -> float:

@@ -27,7 +27,8 @@ def test_the_loop_closes_in_a_room(tmp_path: Path) -> None:
         pytest.skip(str(missing))
     report, views = tmp_path / "out.json", tmp_path / "views"
     command = ["loopback", "--seconds", "9", "--headless", "--tracker", "learned", "--motion", "figure_of_eight"]
-    command += ["--set", "safety.t_latch_ms=1500"]  # no pause of the machine ends the engagement
+    # No pause of the machine ends the engagement, and the pictures leave the robot's processes their time.
+    command += ["--set", "safety.t_latch_ms=1500", "--set", "simulation.fps=8"]
     command += ["--report", str(report), "--save-views", str(views)]
     done = subprocess.run(
         [sys.executable, "-m", "farhand", *command], check=False, capture_output=True, text=True, timeout=180

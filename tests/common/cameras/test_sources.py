@@ -98,5 +98,11 @@ class Stating:
     def get(self, key: int) -> float:
         return self._frames if key == cv2.CAP_PROP_FRAME_COUNT else 20.0
 
+    def getBackendName(self) -> str:
+        return "a backend"
+
+    def read(self) -> tuple[bool, np.ndarray]:
+        return True, np.zeros((48, 64, 3), np.uint8)
+
     def set(self, _key: int, _value: float) -> bool:
         return True

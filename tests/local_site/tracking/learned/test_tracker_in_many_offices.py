@@ -20,7 +20,7 @@ BENT_K1 = -0.2
 LATE_S = 0.5 * PERIOD_S
 EVERYTHING = ("second_arm", "face", "hand_poster", "fan", "shadows")
 # Far less than the distance to any other hand.
-SAME_HAND_MM = 60.0
+SAME_HAND_MM = 100.0
 
 
 def room(**kind):
