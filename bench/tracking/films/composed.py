@@ -6,12 +6,12 @@ from typing import Literal
 
 import numpy as np
 
-from bench.tracking.films.arm.person import Surface, body_of, ellipsoid
+from bench.tracking.films.arm.person import ColouredSurface, body_of, ellipsoid
 from bench.tracking.films.arm.skin import TONES, Tone
 from bench.tracking.films.cutout import Cutout, cut_out
 from bench.tracking.films.film import FilmInstant, HandTruth, TrackingFilm
 from bench.tracking.films.picture.light import linear, srgb
-from bench.tracking.films.picture.rendering import Layer, Picture, lay
+from bench.tracking.films.picture.rendering import FilmLayer, Picture, lay
 from bench.tracking.films.surroundings import FilmSetting, Surroundings
 from bench.tracking.scenes import RECORDINGS, Instant, recorded
 from common.errors import CalibrationError
@@ -95,11 +95,13 @@ class _Composer:
         truth = HandTruth(arm, None, right=True, posture="open" if arm.hand_open else "u_shape")
         return FilmInstant(self._around.views(pictures, number, fps), truth)
 
-    def _layer(self, cutout: Cutout) -> Layer:
+    def _layer(self, cutout: Cutout) -> FilmLayer:
         alpha = cutout.matte.astype(np.float32) / 255.0
-        return Layer(cutout.left, cutout.top, self._skin[cutout.grey] * alpha[..., None], alpha)
+        return FilmLayer(cutout.left, cutout.top, self._skin[cutout.grey] * alpha[..., None], alpha)
 
-    def _clothes(self, cutouts: Sequence[Cutout | None], elbow: Array) -> tuple[Surface, Surface] | None:
+    def _clothes(
+        self, cutouts: Sequence[Cutout | None], elbow: Array
+    ) -> tuple[ColouredSurface, ColouredSurface] | None:
         """The operator's body, and a sleeve over the recorded arm's end; None until both views have shown the end."""
         ends = [
             _end_px(cutout, calibration.distort_pixels(project(calibration.matrix, elbow)))

@@ -11,7 +11,7 @@ from bench.tracking.films.arm.person import FilmedPerson, PersonInMotion
 from bench.tracking.films.arm.postures import PostureName
 from bench.tracking.films.arm.skin import Tone
 from bench.tracking.films.film import FilmInstant, TrackingFilm
-from bench.tracking.films.picture.rendering import Layer, Picture, lay
+from bench.tracking.films.picture.rendering import FilmLayer, Picture, lay
 from bench.tracking.films.picture.rigs import RigName, Size, film_cameras, film_rig
 from bench.tracking.films.surroundings import FilmSetting, Surroundings
 from common.geometry import Array
@@ -75,7 +75,7 @@ class _Stage:
         tone = config.arm.tone if config.arm else "medium"
         self._around = Surroundings(config.setting, cameras, config.size, tone, config.seed)
         self._operator = _operator(config.arm, config.seed).filming() if config.arm else None
-        self._standing: list[Layer | None] = []  # the operator's body once he has come in, of each camera
+        self._standing: list[FilmLayer | None] = []  # the operator's body once he has come in, of each camera
 
     def instant(self, k: int) -> FilmInstant:
         """The instant of one number."""
@@ -92,7 +92,7 @@ class _Stage:
         times = self._around.exposure(t_s)
         lay(self._around.layers([operator.arm(self._moving_s(t), self._entering(t)) for t in times]), pictures)
 
-    def _body(self, operator: PersonInMotion, t_s: float) -> list[Layer | None]:
+    def _body(self, operator: PersonInMotion, t_s: float) -> list[FilmLayer | None]:
         if np.any(self._entering(t_s)):
             return self._around.layers([operator.body(self._entering(t)) for t in self._around.exposure(t_s)])
         if not self._standing:

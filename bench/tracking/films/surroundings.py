@@ -7,10 +7,10 @@ import numpy as np
 
 from bench.tracking.films.arm.arm_mesh import MESH, load_arm_mesh
 from bench.tracking.films.arm.motions import ArmMotion
-from bench.tracking.films.arm.person import FilmedPerson, Surface
+from bench.tracking.films.arm.person import ColouredSurface, FilmedPerson
 from bench.tracking.films.arm.skin import Tone
 from bench.tracking.films.picture.light import Lighting, lit
-from bench.tracking.films.picture.rendering import Layer, Picture, lay, rendered
+from bench.tracking.films.picture.rendering import FilmLayer, Picture, lay, rendered
 from bench.tracking.films.picture.rigs import Size
 from bench.tracking.films.picture.sensor import Sensor
 from bench.tracking.films.room.backdrop import SeenRoom
@@ -59,7 +59,7 @@ class Surroundings:
             lay(self.layers([self._second.arm(t, _sway(t)) for t in times]), pictures)
         return pictures
 
-    def layers(self, exposures: Sequence[Surface]) -> list[Layer | None]:
+    def layers(self, exposures: Sequence[ColouredSurface]) -> list[FilmLayer | None]:
         """What each camera sees of a surface, given at both ends of an exposure or once."""
         surface = exposures[0]
         colours = lit(surface.vertices, surface.triangles, surface.albedo, self._lighting)

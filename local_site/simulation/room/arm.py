@@ -4,7 +4,7 @@ import numpy as np
 
 from local_site.simulation.body import ArmBody, BodyPose
 from local_site.simulation.room.config import RoomConfig
-from local_site.simulation.room.layer import Body
+from local_site.simulation.room.layer import ShadedBody
 from local_site.simulation.room.skin import TONES, reflectance
 from local_site.simulation.room.surface import ArmSurface, Coat
 
@@ -22,10 +22,10 @@ class Arm:
         if room.watch:
             _put_on_watch(self._coat, self._surface)
 
-    def posed(self, pose: BodyPose) -> Body:
+    def posed(self, pose: BodyPose) -> ShadedBody:
         """The arm in a pose."""
         solid = self._body.solid(pose)
-        return Body(solid, self._body.parts, self._surface.weights, self._body.backs(pose), self._coat)
+        return ShadedBody(solid, self._body.parts, self._surface.weights, self._body.backs(pose), self._coat)
 
 
 def _put_on_watch(coat: Coat, surface: ArmSurface) -> None:

@@ -15,7 +15,7 @@ from local_site.simulation.motion import Motion
 from local_site.simulation.room.arm import Arm
 from local_site.simulation.room.clothes import Shirt
 from local_site.simulation.room.config import RoomConfig
-from local_site.simulation.room.layer import Body, Brush
+from local_site.simulation.room.layer import Brush, ShadedBody
 from local_site.simulation.room.skin import TONES, Colour, reflectance
 from local_site.simulation.room.surface import Coat, between
 
@@ -85,7 +85,7 @@ class Face:
         at = FACE_AT + np.array([SWAY_M * np.sin(2.0 * np.pi * filmed_s / SWAY_S), 0.0, 0.0])
         for part, weights, coat in (self._hair, self._skin):
             solid = Solid(at + HEAD, HEAD_RADII, np.tile(at, (32, 1)))
-            self._brush.draw(image, [Body(solid, (part,), weights, np.zeros_like(HEAD), coat)])
+            self._brush.draw(image, [ShadedBody(solid, (part,), weights, np.zeros_like(HEAD), coat)])
         scale = self._camera.focal_px / float(self._camera.to_camera(at)[2])
         for eye in np.rint(self._pixels(at + EYES)).astype(int).tolist():
             cv2.ellipse(image, eye, (round(0.012 * scale), round(0.006 * scale)), 0, 0, 360, EYE, -1, cv2.LINE_AA)

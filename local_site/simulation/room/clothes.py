@@ -4,7 +4,7 @@ import numpy as np
 
 from common.geometry import Array
 from local_site.simulation.body import ArmBody, BodyPose, Part, Solid
-from local_site.simulation.room.layer import Body
+from local_site.simulation.room.layer import ShadedBody
 from local_site.simulation.room.skin import Colour, reflectance
 from local_site.simulation.room.surface import STRETCHED, Coat, between
 
@@ -47,29 +47,29 @@ class Shirt:
         self._long_coat = _cloth(len(self._long_weights), colour, random)
         self._chest_coat = _cloth(len(self._chest_weights), colour, random)
 
-    def sleeve(self, pose: BodyPose, skin: Solid) -> Body:
+    def sleeve(self, pose: BodyPose, skin: Solid) -> ShadedBody:
         """From the shoulder to the arm's rim."""
         middle = skin.rim.mean(axis=0)
         rim = middle + WIDER * (skin.rim - middle)
         radius = np.linalg.norm(rim - middle, axis=1).max()
         solid = Solid(pose.shoulder[None], np.array([radius]), rim)
-        return Body(solid, self._sleeve, self._sleeve_weights, np.zeros((1, 3)), self._sleeve_coat)
+        return ShadedBody(solid, self._sleeve, self._sleeve_weights, np.zeros((1, 3)), self._sleeve_coat)
 
-    def long_sleeve(self, skin: Solid) -> Body:
+    def long_sleeve(self, skin: Solid) -> ShadedBody:
         """From the arm's rim to the wrist."""
         middle = skin.rim.mean(axis=0)
         solid = Solid(skin.centres, skin.radii + THICK_M, middle + WIDER * (skin.rim - middle))
-        return Body(solid, self._long_sleeve, self._long_weights, np.zeros_like(skin.centres), self._long_coat)
+        return ShadedBody(solid, self._long_sleeve, self._long_weights, np.zeros_like(skin.centres), self._long_coat)
 
-    def chest(self, shoulder: Array) -> Body:
+    def chest(self, shoulder: Array) -> ShadedBody:
         """Both shoulders, chest and waist, seen from the front."""
         centres = shoulder + CHEST
         solid = Solid(centres, CHEST_RADII, np.tile(centres[0], (32, 1)))
         weights = np.pad(self._chest_weights, ((0, 0), (0, 1)))
-        return Body(solid, self._chest, weights, np.zeros_like(centres), self._chest_coat)
+        return ShadedBody(solid, self._chest, weights, np.zeros_like(centres), self._chest_coat)
 
 
-def is_before(sleeve: Body, centre: Array) -> bool:
+def is_before(sleeve: ShadedBody, centre: Array) -> bool:
     """Whether a camera at `centre` (3,) in m sees the sleeve before the arm's end, not the arm before the sleeve."""
     rim, shoulder = sleeve.solid.rim.mean(axis=0), sleeve.solid.centres[0]
     return bool((centre - rim) @ (shoulder - rim) > 0.0)

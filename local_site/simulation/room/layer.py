@@ -16,7 +16,7 @@ from local_site.simulation.room.surface import Coat
 
 
 @dataclass(frozen=True, slots=True)
-class Body:
+class ShadedBody:
     """A solid of `parts` at one instant: its balls, and the M balls between them (`weights` (M, N + 1)) with their
     coat; `backs` (N, 3) in the operator frame."""
 
@@ -28,7 +28,7 @@ class Body:
 
 
 @dataclass(frozen=True, slots=True)
-class Layer:
+class ShadedLayer:
     """What is laid on a box of the picture: (H, W, 4), BGR times cover, and cover."""
 
     box: Box
@@ -47,13 +47,13 @@ class Brush:
         self._camera, self._size, self._blur_px = camera, size, blur_sigma_px
         self._shader = Shader(lamps, size)
 
-    def draw(self, image: Image, exposures: Sequence[Body]) -> None:
+    def draw(self, image: Image, exposures: Sequence[ShadedBody]) -> None:
         """Draw a body, seen at instants spread over one exposure, on a BGR picture (H, W, 3)."""
         layer = self.layer(exposures)
         if layer is not None:
             layer.lay_on(image)
 
-    def layer(self, exposures: Sequence[Body]) -> "Layer | None":
+    def layer(self, exposures: Sequence[ShadedBody]) -> "ShadedLayer | None":
         """What `draw` lays on the picture, to be kept while nothing moves; None when it is out of view."""
         outlines = [project(body.solid, self._camera, FILL_EXCESS_PX) for body in exposures]
         box = box_around(outlines, int(np.ceil(3.0 * self._blur_px)) + 2, self._size)
@@ -63,13 +63,13 @@ class Brush:
         picture = mean_picture([self._shade(body, outline, box) for body, outline in seen])
         if self._blur_px:
             cv2.GaussianBlur(picture, (0, 0), self._blur_px, dst=picture)
-        return Layer(box, picture)
+        return ShadedLayer(box, picture)
 
-    def _shade(self, body: Body, outlines: Outlines, box: Box) -> Image:
+    def _shade(self, body: ShadedBody, outlines: Outlines, box: Box) -> Image:
         return self._shader.shade(_seen(body, self._camera, box), body.coat, coverage(outlines, body.parts, box))
 
 
-def _seen(body: Body, camera: PinholeCamera, box: Box) -> SeenBalls:
+def _seen(body: ShadedBody, camera: PinholeCamera, box: Box) -> SeenBalls:
     solid = body.solid
     sleeve = solid.rim.mean(axis=0)
     centres = np.vstack([solid.centres, sleeve])

@@ -15,7 +15,7 @@ from local_site.simulation.room.arm import Arm
 from local_site.simulation.room.clothes import Shirt, is_before
 from local_site.simulation.room.disturbances import make_disturbances
 from local_site.simulation.room.lamps import office_lamps
-from local_site.simulation.room.layer import Brush, Layer
+from local_site.simulation.room.layer import Brush, ShadedLayer
 from local_site.simulation.room.panels import Panel
 from local_site.simulation.room.scenery import draw_office, office
 from local_site.simulation.room.surface import STRETCHED
@@ -49,7 +49,7 @@ class RoomView:
             disturbance.stand(self._room)
         self._is_covered = room.sleeve == "long"
         self._shoulder: Array = np.full(3, np.nan)
-        self._chest: Layer | None = None
+        self._chest: ShadedLayer | None = None
         # Inner loops are compiled now, not during the first exposure.
         self._draw_operator(self._room.copy(), [_in_view(np.array(config.stereo.centre))])
         self._random = np.random.default_rng(seed)
@@ -80,7 +80,7 @@ class RoomView:
         for bodies in in_order:
             self._brush.draw(image, bodies)
 
-    def _chest_at(self, shoulder: Array) -> Layer | None:
+    def _chest_at(self, shoulder: Array) -> ShadedLayer | None:
         """The chest, which is drawn again only when the operator has moved."""
         if not np.array_equal(shoulder, self._shoulder):
             self._shoulder, self._chest = shoulder, self._brush.layer([self._shirt.chest(shoulder)])

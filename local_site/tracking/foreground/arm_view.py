@@ -14,7 +14,7 @@ from local_site.tracking.foreground.growing import LIKELY, NEVER, bones, grow, n
 from local_site.tracking.foreground.likelihood import log_ratios, ratio_tables
 from local_site.tracking.foreground.outline import find_outline
 from local_site.tracking.foreground.reasons import ForegroundReason
-from local_site.tracking.foreground.room import Behind, Mask, Place, Room
+from local_site.tracking.foreground.room import Behind, Mask, Place, RoomModel
 from local_site.tracking.foreground.trust import AreaWatch, objection
 from local_site.tracking.foreground.tubes import ArmTubes, RatioMap, depth_of
 
@@ -42,7 +42,7 @@ class _Look:
     behind: Behind
 
 
-class ArmView:
+class ForegroundView:
     """Finds the arm in the pictures of one camera with a projection (3, 4)."""
 
     def __init__(self, projection: Array) -> None:
@@ -50,7 +50,7 @@ class ArmView:
         self._colour = ArmColour()
         self._tables = ratio_tables(self._colour.arm, self._colour.rest)
         self._areas = AreaWatch()
-        self._room: Room | None = None
+        self._room: RoomModel | None = None
         self._look: _Look | None = None
         self._possible: Mask = np.empty((0, 0), np.uint8)
         self._arm: Mask = self._possible
@@ -122,10 +122,10 @@ class ArmView:
         self._colour.learn(picture, on_arm, _elsewhere(near), kept)
         self._tables = ratio_tables(self._colour.arm, self._colour.rest)
 
-    def _room_for(self, picture: Image) -> Room:
+    def _room_for(self, picture: Image) -> RoomModel:
         shape = (picture.shape[0], picture.shape[1])
         if self._room is None or self._room.seen.shape != shape:
-            self._room = Room(shape)
+            self._room = RoomModel(shape)
         return self._room
 
     def _box(

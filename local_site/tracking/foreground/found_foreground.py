@@ -10,7 +10,7 @@ from common.geometry import Array
 from local_site.calibration.rig import Rig
 from local_site.calibration.triangulation import project
 from local_site.tracking.features.silhouette import Silhouette
-from local_site.tracking.foreground.arm_view import ArmView
+from local_site.tracking.foreground.arm_view import ForegroundView
 from local_site.tracking.foreground.reasons import ForegroundReason
 from local_site.tracking.foreground.trust import LEAST_FOREARM, forearm_ratio
 from local_site.tracking.foreground.tube_search import TubeSearch
@@ -35,7 +35,7 @@ class FoundForeground:
 
     def __init__(self, rig: Rig) -> None:
         self._matrices = rig.matrices
-        self._views = tuple(ArmView(matrix) for matrix in self._matrices)
+        self._views = tuple(ForegroundView(matrix) for matrix in self._matrices)
         self._tubes = TubeSearch()
 
     def learn_room(self, pictures: Sequence[Image]) -> None:

@@ -10,7 +10,7 @@ from common.geometry import Array
 from local_site.kernels.compiled import compiled
 from local_site.tracking.features.silhouette import MIN_CONTOUR_POINTS, Silhouette
 from local_site.tracking.foreground.likelihood import Tables, log_ratio
-from local_site.tracking.foreground.room import Behind, Levels, Mask, Place, Room
+from local_site.tracking.foreground.room import Behind, Levels, Mask, Place, RoomModel
 
 LEVEL = 127.5
 KERNEL = np.ones((3, 3), np.uint8)
@@ -22,7 +22,7 @@ CLEAR = 24.0  # levels between the colours of arm and room from which on a pixel
 
 
 def find_outline(
-    picture: Image, colours: Image, arm: Mask, place: Place, room: Room, behind: Behind, tables: Tables
+    picture: Image, colours: Image, arm: Mask, place: Place, room: RoomModel, behind: Behind, tables: Tables
 ) -> Silhouette | None:
     """The silhouette in a picture (H, W, 3) of the arm's squares (h, w), whose mean colours are (h, w, 3)."""
     x, y, w, h = cv2.boundingRect(cv2.dilate(arm, KERNEL, iterations=2))

@@ -34,7 +34,7 @@ class Behind:
     gain: Levels
 
 
-class Room:
+class RoomModel:
     """The mean colours (H, W, 3) of the room, how often each pixel was seen (H, W), and today's gain over the mean."""
 
     def __init__(self, shape: tuple[int, int]) -> None:

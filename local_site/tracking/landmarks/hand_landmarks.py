@@ -7,7 +7,7 @@ import numpy as np
 from common.cameras.camera import Image
 from common.geometry import Array
 from local_site.tracking.landmarks.crop import Crop, upright
-from local_site.tracking.landmarks.network import Network
+from local_site.tracking.landmarks.network import LandmarkNetwork
 
 WRIST, THUMB_TIP, INDEX_TIP, MIDDLE_KNUCKLE, MIDDLE_TIP = 0, 4, 8, 9, 12
 PALM = (0, 1, 2, 3, 5, 6, 9, 10, 13, 14, 17, 18)  # the landmarks that move least with the fingers
@@ -24,6 +24,10 @@ class HandLandmarks:
     right: float
     crop: Crop
 
+    def for_side(self, right_arm: bool) -> float:
+        """How much it looks like a hand of a side, from 0 to 1."""
+        return self.right if right_arm else 1.0 - self.right
+
     def next_crop(self) -> Crop:
         """The crop in which the next picture shows the hand, if it moves little."""
         palm, (index, middle, ring) = self.points[list(PALM)], self.points[list(POINTERS)]
@@ -39,7 +43,7 @@ class HandLandmarks:
 class HandLandmarker:
     """Landmarks of the hand in a crop."""
 
-    def __init__(self, network: Network) -> None:
+    def __init__(self, network: LandmarkNetwork) -> None:
         self._network = network
 
     def find(self, image: Image, crop: Crop) -> HandLandmarks:

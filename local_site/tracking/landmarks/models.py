@@ -10,7 +10,7 @@ from local_site.tracking.landmarks.model_files import (
     QUICK_HAND_LANDMARKS,
     read_model,
 )
-from local_site.tracking.landmarks.network import Network
+from local_site.tracking.landmarks.network import LandmarkNetwork
 from local_site.tracking.landmarks.palm_detector import PalmDetector
 from local_site.tracking.landmarks.view_follower import ViewFollower
 from local_site.tracking.landmarks.view_hands import ViewHands
@@ -23,5 +23,5 @@ def view_hands(rig: Rig, right_arm: bool) -> list[ViewHands]:
 
 @cache
 def _networks() -> tuple[PalmDetector, HandLandmarker, HandLandmarker]:
-    careful, quick = (HandLandmarker(Network(read_model(m), 3)) for m in (HAND_LANDMARKS, QUICK_HAND_LANDMARKS))
-    return PalmDetector(Network(read_model(PALM_DETECTION), 2)), careful, quick
+    careful, quick = (HandLandmarker(LandmarkNetwork(read_model(m), 3)) for m in (HAND_LANDMARKS, QUICK_HAND_LANDMARKS))
+    return PalmDetector(LandmarkNetwork(read_model(PALM_DETECTION), 2)), careful, quick

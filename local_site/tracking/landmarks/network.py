@@ -16,7 +16,7 @@ RUNTIME = "ai-edge-litert"
 CURE = "pip install 'farhand[learned]'"
 
 
-class Network:
+class LandmarkNetwork:
     """A model with one picture as its input; NotInstalledError without the runtime, ModelError when that refuses it."""
 
     def __init__(self, content: bytes, outputs: int) -> None:

@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 from common.cameras.camera import Image
 from common.geometry import Array
 from local_site.tracking.landmarks.crop import Crop, upright
-from local_site.tracking.landmarks.network import Network
+from local_site.tracking.landmarks.network import LandmarkNetwork
 
 GRIDS = ((24, 2), (12, 6))  # cells a side, and anchors in each cell
 WRIST, MIDDLE_KNUCKLE = 0, 2  # of the detector's seven points
@@ -41,7 +41,7 @@ def anchors() -> Array:
 class PalmDetector:
     """Palms in a picture, the surest first."""
 
-    def __init__(self, network: Network) -> None:
+    def __init__(self, network: LandmarkNetwork) -> None:
         self._network, self._anchors = network, anchors()
 
     def find(self, image: Image) -> list[Palm]:

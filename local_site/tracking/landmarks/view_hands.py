@@ -44,7 +44,7 @@ class ViewHands:
 
     def side(self, hand: HandLandmarks) -> float:
         """How much it looks like a hand of the operator's side, from 0 to 1."""
-        return hand.right if self._right_arm else 1.0 - hand.right
+        return hand.for_side(self._right_arm)
 
     def keep(self, hand: HandLandmarks) -> None:
         """Follow this hand from now on."""

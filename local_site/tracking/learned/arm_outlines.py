@@ -12,7 +12,7 @@ from local_site.tracking.features.silhouette import Silhouette, to_grey
 from local_site.tracking.features.view_meter import ViewMeter
 from local_site.tracking.foreground.dark_wall import DarkWall
 from local_site.tracking.foreground.found_foreground import FoundForeground
-from local_site.tracking.landmarks.hand_landmarks import MIDDLE_TIP
+from local_site.tracking.landmarks.hand_landmarks import MIDDLE_TIP, WRIST
 from local_site.tracking.landmarks.hand_pairing import SeenHand
 from local_site.tracking.landmarks.view_hands import as_bgr
 from local_site.tracking.learned.found_meter import FoundMeter
@@ -88,7 +88,7 @@ def _with_hand(arm: SeenArm | NoArm, hand: SeenHand) -> SeenArm | NoArm:
     """The arm, if its wrist is that of the hand."""
     if isinstance(arm, NoArm):
         return arm
-    off_m = float(np.linalg.norm(arm.joints.wrist - hand.points[0]))
+    off_m = float(np.linalg.norm(arm.joints.wrist - hand.points[WRIST]))
     return arm if off_m < MOST_WRIST_OFF_M else NoArm(TrackingReason.NO_ARM)
 
 

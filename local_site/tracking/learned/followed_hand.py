@@ -9,6 +9,7 @@ import numpy as np
 
 from common.geometry import Array
 from local_site.calibration.triangulation import project
+from local_site.tracking.landmarks.hand_landmarks import MIDDLE_KNUCKLE, WRIST
 from local_site.tracking.learned.hand_starts import PALM_LANDMARKS, any_posture, pose_from_landmarks, scale_of
 from local_site.tracking.silhouette.hand_model.fit import (
     MIN_VIEWS,
@@ -169,7 +170,7 @@ class FollowedHand:
     def _person(self, landmarks: Array, arm: LimbEvidence | None) -> Person:
         if len(self._scales) < REMEMBERED_SCALES:
             self._scales.append(scale_of(landmarks, self._right_arm))
-        away = landmarks[0] - landmarks[9] if arm is None else arm.elbow - arm.wrist
+        away = landmarks[WRIST] - landmarks[MIDDLE_KNUCKLE] if arm is None else arm.elbow - arm.wrist
         return Person(median(self._scales), self._right_arm, away / max(float(np.linalg.norm(away)), 1e-6))
 
     def _expected(self, posture: Array) -> Belief:

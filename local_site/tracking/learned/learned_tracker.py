@@ -93,7 +93,7 @@ class LearnedTracker:
         view = outline or NO_VIEW._replace(projection=matrix, focal_px=focal_length(matrix))
         if k not in seen.views:
             return view
-        side = seen.views[k].right if self._right_arm else 1.0 - seen.views[k].right
+        side = seen.views[k].for_side(self._right_arm)
         if side < DOUBTFUL_SIDE:
             return view
         sigma = LANDMARK_SIGMA if side > SURE_SIDE else DOUBTFUL_SIGMA

@@ -12,6 +12,7 @@ from local_site.calibration.triangulation import image_of
 from local_site.kernels.compiled import compiled
 from local_site.kernels.pictures import grey_at
 from local_site.tracking.silhouette.hand_model.fit import MAX_VIEWS, MIN_VIEWS, HandView, contact, padded
+from local_site.tracking.silhouette.hand_model.landmark_equations import landmark_of
 from local_site.tracking.silhouette.hand_model.skeleton import CAPSULES, INDEX_TIP, THUMB_TIP, HandSpheres
 
 FREEDOM_M, SEEN_FREEDOM_M = 0.008, 0.02  # of a tip in its model, without and with landmarks
@@ -38,14 +39,13 @@ Circle = tuple[Array, float, Array, Array]
 
 @dataclass(frozen=True, slots=True)
 class Finger:
-    """A finger by the numbers of its last sphere and landmark, and the error model of its tip.
+    """A finger by the number of its last sphere, and the error model of its tip.
 
     `edges` weights the covariance from its edges, `depth_sigma_m` is how deep in its round end the tip lies,
     `hidden_sigmas_m` is the model's error where no view and where one view shows the end in outline.
     """
 
     sphere: int
-    landmark: int
     edges: float
     depth_sigma_m: float
     hidden_sigmas_m: tuple[float, float]
@@ -53,8 +53,8 @@ class Finger:
 
 # The index's end is seldom hidden by more than another finger, in front of which its grey edges are visible; the thumb
 # disappears behind the hand, where only habit predicts it.
-INDEX = Finger(INDEX_TIP, 8, 1.0, 0.0, (0.0025, 0.0025))
-THUMB = Finger(THUMB_TIP, 4, 0.35, 0.0045, (0.019, 0.0095))
+INDEX = Finger(INDEX_TIP, 1.0, 0.0, (0.0025, 0.0025))
+THUMB = Finger(THUMB_TIP, 0.35, 0.0045, (0.019, 0.0095))
 
 
 @dataclass(frozen=True, slots=True)
@@ -77,7 +77,9 @@ def find_tips(views: Sequence[HandView], spheres: HandSpheres, fingers: Sequence
     for finger in fingers:
         sphere = finger.sphere
         tip = (spheres.centres[sphere], spheres.centres[sphere - 1], float(spheres.radii[sphere]))
-        shift, spread, seen = _settle(padded(views), tuple(capsules), CAPSULES[:, 1] == sphere, tip, finger.landmark)
+        shift, spread, seen = _settle(
+            padded(views), tuple(capsules), CAPSULES[:, 1] == sphere, tip, landmark_of(sphere)
+        )
         point = spheres.tip(sphere) + shift
         rays = [point + np.linalg.solve(v.projection[:, :3], v.projection[:, 3]) for v in views]
         sight = np.mean([ray / np.linalg.norm(ray) for ray in rays], axis=0)

@@ -19,7 +19,7 @@ from bench.tracking.films.room.rooms import (
     WALL_SHAPE,
     WALL_TOP,
     WALL_Y,
-    Room,
+    FurnishedRoom,
     RoomName,
     furnished,
 )
@@ -47,7 +47,7 @@ def test_every_camera_sees_points_of_wall_and_desk_where_they_are(rig):
     x, y = round((on_desk[0] - DESK_LEFT) * DESK_PX_PER_M), round((on_desk[1] - DESK_FRONT) * DESK_PX_PER_M)
     desk[y - 15 : y + 16, x - 15 : x + 16] = GREEN
     for camera in film_cameras(rig, SIZE):
-        picture = SeenRoom(Room(wall, desk), camera, SIZE).at(0.0)
+        picture = SeenRoom(FurnishedRoom(wall, desk), camera, SIZE).at(0.0)
         for point, channel in ((on_wall, 2), (on_desk, 1)):
             rows, columns = np.nonzero(picture[..., channel] > 100)
             assert (columns.mean(), rows.mean()) == pytest.approx(camera.pixels(point), abs=1.0)

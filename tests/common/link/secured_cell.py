@@ -1,6 +1,9 @@
 """A cell's link with real certificates, and neighbours that do not keep to the rules."""
 
+import contextlib
+import itertools
 import json
+import os
 import socket
 import threading
 import time
@@ -40,10 +43,16 @@ def secured(folder: Path, who: str, cell: str = CELL) -> LinkSecurity:
     return LinkSecurity(tls=tls)
 
 
+# Below the range that outgoing connections get their ports from, and elsewhere in each process that runs tests.
+_PORTS = itertools.count(20_000 + 97 * os.getpid() % 10_000)
+
+
 def free_port() -> int:
-    with socket.socket() as probe:
-        probe.bind(("127.0.0.1", 0))
-        return int(probe.getsockname()[1])
+    for port in _PORTS:
+        with socket.socket() as probe, contextlib.suppress(OSError):
+            probe.bind(("127.0.0.1", port))
+            return port
+    raise AssertionError("no port is free")
 
 
 def until(is_so: Callable[[], object]) -> None:

@@ -20,14 +20,14 @@ NEAR_PX = 10.0
 def followers():
     """One for each view."""
     from local_site.tracking.landmarks.hand_landmarks import HandLandmarker
-    from local_site.tracking.landmarks.network import Network
+    from local_site.tracking.landmarks.network import LandmarkNetwork
     from local_site.tracking.landmarks.palm_detector import PalmDetector
     from local_site.tracking.landmarks.view_follower import ViewFollower
 
     files = [model_folder() / model.name for model in (PALM_DETECTION, HAND_LANDMARKS)]
     if not all(file.exists() for file in files):
         pytest.skip("the landmark models are not installed")
-    palms, hands = (Network(file.read_bytes(), outputs) for file, outputs in zip(files, (2, 3), strict=True))
+    palms, hands = (LandmarkNetwork(file.read_bytes(), outputs) for file, outputs in zip(files, (2, 3), strict=True))
     return lambda: [ViewFollower(PalmDetector(palms), *[HandLandmarker(hands)] * 2) for _ in range(2)]
 
 

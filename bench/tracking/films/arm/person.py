@@ -27,7 +27,7 @@ NECK = (np.array([0.08, -0.17, 0.12]), np.array([0.055, 0.055, 0.12]))
 
 
 @dataclass(frozen=True, slots=True)
-class Surface:
+class ColouredSurface:
     """A surface: vertices (V, 3) in m in the operator frame, triangles (T, 3), albedo (V, 3), linear BGR."""
 
     vertices: Array
@@ -69,12 +69,12 @@ class PersonInMotion:
         body = body_of(person.motion.pose(0.0).shoulder, cloth, person.tone)
         self._body = replace(body, triangles=_handed(body.triangles, person.right))
 
-    def arm(self, t_s: float, offset: Array) -> Surface:
+    def arm(self, t_s: float, offset: Array) -> ColouredSurface:
         """The arm's surface, moved by an offset (3,) in m."""
         vertices = self._vertices(t_s)
-        return Surface(self._placed(vertices) + offset, self._triangles, self._albedo)
+        return ColouredSurface(self._placed(vertices) + offset, self._triangles, self._albedo)
 
-    def body(self, offset: Array) -> Surface:
+    def body(self, offset: Array) -> ColouredSurface:
         """Torso, neck and head."""
         return replace(self._body, vertices=self._placed(self._body.vertices) + offset)
 
@@ -117,7 +117,7 @@ def _beyond_shoulder(mesh: ArmMesh) -> NDArray[np.bool_]:
     return kept
 
 
-def body_of(shoulder: Array, cloth: Array, tone: Tone) -> Surface:
+def body_of(shoulder: Array, cloth: Array, tone: Tone) -> ColouredSurface:
     """Torso, neck and head of a person whose right shoulder is at (3,) in m; `cloth` (3,) is linear RGB."""
     skin = linear(np.array(TONES[tone]))
     surfaces = [
@@ -127,24 +127,24 @@ def body_of(shoulder: Array, cloth: Array, tone: Tone) -> Surface:
         _head(shoulder + HEAD[0], skin),
     ]
     counts = np.cumsum([0, *(len(s.vertices) for s in surfaces)])
-    return Surface(
+    return ColouredSurface(
         np.vstack([s.vertices for s in surfaces]),
         np.vstack([s.triangles + n for s, n in zip(surfaces, counts, strict=False)]).astype(np.int32),
         np.vstack([s.albedo for s in surfaces]),
     )
 
 
-def ellipsoid(middle: Array, axes: Array, rgb: Array) -> Surface:
+def ellipsoid(middle: Array, axes: Array, rgb: Array) -> ColouredSurface:
     """An ellipsoid along the axes of the operator frame, with half axes (3,) in m, of one linear colour."""
     tilt, turn = np.meshgrid(np.linspace(0.0, np.pi, RINGS), np.linspace(0.0, 2.0 * np.pi, SPOKES), indexing="ij")
     unit = np.dstack([np.sin(tilt) * np.cos(turn), np.sin(tilt) * np.sin(turn), np.cos(tilt)]).reshape(-1, 3)
     at = np.arange(RINGS * SPOKES).reshape(RINGS, SPOKES)
     a, b, c, d = at[:-1, :-1].ravel(), at[1:, :-1].ravel(), at[1:, 1:].ravel(), at[:-1, 1:].ravel()
     triangles = np.vstack([np.column_stack([a, b, c]), np.column_stack([a, c, d])]).astype(np.int32)
-    return Surface(middle + axes * unit, triangles, np.tile(rgb[::-1], (len(unit), 1)))
+    return ColouredSurface(middle + axes * unit, triangles, np.tile(rgb[::-1], (len(unit), 1)))
 
 
-def _head(middle: Array, skin: Array) -> Surface:
+def _head(middle: Array, skin: Array) -> ColouredSurface:
     """A head that looks along -x, with hair, eyes and a mouth."""
     head = ellipsoid(middle, HEAD[1], skin)
     x, y, z = ((head.vertices - middle) / HEAD[1]).T

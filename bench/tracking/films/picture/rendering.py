@@ -20,7 +20,7 @@ LEAST_STEP_PX, MOST_EXPOSURES = 1.5, 5
 
 
 @dataclass(frozen=True, slots=True)
-class Layer:
+class FilmLayer:
     """A part of a picture from `left`, `top`: BGR times alpha (h, w, 3) from 0 to 255, and alpha (h, w) from 0 to 1."""
 
     left: int
@@ -38,7 +38,7 @@ class Layer:
 
 def rendered(
     camera: PhysicalCamera, size: tuple[int, int], exposures: Sequence[Array], triangles: Triangles, colours: Array
-) -> Layer | None:
+) -> FilmLayer | None:
     """A surface during one exposure: its vertices (V, 3) at both ends of it, or once; None outside of the picture."""
     pixels = [camera.pixels(vertices) for vertices in exposures]
     moved = max(float(np.abs(pixels[-1] - pixels[0]).max()), 0.0)
@@ -57,7 +57,7 @@ def rendered(
         _add(raster.triangle, raster.barycentric, triangles, colours.astype(np.float32), 1.0 / steps, total)
     resized = cv2.resize(total, (right - left, bottom - top), interpolation=cv2.INTER_AREA)
     small: Picture = np.asarray(resized, dtype=np.float32)
-    return Layer(left, top, small[..., :3], small[..., 3])
+    return FilmLayer(left, top, small[..., :3], small[..., 3])
 
 
 def _box(pixels: Array, size: tuple[int, int]) -> tuple[int, int, int, int] | None:
@@ -83,7 +83,7 @@ def _add(
             total[y, x, 3] += share
 
 
-def lay(layers: Sequence[Layer | None], pictures: Sequence[Picture]) -> None:
+def lay(layers: Sequence[FilmLayer | None], pictures: Sequence[Picture]) -> None:
     """Lay one layer over each picture, where there is one."""
     for layer, picture in zip(layers, pictures, strict=True):
         if layer is not None:

@@ -16,7 +16,7 @@ from bench.tracking.films.room.rooms import (
     WALL_PX_PER_M,
     WALL_TOP,
     WALL_Y,
-    Room,
+    FurnishedRoom,
 )
 from common.cameras.camera import Image
 from common.geometry import Array
@@ -32,7 +32,7 @@ BLUR_SHARE = 0.0016  # of the picture's width: the room lies behind the focus
 class SeenRoom:
     """The pictures of a room that one camera takes; the warp is computed once."""
 
-    def __init__(self, room: Room, camera: PhysicalCamera, size: tuple[int, int]) -> None:
+    def __init__(self, room: FurnishedRoom, camera: PhysicalCamera, size: tuple[int, int]) -> None:
         self._room = room
         self._sigma = BLUR_SHARE * size[0]
         wall, desk, desk_is_nearer = _warps(camera, size)

@@ -30,7 +30,7 @@ FAN_AT, FAN_RADIUS = (1500, 560), 210
 
 
 @dataclass(frozen=True, slots=True)
-class Room:
+class FurnishedRoom:
     """A wall and a desk (H, W, 3), BGR, and what moves by the time in s: it draws on a copy of the wall, or shades.
 
     The shade (h, w) is how much light is left, from 0 to 1, on the whole wall and as much on the desk.
@@ -42,13 +42,13 @@ class Room:
     shade: Callable[[float], NDArray[np.float32]] | None = None
 
 
-def furnished(name: RoomName, seed: int) -> Room:
+def furnished(name: RoomName, seed: int) -> FurnishedRoom:
     """A room of this kind, another for each seed."""
     random = np.random.default_rng(seed)
     return _ROOMS[name](random)
 
 
-def _plain(random: Generator) -> Room:
+def _plain(random: Generator) -> FurnishedRoom:
     """A plain office: a painted wall with a door, a light desk."""
     wall = furniture.painted(WALL_SHAPE, (198, 206, 208), random)
     door = int(random.integers(150, 700))
@@ -57,10 +57,10 @@ def _plain(random: Generator) -> Room:
     cv2.rectangle(wall, (0, 1250), (WALL_SHAPE[1], 1290), (160, 165, 170), -1)
     desk = furniture.painted(DESK_SHAPE, (206, 210, 212), random)
     furniture.clutter(desk, 3, random)
-    return Room(wall, desk)
+    return FurnishedRoom(wall, desk)
 
 
-def _office(random: Generator) -> Room:
+def _office(random: Generator) -> FurnishedRoom:
     """Shelves, screens, cables, and the light of a window."""
     wall = furniture.painted(WALL_SHAPE, (184, 192, 196), random)
     furniture.window(wall, int(random.integers(100, 500)), 150, 460, 560)
@@ -71,10 +71,10 @@ def _office(random: Generator) -> Room:
     furniture.cables(wall, 9, random)
     desk = furniture.wooden(DESK_SHAPE, random, (150, 176, 196))
     furniture.clutter(desk, 22, random)
-    return Room(wall, desk)
+    return FurnishedRoom(wall, desk)
 
 
-def _wood(random: Generator) -> Room:
+def _wood(random: Generator) -> FurnishedRoom:
     """Wood of skin's colour everywhere, over which shadows move."""
     wall, desk = furniture.wooden(WALL_SHAPE, random), furniture.wooden(DESK_SHAPE, random)
     drifts = random.uniform(0.6, 1.4, (3, 2))
@@ -87,10 +87,10 @@ def _wood(random: Generator) -> Room:
             cv2.ellipse(dark, (round(x), round(y)), (26, 60), 20.0 * k, 0, 360, 1.0, -1)
         return np.asarray(1.0 - 0.45 * cv2.GaussianBlur(dark, (0, 0), 5.0), dtype=np.float32)
 
-    return Room(wall, desk, shade=shade)
+    return FurnishedRoom(wall, desk, shade=shade)
 
 
-def _photograph(random: Generator) -> Room:
+def _photograph(random: Generator) -> FurnishedRoom:
     """A photograph that fills the wall: cloth, a face and a flag."""
     read = cv2.imread(str(PHOTOGRAPH))
     if read is None:
@@ -102,17 +102,17 @@ def _photograph(random: Generator) -> Room:
     furniture.poster(wall, photograph, 2020, 420, 420)
     desk = furniture.painted(DESK_SHAPE, (90, 96, 104), random)
     furniture.clutter(desk, 8, random)
-    return Room(wall, desk)
+    return FurnishedRoom(wall, desk)
 
 
-def _poster(random: Generator) -> Room:
+def _poster(random: Generator) -> FurnishedRoom:
     """The plain office, with a poster of a hand, larger than life."""
     plain = _plain(random)
     furniture.poster(plain.wall, hand_portrait(), 940 + int(random.integers(0, 80)), 560, 560)
     return plain
 
 
-def _fan(random: Generator) -> Room:
+def _fan(random: Generator) -> FurnishedRoom:
     """The office, with a fan that turns."""
     office = _office(random)
 
@@ -123,10 +123,10 @@ def _fan(random: Generator) -> Room:
             cv2.ellipse(picture, FAN_AT, (FAN_RADIUS - 12, 150), 0, turn, turn + 62.0, (186, 190, 196), -1, cv2.LINE_AA)
         cv2.circle(picture, FAN_AT, 40, (40, 42, 46), -1, cv2.LINE_AA)
 
-    return Room(office.wall, office.desk, blades)
+    return FurnishedRoom(office.wall, office.desk, blades)
 
 
-_ROOMS: dict[RoomName, Callable[[Generator], Room]] = {
+_ROOMS: dict[RoomName, Callable[[Generator], FurnishedRoom]] = {
     "plain": _plain,
     "office": _office,
     "wood": _wood,

@@ -18,6 +18,11 @@ OF_SPHERES: NDArray[np.intp] = np.array([(WRIST, WRIST + 1, MIDDLE_KNUCKLE), *_t
 SHARES = np.array([(0.5 - CREASE / 2, 0.5 - CREASE / 2, CREASE), *[(1.0, 0.0, 0.0)] * (LANDMARKS - 1)])
 
 
+def landmark_of(sphere: int) -> int:
+    """The landmark that is a sphere's centre, by the sphere's number."""
+    return int(np.flatnonzero((OF_SPHERES[:, 0] == sphere) & (SHARES[:, 0] == 1.0))[0])
+
+
 @compiled
 def landmark_points(centres: Array) -> Array:
     """Where the landmarks (21, 3) of a hand are, by the centres (24, 3) of its spheres."""

@@ -6,7 +6,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from local_site.tracking.landmarks.hand_landmarks import HandLandmarker
-from local_site.tracking.landmarks.network import Network, Tensor
+from local_site.tracking.landmarks.network import LandmarkNetwork, Tensor
 from local_site.tracking.landmarks.palm_detector import PalmDetector, anchors
 from local_site.tracking.landmarks.view_follower import ViewFollower
 
@@ -15,7 +15,7 @@ NO_PALM = -9.0
 Answer = Callable[[Tensor], Sequence[Tensor]]
 
 
-class FakeNetwork(Network):
+class FakeNetwork(LandmarkNetwork):
     """A network whose outputs a function makes; it keeps the pictures that it was shown."""
 
     def __init__(self, side_px: int, answer: Answer) -> None:

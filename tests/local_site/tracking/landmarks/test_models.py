@@ -26,5 +26,5 @@ def test_models_that_were_installed_later_are_found(monkeypatch, tmp_path):
         with pytest.raises(NotInstalledError):
             models.view_hands(PAIR_RIG, True)
     monkeypatch.setattr(models, "read_model", lambda model: model.name.encode())
-    monkeypatch.setattr(models, "Network", lambda content, outputs: (content, outputs))
+    monkeypatch.setattr(models, "LandmarkNetwork", lambda content, outputs: (content, outputs))
     assert len(models.view_hands(PAIR_RIG, True)) == len(PAIR_RIG.cameras)
