@@ -8,8 +8,9 @@ from statistics import median
 import numpy as np
 
 from common.geometry import Array
-from local_site.calibration.triangulation import project
+from local_site.calibration.triangulation import project, triangulate_many
 from local_site.tracking.landmarks.hand_landmarks import MIDDLE_KNUCKLE, WRIST
+from local_site.tracking.learned.finger_orders import in_likely_order, palm_extent, possible_orders, thumb_agrees
 from local_site.tracking.learned.hand_starts import PALM_LANDMARKS, any_posture, pose_from_landmarks, scale_of
 from local_site.tracking.silhouette.hand_model.fit import (
     MIN_VIEWS,
@@ -54,7 +55,7 @@ REMEMBERED_SCALES = 60
 class FittedHand:
     """A hand at one instant: the fit, the tips of index and thumb on the skin, and whether the fingers are open.
 
-    `landmark_views` and `outline_views` are how many views showed its landmarks rightly, and its outline.
+    `landmark_views` and `outline_views` are how many views showed all its landmarks rightly, and its outline.
     """
 
     fit: HandFit
@@ -98,7 +99,7 @@ class FollowedHand:
         self._scales: deque[float] = deque(known, REMEMBERED_SCALES)
         self._last: tuple[HandPose, Array, Array] | None = None
         self._open = False
-        self._mistaken = self._instants = 0
+        self._mistaken = self._instants = self._turn = 0
         self._costs: deque[float] = deque(maxlen=REMEMBERED_COSTS)
 
     @property
@@ -115,51 +116,60 @@ class FollowedHand:
         if not _show(views) or not LEAST_SCALE < scale_of(landmarks, self._right_arm) < MOST_SCALE:
             return None
         person = self._person(landmarks, arm)
-        believed = [self._unless_mistaken(view, landmarks) for view in views]
-        views = believed if _show(believed) else views
-        fit = self._fit(views, landmarks, arm, person)
-        if fit is None:
+        fitted = self._fit(views, landmarks, arm, person)
+        if fitted is None:
             return None
+        fit, views = fitted
         self._last = fit.pose, landmarks, landmark_points(fit.spheres.centres)
         self._mistaken = self._mistaken + 1 if fit.cost > MAX_COST else 0
         self._open = self._is_open(fit.pose.posture)
         if not self._open and fit.cost < MAX_COST and most_curled(fit.pose.posture) < MOST_GRIPPER_CURL:
             self._habits.learn_fit(fit)
         index, thumb = find_tips(views, fit.spheres, (INDEX, THUMB))
-        landmark_views = sum(len(view.landmarks) > 0 for view in views)
+        landmark_views = sum(len(view.landmarks) > 0 and not np.isnan(view.landmarks).any() for view in views)
         outline_views = sum(len(view.pixels) > 0 for view in views)
         return FittedHand(fit, index, thumb, self._open, landmark_views, outline_views)
 
     def _fit(
         self, views: Sequence[HandView], landmarks: Array, arm: LimbEvidence | None, person: Person
-    ) -> HandFit | None:
-        """From the last pose; now and then, and where that fits worse than usual, also from the landmarks alone."""
-        best: HandFit | None = None
-        for start, belief in self._starts(views, landmarks, person):
-            fit = fit_hand(views, start, _prior(belief, start, arm), person, ITERATIONS)
-            if best is None or fit.cost < CLEARLY_BETTER * best.cost:
-                best = fit
-            self._instants += 1
-            if self._instants % START_EVERY and self._costs and fit.cost < WORSE * median(self._costs):
-                break
+    ) -> tuple[HandFit, Sequence[HandView]] | None:
+        """The best fit, and the views as they were believed for it.
+
+        From the last pose; now and then, and where that fits worse than usual, also from the landmarks alone.
+        """
+        best: tuple[HandFit, Sequence[HandView]] | None = None
+        for believed, start, belief in self._starts(views, landmarks, person):
+            fit = fit_hand(believed, start, _prior(belief, start, arm), person, ITERATIONS)
+            if best is None:
+                best = fit, believed
+                self._instants += 1
+                if self._instants % START_EVERY and self._costs and fit.cost < WORSE * median(self._costs):
+                    break
+            elif fit.cost < CLEARLY_BETTER * best[0].cost and thumb_agrees(
+                believed, landmark_points(fit.spheres.centres)
+            ):
+                best = fit, believed
         if best is not None:
-            self._costs.append(best.cost)
+            self._costs.append(best[0].cost)
         return best
 
-    def _unless_mistaken(self, view: HandView, landmarks: Array) -> HandView:
-        """The view without its landmarks where these take one finger for another: no finger moves that far at once.
+    def _believed(self, views: Sequence[HandView], landmarks: Array) -> Sequence[HandView]:
+        """The views with their fingers in the order that is likely after the last instant.
 
-        After some bad instants they are believed again.
+        A view whose landmarks take one finger for another is left without them: no finger moves that far at once. After
+        some bad instants they are believed again.
         """
-        if self._last is None or not len(view.landmarks) or self._mistaken > BELIEVED_AFTER:
-            return view
+        if self._last is None:
+            return views
         _, before, fitted = self._last
         palm = list(PALM_LANDMARKS)
-        expected = project(view.projection, fitted + np.mean(landmarks[palm] - before[palm], axis=0))
-        off = view.landmarks - expected
-        palm_px = np.linalg.norm(expected[palm].max(axis=0) - expected[palm].min(axis=0))
-        is_mistaken = float(np.sqrt(np.mean(np.sum(off * off, axis=1)))) > MOST_LANDMARK_MISFIT * palm_px
-        return view._replace(landmarks=NO_PIXELS) if is_mistaken else view
+        points = fitted + np.mean(landmarks[palm] - before[palm], axis=0)
+        expected = [project(view.projection, points) for view in views]
+        ordered = [in_likely_order(view, pixels) for view, pixels in zip(views, expected, strict=True)]
+        if self._mistaken > BELIEVED_AFTER:
+            return ordered
+        believed = [_unless_mistaken(view, pixels) for view, pixels in zip(ordered, expected, strict=True)]
+        return believed if _show(believed) else ordered
 
     def _is_open(self, posture: Array) -> bool:
         """Whether all fingers are stretched well beyond their usual curl; with hysteresis (thesis 4.2)."""
@@ -180,31 +190,65 @@ class FollowedHand:
                 return habit
         return any_posture(self._habits.own)
 
-    def _starts(self, views: Sequence[HandView], landmarks: Array, person: Person) -> Iterator[tuple[HandPose, Belief]]:
-        """The last pose moved with the palm, and a new one where landmarks show it; each with what is believed."""
+    def _starts(
+        self, views: Sequence[HandView], landmarks: Array, person: Person
+    ) -> Iterator[tuple[Sequence[HandView], HandPose, Belief]]:
+        """The last pose moved with the palm, and new ones where landmarks show them; each with the views as they are
+        believed for it, and what is believed of the hand."""
         belief = any_posture(self._habits.own)
         if self._last is not None:
             last, before, _ = self._last
             palm = list(PALM_LANDMARKS)
             moved = last._replace(wrist=last.wrist + np.mean(landmarks[palm] - before[palm], axis=0))
-            yield moved, near_last(self._expected(last.posture), last.posture)
-        if sum(len(view.landmarks) > 0 for view in views) >= MIN_VIEWS:
-            start = pose_from_landmarks(landmarks, person, belief.posture[PALM:])
-            alone = [
-                NO_VIEW._replace(
-                    projection=view.projection,
-                    focal_px=view.focal_px,
-                    landmarks=view.landmarks,
-                    landmark_sigma=START_SIGMAS * view.landmark_sigma,
-                )
-                for view in views
-            ]
-            yield fit_hand(alone, start, _prior(belief, start, None), person, START_ITERATIONS).pose, belief
+            yield self._believed(views, landmarks), moved, near_last(self._expected(last.posture), last.posture)
+        if sum(len(view.landmarks) > 0 for view in views) < MIN_VIEWS:
+            return
+        for order in self._orders(views):
+            yield order, _start(order, belief, person), belief
+
+    def _orders(self, views: Sequence[HandView]) -> list[list[HandView]]:
+        """The orders of the fingers to start from: all at first, later the one that is told and another in turn.
+
+        Only outlines can decide between them.
+        """
+        if sum(len(view.pixels) > 0 for view in views) < MIN_VIEWS:
+            return [list(views)]
+        orders = possible_orders(views)
+        if self._last is None:
+            return orders
+        self._turn = self._turn % (len(orders) - 1) + 1
+        return [orders[0], orders[self._turn]]
 
 
 def _show(views: Sequence[HandView]) -> bool:
     """Whether the views show anything of the hand."""
     return any(len(view.landmarks) + len(view.pixels) for view in views)
+
+
+def _unless_mistaken(view: HandView, expected: Array) -> HandView:
+    """The view without its landmarks where these lie far from those expected (21, 2) in px."""
+    if not len(view.landmarks):
+        return view
+    off = float(np.sqrt(np.nanmean(np.sum((view.landmarks - expected) ** 2, axis=1))))
+    return view._replace(landmarks=NO_PIXELS) if off > MOST_LANDMARK_MISFIT * palm_extent(expected) else view
+
+
+def _start(views: Sequence[HandView], belief: Belief, person: Person) -> HandPose:
+    """The pose that fits the landmarks of the views alone."""
+    shown = [view for view in views if len(view.landmarks)]
+    pixels = np.stack([view.landmarks for view in shown], axis=1)
+    points = triangulate_many([view.projection for view in shown], pixels)
+    start = pose_from_landmarks(points, person, belief.posture[PALM:])
+    alone = [
+        NO_VIEW._replace(
+            projection=view.projection,
+            focal_px=view.focal_px,
+            landmarks=view.landmarks,
+            landmark_sigma=START_SIGMAS * view.landmark_sigma,
+        )
+        for view in shown
+    ]
+    return fit_hand(alone, start, _prior(belief, start, None), person, START_ITERATIONS).pose
 
 
 def _is_habitual(posture: Array, habit: Belief) -> bool:

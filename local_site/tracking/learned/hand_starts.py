@@ -35,12 +35,15 @@ def scale_of(landmarks: Array, right_arm: bool) -> float:
 
 
 def pose_from_landmarks(landmarks: Array, person: Person, sizes: Array) -> HandPose:
-    """The pose of the typical posture that fits best upon landmarks (21, 3) in m; `sizes` (3,) are logarithms."""
-    fits = []
+    """The pose of the typical posture that fits best upon landmarks (21, 3) in m, NaN where unknown.
+
+    `sizes` (3,) are logarithms.
+    """
+    fits, known = [], ~np.isnan(landmarks[:, 0])
     for typical in TYPICAL:
         posture = np.concatenate([typical[:PALM], sizes])
         model = landmark_points(pose_spheres(posture, person.scale, person.right_arm)[0])
-        rotation, wrist, off = laid_upon(model, landmarks)
+        rotation, wrist, off = laid_upon(model[known], landmarks[known])
         fits.append((off, HandPose(wrist, rotation, posture)))
     return min(fits, key=lambda fit: fit[0])[1]
 

@@ -112,17 +112,18 @@ def _settle(
     """
     shift, information, seen, freedom = np.zeros(3), np.eye(3), 0, FREEDOM_M
     for view in views:
-        if len(view.landmarks) > 0:
+        if _shows(view, landmark):
             freedom = SEEN_FREEDOM_M
     for _ in range(STEPS):
         information, pull, seen = np.eye(3) / freedom**2, shift / freedom**2, 0
         moved = (tip[0] + shift, tip[1] + shift, tip[2])
         for k in range(len(views)):
             view = views[k]
-            if view.grey.size == 0 and len(view.landmarks) == 0:
+            shown = _shows(view, landmark)
+            if view.grey.size == 0 and not shown:
                 continue
             circle = _circle(view, moved)
-            if len(view.landmarks) > 0:
+            if shown:
                 _add_landmark(circle, view.landmarks[landmark], view.landmark_sigma, information, pull)
             if view.grey.size == 0:
                 continue
@@ -133,6 +134,12 @@ def _settle(
                 _add_grey_edges(circle, view, information, pull)
         shift = shift - np.linalg.solve(information, pull)
     return shift, np.linalg.inv(information).astype(np.float64), seen
+
+
+@compiled
+def _shows(view: HandView, landmark: int) -> bool:
+    """Whether the view has a landmark, by its number."""
+    return len(view.landmarks) > 0 and not np.isnan(view.landmarks[landmark, 0])
 
 
 @compiled

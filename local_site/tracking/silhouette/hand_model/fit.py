@@ -50,7 +50,7 @@ class HandView(NamedTuple):
     positive inside, whose first pixel is at `origin` (2,); the standard deviation in px of an outline pixel from the
     model, which includes the model's own error; the whole outline (M, 2), from which `pixels` are sampled; the grey
     picture, empty where there is no outline, and the shift (2,) that takes it to the instant measured; the hand's 21
-    landmarks (21, 2) in px, none (0, 2) where they are not known, and their standard deviation in px.
+    landmarks (21, 2) in px, NaN where unknown, none (0, 2) where all are, and their standard deviation in px.
     """
 
     projection: Array

@@ -37,10 +37,12 @@ def landmark_points(centres: Array) -> Array:
 def add_landmarks(
     landmarks: Array, circles: Circles, sigma: float, robust: float, information: Array, gradient: Array
 ) -> float:
-    """Add landmarks (21, 2) in px to the gradient (P,) and to the lower half of the information (P, P); returns their
-    robust (Cauchy) cost."""
+    """Add landmarks (21, 2) in px, NaN where unknown, to the gradient (P,) and to the lower half of the information
+    (P, P); returns their robust (Cauchy) cost."""
     cost, rows = 0.0, np.empty((2, len(gradient)))
     for n in range(len(landmarks)):
+        if np.isnan(landmarks[n, 0]):
+            continue
         off = np.empty(2)
         for d in range(2):
             off[d], rows[d] = landmarks[n, d], 0.0
