@@ -5,7 +5,11 @@ from typing import TypeVar, cast
 
 import numba
 
+from local_site.kernels.code_cache import LOCATORS
+
 Function = TypeVar("Function", bound=Callable[..., object])
+
+numba.config.CACHE_LOCATOR_CLASSES = LOCATORS  # type: ignore[attr-defined]  # made from the environment
 
 
 def compiled(function: Function) -> Function:
