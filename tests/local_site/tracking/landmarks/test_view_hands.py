@@ -130,11 +130,10 @@ def test_a_followed_hand_that_is_gone_is_searched_at_once():
 
 
 def test_a_hand_that_its_crop_misses_is_seen_in_another_crop():
-    state = {"scores": [0.9]}
-    network, shown = counted(lambda _: hand_outputs(POINTS, state["scores"].pop(0)))
+    scores = [0.05, 0.02, 0.3, 0.7, 0.9]
+    network, shown = counted(lambda _: hand_outputs(POINTS, scores.pop(0)))
     view = hands_of(fake_follower(no_palm, network))
     view.keep(hands_of(fake_follower()).hands(View(frame(0)))[0])
-    state["scores"] = [0.05, 0.02, 0.3, 0.7, 0.9]
     (hand,) = view.hands(View(frame(1)))
     assert hand.score == pytest.approx(0.7)
     assert len(shown) == 4
@@ -142,9 +141,8 @@ def test_a_hand_that_its_crop_misses_is_seen_in_another_crop():
 
 
 def test_the_surest_of_other_crops_counts_where_none_is_sure():
-    network, _ = counted(lambda picture: hand_outputs(POINTS, scores.pop(0)))
     scores = [0.01, 0.2, 0.4, 0.3, 0.05, 0.1]
-    view = hands_of(fake_follower(no_palm, network))
+    view = hands_of(fake_follower(no_palm, lambda _: hand_outputs(POINTS, scores.pop(0))))
     view.keep(hands_of(fake_follower()).hands(View(frame(0)))[0])
     (hand,) = view.hands(View(frame(1)))
     assert hand.score == pytest.approx(0.4)
