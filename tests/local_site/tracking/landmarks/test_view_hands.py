@@ -140,13 +140,13 @@ def test_a_hand_that_its_crop_misses_is_seen_in_another_crop():
     assert view.is_following
 
 
-def test_the_surest_of_other_crops_counts_where_none_is_sure():
-    scores = [0.01, 0.2, 0.4, 0.3, 0.05, 0.1]
+@pytest.mark.parametrize(("surest", "is_seen"), [(0.4, True), (0.2, False)])
+def test_the_surest_of_other_crops_counts_where_none_is_sure(surest, is_seen):
+    scores = [0.01, 0.1, surest, 0.15, 0.05, 0.1, 0.0]
     view = hands_of(fake_follower(no_palm, lambda _: hand_outputs(POINTS, scores.pop(0))))
     view.keep(hands_of(fake_follower()).hands(View(frame(0)))[0])
-    (hand,) = view.hands(View(frame(1)))
-    assert hand.score == pytest.approx(0.4)
-    assert scores == []
+    assert [hand.score for hand in view.hands(View(frame(1)))] == ([pytest.approx(0.4)] if is_seen else [])
+    assert len(scores) == (1 if is_seen else 0)
 
 
 def test_a_hand_that_is_let_go_is_looked_for_where_it_was_before_the_picture_is_searched():
