@@ -25,6 +25,7 @@ MOST_INSTANTS = 2  # for each pair to learn from: where arms are found now and t
 WRONG_LENGTH = 0.1
 OTHER_SIZE = 0.2  # of a hand against the operator's: landmarks of one hand vary by half of it
 REMEMBERED_SIZES = 60
+CLEAR_SIDE = 0.8
 OUTLINES_ALONE_NS = NS_PER_S // 2  # landmarks miss a turning hand for less
 MOST_TRIALS = 2  # times the pairs to learn from, in which the hand of a profile does not fit
 
@@ -53,12 +54,17 @@ class Acquaintance:
         return min(self._needed + (0 if self.profile is None else self.profile.pairs), MOST_PAIRS)
 
     def doubt(self, seen: SeenHand) -> float:
-        """What speaks against this being the operator's hand: 0 for nothing, infinite for another size."""
+        """What speaks against this being the operator's hand: 0 for nothing, infinite for another size.
+
+        Instead of a hand that is doubted only one is tried that is clearly of the operator's side.
+        """
         if self.is_known:
             size = scale_of(seen.points, self._right_arm) / float(np.median(self._sizes))
             if abs(size - 1) >= OTHER_SIZE:
                 return math.inf
-        return self._doubted.doubt(seen)
+        doubt, newest = self._doubted.doubt(seen), self._doubted.newest
+        is_clear = (seen.right if self._right_arm else 1.0 - seen.right) > CLEAR_SIDE
+        return doubt if doubt or is_clear or not newest else newest + 1
 
     def has_side(self, t_ns: int, seen: SeenHand) -> bool:
         """Whether what has been seen of this hand so far, and now, may be a hand of the operator's side."""
@@ -135,13 +141,11 @@ class Acquaintance:
             return TrackingStatus.DEGRADED, "; ".join(reasons)
         return TrackingStatus.TRACKED, elbow
 
-    def lose(self, t_ns: int) -> bool:
-        """No hand is seen; whether for so long that another may be held up, which has to show its side and its arm."""
-        is_long = not 0 <= t_ns - self._hand.seen_ns <= SHORT_LOSS_NS
-        if is_long:
+    def lose(self, t_ns: int) -> None:
+        """No hand is seen: after a while another may be held up, which has to show its side and its arm again."""
+        if not 0 <= t_ns - self._hand.seen_ns <= SHORT_LOSS_NS:
             self._hand = ShownHand()
             self._forget_unknown()
-        return is_long
 
     def _is_body_of(self, profile: OperatorProfile, forearm_m: float) -> bool:
         size = float(np.median(self._sizes)) / profile.scale

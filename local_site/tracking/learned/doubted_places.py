@@ -20,6 +20,11 @@ class DoubtedPlaces:
         """What speaks against a hand at its place: the number of the newest doubt, 0 without any."""
         return max(self._near(seen), default=0)
 
+    @property
+    def newest(self) -> int:
+        """The number of the newest doubt about any hand, 0 without any."""
+        return max(self._places, default=0)
+
     def add(self, seen: SeenHand) -> None:
         """Rather take any other hand from now on."""
         self.clear(seen)

@@ -143,7 +143,7 @@ class LearnedTracker:
             reason,
             **points,
             thumb_inferred=hand.thumb_inferred,
-            hand_open=hand.hand_open,
+            hand_open=hand.hand_open and self._operator.is_known and self._operator.has_begun,
             overlays=overlays,
             covariances=covariances,
             residual_px=arm.residual_px if isinstance(arm, SeenArm) and arm.residual_px else hand_residual_px,
@@ -172,11 +172,11 @@ class LearnedTracker:
 
     def _lost(self, views: Views, reason: str) -> ArmEstimate:
         self._outlined = False
+        self._outlines.forget()
+        self._operator.lose(views.t_ns)
         if not self._operator.has_begun:
             self._finder.forget()
-        if self._operator.lose(views.t_ns):
             self._hand.forget()
-            self._outlines.forget()
         if reason in NO_PAIR and self._finder.sees_room and not self._operator.is_known:
             room = self._room.take(views)
             if room is not None:

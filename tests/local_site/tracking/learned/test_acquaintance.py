@@ -110,6 +110,15 @@ def test_a_hand_without_an_arm_is_doubted_after_a_while_and_another_is_not():
     assert operator.doubt(HAND) > operator.doubt(ELSEWHERE) == 0
 
 
+def test_only_a_hand_of_a_clear_side_is_tried_instead_of_one_that_is_doubted():
+    operator, unclear = Acquaintance(CONFIG, None), replace(hand(right=0.65), points=ELSEWHERE.points)
+    assert operator.doubt(unclear) == 0
+    for k in range(35):
+        operator.has_side(k * PERIOD_NS, HAND)
+        operator.lacks_arm(HAND)
+    assert operator.doubt(ELSEWHERE) < operator.doubt(HAND) < operator.doubt(unclear) < math.inf
+
+
 def test_of_two_doubted_hands_the_one_doubted_longer_ago_is_preferred():
     operator = Acquaintance(CONFIG, None)
     for since, seen in ((0, HAND), (100, ELSEWHERE)):
