@@ -49,6 +49,11 @@ class Acquaintance:
         return self._hand.has_begun
 
     @property
+    def is_sure_of_side(self) -> bool:
+        """Whether the hand has been seen long enough to be of the operator's side; an earlier one may look open."""
+        return self._hand.side.is_sure
+
+    @property
     def pairs(self) -> int:
         """From how many pairs of all runs the operator is known."""
         return min(self._needed + (0 if self.profile is None else self.profile.pairs), MOST_PAIRS)

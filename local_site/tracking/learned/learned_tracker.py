@@ -143,7 +143,7 @@ class LearnedTracker:
             reason,
             **points,
             thumb_inferred=hand.thumb_inferred,
-            hand_open=hand.hand_open and self._operator.is_known and self._operator.has_begun,
+            hand_open=hand.hand_open and self._operator.is_sure_of_side,
             overlays=overlays,
             covariances=covariances,
             residual_px=arm.residual_px if isinstance(arm, SeenArm) and arm.residual_px else hand_residual_px,

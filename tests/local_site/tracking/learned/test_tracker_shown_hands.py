@@ -8,6 +8,7 @@ import pytest
 
 from common.messages.hand import TrackingStatus
 from local_site.tracking.config import LearnedConfig
+from local_site.tracking.landmarks.side_evidence import ENOUGH
 from local_site.tracking.learned.followed_hand import FollowedHand
 from local_site.tracking.silhouette.hand_model.habits import Belief, Habits
 from local_site.tracking.silhouette.operator_profile import make_profile
@@ -253,14 +254,10 @@ def test_cameras_out_of_phase_are_brought_to_one_instant(monkeypatch):
         assert apart_m(brought[settled], exact[settled], name) < OUT_OF_PHASE_M
 
 
-def test_a_hand_gives_no_signal_before_it_is_known(monkeypatch, moving):
-    shown = shown_tracker(monkeypatch, moving.projections)
+def test_a_hand_gives_no_signal_before_its_side_is_sure(shown, moving, monkeypatch):
     monkeypatch.setattr(FollowedHand, "_is_open", lambda *_: True)
-    estimates = follow(shown, moving, range(20))
-    assert [estimate.hand_open for estimate in estimates] == [
-        estimate.status is TrackingStatus.TRACKED for estimate in estimates
-    ]
-    assert estimates[-1].hand_open
+    opened = [estimate.hand_open for estimate in follow(shown, moving, range(20), right=0.7)]
+    assert opened == [False] * (ENOUGH - 1) + [True] * (20 - ENOUGH + 1)
 
 
 def test_an_operator_who_was_known_before_is_tracked_after_as_many_pairs(monkeypatch, moving):
