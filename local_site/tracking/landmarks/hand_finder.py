@@ -1,5 +1,6 @@
-"""Finds the operator's hand in all views at once, and follows it: one of the right side that the views agree on."""
+"""Finds the operator's hand in all views at once, and follows it: a hand that the views agree on, the least doubted."""
 
+import math
 from collections.abc import Callable, Sequence
 
 import numpy as np
@@ -7,6 +8,7 @@ import numpy as np
 from common.clock import NS_PER_MS, NS_PER_S
 from local_site.calibration.rig import Rig
 from local_site.tracking.landmarks.hand_pairing import HandPairing, SeenHand
+from local_site.tracking.landmarks.still_hands import StillHands
 from local_site.tracking.landmarks.view_hands import TURNED_RIGHT, ViewHands
 from local_site.tracking.tracker import TrackingReason, Views, extrapolation
 
@@ -16,7 +18,7 @@ MOST_RETRIES = 2  # crops run again in one instant
 MOST_JUMP_M, MOST_SPEED = 0.1, 1.0  # from the expected place: landmarks vary by half of that; and m/s of what is unseen
 SHORT_LOSS_NS = 300 * NS_PER_MS  # after which another hand may be held up
 
-Accept = Callable[[SeenHand], bool]
+Doubt = Callable[[SeenHand], float]
 
 
 class HandFinder:
@@ -27,26 +29,34 @@ class HandFinder:
         self._last: tuple[int, SeenHand] | None = None
         self._before: tuple[int, SeenHand] | None = None
         self._attempts = 0
+        self._still = StillHands()
+        self._sees_room = False
 
-    def find(self, views: Views, accept: Accept, *, quickly: bool) -> SeenHand | str:
+    @property
+    def sees_room(self) -> bool:
+        """Whether no hand is in the pictures, or only what stands as still as a poster and no two views agree on."""
+        return self._sees_room
+
+    def find(self, views: Views, doubt: Doubt, *, quickly: bool) -> SeenHand | str:
         """The hand at the views' instant, or a sentence why there is none.
 
-        A hand that is new must be one that `accept` takes for the operator's. Outlines make up for less exact landmarks
-        that are found `quickly`.
+        Of new hands the one of least `doubt` is taken. An infinite doubt refuses it, and with any above 0 the search
+        for others goes on. Outlines make up for less exact landmarks that are found `quickly`.
         """
         candidates = [self._views[k].hands(view, quickly=quickly) for k, view in enumerate(views.views)]
         found = [seen for seen in self._pairing.pairs(candidates) if _is_sure(seen)]
+        self._sees_room = not found and self._still.are_all(views.t_ns, candidates)
         if not found:
             self._search(views.t_ns)
             return TrackingReason.NO_HAND if not any(candidates) else TrackingReason.HANDS_DIFFER
-        seen = self._nearest(views.t_ns, found) if self._last else next(filter(accept, found), None)
+        seen = self._nearest(views.t_ns, found) if self._last else _least_doubted(found, doubt)
         if seen is None:
             self._search(views.t_ns)
             return TrackingReason.OTHER_HAND
+        is_followed = self._last is not None or doubt(seen) == 0
         seen = self._seen_rightly(views, seen)
-        for k, hand in seen.views.items():
-            self._views[k].keep(hand)
-        self._before, self._last = self._last, (views.t_ns, seen)
+        if is_followed:
+            self._follow(views.t_ns, seen)
         return seen
 
     def forget(self) -> None:
@@ -54,6 +64,11 @@ class HandFinder:
         self._last = self._before = None
         for view in self._views:
             view.lose()
+
+    def _follow(self, t_ns: int, seen: SeenHand) -> None:
+        for k, hand in seen.views.items():
+            self._views[k].keep(hand)
+        self._before, self._last = self._last, (t_ns, seen)
 
     def _search(self, t_ns: int) -> None:
         """Search in all pictures; for a while only where the hand was."""
@@ -81,6 +96,11 @@ class HandFinder:
                 hands[k] = self._views[k].again(views.views[k], hands[k], self._attempts)
                 self._attempts += 1
         return self._pairing.meet(hands) or seen
+
+
+def _least_doubted(found: Sequence[SeenHand], doubt: Doubt) -> SeenHand | None:
+    seen = min(found, key=doubt)
+    return seen if doubt(seen) < math.inf else None
 
 
 def _is_sure(seen: SeenHand) -> bool:

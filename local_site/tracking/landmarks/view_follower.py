@@ -79,8 +79,9 @@ class ViewFollower:
         self._crop, self._searches, self._candidates = hand.next_crop(), 0, []
 
     def lose(self) -> None:
-        """Search from now on."""
-        self._crop = None
+        """Search from now on, first where the hand was."""
+        if self._crop is not None:
+            self._candidates, self._crop = [self._crop], None
 
     def _palms(self, image: Image, region: Region) -> Sequence[Palm]:
         bright = image if region.gain == 1.0 else cv2.convertScaleAbs(image, alpha=region.gain)

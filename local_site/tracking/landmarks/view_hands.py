@@ -14,8 +14,9 @@ from local_site.tracking.landmarks.view_follower import ViewFollower
 from local_site.tracking.tracker import FrameCache, View
 
 FOLLOWED_SCORE, FOUND_SCORE = 0.12, 0.5  # where two views agree, and where a hand is new
+OTHER_CROP_SCORE = 0.3  # where the best of several crops is taken
 TURNED_RIGHT = 0.5
-# Crops in which a hand is seen rightly that was taken for its mirror image: turned, rad, and scaled.
+# Crops in which a hand is seen that one crop misses, or shows as its mirror image: turned, rad, and scaled.
 OTHER_CROPS = ((0.44, 1.0), (-0.44, 1.0), (0.0, 1.25), (0.79, 1.0), (-0.79, 1.0))
 
 
@@ -64,9 +65,20 @@ class ViewHands:
         hand = self._follower.follow(image, quickly=quickly)
         if quickly and (hand is None or hand.score < FOUND_SCORE or self.side(hand) < TURNED_RIGHT):
             hand = self._follower.follow(image, quickly=False)
+        if hand is not None and hand.score < FOLLOWED_SCORE:
+            hand = self._clearest(image, hand)
         if hand is None or hand.score < FOLLOWED_SCORE:
             return f"{self._camera.name}: the hand is not seen where it was"
         return hand
+
+    def _clearest(self, image: Image, hand: HandLandmarks) -> HandLandmarks | None:
+        """The surest of other crops around a hand that is hardly seen: a hand that turns fast is missed in one only."""
+        crop = hand.crop
+        for turn, scale in OTHER_CROPS:
+            hand = max(hand, self._follower.again(image, crop.changed(turn, scale)), key=lambda seen: seen.score)
+            if hand.score >= FOUND_SCORE:
+                break
+        return hand if hand.score >= OTHER_CROP_SCORE else None
 
 
 def as_bgr(image: Image) -> Image:

@@ -55,6 +55,12 @@ class ArmOutlines:
             return _with_hand(self._before_wall.find(views, body), hand)
         return _with_hand(self._found(views, body, hand), hand)
 
+    def find_without_hand(self, views: Views, body: Body) -> SeenArm | NoArm:
+        """The arm before a dark wall, whose outlines need no hand to begin with."""
+        if self.finder is not self._before_wall:
+            return NoArm(TrackingReason.NO_HAND)
+        return self._before_wall.find(views, body)
+
     def forget(self) -> None:
         """Search everywhere from now on."""
         self._before_wall.forget()

@@ -49,6 +49,7 @@ WRIST_SIGMA_M, HIDDEN_INDEX_SIGMA_M = 0.003, 0.006
 MOST_LANDMARK_MISFIT = 0.6  # of the palm's extent in the picture; index for little finger is more
 BELIEVED_AFTER = 3
 REMEMBERED_SCALES = 60
+MOST_STEP_M = 0.1  # between two instants: 3 m/s at 30 pairs/s
 
 
 @dataclass(frozen=True, slots=True)
@@ -129,6 +130,14 @@ class FollowedHand:
         landmark_views = sum(len(view.landmarks) > 0 and not np.isnan(view.landmarks).any() for view in views)
         outline_views = sum(len(view.pixels) > 0 for view in views)
         return FittedHand(fit, index, thumb, self._open, landmark_views, outline_views)
+
+    def track_outlines(self, views: Sequence[HandView], arm: LimbEvidence) -> FittedHand | None:
+        """The hand of views without landmarks, near the last one moved with the arm; None without one near there."""
+        if self._last is None:
+            return None
+        pose, landmarks, _ = self._last
+        moved = arm.wrist - pose.wrist
+        return None if float(np.linalg.norm(moved)) > MOST_STEP_M else self.track(views, landmarks + moved, arm)
 
     def _fit(
         self, views: Sequence[HandView], landmarks: Array, arm: LimbEvidence | None, person: Person

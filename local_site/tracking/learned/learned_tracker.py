@@ -24,6 +24,7 @@ from local_site.tracking.tracker import ArmEstimate, Overlay, TrackingReason, Vi
 # Of the crop's side: what landmarks miss by in one picture, more where the view may have seen the hand's mirror image.
 LANDMARK_SIGMA, DOUBTFUL_SIGMA = 0.04, 0.06
 SURE_SIDE, DOUBTFUL_SIDE = 0.8, 0.5
+NO_PAIR = (TrackingReason.NO_HAND, TrackingReason.HANDS_DIFFER)
 
 
 class LearnedTracker:
@@ -67,17 +68,31 @@ class LearnedTracker:
         ]
         if problems:
             return self._lost(views, "; ".join(dict.fromkeys(problems)))
-        seen = self._finder.find(views, self._operator.may_be, quickly=self._outlined)
+        seen = self._finder.find(views, self._operator.doubt, quickly=self._outlined)
         if isinstance(seen, str):
-            return self._lost(views, seen)
+            outlined = self._by_outlines(views) if seen in NO_PAIR else None
+            return outlined or self._lost(views, seen)
         if not self._operator.has_side(views.t_ns, seen):
             self._finder.forget()
             return self._lost(views, TrackingReason.OTHER_SIDE)
         arm = self._outlines.find(views, self._operator.body, seen, starting=not self._operator.is_known)
+        if isinstance(arm, NoArm) and self._operator.lacks_arm(seen):
+            self._finder.forget()
         hand = self._fit(seen, arm)
         if hand is None:
             return self._lost(views, TrackingReason.HAND_UNCLEAR)
-        return self._found(views.t_ns, seen, arm, hand)
+        return self._found(views.t_ns, arm, hand, seen.residual_px)
+
+    def _by_outlines(self, views: Views) -> ArmEstimate | None:
+        """The arm before a dark wall whose outlines fit on for a short time in which no two views see its hand."""
+        if not self._outlined or not self._operator.was_seen(views.t_ns):
+            return None
+        arm = self._outlines.find_without_hand(views, self._operator.body)
+        if isinstance(arm, NoArm) or not self._operator.has_length(arm, arm.joints.wrist):
+            return None
+        finder = self._outlines.finder
+        hand = self._hand.track_outlines(tuple(finder.hand_views(arm).values()), finder.evidence(arm))
+        return None if hand is None or not hand.is_clear else self._found(views.t_ns, arm, hand)
 
     def _fit(self, seen: SeenHand, arm: SeenArm | NoArm) -> FittedHand | None:
         finder = self._outlines.finder
@@ -99,7 +114,9 @@ class LearnedTracker:
         sigma = LANDMARK_SIGMA if side > SURE_SIDE else DOUBTFUL_SIGMA
         return view._replace(landmarks=seen.pixels[k], landmark_sigma=sigma * seen.views[k].crop.side_px)
 
-    def _found(self, t_ns: int, seen: SeenHand, arm: SeenArm | NoArm, hand: FittedHand) -> ArmEstimate:
+    def _found(
+        self, t_ns: int, arm: SeenArm | NoArm, hand: FittedHand, hand_residual_px: float | None = None
+    ) -> ArmEstimate:
         wrist = hand.fit.pose.wrist
         points = {"wrist": wrist, "index": hand.index.point, "thumb": hand.thumb.point}
         covariances = {
@@ -126,10 +143,10 @@ class LearnedTracker:
             reason,
             **points,
             thumb_inferred=hand.thumb_inferred,
-            hand_open=hand.hand_open,
+            hand_open=hand.hand_open and self._operator.is_sure_of_side,
             overlays=overlays,
             covariances=covariances,
-            residual_px=arm.residual_px if isinstance(arm, SeenArm) and arm.residual_px else seen.residual_px,
+            residual_px=arm.residual_px if isinstance(arm, SeenArm) and arm.residual_px else hand_residual_px,
         )
 
     def _judge_arm(self, arm: SeenArm | NoArm, wrist: Array, hand_reasons: list[TrackingReason]) -> str:
@@ -137,17 +154,30 @@ class LearnedTracker:
         if isinstance(arm, NoArm):
             return arm.reason
         reasons = doubts(self._rig, arm.limbs, arm.features, arm.joints)
-        if not hand_reasons:
-            self._operator.learn(arm, wrist, self._outlines.finder.sleeve(arm), reasons)
+        self._learn(arm, wrist, hand_reasons, reasons)
         if not self._operator.is_known:
             return "; ".join(reasons) or TrackingReason.LEARNING
         return "; ".join(reasons) or ("" if self._operator.has_length(arm, wrist) else TrackingReason.NO_ARM)
 
+    def _learn(
+        self, arm: SeenArm, wrist: Array, hand_reasons: list[TrackingReason], reasons: list[TrackingReason]
+    ) -> None:
+        before = self._operator.profile
+        if not hand_reasons:
+            self._operator.learn(arm, wrist, self._outlines.finder.sleeve(arm), reasons)
+        elif TrackingReason.HAND_UNCLEAR in hand_reasons:
+            self._operator.doubt_profile()
+        if self._operator.profile is not before:
+            self._hand = FollowedHand(self._right_arm, None)
+
     def _lost(self, views: Views, reason: str) -> ArmEstimate:
-        self._hand.forget()
         self._outlined = False
         self._outlines.forget()
-        if reason == TrackingReason.NO_HAND and not self._operator.is_known:
+        self._operator.lose(views.t_ns)
+        if not self._operator.has_begun:
+            self._finder.forget()
+            self._hand.forget()
+        if reason in NO_PAIR and self._finder.sees_room and not self._operator.is_known:
             room = self._room.take(views)
             if room is not None:
                 self._outlines.learn_room(room)
@@ -155,5 +185,4 @@ class LearnedTracker:
                 return ArmEstimate(views.t_ns, TrackingStatus.INITIALISING, TrackingReason.LEARNING_ROOM)
         else:
             self._room.forget()
-        self._operator.lose(views.t_ns)
         return ArmEstimate(views.t_ns, TrackingStatus.LOST, reason)

@@ -1,5 +1,6 @@
 """One hand is found, followed and lost: never another one, and no single view is followed for long."""
 
+import math
 from dataclasses import replace
 
 import numpy as np
@@ -26,15 +27,20 @@ def pair():
 
 
 def anyone(_):
-    return True
+    return 0.0
 
 
 def nobody(_):
-    return False
+    return math.inf
 
 
-def find(finder, k, accept=anyone, weight=1.0, cameras=2):
-    return finder.find(instant(k, cameras, weight), accept, quickly=False)
+def doubted_unless_at(place, doubt):
+    """Doubts every hand whose middle is not at a place (3,) in m."""
+    return lambda hand: 0.0 if np.linalg.norm(hand.points.mean(axis=0) - place) < 0.01 else doubt
+
+
+def find(finder, k, doubt=anyone, weight=1.0, cameras=2):
+    return finder.find(instant(k, cameras, weight), doubt, quickly=False)
 
 
 def seen(at=(0.0, 0.0, 0.0), **kind):
@@ -67,12 +73,25 @@ def test_a_hand_that_is_not_the_operators_is_refused_and_not_followed(pair):
     assert not any(view.is_following for view in views)
 
 
-def test_of_two_hands_the_operators_is_taken(pair):
+@pytest.mark.parametrize("doubt", [1.0, math.inf])
+@pytest.mark.parametrize("is_first", [True, False])
+def test_of_two_hands_the_less_doubted_is_taken(pair, doubt, is_first):
     finder, views = pair
-    show(views, seen(ELSEWHERE), seen())
-    near_start = HAND.mean(axis=0)
-    found = find(finder, 0, lambda hand: bool(np.linalg.norm(hand.points.mean(axis=0) - near_start) < 0.01))
+    show(views, *([seen(), seen(ELSEWHERE)] if is_first else [seen(ELSEWHERE), seen()]))
+    found = find(finder, 0, doubted_unless_at(HAND.mean(axis=0), doubt))
     assert is_at(found, (0.0, 0.0, 0.0))
+
+
+def test_a_doubted_hand_is_found_but_not_followed_until_another_offers(pair):
+    finder, views = pair
+    own = doubted_unless_at(HAND.mean(axis=0), 1.0)
+    show(views, seen(ELSEWHERE))
+    for k in range(3):
+        assert is_at(find(finder, k, own), ELSEWHERE)
+        assert not any(view.is_following for view in views)
+    show(views, seen(ELSEWHERE), seen())
+    assert is_at(find(finder, 3, own), (0.0, 0.0, 0.0))
+    assert all(view.is_following for view in views)
 
 
 def test_a_jump_to_another_hand_is_refused(pair):

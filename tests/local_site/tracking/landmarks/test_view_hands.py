@@ -114,6 +114,7 @@ def test_a_hand_that_is_kept_is_followed_without_a_search():
     np.testing.assert_allclose(followed.crop.centre, expected.centre)
     view.lose()
     view.hands(View(frame(2)))
+    view.hands(View(frame(3)))
     assert len(searches) == 2
 
 
@@ -126,6 +127,37 @@ def test_a_followed_hand_that_is_gone_is_searched_at_once():
     assert not view.is_following
     state["score"] = 0.9
     assert len(view.hands(View(frame(2)))) == 1
+
+
+def test_a_hand_that_its_crop_misses_is_seen_in_another_crop():
+    scores = [0.05, 0.02, 0.3, 0.7, 0.9]
+    network, shown = counted(lambda _: hand_outputs(POINTS, scores.pop(0)))
+    view = hands_of(fake_follower(no_palm, network))
+    view.keep(hands_of(fake_follower()).hands(View(frame(0)))[0])
+    (hand,) = view.hands(View(frame(1)))
+    assert hand.score == pytest.approx(0.7)
+    assert len(shown) == 4
+    assert view.is_following
+
+
+@pytest.mark.parametrize(("surest", "is_seen"), [(0.4, True), (0.2, False)])
+def test_the_surest_of_other_crops_counts_where_none_is_sure(surest, is_seen):
+    scores = [0.01, 0.1, surest, 0.15, 0.05, 0.1, 0.0]
+    view = hands_of(fake_follower(no_palm, lambda _: hand_outputs(POINTS, scores.pop(0))))
+    view.keep(hands_of(fake_follower()).hands(View(frame(0)))[0])
+    assert [hand.score for hand in view.hands(View(frame(1)))] == ([pytest.approx(0.4)] if is_seen else [])
+    assert len(scores) == (1 if is_seen else 0)
+
+
+def test_a_hand_that_is_let_go_is_looked_for_where_it_was_before_the_picture_is_searched():
+    palms, searches = counted(no_palm)
+    view = hands_of(fake_follower(palms))
+    kept = hands_of(fake_follower()).hands(View(frame(0)))[0]
+    view.keep(kept)
+    view.lose()
+    (hand,) = view.hands(View(frame(1)))
+    np.testing.assert_allclose(hand.crop.centre, kept.next_crop().centre)
+    assert searches == []
 
 
 def test_a_doubtful_hand_is_followed_but_not_found():

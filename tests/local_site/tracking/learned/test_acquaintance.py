@@ -1,5 +1,7 @@
 """The operator is got to know by agreeing pairs; what is not an operator's arm never counts as tracked."""
 
+import math
+from dataclasses import replace
 from types import SimpleNamespace
 
 import numpy as np
@@ -8,8 +10,10 @@ import pytest
 from common.clock import NS_PER_MS
 from common.messages.hand import TrackingStatus
 from local_site.tracking.config import LearnedConfig
+from local_site.tracking.landmarks.hand_finder import SHORT_LOSS_NS
 from local_site.tracking.landmarks.hand_pairing import HandPairing
-from local_site.tracking.learned.acquaintance import BEGUN, SHORT_LOSS_NS, Acquaintance
+from local_site.tracking.learned.acquaintance import Acquaintance
+from local_site.tracking.learned.shown_hand import BEGUN
 from local_site.tracking.silhouette.hand_model.habits import Habits
 from local_site.tracking.silhouette.hand_model.skeleton import Person
 from local_site.tracking.silhouette.operator_profile import MOST_PAIRS, make_profile
@@ -33,6 +37,7 @@ def hand(scale=1.0, right=0.95, right_arm=True):
 
 
 HAND, LEFT_HAND = hand(), hand(right=0.05, right_arm=False)
+ELSEWHERE = replace(HAND, points=np.add(HAND.points, (0.0, 0.05, 0.25)))
 
 
 def arm(forearm_m=FOREARM_M):
@@ -94,6 +99,72 @@ def test_a_left_hand_is_refused_and_a_right_one_of_a_left_arm():
         assert [operator.has_side(k * PERIOD_NS, other) for k in range(5)][2:] == [False] * 3
 
 
+def test_a_hand_without_an_arm_is_doubted_after_a_while_and_another_is_not():
+    operator = Acquaintance(CONFIG, None)
+    doubted = []
+    for k in range(35):
+        operator.has_side(k * PERIOD_NS, HAND)
+        doubted.append(operator.lacks_arm(HAND))
+    assert not any(doubted[:30])
+    assert doubted[-1]
+    assert operator.doubt(HAND) > operator.doubt(ELSEWHERE) == 0
+
+
+def test_only_a_hand_of_a_clear_side_is_tried_instead_of_one_that_is_doubted():
+    operator, unclear = Acquaintance(CONFIG, None), replace(hand(right=0.65), points=ELSEWHERE.points)
+    assert operator.doubt(unclear) == 0
+    for k in range(35):
+        operator.has_side(k * PERIOD_NS, HAND)
+        operator.lacks_arm(HAND)
+    assert operator.doubt(ELSEWHERE) < operator.doubt(HAND) < operator.doubt(unclear) < math.inf
+
+
+def test_of_two_doubted_hands_the_one_doubted_longer_ago_is_preferred():
+    operator = Acquaintance(CONFIG, None)
+    for since, seen in ((0, HAND), (100, ELSEWHERE)):
+        for k in range(since, since + 35):
+            operator.has_side(k * PERIOD_NS, seen)
+            operator.lacks_arm(seen)
+    assert 0 < operator.doubt(HAND) < operator.doubt(ELSEWHERE)
+
+
+def test_a_hand_that_shows_its_arm_at_last_is_no_longer_doubted():
+    operator = Acquaintance(CONFIG, None)
+    for k in range(35):
+        operator.has_side(k * PERIOD_NS, HAND)
+        operator.lacks_arm(HAND)
+    meet(operator, BEGUN, since=35)
+    assert operator.doubt(HAND) == 0
+    assert not operator.lacks_arm(HAND)
+
+
+def test_a_hand_of_the_other_side_is_doubted_so_that_the_operators_beside_it_is_taken():
+    operator = Acquaintance(CONFIG, None)
+    for k in range(5):
+        operator.has_side(k * PERIOD_NS, LEFT_HAND)
+    assert operator.doubt(LEFT_HAND) > operator.doubt(ELSEWHERE) == 0
+    assert operator.has_side(5 * PERIOD_NS, ELSEWHERE)
+
+
+def test_the_arm_of_an_operator_who_is_known_may_be_hidden_for_long():
+    operator = known()
+    for k in range(PAIRS, PAIRS + 60):
+        operator.has_side(k * PERIOD_NS, HAND)
+        assert not operator.lacks_arm(HAND)
+    assert operator.status([], "")[0] is TrackingStatus.DEGRADED
+
+
+def test_arms_that_are_found_now_and_then_teach_nothing():
+    operator = Acquaintance(CONFIG, None)
+    for k in range(5 * PAIRS):
+        operator.has_side(k * PERIOD_NS, HAND)
+        if k % 4 == 0:
+            operator.learn(arm(), WRIST, None, [])
+    assert not operator.is_known
+    meet(operator, PAIRS, since=5 * PAIRS)
+    assert operator.is_known
+
+
 def test_an_arm_whose_elbow_is_doubted_teaches_no_length():
     operator = Acquaintance(CONFIG, None)
     status, _ = meet(operator, 50, reasons=DOUBT)
@@ -120,8 +191,8 @@ def test_single_wrong_lengths_do_not_count():
 
 @pytest.mark.parametrize(("scale", "fits"), [(0.7, False), (0.9, True), (1.0, True), (1.1, True), (1.3, False)])
 def test_hands_of_another_size_are_refused_once_the_operators_is_known(scale, fits):
-    assert Acquaintance(CONFIG, None).may_be(hand(scale))
-    assert known().may_be(hand(scale)) == fits
+    assert Acquaintance(CONFIG, None).doubt(hand(scale)) == 0
+    assert known().doubt(hand(scale)) == (0 if fits else math.inf)
 
 
 @pytest.mark.parametrize(("share", "fits"), [(0.85, False), (0.95, True), (1.05, True), (1.2, False)])
@@ -190,3 +261,31 @@ def test_a_profile_of_another_body_is_dropped():
     meet(operator, PAIRS)
     assert operator.body.forearm_length == pytest.approx(FOREARM_M)
     assert operator.pairs == PAIRS
+
+
+def test_a_profile_of_another_hands_size_is_dropped():
+    operator = Acquaintance(CONFIG, make_profile(1.4, Habits().own, FOREARM_M, 30))
+    meet(operator, PAIRS)
+    assert operator.is_known
+    assert operator.profile is None
+
+
+def test_a_profile_whose_hand_is_unclear_for_long_is_dropped_with_its_length():
+    operator = Acquaintance(CONFIG, profile())
+    for k in range(2 * PAIRS):
+        operator.has_side(k * PERIOD_NS, HAND)
+        operator.doubt_profile()
+    assert operator.profile is not None
+    operator.doubt_profile()
+    assert operator.profile is None
+    assert operator.body.forearm_length is None
+    _, reason = meet(operator, 5, since=100)
+    assert TrackingReason.OTHER_BODY in reason
+
+
+def test_a_profile_that_fitted_is_kept_though_the_hand_is_unclear_later():
+    operator = Acquaintance(CONFIG, profile())
+    meet(operator, PAIRS)
+    for _ in range(5 * PAIRS):
+        operator.doubt_profile()
+    assert operator.profile is not None

@@ -8,9 +8,13 @@ import pytest
 
 from common.messages.hand import TrackingStatus
 from local_site.tracking.config import LearnedConfig
-from local_site.tracking.silhouette.hand_model.habits import Habits
+from local_site.tracking.landmarks.side_evidence import ENOUGH
+from local_site.tracking.learned.followed_hand import FollowedHand
+from local_site.tracking.silhouette.hand_model.habits import Belief, Habits
 from local_site.tracking.silhouette.operator_profile import make_profile
 from local_site.tracking.tracker import TrackingReason, Views
+from tests.local_site.tracking.landmarks.scripted_hands import show
+from tests.local_site.tracking.landmarks.seen_hands import seen_by_all
 from tests.local_site.tracking.learned.simulated_landmarks import shown_tracker, simulated_landmarks
 from tests.local_site.tracking.rendered_arm import (
     BRISK_S,
@@ -29,10 +33,15 @@ FOUR_MM = {"elbow": 16.0, "wrist": 8.0, "index": 8.0, "thumb": 10.0}
 ELSEWHERE = np.array([0.05, 0.1, -0.3])
 OUT_OF_PHASE_M = 0.002
 LEFT = 0.05
+OTHER_HABITS = np.array([0.3, 0.3, 0.1, 0.05, -0.3, -0.3, 0.3, 0.1, -0.1, 0.1])
 
 
 def black(pictures):
     return [np.full_like(picture, 9) for picture in pictures]
+
+
+def later(views, instants):
+    return replace(views, t_ns=views.t_ns + round(1e9 * PERIOD_S * instants))
 
 
 @pytest.fixture
@@ -114,28 +123,48 @@ def test_a_second_hand_is_never_jumped_to(shown, moving):
         assert np.linalg.norm(estimate.wrist - moving.truths[k].wrist) < 0.02
 
 
-@pytest.mark.xfail(strict=True, reason="a hand without an arm is followed for ever")
 def test_a_hand_without_an_arm_does_not_keep_the_operator_out(shown, moving):
     poster = simulated_landmarks(moving, 0) + ELSEWHERE
     for k in range(10):
         shown.track(moving.views(k, black), poster)
-    views = [moving.views(k % 45) for k in range(10, 130)]
-    moments = [replace(v, t_ns=round(1e9 * PERIOD_S * (10 + k))) for k, v in enumerate(views)]
+    moments = [later(moving.views(k % 45), k - k % 45) for k in range(10, 130)]
     estimates = [shown.track(v, poster, simulated_landmarks(moving, k % 45)) for k, v in enumerate(moments, 10)]
     assert estimates[-1].status is TrackingStatus.TRACKED
 
 
 def test_after_a_short_loss_a_hand_elsewhere_must_show_its_arm(shown, moving):
     follow(shown, moving, range(20))
-    shown.track(moving.views(20))
+    shown.track(moving.views(20, black))
     for k in range(21, 25):
         estimate = shown.track(moving.views(k), simulated_landmarks(moving, k) + ELSEWHERE)
         assert estimate.status is not TrackingStatus.TRACKED
 
 
+def test_outlines_before_a_dark_wall_bridge_half_a_second_without_landmarks(shown, moving):
+    follow(shown, moving, range(20))
+    bridged = [shown.track(moving.views(k)) for k in range(20, 32)]
+    assert all(estimate.status is TrackingStatus.TRACKED for estimate in bridged)
+    for name, limit_mm in LARGEST_MM.items():
+        assert largest_mm(bridged, moving, range(20, 32), name) < 2 * limit_mm
+    later = [shown.track(moving.views(k)) for k in range(36, 45)]
+    assert all(estimate.status is TrackingStatus.LOST for estimate in later)
+    assert {estimate.reason for estimate in later} == {TrackingReason.NO_HAND}
+
+
+def test_outlines_bridge_nothing_before_the_operator_is_known(shown, moving):
+    follow(shown, moving, range(5))
+    assert shown.track(moving.views(5)).wrist is None
+
+
+def test_outlines_that_are_gone_or_jump_bridge_nothing(shown, moving):
+    follow(shown, moving, range(20))
+    assert shown.track(moving.views(20, black)).status is TrackingStatus.LOST
+    assert shown.track(moving.views(21)).status is TrackingStatus.LOST
+
+
 def test_after_a_short_loss_the_operators_hand_is_tracked_at_once(shown, moving):
     follow(shown, moving, range(20))
-    lost = shown.track(moving.views(20))
+    lost = shown.track(moving.views(20, black))
     assert lost.status is TrackingStatus.LOST
     assert lost.reason == TrackingReason.NO_HAND
     assert lost.wrist is None
@@ -165,6 +194,26 @@ def test_an_empty_room_is_learned_before_the_arm_comes_in(shown, moving):
     assert statuses[:38] == [TrackingStatus.INITIALISING] * 38 or TrackingStatus.LOST in statuses[30:]
     assert statuses[0] is TrackingStatus.INITIALISING
     assert statuses[-1] is TrackingStatus.LOST
+
+
+def test_a_poster_that_one_view_sees_does_not_keep_the_room_from_being_learned(shown, moving):
+    poster = seen_by_all(shown.rig, simulated_landmarks(moving, 0))
+    reasons = []
+    for k in range(90):
+        show(shown.views, poster)
+        shown.views[1].shown = []
+        reasons.append(shown.tracker.track(later(moving.views(0, black), k)).reason)
+    assert TrackingReason.LEARNING_ROOM not in reasons[:20]
+    assert TrackingReason.LEARNING_ROOM in reasons
+    assert reasons[-1] == TrackingReason.HANDS_DIFFER
+
+
+def test_a_hand_that_one_view_sees_moving_keeps_the_room_from_being_learned(shown, moving):
+    for k in range(45):
+        show(shown.views, seen_by_all(shown.rig, simulated_landmarks(moving, k)))
+        shown.views[1].shown = []
+        estimate = shown.tracker.track(moving.views(k, black))
+        assert estimate.reason == TrackingReason.HANDS_DIFFER
 
 
 def test_another_number_of_views_is_lost(shown, moving):
@@ -205,12 +254,33 @@ def test_cameras_out_of_phase_are_brought_to_one_instant(monkeypatch):
         assert apart_m(brought[settled], exact[settled], name) < OUT_OF_PHASE_M
 
 
+def test_a_hand_gives_no_signal_before_its_side_is_sure(shown, moving, monkeypatch):
+    monkeypatch.setattr(FollowedHand, "_is_open", lambda *_: True)
+    opened = [estimate.hand_open for estimate in follow(shown, moving, range(20), right=0.7)]
+    assert opened == [False] * (ENOUGH - 1) + [True] * (20 - ENOUGH + 1)
+
+
 def test_an_operator_who_was_known_before_is_tracked_after_as_many_pairs(monkeypatch, moving):
     known = make_profile(1.0, Habits().own, 0.27, 20)
     shown = shown_tracker(monkeypatch, moving.projections, profile=known)
     assert shown.tracker.profile is None
     estimates = follow(shown, moving, range(20))
     assert all(estimate.status is TrackingStatus.TRACKED for estimate in estimates[LEARNING:])
+
+
+@pytest.mark.parametrize(("scale", "forearm_m"), [(1.0, 0.24), (1.0, 0.35), (1.4, 0.27)])
+def test_of_a_profile_of_another_body_the_habits_are_forgotten_too(monkeypatch, moving, scale, forearm_m):
+    habits = Habits().own
+    stranger = Belief(habits.posture + OTHER_HABITS, 100.0 * habits.information)
+    shown = shown_tracker(monkeypatch, moving.projections, profile=make_profile(scale, stranger, forearm_m, 20))
+    follow(shown, moving, range(45))
+    again = [shown.track(later(moving.views(k), 45), simulated_landmarks(moving, k)) for k in range(45)]
+    assert all(estimate.status is TrackingStatus.TRACKED for estimate in again)
+    for name, limit_mm in LARGEST_MM.items():
+        assert largest_mm(again, moving, range(45), name) < limit_mm
+    learned = shown.tracker.profile
+    assert learned is not None
+    assert learned.scale < 1.0  # the simulated hand's, by its landmarks
 
 
 @pytest.mark.parametrize("name", POINTS)
