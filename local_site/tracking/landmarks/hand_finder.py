@@ -6,8 +6,9 @@ import numpy as np
 
 from common.clock import NS_PER_MS, NS_PER_S
 from local_site.calibration.rig import Rig
+from local_site.tracking.landmarks.hand_landmarks import HandLandmarks
 from local_site.tracking.landmarks.hand_pairing import HandPairing, SeenHand
-from local_site.tracking.landmarks.view_hands import TURNED_RIGHT, ViewHands
+from local_site.tracking.landmarks.view_hands import TURNED_RIGHT, Motion, ViewHands
 from local_site.tracking.tracker import TrackingReason, Views, extrapolation
 
 FOLLOWED_MISFIT = 0.12  # of a hand that a view is not sure of
@@ -26,15 +27,15 @@ class HandFinder:
         self._views, self._pairing = tuple(views), HandPairing(rig)
         self._last: tuple[int, SeenHand] | None = None
         self._before: tuple[int, SeenHand] | None = None
-        self._attempts = 0
+        self._attempts = self._instants = 0
 
-    def find(self, views: Views, accept: Accept, *, quickly: bool) -> SeenHand | str:
+    def find(self, views: Views, accept: Accept, *, quickly: bool, motion: Motion | None = None) -> SeenHand | str:
         """The hand at the views' instant, or a sentence why there is none.
 
         A hand that is new must be one that `accept` takes for the operator's. Outlines make up for less exact landmarks
-        that are found `quickly`.
+        that are found `quickly`; with the hand's expected `motion` the views are then looked at in turn.
         """
-        candidates = [self._views[k].hands(view, quickly=quickly) for k, view in enumerate(views.views)]
+        candidates = self._candidates(views, motion if quickly else None, quickly=quickly)
         found = [seen for seen in self._pairing.pairs(candidates) if _is_sure(seen)]
         if not found:
             self._search(views.t_ns)
@@ -54,6 +55,17 @@ class HandFinder:
         self._last = self._before = None
         for view in self._views:
             view.lose()
+
+    def _candidates(self, views: Views, motion: Motion | None, *, quickly: bool) -> list[list[HandLandmarks]]:
+        """By view the hands that it sees; in every second instant the one that it saw before, moved."""
+        self._instants += 1
+        found = []
+        for k, view in enumerate(views.views):
+            known = None if self._last is None or motion is None else self._last[1].views.get(k)
+            is_asked = (self._instants + k) % 2 == 0 or view.weight < 1.0
+            hand = None if is_asked or known is None or motion is None else self._views[k].carried(known, motion)
+            found.append(self._views[k].hands(view, quickly=quickly) if hand is None else [hand])
+        return found
 
     def _search(self, t_ns: int) -> None:
         """Search in all pictures; for a while only where the hand was."""
@@ -80,7 +92,8 @@ class HandFinder:
             if self._views[k].side(hands[k]) < TURNED_RIGHT and views.views[k].weight >= 1.0:
                 hands[k] = self._views[k].again(views.views[k], hands[k], self._attempts)
                 self._attempts += 1
-        return self._pairing.meet(hands) or seen
+        changed = any(hands[k] is not hand for k, hand in seen.views.items())
+        return (self._pairing.meet(hands) if changed else None) or seen
 
 
 def _is_sure(seen: SeenHand) -> bool:
