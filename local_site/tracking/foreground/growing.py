@@ -99,7 +99,9 @@ def _fill(
     depth, end_depth = max(depth, LEAST_DEPTH_M), max(end_depth, LEAST_DEPTH_M)
     ax, ay = (ax / depth - left + 0.5) / stride - 0.5, (ay / depth - top + 0.5) / stride - 0.5
     bx, by = (bx / end_depth - left + 0.5) / stride - 0.5, (by / end_depth - top + 0.5) / stride - 0.5
-    start_radius, end_radius = half_widths_px[0] / (stride * depth), half_widths_px[1] / (stride * end_depth)
+    # Half a square more: what a tube only touches may be the arm, too.
+    start_radius = half_widths_px[0] / (stride * depth) + 0.5
+    end_radius = half_widths_px[1] / (stride * end_depth) + 0.5
     dx, dy = bx - ax, by - ay
     square, most = max(dx * dx + dy * dy, 1e-9), max(start_radius, end_radius)
     rows, columns = drawn.shape
