@@ -14,7 +14,7 @@ from local_site.tracking.foreground.growing import LIKELY, NEVER, bones, grow, n
 from local_site.tracking.foreground.likelihood import log_ratios, ratio_tables
 from local_site.tracking.foreground.outline import find_outline
 from local_site.tracking.foreground.reasons import ForegroundReason
-from local_site.tracking.foreground.room import Behind, Mask, Place, RoomModel
+from local_site.tracking.foreground.room import Behind, ColourPlanes, Mask, Place, RoomModel
 from local_site.tracking.foreground.trust import AreaWatch, objection
 from local_site.tracking.foreground.tubes import ArmTubes, RatioMap, depth_of
 
@@ -38,7 +38,7 @@ class _Look:
     bones: Mask
     near_hand: Mask
     map: RatioMap
-    colours: Image
+    colours: ColourPlanes
     behind: Behind
 
 
@@ -70,7 +70,7 @@ class ForegroundView:
         left, top, columns, rows, stride = self._box(picture, hand, wrist, before)
         place = left, top, stride
         part = picture[top : top + rows * stride, left : left + columns * stride]
-        colours = np.asarray(cv2.resize(part, (columns, rows), interpolation=cv2.INTER_AREA), dtype=np.uint8)
+        colours = np.array(cv2.split(cv2.resize(part, (columns, rows), interpolation=cv2.INTER_AREA)), np.uint8)
         unknown = RatioMap(self._projection, self._focal_px, np.zeros((rows, columns), np.float32), *place)
         on_bones, near_hand = bones(unknown, hand), near_bones(unknown, hand, wrist)
         if not self._colour.is_known:

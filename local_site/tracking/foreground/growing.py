@@ -8,13 +8,15 @@ from numpy.typing import NDArray
 
 from common.geometry import Array
 from local_site.calibration.triangulation import project
+from local_site.kernels.compiled import compiled
 from local_site.tracking.foreground.likelihood import LogRatios
-from local_site.tracking.foreground.room import Mask
-from local_site.tracking.foreground.tubes import ArmTubes, RatioMap, Tube
+from local_site.tracking.foreground.room import Mask, Place
+from local_site.tracking.foreground.tubes import LEAST_DEPTH_M, ArmTubes, RatioMap, Tube, homogeneous
 from local_site.tracking.landmarks.hand_landmarks import MIDDLE_KNUCKLE, WRIST
 
 FINGERS = ((0, 1, 2, 3, 4), (0, 5, 6, 7, 8), (0, 9, 10, 11, 12), (0, 13, 14, 15, 16), (0, 17, 18, 19, 20))
 PALM = (0, 1, 5, 9, 13, 17)
+_CHAINS = np.array(FINGERS)
 BARE = 2  # joint of a finger's chain, from which on no cuff covers it
 KNUCKLES, HEEL = (2, 5, 9, 13, 17), 0.4  # the palm begins so far on the way from the wrist to the middle knuckle
 FINGER_M, FLESH_M = 0.016, 0.024  # skin is at most so far from the bones of fingers and palm, as they are found
@@ -31,8 +33,8 @@ def grow(view: RatioMap, possible: Mask, tubes: ArmTubes) -> Mask:
     smooth = np.asarray(cv2.GaussianBlur(view.ratios, (3, 3), 0), dtype=np.float32)
     seeds = possible.copy()
     seeds[(within(view, tubes.forearm, CORE) > 0) & (smooth > CLEARLY)] = SURE
-    arm = _connected(smooth, seeds)
-    if cv2.connectedComponents(arm)[0] > 2:
+    arm, parts = _connected(smooth, seeds)
+    if parts > 1 and cv2.connectedComponents(arm)[0] > 2:
         arm = _bridged(arm, view, tubes)
     return _filled(arm)
 
@@ -62,7 +64,7 @@ def bones(view: RatioMap, hand: Array) -> Mask:
     drawn = np.zeros(view.ratios.shape, np.uint8)
     positions = view.to_squares(hand)
     squares = np.rint(positions).astype(np.int32)
-    cv2.polylines(drawn, [squares[list(finger[BARE:])] for finger in FINGERS], False, 1)
+    cv2.polylines(drawn, list(squares[_CHAINS[:, BARE:]]), False, 1)
     heel = positions[WRIST] + HEEL * (positions[MIDDLE_KNUCKLE] - positions[WRIST])
     corners = np.vstack([squares[list(KNUCKLES)], np.rint(heel).astype(np.int32)])
     cv2.fillConvexPoly(drawn, cv2.convexHull(corners), 1)
@@ -70,21 +72,46 @@ def bones(view: RatioMap, hand: Array) -> Mask:
 
 
 def draw_tube(drawn: Mask, view: RatioMap, tube: Tube, value: int, wider: float) -> None:
-    """Draw a tube into squares (h, w)."""
-    ends = np.array([tube.start, tube.end])
-    middles = view.to_squares(project(view.projection, ends))
-    along = middles[1] - middles[0]
-    normal = np.array([-along[1], along[0]]) / max(float(np.hypot(*along)), 1e-6)
-    half = [wider * width * view.squares_per_m(end) for width, end in zip(tube.half_widths, ends, strict=True)]
-    corners = [
-        middles[0] + half[0] * normal,
-        middles[1] + half[1] * normal,
-        middles[1] - half[1] * normal,
-        middles[0] - half[0] * normal,
-    ]
-    cv2.fillConvexPoly(drawn, np.rint(corners).astype(np.int32), value)
-    for middle, radius in zip(middles, half, strict=True):
-        cv2.circle(drawn, _point(middle), round(radius), value, cv2.FILLED)
+    """Draw a tube into squares (h, w), that many times as wide."""
+    start, end = tube.half_widths
+    half_widths_px = wider * start * view.focal_px, wider * end * view.focal_px
+    _fill(drawn, view.projection, view.place, (tube.start, tube.end), half_widths_px, value)
+
+
+def _draw_around(drawn: Mask, view: RatioMap, ends: tuple[Array, Array], radius_m: float, value: int) -> None:
+    """Draw what lies within a radius of a line between two points (3,) in m into squares (h, w)."""
+    _fill(drawn, view.projection, view.place, ends, (radius_m * view.focal_px, radius_m * view.focal_px), value)
+
+
+@compiled
+def _fill(
+    drawn: Mask,
+    projection: Array,
+    place: Place,
+    ends: tuple[Array, Array],
+    half_widths_px: tuple[float, float],
+    value: int,
+) -> None:
+    """Fill what lies within half widths, those at depth 1, of the line between two points (3,) in m."""
+    left, top, stride = place
+    ax, ay, depth = homogeneous(projection, ends[0])
+    bx, by, end_depth = homogeneous(projection, ends[1])
+    depth, end_depth = max(depth, LEAST_DEPTH_M), max(end_depth, LEAST_DEPTH_M)
+    ax, ay = (ax / depth - left + 0.5) / stride - 0.5, (ay / depth - top + 0.5) / stride - 0.5
+    bx, by = (bx / end_depth - left + 0.5) / stride - 0.5, (by / end_depth - top + 0.5) / stride - 0.5
+    # Half a square more: what a tube only touches may be the arm, too.
+    start_radius = half_widths_px[0] / (stride * depth) + 0.5
+    end_radius = half_widths_px[1] / (stride * end_depth) + 0.5
+    dx, dy = bx - ax, by - ay
+    square, most = max(dx * dx + dy * dy, 1e-9), max(start_radius, end_radius)
+    rows, columns = drawn.shape
+    for j in range(max(int(min(ay, by) - most), 0), min(int(max(ay, by) + most) + 2, rows)):
+        for i in range(max(int(min(ax, bx) - most), 0), min(int(max(ax, bx) + most) + 2, columns)):
+            along = min(max(((i - ax) * dx + (j - ay) * dy) / square, 0.0), 1.0)
+            radius = start_radius + along * (end_radius - start_radius)
+            x, y = i - ax - along * dx, j - ay - along * dy
+            if x * x + y * y <= radius * radius:
+                drawn[j, i] = value
 
 
 def _point(position: Array) -> tuple[int, int]:
@@ -97,7 +124,7 @@ def near_bones(view: RatioMap, hand: Array, wrist: Array) -> Mask:
     drawn = np.zeros(view.ratios.shape, np.uint8)
     squares = np.rint(view.to_squares(hand)).astype(np.int32)
     finger, palm = (max(round(2 * flesh * view.squares_per_m(wrist)), 1) for flesh in (FINGER_M, FLESH_M))
-    cv2.polylines(drawn, [squares[list(bones)] for bones in FINGERS], False, PERHAPS, finger)
+    cv2.polylines(drawn, list(squares[_CHAINS]), False, PERHAPS, finger)
     cv2.polylines(drawn, [squares[list(PALM)]], True, PERHAPS, palm)
     cv2.fillConvexPoly(drawn, cv2.convexHull(squares[list(PALM)]), PERHAPS)
     return drawn
@@ -106,25 +133,55 @@ def near_bones(view: RatioMap, hand: Array, wrist: Array) -> Mask:
 def zones(view: RatioMap, on_bones: Mask, near_hand: Mask, tubes: ArmTubes) -> Mask:
     """Where the arm can be (h, w), from NEVER to SURE, by where the hand's bones are and what is near them."""
     drawn = near_hand.copy()
-    scale = view.squares_per_m(tubes.forearm.end)
-    middles = view.to_squares(project(view.projection, np.array([tubes.forearm.end, tubes.upper_arm.end])))
-    cv2.circle(drawn, _point(middles[0]), round(ELBOW_M * scale), PERHAPS, cv2.FILLED)
-    cv2.line(drawn, _point(middles[0]), _point(middles[1]), PERHAPS, max(round(2 * UPPER_ARM_M * scale), 1))
+    elbow = tubes.forearm.end
+    _draw_around(drawn, view, (elbow, elbow), ELBOW_M, PERHAPS)
+    _draw_around(drawn, view, (elbow, tubes.upper_arm.end), UPPER_ARM_M, PERHAPS)
     draw_tube(drawn, view, tubes.forearm, PERHAPS, WIDER)
     draw_tube(drawn, view, tubes.forearm, LIKELY, 0.8)
-    drawn[on_bones > 0] = SURE
+    return np.asarray(cv2.max(drawn, on_bones * np.uint8(SURE)), np.uint8)
+
+
+def disc(view: RatioMap, middle: Array, radius_m: float) -> Mask:
+    """The squares (h, w) within a radius of a point (3,) in m, 1 where they are."""
+    drawn = np.zeros(view.ratios.shape, np.uint8)
+    _draw_around(drawn, view, (middle, middle), radius_m, 1)
     return drawn
 
 
-def _connected(ratios: LogRatios, possible: Mask) -> Mask:
-    """The squares (h, w) that are connected to those that are SURE."""
-    sure = possible == SURE
-    likely = (possible == LIKELY) & (ratios > LEAST_LIKELY)
-    allowed = sure | likely | ((possible == PERHAPS) & (ratios > LEAST_PERHAPS))
-    count, labels = cv2.connectedComponents(allowed.astype(np.uint8), connectivity=4)
-    kept = np.zeros(count, np.uint8)
-    kept[labels[sure]] = 1
-    return np.asarray(kept[labels], np.uint8)
+@compiled
+def _connected(ratios: LogRatios, possible: Mask) -> tuple[Mask, int]:
+    """The squares (h, w) that are connected to those that are SURE, and how many parts they have."""
+    rows, columns = possible.shape
+    arm, queue = np.zeros((rows, columns), np.uint8), np.empty((rows * columns, 2), np.int32)
+    parts = 0
+    for y in range(rows):
+        for x in range(columns):
+            if possible[y, x] != SURE or arm[y, x]:
+                continue
+            parts, first, count = parts + 1, 0, 1
+            arm[y, x], queue[0, 0], queue[0, 1] = 1, x, y
+            while first < count:
+                i, j = queue[first]
+                first += 1
+                for di, dj in ((1, 0), (-1, 0), (0, 1), (0, -1)):
+                    u, v = i + di, j + dj
+                    if (
+                        0 <= u < columns
+                        and 0 <= v < rows
+                        and not arm[v, u]
+                        and _continues(possible[v, u], ratios[v, u])
+                    ):
+                        arm[v, u], queue[count, 0], queue[count, 1] = 1, u, v
+                        count += 1
+    return arm, parts
+
+
+@compiled
+def _continues(zone: int, ratio: float) -> bool:
+    """Whether the arm's region goes on in a square of a zone."""
+    return bool(
+        zone == SURE or (zone == LIKELY and ratio > LEAST_LIKELY) or (zone == PERHAPS and ratio > LEAST_PERHAPS)
+    )
 
 
 def _filled(region: Mask) -> Mask:

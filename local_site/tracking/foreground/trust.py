@@ -3,8 +3,7 @@
 import cv2
 import numpy as np
 
-from local_site.calibration.triangulation import project
-from local_site.tracking.foreground.growing import WIDER, within
+from local_site.tracking.foreground.growing import WIDER, disc, within
 from local_site.tracking.foreground.reasons import ForegroundReason
 from local_site.tracking.foreground.room import Mask
 from local_site.tracking.foreground.tubes import ArmTubes, RatioMap, Tube
@@ -43,9 +42,7 @@ def _mean(view: RatioMap, squares: Mask) -> float:
 
 
 def _leaks(view: RatioMap, near_hand: Mask, arm: Mask, tubes: ArmTubes) -> bool:
-    elbow = np.zeros(arm.shape, np.uint8)
-    x, y = np.rint(view.to_squares(project(view.projection, tubes.forearm.end))).astype(int).tolist()
-    cv2.circle(elbow, (x, y), round(ELBOW_DISC_M * view.squares_per_m(tubes.forearm.end)), 1, cv2.FILLED)
+    elbow = disc(view, tubes.forearm.end, ELBOW_DISC_M)
     off_hand = np.asarray(near_hand == 0, np.uint8)
     forearm = within(view, tubes.forearm, WIDER) * (1 - elbow) * off_hand
     return _share(arm, forearm) > MOST_AROUND_FOREARM or _share(arm, elbow * off_hand) > MOST_AROUND_ELBOW

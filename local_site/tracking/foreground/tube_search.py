@@ -8,7 +8,7 @@ import numpy as np
 from common.geometry import Array
 from local_site.kernels.compiled import compiled
 from local_site.tracking.foreground.likelihood import LogRatios
-from local_site.tracking.foreground.tubes import ArmTubes, RatioMap, Tube
+from local_site.tracking.foreground.tubes import ArmTubes, RatioMap, Tube, homogeneous
 
 # Of adults, from the wrist's landmark on: the part of the forearm that everybody has, where the elbow can be, how far
 # the path along both limbs is looked at, and their half widths at wrist, elbow and shoulder.
@@ -127,9 +127,9 @@ def _scores(
     `half_widths_px` are those at depth 1.
     """
     scores = np.zeros(len(ends))
-    a = _homogeneous(projection, start)
+    a = homogeneous(projection, start)
     for n in range(len(ends)):
-        b = _homogeneous(projection, ends[n])
+        b = homogeneous(projection, ends[n])
         if a[2] <= 0.0 or b[2] <= 0.0:
             continue
         dx, dy = b[0] / b[2] - a[0] / a[2], b[1] / b[2] - a[1] / a[2]
@@ -158,14 +158,3 @@ def _across(
             is_inside = -1.0 < offset < 1.0
             total += ratios[j, i] * (1.0 / len(INSIDE) if is_inside else -OUTSIDE_WEIGHT / len(OUTSIDE))
     return total
-
-
-@compiled
-def _homogeneous(projection: Array, point: Array) -> tuple[float, float, float]:
-    x, y, z = point
-    a, b, c = projection[0], projection[1], projection[2]
-    return (
-        a[0] * x + a[1] * y + a[2] * z + a[3],
-        b[0] * x + b[1] * y + b[2] * z + b[3],
-        c[0] * x + c[1] * y + c[2] * z + c[3],
-    )

@@ -6,8 +6,11 @@ import numpy as np
 
 from common.geometry import Array
 from local_site.calibration.triangulation import focal_length, project
+from local_site.kernels.compiled import compiled
 from local_site.tracking.features.posture import Posture
 from local_site.tracking.foreground.likelihood import LogRatios
+
+LEAST_DEPTH_M = 1e-3
 
 
 @dataclass(frozen=True, slots=True)
@@ -85,4 +88,16 @@ class ArmTubes:
 
 def depth_of(projection: Array, point: Array) -> float:
     """The depth in m of a point (3,) in m in a view, a millimetre at least."""
-    return max(float(projection[2, :3] @ point + projection[2, 3]), 1e-3)
+    return max(float(projection[2, :3] @ point + projection[2, 3]), LEAST_DEPTH_M)
+
+
+@compiled
+def homogeneous(projection: Array, point: Array) -> tuple[float, float, float]:
+    """The homogeneous pixel of a point (3,) in m by a projection (3, 4); the last number is its depth in m."""
+    x, y, z = point
+    a, b, c = projection[0], projection[1], projection[2]
+    return (
+        a[0] * x + a[1] * y + a[2] * z + a[3],
+        b[0] * x + b[1] * y + b[2] * z + b[3],
+        c[0] * x + c[1] * y + c[2] * z + c[3],
+    )

@@ -9,9 +9,11 @@ from numpy.typing import NDArray
 
 from common.cameras.camera import Image
 from common.geometry import Array
+from local_site.kernels.compiled import compiled
 
 BRIGHT_LEVEL = 165.0  # of the hand in the crop: the models see bright hands best
 MOST_GAIN = 2.3
+LEVELS = np.arange(256, dtype=np.float32)
 
 
 @dataclass(frozen=True, slots=True)
@@ -37,16 +39,25 @@ class Crop:
         matrix = np.column_stack([axes, self.centre - axes @ np.full(2, (size_px - 1) / 2)])
         flags = cv2.INTER_LINEAR | cv2.WARP_INVERSE_MAP
         turned = cv2.warpAffine(image, matrix, (size_px, size_px), flags=flags, borderMode=cv2.BORDER_CONSTANT)
-        rgb = np.asarray(cv2.cvtColor(turned, cv2.COLOR_BGR2RGB), dtype=np.uint8)
-        bright = np.multiply(rgb, np.float32(_gain(rgb) / 255.0), dtype=np.float32)
-        return np.minimum(bright, np.float32(1.0), out=bright)
+        return _brightened(np.asarray(turned, dtype=np.uint8), LEVELS)
 
 
-def _gain(rgb: NDArray[np.uint8]) -> float:
-    """The gain that makes the crop's core as bright as a well lit hand; nothing is darkened."""
-    eighth = len(rgb) // 8
-    core = rgb[3 * eighth : 5 * eighth, 3 * eighth : 5 * eighth]
-    return min(max(BRIGHT_LEVEL / max(float(core.max(axis=2).mean()), 1.0), 1.0), MOST_GAIN)
+@compiled
+def _brightened(bgr: Image, levels: NDArray[np.float32]) -> NDArray[np.float32]:
+    """A crop as RGB from 0 to 1, its core as bright as a well lit hand; nothing is darkened."""
+    eighth = len(bgr) // 8
+    total = 0
+    for y in range(3 * eighth, 5 * eighth):
+        for x in range(3 * eighth, 5 * eighth):
+            total += max(bgr[y, x, 0], bgr[y, x, 1], bgr[y, x, 2])
+    gain = min(max(BRIGHT_LEVEL * (2 * eighth) ** 2 / max(total, 1), 1.0), MOST_GAIN)
+    table = np.minimum(levels * np.float32(gain / 255.0), np.float32(1.0))
+    rgb = np.empty(bgr.shape, np.float32)
+    for y in range(bgr.shape[0]):
+        for x in range(bgr.shape[1]):
+            for c in range(3):
+                rgb[y, x, c] = table[bgr[y, x, 2 - c]]
+    return rgb
 
 
 def _turned(angle: float) -> Array:

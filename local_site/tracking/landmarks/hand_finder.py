@@ -7,9 +7,10 @@ import numpy as np
 
 from common.clock import NS_PER_MS, NS_PER_S
 from local_site.calibration.rig import Rig
+from local_site.tracking.landmarks.hand_landmarks import HandLandmarks
 from local_site.tracking.landmarks.hand_pairing import HandPairing, SeenHand
 from local_site.tracking.landmarks.still_hands import StillHands
-from local_site.tracking.landmarks.view_hands import TURNED_RIGHT, ViewHands
+from local_site.tracking.landmarks.view_hands import TURNED_RIGHT, Motion, ViewHands
 from local_site.tracking.tracker import TrackingReason, Views, extrapolation
 
 FOLLOWED_MISFIT = 0.12  # of a hand that a view is not sure of
@@ -28,7 +29,7 @@ class HandFinder:
         self._views, self._pairing = tuple(views), HandPairing(rig)
         self._last: tuple[int, SeenHand] | None = None
         self._before: tuple[int, SeenHand] | None = None
-        self._attempts = 0
+        self._attempts = self._instants = 0
         self._still = StillHands()
         self._sees_room = False
 
@@ -37,13 +38,14 @@ class HandFinder:
         """Whether no hand is in the pictures, or only what stands as still as a poster and no two views agree on."""
         return self._sees_room
 
-    def find(self, views: Views, doubt: Doubt, *, quickly: bool) -> SeenHand | str:
+    def find(self, views: Views, doubt: Doubt, *, quickly: bool, motion: Motion | None = None) -> SeenHand | str:
         """The hand at the views' instant, or a sentence why there is none.
 
         Of new hands the one of least `doubt` is taken. An infinite doubt refuses it, and with any above 0 the search
-        for others goes on. Outlines make up for less exact landmarks that are found `quickly`.
+        for others goes on. Outlines make up for less exact landmarks that are found `quickly`; with the hand's expected
+        `motion` the views are then looked at in turn.
         """
-        candidates = [self._views[k].hands(view, quickly=quickly) for k, view in enumerate(views.views)]
+        candidates = self._candidates(views, motion if quickly else None, quickly=quickly)
         found = [seen for seen in self._pairing.pairs(candidates) if _is_sure(seen)]
         self._sees_room = not found and self._still.are_all(views.t_ns, candidates)
         if not found:
@@ -70,6 +72,17 @@ class HandFinder:
             self._views[k].keep(hand)
         self._before, self._last = self._last, (t_ns, seen)
 
+    def _candidates(self, views: Views, motion: Motion | None, *, quickly: bool) -> list[list[HandLandmarks]]:
+        """By view the hands that it sees; in every second instant the one that it saw before, moved."""
+        self._instants += 1
+        found = []
+        for k, view in enumerate(views.views):
+            known = None if self._last is None or motion is None else self._last[1].views.get(k)
+            is_asked = (self._instants + k) % 2 == 0 or view.weight < 1.0
+            hand = None if is_asked or known is None or motion is None else self._views[k].carried(known, motion)
+            found.append(self._views[k].hands(view, quickly=quickly) if hand is None else [hand])
+        return found
+
     def _search(self, t_ns: int) -> None:
         """Search in all pictures; for a while only where the hand was."""
         for view in self._views:
@@ -95,7 +108,8 @@ class HandFinder:
             if self._views[k].side(hands[k]) < TURNED_RIGHT and views.views[k].weight >= 1.0:
                 hands[k] = self._views[k].again(views.views[k], hands[k], self._attempts)
                 self._attempts += 1
-        return self._pairing.meet(hands) or seen
+        changed = any(hands[k] is not hand for k, hand in seen.views.items())
+        return (self._pairing.meet(hands) if changed else None) or seen
 
 
 def _least_doubted(found: Sequence[SeenHand], doubt: Doubt) -> SeenHand | None:

@@ -17,12 +17,16 @@ NEXT_SCALE, NEXT_SHIFT = 2.0, 0.1
 
 @dataclass(frozen=True, slots=True)
 class HandLandmarks:
-    """A hand in one picture: 21 points (21, 2) in px, how sure it is a hand, and a right one, each from 0 to 1."""
+    """A hand in one picture: 21 points (21, 2) in px, how sure it is a hand, and a right one, each from 0 to 1.
+
+    Where it is `carried`, the picture was not looked at: the points are those of the one before, moved with the hand.
+    """
 
     points: Array
     score: float
     right: float
     crop: Crop
+    carried: bool = False
 
     def for_side(self, right_arm: bool) -> float:
         """How much it looks like a hand of a side, from 0 to 1."""

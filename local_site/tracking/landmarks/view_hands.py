@@ -9,6 +9,7 @@ import numpy as np
 from common.cameras.camera import Frame, Image
 from common.geometry import Array
 from local_site.calibration.rig import CameraCalibration
+from local_site.calibration.triangulation import project
 from local_site.tracking.landmarks.hand_landmarks import HandLandmarks
 from local_site.tracking.landmarks.view_follower import ViewFollower
 from local_site.tracking.tracker import FrameCache, View
@@ -18,6 +19,8 @@ OTHER_CROP_SCORE = 0.3  # where the best of several crops is taken
 TURNED_RIGHT = 0.5
 # Crops in which a hand is seen that one crop misses, or shows as its mirror image: turned, rad, and scaled.
 OTHER_CROPS = ((0.44, 1.0), (-0.44, 1.0), (0.0, 1.25), (0.79, 1.0), (-0.79, 1.0))
+
+Motion = tuple[Array, Array]  # landmarks (21, 3) in m before and now
 
 
 class ViewHands:
@@ -35,6 +38,13 @@ class ViewHands:
                 return [found]
             self.lose()
         return [hand for hand in self._follower.search(as_bgr(view.current.image)) if hand.score >= FOUND_SCORE]
+
+    def carried(self, hand: HandLandmarks, motion: Motion) -> HandLandmarks | None:
+        """The hand of the picture before, moved as its landmarks in m are expected to; None if it was not sure."""
+        if hand.carried or hand.score < FOUND_SCORE or self.side(hand) < TURNED_RIGHT:
+            return None
+        before, now = (self._camera.distort_pixels(project(self._camera.matrix, points)) for points in motion)
+        return replace(hand, points=hand.points + now - before, carried=True)
 
     def again(self, view: View, seen: HandLandmarks, attempt: int) -> HandLandmarks:
         """The hand of the current frame in another crop, where that shows it more clearly as this side's."""

@@ -21,6 +21,7 @@ from local_site.tracking.silhouette.joints import Body
 from local_site.tracking.tracker import TrackingReason, Views
 
 MOST_WRIST_OFF_M = 0.06  # the wrist's landmark lies on the crease, 2 cm from the joint
+AROUND_PX = 24  # where edges within the arm are looked for
 WITHIN = 0.9  # of the landmarks: inside the silhouette of a hand before a dark wall
 
 
@@ -35,6 +36,11 @@ class ArmOutlines:
         self._in_room = ArmFinder(rig, self._meters)
         self._foreground = FoundForeground(rig)
         self.finder = self._before_wall
+
+    @property
+    def in_room(self) -> bool:
+        """Whether the arm is told from a room, not from a dark wall."""
+        return self.finder is self._in_room
 
     def learn_room(self, views: Views) -> None:
         """Learn the room from pictures without the arm."""
@@ -87,7 +93,15 @@ class ArmOutlines:
 
 
 def _with_picture(silhouette: Silhouette | str, picture: Image) -> Silhouette | str:
-    return silhouette if isinstance(silhouette, str) else replace(silhouette, picture=to_grey(picture))
+    """The silhouette with the picture around it; what is farther off is black."""
+    if isinstance(silhouette, str):
+        return silhouette
+    low = np.maximum(silhouette.contour.min(axis=0).astype(int) - AROUND_PX, 0)
+    high = silhouette.contour.max(axis=0).astype(int) + AROUND_PX
+    part = np.s_[low[1] : high[1], low[0] : high[0]]
+    grey = np.zeros(silhouette.grey.shape, np.uint8)
+    grey[part] = to_grey(picture[part])
+    return replace(silhouette, picture=grey)
 
 
 def _with_hand(arm: SeenArm | NoArm, hand: SeenHand) -> SeenArm | NoArm:

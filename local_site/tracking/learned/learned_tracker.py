@@ -13,9 +13,11 @@ from local_site.tracking.landmarks.models import view_hands
 from local_site.tracking.learned.acquaintance import Acquaintance
 from local_site.tracking.learned.arm_outlines import ArmOutlines
 from local_site.tracking.learned.followed_hand import FittedHand, FollowedHand
+from local_site.tracking.learned.hand_motion import HandMotion
 from local_site.tracking.learned.room_pictures import RoomPictures
 from local_site.tracking.silhouette.arm_finder import NoArm, SeenArm
 from local_site.tracking.silhouette.hand_model.fit import MAX_VIEWS, MIN_VIEWS, NO_VIEW, HandView
+from local_site.tracking.silhouette.hand_model.landmark_equations import landmark_points
 from local_site.tracking.silhouette.joints import elbow_covariance
 from local_site.tracking.silhouette.operator_profile import OperatorProfile, make_profile
 from local_site.tracking.silhouette.quality import doubts
@@ -46,6 +48,7 @@ class LearnedTracker:
         self._room = RoomPictures()
         self._operator = Acquaintance(config, profile)
         self._hand = FollowedHand(config.right_arm, profile)
+        self._motion = HandMotion()
         self._outlined = False
 
     @property
@@ -68,7 +71,9 @@ class LearnedTracker:
         ]
         if problems:
             return self._lost(views, "; ".join(dict.fromkeys(problems)))
-        seen = self._finder.find(views, self._operator.doubt, quickly=self._outlined)
+        # Before a dark wall the outlines cost so little that there is time to look at all views.
+        motion = self._motion.expected(views.t_ns) if self._outlines.in_room else None
+        seen = self._finder.find(views, self._operator.doubt, quickly=self._outlined, motion=motion)
         if isinstance(seen, str):
             outlined = self._by_outlines(views) if seen in NO_PAIR else None
             return outlined or self._lost(views, seen)
@@ -135,6 +140,7 @@ class LearnedTracker:
             if not elbow_reason:
                 points["elbow"] = arm.joints.elbow
                 covariances["elbow"] = elbow_covariance(arm.joints, arm.limbs)
+        self._motion.add(t_ns, landmark_points(hand.fit.spheres.centres))
         self._outlined = self._operator.is_known and hand.is_clear and hand.outline_views >= MIN_VIEWS
         status, reason = self._operator.status(reasons, elbow_reason)
         return ArmEstimate(
@@ -171,6 +177,7 @@ class LearnedTracker:
             self._hand = FollowedHand(self._right_arm, None)
 
     def _lost(self, views: Views, reason: str) -> ArmEstimate:
+        self._motion.forget()
         self._outlined = False
         self._outlines.forget()
         self._operator.lose(views.t_ns)

@@ -16,7 +16,8 @@ BLANK = np.zeros((48, 64, 3), np.uint8)
 
 
 class ScriptedHands(ViewHands):
-    """One view: `shown` are its hands, `clearer` what another crop would show instead, `kept` the hand it follows."""
+    """One view: `shown` are its hands, `clearer` what another crop would show instead, `kept` the hand it follows,
+    `looks` how often it was asked."""
 
     def __init__(self, camera: CameraCalibration, right_arm: bool = True) -> None:
         super().__init__(camera, fake_follower(), right_arm)
@@ -24,10 +25,12 @@ class ScriptedHands(ViewHands):
         self.clearer: HandLandmarks | None = None
         self.kept: HandLandmarks | None = None
         self.retries: list[int] = []
+        self.looks = 0
 
     def hands(self, view: View, *, quickly: bool = False) -> list[HandLandmarks]:
         """What the test shows."""
         del view, quickly
+        self.looks += 1
         return list(self.shown)
 
     def again(self, view: View, seen: HandLandmarks, attempt: int) -> HandLandmarks:

@@ -2,6 +2,7 @@
 
 import math
 from dataclasses import replace
+from itertools import pairwise
 
 import numpy as np
 import pytest
@@ -253,3 +254,47 @@ def test_clocks_that_stand_still_or_jump_do_not_matter(pair, times):
     for t_ns in times:
         views_now = replace(instant(0), t_ns=t_ns)
         assert is_at(finder.find(views_now, anyone, quickly=False), (0.0, 0.0, 0.0))
+
+
+def asked(finder, views, motion, instants=6, weight=1.0):
+    """By instant, which views look at their pictures."""
+    found = []
+    for k in range(instants):
+        before = [view.looks for view in views]
+        assert isinstance(finder.find(instant(k, 2, weight), anyone, quickly=True, motion=motion), SeenHand)
+        found.append([n for n, view in enumerate(views) if view.looks > before[n]])
+    return found
+
+
+def test_the_views_look_in_turn_at_a_hand_whose_motion_is_known(pair):
+    finder, views = pair
+    show(views, seen())
+    looks = asked(finder, views, (HAND, HAND))
+    assert looks[0] == [0, 1]
+    assert all(len(looked) == 1 for looked in looks[1:])
+    assert all(one != other for one, other in pairwise(looks[1:]))
+
+
+def test_all_views_look_without_a_known_motion_and_between_exposures(pair):
+    finder, views = pair
+    show(views, seen())
+    assert asked(finder, views, None) == [[0, 1]] * 6
+    looks = asked(finder, views, (HAND, HAND), weight=0.5)
+    assert all(1 in looked for looked in looks)
+
+
+def test_all_views_look_at_a_hand_that_they_are_not_sure_of(pair):
+    finder, views = pair
+    show(views, seen(score=0.3))
+    assert asked(finder, views, (HAND, HAND)) == [[0, 1]] * 6
+
+
+def test_a_view_that_does_not_look_moves_what_it_saw(pair):
+    finder, views = pair
+    now = moved(HAND, STEP)
+    show(views, seen())
+    asked(finder, views, None, instants=1)
+    show(views, seen(STEP))
+    found = finder.find(instant(1), anyone, quickly=True, motion=(HAND, now))
+    assert [hand.carried for hand in found.views.values()].count(True) == 1
+    assert is_at(found, STEP)
