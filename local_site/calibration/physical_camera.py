@@ -77,15 +77,15 @@ class Undistorter:
         self._lens, self._border = lens, border
         self._maps: tuple[cv2.typing.MatLike, cv2.typing.MatLike] | None = None
 
-    def undistorted(self, grey: Image) -> Image:
-        """The picture (H, W) that a pinhole camera with the same matrix would have taken."""
+    def undistorted(self, picture: Image) -> Image:
+        """The picture, (H, W) or (H, W, 3), that a pinhole camera with the same matrix would have taken."""
         if self._lens is None or not self._lens.is_distorted:
-            return grey
-        if self._maps is None or self._maps[0].shape[:2] != grey.shape:
+            return picture
+        if self._maps is None or self._maps[0].shape[:2] != picture.shape[:2]:
             matrix, distortion = self._lens.matrix, np.array([self._lens.k1, self._lens.k2, 0.0, 0.0])
-            size = grey.shape[1], grey.shape[0]
+            size = picture.shape[1], picture.shape[0]
             self._maps = cv2.initUndistortRectifyMap(matrix, distortion, np.eye(3), matrix, size, cv2.CV_16SC2)
-        return np.asarray(cv2.remap(grey, *self._maps, cv2.INTER_LINEAR, borderMode=self._border), dtype=np.uint8)
+        return np.asarray(cv2.remap(picture, *self._maps, cv2.INTER_LINEAR, borderMode=self._border), dtype=np.uint8)
 
 
 # What a fit may move, in the order of a step: both focal lengths (px), principal point (px), rotation (rad),

@@ -38,3 +38,14 @@ def test_undistortion_puts_every_dot_where_a_pinhole_sees_it():
 def test_a_lens_that_folds_the_picture_is_known():
     assert Lens(800.0, 800.0, 320.0, 240.0, k1=-1.0).folds_within(0.6)
     assert not BENT.folds_within(0.6)
+
+
+@pytest.mark.parametrize("shape", [(480, 640), (480, 640, 3)])
+def test_the_maps_are_computed_once_for_each_size(monkeypatch, shape):
+    made, make = [], cv2.initUndistortRectifyMap
+    monkeypatch.setattr(cv2, "initUndistortRectifyMap", lambda *a: made.append(a) or make(*a))
+    undistorter = Undistorter(BENT, cv2.BORDER_CONSTANT)
+    for _ in range(3):
+        undistorter.undistorted(np.zeros(shape, np.uint8))
+    undistorter.undistorted(np.zeros((240, *shape[1:]), np.uint8))
+    assert len(made) == 2
