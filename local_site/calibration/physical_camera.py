@@ -1,16 +1,14 @@
-"""A physical camera: a lens with radial distortion at a pose, undistortion, and the steps of a fit."""
+"""A physical camera: a lens with radial distortion at a pose, and the steps of a fit."""
 
 from dataclasses import dataclass, replace
 from typing import Annotated
 
-import cv2
 import msgspec
 import numpy as np
 from msgspec import Meta
 from scipy.linalg import rq
 from scipy.spatial.transform import Rotation
 
-from common.cameras.camera import Image
 from common.geometry import Array
 
 NEWTON_STEPS = 12
@@ -67,25 +65,6 @@ class Lens(msgspec.Struct, frozen=True, forbid_unknown_fields=True):
 
     def _pixels(self, slopes: Array) -> Array:
         return slopes * (self.fx, self.fy) + (self.cx, self.cy)
-
-
-class Undistorter:
-    """Undistorts the pictures of one camera; the maps are computed once for each size of picture."""
-
-    def __init__(self, lens: Lens | None, border: int) -> None:
-        """`border` is how OpenCV fills pixels from outside the picture."""
-        self._lens, self._border = lens, border
-        self._maps: tuple[cv2.typing.MatLike, cv2.typing.MatLike] | None = None
-
-    def undistorted(self, picture: Image) -> Image:
-        """The picture, (H, W) or (H, W, 3), that a pinhole camera with the same matrix would have taken."""
-        if self._lens is None or not self._lens.is_distorted:
-            return picture
-        if self._maps is None or self._maps[0].shape[:2] != picture.shape[:2]:
-            matrix, distortion = self._lens.matrix, np.array([self._lens.k1, self._lens.k2, 0.0, 0.0])
-            size = picture.shape[1], picture.shape[0]
-            self._maps = cv2.initUndistortRectifyMap(matrix, distortion, np.eye(3), matrix, size, cv2.CV_16SC2)
-        return np.asarray(cv2.remap(picture, *self._maps, cv2.INTER_LINEAR, borderMode=self._border), dtype=np.uint8)
 
 
 # What a fit may move, in the order of a step: both focal lengths (px), principal point (px), rotation (rad),

@@ -10,9 +10,9 @@ import numpy as np
 
 from common.cameras.camera import Frame, Image
 from common.geometry import Array
-from local_site.calibration.physical_camera import Undistorter
 from local_site.calibration.rig import CameraCalibration
 from local_site.calibration.triangulation import project
+from local_site.calibration.undistortion import Undistorter
 from local_site.tracking.features.features import Features, measure
 from local_site.tracking.features.medial import MedialLine
 from local_site.tracking.features.posture import Posture

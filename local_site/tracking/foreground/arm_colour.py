@@ -7,7 +7,6 @@ import cv2
 import numpy as np
 from numpy.typing import NDArray
 
-from common.cameras.camera import Image
 from local_site.kernels.compiled import compiled
 
 CHROMAS, BRIGHTNESSES = 48, 16
@@ -18,7 +17,7 @@ DARK = 24.0  # added to the sum as grey, since dark pixels have no colour but no
 CHROMA_SMOOTHING, BRIGHTNESS_SMOOTHING = 0.8, 1.5  # bins
 
 Table = NDArray[np.float32]
-Positions = NDArray[np.int32]
+Colours = NDArray[np.uint8]
 
 
 @compiled
@@ -50,19 +49,18 @@ class ArmColour:
         """Whether any pixel of the arm has been seen."""
         return bool(self.arm.any())
 
-    def learn(self, picture: Image, arm: Positions, rest: Positions, kept: float) -> None:
-        """Count pixels (N, 2) surely on the arm and (M, 2) surely elsewhere; `kept` is what remains of before."""
+    def learn(self, arm: Colours, rest: Colours, kept: float) -> None:
+        """Count colours (N, 3) surely on the arm and (M, 3) surely elsewhere; `kept` is what remains of before."""
         self._counts *= kept
-        for counts, pixels in zip(self._counts, (arm, rest), strict=True):
-            _count(counts, picture, pixels)
+        for counts, colours in zip(self._counts, (arm, rest), strict=True):
+            _count(counts, np.ascontiguousarray(colours))
         self.arm, self.rest = (_smoothed(counts) for counts in self._counts)
 
 
 @compiled
-def _count(counts: Table, picture: Image, pixels: Positions) -> None:
-    for n in range(len(pixels)):
-        x, y = pixels[n]
-        blue, green, red = float(picture[y, x, 0]), float(picture[y, x, 1]), float(picture[y, x, 2])
+def _count(counts: Table, colours: Colours) -> None:
+    for n in range(len(colours)):
+        blue, green, red = float(colours[n, 0]), float(colours[n, 1]), float(colours[n, 2])
         r, g = chromaticity(blue, green, red)
         counts[bin_of(r, g, blue + green + red)] += 1.0
 

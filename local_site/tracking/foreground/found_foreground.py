@@ -30,12 +30,12 @@ class FoundArm:
 class FoundForeground:
     """Finds the arm in the pictures of all views; its colour is learned from the hand on the way.
 
-    Pictures are BGR (H, W, 3) and undistorted, one of each camera in the rig's order.
+    Pictures are BGR (H, W, 3) as they were taken, one of each camera in the rig's order.
     """
 
     def __init__(self, rig: Rig) -> None:
         self._matrices = rig.matrices
-        self._views = tuple(ForegroundView(matrix) for matrix in self._matrices)
+        self._views = tuple(ForegroundView(camera) for camera in rig.cameras)
         self._tubes = TubeSearch()
 
     def learn_room(self, pictures: Sequence[Image]) -> None:

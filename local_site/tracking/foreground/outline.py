@@ -43,7 +43,7 @@ class Rim(NamedTuple):
 def find_outline(
     picture: Image, colours: ColourPlanes, arm: Mask, place: Place, room: RoomModel, behind: Behind, tables: Tables
 ) -> Silhouette | None:
-    """The silhouette in a picture (H, W, 3) of the arm's squares (h, w), whose mean colours are (3, h, w)."""
+    """The silhouette of the arm's squares (h, w), whose mean colours are (3, h, w) and whose pixels are `picture`."""
     x, y, w, h = cv2.boundingRect(cv2.dilate(arm, KERNEL, iterations=2))
     part = np.s_[y : y + h, x : x + w]
     left, top, stride = place[0] + x * place[2], place[1] + y * place[2], place[2]
@@ -54,7 +54,8 @@ def find_outline(
     squares = np.asarray(cv2.merge([*(plane[part] for plane in colours), np.ones_like(arm)]), np.uint8)
     nearby = _sums_where(squares, inside), _sums_where(squares, outside)
     kinds = np.asarray(2 * inside + outside, np.uint8)
-    rim = _rim(picture, (room.mean, room.seen, gain), nearby, kinds, np.asarray(trust), (left, top, stride))
+    pixels = np.ascontiguousarray(picture[y * stride : (y + h) * stride, x * stride : (x + w) * stride])
+    rim = _rim(pixels, (room.mean, room.seen, gain), nearby, kinds, np.asarray(trust), (left, top, stride))
     covered = _covered(rim, log_ratios(rim.colours, rim.behind, rim.known, tables))
     cover = _cover(kinds, stride, rim.pixels, covered)
     return _silhouette(np.asarray(cv2.GaussianBlur(cover, (3, 3), 0), np.uint8), (left, top), room.seen.shape)
@@ -116,7 +117,7 @@ def _rim(
                     rim.known[n] = seen[top + y, left + x]
                     rim.prior[n] = grey_at(trust, (x + 0.5) / stride - 0.5, (y + 0.5) / stride - 0.5)
                     for c in range(3):
-                        rim.colours[c, n] = picture[top + y, left + x, c]
+                        rim.colours[c, n] = picture[y, x, c]
                         rim.behind[c, n] = gain[j, i] * mean[top + y, left + x, c]
                         rim.arm[c, n] = nearby[0][j, i, c] / nearby[0][j, i, 3]
                         rim.rest[c, n] = nearby[1][j, i, c] / nearby[1][j, i, 3]

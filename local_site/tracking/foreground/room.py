@@ -8,6 +8,7 @@ from numpy.typing import NDArray
 
 from common.cameras.camera import Image
 from common.geometry import Array
+from local_site.calibration.undistortion import TakenPicture
 from local_site.kernels.compiled import compiled
 
 Levels = NDArray[np.float32]
@@ -43,11 +44,13 @@ class RoomModel:
         self.seen: Mask = np.zeros(shape, np.uint8)
         self.gain = 1.0
         self._strip = 0
+        spots = np.indices(shape)[:, GAIN_STRIDE // 2 :: GAIN_STRIDE, GAIN_STRIDE // 2 :: GAIN_STRIDE]
+        self._spots = np.ascontiguousarray(spots[::-1].reshape(2, -1).T, np.int32)
         self._squares: Planes = np.empty((3, 0, 0), np.float32)
         self._stride = 0
 
-    def learn(self, picture: Image) -> None:
-        """Learn from a picture (H, W, 3) without the arm."""
+    def learn(self, picture: TakenPicture) -> None:
+        """Learn from a picture without the arm."""
         nothing = np.zeros(self.seen.shape, np.uint8)
         self._learn(picture, nothing, (0, len(self.seen)), 1.0)
 
@@ -68,9 +71,9 @@ class RoomModel:
         lit, gain = _lit(colours, mean, np.asarray((arm == 0) & (known > 0), np.float32), self.gain)
         return Behind(lit, known, gain)
 
-    def follow(self, picture: Image, arm: Mask) -> None:
-        """Learn a strip of a picture (H, W, 3) where `arm` (H, W) is 0, and follow the gain of the whole."""
-        found = _gain(self.mean, self.seen, picture, arm)
+    def follow(self, picture: TakenPicture, arm: Mask) -> None:
+        """Learn a strip of a picture where `arm` (H, W) is 0, and follow the gain of the whole."""
+        found = _gain(self.mean, self.seen, np.ascontiguousarray(picture.at(self._spots)), self._spots, arm)
         if 1.0 / MOST_GAIN < found < MOST_GAIN:
             self.gain = GAIN_KEPT * self.gain + (1.0 - GAIN_KEPT) * found
         rows = len(self.seen)
@@ -78,8 +81,9 @@ class RoomModel:
         self._strip = (self._strip + 1) % STRIPS
         self._learn(picture, arm, bounds, self.gain)
 
-    def _learn(self, picture: Image, arm: Mask, rows: tuple[int, int], gain: float) -> None:
-        _learn(self.mean, self.seen, picture, arm, rows, gain)
+    def _learn(self, picture: TakenPicture, arm: Mask, rows: tuple[int, int], gain: float) -> None:
+        strip = np.ascontiguousarray(picture.part(slice(*rows)))
+        _learn(self.mean, self.seen, strip, arm, rows, gain)
         if self._stride:
             self._renew(rows[0] // self._stride, -(-rows[1] // self._stride))
 
@@ -100,7 +104,7 @@ class RoomModel:
 
 
 @compiled
-def _learn(mean: Levels, seen: Mask, picture: Image, arm: Mask, rows: tuple[int, int], gain: float) -> None:
+def _learn(mean: Levels, seen: Mask, strip: Image, arm: Mask, rows: tuple[int, int], gain: float) -> None:
     for y in range(rows[0], rows[1]):
         for x in range(seen.shape[1]):
             if arm[y, x]:
@@ -109,21 +113,22 @@ def _learn(mean: Levels, seen: Mask, picture: Image, arm: Mask, rows: tuple[int,
                 seen[y, x] += 1
             share = max(1.0 / seen[y, x], LEAST_SHARE)
             for c in range(3):
-                mean[y, x, c] += share * (picture[y, x, c] / gain - mean[y, x, c])
+                mean[y, x, c] += share * (strip[y - rows[0], x, c] / gain - mean[y, x, c])
 
 
 @compiled
-def _gain(mean: Levels, seen: Mask, picture: Image, arm: Mask) -> float:
-    """The median of the picture's brightness over the mean's, at some pixels where the arm is not; 1 without any."""
-    ratios = np.empty((seen.shape[0] // GAIN_STRIDE + 1) * (seen.shape[1] // GAIN_STRIDE + 1))
+def _gain(mean: Levels, seen: Mask, colours: ColourPlanes, spots: NDArray[np.int32], arm: Mask) -> float:
+    """The median of today's brightness over the mean's at spots (N, 2) with colours (N, 3) where the arm is not; 1
+    without any."""
+    ratios = np.empty(len(spots))
     count = 0
-    for y in range(GAIN_STRIDE // 2, seen.shape[0], GAIN_STRIDE):
-        for x in range(GAIN_STRIDE // 2, seen.shape[1], GAIN_STRIDE):
-            before = mean[y, x, 0] + mean[y, x, 1] + mean[y, x, 2]
-            if seen[y, x] and not arm[y, x] and before > GAIN_STRIDE:
-                now = float(picture[y, x, 0]) + float(picture[y, x, 1]) + float(picture[y, x, 2])
-                ratios[count] = now / before
-                count += 1
+    for n in range(len(spots)):
+        x, y = spots[n]
+        before = mean[y, x, 0] + mean[y, x, 1] + mean[y, x, 2]
+        if seen[y, x] and not arm[y, x] and before > GAIN_STRIDE:
+            now = float(colours[n, 0]) + float(colours[n, 1]) + float(colours[n, 2])
+            ratios[count] = now / before
+            count += 1
     if count == 0:
         return 1.0
     found: Array = np.sort(ratios[:count])

@@ -1,14 +1,9 @@
 """The arm's outlines in all views: before a dark wall by a threshold, else by this arm's colour and the empty room."""
 
-from dataclasses import replace
-
-import cv2
 import numpy as np
 
 from common.cameras.camera import Image
-from local_site.calibration.physical_camera import Undistorter
 from local_site.calibration.rig import Rig
-from local_site.tracking.features.silhouette import Silhouette, to_grey
 from local_site.tracking.features.view_meter import ViewMeter
 from local_site.tracking.foreground.dark_wall import DarkWall
 from local_site.tracking.foreground.found_foreground import FoundForeground
@@ -21,7 +16,6 @@ from local_site.tracking.silhouette.joints import Body
 from local_site.tracking.tracker import TrackingReason, Views
 
 MOST_WRIST_OFF_M = 0.06  # the wrist's landmark lies on the crease, 2 cm from the joint
-AROUND_PX = 24  # where edges within the arm are looked for
 WITHIN = 0.9  # of the landmarks: inside the silhouette of a hand before a dark wall
 
 
@@ -30,7 +24,6 @@ class ArmOutlines:
 
     def __init__(self, rig: Rig) -> None:
         self._rig = rig
-        self._undistorters = [Undistorter(camera.lens, cv2.BORDER_REPLICATE) for camera in rig.cameras]
         self._meters = [FoundMeter(camera) for camera in rig.cameras]
         self._before_wall = ArmFinder(rig, [ViewMeter(camera, DarkWall()) for camera in rig.cameras])
         self._in_room = ArmFinder(rig, self._meters)
@@ -44,7 +37,7 @@ class ArmOutlines:
 
     def learn_room(self, views: Views) -> None:
         """Learn the room from pictures without the arm."""
-        self._foreground.learn_room(self._pictures(views))
+        self._foreground.learn_room(_pictures(views))
 
     def find(self, views: Views, body: Body, hand: SeenHand, *, starting: bool) -> SeenArm | NoArm:
         """The arm whose wrist is that of the hand.
@@ -74,34 +67,18 @@ class ArmOutlines:
         self._foreground.forget()
 
     def _found(self, views: Views, body: Body, hand: SeenHand) -> SeenArm | NoArm:
-        pictures = self._pictures(views)
-        found = self._foreground.find(pictures, hand)
-        seen = zip(self._meters, views.views, pictures, found.silhouettes, strict=True)
-        for meter, view, picture, silhouette in seen:
-            meter.show(view.current, _with_picture(silhouette, picture))
+        found = self._foreground.find(_pictures(views), hand)
+        for meter, view, silhouette in zip(self._meters, views.views, found.silhouettes, strict=True):
+            meter.show(view.current, silhouette)
         hints = [
             found.tubes.posture(matrix, hand.pixels[k][MIDDLE_TIP]) if k in hand.pixels else None
             for k, matrix in enumerate(self._rig.matrices)
         ]
         return self._in_room.find(views, body, hints)
 
-    def _pictures(self, views: Views) -> list[Image]:
-        return [
-            undistorter.undistorted(as_bgr(view.current.image))
-            for undistorter, view in zip(self._undistorters, views.views, strict=True)
-        ]
 
-
-def _with_picture(silhouette: Silhouette | str, picture: Image) -> Silhouette | str:
-    """The silhouette with the picture around it; what is farther off is black."""
-    if isinstance(silhouette, str):
-        return silhouette
-    low = np.maximum(silhouette.contour.min(axis=0).astype(int) - AROUND_PX, 0)
-    high = silhouette.contour.max(axis=0).astype(int) + AROUND_PX
-    part = np.s_[low[1] : high[1], low[0] : high[0]]
-    grey = np.zeros(silhouette.grey.shape, np.uint8)
-    grey[part] = to_grey(picture[part])
-    return replace(silhouette, picture=grey)
+def _pictures(views: Views) -> list[Image]:
+    return [as_bgr(view.current.image) for view in views.views]
 
 
 def _with_hand(arm: SeenArm | NoArm, hand: SeenHand) -> SeenArm | NoArm:

@@ -7,8 +7,9 @@ from common.cameras.camera import Image
 from common.errors import CalibrationError
 from common.geometry import Array
 from common.messages.hand import TrackingStatus
-from local_site.calibration.physical_camera import Undistorter, decomposed
+from local_site.calibration.physical_camera import decomposed
 from local_site.calibration.rig import Rig
+from local_site.calibration.undistortion import Undistorter
 from local_site.kernels.pictures import as_grey
 from local_site.tracking.config import MonocularConfig, Pixel
 from local_site.tracking.monocular.arm_model import MM, ArmPose

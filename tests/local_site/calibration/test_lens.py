@@ -4,7 +4,8 @@ import cv2
 import numpy as np
 import pytest
 
-from local_site.calibration.physical_camera import Lens, Undistorter
+from local_site.calibration.physical_camera import Lens
+from local_site.calibration.undistortion import TakenPicture, Undistorter
 
 BENT = Lens(fx=800.0, fy=790.0, cx=310.0, cy=245.0, k1=-0.1, k2=0.02)
 PIXELS = np.array([(u, v) for u in (0.0, 100.0, 310.0, 639.0) for v in (0.0, 245.0, 479.0)])
@@ -49,3 +50,27 @@ def test_the_maps_are_computed_once_for_each_size(monkeypatch, shape):
         undistorter.undistorted(np.zeros(shape, np.uint8))
     undistorter.undistorted(np.zeros((240, *shape[1:]), np.uint8))
     assert len(made) == 2
+
+
+def coloured():
+    ramp = np.add.outer(np.arange(480) // 4, np.arange(640) // 8).astype(np.uint8)
+    return np.dstack([ramp, ramp[::-1], 255 - ramp])
+
+
+@pytest.mark.parametrize("lens", [None, BENT])
+def test_a_part_is_that_of_the_whole_undistorted_picture(lens):
+    undistorter = Undistorter(lens, cv2.BORDER_REPLICATE)
+    taken = TakenPicture(coloured(), undistorter)
+    whole = undistorter.undistorted(coloured())
+    assert taken.shape == (480, 640)
+    np.testing.assert_array_equal(taken.part(), whole)
+    np.testing.assert_array_equal(taken.part(slice(100, 180), slice(250, 640)), whole[100:180, 250:])
+
+
+@pytest.mark.parametrize("lens", [None, BENT])
+def test_single_pixels_are_those_next_to_the_undistorted_ones(lens):
+    undistorter = Undistorter(lens, cv2.BORDER_REPLICATE)
+    whole = undistorter.undistorted(coloured())
+    pixels = np.array([(0, 0), (639, 479), (320, 240), (37, 401)], np.int32)
+    found = TakenPicture(coloured(), undistorter).at(pixels)
+    assert np.abs(found.astype(int) - whole[pixels[:, 1], pixels[:, 0]]).max() <= 2

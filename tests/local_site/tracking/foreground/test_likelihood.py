@@ -34,12 +34,8 @@ SKIN, WALL = (120, 150, 200), (160, 150, 140)
 
 @pytest.fixture(scope="module")
 def colour():
-    picture = np.zeros((40, 80, 3), np.uint8)
-    picture[:, :40], picture[:, 40:] = SKIN, WALL
-    rows, columns = np.indices((40, 40)).reshape(2, -1)
-    on_arm, elsewhere = np.column_stack([columns, rows]), np.column_stack([columns + 40, rows])
     learned = ArmColour()
-    learned.learn(picture, on_arm.astype(np.int32), elsewhere.astype(np.int32), 0.0)
+    learned.learn(*(np.full((1600, 3), colour, np.uint8) for colour in (SKIN, WALL)), 0.0)
     return learned
 
 

@@ -4,13 +4,15 @@ import cv2
 import numpy as np
 import pytest
 
+from local_site.calibration.undistortion import TakenPicture, Undistorter
 from local_site.tracking.foreground.room import STRIPS, RoomModel
 
 SHAPE = (50, 64)
 
 
 def picture(seed):
-    return np.random.default_rng(seed).integers(40, 200, (*SHAPE, 3)).astype(np.uint8)
+    taken = np.random.default_rng(seed).integers(40, 200, (*SHAPE, 3)).astype(np.uint8)
+    return TakenPicture(taken, Undistorter(None, cv2.BORDER_REPLICATE))
 
 
 def by_squares(levels, stride):
