@@ -109,7 +109,7 @@ def parse_pair(text: str, option: str) -> tuple[int, int]:
     """Two whole numbers written as 640x480; ConfigError names the option."""
     first, _, second = text.lower().partition("x")
     if not (first.isdecimal() and second.isdecimal() and min(int(first), int(second)) > 0):
-        raise ConfigError(f"{option} must be two whole numbers such as 8x6, not {text!r}")
+        raise ConfigError(f"{option} must be two whole numbers with an x between them, not {text!r}")
     if max(int(first), int(second)) > MAX_PICTURE_PX:
         raise ConfigError(f"{option} is too large: {text}")
     return int(first), int(second)

@@ -20,7 +20,7 @@ MarkerMm = Annotated[float, typer.Option(help="Board: side of a marker (charuco)
 Dictionary = Annotated[str, typer.Option(help="Board: its markers' dictionary (charuco).")]
 Standing = Annotated[bool, typer.Option("--standing", help="The board is upright in the first pose, not flat.")]
 CameraConfigFile = Annotated[
-    Path | None, typer.Option("--config", help="A local site's TOML file: how its [operator] sets the cameras.")
+    Path | None, typer.Option("--config", help="A local site's TOML file: how its section 'operator' sets the cameras.")
 ]
 FoundPictures = Annotated[Path | None, typer.Option(help="Folder for what was found and covered, as PNG.")]
 

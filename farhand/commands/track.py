@@ -62,6 +62,8 @@ def track(
 
     if (monocular is None) == (left is None or right is None) or (monocular and (left or right or also)):
         raise ConfigError("give --left and --right, or --monocular alone")
+    if monocular is not None and tracker not in (None, "monocular"):
+        raise ConfigError(f"--monocular takes the monocular tracker, not {tracker}: leave out --tracker")
     chosen = [] if tracker is None else [f"tracking.method={tracker}"]
     chosen += joint_settings(shown_joints) if shown_joints else []
     site = load_config(LocalConfig, config, [*(settings or ()), *chosen])

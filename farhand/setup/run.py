@@ -58,7 +58,7 @@ def set_up(path: Path, person: SetupPerson, tools: Tools) -> None:
         _write_configuration(folder, person)
         _trial(folder, person, tools)
     except KeyboardInterrupt as error:
-        raise InterruptionError(f"left; go on with: farhand setup --out {path}") from error
+        raise InterruptionError(f"stopped; go on with: farhand setup --out {path}") from error
     person.tell(f"done; check it: farhand doctor --config {folder.configuration}")
     person.tell(f"and start it: farhand local --config {folder.configuration}")
 

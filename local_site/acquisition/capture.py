@@ -9,7 +9,7 @@ from common.errors import CameraError
 from local_site.acquisition.pairing import Pairing, PairingConfig
 from local_site.tracking.tracker import Views
 
-JOIN_S = 1.0
+FRAME_S, JOIN_S = 0.2, 1.0
 
 
 class Capture:
@@ -23,6 +23,7 @@ class Capture:
         self._newest: Views | None = None
         self._failure: str | None = None
         self._reading = len(self._cameras)
+        self._closing = False
         self._threads = [
             threading.Thread(target=self._read, args=(k,), name=f"camera {camera.name}", daemon=True)
             for k, camera in enumerate(self._cameras)
@@ -48,8 +49,13 @@ class Capture:
         return self._reading < len(self._cameras)
 
     def close(self) -> None:
-        """Close the cameras and wait for their threads."""
-        for camera in self._cameras:
+        """Let the threads end with the frame that they read, and close the cameras.
+
+        A camera is closed while it is read only if that takes too long: OpenCV's may crash then.
+        """
+        self._closing = True
+        for camera, thread in zip(self._cameras, self._threads, strict=True):
+            thread.join(FRAME_S)
             camera.close()
         for thread in self._threads:
             thread.join(JOIN_S)
@@ -57,7 +63,7 @@ class Capture:
     def _read(self, k: int) -> None:
         failure = f"camera {self._cameras[k].name} has come to its end"
         try:
-            while (frame := self._cameras[k].read()) is not None:
+            while not self._closing and (frame := self._cameras[k].read()) is not None:
                 with self._changed:
                     views = self._pairing.feed(k, frame)
                     if views is not None:

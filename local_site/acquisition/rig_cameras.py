@@ -11,8 +11,10 @@ from msgspec import Meta
 
 from common.cameras.camera import Camera
 from common.cameras.settings import AS_IT_IS, DEFAULT_LATENCY_MS, CameraSettings
-from common.cameras.sources import Source, open_camera
+from common.cameras.sources import Source, open_camera, recorded_fps
+from common.clock import Clock
 from common.errors import CameraError, ConfigError
+from local_site.acquisition.paced_recording import PacedRecording, RecordingStart
 from local_site.acquisition.simulated_cameras import SimulatedCameras
 from local_site.calibration.rig import Rig
 from local_site.calibration.rig_file import load_rig
@@ -89,7 +91,9 @@ class OperatorRig:
     engaged: Callable[[int], None]
 
 
-def open_operator(operator: OperatorConfig, simulation: SimulationConfig, tracking: TrackingConfig) -> OperatorRig:
+def open_operator(
+    operator: OperatorConfig, simulation: SimulationConfig, tracking: TrackingConfig, clock: Clock
+) -> OperatorRig:
     """Open the cameras that the configuration names; FarhandError when rig or cameras cannot be used."""
     if operator.is_simulated:
         simulated = SimulatedCameras(simulation)
@@ -100,7 +104,9 @@ def open_operator(operator: OperatorConfig, simulation: SimulationConfig, tracki
         rig, tracking = of_one_camera(rig, tracking)
     settings = operator.settings_of([camera.name for camera in rig.cameras])
     cameras = open_rig_cameras(rig, operator.sources, operator.fps, settings)
-    return OperatorRig(rig, tracking, cameras, lambda _t_ns: None)
+    start = RecordingStart(clock)
+    paced = [camera if recorded_fps(camera) is None else PacedRecording(camera, start) for camera in cameras]
+    return OperatorRig(rig, tracking, paced, lambda _t_ns: None)
 
 
 def of_one_camera(rig: Rig, tracking: TrackingConfig) -> tuple[Rig, TrackingConfig]:

@@ -87,7 +87,7 @@ def _run(config: LocalConfig, should_stop: StopFlag, save_views: Path | None) ->
 def _open_site(config: LocalConfig, stack: ExitStack) -> LocalSite:
     """Fork the children, open cameras and link, and connect them; the stack closes them, the link first."""
     clock, cell, links, wanted = MonotonicClock(), config.cell, config.links, config.authority
-    operator = open_operator(config.operator, config.simulation, config.tracking)
+    operator = open_operator(config.operator, config.simulation, config.tracking, clock)
     drawing = PreviewProcess(config.preview, operator.rig.matrices)
     stack.callback(drawing.close)
     capture = Capture(operator.cameras, config.capture, clock)

@@ -74,9 +74,12 @@ class TrackingReason(StrEnum):
     )
     OTHER_BODY = "the arm does not fit the operator's profile and is learned again: hold it bent, thumb and index apart"
     NO_HAND = "no hand is seen: hold it up before all cameras"
-    HANDS_DIFFER = "a hand is seen, but two views do not agree on it: hold it where all cameras see it"
+    HANDS_DIFFER = (
+        "a hand is seen, but two views do not agree on it: hold it where all cameras see it; if they do, "
+        "the cameras are exchanged or have moved"
+    )
     OTHER_HAND = "only a hand is seen that is not the operator's: hold up yours"
-    OTHER_SIDE = "this looks like the other hand, or the pictures are mirrored; right_arm says which one is meant"
+    OTHER_SIDE = "this looks like the other hand, or the pictures are mirrored; tracking.learned.right_arm says which one is meant"
     LEARNING_ROOM = "learning the room: keep the arm out of the pictures for a second"
     THUMB_INFERRED = "the thumb is not seen in outline by two cameras; its position follows from the hand's shape"
     LEARNING = "learning the arm: hold it bent, thumb and index apart"

@@ -13,6 +13,8 @@ from common.geometry import Array
 MIN_AREA_FRACTION = 1e-3
 MIN_CONTOUR_POINTS = 40
 
+ROOM_CURE = 'in an ordinary room take tracking.method = "learned"'
+
 
 @dataclass(frozen=True, slots=True)
 class Silhouette:
@@ -88,7 +90,7 @@ def find_threshold(grey: NDArray[np.uint8]) -> float | str:
     levels = np.arange(256.0)
     dark, bright = histogram[: split + 1], histogram[split + 1 :]
     if not MIN_ARM_FRACTION <= bright.sum() / total <= MAX_ARM_FRACTION:
-        return "no arm in the picture: nothing stands out bright from the background"
+        return f"no arm in the picture: nothing stands out bright from the background; {ROOM_CURE}"
     background, sigma = _robust(dark, levels[: split + 1])
     arm = float(bright @ levels[split + 1 :] / bright.sum())
     contrast = arm - background

@@ -92,6 +92,12 @@ def test_an_unknown_tracker_is_refused_with_those_there_are(command):
     assert all(word in result.output for word in ("--tracker", "silhouette", "markers"))
 
 
+def test_a_single_camera_takes_no_other_tracker():
+    command = ["track", "--rig", "r", "--monocular", "a", "--tracker", "learned"]
+    with pytest.raises(ConfigError, match="leave out --tracker"):
+        CliRunner().invoke(app, command, catch_exceptions=False, standalone_mode=False)
+
+
 @pytest.mark.parametrize("arm", ["a465", "humanoid"])
 def test_one_camera_sees_a_textured_arm_whose_palm_either_arm_copies(arm):
     plan = plan_of(LoopbackOptions(tracker="monocular", arm=arm))

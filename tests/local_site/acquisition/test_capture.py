@@ -117,3 +117,26 @@ def test_simulated_cameras_out_of_phase_are_interpolated():
     assert any(view.weight < 1.0 for views in found for view in views.views)
     times = [views.t_ns for views in found]
     assert times == sorted(set(times))
+
+
+def test_a_camera_is_not_closed_while_it_gives_a_frame():
+    """OpenCV's readers crash then."""
+    reading, done = threading.Event(), []
+
+    class Slow:
+        name = "left"
+
+        def read(self):
+            reading.set()
+            threading.Event().wait(0.05)
+            done.append("read")
+            return frame(len(done))
+
+        def close(self):
+            done.append("closed")
+
+    capture = start(Slow())
+    assert reading.wait(WAIT_S)
+    capture.close()
+    assert done.count("closed") == 1
+    assert done[-1] == "closed"

@@ -1,0 +1,44 @@
+"""A recording in the place of a live camera: its frames come at their own pace, stamped by this host's clock."""
+
+import threading
+from dataclasses import replace
+
+from common.cameras.camera import Camera, Frame
+from common.clock import Clock
+
+
+class RecordingStart:
+    """When the recordings of a rig began: all together, as soon as the first of them is read."""
+
+    def __init__(self, clock: Clock) -> None:
+        self._clock, self._lock = clock, threading.Lock()
+        self._start_ns: int | None = None
+
+    def wait_until(self, since_start_ns: int) -> int:
+        """Wait until so long after the start; the time then, ns."""
+        with self._lock:
+            self._start_ns = self._clock.now_ns() if self._start_ns is None else self._start_ns
+        due_ns = self._start_ns + since_start_ns
+        self._clock.sleep_until_ns(due_ns)
+        return due_ns
+
+
+class PacedRecording:
+    """One camera's recording."""
+
+    def __init__(self, recording: Camera, start: RecordingStart) -> None:
+        self._recording, self._start = recording, start
+
+    @property
+    def name(self) -> str:
+        """The camera's name."""
+        return self._recording.name
+
+    def read(self) -> Frame | None:
+        """Wait for the next frame; None at the end."""
+        frame = self._recording.read()
+        return None if frame is None else replace(frame, capture_ns=self._start.wait_until(frame.capture_ns))
+
+    def close(self) -> None:
+        """Close the recording."""
+        self._recording.close()
