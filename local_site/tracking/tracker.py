@@ -79,7 +79,7 @@ class TrackingReason(StrEnum):
         "the cameras are exchanged or have moved"
     )
     OTHER_HAND = "only a hand is seen that is not the operator's: hold up yours"
-    OTHER_SIDE = "this looks like the other hand, or the pictures are mirrored; tracking.learned.right_arm says which it is"
+    OTHER_SIDE = "this looks like the other hand, or the pictures are mirrored; see tracking.learned.right_arm"
     LEARNING_ROOM = "learning the room: keep the arm out of the pictures for a second"
     THUMB_INFERRED = "the thumb is not seen in outline by two cameras; its position follows from the hand's shape"
     LEARNING = "learning the arm: hold it bent, thumb and index apart"
