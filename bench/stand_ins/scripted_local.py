@@ -13,7 +13,7 @@ import numpy as np
 from bench.network.command_socket import CommandSocket
 from bench.stand_ins.hand_path import ScriptedPath
 from common.cameras.camera import Frame
-from common.clock import NS_PER_MS, NS_PER_S
+from common.clock import NS_PER_MS, NS_PER_S, Clock
 from common.errors import CameraError
 from common.geometry import Array, rotation_from_vector
 from common.messages.hand import TrackingStatus
@@ -133,7 +133,9 @@ def run() -> None:
     """The command line of Farhand, with a scripted operator."""
     script = Script(CommandSocket(sys.argv.pop(1)))
 
-    def open_operator(_: OperatorConfig, simulation: SimulationConfig, tracking: TrackingConfig) -> OperatorRig:
+    def open_operator(
+        _: OperatorConfig, simulation: SimulationConfig, tracking: TrackingConfig, __: Clock
+    ) -> OperatorRig:
         cameras = ScriptedCamera("left", script), ListeningCamera("right", script)
         return OperatorRig(exact_rig(simulation.stereo), tracking, cameras, lambda _t_ns: None)
 
