@@ -67,7 +67,7 @@ def find_silhouette(grey: NDArray[np.uint8], level: float) -> Silhouette | None:
 
 STRIDE = 2
 SMOOTHING_LEVELS = 4.0
-RISE = 0.1
+RISE = 0.15
 BACKGROUND_SIGMAS = 5.0
 MIN_CONTRAST_SIGMAS = 10.0
 MIN_CONTRAST_LEVELS = 12.0

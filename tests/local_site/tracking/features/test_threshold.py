@@ -21,13 +21,6 @@ def test_the_threshold_lies_between_the_modes(background, arm):
     assert background + 8 < level < background + 0.5 * (arm - background)
 
 
-def test_skin_in_deep_shadow_is_arm_before_an_even_wall():
-    wall, skin, shadow = 10.0, 130.0, 26.0
-    level = find_threshold(scene(wall, skin, noise=0.6))
-    assert isinstance(level, float)
-    assert wall + 3 < level < shadow
-
-
 def test_a_gradient_and_folds_do_not_move_it_into_the_background():
     image = scene().astype(float) + np.linspace(0, 12, 320)[None, :]
     level = find_threshold(image.astype(np.uint8))
