@@ -96,7 +96,8 @@ def test_the_arm_stops_within_limits_when_its_commander_is_killed(moving):
     stopped = t > t[-1] - 0.1
     assert np.abs(dq[stopped]).max() < 1e-3
     deceleration = np.abs(np.diff(dq[:, 0]) / np.diff(t))
-    assert deceleration.max() < 12.5
+    most = ServoConfig().max_acceleration_rad_s2[0]
+    assert deceleration.max() < 1.05 * most  # the measured arm overshoots the commanded one a little
     assert not rig.log[-1]["active"]
 
 
