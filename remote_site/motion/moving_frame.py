@@ -1,10 +1,13 @@
 """The frame that moves with a joint's target, and the joint's motion and limits as seen from there; pure."""
 
+import math
 from typing import NamedTuple
 
 from remote_site.kinematics.limits import TARGET_SPEED
 
 FRAME_ACCELERATION = 0.8  # of a joint's acceleration, for the frame: the joint must be able to catch it
+BRAKING = 0.6  # of a joint's acceleration, to stop with: the rest is for the jerk, and for targets that stop harder
+SLOWEST = 1e-3  # rad/s: how fast a joint may always move in the frame
 
 Axis = tuple[float, float, float]  # position in rad, velocity in rad/s, acceleration in rad/s² of one joint
 
@@ -21,32 +24,58 @@ class AxisLimits(NamedTuple):
     ending_s: float
 
 
-def frame_of(target: Axis, joint: Axis, limits: AxisLimits) -> Axis:
-    """The frame's motion in a tick: the target's, but slow and gentle enough for the joint to catch it.
+class Frame(NamedTuple):
+    """The motion of a joint's target in a tick, and the joint's own highest and lowest velocity, rad and s."""
+
+    position: float
+    velocity: float
+    acceleration: float
+    highest: float
+    lowest: float
+
+
+def frame_of(target: Axis, joint: Axis, limits: AxisLimits) -> Frame:
+    """The frame's motion in a tick: the target's, but slow and gentle enough for the joint to catch it, and to stop.
 
     Of the velocity that target and joint have left before the limit, it gains half at most until its acceleration has
     ended.
     """
-    (position, velocity, acceleration), (_, speed, change) = target, joint
+    (position, velocity, acceleration), (at, speed, change) = target, joint
     fastest, hardest, jerk, ending_s = limits
-    bound = TARGET_SPEED * fastest
-    if not -bound <= velocity <= bound:
-        return position, bound if velocity > 0.0 else -bound, 0.0
+    highest = min(fastest, _stoppable(position - at, velocity, hardest))
+    lowest = -min(fastest, _stoppable(at - position, -velocity, hardest))
+    upper, lower = min(TARGET_SPEED * fastest, highest), max(-TARGET_SPEED * fastest, lowest)
+    if not lower <= velocity <= upper:
+        return Frame(position, min(max(velocity, lower), upper), 0.0, highest, lowest)
     reached = speed + change * abs(change) / (2 * jerk)
     left = fastest - (max(velocity, reached) if acceleration > 0.0 else max(-velocity, -reached))
     most = max(min(FRAME_ACCELERATION * hardest, left / (2 * ending_s)), 0.0)
-    return position, velocity, min(max(acceleration, -most), most)
+    return Frame(position, velocity, min(max(acceleration, -most), most), highest, lowest)
 
 
-def seen_from(frame: Axis, joint: Axis, limits: AxisLimits) -> tuple[float, ...]:
+def seen_from(frame: Frame, joint: Axis, limits: AxisLimits) -> tuple[float, ...]:
     """The joint's motion in the frame, then its limits there: highest and lowest velocity, then acceleration.
 
     What the frame gains until its acceleration has ended counts as velocity already.
     """
-    (position, velocity, acceleration), (at, speed, change) = frame, joint
-    fastest, hardest, _, ending_s = limits
+    position, velocity, acceleration, upper, lower = frame
+    at, speed, change = joint
+    _, hardest, _, ending_s = limits
     gained = acceleration * ending_s
-    highest = fastest - velocity - (gained if gained > 0.0 else 0.0)
-    lowest = -fastest - velocity - (gained if gained < 0.0 else 0.0)
+    highest = max(upper - velocity - (gained if gained > 0.0 else 0.0), SLOWEST)
+    lowest = min(lower - velocity - (gained if gained < 0.0 else 0.0), -SLOWEST)
     own = at - position, speed - velocity, change - acceleration
     return *own, highest, lowest, hardest - acceleration, -hardest - acceleration
+
+
+def _stoppable(ahead: float, velocity: float, acceleration: float) -> float:
+    """The greatest velocity towards a target `ahead` from which a joint can stop where the target could, infinite for
+    one that is not ahead.
+
+    A hand stops when it likes. A joint that catches up with a moving target in the shortest time would be faster than
+    the target when it gets there, and swing far beyond one that stops.
+    """
+    if ahead <= 0.0 and velocity <= 0.0:
+        return math.inf
+    moving = max(velocity, 0.0)
+    return math.sqrt(2 * BRAKING * acceleration * max(ahead, 0.0) + moving * moving)

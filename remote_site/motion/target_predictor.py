@@ -12,10 +12,12 @@ from remote_site.kinematics.model import ArmModel
 from remote_site.motion.catch_up import CatchUp
 from remote_site.motion.config import ControlConfig
 from remote_site.motion.estimator import State, TargetEstimator, Transition
+from remote_site.motion.haste import Haste
 
 MADE_UP_NS = 40 * NS_PER_MS  # of a sample's age: to make up for more of it would overshoot wherever the hand turns
 DELAY_MEMORY = 1 / 64  # weight of the newest sample in the delay, so that jitter hardly moves the target
 NOTHING = 1e-18  # rad
+TOOL_M_S2, TOOL_RAD_S2 = 4.0, 20.0  # an arm's tool can be accelerated as much, for targets that are the tool's
 
 Numbers = list[float]
 Motion = tuple[Array, Array, Array]
@@ -33,6 +35,9 @@ class Bounds(Protocol):
     def tool_speed(self, q: Numbers, dq: Numbers) -> tuple[float, float]:
         """How fast the tool moves (m/s) and turns (rad/s) when the target is at `q` and moves with `dq`."""
 
+    def effort(self, ddq: Numbers) -> float:
+        """The fraction of the greatest accelerations that these are."""
+
 
 class Unbounded:
     """No bounds, as for the pose of the tool: a position in m and a turn in rad."""
@@ -48,6 +53,10 @@ class Unbounded:
     def tool_speed(self, q: Numbers, dq: Numbers) -> tuple[float, float]:  # noqa: ARG002  # the protocol's
         """The target is the tool's."""
         return math.hypot(*dq[:3]), math.hypot(*dq[3:])
+
+    def effort(self, ddq: Numbers) -> float:
+        """Of what most arms can."""
+        return max(math.hypot(*ddq[:3]) / TOOL_M_S2, math.hypot(*ddq[3:]) / TOOL_RAD_S2)
 
 
 class JointBounds:
@@ -77,6 +86,10 @@ class JointBounds:
         twist = (self._model.jacobian(np.array(q)) @ np.array(dq)).tolist()
         return math.hypot(*twist[:3]), math.hypot(*twist[3:])
 
+    def effort(self, ddq: Numbers) -> float:
+        """Of the joint that needs most of its own."""
+        return float(max(abs(needed) / most for needed, most in zip(ddq, self._acceleration, strict=True)))
+
     def clamp(self, q: Numbers, dq: Numbers) -> tuple[Numbers, Numbers]:
         """Positions inside the limits, with velocities from which the joints can stop there."""
         positions, velocities = [], []
@@ -98,7 +111,7 @@ class TargetPredictor:
     The estimate of each sample (`estimator.py`) is extrapolated for at most `predict_ms` after the sample arrived; for
     0 not at all. The target converges to every new curve, critically damped and without a jump of position or velocity.
     It follows a steady motion without lag while samples are no older than MADE_UP_NS when they arrive, and otherwise by
-    the rest of their age behind.
+    the rest of their age behind; a hurried one (`haste.py`) up to 100 ms behind, so that its end is not overshot.
 
     A target that had come to rest, at a reset or because samples were late, catches up with its curve no faster than
     `catch_up.py` allows.
@@ -113,6 +126,7 @@ class TargetPredictor:
 
     def reset(self, t_ns: int, q: Array) -> None:
         """A target that rests at `q` (n,) since `t_ns`."""
+        self._haste = Haste()
         self._t_ns = self._since_ns = self._end_ns = t_ns
         self._delay_ns, self._is_first = 0, True
         self._rate = self._estimator.rate_at_rest
@@ -136,10 +150,13 @@ class TargetPredictor:
         self.hear(now_ns, stretch)
         ended = t_ns > self._end_ns - self._delay_ns
         rested, settled = self._at_end() if ended else None, self._catch_up.learning == 0
+        elapsed_s = (t_ns - self._estimator.sample_ns) / NS_PER_S
         rate = self._estimator.take(t_ns, q, rested, moving=moving, settled=settled)
+        self._haste.take(self._bounds.effort([acceleration for *_, acceleration in self._estimator.states]), elapsed_s)
         self._learn_delay(now_ns - t_ns)
         self._end_ns = self._catch_up.due_ns if self._predict_ns else t_ns + self._delay_ns
-        self._turn_to(t_ns + self._delay_ns, self._estimator.states, now_ns, rate)
+        curve = [(at, *self._haste.extrapolated(*motion)) for at, *motion in self._estimator.states]
+        self._turn_to(t_ns + self._delay_ns, curve, now_ns, rate)
 
     def hear(self, now_ns: int, stretch: float) -> None:
         """Note that a sample has come, late or not; also one that gives no target."""

@@ -6,6 +6,7 @@ from typing import Protocol
 import numpy as np
 import pinocchio as pin
 
+from common.clock import NS_PER_S
 from common.errors import ModelError
 from common.geometry import Array, transform, unwound
 from remote_site.kinematics.config import RobotConfig
@@ -19,6 +20,7 @@ from remote_site.motion.target_predictor import TargetPredictor, joint_target_pr
 from remote_site.reasons import Code, Reason, reason
 
 UNWIND_S = 5.0  # 1/s: how fast a target that the joints do not follow comes back to them
+SHORTEST_S, LONGEST_S = 0.01, 0.2  # between two targets, for the pace of joint 4
 FAR_M, FAR_RAD = 0.01, 0.05  # a tool that stays further from its target is reported
 
 
@@ -61,17 +63,26 @@ class ClosedFormTracker:
     def __init__(self, inverse: SphericalWristInverse, predictor: TargetPredictor) -> None:
         self._inverse = inverse
         self._predictor = predictor
+        self._solved, self._solved_ns = np.zeros(0), 0
 
     def reset(self, t_ns: int, q: Array) -> None:
         """Rest at `q`."""
+        self._solved, self._solved_ns = q, t_ns
         self._predictor.reset(t_ns, q)
 
     def aim(self, target: ToolSample, q: Array) -> Reason | None:
-        """Solve for the target; without a solution the joints keep the one before. The elbow follows the branch."""
-        solution = self._inverse.nearest(target.base_T_target, q)
+        """Solve for the target; without a solution the joints keep the one before. The elbow follows the branch.
+
+        The solution is the nearest to the one before: near to an arm that lags, joint 4 would be paced from where the
+        arm is, and the target would swing with the arm.
+        """
+        del q
+        elapsed_s = min(max((target.now_ns - self._solved_ns) / NS_PER_S, SHORTEST_S), LONGEST_S)
+        solution = self._inverse.nearest(target.base_T_target, self._solved, elapsed_s)
         if not isinstance(solution, Solution):
             self._predictor.hear(target.now_ns, target.stretch)
             return solution.reason
+        self._solved, self._solved_ns = solution.q, target.now_ns
         self._predictor.aim(target.t_ns, solution.q, target.now_ns, stretch=target.stretch, spare=target.spare)
         return None
 
