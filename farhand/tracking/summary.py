@@ -19,8 +19,8 @@ LEARNED_SO_FAR = re.compile(r" \(\d+ of \d+ pairs\)")
 class Summary:
     """A recording's result: pairs, how many of each status, how often each point was found, toggles, ms per pair.
 
-    `drift` is the sentence of the first drift alarm, if there was one; `left_out` names what was not tracked because a
-    camera ended before another.
+    `drift` is the sentence of the first drift alarm, if there was one, and `misfit` that of a rig which most pairs
+    contradict; `left_out` names what was not tracked because a camera ended before another.
     """
 
     pairs: int = 0
@@ -30,6 +30,7 @@ class Summary:
     ms: list[float] = field(default_factory=list)
     reasons: Counter[str] = field(default_factory=Counter)
     drift: str | None = None
+    misfit: str = ""
     left_out: str = ""
 
     def add(self, line: TrackLine) -> None:
@@ -64,7 +65,7 @@ def describe(summary: Summary, written: Sequence[Path]) -> str:
         f"points found: {found}; gripper toggles: {summary.gripper_toggles}",
         f"{median:.1f} ms per pair (p95 {p95:.1f}); written to {', '.join(map(str, written))}",
     ]
-    warnings = [sentence for sentence in (summary.left_out, summary.drift) if sentence]
+    warnings = [sentence for sentence in (summary.left_out, summary.misfit or summary.drift) if sentence]
     return "\n".join([*lines, *(f"warning: {sentence}" for sentence in warnings)])
 
 

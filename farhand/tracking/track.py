@@ -17,6 +17,7 @@ from local_site.config import LocalConfig
 from local_site.samples.hand_sample import OpenHand
 from local_site.tracking.choice import make_tracker
 from local_site.tracking.drift import DriftWatch
+from local_site.tracking.rig_fit import RigFit
 from local_site.tracking.tracker import Views
 
 
@@ -52,6 +53,7 @@ def track_recording(
     if not summary.pairs and not should_stop():
         why = pairs.left_out.partition(";")[0] or "no camera gave a frame"
         raise CameraError(f"no pair of frames of a common time: {why}; give recordings that hold frames")
+    recording.finish()
     summary.left_out = pairs.left_out
     return summary
 
@@ -64,6 +66,7 @@ class _Recording:
         self._rig = rig
         self._tracker = make_tracker(rig, site.tracking)
         self._drift = DriftWatch(rig, site.drift, self.summary.warn_of_drift)
+        self._fit = RigFit(rig, site.drift.misfit_sigmas)
         self._hand, self._gesture = OpenHand(), site.gesture
         self._sizes = [camera.size_px for camera in rig.cameras]
         self._first_ns: int | None = None
@@ -72,12 +75,18 @@ class _Recording:
         """Track the views of one instant; CameraError for a picture of another size."""
         self._refuse_other_sizes(views)
         start_ns = time.perf_counter_ns()
-        estimate = self._drift.judge(self._tracker.track(views))
+        tracked = self._tracker.track(views)
+        self._fit.add(tracked)
+        estimate = self._drift.judge(tracked)
         ms = (time.perf_counter_ns() - start_ns) / NS_PER_MS
         self._hand = self._hand.observe(estimate, self._gesture)
         self._first_ns = views.t_ns if self._first_ns is None else self._first_ns
         line = track_line(self.summary.pairs, estimate, self._hand, ms)
         return TrackedPair(self._rig, views, estimate, line, (views.t_ns - self._first_ns) / NS_PER_S)
+
+    def finish(self) -> None:
+        """Judge the rig by all pairs: a short recording ends before the drift alarm can say anything."""
+        self.summary.misfit = self._fit.problem()
 
     def _refuse_other_sizes(self, views: Views) -> None:
         """CameraError for a picture of another size than calibrated or, where that is unknown, than the first."""

@@ -1,4 +1,4 @@
-"""Drift: detects from the epipolar residuals of tracked points that a camera has moved since calibration."""
+"""Drift: detects from the epipolar residuals of tracked points that a camera has moved, or is not the rig's."""
 
 import math
 from collections import deque
@@ -12,27 +12,29 @@ from msgspec import Meta
 
 from common.clock import NS_PER_S
 from local_site.calibration.rig import Rig
+from local_site.tracking.rig_fit import RigFit
 from local_site.tracking.tracker import ArmEstimate
 
 
 class DriftConfig(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
-    """From which residuals on a camera counts as moved."""
+    """From which residuals on a camera counts as moved, or as another than the rig's."""
 
     learn_s: Annotated[float, Meta(gt=0, le=60, description="first seconds of tracking, whose level is normal")] = 5.0
     window_s: Annotated[float, Meta(gt=0, le=600, description="over which the median is taken")] = 10.0
     min_residuals: Annotated[int, Meta(ge=10, le=10_000, description="fewer in a window give no verdict")] = 100
     factor: Annotated[float, Meta(gt=1, le=20, description="a median this many times the normal level, and")] = 2.0
     margin_px: Annotated[float, Meta(gt=0, le=50, description="at least this much above it, is drift, px")] = 1.5
-    start_px: Annotated[
-        float, Meta(gt=0, le=50, description="a normal level this much above the calibration's is drift already, px")
-    ] = 5.0
+    misfit_sigmas: Annotated[
+        float,
+        Meta(gt=1, le=20, description="a residual of more sigmas of the wrist, in the picture, contradicts the rig"),
+    ] = 1.25  # noise alone gives up to 1.15 in two views
 
 
 class DriftAlarm:
     """Compares the median residual of a time window with that of the first seconds, as the calibration drifts.
 
-    `calibrated_px` is the rig's own median residual. Tracked points are noisier than a plate's, so the normal level is
-    learned from the first seconds; if that itself is far too high, the alarm is raised immediately.
+    `calibrated_px` is the rig's own median residual, to be told. Tracked points are noisier than a plate's, so the
+    normal level is learned from the first seconds; whether that level itself fits the rig, RigFit says.
     """
 
     def __init__(self, calibrated_px: float | None, config: DriftConfig | None = None) -> None:
@@ -66,32 +68,44 @@ class DriftAlarm:
                 return None
             self._normal_px = median
             self._residuals.clear()
-        if self._normal_px > self._calibrated_px + self._config.start_px:
-            return self._describe(median, "from the start")
         limit = max(self._config.factor * self._normal_px, self._normal_px + self._config.margin_px)
-        return self._describe(median, f"{self._normal_px:.1f} px at the start") if median > limit else None
-
-    def _describe(self, median: float, before: str) -> str:
+        if median <= limit:
+            return None
         return (
-            f"tracked points miss their epipolar lines by {median:.1f} px ({before}, {self._calibrated_px:.1f} px at "
-            "calibration): a camera has moved or the views are out of step; calibrate again"
+            f"tracked points miss their epipolar lines by {median:.1f} px ({self._normal_px:.1f} px at the start, "
+            f"{self._calibrated_px:.1f} px at calibration): a camera has moved or the views are out of step; "
+            "calibrate again"
         )
 
 
 class DriftWatch:
-    """Feeds the drift alarm with the residual of each estimate; `warn` is called once with its sentence."""
+    """Judges each estimate's residual; `warn` is called once with the first sentence of an alarm."""
 
     def __init__(self, rig: Rig, config: DriftConfig, warn: Callable[[str], None]) -> None:
         self._alarm = DriftAlarm(rig.epipolar_px, config)
+        self._fit, self._misfit = RigFit(rig, config.misfit_sigmas), ""
+        self._judged_ns = -NS_PER_S
+        self._config = config
         self._warn: Callable[[str], None] | None = warn
 
     def judge(self, estimate: ArmEstimate) -> ArmEstimate:
         """The estimate; during an alarm with its sentence at the end of the reason."""
         residuals_px = () if estimate.residual_px is None else (estimate.residual_px,)
-        sentence = self._alarm.feed(residuals_px, estimate.t_ns)
-        if sentence is None:
+        self._fit.add(estimate)
+        if estimate.t_ns - self._judged_ns >= NS_PER_S:
+            self._judged_ns, self._misfit = estimate.t_ns, self._judge_rig(estimate.t_ns)
+        sentence = self._alarm.feed(residuals_px, estimate.t_ns) or self._misfit
+        if not sentence:
             return estimate
         if self._warn is not None:
             self._warn(sentence)
             self._warn = None
         return replace(estimate, reason="; ".join(filter(None, (estimate.reason, sentence))))
+
+    def _judge_rig(self, t_ns: int) -> str:
+        """Whether the last seconds contradict the rig; empty if not, or while too little was seen."""
+        self._fit.forget_before(t_ns - round(self._config.window_s * NS_PER_S))
+        begin_ns = self._fit.begin_ns
+        if begin_ns is None or t_ns - begin_ns < self._config.learn_s * NS_PER_S:
+            return ""
+        return self._fit.problem()

@@ -15,7 +15,7 @@ from local_site.tracking.markers.identity import NO_CANDIDATE, ROLES, MarkerIden
 from local_site.tracking.markers.learned import Learning, MarkedHand, Memory, is_open
 from local_site.tracking.markers.measuring import MarkerMeter, Sighting
 from local_site.tracking.markers.spots import NO_SPOTS, SpotFinder, Spots
-from local_site.tracking.tracker import ArmEstimate, Overlay, Views
+from local_site.tracking.tracker import ArmEstimate, Overlay, TrackingReason, Views
 
 FORGET_AFTER = 60
 LEAST_RESIDUAL_PX = 0.3
@@ -23,7 +23,6 @@ GATE = 10.0
 REFUSED = 6.0
 DOUBTED = 2.5
 MAX_SIGMA_M = 0.015
-OUT_OF_SYNC = "the views do not fit together: they are out of sync, or a camera has moved since calibration"
 
 
 class Quality:
@@ -112,11 +111,11 @@ class MarkerTracker:
             return _lost(views.t_ns, "; ".join(silent))
         candidates = correspond(self._projections, spots, self._quality.gate_px)
         if not len(candidates):
-            return _lost(views.t_ns, OUT_OF_SYNC)
+            return _lost(views.t_ns, TrackingReason.OUT_OF_STEP)
         identity = self._identity(candidates, views.t_ns)
         sightings = [self._sighting(candidates, identity, role, spots) for role in range(len(ROLES))]
         if self._quality.out_of_sync(sightings):
-            return _lost(views.t_ns, OUT_OF_SYNC, self._quality.epipolar_px(sightings, spots))
+            return _lost(views.t_ns, TrackingReason.OUT_OF_STEP, self._quality.epipolar_px(sightings, spots))
         if not any(sightings):
             return self._no_markers(views.t_ns, len(candidates), spots)
         self._strange = 0
@@ -140,7 +139,7 @@ class MarkerTracker:
     def _no_markers(self, t_ns: int, candidates: int, spots: Sequence[Spots]) -> ArmEstimate:
         """Bright spots that are not the markers of this hand; after FORGET_AFTER instants another hand is learned."""
         if candidates < len(ROLES) <= min(len(found) for found in spots):
-            return _lost(t_ns, OUT_OF_SYNC)
+            return _lost(t_ns, TrackingReason.OUT_OF_STEP)
         if self._hand is None:
             self._learning = Learning(self._config.initial_pairs)
             reason = "show wrist, index and thumb marker to all cameras, thumb and index in a U"

@@ -154,3 +154,11 @@ def test_an_exchanged_pair_is_told_by_the_exit_code(track, tmp_path, exchanged):
     found = [(row, line) for row, line in zip(rows, lines, strict=True) if line["wrist"]]
     assert len(found) > 60
     assert all([float(row[f"wrist_{a}_m"]) for a in "xyz"] == line["wrist"] for row, line in found)
+
+
+@pytest.mark.skipif(not DATA.exists(), reason="the recordings are not here")
+def test_the_file_of_another_rig_is_told_in_the_closing_sentence(track):
+    pair = [f"--{name}={DATA / 'yz' / name}.avi" for name in ("left", "right")]
+    done = track(*pair)
+    assert done.out.splitlines()[-1].startswith("warning: the views miss each other by ")
+    assert done.out.rstrip().endswith("calibrate again, or give the file of this rig")

@@ -101,3 +101,15 @@ def test_cameras_that_stand_give_no_warning(track):
     assert {line["reason"] for line in lines} == {"folded"}
     assert summary.drift is None
     assert "warning" not in describe(summary, [])
+
+
+def test_a_short_track_with_another_rigs_file_ends_with_the_cure(track):
+    def answer(t_ns):
+        covariances = {"wrist": 1e-5 * np.eye(3)}
+        return ArmEstimate(t_ns, TrackingStatus.TRACKED, "", wrist=WRIST, covariances=covariances, residual_px=9.0)
+
+    summary, _ = track(answer, 30)
+    assert describe(summary, []).endswith(
+        "the calibration does not fit these cameras; calibrate again, or give the file of this rig"
+    )
+    assert "9.0 px" in summary.misfit
