@@ -16,6 +16,7 @@ from common.errors import CalibrationError, CameraError, ConfigError
 from common.geometry import Array
 from farhand.calibration.cameras import CameraSetup
 from farhand.calibration.points import Calibrated, calibrate_control
+from local_site.acquisition.same_source import refuse_same
 from local_site.calibration.control_points import CAMERAS
 from local_site.calibration.coverage import coverage_map, draw_found
 from local_site.calibration.plate import Plate, PlateView, plate_control_points, view_plate, without_perspective_bias
@@ -39,11 +40,13 @@ class PictureJob:
 
 
 def by_name(sources: Sequence[str | None]) -> dict[str, str]:
-    """The sources that were given, by their cameras' names; ConfigError if one was left out between others."""
+    """The sources that were given, by their cameras' names; ConfigError if one was left out, or given twice."""
     present = [source for source in sources if source is not None]
     if list(sources[: len(present)]) != present:
         raise ConfigError("a camera was left out; give them in this order: --left, --right, --third, --fourth")
-    return dict(zip(CAMERAS, present, strict=False))
+    named = dict(zip(CAMERAS, present, strict=False))
+    refuse_same(named)
+    return named
 
 
 def read_pictures(source: str, name: str) -> list[Image]:

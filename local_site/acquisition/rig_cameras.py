@@ -15,6 +15,7 @@ from common.cameras.sources import Source, open_camera, recorded_fps
 from common.clock import Clock
 from common.errors import CameraError, ConfigError
 from local_site.acquisition.paced_recording import PacedRecording, RecordingStart
+from local_site.acquisition.same_source import refuse_same
 from local_site.acquisition.simulated_cameras import SimulatedCameras
 from local_site.calibration.rig import Rig
 from local_site.calibration.rig_file import load_rig
@@ -124,7 +125,7 @@ def open_rig_cameras(
 ) -> list[Camera]:
     """A camera for each of the rig's, by its name there, with the settings of that name.
 
-    CameraError if one cannot be opened or the numbers differ.
+    CameraError if one cannot be opened or the numbers differ, ConfigError if two are the same.
     """
     if len(sources) != len(rig.cameras):
         names = ", ".join(camera.name for camera in rig.cameras)
@@ -132,6 +133,7 @@ def open_rig_cameras(
             f"the rig has {len(rig.cameras)} cameras ({names}), but {len(sources)} are given: "
             "give one for each, in this order, or calibrate again with those you have"
         )
+    refuse_same({own.name: source for own, source in zip(rig.cameras, sources, strict=True)})
     by_name = settings or {}
     with ExitStack() as opened:
         cameras = [

@@ -63,7 +63,7 @@ def dark(folder, count):
     """A folder of dark pictures."""
     folder.mkdir()
     for k in range(count):
-        cv2.imwrite(str(folder / f"{k:03d}.png"), np.full((48, 64), 8, np.uint8))
+        cv2.imwrite(str(folder / f"{k:03d}.png"), np.full((48, 64), 8 + len(folder.name), np.uint8))
     return folder
 
 

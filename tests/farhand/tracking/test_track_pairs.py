@@ -103,7 +103,7 @@ def folder(tmp_path, name, sizes):
     """A folder of dark pictures of these heights and widths."""
     (tmp_path / name).mkdir()
     for k, size in enumerate(sizes):
-        cv2.imwrite(str(tmp_path / name / f"{k}.png"), np.full(size, 8, np.uint8))
+        cv2.imwrite(str(tmp_path / name / f"{k}.png"), np.full(size, 8 + len(name), np.uint8))
     return str(tmp_path / name)
 
 
@@ -112,7 +112,7 @@ def video(tmp_path, name, fps):
     path = str(tmp_path / f"{name}.avi")
     writer = cv2.VideoWriter(path, cv2.VideoWriter.fourcc(*"MJPG"), fps, (64, 48))
     for _ in range(3):
-        writer.write(np.full((48, 64, 3), 8, np.uint8))
+        writer.write(np.full((48, 64, 3), 8 + len(name), np.uint8))
     writer.release()
     return path
 
@@ -213,7 +213,7 @@ def test_nothing_to_track_and_nowhere_to_write_are_told(tmp_path):
 def test_the_command_tracks_four_cameras(tmp_path):
     for name in ("left", "right", "third", "fourth"):
         (tmp_path / name).mkdir()
-        cv2.imwrite(str(tmp_path / name / "0.png"), IMAGE)
+        cv2.imwrite(str(tmp_path / name / "0.png"), IMAGE + CAMERAS.index(name))
     pair = exact_rig(StereoConfig())
     four = tuple(replace(pair.cameras[k % 2], name=name) for k, name in enumerate(CAMERAS))
     save_rig(Rig(four, pair.volume_min, pair.volume_max, pair.error_rms, "made up"), tmp_path / "rig.json")
