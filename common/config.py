@@ -4,10 +4,11 @@ import codecs
 import difflib
 import re
 import tomllib
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Annotated, Any, Literal, TypeVar, get_args, get_origin
+from types import UnionType
+from typing import Annotated, Any, Literal, TypeVar, Union, get_args, get_origin
 
 import msgspec
 
@@ -75,19 +76,50 @@ def build(struct: type[S], table: Mapping[str, Any], path: KeyPath, mistakes: li
 
 
 def _value(expected: Any, value: Any, path: KeyPath, mistakes: list[ConfigMistake]) -> Any:
-    if isinstance(expected, type) and issubclass(expected, msgspec.Struct):
-        if isinstance(value, dict):
-            return build(expected, value, path, mistakes)
-        mistakes.append(ConfigMistake(path, f"must be a table: [{'.'.join(path)}]"))
-        return None
+    bare = get_args(expected)[0] if get_origin(expected) is Annotated else expected
+    if (row := _table_of(bare)) is not None:
+        if not isinstance(value, dict):
+            mistakes.append(ConfigMistake(path, f"must be a table: [{'.'.join(path)}]"))
+            return None
+        if row is bare:
+            return build(row, value, path, mistakes)
+        return {name: _value(row, own, (*path, name), mistakes) for name, own in value.items()}
     try:
         return msgspec.convert(value, expected)
     except msgspec.ValidationError as error:
-        bare = get_args(expected)[0] if get_origin(expected) is Annotated else expected
-        choices = ", ".join(map(str, get_args(bare))) if get_origin(bare) is Literal else ""
-        cure = f"choose one of {choices}" if choices else str(error)
-        mistakes.append(ConfigMistake(path, f"{value!r} is not allowed: {cure}"))
+        mistakes.append(ConfigMistake(path, f"{value!r} is not allowed: {_cure(expected, value, str(error))}"))
         return None
+
+
+def _cure(expected: Any, value: Any, error: str) -> str:
+    """What may stand in the place of a value that `error` refuses."""
+    parts = list(_parts(expected))
+    choices = [str(choice) for part in parts if get_origin(part) is Literal for choice in get_args(part)]
+    if choices and isinstance(value, str) and (near := difflib.get_close_matches(value, choices, n=1)):
+        return f"did you mean {near[0]}?"
+    if choices and type(value) not in parts and not (isinstance(value, int) and float in parts):
+        number = " or give a number" if float in parts else " or give a whole number" if int in parts else ""
+        return f"choose {'one of ' if len(choices) > 1 else ''}{', '.join(choices)}{number}"
+    described = [note.description for note in getattr(expected, "__metadata__", ()) if note.description]
+    return f"give a {described[0]}" if "regex" in error and described else error.replace(" | null", "")
+
+
+def _parts(expected: Any) -> Iterator[Any]:
+    """A type's alternatives, without what limits them."""
+    if get_origin(expected) is Annotated:
+        yield from _parts(get_args(expected)[0])
+    elif isinstance(expected, UnionType) or get_origin(expected) is Union:
+        for part in get_args(expected):
+            yield from _parts(part)
+    else:
+        yield expected
+
+
+def _table_of(expected: Any) -> type[msgspec.Struct] | None:
+    """The struct of a table, or of each table by its name; None for a value."""
+    if get_origin(expected) is dict:
+        expected = get_args(expected)[1]
+    return expected if isinstance(expected, type) and issubclass(expected, msgspec.Struct) else None
 
 
 def _unknown(key: str, known: list[str]) -> str:

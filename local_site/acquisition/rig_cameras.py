@@ -3,6 +3,7 @@
 from collections.abc import Callable, Mapping, Sequence
 from contextlib import ExitStack, closing
 from dataclasses import dataclass
+from difflib import get_close_matches
 from pathlib import Path
 from typing import Annotated
 
@@ -72,13 +73,17 @@ class OperatorConfig(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_f
         return (self.left,) if self.alone else (self.left, self.right, *self.also)
 
     def settings_of(self, names: Sequence[str]) -> dict[str, CameraSettings]:
-        """The settings of each camera by its name; ConfigError for settings of a camera that is none of these."""
-        if unknown := self.camera.keys() - set(names):
-            raise ConfigError(
-                f"operator.camera.{min(unknown)}: the rig has no such camera; its cameras are {', '.join(names)}"
-            )
+        """The settings of each camera by its name; ConfigError for settings of cameras that are none of these."""
+        if unknown := [name for name in self.camera if name not in names]:
+            raise ConfigError("\n".join(_unknown_camera(name, names) for name in unknown))
         every = CameraSettings(latency_ms=self.latency_ms).overridden_by(self.cameras)
         return {name: every.overridden_by(self.camera.get(name, AS_IT_IS)) for name in names}
+
+
+def _unknown_camera(name: str, names: Sequence[str]) -> str:
+    near = get_close_matches(name, names, n=1)
+    cure = f"did you mean {near[0]}?" if near else f"its cameras are {', '.join(names)}"
+    return f"operator.camera.{name}: the rig has no such camera; {cure}"
 
 
 @dataclass(frozen=True, slots=True)

@@ -1,7 +1,7 @@
 """Configuration: all mistakes of a file together, each with its line and cure."""
 
 from pathlib import Path
-from typing import Annotated
+from typing import Annotated, Literal
 
 import msgspec
 import pytest
@@ -15,9 +15,23 @@ class Inner(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=Tru
     name: str = "a"
 
 
+class Light(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
+    level: Annotated[Annotated[float, msgspec.Meta(gt=0)] | Literal["auto"] | None, msgspec.Meta(description="x")] = (
+        None
+    )
+    steps: int | Literal["auto", "off"] | None = None
+    code: Annotated[
+        Annotated[str, msgspec.Meta(pattern="^[A-Z]{4}$")] | None, msgspec.Meta(description='code of four: "MJPG"')
+    ] = None
+
+
 class Outer(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
     inner: Inner = Inner()
     count: int = 3
+    lights: Annotated[Light, msgspec.Meta(description="all lights")] = Light()
+    light: Annotated[dict[str, Light], msgspec.Meta(description="one light, by its name")] = msgspec.field(
+        default_factory=dict
+    )
 
 
 def write(tmp_path: Path, text: str) -> Path:
@@ -47,6 +61,41 @@ def test_every_mistake_is_told_at_once_with_its_line(tmp_path: Path) -> None:
     assert any(f"{path}:2: count" in line for line in lines)
     assert any(f"{path}:5: inner.speed" in line and "<= 1" in line for line in lines)
     assert any(f"{path}:6: inner.speeed" in line and "did you mean speed?" in line for line in lines)
+
+
+def test_described_tables_and_tables_by_name_are_told_key_by_key(tmp_path: Path) -> None:
+    path = write(
+        tmp_path, '[lights]\nlevle = 1\nlevel = "atuo"\n[light.left]\nsteps = 1.5\n[light.right]\ncode = "x"\n'
+    )
+    with pytest.raises(ConfigError) as caught:
+        load_config(Outer, path)
+    assert str(caught.value).splitlines() == [
+        f"{path}:2: lights.levle: is not a key here; did you mean level?",
+        f"{path}:3: lights.level: 'atuo' is not allowed: did you mean auto?",
+        f"{path}:5: light.left.steps: 1.5 is not allowed: choose one of auto, off or give a whole number",
+        f"{path}:7: light.right.code: 'x' is not allowed: give a code of four: \"MJPG\"",
+    ]
+
+
+def test_tables_by_name_are_read(tmp_path: Path) -> None:
+    path = write(tmp_path, '[light.left]\nlevel = "auto"\n[light.right]\nlevel = 2\n')
+    assert load_config(Outer, path).light == {"left": Light(level="auto"), "right": Light(level=2.0)}
+
+
+@pytest.mark.parametrize(
+    ("setting", "told"),
+    [
+        ("light.left=3", "must be a table: [light.left]"),
+        ("lights=3", "must be a table: [lights]"),
+        ("lights.level=-1", "-1 is not allowed: Expected `float` > 0.0"),
+        ("lights.level=[]", "[] is not allowed: choose auto or give a number"),
+        ("lights.code=3", "3 is not allowed: Expected `str`, got `int`"),
+    ],
+)
+def test_what_is_allowed_is_told(setting: str, told: str) -> None:
+    with pytest.raises(ConfigError) as caught:
+        load_config(Outer, None, [setting])
+    assert str(caught.value) == f"--set {setting.partition('=')[0]}: {told}"
 
 
 @pytest.mark.parametrize("setting", ["inner.speed", "=1", "count.x=1", "inner..speed=1"])

@@ -84,6 +84,17 @@ def test_each_camera_has_the_settings_of_all_and_its_own_over_them():
         operator.settings_of(["left", "middle"])
 
 
+def test_all_settings_of_unknown_cameras_are_told_at_once():
+    lines = ("operator.camera.rihgt.gain=9", "operator.camera.front.gain=9")
+    operator = load_config(LocalConfig, None, (*REAL, *lines)).operator
+    with pytest.raises(ConfigError) as caught:
+        operator.settings_of(["left", "right"])
+    assert str(caught.value).splitlines() == [
+        "operator.camera.rihgt: the rig has no such camera; did you mean right?",
+        "operator.camera.front: the rig has no such camera; its cameras are left, right",
+    ]
+
+
 def test_a_camera_is_opened_with_the_settings_of_its_name(opened):
     by_name = {"right": CameraSettings(gain=3)}
     open_rig_cameras(rig_of("left", "right"), [0, 1], 30.0, by_name)
