@@ -16,6 +16,8 @@ from common.errors import CameraError, ConfigError
 
 DEFAULT_FOLDER_FPS = 30.0
 MAX_STATED_FRAMES = 1e8  # more is what OpenCV makes of an index without a duration
+COUNTING_SUFFIXES = frozenset({".avi", ".mp4", ".m4v", ".mov"})  # of others OpenCV guesses the count by the duration
+USUALLY_MISSING = 0.01  # of the frames that a file states: an index may count one that was never written
 
 Source = Annotated[int, Meta(ge=0)] | Annotated[str, Meta(min_length=1)]
 
@@ -25,10 +27,14 @@ def _as_image(array: object) -> Image:
 
 
 class VideoFile:
-    """A recording; frame k is stamped k / fps from the start, however fast it is read."""
+    """A recording; frame k is stamped k / fps from the start, however fast it is read.
+
+    Where it ends too early, `damage` says so afterwards; until then, and else, it is empty.
+    """
 
     def __init__(self, path: Path, name: str, fps: float | None = None) -> None:
-        self.name = name
+        self.name, self.damage = name, ""
+        self._path = path
         self._capture = cv2.VideoCapture(str(path))
         if not path.is_file() or not self._capture.isOpened():
             raise CameraError(f"camera {name}: {path} is not a video file that can be read")
@@ -43,10 +49,21 @@ class VideoFile:
         """The next frame of the file, None at its end."""
         ok, image = self._capture.read()
         if not ok:
+            self.damage = self._describe_damage()
             return None
         frame = Frame(_as_image(image), round(self._seq * NS_PER_S / self.fps), self._seq)
         self._seq += 1
         return frame
+
+    def _describe_damage(self) -> str:
+        """What the file states and does not hold, as a sentence with the cure."""
+        stated = self.stated_frames or 0
+        if self._path.suffix.lower() not in COUNTING_SUFFIXES or stated - self._seq <= max(1, USUALLY_MISSING * stated):
+            return ""
+        return (
+            f"camera {self.name}: {self._path} is damaged or was cut off: decoding ended at picture {self._seq}, but "
+            f"it states {stated}; copy it again or record anew"
+        )
 
     def close(self) -> None:
         self._capture.release()
@@ -92,3 +109,8 @@ def stated_frames(camera: Camera) -> int | None:
     Of a folder the number is exact. A file's index may be damaged or guessed, so it is a hint.
     """
     return camera.stated_frames if isinstance(camera, VideoFile | ImageFolder) else None
+
+
+def damage_of(camera: Camera) -> str:
+    """What is wrong with a recording that has come to its end, as a sentence with the cure; else empty."""
+    return camera.damage if isinstance(camera, VideoFile) else ""

@@ -11,7 +11,7 @@ import numpy as np
 
 from common.cameras.camera import Image
 from common.cameras.images import IMAGE_SUFFIXES, write_image
-from common.cameras.sources import open_camera
+from common.cameras.sources import damage_of, open_camera
 from common.errors import CalibrationError, CameraError, ConfigError
 from common.geometry import Array
 from farhand.calibration.cameras import CameraSetup
@@ -62,6 +62,8 @@ def read_pictures(source: str, name: str) -> list[Image]:
     with closing(open_camera(source, name)) as camera:
         while len(pictures) < MAX_PICTURES and (frame := camera.read()) is not None:
             pictures.append(frame.image)
+    if damage := damage_of(camera):
+        raise CameraError(damage)
     return pictures
 
 

@@ -20,7 +20,8 @@ class Summary:
     """A recording's result: pairs, how many of each status, how often each point was found, toggles, ms per pair.
 
     `drift` is the sentence of the first drift alarm, if there was one, and `misfit` that of a rig which most pairs
-    contradict; `left_out` names what was not tracked because a camera ended before another.
+    contradict; `left_out` names what was not tracked because a camera ended before another, `damages` files that ended
+    before their own end.
     """
 
     pairs: int = 0
@@ -32,6 +33,7 @@ class Summary:
     drift: str | None = None
     misfit: str = ""
     left_out: str = ""
+    damages: tuple[str, ...] = ()
 
     def add(self, line: TrackLine) -> None:
         """Count one pair."""
@@ -65,7 +67,9 @@ def describe(summary: Summary, written: Sequence[Path]) -> str:
         f"points found: {found}; gripper toggles: {summary.gripper_toggles}",
         f"{median:.1f} ms per pair (p95 {p95:.1f}); written to {', '.join(map(str, written))}",
     ]
-    warnings = [sentence for sentence in (summary.left_out, summary.misfit or summary.drift) if sentence]
+    warnings = [
+        sentence for sentence in (*summary.damages, summary.left_out, summary.misfit or summary.drift) if sentence
+    ]
     return "\n".join([*lines, *(f"warning: {sentence}" for sentence in warnings)])
 
 

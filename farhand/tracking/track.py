@@ -6,6 +6,7 @@ from contextlib import ExitStack
 from itertools import takewhile
 
 from common.cameras.camera import Camera
+from common.cameras.sources import damage_of
 from common.clock import NS_PER_MS, NS_PER_S
 from common.errors import CameraError
 from farhand.tracking.recorded_pairs import RecordedPairs
@@ -55,6 +56,7 @@ def track_recording(
         raise CameraError(f"no pair of frames of a common time: {why}; give recordings that hold frames")
     recording.finish()
     summary.left_out = pairs.left_out
+    summary.damages = tuple(filter(None, map(damage_of, (left_camera, *others))))
     return summary
 
 

@@ -70,7 +70,7 @@ class Capture:
                         self._newest = views
                         self._changed.notify_all()
         except CameraError as error:
-            failure = f"camera {self._cameras[k].name}: {error}"
+            failure = str(error)
         with self._changed:
             self._failure = self._failure or failure
             self._reading -= 1

@@ -4,7 +4,9 @@ import threading
 from dataclasses import replace
 
 from common.cameras.camera import Camera, Frame
+from common.cameras.sources import damage_of
 from common.clock import Clock
+from common.errors import CameraError
 
 
 class RecordingStart:
@@ -35,9 +37,13 @@ class PacedRecording:
         return self._recording.name
 
     def read(self) -> Frame | None:
-        """Wait for the next frame; None at the end."""
+        """Wait for the next frame; None at the end, CameraError at that of a damaged file."""
         frame = self._recording.read()
-        return None if frame is None else replace(frame, capture_ns=self._start.wait_until(frame.capture_ns))
+        if frame is not None:
+            return replace(frame, capture_ns=self._start.wait_until(frame.capture_ns))
+        if damage := damage_of(self._recording):
+            raise CameraError(damage)
+        return None
 
     def close(self) -> None:
         """Close the recording."""

@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 from common.cameras.settings import CameraSettings
-from common.cameras.sources import open_camera, stated_frames
+from common.cameras.sources import damage_of, open_camera, stated_frames
 from common.errors import CameraError, ConfigError
 
 
@@ -48,6 +48,30 @@ def test_a_video_file_is_stamped_by_its_rate(tmp_path: Path) -> None:
     camera.close()
     slow = open_camera(str(path), "left", fps=5)
     assert [slow.read().capture_ns for _ in range(2)] == [0, 200_000_000]
+
+
+def test_a_video_that_was_cut_off_says_where(tmp_path: Path) -> None:
+    path = tmp_path / "a.avi"
+    writer = cv2.VideoWriter(str(path), cv2.VideoWriter.fourcc(*"MJPG"), 20.0, (64, 48))
+    noise = np.random.default_rng(1)
+    for _ in range(30):
+        writer.write(noise.integers(0, 255, (48, 64, 3)).astype(np.uint8))
+    writer.release()
+
+    def read_all() -> tuple[int, str]:
+        camera = open_camera(str(path), "left")
+        assert damage_of(camera) == ""
+        count = sum(1 for _ in iter(camera.read, None))
+        return count, damage_of(camera)
+
+    assert read_all() == (30, "")
+    path.write_bytes(path.read_bytes()[: path.stat().st_size // 2])
+    count, damage = read_all()
+    assert 10 < count < 20
+    assert damage == (
+        f"camera left: {path} is damaged or was cut off: decoding ended at picture {count}, but it states 30; "
+        "copy it again or record anew"
+    )
 
 
 @pytest.mark.parametrize("source", ["/dev/video97", 97, "absent.avi", "empty", "notes.txt"])

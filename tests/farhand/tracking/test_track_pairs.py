@@ -107,11 +107,11 @@ def folder(tmp_path, name, sizes):
     return str(tmp_path / name)
 
 
-def video(tmp_path, name, fps):
-    """A video of three dark frames."""
+def video(tmp_path, name, fps, count=3):
+    """A video of dark frames."""
     path = str(tmp_path / f"{name}.avi")
     writer = cv2.VideoWriter(path, cv2.VideoWriter.fourcc(*"MJPG"), fps, (64, 48))
-    for _ in range(3):
+    for _ in range(count):
         writer.write(np.full((48, 64, 3), 8 + len(name), np.uint8))
     writer.release()
     return path
@@ -120,6 +120,15 @@ def video(tmp_path, name, fps):
 def sources(tmp_path, left, right, fps=None):
     save_rig(exact_rig(StereoConfig()), tmp_path / "rig.json")
     return TrackSources(tmp_path / "rig.json", left, right, fps, LocalConfig(tracking=TrackingConfig(method="markers")))
+
+
+def test_a_recording_that_was_cut_off_is_told_with_the_picture_at_which_it_ends(tmp_path):
+    left, right = (Path(video(tmp_path, name, 15, count=60)) for name in ("left", "right"))
+    right.write_bytes(right.read_bytes()[: right.stat().st_size * 2 // 3])
+    summary = run_track(sources(tmp_path, str(left), str(right)), TrackOutputs(tmp_path / "track.jsonl"))
+    assert 0 < summary.pairs < 59
+    told = f"warning: camera right: {right} is damaged or was cut off: decoding ended at picture {summary.pairs}"
+    assert told in describe(summary, [])
 
 
 @pytest.mark.parametrize(("left", "right", "refused"), [(15, 30, True), (30, 30.5, True), (30, 29.97, False)])

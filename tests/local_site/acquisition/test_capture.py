@@ -83,7 +83,7 @@ def test_a_slow_taker_gets_the_newest_views_only():
 def test_a_failing_camera_is_named_and_ends_the_waiting():
     left, right = ScriptedCamera("left"), ScriptedCamera("right")
     capture = start(left, right)
-    right.script.put(CameraError("unplugged; plug it in"))
+    right.script.put(CameraError("camera right: unplugged; plug it in"))
     assert capture.next(WAIT_S) is None
     assert capture.ended
     assert capture.problem() == "camera right: unplugged; plug it in"

@@ -1,9 +1,12 @@
 """A recording as a live camera: at its own pace, on this host's clock, both views from one start."""
 
 import numpy as np
+import pytest
 
 from common.cameras.camera import Frame
 from common.clock import NS_PER_MS, NS_PER_S, FakeClock
+from common.errors import CameraError
+from local_site.acquisition import paced_recording
 from local_site.acquisition.paced_recording import PacedRecording, RecordingStart
 
 START_NS = 41_953 * NS_PER_S
@@ -50,3 +53,11 @@ def test_name_and_end_are_the_recordings():
     camera = PacedRecording(recording, RecordingStart(FakeClock(0)))
     camera.close()
     assert (camera.name, recording.is_closed) == ("left", True)
+
+
+def test_a_recording_that_was_cut_off_fails_as_a_camera_does(monkeypatch):
+    monkeypatch.setattr(paced_recording, "damage_of", lambda _: "camera left: cut off")
+    camera = PacedRecording(Recording(1), RecordingStart(FakeClock(START_NS)))
+    assert camera.read() is not None
+    with pytest.raises(CameraError, match="cut off"):
+        camera.read()
