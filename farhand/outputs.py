@@ -5,6 +5,7 @@ import os
 from collections.abc import Iterable, Iterator, Mapping
 from contextlib import contextmanager
 from pathlib import Path
+from tempfile import TemporaryFile
 from typing import TextIO
 
 from common.atomic_file import write_atomically
@@ -16,7 +17,8 @@ def check_file(option: str, out: Path, inputs: Iterable[str | Path] = ()) -> Non
     """ConfigError, before any work, if a file cannot be written there or is one that is read."""
     if out.is_dir() or not out.parent.is_dir():
         raise ConfigError(f"{option} {out}: give a file in a folder that exists")
-    if not any(os.access(path, os.W_OK) for path in (out, out.parent)):
+    is_device = out.exists() and not out.is_file()
+    if not (os.access(out, os.W_OK) if is_device else _takes_files(out.resolve().parent)):
         raise ConfigError(f"{option} {out} cannot be written; choose another file")
     _refuse_inputs(option, out, inputs)
 
@@ -28,9 +30,18 @@ def check_folder(option: str, folder: Path | None, inputs: Iterable[str | Path] 
     existing = next(path for path in (folder, *folder.absolute().parents) if os.access(path, os.F_OK))
     if not existing.is_dir():
         raise ConfigError(f"{option} {existing} is a file; give a folder")
-    if not os.access(existing, os.W_OK | os.X_OK):
+    if not _takes_files(existing):
         raise ConfigError(f"{option} {folder} cannot be written; choose another folder")
     _refuse_inputs(option, folder, [_folder_of_pictures(Path(given)) for given in inputs])
+
+
+def _takes_files(folder: Path) -> bool:
+    """Whether a file can be made in a folder, tried: permissions alone say nothing of a file system such as /proc."""
+    try:
+        with TemporaryFile(dir=folder):
+            return True
+    except OSError:
+        return False
 
 
 def _folder_of_pictures(given: Path) -> Path:
@@ -59,7 +70,7 @@ def make_folder(option: str, folder: Path) -> None:
         folder.mkdir(parents=True, exist_ok=True)
     except OSError as error:
         raise ConfigError(f"{option} {folder} cannot be made: {error.strerror}; choose another folder") from error
-    if not os.access(folder, os.W_OK | os.X_OK):
+    if not _takes_files(folder):
         raise ConfigError(f"{option} {folder} cannot be written; choose another folder")
 
 

@@ -1,6 +1,7 @@
 """Results never replace what they come from, and a failure leaves earlier results alone."""
 
 import os
+from pathlib import Path
 
 import cv2
 import numpy as np
@@ -12,7 +13,7 @@ from common.cameras.camera import Frame
 from common.errors import ConfigError, FarhandError
 from farhand.calibration.points import doubts, solvable
 from farhand.cli import app
-from farhand.outputs import check_file, check_folder, written_at_end
+from farhand.outputs import check_file, check_folder, make_folder, written_at_end
 from farhand.tracking.results.tables import json_lines
 from farhand.tracking.track import track_recording
 from local_site.calibration.rig_file import save_rig
@@ -79,13 +80,21 @@ def test_a_folder_below_a_file_is_refused_before_any_work(tmp_path):
     check_folder("--save-views", tmp_path / "views" / "today")
 
 
-def test_what_the_file_system_refuses_is_refused_before_any_work(tmp_path, monkeypatch):
-    access = os.access
-    monkeypatch.setattr("os.access", lambda path, mode: mode == os.F_OK and access(path, mode))
+@pytest.mark.parametrize("make", [check_folder, make_folder])
+def test_what_the_file_system_refuses_is_refused_before_any_work(make):
     with pytest.raises(ConfigError, match=r"--report .* cannot be written; choose another file"):
-        check_file("--report", tmp_path / "report.json")
-    with pytest.raises(ConfigError, match=r"--save-views .* cannot be written; choose another folder"):
-        check_folder("--save-views", tmp_path / "views")
+        check_file("--report", Path("/proc/report.json"))
+    with pytest.raises(ConfigError, match=r"--report /proc/views.* cannot be (written|made).*; choose another folder"):
+        make("--report", Path("/proc/views"))
+
+
+def test_an_output_may_be_a_device_or_a_link_and_the_trial_leaves_nothing(tmp_path):
+    check_file("--out", Path(os.devnull))
+    (tmp_path / "folder").mkdir()
+    (tmp_path / "link").symlink_to(tmp_path / "folder" / "track.jsonl")
+    check_file("--out", tmp_path / "link")
+    check_folder("--report", tmp_path / "folder" / "report")
+    assert not list((tmp_path / "folder").iterdir())
 
 
 @pytest.mark.parametrize(("pictures", "kept"), [(0, True), (3, False)])
