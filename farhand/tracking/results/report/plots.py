@@ -13,6 +13,7 @@ from farhand.tracking.results.report.history import STATUSES, Mask, TrackHistory
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
 
+PLOTS = POSITION, SPEED_SIGMA, COURSE = "position", "speed_sigma", "course"
 SHOWN_REASONS = 8
 TIME = "time, s"
 MEASURED: dict[str, Any] = {
@@ -52,7 +53,7 @@ def _positions(history: TrackHistory, names: list[str]) -> Plot:
             panel.plot(history.t_s, values, **MEASURED)
             describe_panel(panel, f"{name} {axis}", "m")
     spans = "; ".join(f"{name} {_span(history.position(name))}" for name in names)
-    return Plot("position", f"x, y and z of each point over time: {spans}", png(figure, axes, TIME))
+    return Plot(POSITION, f"x, y and z of each point over time: {spans}", png(figure, axes, TIME))
 
 
 def _span(position: Array) -> str:
@@ -68,7 +69,7 @@ def _speeds_and_sigmas(history: TrackHistory, names: list[str]) -> Plot:
         sigma.plot(history.t_s, 1e3 * history.sigma(name), **MEASURED)
         describe_panel(sigma, f"{name}, sigma", "mm")
     shown = ", ".join(names)
-    return Plot("speed_sigma", f"speed and sigma of {shown} over time, as in the table", png(figure, axes, TIME))
+    return Plot(SPEED_SIGMA, f"speed and sigma of {shown} over time, as in the table", png(figure, axes, TIME))
 
 
 def _course(history: TrackHistory) -> Plot:
@@ -87,7 +88,7 @@ def _course(history: TrackHistory) -> Plot:
     ms.plot(history.t_s, history.ms, **MEASURED)
     describe_panel(ms, "computing time", "ms per pair")
     alt = "status, reasons by their numbers, residual between the views and computing time over time, as in the tables"
-    return Plot("course", alt, png(figure, axes, TIME))
+    return Plot(COURSE, alt, png(figure, axes, TIME))
 
 
 def _draw_bands(axes: "Axes", t_s: Array, rows: list[Mask], colours: list[str]) -> None:

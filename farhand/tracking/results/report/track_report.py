@@ -1,5 +1,6 @@
 """A track's report: one page with tables and plots, and the pairs that a person should look at, in a folder."""
 
+import re
 from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
 from pathlib import Path
@@ -10,11 +11,12 @@ from common.geometry import Array
 from farhand.outputs import make_folder, write_result
 from farhand.reports.page import heading, page, paragraph, picture, table
 from farhand.tracking.results.report.history import STATUSES, Mask, TrackHistory
-from farhand.tracking.results.report.plots import SHOWN_REASONS, Plot, plots
+from farhand.tracking.results.report.plots import PLOTS, SHOWN_REASONS, Plot, plots
 from farhand.tracking.results.report.worst_pairs import APART_S, ShownPair, WorstPairs
 from farhand.tracking.results.tracked_pair import Take, TrackedPair
 
 PAGE = "report.html"
+OWN_PICTURE = re.compile(r"(worst|reason)_\d\d\.png|(" + "|".join(PLOTS) + r")\.png")
 NONE = "–"
 
 
@@ -35,8 +37,9 @@ def track_report(folder: Path) -> Iterator[Take]:
 
 
 def _write(folder: Path, history: TrackHistory, shown: WorstPairs) -> None:
-    """The pictures first, then the page that shows them."""
+    """The pictures first, then the page that shows them; pictures that only an earlier page showed are removed."""
     make_folder("--report", folder)
+    replaces_earlier = (folder / PAGE).exists()
     drawn = plots(history)
     worst = {f"worst_{k:02d}.png": pair for k, pair in enumerate(shown.worst, start=1)}
     reasons = {f"reason_{k:02d}.png": pair for k, pair in enumerate(shown.first_of_reason, start=1)}
@@ -46,6 +49,15 @@ def _write(folder: Path, history: TrackHistory, shown: WorstPairs) -> None:
         write_result(folder / name, pair.png)
     body = [*_tables(history), *_plots(drawn), *_worst(worst), *_reasons(reasons)]
     write_result(folder / PAGE, page("Track report", body).encode())
+    if replaces_earlier:
+        _remove_others(folder, {*worst, *reasons, *(f"{plot.name}.png" for plot in drawn)})
+
+
+def _remove_others(folder: Path, shown: set[str]) -> None:
+    """Remove the pictures of an earlier report that this one does not show, and nothing else."""
+    for path in folder.iterdir():
+        if OWN_PICTURE.fullmatch(path.name) and path.name not in shown:
+            path.unlink(missing_ok=True)
 
 
 def _tables(history: TrackHistory) -> Iterator[str]:

@@ -115,3 +115,20 @@ def test_speed_is_unknown_at_and_after_a_gap() -> None:
     for found in (pair(0, (0.0, 0.0, 0.0)), pair(1, (0.0, 0.3, 0.4)), pair(2), pair(3, (0.0, 0.0, 0.0))):
         history.add(found)
     np.testing.assert_allclose(history.speed("wrist"), [np.nan, 0.5 * FPS, np.nan, np.nan])
+
+
+def test_a_report_replaces_an_earlier_one_and_keeps_what_is_not_its_own(tmp_path: Path) -> None:
+    foreign = tmp_path / "worst_of_all.png", tmp_path / "notes.txt"
+    for path in foreign:
+        path.write_text("mine")
+    report(tmp_path, a_track())
+    assert {"worst_05.png", "reason_02.png", "position.png"} <= {path.name for path in tmp_path.iterdir()}
+    lost = report(tmp_path, [pair(0, reason="too dark")])
+    shown = {image["src"] for image in lost.all("img")}
+    assert {path.name for path in tmp_path.iterdir()} == {*shown, PAGE, *(path.name for path in foreign)}
+
+
+def test_pictures_without_an_earlier_report_are_not_its_own(tmp_path: Path) -> None:
+    (tmp_path / "worst_09.png").write_text("mine")
+    report(tmp_path, [pair(0, reason="too dark")])
+    assert (tmp_path / "worst_09.png").read_text() == "mine"
