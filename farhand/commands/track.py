@@ -6,7 +6,7 @@ from typing import Annotated
 import typer
 
 from common.config import load_config
-from common.errors import ConfigError, InterruptionError
+from common.errors import ConfigError
 from farhand.commands.options import TRACKER_HELP, Settings, until_signal
 from local_site.tracking.config import Method
 
@@ -51,13 +51,14 @@ def track(
 ) -> None:
     """Track a recording or one to four cameras, one JSON line per instant; causal, unsmoothed.
 
-    The exit code is 1 if no instant was tracked; degraded ones count as tracked.
+    The exit code is 0 if an instant was tracked, else 1. Degraded ones count as tracked, unless the arm is still being
+    learned in them; 130 after Ctrl-C.
 
     Example: farhand track --rig rig.json --left left.avi --right right.avi --set tracking.silhouette.right_arm=false
     """
     from farhand.tracking.results.outputs import TrackOutputs
     from farhand.tracking.run import TrackSources, joint_settings, run_track
-    from farhand.tracking.summary import describe, refuse_nothing
+    from farhand.tracking.summary import describe, refuse_interrupted, refuse_nothing
     from local_site.config import LocalConfig
 
     if (monocular is None) == (left is None or right is None) or (monocular and (left or right or also)):
@@ -73,5 +74,5 @@ def track(
     summary = run_track(sources, outputs, should_stop)
     typer.echo(describe(summary, outputs.written))
     if should_stop():
-        raise InterruptionError(f"interrupted; {out} ends where it was")
+        refuse_interrupted(summary, outputs.written)
     refuse_nothing(summary)

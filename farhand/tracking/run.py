@@ -61,8 +61,11 @@ def run_track(sources: TrackSources, outputs: TrackOutputs, should_stop: Callabl
         fps = recorded_fps(left) or sources.fps
         outputs.check_rate(fps)
         prepare_tracker(site.tracking)
-        show = opened.enter_context(_shown_progress(stated_pairs(cameras)))
-        return track_recording(rig, left, others, outputs.results(fps), show, site, should_stop)
+        stated = stated_pairs(cameras)
+        show = opened.enter_context(_shown_progress(stated))
+        summary = track_recording(rig, left, others, outputs.results(fps), show, site, should_stop)
+        summary.stated = stated
+        return summary
 
 
 @contextmanager

@@ -8,7 +8,7 @@ from pathlib import Path
 
 import numpy as np
 
-from common.errors import TrackingError
+from common.errors import InterruptionError, TrackingError
 from common.messages.hand import TrackingStatus
 from farhand.tracking.track_line import POINTS, TrackLine
 
@@ -19,12 +19,16 @@ LEARNED_SO_FAR = re.compile(r" \(\d+ of \d+ pairs\)")
 class Summary:
     """A recording's result: pairs, how many of each status, how often each point was found, toggles, ms per pair.
 
+    `stated` is how many pairs there should be, None where the sources do not say so; `usable` pairs are tracked, or
+    degraded for another reason than that the arm is still being learned.
     `drift` is the sentence of the first drift alarm, if there was one, and `misfit` that of a rig which most pairs
     contradict; `left_out` names what was not tracked because a camera ended before another, `damages` files that ended
     before their own end.
     """
 
     pairs: int = 0
+    stated: int | None = None
+    usable: int = 0
     statuses: dict[TrackingStatus, int] = field(default_factory=lambda: dict.fromkeys(TrackingStatus, 0))
     found: dict[str, int] = field(default_factory=lambda: dict.fromkeys(POINTS, 0))
     gripper_toggles: int = 0
@@ -39,6 +43,7 @@ class Summary:
         """Count one pair."""
         self.pairs += 1
         self.statuses[line.status] += 1
+        self.usable += is_usable(line)
         self.reasons[lasting_reason(line)] += 1
         for name in POINTS:
             self.found[name] += getattr(line, name) is not None
@@ -53,6 +58,12 @@ class Summary:
 def lasting_reason(line: TrackLine) -> str:
     """A pair's reason without the count of what has been learned, so that equal reasons are equal."""
     return LEARNED_SO_FAR.sub("", line.reason)
+
+
+def is_usable(line: TrackLine) -> bool:
+    """Whether a pair counts as tracked."""
+    is_learned = LEARNED_SO_FAR.search(line.reason) is None
+    return line.status is TrackingStatus.TRACKED or (line.status is TrackingStatus.DEGRADED and is_learned)
 
 
 def describe(summary: Summary, written: Sequence[Path]) -> str:
@@ -74,8 +85,18 @@ def describe(summary: Summary, written: Sequence[Path]) -> str:
 
 
 def refuse_nothing(summary: Summary) -> None:
-    """TrackingError if pairs were read, but none was tracked or degraded; it says why most of them were not."""
-    usable = summary.statuses[TrackingStatus.TRACKED] + summary.statuses[TrackingStatus.DEGRADED]
-    if summary.pairs and not usable:
+    """TrackingError if pairs were read, but none can be used; it says why most of them cannot."""
+    if summary.pairs and not summary.usable:
         ((reason, _),) = summary.reasons.most_common(1)
         raise TrackingError(f"nothing was tracked; most often: {reason}")
+
+
+def refuse_interrupted(summary: Summary, written: Sequence[Path]) -> None:
+    """InterruptionError that says how far a track came that was asked to stop, and where its results are."""
+    if not summary.pairs:
+        raise InterruptionError("stopped by Ctrl-C or SIGTERM before the first pair; nothing was written")
+    of = f" of {summary.stated}" if summary.stated else ""
+    raise InterruptionError(
+        f"stopped by Ctrl-C or SIGTERM after {summary.pairs}{of} pairs; what was tracked so far is written to "
+        f"{', '.join(map(str, written))}"
+    )

@@ -19,6 +19,8 @@ from farhand.tracking.summary import Summary, refuse_nothing
 from local_site.calibration.rig_file import save_rig
 from local_site.simulation.cameras import exact_rig
 from local_site.simulation.config import StereoConfig
+from local_site.tracking.tracker import TrackingReason
+from tests.farhand.tracking.results.tracked import pair as tracked_pair
 
 DATA = Path(__file__).parents[4] / "shared/data/recordings"
 RESULTS = ("track.jsonl", "track.csv", "overlay.mp4", "report/report.html")
@@ -113,23 +115,43 @@ def test_a_live_camera_needs_a_rate_for_the_video(track, monkeypatch):
     assert "live cameras do not state their frame rate; give it with --fps" in done.err
 
 
+LEARNING = f"{TrackingReason.LEARNING} (3 of 10 pairs)"
+
+
 @pytest.mark.parametrize(
-    ("statuses", "fails"),
+    ("pairs", "fails"),
     [
-        ({TrackingStatus.LOST: 3}, True),
-        ({TrackingStatus.LOST: 2, TrackingStatus.INITIALISING: 9}, True),
-        ({TrackingStatus.LOST: 2, TrackingStatus.DEGRADED: 1}, False),
-        ({TrackingStatus.LOST: 2, TrackingStatus.TRACKED: 1}, False),
-        ({}, False),
+        ([(TrackingStatus.LOST, "too dark")] * 3, True),
+        ([(TrackingStatus.LOST, "too dark")] * 2 + [(TrackingStatus.INITIALISING, LEARNING)], True),
+        ([(TrackingStatus.LOST, "too dark")] * 2 + [(TrackingStatus.DEGRADED, LEARNING)], True),
+        ([(TrackingStatus.LOST, "too dark")] * 2 + [(TrackingStatus.DEGRADED, "folded")], False),
+        ([(TrackingStatus.LOST, "too dark")] * 2 + [(TrackingStatus.TRACKED, "")], False),
+        ([], False),
     ],
 )
-def test_degraded_pairs_count_as_tracked_and_what_is_only_learned_does_not(statuses, fails):
-    summary = Summary(pairs=sum(statuses.values()))
-    summary.statuses.update(statuses)
-    summary.reasons.update(["too dark"])
+def test_degraded_pairs_count_as_tracked_and_those_in_which_the_arm_is_learned_do_not(pairs, fails):
+    summary = Summary()
+    for k, (status, reason) in enumerate(pairs):
+        summary.add(tracked_pair(k, status=status, reason=reason).line)
     refused = pytest.raises(TrackingError, match="nothing was tracked; most often: too dark")
     with refused if fails else nullcontext():
         refuse_nothing(summary)
+
+
+@pytest.mark.parametrize(
+    ("seen", "told"),
+    [
+        (2, "after 2 of 6 pairs; what was tracked so far is written to track.jsonl, track.csv"),
+        (0, "before the first pair; nothing was written"),
+    ],
+)
+def test_a_track_that_a_person_stops_says_how_far_it_came_and_what_is_kept(track, tmp_path, monkeypatch, seen, told):
+    asked = iter([False] * seen)
+    monkeypatch.setattr("farhand.commands.track.until_signal", lambda: lambda: next(asked, True))
+    left, right = dark(tmp_path / "left", 6), dark(tmp_path / "right", 6)
+    done = track("--left", left, "--right", right, "--tracker", "markers", "--csv", "track.csv")
+    assert (done.code, done.err.splitlines()[-1]) == (130, f"farhand: stopped by Ctrl-C or SIGTERM {told}")
+    assert (tmp_path / "track.jsonl").exists() == (seen > 0)
 
 
 @pytest.mark.skipif(not DATA.exists(), reason="the recordings are not here")
