@@ -15,13 +15,17 @@ from farhand.doctor.findings import Severity, as_text, worst
 from farhand.setup.board_page import BOARD
 from farhand.setup.conversation import SetupPerson, choose, confirm
 from farhand.setup.finding_cameras import OpenCamera
-from farhand.setup.guided_calibration import Guide, judge_rig, take_pairs
+from farhand.setup.guided_calibration import SHOWN_GAPS, Guide, judge_rig, take_pairs
 from farhand.setup.notes import NAMES, SetupAnswers, SetupFolder
 from farhand.terminal import ShowProgress
 from local_site.calibration.boards import Board
 
 BarMaker = Callable[[], AbstractContextManager[ShowProgress]]  # a bar, while it is entered
 
+ENDED = (
+    "a camera came to its end before a pair was kept: give cameras that run (a recording or a cut stream ends), and "
+    "check cable and power"
+)
 NEXT = {"more": "take more pairs", "again": "put these pairs aside and begin anew", "solve": "solve with these pairs"}
 KEEP = {"keep": "keep this calibration", **{key: NEXT[key] for key in ("more", "again")}}
 
@@ -52,7 +56,11 @@ def calibrate(
             answers = folder.keep(replace(answers, standing=not lying, pairs_by=answers.pairs_need))
         if chosen != "solve":
             _take(folder, answers, person, open_camera, progress)
-        chosen = _solve(folder, answers, board, person, progress)
+        if kept_pairs(folder):
+            chosen = _solve(folder, answers, board, person, progress)
+        else:
+            person.tell(ENDED)
+            chosen = choose(person, "What now? Ctrl-C leaves", {"more": "take pairs once the cameras run"}, "more")
     return replace(answers, rig_by=answers.rig_needs)
 
 
@@ -86,8 +94,8 @@ def _take(
             for name, source in answers.sources.items()
         ]
         take_pairs(guide, instants(cameras, lambda: False), lambda k, pictures: _keep(folder, k, pictures), person)
-    if guide.missing:
-        person.tell(f"the cameras have ended; missing: {'; '.join(guide.missing)}")
+    if guide.missing and guide.kept:
+        person.tell(f"a camera came to its end; still missing: {'; '.join(guide.missing[:SHOWN_GAPS])}")
 
 
 def _keep(folder: SetupFolder, number: int, pictures: Pictures) -> None:

@@ -53,7 +53,7 @@ def _picture(source: str, open_camera: OpenCamera) -> Image:
                 break
             last = frame
     if last is None:
-        raise CameraError(f"camera {source}: it gives no picture; is it the second device of one camera?")
+        raise CameraError(f"camera {source} gives no picture; many cameras have a second device that never gives one")
     return last.image
 
 

@@ -47,12 +47,12 @@ class Guide:
         return len(self._gate.taken)
 
     def restore(self, pairs: Sequence[Pictures], show: ShowProgress) -> None:
-        """Take the pairs that an earlier run kept; the first of them stays the first."""
+        """Take the pairs that an earlier run kept, if there are any; the first of them stays the first."""
         for k, pictures in enumerate(pairs):
             show(READING, k, len(pairs))
             self._gate.taken.append(self._look(pictures))
             self._update()
-        show(READING, len(pairs), len(pairs))
+            show(READING, k + 1, len(pairs))
 
     def judge(self, pictures: Pictures) -> Judged:
         """Keep a pair whose board is sharp, still and at a new place; else say why it is not kept."""

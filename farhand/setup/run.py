@@ -59,8 +59,8 @@ def set_up(path: Path, person: SetupPerson, tools: Tools) -> None:
         _trial(folder, person, tools)
     except KeyboardInterrupt as error:
         raise InterruptionError(f"stopped; go on with: farhand setup --out {path}") from error
-    person.tell(f"done; check it: farhand doctor --config {folder.configuration}")
-    person.tell(f"and start it: farhand local --config {folder.configuration}")
+    person.tell(f"the setup is done; check the configuration with: farhand doctor --config {folder.configuration}")
+    person.tell(f"start the local site with: farhand local --config {folder.configuration}")
 
 
 def _keeps(person: SetupPerson, what: str) -> bool:

@@ -35,6 +35,7 @@ GOOD_SHARE, POOR_SHARE, RARE_SHARE = 0.9, 0.5, 0.1
 NAMED_REASONS = 3
 EACH = 5  # of so many instants one is measured, which leaves the tracker its time
 WAIT_S = 0.1
+LEARN = "try again; hold the arm bent and still at first, thumb and index apart, in the middle of both pictures"
 PROGRESS = (TrackingReason.LEARNING, TrackingReason.LEARNING_ROOM)  # how far it is, not why it fails
 
 
@@ -138,6 +139,8 @@ def _middle(lights: Sequence[Light]) -> Light:
 
 def _judge_share(trial: TrackerTrial) -> Finding:
     share, count = trial.tracked_share, trial.statuses.total()
+    if not count:
+        return error("tracked", f"all {trial.learning} instants went by while arm or room was learned", LEARN)
     learned = f", after {trial.learning} to learn arm or room" if trial.learning else ""
     sentence = f"{100 * share:.0f} % of {count} instants, {float(np.median(trial.ms)):.0f} ms each{learned}"
     if share >= GOOD_SHARE:

@@ -56,7 +56,7 @@ def test_a_source_without_a_picture_is_told():
 
     person = ScriptedPerson()
     assert not try_cameras(["fake://a"], Silent, person)
-    assert person.heard("it gives no picture; is it the second device of one camera?")
+    assert person.heard("gives no picture; many cameras have a second device that never gives one")
 
 
 def test_left_is_chosen_by_thumbnails_and_the_other_of_two_is_right(tmp_path):

@@ -1,5 +1,7 @@
 """A whole setup: from cameras to a configuration that loads, left in the middle and taken up again."""
 
+import dataclasses
+from contextlib import contextmanager
 from functools import lru_cache
 
 import numpy as np
@@ -64,7 +66,7 @@ def test_cameras_become_a_calibrated_configuration(tmp_path):
     assert made >= {"answers.json", "thumbnails", "board.pdf", "calibration", "found", "rig.json", "local.toml"}
     assert person.heard("cannot open fake://broken")
     assert person.heard("that is enough")
-    assert person.told[-1] == f"and start it: farhand local --config {tmp_path / 'local.toml'}"
+    assert person.told[-1] == f"start the local site with: farhand local --config {tmp_path / 'local.toml'}"
 
 
 def test_a_setup_that_was_left_keeps_its_pairs_and_goes_on(tmp_path):
@@ -90,6 +92,29 @@ def test_a_setup_that_was_left_keeps_its_pairs_and_goes_on(tmp_path):
     assert not any("level at first" in question for question in person.asked), "the first pair is there"
     assert kept[0].read_bytes() == first
     assert load_rig(tmp_path / "rig.json")
+
+
+@pytest.mark.parametrize("pictures", [0, 3])
+def test_cameras_that_end_before_the_first_pair_are_told_and_nothing_is_counted(tmp_path, pictures):
+    class Ending(BoardCamera):
+        """Ends early once the board is to be shown."""
+
+        def read(self):
+            taking = (tmp_path / "board.pdf").exists()
+            return None if taking and self._seq >= pictures else super().read()
+
+    shown = []
+
+    @contextmanager
+    def bar():
+        yield lambda *counts: shown.append(counts)
+
+    person = ScriptedPerson({**SCRIPT, "What now?": [InterruptionError("left")]})
+    with pytest.raises(InterruptionError, match="left"):
+        set_up(tmp_path, person, dataclasses.replace(tools(Ending), progress=bar))
+    assert person.heard("a camera came to its end before a pair was kept: give cameras that run")
+    assert not person.heard("missing")
+    assert shown == []
 
 
 def prepared(tmp_path):
@@ -125,7 +150,7 @@ def test_a_camera_that_fails_in_the_trial_is_told_and_the_trial_offered_again(tm
     person = ScriptedPerson({"Try the tracker": ["y", "n"]})
     set_up(tmp_path, person, tools())
     assert person.heard("camera left: cannot open a")
-    assert person.told[-1].startswith("and start it")
+    assert person.told[-1].startswith("start the local site")
 
 
 def test_another_board_needs_another_calibration(tmp_path):
