@@ -40,9 +40,15 @@ class Code(StrEnum):
     # the way of the hand samples
     SAMPLES_OLD = (
         "samples_old",
-        "hand samples are too old: {age_ms:.0f} ms at arrival and {interval_ms:.0f} ms apart, where the limit is "
+        "hand samples are too old: a sample each {interval_ms:.0f} ms, {age_ms:.0f} ms old at arrival; the limit is "
         "{limit_ms:.0f} ms; network {network_ms:.0f} ms, clocks {clock_ms:.0f} ms, tracking {tracking_ms:.0f} ms. "
         "{cure}",
+    )
+    SAMPLES_RARE = (
+        "samples_rare",
+        "a hand sample comes only each {interval_ms:.0f} ms, but is obeyed for {limit_ms:.0f} ms at most. Cure: let "
+        "the operator's cameras give more pictures a second (fps and a fixed exposure_ms in [operator.cameras]), "
+        "choose a quicker tracker, or set a longer safety.t_soft_ms",
     )
     SAMPLES_LOST = "samples_lost", "{loss:.1%} of the hand samples are lost on the way. {cure}"
     CLOCK_UNKNOWN = (

@@ -1,6 +1,7 @@
 """The figures of a loopback run, computed from what was recorded; pure."""
 
 from bisect import bisect_left
+from collections import Counter
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from itertools import pairwise
@@ -13,11 +14,13 @@ from common.geometry import Array
 from common.messages.hand import HandArm, TrackingStatus
 from common.messages.robot import RobotState, SessionState
 from farhand.loopback.recorder import CameraRecord, Record
+from remote_site.reasons import Code
 
 POINTS = ("elbow", "wrist", "index", "thumb", "palm")
 LAGS_MS = np.arange(0.0, 401.0, 2.0)
 STAGES = ("command", "motion", "encoder", "picture", "viewer")
 TRUTH_STEP_NS = 2 * NS_PER_MS
+LATELY_NS = 5 * NS_PER_S
 
 Truth = Callable[[int], Mapping[str, Array]]
 Figures = dict[str, Any]
@@ -173,6 +176,20 @@ def session_events(states: Sequence[RobotState]) -> list[str]:
         for before, now in pairwise(states[begin:])
         if now.state is not before.state
     ]
+
+
+def troubles(states: Sequence[RobotState]) -> list[str]:
+    """What kept the arm from following in the last seconds most of the time, and what is wrong with the hand's link.
+
+    A state's own reason may be that of a moment: between two late samples it only counts good ones.
+    """
+    lately = [state for state in states if states[-1].t_ns - state.t_ns < LATELY_NS]
+    answers = [state.readiness for state in lately if not state.readiness.ready]
+    lacking = {answer.code: answer.reason for answer in answers if answer.code != Code.COLLECTING}
+    codes = Counter(answer.code for answer in answers if answer.code in lacking)
+    usual = [lacking[code] for code, _ in codes.most_common(1)] or [state.reason for state in states[-1:]]
+    links = [state.hand_link.reason for state in lately if state.hand_link is not None and state.hand_link.reason]
+    return [*usual, *links[-1:]]
 
 
 def _per_second(times_ns: Sequence[int]) -> float:

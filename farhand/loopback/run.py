@@ -19,7 +19,7 @@ from common.link.transport import Link, open_link
 from common.messages.robot import Engagement, SessionState
 from common.process.service import StopFlag
 from farhand.loopback.display import LiveSummary, print_table, save_camera_views, save_overview
-from farhand.loopback.figures import Expectation, Figures, all_figures, session_events
+from farhand.loopback.figures import Expectation, Figures, all_figures, session_events, troubles
 from farhand.loopback.plan import LoopbackOptions, plan_of
 from farhand.loopback.recorder import Record, Recorder
 from farhand.loopback.scenario import operator_views
@@ -89,9 +89,8 @@ class RunningSites:
                 raise ProcessError(f"the {name} site has been silent for 2 s: {self.last_errors()}")
 
     def last_errors(self) -> str:
-        """The newest state's reason, and the last error or line of each process."""
-        reasons = [self.record.states[-1].reason] if self.record.states else []
-        return "; ".join([*reasons, *(f"{site.name}: {site.last_error()}" for site in self._sites)])
+        """What is wrong by the states of the last seconds, and the last error or line of each process."""
+        return "; ".join([*troubles(list(self.record.states)), *(f"{s.name}: {s.last_error()}" for s in self._sites)])
 
     def end(self) -> None:
         """End the processes, the last one first, and keep their warnings; the links are closed by then."""

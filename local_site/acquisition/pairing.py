@@ -2,6 +2,7 @@
 
 from collections import deque
 from collections.abc import Sequence
+from itertools import pairwise
 from typing import Annotated
 
 import numpy as np
@@ -13,6 +14,7 @@ from local_site.tracking.tracker import View, Views
 
 HISTORY = 4
 LEAST_STEP = 0.25
+SLOW_NS = 90 * NS_PER_MS  # between two pictures: more than a view is waited for
 
 
 class PairingConfig(Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
@@ -66,6 +68,12 @@ class Pairing:
         if self._skew_ns() > self._max_skew_ns:
             behind = min(self._tracks, key=lambda track: track.newest_ns)
             return f"camera {behind.name} is {self._skew_ns() / NS_PER_MS:.0f} ms behind the others"
+        slowest = max(self._tracks, key=lambda track: track.interval_ns)
+        if slowest.interval_ns > SLOW_NS:
+            return (
+                f"camera {slowest.name} gives a picture only each {slowest.interval_ns / NS_PER_MS:.0f} ms, the limit "
+                "is 100 ms: let it give 20 a second or more (fps and a fixed exposure_ms in [operator.cameras])"
+            )
         return None
 
     def _views(self) -> Views | None:
@@ -103,6 +111,13 @@ class _Track:
     def newest_ns(self) -> int:
         """The newest exposure, or the start while there is none."""
         return self.frames[-1].capture_ns if self.frames else self._start_ns
+
+    @property
+    def interval_ns(self) -> int:
+        """The shortest time between the last exposures, as a single frame may be lost; 0 before there are enough."""
+        if len(self.frames) < HISTORY:
+            return 0
+        return min(after.capture_ns - before.capture_ns for before, after in pairwise(self.frames))
 
     def add(self, frame: Frame) -> None:
         """Append a frame unless it is no newer than the last."""

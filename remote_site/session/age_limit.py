@@ -25,18 +25,19 @@ class AgeLimit:
         self._most_ns = min(MOST_NS, round(LATCH_FRACTION * self._outage_ns))
         self._least_ns = min(FULL_SPEED_NS, self._most_ns)
         fixed = None if isinstance(config.t_soft_ms, str) else round(config.t_soft_ms * NS_PER_MS)
-        self._ages = LinkAges(self._outage_ns) if fixed is None else None
+        self._is_fixed = fixed is not None
+        self._ages = LinkAges(self._outage_ns)
         self.soft_ns = fixed or self._least_ns
         self._wanted_ns = self.soft_ns
         self._session: int | None = None
 
     def see(self, sample: HandArm, born_ns: int, now_ns: int) -> None:
         """Note a sample that arrived in order, young enough or not; at the earliest it was captured at `born_ns`."""
-        if self._ages is None:
-            return
         if sample.session != self._session:
             self._session, self._ages = sample.session, LinkAges(self._outage_ns)
         self._ages.note(ArrivedSample(sample.seq, sample.capture_ns, born_ns, now_ns))
+        if self._is_fixed:
+            return
         needed_ns = self._ages.needed_ns(now_ns) + SPARE_NS
         steps_ns = -(-needed_ns // STEP_NS) * STEP_NS
         self._wanted_ns = min(max(steps_ns, self._least_ns), self._most_ns)
@@ -58,13 +59,20 @@ class AgeLimit:
 
     def too_slow(self) -> Reason | None:
         """Why this link cannot be operated: most of its samples grow older than any limit allows."""
-        if self._ages is None:
+        if self._is_fixed:
             return None
         age_ns, oldest_ns = self._ages.usual_ns()
         if oldest_ns <= self._most_ns:
             return None
         most_ns = self._most_ns - (oldest_ns - age_ns)
         return reason(Code.LINK_TOO_SLOW, age_ms=age_ns / NS_PER_MS, most_ms=most_ns / NS_PER_MS)
+
+    def too_rare(self) -> Reason | None:
+        """Why no samples come in a row without a gap beyond the limit: their sender captures too few a second."""
+        spacing_ns = self._ages.spacing_ns()
+        if spacing_ns < self.soft_ns:
+            return None
+        return reason(Code.SAMPLES_RARE, interval_ms=spacing_ns / NS_PER_MS, limit_ms=self.soft_ns / NS_PER_MS)
 
 
 def _speed_scale(soft_ns: int) -> float:

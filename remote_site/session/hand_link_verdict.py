@@ -4,8 +4,10 @@ from collections.abc import Mapping
 
 from msgspec.structs import replace
 
+from common.clock import NS_PER_MS
 from common.messages.robot import HandLink
 from remote_site.reasons import Code, Reason, reason
+from remote_site.session.link_ages import LONGEST_INTERVAL_NS
 
 LOSSY = 0.03  # of the samples of the meter's window
 UNSTEADY_MS = 15.0  # of jitter: packets that wait for a lost one before them
@@ -16,6 +18,8 @@ CURES = {
     "unsteady network": "Cure: if the control endpoint is tls/, write it as quic/ at both sites, so that no sample "
     f"waits for a lost packet; or {QUICKER}",
     "clocks": f"The clocks are known to half of the quickest round trip only. Cure: {QUICKER}",
+    "cameras": "Cure: let the operator's cameras give more pictures a second (fps and a fixed exposure_ms in "
+    "[operator.cameras]), choose a quicker tracker, or set a longer safety.t_soft_ms",
     "tracking": "Cure: relieve the local site's host, or choose a quicker tracker or smaller pictures there",
     "loss": "Cure: look for a full line or poor Wi-Fi on the way; 'farhand doctor --link' measures it",
 }
@@ -47,7 +51,9 @@ def _trouble(link: HandLink, limit_ms: float, cures: Mapping[str, str]) -> Reaso
 
 def _too_old(link: HandLink, age_ms: float, limit_ms: float, cures: Mapping[str, str]) -> Reason:
     parts = {"network": link.network_ms or 0.0, "clocks": link.clock_ms or 0.0, "tracking": link.tracking_ms or 0.0}
-    greatest = max(parts, key=lambda part: parts[part])
+    # The age limit never grows for rarer samples, so that they are the cause where they outlast all parts of the age.
+    rare = {"cameras": link.interval_ms} if link.interval_ms * NS_PER_MS > LONGEST_INTERVAL_NS else {}
+    greatest = max(parts | rare, key=lambda part: (parts | rare)[part])
     unsteady = greatest == "network" and link.jitter_ms >= UNSTEADY_MS
     return reason(
         Code.SAMPLES_OLD,

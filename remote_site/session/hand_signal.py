@@ -89,8 +89,8 @@ class HandSignal:
         return self._stale(now_ns, self.soft_ns) if self._age_ns(now_ns) > self.soft_ns else None
 
     def too_slow(self) -> Reason | None:
-        """Why no engagement can begin over this link."""
-        return self._age_limit.too_slow()
+        """Why no engagement can begin with samples that come so old or so rarely."""
+        return self._age_limit.too_slow() or self._age_limit.too_rare()
 
     def collecting(self, needed: int) -> Reason | None:
         """How many good samples are still missing, None if enough have come in a row."""

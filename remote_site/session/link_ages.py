@@ -40,6 +40,7 @@ class LinkAges:
         self._lost_ns: int | None = None
         self._seconds: deque[tuple[int, list[int]]] = deque()  # the two greatest ages of each second
         self._recent: deque[tuple[int, int]] = deque(maxlen=RECENT)
+        self._spacings_ns: deque[int] = deque(maxlen=ENOUGH)
 
     def note(self, arrival: ArrivedSample) -> None:
         """Note a sample; one that has been overtaken says nothing."""
@@ -49,9 +50,12 @@ class LinkAges:
         self._last = arrival
         if last is None or arrival.now_ns - last.now_ns > self._outage_ns:
             self._recent.clear()
+            self._spacings_ns.clear()
             return
         sent = max(arrival.seq - last.seq, 1)
-        self._interval_ns = min((arrival.capture_ns - last.capture_ns) // sent, LONGEST_INTERVAL_NS)
+        spacing_ns = (arrival.capture_ns - last.capture_ns) // sent
+        self._spacings_ns.append(spacing_ns)
+        self._interval_ns = min(spacing_ns, LONGEST_INTERVAL_NS)
         if sent > 1:
             self._lost_ns = arrival.now_ns
         oldest_ns = arrival.age_ns + sent * self._interval_ns
@@ -79,6 +83,10 @@ class LinkAges:
             return 0, 0
         at_arrival, oldest = zip(*self._recent, strict=True)
         return round(median(at_arrival)), round(median(oldest))
+
+    def spacing_ns(self) -> int:
+        """Between the captures of two samples, what two of the last ten reach; 0: unknown."""
+        return sorted(self._spacings_ns)[-2] if len(self._spacings_ns) == ENOUGH else 0
 
     def _keep(self, oldest_ns: int, second: int) -> None:
         if not self._seconds or self._seconds[-1][0] != second:

@@ -11,6 +11,7 @@ from common.messages.hand import HandArm, TrackingStatus
 from common.messages.robot import (
     Engagement,
     GripperCommand,
+    HandLink,
     LoopTiming,
     Obeyed,
     Pose,
@@ -27,6 +28,7 @@ from farhand.loopback.figures import (
     session_events,
     trace_figures,
     tracking_figures,
+    troubles,
 )
 from farhand.loopback.recorder import CameraRecord
 from farhand.loopback.run import write_report
@@ -159,3 +161,29 @@ def test_the_events_are_the_changes_of_the_session_since_it_first_followed():
 def test_a_report_that_finds_no_room_is_reported():
     with pytest.raises(ConfigError, match="/dev/full: No space left on device; choose another file"):
         write_report(Path("/dev/full"), {})
+
+
+def lacking(t_ns: int, code: str, reason: str) -> RobotState:
+    """A state that waits, with an engagement that lacks something."""
+    readiness = Readiness(ready=not reason, code=code, reason=reason, held=False)
+    return msgspec.structs.replace(state(t_ns, np.zeros(3)), readiness=readiness, reason="waiting")
+
+
+def test_what_lasted_is_told_and_not_what_was_at_the_last_moment() -> None:
+    states = [lacking(k * 100 * MS, "starting", "the site starts") for k in range(100)]
+    for k in range(100, 160):
+        codes = ("lost", "a picture each 125 ms") if k % 3 else ("collecting", "1 of 30 good")
+        states.append(lacking(k * 100 * MS, *codes))
+    states.append(lacking(16_000 * MS, "collecting", "2 of 30 good"))
+    assert troubles(states) == ["a picture each 125 ms"]
+    figures = dict.fromkeys(
+        ("age_ms", "network_ms", "clock_ms", "tracking_ms", "interval_ms", "jitter_ms", "loss"), 1.0
+    )
+    link = HandLink(**figures, code="samples_old", reason="too old")
+    states[-2] = msgspec.structs.replace(states[-2], hand_link=link)
+    assert troubles(states) == ["a picture each 125 ms", "too old"]
+
+
+def test_without_anything_that_lasted_the_newest_reason_is_told() -> None:
+    assert troubles([]) == []
+    assert troubles([lacking(0, "collecting", "1 of 30 good"), lacking(MS, "ok", "")]) == ["waiting"]

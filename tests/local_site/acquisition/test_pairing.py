@@ -135,6 +135,24 @@ def test_skew_beyond_the_limit_is_refused_with_the_name_of_the_laggard():
     assert pair.problem(200 * NS_PER_MS) is None
 
 
+@pytest.mark.parametrize(("period_ms", "is_slow"), [(125.0, True), (66.0, False)])
+def test_cameras_too_slow_for_the_hand_are_named_with_their_rate_and_the_cure(period_ms, is_slow):
+    pair = pairing()
+    fed = events(0.0, count=6, period_ms=period_ms)
+    feed_all(pair, fed)
+    told = pair.problem(round(fed[-1][0] * NS_PER_MS))
+    if is_slow:
+        assert told.startswith("camera left gives a picture only each 125 ms, the limit is 100 ms: let it give 20")
+    else:
+        assert told is None
+
+
+def test_a_lost_frame_makes_no_slow_camera():
+    pair = pairing()
+    feed_all(pair, [(t_ms, camera) for t_ms in (100, 133, 266, 400) for camera in (0, 1)])
+    assert pair.problem(400 * NS_PER_MS) is None
+
+
 def test_a_silent_camera_is_stale():
     pair = pairing(start_ms=0.0)
     assert pair.problem(400 * NS_PER_MS) is None

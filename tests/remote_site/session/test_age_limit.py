@@ -143,3 +143,28 @@ def test_after_an_outage_only_the_samples_since_tell_how_slow_the_link_is_now() 
 
 def test_a_few_late_samples_refuse_nothing() -> None:
     assert Link().bring(([30.0] * 3 + [450.0]) * 30).limit.too_slow() is None
+
+
+def spaced(period_ms: float, count: int, age_ms: float = 60.0, **safety: object) -> Link:
+    """Samples of cameras this far apart."""
+    link = Link(**safety)
+    for _ in range(count):
+        link.now_ms += period_ms - PERIOD_MS
+        link.bring([age_ms])
+    return link
+
+
+@pytest.mark.parametrize("safety", [{}, {"t_soft_ms": 125.0}])
+def test_cameras_slower_than_the_limit_are_named_with_the_rate_and_the_limit(safety: dict[str, object]) -> None:
+    refusal = spaced(140, 40, **safety).limit.too_rare()
+    assert refusal is not None
+    assert refusal.code is Code.SAMPLES_RARE
+    assert refusal.sentence.startswith("a hand sample comes only each 140 ms, but is obeyed for 125 ms at most. Cure:")
+    assert "more pictures a second" in refusal.sentence
+
+
+def test_a_longer_limit_serves_slower_cameras_and_lost_samples_are_none_of_theirs() -> None:
+    assert spaced(140, 40, t_soft_ms=250.0).limit.too_rare() is None
+    assert spaced(140, 10).limit.too_rare() is None  # nine intervals: not known yet
+    assert Link().bring([30.0] * 20 + [None] * 8 + [30.0]).limit.too_rare() is None
+    assert spaced(140, 40).bring([30.0] * 9).limit.too_rare() is None

@@ -196,3 +196,19 @@ def test_a_sender_that_does_not_tell_when_it_sent_has_all_in_the_network() -> No
     age = SampleAge.of(hand(1, 100 * NS_PER_MS), ClockOffset(0, 5 * NS_PER_MS), 150 * NS_PER_MS)
     assert age == SampleAge(0, 50 * NS_PER_MS, 5 * NS_PER_MS)
     assert age.total_ns == 55 * NS_PER_MS
+
+
+@pytest.mark.parametrize(("period_ms", "tracking_ms", "cure"), [(68, 55.0, "more pictures"), (33, 95.0, "relieve")])
+def test_rare_samples_are_told_by_the_rate_of_the_cameras(period_ms: int, tracking_ms: float, cure: str) -> None:
+    meter = HandLinkMeter()
+    for seq in range(60):
+        captured_ns = (START_MS + seq * period_ms) * NS_PER_MS
+        sent_ns = captured_ns + round(tracking_ms * NS_PER_MS)
+        now_ns = sent_ns + 5 * NS_PER_MS
+        meter.arrive(
+            msgspec.structs.replace(hand(seq, captured_ns), sent_ns=sent_ns), ClockOffset(0, 3_000_000), now_ns
+        )
+    link = judged(measured(meter, now_ns), 125.0)
+    told = f"a sample each {period_ms} ms, {tracking_ms + 8:.0f} ms old at arrival; the limit is 125 ms"
+    assert told in link.reason
+    assert cure in link.reason
