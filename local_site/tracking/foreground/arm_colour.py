@@ -15,6 +15,11 @@ LEAST_RED, LEAST_GREEN = 0.13, 0.06
 BRIGHTNESS_STEP = 48.0  # of the sum of the three channels
 DARK = 24.0  # added to the sum as grey, since dark pixels have no colour but noise
 CHROMA_SMOOTHING, BRIGHTNESS_SMOOTHING = 0.8, 1.5  # bins
+GREY_STRIDE, GREY_SHARE, GREY_SPREAD = (
+    7,
+    99,
+    4,
+)  # px, per cent of the pixels, levels between the channels: compression's
 
 Table = NDArray[np.float32]
 Colours = NDArray[np.uint8]
@@ -55,6 +60,12 @@ class ArmColour:
         for counts, colours in zip(self._counts, (arm, rest), strict=True):
             _count(counts, np.ascontiguousarray(colours))
         self.arm, self.rest = (_smoothed(counts) for counts in self._counts)
+
+
+def is_grey(picture: Colours) -> bool:
+    """Whether a picture (H, W, 3) has no colours, as of a grey camera or in infrared light."""
+    sample = picture[::GREY_STRIDE, ::GREY_STRIDE].astype(np.int16)
+    return float(np.percentile(np.ptp(sample, axis=2), GREY_SHARE)) <= GREY_SPREAD
 
 
 @compiled

@@ -10,6 +10,7 @@ from common.geometry import Array
 from local_site.calibration.rig import Rig
 from local_site.calibration.triangulation import project
 from local_site.tracking.features.silhouette import Silhouette
+from local_site.tracking.foreground.arm_colour import is_grey
 from local_site.tracking.foreground.arm_view import ForegroundView
 from local_site.tracking.foreground.reasons import ForegroundReason
 from local_site.tracking.foreground.trust import LEAST_FOREARM, forearm_ratio
@@ -60,8 +61,8 @@ class FoundForeground:
         along = wrist - hand.points[MIDDLE_KNUCKLE]
         tubes = self._tubes.find(maps, wrist, along / max(float(np.linalg.norm(along)), 1e-9))
         if max(forearm_ratio(view, tubes.forearm) for view in maps) < LEAST_FOREARM:
-            return FoundArm((ForegroundReason.COVERED,) * len(maps), tubes)
-        silhouettes = tuple(view.silhouette(tubes) for view in self._views)
+            return FoundArm(_grey_named((ForegroundReason.COVERED,) * len(maps), pictures), tubes)
+        silhouettes = _grey_named(tuple(view.silhouette(tubes) for view in self._views), pictures)
         if all(isinstance(found, Silhouette) for found in silhouettes):
             # A wrong outline that is learned from would spoil all that follow.
             for view in self._views:
@@ -71,3 +72,13 @@ class FoundForeground:
     def _pixels(self, hand: SeenHand) -> list[Array]:
         """The landmarks (21, 2) in each view, undistorted: as seen, or projected where the view was not asked."""
         return [hand.pixels[k] if k in hand.pixels else project(m, hand.points) for k, m in enumerate(self._matrices)]
+
+
+def _grey_named(
+    found: Sequence[Silhouette | ForegroundReason], pictures: Sequence[Image]
+) -> tuple[Silhouette | ForegroundReason, ...]:
+    """What was found, but where nothing was in a grey picture, that this is why."""
+    return tuple(
+        ForegroundReason.NO_COLOUR if not isinstance(one, Silhouette) and is_grey(picture) else one
+        for one, picture in zip(found, pictures, strict=True)
+    )

@@ -11,4 +11,8 @@ class ForegroundReason(StrEnum):
     HAND_CUT = "the hand does not stand out from what is behind it: change the background or the light"
     NO_FOREARM = "no forearm stands out next to the hand: change the background or the light"
     LEAKS = "the arm and what is behind it have the same colour: change the background or the light"
+    NO_COLOUR = (
+        "the picture is grey, but in a room the arm is told by its colour: take cameras that give colour, or hang dark "
+        "cloth behind the arm"
+    )
     JUMPED = "the arm's outline has changed too much at once"

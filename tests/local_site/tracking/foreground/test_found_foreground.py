@@ -1,13 +1,15 @@
 """The arm in an ordinary room: found whole, alone, with a sharp edge, or refused with the reason."""
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 
 import cv2
 import numpy as np
 import pytest
 
 from common.cameras.camera import Image
+from local_site.kernels.pictures import as_grey
 from local_site.tracking.features.silhouette import Silhouette
+from local_site.tracking.foreground.arm_colour import is_grey
 from local_site.tracking.foreground.found_foreground import FoundArm, FoundForeground
 from local_site.tracking.foreground.reasons import ForegroundReason
 from local_site.tracking.silhouette.hand_view import _refined
@@ -17,13 +19,21 @@ RIG = rig()
 PAIRS = 6
 
 
-def follow(foreground: FoundForeground, arm: DrawnArm, rooms: Sequence[Image]) -> FoundArm:
-    """The arm after some pairs of pictures, each with a noise of its own."""
+def follow(
+    foreground: FoundForeground, arm: DrawnArm, rooms: Sequence[Image], change: Callable[[Image], Image] = np.copy
+) -> FoundArm:
+    """The arm after some pairs of pictures, each with a noise of its own and changed."""
     random = np.random.default_rng(1)
     for _ in range(PAIRS):
         pictures = [noisy(arm.draw(room, matrix)[0], random) for room, matrix in zip(rooms, RIG.matrices, strict=True)]
-        found = foreground.find(pictures, arm.seen(RIG))
+        found = foreground.find([change(picture) for picture in pictures], arm.seen(RIG))
     return found
+
+
+def grey_camera(picture: Image) -> Image:
+    """What a grey camera gives, as OpenCV decodes its JPEG."""
+    coded = cv2.imencode(".jpg", as_grey(picture))[1]
+    return np.asarray(cv2.imdecode(coded, cv2.IMREAD_COLOR), np.uint8)
 
 
 def overlaps(found: FoundArm, arm: DrawnArm, rooms: Sequence[Image]) -> list[float]:
@@ -86,6 +96,21 @@ def test_a_long_sleeve_is_named_with_its_cure() -> None:
     found = follow(FoundForeground(RIG), arm, rooms)
     assert found.silhouettes == (ForegroundReason.COVERED,) * 2
     assert "sleeve" in ForegroundReason.COVERED
+
+
+def test_a_grey_picture_is_named_as_such_and_not_as_a_sleeve() -> None:
+    arm, rooms = DrawnArm(long_sleeve=True), (shelf_room(1), shelf_room(2))
+    found = follow(FoundForeground(RIG), arm, rooms, grey_camera)
+    assert found.silhouettes == (ForegroundReason.NO_COLOUR,) * 2
+    assert "cameras that give colour" in ForegroundReason.NO_COLOUR
+
+
+def test_pale_skin_in_dim_light_is_not_grey() -> None:
+    arm, random = DrawnArm(skin=(58.0, 64.0, 72.0)), np.random.default_rng(1)
+    wall = np.full((480, 640, 3), 40, np.uint8)
+    picture = noisy(arm.draw(wall, RIG.matrices[0])[0], random)
+    assert not is_grey(picture)
+    assert is_grey(grey_camera(picture))
 
 
 def test_a_room_of_the_arms_own_colour_is_refused() -> None:
