@@ -76,7 +76,7 @@ class TrackingReason(StrEnum):
     NO_HAND = "no hand is seen: hold it up before all cameras"
     HANDS_DIFFER = (
         "a hand is seen, but two views do not agree on it: hold it where all cameras see it; if they do, "
-        "the cameras are exchanged or have moved"
+        "the cameras are exchanged, have moved, or are not those of the rig file"
     )
     OTHER_HAND = "only a hand is seen that is not the operator's: hold up yours"
     OTHER_SIDE = "this looks like the other hand, or the pictures are mirrored; see tracking.learned.right_arm"
