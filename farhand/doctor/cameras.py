@@ -15,17 +15,22 @@ from common.errors import CalibrationError, CameraError
 from farhand.doctor.findings import Finding, error, ok, warning
 from farhand.doctor.processes import holder_of_device, is_ours
 from local_site.calibration.rig_file import load_rig
+from local_site.kernels.pictures import as_colour
+from local_site.tracking.config import Method
+from local_site.tracking.foreground.arm_colour import is_grey
 
 PICTURE_TIMEOUT_S = 10.0
 OLD_CALIBRATION_DAYS = 90
 SECONDS_PER_DAY = 86400.0
+LEAST_LEVEL = 30.0  # of 255: a darker picture, as a camera's first one may be, shows no colours in any case
 
 
 @dataclass(frozen=True, slots=True)
 class CameraFacts:
     """A camera that was tried: its picture's size (width, height), or what went wrong, or who holds the device.
 
-    `state` is what a live camera does, and by whom its frames are stamped, in words.
+    `state` is what a live camera does, and by whom its frames are stamped, in words. `is_grey` is whether its picture
+    is bright enough to show colours and has none.
     """
 
     name: str
@@ -34,6 +39,7 @@ class CameraFacts:
     problem: str = ""
     holder: str = ""
     state: str = ""
+    is_grey: bool = False
 
 
 def probe_camera(name: str, source: Source, fps: float, settings: CameraSettings = AS_IT_IS) -> CameraFacts:
@@ -63,7 +69,9 @@ def _first_picture(name: str, source: Source, fps: float, settings: CameraSettin
     if frame is None:
         return CameraFacts(name, str(source), problem=f"{source} holds no picture")
     height, width = frame.image.shape[:2]
-    return CameraFacts(name, str(source), (width, height), state=_state_of(camera))
+    picture = as_colour(frame.image)
+    colourless = float(picture.mean()) > LEAST_LEVEL and is_grey(picture)
+    return CameraFacts(name, str(source), (width, height), state=_state_of(camera), is_grey=colourless)
 
 
 def _state_of(camera: Camera) -> str:
@@ -139,4 +147,17 @@ def check_sizes(rig: RigFacts, cameras: Sequence[CameraFacts]) -> list[Finding]:
         )
         for camera, size in zip(cameras, rig.sizes_px, strict=False)
         if size is not None and camera.size_px is not None and camera.size_px != size
+    ]
+
+
+def check_colours(method: Method, cameras: Sequence[CameraFacts]) -> list[Finding]:
+    """The tracker for rooms gets colours, by which it tells the arm; one finding for each grey camera."""
+    return [
+        warning(
+            f"camera {camera.name}",
+            "its pictures are grey, but the tracker learned tells the arm from a room by its colour",
+            "take a camera that gives colour, or hang dark cloth behind the arm",
+        )
+        for camera in cameras
+        if camera.is_grey and method == "learned"
     ]

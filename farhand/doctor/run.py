@@ -126,7 +126,8 @@ def _examine_cameras(rig: cameras.RigFacts, config: LocalConfig) -> list[Finding
         return [error("configuration", str(wrong), "correct that name")]
     given = zip(names, sources, strict=True)
     probed = [cameras.probe_camera(name, source, config.operator.fps, settings[name]) for name, source in given]
-    return [*map(cameras.check_camera, probed), *cameras.check_sizes(rig, probed)]
+    colours = cameras.check_colours(config.tracking.method, probed)
+    return [*map(cameras.check_camera, probed), *cameras.check_sizes(rig, probed), *colours]
 
 
 def _examine_links(links: LinkSecurity, endpoints: Sequence[str], *bearers: Identity) -> list[Finding]:

@@ -97,6 +97,14 @@ def test_pictures_of_another_size_than_calibrated_are_an_error() -> None:
     assert "1280 x 720, but it was calibrated with 640 x 480" in wrong.sentence
 
 
+def test_the_tracker_for_rooms_is_told_of_grey_cameras() -> None:
+    probed = cameras.CameraFacts("left", "0", (640, 480)), cameras.CameraFacts("right", "2", (640, 480), is_grey=True)
+    (grey,) = cameras.check_colours("learned", probed)
+    assert (grey.check, grey.level) == ("camera right", Severity.WARNING)
+    assert "gives colour" in grey.cure
+    assert cameras.check_colours("silhouette", probed) == []
+
+
 def test_the_worst_finding_counts() -> None:
     fine, poor, bad = ok("a", "fine"), warning("b", "poor", "mend"), error("c", "bad", "buy")
     assert worst([]) is worst([fine]) is Severity.OK

@@ -73,6 +73,12 @@ def test_a_camera_is_opened_for_a_picture(tmp_path: Path) -> None:
     assert "cannot open /dev/video97" in probe_camera("left", "/dev/video97", 30.0).problem
 
 
+@pytest.mark.parametrize(("colour", "is_grey"), [((90, 90, 90), True), ((80, 100, 130), False), ((4, 4, 4), False)])
+def test_a_grey_camera_is_known_by_its_picture(tmp_path: Path, colour: tuple[int, int, int], *, is_grey: bool) -> None:
+    cv2.imwrite(str(tmp_path / "0.png"), np.full((48, 64, 3), colour, np.uint8))
+    assert probe_camera("left", str(tmp_path), 30.0).is_grey == is_grey
+
+
 def test_a_live_camera_tells_what_it_does_and_where_it_does_otherwise(monkeypatch: pytest.MonkeyPatch) -> None:
     clock = FakeClock(3600 * 10**9)
     live = partial(LiveCamera, open_source=lambda _: FakeCapture(clock), clock=clock)
