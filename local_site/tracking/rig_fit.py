@@ -65,7 +65,7 @@ class RigFit:
         if len(self._pairs) < LEAST_PAIRS or misfits <= MISFIT_SHARE * len(self._pairs):
             return ""
         explained = [pair.explained_px for pair in self._pairs if math.isfinite(pair.explained_px)]
-        known = f", its sigma explains {np.median(explained):.1f}" if explained else ""
+        known = f", the wrist's sigma explains {np.median(explained):.1f}" if explained else ""
         return (
             f"the views miss each other by {np.median([pair.residual_px for pair in self._pairs]):.1f} px{known}: the "
             "calibration does not fit these cameras; calibrate again, or give the file of this rig"

@@ -76,7 +76,7 @@ def test_the_bound_is_the_wrists_sigma_in_the_pictures(sigma_mm: float) -> None:
         below.add(estimate(k, 0.95 * explained_px, sigma_mm))
         above.add(estimate(k, 1.05 * explained_px, sigma_mm))
     assert below.problem() == ""
-    assert f"its sigma explains {SIGMAS * sigma_mm * PX_PER_MM:.1f}" in above.problem()
+    assert f"the wrist's sigma explains {SIGMAS * sigma_mm * PX_PER_MM:.1f}" in above.problem()
 
 
 def test_a_residual_at_calibration_is_explained() -> None:
