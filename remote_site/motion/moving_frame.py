@@ -69,13 +69,11 @@ def seen_from(frame: Frame, joint: Axis, limits: AxisLimits) -> tuple[float, ...
 
 
 def _stoppable(ahead: float, velocity: float, acceleration: float) -> float:
-    """The greatest velocity towards a target `ahead` from which a joint can stop where the target could, infinite for
-    one that is not ahead.
+    """The greatest velocity from which a joint can stop where a target `ahead` could that moves away with `velocity`.
 
     A hand stops when it likes. A joint that catches up with a moving target in the shortest time would be faster than
-    the target when it gets there, and swing far beyond one that stops.
+    the target when it gets there, and swing far beyond one that stops. Infinite for a target that does not move away.
     """
-    if ahead <= 0.0 and velocity <= 0.0:
+    if velocity <= 0.0:
         return math.inf
-    moving = max(velocity, 0.0)
-    return math.sqrt(2 * BRAKING * acceleration * max(ahead, 0.0) + moving * moving)
+    return math.sqrt(2 * BRAKING * acceleration * max(ahead, 0.0) + velocity * velocity)
