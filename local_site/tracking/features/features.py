@@ -27,7 +27,7 @@ FOREARM_RANGE = (0.3, 0.92)
 ROOT_START, ROOT_LENGTH = 0.2, 0.2
 MIN_ROOT_ROWS = 4
 FOREARM_SIDES, UPPER_ARM_SIDES = (0.0, 0.6), (0.3, 1.0)
-UPPER_ARM_START = 0.6
+UPPER_ARM_START, LEAST_UPPER_ARM = 0.6, 0.7  # half widths; of less, the line points anywhere
 MAX_CREASE_COSINE = 0.87
 REFITS = 1
 MAX_TURN = math.radians(40.0)
@@ -181,7 +181,7 @@ def _upper_arm(silhouette: Silhouette, guess: Posture) -> tuple[MedialLine | Non
         edges = scan_edges(silhouette, axis, 0.0, length, 2.2 * guess.half_width)
         begin, end = limb_span(*edges.rows, start, guess.half_width)
         line = medial_line(edges, begin, end - 2)
-        if line is None:
+        if line is None or end - begin < LEAST_UPPER_ARM * guess.half_width:
             return None, guess.shoulder_end
         axis = MedialLine(line.at(line.along(guess.elbow)), line.direction)
     return axis, axis.at(end)

@@ -119,8 +119,11 @@ def _scan(
 @compiled
 def _edge(grey: NDArray[np.uint8], level: float, ray: tuple[float, float, float, float], values: Array) -> float:
     """Px along a ray (x, y and a unit step) to the edge: found where the values first drop below the level, located
-    where they fall most, which is right also for skin in shadow. `values` is a buffer for those along the ray."""
+    where they fall most, which is right also for skin in shadow; NaN beyond the picture, whose border would seem to go
+    on for ever. `values` is a buffer for those along the ray."""
     x, y, step_x, step_y = ray
+    if not _within(grey, x, y):
+        return math.nan
     reach = len(values) - 1
     beyond = 0
     while beyond <= reach and grey_at(grey, x + beyond * step_x, y + beyond * step_y) > level:
@@ -131,7 +134,7 @@ def _edge(grey: NDArray[np.uint8], level: float, ray: tuple[float, float, float,
     first = max(beyond - STRIDE, 0)
     while first <= reach and values[first] > level:
         first += 1
-    if first == 0 or first > reach:
+    if first == 0 or first > reach or not _within(grey, x + first * step_x, y + first * step_y):
         return math.nan
     last = min(first + EDGE_REACH, reach)
     total, position = 0.0, 0.0
@@ -141,6 +144,13 @@ def _edge(grey: NDArray[np.uint8], level: float, ray: tuple[float, float, float,
             total += fall * fall
             position += fall * fall * (k + 0.5)
     return position / total if total > 0 else math.nan
+
+
+@compiled
+def _within(grey: NDArray[np.uint8], x: float, y: float) -> bool:
+    """Whether a position in px lies within the picture."""
+    height, width = grey.shape
+    return bool(0.0 <= x <= width - 1.0 and 0.0 <= y <= height - 1.0)
 
 
 def medial_line(edges: Edges, start: float, end: float) -> MedialLine | None:

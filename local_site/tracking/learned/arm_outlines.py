@@ -16,6 +16,7 @@ from local_site.tracking.silhouette.joints import Body
 from local_site.tracking.tracker import TrackingReason, Views
 
 MOST_WRIST_OFF_M = 0.06  # the wrist's landmark lies on the crease, 2 cm from the joint
+SHORTEST_M = 0.18  # of any operator's forearm
 WITHIN = 0.9  # of the landmarks: inside the silhouette of a hand before a dark wall
 
 
@@ -74,7 +75,12 @@ class ArmOutlines:
             found.tubes.posture(matrix, hand.pixels[k][MIDDLE_TIP]) if k in hand.pixels else None
             for k, matrix in enumerate(self._rig.matrices)
         ]
-        return self._in_room.find(views, body, hints)
+        arm = self._in_room.find(views, body, hints)
+        if not _is_short(arm):
+            return arm
+        self._in_room.forget()  # a bend within the forearm was taken for the elbow
+        arm = self._in_room.find(views, body, hints)
+        return NoArm(TrackingReason.NO_ARM) if _is_short(arm) else arm
 
 
 def _pictures(views: Views) -> list[Image]:
@@ -87,6 +93,11 @@ def _with_hand(arm: SeenArm | NoArm, hand: SeenHand) -> SeenArm | NoArm:
         return arm
     off_m = float(np.linalg.norm(arm.joints.wrist - hand.points[WRIST]))
     return arm if off_m < MOST_WRIST_OFF_M else NoArm(TrackingReason.NO_ARM)
+
+
+def _is_short(arm: SeenArm | NoArm) -> bool:
+    """Whether the forearm of an arm is shorter than any operator's."""
+    return isinstance(arm, SeenArm) and float(np.linalg.norm(arm.joints.wrist - arm.joints.elbow)) < SHORTEST_M
 
 
 def _hold(arm: SeenArm, hand: SeenHand) -> bool:

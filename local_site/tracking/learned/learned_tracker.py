@@ -163,7 +163,9 @@ class LearnedTracker:
         self._learn(arm, wrist, hand_reasons, reasons)
         if not self._operator.is_known:
             return "; ".join(reasons) or TrackingReason.LEARNING
-        return "; ".join(reasons) or ("" if self._operator.has_length(arm, wrist) else TrackingReason.NO_ARM)
+        # The forearm's line and its known length tell where the elbow is, too.
+        against = [reason for reason in reasons if reason != TrackingReason.NO_UPPER_ARM]
+        return "; ".join(against) or ("" if self._operator.has_length(arm, wrist) else TrackingReason.NO_ARM)
 
     def _learn(
         self, arm: SeenArm, wrist: Array, hand_reasons: list[TrackingReason], reasons: list[TrackingReason]

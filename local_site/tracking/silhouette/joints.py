@@ -123,8 +123,8 @@ def upper_arm_direction(views: Limbs, elbow: Array, far_end: Array) -> tuple[boo
     """Whether it is known, and the unit vector (3,) from the elbow to the shoulder: the intersection of the planes of
     the upper arm's lines.
 
-    If the planes nearly coincide, as for an upper arm parallel to the baseline, it is the direction in their common
-    plane to the far end (3,) in m.
+    If the planes nearly coincide, as for an upper arm parallel to the baseline, or one view alone shows it, it is the
+    direction in that plane to the far end (3,) in m.
     """
     spread, seen = np.zeros((3, 3)), 0
     for k in range(len(views)):
@@ -133,10 +133,10 @@ def upper_arm_direction(views: Limbs, elbow: Array, far_end: Array) -> tuple[boo
             seen += 1
             for p in range(3):
                 spread[p] += normal[p] * normal
-    if seen < 2:
+    if seen < 1:
         return False, np.zeros(3)
     squares, axes = np.linalg.eigh(spread)
-    if squares[1] < MIN_PLANE_SINE**2:
+    if seen < 2 or squares[1] < MIN_PLANE_SINE**2:
         common = np.ascontiguousarray(axes[:, 2])
         towards = far_end - elbow
         towards = towards - common * np.sum(common * towards)

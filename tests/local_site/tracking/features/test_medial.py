@@ -71,3 +71,17 @@ def test_each_side_of_a_limb_is_found_without_the_other():
     back = limb_sides(find_silhouette(to_grey(image), 80.0), axis, -20, 20, 30)
     assert abs(back[0] + 15) < 0.6
     assert np.isnan(back[1])
+
+
+def test_a_limb_that_leaves_the_picture_has_no_edges_beyond_it():
+    image, truth = drawn_limb(np.array([160.0, 10.0]), math.radians(50), widths=(40.0, 40.0))
+    silhouette = find_silhouette(to_grey(image), 80.0)
+    assert silhouette is not None
+    edges = scan_edges(silhouette, truth, -55, 50, 60)
+    seen = ~np.isnan(edges.lower)
+    across = np.stack([truth.at(t) + s * truth.normal for t in edges.t[seen] for s in (-20.0, 20.0)])
+    assert 20 < np.count_nonzero(seen) < 70
+    assert across.min() > -1.0
+    line = medial_line(edges, -55, 50)
+    assert line is not None
+    assert abs(float(line.direction @ truth.normal)) < 0.02

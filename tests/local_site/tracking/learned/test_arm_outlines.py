@@ -1,5 +1,7 @@
 """The arm that is found belongs to the hand that was seen: at its wrist, and in outlines that hold it."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
@@ -68,3 +70,27 @@ def test_an_arm_whose_wrist_is_not_the_hands_is_none(moving, outlines):
     outlines.find(moving.views(3), UNKNOWN, hand_at(moving, 3), starting=True)
     arm = outlines.find(moving.views(4), UNKNOWN, hand_at(moving, 4, (0.0, 0.0, 0.1)), starting=False)
     assert arm == NoArm(TrackingReason.NO_ARM)
+
+
+class Mistaken:
+    """A finder of an arm that takes a bend within the forearm for the elbow, until it is told to forget."""
+
+    def __init__(self, arm, begins_anew):
+        self._short = replace(arm, joints=replace(arm.joints, elbow=0.5 * (arm.joints.elbow + arm.joints.wrist)))
+        self._arm, self._begins_anew, self._found = arm, begins_anew, self._short
+
+    def find(self, *_):
+        return self._found
+
+    def forget(self):
+        self._found = self._arm if self._begins_anew else self._short
+
+
+@pytest.mark.parametrize("begins_anew", [True, False])
+def test_a_bend_within_the_forearm_is_no_elbow(moving, outlines, monkeypatch, begins_anew):
+    hand = hand_at(moving, 3)
+    arm = outlines.find(moving.views(3), UNKNOWN, hand, starting=True)
+    outlines.finder = Mistaken(arm, begins_anew)
+    monkeypatch.setattr(outlines, "_in_room", outlines.finder)
+    found = outlines.find(moving.views(3), UNKNOWN, hand, starting=False)
+    assert found == (arm if begins_anew else NoArm(TrackingReason.NO_ARM))

@@ -1,5 +1,7 @@
 """Elbow and wrist from exact lines of both views, also where the planes alone leave them open."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
@@ -79,6 +81,14 @@ def test_the_forearm_length_places_a_wrist_without_a_neck():
 def test_a_straight_arm_has_its_elbow_a_forearm_from_the_wrist(upper):
     joints = solved(seen(ELBOW, BENT, ELBOW + 0.9 * (ELBOW - BENT), upper=upper), Body(LENGTH))
     assert error_m(joints.elbow, ELBOW) < 0.003
+
+
+def test_one_view_of_the_upper_arm_tells_where_the_arm_s_back_is():
+    both = seen(ELBOW, BENT, SHOULDER)
+    one = [both[0], replace(both[1], upper_arm=None)]
+    found, direction = upper_arm_direction(limbs_of(PROJECTIONS, one), ELBOW, SHOULDER)
+    assert found
+    assert direction @ (SHOULDER - ELBOW) > 0.98 * np.linalg.norm(SHOULDER - ELBOW)
 
 
 def test_less_is_known_where_less_is_seen():
