@@ -7,7 +7,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from common.geometry import Array, skew
-from local_site.simulation.config import BodyConfig
+from local_site.simulation.config import BodyConfig, MarkersWorn
 from local_site.simulation.hand import DIGITS, JOINTS, U_SHAPE, FingerPosture, Hand, unit
 
 RIM_POINTS = 32
@@ -24,6 +24,8 @@ BELLY_AT = 0.26
 WRIST_FLATNESS = 0.42
 ELBOW_FLATNESS = 0.10
 MARKER_RADIUS_M = 0.012
+# Beside a tip a smaller one, of which the finger hides less.
+MARKER_BESIDE_RADIUS_M = 0.006
 # Half the width of a wrist: the thesis's markers sit on the radial side of it (section 5.2).
 WRIST_MARKER_IN_HAND = np.array([0.0, 0.033, 0.0])
 
@@ -134,6 +136,10 @@ class ArmBody:
         """Joint centres (5, 4, 3) of index, middle, ring, little finger and thumb, from base to tip."""
         return pose.wrist + self._hand.joints(pose.openness) @ pose.operator_R_hand.T
 
+    def beside_tips(self, pose: BodyPose) -> Array:
+        """Where markers beside the tips of index and thumb have their centres (2, 3), operator frame, m."""
+        return pose.wrist + self._hand.beside_tips(pose.openness) @ pose.operator_R_hand.T
+
     def _forearm_balls(self, pose: BodyPose, along: Array, hinge: Array) -> Array:
         """Pairs of balls (2N, 3): flat across the hinge at the elbow, across the hand at the wrist."""
         inner = _cross(along, hinge)
@@ -163,12 +169,14 @@ class ArmBody:
 class MarkedArm:
     """An arm that wears a dark glove and bright balls on the wrist's radial side, on index and thumb.
 
-    Those of the fingers are caps about the last joint, so that they show from all sides. The truth for wrist, index and
-    thumb is the centres of the markers.
+    Those of the fingers are `worn` as caps about the last joint, so that they show from all sides, or beside the tips.
+    The truth for wrist, index and thumb is the centres of the markers.
     """
 
-    def __init__(self, body: ArmBody) -> None:
+    def __init__(self, body: ArmBody, worn: MarkersWorn = "round_the_tips") -> None:
         self._body = body
+        self._round_tips = worn == "round_the_tips"
+        self._radius = MARKER_RADIUS_M if self._round_tips else MARKER_BESIDE_RADIUS_M
         by_name = {part.name: part for part in body.parts}
         self._tips = [int(by_name[name].balls[-1]) for name in ("index", "thumb")]
         wrist = 2 * len(FOREARM_AT) - 1
@@ -186,7 +194,7 @@ class MarkedArm:
     def solid(self, pose: BodyPose) -> Solid:
         """The skin of the whole arm in this pose, with its markers."""
         skin = self._body.solid(pose)
-        return replace(skin, markers=self._centres(pose, skin), marker_radius=MARKER_RADIUS_M)
+        return replace(skin, markers=self._centres(pose, skin), marker_radius=self._radius)
 
     def truth(self, pose: BodyPose) -> ArmTruth:
         """The elbow, and the centres of the markers."""
@@ -195,7 +203,7 @@ class MarkedArm:
 
     def _centres(self, pose: BodyPose, skin: Solid) -> Array:
         wrist = pose.wrist + pose.operator_R_hand @ WRIST_MARKER_IN_HAND
-        return np.vstack([wrist, skin.centres[self._tips]])
+        return np.vstack([wrist, skin.centres[self._tips] if self._round_tips else self._body.beside_tips(pose)])
 
 
 @dataclass(frozen=True, slots=True)

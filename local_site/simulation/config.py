@@ -11,6 +11,7 @@ MotionName = Literal[
     "hold", "figure_of_eight", "rotate_x", "rotate_y", "rotate_z", "pick_and_place", "reach_and_adjust", "toggles"
 ]
 PostureName = Literal["u", "fist", "pointing", "flat"]
+MarkersWorn = Literal["round_the_tips", "beside_the_tips"]
 
 
 class BodyConfig(Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
@@ -91,6 +92,13 @@ class SimulationConfig(Struct, frozen=True, kw_only=True, forbid_unknown_fields=
     markers: Annotated[
         bool, Meta(description="a dark glove with bright markers on wrist, index and thumb instead of a bare arm")
     ] = False
+    markers_worn: Annotated[
+        MarkersWorn,
+        Meta(
+            description="round_the_tips: caps about the last joints of index and thumb, seen from all sides; "
+            "beside_the_tips: on the radial side of the index and the back of the thumb, as in the thesis's figure 5.4"
+        ),
+    ] = "round_the_tips"
     textured: Annotated[
         bool,
         Meta(

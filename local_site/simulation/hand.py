@@ -54,6 +54,9 @@ HYPOTHENAR = np.array([0.036, -0.022, -0.009])
 HYPOTHENAR_RADIUS = 0.017
 THENAR_RADIUS = 0.0165
 WEB_RADIUS = 0.0095
+# Markers beside the tips, from the tip on the skin (thesis figure 5.4): back along the last bone, and out of its side.
+BACK_FROM_TIP = 0.010
+BESIDE_INDEX, BESIDE_THUMB = 0.011, 0.012
 # The ball of the thumb lies on the palm's side of its bone.
 THENAR_INWARD = np.array([0.0, 0.006, 0.002])
 
@@ -119,6 +122,19 @@ class Hand:
         joints, last = self._joints(openness)
         skin = joints[:, 3] + RADII[:, 3:] * last
         return self._scale * skin[0], self._scale * skin[4]
+
+    def beside_tips(self, openness: float) -> Array:
+        """Where markers sit beside the tips (2, 3): on the radial side of the index, on the back of the thumb."""
+        bones = self._joints(openness)[1]
+        backs = self.backs(openness)[:, 2]
+        radial = np.cross(backs[0], bones[0])
+        index, thumb = self.tips(openness)
+        return np.array(
+            [
+                index - BACK_FROM_TIP * bones[0] + BESIDE_INDEX * radial,
+                thumb - BACK_FROM_TIP * bones[4] + BESIDE_THUMB * backs[4],
+            ]
+        )
 
     def joints(self, openness: float) -> Array:
         """Joint centres (5, 4, 3) of the digits, from base to tip; the last is that of the tip's ball."""

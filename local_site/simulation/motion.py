@@ -3,6 +3,7 @@
 import math
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
+from typing import Protocol
 
 import numpy as np
 
@@ -28,6 +29,14 @@ START_ROLL = math.radians(10.0)
 RAMP_S = 2.0
 OPENING_S = 0.2
 OPEN_S = 0.5
+
+
+class Path(Protocol):
+    """Where the hand goes, as a function of the time since it began to move, s."""
+
+    def at(self, t_s: float) -> tuple[Array, Array, float]: ...
+
+    def openings_until(self, t_s: float) -> int: ...
 
 
 @dataclass(frozen=True, slots=True)
@@ -169,17 +178,20 @@ PATHS: dict[MotionName, HandPath] = {
 
 
 class Motion:
-    """One operator's motion, a pure function of the time since its start; ConfigError when the arm is too short."""
+    """One operator's motion, a pure function of the time since its start.
 
-    def __init__(self, config: MotionConfig, body: BodyConfig, seed: int) -> None:
+    Along `path` where one is given, else along that of the configuration's name: ConfigError when it is out of reach.
+    """
+
+    def __init__(self, config: MotionConfig, body: BodyConfig, seed: int, path: Path | None = None) -> None:
         self._config = config
         self._upper_arm, self._forearm = body.upper_arm_length, body.forearm_length
-        self._path = PATHS[config.name]
+        self._path = path or PATHS[config.name]
         self._roll = START_ROLL + math.radians(config.roll_deg)
         self._shoulder = np.array(config.shoulder)
         self._start = np.array(config.wrist)
         self._phases = np.random.default_rng(seed).uniform(0.0, 2.0 * np.pi, (len(TREMOR_HZ), 3))
-        for t_s in np.arange(0.0, CHECKED_S, 0.2):
+        for t_s in np.arange(0.0, CHECKED_S, 0.2) if path is None else ():
             self.pose(config.still_s + t_s)
 
     def pose(self, t_s: float) -> BodyPose:

@@ -14,7 +14,7 @@ from local_site.simulation.cameras import PinholeCamera, exact_rig, stereo_pair
 from local_site.simulation.config import SimulationConfig
 from local_site.simulation.hand import POSTURES
 from local_site.simulation.hazel import TexturedOperator, film_camera
-from local_site.simulation.motion import Motion, minimum_jerk
+from local_site.simulation.motion import Motion, Path, minimum_jerk
 from local_site.simulation.rendering import Renderer
 from local_site.simulation.room.room_view import room_views
 
@@ -47,12 +47,15 @@ def filming_rig(config: SimulationConfig) -> Rig:
 
 
 class SimulatedOperator:
-    """A right arm, bare or with markers, that moves before two cameras; times are s since the start of the motion."""
+    """A right arm, bare or with markers, that moves before two cameras; times are s since the start of the motion.
 
-    def __init__(self, config: SimulationConfig) -> None:
-        self.motion = Motion(config.motion, config.body, config.seed)
+    It moves along `path` where one is given, else as the configuration names it.
+    """
+
+    def __init__(self, config: SimulationConfig, path: Path | None = None) -> None:
+        self.motion = Motion(config.motion, config.body, config.seed, path)
         self._skin = ArmBody(config.body, POSTURES[config.motion.posture])
-        self._body = MarkedArm(self._skin) if config.markers else self._skin
+        self._body = MarkedArm(self._skin, config.markers_worn) if config.markers else self._skin
         self._empty_s = config.room.empty_s
         self._shutter_s = config.picture.shutter_ms * 1e-3
         cameras = stereo_pair(config.stereo)

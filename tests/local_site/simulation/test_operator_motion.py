@@ -10,7 +10,7 @@ from common.errors import ConfigError
 from common.geometry import vector_from_rotation
 from local_site.simulation.body import ArmBody
 from local_site.simulation.config import BodyConfig, MotionConfig, MotionName
-from local_site.simulation.motion import Motion, minimum_jerk
+from local_site.simulation.motion import HandPath, Motion, minimum_jerk
 
 NAMES = typing.get_args(MotionName)
 
@@ -130,3 +130,15 @@ def test_minimum_jerk_starts_and_ends_at_rest():
     assert shares[-1] == 1.0
     assert np.diff(shares).max() * 1000 == pytest.approx(1.875, abs=1e-3)
     assert np.all(np.diff(shares) >= 0)
+
+
+def test_a_path_that_is_given_is_followed_and_checked_only_where_it_is_asked_for():
+    path = HandPath(lambda t_s: (np.array([-0.05 * t_s, 0.0, 0.0]), np.array([0.0, 0.0, 0.1 * t_s])))
+    given = Motion(MotionConfig(name="hold", still_s=1.0), BodyConfig(), seed=1, path=path)
+    still, moved = given.pose(0.5), given.pose(2.0)
+    assert moved.wrist - still.wrist == pytest.approx([-0.05, 0.0, 0.0])
+    turn = vector_from_rotation(moved.operator_R_hand @ still.operator_R_hand.T)
+    assert turn == pytest.approx([0.0, 0.0, 0.1])
+    assert given.openings_until(9.0) == 0
+    with pytest.raises(ConfigError, match="cannot reach"):
+        given.pose(9.0)
