@@ -5,7 +5,6 @@ from functools import lru_cache
 import cv2
 import numpy as np
 from numpy.typing import NDArray
-from scipy.spatial.transform import Rotation
 
 from common.cameras.camera import Image
 from common.geometry import Array
@@ -31,14 +30,14 @@ def print_of(board: Board) -> Image:
 
 @lru_cache(maxsize=6)
 def rays_of(lens: Lens) -> NDArray[np.float32]:
-    """The ray (x/z, y/z) of every sample of every pixel, (SAMPLES H, SAMPLES W, 2)."""
+    """The ray (x/z, y/z) of every sample of every pixel of a picture of SIZE, (SAMPLES H, SAMPLES W, 2)."""
     ticks = [(np.arange(SAMPLES * n) + 0.5) / SAMPLES - 0.5 for n in SIZE]
     slopes = (lens.undistort_pixels(np.stack(np.meshgrid(*ticks), axis=-1)) - (lens.cx, lens.cy)) / (lens.fx, lens.fy)
     return slopes.astype(np.float32)
 
 
-class Renderer:
-    """Renders one print for one camera; noise is drawn from a seeded generator."""
+class BoardRenderer:
+    """Renders one print for one camera, in pictures of SIZE; noise is drawn from a seeded generator."""
 
     def __init__(self, board: Board, camera: PhysicalCamera, seed: int) -> None:
         self._print, self._board, self._camera = print_of(board), board, camera
@@ -60,26 +59,3 @@ class Renderer:
         noise = 2.0 * self._random.standard_normal(coarse.shape)
         picture: Image = np.clip(0.8 * coarse.astype(float) + 10 + noise, 0, 255).astype(np.uint8)
         return picture
-
-
-def looking_down(side: float, k1: float = 0.0, k2: float = 0.0, focal: float = 800.0) -> PhysicalCamera:
-    """A camera 0.9 m from the origin, on the left (-1) or right (1), that looks down at it."""
-    turn = np.radians(20.0 * side)
-    forward = np.array([-np.sin(turn), np.cos(turn), -0.8])
-    forward /= np.linalg.norm(forward)
-    right = np.cross(forward, [0.0, 0.0, 1.0])
-    right /= np.linalg.norm(right)
-    rotation = np.array([right, np.cross(forward, right), forward])
-    return PhysicalCamera(Lens(focal, focal, 322.0, 236.0, k1, k2), rotation, rotation @ (0.9 * forward))
-
-
-def poses(board: Board, count: int, seed: int = 3) -> list[tuple[Array, Array]]:
-    """Poses of the board (operator_R_board, translation): first flat at the origin, then tilted here and there."""
-    random = np.random.default_rng(seed)
-    flat = np.diag([1.0, -1.0, -1.0])
-    found = [(flat, -flat @ board.middle)]
-    while len(found) < count:
-        tilt = Rotation.from_euler("xyz", random.uniform((10, -30, -25), (60, 30, 25)), degrees=True).as_matrix()
-        middle = random.uniform((-0.12, -0.12, -0.05), (0.12, 0.12, 0.15))
-        found.append((tilt @ flat, middle - tilt @ flat @ board.middle))
-    return found

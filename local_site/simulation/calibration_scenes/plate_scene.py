@@ -1,32 +1,21 @@
 """Pictures of a plate of discs before a camera, drawn by following each pixel's ray to the plate."""
 
-from functools import lru_cache
-
 import cv2
 import numpy as np
 
 from common.cameras.camera import Image
-from common.geometry import Array
-from local_site.calibration.physical_camera import Lens, PhysicalCamera
+from local_site.calibration.physical_camera import PhysicalCamera
 from local_site.calibration.plate import Plate
+from local_site.simulation.calibration_scenes.board_scene import SAMPLES, SIZE, rays_of
 
-SIZE = (640, 480)
-SAMPLES = 2
 MARGIN = 0.08
-
-
-@lru_cache(maxsize=4)
-def _rays(lens: Lens) -> Array:
-    ticks = [(np.arange(SAMPLES * n) + 0.5) / SAMPLES - 0.5 for n in SIZE]
-    pixels = np.stack(np.meshgrid(*ticks), axis=-1)
-    slopes = (lens.undistort_pixels(pixels) - (lens.cx, lens.cy)) / (lens.fx, lens.fy)
-    return np.dstack([slopes, np.ones(slopes.shape[:2])])
 
 
 def plate_picture(plate: Plate, camera: PhysicalCamera, height: float, seed: int = 0, noise: float = 3.0) -> Image:
     """The level plate at a height in m as a grey picture: bright discs, a dark plate, a black room."""
     width, rows = SIZE
-    rays = _rays(camera.lens) @ camera.camera_R_operator
+    slopes = rays_of(camera.lens)
+    rays = np.dstack([slopes, np.ones(slopes.shape[:2])]) @ camera.camera_R_operator
     depth = (height - camera.centre[2]) / rays[..., 2]
     x, y = (camera.centre[k] + depth * rays[..., k] for k in (0, 1))
     extents = [(n - 1) * plate.pitch for n in plate.size]

@@ -11,7 +11,8 @@ from common.cameras.settings import CameraSettings
 from common.errors import CameraError
 from common.geometry import Array
 from farhand.setup.board_page import BOARD
-from tests.local_site.calibration.board_scenes import Renderer, looking_down
+from local_site.simulation.calibration_scenes.board_scene import BoardRenderer
+from tests.local_site.calibration.board_scenes import looking_down
 
 SIDES = {"fake://a": -1, "fake://b": 1}
 HELD_FRAMES = 7
@@ -31,7 +32,7 @@ def placed(count: int) -> Iterator[tuple[Array, Array]]:
 @lru_cache(maxsize=4)
 def pictures(source: str, count: int) -> Sequence[Image]:
     """What a camera sees of the poses."""
-    renderer = Renderer(BOARD, looking_down(SIDES[source]), seed=SIDES[source] + 1)
+    renderer = BoardRenderer(BOARD, looking_down(SIDES[source]), seed=SIDES[source] + 1)
     return [renderer.picture(*pose) for pose in placed(count)]
 
 

@@ -15,12 +15,8 @@ from local_site.calibration.boards import Board, BoardFinder, BoardView
 from local_site.calibration.checks import rig_mistakes
 from local_site.calibration.physical_camera import Lens, PhysicalCamera
 from local_site.calibration.triangulation import triangulate
-from tests.local_site.calibration.board_scenes import (
-    SIZE,
-    Renderer,
-    looking_down,
-    poses,
-)
+from local_site.simulation.calibration_scenes.board_scene import SIZE, BoardRenderer
+from tests.local_site.calibration.board_scenes import looking_down, poses
 
 CHARUCO = Board("charuco", 8, 6, 0.03, 0.022)
 CHESS = Board("chessboard", 9, 6, 0.03)
@@ -37,7 +33,7 @@ SCENES = [
 def rendered(board, k1):
     """Both cameras, the poses, and each camera's pictures of them."""
     cameras, placed = [looking_down(side, k1) for side in (-1, 1)], poses(board, POSES)
-    renderers = [Renderer(board, camera, seed) for seed, camera in enumerate(cameras)]
+    renderers = [BoardRenderer(board, camera, seed) for seed, camera in enumerate(cameras)]
     return cameras, placed, [[renderer.picture(*pose) for pose in placed] for renderer in renderers]
 
 
@@ -146,7 +142,7 @@ def test_a_tilted_first_board_before_cameras_that_face_it_is_solved_and_not_take
     placed = [(R, random.uniform(-0.08, 0.08, 3) - R @ CHARUCO.middle) for R in turns]
     placed[0] = (first, -first @ CHARUCO.middle)
     views = [
-        [BoardFinder(CHARUCO).find(Renderer(CHARUCO, camera, k).picture(*pose)) for pose in placed]
+        [BoardFinder(CHARUCO).find(BoardRenderer(CHARUCO, camera, k).picture(*pose)) for pose in placed]
         for k, camera in enumerate(cameras)
     ]
     rig, _ = solve_boards(pictures(views), CHARUCO, "now")
@@ -230,7 +226,7 @@ def test_a_chessboard_turned_round_keeps_its_names():
     round_R = np.diag([-1.0, -1.0, 1.0]) @ flat
     for R in (flat, round_R):
         t = -R @ CHESS.middle
-        view = BoardFinder(CHESS).find(Renderer(CHESS, camera, 0).picture(R, t))
+        view = BoardFinder(CHESS).find(BoardRenderer(CHESS, camera, 0).picture(R, t))
         assert view.pixels == pytest.approx(camera.pixels(CHESS.corners @ R.T + t), abs=0.3)
 
 

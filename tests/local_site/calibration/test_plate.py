@@ -13,8 +13,8 @@ from local_site.calibration.lattice import find_discs, find_lattice
 from local_site.calibration.plate import Plate, plate_control_points, view_plate, without_perspective_bias
 from local_site.calibration.solve import solve_rig
 from local_site.calibration.triangulation import triangulate
+from local_site.simulation.calibration_scenes.plate_scene import plate_picture
 from tests.local_site.calibration.plate_cameras import ANGLES, camera
-from tests.local_site.calibration.plate_scenes import plate_picture
 
 DATA = Path(__file__).parents[4] / "shared/data/recordings"
 HEIGHTS = (0.0, 0.497, 0.994)

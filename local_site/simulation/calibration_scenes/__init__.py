@@ -1,0 +1,1 @@
+"""Pictures of what cameras are calibrated with, as a simulated camera sees it."""
