@@ -18,6 +18,7 @@ from local_site.samples.hand_sample import HandSampler, OpenHand
 from local_site.samples.smoothing import SmoothingConfig, make_smoother
 from local_site.simulation.cameras import calibrate_simulated
 from local_site.simulation.config import SimulationConfig
+from local_site.simulation.motion import Path
 from local_site.simulation.operator import SimulatedOperator
 from local_site.tracking.choice import TrackingConfig, make_tracker
 from local_site.tracking.tracker import ArmEstimate, View, Views
@@ -44,10 +45,20 @@ class Film:
     estimates: tuple[ArmEstimate, ...]
 
 
-def film(config: SimulationConfig, tracking: TrackingConfig, fps: float, seconds: float, progress: Progress) -> Film:
-    """Render and track all frames of `seconds`; deterministic by the configuration's seed."""
+def film(
+    config: SimulationConfig,
+    tracking: TrackingConfig,
+    fps: float,
+    seconds: float,
+    progress: Progress,
+    path: Path | None = None,
+) -> Film:
+    """Render and track all frames of `seconds`; deterministic by the configuration's seed.
+
+    The hand moves along `path` where one is given, else as the configuration names it.
+    """
     cv2.setNumThreads(1)
-    operator = SimulatedOperator(config)
+    operator = SimulatedOperator(config, path)
     tracker = make_tracker(calibrate_simulated(config), tracking)
     estimates: list[ArmEstimate] = []
     for k in range(round(seconds * fps) + 1):

@@ -9,6 +9,7 @@ from rich.progress import Progress as ProgressBar
 from common.errors import ConfigError, InterruptionError
 from farhand.experiments import drift, follow, hazel
 from farhand.experiments.report import ExperimentReport, Progress, write_report
+from farhand.experiments.thesis import calibration, icr, markers
 from farhand.outputs import check_folder, make_folder
 from farhand.reports.plotting import require_matplotlib
 from farhand.tracking.run import prepare_tracker
@@ -16,9 +17,12 @@ from local_site.tracking.choice import TrackingConfig
 
 # Of each experiment, quick or in full: how many frames it makes, and how it is run, reporting each frame.
 EXPERIMENTS: dict[str, tuple[Callable[[bool], int], Callable[[bool, Progress], ExperimentReport]]] = {
+    "calibration": (calibration.frame_count, calibration.calibration_report),
     "drift": (drift.frame_count, drift.drift_report),
     "follow": (follow.frame_count, follow.follow_report),
     "hazel": (hazel.frame_count, hazel.hazel_report),
+    "icr": (icr.frame_count, icr.icr_report),
+    "markers": (markers.frame_count, markers.markers_report),
 }
 
 

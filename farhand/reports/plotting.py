@@ -12,6 +12,7 @@ if TYPE_CHECKING:
 
 PANEL_WIDTH_IN, PANEL_HEIGHT_IN, HEAD_IN = 6.0, 2.1, 0.6
 WIDTH_OF_ONE_IN = 7.5
+LABELS_PER_PANEL = 3
 DPI = 130
 STYLE: dict[Any, Any] = {
     "font.family": "DejaVu Sans",  # comes with matplotlib
@@ -62,12 +63,16 @@ def widen(axes: "Axes", min_span: float) -> None:
 
 
 def png(figure: "Figure", axes: Any, x_label: str) -> bytes:
-    """The figure as PNG: its last row labelled, a legend of the curves in its first panel below."""
+    """The figure as PNG: its last row labelled, a legend of all curves below."""
     for panel in axes[-1]:
         panel.set_xlabel(x_label)
-    handles, labels = axes[0, 0].get_legend_handles_labels()
+    curves = {
+        label: line for panel in axes.flat for line, label in zip(*panel.get_legend_handles_labels(), strict=True)
+    }
+    labels, handles = list(curves), list(curves.values())
+    columns = min(len(labels), LABELS_PER_PANEL * axes.shape[1])
     figure.legend(
-        handles, labels, loc="outside lower center", ncols=len(labels), frameon=False, fontsize=STYLE["font.size"]
+        handles, labels, loc="outside lower center", ncols=columns, frameon=False, fontsize=STYLE["font.size"]
     )
     content = io.BytesIO()
     figure.savefig(content, format="png")

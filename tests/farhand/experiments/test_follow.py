@@ -73,7 +73,7 @@ def test_the_same_film_is_measured_twice():
     np.testing.assert_array_equal(first[-1].wrist, second[-1].wrist)
 
 
-@pytest.mark.parametrize("name", ["drift", "follow", "hazel"])
+@pytest.mark.parametrize("name", ["calibration", "drift", "follow", "hazel", "icr", "markers"])
 def test_an_interrupted_experiment_writes_nothing(name, tmp_path):
     with pytest.raises(InterruptionError, match="nothing was written"):
         run_experiment(name, tmp_path, quick=True, should_stop=lambda: True)
@@ -81,7 +81,8 @@ def test_an_interrupted_experiment_writes_nothing(name, tmp_path):
 
 
 def test_misuse_is_refused_before_any_work(tmp_path):
-    with pytest.raises(ConfigError, match="no experiment 'dance'; choose one of: drift, follow, hazel"):
+    names = "calibration, drift, follow, hazel, icr, markers"
+    with pytest.raises(ConfigError, match=f"no experiment 'dance'; choose one of: {names}"):
         run_experiment("dance", tmp_path / "out", quick=True)
     assert not (tmp_path / "out").exists()
     taken = tmp_path / "taken"
