@@ -60,7 +60,8 @@ def write_report(report: ExperimentReport, folder: Path) -> None:
 
 def _page(report: ExperimentReport) -> str:
     flat = {name: dict(_flat(figures)) for name, figures in report.compared.items()}
-    keys = list(dict.fromkeys(key for figures in flat.values() for key in figures))
+    fullest_first = sorted(flat.values(), key=len, reverse=True)
+    keys = list(dict.fromkeys(key for figures in fullest_first for key in figures))
     rows = ([key, *(figures.get(key, "–") for figures in flat.values())] for key in keys)
     plots = [picture(f"{name}.png", f"plot: {name.replace('_', ' ')}") for name in report.plots]
     names = files(("report.json", *(f"{name}.csv" for name in report.data)))

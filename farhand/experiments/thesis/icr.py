@@ -42,16 +42,16 @@ LINES = {
 AXES = ("X", "Y", "Z", "total")
 TEXT = (
     "The forearm swings through 90 deg about the elbow, then the hand by 45 deg to either side about the wrist, while "
-    "the rest of the arm stands still: 75 frames each. The marker on the end of the index finger, tracked by the "
-    "marker tracker, gives the centre of rotation. The silhouette tracker's elbow or wrist, averaged over ten frames, "
-    "is compared with it, in 65 sets of ten frames in a row. As printed, the centre is that of the sphere that fits "
-    "the ten positions best (equations 5.2 and 5.3, with the outer square that the print lacks). But ten frames span "
-    "only 11 deg of one plane, which do not determine a sphere: this reference is wrong by more than the tracker. A "
-    "circle does without the direction off the plane; a circle through the whole arc is exact to about a millimetre. "
-    "Its centre lies on the axis of rotation at the height of the marker, which is not in the plane of the joint: the "
-    "distance from the axis leaves this offset out. The last column is the error against the true joint, which only a "
-    "simulation knows. In the thesis elbow and wrist moved, by about 1 and 2 mm per frame along each axis; here they "
-    "stand still."
+    "the rest of the arm stands still: 75 frames each (a quick run: 20). The marker on the end of the index finger, "
+    "tracked by the marker tracker, gives the centre of rotation. The silhouette tracker's elbow or wrist, averaged "
+    "over ten frames, is compared with it, in 65 sets of ten frames in a row. As printed, the centre is that of the "
+    "sphere that fits the ten positions best (equations 5.2 and 5.3, with the outer square that the print lacks). But "
+    "ten frames span only 11 deg of one plane, which do not determine a sphere: this reference is further off than "
+    "the tracker. A circle does without the direction off the plane; one through the whole arc has its centre within "
+    "half a millimetre of the axis. Its centre lies on the axis of rotation at the height of the marker, which is not "
+    "in the plane of the joint: the distance from the axis leaves this offset out. The last column is the error "
+    "against the true joint, which only a simulation knows. In the thesis elbow and wrist moved, by about 1 and 2 mm "
+    "per frame along each axis; here they stand still."
 )
 
 

@@ -26,14 +26,15 @@ QUICK_PLANES = ("YZ",)
 SIMULATION = SimulationConfig(markers_worn="beside_the_tips")
 SUMMED = "mean of the motions"
 TEXT = (
-    "The hand crosses the volume and turns to and fro within one plane, in three motions of 60 frames. Each is filmed "
-    "twice from one seed: bare, tracked by the silhouette tracker, and with a dark glove and three markers, tracked "
-    "by the marker tracker. The markers are where the thesis had them: on the radial side of the wrist (33.0 mm from "
-    "its centre) and of the index finger (14.9 mm from its tip), and on the back of the thumb (15.6 mm from its tip). "
-    "So the two must differ by that much. As in the thesis, the error is how far the mean total difference is off the "
-    "expected one: a difference of lengths, in which errors across the offset hardly count. The vector error does not "
-    "have this fault: it is the length of the difference less the true offset, which only a simulation knows. How the "
-    "differences are spread over the axes depends on how the hand is held, so that only those in total compare."
+    "The hand crosses the volume and turns to and fro within one plane, in three motions of 60 frames (a quick run: "
+    "in the first of them). Each is filmed twice from one seed: bare, tracked by the silhouette tracker, and with a "
+    "dark glove and three markers, tracked by the marker tracker. The markers are where the thesis had them: on the "
+    "radial side of the wrist (33.0 mm from its centre) and of the index finger (14.9 mm from its tip), and on the "
+    "back of the thumb (15.6 mm from its tip). So the two must differ by that much. As in the thesis, the error is "
+    "how far the mean total difference is off the expected one: a difference of lengths, in which errors across the "
+    "offset hardly count. The vector error does not have this fault: it is the length of the difference less the true "
+    "offset, which only a simulation knows. The spread over the axes depends on how the hand is held, so that only "
+    "totals compare."
 )
 
 
