@@ -7,6 +7,7 @@ import msgspec
 import numpy as np
 
 from common.clock import NS_PER_S
+from common.errors import ProcessError
 from common.geometry import Array
 from farhand.experiments.following import film
 from farhand.experiments.report import Progress
@@ -26,8 +27,10 @@ class TrackedFilm:
     truths: Sequence[ArmTruth]
 
     def tracked(self, name: str) -> Array:
-        """A point's measured positions (N, 3), operator frame, m; NaN where it was not measured."""
-        points = (getattr(estimate, name) for estimate in self.estimates)
+        """A point's measured positions (N, 3), operator frame, m; NaN where not; ProcessError if it never was."""
+        points = [getattr(estimate, name) for estimate in self.estimates]
+        if all(point is None for point in points):
+            raise ProcessError(f"the {name} was not tracked in any frame; check the tracking")
         return np.array([np.full(3, np.nan) if point is None else point for point in points])
 
     def true(self, name: str) -> Array:

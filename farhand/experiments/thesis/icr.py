@@ -47,16 +47,16 @@ TEXT = (
     "over ten frames, is compared with it, in 65 sets of ten frames in a row. As printed, the centre is that of the "
     "sphere that fits the ten positions best (equations 5.2 and 5.3, with the outer square that the print lacks). But "
     "ten frames span only 11 deg of one plane, which do not determine a sphere: this reference is further off than "
-    "the tracker. A circle does without the direction off the plane; one through the whole arc has its centre within "
-    "half a millimetre of the axis. Its centre lies on the axis of rotation at the height of the marker, which is not "
-    "in the plane of the joint: the distance from the axis leaves this offset out. The last column is the error "
-    "against the true joint, which only a simulation knows. In the thesis elbow and wrist moved, by about 1 and 2 mm "
-    "per frame along each axis; here they stand still."
+    "the tracker. A circle does without the direction off the plane; one through the whole arc is exact to half a "
+    "millimetre. Its centre lies on the axis of rotation at the height of the marker, which is not in the plane of "
+    "the joint: the distance from the axis leaves this offset out. The last column is the error against the true "
+    "joint, which only a simulation knows. In the thesis elbow and wrist moved, by about 1 and 2 mm per frame along "
+    "each axis; here they stand still."
 )
 
 
 @dataclass(frozen=True, slots=True)
-class Swing:
+class TrackedArc:
     """One arc: the tracked and the true joint, and the tracked marker, each (N, 3) in m, NaN where not tracked."""
 
     joint: Array
@@ -71,8 +71,8 @@ def frame_count(quick: bool) -> int:
 
 def icr_report(quick: bool, progress: Progress) -> ExperimentReport:
     """Run the experiment; always the same for the same installation."""
-    swings = {joint: _swing(joint, recorded, progress) for joint, recorded in _recorded(quick).items()}
-    errors = {joint: icr_errors_mm(swing) for joint, swing in swings.items()}
+    arcs = {joint: _swing(joint, recorded, progress) for joint, recorded in _recorded(quick).items()}
+    errors = {joint: icr_errors_mm(arc) for joint, arc in arcs.items()}
     compared: dict[str, Figures] = {
         "thesis": {TABLES[joint]: {**table, RATIO: 1.0, "sets": SETS} for joint, table in THESIS.items()}
     }
@@ -92,15 +92,15 @@ def icr_report(quick: bool, progress: Progress) -> ExperimentReport:
     )
 
 
-def icr_errors_mm(swing: Swing) -> Mapping[str, Array]:
+def icr_errors_mm(arc: TrackedArc) -> Mapping[str, Array]:
     """By reference: the joint, averaged over each set of frames, less it (sets, 3), mm; NaN where a frame lacks."""
-    joint, marker = (windows(rows, WINDOW)[:SETS] for rows in (swing.joint, swing.marker))
-    mean_joint, whole = joint.mean(axis=1), fit_circle(swing.marker[np.isfinite(swing.marker).all(axis=1)])
+    joint, marker = (windows(rows, WINDOW)[:SETS] for rows in (arc.joint, arc.marker))
+    mean_joint, whole = joint.mean(axis=1), fit_circle(arc.marker[np.isfinite(arc.marker).all(axis=1)])
     references = {
         PRINTED: _centres(marker, lambda points: fit_sphere(points)[0]),
         TEN_CIRCLE: _centres(marker, lambda points: fit_circle(points).centre),
         ARC: whole.centre,
-        TRUE: windows(swing.true_joint, WINDOW)[:SETS].mean(axis=1),
+        TRUE: windows(arc.true_joint, WINDOW)[:SETS].mean(axis=1),
     }
     errors = {method: MM * (mean_joint - reference) for method, reference in references.items()}
     return errors | {AXIS: across_axis(errors[ARC], whole.axis)}
@@ -116,16 +116,16 @@ def _recorded(quick: bool) -> Mapping[str, Recorded]:
     return {"elbow": elbow_arc(SIMULATION.body, frames), "wrist": wrist_arc(frames)}
 
 
-def _swing(joint: str, recorded: Recorded, progress: Progress) -> Swing:
+def _swing(joint: str, recorded: Recorded, progress: Progress) -> TrackedArc:
     """Film and track the same motion twice: with a bare arm and with markers."""
     bare, marked = (film_recorded(SIMULATION, recorded, method, progress) for method in ("silhouette", "markers"))
-    return Swing(bare.tracked(joint), bare.true(joint), marked.tracked("index"))
+    return TrackedArc(bare.tracked(joint), bare.true(joint), marked.tracked("index"))
 
 
 def _table(joint: str, errors_mm: Array) -> Figures:
     """A table with the ratio of its first figure to the thesis's."""
     table = error_table(errors_mm)
-    of_thesis = table["mean"]["total_mm"] / THESIS[joint]["mean"]["total_mm"] if table else np.nan
+    of_thesis = table["mean"]["total_mm"] / THESIS[joint]["mean"]["total_mm"]
     return {**table, RATIO: round(of_thesis, 2), "sets": int(np.isfinite(errors_mm).all(axis=1).sum())}
 
 

@@ -78,20 +78,15 @@ def crossing_figures(of_plane: Crossing) -> Mapping[str, Figures]:
 
 
 def _point_figures(difference: Array, true_offset: Array) -> Figures:
-    errors = np.linalg.norm(difference - true_offset, axis=1)
+    table, errors = error_table(difference), np.linalg.norm(difference - true_offset, axis=1)
     known = errors[np.isfinite(errors)]
-    return {
-        **error_table(difference),
-        "frames": len(known),
-        VECTOR: {"mean": rounded(known.mean()), "max": rounded(known.max())}
-        if len(known)
-        else {"mean": np.nan, "max": np.nan},
-    }
+    vector = {"mean": rounded(known.mean()), "max": rounded(known.max())}
+    return {**table, "frames": len(known), VECTOR: vector}
 
 
 def off_expected_mm(table: Figures, point: str) -> float:
     """How far the mean total difference of a table is off the expected one, as in the thesis's section 7.2.2."""
-    return abs(float(table["mean"]["total_mm"]) - EXPECTED_MM[point]) if "mean" in table else np.nan
+    return abs(float(table["mean"]["total_mm"]) - EXPECTED_MM[point])
 
 
 def crossing_plots(plane: str, of_plane: Crossing) -> Iterator[tuple[str, bytes]]:

@@ -4,6 +4,7 @@ from collections.abc import Sequence
 
 import numpy as np
 
+from common.errors import ProcessError
 from common.geometry import Array
 from farhand.experiments.report import Figures, rounded
 
@@ -18,10 +19,13 @@ def with_total(errors: Array) -> Array:
 
 
 def error_table(errors_mm: Array) -> Figures:
-    """Mean, standard deviation, largest and least absolute error (N, 3) in mm; rows with NaN do not count."""
+    """Mean, standard deviation, largest and least absolute error (N, 3) in mm; rows with NaN do not count.
+
+    ProcessError where no row is left.
+    """
     known = with_total(errors_mm[np.isfinite(errors_mm).all(axis=1)])
     if not len(known):
-        return {}
+        raise ProcessError("nothing was tracked that could be compared; check the tracking")
     rows = known.mean(axis=0), known.std(axis=0), known.max(axis=0), known.min(axis=0)
     return printed_table([[rounded(value) for value in row] for row in rows])
 

@@ -61,7 +61,7 @@ def test_a_frame_without_the_joint_leaves_out_every_set_it_is_in():
     joint = np.zeros((75, 3))
     joint[30] = np.nan
     marker[31] = np.nan
-    errors = icr.icr_errors_mm(icr.Swing(joint, np.zeros((75, 3)), marker))
+    errors = icr.icr_errors_mm(icr.TrackedArc(joint, np.zeros((75, 3)), marker))
     assert {name: int(np.isfinite(rows).all(axis=1).sum()) for name, rows in errors.items()} == {
         icr.PRINTED: 54,
         icr.TEN_CIRCLE: 54,

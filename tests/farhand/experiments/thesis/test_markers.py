@@ -3,6 +3,7 @@
 import numpy as np
 import pytest
 
+from common.errors import ProcessError
 from common.geometry import Array
 from farhand.experiments.thesis import markers
 from farhand.experiments.thesis.marker_figures import (
@@ -84,6 +85,13 @@ def test_frames_in_which_a_point_is_not_tracked_are_left_out():
     figures = crossing_figures(crossing)
     assert (figures["thumb"]["frames"], figures["index"]["frames"]) == (4, 5)
     assert figures["thumb"]["mean"]["total_mm"] == EXPECTED_MM["thumb"]
+
+
+def test_a_point_that_was_never_tracked_is_an_error_and_not_an_empty_table():
+    crossing = crossing_off_by(np.zeros(3))
+    crossing.bare["thumb"][:] = np.nan
+    with pytest.raises(ProcessError, match="nothing was tracked"):
+        crossing_figures(crossing)
 
 
 def test_the_markers_are_where_the_thesis_had_them():
