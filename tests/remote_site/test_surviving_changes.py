@@ -166,15 +166,15 @@ CHANGES: list[tuple[object, str, str, str, Callable[[], None]]] = [
     (
         jerk_limited,
         "seen_from",
-        "-fastest - velocity",
-        "-fastest + velocity",
+        "lower - velocity",
+        "lower + velocity",
         lambda: test_a_moving_target_is_approached_at_full_speed_and_no_faster(0.7, -1.0),
     ),
     (
         jerk_limited,
         "seen_from",
-        "-fastest - velocity",
-        "-fastest",
+        "lower - velocity",
+        "lower",
         lambda: test_a_moving_target_is_approached_at_full_speed_and_no_faster(-0.7, -1.0),
     ),
     (
