@@ -12,6 +12,8 @@ loopback: $(READY)  ## both sites on this machine, with a simulated operator and
 learned: $(READY)  ## runtime and models of the tracker for ordinary rooms, which the other commands do without
 	@$(BIN)/python -m pip install --quiet --disable-pip-version-check --constraint constraints.txt --editable '.[learned]'
 	@$(BIN)/farhand models install
+	@echo 'Compiling the tracker for rooms (once, up to two minutes) ...'
+	@$(BIN)/python -m local_site.runtime.warm_up learned
 
 test: $(READY)  ## the tests, two at once, but for those that take long
 	@$(BIN)/python -m pytest --numprocesses 2 --no-loadscope-reorder $(ARGS)

@@ -4,6 +4,7 @@ That takes up to a minute once for an installation, and half a second after that
 watchdog and no first pair of frames should have to wait for it.
 """
 
+import sys
 from collections.abc import Iterator, Sequence
 
 from common.cameras.camera import Frame, Image
@@ -82,4 +83,4 @@ def _monocular(rig: Rig, by: StartBy) -> Tracker:
 
 
 if __name__ == "__main__":
-    warm_up(TrackingConfig())
+    warm_up(TrackingConfig(method="learned" if "learned" in sys.argv[1:] else "silhouette"))

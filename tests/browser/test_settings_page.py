@@ -1,5 +1,6 @@
 """The operator's settings on the page: those in force are shown, and nothing that comes back changes them."""
 
+import time
 from collections.abc import Callable
 from functools import partial
 
@@ -12,6 +13,7 @@ from tests.browser.told import Told
 
 LEASE = 5  # the scene's
 LOCKED = OperatorSettings(lease=LEASE, revision=3, scale=0.5, locks=Locks(z=True))
+SILENCES = 60
 CHANGED = "scales or locks are no longer those that this page showed"
 
 
@@ -76,16 +78,15 @@ def test_a_closed_page_falls_silent_and_stays_so(browser: object) -> None:
     with BareConsole() as console:
         page = OpenedPage(browser, console.address)
         page.wait_for("intents", lambda: bool(console.intents) and console.intents[-1].intent is not None)
-        watching = OpenedPage(browser, console.address)
         page.close()
 
         def silent() -> bool:
             sent = len(console.intents)
-            watching.page.wait_for_timeout(300)
+            time.sleep(0.3)
             return len(console.intents) == sent and console.intents[-1].intent is None
 
-        watching.wait_for("the silence", silent)
-        watching.close()
+        # No other page watches: where this one stood still for a moment, the other would have taken the controls.
+        assert any(silent() for _ in range(SILENCES)), console.intents[-1]
 
 
 def test_a_slider_with_the_focus_shows_the_scale_of_a_new_lease(browser: object) -> None:
