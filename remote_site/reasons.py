@@ -4,6 +4,11 @@ from dataclasses import dataclass
 from enum import StrEnum
 from typing import Self
 
+MORE_PICTURES = (
+    "Cure: let the operator's cameras give more pictures a second (fps and a fixed exposure_ms in [operator.cameras]), "
+    "choose a quicker tracker, or set a longer safety.t_soft_ms"
+)
+
 
 class Code(StrEnum):
     """The short word of a refusal or of a state's reason; counted, sent in `RobotState`, stable over releases.
@@ -46,9 +51,8 @@ class Code(StrEnum):
     )
     SAMPLES_RARE = (
         "samples_rare",
-        "a hand sample comes only each {interval_ms:.0f} ms, but is obeyed for {limit_ms:.0f} ms at most. Cure: let "
-        "the operator's cameras give more pictures a second (fps and a fixed exposure_ms in [operator.cameras]), "
-        "choose a quicker tracker, or set a longer safety.t_soft_ms",
+        "a hand sample comes only each {interval_ms:.0f} ms, but is obeyed for {limit_ms:.0f} ms at most. "
+        + MORE_PICTURES,
     )
     SAMPLES_LOST = "samples_lost", "{loss:.1%} of the hand samples are lost on the way. {cure}"
     CLOCK_UNKNOWN = (

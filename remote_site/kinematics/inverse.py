@@ -108,7 +108,7 @@ class SphericalWristInverse:
         return found
 
     def nearest(self, base_T_tool: Array, q_current: Array, elapsed_s: float = SAMPLE_S) -> Solution | Unreachable:
-        """The solution within limits nearest to `q_current` (6,), the posture last commanded, each joint unwrapped.
+        """The solution within limits nearest to `q_current` (6,), the one before, each joint unwrapped.
 
         It keeps the branch, unless another one is near, as when a singularity is crossed. Joint 4 goes to the nearer of
         its two goals, no faster than it can in `elapsed_s`, and the slower the straighter the wrist is, where it would

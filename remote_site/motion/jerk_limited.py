@@ -9,7 +9,7 @@ from ruckig import InputParameter, OutputParameter, Result, Ruckig, RuckigError,
 from common.geometry import Array, angle_between, rotation_from_vector, transform, vector_from_rotation
 from remote_site.kinematics.joints import JointMotion
 from remote_site.kinematics.limits import JointLimits
-from remote_site.motion.moving_frame import Axis, AxisLimits, Frame, frame_of, seen_from
+from remote_site.motion.moving_frame import Axis, AxisLimits, MovingFrame, frame_of, seen_from
 from remote_site.reasons import Code, Reason, reason
 from remote_site.safety.stopping import stopping
 
@@ -62,7 +62,7 @@ class JerkLimitedTracker:
         self.motion = JointMotion(np.array(q), np.array(dq), np.array(ddq))
         return self.motion
 
-    def _plan_from(self, motion: JointMotion, target: JointMotion, speed_scale: float) -> list[Frame]:
+    def _plan_from(self, motion: JointMotion, target: JointMotion, speed_scale: float) -> list[MovingFrame]:
         """Give Ruckig a motion as seen from the target; each joint's frame."""
         if speed_scale != self._speed_scale:
             self._slowed = [limits._replace(velocity=speed_scale * limits.velocity) for limits in self._axes]

@@ -24,7 +24,7 @@ class AxisLimits(NamedTuple):
     ending_s: float
 
 
-class Frame(NamedTuple):
+class MovingFrame(NamedTuple):
     """The motion of a joint's target in a tick, and the joint's own highest and lowest velocity, rad and s."""
 
     position: float
@@ -34,7 +34,7 @@ class Frame(NamedTuple):
     lowest: float
 
 
-def frame_of(target: Axis, joint: Axis, limits: AxisLimits) -> Frame:
+def frame_of(target: Axis, joint: Axis, limits: AxisLimits) -> MovingFrame:
     """The frame's motion in a tick: the target's, but slow and gentle enough for the joint to catch it, and to stop.
 
     Of the velocity that target and joint have left before the limit, it gains half at most until its acceleration has
@@ -46,14 +46,14 @@ def frame_of(target: Axis, joint: Axis, limits: AxisLimits) -> Frame:
     lowest = -min(fastest, _stoppable(at - position, -velocity, hardest))
     upper, lower = min(TARGET_SPEED * fastest, highest), max(-TARGET_SPEED * fastest, lowest)
     if not lower <= velocity <= upper:
-        return Frame(position, min(max(velocity, lower), upper), 0.0, highest, lowest)
+        return MovingFrame(position, min(max(velocity, lower), upper), 0.0, highest, lowest)
     reached = speed + change * abs(change) / (2 * jerk)
     left = fastest - (max(velocity, reached) if acceleration > 0.0 else max(-velocity, -reached))
     most = max(min(FRAME_ACCELERATION * hardest, left / (2 * ending_s)), 0.0)
-    return Frame(position, velocity, min(max(acceleration, -most), most), highest, lowest)
+    return MovingFrame(position, velocity, min(max(acceleration, -most), most), highest, lowest)
 
 
-def seen_from(frame: Frame, joint: Axis, limits: AxisLimits) -> tuple[float, ...]:
+def seen_from(frame: MovingFrame, joint: Axis, limits: AxisLimits) -> tuple[float, ...]:
     """The joint's motion in the frame, then its limits there: highest and lowest velocity, then acceleration.
 
     What the frame gains until its acceleration has ended counts as velocity already.

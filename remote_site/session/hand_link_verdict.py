@@ -6,7 +6,7 @@ from msgspec.structs import replace
 
 from common.clock import NS_PER_MS
 from common.messages.robot import HandLink
-from remote_site.reasons import Code, Reason, reason
+from remote_site.reasons import MORE_PICTURES, Code, Reason, reason
 from remote_site.session.link_ages import LONGEST_INTERVAL_NS
 
 LOSSY = 0.03  # of the samples of the meter's window
@@ -18,8 +18,7 @@ CURES = {
     "unsteady network": "Cure: if the control endpoint is tls/, write it as quic/ at both sites, so that no sample "
     f"waits for a lost packet; or {QUICKER}",
     "clocks": f"The clocks are known to half of the quickest round trip only. Cure: {QUICKER}",
-    "cameras": "Cure: let the operator's cameras give more pictures a second (fps and a fixed exposure_ms in "
-    "[operator.cameras]), choose a quicker tracker, or set a longer safety.t_soft_ms",
+    "cameras": MORE_PICTURES,
     "tracking": "Cure: relieve the local site's host, or choose a quicker tracker or smaller pictures there",
     "loss": "Cure: look for a full line or poor Wi-Fi on the way; 'farhand doctor --link' measures it",
 }
