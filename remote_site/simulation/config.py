@@ -60,6 +60,7 @@ class BlockConfig(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fiel
     mass_kg: Annotated[float, Meta(gt=0, le=2.0, description="plastic foam; the arm carries 2 kg at most")] = 0.12
     friction: Annotated[Positive, Meta(description="on table and fingers")] = 0.7
     centre_xy_m: Annotated[tuple[float, float], Meta(description="centre on the table")] = (0.544, 0.0)
+    yaw_deg: Annotated[float, Meta(ge=-180, le=180, description="turned about the vertical")] = 0.0
 
 
 class SceneConfig(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):

@@ -1,5 +1,7 @@
 """Everything on and around the arm: gripper, floor, table, target paper, block of thesis section 5.3, and cameras."""
 
+import math
+
 import mujoco
 
 from common.geometry import quaternion_from_rotation
@@ -166,7 +168,9 @@ def add_target(spec: mujoco.MjSpec, scene: SceneConfig) -> None:
 def add_block(spec: mujoco.MjSpec, block: BlockConfig, table_z_m: float) -> None:
     """The foam block, free to move, standing on the table; its corner (+x, -y) carries a red stripe."""
     depth, thickness, height = block.size_m
-    body = spec.worldbody.add_body(name=BLOCK, pos=[*block.centre_xy_m, table_z_m + height / 2])
+    half_yaw = math.radians(block.yaw_deg) / 2
+    turned = [math.cos(half_yaw), 0.0, 0.0, math.sin(half_yaw)]
+    body = spec.worldbody.add_body(name=BLOCK, pos=[*block.centre_xy_m, table_z_m + height / 2], quat=turned)
     body.add_freejoint(name=BLOCK)
     body.add_geom(
         name=BLOCK,
