@@ -1,0 +1,75 @@
+"""How the hand must move so that the gripper, or the block in it, comes to its goal; when to bring it back."""
+
+from typing import NamedTuple
+
+import numpy as np
+
+from common.geometry import Array, rotation_from_vector, vector_from_rotation
+from common.messages.hand import OperatorSettings
+from common.messages.requests import MappingDescription
+
+# Where the hand stays, from its start: m in the operator frame, and rad.
+LEAST, MOST = np.array([-0.16, -0.12, -0.14]), np.array([0.06, 0.15, 0.15])
+MOST_TURN = np.radians(32)
+WORTH = 0.5  # of a movement: with less room than for this part, the hand is brought back first
+TINY_M = 1e-6
+
+
+class Movement(NamedTuple):
+    """A movement of the hand in the operator frame: by (3,) m and (3, 3)."""
+
+    shift: Array
+    turn: Array
+
+
+class Steering:
+    """Movements of the hand by what is seen of the arm, given how the arm follows the hand (thesis section 4.2)."""
+
+    def __init__(self, mapping: MappingDescription, roll_locked: bool) -> None:
+        self._operator_R_base = np.array(mapping.base_R_operator).T
+        self._scale = mapping.scale
+        self._roll_locked = roll_locked
+
+    def towards(self, goal: Array, moved: Array, gripper: Array, settings: OperatorSettings) -> Movement:
+        """The movement that brings `moved` to the `goal`, both (4 x 4) in the base's frame.
+
+        The arm turns about the middle of the fingers of the `gripper` (4 x 4), and not about the axis along which
+        they point where the roll is locked.
+        """
+        turn = vector_from_rotation(goal[:3, :3] @ moved[:3, :3].T)
+        if self._roll_locked:
+            along = gripper[:3, 2]
+            turn = turn - (turn @ along) * along
+        fingers = gripper[:3, 3]
+        shift = goal[:3, 3] - fingers - rotation_from_vector(turn) @ (moved[:3, 3] - fingers)
+        hand_turn = self._operator_R_base @ turn / settings.rotation_scale
+        return Movement(self._operator_R_base @ shift / (self._scale * settings.scale), rotation_from_vector(hand_turn))
+
+
+def within_room(offset: Array, turned: Array, movement: Movement) -> Movement | None:
+    """The part of a movement that stays in the hand's room; None where it is better to bring the hand back first.
+
+    The hand is at `offset` (3,), m, and `turned` (3, 3) from its start.
+    """
+    part = _part(offset, movement.shift)
+    angle, turned_by = _angle(movement.turn @ turned), _angle(turned)
+    narrow = part < WORTH and part < 0.9 * _part(begin_of(movement.shift), movement.shift)
+    if narrow or angle > max(MOST_TURN, turned_by):
+        return None
+    return Movement(part * movement.shift, movement.turn)
+
+
+def begin_of(shift: Array) -> Array:
+    """The offset (3,) from which the hand has most room for a movement (3,)."""
+    return np.asarray(np.clip((LEAST + MOST) / 2 - shift / 2, 0.9 * LEAST, 0.9 * MOST))
+
+
+def _part(offset: Array, shift: Array) -> float:
+    """The part of a movement (3,), 0 to 1, that from an offset (3,) stays in the hand's room."""
+    moves = np.abs(shift) > TINY_M
+    room = np.where(shift > 0, MOST, LEAST) - offset
+    return float(np.clip((room[moves] / shift[moves]).min(initial=1.0), 0.0, 1.0))
+
+
+def _angle(rotation: Array) -> float:
+    return float(np.linalg.norm(vector_from_rotation(rotation)))
