@@ -1,0 +1,1 @@
+"""Placing the thesis's block through pixels: trials in lockstep, their figures and their report."""
