@@ -61,7 +61,7 @@ class TrialResult:
 def run_trial(conditions: Conditions) -> TrialResult:
     """Run a trial to its end; the same for the same conditions."""
     rng = np.random.default_rng(conditions.seed)
-    config = _remote_config(rng)
+    config = remote_config(rng)
     site = SteppedSite(config)
     judge = Judge(config, site.cell)
     trial = _Trial(conditions, config, site)
@@ -151,7 +151,7 @@ def _arrived(under_way: deque[tuple[int, T]], now_ns: int) -> list[T]:
     return arrived
 
 
-def _remote_config(rng: np.random.Generator) -> RemoteConfig:
+def remote_config(rng: np.random.Generator) -> RemoteConfig:
     """The cell with calibrated views and the block at a random start."""
     config = RemoteConfig().engaging(EngagementMode.HOLD_TO_RUN)
     angle, radius = rng.uniform(0, 2 * np.pi), START_RADIUS_M * np.sqrt(rng.uniform())

@@ -113,7 +113,7 @@ class Rig:
 
 
 def control(memory):
-    """Activate, then go to a far goal and back until killed: a busy machine may keep the watcher from seeing one way."""
+    """Activate, then go to a far goal and back until killed: a busy machine may hide one way from the watcher."""
     ask_for_real_time(50)
     link, follower = DriverLink(memory, LIMITS, CLOCK), JerkLimitedTracker(LIMITS, DT)
     start = CONFIG.robot.start

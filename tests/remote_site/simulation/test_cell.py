@@ -7,7 +7,7 @@ import pytest
 from common.errors import ModelError
 from remote_site.kinematics.config import RobotConfig
 from remote_site.simulation.cell import build_cell
-from remote_site.simulation.config import ArmConfig, CellConfig
+from remote_site.simulation.config import ArmConfig, BlockConfig, CellConfig
 from remote_site.simulation.views import look_at
 from tests.remote_site.simulation.cell_motion import arm_model
 
@@ -92,3 +92,13 @@ def test_too_few_frictions_are_refused():
 def test_a_camera_cannot_look_along_its_up():
     with pytest.raises(ModelError, match="cannot look"):
         look_at(np.zeros(3), np.array([0.0, 0.0, 1.0]), np.array([0.0, 0.0, 1.0]))
+
+
+@pytest.mark.parametrize("yaw_deg", [0.0, -25.0])
+def test_the_block_stands_turned_as_it_is_told_to(yaw_deg):
+    block = BlockConfig(yaw_deg=yaw_deg)
+    data = build_cell(CellConfig(block=block), ROBOT).start()
+    rotation = data.body("block").xmat.reshape(3, 3)
+    assert np.degrees(np.arctan2(rotation[1, 0], rotation[0, 0])) == pytest.approx(yaw_deg)
+    assert rotation[2, 2] == pytest.approx(1.0)
+    assert data.body("block").xpos[:2] == pytest.approx(block.centre_xy_m)

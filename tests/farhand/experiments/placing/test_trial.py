@@ -1,0 +1,44 @@
+"""A whole trial through pixels, and the site that it runs on."""
+
+import numpy as np
+import pytest
+
+from common.errors import CameraError
+from farhand.experiments.placing.stepped_site import SteppedSite
+from farhand.experiments.placing.trial import MOST_S, Conditions, remote_config, run_trial
+from remote_site.config import RemoteConfig
+
+BUILDING_SEED = 9
+
+
+def test_the_stepped_site_is_the_same_each_time():
+    one, other = (SteppedSite(RemoteConfig()) for _ in range(2))
+    for _ in range(100):
+        one.tick(())
+        other.tick(())
+    assert one.now_ns == other.now_ns
+    assert one.cell.data.qpos.tolist() == other.cell.data.qpos.tolist()
+    assert one.snapshot.state is other.snapshot.state
+
+
+def test_the_block_starts_in_its_disc_turned_by_at_most_30_degrees():
+    starts = [remote_config(np.random.default_rng(seed)).simulation.block for seed in range(200)]
+    off = np.hypot(*(np.array([start.centre_xy_m for start in starts]) - (0.53, 0.04)).T)
+    yaws = [abs(start.yaw_deg) for start in starts]
+    assert 0.06 < off.max() <= 0.075
+    assert 25 < max(yaws) <= 30
+
+
+@pytest.mark.long
+def test_the_visual_operator_places_the_block():
+    try:
+        result = run_trial(Conditions("silhouette", roll_fixed=True, seed=BUILDING_SEED))
+    except CameraError as error:
+        pytest.skip(str(error))
+    assert result.end.placed
+    assert abs(result.end.x_mm) < 8
+    assert abs(result.end.y_mm) < 8
+    assert abs(result.end.angle_deg) < 5
+    assert result.drops == 0
+    assert result.time_s < MOST_S
+    assert result.grip_force_n > 1.0

@@ -1,0 +1,69 @@
+"""Block, target and gripper are found in the decoded views where the simulation has them."""
+
+import dataclasses
+
+import numpy as np
+import pytest
+
+from common.geometry import transform, vector_from_rotation
+from farhand.visual_operator.sight import Sight
+from farhand.visual_operator.task import PlacingTask
+from tests.farhand.visual_operator.page import config, page_of
+
+TASK = PlacingTask()
+STARTS = [(0.53, 0.04, 0.0), (0.47, 0.07, -25.0), (0.58, 0.0, 28.0)]
+
+
+@pytest.fixture(scope="module", params=STARTS, ids=str)
+def seen(request):
+    site, shown = page_of(config(*request.param))
+    return site, shown, Sight(TASK).see(shown)
+
+
+def apart(pose, true):
+    off_mm = 1e3 * np.linalg.norm(pose[:3, 3] - true[:3, 3])
+    return off_mm, np.degrees(np.linalg.norm(vector_from_rotation(pose[:3, :3] @ true[:3, :3].T)))
+
+
+def body_pose(site, name):
+    body = site.cell.data.body(name)
+    return transform(body.xmat.reshape(3, 3), body.xpos)
+
+
+def test_the_block_is_found_to_3_mm_and_a_degree(seen):
+    site, _, scene = seen
+    off_mm, off_deg = apart(scene.block, body_pose(site, "block"))
+    assert off_mm < 3.0
+    assert off_deg < 1.2
+
+
+def test_the_target_is_found_to_2_mm_and_a_degree(seen):
+    _site, _, scene = seen
+    target = np.eye(4)
+    target[:2, 3], target[2, 3] = config().simulation.scene.target_corner_xy_m, TASK.table_z
+    off_mm, off_deg = apart(scene.target, target)
+    assert off_mm < 2.0
+    assert off_deg < 1.2
+
+
+def test_the_gripper_is_found_to_5_mm_and_5_degrees_where_its_own_view_hardly_shows_the_block(seen):
+    site, _, scene = seen
+    left, right = (site.cell.data.geom(name).xpos for name in ("finger_left", "finger_right"))
+    fingers = transform(body_pose(site, "gripper_body")[:3, :3], (left + right) / 2)
+    off_mm, off_deg = apart(scene.gripper, fingers)
+    assert off_mm < 5.0
+    assert off_deg < 5.0
+
+
+def test_nothing_is_found_where_the_views_are_dark(seen):
+    _, shown, _ = seen
+    views = {name: dataclasses.replace(v, picture=np.zeros_like(v.picture)) for name, v in shown.views.items()}
+    scene = Sight(TASK).see(dataclasses.replace(shown, views=views))
+    assert (scene.block, scene.gripper, scene.target) == (None, None, None)
+
+
+def test_one_view_alone_is_not_enough(seen):
+    _, shown, _ = seen
+    scene = Sight(TASK).see(dataclasses.replace(shown, views={"side": shown.views["side"]}))
+    assert scene.block is None
+    assert scene.gripper is None
