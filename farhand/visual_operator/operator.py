@@ -12,7 +12,7 @@ from common.messages.requests import MappingDescription
 from common.messages.robot import GripperStatus, SessionState
 from farhand.visual_operator.hand import Motor, ScriptedHand
 from farhand.visual_operator.shown import Shown
-from farhand.visual_operator.sight import Scene, Sight
+from farhand.visual_operator.sight.sight import Scene, Sight
 from farhand.visual_operator.stages import PLACE, Act, Course, Moves
 from farhand.visual_operator.steering import Steering, begin_of, within_room
 from farhand.visual_operator.task import PlacingTask

@@ -7,7 +7,7 @@ from enum import Enum
 import numpy as np
 
 from common.geometry import Array
-from farhand.visual_operator.sight import Scene
+from farhand.visual_operator.sight.sight import Scene
 from farhand.visual_operator.task import PlacingTask
 
 BACK_M, OVER_M, LIFT_M, ABOVE_M = 0.055, 0.10, 0.05, 0.012

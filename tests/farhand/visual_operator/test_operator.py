@@ -11,7 +11,7 @@ from common.messages.hand import Locks
 from common.messages.robot import GripperStatus, SessionState
 from farhand.visual_operator.hand import Motor
 from farhand.visual_operator.operator import REST_S, SETTLE_S, VisualOperator
-from farhand.visual_operator.sight import Scene
+from farhand.visual_operator.sight.sight import Scene
 from farhand.visual_operator.task import PlacingTask
 from tests.farhand.visual_operator.page import config, page_of
 

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from common.geometry import transform, vector_from_rotation
-from farhand.visual_operator.sight import Sight
+from farhand.visual_operator.sight.sight import Sight
 from farhand.visual_operator.task import PlacingTask
 from tests.farhand.visual_operator.page import config, page_of
 

@@ -8,7 +8,7 @@ import numpy as np
 
 from common.cameras.camera import Image
 from common.geometry import Array
-from farhand.visual_operator.colours import colour_above
+from farhand.visual_operator.sight.colours import colour_above
 
 FINER = 4  # the outline is found between pixels
 LEAST_PX = 12  # a smaller spot is no thing

@@ -12,7 +12,7 @@ import cv2
 import numpy as np
 
 from common.geometry import Array
-from farhand.visual_operator.pose_fit import Fitted, moved
+from farhand.visual_operator.sight.pose_fit import Fitted, moved
 
 STEP_PX = 0.25
 REACHES_PX = (24.0, 12.0, 12.0, 7.0, 4.0, 4.0, 4.0)  # of the iterations, how far along its normal an edge is looked for

@@ -7,7 +7,8 @@ import numpy as np
 
 from common.geometry import Array, transform
 from common.messages.robot import GripperStatus
-from farhand.visual_operator.coloured import (
+from farhand.visual_operator.shown import Shown, ShownView
+from farhand.visual_operator.sight.coloured import (
     ColouredThing,
     coloured_block,
     coloured_fingers,
@@ -15,10 +16,9 @@ from farhand.visual_operator.coloured import (
     finger_spots,
     papers_in,
 )
-from farhand.visual_operator.edge_fit import SeenShape, fit_edges, project
-from farhand.visual_operator.outlines import outline
-from farhand.visual_operator.pose_fit import SeenOutline, fit_pose
-from farhand.visual_operator.shown import Shown, ShownView
+from farhand.visual_operator.sight.edge_fit import SeenShape, fit_edges, project
+from farhand.visual_operator.sight.outlines import outline
+from farhand.visual_operator.sight.pose_fit import SeenOutline, fit_pose
 from farhand.visual_operator.task import PlacingTask
 
 LEAST_VIEWS = 2

@@ -8,10 +8,10 @@ import cv2
 import numpy as np
 
 from common.geometry import Array
-from farhand.visual_operator.colours import colour_above
-from farhand.visual_operator.edge_fit import project
-from farhand.visual_operator.outlines import Box, spots
 from farhand.visual_operator.shown import ShownView
+from farhand.visual_operator.sight.colours import colour_above
+from farhand.visual_operator.sight.edge_fit import project
+from farhand.visual_operator.sight.outlines import Box, spots
 from farhand.visual_operator.task import PlacingTask
 
 AROUND_PX = 8

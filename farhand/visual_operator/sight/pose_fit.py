@@ -7,7 +7,7 @@ import numpy as np
 from scipy.optimize import least_squares
 
 from common.geometry import Array, rotation_from_vector, transform
-from farhand.visual_operator.outlines import UNITS, Outline
+from farhand.visual_operator.sight.outlines import UNITS, Outline
 
 OUTLINE_SIGMA_PX = 0.5
 MOST_SIGMAS = 3.0  # beyond which an outline that is partly covered counts less and less
