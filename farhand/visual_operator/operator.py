@@ -1,5 +1,6 @@
 """The scripted visual operator: looks at the page, decides, and moves a hand and a key; it is no person."""
 
+from collections.abc import Callable
 from dataclasses import dataclass, field
 
 import numpy as np
@@ -10,9 +11,9 @@ from common.geometry import Array, vector_from_rotation
 from common.messages.hand import Intent, Locks, OperatorSettings
 from common.messages.requests import MappingDescription
 from common.messages.robot import GripperStatus, SessionState
-from farhand.visual_operator.hand import Motor, ScriptedHand
+from farhand.visual_operator.hand import ScriptedHand
 from farhand.visual_operator.shown import Shown
-from farhand.visual_operator.sight.sight import Scene, Sight
+from farhand.visual_operator.sight.sight import Scene
 from farhand.visual_operator.stages import PLACE, Act, Course, Moves
 from farhand.visual_operator.steering import Steering, begin_of, within_room
 from farhand.visual_operator.task import PlacingTask
@@ -26,6 +27,8 @@ MOST_TILT, FALLEN = np.radians(5), np.radians(30)
 GOOD_M, GOOD_RAD = 0.004, np.radians(3.0)
 MOST_TRIES = 3
 STUCK = frozenset({"out_of_reach", "saturated", "obstacle", "position"})  # the arm cannot follow to where the hand is
+
+See = Callable[[Shown], Scene]  # what is on a page: the sight, or what stands for it
 
 
 @dataclass
@@ -54,13 +57,14 @@ class _Timing:
 class VisualOperator:
     """Sees one page after the other (`look`); `hand` is its hand's path, `intent` its key and settings.
 
-    Times are s since the hand's start. Nothing but the page, the cell's description and the task is known to it.
+    Times are s since the hand's start. Nothing but the page, by `see`, the cell's mapping and the task is known to it.
     """
 
-    def __init__(self, task: PlacingTask, mapping: MappingDescription, motor: Motor, seed: int, locks: Locks) -> None:
-        self._task, self._motor = task, motor
-        self._sight, self._steering = Sight(task), Steering(mapping, locks.roll)
-        self.hand = ScriptedHand(motor, seed)
+    def __init__(
+        self, task: PlacingTask, see: See, mapping: MappingDescription, hand: ScriptedHand, locks: Locks
+    ) -> None:
+        self._task, self._see, self.hand = task, see, hand
+        self._steering = Steering(mapping, locks.roll)
         self._settings = OperatorSettings(lease=1, revision=1, locks=locks)
         self.intent = Intent(hold=False, settings=self._settings)
         self._course, self._timing = Course(), _Timing()
@@ -71,7 +75,7 @@ class VisualOperator:
     def look(self, shown: Shown, start_ns: int) -> None:
         """Take a page, whose times are ns, the hand's start among them; what is decided follows after the reaction."""
         now_s = (shown.t_ns - start_ns) / NS_PER_S
-        self._scene = scene = self._sight.see(shown)
+        self._scene = scene = self._see(shown)
         timing = self._timing
         if timing.press_s is not None:
             self._press(now_s)
@@ -82,7 +86,7 @@ class VisualOperator:
         elif self._course.holding and shown.gripper is GripperStatus.CLOSED:
             self._grasp_again(now_s)  # the block has slipped out
         elif (scene.t_ns - start_ns) / NS_PER_S >= timing.look_s:
-            self._decide(scene, shown.code in STUCK, now_s + self._motor.reaction_s)
+            self._decide(scene, shown.code in STUCK, now_s + self.hand.motor.reaction_s)
 
     def _press(self, now_s: float) -> None:
         timing = self._timing
@@ -127,7 +131,7 @@ class VisualOperator:
         self.notes.clutches += 1
         offset, turned = self.hand.aim()
         self.intent = replace(self.intent, hold=False)
-        end_s = self.hand.move(start_s + self._motor.reaction_s, begin_of(shift) - offset, turned.T)
+        end_s = self.hand.move(start_s + self.hand.motor.reaction_s, begin_of(shift) - offset, turned.T)
         self._timing.press_s = end_s + SETTLE_S
 
     def _act(self, start_s: float) -> None:
@@ -158,7 +162,7 @@ class VisualOperator:
         self._toggle(now_s)
 
     def _toggle(self, now_s: float) -> None:
-        self._timing.gripped_s = self.hand.open_at(now_s + self._motor.reaction_s) + GRIP_S
+        self._timing.gripped_s = self.hand.open_at(now_s + self.hand.motor.reaction_s) + GRIP_S
 
     def _go_on(self, now_s: float) -> None:
         self.notes.steps.append((now_s, self._course.stage.name))

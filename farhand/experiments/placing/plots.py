@@ -4,12 +4,13 @@ from collections.abc import Mapping, Sequence
 
 from farhand.experiments.placing.trial import TrialResult
 from farhand.reports.plotting import describe_panel, panels, png
+from local_site.tracking.config import Method
 
 COLOURS = {"silhouette": "#d72828", "markers": "#2864b4", "learned": "#287828"}
 ERRORS = {"x_mm": "x, mm", "y_mm": "y, mm", "angle_deg": "angle, deg"}
 
 
-def placing_plot(results: Mapping[str, Mapping[str, Sequence[TrialResult]]]) -> bytes:
+def placing_plot(results: Mapping[str, Mapping[Method, Sequence[TrialResult]]]) -> bytes:
     """A PNG of the errors of all placed trials, by the rotations that were free, and by the tracker's name."""
     figure, axes = panels("The placed block against the target", len(ERRORS), len(results), sharex=True, sharey="row")
     for column, (rolls, by_method) in zip(axes.T, results.items(), strict=True):

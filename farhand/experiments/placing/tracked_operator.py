@@ -1,8 +1,10 @@
 """The local site on stepped time: the operator's arm rendered as the hand moves, tracked, smoothed, made a sample."""
 
+import numpy as np
+
 from common.cameras.camera import Frame
 from common.clock import NS_PER_S
-from common.messages.hand import ClockSync, HandArm, Intent
+from common.messages.hand import ClockSync, HandArm, Intent, TrackingStatus
 from farhand.experiments.placing.stepped_site import LEASE, SESSION
 from local_site.samples.hand_sample import GestureConfig, HandSampler, OpenHand
 from local_site.samples.smoothing import SmoothingConfig, make_smoother
@@ -13,25 +15,49 @@ from local_site.simulation.operator import SimulatedOperator
 from local_site.tracking.choice import TrackingConfig, make_tracker
 from local_site.tracking.tracker import ArmEstimate, View, Views
 
+EXACT_M = 1e-4
+
 
 class TrackedOperator:
-    """Two cameras before an operator's arm, the tracker and the sampler; `path` moves the hand, times in s."""
+    """Two cameras before an operator's arm, the tracker and the sampler; `path` moves the hand, times in s.
 
-    def __init__(self, config: SimulationConfig, tracking: TrackingConfig, path: Path) -> None:
+    `exact` leaves cameras and tracker out: the arm is known as it is.
+    """
+
+    def __init__(self, config: SimulationConfig, tracking: TrackingConfig, path: Path, exact: bool = False) -> None:
         self.operator = SimulatedOperator(config, path)
         self._tracker = make_tracker(calibrate_simulated(config), tracking)
         self._smoother = make_smoother(SmoothingConfig())
         self._sampler, self._hand = HandSampler(SESSION), OpenHand()
-        self._seq = 0
+        self._exact, self._seq = exact, 0
 
     def see(self, t_ns: int, start_ns: int) -> ArmEstimate:
         """Expose both cameras at `t_ns` and track the arm; the path counts from `start_ns`."""
-        pictures = self.operator.render((t_ns - start_ns) / NS_PER_S)
-        views = Views(t_ns, tuple(View(Frame(picture, t_ns, self._seq)) for picture in pictures))
-        self._seq += 1
-        estimate = self._tracker.track(views)
+        t_s = (t_ns - start_ns) / NS_PER_S
+        estimate = self._as_it_is(t_ns, t_s) if self._exact else self._tracked(t_ns, t_s)
         self._hand = self._hand.observe(estimate, GestureConfig())
         return self._smoother.smooth(estimate)
+
+    def _tracked(self, t_ns: int, t_s: float) -> ArmEstimate:
+        pictures = self.operator.render(t_s)
+        views = Views(t_ns, tuple(View(Frame(picture, t_ns, self._seq)) for picture in pictures))
+        self._seq += 1
+        return self._tracker.track(views)
+
+    def _as_it_is(self, t_ns: int, t_s: float) -> ArmEstimate:
+        true = self.operator.truth(t_s)
+        sure = dict.fromkeys(("elbow", "wrist", "index", "thumb"), EXACT_M**2 * np.eye(3))
+        return ArmEstimate(
+            t_ns,
+            TrackingStatus.TRACKED,
+            "",
+            true.elbow,
+            true.wrist,
+            true.index,
+            true.thumb,
+            hand_open=true.hand_open,
+            covariances=sure,
+        )
 
     def sample(self, estimate: ArmEstimate, intent: Intent, sent_ns: int) -> HandArm:
         """The sample of an estimate as it is sent at `sent_ns`, both sites' clocks being one."""

@@ -2,7 +2,7 @@
 
 from collections import deque
 from dataclasses import dataclass
-from typing import TypeVar
+from typing import Literal, TypeVar
 
 import numpy as np
 from msgspec.structs import replace
@@ -14,9 +14,11 @@ from farhand.experiments.placing.judge import Judge, Placed
 from farhand.experiments.placing.stepped_site import OPERATOR, SteppedSite
 from farhand.experiments.placing.streamed_views import StreamedViews
 from farhand.experiments.placing.tracked_operator import TrackedOperator
-from farhand.visual_operator.hand import Motor
+from farhand.experiments.placing.true_sight import TrueSight
+from farhand.visual_operator.hand import Motor, ScriptedHand
 from farhand.visual_operator.operator import VisualOperator
 from farhand.visual_operator.shown import Shown, ShownView
+from farhand.visual_operator.sight.sight import Sight
 from farhand.visual_operator.task import PlacingTask
 from local_site.simulation.config import MotionConfig, SimulationConfig
 from local_site.tracking.choice import TrackingConfig
@@ -26,6 +28,7 @@ from remote_site.session.config import EngagementMode
 from remote_site.session.samples import NamedSample
 
 T = TypeVar("T")
+Exact = Literal["tracker", "sight", "hand"]
 TRACKING_NS, LINK_NS = 20 * NS_PER_MS, 5 * NS_PER_MS  # from an exposure to the sample sent; on its way
 PICTURE_NS = 60 * NS_PER_MS  # from the exposure of a view to the page
 CAMERA_NS, PAGE_NS = NS_PER_S // 30, NS_PER_S // 10
@@ -37,11 +40,16 @@ WRIST_M = (0.60, 0.42, 0.58)  # of the operator, at the start
 
 @dataclass(frozen=True, slots=True)
 class Conditions:
-    """What differs between trials: the tracker, whether the tool's roll is locked, and everything by chance."""
+    """What differs between trials: the tracker, whether the tool's roll is locked, and everything by chance.
+
+    `exact` is what is replaced by the truth: cameras and tracker, the operator's sight, or its hand, which is then
+    without noise.
+    """
 
     method: Method
     roll_fixed: bool
     seed: int
+    exact: Exact | None = None
 
 
 @dataclass(frozen=True, slots=True)
@@ -84,12 +92,17 @@ class _Trial:
     """Operator, cameras, site and views, each at its own rate; what is under way between them."""
 
     def __init__(self, conditions: Conditions, config: RemoteConfig, site: SteppedSite) -> None:
-        self._site, self._views = site, StreamedViews(config, site.memory, site.description)
-        locks, mapping = Locks(roll=conditions.roll_fixed), site.description.mapping
-        self.operator = VisualOperator(PlacingTask(), mapping, Motor(), conditions.seed, locks)
+        self._site, task, exact = site, PlacingTask(), conditions.exact
+        true_sight = TrueSight(config, site) if exact == "sight" else None
+        self._views = true_sight or StreamedViews(config, site.memory, site.description)
+        see = true_sight.see if true_sight is not None else Sight(task).see
+        hand = ScriptedHand(Motor(noise_m=0.0, noise_rad=0.0) if exact == "hand" else Motor(), conditions.seed)
+        mapping, locks = site.description.mapping, Locks(roll=conditions.roll_fixed)
+        self.operator = VisualOperator(task, see, mapping, hand, locks)
         filmed = SimulationConfig(motion=MotionConfig(still_s=0.0, wrist=WRIST_M), seed=conditions.seed)
         filmed = replace(filmed, markers=conditions.method == "markers")
-        self._arm = TrackedOperator(filmed, TrackingConfig(method=conditions.method), self.operator.hand)
+        tracking = TrackingConfig(method=conditions.method)
+        self._arm = TrackedOperator(filmed, tracking, hand, exact=exact == "tracker")
         self._start_ns = site.now_ns
         self._exposures, self._looks = _Every(CAMERA_NS, site.now_ns), _Every(PAGE_NS, site.now_ns)
         self._samples: deque[tuple[int, HandArm]] = deque()

@@ -9,9 +9,9 @@ from common.clock import NS_PER_S
 from common.geometry import rotation_from_vector, transform
 from common.messages.hand import Locks
 from common.messages.robot import GripperStatus, SessionState
-from farhand.visual_operator.hand import Motor
+from farhand.visual_operator.hand import Motor, ScriptedHand
 from farhand.visual_operator.operator import REST_S, SETTLE_S, VisualOperator
-from farhand.visual_operator.sight.sight import Scene
+from farhand.visual_operator.sight.sight import Scene, Sight
 from farhand.visual_operator.task import PlacingTask
 from tests.farhand.visual_operator.page import config, page_of
 
@@ -26,7 +26,8 @@ def page():
 @pytest.fixture
 def operator(page):
     site, _ = page
-    return VisualOperator(PlacingTask(), site.description.mapping, Motor(), 1, Locks())
+    task = PlacingTask()
+    return VisualOperator(task, Sight(task).see, site.description.mapping, ScriptedHand(Motor(), 1), Locks())
 
 
 def watch(operator, shown, seconds, state=SessionState.ENGAGED, **changed):
@@ -44,7 +45,7 @@ def dark(shown):
 
 
 def lying_at(monkeypatch, operator, block):
-    monkeypatch.setattr(operator._sight, "see", lambda shown: Scene(shown.t_ns, block, None, None))
+    monkeypatch.setattr(operator, "_see", lambda shown: Scene(shown.t_ns, block, None, None))
 
 
 def test_it_presses_the_key_and_moves_towards_the_block(page, operator):
@@ -92,8 +93,8 @@ def test_a_grasp_that_closed_on_nothing_is_done_again(monkeypatch, page, operato
     scene = [Scene(0, block, task.grasp_of(block, back, up), None) for back, up in ((0.055, 0.1), (0.055, 0), (0, 0))]
     looks = iter(range(10_000))
     monkeypatch.setattr(
-        operator._sight,
-        "see",
+        operator,
+        "_see",
         lambda shown: dataclasses.replace(scene[min(next(looks) // 15, 2)], t_ns=shown.t_ns),
     )
     watch(operator, page[1], 9, gripper=GripperStatus.CLOSED)
