@@ -8,6 +8,7 @@ from rich.progress import Progress as ProgressBar
 
 from common.errors import ConfigError, InterruptionError
 from farhand.experiments import drift, follow, hazel
+from farhand.experiments.placing import over_network
 from farhand.experiments.placing import series as placing
 from farhand.experiments.report import ExperimentReport, Progress, write_report
 from farhand.experiments.thesis import calibration, icr, markers
@@ -24,6 +25,7 @@ EXPERIMENTS: dict[str, tuple[Callable[[bool], int], Callable[[bool, Progress], E
     "hazel": (hazel.frame_count, hazel.hazel_report),
     "icr": (icr.frame_count, icr.icr_report),
     "markers": (markers.frame_count, markers.markers_report),
+    "network": (over_network.trial_count, over_network.network_report),
     "placing": (placing.trial_count, placing.placing_report),
 }
 

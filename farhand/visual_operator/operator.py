@@ -18,7 +18,7 @@ from farhand.visual_operator.stages import PLACE, Act, Course, Moves
 from farhand.visual_operator.steering import Steering, begin_of, within_room
 from farhand.visual_operator.task import PlacingTask
 
-SETTLE_S = 0.25  # after the pictures show the end of a movement, until the arm rests as far as one can see
+SETTLE_S, LAG_S = 0.25, 0.2  # after a movement, until the arm rests; at least by how much it lags without a network
 GRIP_S = 2.5
 OPENED_S = 0.9
 REST_S = 1.0
@@ -69,6 +69,7 @@ class VisualOperator:
         self.intent = Intent(hold=False, settings=self._settings)
         self._course, self._timing = Course(), _Timing()
         self._scene: Scene | None = None
+        self._settle_s = SETTLE_S
         self.notes = Notes()
         self.done = False
 
@@ -76,6 +77,7 @@ class VisualOperator:
         """Take a page, whose times are ns, the hand's start among them; what is decided follows after the reaction."""
         now_s = (shown.t_ns - start_ns) / NS_PER_S
         self._scene = scene = self._see(shown)
+        self._settle_s = max(SETTLE_S, LAG_S + shown.delay_s)
         timing = self._timing
         if timing.press_s is not None:
             self._press(now_s)
@@ -92,7 +94,7 @@ class VisualOperator:
         timing = self._timing
         if timing.press_s is not None and now_s >= timing.press_s:
             self.intent = replace(self.intent, hold=True)
-            timing.press_s, timing.look_s = None, now_s + SETTLE_S
+            timing.press_s, timing.look_s = None, now_s + self._settle_s
 
     def _wait_for_arm(self, now_s: float) -> None:
         """Let the site take the arm up again by itself; after a while let go of the key, and press it anew."""
@@ -124,7 +126,7 @@ class VisualOperator:
         if possible is None or stuck:
             self._clutch(movement.shift, start_s)
         else:
-            self._timing.look_s = self.hand.move(start_s, possible.shift, possible.turn) + SETTLE_S
+            self._timing.look_s = self.hand.move(start_s, possible.shift, possible.turn) + self._settle_s
 
     def _clutch(self, shift: Array, start_s: float) -> None:
         """Let go, bring the hand to where a movement fits into its room, level it, and press again."""
@@ -172,7 +174,7 @@ class VisualOperator:
 
     def _settle(self, now_s: float) -> None:
         """Wait until the arm rests, and take the scales of the step under way."""
-        self._timing.look_s = now_s + SETTLE_S
+        self._timing.look_s = now_s + self._settle_s
         scale, rotation = self._course.stage.scales
         if self._settings.scale != scale:
             revision = self._settings.revision + 1

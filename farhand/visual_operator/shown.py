@@ -23,7 +23,10 @@ class ShownView:
 
 @dataclass(frozen=True, slots=True)
 class Shown:
-    """The page at `t_ns`: the views by their names, the state with its reason, the gripper's opening (m) and status."""
+    """The page at `t_ns`: the views by their names, the state with its reason, the gripper's opening (m) and status.
+
+    `delay_s` is how long the hand's samples are on their way, as the page tells.
+    """
 
     t_ns: int
     views: Mapping[str, ShownView]
@@ -32,3 +35,4 @@ class Shown:
     reason: str
     opening_m: float
     gripper: GripperStatus
+    delay_s: float

@@ -1,7 +1,11 @@
-"""Where the block's marked corner was left, trial by trial, and how far its edges were off."""
+"""Where the block was left, trial by trial, and how long it took over each network."""
 
+import math
 from collections.abc import Mapping, Sequence
 
+import numpy as np
+
+from farhand.experiments.placing.network import Network
 from farhand.experiments.placing.trial import TrialResult
 from farhand.reports.plotting import describe_panel, panels, png
 from local_site.tracking.config import Method
@@ -21,3 +25,30 @@ def placing_plot(results: Mapping[str, Mapping[Method, Sequence[TrialResult]]]) 
                 placed = [(k + 1, getattr(t.end, error)) for k, t in enumerate(trials) if t.end.placed]
                 panel.plot(*zip(*placed, strict=True), "o", label=method, color=COLOURS[method], markersize=4)
     return png(figure, axes, "trial")
+
+
+def network_plot(networks: Mapping[str, Network], results: Mapping[str, Sequence[TrialResult]]) -> bytes:
+    """A PNG of time and success over the delay, and beside it with packets lost, and at a narrow rate."""
+    figure, axes = panels("Placing a block over a network", 2, 2, sharex="col", sharey="row")
+    delays = {name: of.delay_ms for name, of in networks.items() if not of.loss and math.isinf(of.mbit_s)}
+    others = {name: float(k) for k, name in enumerate(name for name in networks if name not in delays)}
+    for column, at in zip(axes.T, (delays, others), strict=True):
+        describe_panel(column[0], "time of a trial, its median and quartiles", "s")
+        describe_panel(column[1], "placed", "%")
+        times = {name: np.percentile([trial.time_s for trial in results[name]], [25, 50, 75]) for name in at}
+        low, middle, high = np.array([times[name] for name in at]).T
+        spread = [middle - low, high - middle]
+        style = "o-" if at is delays else "o"
+        column[0].errorbar(list(at.values()), middle, spread, fmt=style, color="#2864b4", capsize=3)
+        placed = [100.0 * np.mean([trial.end.placed for trial in results[name]]) for name in at]
+        column[1].plot(list(at.values()), placed, style, color="#2864b4", markersize=5)
+        column[1].set_ylim(0, 105)
+        column[0].set_ylim(bottom=0)
+    axes[1, 1].set_xticks(list(others.values()), [_label(networks[name]) for name in others])
+    axes[1, 1].set_xlim(-0.5, len(others) - 0.5)
+    axes[1, 0].set_xticks(list(delays.values()))
+    return png(figure, axes, "delay each way, ms (on the right none)")
+
+
+def _label(network: Network) -> str:
+    return f"{100 * network.loss:g} % lost" if network.loss else f"{network.mbit_s:g} Mbit/s"

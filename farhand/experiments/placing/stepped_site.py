@@ -30,6 +30,19 @@ OPERATOR, SESSION, LEASE = "operator", 1, 1
 FOR_EVER_NS = 3600 * NS_PER_S
 
 
+class Every:
+    """Is due once in each period, from a first time on."""
+
+    def __init__(self, period_ns: int, first_ns: int) -> None:
+        self._period_ns, self._next_ns = period_ns, first_ns
+
+    def due(self, now_ns: int) -> bool:
+        """Whether it is due now; then the next is a period later."""
+        is_due = now_ns >= self._next_ns
+        self._next_ns += self._period_ns if is_due else 0
+        return is_due
+
+
 class SteppedClock(FakeClock):
     """A fake clock that steps the simulated cell, and then what is set as `after_step`, as its time advances."""
 

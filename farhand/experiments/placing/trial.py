@@ -1,8 +1,8 @@
 """One trial: the scripted visual operator places the block, in lockstep with simulated time."""
 
-from collections import deque
+import dataclasses
 from dataclasses import dataclass
-from typing import Literal, TypeVar
+from typing import Literal
 
 import numpy as np
 from msgspec.structs import replace
@@ -11,13 +11,14 @@ from common.clock import NS_PER_MS, NS_PER_S
 from common.messages.hand import HandArm, Locks
 from common.messages.robot import GripperStatus, SessionState
 from farhand.experiments.placing.judge import Judge, Placed
-from farhand.experiments.placing.stepped_site import OPERATOR, SteppedSite
-from farhand.experiments.placing.streamed_views import StreamedViews
+from farhand.experiments.placing.network import Messages, Network
+from farhand.experiments.placing.stepped_site import OPERATOR, Every, SteppedSite
+from farhand.experiments.placing.streamed_views import PICTURE_NS, StreamedViews
 from farhand.experiments.placing.tracked_operator import TrackedOperator
 from farhand.experiments.placing.true_sight import TrueSight
 from farhand.visual_operator.hand import Motor, ScriptedHand
 from farhand.visual_operator.operator import VisualOperator
-from farhand.visual_operator.shown import Shown, ShownView
+from farhand.visual_operator.shown import Shown
 from farhand.visual_operator.sight.sight import Sight
 from farhand.visual_operator.task import PlacingTask
 from local_site.simulation.config import MotionConfig, SimulationConfig
@@ -27,10 +28,8 @@ from remote_site.config import RemoteConfig
 from remote_site.session.config import EngagementMode
 from remote_site.session.samples import NamedSample
 
-T = TypeVar("T")
 Exact = Literal["tracker", "sight", "hand"]
 TRACKING_NS, LINK_NS = 20 * NS_PER_MS, 5 * NS_PER_MS  # from an exposure to the sample sent; on its way
-PICTURE_NS = 60 * NS_PER_MS  # from the exposure of a view to the page
 CAMERA_NS, PAGE_NS = NS_PER_S // 30, NS_PER_S // 10
 MOST_S = 120.0
 # Where the block starts (thesis section 5.3): its middle anywhere in a disc of 150 mm, turned by at most 30 deg.
@@ -43,18 +42,22 @@ class Conditions:
     """What differs between trials: the tracker, whether the tool's roll is locked, and everything by chance.
 
     `exact` is what is replaced by the truth: cameras and tracker, the operator's sight, or its hand, which is then
-    without noise.
+    without noise. Without a `network` both sites are on one host, and all pictures come as they are taken.
     """
 
     method: Method
     roll_fixed: bool
     seed: int
     exact: Exact | None = None
+    network: Network | None = None
 
 
 @dataclass(frozen=True, slots=True)
 class TrialResult:
-    """The outcome of a trial; `holds` is how often the arm held by itself, `grip_force_n` the largest at a finger."""
+    """The outcome of a trial; `holds` is how often the arm held by itself, `grip_force_n` the largest at a finger.
+
+    `picture_age_ms` is the median age of the oldest view on the page, None without pictures.
+    """
 
     end: Placed
     time_s: float
@@ -64,6 +67,7 @@ class TrialResult:
     misses: int
     holds: int
     grip_force_n: float
+    picture_age_ms: float | None = None
 
 
 def run_trial(conditions: Conditions) -> TrialResult:
@@ -85,6 +89,7 @@ def run_trial(conditions: Conditions) -> TrialResult:
         trial.operator.notes.misses,
         trial.holds,
         judge.grip_force_n,
+        float(np.median(trial.ages_ms)) if trial.ages_ms else None,
     )
 
 
@@ -94,20 +99,22 @@ class _Trial:
     def __init__(self, conditions: Conditions, config: RemoteConfig, site: SteppedSite) -> None:
         self._site, task, exact = site, PlacingTask(), conditions.exact
         true_sight = TrueSight(config, site) if exact == "sight" else None
-        self._views = true_sight or StreamedViews(config, site.memory, site.description)
+        network, rng = conditions.network or Network(), np.random.default_rng((conditions.seed, 1))
+        views = StreamedViews(config, site.memory, site.description, conditions.network, rng)
+        self._views = true_sight or views
         see = true_sight.see if true_sight is not None else Sight(task).see
         hand = ScriptedHand(Motor(noise_m=0.0, noise_rad=0.0) if exact == "hand" else Motor(), conditions.seed)
         mapping, locks = site.description.mapping, Locks(roll=conditions.roll_fixed)
         self.operator = VisualOperator(task, see, mapping, hand, locks)
-        filmed = SimulationConfig(motion=MotionConfig(still_s=0.0, wrist=WRIST_M), seed=conditions.seed)
-        filmed = replace(filmed, markers=conditions.method == "markers")
-        tracking = TrackingConfig(method=conditions.method)
-        self._arm = TrackedOperator(filmed, tracking, hand, exact=exact == "tracker")
+        self._arm = _operators_arm(conditions, hand)
         self._start_ns = site.now_ns
-        self._exposures, self._looks = _Every(CAMERA_NS, site.now_ns), _Every(PAGE_NS, site.now_ns)
-        self._samples: deque[tuple[int, HandArm]] = deque()
-        self._pages: deque[tuple[int, dict[str, ShownView]]] = deque()
+        self._exposures = Every(CAMERA_NS, site.now_ns)
+        self._pages = Every(PAGE_NS, site.now_ns + PICTURE_NS)
+        self._samples = Messages[HandArm](network, rng, LINK_NS)
+        self._states = Messages[Shown](network, rng)
+        self._states.send(self._state(), site.now_ns)
         self.holds, self._held = 0, False
+        self.ages_ms: list[float] = []
 
     @property
     def time_s(self) -> float:
@@ -117,51 +124,41 @@ class _Trial:
     def step(self) -> None:
         """One control period of the remote site."""
         now_ns = self._site.now_ns
+        self._views.expose(now_ns)
         if self._exposures.due(now_ns):
             sent_ns = now_ns + TRACKING_NS
             sample = self._arm.sample(self._arm.see(now_ns, self._start_ns), self.operator.intent, sent_ns)
-            self._samples.append((sent_ns + LINK_NS, sample))
-        if self._looks.due(now_ns):
-            self._pages.append((now_ns + PICTURE_NS, dict(self._views.look(now_ns))))
-        for views in _arrived(self._pages, now_ns):
-            self.operator.look(self._shown(views), self._start_ns)
-        snapshot = self._site.tick([NamedSample(OPERATOR, sample) for sample in _arrived(self._samples, now_ns)])
+            self._samples.send(sample, sent_ns)
+        self._states.arrived(now_ns)
+        if self._pages.due(now_ns) and self._states.newest is not None:
+            views = self._views.page(now_ns)
+            self.ages_ms += [max((now_ns - view.capture_ns) / NS_PER_MS for view in views.values())] if views else []
+            self.operator.look(dataclasses.replace(self._states.newest, t_ns=now_ns, views=views), self._start_ns)
+        snapshot = self._site.tick([NamedSample(OPERATOR, sample) for sample in self._samples.arrived(now_ns)])
+        self._states.send(self._state(), self._site.now_ns)
         held = snapshot.state is SessionState.HOLDING
         self.holds += held and not self._held
         self._held = held
 
-    def _shown(self, views: dict[str, ShownView]) -> Shown:
+    def _state(self) -> Shown:
+        """What the site publishes now, for a page without views."""
         snapshot, gripper = self._site.snapshot, self._site.gripper
-        opening, status = (gripper.opening, gripper.status) if gripper is not None else (0.0, GripperStatus.UNKNOWN)
         return Shown(
-            self._site.now_ns,
-            views,
-            snapshot.state,
-            snapshot.reason.code.value,
-            snapshot.reason.sentence,
-            opening,
-            status,
+            t_ns=self._site.now_ns,
+            views={},
+            state=snapshot.state,
+            code=snapshot.reason.code.value,
+            reason=snapshot.reason.sentence,
+            opening_m=gripper.opening if gripper is not None else 0.0,
+            gripper=gripper.status if gripper is not None else GripperStatus.UNKNOWN,
+            delay_s=self._samples.takes_ns / NS_PER_S,
         )
 
 
-class _Every:
-    """Is due once in each period, from a first time on."""
-
-    def __init__(self, period_ns: int, first_ns: int) -> None:
-        self._period_ns, self._next_ns = period_ns, first_ns
-
-    def due(self, now_ns: int) -> bool:
-        is_due = now_ns >= self._next_ns
-        self._next_ns += self._period_ns if is_due else 0
-        return is_due
-
-
-def _arrived(under_way: deque[tuple[int, T]], now_ns: int) -> list[T]:
-    """Take out what has arrived by now, oldest first."""
-    arrived = []
-    while under_way and under_way[0][0] <= now_ns:
-        arrived.append(under_way.popleft()[1])
-    return arrived
+def _operators_arm(conditions: Conditions, hand: ScriptedHand) -> TrackedOperator:
+    filmed = SimulationConfig(motion=MotionConfig(still_s=0.0, wrist=WRIST_M), seed=conditions.seed)
+    filmed = replace(filmed, markers=conditions.method == "markers")
+    return TrackedOperator(filmed, TrackingConfig(method=conditions.method), hand, exact=conditions.exact == "tracker")
 
 
 def remote_config(rng: np.random.Generator) -> RemoteConfig:

@@ -5,8 +5,9 @@ from collections.abc import Mapping
 
 import numpy as np
 
+from common.clock import NS_PER_S
 from common.geometry import Array, transform
-from farhand.experiments.placing.stepped_site import SteppedSite
+from farhand.experiments.placing.stepped_site import Every, SteppedSite
 from farhand.visual_operator.shown import Shown, ShownView
 from farhand.visual_operator.sight.sight import Scene
 from remote_site.config import RemoteConfig
@@ -18,13 +19,19 @@ class TrueSight:
 
     def __init__(self, config: RemoteConfig, site: SteppedSite) -> None:
         self._data = site.cell.data
+        self._exposures = Every(round(NS_PER_S / config.video.fps), site.now_ns)
         scene = config.simulation.scene
         self._target = transform(np.eye(3), np.array([*scene.target_corner_xy_m, scene.table_z_m]))
         self._scenes: deque[Scene] = deque()
 
-    def look(self, now_ns: int) -> Mapping[str, ShownView]:
-        """Expose now: there are no pictures."""
-        self._scenes.append(Scene(now_ns, self._body(BLOCK), self._fingers(), self._target))
+    def expose(self, now_ns: int) -> None:
+        """Remember the scene, as often as pictures would be taken."""
+        if self._exposures.due(now_ns):
+            self._scenes.append(Scene(now_ns, self._body(BLOCK), self._fingers(), self._target))
+
+    def page(self, now_ns: int) -> Mapping[str, ShownView]:
+        """There are no pictures."""
+        del now_ns
         return {}
 
     def see(self, shown: Shown) -> Scene:

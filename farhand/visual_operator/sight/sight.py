@@ -63,8 +63,8 @@ class Sight:
             self._gripper = self._task.grasp_of(self._block)
         else:
             self._gripper = self._find_gripper(fixed, riding, shown.opening_m)
-        newest_ns = max((view.capture_ns for view in fixed), default=0)
-        return Scene(newest_ns, self._block, self._gripper, self._target)
+        oldest_ns = min((view.capture_ns for view in fixed), default=0)
+        return Scene(oldest_ns, self._block, self._gripper, self._target)
 
     def _find_block(self, views: Sequence[ShownView]) -> Array | None:
         task = self._task

@@ -1,12 +1,13 @@
 """The page of a stepped site with the cell's views; skips where this machine cannot render."""
 
+import numpy as np
 import pytest
 from msgspec.structs import replace
 
 from common.errors import CameraError
 from common.messages.robot import GripperStatus
 from farhand.experiments.placing.stepped_site import SteppedSite
-from farhand.experiments.placing.streamed_views import StreamedViews
+from farhand.experiments.placing.streamed_views import PICTURE_NS, StreamedViews
 from farhand.visual_operator.shown import Shown
 from remote_site.config import RemoteConfig
 
@@ -27,8 +28,10 @@ def page_of(cell_config: RemoteConfig) -> tuple[SteppedSite, Shown]:
     for _ in range(SETTLED_TICKS):
         site.tick(())
     try:
-        views = StreamedViews(cell_config, site.memory, site.description).look(site.now_ns)
+        streamed = StreamedViews(cell_config, site.memory, site.description, None, np.random.default_rng(0))
     except CameraError as error:
         pytest.skip(str(error))
+    streamed.expose(site.now_ns)
+    views = streamed.page(site.now_ns + PICTURE_NS)
     opening_m = cell_config.simulation.gripper.max_opening_m
-    return site, Shown(site.now_ns, views, site.snapshot.state, "ok", "", opening_m, GripperStatus.OPEN)
+    return site, Shown(site.now_ns, views, site.snapshot.state, "ok", "", opening_m, GripperStatus.OPEN, 0.0)

@@ -19,7 +19,7 @@ def report(monkeypatch):
         del progress
         return {c: result(x_mm=(-1) ** c.seed * c.seed, placed=c.seed != 2) for c in conditions}
 
-    monkeypatch.setattr(series, "_run_all", all_placed_but_one)
+    monkeypatch.setattr(series, "run_all", all_placed_but_one)
     monkeypatch.setattr(series, "QUICK_SEEDS", (1, 2, 3, 5))
     return series.placing_report(True, lambda: None)
 
@@ -48,7 +48,7 @@ def test_a_row_for_every_trial_and_a_plot_of_all(report):
 
 
 def test_a_series_in_which_nothing_was_placed_still_has_a_report(monkeypatch):
-    monkeypatch.setattr(series, "_run_all", lambda conditions, _: {c: result(placed=False) for c in conditions})
+    monkeypatch.setattr(series, "run_all", lambda conditions, _: {c: result(placed=False) for c in conditions})
     report = series.placing_report(True, lambda: None)
     assert report.figures["free"]["silhouette"]["x_mm"]["median"] is None
     assert "placed 0 of 2" in report.summary

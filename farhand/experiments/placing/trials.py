@@ -1,0 +1,93 @@
+"""Runs trials on all processors, and sums them up: medians and quartiles, counts, and a row for each."""
+
+import multiprocessing
+from collections.abc import Sequence
+from concurrent.futures import ProcessPoolExecutor, as_completed
+from os import cpu_count
+
+import cv2
+import numpy as np
+
+from common.geometry import Array
+from farhand.experiments.placing.trial import Conditions, TrialResult, run_trial
+from farhand.experiments.report import CsvTable, Figures, Progress, rounded
+
+COLUMNS = (
+    "trial",
+    "x_mm",
+    "y_mm",
+    "angle_deg",
+    "placed",
+    "time_s",
+    "drops",
+    "collisions",
+    "clutches",
+    "misses",
+    "holds",
+)
+
+
+def run_all(conditions: Sequence[Conditions], progress: Progress) -> dict[Conditions, TrialResult]:
+    """The results by their conditions, the same for the same installation; `progress` is told of each."""
+    context = multiprocessing.get_context("spawn")
+    with ProcessPoolExecutor(
+        cpu_count() or 1, mp_context=context, initializer=cv2.setNumThreads, initargs=(1,)
+    ) as pool:
+        running = {pool.submit(run_trial, each): each for each in conditions}
+        try:
+            for future in as_completed(running):
+                future.result()
+                progress()
+        finally:
+            pool.shutdown(cancel_futures=True)
+    return {each: future.result() for future, each in running.items()}
+
+
+def summary(trials: Sequence[TrialResult]) -> Figures:
+    """Errors of the placed trials, without their sign; time, clutches and force of all; counts."""
+    ended = [trial.end for trial in trials if trial.end.placed]
+    errors = {
+        "x_mm": np.abs([end.x_mm for end in ended]),
+        "y_mm": np.abs([end.y_mm for end in ended]),
+        "angle_deg": np.abs([end.angle_deg for end in ended]),
+    }
+    return {
+        **{name: _quartiles(values) for name, values in errors.items()},
+        "placed": len(ended),
+        "trials": len(trials),
+        "drops": sum(trial.drops for trial in trials),
+        "time_s": _quartiles(np.array([trial.time_s for trial in trials])),
+        "collisions": sum(trial.collisions for trial in trials),
+        "grasps_missed": sum(trial.misses for trial in trials),
+        "clutches": _quartiles(np.array([float(trial.clutches) for trial in trials])),
+        "holds": sum(trial.holds for trial in trials),
+        "contact_force_n": _quartiles(np.array([trial.grip_force_n for trial in trials])),
+    }
+
+
+def _quartiles(values: Array) -> Figures:
+    if not len(values):
+        return {"median": None, "q1": None, "q3": None}
+    q1, median, q3 = np.percentile(values, [25, 50, 75])
+    return {"median": rounded(median), "q1": rounded(q1), "q3": rounded(q3)}
+
+
+def csv(trials: Sequence[TrialResult]) -> CsvTable:
+    """A row for each trial."""
+    rows = [
+        (
+            k + 1,
+            trial.end.x_mm,
+            trial.end.y_mm,
+            trial.end.angle_deg,
+            trial.end.placed,
+            trial.time_s,
+            trial.drops,
+            trial.collisions,
+            trial.clutches,
+            trial.misses,
+            trial.holds,
+        )
+        for k, trial in enumerate(trials)
+    ]
+    return CsvTable(COLUMNS, np.array(rows, dtype=float))
