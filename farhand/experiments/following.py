@@ -1,6 +1,7 @@
 """The simulated operator filmed and tracked, and two methods from the film to the tool's motion; on stepped time."""
 
 from collections import Counter
+from collections.abc import Iterable
 from dataclasses import dataclass, field
 
 import cv2
@@ -73,17 +74,20 @@ def film(
 class ToolPath:
     """Where the tool was: `base_T_tool` (4 x 4) at times in ns, since both origins were taken at `engaged_ns`.
 
-    `hindered` counts, by code, what kept the tool from its target: samples as in the thesis, ticks in the pipeline.
+    `postures` are the joints there, rad. `hindered` counts, by code, what kept the tool from its target: samples as in
+    the thesis, ticks in the pipeline.
     """
 
     engaged_ns: int = -1
     times_ns: list[int] = field(default_factory=list)
     poses: list[Array] = field(default_factory=list)
+    postures: list[Array] = field(default_factory=list)
     hindered: Counter[str] = field(default_factory=Counter)
 
-    def add(self, t_ns: int, base_T_tool: Array) -> None:
-        """Note the tool's pose at a time later than the last."""
+    def add(self, t_ns: int, q: Array, base_T_tool: Array) -> None:
+        """Note the joints and the tool's pose at a time later than the last."""
         self.times_ns.append(t_ns)
+        self.postures.append(q.copy())
         self.poses.append(base_T_tool.copy())
 
 
@@ -111,7 +115,7 @@ def follow_by_mean(film: Film, smoothing: SmoothingConfig, remote: RemoteConfig)
             else:
                 path.hindered[reached.reason.code.value] += 1
         if path.engaged_ns >= 0:
-            path.add(estimate.t_ns, model.forward(q))
+            path.add(estimate.t_ns, q, model.forward(q))
     return _engaged(path)
 
 
@@ -120,10 +124,15 @@ def follow_by_pipeline(film: Film, smoothing: SmoothingConfig, remote: RemoteCon
 
     Samples come `latency_ms` after their exposure. ProcessError when the arm is never engaged.
     """
-    smoother, arm = make_smoother(smoothing), FollowingArm(remote)
-    for estimate in film.estimates:
+    return follow_estimates(map(make_smoother(smoothing).smooth, film.estimates), remote, latency_ms)
+
+
+def follow_estimates(estimates: Iterable[ArmEstimate], remote: RemoteConfig, latency_ms: float) -> ToolPath:
+    """Send estimates as they are, and follow as `follow_by_pipeline` does."""
+    arm = FollowingArm(remote)
+    for estimate in estimates:
         arm.run_until(estimate.t_ns + round(latency_ms * NS_PER_MS))
-        arm.send(smoother.smooth(estimate))
+        arm.send(estimate)
     return _engaged(arm.path)
 
 
@@ -160,7 +169,8 @@ class FollowingArm:
             self.path.engaged_ns = snapshot.engagement.hand_capture_ns
         if snapshot.state is not SessionState.ENGAGED or snapshot.reason.code is not Code.OK:
             self.path.hindered[snapshot.reason.code.value] += 1
-        self.path.add(snapshot.now_ns, self.loop.model.forward(command.motion.q))
+        q = command.motion.q
+        self.path.add(snapshot.now_ns, q, self.loop.model.forward(q))
 
 
 def _orientation(estimate: ArmEstimate) -> Array | None:

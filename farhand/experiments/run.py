@@ -7,10 +7,11 @@ from rich.console import Console
 from rich.progress import Progress as ProgressBar
 
 from common.errors import ConfigError, InterruptionError
-from farhand.experiments import drift, follow, hazel
+from farhand.experiments import follow
 from farhand.experiments.placing import over_network
 from farhand.experiments.placing import series as placing
 from farhand.experiments.report import ExperimentReport, Progress, write_report
+from farhand.experiments.robonaut import commanding, drift, hazel
 from farhand.experiments.thesis import calibration, icr, markers
 from farhand.outputs import check_folder, make_folder
 from farhand.reports.plotting import require_matplotlib
@@ -27,6 +28,7 @@ EXPERIMENTS: dict[str, tuple[Callable[[bool], int], Callable[[bool, Progress], E
     "markers": (markers.frame_count, markers.markers_report),
     "network": (over_network.trial_count, over_network.network_report),
     "placing": (placing.trial_count, placing.placing_report),
+    "robonaut": (commanding.frame_count, commanding.robonaut_report),
 }
 
 

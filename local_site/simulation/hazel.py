@@ -112,15 +112,22 @@ def rectangle_tip(frame: float) -> Array:
 def pointing_arm(frame: float) -> TrueArm:
     """The arm of HAZEL-C, whose finger tip follows the rectangle while the shoulder sways a little."""
     sway = 0.008 * np.array([_wave(frame, 120.0), _wave(frame, 150.0), _wave(frame, 90.0)])
-    shoulder, tip = SEATED_SHOULDER + sway, rectangle_tip(frame)
-    reach, lower = tip - shoulder, FOREARM_M + PALM_M + FINGER_M
+    return reaching_arm(SEATED_SHOULDER + sway, rectangle_tip(frame), FOREARM_M + PALM_M + FINGER_M)
+
+
+def reaching_arm(shoulder: Array, point: Array, beyond_elbow: float) -> TrueArm:
+    """The arm from a shoulder (3,) to a point (3,) on the forearm's axis, which is `beyond_elbow` m from the elbow.
+
+    The elbow hangs as deep as it can. The point has to be in reach.
+    """
+    reach = point - shoulder
     distance = float(np.linalg.norm(reach))
     ahead = reach / distance
-    along = (UPPER_ARM_M**2 - lower**2 + distance**2) / (2.0 * distance)
+    along = (UPPER_ARM_M**2 - beyond_elbow**2 + distance**2) / (2.0 * distance)
     away = np.array([0.0, 0.0, 1.0]) - ahead[2] * ahead
     down = np.cross(away / np.linalg.norm(away), ahead)
     elbow = shoulder + along * ahead + math.sqrt(UPPER_ARM_M**2 - along**2) * down
-    return TrueArm(shoulder, _along(elbow - shoulder), _along(tip - elbow))
+    return TrueArm(shoulder, _along(elbow - shoulder), _along(point - elbow))
 
 
 def hazel_film(scenery: Scenery | None = None, fine: int = FINE) -> ArmFilm:

@@ -25,11 +25,15 @@ Picture = NDArray[np.float32]
 
 @dataclass(frozen=True, slots=True)
 class TexturedLimb:
-    """A limb's true shape: half axes across (x) and deep (y) in m at stations along its z in m, from the joint."""
+    """A limb's true shape: half axes across (x) and deep (y) in m at stations along its z in m, from the joint.
+
+    `level` is its mean grey level where it is no skin, as of a thing that is held.
+    """
 
     along: tuple[float, ...]
     across: tuple[float, ...]
     deep: tuple[float, ...]
+    level: float | None = None
 
 
 @dataclass(frozen=True, slots=True)
@@ -59,7 +63,10 @@ class LimbPose:
 
 
 class ArmFilm:
-    """Renders grey pictures (H, W) of limbs before a camera of one focal length in px; deterministic by its seed."""
+    """Renders grey pictures (H, W) of limbs before a camera of one focal length in px; deterministic by its seed.
+
+    `behind` is the picture (H, W) of what stands behind them; without one it is the scenery's wall.
+    """
 
     def __init__(
         self,
@@ -68,20 +75,26 @@ class ArmFilm:
         size: tuple[int, int],
         scenery: Scenery | None = None,
         fine: int = FINE,
+        behind: Picture | None = None,
     ) -> None:
         self._fine = fine
         self._scenery = scenery or Scenery()
         self._random = np.random.default_rng(self._scenery.seed)
         self._focal_px, (self._width, self._height) = focal_px, size
         self._solids = [_solid(limb) for limb in limbs]
-        skins = [_skin(solid, self._scenery, self._random) for solid in self._solids]
+        levels = [self._scenery.level if limb.level is None else limb.level for limb in limbs]
+        skins = [
+            _skin(solid, self._scenery, level, self._random) for solid, level in zip(self._solids, levels, strict=True)
+        ]
         tops = np.cumsum([0, *(len(skin) for skin in skins[:-1])])
         widest = max(skin.shape[1] for skin in skins)
         self._skin = np.vstack([np.pad(skin, ((0, 0), (0, widest - skin.shape[1]))) for skin in skins])
         self._skin_px = np.vstack([s.skin + np.array([0.0, top]) for s, top in zip(self._solids, tops, strict=True)])
         counts = np.cumsum([0, *(len(solid.vertices) for solid in self._solids[:-1])])
         self._triangles = np.vstack([s.triangles + n for s, n in zip(self._solids, counts, strict=True)])
-        self._background = _background(self._width, self._height, self._scenery, self._random)
+        self._background = (
+            _background(self._width, self._height, self._scenery, self._random) if behind is None else behind
+        )
         light = np.array(self._scenery.light)
         self._light = light / np.linalg.norm(light)
 
@@ -183,8 +196,8 @@ def _sections(limb: TexturedLimb) -> tuple[Array, Array, Array]:
     return z, halves[0], halves[1]
 
 
-def _skin(solid: _LimbSurface, scenery: Scenery, random: np.random.Generator) -> Picture:
-    """Spots of several sizes about a level, the same on both sides of the seam."""
+def _skin(solid: _LimbSurface, scenery: Scenery, level: float, random: np.random.Generator) -> Picture:
+    """Spots of several sizes about a mean grey level, the same on both sides of the seam."""
     width, height = (int(np.ceil(v)) + 2 for v in solid.skin.max(axis=0))
     spots = np.zeros((height, width - 2), np.float32)
     for size, weight in GRAINS:
@@ -193,7 +206,7 @@ def _skin(solid: _LimbSurface, scenery: Scenery, random: np.random.Generator) ->
         wrapped = cv2.GaussianBlur(np.hstack([field, field, field]), (0, 0), sigma)[:, width - 2 : 2 * (width - 2)]
         spots += weight * wrapped / wrapped.std()
     spots = np.hstack([spots, spots[:, :2]])
-    return np.asarray(np.clip(scenery.level + scenery.contrast * spots / spots.std(), 5, 250), np.float32)
+    return np.asarray(np.clip(level + scenery.contrast * spots / spots.std(), 5, 250), np.float32)
 
 
 def _background(width: int, height: int, scenery: Scenery, random: np.random.Generator) -> Picture:

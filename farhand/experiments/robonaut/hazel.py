@@ -2,44 +2,44 @@
 
 import math
 from collections.abc import Iterable, Mapping
-from typing import TYPE_CHECKING
 
 import numpy as np
 from msgspec.structs import asdict, replace
 
-from common.geometry import Array
-from farhand.experiments.hazel_figures import (
+from farhand.experiments.report import CsvTable, ExperimentReport, Figures, Progress
+from farhand.experiments.robonaut.errors import (
     MM,
     REPORT_C,
     REPORT_S,
-    Footage,
-    Tracked,
     arm_figures,
     errors_mm,
     finger_figures,
     lengths,
-    motions,
+    true_and_measured,
+)
+from farhand.experiments.robonaut.footage import (
+    Footage,
+    Shot,
+    Tracked,
+    bare,
     render_footage,
     track_footage,
-    true_and_measured,
     with_occluder,
 )
-from farhand.experiments.report import CsvTable, ExperimentReport, Figures, Progress
-from farhand.reports.plotting import MEASURED, TRUE, describe_panel, panels, png, widen
+from farhand.experiments.robonaut.frames import frames_plate, frames_shown, overlays_plate
+from farhand.experiments.robonaut.plots import error_plot, finger_plot, motion_plot, position_plot
 from local_site.simulation.hazel import (
     HAZEL_C_FRAMES,
     HAZEL_S_FRAMES,
     JOINTS,
     Swing,
+    TrueArm,
     hazel_film,
     pointing_arm,
     pointing_film,
 )
 from local_site.simulation.textured_arm import Scenery
 from local_site.tracking.config import ForearmConfig, MonocularConfig, UpperArmConfig
-
-if TYPE_CHECKING:
-    from matplotlib.axes import Axes
 
 QUICK_FRAMES = 40
 HAZEL_C_SEED = 11
@@ -59,10 +59,7 @@ TEXT = (
     "is given lengths, girths and the joints in the first picture, in HAZEL-C as clicks on whole pixels. The report's "
     "own figures are listed for comparison; they are of its own pictures, which are not available."
 )
-FIRST_FRAMES = 100
-MIN_SPAN_MM, MIN_SPAN_DEG, MIN_SPAN_TIP_MM = 1.0, 1.0, 10.0
-MOTIONS = (("shoulder moves", "along", "mm"), ("upper arm turns", "about", "deg"), ("forearm turns", "about", "deg"))
-ERROR, MEAN = {**MEASURED, "label": "error"}, {"label": "mean", "color": "#6e6e6e", "linestyle": "--", "linewidth": 0.9}
+FRAMES_S, FRAMES_C = (1, 25, 75, 230, 320, 360), (1, 60, 120, 180, 300, 354)  # shown in the report's figures 9 and 13
 
 
 def frame_count(quick: bool) -> int:
@@ -79,7 +76,8 @@ def hazel_report(quick: bool, progress: Progress) -> ExperimentReport:
     compared = {"report, HAZEL-S": REPORT_S, "accurate": arm_figures(accurate), "live": arm_figures(live)}
     for name, tracked in _disturbed_runs(swing, frames, progress):
         compared[f"live, {name}"] = arm_figures(tracked)
-    pointing = _pointing(QUICK_FRAMES if quick else HAZEL_C_FRAMES, progress)
+    finger = _pointing(QUICK_FRAMES if quick else HAZEL_C_FRAMES, progress)
+    pointing = track_footage(finger, LIVE, CLICK_PX)
     compared |= {"report, HAZEL-C": REPORT_C, "rectangle, live": finger_figures(pointing)}
     return ExperimentReport(
         title="One camera, a maximum-likelihood arm",
@@ -87,7 +85,7 @@ def hazel_report(quick: bool, progress: Progress) -> ExperimentReport:
         summary="\n".join(f"{name}: {_means(figures)}" for name, figures in compared.items()),
         figures={"experiment": "hazel", "quick": quick, "runs": compared},
         compared=compared,
-        plots=hazel_plots(accurate, pointing),
+        plots=_swing_plots(swing, accurate) | _finger_plots(finger, pointing),
         data={
             "hazel_s_accurate": _joint_table(accurate),
             "hazel_s_live": _joint_table(live),
@@ -125,14 +123,19 @@ def _disturbed_runs(swing: Footage, frames: int, progress: Progress) -> Iterable
 
 def _swing(swing: Swing, frames: int, scenery: Scenery, progress: Progress) -> Footage:
     """Render the arm of HAZEL-S."""
-    return render_footage(hazel_film(scenery), map(swing.arm, range(frames)), False, progress)
+    return render_footage(hazel_film(scenery), (bare(swing.arm(k)) for k in range(frames)), progress)
 
 
-def _pointing(frames: int, progress: Progress) -> Tracked:
-    """Render and track the arm of HAZEL-C."""
+def _pointing(frames: int, progress: Progress) -> Footage:
+    """Render the arm of HAZEL-C."""
     scenery = Scenery(noise=3.0, light=(0.6, -0.5, -0.6), ambient=0.5, seed=HAZEL_C_SEED)
-    footage = render_footage(pointing_film(scenery), map(pointing_arm, range(frames)), True, progress)
-    return track_footage(footage, LIVE, CLICK_PX)
+    return render_footage(pointing_film(scenery), (_with_finger(pointing_arm(k)) for k in range(frames)), progress)
+
+
+def _with_finger(arm: TrueArm) -> Shot:
+    """The stretched finger moves rigidly with the forearm."""
+    upper_arm, forearm = arm.limb_poses()
+    return Shot(arm, (upper_arm, forearm, forearm))
 
 
 def _joint_table(tracked: Tracked) -> CsvTable:
@@ -147,69 +150,25 @@ def _tip_table(tracked: Tracked) -> CsvTable:
     return CsvTable(("frame", *columns), np.column_stack([np.arange(len(rows[0])), *rows]))
 
 
-def hazel_plots(swing: Tracked, pointing: Tracked) -> Mapping[str, bytes]:
-    """The plots of HAZEL-S (`swing`) and HAZEL-C (`pointing`) as PNG, by file name without extension.
-
-    They correspond to figures 10, 11, 12, 15 and 16 of the report, in the camera's frame.
-    """
-    tip_errors = errors_mm(pointing, "finger_tip")
-    tip_distances = {f"along {axis}": np.abs(tip_errors[:, k]) for k, axis in enumerate("xyz")}
-    tip_distances["distance"] = lengths(tip_errors)
+def _swing_plots(footage: Footage, tracked: Tracked) -> dict[str, bytes]:
+    """The report's figures 9 to 12, by file name without extension."""
+    errors = {name: lengths(errors_mm(tracked, name)) for name in JOINTS}
     return {
-        "figure_10_motion": _motion_plot(swing),
-        "figure_11_positions": _position_plot(swing),
-        "figure_12_errors": _error_plot(
-            "Position errors (figure 12)", {name: lengths(errors_mm(swing, name)) for name in JOINTS}
-        ),
-        "figure_15_finger_tip": _finger_plot(pointing),
-        "figure_16_finger_errors": _error_plot("Errors of the finger tip (figure 16)", tip_distances),
+        "figure_9_hazel_s_frames": frames_plate(footage, frames_shown(FRAMES_S, len(footage.pictures))),
+        "figure_10_motion": motion_plot(tracked, "Motion from frame to frame (figure 10)"),
+        "figure_11_positions": position_plot(tracked),
+        "figure_12_errors": error_plot("Position errors (figure 12)", errors),
     }
 
 
-def _motion_plot(tracked: Tracked) -> bytes:
-    true, measured = motions(tracked)
-    figure, axes = panels("Motion from frame to frame (figure 10)", 3, 3, sharex=True)
-    for k, panel in enumerate(axes.flat):
-        what, preposition, unit = MOTIONS[k // 3]
-        _compare(panel, true[:, k], measured[:, k], MIN_SPAN_MM if unit == "mm" else MIN_SPAN_DEG)
-        describe_panel(panel, f"{what} {preposition} {'xyz'[k % 3]}", f"{unit} per frame")
-    return png(figure, axes, "frame")
-
-
-def _position_plot(tracked: Tracked) -> bytes:
-    figure, axes = panels(f"Positions in the first {FIRST_FRAMES} frames (figure 11)", 3, 3, sharex=True)
-    for name, row in zip(JOINTS, axes, strict=True):
-        true, measured = (MM * p[:FIRST_FRAMES] for p in true_and_measured(tracked, name))
-        for k, panel in enumerate(row):
-            _compare(panel, true[:, k], measured[:, k], MIN_SPAN_MM)
-            describe_panel(panel, f"{name}, {'xyz'[k]}", "mm")
-    return png(figure, axes, "frame")
-
-
-def _finger_plot(tracked: Tracked) -> bytes:
-    true, measured = (MM * p for p in true_and_measured(tracked, "finger_tip"))
-    figure, axes = panels("The finger tip on its rectangle (figure 15)", 2, sharex=True)
-    for panel, k, title in zip(axes.flat, (1, 2), ("seen by the camera", "seen from above"), strict=True):
-        panel.plot(true[:, 0], true[:, k], **TRUE)
-        panel.plot(measured[:, 0], measured[:, k], **MEASURED)
-        describe_panel(panel, title, f"{'xyz'[k]}, mm")
-        widen(panel, MIN_SPAN_TIP_MM)
-    axes[0, 0].invert_yaxis()  # the camera's y points down
-    return png(figure, axes, "x, mm")
-
-
-def _error_plot(title: str, errors: Mapping[str, Array]) -> bytes:
-    figure, axes = panels(title, len(errors), sharex=True, sharey=True)
-    for panel, (name, values) in zip(axes.flat, errors.items(), strict=True):
-        mean = float(np.nanmean(values))
-        panel.plot(values, **ERROR)
-        panel.axhline(mean, **MEAN)
-        describe_panel(panel, f"{name}: mean {mean:.2f} mm, largest {float(np.nanmax(values)):.2f} mm", "error, mm")
-    axes[0, 0].set_ylim(0.0, max(axes[0, 0].get_ylim()[1], MIN_SPAN_MM))
-    return png(figure, axes, "frame")
-
-
-def _compare(panel: "Axes", true: Array, measured: Array, min_span: float) -> None:
-    panel.plot(true, **TRUE)
-    panel.plot(measured, **MEASURED)
-    widen(panel, min_span)
+def _finger_plots(footage: Footage, tracked: Tracked) -> dict[str, bytes]:
+    """The report's figures 13 to 16, by file name without extension."""
+    off_mm = errors_mm(tracked, "finger_tip")
+    distances = {f"along {axis}": np.abs(off_mm[:, k]) for k, axis in enumerate("xyz")} | {"distance": lengths(off_mm)}
+    shown = frames_shown(FRAMES_C, len(footage.pictures))
+    return {
+        "figure_13_hazel_c_frames": overlays_plate(footage, tracked, shown, LIVE),
+        "figure_14_hazel_c_motion": motion_plot(tracked, "HAZEL-C: motion from frame to frame (figure 14)"),
+        "figure_15_finger_tip": finger_plot(tracked),
+        "figure_16_finger_errors": error_plot("Errors of the finger tip (figure 16)", distances),
+    }

@@ -3,15 +3,9 @@
 import numpy as np
 import pytest
 
-from farhand.experiments import drift, hazel
-from farhand.experiments.hazel_figures import (
-    REPORT_C,
-    REPORT_S,
-    arm_figures,
-    errors_mm,
-    track_footage,
-    with_occluder,
-)
+from farhand.experiments.robonaut import drift, hazel
+from farhand.experiments.robonaut.errors import REPORT_C, REPORT_S, arm_figures, errors_mm
+from farhand.experiments.robonaut.footage import track_footage, with_occluder
 from local_site.tracking.config import MonocularConfig
 
 JOINTS = ("shoulder", "elbow", "wrist")

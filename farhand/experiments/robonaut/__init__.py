@@ -1,0 +1,1 @@
+"""The experiments of the report "Teleoperating ROBONAUT" (UH-CS-02-01, 2002)."""
