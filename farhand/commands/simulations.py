@@ -44,7 +44,8 @@ def loopback(
 
 def experiment(
     name: Annotated[
-        str, typer.Argument(help="follow: hand against tool; hazel: one camera's arm; drift: its command.")
+        str,
+        typer.Argument(help="calibration, drift, follow, hazel, icr, markers, placing, robonaut: docs/experiments.md."),
     ],
     out: Annotated[Path, typer.Option(help="Folder for report, plots and data; other files in it stay.")],
     quick: Annotated[bool, typer.Option("--quick", help="A short motion, to see that it works.")] = False,

@@ -24,7 +24,6 @@ COMMANDS = ("relative", "incremental")
 PALMS = ("exact", "estimated")
 ARRIVING = "incremental, an arm that arrives"
 COLOURS = ("#288c28", "#d72828", "#2878c8")
-STYLES: Mapping[str, str] = {"exact": "-", "estimated": ":"}
 MM = 1e3
 TEXT = (
     "The palm of the arm of HAZEL-S commands the humanoid's: once exactly as it is, once as the monocular tracker "
@@ -138,9 +137,11 @@ def _error_mm(moved: Array, palms: Array, remote: RemoteConfig) -> Array:
 
 
 def _plot(runs: Mapping[str, Array]) -> bytes:
-    figure, axes = panels("Incremental against relative command", 1)
+    """The distances by frame: beside each other by how the palm was known, in colours by how it commanded."""
+    figure, axes = panels("Distance of the tool from the hand's position", 1, len(PALMS), sharey=True)
     for k, (name, error_mm) in enumerate(runs.items()):
-        look = {"color": COLOURS[k // len(PALMS)], "linestyle": STYLES[PALMS[k % len(PALMS)]], "linewidth": 1.2}
-        axes[0, 0].plot(np.linalg.norm(error_mm, axis=1), label=name, **look)
-    describe_panel(axes[0, 0], "distance of the tool from the hand's position", "distance, mm")
+        command, _, palm = name.rpartition(", ")
+        panel, colour = axes[0, k % len(PALMS)], COLOURS[k // len(PALMS)]
+        panel.plot(np.linalg.norm(error_mm, axis=1), label=command, color=colour, linewidth=1.2)
+        describe_panel(panel, palm, "distance, mm")
     return png(figure, axes, "frame")
