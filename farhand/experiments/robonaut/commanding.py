@@ -11,10 +11,10 @@ from farhand.experiments.robonaut.commanded import (
     commanded_figures,
     commanded_table,
 )
+from farhand.experiments.robonaut.figures.frames import frames_shown, overlays_plate
+from farhand.experiments.robonaut.figures.humanoid_views import HumanoidViews
+from farhand.experiments.robonaut.figures.plots import motion_plot
 from farhand.experiments.robonaut.footage import Footage, Shot, Tracked, render_footage, track_footage
-from farhand.experiments.robonaut.frames import frames_shown, overlays_plate
-from farhand.experiments.robonaut.humanoid_views import HumanoidViews
-from farhand.experiments.robonaut.plots import motion_plot
 from farhand.loopback.scenario import ARM_FILES, HUMANOID, MONOCULAR, arm_settings
 from local_site.simulation.grasping.grasping_film import grasping_film
 from local_site.simulation.grasping.handling import GRASPING, HANDLING_FRAMES, MOVING, Handling

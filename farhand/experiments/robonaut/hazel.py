@@ -17,6 +17,8 @@ from farhand.experiments.robonaut.errors import (
     lengths,
     true_and_measured,
 )
+from farhand.experiments.robonaut.figures.frames import frames_plate, frames_shown, overlays_plate
+from farhand.experiments.robonaut.figures.plots import error_plot, finger_plot, motion_plot, position_plot
 from farhand.experiments.robonaut.footage import (
     Footage,
     Shot,
@@ -26,8 +28,6 @@ from farhand.experiments.robonaut.footage import (
     track_footage,
     with_occluder,
 )
-from farhand.experiments.robonaut.frames import frames_plate, frames_shown, overlays_plate
-from farhand.experiments.robonaut.plots import error_plot, finger_plot, motion_plot, position_plot
 from local_site.simulation.hazel import (
     HAZEL_C_FRAMES,
     HAZEL_S_FRAMES,

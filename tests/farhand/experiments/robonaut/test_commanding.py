@@ -11,8 +11,8 @@ from common.errors import CameraError, InterruptionError
 from common.messages.hand import TrackingStatus
 from farhand.experiments.robonaut import commanding
 from farhand.experiments.robonaut.commanded import command_humanoid, commanded_figures, commanded_table
+from farhand.experiments.robonaut.figures.humanoid_views import HumanoidViews
 from farhand.experiments.robonaut.footage import Tracked, frame_ns
-from farhand.experiments.robonaut.humanoid_views import HumanoidViews
 from farhand.experiments.run import run_experiment
 from farhand.loopback.scenario import ARM_FILES, HUMANOID, MONOCULAR, arm_settings
 from local_site.simulation.grasping.handling import GRASPING

@@ -1,6 +1,6 @@
 """The humanoid in its postures, seen from the front and from its right, as in figure 8 of the ROBONAUT report."""
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping
 
 from common.cameras.camera import Image
 from common.geometry import Array
@@ -30,7 +30,7 @@ class HumanoidViews:
         """Release what the graphics hold; further calls do nothing."""
         self._renderer.close()
 
-    def _picture(self, view: str, q: Sequence[float] | Array) -> Image:
+    def _picture(self, view: str, q: Array) -> Image:
         qpos = self._at_rest.copy()
         qpos[self._cell.arm] = q
         return self._renderer.render(self._renderer.view_id(view), qpos)
