@@ -11,6 +11,7 @@ from farhand.experiments import follow
 from farhand.experiments.placing import over_network
 from farhand.experiments.placing import series as placing
 from farhand.experiments.report import ExperimentReport, Progress, write_report
+from farhand.experiments.results.every import run_every
 from farhand.experiments.robonaut import commanding, drift, hazel
 from farhand.experiments.thesis import calibration, icr, markers
 from farhand.outputs import check_folder, make_folder
@@ -32,27 +33,36 @@ EXPERIMENTS: dict[str, tuple[Callable[[bool], int], Callable[[bool, Progress], E
 }
 
 
+ALL = "all"
+
+
 def run_experiment(name: str, out: Path, quick: bool, should_stop: Callable[[], bool] = lambda: False) -> str:
-    """Run an experiment, write its report, and summarise it in words.
+    """Run an experiment, or "all" of them, write what came of it, and summarise it in words.
 
     Before any work, ConfigError for an unknown name or a folder that cannot be written, and FarhandError without
     matplotlib; InterruptionError when stopped.
     """
-    if name not in EXPERIMENTS:
-        raise ConfigError(f"there is no experiment {name!r}; choose one of: {', '.join(sorted(EXPERIMENTS))}")
+    if name not in EXPERIMENTS and name != ALL:
+        raise ConfigError(f"there is no experiment {name!r}; choose one of: {', '.join(sorted([*EXPERIMENTS, ALL]))}")
     require_matplotlib()
-    frame_count, run = EXPERIMENTS[name]
     check_folder("--out", out)
     make_folder("--out", out)
     prepare_tracker(TrackingConfig())
     with ProgressBar(console=Console(stderr=True)) as progress:
-        task = progress.add_task(name, total=frame_count(quick))
-
-        def step() -> None:
-            progress.advance(task)
-            if should_stop():
-                raise InterruptionError("interrupted before the experiment was done; nothing was written")
-
-        report = run(quick, step)
+        if name == ALL:
+            return run_every(sorted(EXPERIMENTS), lambda each: _run(each, quick, progress, should_stop), out, quick)
+        report = _run(name, quick, progress, should_stop)
     write_report(report, out)
     return f"{report.summary}\nwritten to {out / 'report.html'}"
+
+
+def _run(name: str, quick: bool, progress: ProgressBar, should_stop: Callable[[], bool]) -> ExperimentReport:
+    frame_count, run = EXPERIMENTS[name]
+    task = progress.add_task(name, total=frame_count(quick))
+
+    def step() -> None:
+        progress.advance(task)
+        if should_stop():
+            raise InterruptionError(f"interrupted before the experiment {name} was done; nothing of it was written")
+
+    return run(quick, step)

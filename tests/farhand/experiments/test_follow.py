@@ -75,13 +75,13 @@ def test_the_same_film_is_measured_twice():
 
 @pytest.mark.parametrize("name", ["calibration", "drift", "follow", "hazel", "icr", "markers"])
 def test_an_interrupted_experiment_writes_nothing(name, tmp_path):
-    with pytest.raises(InterruptionError, match="nothing was written"):
+    with pytest.raises(InterruptionError, match=f"{name} was done; nothing of it was written"):
         run_experiment(name, tmp_path, quick=True, should_stop=lambda: True)
     assert list(tmp_path.iterdir()) == []
 
 
 def test_misuse_is_refused_before_any_work(tmp_path):
-    names = "calibration, drift, follow, hazel, icr, markers, network, placing, robonaut"
+    names = "all, calibration, drift, follow, hazel, icr, markers, network, placing, robonaut"
     with pytest.raises(ConfigError, match=f"no experiment 'dance'; choose one of: {names}"):
         run_experiment("dance", tmp_path / "out", quick=True)
     assert not (tmp_path / "out").exists()

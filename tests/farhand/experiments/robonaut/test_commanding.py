@@ -144,6 +144,6 @@ def test_the_distances_are_as_documented():
 
 @pytest.mark.usefixtures("views")
 def test_an_interruption_writes_nothing(tmp_path):
-    with pytest.raises(InterruptionError, match="nothing was written"):
+    with pytest.raises(InterruptionError, match="nothing of it was written"):
         run_experiment("robonaut", tmp_path, quick=True, should_stop=lambda: True)
     assert list(tmp_path.iterdir()) == []

@@ -1,0 +1,1 @@
+"""Every table and figure of both sources beside ours, from the reports of all experiments."""

@@ -1,0 +1,108 @@
+"""The page of results, as Markdown and as HTML: what the sources print and draw beside ours, with the ratio."""
+
+from collections.abc import Iterable, Mapping, Sequence
+from dataclasses import dataclass
+from typing import Any
+
+from farhand.experiments.placing.over_network import NETWORKS
+from farhand.experiments.results.drawn import Drawn, in_report, in_thesis
+from farhand.experiments.results.printed import Printed, of_report, of_thesis
+from farhand.reports.page import heading, page, paragraph, table
+
+Reports = Mapping[str, Mapping[str, Any]]  # report.json of each experiment by its name
+TITLE = "Results"
+ABOUT = (
+    "All tables and figures of the two sources beside Farhand's own. Ours come from simulated arms, cameras and "
+    "robots, whose truth is known; the sources measured real ones. Below a ratio of 1 Farhand's error is the smaller. "
+    "What each experiment does, and what the comparison is worth, is told in docs/experiments.md."
+)
+PRINTED_HEAD = ("source", "what", "printed", "Farhand", "ratio")
+DRAWN_HEAD = ("source", "what", "file")
+NETWORK_HEAD = ("network", "placed", "time, s", "x, mm", "y, mm", "angle, deg", "pictures, ms old")
+THESIS = "The thesis: markerless stereo hand-arm tracking (2004)"
+REPORT = "The report: Teleoperating ROBONAUT (2002)"
+ERRORS = ("x_mm", "y_mm", "angle_deg")
+NETWORK = "The block placed over a network"
+
+
+@dataclass(frozen=True, slots=True)
+class _Section:
+    """A heading, and tables below it: column names and rows each."""
+
+    title: str
+    tables: Sequence[tuple[Sequence[str], Sequence[Sequence[str]]]]
+
+
+def as_markdown(reports: Reports, quick: bool) -> str:
+    """The page for the documentation."""
+    parts = [f"# {TITLE}", _about(quick)]
+    for section in _sections(reports):
+        parts += [f"## {section.title}", *(_markdown_table(head, rows) for head, rows in section.tables)]
+    return "\n\n".join(parts) + "\n"
+
+
+def as_html(reports: Reports, quick: bool) -> str:
+    """The same page for a browser."""
+    body = [paragraph(_about(quick))]
+    for section in _sections(reports):
+        body += [heading(section.title), *(table(head, rows) for head, rows in section.tables)]
+    return page(TITLE, body)
+
+
+def _about(quick: bool) -> str:
+    short = " This is a quick run, whose figures are of a few frames and trials." if quick else ""
+    return f"{ABOUT}{short} The whole page is written by `farhand experiment all`."
+
+
+def _sections(reports: Reports) -> list[_Section]:
+    return [
+        _Section(THESIS, _beside(of_thesis(), in_thesis(), reports)),
+        _Section(REPORT, _beside(of_report(), in_report(), reports)),
+        _Section(NETWORK, [(NETWORK_HEAD, [_over(name, reports["network"][name]) for name in NETWORKS])]),
+    ]
+
+
+def _beside(
+    printed: Iterable[Printed], drawn: Iterable[Drawn], reports: Reports
+) -> list[tuple[Sequence[str], Sequence[Sequence[str]]]]:
+    return [
+        (PRINTED_HEAD, [_row(each, reports) for each in printed]),
+        (DRAWN_HEAD, [(each.where, each.what, f"{each.experiment}/{each.file}") for each in drawn]),
+    ]
+
+
+def _row(printed: Printed, reports: Reports) -> Sequence[str]:
+    ours = _ours(printed, reports)
+    theirs, unit = f"{printed.theirs:g} {printed.unit}", printed.unit
+    if ours is None:
+        return printed.where, printed.what, theirs, "–", "–"
+    return printed.where, printed.what, theirs, f"{ours:.3g} {unit}", f"{ours / printed.theirs:.2f}"
+
+
+def _ours(printed: Printed, reports: Reports) -> float | None:
+    """Our figure; None where a quick run leaves it out, or nothing was placed."""
+    found: Any = reports[printed.experiment]
+    for name in printed.path:
+        found = found.get(name) if found is not None else None
+    return None if found is None else float(found)
+
+
+def _over(name: str, of: Mapping[str, Any]) -> Sequence[str]:
+    """One network's row: medians, with the quartiles of the time."""
+    time_s = of["time_s"]
+    errors = ("–" if of[error]["median"] is None else f"{of[error]['median']:.1f}" for error in ERRORS)
+    age = of["picture_age_ms"]
+    spread = f"{time_s['median']:.0f} ({time_s['q1']:.0f}–{time_s['q3']:.0f})"
+    return _words(name), f"{of['placed']} of {of['trials']}", spread, *errors, "–" if age is None else f"{age:.0f}"
+
+
+def _words(name: str) -> str:
+    network = NETWORKS[name]
+    if network.loss:
+        return f"{100 * network.loss:g} % lost"
+    return f"{network.delay_ms:g} ms each way" if "ms" in name else f"{network.mbit_s:g} Mbit/s"
+
+
+def _markdown_table(head: Sequence[str], rows: Iterable[Sequence[str]]) -> str:
+    lines = [head, ["---"] * len(head), *rows]
+    return "\n".join(f"| {' | '.join(cells)} |" for cells in lines)

@@ -1,0 +1,121 @@
+"""The page of all results: every table and figure that the sources have, from the experiments' reports alone."""
+
+import json
+import re
+
+import pytest
+
+from common.errors import ConfigError
+from farhand.experiments.placing.over_network import NETWORKS
+from farhand.experiments.report import ExperimentReport
+from farhand.experiments.results.drawn import in_report, in_thesis
+from farhand.experiments.results.every import run_every
+from farhand.experiments.results.printed import of_report, of_thesis
+from farhand.experiments.results.results_page import as_html, as_markdown
+
+NAMES = ("calibration", "hazel", "icr", "markers", "network", "placing")
+FIGURE = {"median": 2.0, "q1": 1.0, "q3": 3.0}
+
+
+def reports(value=2.5):
+    """A report of every experiment in which each printed figure is the same."""
+    made = {name: {} for name in NAMES}
+    for printed in (*of_thesis(), *of_report()):
+        inside = made[printed.experiment]
+        for name in printed.path[:-1]:
+            inside = inside.setdefault(name, {})
+        inside[printed.path[-1]] = value
+    over = {"placed": 9, "trials": 10, "time_s": FIGURE, "x_mm": FIGURE, "y_mm": FIGURE, "angle_deg": FIGURE}
+    made["network"] = {name: {**over, "picture_age_ms": 61.0} for name in NETWORKS}
+    return made
+
+
+def report_of(figures):
+    return ExperimentReport("title", "text", "summary", figures, {}, {}, {})
+
+
+def test_every_table_and_figure_of_the_thesis_is_listed():
+    tables = {printed.where for printed in of_thesis()}
+    assert {f"table 6.{k}" for k in range(1, 14)} <= tables
+    assert {f"figure 6.{k}" for k in range(1, 17)} <= {drawn.where for drawn in in_thesis()}
+
+
+def test_every_figure_of_the_reports_results_is_listed():
+    assert [drawn.where for drawn in in_report()] == [f"figure {k}" for k in range(9, 23)]
+
+
+def test_a_row_has_both_figures_and_the_ratio():
+    page = as_markdown(reports(2.5), quick=False)
+    assert "| table 6.12 | a block placed, roll fixed: x | 11.6 mm | 2.5 mm | 0.22 |" in page
+    assert "| 2 Mbit/s | 9 of 10 | 2 (1–3) | 2.0 | 2.0 | 2.0 | 61 |" in page
+    assert "| 3 % lost |" in page
+    assert "| 120 ms each way |" in page
+
+
+def test_what_a_quick_run_leaves_out_is_a_dash_and_the_page_says_so():
+    short = reports()
+    del short["markers"]["runs"]["Farhand"]["table 6.9, XZ, wrist"]
+    page = as_markdown(short, quick=True)
+    row = next(line for line in page.splitlines() if line.startswith("| table 6.9 |"))
+    assert row.endswith("| – | – |")
+    assert "quick run" in page
+    assert "quick run" not in as_markdown(short, quick=False)
+
+
+def test_both_pages_have_the_same_numbers():
+    def numbers(text):
+        return re.findall(r"\d+\.\d+ mm", text)
+
+    markdown, html = as_markdown(reports(), quick=False), as_html(reports(), quick=False)
+    assert numbers(markdown) == numbers(html)
+    assert len(numbers(markdown)) > 60
+
+
+def run_counting(ran):
+    made = reports()
+
+    def run(name):
+        ran.append(name)
+        return report_of(made[name])
+
+    return run
+
+
+def test_what_is_done_is_not_run_again_unless_it_was_quicker_or_of_another_version(tmp_path):
+    ran = []
+    for quick, version in ((True, "1"), (True, "1"), (False, "1"), (False, "2")):
+        run_every(NAMES, run_counting(ran), tmp_path, quick, version)
+    assert ran == [*NAMES] * 3
+    assert "table 6.13" in (tmp_path / "results.md").read_text()
+    assert (tmp_path / "results.html").exists()
+
+
+def test_one_that_was_interrupted_leaves_what_was_done(tmp_path):
+    ran = []
+    whole = run_counting(ran)
+
+    def interrupted(name):
+        if name == "markers":
+            raise KeyboardInterrupt
+        return whole(name)
+
+    with pytest.raises(KeyboardInterrupt):
+        run_every(NAMES, interrupted, tmp_path, False, "1")
+    assert not (tmp_path / "results.md").exists()
+    run_every(NAMES, whole, tmp_path, False, "1")
+    assert sorted(ran) == sorted(NAMES)
+
+
+def test_a_report_that_cannot_be_read_is_named_with_the_cure(tmp_path):
+    run_every(NAMES, run_counting([]), tmp_path, False, "1")
+    (tmp_path / "icr" / "report.json").write_text("{")
+    with pytest.raises(ConfigError, match=r"icr.*remove"):
+        run_every(NAMES, run_counting([]), tmp_path, False, "1")
+
+
+def test_a_mark_of_something_else_counts_as_not_done(tmp_path):
+    ran = []
+    (tmp_path / "icr").mkdir()
+    (tmp_path / "icr" / "done.json").write_text(json.dumps({"version": "1"}))
+    run_every(NAMES, run_counting(ran), tmp_path, False, "1")
+    assert "icr" in ran
