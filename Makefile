@@ -4,7 +4,7 @@ BIN := .venv/bin
 READY := .venv/ready
 export PYTHONDONTWRITEBYTECODE :=  # every process would compile all modules again
 
-.PHONY: loopback learned test long faults check bench fuzz
+.PHONY: loopback learned test long faults check bench fuzz results
 
 loopback: $(READY)  ## both sites on this machine, with a simulated operator and a simulated cell
 	@$(BIN)/farhand loopback $(ARGS)
@@ -32,6 +32,10 @@ check: $(READY)  ## the static checks
 
 bench: $(READY)  ## side-by-side measurements, written to build/bench.json
 	@$(BIN)/python -m bench $(ARGS)
+
+results: $(READY)  ## every experiment in full, hours of it, and docs/results.md of what came
+	@$(BIN)/farhand experiment all --out build/results
+	@cp build/results/results.md docs/results.md
 
 fuzz: $(READY)  ## a million hostile payloads for the codec
 	@$(BIN)/python -m bench fuzz
