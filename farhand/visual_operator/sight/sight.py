@@ -5,7 +5,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from common.geometry import Array, transform
+from common.geometry import Array, rotation_from_vector, transform, vector_from_rotation
 from common.messages.robot import GripperStatus
 from farhand.visual_operator.shown import Shown, ShownView
 from farhand.visual_operator.sight.coloured import (
@@ -22,6 +22,7 @@ from farhand.visual_operator.sight.pose_fit import SeenOutline, fit_pose
 from farhand.visual_operator.task import PlacingTask
 
 LEAST_VIEWS = 2
+TARGET_LOOKS = 25
 GOOD_PX = 2.5
 RIDING_REACH = 5.0  # how much further the block is looked for in a view from the tool
 # Position (m) and rotation (rad): of what was seen before, of a thing that stands or lies, and of a level gripper.
@@ -44,20 +45,21 @@ class Scene:
 
 
 class Sight:
-    """Looks at one page after the other; the target, once found, stays where it is."""
+    """Looks at one page after the other; the target stays where it is on most of the first pages that show it."""
 
     def __init__(self, task: PlacingTask) -> None:
         self._task = task
         self._block: Array | None = None
         self._gripper: Array | None = None
         self._target: Array | None = None
+        self._targets: list[Array] = []
 
     def see(self, shown: Shown) -> Scene:
         """What is in the views that stand still, and, where the gripper is, in those that ride on the tool."""
         fixed = [view for view in shown.views.values() if not view.on_tool]
         riding = [view for view in shown.views.values() if view.on_tool]
-        if self._target is None:
-            self._target = self._find_target(fixed)
+        if len(self._targets) < TARGET_LOOKS:
+            self._look_at_target(fixed)
         self._block = self._find_block(fixed)
         if shown.gripper is GripperStatus.HOLDING and self._block is not None:
             self._gripper = self._task.grasp_of(self._block)
@@ -65,6 +67,13 @@ class Sight:
             self._gripper = self._find_gripper(fixed, riding, shown.opening_m)
         oldest_ns = min((view.capture_ns for view in fixed), default=0)
         return Scene(oldest_ns, self._block, self._gripper, self._target)
+
+    def _look_at_target(self, fixed: Sequence[ShownView]) -> None:
+        """The first pictures over a network are coarse: one look is not enough."""
+        found = self._find_target(fixed)
+        if found is not None:
+            self._targets.append(found)
+            self._target = _middle_pose(self._targets)
 
     def _find_block(self, views: Sequence[ShownView]) -> Array | None:
         task = self._task
@@ -139,6 +148,14 @@ class Sight:
                 if pose is not None:
                     return pose
         return None
+
+
+def _middle_pose(poses: Sequence[Array]) -> Array:
+    """The pose (4 x 4) whose position and rotation are the medians of these, which are near each other."""
+    first = poses[0][:3, :3]
+    turns = np.array([vector_from_rotation(pose[:3, :3] @ first.T) for pose in poses])
+    middle = np.median([pose[:3, 3] for pose in poses], axis=0)
+    return transform(rotation_from_vector(np.median(turns, axis=0)) @ first, middle)
 
 
 def _near(shapes: Sequence[SeenShape], before: Array | None, sigmas: Array) -> Array | None:

@@ -2,6 +2,7 @@
 
 import dataclasses
 
+import cv2
 import numpy as np
 import pytest
 
@@ -67,3 +68,23 @@ def test_one_view_alone_is_not_enough(seen):
     scene = Sight(TASK).see(dataclasses.replace(shown, views={"side": shown.views["side"]}))
     assert scene.block is None
     assert scene.gripper is None
+
+
+def coarse(view):
+    """The same view as a narrow link shows it at first: a fifth of the size, enlarged again."""
+    height, width = view.picture.shape[:2]
+    small = cv2.resize(view.picture, (width // 5, height // 5), interpolation=cv2.INTER_AREA)
+    return dataclasses.replace(view, picture=cv2.resize(small, (width, height), interpolation=cv2.INTER_LINEAR))
+
+
+def test_a_target_first_seen_in_coarse_pictures_is_where_the_later_ones_show_it(seen):
+    _, shown, scene = seen
+    blurred = dataclasses.replace(shown, views={name: coarse(view) for name, view in shown.views.items()})
+    sight = Sight(TASK)
+    at_first = sight.see(blurred).target
+    later = [sight.see(shown).target for _ in range(2)][-1]
+    if at_first is not None:
+        assert apart(at_first, scene.target)[0] > 0.1
+    off_mm, off_deg = apart(later, scene.target)
+    assert off_mm < 0.01
+    assert off_deg < 0.01
