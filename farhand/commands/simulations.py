@@ -15,7 +15,9 @@ def loopback(
     report: Annotated[Path | None, typer.Option(help="Write all figures to this JSON file.")] = None,
     config: Annotated[
         list[Path] | None,
-        typer.Option("--config", help="TOML file of one site, known by its tables; twice for both sites."),
+        typer.Option(
+            "--config", help="TOML file of one site, known by its tables; twice for both sites, or thesis: at its rate."
+        ),
     ] = None,
     settings: Settings = None,
     driver: Annotated[
@@ -34,10 +36,12 @@ def loopback(
 
     Example: farhand loopback --seconds 30 --config remote.toml --set driver.name=kinematic
     """
+    from farhand.deployment.shipped import configuration_files
     from farhand.loopback.plan import LoopbackOptions
     from farhand.loopback.run import run_loopback
 
-    given = tuple(config or ()), tuple(settings or ())
+    files = tuple(file for each in config or () for file in configuration_files(each))
+    given = files, tuple(settings or ())
     options = LoopbackOptions(seconds, report, driver, motion, tracker, arm, save_views, headless, *given)
     run_loopback(options, until_signal())
 

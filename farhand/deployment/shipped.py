@@ -17,6 +17,12 @@ def read_configuration(name: str) -> str:
     return (HERE / "sites" / f"{name}.toml").read_text(encoding="utf-8")
 
 
+def configuration_files(given: Path) -> tuple[Path, ...]:
+    """The files that a path or a name stands for: of NAME, where there is no such file, local-NAME and remote-NAME."""
+    pair = tuple(HERE / "sites" / f"{site}-{given}.toml" for site in ("local", "remote"))
+    return pair if not given.exists() and all(path.is_file() for path in pair) else (given,)
+
+
 def write_all(folder: Path) -> list[str]:
     """Write DIR/NAME.toml and DIR/systemd/*.service where no such file exists; a line for each, and a hint.
 

@@ -17,7 +17,7 @@ from farhand.loopback.recorder import CameraRecord, Record
 from remote_site.reasons import Code
 
 POINTS = ("elbow", "wrist", "index", "thumb", "palm")
-LAGS_MS = np.arange(0.0, 401.0, 2.0)
+LAGS_MS = np.arange(0.0, 2001.0, 2.0)  # the mean of nine frames at 5 a second is 0.8 s late
 STAGES = ("command", "motion", "encoder", "picture", "viewer")
 TRUTH_STEP_NS = 2 * NS_PER_MS
 LATELY_NS = 5 * NS_PER_S
@@ -103,7 +103,7 @@ def follow_figures(states: Sequence[RobotState], truth: Truth, expectation: Expe
     times = np.array([s.t_ns for s in followed], dtype=float)
     tool = np.array([s.base_T_tool.position for s in followed])
     end_ns = int(times[-1]) + TRUTH_STEP_NS
-    grid = np.arange(int(times[0]) - NS_PER_S, end_ns, TRUTH_STEP_NS, dtype=np.int64)
+    grid = np.arange(int(times[0]) - round(LAGS_MS[-1] * NS_PER_MS), end_ns, TRUTH_STEP_NS, dtype=np.int64)
     positions = np.array([truth(int(t))[expectation.point] for t in grid])
     origin_times = np.array([s.engagement.hand_capture_ns for s in followed if s.engagement], dtype=float)
     origins = np.array([s.engagement.base_T_tool.position for s in followed if s.engagement])

@@ -4,7 +4,7 @@ import threading
 from collections.abc import Sequence
 
 from common.cameras.camera import Camera
-from common.clock import Clock
+from common.clock import NS_PER_MS, NS_PER_S, Clock
 from common.errors import CameraError
 from local_site.acquisition.pairing import Pairing, PairingConfig
 from local_site.tracking.tracker import Views
@@ -13,11 +13,15 @@ FRAME_S, JOIN_S = 0.2, 1.0
 
 
 class Capture:
-    """Live cameras, paired to views; views that were not taken in time are replaced by newer ones."""
+    """Live cameras, paired to views; views that were not taken in time are replaced by newer ones.
+
+    `longest_wait_s` is how long to wait for views, as configured.
+    """
 
     def __init__(self, cameras: Sequence[Camera], config: PairingConfig, clock: Clock) -> None:
         self._cameras = tuple(cameras)
         self._clock = clock
+        self.longest_wait_s = config.longest_wait_ms * NS_PER_MS / NS_PER_S
         self._pairing = Pairing([camera.name for camera in cameras], config, clock.now_ns())
         self._changed = threading.Condition()
         self._newest: Views | None = None

@@ -14,7 +14,7 @@ from local_site.tracking.tracker import View, Views
 
 HISTORY = 4
 LEAST_STEP = 0.25
-SLOW_NS = 90 * NS_PER_MS  # between two pictures: more than a view is waited for
+SLOW = 0.9  # of the longest wait for views: pictures further apart come too late whenever one takes a little longer
 
 
 class PairingConfig(Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
@@ -27,6 +27,15 @@ class PairingConfig(Struct, frozen=True, kw_only=True, forbid_unknown_fields=Tru
         float, Meta(gt=0, le=500, description="newest exposures further apart are refused; about 1.5 frame periods")
     ] = 50.0
     stale_ms: Annotated[float, Meta(gt=0, le=5000, description="a camera silent for this long is stale")] = 500.0
+    longest_wait_ms: Annotated[
+        float,
+        Meta(
+            ge=50,
+            le=400,
+            description="without new pictures for this long the hand is lost, ms; cameras of less than 11 pictures a "
+            "second need more, and the remote site a longer safety.t_soft_ms",
+        ),
+    ] = 100.0
     frozen_frames: Annotated[
         int, Meta(ge=1, le=100, description="this many repeats of one picture are a frozen camera")
     ] = 5
@@ -68,11 +77,13 @@ class Pairing:
         if self._skew_ns() > self._max_skew_ns:
             behind = min(self._tracks, key=lambda track: track.newest_ns)
             return f"camera {behind.name} is {self._skew_ns() / NS_PER_MS:.0f} ms behind the others"
-        slowest = max(self._tracks, key=lambda track: track.interval_ns)
-        if slowest.interval_ns > SLOW_NS:
+        slowest, wait_ms = max(self._tracks, key=lambda track: track.interval_ns), self._config.longest_wait_ms
+        if slowest.interval_ns > SLOW * wait_ms * NS_PER_MS:
             return (
                 f"camera {slowest.name} gives a picture only each {slowest.interval_ns / NS_PER_MS:.0f} ms, the limit "
-                "is 100 ms: let it give 20 a second or more (fps and a fixed exposure_ms in [operator.cameras])"
+                f"is {wait_ms:.0f} ms: let it give {2e3 / wait_ms:.0f} a second or more (fps and a fixed exposure_ms "
+                "in [operator.cameras]), or set a longer capture.longest_wait_ms here and safety.t_soft_ms at the "
+                "remote site"
             )
         return None
 

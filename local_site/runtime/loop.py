@@ -29,8 +29,6 @@ from local_site.tracking.drift import DriftWatch
 from local_site.tracking.silhouette.operator_profile import OperatorProfile
 from local_site.tracking.tracker import ArmEstimate, Views
 
-VIEWS_TIMEOUT_S = 0.1
-
 
 class ArmTracking:
     """The tracker with what accompanies it: the operator's profile, the drift alarm, the console's joint clicks."""
@@ -141,7 +139,7 @@ class LocalSite:
 
         The preview comes last, in the time until the next views.
         """
-        views = self._capture.next(VIEWS_TIMEOUT_S)
+        views = self._capture.next(self._capture.longest_wait_s)
         if views is not None:
             estimate = self._tracking.track(views)
             self._sender.send_tracked(estimate)

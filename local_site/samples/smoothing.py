@@ -185,24 +185,40 @@ def _in_hand(rotation: Array | None, wrist: Array | None, tip: Array | None) -> 
 
 
 class ArmMean:
-    """The mean of each point over the last frames, as in the thesis's teleoperation."""
+    """The mean of each point over the last frames, as in the thesis's teleoperation.
+
+    Index and thumb are averaged as seen from the wrist, and start again when the hand opens or closes: neither a tip
+    that was hidden for a moment nor the gesture turns the hand afterwards.
+    """
 
     def __init__(self, config: SmoothingConfig) -> None:
         self._config = config
         self._last_ns = 0
+        self._was_open = False
         self._windows = {name: deque[Array](maxlen=config.mean_frames) for name in (*POINTS, "palm")}
 
     def smooth(self, estimate: ArmEstimate) -> ArmEstimate:
         """The estimate with each point averaged over the frames in which it was present without a gap."""
         lost = estimate.status is TrackingStatus.LOST
         if lost or estimate.t_ns - self._last_ns > self._config.max_gap_s * NS_PER_S:
-            for window in self._windows.values():
-                window.clear()
-        self._last_ns = estimate.t_ns
+            self._clear(*self._windows)
+        elif estimate.hand_open is not self._was_open:
+            self._clear("index", "thumb")
+        self._last_ns, self._was_open = estimate.t_ns, estimate.hand_open
         if lost:
             return estimate
-        elbow, wrist, index, thumb, palm = (self._mean(name, getattr(estimate, name)) for name in self._windows)
+        elbow, wrist, palm = (self._mean(name, getattr(estimate, name)) for name in ("elbow", "wrist", "palm"))
+        index, thumb = (self._tip(name, getattr(estimate, name), estimate.wrist, wrist) for name in ("index", "thumb"))
         return replace(estimate, elbow=elbow, wrist=wrist, index=index, thumb=thumb, palm=palm)
+
+    def _tip(self, name: str, tip: Array | None, wrist: Array | None, mean_wrist: Array | None) -> Array | None:
+        """A tip's mean offset from the wrist, beside the mean wrist; the tip as it is without a wrist."""
+        offset = self._mean(name, None if tip is None or wrist is None else tip - wrist)
+        return tip if offset is None or mean_wrist is None else mean_wrist + offset
+
+    def _clear(self, *names: str) -> None:
+        for name in names:
+            self._windows[name].clear()
 
     def _mean(self, name: str, point: Array | None) -> Array | None:
         window = self._windows[name]

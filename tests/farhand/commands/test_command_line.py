@@ -118,7 +118,7 @@ def test_every_command_has_help(command: list[str], here) -> None:
         (["loopback", "--driver", "none"], 1, "choose one of"),
         (["loopback", "--set", "driver.nme=x"], 2, "did you mean name?"),
         (["loopback", "--config", "absent.toml"], 2, "absent.toml"),
-        (["config", "show", "remot"], 2, "choose one of: console, local, local-cameras, remote, router"),
+        (["config", "show", "remot"], 2, "choose one of: console, local, local-cameras, local-thesis, remote"),
         (["driver", "test", "elbow"], 1, "choose one of"),
         (["console", "--set", "links.control=tcp/10.0.0.1:7447"], 2, "refused"),
     ],

@@ -18,7 +18,9 @@ KINDS = {
     "console": ConsoleConfig,
     "local": LocalConfig,
     "local-cameras": LocalConfig,
+    "local-thesis": LocalConfig,
     "remote": RemoteConfig,
+    "remote-thesis": RemoteConfig,
     "router": RouterConfig,
 }
 
@@ -36,7 +38,7 @@ def test_an_unknown_name_is_refused_with_those_there_are() -> None:
     assert tuple(KINDS) == NAMES
     result = CliRunner().invoke(app, ["config", "show", "remot"])
     assert isinstance(result.exception, ConfigError)
-    assert "choose one of: console, local, local-cameras, remote, router" in str(result.exception)
+    assert f"choose one of: {', '.join(KINDS)}" in str(result.exception)
 
 
 def test_everything_is_written_once_and_nothing_is_overwritten(tmp_path: Path) -> None:

@@ -89,7 +89,7 @@ def hand(t_ns: int, offset: float, status: TrackingStatus = TrackingStatus.TRACK
     )
 
 
-@pytest.mark.parametrize("lag_ms", [0, 60, 150])
+@pytest.mark.parametrize("lag_ms", [0, 60, 150, 800])
 def test_the_lag_is_found_and_what_remains_is_the_error(lag_ms: int) -> None:
     offset = np.array([0.0, 0.0, 0.004])
     origin = np.array(ORIGIN.position)

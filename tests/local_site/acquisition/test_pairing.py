@@ -147,6 +147,19 @@ def test_cameras_too_slow_for_the_hand_are_named_with_their_rate_and_the_cure(pe
         assert told is None
 
 
+@pytest.mark.parametrize(("wait_ms", "is_slow"), [(250.0, False), (210.0, True)])
+def test_who_waits_longer_for_views_may_have_slower_cameras(wait_ms, is_slow):
+    pair = pairing(longest_wait_ms=wait_ms)
+    fed = events(0.0, count=6, period_ms=200.0)
+    feed_all(pair, fed)
+    told = pair.problem(round(fed[-1][0] * NS_PER_MS))
+    if is_slow:
+        assert told.startswith("camera left gives a picture only each 200 ms, the limit is 210 ms: let it give 10 a")
+        assert told.endswith("or set a longer capture.longest_wait_ms here and safety.t_soft_ms at the remote site")
+    else:
+        assert told is None
+
+
 def test_a_lost_frame_makes_no_slow_camera():
     pair = pairing()
     feed_all(pair, [(t_ms, camera) for t_ms in (100, 133, 266, 400) for camera in (0, 1)])

@@ -28,7 +28,7 @@ PAIR = exact_rig(StereoConfig())
 class Cameras:
     """Views of a number of cameras, one instant after another."""
 
-    ended = False
+    ended, longest_wait_s = False, 0.1
 
     def __init__(self, count):
         self._count, self._seq = count, 0

@@ -98,12 +98,24 @@ def test_an_absent_point_stays_absent_and_starts_anew(method, missing):
     assert all(getattr(gap, name) is not None for name in POINTS if name != missing)
     back = smoother.smooth(arm(11 / 30, offset=(0.3, 0, 0)))
     moved = getattr(arm(0.0, offset=(0.3, 0, 0)), missing)
-    if missing in {"elbow", "wrist"} or method == "mean":
+    if missing in {"elbow", "wrist"}:
         assert getattr(back, missing) == pytest.approx(moved)
     else:
         # A tip starts again about its wrist, which was there all the time and comes gradually.
         offset = getattr(back, missing) - back.wrist
         assert offset == pytest.approx(HAND[missing])
+
+
+@pytest.mark.parametrize("hidden", [False, True])
+def test_neither_a_gesture_nor_a_hidden_tip_turns_the_mean_hand_afterwards(hidden):
+    smoother = make_smoother(SmoothingConfig(method="mean"))
+    for k in range(10):
+        smoother.smooth(arm(k / 30, offset=(0.02 * k, 0, 0)))
+    opened = {"thumb": None} if hidden else {"hand_open": True, "thumb": np.array([0.25, 0.1, 0.02])}
+    smoother.smooth(arm(10 / 30, offset=(0.2, 0, 0), **opened))
+    closed = smoother.smooth(arm(11 / 30, offset=(0.22, 0, 0)))
+    for tip in ("index", "thumb"):
+        assert getattr(closed, tip) - closed.wrist == pytest.approx(HAND[tip])
 
 
 @pytest.mark.parametrize("method", METHODS)
