@@ -1,8 +1,9 @@
 """The simulated operator filmed and tracked, and two methods from the film to the tool's motion; on stepped time."""
 
+import math
 from collections import Counter
 from collections.abc import Iterable
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 
 import cv2
 import numpy as np
@@ -12,10 +13,11 @@ from common.clock import NS_PER_MS, NS_PER_S, FakeClock
 from common.errors import ProcessError
 from common.geometry import Array, hand_rotation
 from common.mapping.relative_mapping import RelativeMapping
-from common.messages.hand import ClockSync, TrackingStatus
+from common.messages.hand import ClockSync, HandArm, TrackingStatus
 from common.messages.robot import SessionState
 from farhand.experiments.report import Progress
-from local_site.samples.hand_sample import HandSampler, OpenHand
+from farhand.experiments.stepped.site import FOR_EVER_NS, LEASE, OPERATOR, SESSION, SteppedRobot, SteppedSite
+from local_site.samples.hand_sample import GestureConfig, HandSampler, OpenHand
 from local_site.samples.smoothing import SmoothingConfig, make_smoother
 from local_site.simulation.cameras import calibrate_simulated
 from local_site.simulation.config import SimulationConfig
@@ -28,12 +30,11 @@ from remote_site.kinematics.inverse import Solution, SphericalWristInverse
 from remote_site.kinematics.limits import load_arm
 from remote_site.reasons import Code
 from remote_site.runtime.kinematic_loop import KinematicLoop
+from remote_site.session.config import EngagementMode
 from remote_site.session.lease import Holder, Lease, LeaseStatus
 from remote_site.session.samples import NamedSample
-from remote_site.teleop.cycle import Command
+from remote_site.teleop.cycle import Snapshot
 
-SESSION, LEASE, FOR_EVER_NS = 1, 1, 3600 * NS_PER_S
-OPERATOR = "operator"
 NOT_USED = (TrackingStatus.LOST, TrackingStatus.INITIALISING)
 
 
@@ -74,21 +75,38 @@ def film(
 class ToolPath:
     """Where the tool was: `base_T_tool` (4 x 4) at times in ns, since both origins were taken at `engaged_ns`.
 
-    `postures` are the joints there, rad. `hindered` counts, by code, what kept the tool from its target: samples as in
-    the thesis, ticks in the pipeline.
+    `postures` are the joints there, rad, and `openings_m` the gripper's, NaN where none is measured. `hindered` counts,
+    by code, what kept the tool from its target: samples as in the thesis, ticks in the pipeline.
     """
 
     engaged_ns: int = -1
     times_ns: list[int] = field(default_factory=list)
     poses: list[Array] = field(default_factory=list)
     postures: list[Array] = field(default_factory=list)
+    openings_m: list[float] = field(default_factory=list)
     hindered: Counter[str] = field(default_factory=Counter)
 
-    def add(self, t_ns: int, q: Array, base_T_tool: Array) -> None:
-        """Note the joints and the tool's pose at a time later than the last."""
+    def add(self, t_ns: int, q: Array, base_T_tool: Array, opening_m: float = math.nan) -> None:
+        """Note the joints, the tool's pose and the gripper's opening at a time later than the last."""
         self.times_ns.append(t_ns)
         self.postures.append(q.copy())
         self.poses.append(base_T_tool.copy())
+        self.openings_m.append(opening_m)
+
+    def since(self, start_ns: int) -> "ToolPath":
+        """The same path with its times counted from `start_ns`."""
+        times_ns = [t_ns - start_ns for t_ns in self.times_ns]
+        return replace(self, engaged_ns=self.engaged_ns - start_ns, times_ns=times_ns)
+
+    def follow(self, snapshot: Snapshot, t_ns: int, q: Array, base_T_tool: Array, opening_m: float = math.nan) -> None:
+        """Note them where the arm has been engaged, and what hinders it."""
+        if snapshot.engagement is None:
+            return
+        if self.engaged_ns < 0:
+            self.engaged_ns = snapshot.engagement.hand_capture_ns
+        if snapshot.state is not SessionState.ENGAGED or snapshot.reason.code is not Code.OK:
+            self.hindered[snapshot.reason.code.value] += 1
+        self.add(t_ns, q, base_T_tool, opening_m)
 
 
 def follow_by_mean(film: Film, smoothing: SmoothingConfig, remote: RemoteConfig) -> ToolPath:
@@ -136,6 +154,37 @@ def follow_estimates(estimates: Iterable[ArmEstimate], remote: RemoteConfig, lat
     return _engaged(arm.path)
 
 
+def follow_on_robot(
+    film: Film, smoothing: SmoothingConfig, remote: RemoteConfig, latency_ms: float, robot: SteppedRobot
+) -> ToolPath:
+    """Farhand's method with a robot that lags: smooth, count openings, send; pipeline, driver and supervisor follow.
+
+    The tool is where the robot's joints truly are. Samples come `latency_ms` after their exposure. ProcessError when
+    the arm is never engaged.
+    """
+    smoother, sampler, hand = make_smoother(smoothing), HandSampler(SESSION), OpenHand()
+    site, path = SteppedSite(remote.engaging(EngagementMode.AUTOMATIC), robot), ToolPath()
+    start_ns, latency_ns = site.now_ns, round(latency_ms * NS_PER_MS)
+    received: list[NamedSample] = []
+    for estimate in film.estimates:
+        while site.now_ns - start_ns < estimate.t_ns + latency_ns:
+            snapshot = site.tick(received)
+            received = []
+            opening_m = math.nan if site.gripper is None else site.gripper.opening
+            q = robot.q
+            path.follow(snapshot, site.now_ns, q, site.model.forward(q), opening_m)
+        hand = hand.observe(estimate, GestureConfig())
+        received = [NamedSample(OPERATOR, _sample(sampler, smoother.smooth(estimate), hand, start_ns))]
+    return _engaged(path).since(start_ns)
+
+
+def _sample(sampler: HandSampler, estimate: ArmEstimate, hand: OpenHand, start_ns: int) -> HandArm:
+    """The sample of an estimate as it is sent, its times those of a site that began at `start_ns`."""
+    t_ns = start_ns + estimate.t_ns
+    clock = ClockSync(remote_minus_local_ns=0, uncertainty_ns=0, measured_ns=t_ns)
+    return sampler.sample(replace(estimate, t_ns=t_ns), hand, LEASE, clock, None, t_ns)
+
+
 class FollowingArm:
     """The remote site's pipeline around the kinematic driver, on a clock that is moved tick by tick."""
 
@@ -150,27 +199,16 @@ class FollowingArm:
 
     def send(self, estimate: ArmEstimate) -> None:
         """Let an estimate arrive with the next tick, as the local site sends it."""
-        clock = ClockSync(remote_minus_local_ns=0, uncertainty_ns=0, measured_ns=estimate.t_ns)
-        sample = self._sampler.sample(estimate, OpenHand(), LEASE, clock, None, estimate.t_ns)
-        self._received.append(NamedSample(OPERATOR, sample))
+        self._received.append(NamedSample(OPERATOR, _sample(self._sampler, estimate, OpenHand(), 0)))
 
     def run_until(self, end_ns: int) -> None:
         """Tick until the next tick would be at `end_ns` or later."""
         while self._clock.now_ns() + self._tick_ns < end_ns:
             self._clock.sleep_until_ns(self._clock.now_ns() + self._tick_ns)
             samples, self._received = self._received, []
-            self._note(self.loop.cycle(self._lease, samples))
-
-    def _note(self, command: Command) -> None:
-        snapshot = command.snapshot
-        if snapshot.engagement is None:
-            return
-        if self.path.engaged_ns < 0:
-            self.path.engaged_ns = snapshot.engagement.hand_capture_ns
-        if snapshot.state is not SessionState.ENGAGED or snapshot.reason.code is not Code.OK:
-            self.path.hindered[snapshot.reason.code.value] += 1
-        q = command.motion.q
-        self.path.add(snapshot.now_ns, q, self.loop.model.forward(q))
+            command = self.loop.cycle(self._lease, samples)
+            q = command.motion.q
+            self.path.follow(command.snapshot, command.snapshot.now_ns, q, self.loop.model.forward(q))
 
 
 def _orientation(estimate: ArmEstimate) -> Array | None:

@@ -125,8 +125,9 @@ _PICK_AND_PLACE = (
 _OPENINGS_S = (3.9, 8.9, 17.1, 22.1)
 
 # As in the thesis's figures 6.15 and 6.16, 5 frames to a second: until 16 s down and ahead to the object, too far ahead
-# at 5 s and too low until 10 s, then corrected in position and direction; until 24 s up and over to the target; until
-# 32 s corrected there. Then back to the start. All of it above the block, which this operator does not see.
+# at 5 s and too low until 10 s, then corrected in position and direction; the gripper closes; until 24 s up and over to
+# the target; until 32 s corrected there; the gripper opens. Then back to the start. All of it above the block of the
+# cell as it is configured by default, which this operator does not see.
 _REACH_AND_ADJUST = (
     (0.0, 0.0, 0.0, 0.0, 0.0, 0.0),
     (4.5, 0.0, -0.09, -0.06, 6.0, -4.0),
@@ -140,8 +141,10 @@ _REACH_AND_ADJUST = (
     (27.0, -0.14, -0.045, -0.06, -4.0, 4.0),
     (29.5, -0.155, -0.05, -0.065, 3.0, 8.0),
     (32.0, -0.15, -0.05, -0.065, 0.0, 5.0),
-    (35.0, 0.0, 0.0, 0.0, 0.0, 0.0),
+    (34.0, -0.15, -0.05, -0.065, 0.0, 5.0),
+    (37.0, 0.0, 0.0, 0.0, 0.0, 0.0),
 )
+_GRASP_AND_RELEASE_S = (16.4, 32.4)
 
 
 def _along(waypoints: Sequence[tuple[float, ...]]) -> Callable[[float], tuple[Array, Array]]:
@@ -172,7 +175,7 @@ PATHS: dict[MotionName, HandPath] = {
     "rotate_y": HandPath(_rotation(1)),
     "rotate_z": HandPath(_rotation(2)),
     "pick_and_place": HandPath(_along(_PICK_AND_PLACE), _PICK_AND_PLACE[-1][0], _OPENINGS_S),
-    "reach_and_adjust": HandPath(_along(_REACH_AND_ADJUST), _REACH_AND_ADJUST[-1][0]),
+    "reach_and_adjust": HandPath(_along(_REACH_AND_ADJUST), _REACH_AND_ADJUST[-1][0], _GRASP_AND_RELEASE_S),
     "toggles": HandPath(_still, 2.0, (0.5,)),
 }
 

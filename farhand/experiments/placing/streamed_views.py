@@ -11,7 +11,7 @@ from common.geometry import Array
 from common.messages.requests import Description
 from common.messages.video import VideoFrame, ViewsShown
 from farhand.experiments.placing.network import Messages, Network, Stream
-from farhand.experiments.placing.stepped_site import LEASE, SESSION
+from farhand.experiments.stepped.site import LEASE, SESSION
 from farhand.loopback.picture_decoder import PictureDecoder
 from farhand.visual_operator.shown import ShownView
 from local_site.console.model.page_messages import Painted

@@ -5,7 +5,7 @@ import numpy as np
 from common.cameras.camera import Frame
 from common.clock import NS_PER_S
 from common.messages.hand import ClockSync, HandArm, Intent, TrackingStatus
-from farhand.experiments.placing.stepped_site import LEASE, SESSION
+from farhand.experiments.stepped.site import LEASE, SESSION
 from local_site.samples.hand_sample import GestureConfig, HandSampler, OpenHand
 from local_site.samples.smoothing import SmoothingConfig, make_smoother
 from local_site.simulation.cameras import calibrate_simulated

@@ -12,10 +12,11 @@ from common.messages.hand import HandArm, Locks
 from common.messages.robot import GripperStatus, SessionState
 from farhand.experiments.placing.judge import Judge, Placed
 from farhand.experiments.placing.network import Messages, Network
-from farhand.experiments.placing.stepped_site import OPERATOR, Every, SteppedSite
 from farhand.experiments.placing.streamed_views import PICTURE_NS, StreamedViews
 from farhand.experiments.placing.tracked_operator import TrackedOperator
 from farhand.experiments.placing.true_sight import TrueSight
+from farhand.experiments.stepped.robots import SteppedCell
+from farhand.experiments.stepped.site import OPERATOR, Every, SteppedSite
 from farhand.visual_operator.hand import Motor, ScriptedHand
 from farhand.visual_operator.operator import VisualOperator
 from farhand.visual_operator.shown import Shown
@@ -74,8 +75,8 @@ def run_trial(conditions: Conditions) -> TrialResult:
     """Run a trial to its end; the same for the same conditions."""
     rng = np.random.default_rng(conditions.seed)
     config = remote_config(rng)
-    site = SteppedSite(config)
-    judge = Judge(config, site.cell)
+    site = SteppedSite(config, SteppedCell(config))
+    judge = Judge(config, site.robot.cell)
     trial = _Trial(conditions, config, site)
     while not trial.operator.done and trial.time_s < MOST_S:
         trial.step()
@@ -96,11 +97,11 @@ def run_trial(conditions: Conditions) -> TrialResult:
 class _Trial:
     """Operator, cameras, site and views, each at its own rate; what is under way between them."""
 
-    def __init__(self, conditions: Conditions, config: RemoteConfig, site: SteppedSite) -> None:
+    def __init__(self, conditions: Conditions, config: RemoteConfig, site: SteppedSite[SteppedCell]) -> None:
         self._site, task, exact = site, PlacingTask(), conditions.exact
         true_sight = TrueSight(config, site) if exact == "sight" else None
         network, rng = conditions.network or Network(), np.random.default_rng((conditions.seed, 1))
-        views = StreamedViews(config, site.memory, site.description, conditions.network, rng)
+        views = StreamedViews(config, site.robot.memory, site.description, conditions.network, rng)
         self._views = true_sight or views
         see = true_sight.see if true_sight is not None else Sight(task).see
         hand = ScriptedHand(Motor(noise_m=0.0, noise_rad=0.0) if exact == "hand" else Motor(), conditions.seed)

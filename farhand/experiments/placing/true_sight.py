@@ -7,7 +7,8 @@ import numpy as np
 
 from common.clock import NS_PER_S
 from common.geometry import Array, transform
-from farhand.experiments.placing.stepped_site import Every, SteppedSite
+from farhand.experiments.stepped.robots import SteppedCell
+from farhand.experiments.stepped.site import Every, SteppedSite
 from farhand.visual_operator.shown import Shown, ShownView
 from farhand.visual_operator.sight.sight import Scene
 from remote_site.config import RemoteConfig
@@ -17,8 +18,8 @@ from remote_site.simulation.scenery import BLOCK
 class TrueSight:
     """Takes the simulation's poses at each exposure instead of pictures, and hands them out as the pages come."""
 
-    def __init__(self, config: RemoteConfig, site: SteppedSite) -> None:
-        self._data = site.cell.data
+    def __init__(self, config: RemoteConfig, site: SteppedSite[SteppedCell]) -> None:
+        self._data = site.robot.cell.data
         self._exposures = Every(round(NS_PER_S / config.video.fps), site.now_ns)
         scene = config.simulation.scene
         self._target = transform(np.eye(3), np.array([*scene.target_corner_xy_m, scene.table_z_m]))

@@ -6,8 +6,9 @@ from msgspec.structs import replace
 
 from common.errors import CameraError
 from common.messages.robot import GripperStatus
-from farhand.experiments.placing.stepped_site import SteppedSite
 from farhand.experiments.placing.streamed_views import PICTURE_NS, StreamedViews
+from farhand.experiments.stepped.robots import SteppedCell
+from farhand.experiments.stepped.site import SteppedSite
 from farhand.visual_operator.shown import Shown
 from remote_site.config import RemoteConfig
 
@@ -22,13 +23,13 @@ def config(x_m: float = 0.53, y_m: float = 0.04, yaw_deg: float = 0.0) -> Remote
     return replace(base, video=video, simulation=replace(base.simulation, block=block))
 
 
-def page_of(cell_config: RemoteConfig) -> tuple[SteppedSite, Shown]:
+def page_of(cell_config: RemoteConfig) -> tuple[SteppedSite[SteppedCell], Shown]:
     """The site at rest, and its page."""
-    site = SteppedSite(cell_config)
+    site = SteppedSite(cell_config, SteppedCell(cell_config))
     for _ in range(SETTLED_TICKS):
         site.tick(())
     try:
-        streamed = StreamedViews(cell_config, site.memory, site.description, None, np.random.default_rng(0))
+        streamed = StreamedViews(cell_config, site.robot.memory, site.description, None, np.random.default_rng(0))
     except CameraError as error:
         pytest.skip(str(error))
     streamed.expose(site.now_ns)

@@ -27,7 +27,7 @@ def apart(pose, true):
 
 
 def body_pose(site, name):
-    body = site.cell.data.body(name)
+    body = site.robot.cell.data.body(name)
     return transform(body.xmat.reshape(3, 3), body.xpos)
 
 
@@ -49,7 +49,7 @@ def test_the_target_is_found_to_2_mm_and_a_degree(seen):
 
 def test_the_gripper_is_found_to_5_mm_and_5_degrees_where_its_own_view_hardly_shows_the_block(seen):
     site, _, scene = seen
-    left, right = (site.cell.data.geom(name).xpos for name in ("finger_left", "finger_right"))
+    left, right = (site.robot.cell.data.geom(name).xpos for name in ("finger_left", "finger_right"))
     fingers = transform(body_pose(site, "gripper_body")[:3, :3], (left + right) / 2)
     off_mm, off_deg = apart(scene.gripper, fingers)
     assert off_mm < 5.0

@@ -4,20 +4,21 @@ import numpy as np
 import pytest
 
 from common.errors import CameraError
-from farhand.experiments.placing.stepped_site import SteppedSite
 from farhand.experiments.placing.trial import MOST_S, Conditions, remote_config, run_trial
+from farhand.experiments.stepped.robots import SteppedCell
+from farhand.experiments.stepped.site import SteppedSite
 from remote_site.config import RemoteConfig
 
 BUILDING_SEED = 9
 
 
 def test_the_stepped_site_is_the_same_each_time():
-    one, other = (SteppedSite(RemoteConfig()) for _ in range(2))
+    one, other = (SteppedSite(RemoteConfig(), SteppedCell(RemoteConfig())) for _ in range(2))
     for _ in range(100):
         one.tick(())
         other.tick(())
     assert one.now_ns == other.now_ns
-    assert one.cell.data.qpos.tolist() == other.cell.data.qpos.tolist()
+    assert one.robot.cell.data.qpos.tolist() == other.robot.cell.data.qpos.tolist()
     assert one.snapshot.state is other.snapshot.state
 
 

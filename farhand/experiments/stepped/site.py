@@ -1,16 +1,17 @@
-"""The remote site on stepped time: physics, robot controller, driver, supervisor and pipeline, each at its own rate."""
+"""The remote site on stepped time: robot, driver, supervisor and pipeline, each at its own rate."""
 
 from collections.abc import Callable, Sequence
+from typing import Generic, Protocol, TypeVar
 
-from common.clock import NS_PER_S, FakeClock
+from common.clock import NS_PER_S, Clock, FakeClock
 from common.errors import ProcessError
+from common.geometry import Array
 from common.messages.requests import Description
 from common.messages.robot import GripperState
 from remote_site.config import RemoteConfig
-from remote_site.drivers.driver import DriverSetup
+from remote_site.drivers.driver import Driver, DriverSetup
 from remote_site.drivers.link import DriverLink
 from remote_site.drivers.memory import DriverMemory
-from remote_site.drivers.simulated import SimulatedDriver
 from remote_site.drivers.supervisor.grip import GripWatch
 from remote_site.drivers.supervisor.supervisor import DriverSupervisor
 from remote_site.kinematics.limits import load_arm
@@ -19,8 +20,6 @@ from remote_site.runtime.driver_process import DriverLoop, grip_settings, setup_
 from remote_site.runtime.request_server import describe
 from remote_site.session.lease import Holder, Lease, LeaseStatus
 from remote_site.session.samples import NamedSample
-from remote_site.simulation.memory import CellMemory
-from remote_site.simulation.process import SimulatedCell
 from remote_site.teleop.cycle import Snapshot
 from remote_site.teleop.pipeline import TeleopPipeline
 
@@ -43,41 +42,55 @@ class Every:
         return is_due
 
 
-class SteppedClock(FakeClock):
-    """A fake clock that steps the simulated cell, and then what is set as `after_step`, as its time advances."""
+class SteppedRobot(Protocol):
+    """A robot whose own time advances with each step of `dt_s`; `q` (n,) in rad is where its joints truly are."""
 
-    def __init__(self, cell: SimulatedCell) -> None:
+    dt_s: float
+
+    @property
+    def q(self) -> Array: ...
+
+    def driver(self, clock: Clock) -> Driver: ...
+
+    def step(self, now_ns: int) -> None: ...
+
+
+R = TypeVar("R", bound=SteppedRobot)
+
+
+class SteppedClock(FakeClock):
+    """A fake clock that steps the robot, and then what is set as `after_step`, as its time advances."""
+
+    def __init__(self, robot: SteppedRobot) -> None:
         super().__init__(BEGIN_NS)
-        self._cell, self._step_ns = cell, round(cell.dt * NS_PER_S)
+        self._robot, self._step_ns = robot, round(robot.dt_s * NS_PER_S)
         self.after_step: Callable[[], None] = lambda: None
 
     def sleep_until_ns(self, deadline_ns: int) -> None:
-        """Advance to a time, ns, by all whole steps of the cell until then."""
+        """Advance to a time, ns, by all whole steps of the robot until then."""
         while self.time_ns + self._step_ns <= deadline_ns:
             self.time_ns += self._step_ns
-            self._cell.step(self.time_ns, self.time_ns)
+            self._robot.step(self.time_ns)
             self.after_step()
 
 
-class SteppedSite:
-    """The remote site around the simulated cell: what its processes do in real time, here one after the other.
+class SteppedSite(Generic[R]):
+    """The remote site around a robot, from BEGIN_NS on: what its processes do in real time, one after the other.
 
-    `snapshot` is the pipeline's after the last tick, `memory` what the views are drawn from, `cell` the simulation.
-    ProcessError when the driver does not activate the robot.
+    `snapshot` is the pipeline's after the last tick. ProcessError when the driver does not activate the robot.
     """
 
-    def __init__(self, config: RemoteConfig) -> None:
-        model, limits = load_arm(config.robot)
-        self.memory = CellMemory.create(len(config.robot.start_deg))
-        self.cell = SimulatedCell(config.simulation, config.robot, self.memory)
-        self.clock = SteppedClock(self.cell)
-        self.description: Description = describe(config, model, limits)
+    def __init__(self, config: RemoteConfig, robot: R) -> None:
+        self.robot = robot
+        self.model, limits = load_arm(config.robot)
+        self.clock = SteppedClock(robot)
+        self.description: Description = describe(config, self.model, limits)
         shared = DriverMemory.create(len(config.robot.start_deg))
-        driver, setup = SimulatedDriver(self.memory, self.clock), setup_of(config)
+        setup = setup_of(config)
         self._link = DriverLink(shared, limits, self.clock)
-        self._run_driver(config, setup, driver, shared)
+        self._run_driver(config, setup, robot.driver(self.clock), shared)
         self._activate()
-        self._driven = DrivenPipeline(TeleopPipeline(config, model, limits), self._link)
+        self._driven = DrivenPipeline(TeleopPipeline(config, self.model, limits), self._link)
         self._tick_ns = round(NS_PER_S / config.control.rate_hz)
         self._lease = LeaseStatus(Lease(LEASE, Holder(SESSION, OPERATOR), FOR_EVER_NS))
         self.snapshot = self.tick(())
@@ -97,9 +110,7 @@ class SteppedSite:
         """The gripper as the state publishes it."""
         return self._driven.report.gripper
 
-    def _run_driver(
-        self, config: RemoteConfig, setup: DriverSetup, driver: SimulatedDriver, shared: DriverMemory
-    ) -> None:
+    def _run_driver(self, config: RemoteConfig, setup: DriverSetup, driver: Driver, shared: DriverMemory) -> None:
         driver.configure(setup)
         supervisor = DriverSupervisor(driver, setup, self.clock, shared.busy, GripWatch(grip_settings(config)))
         self.clock.after_step = DriverLoop(supervisor, shared, self.clock).turn
@@ -113,4 +124,4 @@ class SteppedSite:
                 self._link.activate(report.q)
                 asked = True
             if self.clock.now_ns() > end_ns:
-                raise ProcessError(f"the simulated robot did not get ready: {report.fault}")
+                raise ProcessError(f"the robot did not get ready: {report.fault}")
