@@ -20,7 +20,8 @@ class Curves:
     """Motion since the origin, operator frame: positions in mm, directions in the XY and XZ plane in degrees.
 
     One row of COLUMNS for each of `frames_ns`: the hand as it truly was, as it was measured (NaN where it was not), and
-    the tool. `truth` (M, 5) are the true rows at `truth_ns`, close enough together to be interpolated.
+    the tool. `truth` (M, 5) are the true rows at `truth_ns`, close enough together to be interpolated. `gripper_mm` are
+    the gripper's openings at `frames_ns`, NaN without a gripper, and `hand_open` is whether the hand was seen open.
     """
 
     frames_ns: Array
@@ -29,6 +30,8 @@ class Curves:
     tool: Array
     truth_ns: Array
     truth: Array
+    gripper_mm: Array
+    hand_open: Array
 
 
 def pointing(wrist: Array, index: Array, thumb: Array) -> Array:
@@ -50,6 +53,21 @@ def tool_rows(poses: Array, base_R_operator: Array, scale: float, ahead: Array) 
     turned = poses[:, :3, :3] @ poses[0, :3, :3].T
     directions = base_R_operator.T @ (turned @ (base_R_operator @ ahead))[..., None]
     return hand_rows(moved, directions[..., 0], np.zeros(3), ahead)
+
+
+def with_closed_hand(rows: Array, is_closed: Array) -> Array:
+    """Rows (N, 5) whose angles are interpolated where the hand is not closed (N,): its tips give no direction then."""
+    times = np.arange(len(rows))
+    bridged = [np.interp(times, times[is_closed], rows[is_closed, k]) for k in range(*ANGLES.indices(rows.shape[1]))]
+    return np.column_stack([rows[:, POSITION], *bridged])
+
+
+def gripper_figures(openings_mm: Array) -> Figures:
+    """The gripper's opening (N,): at first, the least, and in the end; nothing where none is measured."""
+    if np.isnan(openings_mm).any():
+        return {}
+    first, least, last = openings_mm[0], openings_mm.min(), openings_mm[-1]
+    return {"gripper_mm": {"at_first": rounded(first), "least": rounded(least), "in_the_end": rounded(last)}}
 
 
 def rows_at(times_ns: Array, known_ns: Array, rows: Array) -> Array:

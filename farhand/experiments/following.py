@@ -155,7 +155,12 @@ def follow_estimates(estimates: Iterable[ArmEstimate], remote: RemoteConfig, lat
 
 
 def follow_on_robot(
-    film: Film, smoothing: SmoothingConfig, remote: RemoteConfig, latency_ms: float, robot: SteppedRobot
+    film: Film,
+    smoothing: SmoothingConfig,
+    remote: RemoteConfig,
+    latency_ms: float,
+    robot: SteppedRobot,
+    progress: Progress,
 ) -> ToolPath:
     """Farhand's method with a robot that lags: smooth, count openings, send; pipeline, driver and supervisor follow.
 
@@ -175,6 +180,7 @@ def follow_on_robot(
             path.follow(snapshot, site.now_ns, q, site.model.forward(q), opening_m)
         hand = hand.observe(estimate, GestureConfig())
         received = [NamedSample(OPERATOR, _sample(sampler, smoother.smooth(estimate), hand, start_ns))]
+        progress()
     return _engaged(path).since(start_ns)
 
 

@@ -40,6 +40,12 @@ class SteppedCell:
         q: Array = self.cell.data.qpos[: self._joints].copy()
         return q
 
+    @property
+    def block_xy_m(self) -> Array:
+        """Where the middle of the block is, (2,) in the base frame."""
+        xy: Array = self.cell.data.body("block").xpos[:2].copy()
+        return xy
+
 
 class SteppedController:
     """The emulated controller of the A465 behind its serial line; the fingers close on `emulated.object_m`."""

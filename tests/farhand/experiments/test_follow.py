@@ -14,7 +14,7 @@ from farhand.outputs import write_result
 from local_site.simulation.config import MotionConfig, SimulationConfig
 from local_site.tracking.choice import TrackingConfig
 
-VARIANTS = {"mean_5fps": 5, "farhand_30fps": 30}
+VARIANTS = {"mean_5fps": 5, "kinematic_30fps": 30, "mujoco_30fps": 30, "c500c_30fps": 30}
 
 
 @pytest.fixture(scope="module")
@@ -33,7 +33,10 @@ def report(folder):
 
 
 def test_the_folder_holds_report_plots_and_data_beside_what_was_there(folder):
-    plots, data = {"positions.png", "orientations.png"}, {f"follow_{variant}.csv" for variant in VARIANTS}
+    plots, data = (
+        {"figure_6_15_positions.png", "figure_6_16_orientations.png"},
+        {f"follow_{variant}.csv" for variant in VARIANTS},
+    )
     assert {p.name for p in folder.iterdir()} == {"notes.txt", "report.json", "report.html"} | plots | data
     assert (folder / "notes.txt").read_text() == "mine"
     page = (folder / "report.html").read_text()
@@ -48,7 +51,7 @@ def test_the_folder_holds_report_plots_and_data_beside_what_was_there(folder):
 @pytest.mark.parametrize(("variant", "fps"), VARIANTS.items())
 def test_the_data_has_a_row_for_every_frame(variant, fps, folder, report):
     table = np.genfromtxt(folder / f"follow_{variant}.csv", delimiter=",", names=True)
-    assert len(table.dtype.names) == 2 + 3 * 5
+    assert len(table.dtype.names) == 2 + 3 * 5 + 2
     assert (np.diff(table["frame"]) == 1).all()
     np.testing.assert_allclose(table["t_s"], table["frame"] / fps, atol=1e-3)
     assert table["t_s"][0] == pytest.approx(report[variant]["engaged_s"], abs=1e-3)
@@ -56,14 +59,30 @@ def test_the_data_has_a_row_for_every_frame(variant, fps, folder, report):
 
 
 def test_the_mean_lags_by_half_its_window_and_farhand_far_less(report):
-    mean, own = (report[variant]["tool_behind_true_hand"] for variant in VARIANTS)
+    mean, own = (report[variant]["tool_behind_true_hand"] for variant in ("mean_5fps", "kinematic_30fps"))
     assert mean["lag_ms"] == pytest.approx(800.0, abs=50.0)
     assert own["lag_ms"] < 0.2 * mean["lag_ms"]
     assert own["residual_mm"]["mean"] < 4.0
     assert own["residual_deg"]["xy_deg"]["mean"] < 3.0
-    measured = report["farhand_30fps"]["tool_behind_measured_hand"]
+    measured = report["kinematic_30fps"]["tool_behind_measured_hand"]
     assert measured["residual_mm"]["mean"] < 1.5
-    assert [report[variant]["hindered"] for variant in VARIANTS] == [{}, {}]
+    assert [report[variant]["hindered"] for variant in VARIANTS] == [{}] * len(VARIANTS)
+
+
+def test_each_robot_adds_its_own_lag_and_keeps_the_path(report):
+    exact, physics, serial = (
+        report[f"{robot}_30fps"]["tool_behind_true_hand"] for robot in ("kinematic", "mujoco", "c500c")
+    )
+    assert exact["lag_ms"] <= physics["lag_ms"] < exact["lag_ms"] + 40.0
+    assert serial["lag_ms"] == pytest.approx(exact["lag_ms"] + 220.0, abs=60.0)
+    assert max(physics["residual_mm"]["mean"], serial["residual_mm"]["mean"]) < exact["residual_mm"]["mean"] + 1.0
+
+
+def test_the_gripper_is_measured_where_there_is_one(folder, report):
+    openings = {name: report[name].get("gripper_mm", {}).get("at_first") for name in VARIANTS}
+    assert openings == {"mean_5fps": None, "kinematic_30fps": None, "mujoco_30fps": 65.0, "c500c_30fps": 50.8}
+    table = np.genfromtxt(folder / "follow_mujoco_30fps.csv", delimiter=",", names=True)
+    np.testing.assert_allclose(table["gripper_mm"], 65.0, atol=0.1)
 
 
 def test_the_same_film_is_measured_twice():

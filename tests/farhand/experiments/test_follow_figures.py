@@ -5,7 +5,15 @@ import pytest
 
 from common.clock import NS_PER_MS, NS_PER_S
 from common.geometry import rotation_from_vector, transform
-from farhand.experiments.follow_figures import Curves, follow_figures, hand_rows, rows_at, tool_rows
+from farhand.experiments.follow_figures import (
+    Curves,
+    follow_figures,
+    gripper_figures,
+    hand_rows,
+    rows_at,
+    tool_rows,
+    with_closed_hand,
+)
 
 BASE_R_OPERATOR = np.array([[0.0, -1.0, 0.0], [1.0, 0.0, 0.0], [0.0, 0.0, 1.0]])
 AHEAD = np.array([-0.12, 0.0, 0.08])
@@ -24,7 +32,8 @@ def curves(lag_ms, offset=0.0, missing=()):
     measured = motion(FRAMES_NS)
     measured[list(missing)] = np.nan
     tool = motion(FRAMES_NS - lag_ms * NS_PER_MS) + offset
-    return Curves(FRAMES_NS, motion(FRAMES_NS), measured, tool, TRUTH_NS, motion(TRUTH_NS))
+    gripper_mm, hand_open = np.full(len(FRAMES_NS), np.nan), np.zeros(len(FRAMES_NS), bool)
+    return Curves(FRAMES_NS, motion(FRAMES_NS), measured, tool, TRUTH_NS, motion(TRUTH_NS), gripper_mm, hand_open)
 
 
 @pytest.mark.parametrize("lag_ms", [0.0, 70.0, 800.0])
@@ -76,3 +85,16 @@ def test_a_tool_that_moves_as_the_hand_has_the_same_rows():
 def test_rows_between_times_leave_gaps_out():
     rows = np.array([[0.0] * 5, [np.nan] * 5, [2.0] * 5])
     np.testing.assert_allclose(rows_at(np.array([1.0]), np.array([0.0, 1.0, 2.0]), rows), [[1.0] * 5])
+
+
+def test_an_open_hand_has_the_direction_between_those_of_the_closed_one():
+    rows = np.array([[1.0, 2.0, 3.0, 10.0, -10.0], [4.0, 5.0, 6.0, 77.0, 88.0], [7.0, 8.0, 9.0, 20.0, -20.0]])
+    closed = with_closed_hand(rows, np.array([True, False, True]))
+    np.testing.assert_allclose(closed[:, :3], rows[:, :3])
+    np.testing.assert_allclose(closed[:, 3:], [[10.0, -10.0], [15.0, -15.0], [20.0, -20.0]])
+
+
+def test_a_gripper_that_is_not_measured_has_no_figures():
+    openings_mm = {"at_first": 65.0, "least": 49.9, "in_the_end": 64.0}
+    assert gripper_figures(np.array([65.0, 49.9, 64.0])) == {"gripper_mm": openings_mm}
+    assert gripper_figures(np.full(3, np.nan)) == {}
