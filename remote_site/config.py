@@ -7,6 +7,7 @@ from msgspec import Meta, field
 
 from common.link.channels import check_cell_name
 from common.process.config import MetricsConfig
+from remote_site.assist.config import AssistConfig
 from remote_site.drivers.config import DriverConfig, GripConfig
 from remote_site.kinematics.config import RobotConfig
 from remote_site.link_config import RemoteLinksConfig
@@ -32,6 +33,7 @@ class RemoteConfig(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fie
     driver: DriverConfig = field(default_factory=DriverConfig)
     grip: GripConfig = field(default_factory=GripConfig)
     video: VideoConfig = field(default_factory=VideoConfig)
+    assist: AssistConfig = field(default_factory=AssistConfig)
     simulation: CellConfig = field(default_factory=CellConfig)
     metrics: MetricsConfig = field(default_factory=MetricsConfig)
 
@@ -43,6 +45,20 @@ class RemoteConfig(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fie
             raise ValueError(
                 f"engagement.mode = 'automatic' lets the driver {driver.name!r} move a real robot as soon as a hand is "
                 f"seen: use 'on_request', or accept it with engagement.automatic_accepted = {ACCEPTANCE!r}"
+            )
+
+        self._check_assist()
+
+    def _check_assist(self) -> None:
+        """ValueError when no marker could ever be seen well enough."""
+        cameras = self.video.cameras
+        calibrated = [
+            c for c in cameras if c.projection is not None or (c.source == SIMULATED and self.video.calibrated)
+        ]
+        if self.assist.targets and len(calibrated) < 2 and not any(camera.on_tool for camera in calibrated):
+            raise ValueError(
+                "assist.targets need two calibrated views, or one on the tool: give cameras their projection in "
+                "[[video.cameras]], or for simulated views set video.calibrated = true"
             )
 
     def engaging(self, mode: EngagementMode) -> Self:

@@ -144,6 +144,61 @@ class Code(StrEnum):
         "command_timeout",
         "no command for {age_ms:.0f} ms (limit {limit_ms:.0f} ms): the driver stops the arm",
     )
+    # a marker of a target
+    MARKER_UNSEEN = "marker_unseen", "marker {marker} is covered, or out of all calibrated views"
+    MARKER_ONE_VIEW = (
+        "marker_one_view",
+        "marker {marker} is seen by {view} alone: two calibrated views must see it, or the gripper's",
+    )
+    MARKER_FAR = (
+        "marker_far",
+        "only {view} sees marker {marker}, from {distance_mm:.0f} mm: bring the gripper within {limit_mm:.0f} mm",
+    )
+    MARKER_STALE = "marker_stale", "no new picture shows marker {marker}: the pictures are {age_ms:.0f} ms old"
+    MARKER_DOUBLED = "marker_doubled", "{view} sees marker {marker} twice: take one of the two away"
+    MARKER_GRAZING = (
+        "marker_grazing",
+        "marker {marker} is seen at a grazing angle, {angle_deg:.0f} deg (limit {limit_deg:.0f} deg)",
+    )
+    MARKER_CONTRADICTED = (
+        "marker_contradicted",
+        "the views {views} disagree about marker {marker} by {miss_px:.1f} px: it moves, or a calibration is wrong",
+    )
+    MARKER_AMBIGUOUS = "marker_ambiguous", "marker {marker} may be turned in two ways as {views} see it"
+    MARKER_UNCERTAIN = (
+        "marker_uncertain",
+        "the pose beside marker {marker} is known to {sigma_mm:.1f} mm and {sigma_deg:.1f} deg only: "
+        "print a larger marker, or move a camera nearer",
+    )
+    MARKER_MOVED = "marker_moved", "marker {marker} has moved by {distance_mm:.0f} mm and {angle_deg:.0f} deg"
+    # fine adjustment
+    ASSIST_IDLE = "assist_idle", "the arm does not follow: engage it first"
+    ASSIST_STEADYING = "assist_steadying", "marker {marker} has to stand still for {least_ms:.0f} ms"
+    ASSIST_FAR = (
+        "assist_far",
+        "{target!r} is {distance_mm:.0f} mm and {angle_deg:.0f} deg away; "
+        "the assist begins within {limit_mm:.0f} mm and {limit_deg:.0f} deg",
+    )
+    ASSIST_CLOSED = "assist_closed", "{target!r} is to be grasped: open the gripper first"
+    ASSIST_OFFERED = (
+        "assist_offered",
+        "hold A: the tool will move {distance_mm:.0f} mm and {angle_deg:.0f} deg to {kind} {target!r}",
+    )
+    ASSIST_LEADING = (
+        "assist_leading",
+        "the tool moves to {kind} {target!r}: {distance_mm:.0f} mm and {angle_deg:.0f} deg are left",
+    )
+    ASSIST_THERE = "assist_there", "the tool is where it has to be to {kind} {target!r}; let go of A to go on by hand"
+    ASSIST_LET_GO = "assist_let_go", "the assist has ended: A was let go"
+    ASSIST_SILENT = "assist_silent", "the assist has ended: the page reported nothing for {silent_ms:.0f} ms"
+    ASSIST_MOVED = "assist_moved", "the assist has ended: the hand moved by {distance_mm:.0f} mm"
+    ASSIST_STUCK = (
+        "assist_stuck",
+        "the assist has ended: the tool comes no nearer, {distance_mm:.0f} mm and {angle_deg:.0f} deg are left; a "
+        "limit or something in its way holds it back",
+    )
+    ASSIST_HALTED = "assist_halted", "the assist has ended: the arm was stopped"
+    ASSIST_LOST = "assist_lost", "the assist has ended: {cause}"
 
 
 @dataclass(frozen=True, slots=True)

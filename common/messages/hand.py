@@ -5,7 +5,7 @@ from typing import Annotated
 
 import msgspec
 
-from common.messages.base import Count, Covariance, Difference, Message, Text, Vector3
+from common.messages.base import Count, Covariance, Difference, Message, Name, Text, Vector3
 
 
 class TrackingStatus(StrEnum):
@@ -70,11 +70,13 @@ class OperatorSettings(msgspec.Struct, frozen=True, forbid_unknown_fields=True, 
 class Intent(msgspec.Struct, frozen=True, forbid_unknown_fields=True, kw_only=True):
     """What the operator's page or pedal reports: whether the hold-to-run key or pedal is down, and the settings.
 
-    `settings` is None from a sender that does not know those in force, or where they are in force already.
+    `settings` is None from a sender that does not know those in force, or where they are in force already. `assist` is
+    the target that was offered when the key of fine adjustment went down, None while it is not held.
     """
 
     hold: bool = False
     settings: OperatorSettings | None = None
+    assist: Name | None = None
 
 
 class OperatorIntent(Message, frozen=True):

@@ -203,6 +203,40 @@ class VideoLink(msgspec.Struct, frozen=True, forbid_unknown_fields=True, kw_only
     reason: Text
 
 
+class AssistPhase(StrEnum):
+    """Whether the robot adjusts the tool's pose by itself, or offers to."""
+
+    OFF = "off"
+    OFFERED = "offered"
+    LEADING = "leading"
+    ENDED = "ended"
+
+
+class AssistTarget(msgspec.Struct, frozen=True, forbid_unknown_fields=True, kw_only=True):
+    """A target of fine adjustment: its marker of side `size` in m, and the tool's pose there.
+
+    The tool is `distance_mm` and `angle_deg` away from it; `views` are the cameras that the marker's pose is from.
+    """
+
+    name: Name
+    kind: Name
+    base_T_marker: Pose
+    size: float
+    base_T_tool: Pose
+    distance_mm: float
+    angle_deg: float
+    views: Annotated[tuple[Name, ...], msgspec.Meta(max_length=16)]
+
+
+class AssistState(msgspec.Struct, frozen=True, forbid_unknown_fields=True, kw_only=True):
+    """What fine adjustment offers or does, or why it does neither; `target` is None while no marker is known."""
+
+    phase: AssistPhase
+    code: Name
+    reason: Text
+    target: AssistTarget | None
+
+
 class RobotState(Message, frozen=True):
     """The robot and its session at one instant, as measured and as commanded.
 
@@ -215,7 +249,7 @@ class RobotState(Message, frozen=True):
     it leaves. `gripper_next` is what the next toggle would command, `open` or `closed`; `settings` are the operator's
     in force, None without a lease. `reference` is what the targets count from: None unless the arm follows, and where
     each target begins at the measured tool. `hand_link` is None before the holder's samples come; `video_link` is None
-    while the link carries all pictures, or nobody watches them.
+    while the link carries all pictures, or nobody watches them. `assist` is None where no targets are configured.
     """
 
     session: Count
@@ -246,3 +280,4 @@ class RobotState(Message, frozen=True):
     reference: MappingReference | None = None
     hand_link: HandLink | None = None
     video_link: VideoLink | None = None
+    assist: AssistState | None = None

@@ -7,6 +7,7 @@ import msgspec
 import structlog
 
 from common.errors import FarhandError
+from common.geometry import Array
 from common.link.channels import CAMERA, KEY_FRAMES, SHOWN, STATE, ChannelSession
 from common.link.config import NAME_OPERATORS
 from common.link.credentials import CertificateValidity, check_links
@@ -20,6 +21,8 @@ from common.process.service import StopFlag, notify
 from remote_site.config import RemoteConfig
 from remote_site.drivers.memory import DriverMemory
 from remote_site.drivers.registry import check_driver
+from remote_site.kinematics.limits import load_arm
+from remote_site.runtime.assist_memory import AssistMemory
 from remote_site.runtime.checks import check_robot
 from remote_site.runtime.control import run_control
 from remote_site.runtime.crash_marker import CrashMarker
@@ -28,6 +31,8 @@ from remote_site.runtime.links import open_site_link
 from remote_site.runtime.site_memory import SiteMemory
 from remote_site.session.config import EngagementMode
 from remote_site.simulation.memory import CellMemory
+from remote_site.video.calibration import calibration_of
+from remote_site.video.marker_look import MarkerLook
 from remote_site.video.process import VideoTally, VideoWire, run_video
 from remote_site.video.sources import SimulatedViews
 
@@ -63,9 +68,9 @@ def run_remote(config: RemoteConfig, should_stop: StopFlag, log_format: LogForma
             children.start("cell", partial(run_cell_child, config, memory))
         children.start("driver", partial(run_driver, config, driver_memory, memory))
         tally = VideoTally([camera.name for camera in config.video.cameras])
-        site = SiteMemory()
-        children.start("video", partial(_video, config, memory, tally, site))
-        children.start("control", partial(run_control, config, driver_memory, memory, site))
+        site, assist = SiteMemory(), _assist_memory(config)
+        children.start("video", partial(_video, config, memory, tally, site, assist))
+        children.start("control", partial(run_control, config, driver_memory, memory, site, assist))
         if config.metrics.port:
             children.start("metrics", partial(_metrics, config, tally), vital=False)
         children.wait_ready(READY_TIMEOUT_S, should_stop)
@@ -137,6 +142,7 @@ def _video(
     memory: CellMemory | None,
     tally: VideoTally,
     site: SiteMemory,
+    assist: AssistMemory | None,
     should_stop: StopFlag,
     heartbeat: Heartbeat,
 ) -> None:
@@ -153,7 +159,26 @@ def _video(
         shown = [link.latest(SHOWN, config.cell, operator=name).take_named for name in config.links.heard]
         key_frames = link.latest(KEY_FRAMES, config.cell).take
         wire = VideoWire(publish, shown, lambda: site.lease, key_frames, site.show_video_link)
-        run_video(config.video, views, wire, should_stop, heartbeat.beat)
+        look = _marker_look(config, assist) if assist is not None else None
+        run_video(config.video, views, wire, should_stop, heartbeat.beat, look)
+
+
+def _assist_memory(config: RemoteConfig) -> AssistMemory | None:
+    return AssistMemory(config.assist, len(config.robot.start_deg)) if config.assist.targets else None
+
+
+def _marker_look(config: RemoteConfig, assist: AssistMemory) -> MarkerLook:
+    """What looks for the markers of the targets in all views that are calibrated."""
+    video, cell, tool_T_tcp = config.video, config.simulation, config.robot.tool_T_tcp
+    known = {camera.name: calibration_of(camera, video, cell, tool_T_tcp) for camera in video.cameras}
+    views = {name: calibration for name, calibration in known.items() if calibration is not None}
+    model, _ = load_arm(config.robot)
+
+    def tool_at(t_ns: int) -> Array | None:
+        q = assist.joints_at(t_ns)
+        return model.forward(q) if q is not None else None
+
+    return MarkerLook(config.assist, views, tool_at, assist.show_markers)
 
 
 def _metrics(config: RemoteConfig, tally: VideoTally, should_stop: StopFlag, heartbeat: Heartbeat) -> None:

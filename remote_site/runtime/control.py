@@ -23,6 +23,7 @@ from remote_site.drivers.link import DriverLink, RobotReport
 from remote_site.drivers.memory import DriverMemory
 from remote_site.drivers.supervisor.write_scheduler import LEAST_FRACTION
 from remote_site.kinematics.limits import load_arm
+from remote_site.runtime.assist_memory import AssistMemory
 from remote_site.runtime.driven_pipeline import DrivenPipeline
 from remote_site.runtime.links import open_site_link
 from remote_site.runtime.rate import Rate
@@ -55,6 +56,7 @@ def run_control(
     driver_memory: DriverMemory,
     memory: CellMemory | None,
     site: SiteMemory,
+    assist: AssistMemory | None,
     should_stop: StopFlag,
     heartbeat: Heartbeat,
 ) -> None:
@@ -83,7 +85,7 @@ def run_control(
         refusals = RefusalLog()
         server = RequestServer(link, description, leases, clock, refusals.note, config.links.heard)
         driven, inbox = DrivenPipeline(pipeline, driver), Inbox(link, config.cell, refusals, config.links.heard)
-        loop = ControlLoop(driven, leases, inbox, reporter, server, mirror, site)
+        loop = ControlLoop(driven, leases, inbox, reporter, server, mirror, site, assist)
         while not should_stop():
             rate.wait()
             loop.tick(clock.now_ns())
@@ -144,6 +146,7 @@ class ControlLoop:
         server: RequestServer,
         mirror: PostureMirror | None,
         site: SiteMemory,
+        assist: AssistMemory | None = None,
     ) -> None:
         self._driven = driven
         self._leases = leases
@@ -151,7 +154,7 @@ class ControlLoop:
         self._reporter = reporter
         self._server = server
         self._mirror = mirror
-        self._site = site
+        self._site, self._assist = site, assist
         self._pace, self._ticks = StatePace(), 0
 
     def tick(self, now_ns: int) -> None:
@@ -159,13 +162,16 @@ class ControlLoop:
         driven, waiting = self._driven, self._inbox.requests(now_ns)
         requests = [request for request, _ in waiting]
         lease, samples = self._leases.status(now_ns), self._inbox.samples()
-        snapshot = driven.cycle(now_ns, lease, samples, requests, site_ready=self._site.ready)
+        markers = self._assist.take_markers() if self._assist is not None else ()
+        snapshot = driven.cycle(now_ns, lease, samples, requests, markers, site_ready=self._site.ready)
         for (_, reply), answer in zip(waiting, snapshot.answers, strict=True):
             reply(answer)
         self._reporter.note(snapshot, driven)
         self._ticks += 1
         if self._ticks % TICKS_PER_STATE == 0 and self._is_due(snapshot):
             self._pace.sent(self._reporter.publish(snapshot, driven, self._inbox.refusals.counts))
+        if self._assist is not None:
+            self._assist.show_joints(driven.report.t_ns, driven.report.q)
         if self._mirror is not None:
             self._mirror.show(driven.report.t_ns, driven.report.q)
         self._server.poll(engaged=snapshot.state in FOLLOWING)

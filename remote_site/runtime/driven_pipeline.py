@@ -2,6 +2,7 @@
 
 from collections.abc import Iterable
 
+from remote_site.assist.sighting import MarkerSighting
 from remote_site.drivers.link import DriverLink, RobotReport
 from remote_site.session.lease import LeaseStatus
 from remote_site.session.requests import SessionRequest
@@ -26,13 +27,14 @@ class DrivenPipeline:
         lease: LeaseStatus,
         samples: Iterable[NamedSample] = (),
         requests: Iterable[SessionRequest] = (),
+        markers: Iterable[MarkerSighting] = (),
         *,
         site_ready: bool = True,
     ) -> Snapshot:
         """One control tick; the driver is activated, or commanded if it takes commands."""
         report = self.report = self._driver.read()
         robot = RobotObservation(report.q, report.fault, report.sent, report.gripper, report.diverted)
-        given = CycleInput(now_ns, robot, lease, tuple(samples), tuple(requests), site_ready)
+        given = CycleInput(now_ns, robot, lease, tuple(samples), tuple(requests), site_ready, tuple(markers))
         command = self._pipeline.cycle(given)
         self.sent = report.sent
         if command.activate_at is not None:

@@ -3,6 +3,7 @@
 from collections.abc import Iterable
 
 from common.clock import NS_PER_MS, Clock
+from remote_site.assist.sighting import MarkerSighting
 from remote_site.config import RemoteConfig
 from remote_site.drivers.driver import DriverSetup
 from remote_site.drivers.kinematic import KinematicDriver
@@ -39,12 +40,17 @@ class KinematicLoop:
         self._seq = 0
 
     def cycle(
-        self, lease: LeaseStatus, samples: Iterable[NamedSample] = (), requests: Iterable[SessionRequest] = ()
+        self,
+        lease: LeaseStatus,
+        samples: Iterable[NamedSample] = (),
+        requests: Iterable[SessionRequest] = (),
+        markers: Iterable[MarkerSighting] = (),
     ) -> Command:
         """One control tick at the clock's time."""
         now_ns = self._clock.now_ns()
         robot = RobotObservation(self._driver.read().q, None, self.sent, None)
-        command = self.pipeline.cycle(CycleInput(now_ns, robot, lease, tuple(samples), tuple(requests)))
+        given = CycleInput(now_ns, robot, lease, tuple(samples), tuple(requests), markers=tuple(markers))
+        command = self.pipeline.cycle(given)
         self._seq += 1
         self.sent = self._driver.write(command.joints(self._seq, now_ns)).motion
         return command

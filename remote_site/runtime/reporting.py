@@ -106,6 +106,7 @@ class Reporter:
                 reference=snapshot.reference if following else None,
                 hand_link=hand_link,
                 video_link=video_link,
+                assist=snapshot.assist,
             )
         )
         return self._publisher.payload_bytes

@@ -13,6 +13,7 @@ from remote_site.kinematics.config import RobotConfig
 from remote_site.simulation.appearance.dressing import dress
 from remote_site.simulation.appearance.surfaces import PaintedSurface
 from remote_site.simulation.config import ArmConfig, CellConfig
+from remote_site.simulation.markers import add_marker
 from remote_site.simulation.scenery import (
     GRIP,
     THINGS,
@@ -73,6 +74,8 @@ def build_cell(config: CellConfig, robot: RobotConfig, *, dressed: bool = False)
     add_block(spec, config.block, config.scene.table_z_m)
     for view in config.views:
         add_view(tool if view.frame == "tool" else spec.worldbody, view)
+    for number, marker in enumerate(config.printed_markers):
+        add_marker(spec, number, marker)
     surfaces = dress(spec, config.scene) if dressed else ()
     return _compile(spec, joints, robot.start, surfaces)
 

@@ -5,6 +5,10 @@ from typing import Annotated, Literal
 import msgspec
 from msgspec import Meta
 
+from common.geometry import Array
+from remote_site.assist.families import MarkerFamily
+from remote_site.assist.placement import transform_of
+
 SIMULATED = "simulated"
 
 Point = tuple[float, float, float]
@@ -77,6 +81,33 @@ class SceneConfig(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fiel
     target_side_m: Annotated[Positive, Meta(description="side of the square target paper")] = 0.0765
 
 
+class MarkerConfig(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
+    """A printed marker in the views; its frame has x to its right, y up and z towards who looks at it."""
+
+    family: MarkerFamily = MarkerFamily.ARUCO_4X4_50
+    marker: Annotated[int, Meta(ge=0, description="its number in the family")]
+    size_mm: Annotated[float, Meta(ge=10, le=500, description="side of the black square, mm")]
+    on: Annotated[
+        Literal["block", "base"], Meta(description="moves with the block, or is fixed in the base's frame")
+    ] = "base"
+    xyz_mm: Annotated[Point, Meta(description="its middle from the block's middle, or in the base's frame, mm")]
+    rpy_deg: Annotated[Point, Meta(description="its axes: turned about that frame's x, then y, then z, deg")]
+
+    def __post_init__(self) -> None:
+        if self.marker >= self.family.size:
+            raise ValueError(f"{self.family} has markers 0 to {self.family.size - 1}, not {self.marker}")
+
+    @property
+    def size_m(self) -> float:
+        """The side of the black square, m."""
+        return 1e-3 * self.size_mm
+
+    @property
+    def parent_T_marker(self) -> Array:
+        """The marker's pose (4 x 4) in the block's or the base's frame."""
+        return transform_of(self.xyz_mm, self.rpy_deg)
+
+
 class ViewConfig(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
     """A camera of the cell; in the tool frame it rides on the end-effector, its up being the tool's -x."""
 
@@ -105,3 +136,4 @@ class CellConfig(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_field
     block: BlockConfig = BlockConfig()
     scene: SceneConfig = SceneConfig()
     views: tuple[ViewConfig, ...] = VIEWS
+    printed_markers: Annotated[tuple[MarkerConfig, ...], Meta(max_length=16)] = ()

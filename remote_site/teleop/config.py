@@ -7,6 +7,7 @@ from msgspec import Meta, field
 from msgspec.structs import replace
 
 from common.messages.hand import HandPoint
+from remote_site.assist.config import AssistConfig
 from remote_site.kinematics.config import RobotConfig
 from remote_site.motion.config import ControlConfig
 from remote_site.safety.config import SafetyConfig
@@ -70,6 +71,8 @@ class PipelineConfig(Protocol):
     def control(self) -> ControlConfig: ...
     @property
     def engagement(self) -> EngagementConfig: ...
+    @property
+    def assist(self) -> AssistConfig: ...
 
 
 def prediction(config: PipelineConfig) -> ControlConfig:

@@ -5,7 +5,16 @@ from typing import NamedTuple
 
 from common.geometry import Array
 from common.messages.hand import ClockSync, OperatorSettings
-from common.messages.robot import Engagement, GripperCommand, GripperState, HandLink, MappingReference, SessionState
+from common.messages.robot import (
+    AssistState,
+    Engagement,
+    GripperCommand,
+    GripperState,
+    HandLink,
+    MappingReference,
+    SessionState,
+)
+from remote_site.assist.sighting import MarkerSighting
 from remote_site.drivers.driver import JointCommand
 from remote_site.drivers.faults import RobotFault
 from remote_site.kinematics.joints import JointMotion
@@ -39,7 +48,7 @@ class RobotObservation(NamedTuple):
 class CycleInput(NamedTuple):
     """All that a control cycle depends on, besides the cycles before it; samples in order of arrival.
 
-    `site_ready` is whether every process of the remote site has started.
+    `site_ready` is whether every process of the remote site has started; `markers` is what is newly known of them.
     """
 
     now_ns: int
@@ -48,6 +57,7 @@ class CycleInput(NamedTuple):
     samples: tuple[NamedSample, ...] = ()
     requests: tuple[SessionRequest, ...] = ()
     site_ready: bool = True
+    markers: tuple[MarkerSighting, ...] = ()
 
     def robot_after(self, sent: JointMotion) -> Robot:
         """The robot as the session sees it, once `sent` is the motion it was given last."""
@@ -62,7 +72,7 @@ class Snapshot(NamedTuple):
     (4 x 4), `reference` what the next targets count from, `gripper_next` what the next toggle would command, `settings`
     are the operator's in force, None without a lease, `answers` belong to the cycle's requests in their order,
     `rejected` counts refused samples. `hand_link` is None without samples of the lease's holder, and
-    `network_ms` is half a round trip as most of them show it.
+    `network_ms` is half a round trip as most of them show it. `assist` is None where no targets are configured.
     """
 
     now_ns: int
@@ -85,6 +95,7 @@ class Snapshot(NamedTuple):
     rejected: Mapping[Code, int]
     hand_link: HandLink | None
     network_ms: float | None
+    assist: AssistState | None
     answers: tuple[Answer, ...]
 
 

@@ -4,13 +4,15 @@ import numpy as np
 
 from common.clock import NS_PER_MS
 from common.messages.hand import OperatorSettings
+from common.messages.robot import GripperCommand
+from remote_site.assist.assist import Assist
 from remote_site.kinematics.dexterity import Dexterity
 from remote_site.kinematics.joints import JointMotion
 from remote_site.kinematics.limits import JointLimits
 from remote_site.kinematics.model import ArmModel
 from remote_site.motion.jerk_limited import JerkLimitedTracker
 from remote_site.motion.planner import MotionPlanner
-from remote_site.motion.target_tracker import choose_target_tracker
+from remote_site.motion.target_tracker import ToolSample, choose_target_tracker
 from remote_site.safety.clearance import ClearanceCheck, Workspace
 from remote_site.safety.collision import CollisionModel
 from remote_site.safety.collision_avoidance import CollisionAvoidance
@@ -43,6 +45,8 @@ class TeleopPipeline:
         self._target = ToolTarget(config.mapping, config.control, box, model, config.robot.start)
         self._planner = _planner(config, model, limits, box)
         self._gripper = GripperToggles()
+        self._assist = Assist(config.assist)
+        self._led = False
         self._aimed: Accepted | None = None
 
     def cycle(self, given: CycleInput) -> Command:
@@ -53,8 +57,12 @@ class TeleopPipeline:
         sent = JointMotion.at_rest(robot.q) if activate else robot.sent
         for named in given.samples:
             result = self._samples.receive(named, lease, now_ns)
+            if result.sample is not None:
+                self._assist.hear(result.sample.intent, now_ns)
             if isinstance(result, Rejected) and result.sample is not None:
                 self._gripper.interrupt()
+        self._assist.see(given.markers)
+        self._assist.tick(now_ns)
         outcomes = []
         for request in given.requests:
             outcome = self._requests.handle(request, lease, given.robot_after(sent), now_ns)
@@ -74,6 +82,9 @@ class TeleopPipeline:
     def _plan(self, decision: Decision, robot: RobotObservation, sent: JointMotion, now_ns: int) -> JointMotion:
         """The next motion: into the stop, or from new origins, or towards the newest sample."""
         latest = self._samples.latest
+        if decision.action is not Action.FOLLOW:
+            self._assist.halt(now_ns)
+            self._led = False
         if decision.action is Action.STOP or latest is None:
             return self._planner.stop(sent)
         aimed, settings = False, self._target.bounded(self._session.page.settings)
@@ -81,11 +92,26 @@ class TeleopPipeline:
             self._begin(latest, settings, decision, sent)
         elif latest is not self._aimed:
             self._gripper.follow(latest.sample, settings.revision, robot.gripper)
-            stretch = self._age_limit.stretch
-            self._planner.aim(self._target.aim(latest, settings, robot.q, now_ns, stretch), sent.q)
+            self._planner.aim(self._tool_sample(latest, settings, robot, now_ns), sent.q)
             aimed = True
         self._aimed = latest
         return self._planner.follow(now_ns, sent, self._age_limit.speed_scale * latest.speed, aimed=aimed)
+
+    def _tool_sample(
+        self, latest: Accepted, settings: OperatorSettings, robot: RobotObservation, now_ns: int
+    ) -> ToolSample:
+        """The tool's next target: led by the assist while the operator asks for it, else by the hand."""
+        target, stretch, q = self._target, self._age_limit.stretch, robot.q
+        can_grasp = self._gripper.next(robot.gripper) is not GripperCommand.OPEN
+        led = self._assist.step(
+            latest.position, latest.sample.capture_ns, target.base_T_tool, target.measured(q), now_ns, can_grasp
+        )
+        released, self._led = self._led and led is None, led is not None
+        if led is not None:
+            return target.lead(led, latest, q, now_ns, stretch)
+        if released:
+            target.rebase(latest, settings)
+        return target.aim(latest, settings, q, now_ns, stretch)
 
     def _begin(self, latest: Accepted, settings: OperatorSettings, decision: Decision, sent: JointMotion) -> None:
         """Follow from rest: from the origins of before a short hold, or from new ones."""
@@ -120,6 +146,7 @@ class TeleopPipeline:
             rejected=self._samples.rejected,
             hand_link=self._samples.figures(now_ns),
             network_ms=self._samples.network_ms,
+            assist=self._assist.state(),
             answers=tuple(outcome.answer for outcome in outcomes),
         )
 

@@ -19,6 +19,7 @@ from remote_site.teleop.mapping import make_mapping
 
 LONGEST_STEP_S = 0.1  # between samples
 MOST_PREDICTED_NS = 100 * NS_PER_MS  # of the way from exposure to arrival: a longer prediction overshoots
+LED_SPARE = 0.1  # of the catch-up speed: what a led target leaves of it
 AGE_MEMORY = 1 / 30  # weight of the newest sample in the mean age
 
 
@@ -47,6 +48,10 @@ class ToolTarget:
     def bounded(self, settings: OperatorSettings) -> OperatorSettings:
         """The operator's settings within what is configured."""
         return self._mapping.bounded(settings)
+
+    def measured(self, q: Array) -> Array:
+        """The tool's pose (4 x 4) at the joints (n,) rad."""
+        return self._model.forward(q)
 
     def capture(self, sample: Accepted, settings: OperatorSettings, q: Array, engagements: int) -> None:
         """Take both origins, the hand's from the sample and the tool's at `q` (n,) rad: earlier motion is discarded.
@@ -96,11 +101,35 @@ class ToolTarget:
         self._mapping.read(measured)
         target = self._offset.apply(self._mapping.target(position, operator_R_hand), elapsed_s)
         self.reference = self._mapping.reference(sample.sample, self._orientation.hand_R_followed)
+        self._settings = settings
+        spare = max(self._offset.spare + self._orientation.spare - 1.0, 0.0)
+        return self._bounded_sample(target, measured, sample, now_ns, stretch, spare)
+
+    def lead(
+        self, base_T_led: Array, sample: Accepted, q_measured: Array, now_ns: int, stretch: float = 1.0
+    ) -> ToolSample:
+        """The same for a target (4 x 4) that the hand does not choose; what it counts from is lost until `rebase`."""
+        self.reference = None
+        measured = self._model.forward(q_measured)
+        return self._bounded_sample(base_T_led.copy(), measured, sample, now_ns, stretch, LED_SPARE)
+
+    def rebase(self, sample: Accepted, settings: OperatorSettings) -> None:
+        """Take both origins anew, the tool's at its present target: the target does not move by it."""
+        self._mapping.steer(settings, sample.position, sample.operator_R_hand, self.base_T_tool)
+        self._mapping.engage(sample.position, sample.operator_R_hand, self.base_T_tool)
+        self._offset.clear()
+        self._orientation.begin(sample.operator_R_hand)
+        self._settings = settings
+
+    def _bounded_sample(
+        self, target: Array, measured: Array, sample: Accepted, now_ns: int, stretch: float, spare: float
+    ) -> ToolSample:
+        """A target (4 x 4), which it may change, brought into the workspace box and within the leash."""
         target[:3, 3] = self._workspace.clamp(target[:3, 3])
         self.base_T_tool, leashed = leash(target, measured, *self._leash)
-        self._followed, self._settings = sample, settings
+        self._followed = sample
         elbow = self._mapping.elbow(sample.sample.wrist, sample.sample.elbow)
-        t_ns, spare = self._holds_at_ns(sample, now_ns), max(self._offset.spare + self._orientation.spare - 1.0, 0.0)
+        t_ns = self._holds_at_ns(sample, now_ns)
         return ToolSample(t_ns, now_ns, self.base_T_tool, elbow, leashed, stretch, spare)
 
     def _holds_at_ns(self, sample: Accepted, now_ns: int) -> int:

@@ -11,6 +11,7 @@ import cv2
 import numpy as np
 import structlog
 
+from common.cameras.camera import Frame
 from common.clock import NS_PER_MS, NS_PER_S
 from common.errors import CameraError, MessageError
 from common.link.channels import KEY_FRAMES
@@ -18,6 +19,7 @@ from common.messages.robot import VideoLink
 from common.messages.video import CameraStatus, KeyFrameRequest, VideoFrame, ViewsShown
 from common.process.service import be_nice
 from remote_site.video.config import VideoConfig
+from remote_site.video.marker_look import MarkerLook
 from remote_site.video.sources import FrameSource, SimulatedViews, open_sources
 from remote_site.video.streaming.adaptation import Adaptation
 from remote_site.video.streaming.codec_choice import CodecPreference
@@ -28,6 +30,7 @@ from remote_site.video.streaming.stream import CameraStream
 
 LIVE_POLL_NS = 5 * NS_PER_MS
 NARROW_EVERY_NS = 500 * NS_PER_MS
+WATCHED_NS = NS_PER_S
 STATUSES = tuple(CameraStatus)
 BYTES, CAPTURE_NS = len(STATUSES), len(STATUSES) + 1
 FIELDS = len(STATUSES) + 2
@@ -97,6 +100,7 @@ class _CameraSlot:
     stream: CameraStream
     period_ns: int
     due_ns: int
+    frame: Frame | None = None
 
     def serve(self, setting: StreamSetting, now_ns: int) -> VideoFrame | None:
         """The message due now, if any; missed deadlines are skipped. A rendered view is rendered only to be sent."""
@@ -104,8 +108,10 @@ class _CameraSlot:
         period_ns = max(self.period_ns, round(NS_PER_S / setting.fps)) if rendered else self.period_ns
         self.due_ns += period_ns * max(1, (now_ns - self.due_ns) // period_ns + 1)
         try:
-            return self.stream.take(self.source.newest(), setting, now_ns)
+            self.frame = self.source.newest()
+            return self.stream.take(self.frame, setting, now_ns)
         except CameraError as error:
+            self.frame = None
             return self.stream.missing(str(error), now_ns)
 
 
@@ -121,6 +127,11 @@ class _Console:
     adaptation: Adaptation
     refused: bool = False
     reported_ns: int = 0
+    heard_ns: int = 0
+
+    def is_watched(self, now_ns: int) -> bool:
+        """Whether the console that counts has reported lately."""
+        return now_ns - self.heard_ns <= WATCHED_NS
 
     def listen(self, now_ns: int) -> None:
         for source in self.wire.shown:
@@ -142,6 +153,7 @@ class _Console:
         operator, shown = named
         if self.wire.lease() in (None, LeaseInForce(shown.lease, operator)):
             self.adaptation.update(shown, now_ns)
+            self.heard_ns = now_ns
 
 
 @dataclass(slots=True)
@@ -169,9 +181,11 @@ def run_video(
     wire: VideoWire,
     should_stop: Callable[[], bool],
     beat: Callable[[], None],
+    markers: MarkerLook | None = None,
 ) -> None:
     """Stream every camera until `should_stop`; `views` is None where no cell is simulated.
 
+    While the operator's console shows pictures, `markers` are looked for in them.
     Raises ConfigError for a simulated camera without a cell, CameraError when views cannot be rendered here.
     """
     be_nice(config.nice)
@@ -192,6 +206,8 @@ def run_video(
             if message is not None:
                 wire.publish(message)
                 console.adaptation.sent(message, now_ns)
+            if markers is not None and console.is_watched(now_ns):
+                markers.see(slot.source.name, slot.frame, now_ns)
             beat()
     finally:
         for slot in slots:

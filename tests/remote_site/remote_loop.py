@@ -11,6 +11,7 @@ from common.geometry import Array
 from common.messages.hand import ClockSync, HandArm, TrackingStatus
 from common.messages.requests import EngagementAction
 from common.messages.robot import GripperCommand, SessionState
+from remote_site.assist.sighting import MarkerSighting
 from remote_site.config import RemoteConfig
 from remote_site.kinematics.joints import JointMotion
 from remote_site.kinematics.limits import JointLimits, load_arm
@@ -166,12 +167,17 @@ class RemoteLoop:
         self.tick(requests=(SessionRequest(action, lease.holder.name if lease is not None else "nobody"),))
         return self.snapshot.answers[0]
 
-    def tick(self, *samples: HandArm, requests: tuple[SessionRequest, ...] = ()) -> None:
-        """One control tick: the samples and requests that have arrived, then a decision, then a command."""
+    def tick(
+        self,
+        *samples: HandArm,
+        requests: tuple[SessionRequest, ...] = (),
+        markers: tuple[MarkerSighting, ...] = (),
+    ) -> None:
+        """One control tick: samples, requests and markers that have come, then a decision, then a command."""
         self.clock.advance_ms(TICK_NS / NS_PER_MS)
         before = self.sent
         named = [NamedSample(self.sender or operator_of(sample.session), sample) for sample in samples]
-        command = self._loop.cycle(self.leases.status(self.clock.now_ns()), named, requests)
+        command = self._loop.cycle(self.leases.status(self.clock.now_ns()), named, requests, markers)
         self.snapshot = snapshot = command.snapshot
         self.gripper = command.gripper
         if len(self.log) % TICKS_PER_JUDGEMENT == 0:

@@ -159,8 +159,8 @@ CHANGES: list[tuple[object, str, str, str, Callable[[], None]]] = [
     (
         TeleopPipeline,
         "_plan",
-        "aim(latest, settings, robot.q,",
-        "aim(latest, settings, sent.q,",
+        "_tool_sample(latest, settings, robot,",
+        "_tool_sample(latest, settings, robot._replace(q=sent.q),",
         test_the_pipeline_leashes_the_target_to_the_measured_arm,
     ),
     (

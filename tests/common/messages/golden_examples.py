@@ -45,6 +45,9 @@ from common.messages.requests import (
 )
 from common.messages.robot import (
     Asker,
+    AssistPhase,
+    AssistState,
+    AssistTarget,
     Engagement,
     GripperCommand,
     GripperState,
@@ -75,7 +78,7 @@ def _covariance(*m2: float) -> Covariance:
 SETTINGS = OperatorSettings(
     lease=1311768467463790321, revision=2, scale=0.5, rotation_scale=0.25, locks=Locks(z=True, roll=True)
 )
-INTENT = Intent(hold=True, settings=SETTINGS)
+INTENT = Intent(hold=True, settings=SETTINGS, assist="block")
 CLOCKS = ClockSync(remote_minus_local_ns=-3_600_000_000_123, uncertainty_ns=81_000, measured_ns=1_234_000_000)
 HAND = HandArm(
     session=81985529216486895,
@@ -154,6 +157,21 @@ STATE = RobotState(
         reason="hand samples are too old",
     ),
     video_link=VideoLink(carries_mbit_s=1.8, needs_mbit_s=31.2, reason="the link carries 1.8 Mbit/s of pictures"),
+    assist=AssistState(
+        phase=AssistPhase.OFFERED,
+        code="assist_offered",
+        reason="hold A: the tool will move 12 mm and 3 deg to grasp 'block'",
+        target=AssistTarget(
+            name="block",
+            kind="grasp",
+            base_T_marker=Pose((0.625, 0.0, 0.75), (0.5, 0.5, 0.5, 0.5)),
+            size=0.04,
+            base_T_tool=Pose((0.5, 0.0, 0.75), (0.0, 1.0, 0.0, 0.0)),
+            distance_mm=12.25,
+            angle_deg=3.5,
+            views=("front_high", "front_low"),
+        ),
+    ),
 )
 VIDEO = VideoFrame(
     camera="front_high",

@@ -47,4 +47,5 @@ def _bits(command: Command) -> tuple[object, ...]:
     joints = np.concatenate([motion.q, motion.dq, motion.ddq]).tobytes()
     answers, readiness = snapshot.answers, snapshot.readiness
     said = snapshot.state, snapshot.reason, readiness, answers, snapshot.held, dict(snapshot.rejected)
-    return joints, command.gripper, activate_at, obeys, snapshot.target.tobytes(), snapshot.engagement, said
+    tool = snapshot.target.tobytes(), snapshot.engagement, snapshot.assist
+    return joints, command.gripper, activate_at, obeys, tool, said
