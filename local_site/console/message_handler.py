@@ -102,7 +102,8 @@ class PageMessageHandler:
         """Send the operating page's intent to the local site; once it is silent that is sent once, then nothing."""
         reports = self.seat.reports(now_ns)
         if self._outlets is not None and (reports or self._reported):
-            intent = Intent(hold=self.seat.held(now_ns), settings=self._own_settings()) if reports else None
+            held, assisted = self.seat.held(now_ns), self.seat.assisted(now_ns)
+            intent = Intent(hold=held, settings=self._own_settings(), assist=assisted) if reports else None
             self._outlets.intent(OperatorIntent(session=self._session, sent_ns=now_ns, intent=intent))
         self._reported = reports
 
@@ -118,7 +119,7 @@ class PageMessageHandler:
         """Carry out what a page asks for."""
         match message:
             case Beat():
-                self.seat.beat(page.visitor, now_ns, down=message.down)
+                self.seat.beat(page.visitor, now_ns, down=message.down, assist=message.assist)
                 page.send(type="echo", page_ms=message.page_ms, server_ms=now_ns / NS_PER_MS)
             case FrameTaken():
                 page.taken(message.view)

@@ -20,10 +20,14 @@ class PageMessage(msgspec.Struct, frozen=True, forbid_unknown_fields=True, kw_on
 
 
 class Beat(PageMessage, frozen=True, tag="beat"):
-    """The page's heartbeat: its own time in ms, to be echoed, and whether the hold-to-run key is down."""
+    """The page's heartbeat: its own time in ms, to be echoed, and whether the hold-to-run key is down.
+
+    `assist` is the target that was offered when the key of fine adjustment went down, None while it is up.
+    """
 
     page_ms: Milliseconds
     down: bool
+    assist: Name | None = None
 
 
 class FrameTaken(PageMessage, frozen=True, tag="taken"):

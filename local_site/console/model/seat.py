@@ -38,6 +38,7 @@ class Seat:
         self._open = open_
         self._beat_ns: int | None = None
         self._down = self._released = False
+        self._assist: str | None = None
         self.occupant: Visitor | None = None
 
     def arrive(self, visitor: Visitor, now_ns: int) -> None:
@@ -61,12 +62,12 @@ class Seat:
             self._sit(None, None)
         return SeatAnswer(True, "this page only watches")
 
-    def beat(self, visitor: Visitor, now_ns: int, *, down: bool) -> None:
-        """A page's heartbeat, with whether its key is down."""
+    def beat(self, visitor: Visitor, now_ns: int, *, down: bool, assist: str | None = None) -> None:
+        """A page's heartbeat, with whether its key is down, and the target for which it asks for the assist."""
         if visitor != self.occupant:
             return
         self._lapse(now_ns)
-        self._beat_ns, self._down = now_ns, down
+        self._beat_ns, self._down, self._assist = now_ns, down, assist
         self._released = self._released or not down
 
     def interrupt(self) -> None:
@@ -82,13 +83,19 @@ class Seat:
         self._lapse(now_ns)
         return self._down and self._released
 
+    def assisted(self, now_ns: int) -> str | None:
+        """The target for which the operating page holds the key of fine adjustment at this instant."""
+        self._lapse(now_ns)
+        return self._assist
+
     def _sit(self, visitor: Visitor | None, now_ns: int | None) -> None:
-        self.occupant, self._beat_ns = visitor, now_ns
+        self.occupant, self._beat_ns, self._assist = visitor, now_ns, None
         self._down = self._released = False
 
     def _lapse(self, now_ns: int) -> None:
         if self._silent_ns(now_ns) > BEAT_TIMEOUT_NS:
             self._released = self._down = False
+            self._assist = None
 
     def _abandoned(self, now_ns: int) -> bool:
         return self._silent_ns(now_ns) > ABANDONED_NS

@@ -55,6 +55,11 @@ export class Controls {
     else this.#complain(`${what}: ${reason}`);
   }
 
+  /** Whether this page operates. */
+  get operates() {
+    return this.#operates;
+  }
+
   /** Without a connection all controls are disabled. */
   disconnected() {
     this.#alert.clear("controls");

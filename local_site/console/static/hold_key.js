@@ -1,10 +1,14 @@
-// Hold to run: the space bar, a pedal that types it, or the button; a hidden page releases it.
+// A key that is held, or a pedal that types it, or its button: hold to run, and the assist; a hidden page releases it.
 export class HoldKey {
   down = false;
-  #button = document.getElementById("hold");
+  #button;
+  #code;
   #changed;
 
-  constructor(changed) {
+  /** `code` is that of a KeyboardEvent; `changed` is called whenever the key goes down or up. */
+  constructor(button, code, changed) {
+    this.#button = button;
+    this.#code = code;
     this.#changed = changed;
     addEventListener("keydown", (event) => this.#key(event, true), { capture: true });
     addEventListener("keyup", (event) => this.#key(event, false), { capture: true });
@@ -24,7 +28,8 @@ export class HoldKey {
   }
 
   #key(event, down) {
-    if (event.code !== "Space") return;
+    if (event.code !== this.#code) return;
+    if (down && (event.ctrlKey || event.altKey || event.metaKey)) return;
     event.preventDefault();
     event.stopPropagation();
     if (!event.repeat) this.#set(down);

@@ -1,6 +1,7 @@
 // Connects the page's sections: messages from the console go to each, the operator's actions go back.
 import { Alert } from "./alert.js";
 import { ArmRoom } from "./arm_room.js";
+import { AssistKey } from "./assist_key.js";
 import { Connection } from "./connection.js";
 import { Controls } from "./controls.js";
 import { DelayPanel } from "./delay_panel.js";
@@ -26,9 +27,13 @@ const panel = new StatePanel();
 const arm = new ArmRoom();
 const latency = new LatencyRoom();
 const link = new LinkLine();
-const hold = new HoldKey(beat);
+const hold = new HoldKey(document.getElementById("hold"), "Space", beat);
+const assist = new AssistKey(beat);
 const alert = new Alert();
-const stop = new StopButton(connection, alert, () => hold.release());
+const stop = new StopButton(connection, alert, () => {
+  hold.release();
+  assist.release();
+});
 const controls = new Controls(connection, alert);
 const delay = new DelayPanel(clock, (scale) => controls.steer({ scale }));
 const joints = new JointMarks(connection, views.ofOperator);
@@ -36,7 +41,7 @@ const joints = new JointMarks(connection, views.ofOperator);
 let toolsMs = -Infinity;
 
 function beat() {
-  connection.send({ type: "beat", page_ms: performance.now(), down: hold.down });
+  connection.send({ type: "beat", page_ms: performance.now(), down: hold.down, assist: assist.asked });
 }
 
 const handlers = {
@@ -55,6 +60,8 @@ const handlers = {
     controls.show(message);
     arm.show(message.robot);
     views.haunt(message.robot);
+    views.offer(message.robot);
+    assist.show(message.robot, controls.operates);
     latency.show(message);
     delay.show(message);
     link.show(message.robot);
@@ -87,6 +94,8 @@ function disconnected() {
   panel.disconnected();
   controls.disconnected();
   stop.disconnected();
+  assist.disconnected();
+  views.offer(null);
   delay.disconnected();
 }
 

@@ -1,4 +1,5 @@
 // One view: its canvas, painted with the newest picture, and the mark of how current it is.
+import { AssistMarks } from "./assist_marks.js";
 import { ageWords, judge } from "./freshness.js";
 import { Ghost } from "./ghost.js";
 import { parsePicture } from "./picture.js";
@@ -25,6 +26,8 @@ export class View {
   #ghost = null;
   #toolCanvas = document.createElement("canvas");
   #tools = null;
+  #assistCanvas = document.createElement("canvas");
+  #assist = null;
   #isFresh = false;
   #header = null;
   #newest = null;
@@ -43,7 +46,7 @@ export class View {
     this.#fresh.className = "fresh";
     this.#mark.className = "mark";
     this.#mark.append(this.#title, this.#words);
-    this.element.append(this.#canvas, this.#overlay, this.#toolCanvas, this.#mark, label, this.#fresh);
+    this.element.append(this.#canvas, this.#overlay, this.#toolCanvas, this.#assistCanvas, this.#mark, label, this.#fresh);
     this.refresh();
   }
 
@@ -59,6 +62,7 @@ export class View {
   describe(camera) {
     this.#ghost = camera.calibration === null ? null : new Ghost(this.#overlay, camera);
     this.#tools = camera.calibration === null ? null : new ToolMarks(this.#toolCanvas, camera);
+    this.#assist = camera.calibration === null ? null : new AssistMarks(this.#assistCanvas, camera);
   }
 
   /** Draw the tool over a picture that is not useless, late as it may be; `path` is where the tool was measured. */
@@ -67,6 +71,13 @@ export class View {
     const isUseful = this.element.dataset.useless === "false" && SHOWING.includes(this.#header?.status);
     if (tools !== null && isUseful) this.#tools.draw(tools, path.at(this.#newest.captureMs));
     else this.#tools.clear();
+  }
+
+  /** Draw what the assist offers over a picture that is young enough to be compared with it, or nothing. */
+  offer(assist, path) {
+    if (this.#assist === null) return;
+    if (assist !== null && this.#isFresh) this.#assist.draw(assist, path.at(this.#newest.captureMs));
+    else this.#assist.clear();
   }
 
   /** Draw the commanded arm over a picture that is young enough to be compared with it, or nothing. */

@@ -17,6 +17,7 @@ export class Views {
   #robot = null;
   #asked = null;
   #haunted = true;
+  #offered = null;
   #tools = { measured: null, sent: null };
   #marked = true;
   #path = new ToolPath();
@@ -48,9 +49,23 @@ export class Views {
   /** Draw the commanded arm over the calibrated cameras' pictures. */
   haunt(robot) {
     this.#robot = this.#haunted && this.#cell !== null && robot !== null && !robot.silent ? robot : null;
+    this.#draw();
+  }
+
+  /** Draw the marker and the tool's pose of what the assist offers or does over the cameras that see the marker. */
+  offer(robot) {
+    this.#offered = robot === null || robot.silent || !robot.assist?.target ? null : robot.assist;
+    this.#draw();
+  }
+
+  #draw() {
     this.#asked ??= requestAnimationFrame(() => {
       this.#asked = null;
-      for (const view of this.#views.values()) view.haunt(this.#cell, this.#robot);
+      for (const [name, view] of this.#views) {
+        view.haunt(this.#cell, this.#robot);
+        const sees = this.#offered?.target.views.some((camera) => name === `camera/${camera}`);
+        view.offer(sees ? this.#offered : null, this.#path);
+      }
     });
   }
 

@@ -128,3 +128,15 @@ def test_a_console_that_only_watches_gives_no_seat() -> None:
     seat.arrive(ANNA, NS_PER_S)
     assert seat.occupant is None
     assert "operate = false" in seat.take(ANNA, NS_PER_S).sentence
+
+
+def test_what_the_operating_page_asks_the_robot_for_lasts_as_long_as_it_beats() -> None:
+    seat, operates, watches = Seat(open_=True), Visitor(1, "a"), Visitor(2, "b")
+    seat.arrive(operates, 0)
+    seat.beat(operates, 0, down=False, assist="block")
+    seat.beat(watches, 0, down=False, assist="shelf")
+    assert seat.assisted(200 * NS_PER_MS) == "block"
+    assert seat.assisted(201 * NS_PER_MS) is None
+    seat.beat(operates, 210 * NS_PER_MS, down=False, assist="block")
+    seat.leave(operates)
+    assert seat.assisted(220 * NS_PER_MS) is None
