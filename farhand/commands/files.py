@@ -100,7 +100,10 @@ def _pairs(made: Sequence[Path]) -> str:
 @config_app.command("show")
 def show(
     name: Annotated[
-        str, typer.Argument(help="remote, local, local-cameras, local-thesis, remote-thesis, console or router.")
+        str,
+        typer.Argument(
+            help="remote, remote-assist, remote-thesis, local, local-cameras, local-thesis, console or router."
+        ),
     ],
 ) -> None:
     """Print a configuration with every key explained; redirect it to a file to begin one of your own.

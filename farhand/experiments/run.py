@@ -8,7 +8,7 @@ from rich.progress import Progress as ProgressBar
 
 from common.errors import ConfigError, InterruptionError
 from farhand.experiments import follow
-from farhand.experiments.placing import over_network
+from farhand.experiments.placing import causes, over_network
 from farhand.experiments.placing import series as placing
 from farhand.experiments.report import ExperimentReport, Progress, write_report
 from farhand.experiments.results.every import run_every
@@ -22,6 +22,7 @@ from local_site.tracking.choice import TrackingConfig
 # Of each experiment, quick or in full: how many frames it makes, and how it is run, reporting each frame.
 EXPERIMENTS: dict[str, tuple[Callable[[bool], int], Callable[[bool, Progress], ExperimentReport]]] = {
     "calibration": (calibration.frame_count, calibration.calibration_report),
+    "causes": (causes.trial_count, causes.causes_report),
     "drift": (drift.frame_count, drift.drift_report),
     "follow": (follow.frame_count, follow.follow_report),
     "hazel": (hazel.frame_count, hazel.hazel_report),

@@ -11,6 +11,7 @@ from common.geometry import Array, vector_from_rotation
 from common.messages.hand import Intent, Locks, OperatorSettings
 from common.messages.requests import MappingDescription
 from common.messages.robot import GripperStatus, SessionState
+from farhand.visual_operator.assist_key import AssistKey, Led
 from farhand.visual_operator.hand import ScriptedHand
 from farhand.visual_operator.shown import Shown
 from farhand.visual_operator.sight.sight import Scene
@@ -46,30 +47,39 @@ class Notes:
 class _Timing:
     """When the operator goes on, s: pictures from before `look_s` tell nothing; the key is pressed at `press_s`.
 
-    The gripper should have done what was asked of it by `gripped_s`. None: there is nothing to wait for.
+    The gripper should have done what was asked of it by `gripped_s`. None: there is nothing to wait for. An arm rests
+    `settle_s` after the hand.
     """
 
     look_s: float = REST_S
     press_s: float | None = REST_S
     gripped_s: float | None = None
+    settle_s: float = SETTLE_S
 
 
 class VisualOperator:
     """Sees one page after the other (`look`); `hand` is its hand's path, `intent` its key and settings.
 
     Times are s since the hand's start. Nothing but the page, by `see`, the cell's mapping and the task is known to it.
+    One that does not see how the block in the gripper is turned trusts its hand.
     """
 
     def __init__(
-        self, task: PlacingTask, see: See, mapping: MappingDescription, hand: ScriptedHand, locks: Locks
+        self,
+        task: PlacingTask,
+        see: See,
+        mapping: MappingDescription,
+        hand: ScriptedHand,
+        locks: Locks,
+        sees_turn: bool = True,
     ) -> None:
         self._task, self._see, self.hand = task, see, hand
-        self._steering = Steering(mapping, locks.roll)
+        self._steering = Steering(mapping, locks.roll, sees_turn)
         self._settings = OperatorSettings(lease=1, revision=1, locks=locks)
         self.intent = Intent(hold=False, settings=self._settings)
         self._course, self._timing = Course(), _Timing()
         self._scene: Scene | None = None
-        self._settle_s = SETTLE_S
+        self._assist = AssistKey(hand.motor.reaction_s)
         self.notes = Notes()
         self.done = False
 
@@ -77,8 +87,8 @@ class VisualOperator:
         """Take a page, whose times are ns, the hand's start among them; what is decided follows after the reaction."""
         now_s = (shown.t_ns - start_ns) / NS_PER_S
         self._scene = scene = self._see(shown)
-        self._settle_s = max(SETTLE_S, LAG_S + shown.delay_s)
         timing = self._timing
+        timing.settle_s = max(SETTLE_S, LAG_S + shown.delay_s)
         if timing.press_s is not None:
             self._press(now_s)
         elif shown.state is not SessionState.ENGAGED:
@@ -88,18 +98,28 @@ class VisualOperator:
         elif self._course.holding and shown.gripper is GripperStatus.CLOSED:
             self._grasp_again(now_s)  # the block has slipped out
         elif (scene.t_ns - start_ns) / NS_PER_S >= timing.look_s:
-            self._decide(scene, shown.code in STUCK, now_s + self.hand.motor.reaction_s)
+            self._go_about(shown, scene, now_s)
+        self.intent = replace(self.intent, assist=self._assist.held)
 
     def _press(self, now_s: float) -> None:
         timing = self._timing
         if timing.press_s is not None and now_s >= timing.press_s:
             self.intent = replace(self.intent, hold=True)
-            timing.press_s, timing.look_s = None, now_s + self._settle_s
+            timing.press_s, timing.look_s = None, now_s + timing.settle_s
 
     def _wait_for_arm(self, now_s: float) -> None:
         """Let the site take the arm up again by itself; after a while let go of the key, and press it anew."""
         if now_s - self._timing.look_s > PATIENCE_S:
             self._clutch(np.zeros(3), now_s)
+
+    def _go_about(self, shown: Shown, scene: Scene, now_s: float) -> None:
+        """Let the robot bring the tool to the step's goal where it offers to, or else do it by hand."""
+        start_s = now_s + self.hand.motor.reaction_s
+        led = self._assist.see(shown.assist, self._course.stage.assist, now_s)
+        if led is Led.BY_HAND:
+            self._decide(scene, shown.code in STUCK, start_s)
+        elif led is Led.THERE:
+            self._act(start_s)
 
     def _decide(self, scene: Scene, stuck: bool, start_s: float) -> None:
         """Move towards the step's goal, or go on to the next once it is reached."""
@@ -111,6 +131,7 @@ class VisualOperator:
         goal = stage.goal(self._task, scene)
         if goal is None or moved is None:
             return
+        moved = self._steering.believed(moved, held=stage.moves is Moves.BLOCK)
         apart_m, apart_rad = _apart(goal, moved)
         turned, tilted = abs(float(apart_rad[2])), float(np.hypot(*apart_rad[:2]))
         near = float(np.linalg.norm(apart_m)) <= stage.within_m
@@ -126,11 +147,13 @@ class VisualOperator:
         if possible is None or stuck:
             self._clutch(movement.shift, start_s)
         else:
-            self._timing.look_s = self.hand.move(start_s, possible.shift, possible.turn) + self._settle_s
+            self._steering.begin(possible, self._settings)
+            self._timing.look_s = self.hand.move(start_s, possible.shift, possible.turn) + self._timing.settle_s
 
     def _clutch(self, shift: Array, start_s: float) -> None:
         """Let go, bring the hand to where a movement fits into its room, level it, and press again."""
         self.notes.clutches += 1
+        self._assist.let_go(start_s)
         offset, turned = self.hand.aim()
         self.intent = replace(self.intent, hold=False)
         end_s = self.hand.move(start_s + self.hand.motor.reaction_s, begin_of(shift) - offset, turned.T)
@@ -174,7 +197,7 @@ class VisualOperator:
 
     def _settle(self, now_s: float) -> None:
         """Wait until the arm rests, and take the scales of the step under way."""
-        self._timing.look_s = now_s + self._settle_s
+        self._timing.look_s = now_s + self._timing.settle_s
         scale, rotation = self._course.stage.scales
         if self._settings.scale != scale:
             revision = self._settings.revision + 1
@@ -190,7 +213,8 @@ class VisualOperator:
             self._finish(gave_up=True)
             return
         apart_m, apart_rad = _apart(goal, scene.block)
-        good = bool(np.linalg.norm(apart_m[:2]) < GOOD_M and abs(apart_rad[2]) < GOOD_RAD)
+        straight = not self._steering.sees_turn or abs(apart_rad[2]) < GOOD_RAD
+        good = bool(np.linalg.norm(apart_m[:2]) < GOOD_M and straight)
         if good or self.notes.tries >= MOST_TRIES:
             self._finish(gave_up=not good)
         else:

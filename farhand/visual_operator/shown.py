@@ -5,7 +5,7 @@ from dataclasses import dataclass
 
 from common.cameras.camera import Image
 from common.geometry import Array
-from common.messages.robot import GripperStatus, SessionState
+from common.messages.robot import AssistState, GripperStatus, SessionState
 
 
 @dataclass(frozen=True, slots=True)
@@ -25,7 +25,8 @@ class ShownView:
 class Shown:
     """The page at `t_ns`: the views by their names, the state with its reason, the gripper's opening (m) and status.
 
-    `delay_s` is how long the hand's samples are on their way, as the page tells.
+    `delay_s` is how long the hand's samples are on their way, as the page tells; `assist` is what it shows of fine
+    adjustment, None where the cell has no targets for it.
     """
 
     t_ns: int
@@ -36,3 +37,4 @@ class Shown:
     opening_m: float
     gripper: GripperStatus
     delay_s: float
+    assist: AssistState | None = None

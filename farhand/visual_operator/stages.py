@@ -11,6 +11,7 @@ from farhand.visual_operator.sight.sight import Scene
 from farhand.visual_operator.task import PlacingTask
 
 BACK_M, OVER_M, LIFT_M, ABOVE_M = 0.055, 0.10, 0.05, 0.012
+BLOCK, PAPER = "block", "paper"  # the targets of fine adjustment, as the page names them
 COARSE, CAREFUL, FINE = (1.0, 1.0), (0.5, 0.5), (0.25, 0.5)
 
 Goal = Callable[[PlacingTask, Scene], Array | None]
@@ -35,7 +36,8 @@ class Act(Enum):
 class Stage:
     """One step: `goal` of the scene (None while it cannot be seen); within how many m and rad it counts as reached.
 
-    `looks` is in how many pictures in a row; `scales` are those of the hand's motion and rotation.
+    `looks` is in how many pictures in a row; `scales` are those of the hand's motion and rotation; `assist` names the
+    target to which the robot leads the tool, if the cell has one.
     """
 
     name: str
@@ -46,6 +48,7 @@ class Stage:
     scales: tuple[float, float] = COARSE
     looks: int = 1
     act: Act = Act.NOTHING
+    assist: str | None = None
 
 
 def _grasp(back: float, up: float) -> Goal:
@@ -74,13 +77,13 @@ def _lifted(task: PlacingTask, scene: Scene) -> Array | None:
 GRASP = (
     Stage("above", Moves.GRIPPER, _grasp(BACK_M, OVER_M), 0.015, np.radians(6)),
     Stage("behind", Moves.GRIPPER, _grasp(BACK_M, 0.0), 0.010, np.radians(6)),
-    Stage("reach", Moves.GRIPPER, _grasp(0.0, 0.0), 0.005, np.radians(3), CAREFUL, act=Act.CLOSE),
+    Stage("reach", Moves.GRIPPER, _grasp(0.0, 0.0), 0.005, np.radians(3), CAREFUL, act=Act.CLOSE, assist=BLOCK),
 )
 PLACE = (
     Stage("lift", Moves.BLOCK, _lifted, 0.012, np.radians(8)),
     Stage("carry", Moves.BLOCK, _over_target(LIFT_M), 0.008, np.radians(4)),
-    Stage("align", Moves.BLOCK, _over_target(ABOVE_M), 0.0025, np.radians(1.5), FINE, looks=2),
-    Stage("lower", Moves.BLOCK, _over_target(0.0), 0.0025, np.radians(2), FINE, act=Act.OPEN),
+    Stage("align", Moves.BLOCK, _over_target(ABOVE_M), 0.0025, np.radians(1.5), FINE, looks=2, assist=PAPER),
+    Stage("lower", Moves.BLOCK, _over_target(0.0), 0.0025, np.radians(2), FINE, act=Act.OPEN, assist=PAPER),
 )
 RETREAT = (Stage("retreat", Moves.GRIPPER, _grasp(BACK_M, 0.0), 0.02, np.radians(15)),)
 

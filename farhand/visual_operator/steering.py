@@ -4,7 +4,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from common.geometry import Array, rotation_from_vector, vector_from_rotation
+from common.geometry import Array, rotation_from_vector, transform, vector_from_rotation
 from common.messages.hand import OperatorSettings
 from common.messages.requests import MappingDescription
 
@@ -23,12 +23,31 @@ class Movement(NamedTuple):
 
 
 class Steering:
-    """Movements of the hand by what is seen of the arm, given how the arm follows the hand (thesis section 4.2)."""
+    """Movements of the hand by what is seen of the arm, given how the arm follows the hand (thesis section 4.2).
 
-    def __init__(self, mapping: MappingDescription, roll_locked: bool) -> None:
+    Who does not see how what it holds is turned trusts that it turns as the hand does.
+    """
+
+    def __init__(self, mapping: MappingDescription, roll_locked: bool, sees_turn: bool = True) -> None:
+        self.sees_turn = sees_turn
+        self._turned: Array | None = None
         self._operator_R_base = np.array(mapping.base_R_operator).T
         self._scale = mapping.scale
         self._roll_locked = roll_locked
+
+    def believed(self, seen: Array, held: bool) -> Array:
+        """The pose (4 x 4) that the operator goes by, of what is seen at a pose, and may be held."""
+        if self.sees_turn or not held:
+            self._turned = None
+            return seen
+        self._turned = self._turned if self._turned is not None else seen[:3, :3].copy()
+        return transform(self._turned, seen[:3, 3])
+
+    def begin(self, movement: Movement, settings: OperatorSettings) -> None:
+        """Take note of a movement that the hand begins."""
+        if self._turned is not None:
+            turn = settings.rotation_scale * self._operator_R_base.T @ vector_from_rotation(movement.turn)
+            self._turned = rotation_from_vector(turn) @ self._turned
 
     def towards(self, goal: Array, moved: Array, gripper: Array, settings: OperatorSettings) -> Movement:
         """The movement that brings `moved` to the `goal`, both (4 x 4) in the base's frame.

@@ -57,7 +57,7 @@ def network_report(quick: bool, progress: Progress) -> ExperimentReport:
 
 def _conditions(quick: bool) -> list[Conditions]:
     seeds = QUICK_SEEDS if quick else range(FIRST_SEED, FIRST_SEED + TRIALS)
-    return [Conditions("silhouette", True, seed, None, network) for network in NETWORKS.values() for seed in seeds]
+    return [Conditions("silhouette", True, seed, network=network) for network in NETWORKS.values() for seed in seeds]
 
 
 def _figures(trials: Sequence[TrialResult]) -> Figures:

@@ -8,22 +8,21 @@ import numpy as np
 from farhand.experiments.placing.network import Network
 from farhand.experiments.placing.trial import TrialResult
 from farhand.reports.plotting import describe_panel, panels, png
-from local_site.tracking.config import Method
 
-COLOURS = {"silhouette": "#d72828", "markers": "#2864b4", "learned": "#287828"}
+COLOURS = {"silhouette": "#d72828", "markers": "#2864b4", "learned": "#287828", "assist": "#c88214"}
 ERRORS = {"x_mm": "x, mm", "y_mm": "y, mm", "angle_deg": "angle, deg"}
 
 
-def placing_plot(results: Mapping[str, Mapping[Method, Sequence[TrialResult]]]) -> bytes:
-    """A PNG of the errors of all placed trials, by the rotations that were free, and by the tracker's name."""
+def placing_plot(results: Mapping[str, Mapping[str, Sequence[TrialResult]]]) -> bytes:
+    """A PNG of the errors of all placed trials, by the rotations that were free, and by the series' name."""
     figure, axes = panels("The placed block against the target", len(ERRORS), len(results), sharex=True, sharey="row")
-    for column, (rolls, by_method) in zip(axes.T, results.items(), strict=True):
+    for column, (rolls, by_name) in zip(axes.T, results.items(), strict=True):
         for panel, (error, label) in zip(column, ERRORS.items(), strict=True):
             describe_panel(panel, rolls.replace("_", " "), label)
             panel.axhline(0.0, color="#6e6e6e", linewidth=0.8)
-            for method, trials in by_method.items():
+            for name, trials in by_name.items():
                 placed = [(k + 1, getattr(t.end, error)) for k, t in enumerate(trials) if t.end.placed]
-                panel.plot(*zip(*placed, strict=True), "o", label=method, color=COLOURS[method], markersize=4)
+                panel.plot(*zip(*placed, strict=True), "o", label=name, color=COLOURS[name], markersize=4)
     return png(figure, axes, "trial")
 
 
@@ -52,3 +51,19 @@ def network_plot(networks: Mapping[str, Network], results: Mapping[str, Sequence
 
 def _label(network: Network) -> str:
     return f"{100 * network.loss:g} % lost" if network.loss else f"{network.mbit_s:g} Mbit/s"
+
+
+def causes_plot(results: Mapping[str, Mapping[str, Sequence[TrialResult]]]) -> bytes:
+    """A PNG of the errors of all trials without their sign, by what was altered."""
+    figure, axes = panels("Placing with one part altered", len(ERRORS), len(results), sharex=True, sharey="row")
+    for column, (rolls, by_name) in zip(axes.T, results.items(), strict=True):
+        for panel, (error, label) in zip(column, ERRORS.items(), strict=True):
+            describe_panel(panel, rolls.replace("_", " "), label)
+            panel.set_yscale("symlog", linthresh=1.0)
+            for k, trials in enumerate(by_name.values()):
+                errors = np.abs([getattr(trial.end, error) for trial in trials])
+                panel.plot([k] * len(errors), errors, "o", color="#2864b4", alpha=0.5, markersize=4)
+        column[-1].set_xticks(
+            range(len(by_name)), [name.replace("_", " ") for name in by_name], rotation=30, ha="right"
+        )
+    return png(figure, axes, "")

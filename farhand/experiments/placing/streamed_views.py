@@ -1,11 +1,12 @@
 """The cell's views on stepped time: rendered from the snapshot, encoded as they are sent, decoded as they are shown."""
 
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
 
 import cv2
 import numpy as np
 
+from common.cameras.camera import Frame
 from common.clock import NS_PER_MS, NS_PER_S
 from common.geometry import Array
 from common.messages.requests import Description
@@ -55,6 +56,7 @@ class StreamedViews:
     """All views of the cell that the description publishes a calibration of; those of a page over a network.
 
     What is sent follows the console's reports, as at a site. Without a network there are none: all is sent in full.
+    `see` is called with each camera's newest picture, before it is encoded.
     """
 
     def __init__(
@@ -71,6 +73,7 @@ class StreamedViews:
         self._pictures = Stream[VideoFrame](network or Network(), rng, PICTURE_NS)
         self._reports = Messages[_Report](network or Network(), rng)
         self._channels = _channels(config, memory, description)
+        self.see: Callable[[str, Frame | None], None] = lambda _name, _frame: None
 
     def expose(self, now_ns: int) -> None:
         """Expose the cameras whose turn it is, and send what they see."""
@@ -81,7 +84,9 @@ class StreamedViews:
                 continue
             setting = self._adaptation.setting(name, now_ns)
             channel.due_ns = now_ns + round(NS_PER_S / min(self._config.fps, setting.fps))
-            sent = channel.stream.take(channel.camera.newest(), setting, now_ns)
+            frame = channel.camera.newest()
+            self.see(name, frame)
+            sent = channel.stream.take(frame, setting, now_ns)
             if sent is not None:
                 self._pictures.send(sent, len(sent.data), now_ns)
                 self._adaptation.sent(sent, now_ns)

@@ -1,5 +1,7 @@
 """The local site on stepped time: the operator's arm rendered as the hand moves, tracked, smoothed, made a sample."""
 
+from collections.abc import Callable
+
 import numpy as np
 
 from common.cameras.camera import Frame
@@ -21,22 +23,31 @@ EXACT_M = 1e-4
 class TrackedOperator:
     """Two cameras before an operator's arm, the tracker and the sampler; `path` moves the hand, times in s.
 
-    `exact` leaves cameras and tracker out: the arm is known as it is.
+    `exact` leaves cameras and tracker out: the arm is known as it is. `alter` is applied to each estimate before it is
+    smoothed.
     """
 
-    def __init__(self, config: SimulationConfig, tracking: TrackingConfig, path: Path, exact: bool = False) -> None:
+    def __init__(
+        self,
+        config: SimulationConfig,
+        tracking: TrackingConfig,
+        path: Path,
+        exact: bool = False,
+        smoothing: SmoothingConfig | None = None,
+        alter: Callable[[ArmEstimate], ArmEstimate] | None = None,
+    ) -> None:
         self.operator = SimulatedOperator(config, path)
         self._tracker = make_tracker(calibrate_simulated(config), tracking)
-        self._smoother = make_smoother(SmoothingConfig())
+        self._smoother = make_smoother(smoothing or SmoothingConfig())
         self._sampler, self._hand = HandSampler(SESSION), OpenHand()
-        self._exact, self._seq = exact, 0
+        self._exact, self._alter, self._seq = exact, alter, 0
 
     def see(self, t_ns: int, start_ns: int) -> ArmEstimate:
         """Expose both cameras at `t_ns` and track the arm; the path counts from `start_ns`."""
         t_s = (t_ns - start_ns) / NS_PER_S
         estimate = self._as_it_is(t_ns, t_s) if self._exact else self._tracked(t_ns, t_s)
         self._hand = self._hand.observe(estimate, GestureConfig())
-        return self._smoother.smooth(estimate)
+        return self._smoother.smooth(self._alter(estimate) if self._alter is not None else estimate)
 
     def _tracked(self, t_ns: int, t_s: float) -> ArmEstimate:
         pictures = self.operator.render(t_s)

@@ -1,8 +1,7 @@
 """One trial: the scripted visual operator places the block, in lockstep with simulated time."""
 
 import dataclasses
-from dataclasses import dataclass
-from typing import Literal
+from dataclasses import dataclass, field
 
 import numpy as np
 from msgspec.structs import replace
@@ -10,7 +9,9 @@ from msgspec.structs import replace
 from common.clock import NS_PER_MS, NS_PER_S
 from common.messages.hand import HandArm, Locks
 from common.messages.robot import GripperStatus, SessionState
+from farhand.experiments.placing.alterations import FingerErrors, Part, at_thesis_rate, thesis_local
 from farhand.experiments.placing.judge import Judge, Placed
+from farhand.experiments.placing.marked_cell import CellMarkers, with_markers
 from farhand.experiments.placing.network import Messages, Network
 from farhand.experiments.placing.streamed_views import PICTURE_NS, StreamedViews
 from farhand.experiments.placing.tracked_operator import TrackedOperator
@@ -29,9 +30,11 @@ from remote_site.config import RemoteConfig
 from remote_site.session.config import EngagementMode
 from remote_site.session.samples import NamedSample
 
-Exact = Literal["tracker", "sight", "hand"]
 TRACKING_NS, LINK_NS = 20 * NS_PER_MS, 5 * NS_PER_MS  # from an exposure to the sample sent; on its way
-CAMERA_NS, PAGE_NS = NS_PER_S // 30, NS_PER_S // 10
+CAMERA_NS, PAGE_NS, THESIS_NS = NS_PER_S // 30, NS_PER_S // 10, NS_PER_S // 5
+THESIS_LAG_S = (
+    1.6  # of the mean of nine pictures, until all are from after the end of a movement: the operator knows it
+)
 MOST_S = 120.0
 # Where the block starts (thesis section 5.3): its middle anywhere in a disc of 150 mm, turned by at most 30 deg.
 START_XY_M, START_RADIUS_M, START_TURN_DEG = (0.53, 0.04), 0.075, 30.0
@@ -42,15 +45,17 @@ WRIST_M = (0.60, 0.42, 0.58)  # of the operator, at the start
 class Conditions:
     """What differs between trials: the tracker, whether the tool's roll is locked, and everything by chance.
 
-    `exact` is what is replaced by the truth: cameras and tracker, the operator's sight, or its hand, which is then
-    without noise. Without a `network` both sites are on one host, and all pictures come as they are taken.
+    `altered` are the parts that are not as they are at a site. Without a `network` both sites are on one host, and all
+    pictures come as they are taken. With `assist` the cell has markers, and the operator lets the robot do the last of
+    the way.
     """
 
     method: Method
     roll_fixed: bool
     seed: int
-    exact: Exact | None = None
+    altered: tuple[Part, ...] = ()
     network: Network | None = None
+    assist: bool = False
 
 
 @dataclass(frozen=True, slots=True)
@@ -75,6 +80,8 @@ def run_trial(conditions: Conditions) -> TrialResult:
     """Run a trial to its end; the same for the same conditions."""
     rng = np.random.default_rng(conditions.seed)
     config = remote_config(rng)
+    config = with_markers(config) if conditions.assist else config
+    config = at_thesis_rate(config) if "thesis_rate" in conditions.altered else config
     site = SteppedSite(config, SteppedCell(config))
     judge = Judge(config, site.robot.cell)
     trial = _Trial(conditions, config, site)
@@ -88,34 +95,51 @@ def run_trial(conditions: Conditions) -> TrialResult:
         judge.collisions,
         trial.operator.notes.clutches,
         trial.operator.notes.misses,
-        trial.holds,
+        trial.seen.holds,
         judge.grip_force_n,
-        float(np.median(trial.ages_ms)) if trial.ages_ms else None,
+        float(np.median(trial.seen.ages_ms)) if trial.seen.ages_ms else None,
     )
+
+
+@dataclass
+class _Seen:
+    """What is counted while a trial runs: how often the arm held by itself, and the ages of its oldest views."""
+
+    holds: int = 0
+    ages_ms: list[float] = field(default_factory=list)
+    _held: bool = False
+
+    def take(self, state: SessionState) -> None:
+        """Take the session's state after a tick."""
+        held = state is SessionState.HOLDING
+        self.holds += held and not self._held
+        self._held = held
 
 
 class _Trial:
     """Operator, cameras, site and views, each at its own rate; what is under way between them."""
 
     def __init__(self, conditions: Conditions, config: RemoteConfig, site: SteppedSite[SteppedCell]) -> None:
-        self._site, task, exact = site, PlacingTask(), conditions.exact
-        true_sight = TrueSight(config, site) if exact == "sight" else None
+        self._site, task, altered = site, PlacingTask(), conditions.altered
+        true_sight = TrueSight(config, site) if "exact_sight" in altered else None
         network, rng = conditions.network or Network(), np.random.default_rng((conditions.seed, 1))
         views = StreamedViews(config, site.robot.memory, site.description, conditions.network, rng)
         self._views = true_sight or views
+        self._markers = CellMarkers(config, site)
+        views.see = self._markers.see
         see = true_sight.see if true_sight is not None else Sight(task).see
-        hand = ScriptedHand(Motor(noise_m=0.0, noise_rad=0.0) if exact == "hand" else Motor(), conditions.seed)
+        hand = ScriptedHand(Motor(noise_m=0.0, noise_rad=0.0) if "exact_hand" in altered else Motor(), conditions.seed)
         mapping, locks = site.description.mapping, Locks(roll=conditions.roll_fixed)
-        self.operator = VisualOperator(task, see, mapping, hand, locks)
+        self.operator = VisualOperator(task, see, mapping, hand, locks, "unseen_turn" not in altered)
         self._arm = _operators_arm(conditions, hand)
         self._start_ns = site.now_ns
-        self._exposures = Every(CAMERA_NS, site.now_ns)
+        self._exposures = Every(THESIS_NS if "thesis_rate" in altered else CAMERA_NS, site.now_ns)
+        self._lag_s = THESIS_LAG_S if "thesis_rate" in altered else 0.0
         self._pages = Every(PAGE_NS, site.now_ns + PICTURE_NS)
         self._samples = Messages[HandArm](network, rng, LINK_NS)
         self._states = Messages[Shown](network, rng)
         self._states.send(self._state(), site.now_ns)
-        self.holds, self._held = 0, False
-        self.ages_ms: list[float] = []
+        self.seen = _Seen()
 
     @property
     def time_s(self) -> float:
@@ -133,13 +157,14 @@ class _Trial:
         self._states.arrived(now_ns)
         if self._pages.due(now_ns) and self._states.newest is not None:
             views = self._views.page(now_ns)
-            self.ages_ms += [max((now_ns - view.capture_ns) / NS_PER_MS for view in views.values())] if views else []
+            self.seen.ages_ms += (
+                [max((now_ns - view.capture_ns) / NS_PER_MS for view in views.values())] if views else []
+            )
             self.operator.look(dataclasses.replace(self._states.newest, t_ns=now_ns, views=views), self._start_ns)
-        snapshot = self._site.tick([NamedSample(OPERATOR, sample) for sample in self._samples.arrived(now_ns)])
+        samples = [NamedSample(OPERATOR, sample) for sample in self._samples.arrived(now_ns)]
+        snapshot = self._site.tick(samples, self._markers.arrived())
         self._states.send(self._state(), self._site.now_ns)
-        held = snapshot.state is SessionState.HOLDING
-        self.holds += held and not self._held
-        self._held = held
+        self.seen.take(snapshot.state)
 
     def _state(self) -> Shown:
         """What the site publishes now, for a page without views."""
@@ -152,14 +177,23 @@ class _Trial:
             reason=snapshot.reason.sentence,
             opening_m=gripper.opening if gripper is not None else 0.0,
             gripper=gripper.status if gripper is not None else GripperStatus.UNKNOWN,
-            delay_s=self._samples.takes_ns / NS_PER_S,
+            delay_s=self._samples.takes_ns / NS_PER_S + self._lag_s,
+            assist=snapshot.assist,
         )
 
 
 def _operators_arm(conditions: Conditions, hand: ScriptedHand) -> TrackedOperator:
     filmed = SimulationConfig(motion=MotionConfig(still_s=0.0, wrist=WRIST_M), seed=conditions.seed)
     filmed = replace(filmed, markers=conditions.method == "markers")
-    return TrackedOperator(filmed, TrackingConfig(method=conditions.method), hand, exact=conditions.exact == "tracker")
+    altered, rng = conditions.altered, np.random.default_rng((conditions.seed, 2))
+    return TrackedOperator(
+        filmed,
+        TrackingConfig(method=conditions.method),
+        hand,
+        exact="exact_tracker" in altered,
+        smoothing=thesis_local().smoothing if "thesis_rate" in altered else None,
+        alter=FingerErrors(rng).add if "thesis_fingers" in altered else None,
+    )
 
 
 def remote_config(rng: np.random.Generator) -> RemoteConfig:

@@ -9,9 +9,11 @@ import cv2
 import numpy as np
 
 from common.geometry import Array
+from farhand.experiments.placing.judge import Placed
 from farhand.experiments.placing.trial import Conditions, TrialResult, run_trial
 from farhand.experiments.report import CsvTable, Figures, Progress, rounded
 
+ERRORS = "x_mm", "y_mm", "angle_deg"
 COLUMNS = (
     "trial",
     "x_mm",
@@ -46,13 +48,8 @@ def run_all(conditions: Sequence[Conditions], progress: Progress) -> dict[Condit
 def summary(trials: Sequence[TrialResult]) -> Figures:
     """Errors of the placed trials, without their sign; time, clutches and force of all; counts."""
     ended = [trial.end for trial in trials if trial.end.placed]
-    errors = {
-        "x_mm": np.abs([end.x_mm for end in ended]),
-        "y_mm": np.abs([end.y_mm for end in ended]),
-        "angle_deg": np.abs([end.angle_deg for end in ended]),
-    }
     return {
-        **{name: _quartiles(values) for name, values in errors.items()},
+        **errors(ended),
         "placed": len(ended),
         "trials": len(trials),
         "drops": sum(trial.drops for trial in trials),
@@ -63,6 +60,11 @@ def summary(trials: Sequence[TrialResult]) -> Figures:
         "holds": sum(trial.holds for trial in trials),
         "contact_force_n": _quartiles(np.array([trial.grip_force_n for trial in trials])),
     }
+
+
+def errors(ends: Sequence[Placed]) -> Figures:
+    """Where blocks were left, off their target, without the sign."""
+    return {name: _quartiles(np.abs([getattr(end, name) for end in ends])) for name in ERRORS}
 
 
 def _quartiles(values: Array) -> Figures:

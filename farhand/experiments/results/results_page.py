@@ -5,6 +5,7 @@ from dataclasses import dataclass
 from typing import Any
 
 from farhand.experiments.placing.over_network import NETWORKS
+from farhand.experiments.results import why
 from farhand.experiments.results.drawn import Drawn, in_report, in_thesis
 from farhand.experiments.results.printed import Printed, of_report, of_thesis
 from farhand.reports.page import heading, page, paragraph, table
@@ -27,17 +28,18 @@ NETWORK = "The block placed over a network"
 
 @dataclass(frozen=True, slots=True)
 class _Section:
-    """A heading, and tables below it: column names and rows each."""
+    """A heading, paragraphs, and tables below: column names and rows each."""
 
     title: str
     tables: Sequence[tuple[Sequence[str], Sequence[Sequence[str]]]]
+    text: Sequence[str] = ()
 
 
 def as_markdown(reports: Reports, quick: bool) -> str:
     """The page for the documentation."""
     parts = [f"# {TITLE}", _about(quick)]
     for section in _sections(reports):
-        parts += [f"## {section.title}", *(_markdown_table(head, rows) for head, rows in section.tables)]
+        parts += [f"## {section.title}", *section.text, *(_markdown_table(head, rows) for head, rows in section.tables)]
     return "\n\n".join(parts) + "\n"
 
 
@@ -45,7 +47,8 @@ def as_html(reports: Reports, quick: bool) -> str:
     """The same page for a browser."""
     body = [paragraph(_about(quick))]
     for section in _sections(reports):
-        body += [heading(section.title), *(table(head, rows) for head, rows in section.tables)]
+        body += [heading(section.title), *map(paragraph, section.text)]
+        body += [*(table(head, rows) for head, rows in section.tables)]
     return page(TITLE, body)
 
 
@@ -59,6 +62,7 @@ def _sections(reports: Reports) -> list[_Section]:
         _Section(THESIS, _beside(of_thesis(), in_thesis(), reports)),
         _Section(REPORT, _beside(of_report(), in_report(), reports)),
         _Section(NETWORK, [(NETWORK_HEAD, [_over(name, reports["network"][name]) for name in NETWORKS])]),
+        _Section(why.TITLE, [(why.HEAD, why.rows(reports["causes"]))], list(why.in_words(reports["causes"]))),
     ]
 
 

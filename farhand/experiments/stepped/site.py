@@ -8,6 +8,7 @@ from common.errors import ProcessError
 from common.geometry import Array
 from common.messages.requests import Description
 from common.messages.robot import GripperState
+from remote_site.assist.sighting import MarkerSighting
 from remote_site.config import RemoteConfig
 from remote_site.drivers.driver import Driver, DriverSetup
 from remote_site.drivers.link import DriverLink
@@ -95,10 +96,10 @@ class SteppedSite(Generic[R]):
         self._lease = LeaseStatus(Lease(LEASE, Holder(SESSION, OPERATOR), FOR_EVER_NS))
         self.snapshot = self.tick(())
 
-    def tick(self, samples: Sequence[NamedSample]) -> Snapshot:
-        """One control period later, with the samples that arrived in it."""
+    def tick(self, samples: Sequence[NamedSample], markers: Sequence[MarkerSighting] = ()) -> Snapshot:
+        """One control period later, with the samples that arrived in it, and what was newly seen of markers."""
         self.clock.sleep_until_ns(self.clock.now_ns() + self._tick_ns)
-        self.snapshot = self._driven.cycle(self.clock.now_ns(), self._lease, samples)
+        self.snapshot = self._driven.cycle(self.clock.now_ns(), self._lease, samples, markers=markers)
         return self.snapshot
 
     @property

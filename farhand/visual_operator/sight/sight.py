@@ -31,6 +31,7 @@ LYING_NEAR = np.array([0.03, 0.03, 0.001, 0.002, 0.002, 0.15])
 STANDING = np.array([0.3, 0.3, 0.002, 0.004, 0.004, 0.6])
 LEVEL = np.array([0.3, 0.3, 0.3, 0.02, 0.02, 0.1])
 BY_FINGERS = np.array([0.001] * 3 + [0.05, 0.05, 0.15])
+HALF_TURN = np.diag([1.0, -1.0, -1.0])  # about the gripper's x: one finger where the other was
 LEVEL_NEAR = np.array([0.03] * 3 + [0.03, 0.03, 0.15])
 
 
@@ -99,7 +100,13 @@ class Sight:
             fingers, level = self._task.fingers_shape(opening_m), self._task.levelled(pointed[:3, :3])
             rough = _rough(fingers, seen, level, LEVEL)
             found = self._gripper_near(rough, fixed, riding, opening_m) if rough is not None else None
-        return found
+        return None if found is None else self._pointing_ahead(found)
+
+    def _pointing_ahead(self, pose: Array) -> Array:
+        """The fingers look the same turned by half a turn, but never point back at the robot."""
+        if pose[:3, 2] @ self._task.base_R_gripper[:, 2] > 0:
+            return pose
+        return transform(pose[:3, :3] @ HALF_TURN, pose[:3, 3])
 
     def _gripper_near(
         self, pose: Array, fixed: Sequence[ShownView], riding: Sequence[ShownView], opening_m: float

@@ -20,6 +20,7 @@ KINDS = {
     "local-cameras": LocalConfig,
     "local-thesis": LocalConfig,
     "remote": RemoteConfig,
+    "remote-assist": RemoteConfig,
     "remote-thesis": RemoteConfig,
     "router": RouterConfig,
 }

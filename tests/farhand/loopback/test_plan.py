@@ -89,7 +89,10 @@ def test_what_the_loopback_needs_follows_the_tracker_and_the_driver_of_a_file(fi
 @pytest.mark.parametrize(
     ("text", "cure"),
     [
-        ("", "an empty file does not show which site it is for; give it a table of the remote site (control, driver"),
+        (
+            "",
+            "an empty file does not show which site it is for; give it a table of the remote site (assist, control",
+        ),
         ('cell = "lab"\n', "cell does not show which site"),
         ("[drvier]\nname = 1\n", "drvier does not show which site"),
         ("[driver]\n[tracking]\n", "driver is the remote site's, tracking the local site's; use a file for each"),
@@ -116,7 +119,7 @@ def test_a_file_that_does_not_fit_is_refused_with_its_cure(text: str, cure: str,
         ("links.control=tcp/127.0.0.1:7447", "the loopback connects both sites itself; leave it out"),
         ("links={}", "leave it out"),
         ("metrics.port=9100", "both sites have metrics; give it in the --config file of one"),
-        ("drvier.name=kinematic", "no site has drvier; the remote site has cell, control, driver"),
+        ("drvier.name=kinematic", "no site has drvier; the remote site has assist, cell, control, driver"),
         ("driver.nme=kinematic", "did you mean name?"),
         ("driver", "write it as table.key=value"),
     ],

@@ -56,6 +56,16 @@ def test_the_gripper_is_found_to_5_mm_and_5_degrees_where_its_own_view_hardly_sh
     assert off_deg < 5.0
 
 
+def test_a_gripper_once_taken_for_one_that_points_back_is_found_right_again(seen):
+    _site, shown, scene = seen
+    sight = Sight(TASK)
+    sight.see(shown)
+    sight._gripper = transform(scene.gripper[:3, :3] @ np.diag([1.0, -1.0, -1.0]), scene.gripper[:3, 3])
+    off_mm, off_deg = apart(sight.see(shown).gripper, scene.gripper)
+    assert off_mm < 3.0
+    assert off_deg < 10.0
+
+
 def test_nothing_is_found_where_the_views_are_dark(seen):
     _, shown, _ = seen
     views = {name: dataclasses.replace(v, picture=np.zeros_like(v.picture)) for name, v in shown.views.items()}

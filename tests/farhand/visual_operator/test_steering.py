@@ -64,3 +64,22 @@ def test_with_no_room_or_turned_too_far_the_hand_is_brought_back_first():
     assert within_room(np.array([MOST[0], 0, 0]), np.eye(3), ahead) is None
     turned = Movement(np.zeros(3), rotation_from_vector(np.array([0.0, 0.0, 0.7])))
     assert within_room(np.zeros(3), np.eye(3), turned) is None
+
+
+def test_who_does_not_see_a_turn_trusts_that_what_it_holds_turned_as_the_hand_did():
+    steering = Steering(MAPPING, roll_locked=False, sees_turn=False)
+    block = transform(np.eye(3), np.array([0.48, 0.1, 0.75]))
+    goal = transform(rotation_from_vector(np.array([0.0, 0.0, 0.4])), np.array([0.5, -0.1, 0.66]))
+    movement = steering.towards(goal, steering.believed(block, held=True), POSE, SETTINGS)
+    steering.begin(movement, SETTINGS)
+    askew = transform(rotation_from_vector(np.array([0.0, 0.0, 0.9])), goal[:3, 3])
+    assert steering.believed(askew, held=True) == pytest.approx(goal, abs=1e-9)
+    assert steering.believed(askew, held=False) is askew
+    assert steering.believed(askew, held=True) == pytest.approx(askew)
+
+
+def test_who_sees_it_believes_what_it_sees():
+    steering = Steering(MAPPING, roll_locked=False)
+    steering.believed(POSE, held=True)
+    steering.begin(Movement(np.zeros(3), rotation_from_vector(np.array([0.0, 0.0, 0.4]))), SETTINGS)
+    assert steering.believed(POSE, held=True) is POSE

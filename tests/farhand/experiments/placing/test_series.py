@@ -28,7 +28,7 @@ def test_report_json_has_the_promised_form(report):
     figures = json.loads(json.dumps(report.figures))
     assert set(figures) == {"roll_fixed", "free"}
     for by_method in figures.values():
-        assert set(by_method) == {"silhouette", "markers"}
+        assert set(by_method) == {"silhouette", "markers", "assist"}
         for of in by_method.values():
             for name in ("x_mm", "y_mm", "angle_deg"):
                 assert set(of[name]) == {"median", "q1", "q3"}

@@ -43,3 +43,16 @@ def test_the_visual_operator_places_the_block():
     assert result.drops == 0
     assert result.time_s < MOST_S
     assert result.grip_force_n > 1.0
+
+
+@pytest.mark.long
+def test_with_the_assist_the_block_is_placed_within_2_mm_and_1_degree():
+    try:
+        result = run_trial(Conditions("silhouette", roll_fixed=False, seed=BUILDING_SEED, assist=True))
+    except CameraError as error:
+        pytest.skip(str(error))
+    assert result.end.placed
+    assert abs(result.end.x_mm) < 2
+    assert abs(result.end.y_mm) < 2
+    assert abs(result.end.angle_deg) < 1
+    assert result.drops == 0

@@ -6,14 +6,16 @@ import re
 import pytest
 
 from common.errors import ConfigError
+from farhand.experiments.placing.causes import CAUSES
 from farhand.experiments.placing.over_network import NETWORKS
+from farhand.experiments.placing.series import FREE, ROLL_FIXED
 from farhand.experiments.report import ExperimentReport
 from farhand.experiments.results.drawn import in_report, in_thesis
 from farhand.experiments.results.every import run_every
 from farhand.experiments.results.printed import of_report, of_thesis
 from farhand.experiments.results.results_page import as_html, as_markdown
 
-NAMES = ("calibration", "hazel", "icr", "markers", "network", "placing")
+NAMES = ("calibration", "causes", "hazel", "icr", "markers", "network", "placing")
 FIGURE = {"median": 2.0, "q1": 1.0, "q3": 3.0}
 
 
@@ -27,6 +29,7 @@ def reports(value=2.5):
         inside[printed.path[-1]] = value
     over = {"placed": 9, "trials": 10, "time_s": FIGURE, "x_mm": FIGURE, "y_mm": FIGURE, "angle_deg": FIGURE}
     made["network"] = {name: {**over, "picture_age_ms": 61.0} for name in NETWORKS}
+    made["causes"] = {rolls: dict.fromkeys(CAUSES, over) for rolls in (FREE, ROLL_FIXED)}
     return made
 
 
@@ -50,6 +53,17 @@ def test_a_row_has_both_figures_and_the_ratio():
     assert "| 2 Mbit/s | 9 of 10 | 2 (1–3) | 2.0 | 2.0 | 2.0 | 61 |" in page
     assert "| 3 % lost |" in page
     assert "| 120 ms each way |" in page
+
+
+def test_why_a_series_failed_is_told_with_the_figures_and_a_row_for_every_cause():
+    made = reports()
+    made["causes"][FREE] = made["causes"][FREE] | {
+        "exact_hand": {**made["causes"][FREE]["as_it_is"], "x_mm": {"median": 7.7}}
+    }
+    page = as_markdown(made, quick=False)
+    assert "the block is left 7.7 mm, 2.0 mm and 2.0 deg off with all rotations" in page
+    assert "| exact hand | 2.0 | 2.0 | 2.0 | 9 of 10 | 2 | 7.7 | 2.0 | 2.0 | 9 of 10 | 2 |" in page
+    assert len([line for line in page.splitlines() if line.count("|") == 12]) == len(CAUSES) + 2
 
 
 def test_what_a_quick_run_leaves_out_is_a_dash_and_the_page_says_so():
