@@ -107,13 +107,15 @@ class SphericalWristInverse:
                 found.append(Solution(np.array(self._arm.joints(angles)), branch))
         return found
 
-    def nearest(self, base_T_tool: Array, q_current: Array, elapsed_s: float = SAMPLE_S) -> Solution | Unreachable:
+    def nearest(
+        self, base_T_tool: Array, q_current: Array, elapsed_s: float = SAMPLE_S, speed: float = 1.0
+    ) -> Solution | Unreachable:
         """The solution within limits nearest to `q_current` (6,), the one before, each joint unwrapped.
 
         It keeps the branch, unless another one is near, as when a singularity is crossed. Joint 4 goes to the nearer of
-        its two goals, no faster than it can in `elapsed_s`, and the slower the straighter the wrist is, where it would
-        spin for nothing; meanwhile the tool keeps its position and loses some orientation. Above the shoulder joint 1
-        keeps its angle.
+        its two goals, no faster than it can in `elapsed_s` at the fraction `speed` of its own, and the slower the
+        straighter the wrist is, where it would spin for nothing; meanwhile the tool keeps its position and loses some
+        orientation. Above the shoulder joint 1 keeps its angle.
         """
         target = self._arm.target(base_T_tool)
         current: tuple[float, ...] = tuple(q_current.tolist())
@@ -129,7 +131,7 @@ class SphericalWristInverse:
         for arm_cost, arm in sorted(arms):
             if arm_cost >= least:
                 break
-            found = self._completed(target, arm, current, elapsed_s)
+            found = self._completed(target, arm, current, elapsed_s, speed)
             if isinstance(found, Solution):
                 cost = _apart(found.q.tolist(), current)
                 best, least = (found, cost) if cost < least else (best, least)
@@ -138,11 +140,11 @@ class SphericalWristInverse:
         return best or Unreachable(self._out_of_reach(target, refusal))
 
     def _completed(
-        self, target: WristTarget, arm: ArmAngles, current: tuple[float, ...], elapsed_s: float
+        self, target: WristTarget, arm: ArmAngles, current: tuple[float, ...], elapsed_s: float, speed: float
     ) -> Solution | Reason:
         """Joints 4 to 6 for an arm; while joint 4 is not at its goal, the arm compensates so that the tool is."""
         m = in_forearm(target.rotation, arm.angles)
-        roll, lags = self._roll(m, current, elapsed_s)
+        roll, lags = self._roll(m, current, elapsed_s, speed)
         pitch, twist, over = self._limited(pitch_and_twist(m, roll), current)
         lost = 0.0
         if lags or over:
@@ -193,7 +195,7 @@ class SphericalWristInverse:
         inside = min(max(q, lower), upper)
         return pitch, sign * inside, abs(q - inside)
 
-    def _roll(self, m: Matrix, current: tuple[float, ...], elapsed_s: float) -> tuple[float, bool]:
+    def _roll(self, m: Matrix, current: tuple[float, ...], elapsed_s: float, speed: float) -> tuple[float, bool]:
         """Joint 4's angle for now, and whether its goal is elsewhere."""
         sign, (lower, upper) = self._arm.signs[3], self._bounds[3]
         here = sign * current[3]
@@ -203,7 +205,7 @@ class SphericalWristInverse:
         if bend < WRIST_ZONE and abs(other) + UNWIND * abs(here + other) < abs(turn) + UNWIND * abs(here + turn):
             turn = other
         step = turn * _damped_fraction(bend, elapsed_s) if m[2][2] > 0 else turn
-        most = self._roll_speed * elapsed_s
+        most = speed * self._roll_speed * elapsed_s
         step = min(max(step, -most), most)
         roll = sign * min(max(sign * (here + step), lower), upper)
         return roll, roll != here + turn

@@ -17,7 +17,10 @@ from remote_site.motion.haste import Haste
 MADE_UP_NS = 40 * NS_PER_MS  # of a sample's age: to make up for more of it would overshoot wherever the hand turns
 DELAY_MEMORY = 1 / 64  # weight of the newest sample in the delay, so that jitter hardly moves the target
 NOTHING = 1e-18  # rad
+SLOWEST = 0.01  # of full speed
 TOOL_M_S2, TOOL_RAD_S2 = 4.0, 20.0  # an arm's tool can be accelerated as much, for targets that are the tool's
+TOOL_M_S, TOOL_RAD_S = 1.0, 3.0  # and be as fast
+SPEEDING = 2.0  # for a target faster than the arm may be: what it cannot follow is not predicted
 
 Numbers = list[float]
 Motion = tuple[Array, Array, Array]
@@ -35,8 +38,11 @@ class Bounds(Protocol):
     def tool_speed(self, q: Numbers, dq: Numbers) -> tuple[float, float]:
         """How fast the tool moves (m/s) and turns (rad/s) when the target is at `q` and moves with `dq`."""
 
-    def effort(self, ddq: Numbers) -> float:
-        """The fraction of the greatest accelerations that these are."""
+    def effort(self, dq: Numbers, ddq: Numbers, speed: float) -> float:
+        """The fraction of the greatest accelerations that these are, or more for an arm slowed to the fraction `speed`.
+
+        There a target counts for as much as it is faster than the arm may be: the arm falls behind.
+        """
 
 
 class Unbounded:
@@ -54,9 +60,11 @@ class Unbounded:
         """The target is the tool's."""
         return math.hypot(*dq[:3]), math.hypot(*dq[3:])
 
-    def effort(self, ddq: Numbers) -> float:
+    def effort(self, dq: Numbers, ddq: Numbers, speed: float) -> float:
         """Of what most arms can."""
-        return max(math.hypot(*ddq[:3]) / TOOL_M_S2, math.hypot(*ddq[3:]) / TOOL_RAD_S2)
+        accelerated = max(math.hypot(*ddq[:3]) / TOOL_M_S2, math.hypot(*ddq[3:]) / TOOL_RAD_S2)
+        moved = max(math.hypot(*dq[:3]) / TOOL_M_S, math.hypot(*dq[3:]) / TOOL_RAD_S)
+        return max(accelerated, SPEEDING * (moved / speed - 1.0))
 
 
 class JointBounds:
@@ -70,7 +78,7 @@ class JointBounds:
         columns = limits.lower, limits.lower + far, limits.upper - far, limits.upper, fastest
         dynamics = limits.acceleration, limits.jerk
         self._joints = list(zip(*(column.tolist() for column in (*columns, *dynamics)), strict=True))
-        self._acceleration = limits.acceleration.tolist()
+        self._velocity, self._acceleration = limits.velocity.tolist(), limits.acceleration.tolist()
         self._slowest = slowest
 
     def convergence(self, wanted: float, off: Numbers, dq_off: Numbers) -> float:
@@ -86,9 +94,11 @@ class JointBounds:
         twist = (self._model.jacobian(np.array(q)) @ np.array(dq)).tolist()
         return math.hypot(*twist[:3]), math.hypot(*twist[3:])
 
-    def effort(self, ddq: Numbers) -> float:
+    def effort(self, dq: Numbers, ddq: Numbers, speed: float) -> float:
         """Of the joint that needs most of its own."""
-        return float(max(abs(needed) / most for needed, most in zip(ddq, self._acceleration, strict=True)))
+        accelerated = max(abs(needed) / most for needed, most in zip(ddq, self._acceleration, strict=True))
+        moved = max(abs(needed) / most for needed, most in zip(dq, self._velocity, strict=True))
+        return float(max(accelerated, SPEEDING * (moved / speed - 1.0)))
 
     def clamp(self, q: Numbers, dq: Numbers) -> tuple[Numbers, Numbers]:
         """Positions inside the limits, with velocities from which the joints can stop there."""
@@ -137,12 +147,21 @@ class TargetPredictor:
         self._catch_up.reset(t_ns, self._rate)
 
     def aim(
-        self, t_ns: int, q: Array, now_ns: int, *, moving: bool = True, stretch: float = 1.0, spare: float = 1.0
+        self,
+        t_ns: int,
+        q: Array,
+        now_ns: int,
+        *,
+        moving: bool = True,
+        stretch: float = 1.0,
+        spare: float = 1.0,
+        speed: float = 1.0,
     ) -> None:
         """Take a new sample of the target (n,) for the time `t_ns`, later than the last, known at `now_ns`.
 
         A target that moves only because it is held near the arm (not `moving`) is not extrapolated; any other is, for
-        `stretch` times `predict_ms`. `spare` is the fraction of the catch-up speed that the samples leave.
+        `stretch` times `predict_ms`. `spare` is the fraction of the catch-up speed that the samples leave, `speed` the
+        fraction of full speed at which the arm follows: a slowed one is hurried by less.
         """
         if t_ns <= self._estimator.sample_ns:
             return
@@ -152,7 +171,8 @@ class TargetPredictor:
         rested, settled = self._at_end() if ended else None, self._catch_up.learning == 0
         elapsed_s = (t_ns - self._estimator.sample_ns) / NS_PER_S
         rate = self._estimator.take(t_ns, q, rested, moving=moving, settled=settled)
-        self._haste.take(self._bounds.effort([acceleration for *_, acceleration in self._estimator.states]), elapsed_s)
+        _, dq, ddq = (list(column) for column in zip(*self._estimator.states, strict=True))
+        self._haste.take(self._bounds.effort(dq, ddq, max(speed, SLOWEST)), elapsed_s)
         self._learn_delay(now_ns - t_ns)
         self._end_ns = self._catch_up.due_ns if self._predict_ns else t_ns + self._delay_ns
         curve = [(at, *self._haste.extrapolated(*motion)) for at, *motion in self._estimator.states]

@@ -15,8 +15,9 @@ from remote_site.kinematics.inverse import Solution, SphericalWristInverse
 from remote_site.kinematics.joints import JointMotion
 from remote_site.kinematics.limits import JointLimits
 from remote_site.kinematics.model import ArmModel
+from remote_site.kinematics.paced_inverse import PacedInverse
 from remote_site.motion.config import ControlConfig
-from remote_site.motion.target_predictor import TargetPredictor, joint_target_predictor
+from remote_site.motion.target_predictor import SLOWEST, TargetPredictor, joint_target_predictor
 from remote_site.reasons import Code, Reason, reason
 
 UNWIND_S = 5.0  # 1/s: how fast a target that the joints do not follow comes back to them
@@ -31,7 +32,8 @@ class ToolSample:
     `base_T_target` (4 x 4) holds for the time `t_ns` and is known since `now_ns`; `elbow` is the operator's from the
     wrist (3,) in m in the base's axes, None while it is not seen; `leashed` is why the leash holds the target (then
     it moves only with the arm), None while it does not. It is extrapolated `stretch` times as long as configured.
-    `spare` is the fraction of the catch-up speed (`catch_up.py`) with which it does not move itself.
+    `spare` is the fraction of the catch-up speed (`catch_up.py`) with which it does not move itself, `speed` the
+    fraction of full speed at which the arm follows.
     """
 
     t_ns: int
@@ -41,6 +43,7 @@ class ToolSample:
     leashed: Reason | None
     stretch: float = 1.0
     spare: float = 1.0
+    speed: float = 1.0
 
 
 class TargetTracker(Protocol):
@@ -60,14 +63,15 @@ class TargetTracker(Protocol):
 class ClosedFormTracker:
     """The closed form at every sample, and a predicted joint target between samples."""
 
-    def __init__(self, inverse: SphericalWristInverse, predictor: TargetPredictor) -> None:
-        self._inverse = inverse
+    def __init__(self, model: ArmModel, inverse: PacedInverse, predictor: TargetPredictor) -> None:
+        self._model, self._inverse = model, inverse
         self._predictor = predictor
-        self._solved, self._solved_ns = np.zeros(0), 0
+        self._solved_ns = 0
 
     def reset(self, t_ns: int, q: Array) -> None:
         """Rest at `q`."""
-        self._solved, self._solved_ns = q, t_ns
+        self._solved_ns = t_ns
+        self._inverse.reset(self._model.forward(q), q)
         self._predictor.reset(t_ns, q)
 
     def aim(self, target: ToolSample, q: Array) -> Reason | None:
@@ -77,13 +81,14 @@ class ClosedFormTracker:
         arm is, and the target would swing with the arm.
         """
         del q
-        elapsed_s = min(max((target.now_ns - self._solved_ns) / NS_PER_S, SHORTEST_S), LONGEST_S)
-        solution = self._inverse.nearest(target.base_T_target, self._solved, elapsed_s)
+        elapsed_s = min(max((target.t_ns - self._solved_ns) / NS_PER_S, SHORTEST_S), LONGEST_S)
+        solution = self._inverse.towards(target.base_T_target, elapsed_s, max(target.speed, SLOWEST))
         if not isinstance(solution, Solution):
             self._predictor.hear(target.now_ns, target.stretch)
             return solution.reason
-        self._solved, self._solved_ns = solution.q, target.now_ns
-        self._predictor.aim(target.t_ns, solution.q, target.now_ns, stretch=target.stretch, spare=target.spare)
+        self._solved_ns = target.t_ns
+        stretch, spare, speed = target.stretch, target.spare, target.speed
+        self._predictor.aim(target.t_ns, solution.q, target.now_ns, stretch=stretch, spare=spare, speed=speed)
         return None
 
     def at(self, now_ns: int, q: Array) -> JointMotion:
@@ -123,8 +128,10 @@ class DifferentialTracker:
             return reason(Code.NOT_A_POSE)
         turn = unwound(pin.log3(base_T_target[:3, :3] @ self._turned_from.T), self._pose[3:])
         self._pose = np.concatenate([base_T_target[:3, 3], turn])
-        moving, stretch, spare = target.leashed is None, target.stretch, target.spare
-        self._predictor.aim(target.t_ns, self._pose, target.now_ns, moving=moving, stretch=stretch, spare=spare)
+        moving, stretch, spare, speed = target.leashed is None, target.stretch, target.spare, target.speed
+        self._predictor.aim(
+            target.t_ns, self._pose, target.now_ns, moving=moving, stretch=stretch, spare=spare, speed=speed
+        )
         self._elbow = elbow if elbow is not None else self._elbow
         return self._off
 
@@ -158,4 +165,5 @@ def choose_target_tracker(
             raise ModelError(f'robot.kinematics = "closed": {error}; or set it to "general"') from error
         return DifferentialTracker(robot, control, model, limits)
     inverse.check_branch(robot.start)
-    return ClosedFormTracker(inverse, joint_target_predictor(model, limits, control))
+    predictor = joint_target_predictor(model, limits, control)
+    return ClosedFormTracker(model, PacedInverse(inverse, limits), predictor)

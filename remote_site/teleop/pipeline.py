@@ -1,5 +1,7 @@
 """The one control cycle: from hand samples, requests and the robot's state to the next command; pure."""
 
+from dataclasses import replace
+
 import numpy as np
 
 from common.clock import NS_PER_MS
@@ -88,14 +90,15 @@ class TeleopPipeline:
         if decision.action is Action.STOP or latest is None:
             return self._planner.stop(sent)
         aimed, settings = False, self._target.bounded(self._session.page.settings)
+        speed = self._age_limit.speed_scale * latest.speed
         if decision.action in (Action.CAPTURE, Action.RESUME):
             self._begin(latest, settings, decision, sent)
         elif latest is not self._aimed:
             self._gripper.follow(latest.sample, settings.revision, robot.gripper)
-            self._planner.aim(self._tool_sample(latest, settings, robot, now_ns), sent.q)
+            self._planner.aim(replace(self._tool_sample(latest, settings, robot, now_ns), speed=speed), sent.q)
             aimed = True
         self._aimed = latest
-        return self._planner.follow(now_ns, sent, self._age_limit.speed_scale * latest.speed, aimed=aimed)
+        return self._planner.follow(now_ns, sent, speed, aimed=aimed)
 
     def _tool_sample(
         self, latest: Accepted, settings: OperatorSettings, robot: RobotObservation, now_ns: int

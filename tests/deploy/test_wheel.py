@@ -69,7 +69,8 @@ def test_it_brings_its_configurations_and_units(installed: Path, tmp_path: Path)
 
 
 def test_the_loop_closes_from_an_empty_folder(installed: Path, tmp_path: Path) -> None:
-    options = "--seconds", "5", "--headless", "--driver", "kinematic", "--tracker", "markers", "--report", "out.json"
+    options = ["--seconds", "5", "--headless", "--driver", "kinematic", "--tracker", "markers", "--report", "out.json"]
+    options += ["--set", "safety.t_latch_ms=1500"]  # no pause of the machine ends the engagement
     run(installed / "farhand", "loopback", *options, folder=tmp_path)
     report = json.loads((tmp_path / "out.json").read_text())
     assert report["engagements"] == 1
