@@ -44,7 +44,7 @@ class Judge:
 
     def watch(self) -> None:
         """Take the state of now into account."""
-        pairs = {frozenset((int(c.geom1), int(c.geom2))): k for k, c in enumerate(self._cell.data.contact)}
+        pairs = {frozenset(pair): k for k, pair in enumerate(self._cell.data.contact.geom.tolist())}
         robot = self._robot | self._fingers
         touching = any(pair & self._robot and not pair <= robot for pair in pairs)
         self.collisions += int(touching and not self._touching)

@@ -142,5 +142,5 @@ class _Part:
     def thing(self, above: Array) -> ColouredThing:
         height, width = self._view.picture.shape[:2]
         x, y, w, h = self.box
-        luma = np.asarray(cv2.cvtColor(self._view.picture[y : y + h, x : x + w], cv2.COLOR_BGR2GRAY), dtype=float)
+        luma: Array = np.array(cv2.cvtColor(self._view.picture[y : y + h, x : x + w], cv2.COLOR_BGR2GRAY), np.float32)
         return ColouredThing(above, luma, (self.box.x, self.box.y), (height, width), self._view.projection)

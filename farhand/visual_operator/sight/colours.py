@@ -2,6 +2,7 @@
 
 from collections.abc import Callable, Mapping
 
+import cv2
 import numpy as np
 
 from common.cameras.camera import Image
@@ -42,5 +43,5 @@ COLOURS: Mapping[str, tuple[Colour, float]] = {
 def colour_above(picture: Image, name: str) -> Array:
     """By how much each pixel of a picture (H, W, 3) is above the colour's threshold (H, W); negative elsewhere."""
     measure, threshold = COLOURS[name]
-    b, g, r = np.moveaxis(picture.astype(np.float32), -1, 0)
+    b, g, r = np.array(cv2.split(picture), dtype=np.float32)
     return np.asarray(measure(b, g, r) - threshold)

@@ -24,6 +24,7 @@ LEAST_SAMPLES = 8
 NEXT_CORNERS, HALF, TWO_FACES = (4, 2, 1), 0.5, 2  # of a box, whose corners come in the order of their coordinates
 NEAR_PX, ACROSS, LEAST_STEP = 7.0, 4, 8.0
 TURN = 1e-5
+NO_EDGES = np.empty((0, 2), dtype=int)
 
 
 class Coloured(Protocol):
@@ -71,16 +72,29 @@ class _Samples:
     ends: Array
     reach_px: float
 
-    def misses(self, looked_for: Array) -> Array:
-        """How far inside the colour's end each point is (N,), px, where the pose looked for is this one."""
-        pose = self.seen.placed(looked_for)
-        pixels = project(self.seen.view.projection, self.points @ pose[:3, :3].T + pose[:3, 3])
-        return np.asarray(((self.ends - pixels) * self.normals).sum(axis=1))
 
-    def weights(self, looked_for: Array) -> Array:
+class _AllSamples:
+    """The samples of all shapes side by side, so that one product tells how far all of them are off."""
+
+    def __init__(self, each: Sequence[_Samples]) -> None:
+        self._seen = [samples.seen for samples in each]
+        self._shape = np.repeat(np.arange(len(each)), [len(samples.points) for samples in each])
+        points = np.concatenate([samples.points for samples in each])
+        self._points = np.column_stack([points, np.ones(len(points))])
+        self._normals = np.concatenate([samples.normals for samples in each])
+        self._ends = np.concatenate([samples.ends for samples in each])
+        self._clear_px = np.array([max(samples.reach_px, CLEAR_PX) for samples in each])[self._shape]
+
+    def misses(self, looked_for: Sequence[Array]) -> Array:
+        """How far inside the colour's end each point is (poses, N), px, where the pose looked for is each of these."""
+        views = np.array([[seen.view.projection @ seen.placed(pose) for seen in self._seen] for pose in looked_for])
+        image = np.einsum("pnij,nj->pni", views[:, self._shape], self._points)
+        pixels = image[..., :2] / np.maximum(image[..., 2:], 1e-6)
+        return np.asarray(((self._ends - pixels) * self._normals).sum(axis=-1))
+
+    def weights(self, misses: Array) -> Array:
         """Tukey's weights (N,): what is far off is another thing's edge, or one that is covered."""
-        clear_px = max(self.reach_px, CLEAR_PX)
-        return np.asarray(np.maximum(1.0 - (self.misses(looked_for) / clear_px) ** 2, 0.0) ** 2)
+        return np.asarray(np.maximum(1.0 - (misses / self._clear_px) ** 2, 0.0) ** 2)
 
 
 def fit_edges(shapes: Sequence[SeenShape], expected: Array, sigmas: Array) -> Fitted | None:
@@ -91,12 +105,15 @@ def fit_edges(shapes: Sequence[SeenShape], expected: Array, sigmas: Array) -> Fi
     pose, misses, weights = expected, np.empty(0), np.empty(0)
     total = np.zeros(6)
     for reach_px in REACHES_PX:
-        seen = [samples for shape in shapes if (samples := _samples(shape, pose, reach_px)) is not None]
-        misses = np.concatenate([s.misses(pose) for s in seen]) if seen else np.empty(0)
-        weights = np.concatenate([s.weights(pose) for s in seen]) if seen else misses
+        each = [samples for shape in shapes if (samples := _samples(shape, pose, reach_px)) is not None]
+        if not each:
+            return None
+        seen = _AllSamples(each)
+        misses, *changed = seen.misses([pose, *(moved(pose, change) for change in TURN * np.eye(6))])
+        weights = seen.weights(misses)
         if np.count_nonzero(weights) < LEAST_SAMPLES:
             return None
-        jacobian = _jacobian(seen, pose, misses) * sigmas
+        jacobian = (np.array(changed) - misses).T / TURN * sigmas
         weighted = (jacobian * weights[:, None]).T / EDGE_SIGMA_PX**2
         step = np.linalg.solve(weighted @ jacobian + np.eye(6), -weighted @ misses - total)
         total = total + step
@@ -116,24 +133,15 @@ def _samples(seen: SeenShape, looked_for: Array, reach_px: float) -> _Samples | 
     if not (points @ seen.view.projection[2, :3] + seen.view.projection[2, 3] > 0).all():
         return None  # a corner behind the camera
     pixels = project(seen.view.projection, points)
-    around = _sampled(shape, pixels, _outline_edges(pixels))
-    inner = seen.inner and reach_px <= NEAR_PX
-    inside = _sampled(shape, pixels, _inner_edges(points, seen.view.projection) if inner else [])
-    outwards = np.sign(((around.places - pixels.mean(axis=0)) * around.normals).sum(axis=1, keepdims=True))
-    normals = np.concatenate([around.normals * outwards, inside.normals])
     offsets = np.arange(-reach_px, reach_px + STEP_PX / 2, STEP_PX)
-    ends = np.concatenate(
-        [
-            _ends(_profiles(seen.view.above, seen.view, around.places, around.normals * outwards, offsets), offsets),
-            _steps(_profiles(seen.view.luma, seen.view, inside.places, inside.normals, offsets), offsets),
-        ]
-    )
-    found = ~np.isnan(ends)
-    if not found.any():
-        return None
-    places = np.concatenate([around.places, inside.places])
-    at_ends = places[found] + ends[found, None] * normals[found]
-    return _Samples(np.concatenate([around.points, inside.points])[found], seen, normals[found], at_ends, reach_px)
+    around = _outwards(_sampled(shape, pixels, _outline_edges(pixels)), pixels.mean(axis=0))
+    found = [_found(around, _ends(_profiles(seen.view.above, seen.view, around, offsets), offsets))]
+    edges = _inner_edges(points, seen.view.projection) if seen.inner and reach_px <= NEAR_PX else NO_EDGES
+    if len(edges):
+        inside = _sampled(shape, pixels, edges)
+        found.append(_found(inside, _steps(_profiles(seen.view.luma, seen.view, inside, offsets), offsets)))
+    points, ends, normals = (np.concatenate(part) for part in zip(*found, strict=True))
+    return _Samples(points, seen, normals, ends, reach_px) if len(points) else None
 
 
 class _Sampled(NamedTuple):
@@ -144,28 +152,39 @@ class _Sampled(NamedTuple):
     normals: Array
 
 
-def _sampled(shape: Array, pixels: Array, edges: Sequence[tuple[int, int]]) -> _Sampled:
-    points, places, normals = [np.empty((0, 3))], [np.empty((0, 2))], [np.empty((0, 2))]
-    for a, b in edges:
-        along = pixels[b] - pixels[a]
-        length = float(np.hypot(*along))
-        if length < SHORTEST_PX:
-            continue
-        count = int(np.clip(length / SPACING_PX, 2, MOST_SAMPLES))
-        at = np.linspace(FROM_CORNER, 1.0 - FROM_CORNER, count)[:, None]
-        points.append((1 - at) * shape[a] + at * shape[b])
-        places.append((1 - at) * pixels[a] + at * pixels[b])
-        normals.append(np.tile(np.array([along[1], -along[0]]) / length, (count, 1)))
-    return _Sampled(np.concatenate(points), np.concatenate(places), np.concatenate(normals))
+def _outwards(sampled: _Sampled, middle: Array) -> _Sampled:
+    """The same with normals that point away from the `middle` (2,) of the shape."""
+    away = np.sign(((sampled.places - middle) * sampled.normals).sum(axis=1, keepdims=True))
+    return sampled._replace(normals=sampled.normals * away)
 
 
-def _outline_edges(pixels: Array) -> list[tuple[int, int]]:
+def _found(sampled: _Sampled, ends: Array) -> _Sampled:
+    """Those at which an edge was found, at `ends` (N,) px along their normals (NaN where not), and where it was."""
+    found = ~np.isnan(ends)
+    places = sampled.places[found] + ends[found, None] * sampled.normals[found]
+    return _Sampled(sampled.points[found], places, sampled.normals[found])
+
+
+def _sampled(shape: Array, pixels: Array, edges: Array) -> _Sampled:
+    begins, ends = edges.T
+    along = pixels[ends] - pixels[begins]
+    length = np.hypot(along[:, 0], along[:, 1])
+    count = np.clip(length / SPACING_PX, 2, MOST_SAMPLES).astype(int) * (length >= SHORTEST_PX)
+    edge = np.repeat(np.arange(len(edges)), count)
+    which = np.arange(len(edge)) - (np.cumsum(count) - count)[edge]
+    at = (FROM_CORNER + (1.0 - 2.0 * FROM_CORNER) * which / (count[edge] - 1))[:, None]
+    points, places = (of[begins[edge]] + at * (of[ends] - of[begins])[edge] for of in (shape, pixels))
+    normals = along[:, ::-1] * (1.0, -1.0) / length[:, None]
+    return _Sampled(points, places, normals[edge])
+
+
+def _outline_edges(pixels: Array) -> Array:
     hull = cv2.convexHull(pixels.astype(np.float32), returnPoints=False)[:, 0]
-    return list(zip(hull.tolist(), np.roll(hull, -1).tolist(), strict=True))
+    return np.column_stack([hull, np.roll(hull, -1)])
 
 
-def _inner_edges(corners: Array, projection: Array) -> list[tuple[int, int]]:
-    """The edges between two faces that a view shows of a box, its corners (8, 3) in the order of their coordinates."""
+def _inner_edges(corners: Array, projection: Array) -> Array:
+    """The edges (N, 2) between two faces that a view shows of a box; its corners (8, 3) as its coordinates count."""
     centre = -np.linalg.solve(projection[:, :3], projection[:, 3])
     axes = corners[list(NEXT_CORNERS)] - corners[0]
     sides = ((centre - corners.mean(axis=0)) @ axes.T / (axes**2).sum(axis=1)).tolist()  # in lengths from the middle
@@ -175,16 +194,15 @@ def _inner_edges(corners: Array, projection: Array) -> list[tuple[int, int]]:
         if len(shown) == TWO_FACES:
             begin = sum(NEXT_CORNERS[m] for m in shown if sides[m] > 0)
             edges.append((begin, begin + NEXT_CORNERS[k]))
-    return edges
+    return np.array(edges, dtype=int).reshape(-1, 2)
 
 
-def _profiles(picture: Array, view: Coloured, places: Array, normals: Array, offsets: Array) -> Array:
-    """A part of a picture along normals (N, 2) through places (N, 2): (N, offsets); NaN beyond it."""
-    if len(places) == 0:
+def _profiles(picture: Array, view: Coloured, sampled: _Sampled, offsets: Array) -> Array:
+    """A part of a picture along the normals through places: (N, offsets); NaN beyond it."""
+    if not len(sampled.places):
         return np.empty((0, len(offsets)))
-    at = places[:, None] + offsets[None, :, None] * normals[:, None] - view.corner - 0.5
-    x, y = np.moveaxis(at.astype(np.float32), -1, 0)
-    picture = picture.astype(np.float32)
+    begins = (sampled.places - view.corner - 0.5).T[:, :, None]
+    x, y = (begins + sampled.normals.T[:, :, None] * offsets).astype(np.float32)
     found = cv2.remap(picture, x, y, cv2.INTER_LINEAR, borderMode=cv2.BORDER_CONSTANT, borderValue=np.nan)
     return np.asarray(found, dtype=np.float64)
 
@@ -207,11 +225,3 @@ def _steps(profiles: Array, offsets: Array) -> Array:
     steepest = steps.argmax(axis=1)
     clear = steps[np.arange(len(steps)), steepest] > LEAST_STEP
     return np.where(clear, offsets[ACROSS + steepest], np.nan)
-
-
-def _jacobian(seen: Sequence[_Samples], pose: Array, misses: Array) -> Array:
-    columns = []
-    for k in range(6):
-        turned = moved(pose, TURN * np.eye(6)[k])
-        columns.append((np.concatenate([s.misses(turned) for s in seen]) - misses) / TURN)
-    return np.column_stack(columns)

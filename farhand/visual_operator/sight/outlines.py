@@ -64,8 +64,12 @@ class Outline:
 def spots(picture: Image, colour: str) -> list[tuple[float, Box]]:
     """The connected regions of a colour, largest first: area, px, and box."""
     mask = (colour_above(picture, colour) > 0.0).astype(np.uint8)
-    count, _, stats, _ = cv2.connectedComponentsWithStats(mask)
-    found = [(float(stats[k, 4]), Box(*(int(v) for v in stats[k, :4]))) for k in range(1, count)]
+    left, top, width, height = cv2.boundingRect(mask)
+    if not width:
+        return []
+    part = mask[top : top + height, left : left + width]
+    count, _, stats, _ = cv2.connectedComponentsWithStatsWithAlgorithm(part, 8, cv2.CV_32S, cv2.CCL_BOLELLI)
+    found = [(float(area), Box(x + left, y + top, wide, high)) for x, y, wide, high, area in stats[1:count].tolist()]
     return sorted((spot for spot in found if spot[0] >= LEAST_PX), reverse=True)
 
 
