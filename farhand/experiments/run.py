@@ -1,6 +1,7 @@
 """Runs an experiment by its name, shows its progress, and writes its folder."""
 
 from collections.abc import Callable
+from importlib import metadata
 from pathlib import Path
 
 from rich.console import Console
@@ -10,6 +11,8 @@ from common.errors import ConfigError, InterruptionError
 from farhand.experiments import follow
 from farhand.experiments.placing import causes, over_network
 from farhand.experiments.placing import series as placing
+from farhand.experiments.placing.kept_trials import KeptTrials
+from farhand.experiments.placing.trials import TrialExperiment, run_all
 from farhand.experiments.report import ExperimentReport, Progress, write_report
 from farhand.experiments.results.every import run_every
 from farhand.experiments.robonaut import commanding, drift, hazel
@@ -22,19 +25,21 @@ from local_site.tracking.choice import TrackingConfig
 # Of each experiment, quick or in full: how many frames it makes, and how it is run, reporting each frame.
 EXPERIMENTS: dict[str, tuple[Callable[[bool], int], Callable[[bool, Progress], ExperimentReport]]] = {
     "calibration": (calibration.frame_count, calibration.calibration_report),
-    "causes": (causes.trial_count, causes.causes_report),
     "drift": (drift.frame_count, drift.drift_report),
     "follow": (follow.frame_count, follow.follow_report),
     "hazel": (hazel.frame_count, hazel.hazel_report),
     "icr": (icr.frame_count, icr.icr_report),
     "markers": (markers.frame_count, markers.markers_report),
-    "network": (over_network.trial_count, over_network.network_report),
-    "placing": (placing.trial_count, placing.placing_report),
     "robonaut": (commanding.frame_count, commanding.robonaut_report),
 }
-
-
+TRIAL_EXPERIMENTS: dict[str, TrialExperiment] = {
+    "causes": TrialExperiment(causes.causes_conditions, causes.causes_report),
+    "network": TrialExperiment(over_network.network_conditions, over_network.network_report),
+    "placing": TrialExperiment(placing.placing_conditions, placing.placing_report),
+}
+NAMES = sorted([*EXPERIMENTS, *TRIAL_EXPERIMENTS])
 ALL = "all"
+VERSION = metadata.version("farhand")
 
 
 def run_experiment(name: str, out: Path, quick: bool, should_stop: Callable[[], bool] = lambda: False) -> str:
@@ -43,27 +48,38 @@ def run_experiment(name: str, out: Path, quick: bool, should_stop: Callable[[], 
     Before any work, ConfigError for an unknown name or a folder that cannot be written, and FarhandError without
     matplotlib; InterruptionError when stopped.
     """
-    if name not in EXPERIMENTS and name != ALL:
-        raise ConfigError(f"there is no experiment {name!r}; choose one of: {', '.join(sorted([*EXPERIMENTS, ALL]))}")
+    if name not in NAMES and name != ALL:
+        raise ConfigError(f"there is no experiment {name!r}; choose one of: {', '.join([*NAMES, ALL])}")
     require_matplotlib()
     check_folder("--out", out)
     make_folder("--out", out)
     prepare_tracker(TrackingConfig())
     with ProgressBar(console=Console(stderr=True)) as progress:
+
+        def run(each: str) -> ExperimentReport:
+            return _run(each, out, quick, progress, should_stop)
+
         if name == ALL:
-            return run_every(sorted(EXPERIMENTS), lambda each: _run(each, quick, progress, should_stop), out, quick)
-        report = _run(name, quick, progress, should_stop)
+            return run_every(NAMES, run, out, quick, VERSION)
+        report = run(name)
     write_report(report, out)
     return f"{report.summary}\nwritten to {out / 'report.html'}"
 
 
-def _run(name: str, quick: bool, progress: ProgressBar, should_stop: Callable[[], bool]) -> ExperimentReport:
-    frame_count, run = EXPERIMENTS[name]
-    task = progress.add_task(name, total=frame_count(quick))
+def _run(name: str, out: Path, quick: bool, progress: ProgressBar, should_stop: Callable[[], bool]) -> ExperimentReport:
+    """One experiment; its trials are kept in the folder `out`, where others may have left some of the same."""
+    task = progress.add_task(name, total=None)
 
     def step() -> None:
         progress.advance(task)
         if should_stop():
-            raise InterruptionError(f"interrupted before the experiment {name} was done; nothing of it was written")
+            raise InterruptionError(f"interrupted before the experiment {name} was done; no report of it was written")
 
-    return run(quick, step)
+    if name in TRIAL_EXPERIMENTS:
+        trials = TRIAL_EXPERIMENTS[name]
+        conditions = trials.conditions(quick)
+        progress.update(task, total=len(conditions))
+        return trials.report(run_all(conditions, step, KeptTrials(out, VERSION)))
+    frame_count, experiment = EXPERIMENTS[name]
+    progress.update(task, total=frame_count(quick))
+    return experiment(quick, step)

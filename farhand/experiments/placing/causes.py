@@ -6,10 +6,10 @@ from farhand.experiments.placing.alterations import Part
 from farhand.experiments.placing.plots import causes_plot
 from farhand.experiments.placing.series import FIRST_SEED, FREE, ROLL_FIXED
 from farhand.experiments.placing.trial import Conditions, TrialResult
-from farhand.experiments.placing.trials import csv, errors, run_all, summary
-from farhand.experiments.report import ExperimentReport, Figures, Progress
+from farhand.experiments.placing.trials import Results, csv, errors, summary
+from farhand.experiments.report import ExperimentReport, Figures
 
-SEEDS = range(FIRST_SEED, FIRST_SEED + 6)  # the first trials of the experiment "placing"
+SEEDS = range(FIRST_SEED, FIRST_SEED + 4)  # the first trials of the experiment "placing"
 QUICK_SEEDS = (1,)
 CAUSES: Mapping[str, tuple[Part, ...]] = {
     "as_it_is": (),
@@ -34,14 +34,8 @@ TEXT = (
 )
 
 
-def trial_count(quick: bool) -> int:
-    """How many trials are run, for a progress bar."""
-    return len(_conditions(quick))
-
-
-def causes_report(quick: bool, progress: Progress) -> ExperimentReport:
-    """Run the experiment on all processors; always the same for the same installation."""
-    results = run_all(_conditions(quick), progress)
+def causes_report(results: Results) -> ExperimentReport:
+    """What came of the trials."""
     trials = {
         rolls: {name: _of(results, rolls, altered) for name, altered in CAUSES.items()} for rolls in (ROLL_FIXED, FREE)
     }
@@ -57,8 +51,8 @@ def causes_report(quick: bool, progress: Progress) -> ExperimentReport:
     )
 
 
-def _conditions(quick: bool) -> list[Conditions]:
-    """By seed, so that a run cut short has all causes of some."""
+def causes_conditions(quick: bool) -> list[Conditions]:
+    """The trials, quick or in full."""
     return [
         Conditions("silhouette", fixed, seed, altered)
         for seed in (QUICK_SEEDS if quick else SEEDS)

@@ -1,6 +1,5 @@
 """A network between both sites on stepped time: messages that may be lost, and a stream in which none is."""
 
-import math
 from collections import deque
 from dataclasses import dataclass
 from typing import Generic, TypeVar
@@ -17,11 +16,11 @@ AGAIN_NS = 10 * NS_PER_MS  # and a round trip, until a lost packet is sent again
 
 @dataclass(frozen=True, slots=True)
 class Network:
-    """The same in both directions: delay one way, the fraction of packets that are lost, the rate."""
+    """The same in both directions: delay one way, the fraction of packets that are lost, the rate (None: no bound)."""
 
     delay_ms: float = 0.0
     loss: float = 0.0
-    mbit_s: float = math.inf
+    mbit_s: float | None = None
 
     @property
     def delay_ns(self) -> int:
@@ -30,7 +29,7 @@ class Network:
 
     def sending_ns(self, size: int) -> int:
         """How long so many bytes take to leave."""
-        return round(size * 8 * NS_PER_S / (self.mbit_s * 1e6))
+        return round(size * 8 * NS_PER_S / (self.mbit_s * 1e6)) if self.mbit_s is not None else 0
 
 
 class Messages(Generic[T]):

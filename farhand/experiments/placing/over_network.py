@@ -7,8 +7,8 @@ import numpy as np
 from farhand.experiments.placing.network import Network
 from farhand.experiments.placing.plots import network_plot
 from farhand.experiments.placing.trial import Conditions, TrialResult
-from farhand.experiments.placing.trials import csv, run_all, summary
-from farhand.experiments.report import ExperimentReport, Figures, Progress, rounded
+from farhand.experiments.placing.trials import Results, csv, summary
+from farhand.experiments.report import ExperimentReport, Figures, rounded
 
 FIRST_SEED, TRIALS = 3001, 10  # seeds that no parameter was chosen on
 QUICK_SEEDS = (1,)
@@ -34,14 +34,8 @@ TEXT = (
 )
 
 
-def trial_count(quick: bool) -> int:
-    """How many trials are run, for a progress bar."""
-    return len(_conditions(quick))
-
-
-def network_report(quick: bool, progress: Progress) -> ExperimentReport:
-    """Run the experiment on all processors; always the same for the same installation."""
-    results = run_all(_conditions(quick), progress)
+def network_report(results: Results) -> ExperimentReport:
+    """What came of the trials."""
     trials = {name: [results[each] for each in results if each.network == of] for name, of in NETWORKS.items()}
     ours: Figures = {name: _figures(of) for name, of in trials.items()}
     return ExperimentReport(
@@ -55,7 +49,8 @@ def network_report(quick: bool, progress: Progress) -> ExperimentReport:
     )
 
 
-def _conditions(quick: bool) -> list[Conditions]:
+def network_conditions(quick: bool) -> list[Conditions]:
+    """The trials, quick or in full."""
     seeds = QUICK_SEEDS if quick else range(FIRST_SEED, FIRST_SEED + TRIALS)
     return [Conditions("silhouette", True, seed, network=network) for network in NETWORKS.values() for seed in seeds]
 

@@ -1,6 +1,5 @@
 """Where the block was left, trial by trial, and how long it took over each network."""
 
-import math
 from collections.abc import Mapping, Sequence
 
 import numpy as np
@@ -29,7 +28,7 @@ def placing_plot(results: Mapping[str, Mapping[str, Sequence[TrialResult]]]) -> 
 def network_plot(networks: Mapping[str, Network], results: Mapping[str, Sequence[TrialResult]]) -> bytes:
     """A PNG of time and success over the delay, and beside it with packets lost, and at a narrow rate."""
     figure, axes = panels("Placing a block over a network", 2, 2, sharex="col", sharey="row")
-    delays = {name: of.delay_ms for name, of in networks.items() if not of.loss and math.isinf(of.mbit_s)}
+    delays = {name: of.delay_ms for name, of in networks.items() if not of.loss and of.mbit_s is None}
     others = {name: float(k) for k, name in enumerate(name for name in networks if name not in delays)}
     for column, at in zip(axes.T, (delays, others), strict=True):
         describe_panel(column[0], "time of a trial, its median and quartiles", "s")

@@ -4,8 +4,8 @@ from collections.abc import Mapping
 
 from farhand.experiments.placing.plots import placing_plot
 from farhand.experiments.placing.trial import Conditions, TrialResult
-from farhand.experiments.placing.trials import csv, run_all, summary
-from farhand.experiments.report import ExperimentReport, Figures, Progress
+from farhand.experiments.placing.trials import Results, csv, summary
+from farhand.experiments.report import ExperimentReport, Figures
 from local_site.tracking.config import Method
 
 ROLL_FIXED, FREE = "roll_fixed", "free"
@@ -40,14 +40,8 @@ TEXT = (
 )
 
 
-def trial_count(quick: bool) -> int:
-    """How many trials are run, for a progress bar."""
-    return len(_conditions(quick))
-
-
-def placing_report(quick: bool, progress: Progress) -> ExperimentReport:
-    """Run the experiment on all processors; always the same for the same installation."""
-    results = run_all(_conditions(quick), progress)
+def placing_report(results: Results) -> ExperimentReport:
+    """What came of the trials."""
     trials = {rolls: {name: _of(results, rolls, name) for name in SERIES} for rolls in (ROLL_FIXED, FREE)}
     ours: Figures = {rolls: {name: summary(of) for name, of in by_name.items()} for rolls, by_name in trials.items()}
     return ExperimentReport(
@@ -61,7 +55,8 @@ def placing_report(quick: bool, progress: Progress) -> ExperimentReport:
     )
 
 
-def _conditions(quick: bool) -> list[Conditions]:
+def placing_conditions(quick: bool) -> list[Conditions]:
+    """The trials, quick or in full."""
     seeds = QUICK_SEEDS if quick else range(FIRST_SEED, FIRST_SEED + TRIALS)
     both = (True, False)
     return [Conditions(method, f, s, assist=led) for method, led in SERIES.values() for f in both for s in seeds]

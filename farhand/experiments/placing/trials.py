@@ -1,8 +1,9 @@
 """Runs trials on all processors, and sums them up: medians and quartiles, counts, and a row for each."""
 
 import multiprocessing
-from collections.abc import Sequence
+from collections.abc import Callable, Mapping, Sequence
 from concurrent.futures import ProcessPoolExecutor, as_completed
+from dataclasses import dataclass
 from os import cpu_count
 
 import cv2
@@ -10,9 +11,11 @@ import numpy as np
 
 from common.geometry import Array
 from farhand.experiments.placing.judge import Placed
+from farhand.experiments.placing.kept_trials import KeptTrials
 from farhand.experiments.placing.trial import Conditions, TrialResult, run_trial
-from farhand.experiments.report import CsvTable, Figures, Progress, rounded
+from farhand.experiments.report import CsvTable, ExperimentReport, Figures, Progress, rounded
 
+Results = Mapping[Conditions, TrialResult]
 ERRORS = "x_mm", "y_mm", "angle_deg"
 COLUMNS = (
     "trial",
@@ -29,20 +32,33 @@ COLUMNS = (
 )
 
 
-def run_all(conditions: Sequence[Conditions], progress: Progress) -> dict[Conditions, TrialResult]:
-    """The results by their conditions, the same for the same installation; `progress` is told of each."""
+@dataclass(frozen=True, slots=True)
+class TrialExperiment:
+    """An experiment made of trials: which ones, quick or in full, and what is reported of their results."""
+
+    conditions: Callable[[bool], list[Conditions]]
+    report: Callable[[Results], ExperimentReport]
+
+
+def run_all(conditions: Sequence[Conditions], progress: Progress, kept: KeptTrials) -> Results:
+    """The results by their conditions, the same for the same installation; `progress` is told of each.
+
+    What is kept is not run again.
+    """
     context = multiprocessing.get_context("spawn")
     with ProcessPoolExecutor(
         cpu_count() or 1, mp_context=context, initializer=cv2.setNumThreads, initargs=(1,)
     ) as pool:
-        running = {pool.submit(run_trial, each): each for each in conditions}
+        running = {pool.submit(run_trial, each): each for each in conditions if each not in kept.results}
         try:
+            for _ in range(len(conditions) - len(running)):
+                progress()
             for future in as_completed(running):
-                future.result()
+                kept.keep(running[future], future.result())
                 progress()
         finally:
             pool.shutdown(cancel_futures=True)
-    return {each: future.result() for future, each in running.items()}
+    return {each: kept.results[each] for each in conditions}
 
 
 def summary(trials: Sequence[TrialResult]) -> Figures:

@@ -2,7 +2,6 @@
 
 import json
 from collections.abc import Callable, Sequence
-from importlib import metadata
 from pathlib import Path
 from typing import Any
 
@@ -15,11 +14,7 @@ DONE = "done.json"  # which experiments of the folder are finished, and whether 
 
 
 def run_every(
-    names: Sequence[str],
-    run: Callable[[str], ExperimentReport],
-    out: Path,
-    quick: bool,
-    version: str = metadata.version("farhand"),
+    names: Sequence[str], run: Callable[[str], ExperimentReport], out: Path, quick: bool, version: str
 ) -> str:
     """Run all experiments, each into a folder of its own, and write results.md and results.html.
 

@@ -57,9 +57,8 @@ def left(conditions):
 
 
 @pytest.fixture
-def report(monkeypatch):
-    monkeypatch.setattr(causes, "run_all", lambda conditions, _: {c: left(c) for c in conditions})
-    return causes.causes_report(True, lambda: None)
+def report():
+    return causes.causes_report({c: left(c) for c in causes.causes_conditions(quick=True)})
 
 
 def test_the_errors_are_of_all_trials_by_what_was_altered(report):
@@ -73,7 +72,7 @@ def test_the_errors_are_of_all_trials_by_what_was_altered(report):
 
 
 def test_a_run_cut_short_has_all_causes_of_its_first_seeds():
-    conditions = causes._conditions(quick=False)
+    conditions = causes.causes_conditions(quick=False)
     first = conditions[: 2 * len(causes.CAUSES)]
     assert {each.seed for each in first} == {causes.SEEDS[0]}
     assert len(set(conditions)) == len(conditions) == 2 * len(causes.CAUSES) * len(causes.SEEDS)

@@ -72,18 +72,12 @@ def test_a_sender_with_a_full_buffer_drops_what_comes():
 
 
 @pytest.fixture
-def report(monkeypatch):
-    def by_delay(conditions, progress):
-        del progress
-        return {
-            c: TrialResult(
-                Placed(1.0, -2.0, 0.5, c.network.loss == 0), 30.0 + c.network.delay_ms, 0, 1, 3, 0, 0, 20.0, 60.0
-            )
-            for c in conditions
-        }
+def report():
+    def end(c):
+        placed = Placed(1.0, -2.0, 0.5, c.network.loss == 0)
+        return TrialResult(placed, 30.0 + c.network.delay_ms, 0, 1, 3, 0, 0, 20.0, 60.0)
 
-    monkeypatch.setattr(over_network, "run_all", by_delay)
-    return over_network.network_report(True, lambda: None)
+    return over_network.network_report({c: end(c) for c in over_network.network_conditions(quick=True)})
 
 
 def test_the_report_has_every_network_with_time_and_success(report):
@@ -96,7 +90,7 @@ def test_the_report_has_every_network_with_time_and_success(report):
 
 
 def test_every_network_has_ten_trials_from_the_same_places_that_nothing_was_chosen_on():
-    conditions = over_network._conditions(quick=False)
+    conditions = over_network.network_conditions(quick=False)
     by_network = {name: {c.seed for c in conditions if c.network == of} for name, of in over_network.NETWORKS.items()}
     assert len(by_network) == 8
     assert all(seeds == set(range(3001, 3011)) for seeds in by_network.values())
