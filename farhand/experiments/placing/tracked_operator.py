@@ -6,6 +6,7 @@ import numpy as np
 
 from common.cameras.camera import Frame
 from common.clock import NS_PER_S
+from common.errors import NotInstalledError
 from common.messages.hand import ClockSync, HandArm, Intent, TrackingStatus
 from farhand.experiments.stepped.site import LEASE, SESSION
 from local_site.samples.hand_sample import GestureConfig, HandSampler, OpenHand
@@ -15,9 +16,19 @@ from local_site.simulation.config import SimulationConfig
 from local_site.simulation.motion import Path
 from local_site.simulation.operator import SimulatedOperator
 from local_site.tracking.choice import TrackingConfig, make_tracker
+from local_site.tracking.config import Method
 from local_site.tracking.tracker import ArmEstimate, View, Views
 
 EXACT_M = 1e-4
+
+
+def is_installed(method: Method) -> bool:
+    """Whether a tracker runs here: one for rooms needs models and their runtime."""
+    try:
+        make_tracker(calibrate_simulated(SimulationConfig()), TrackingConfig(method=method))
+    except NotInstalledError:
+        return False
+    return True
 
 
 class TrackedOperator:

@@ -24,6 +24,7 @@ from farhand.visual_operator.shown import Shown
 from farhand.visual_operator.sight.sight import Sight
 from farhand.visual_operator.task import PlacingTask
 from local_site.simulation.config import MotionConfig, SimulationConfig
+from local_site.simulation.room.config import RoomConfig
 from local_site.tracking.choice import TrackingConfig
 from local_site.tracking.config import Method
 from remote_site.config import RemoteConfig
@@ -32,9 +33,9 @@ from remote_site.session.samples import NamedSample
 
 TRACKING_NS, LINK_NS = 20 * NS_PER_MS, 5 * NS_PER_MS  # from an exposure to the sample sent; on its way
 CAMERA_NS, PAGE_NS, THESIS_NS = NS_PER_S // 30, NS_PER_S // 10, NS_PER_S // 5
-THESIS_LAG_S = (
-    1.6  # of the mean of nine pictures, until all are from after the end of a movement: the operator knows it
-)
+# Of the mean of nine pictures, until all are from after the end of a movement: the operator knows it.
+THESIS_LAG_S = 1.6
+EMPTY_S = 1.5  # until the operator comes into the office; a tracker learns the room from 38 pairs
 MOST_S = 120.0
 # Where the block starts (thesis section 5.3): its middle anywhere in a disc of 150 mm, turned by at most 30 deg.
 START_XY_M, START_RADIUS_M, START_TURN_DEG = (0.53, 0.04), 0.075, 30.0
@@ -184,6 +185,8 @@ class _Trial:
 
 def _operators_arm(conditions: Conditions, hand: ScriptedHand) -> TrackedOperator:
     filmed = SimulationConfig(motion=MotionConfig(still_s=0.0, wrist=WRIST_M), seed=conditions.seed)
+    if conditions.method == "learned":
+        filmed = replace(filmed, room=RoomConfig(scene="office", empty_s=EMPTY_S))
     filmed = replace(filmed, markers=conditions.method == "markers")
     altered, rng = conditions.altered, np.random.default_rng((conditions.seed, 2))
     return TrackedOperator(

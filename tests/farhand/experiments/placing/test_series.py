@@ -16,6 +16,7 @@ def result(x_mm=1.0, placed=True, drops=0):
 @pytest.fixture
 def report(monkeypatch):
     monkeypatch.setattr(series, "QUICK_SEEDS", (1, 2, 3, 5))
+    monkeypatch.setattr(series, "is_installed", lambda _: True)
     conditions = series.placing_conditions(quick=True)
     return series.placing_report({c: result(x_mm=(-1) ** c.seed * c.seed, placed=c.seed != 2) for c in conditions})
 
@@ -24,7 +25,7 @@ def test_report_json_has_the_promised_form(report):
     figures = json.loads(json.dumps(report.figures))
     assert set(figures) == {"roll_fixed", "free"}
     for by_method in figures.values():
-        assert set(by_method) == {"silhouette", "markers", "assist"}
+        assert set(by_method) == {"silhouette", "markers", "learned", "assist"}
         for of in by_method.values():
             for name in ("x_mm", "y_mm", "angle_deg"):
                 assert set(of[name]) == {"median", "q1", "q3"}
@@ -54,3 +55,9 @@ def test_the_seeds_of_the_series_are_none_that_parameters_were_chosen_on():
     assert len(seeds) == 20
     assert seeds.isdisjoint(series.QUICK_SEEDS)
     assert Conditions("silhouette", True, 9).seed not in seeds
+
+
+def test_a_tracker_that_is_not_installed_is_left_out(monkeypatch):
+    monkeypatch.setattr(series, "is_installed", lambda method: method != "learned")
+    report = series.placing_report({c: result() for c in series.placing_conditions(quick=True)})
+    assert set(report.figures["free"]) == {"silhouette", "markers", "assist"}

@@ -1,13 +1,19 @@
 """A whole trial through pixels, and the site that it runs on."""
 
+import gc
+from types import FunctionType, ModuleType
+
+import mujoco
 import numpy as np
 import pytest
 
 from common.errors import CameraError
-from farhand.experiments.placing.trial import MOST_S, Conditions, remote_config, run_trial
+from farhand.experiments.placing.trial import MOST_S, Conditions, _Trial, remote_config, run_trial
 from farhand.experiments.stepped.robots import SteppedCell
 from farhand.experiments.stepped.site import SteppedSite
+from farhand.visual_operator.sight.sight import Sight
 from remote_site.config import RemoteConfig
+from remote_site.simulation.process import SimulatedCell
 
 BUILDING_SEED = 9
 
@@ -28,6 +34,35 @@ def test_the_block_starts_in_its_disc_turned_by_at_most_30_degrees():
     yaws = [abs(start.yaw_deg) for start in starts]
     assert 0.06 < off.max() <= 0.075
     assert 25 < max(yaws) <= 30
+
+
+def reachable(root):
+    """Every object that is reachable from one by attributes, items and closures, but not by a module or a class."""
+    seen, waiting = {}, [root]
+    while waiting:
+        thing = waiting.pop()
+        if id(thing) in seen or isinstance(thing, ModuleType | type):
+            continue
+        seen[id(thing)] = thing
+        if isinstance(thing, FunctionType):
+            waiting += [cell.cell_contents for cell in thing.__closure__ or ()]
+        else:
+            waiting += gc.get_referents(thing)
+    return list(seen.values())
+
+
+@pytest.mark.parametrize("altered", [(), ("exact_sight",)])
+def test_the_operator_cannot_reach_the_simulation(altered):
+    config = remote_config(np.random.default_rng(BUILDING_SEED))
+    site = SteppedSite(config, SteppedCell(config))
+    try:
+        trial = _Trial(Conditions("silhouette", roll_fixed=True, seed=BUILDING_SEED, altered=altered), config, site)
+    except CameraError as error:
+        pytest.skip(str(error))
+    within = {type(thing) for thing in reachable(trial.operator)}
+    assert Sight in within or altered
+    # An operator who is told the poses shows that the search would find a way there.
+    assert bool(within & {SteppedSite, SimulatedCell, mujoco.MjData}) == bool(altered)
 
 
 @pytest.mark.long
