@@ -16,23 +16,25 @@ DONE = "done.json"  # which experiments of the folder are finished, and whether 
 def run_every(
     names: Sequence[str], run: Callable[[str], ExperimentReport], out: Path, quick: bool, version: str
 ) -> str:
-    """Run all experiments, each into a folder of its own, and write results.md and results.html.
+    """Run all experiments, each into a folder of its own, and write results.md and results.html of those that are done.
 
     What is done in this folder already is not run again, unless it was of another version, or quick and is not to be.
     ConfigError when a folder cannot be written, or what is done cannot be read.
     """
     for name in names:
-        if _is_done(out / name, quick, version):
-            continue
-        folder = out / name
-        check_folder("--out", folder)
-        make_folder("--out", folder)
-        write_report(run(name), folder)
-        write_result(folder / DONE, json.dumps({"version": version, "quick": quick}).encode())
+        if not _is_done(out / name, quick, version):
+            check_folder("--out", out / name)
+            make_folder("--out", out / name)
+            write_report(run(name), out / name)
+            write_result(out / name / DONE, json.dumps({"version": version, "quick": quick}).encode())
+        _write_page([each for each in names if _is_done(out / each, quick, version)], out, quick)
+    return f"every table and figure is listed in {out / 'results.md'}"
+
+
+def _write_page(names: Sequence[str], out: Path, quick: bool) -> None:
     reports = {name: _figures(out / name) for name in names}
     write_result(out / "results.md", as_markdown(reports, quick).encode())
     write_result(out / "results.html", as_html(reports, quick).encode())
-    return f"every table and figure is listed in {out / 'results.md'}"
 
 
 def _is_done(folder: Path, quick: bool, version: str) -> bool:

@@ -1,6 +1,6 @@
 """The page of results, as Markdown and as HTML: what the sources print and draw beside ours, with the ratio."""
 
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any
 
@@ -10,7 +10,7 @@ from farhand.experiments.results.drawn import Drawn, in_report, in_thesis
 from farhand.experiments.results.printed import Printed, of_report, of_thesis
 from farhand.reports.page import heading, page, paragraph, table
 
-Reports = Mapping[str, Mapping[str, Any]]  # report.json of each experiment by its name
+Reports = Mapping[str, Mapping[str, Any]]  # report.json of each experiment that was run, by its name
 TITLE = "Results"
 ABOUT = (
     "All tables and figures of the two sources beside Farhand's own. Ours come from simulated arms, cameras and "
@@ -23,7 +23,7 @@ NETWORK_HEAD = ("network", "placed", "time, s", "x, mm", "y, mm", "angle, deg", 
 THESIS = "The thesis: markerless stereo hand-arm tracking (2004)"
 REPORT = "The report: Teleoperating ROBONAUT (2002)"
 ERRORS = ("x_mm", "y_mm", "angle_deg")
-NETWORK = "The block placed over a network"
+TITLES = {"network": "The block placed over a network", "causes": why.TITLE}
 
 
 @dataclass(frozen=True, slots=True)
@@ -61,9 +61,24 @@ def _sections(reports: Reports) -> list[_Section]:
     return [
         _Section(THESIS, _beside(of_thesis(), in_thesis(), reports)),
         _Section(REPORT, _beside(of_report(), in_report(), reports)),
-        _Section(NETWORK, [(NETWORK_HEAD, [_over(name, reports["network"][name]) for name in NETWORKS])]),
-        _Section(why.TITLE, [(why.HEAD, why.rows(reports["causes"]))], list(why.in_words(reports["causes"]))),
+        _of("network", reports, _over_networks),
+        _of("causes", reports, _causes),
     ]
+
+
+def _of(name: str, reports: Reports, section: Callable[[Mapping[str, Any]], _Section]) -> _Section:
+    """The section of one experiment, which may not have been run yet."""
+    if name not in reports:
+        return _Section(TITLES[name], [], [f"The experiment `{name}` has not been run yet."])
+    return section(reports[name])
+
+
+def _over_networks(network: Mapping[str, Any]) -> _Section:
+    return _Section(TITLES["network"], [(NETWORK_HEAD, [_over(name, network[name]) for name in NETWORKS])])
+
+
+def _causes(causes: Mapping[str, Any]) -> _Section:
+    return _Section(TITLES["causes"], [(why.HEAD, why.rows(causes))], list(why.in_words(causes)))
 
 
 def _beside(
@@ -84,8 +99,8 @@ def _row(printed: Printed, reports: Reports) -> Sequence[str]:
 
 
 def _ours(printed: Printed, reports: Reports) -> float | None:
-    """Our figure; None where a quick run leaves it out, or nothing was placed."""
-    found: Any = reports[printed.experiment]
+    """Our figure; None where the experiment is still to be run, a quick run leaves it out, or nothing was placed."""
+    found: Any = reports.get(printed.experiment)
     for name in printed.path:
         found = found.get(name) if found is not None else None
     return None if found is None else float(found)

@@ -115,9 +115,12 @@ def test_one_that_was_interrupted_leaves_what_was_done(tmp_path):
 
     with pytest.raises(KeyboardInterrupt):
         run_every(NAMES, interrupted, tmp_path, False, "1")
-    assert not (tmp_path / "results.md").exists()
+    page = (tmp_path / "results.md").read_text()
+    assert "2.5 mm" in page
+    assert "The experiment `network` has not been run yet." in page
     run_every(NAMES, whole, tmp_path, False, "1")
     assert sorted(ran) == sorted(NAMES)
+    assert "not been run" not in (tmp_path / "results.md").read_text()
 
 
 def test_a_report_that_cannot_be_read_is_named_with_the_cure(tmp_path):
