@@ -15,7 +15,7 @@ from common.clock import NS_PER_MS, NS_PER_S
 from common.errors import ConfigError, InterruptionError, ProcessError
 from common.geometry import Array
 from common.link.channels import ChannelSession
-from common.link.transport import Link, open_link
+from common.link.transport import open_link
 from common.messages.robot import Engagement, SessionState
 from common.process.service import StopFlag
 from farhand.loopback.display import LiveSummary, print_table, save_camera_views, save_overview
@@ -68,12 +68,15 @@ class RunningSites:
 
     def start(self, name: str, arguments: list[str], runtime: Path) -> None:
         """Start `farhand NAME` with these arguments."""
-        self._sites.append(start_site(name, arguments, runtime))
+        self.add(start_site(name, arguments, runtime))
 
-    def listen(self, control: Link, video: Link, remote: RemoteConfig) -> None:
-        """Record what the sites send from now on."""
-        self._recorder = Recorder(control, video, remote.cell, tuple(camera.name for camera in remote.video.cameras))
-        self.record = self._recorder.record
+    def add(self, site: SiteProcess) -> None:
+        """Take a process that is started already."""
+        self._sites.append(site)
+
+    def listen(self, recorder: Recorder) -> None:
+        """Keep what this records of the sites."""
+        self._recorder, self.record = recorder, recorder.record
 
     def check(self) -> None:
         """ProcessError, with its last error, when a process has ended."""
@@ -144,7 +147,8 @@ class Loopback:
         self._sites.start("remote", self._plan.remote.arguments, runtime)
         control = stack.enter_context(open_link(connect=(remote.links.control, self._local.links.listen)))
         video = stack.enter_context(open_link(connect=(remote.links.video,), sessions=[ChannelSession.VIDEO]))
-        self._sites.listen(control, video, remote)
+        cameras = tuple(camera.name for camera in remote.video.cameras)
+        self._sites.listen(Recorder(control, video, remote.cell, cameras))
         self._wait("the remote site to start", START_TIMEOUT_S, lambda: bool(self.record.states))
         if self._should_stop():
             raise InterruptionError("interrupted before both sites were up; nothing was measured")

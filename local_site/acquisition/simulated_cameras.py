@@ -19,8 +19,9 @@ from common.clock import NS_PER_MS, NS_PER_S, Clock, MonotonicClock
 from common.errors import CameraError
 from common.process.children import die_with_parent
 from common.process.service import ask_for_real_time
+from local_site.acquisition.led_hand import LedHand
 from local_site.calibration.rig import Rig
-from local_site.simulation.config import SimulationConfig
+from local_site.simulation.config import MotionConfig, SimulationConfig
 from local_site.simulation.hazel import SIZE_PX
 from local_site.simulation.operator import Operator, filming_rig, make_operator
 
@@ -49,6 +50,10 @@ class Beginning:
         """How long the operator has been moving at a time, s: zero before the beginning."""
         begun_ns = int(self._t_ns[0])
         return 0.0 if begun_ns == UNSET else max(0.0, (t_ns - begun_ns) / NS_PER_S)
+
+    def time_ns(self, elapsed_s: float) -> int:
+        """When the operator has been moving for so long."""
+        return int(self._t_ns[0]) + round(elapsed_s * NS_PER_S)
 
 
 @dataclass(frozen=True, slots=True)
@@ -105,17 +110,17 @@ class ExposureLoop:
 class SimulatedCameras:
     """The cameras before the simulated operator, exposing from `start_ns` on.
 
-    The operator moves from then on, or waits for `begin`, as configured.
+    The operator moves from then on, or waits for `begin`, as configured, or as another program leads its hand.
 
     Create it in the main thread: the process that renders ends with the thread that began it.
     ConfigError when the motion is out of the arm's reach.
     """
 
     def __init__(self, config: SimulationConfig) -> None:
-        operator = make_operator(config)
+        self._beginning = Beginning()
+        operator = make_operator(config, _led_by(config.motion, self._beginning))
         clock = MonotonicClock()
         self.start_ns = clock.now_ns()
-        self._beginning = Beginning()
         if config.motion.begins == "at_once":
             self._beginning.set(self.start_ns)
         self.rig: Rig = filming_rig(config)
@@ -139,6 +144,11 @@ class SimulatedCameras:
     def close(self) -> None:
         """End the process; reads that wait return None."""
         self._renderer.close()
+
+
+def _led_by(motion: MotionConfig, beginning: Beginning) -> LedHand | None:
+    """The hand that another program leads, whose path begins after the stillness; None where none does."""
+    return LedHand(motion.led_by, lambda t_s: beginning.time_ns(t_s + motion.still_s)) if motion.led_by else None
 
 
 class _RenderingProcess:

@@ -63,6 +63,13 @@ class MotionConfig(Struct, frozen=True, kw_only=True, forbid_unknown_fields=True
         Literal["at_once", "when_engaged"],
         Meta(description="with the cameras, or once the arm is engaged, as an operator waits for it"),
     ] = "at_once"
+    led_by: Annotated[
+        str,
+        Meta(
+            description="socket at which another program of this host says where the hand is, in place of the motion's "
+            "name; empty: none does"
+        ),
+    ] = ""
     still_s: Annotated[float, Meta(ge=0, le=60, description="stillness from the beginning to the first motion")] = 2.0
     tremor_mm: Annotated[float, Meta(ge=0, le=10, description="amplitude of the tremor of the wrist")] = 0.0
     shoulder: Annotated[Vector3, Meta(description="shoulder joint in the operator frame, m")] = (0.88, 0.29, 0.46)
@@ -79,6 +86,10 @@ class MotionConfig(Struct, frozen=True, kw_only=True, forbid_unknown_fields=True
             ge=-180, le=180, description="hand about its own length, 0 is thumb ahead, 90 the palm towards the cameras"
         ),
     ] = 0.0
+
+    def __post_init__(self) -> None:
+        if self.led_by and self.begins != "at_once":
+            raise ValueError('a hand that is led begins at once: leave begins = "when_engaged" out')
 
 
 class SimulationConfig(Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
@@ -118,3 +129,5 @@ class SimulationConfig(Struct, frozen=True, kw_only=True, forbid_unknown_fields=
             raise ValueError('only an office shows colours and disturbances: set room.scene = "office"')
         if self.room.scene != "dark" and (self.markers or self.textured):
             raise ValueError('markers and textured are filmed in the dark: take them off or set room.scene = "dark"')
+        if self.textured and self.motion.led_by:
+            raise ValueError("a textured arm has a motion of its own: take motion.led_by off")

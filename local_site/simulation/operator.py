@@ -36,9 +36,12 @@ class Operator(Protocol):
     def openings_until(self, t_s: float) -> int: ...
 
 
-def make_operator(config: SimulationConfig) -> Operator:
-    """The operator that the configuration asks for; ConfigError when the motion is out of the arm's reach."""
-    return TexturedOperator(config.motion.still_s) if config.textured else SimulatedOperator(config)
+def make_operator(config: SimulationConfig, path: Path | None = None) -> Operator:
+    """The operator that the configuration asks for; ConfigError when the motion is out of the arm's reach.
+
+    An operator that is not textured moves along `path` where one is given.
+    """
+    return TexturedOperator(config.motion.still_s) if config.textured else SimulatedOperator(config, path)
 
 
 def filming_rig(config: SimulationConfig) -> Rig:

@@ -2,6 +2,7 @@
 
 import time
 from functools import partial
+from typing import TYPE_CHECKING
 
 import msgspec
 import structlog
@@ -36,16 +37,25 @@ from remote_site.video.marker_look import MarkerLook
 from remote_site.video.process import VideoTally, VideoWire, run_video
 from remote_site.video.sources import SimulatedViews
 
+if TYPE_CHECKING:
+    from remote_site.simulation.process import CellWitness
+
 READY_TIMEOUT_S = 30.0
 CHECK_S = 0.1
 CHECKS_PER_VALIDITY = 10
 VIDEO_SEND_BUFFER_BYTES = 1 << 17  # Linux takes twice that: 8 Mbit/s over 240 ms; what waits in more is old
 
 
-def run_remote(config: RemoteConfig, should_stop: StopFlag, log_format: LogFormat = LogFormat.TEXT) -> None:
+def run_remote(
+    config: RemoteConfig,
+    should_stop: StopFlag,
+    log_format: LogFormat = LogFormat.TEXT,
+    witness: "CellWitness | None" = None,
+) -> None:
     """Run the remote site until asked to stop; ProcessError when one of its processes dies or hangs.
 
     Nothing engages before all processes have started. Only an orderly end removes the marker of an unfinished run.
+    A simulated cell has a `witness`, in the cell's own process.
     """
     start_log("remote", log_format)
     log = structlog.get_logger()
@@ -65,7 +75,7 @@ def run_remote(config: RemoteConfig, should_stop: StopFlag, log_format: LogForma
     try:
         config = start_robot(config, children)
         if memory is not None and config.cell_is_simulated:
-            children.start("cell", partial(run_cell_child, config, memory))
+            children.start("cell", partial(run_cell_child, config, memory, witness))
         children.start("driver", partial(run_driver, config, driver_memory, memory))
         tally = VideoTally([camera.name for camera in config.video.cameras])
         site, assist = SiteMemory(), _assist_memory(config)
@@ -130,11 +140,17 @@ def start_robot(config: RemoteConfig, children: Children) -> RemoteConfig:
     return msgspec.structs.replace(config, driver=driver)
 
 
-def run_cell_child(config: RemoteConfig, memory: CellMemory, should_stop: StopFlag, heartbeat: Heartbeat) -> None:
+def run_cell_child(
+    config: RemoteConfig,
+    memory: CellMemory,
+    witness: "CellWitness | None",
+    should_stop: StopFlag,
+    heartbeat: Heartbeat,
+) -> None:
     """The process of the simulated cell."""
-    from remote_site.simulation.process import run_cell  # noqa: PLC0415  # a real cell needs no MuJoCo
+    from remote_site.simulation.process import run_cell, unwatched  # noqa: PLC0415  # a real cell needs no MuJoCo
 
-    run_cell(config.simulation, config.robot, memory, should_stop, heartbeat.beat)
+    run_cell(config.simulation, config.robot, memory, should_stop, heartbeat.beat, witness or unwatched)
 
 
 def _video(

@@ -45,7 +45,7 @@ def _stand(config: RemoteConfig, children: Children) -> DriverStand:
     config = start_robot(config, children)
     if config.cell_is_simulated:
         memory = CellMemory.create(len(config.robot.start_deg))
-        children.start("cell", partial(run_cell_child, config, memory))
+        children.start("cell", partial(run_cell_child, config, memory, None))
     children.wait_ready(READY_TIMEOUT_S, StopFlag())
     host = DriverHost(clock, config.driver.options, memory)
     return DriverStand(clock, setup_of(config), lambda: create_driver(config.driver.name, host), config.robot.start)
