@@ -12,6 +12,7 @@ from farhand.experiments import follow
 from farhand.experiments.placing import causes, over_network
 from farhand.experiments.placing import series as placing
 from farhand.experiments.placing.kept_trials import KeptTrials
+from farhand.experiments.placing.live import series as realtime
 from farhand.experiments.placing.trials import TrialExperiment, run_all
 from farhand.experiments.report import ExperimentReport, Progress, write_report
 from farhand.experiments.results.every import run_every
@@ -37,13 +38,15 @@ TRIAL_EXPERIMENTS: dict[str, TrialExperiment] = {
     "network": TrialExperiment(over_network.network_conditions, over_network.network_report),
     "placing": TrialExperiment(placing.placing_conditions, placing.placing_report),
 }
-NAMES = sorted([*EXPERIMENTS, *TRIAL_EXPERIMENTS])
+REPEATABLE = sorted([*EXPERIMENTS, *TRIAL_EXPERIMENTS])
+REAL_TIME = "realtime"  # depends on the machine, so that it is not part of the page of all results
+NAMES = sorted([*REPEATABLE, REAL_TIME])
 ALL = "all"
 VERSION = metadata.version("farhand")
 
 
 def run_experiment(name: str, out: Path, quick: bool, should_stop: Callable[[], bool] = lambda: False) -> str:
-    """Run an experiment, or "all" of them, write what came of it, and summarise it in words.
+    """Run an experiment, or "all" that are the same each time, write what came of it, and summarise it in words.
 
     Before any work, ConfigError for an unknown name or a folder that cannot be written, and FarhandError without
     matplotlib; InterruptionError when stopped.
@@ -60,7 +63,7 @@ def run_experiment(name: str, out: Path, quick: bool, should_stop: Callable[[], 
             return _run(each, out, quick, progress, should_stop)
 
         if name == ALL:
-            return run_every(NAMES, run, out, quick, VERSION)
+            return run_every(REPEATABLE, run, out, quick, VERSION)
         report = run(name)
     write_report(report, out)
     return f"{report.summary}\nwritten to {out / 'report.html'}"
@@ -80,6 +83,9 @@ def _run(name: str, out: Path, quick: bool, progress: ProgressBar, should_stop: 
         conditions = trials.conditions(quick)
         progress.update(task, total=len(conditions))
         return trials.report(run_all(conditions, step, KeptTrials(out, VERSION)))
+    if name == REAL_TIME:
+        progress.update(task, total=realtime.trial_count(quick))
+        return realtime.realtime_report(quick, step, KeptTrials(out, VERSION))
     frame_count, experiment = EXPERIMENTS[name]
     progress.update(task, total=frame_count(quick))
     return experiment(quick, step)

@@ -161,8 +161,8 @@ def run_cell(
 ) -> None:
     """Run the cell at real time in this process until `should_stop`; then stop the arm, and return once it rests.
 
-    Late steps are made up for; more than 40 ms of lateness is dropped, with a warning in the log. `witness` gives what to
-    call after each step, in this process, and is left once the arm rests.
+    Late steps are made up for; more than 40 ms of lateness is dropped, with a warning in the log. `witness` gives what
+    to call after each step, in this process, and is left once the arm rests.
     """
     cell = SimulatedCell(config, robot, memory)
     ask_for_real_time(FIFO_PRIORITY)

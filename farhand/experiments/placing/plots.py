@@ -25,6 +25,20 @@ def placing_plot(results: Mapping[str, Mapping[str, Sequence[TrialResult]]]) -> 
     return png(figure, axes, "trial")
 
 
+def realtime_plot(results: Mapping[str, Mapping[str, Sequence[TrialResult]]]) -> bytes:
+    """A PNG of errors and time of each trial, in real time and in lockstep, by the rotations that were free."""
+    rows = {**ERRORS, "time_s": "time, s"}
+    figure, axes = panels("The same trials in real time and in lockstep", len(rows), len(results), sharey="row")
+    for column, (rolls, by_name) in zip(axes.T, results.items(), strict=True):
+        for panel, (of, label) in zip(column, rows.items(), strict=True):
+            describe_panel(panel, rolls.replace("_", " "), label)
+            for (name, trials), colour in zip(by_name.items(), ("#d72828", "#2864b4"), strict=True):
+                shown = [(k + 1, t.time_s if of == "time_s" else getattr(t.end, of)) for k, t in enumerate(trials)]
+                points = [each for each, t in zip(shown, trials, strict=True) if t.end.placed or of == "time_s"]
+                panel.plot(*np.array(points).reshape(-1, 2).T, "o", label=name.replace("_", " "), color=colour)
+    return png(figure, axes, "trial")
+
+
 def network_plot(networks: Mapping[str, Network], results: Mapping[str, Sequence[TrialResult]]) -> bytes:
     """A PNG of time and success over the delay, and beside it with packets lost, and at a narrow rate."""
     figure, axes = panels("Placing a block over a network", 2, 2, sharex="col", sharey="row")

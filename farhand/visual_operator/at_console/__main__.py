@@ -2,9 +2,9 @@
 
 import sys
 import time
+from contextlib import closing
 from pathlib import Path
 
-import cv2
 import msgspec
 
 from common.atomic_file import write_atomically
@@ -14,10 +14,10 @@ from common.messages.hand import Locks
 from farhand.visual_operator.at_console.console_page import ConsolePage
 from farhand.visual_operator.at_console.filmed_hand import FilmedHand
 from farhand.visual_operator.at_console.page_connection import PageConnection
+from farhand.visual_operator.at_console.sight_process import SightProcess
 from farhand.visual_operator.at_console.sitting import Sitting, SittingNotes
 from farhand.visual_operator.hand import Motor
-from farhand.visual_operator.operator import VisualOperator
-from farhand.visual_operator.sight.sight import Sight
+from farhand.visual_operator.operator import See, VisualOperator
 from farhand.visual_operator.task import PlacingTask
 
 POLL_S = 0.02
@@ -25,10 +25,13 @@ POLL_S = 0.02
 
 def sit(sitting: Sitting) -> SittingNotes:
     """Wait until the page has everything, do the task, and leave; ProcessError when page or patience end."""
-    page = ConsolePage()
-    with PageConnection(sitting.port, sitting.led_by, page) as connection:
+    task = PlacingTask()
+    with (
+        closing(SightProcess(task)) as sight,
+        PageConnection(sitting.port, sitting.led_by, ConsolePage()) as connection,
+    ):
         _wait(connection, sitting.patience_s)
-        return _operate(sitting, connection)
+        return _operate(sitting, connection, task, sight.see)
 
 
 def _wait(connection: PageConnection, patience_s: float) -> None:
@@ -39,14 +42,14 @@ def _wait(connection: PageConnection, patience_s: float) -> None:
         time.sleep(POLL_S)
 
 
-def _operate(sitting: Sitting, connection: PageConnection) -> SittingNotes:
-    page, task, start_ns = connection.page, PlacingTask(), time.monotonic_ns()
+def _operate(sitting: Sitting, connection: PageConnection, task: PlacingTask, see: See) -> SittingNotes:
+    page, start_ns = connection.page, time.monotonic_ns()
     if page.cell is None:
         raise ProcessError("the page has lost the cell's description")
     hand = FilmedHand(Motor(), sitting.seed, start_ns)
     connection.hand = hand.take
     locks, mapping = Locks(roll=sitting.roll_fixed), page.cell.mapping
-    operator = VisualOperator(task, Sight(task).see, mapping, hand, locks)
+    operator = VisualOperator(task, see, mapping, hand, locks)
     notes, due_ns = SittingNotes(start_ns=start_ns), start_ns
     while not operator.done and due_ns - start_ns < sitting.most_s * NS_PER_S:
         now_ns = _sleep_until(due_ns)
@@ -68,7 +71,6 @@ def _sleep_until(due_ns: int) -> int:
 
 def main() -> None:
     """Do the task and write the notes of it."""
-    cv2.setNumThreads(1)
     sitting = msgspec.json.decode(sys.argv[1], type=Sitting)
     try:
         notes = sit(sitting)

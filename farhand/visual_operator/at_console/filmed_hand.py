@@ -7,7 +7,7 @@ from common.geometry import Array
 from common.messages.led_hand import LedPose
 from farhand.visual_operator.hand import Motor, ScriptedHand
 
-AHEAD_NS, STEP_NS = 100 * NS_PER_MS, 10 * NS_PER_MS
+AHEAD_NS, STEP_NS = 150 * NS_PER_MS, 10 * NS_PER_MS
 MOST_POSES = 64  # at once
 
 
@@ -37,7 +37,7 @@ class FilmedHand(ScriptedHand):
         """The next poses of its path, until a little after now."""
         with self._lock:
             self.late += self._start_ns < self._taken_ns < now_ns
-            poses = []
+            poses: list[LedPose] = []
             while self._taken_ns < now_ns + AHEAD_NS and len(poses) < MOST_POSES:
                 self._taken_ns += STEP_NS
                 poses.append(self._pose(self._taken_ns))

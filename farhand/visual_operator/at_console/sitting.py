@@ -3,7 +3,6 @@
 import msgspec
 
 from common.clock import NS_PER_S
-
 from farhand.visual_operator.operator import Notes
 
 
