@@ -2,15 +2,15 @@
 
 from collections.abc import Mapping
 
+import cv2
 import msgspec
 import numpy as np
 import simplejpeg
 
 from common.cameras.camera import Image
 from common.clock import NS_PER_MS, NS_PER_S
-from common.geometry import Array
 from common.messages.hand import OperatorSettings, TrackingStatus
-from common.messages.requests import Description
+from common.messages.requests import CameraDescription, Description
 from common.messages.robot import AssistState, GripperStatus, SessionState
 from common.messages.video import Codec
 from farhand.visual_operator.shown import Shown, ShownView
@@ -100,7 +100,7 @@ class ConsolePage:
         self.painted: Mapping[str, PaintedView] = {}
         self._hello: _Hello | None = None
         self._situation: _Situation | None = None
-        self._projections: dict[str, tuple[Array, bool]] = {}
+        self._calibrated: dict[str, CameraDescription] = {}
         self._views: dict[str, ShownView] = {}
 
     @property
@@ -123,17 +123,17 @@ class ConsolePage:
         begin = LENGTH_BYTES + int.from_bytes(message[:LENGTH_BYTES], "little")
         header = msgspec.json.decode(message[LENGTH_BYTES:begin], type=_Header)
         camera, data = header.view.removeprefix(CAMERA_VIEW), message[begin:]
-        of_cell = header.view.startswith(CAMERA_VIEW) and camera in self._projections
+        of_cell = header.view.startswith(CAMERA_VIEW) and camera in self._calibrated
         if of_cell and data and header.codec is Codec.JPEG and header.capture_ms is not None:
             capture_ns = round(header.capture_ms * NS_PER_MS)
             picture = simplejpeg.decode_jpeg(data, colorspace="BGR")
-            self._paint(camera, np.asarray(picture, dtype=np.uint8), capture_ns, header.seq, now_ns)
+            self._paint(self._calibrated[camera], np.asarray(picture, dtype=np.uint8), capture_ns, header.seq, now_ns)
         return header.view
 
     def shown(self, now_ns: int) -> Shown | None:
         """The page at a time; None until all that the operator needs is on it."""
         situation = self._situation
-        if situation is None or situation.robot is None or set(self._views) != set(self._projections):
+        if situation is None or situation.robot is None or set(self._views) != set(self._calibrated):
             return None
         robot, gripper = situation.robot, situation.robot.gripper
         network_ms = robot.hand_link.network_ms if robot.hand_link is not None else None
@@ -159,22 +159,26 @@ class ConsolePage:
             return "the robot's state"
         if robot.lease is None or robot.lease.holder != hello.operator or situation.settings is None:
             return "the lease"
-        if not self._projections or set(self._views) != set(self._projections):
+        if not self._calibrated or set(self._views) != set(self._calibrated):
             return "pictures of every calibrated view"
         tracked = hand is not None and not hand.silent and hand.status is TrackingStatus.TRACKED
         return "" if tracked else "a hand that is tracked"
 
     def _describe(self, cell: Description) -> None:
         self.cell = cell
-        calibrated = {camera.name: camera.calibration for camera in cell.cameras if camera.calibration is not None}
-        self._projections = {name: (np.reshape(of.projection, (3, 4)), of.on_tool) for name, of in calibrated.items()}
+        self._calibrated = {camera.name: camera for camera in cell.cameras if camera.calibration is not None}
 
-    def _paint(self, camera: str, picture: Image, capture_ns: int, seq: int, now_ns: int) -> None:
-        projection, on_tool = self._projections[camera]
-        before = self._views.get(camera)
+    def _paint(self, camera: CameraDescription, picture: Image, capture_ns: int, seq: int, now_ns: int) -> None:
+        """Show a picture in its full size: over a narrow link it comes smaller."""
+        before, calibration = self._views.get(camera.name), camera.calibration
+        if calibration is None:
+            return
+        size = camera.width, camera.height
+        if picture.shape[1::-1] != size:
+            picture = np.asarray(cv2.resize(picture, size, interpolation=cv2.INTER_LINEAR), dtype=np.uint8)
         apart_ns = capture_ns - before.capture_ns if before is not None else 0
-        painted = PaintedView(
-            seq, max(0, now_ns - capture_ns) / NS_PER_MS, NS_PER_S / apart_ns if apart_ns > 0 else 0.0
-        )
-        self.painted = {**self.painted, CAMERA_VIEW + camera: painted}
-        self._views[camera] = ShownView(picture, capture_ns, projection, on_tool)
+        fps = NS_PER_S / apart_ns if apart_ns > 0 else 0.0
+        painted = PaintedView(seq, max(0, now_ns - capture_ns) / NS_PER_MS, fps)
+        self.painted = {**self.painted, CAMERA_VIEW + camera.name: painted}
+        projection = np.reshape(calibration.projection, (3, 4))
+        self._views[camera.name] = ShownView(picture, capture_ns, projection, calibration.on_tool)
