@@ -41,13 +41,14 @@ class PageConnection:
         self._threads = [threading.Thread(target=run, daemon=True) for run in (self._receive, self._beat)]
 
     def __enter__(self) -> Self:
+        self._socket.__enter__()
         for thread in self._threads:
             thread.start()
         return self
 
     def __exit__(self, *_: object) -> None:
         self._over.set()
-        self._socket.close()
+        self._socket.__exit__(None, None, None)
         for thread in self._threads:
             thread.join(JOIN_S)
         self._hand_socket.close()

@@ -34,16 +34,16 @@ TEXT = (
 
 def trial_count(quick: bool) -> int:
     """How many trials are run, in real time and in lockstep, for a progress bar."""
-    return 2 * len(_conditions(quick))
+    return 2 * len(live_conditions(quick))
 
 
 def realtime_report(quick: bool, progress: Progress, kept: KeptTrials) -> ExperimentReport:
     """Run the experiment: one trial after the other in wall-clock time, then in lockstep those that are not kept."""
     live: dict[Conditions, LiveResult] = {}
-    for conditions in _conditions(quick):
+    for conditions in live_conditions(quick):
         live[conditions] = run_live(conditions)
         progress()
-    stepped = run_all(_conditions(quick), progress, kept)
+    stepped = run_all(live_conditions(quick), progress, kept)
     trials = {rolls: _both(live, stepped, rolls) for rolls in (ROLL_FIXED, FREE)}
     paces = {rolls: [of.pace for each, of in live.items() if _rolls(each) == rolls] for rolls in trials}
     ours: Figures = {
@@ -65,7 +65,8 @@ def realtime_report(quick: bool, progress: Progress, kept: KeptTrials) -> Experi
     )
 
 
-def _conditions(quick: bool) -> list[Conditions]:
+def live_conditions(quick: bool) -> list[Conditions]:
+    """The trials, quick or in full."""
     if quick:
         return [Conditions("silhouette", True, QUICK_SEED)]
     return [Conditions("silhouette", k < TRIALS, FIRST_SEED + k) for k in range(2 * TRIALS)]
