@@ -49,7 +49,9 @@ def loopback(
 def experiment(
     name: Annotated[
         str,
-        typer.Argument(help="follow, hazel, robonaut, drift, icr, markers, calibration, placing, network, or all."),
+        typer.Argument(
+            help="follow, hazel, robonaut, drift, icr, markers, calibration, placing, causes, network, realtime, or all."
+        ),
     ],
     out: Annotated[Path, typer.Option(help="Folder for report, plots and data; other files in it stay.")],
     quick: Annotated[bool, typer.Option("--quick", help="A short motion, to see that it works.")] = False,
