@@ -50,7 +50,7 @@ def experiment(
     name: Annotated[
         str,
         typer.Argument(
-            help="follow, hazel, robonaut, drift, icr, markers, calibration, placing, causes, network, realtime, or all."
+            help="follow, hazel, robonaut, drift, icr, markers, calibration, placing, causes, network, realtime or all."
         ),
     ],
     out: Annotated[Path, typer.Option(help="Folder for report, plots and data; other files in it stay.")],

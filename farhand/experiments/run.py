@@ -52,7 +52,7 @@ def run_experiment(name: str, out: Path, quick: bool, should_stop: Callable[[], 
     matplotlib; InterruptionError when stopped.
     """
     if name not in NAMES and name != ALL:
-        raise ConfigError(f"there is no experiment {name!r}; choose one of: {', '.join([*NAMES, ALL])}")
+        raise ConfigError(f"there is no experiment {name!r}; choose one of: {', '.join(sorted([*NAMES, ALL]))}")
     require_matplotlib()
     check_folder("--out", out)
     make_folder("--out", out)

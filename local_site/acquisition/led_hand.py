@@ -1,6 +1,7 @@
 """The hand of a simulated operator that another program of this host leads: poses with their times, from a socket."""
 
 import socket
+import weakref
 from bisect import bisect_right
 from collections import deque
 from collections.abc import Callable
@@ -62,6 +63,7 @@ class LedHand:
     def __init__(self, name: str, time_of: Callable[[float], int]) -> None:
         self._history, self._time_of = LedPoseHistory(), time_of
         self._socket = socket.socket(socket.AF_UNIX, socket.SOCK_DGRAM | socket.SOCK_CLOEXEC)
+        weakref.finalize(self, self._socket.close)
         try:
             File(name).unlink(missing_ok=True)
             self._socket.bind(name)
