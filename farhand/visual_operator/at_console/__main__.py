@@ -59,7 +59,8 @@ def _operate(sitting: Sitting, connection: PageConnection, task: PlacingTask, se
             operator.look(shown, start_ns)
             connection.intent = operator.intent
             oldest_ns = min(view.capture_ns for view in shown.views.values())
-            notes.add_look((now_ns - oldest_ns) / NS_PER_MS, (time.monotonic_ns() - now_ns) / NS_PER_MS)
+            took_ns = time.monotonic_ns() - now_ns
+            notes.add_look((now_ns - oldest_ns) / NS_PER_MS, took_ns / NS_PER_MS, shown.code)
         due_ns += sitting.page_ns * max(1, -(-(time.monotonic_ns() - due_ns) // sitting.page_ns))
     return notes.end(operator.notes, time.monotonic_ns(), hand.late)
 

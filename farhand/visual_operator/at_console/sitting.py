@@ -25,7 +25,7 @@ class Sitting(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=T
 
 class SittingNotes(msgspec.Struct, kw_only=True, forbid_unknown_fields=True):
     """What the operator noted: when it began and ended (ns), counts, and of each look how old the oldest view was, and
-    how long it took (ms). `late` is how often its hand stood still because its process came late."""
+    how long it took (ms), and what the page gave as the state's reason. `late` is how often its hand stood still because its process came late."""
 
     start_ns: int
     end_ns: int = 0
@@ -35,14 +35,16 @@ class SittingNotes(msgspec.Struct, kw_only=True, forbid_unknown_fields=True):
     late: int = 0
     ages_ms: list[float] = []
     looks_ms: list[float] = []
+    reasons: dict[str, int] = {}
 
     @property
     def time_s(self) -> float:
         """How long the trial lasted."""
         return (self.end_ns - self.start_ns) / NS_PER_S
 
-    def add_look(self, age_ms: float, took_ms: float) -> None:
-        """Note a look."""
+    def add_look(self, age_ms: float, took_ms: float, code: str) -> None:
+        """Note a look, and the code of the state's reason."""
+        self.reasons[code] = self.reasons.get(code, 0) + 1
         self.ages_ms.append(age_ms)
         self.looks_ms.append(took_ms)
 

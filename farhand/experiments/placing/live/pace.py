@@ -1,6 +1,6 @@
 """What a live trial came to, and whether the machine kept up with it, from what was recorded; pure."""
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from itertools import pairwise
 
@@ -25,7 +25,8 @@ class Pace:
     Of control's `periods`, `missed` were. `cell_late` is how often the simulated cell gave time up, `hand_late` how
     often the operator's hand stood still because its process came late. Hand samples came `hands_per_s`, and `lost`
     of them saw no hand; a command came `command_ms` after its exposure. The operator looked `looks_per_s`, at
-    pictures `picture_age_ms` old, for `look_ms` each. Times are medians.
+    pictures `picture_age_ms` old, for `look_ms` each. Times are medians. `reasons` are how often it saw which reason
+    of the session's state.
     """
 
     periods: int
@@ -38,6 +39,7 @@ class Pace:
     picture_age_ms: float
     looks_per_s: float
     look_ms: float
+    reasons: Mapping[str, int]
 
 
 @dataclass(frozen=True, slots=True)
@@ -80,6 +82,7 @@ def _pace(notes: SittingNotes, states: Sequence[RobotState], hands: Sequence[Han
         picture_age_ms=_median(notes.ages_ms),
         looks_per_s=len(notes.ages_ms) / notes.time_s,
         look_ms=_median(notes.looks_ms),
+        reasons=notes.reasons,
     )
 
 

@@ -1,5 +1,6 @@
 """The experiment "realtime": ten trials of "placing" repeated in wall-clock time, with all processes of both sites."""
 
+from collections import Counter
 from collections.abc import Mapping, Sequence
 
 import numpy as np
@@ -88,7 +89,9 @@ def pace_figures(paces: Sequence[Pace]) -> Figures:
     """Sums of what is counted, and medians over the trials of what is measured."""
     counted = {name: sum(getattr(pace, name) for pace in paces) for name in COUNTS}
     measured = {name: rounded(np.median([getattr(pace, name) for pace in paces])) for name in MEDIANS}
-    return {**counted, "missed_percent": rounded(100 * counted["missed"] / max(1, counted["periods"])), **measured}
+    missed = rounded(100 * counted["missed"] / max(1, counted["periods"]))
+    reasons = sum((Counter(pace.reasons) for pace in paces), Counter[str]())
+    return {**counted, "missed_percent": missed, **measured, "looks_by_reason": dict(reasons.most_common())}
 
 
 def _pace_csv(paces: Sequence[Pace]) -> CsvTable:

@@ -35,8 +35,8 @@ def hand(t_s):
 @pytest.fixture
 def result():
     notes = SittingNotes(start_ns=BEGIN_S * NS_PER_S)
-    for age_ms, took_ms in ((60.0, 30.0), (80.0, 50.0), (70.0, 40.0)):
-        notes.add_look(age_ms, took_ms)
+    for age_ms, took_ms, code in ((60.0, 30.0, "ok"), (80.0, 50.0, "let_go"), (70.0, 40.0, "ok")):
+        notes.add_look(age_ms, took_ms, code)
     notes.end(Notes(clutches=4, misses=1), END_S * NS_PER_S, 2)
     record = Record(hands=[hand(t_s) for t_s in range(30)], states=[state(t_s) for t_s in range(30)])
     return live_result(notes, END, record, ["a", f"remote: level=warning event={LOST_TIME!r} late_ms=50"])
@@ -54,3 +54,4 @@ def test_the_pace_is_that_of_the_time_between_begin_and_end(result):
     assert (pace.periods, pace.missed, pace.cell_late, pace.hand_late) == (2500, 3, 1, 2)
     assert (pace.hands_per_s, pace.lost, pace.command_ms) == (1.0, 1, 20.0)
     assert (pace.looks_per_s, pace.look_ms, pace.picture_age_ms) == (0.3, 40.0, 70.0)
+    assert pace.reasons == {"ok": 2, "let_go": 1}

@@ -18,7 +18,7 @@ def trial(x_mm, time_s):
 
 
 def live(conditions):
-    pace = Pace(1000, conditions.seed - FIRST_SEED, 0, 1, 30.0, 0, 22.0, 70.0, 9.5, 30.0)
+    pace = Pace(1000, conditions.seed - FIRST_SEED, 0, 1, 30.0, 0, 22.0, 70.0, 9.5, 30.0, {"ok": 2})
     return LiveResult(trial(float(conditions.seed - FIRST_SEED), 40.0), pace)
 
 
@@ -48,6 +48,7 @@ def test_both_series_and_the_machines_pace_are_in_the_report(made):
     assert (fixed["real_time"]["time_s"]["median"], fixed["lockstep"]["time_s"]["median"]) == (40.0, 30.0)
     pace = fixed["pace"]
     assert (pace["periods"], pace["missed"], pace["missed_percent"], pace["looks_per_s"]) == (5000, 10, 0.2, 9.5)
+    assert pace["looks_by_reason"] == {"ok": 10}
     assert "10 of 5000 control periods missed" in made[2].summary
 
 
