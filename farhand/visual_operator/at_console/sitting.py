@@ -24,8 +24,11 @@ class Sitting(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=T
 
 
 class SittingNotes(msgspec.Struct, kw_only=True, forbid_unknown_fields=True):
-    """What the operator noted: when it began and ended (ns), counts, and of each look how old the oldest view was, and
-    how long it took (ms), and what the page gave as the state's reason. `late` is how often its hand stood still because its process came late."""
+    """What the operator noted: when it began and ended (ns), counts; of each look how old the oldest view was and how
+    long it took (ms); how often the page gave which reason of the session's state.
+
+    `late` is how often its hand stood still because its process came late.
+    """
 
     start_ns: int
     end_ns: int = 0

@@ -4,6 +4,7 @@ import multiprocessing
 import os
 import signal
 import time
+from contextlib import contextmanager
 
 import numpy as np
 import pytest
@@ -164,6 +165,19 @@ def test_the_cell_outlives_its_parent_only_to_stop_the_arm():
     writer.join(5)
     assert last["resting"]
     assert np.abs(last["dq"]).max() < 1e-2
+
+
+def test_who_watches_the_cell_is_called_after_each_step_and_left_at_its_end():
+    steps, heard = 5, []
+
+    @contextmanager
+    def watching(cell):
+        heard.append("begin")
+        yield lambda: heard.append(round(cell.data.time / cell.dt))
+        heard.append("end")
+
+    run_cell(CONFIG, ROBOT, CellMemory.create(6), lambda: len(heard) > steps, lambda: None, watching)
+    assert heard == ["begin", *range(1, steps + 1), "end"]
 
 
 def wait_for(reached, seconds: float = 30.0) -> None:
