@@ -32,10 +32,13 @@ def realtime_plot(results: Mapping[str, Mapping[str, Sequence[TrialResult]]]) ->
     for column, (rolls, by_name) in zip(axes.T, results.items(), strict=True):
         for panel, (of, label) in zip(column, rows.items(), strict=True):
             describe_panel(panel, rolls.replace("_", " "), label)
+            panel.margins(x=0.1)
             for (name, trials), colour in zip(by_name.items(), ("#d72828", "#2864b4"), strict=True):
                 shown = [(k + 1, t.time_s if of == "time_s" else getattr(t.end, of)) for k, t in enumerate(trials)]
                 points = [each for each, t in zip(shown, trials, strict=True) if t.end.placed or of == "time_s"]
                 panel.plot(*np.array(points).reshape(-1, 2).T, "o", label=name.replace("_", " "), color=colour)
+                panel.set_xticks(range(1, len(trials) + 1))
+        column[-1].set_ylim(bottom=0)
     return png(figure, axes, "trial")
 
 
