@@ -20,6 +20,7 @@ from common.messages.requests import (
     LeaseReply,
     LeaseRequest,
     OperatorRequest,
+    RecordRequest,
     Reply,
     TroubleNoted,
     TroubleReport,
@@ -265,6 +266,7 @@ DESCRIBE = Procedure(
 )
 CLOCK = Procedure("farhand/{cell}/clock", ClockQuestion, ClockAnswer, EVERYBODY, REMOTES, max_bytes=256, max_hz=200.0)
 TROUBLE = Procedure("farhand/{cell}/rpc/trouble/{operator}", TroubleReport, TroubleNoted, OPERATORS, REMOTES, max_hz=20)
+RECORD = Procedure("farhand/{cell}/rpc/record/{operator}", RecordRequest, Reply, OPERATORS, REMOTES, max_bytes=4096)
 JOINTS = Procedure("farhand/{cell}/operator/{operator}/joints", JointsRequest, Reply, OPERATORS, OPERATORS)
 OPERATE = Procedure("farhand/{cell}/operator/{operator}/lease", OperatorRequest, Reply, OPERATORS, OPERATORS)
 CHANNELS: tuple[Channel[Any], ...] = (
@@ -287,6 +289,7 @@ PROCEDURES: tuple[Procedure[Any, Any], ...] = (
     DESCRIBE,
     CLOCK,
     TROUBLE,
+    RECORD,
     JOINTS,
     OPERATE,
 )

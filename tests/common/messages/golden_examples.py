@@ -22,6 +22,7 @@ from common.messages.hand import (
     TrackingStatus,
 )
 from common.messages.probe import Probe, ProbeEcho
+from common.messages.recording import EpisodeOutcome, RecordingState
 from common.messages.requests import (
     CameraDescription,
     ClockAnswer,
@@ -38,6 +39,8 @@ from common.messages.requests import (
     MappingDescription,
     OperatorAction,
     OperatorRequest,
+    RecordAction,
+    RecordRequest,
     Reply,
     TroubleNoted,
     TroubleReport,
@@ -172,6 +175,17 @@ STATE = RobotState(
             views=("front_high", "front_low"),
         ),
     ),
+    recording=RecordingState(
+        writing=True,
+        on_request=True,
+        operator_pictures=False,
+        episode=3,
+        episode_open=True,
+        task="put the block on the mark",
+        outcome=EpisodeOutcome.UNKNOWN,
+        lost=0,
+        alarm="",
+    ),
 )
 VIDEO = VideoFrame(
     camera="front_high",
@@ -219,6 +233,14 @@ DESCRIPTION = Description(
         locks=Locks(yaw=True),
     ),
 )
+RECORD = RecordRequest(
+    id=6,
+    deadline_ns=10**9,
+    action=RecordAction.LABEL,
+    task="put the block on the mark",
+    outcome=EpisodeOutcome.SUCCESS,
+    note="second try",
+)
 REPLY = Reply(id=5, done=False, code="not_ready", reason="the robot is not ready")
 
 SHOWN_VIEW = ViewShown(seq=7, capture_ns=9 * 10**8, age_ms=41.5, fps=27.7, came=ViewCame(seq=8, age_ms=24.0, fps=29.9))
@@ -241,6 +263,7 @@ VALID: dict[str, Message] = {
     "lease": LEASE,
     "lease_reply": LEASE_REPLY,
     "operate": OPERATE,
+    "record": RECORD,
     "joints": JOINTS,
     "clock_question": ClockQuestion(),
     "clock": ClockAnswer(received_ns=10**9, answered_ns=10**9 + 50),
