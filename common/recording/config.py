@@ -28,7 +28,8 @@ class RecordConfig(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fie
         StartPolicy, Meta(description="at_once: while the recorder runs; on_request: the lease's holder begins it")
     ] = StartPolicy.AT_ONCE
     folder: Annotated[
-        str, Meta(description="where recordings are kept; empty: recordings in the service's state folder or the user's")
+        str,
+        Meta(description="where recordings are kept; empty: in the service's or the user's state folder"),
     ] = ""
     episodes: Annotated[
         EpisodeBounds, Meta(description="engagement: each is an episode; requests: only what key or command bounds")

@@ -51,7 +51,7 @@ class McapFile:
         self.path = path
         self._output = FileOutput(path)
         output: Any = self._output
-        self._writer = Writer(output, chunk_size=MOST_CHUNK_BYTES, compression=CompressionType.LZ4)
+        self._writer: Any = Writer(output, chunk_size=MOST_CHUNK_BYTES, compression=CompressionType.LZ4)
         self._schemas: dict[MessageSchema, int] = {}
         self._channels: dict[str, tuple[int, int]] = {}
         self._writer.start(profile="farhand", library=software)
@@ -93,4 +93,5 @@ class McapFile:
         schema = topic.schema
         if schema not in self._schemas:
             self._schemas[schema] = self._writer.register_schema(schema.name, schema.encoding, schema.data)
-        return self._writer.register_channel(topic.name, topic.encoding, self._schemas[schema], topic.about)
+        channel: int = self._writer.register_channel(topic.name, topic.encoding, self._schemas[schema], topic.about)
+        return channel

@@ -5,7 +5,7 @@ import os
 import struct
 import zlib
 from pathlib import Path
-from typing import IO, NamedTuple
+from typing import IO, Any, NamedTuple
 
 from mcap.data_stream import RecordBuilder
 from mcap.opcode import Opcode
@@ -62,12 +62,13 @@ def _missing_indexes(index: FileIndex) -> bytes:
     """The message indexes that the last chunk lacks; the summary then knows them."""
     if not index.chunks:
         return b""
-    builder, last = RecordBuilder(), index.chunks[-1]
+    builder: Any = RecordBuilder()
+    last = index.chunks[-1]
     for channel, missing in index.unindexed.items():
         last.message_index_offsets[channel] = index.end + builder.count
         missing.write(builder)
     last.message_index_length += builder.count
-    return builder.end()
+    return bytes(builder.end())
 
 
 def _ending(index: FileIndex, start: int) -> bytes:
@@ -115,7 +116,7 @@ def _statistics(index: FileIndex) -> Statistics:
 
 
 def _bytes_of(records: list[McapRecord]) -> bytes:
-    builder = RecordBuilder()
+    builder: Any = RecordBuilder()
     for record in records:
         record.write(builder)
-    return builder.end()
+    return bytes(builder.end())

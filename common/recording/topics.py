@@ -36,9 +36,11 @@ def protobuf_topic(name: str, message: Any, **about: str) -> Topic:
 
 def json_topic(name: str, struct: type[msgspec.Struct], **about: str) -> Topic:
     """A topic whose messages are this struct as JSON, with its JSON schema."""
-    (schema,), components = msgspec.json.schema_components([struct], ref_template="#/$defs/{name}")
-    whole = components.pop(struct.__name__, schema) | {"$defs": components}
-    return Topic(name, JSON, MessageSchema(f"farhand.{struct.__name__}", "jsonschema", msgspec.json.encode(whole)), about)
+    (reference,), components = msgspec.json.schema_components([struct], ref_template="#/$defs/{name}")
+    whole = components.pop(struct.__name__, reference) | {"$defs": components}
+    return Topic(
+        name, JSON, MessageSchema(f"farhand.{struct.__name__}", "jsonschema", msgspec.json.encode(whole)), about
+    )
 
 
 def wire_topic(key: str, message: str, version: int, **about: str) -> Topic:

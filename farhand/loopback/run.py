@@ -126,6 +126,11 @@ class Loopback:
                 live.print(note)
             runtime = Path(stack.enter_context(tempfile.TemporaryDirectory(prefix="farhand-")))
             stack.callback(self._sites.end)
+            if self._options.record is not None:
+                # before the site, so that not even its first control cycle is missed
+                self._sites.start(
+                    "record", [*self._plan.remote.arguments, "--file", str(self._options.record)], runtime
+                )
             self._start_remote(runtime, stack)
             views = self._options.save_views
             saving = ["--save-views", str(views.resolve())] if views else []
@@ -146,8 +151,16 @@ class Loopback:
         video = stack.enter_context(open_link(connect=(remote.links.video,), sessions=[ChannelSession.VIDEO]))
         self._sites.listen(control, video, remote)
         self._wait("the remote site to start", START_TIMEOUT_S, lambda: bool(self.record.states))
+        if self._options.record is not None:
+            self._wait("the recorder", START_TIMEOUT_S, self._is_recorded)
         if self._should_stop():
             raise InterruptionError("interrupted before both sites were up; nothing was measured")
+
+    def _is_recorded(self) -> bool:
+        recording = self.record.states[-1].recording if self.record.states else None
+        if recording is not None and recording.alarm:
+            raise ProcessError(recording.alarm)
+        return recording is not None and recording.writing
 
     def _start_console(self, runtime: Path, live: LiveSummary) -> None:
         port = self._plan.console.load().serve.port
@@ -214,6 +227,8 @@ def run_loopback(options: LoopbackOptions, should_stop: StopFlag) -> None:
     if options.report is not None:
         check_file("--report", options.report)
     check_folder("--save-views", options.save_views)
+    if options.record is not None and options.record.exists():
+        raise ConfigError(f"--record {options.record} exists already; give a new file")
     loop = Loopback(options, should_stop)
     figures = loop.run()
     print_table(figures, Console())

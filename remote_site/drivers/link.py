@@ -149,7 +149,8 @@ class DriverLink:
 def _written(raw: DriverReport) -> JointCommand | None:
     if not raw.written_ns:
         return None
-    return JointCommand(raw.written_seq, raw.written_ns, *raw.motions[5:], GripperCommand.KEEP)
+    q, dq, ddq = raw.motions[5:]
+    return JointCommand(raw.written_seq, raw.written_ns, q, dq, ddq, GripperCommand.KEEP)
 
 
 def _fault(raw: DriverReport) -> RobotFault | None:

@@ -10,6 +10,7 @@ from common.errors import MessageError
 from common.geometry import Array
 from common.messages.robot import AssistState, Engagement, GripperCommand, SessionState
 from remote_site.drivers.driver import JointCommand
+from remote_site.drivers.link import RobotReport
 from remote_site.kinematics.joints import JointMotion
 from remote_site.reasons import Code, Reason
 from remote_site.session.samples import Accepted
@@ -32,8 +33,11 @@ class CycleOutcome(NamedTuple):
     `motion`, `gripper` and `activate_at` are the pipeline's command; `ordered` is what the driver's process was ordered
     instead of `motion` where a stop was under way, None where it was ordered nothing. `written` is what that process
     had given the robot last when the cycle began, after every limit: `seq` is the number of the order that it comes
-    from, `t_ns` when it was written. The robot was measured at `measured_ns`. The rest is the pipeline's snapshot.
+    from, `t_ns` when it was written. The robot was measured at `measured_ns`, with the joint speeds `measured_dq` (n,).
+    Cycles are numbered from 1 at the site's start, so that a gap shows; the rest is the pipeline's snapshot.
     """
+
+    number: int
 
     motion: JointMotion
     gripper: GripperCommand
@@ -41,6 +45,7 @@ class CycleOutcome(NamedTuple):
     ordered: JointCommand | None
     written: JointCommand | None
     measured_ns: int
+    measured_dq: Array
     state: SessionState
     reason: Reason
     obeys: ObeyedSample | None
@@ -55,18 +60,18 @@ class CycleOutcome(NamedTuple):
     assist: AssistState | None
 
 
-def outcome_of(
-    command: Command, ordered: JointCommand | None, written: JointCommand | None, measured_ns: int
-) -> CycleOutcome:
-    """What is kept of a cycle's command, with what was really sent."""
+def outcome_of(number: int, command: Command, ordered: JointCommand | None, report: RobotReport) -> CycleOutcome:
+    """What is kept of a cycle's command, with what was really sent; the `report` is the one that it began with."""
     snapshot = command.snapshot
     return CycleOutcome(
+        number,
         command.motion,
         command.gripper,
         command.activate_at,
         ordered,
-        written,
-        measured_ns,
+        report.written,
+        report.t_ns,
+        report.dq,
         snapshot.state,
         snapshot.reason,
         _obeyed(snapshot.obeys),
@@ -89,7 +94,8 @@ def encode_input(given: CycleInput) -> bytes:
 
 def decode_input(data: bytes) -> CycleInput:
     """The input that `encode_input` wrote; MessageError for anything else."""
-    return _decoded(INPUT_DECODER, data)
+    given: CycleInput = _decoded(INPUT_DECODER, data)
+    return given
 
 
 def encode_outcome(outcome: CycleOutcome) -> bytes:
@@ -99,7 +105,8 @@ def encode_outcome(outcome: CycleOutcome) -> bytes:
 
 def decode_outcome(data: bytes) -> CycleOutcome:
     """The outcome that `encode_outcome` wrote; MessageError for anything else."""
-    return _decoded(OUTCOME_DECODER, data)
+    outcome: CycleOutcome = _decoded(OUTCOME_DECODER, data)
+    return outcome
 
 
 def _obeyed(sample: Accepted | None) -> ObeyedSample | None:

@@ -1,4 +1,4 @@
-"""The memory in which the remote site leaves what a recorder of its host may take: a file of tmpfs, its owner's alone."""
+"""The memory in which the site leaves what a recorder of its host may take: a file of tmpfs, its owner's alone."""
 
 import errno
 import fcntl

@@ -42,7 +42,9 @@ class DrivenPipeline:
         """One control tick; the driver is activated, or commanded if it takes commands."""
         report = self.report = self._driver.read()
         robot = RobotObservation(report.q, report.fault, report.sent, report.gripper, report.diverted)
-        given = self.given = CycleInput(now_ns, robot, lease, tuple(samples), tuple(requests), site_ready, tuple(markers))
+        given = self.given = CycleInput(
+            now_ns, robot, lease, tuple(samples), tuple(requests), site_ready, tuple(markers)
+        )
         command = self.command = self._pipeline.cycle(given)
         self.sent, self.ordered = report.sent, None
         if command.activate_at is not None:

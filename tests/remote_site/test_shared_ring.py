@@ -27,7 +27,7 @@ def taken(reader: RingReader) -> list[bytes]:
 
 
 def test_records_of_any_length_come_once_and_in_order_over_many_rounds():
-    shared, rng = ring(4096), Random(1)
+    shared, rng = ring(4096), Random(1)  # noqa: S311
     reader, numbers = RingReader(shared), iter(range(10**6))
     for _ in range(500):
         written = [record(next(numbers), rng.randrange(0, 300)) for _ in range(rng.randrange(0, 4))]
@@ -79,7 +79,7 @@ def test_a_changed_byte_is_noticed():
 
 
 def hammer(shared: SharedRing) -> None:
-    rng = Random(2)
+    rng = Random(2)  # noqa: S311
     for number in range(10_000_000):
         shared.write(record(number, rng.randrange(0, 700)))
 

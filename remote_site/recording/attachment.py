@@ -1,0 +1,88 @@
+"""The recorder's end of the site's memory: attached while the site lives, its rings read, its orders taken."""
+
+from collections.abc import Iterator
+from pathlib import Path
+
+import structlog
+
+from common.clock import NS_PER_MS
+from common.errors import ProcessError
+from common.messages.recording import RecordingState
+from remote_site.recording.memory import RecordingMemory
+from remote_site.recording.records import ENCODER, KEPT, ORDERS, Kept, RecordOrder
+from remote_site.shared_ring import RingReader
+
+LOOK_NS = 300 * NS_PER_MS
+MOST_AT_ONCE = 5000  # records: a step must not outlast the recorder's beat
+
+
+class SiteAttachment:
+    """Finds the site's memory when it appears, beats while it is there, and lets go of it when the site has ended."""
+
+    def __init__(self, path: Path) -> None:
+        self._path = path
+        self._memory: RecordingMemory | None = None
+        self._readers: tuple[RingReader, ...] = ()
+        self._orders: RingReader | None = None
+        self._looked_ns = -LOOK_NS
+        self._before = 0
+        self._refused = ""
+
+    @property
+    def lost(self) -> int:
+        """The records that were overwritten before they were taken, since the recording began."""
+        return sum(reader.lost for reader in self._readers) - self._before
+
+    def attend(self, now_ns: int) -> bool:
+        """Beat; whether a site is there. What it left before it ended can still be taken once."""
+        if now_ns - self._looked_ns >= LOOK_NS:
+            self._looked_ns = now_ns
+            self._look()
+        if self._memory is not None:
+            self._memory.beat(now_ns)
+        return self._memory is not None
+
+    def orders(self) -> Iterator[RecordOrder]:
+        """What the lease's holder has asked for."""
+        if self._orders is not None:
+            for data in iter(self._orders.take, None):
+                yield ORDERS.decode(data)
+
+    def records(self) -> Iterator[Kept]:
+        """What control and video have left since the last call."""
+        for reader in self._readers:
+            for _ in range(MOST_AT_ONCE):
+                data = reader.take()
+                if data is None:
+                    break
+                yield KEPT.decode(data)
+
+    def forget(self) -> None:
+        """Count losses from now on: a recording begins."""
+        self._before += self.lost
+
+    def tell(self, state: RecordingState) -> None:
+        """Show the site what the recorder does."""
+        if self._memory is not None:
+            self._memory.status.write(ENCODER.encode(state))
+
+    def _look(self) -> None:
+        if self._memory is not None and self._memory.is_left():
+            self._memory.close()
+            self._memory, self._orders = None, None
+            return
+        if self._memory is None:
+            self._attach()
+
+    def _attach(self) -> None:
+        try:
+            self._memory = RecordingMemory.attach(self._path)
+        except ProcessError as error:
+            if str(error) != self._refused:
+                self._refused = str(error)
+                structlog.get_logger().error("cannot record", reason=str(error))
+            return
+        if self._memory is not None:
+            memory = self._memory
+            self._readers, self._before = (RingReader(memory.ticks), RingReader(memory.pictures)), 0
+            self._orders = RingReader(memory.requests)
