@@ -63,6 +63,11 @@ class CellRecorder:
             self._guarded(lambda: self._finish(session, now_ns))
         self._session = None
 
+    @property
+    def lost(self) -> int:
+        """What is missing in the recording: cycles, or records of any kind that were overwritten."""
+        return max(self._site.lost, self._transcript.missing)
+
     def state(self) -> RecordingState:
         """What the recorder does."""
         episodes = self._episodes
@@ -74,7 +79,7 @@ class CellRecorder:
             episode_open=episodes.is_open,
             task=episodes.shown_task,
             outcome=episodes.outcome,
-            lost=self._site.lost,
+            lost=self.lost,
             alarm=self._alarm,
         )
 
@@ -125,7 +130,7 @@ class CellRecorder:
         self._keep(now_ns)
         self._events(self._episodes.finish(now_ns))
         session.end()
-        structlog.get_logger().info("recorded", file=str(session.path), lost=self._site.lost)
+        structlog.get_logger().info("recorded", file=str(session.path), lost=self.lost)
 
     def _guarded(self, write: Callable[[], None]) -> None:
         """Write; where nothing more can be written, end the recording with an alarm."""

@@ -17,7 +17,7 @@ from remote_site.recording.attachment import SiteAttachment
 from remote_site.recording.memory import memory_path
 from remote_site.recording.recorder import CellRecorder
 
-NICE = 10
+NICE = 5  # as video: nobody waits for it, but what it is too late for is lost
 POLL_S = 0.05
 
 

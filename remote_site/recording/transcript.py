@@ -33,14 +33,18 @@ image_topic, hand_topic = cache(topics.image_topic), cache(topics.hand_topic)
 
 
 class Transcript:
-    """Writes one cell's messages into its recording; the preamble goes into every file."""
+    """Writes one cell's messages into its recording; the preamble goes into every file.
+
+    `missing` counts the control cycles that did not come between the first and the last.
+    """
 
     def __init__(self, config: RemoteConfig, model: ArmModel) -> None:
         self._config, self._model = config, model
         self._said: tuple[str, str] | None = None
         self._clocks: dict[str, ClockSync] = {}
         self._measured_ns = self._written_ns = 0
-        self.refused = 0
+        self._number = 0
+        self.missing = 0
 
     def preamble(self, session: RecordingSession, now_ns: int) -> None:
         """What a reader needs to know, whichever file it opens: the cell, its configuration, its calibrations."""
@@ -77,8 +81,9 @@ class Transcript:
         try:
             given, outcome = decode_input(tick.given), decode_outcome(tick.outcome)
         except MessageError:
-            self.refused += 1
             return None
+        self.missing += outcome.number - self._number - 1 if self._number else 0
+        self._number = outcome.number
         self._joints(session, tick.t_ns, given, outcome)
         self._tool(session, tick.t_ns, given, outcome)
         self._action(session, tick.t_ns, outcome)
