@@ -57,8 +57,10 @@ class SiteAttachment:
                     break
                 yield KEPT.decode(data)
 
-    def forget(self) -> None:
-        """Count losses from now on: a recording begins."""
+    def skip(self) -> None:
+        """Leave out what came until now, and count losses from now on: a recording begins."""
+        for _ in self.records():
+            pass
         self._before += self.lost
 
     def tell(self, state: RecordingState) -> None:

@@ -96,7 +96,7 @@ class CellRecorder:
 
     def _begin(self, now_ns: int) -> None:
         record = self._config.record
-        self._site.forget()
+        self._site.skip()
         self._episodes = Episodes(record.episodes, self._episodes.task or record.task)
         self._transcript = Transcript(self._config, self._model)
         self._session = RecordingSession(self._plan, self._date(), now_ns, self._transcript.preamble)
@@ -137,10 +137,10 @@ class CellRecorder:
         try:
             write()
         except (OSError, RecordingError) as error:
-            why = error.strerror if isinstance(error, OSError) else str(error)
+            why = f"{error.strerror}; free some space, and start it again" if isinstance(error, OSError) else str(error)
             session, self._session, self._wanted = self._session, None, False
             self._alarm = f"recording has ended: {why}"
-            structlog.get_logger().error("recording has ended", reason=why, cure="free some space, and start it again")
+            structlog.get_logger().error("recording has ended", reason=why)
             if session is not None:
                 with suppress(RecordingError, OSError):  # the disk may be too full for the index, too
                     session.abandon()
