@@ -8,6 +8,7 @@ from typing import NamedTuple, Self
 from mcap.exceptions import McapError
 from mcap.reader import make_reader
 
+from common.clock import NS_PER_S
 from common.errors import RecordingError
 
 CLOCK_TABLE = "farhand.clock"
@@ -57,6 +58,14 @@ class RecordingReader:
             return {}
         counts = summary.statistics.channel_message_counts
         return {channel.topic: counts.get(channel.id, 0) for channel in summary.channels.values()}
+
+    @property
+    def seconds(self) -> float:
+        """From the first message to the last."""
+        statistics = self._summary.statistics if self._summary is not None else None
+        if statistics is None:
+            return 0.0
+        return float(statistics.message_end_time - statistics.message_start_time) / NS_PER_S
 
     def table(self, name: str) -> dict[str, str]:
         """A table of words about the recording; KeyError without it."""

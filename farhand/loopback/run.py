@@ -21,6 +21,7 @@ from common.process.service import StopFlag
 from farhand.loopback.display import LiveSummary, print_table, save_camera_views, save_overview
 from farhand.loopback.figures import Expectation, Figures, all_figures, session_events, troubles
 from farhand.loopback.plan import LoopbackOptions, plan_of
+from farhand.loopback.recorded import read_run, recording_figures
 from farhand.loopback.recorder import Record, Recorder
 from farhand.loopback.scenario import operator_views
 from farhand.loopback.site_process import SiteProcess, listens, start_site
@@ -142,7 +143,17 @@ class Loopback:
                 self._operator.beginning.set(self._engagement.hand_capture_ns)
             self._watch(live)
             self._settle()
-        return run_figures(self.record, self._operator, self._remote, self._sites.events)
+        figures = run_figures(self.record, self._operator, self._remote, self._sites.events)
+        if self._options.record is not None:
+            figures["recording"] = self._recomputed(self._options.record, figures)
+        return figures
+
+    def _recomputed(self, path: Path, printed: Figures) -> Figures:
+        """What the recording of the run is like, and whether it gives the same figures."""
+        run = read_run(path, self._remote.cell, self.record)
+        return recording_figures(
+            path, run, printed, lambda record: run_figures(record, self._operator, self._remote, [])
+        )
 
     def _start_remote(self, runtime: Path, stack: ExitStack) -> None:
         remote = self._remote
