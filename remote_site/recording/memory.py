@@ -98,6 +98,7 @@ class RecordingMemory:
             if error.errno not in (errno.EWOULDBLOCK, errno.EACCES):
                 raise
             return not self._is_named()
+        fcntl.flock(self._handle, fcntl.LOCK_UN)  # the mapping would hold it on, and look like a site
         return True
 
     def beat(self, now_ns: int) -> None:
@@ -109,7 +110,7 @@ class RecordingMemory:
         return now_ns - self._beat[0] < GONE_NS
 
     def close(self) -> None:
-        """Let go of the file; the mapping ends with its last user."""
+        """Let go of the file; the mapping, and with it the lock, ends with its last user."""
         os.close(self._handle)
 
     def remove(self) -> None:
