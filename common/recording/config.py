@@ -40,6 +40,3 @@ class RecordConfig(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fie
     keep_gb: Annotated[
         float, Meta(ge=0.001, le=1e6, description="the oldest recordings in the folder are removed beyond this")
     ] = 100.0
-    operator_pictures: Annotated[
-        bool, Meta(description="local site: the operator's camera pictures too; the page's mark says so")
-    ] = False

@@ -69,7 +69,10 @@ class RecordingMemory:
 
     @classmethod
     def attach(cls, path: Path) -> Self | None:
-        """The memory of the site that runs, None while none does; ProcessError for what is another user's."""
+        """The memory of the site that runs, None while none does.
+
+        ProcessError for what is another user's, and where another process has attached to it.
+        """
         try:
             handle = os.open(path, os.O_RDWR | os.O_CLOEXEC | os.O_NOFOLLOW)
         except FileNotFoundError:
@@ -88,7 +91,16 @@ class RecordingMemory:
         if memory._magic != MAGIC or memory.is_left():
             memory.close()
             return None
+        memory._claim()
         return memory
+
+    def _claim(self) -> None:
+        """Be the one recorder: of two, both would write the status."""
+        try:
+            fcntl.lockf(self._handle, fcntl.LOCK_EX | fcntl.LOCK_NB, 1)  # of this process, beside the site's flock
+        except BlockingIOError as error:
+            self.close()
+            raise ProcessError(f"another recorder is at {self.path}; end it first") from error
 
     def is_left(self) -> bool:
         """Whether no process of the site lives any more, or another run has taken its place; for the recorder."""

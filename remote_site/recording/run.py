@@ -7,7 +7,7 @@ from pathlib import Path
 import structlog
 
 from common.clock import MonotonicClock
-from common.errors import FarhandError
+from common.errors import FarhandError, RecordingError
 from common.process.log import LogFormat, start_log
 from common.process.service import StopFlag, be_nice, notify
 from common.recording.folder import make_private, recordings_folder
@@ -33,7 +33,7 @@ def run_recorder(
     """Record the site of this configuration until asked to stop, whenever it runs.
 
     Recordings go to the folder `out`, by default the configured one, or all into one `file`. RecordingError for a
-    folder that cannot be written, or that others may look into.
+    folder that cannot be written, or that others may look into, and for a file that exists.
     """
     start_log("record", log_format)
     log, clock = structlog.get_logger(), MonotonicClock()
@@ -41,6 +41,8 @@ def run_recorder(
         folder = out or recordings_folder(config.record.folder)
         if file is None:
             make_private(folder)
+        elif file.exists():
+            raise RecordingError(f"{file} exists already; give a new file")
         be_nice(NICE)
         plan = RecordingPlan(folder, config.cell, software, config.record, file)
         recorder = CellRecorder(config, plan, SiteAttachment(memory_path(config.cell, config.links)), date)

@@ -1,6 +1,7 @@
 """The site's memory is its owner's alone, and a recorder knows whether its site lives."""
 
 import gc
+import os
 import stat
 from pathlib import Path
 
@@ -51,6 +52,21 @@ def test_a_site_that_has_ended_is_noticed_whether_or_not_it_cleaned_up(tmp_path:
     again.remove()
     assert found.is_left()
     assert not path.exists()
+
+
+def test_there_is_one_recorder(tmp_path: Path) -> None:
+    site = RecordingMemory.create(tmp_path / "memory")
+    first = RecordingMemory.attach(tmp_path / "memory")
+    assert first is not None
+    child = os.fork()
+    if child == 0:
+        try:
+            RecordingMemory.attach(tmp_path / "memory")
+        except ProcessError:
+            os._exit(7)
+        os._exit(0)
+    assert os.waitstatus_to_exitcode(os.waitpid(child, 0)[1]) == 7
+    site.close()
 
 
 def test_nobody_attaches_to_what_others_may_write(tmp_path: Path) -> None:
