@@ -10,6 +10,7 @@ from common.link.roles import CELL_NAME, EVERYBODY, MAINTAINERS, OPERATORS, REMO
 from common.messages.base import Message
 from common.messages.hand import HandArm, OperatorIntent
 from common.messages.probe import MOST_PADDING, Probe, ProbeEcho
+from common.messages.recording import RecordingNotice
 from common.messages.requests import (
     ClockAnswer,
     ClockQuestion,
@@ -191,6 +192,17 @@ INTENT = Channel(
     max_bytes=1024,
     depth=8,  # a second console must not displace what the operating one reports
 )
+RECORDING = Channel(
+    key="farhand/{cell}/operator/{operator}/recording",
+    message=RecordingNotice,
+    sent_by=OPERATORS,
+    received_by=OPERATORS,
+    session=ChannelSession.CONTROL,
+    priority=Priority.INTERACTIVE,
+    rate_hz=5.0,
+    stale_after_ns=2 * NS_PER_S,
+    max_bytes=4096,
+)
 PROBE = Channel(
     key="farhand/{cell}/probe/{operator}",
     message=Probe,
@@ -277,6 +289,7 @@ CHANNELS: tuple[Channel[Any], ...] = (
     PREVIEW,
     SHOWN,
     INTENT,
+    RECORDING,
     PROBE,
     ECHO,
     LOAD,

@@ -4,7 +4,7 @@ from enum import StrEnum
 
 import msgspec
 
-from common.messages.base import Count, Text
+from common.messages.base import Count, Message, Text
 
 
 class EpisodeOutcome(StrEnum):
@@ -32,3 +32,9 @@ class RecordingState(msgspec.Struct, frozen=True, forbid_unknown_fields=True, kw
     outcome: EpisodeOutcome
     lost: Count
     alarm: Text
+
+
+class RecordingNotice(Message, frozen=True):
+    """What the recorder of the local site does, for the console of the same host."""
+
+    state: RecordingState

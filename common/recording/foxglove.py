@@ -102,9 +102,9 @@ def calibration(t_ns: int, frame: str, size: tuple[int, int], pixels_T_camera: A
     )
 
 
-def log_line(t_ns: int, name: str, sentence: str, *, is_alarm: bool = False) -> bytes:
+def log_line(t_ns: int, name: str, sentence: str) -> bytes:
     """A line of the log."""
-    return _bytes(Log(timestamp=_time(t_ns), level=Log.ERROR if is_alarm else Log.INFO, name=name, message=sentence))
+    return _bytes(Log(timestamp=_time(t_ns), level=Log.INFO, name=name, message=sentence))
 
 
 def _time(t_ns: int) -> Timestamp:

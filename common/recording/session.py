@@ -39,9 +39,7 @@ class RecordingSession:
     `preamble` writes what every part has to contain. OSError of any call: nothing more can be written, `abandon` it.
     """
 
-    def __init__(
-        self, plan: RecordingPlan, began: datetime, now_ns: int, preamble: Callable[["RecordingSession", int], None]
-    ) -> None:
+    def __init__(self, plan: RecordingPlan, began: datetime, now_ns: int, preamble: "Preamble") -> None:
         self._plan, self._began, self._preamble = plan, began, preamble
         self.epoch_ns = (began - EPOCH) // timedelta(microseconds=1) * 1000 - now_ns
         self._part, self._begun_ns, self._flushed_ns = 0, now_ns, now_ns
@@ -103,3 +101,6 @@ class RecordingSession:
         self._file.describe(CLOCK_TABLE, {EPOCH_KEY: str(self.epoch_ns), "part": str(self._part)})
         self._preamble(self, now_ns)
         return self._file
+
+
+Preamble = Callable[[RecordingSession, int], None]

@@ -37,21 +37,15 @@ def record(
     file: Annotated[Path | None, typer.Option(help="One file instead, that does not exist yet; never split.")] = None,
     log_format: LogLines = LogFormat.TEXT,
 ) -> None:
-    """Record the remote site of this host, by its own configuration, until Ctrl-C or SIGTERM.
+    """Record the site of this host whose configuration it is given, until Ctrl-C or SIGTERM.
 
     Example: farhand record --config remote.toml --out recordings
     """
     if context.invoked_subcommand is not None:
         return
-    from importlib.metadata import version
+    from farhand.recording.run import run_recorder
 
-    from common.config import load_config
-    from remote_site.config import RemoteConfig
-    from remote_site.recording.run import run_recorder
-
-    software = f"farhand {version('farhand')}"
-    loaded = load_config(RemoteConfig, config, settings or ())
-    run_recorder(loaded, out, file, software, lambda: datetime.now(UTC), until_signal(), log_format)
+    run_recorder(config, settings or (), out, file, lambda: datetime.now(UTC), until_signal(), log_format)
 
 
 @record_app.command("repair")

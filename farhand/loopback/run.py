@@ -38,6 +38,7 @@ SILENT_NS = 2 * NS_PER_S
 SETTLE_NS = 400 * NS_PER_MS  # from the opening of the hand to the toggled gripper, with room
 SETTLE_TIMEOUT_S = 3.0
 POLL_S = 0.05
+READY = "event=ready"
 MAX_FOLLOW_MM = 50.0
 FOLLOWING = (SessionState.ENGAGED, SessionState.HOLDING)
 
@@ -67,9 +68,10 @@ class RunningSites:
         self._recorder: Recorder | None = None
         self._sites: list[SiteProcess] = []
 
-    def start(self, name: str, arguments: list[str], runtime: Path) -> None:
+    def start(self, name: str, arguments: list[str], runtime: Path) -> SiteProcess:
         """Start `farhand NAME` with these arguments."""
         self._sites.append(start_site(name, arguments, runtime))
+        return self._sites[-1]
 
     def listen(self, control: Link, video: Link, remote: RemoteConfig) -> None:
         """Record what the sites send from now on."""
@@ -155,6 +157,11 @@ class Loopback:
             path, run, printed, lambda record: run_figures(record, self._operator, self._remote, [])
         )
 
+    def _start_recorder(self, file: Path, runtime: Path) -> None:
+        """Before the site, so that not even its first control cycle is missed."""
+        recorder = self._sites.start("record", [*self._plan.remote.arguments, "--file", str(file)], runtime)
+        self._wait("the recorder", START_TIMEOUT_S, lambda: any(READY in line for line in list(recorder.lines)))
+
     def _start_remote(self, runtime: Path, stack: ExitStack) -> None:
         remote = self._remote
         self._sites.start("remote", self._plan.remote.arguments, runtime)
@@ -163,7 +170,7 @@ class Loopback:
         self._sites.listen(control, video, remote)
         self._wait("the remote site to start", START_TIMEOUT_S, lambda: bool(self.record.states))
         if self._options.record is not None:
-            self._wait("the recorder", START_TIMEOUT_S, self._is_recorded)
+            self._wait("a recording", START_TIMEOUT_S, self._is_recorded)
         if self._should_stop():
             raise InterruptionError("interrupted before both sites were up; nothing was measured")
 

@@ -1,19 +1,16 @@
 """The recorder of a cell: it keeps what the site leaves, bounds it into episodes, and shows what it does."""
 
-from collections.abc import Callable
-from contextlib import suppress
-from datetime import datetime
-
-import structlog
+from functools import partial
 
 from common.clock import NS_PER_MS
-from common.errors import RecordingError
 from common.messages.recording import RecordingState
 from common.messages.requests import RecordAction
 from common.messages.robot import SessionState
 from common.recording.config import StartPolicy
 from common.recording.episodes import EpisodeEvent, Episodes
-from common.recording.session import RecordingPlan, RecordingSession
+from common.recording.guarded import GuardedRecording
+from common.recording.hand_transcript import add_episode
+from common.recording.session import RecordingSession
 from remote_site.config import RemoteConfig
 from remote_site.kinematics.limits import load_arm
 from remote_site.recording.attachment import SiteAttachment
@@ -25,21 +22,14 @@ FOLLOWING = (SessionState.ENGAGED, SessionState.HOLDING)
 
 
 class CellRecorder:
-    """Keeps what the site leaves: at once, or once the lease's holder asks for it; a full disk ends that with an alarm.
+    """Keeps what the site leaves, at once or once the lease's holder asks for it; a full disk ends it with an alarm."""
 
-    `date` gives the date of a recording's beginning.
-    """
-
-    def __init__(
-        self, config: RemoteConfig, plan: RecordingPlan, site: SiteAttachment, date: Callable[[], datetime]
-    ) -> None:
-        self._config, self._plan, self._site, self._date = config, plan, site, date
+    def __init__(self, config: RemoteConfig, recording: GuardedRecording, site: SiteAttachment) -> None:
+        self._config, self._recording, self._site = config, recording, site
         self._model = load_arm(config.robot)[0]
         self._wanted = config.record.start is StartPolicy.AT_ONCE
-        self._session: RecordingSession | None = None
         self._transcript = Transcript(config, self._model)
         self._episodes = Episodes(config.record.episodes, config.record.task)
-        self._alarm = ""
         self._told_ns = 0
 
     def step(self, now_ns: int) -> None:
@@ -49,19 +39,20 @@ class CellRecorder:
             return
         for order in self._site.orders():
             self._obey(order, now_ns)
-        if self._wanted and self._session is None:
-            self._guarded(lambda: self._begin(now_ns))
-        self._guarded(lambda: self._keep(now_ns))
+        recording = self._recording
+        if self._wanted and recording.session is None and not recording.alarm:
+            self._begin(now_ns)
+        self._keep()
+        recording.write(lambda session: session.tend(now_ns))
         if now_ns - self._told_ns >= STATUS_NS:
             self._told_ns = now_ns
             self._site.tell(self.state())
 
     def end(self, now_ns: int) -> None:
-        """End the recording under way in order."""
-        session = self._session
-        if session is not None:
-            self._guarded(lambda: self._finish(session, now_ns))
-        self._session = None
+        """End the recording under way in order, with what has come until now."""
+        if self._recording.session is not None:
+            self._keep()
+            self._recording.end(lambda session: self._events(session, self._episodes.finish(now_ns)))
 
     @property
     def lost(self) -> int:
@@ -72,7 +63,7 @@ class CellRecorder:
         """What the recorder does."""
         episodes = self._episodes
         return RecordingState(
-            writing=self._session is not None,
+            writing=self._recording.session is not None,
             on_request=self._config.record.start is StartPolicy.ON_REQUEST,
             operator_pictures=False,
             episode=episodes.number,
@@ -80,34 +71,31 @@ class CellRecorder:
             task=episodes.shown_task,
             outcome=episodes.outcome,
             lost=self.lost,
-            alarm=self._alarm,
+            alarm=self._recording.alarm,
         )
 
     def _obey(self, order: RecordOrder, now_ns: int) -> None:
         match order.action:
             case RecordAction.START:
-                self._wanted, self._alarm = True, ""
+                self._wanted, self._recording.alarm = True, ""
             case RecordAction.STOP:
                 self._wanted = False
                 self.end(now_ns)
-            case _ if self._session is not None:
+            case _ if self._recording.session is not None:
                 given = order.task, order.outcome, order.note
-                self._events(self._episodes.act(order.action, order.operator, now_ns, *given))
+                events = self._episodes.act(order.action, order.operator, now_ns, *given)
+                self._recording.write(lambda session: self._events(session, events))
 
     def _begin(self, now_ns: int) -> None:
         record = self._config.record
         self._site.skip()
         self._episodes = Episodes(record.episodes, self._episodes.task or record.task)
         self._transcript = Transcript(self._config, self._model)
-        self._session = RecordingSession(self._plan, self._date(), now_ns, self._transcript.preamble)
-        structlog.get_logger().info("recording", file=str(self._session.path))
+        self._recording.begin(self._transcript.preamble, now_ns)
 
-    def _keep(self, now_ns: int) -> None:
+    def _keep(self) -> None:
         for kept in self._site.records():
-            if self._session is not None:
-                self._write(self._session, kept)
-        if self._session is not None:
-            self._session.tend(now_ns)
+            self._recording.write(partial(self._write, kept=kept))
 
     def _write(self, session: RecordingSession, kept: Kept) -> None:
         match kept:
@@ -115,32 +103,12 @@ class CellRecorder:
                 outcome = self._transcript.tick(session, kept)
                 if outcome is not None:
                     engaged = outcome.state in FOLLOWING
-                    self._events(self._episodes.follow(engaged=engaged, t_ns=kept.t_ns))
+                    self._events(session, self._episodes.follow(engaged=engaged, t_ns=kept.t_ns))
             case PassedMessage():
                 self._transcript.message(session, kept)
             case FullPicture():
                 self._transcript.picture(session, kept)
 
-    def _events(self, events: list[EpisodeEvent]) -> None:
+    def _events(self, session: RecordingSession, events: list[EpisodeEvent]) -> None:
         for event in events:
-            if self._session is not None:
-                self._transcript.episode(self._session, event)
-
-    def _finish(self, session: RecordingSession, now_ns: int) -> None:
-        self._keep(now_ns)
-        self._events(self._episodes.finish(now_ns))
-        session.end()
-        structlog.get_logger().info("recorded", file=str(session.path), lost=self.lost)
-
-    def _guarded(self, write: Callable[[], None]) -> None:
-        """Write; where nothing more can be written, end the recording with an alarm."""
-        try:
-            write()
-        except (OSError, RecordingError) as error:
-            why = f"{error.strerror}; free some space, and start it again" if isinstance(error, OSError) else str(error)
-            session, self._session, self._wanted = self._session, None, False
-            self._alarm = f"recording has ended: {why}"
-            structlog.get_logger().error("recording has ended", reason=why)
-            if session is not None:
-                with suppress(RecordingError, OSError):  # the disk may be too full for the index, too
-                    session.abandon()
+            add_episode(session, event)

@@ -5,17 +5,12 @@ from foxglove_schemas_protobuf.CameraCalibration_pb2 import CameraCalibration
 from foxglove_schemas_protobuf.CompressedImage_pb2 import CompressedImage
 from foxglove_schemas_protobuf.FrameTransform_pb2 import FrameTransform
 from foxglove_schemas_protobuf.JointStates_pb2 import JointStates
-from foxglove_schemas_protobuf.Log_pb2 import Log
-from foxglove_schemas_protobuf.PointCloud_pb2 import PointCloud
 from foxglove_schemas_protobuf.PoseInFrame_pb2 import PoseInFrame
 
-from common.messages.hand import ClockSync
 from common.messages.robot import GripperCommand, GripperState
-from common.recording.episodes import EpisodeEvent
 from common.recording.topics import MSGPACK, MessageSchema, Topic, json_topic, protobuf_topic
 
-BASE, TOOL, OPERATOR = "base_link", "tool", "operator"
-HAND_POINTS = ("elbow", "wrist", "index", "thumb", "palm")
+BASE, TOOL = "base_link", "tool"
 
 
 class ActionCause(msgspec.Struct, frozen=True, kw_only=True):
@@ -43,31 +38,16 @@ class SentAction(msgspec.Struct, frozen=True, kw_only=True):
     written_ns: int | None
 
 
-class KnownClock(msgspec.Struct, frozen=True, kw_only=True):
-    """The clock of the host that records minus an operator's, as the operator's hand samples carry it, ns."""
-
-    operator: str
-    sync: ClockSync
-
-
 MEASURED = protobuf_topic("/joints/measured", JointStates, unit="rad, rad/s")
 COMMANDED = protobuf_topic("/joints/commanded", JointStates, unit="rad, rad/s, rad/s2")
 WRITTEN = protobuf_topic("/joints/written", JointStates, unit="rad, rad/s, rad/s2")
 TOOL_MEASURED = protobuf_topic("/tool/measured", PoseInFrame, unit="m")
 TOOL_TARGET = protobuf_topic("/tool/target", PoseInFrame, unit="m")
 TRANSFORMS = protobuf_topic("/tf", FrameTransform, unit="m")
-LOG = protobuf_topic("/log", Log)
 ACTION = json_topic("/action", SentAction)
 GRIPPER = json_topic("/gripper", GripperState, unit="m, N")
-EPISODE = json_topic("/episode", EpisodeEvent)
-CLOCK = json_topic("/clock", KnownClock, unit="ns")
 CYCLE_INPUT = Topic("/cycle/input", MSGPACK, MessageSchema("farhand.CycleInput"))
 CYCLE_OUTCOME = Topic("/cycle/outcome", MSGPACK, MessageSchema("farhand.CycleOutcome"))
-
-
-def hand_topic(operator: str) -> Topic:
-    """The points of an operator's arm."""
-    return protobuf_topic(f"/hand/{operator}", PointCloud, unit="m, m2", points=",".join(HAND_POINTS))
 
 
 def image_topic(camera: str) -> Topic:

@@ -8,12 +8,10 @@ import numpy as np
 
 from common.errors import MessageError
 from common.geometry import transform
-from common.link.channels import HAND
 from common.messages.base import PROTOCOL_VERSION
-from common.messages.codec import decode
-from common.messages.hand import ClockSync, HandArm
+from common.messages.hand import HandArm
 from common.recording import foxglove
-from common.recording.episodes import EpisodeEvent
+from common.recording.hand_transcript import OPERATOR_FRAME, HandTranscript, add_log
 from common.recording.session import RecordingSession
 from common.recording.wire_topics import topic_of
 from remote_site.config import RemoteConfig
@@ -29,7 +27,7 @@ from remote_site.video.calibration import calibration_of
 CELL_TABLE = "farhand.cell"
 CONFIG_FILE, URDF_FILE = "remote.json", "robot.urdf"
 TICKS_PER_TRANSFORM = 5
-image_topic, hand_topic = cache(topics.image_topic), cache(topics.hand_topic)
+image_topic = cache(topics.image_topic)
 
 
 class Transcript:
@@ -41,7 +39,7 @@ class Transcript:
     def __init__(self, config: RemoteConfig, model: ArmModel) -> None:
         self._config, self._model = config, model
         self._said: tuple[str, str] | None = None
-        self._clocks: dict[str, ClockSync] = {}
+        self._hands = HandTranscript(at_remote=True)
         self._measured_ns = self._written_ns = 0
         self._number = 0
         self.missing = 0
@@ -62,7 +60,7 @@ class Transcript:
         session.attach(CONFIG_FILE, "application/json", encode_config(config), now_ns)
         session.attach(URDF_FILE, "application/xml", robot.urdf.read_bytes(), now_ns)
         turned = transform(np.array(config.mapping.base_R_operator), np.zeros(3))
-        self._transform(session, now_ns, topics.BASE, topics.OPERATOR, turned)
+        self._transform(session, now_ns, topics.BASE, OPERATOR_FRAME, turned)
         for camera in config.video.cameras:
             view = calibration_of(camera, config.video, config.simulation, robot.tool_T_tcp)
             if view is None:
@@ -90,14 +88,14 @@ class Transcript:
         said = outcome.state.value, outcome.reason.code.value
         if said != self._said:
             self._said = said
-            self.log(session, tick.t_ns, "session", f"{said[0]} ({said[1]}): {outcome.reason.sentence}")
+            add_log(session, tick.t_ns, "session", f"{said[0]} ({said[1]}): {outcome.reason.sentence}")
         return outcome
 
     def message(self, session: RecordingSession, passed: PassedMessage) -> None:
         """A message as it passed the wire; of a hand sample also what it shows."""
         topic, published_ns = topic_of(passed.key, sent=passed.sent), None
         if topic.schema.name.startswith(f"farhand.{HandArm.__name__}."):
-            published_ns = self._hand(session, passed)
+            published_ns = self._hands.add(session, passed.key, passed.payload, passed.t_ns)
         session.add(topic, passed.payload, passed.t_ns, published_ns)
 
     def picture(self, session: RecordingSession, picture: FullPicture) -> None:
@@ -105,16 +103,6 @@ class Transcript:
         t_ns, frame = picture.capture_ns, topics.camera_frame_name(picture.camera)
         image = foxglove.jpeg_image(t_ns + session.epoch_ns, frame, picture.data)
         session.add(image_topic(picture.camera), image, t_ns)
-
-    def episode(self, session: RecordingSession, event: EpisodeEvent) -> None:
-        """An event of an episode."""
-        session.add(topics.EPISODE, msgspec.json.encode(event), event.t_ns)
-        sentence = f"episode {event.episode}: {event.event.value} by {event.by}, {event.outcome.value}, {event.task!r}"
-        self.log(session, event.t_ns, "episode", sentence)
-
-    def log(self, session: RecordingSession, t_ns: int, name: str, sentence: str) -> None:
-        """A line of the recording's log."""
-        session.add(topics.LOG, foxglove.log_line(t_ns + session.epoch_ns, name, sentence), t_ns)
 
     def _joints(self, session: RecordingSession, t_ns: int, given: CycleInput, outcome: CycleOutcome) -> None:
         names, epoch_ns = self._model.joint_names, session.epoch_ns
@@ -158,27 +146,6 @@ class Transcript:
             written_ns=written.t_ns if written is not None else None,
         )
         session.add(topics.ACTION, msgspec.json.encode(action), t_ns)
-
-    def _hand(self, session: RecordingSession, passed: PassedMessage) -> int | None:
-        """Keep what a hand sample shows; when it was sent, by our clock, None where that is not known."""
-        try:
-            operator = HAND.operator_in(passed.key)
-            hand = decode(passed.payload, HandArm, HAND.max_bytes)
-        except MessageError:
-            return None  # as control refused it; the bytes are kept
-        sync = hand.clock
-        if sync is not None and sync != self._clocks.get(operator):
-            self._clocks[operator] = sync
-            known = topics.KnownClock(operator=operator, sync=sync)
-            session.add(topics.CLOCK, msgspec.json.encode(known), passed.t_ns)
-        offset_ns = sync.remote_minus_local_ns if sync is not None else 0
-        captured_ns = hand.capture_ns + offset_ns if sync is not None else passed.t_ns
-        seen = {name: getattr(hand, name) for name in topics.HAND_POINTS}
-        spread = {name: getattr(hand.covariance, name, None) for name in topics.HAND_POINTS}
-        named = {name: (at, spread[name]) for name, at in seen.items() if at is not None}
-        cloud = foxglove.points(captured_ns + session.epoch_ns, topics.OPERATOR, named, topics.HAND_POINTS)
-        session.add(hand_topic(operator), cloud, passed.t_ns, captured_ns)
-        return hand.sent_ns + offset_ns if hand.sent_ns is not None and sync is not None else None
 
     def _transform(
         self, session: RecordingSession, t_ns: int, parent: str, child: str, parent_T_child: np.ndarray

@@ -4,8 +4,9 @@ from functools import partial
 
 import msgspec
 
-from common.messages.recording import EpisodeOutcome, RecordingState
+from common.messages.recording import EpisodeOutcome, RecordingNotice, RecordingState
 from common.messages.requests import RecordAction
+from local_site.console.hub import Hub
 from tests.browser.told import Told
 
 RECORDING = RecordingState(
@@ -45,6 +46,14 @@ def test_a_mark_shows_whenever_something_is_recorded_and_with_whose_pictures(tol
     told.until("the operator's pictures", lambda: told.page.words("#recording") == loud)
     tell(told, writing=False)
     told.until("no mark", lambda: hidden(told, "recording"))
+
+
+def test_a_recorder_of_the_operators_own_side_is_marked_too(told: Told) -> None:
+    own = RecordingNotice(state=msgspec.structs.replace(RECORDING, operator_pictures=True))
+    told.give(Hub.recording, own)
+    told.until("the mark", lambda: told.page.words("#recording") == "REC, with the operator's pictures")
+    assert hidden(told, "recording-row")
+    told.until("its end", lambda: hidden(told, "recording"))  # it tells nothing more
 
 
 def test_a_recording_that_ended_by_itself_raises_an_alarm(told: Told) -> None:

@@ -64,7 +64,7 @@ const handlers = {
     views.haunt(message.robot);
     views.offer(message.robot);
     assist.show(message.robot, controls.operates);
-    recording.show(message.robot, controls.operates);
+    recording.show(message.robot, message.own_recording, controls.operates);
     latency.show(message);
     delay.show(message);
     link.show(message.robot);

@@ -20,17 +20,20 @@ export class RecordingRow {
     addEventListener("keydown", (event) => this.#key(event));
   }
 
-  /** Show what the recorder does; a cell without one shows nothing. */
-  show(robot, operates) {
+  /** Show what the recorders of the cell and of the operator's own side do; without one nothing is shown. */
+  show(robot, own, operates) {
     const recording = robot === null || robot.silent ? null : robot.recording;
+    const both = [recording, own].filter((one) => one !== null);
+    const writing = both.filter((one) => one.writing);
+    const alarm = both.map((one) => one.alarm).find((words) => words !== "");
     this.#recording = recording;
     this.#operates = operates;
     this.#row.hidden = recording === null;
-    this.#mark.hidden = recording === null || !recording.writing;
-    if (recording === null || recording.alarm === "") this.#alert.clear("recording");
-    else this.#alert.show("recording", "bad", recording.alarm);
+    this.#mark.hidden = writing.length === 0;
+    if (alarm === undefined) this.#alert.clear("recording");
+    else this.#alert.show("recording", "bad", alarm);
+    put(this.#mark, markWords(writing));
     if (recording === null) return;
-    put(this.#mark, markWords(recording));
     put(element("episode-words"), recording.writing ? episodeWords(recording) : "nothing is recorded");
     put(this.#buttons.record, recording.writing ? "End recording" : "Record");
     this.#buttons.record.hidden = !recording.on_request;
@@ -69,8 +72,9 @@ export class RecordingRow {
   }
 }
 
-function markWords({ operator_pictures, lost }) {
-  const words = operator_pictures ? ["REC, with the operator's pictures"] : ["REC"];
+function markWords(writing) {
+  const words = writing.some((one) => one.operator_pictures) ? ["REC, with the operator's pictures"] : ["REC"];
+  const lost = writing.reduce((sum, one) => sum + one.lost, 0);
   if (lost > 0) words.push(`${lost} lost`);
   return words.join(" · ");
 }

@@ -22,7 +22,7 @@ from common.messages.hand import (
     TrackingStatus,
 )
 from common.messages.probe import Probe, ProbeEcho
-from common.messages.recording import EpisodeOutcome, RecordingState
+from common.messages.recording import EpisodeOutcome, RecordingNotice, RecordingState
 from common.messages.requests import (
     CameraDescription,
     ClockAnswer,
@@ -78,6 +78,17 @@ def _covariance(*m2: float) -> Covariance:
     return cast(Covariance, unpack_covariance(pack_covariance(m2)))
 
 
+RECORDING = RecordingState(
+    writing=True,
+    on_request=True,
+    operator_pictures=False,
+    episode=3,
+    episode_open=True,
+    task="put the block on the mark",
+    outcome=EpisodeOutcome.UNKNOWN,
+    lost=0,
+    alarm="",
+)
 SETTINGS = OperatorSettings(
     lease=1311768467463790321, revision=2, scale=0.5, rotation_scale=0.25, locks=Locks(z=True, roll=True)
 )
@@ -175,17 +186,7 @@ STATE = RobotState(
             views=("front_high", "front_low"),
         ),
     ),
-    recording=RecordingState(
-        writing=True,
-        on_request=True,
-        operator_pictures=False,
-        episode=3,
-        episode_open=True,
-        task="put the block on the mark",
-        outcome=EpisodeOutcome.UNKNOWN,
-        lost=0,
-        alarm="",
-    ),
+    recording=RECORDING,
 )
 VIDEO = VideoFrame(
     camera="front_high",
@@ -264,6 +265,7 @@ VALID: dict[str, Message] = {
     "lease_reply": LEASE_REPLY,
     "operate": OPERATE,
     "record": RECORD,
+    "recording": RecordingNotice(state=RECORDING),
     "joints": JOINTS,
     "clock_question": ClockQuestion(),
     "clock": ClockAnswer(received_ns=10**9, answered_ns=10**9 + 50),
