@@ -88,11 +88,14 @@ class RingRecord(NamedTuple):
 
 
 class RingReader:
-    """Takes each record of a ring once, from those written after it was made; `lost` counts what was overwritten."""
+    """Takes each record of a ring once; `lost` counts what was overwritten.
 
-    def __init__(self, ring: SharedRing) -> None:
+    It begins with the records written after it was made, or with all since the ring's beginning (`from_first`).
+    """
+
+    def __init__(self, ring: SharedRing, *, from_first: bool = False) -> None:
         self._ring = ring
-        self._position, self._number = ring.standing()
+        self._position, self._number = (0, 0) if from_first else ring.standing()
         self.lost = 0
 
     def take(self) -> bytes | None:

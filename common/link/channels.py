@@ -203,6 +203,17 @@ RECORDING = Channel(
     stale_after_ns=2 * NS_PER_S,
     max_bytes=4096,
 )
+RECORDER = Channel(
+    key="farhand/{cell}/operator/{operator}/recorder",  # to the local site, which tells the console: RECORDING
+    message=RecordingNotice,
+    sent_by=OPERATORS,
+    received_by=OPERATORS,
+    session=ChannelSession.CONTROL,
+    priority=Priority.INTERACTIVE,
+    rate_hz=5.0,
+    stale_after_ns=2 * NS_PER_S,
+    max_bytes=4096,
+)
 PROBE = Channel(
     key="farhand/{cell}/probe/{operator}",
     message=Probe,
@@ -290,6 +301,7 @@ CHANNELS: tuple[Channel[Any], ...] = (
     SHOWN,
     INTENT,
     RECORDING,
+    RECORDER,
     PROBE,
     ECHO,
     LOAD,

@@ -6,7 +6,7 @@ from datetime import datetime
 
 import structlog
 
-from common.link.channels import RECORDING
+from common.link.channels import RECORDER
 from common.link.credentials import check_links
 from common.process.service import StopFlag, notify
 from common.recording.guarded import GuardedRecording
@@ -24,7 +24,7 @@ def record_operator(
     """Record what passes the local site's links until asked to stop; FarhandError where they cannot be opened."""
     check_links((config.links.remote, config.links.listen), config.links, config.bearer)
     with OperatorSource(config) as source:
-        notices = source.link.publisher(RECORDING, config.cell, operator=config.authority.name)
+        notices = source.link.publisher(RECORDER, config.cell, operator=config.authority.name)
         recorder = OperatorRecorder(config, GuardedRecording(plan, date), source)
         notify("READY=1")
         structlog.get_logger().info("ready", cell=config.cell)

@@ -7,7 +7,7 @@ from queue import Empty, SimpleQueue
 from types import TracebackType
 from typing import NamedTuple, Self
 
-from common.link.channels import HAND, INTENT, PREVIEW, STATE, Channel
+from common.link.channels import HAND, PREVIEW, STATE, Channel
 from common.link.endpoints import from_this_host
 from common.link.transport import open_link
 from local_site.calibration.control_points import CAMERAS
@@ -39,7 +39,6 @@ class OperatorSource:
         self._threads = [
             self._listen(HAND, cell, name),
             self._listen(STATE, cell, name),
-            self._listen(INTENT, cell, name),
         ]
         if config.record.operator_pictures:
             self._threads += [self._listen(PREVIEW, cell, name, view) for view in CAMERAS]

@@ -8,7 +8,7 @@ import structlog
 from common.clock import NS_PER_MS
 from common.errors import ProcessError
 from common.messages.recording import RecordingState
-from remote_site.recording.memory import RecordingMemory
+from remote_site.recording.memory import RecordingMemory, wait_for_site
 from remote_site.recording.records import ENCODER, KEPT, ORDERS, Kept, RecordOrder
 from remote_site.shared_ring import RingReader
 
@@ -20,7 +20,7 @@ class SiteAttachment:
     """Finds the site's memory when it appears, beats while it is there, and lets go of it when the site has ended."""
 
     def __init__(self, path: Path) -> None:
-        self._path = path
+        self._path, self._waits = path, wait_for_site(path)
         self._memory: RecordingMemory | None = None
         self._readers: tuple[RingReader, ...] = ()
         self._orders: RingReader | None = None
@@ -58,7 +58,7 @@ class SiteAttachment:
                 yield KEPT.decode(data)
 
     def skip(self) -> None:
-        """Leave out what came until now, and count losses from now on: a recording begins."""
+        """Leave out what came until now, and count losses from now on: a recording begins that was asked for."""
         for _ in self.records():
             pass
         self._before += self.lost
@@ -86,5 +86,6 @@ class SiteAttachment:
             return
         if self._memory is not None:
             memory = self._memory
-            self._readers, self._before = (RingReader(memory.ticks), RingReader(memory.pictures)), 0
+            first, self._before = memory.take_over(), 0
+            self._readers = tuple(RingReader(ring, from_first=first) for ring in (memory.ticks, memory.pictures))
             self._orders = RingReader(memory.requests)

@@ -17,12 +17,13 @@ from remote_site.shared_ring import SharedRing
 FOLDER = Path("/dev/shm")  # noqa: S108  # files are made exclusively, and their owner is checked
 PAGE = mmap.PAGESIZE
 MAGIC = b"farhand1"
-BEAT_AT = 64
+BEAT_AT, TAKEN_AT = 64, 72
 TICKS_BYTES = 16 << 20  # half a minute of control
 PICTURES_BYTES = 64 << 20  # ten seconds of four cameras
 REQUESTS_BYTES = STATUS_BYTES = 64 << 10
 SIZES = TICKS_BYTES, PICTURES_BYTES, REQUESTS_BYTES, STATUS_BYTES
 GONE_NS = 5 * NS_PER_S  # on a machine that does much else it may stand still for long, and the rings wait for it
+AWAITED_NS = 25 * NS_PER_S  # from its start a site leaves its cycles for a recorder that waited: the ring holds more
 OWNER_ONLY = 0o600
 
 
@@ -42,7 +43,7 @@ class RecordingMemory:
         self.path, self._handle = path, handle
         memory = memoryview(mmap.mmap(handle, PAGE + sum(SIZES)))
         self._magic = memory[: len(MAGIC)]
-        self._beat = memory[BEAT_AT : BEAT_AT + 8].cast("q")
+        self._beat, self._taken = memory[BEAT_AT:TAKEN_AT].cast("q"), memory[TAKEN_AT : TAKEN_AT + 8].cast("q")
         parts, at = [], PAGE
         for size in SIZES:
             parts.append(SharedRing(memory[at : at + size]))
@@ -50,10 +51,11 @@ class RecordingMemory:
         self.ticks, self.pictures, self.requests, self.status = parts
 
     @classmethod
-    def create(cls, path: Path) -> Self:
+    def create(cls, path: Path, now_ns: int) -> Self:
         """New memory in the place of what an earlier run left; ProcessError where it cannot be made.
 
-        Create it before the fork: while the site or a process of it lives, the file is locked.
+        Create it before the fork: while the site or a process of it lives, the file is locked. A recorder that waits
+        for this site counts as there from now on, however late it is scheduled.
         """
         try:
             path.unlink(missing_ok=True)
@@ -64,6 +66,7 @@ class RecordingMemory:
             cure = f"see who owns it, remove it, and start the site again: ls -l {path}"
             raise ProcessError(f"nothing can be recorded: {path} cannot be made: {error.strerror}; {cure}") from error
         made = cls(path, handle)
+        made._beat[0] = now_ns + AWAITED_NS - GONE_NS if _is_awaited(path) else now_ns - GONE_NS
         made._magic[:] = MAGIC
         return made
 
@@ -113,6 +116,11 @@ class RecordingMemory:
         fcntl.flock(self._handle, fcntl.LOCK_UN)  # the mapping would hold it on, and look like a site
         return True
 
+    def take_over(self) -> bool:
+        """Whether nobody has read this site's rings before, so that they may be read from their beginning."""
+        is_first, self._taken[0] = self._taken[0] == 0, 1
+        return is_first
+
     def beat(self, now_ns: int) -> None:
         """A recorder is there; it beats several times a second."""
         self._beat[0] = now_ns
@@ -135,3 +143,36 @@ class RecordingMemory:
             return os.stat(self.path).st_ino == os.fstat(self._handle).st_ino
         except FileNotFoundError:
             return False
+
+
+def wait_for_site(path: Path) -> int | None:
+    """Show a site that is still to start that a recorder waits; the handle keeps it so, None where another waits."""
+    try:
+        handle = os.open(_waiting(path), os.O_RDWR | os.O_CREAT | os.O_CLOEXEC | os.O_NOFOLLOW, OWNER_ONLY)
+    except OSError as error:
+        cure = "run the recorder as the user of the remote site"
+        raise ProcessError(f"{_waiting(path)} cannot be made: {error.strerror}; {cure}") from error
+    try:
+        fcntl.flock(handle, fcntl.LOCK_EX | fcntl.LOCK_NB)
+    except BlockingIOError:
+        os.close(handle)
+        return None
+    return handle
+
+
+def _waiting(path: Path) -> Path:
+    return path.with_name(f"{path.name}.waiting")
+
+
+def _is_awaited(path: Path) -> bool:
+    try:
+        handle = os.open(_waiting(path), os.O_RDWR | os.O_CLOEXEC | os.O_NOFOLLOW)
+    except OSError:
+        return False  # nobody waits who may read what this user leaves
+    try:
+        fcntl.flock(handle, fcntl.LOCK_SH | fcntl.LOCK_NB)
+    except BlockingIOError:
+        return True
+    finally:
+        os.close(handle)
+    return False

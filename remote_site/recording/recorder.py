@@ -88,7 +88,8 @@ class CellRecorder:
 
     def _begin(self, now_ns: int) -> None:
         record = self._config.record
-        self._site.skip()
+        if record.start is StartPolicy.ON_REQUEST:
+            self._site.skip()
         self._episodes = Episodes(record.episodes, self._episodes.task or record.task)
         self._transcript = Transcript(self._config, self._model)
         self._recording.begin(self._transcript.preamble, now_ns)

@@ -184,7 +184,7 @@ def _assist_memory(config: RemoteConfig) -> AssistMemory | None:
 def _recording_memory(config: RemoteConfig) -> RecordingMemory | None:
     """What a recorder attaches to; None, with the reason in the log, where it cannot be made: nothing else needs it."""
     try:
-        return RecordingMemory.create(memory_path(config.cell, config.links))
+        return RecordingMemory.create(memory_path(config.cell, config.links), time.monotonic_ns())
     except ProcessError as error:
         structlog.get_logger().error("no recording", reason=str(error))
         return None

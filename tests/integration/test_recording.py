@@ -8,7 +8,8 @@ from pathlib import Path
 import pytest
 
 from common.errors import TransportError
-from common.messages.recording import EpisodeOutcome, RecordingState
+from common.link.channels import RECORDING
+from common.messages.recording import EpisodeOutcome, RecordingNotice, RecordingState
 from common.messages.requests import RecordAction
 from common.messages.robot import SessionState
 from common.recording.reader import RecordingReader
@@ -16,7 +17,7 @@ from common.recording.repair import repair
 from farhand.authority.engage import request_engage
 from farhand.authority.record import request_record
 from remote_site.recording.cycle_record import decode_outcome
-from tests.integration.sites import CELL, LIGHT_REMOTE, PATIENT, Sites, running_sites
+from tests.integration.sites import CELL, LIGHT_LOCAL, LIGHT_REMOTE, PATIENT, Sites, running_sites
 
 OPERATOR = "anna"
 
@@ -72,3 +73,32 @@ def test_the_holder_records_and_a_killed_recorder_costs_a_second_and_the_arm_not
     assert len(pictures) == 4
     assert len(asked) >= 1
     assert cycles[-1][0] > killed_ns - 4e9  # a second, and what a busy machine takes to flush and to kill
+
+
+def test_the_operators_own_recorder_keeps_hand_states_and_views_and_says_so(tmp_path: Path) -> None:
+    out, told = tmp_path / "recordings", list[RecordingNotice]()
+    with running_sites() as sites:
+        sites.remote("driver.name=kinematic", *PATIENT)
+        sites.local(f"authority.operator={OPERATOR}")
+        sites.wait_for_states()
+        notices = sites.link.latest(RECORDING, CELL, operator=OPERATOR)
+        links = (f"links.remote={sites.control}", f"links.listen={sites.listen}")
+        who = (f"authority.operator={OPERATOR}", "record.operator_pictures=true", f"record.folder={out}")
+        recorder = sites.start("record", *links, *LIGHT_LOCAL, *who)
+
+        def heard() -> bool:
+            told.extend(notice for notice in [notices.take()] if notice is not None)
+            return bool(told)
+
+        sites.wait("the notice", heard)
+        time.sleep(4.0)
+        recorder.end()
+    assert told[-1].state.writing
+    assert told[-1].state.operator_pictures
+    (path,) = out.iterdir()
+    with RecordingReader(path) as reader:
+        kept = reader.topics
+    assert kept[f"farhand/{CELL}/hand/{OPERATOR}"] > 10
+    assert kept[f"farhand/{CELL}/state"] > 10
+    assert kept["/operator/left"] > 3
+    assert kept[f"/hand/{OPERATOR}"] == kept[f"farhand/{CELL}/hand/{OPERATOR}"]

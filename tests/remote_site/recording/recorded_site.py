@@ -39,7 +39,7 @@ class RecordedSite:
     def __init__(self, folder: Path, record: CellRecordConfig | None = None) -> None:
         self.loop = DrivenLoop()
         self.clock = self.loop.clock
-        self.memory = RecordingMemory.create(folder / "memory")
+        self.memory = RecordingMemory.create(folder / "memory", self.clock.now_ns())
         self.out = folder / "recordings"
         self.out.mkdir(mode=0o700, exist_ok=True)
         config = msgspec.structs.replace(CONFIG, record=record or CellRecordConfig())

@@ -12,11 +12,14 @@ from common.errors import ProcessError
 from common.messages.requests import ViewCalibration
 from remote_site.link_config import RemoteLinksConfig
 from remote_site.recording.camera_frames import camera_frame
-from remote_site.recording.memory import GONE_NS, RecordingMemory, memory_path
+from remote_site.recording.memory import AWAITED_NS, GONE_NS, RecordingMemory, memory_path, wait_for_site
+from remote_site.shared_ring import RingReader
+
+NOW_NS = 10**12
 
 
 def test_it_is_its_owners_alone_and_takes_no_room_until_it_is_used(tmp_path: Path) -> None:
-    memory = RecordingMemory.create(tmp_path / "memory")
+    memory = RecordingMemory.create(tmp_path / "memory", NOW_NS)
     facts = (tmp_path / "memory").stat()
     assert stat.S_IMODE(facts.st_mode) == 0o600
     assert facts.st_blocks * 512 < 100_000
@@ -24,19 +27,36 @@ def test_it_is_its_owners_alone_and_takes_no_room_until_it_is_used(tmp_path: Pat
 
 
 def test_a_recorder_is_there_while_it_beats(tmp_path: Path) -> None:
-    memory = RecordingMemory.create(tmp_path / "memory")
+    memory = RecordingMemory.create(tmp_path / "memory", NOW_NS)
     attached = RecordingMemory.attach(tmp_path / "memory")
     assert attached is not None
-    now_ns = 10**12
+    now_ns = NOW_NS
     assert not memory.has_recorder(now_ns)
     attached.beat(now_ns)
     assert memory.has_recorder(now_ns + GONE_NS - 1)
     assert not memory.has_recorder(now_ns + GONE_NS)
 
 
+def test_a_recorder_that_waited_gets_what_came_before_it_was_scheduled(tmp_path: Path) -> None:
+    path = tmp_path / "memory"
+    handle = wait_for_site(path)
+    assert handle is not None
+    memory = RecordingMemory.create(path, NOW_NS)
+    assert memory.has_recorder(NOW_NS + AWAITED_NS - 1)
+    memory.ticks.write(b"first")
+    attached = RecordingMemory.attach(path)
+    assert attached is not None
+    assert RingReader(attached.ticks, from_first=attached.take_over()).take() == b"first"
+    assert not attached.take_over()
+    attached.beat(NOW_NS + GONE_NS)
+    assert not memory.has_recorder(NOW_NS + 2 * GONE_NS)
+    os.close(handle)
+    assert not RecordingMemory.create(path, NOW_NS).has_recorder(NOW_NS)
+
+
 def test_a_site_that_has_ended_is_noticed_whether_or_not_it_cleaned_up(tmp_path: Path) -> None:
     path = tmp_path / "memory"
-    memory = RecordingMemory.create(path)
+    memory = RecordingMemory.create(path, NOW_NS)
     attached = RecordingMemory.attach(path)
     assert attached is not None
     assert not attached.is_left()
@@ -46,7 +66,7 @@ def test_a_site_that_has_ended_is_noticed_whether_or_not_it_cleaned_up(tmp_path:
     assert attached.is_left()
     attached.close()
     assert RecordingMemory.attach(path) is None
-    again = RecordingMemory.create(path)
+    again = RecordingMemory.create(path, NOW_NS)
     found = RecordingMemory.attach(path)
     assert found is not None
     again.remove()
@@ -55,7 +75,7 @@ def test_a_site_that_has_ended_is_noticed_whether_or_not_it_cleaned_up(tmp_path:
 
 
 def test_there_is_one_recorder(tmp_path: Path) -> None:
-    site = RecordingMemory.create(tmp_path / "memory")
+    site = RecordingMemory.create(tmp_path / "memory", NOW_NS)
     first = RecordingMemory.attach(tmp_path / "memory")
     assert first is not None
     child = os.fork()
@@ -71,7 +91,7 @@ def test_there_is_one_recorder(tmp_path: Path) -> None:
 
 def test_nobody_attaches_to_what_others_may_write(tmp_path: Path) -> None:
     path = tmp_path / "memory"
-    memory = RecordingMemory.create(path)
+    memory = RecordingMemory.create(path, NOW_NS)
     path.chmod(0o666)
     with pytest.raises(ProcessError, match="remove it"):
         RecordingMemory.attach(path)
@@ -79,7 +99,7 @@ def test_nobody_attaches_to_what_others_may_write(tmp_path: Path) -> None:
 
 
 def test_no_link_is_followed(tmp_path: Path) -> None:
-    RecordingMemory.create(tmp_path / "memory").close()
+    RecordingMemory.create(tmp_path / "memory", NOW_NS).close()
     (tmp_path / "link").symlink_to(tmp_path / "memory")
     with pytest.raises(ProcessError):
         RecordingMemory.attach(tmp_path / "link")

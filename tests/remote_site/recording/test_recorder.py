@@ -239,7 +239,7 @@ def test_a_site_that_starts_again_gets_a_recording_of_its_own(site: RecordedSite
     site.run(0.3)
     site.end()
     assert len(site.files) == 1
-    site.memory = RecordingMemory.create(tmp_path / "memory")
+    site.memory = RecordingMemory.create(tmp_path / "memory", site.clock.now_ns())
     site.tap = ControlTap(site.memory, site.clock)
     site.began = BEGAN + timedelta(hours=1)
     site.clock.advance_ms(1000)
