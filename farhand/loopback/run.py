@@ -130,10 +130,7 @@ class Loopback:
             runtime = Path(stack.enter_context(tempfile.TemporaryDirectory(prefix="farhand-")))
             stack.callback(self._sites.end)
             if self._options.record is not None:
-                # before the site, so that not even its first control cycle is missed
-                self._sites.start(
-                    "record", [*self._plan.remote.arguments, "--file", str(self._options.record)], runtime
-                )
+                self._start_recorder(self._options.record, runtime)
             self._start_remote(runtime, stack)
             views = self._options.save_views
             saving = ["--save-views", str(views.resolve())] if views else []

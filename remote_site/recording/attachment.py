@@ -8,7 +8,7 @@ import structlog
 from common.clock import NS_PER_MS
 from common.errors import ProcessError
 from common.messages.recording import RecordingState
-from remote_site.recording.memory import RecordingMemory, wait_for_site
+from remote_site.recording.memory import RecordingMemory, stop_waiting, wait_for_site
 from remote_site.recording.records import ENCODER, KEPT, ORDERS, Kept, RecordOrder
 from remote_site.shared_ring import RingReader
 
@@ -28,6 +28,12 @@ class SiteAttachment:
         self._before = 0
         self._refused = ""
 
+    def close(self) -> None:
+        """Wait for no site any more."""
+        if self._waits is not None:
+            stop_waiting(self._path, self._waits)
+            self._waits = None
+
     @property
     def lost(self) -> int:
         """The records that were overwritten before they were taken, since the recording began."""
@@ -38,9 +44,14 @@ class SiteAttachment:
         if now_ns - self._looked_ns >= LOOK_NS:
             self._looked_ns = now_ns
             self._look()
-        if self._memory is not None:
-            self._memory.beat(now_ns)
+        self.beat(now_ns)
         return self._memory is not None
+
+    def beat(self, now_ns: int) -> None:
+        """Show the site that this recorder lives; may be called from any thread."""
+        memory = self._memory
+        if memory is not None:
+            memory.beat(now_ns)
 
     def orders(self) -> Iterator[RecordOrder]:
         """What the lease's holder has asked for."""

@@ -160,6 +160,12 @@ def wait_for_site(path: Path) -> int | None:
     return handle
 
 
+def stop_waiting(path: Path, handle: int) -> None:
+    """Take back what `wait_for_site` has shown."""
+    _waiting(path).unlink(missing_ok=True)
+    os.close(handle)
+
+
 def _waiting(path: Path) -> Path:
     return path.with_name(f"{path.name}.waiting")
 

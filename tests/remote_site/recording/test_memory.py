@@ -12,7 +12,7 @@ from common.errors import ProcessError
 from common.messages.requests import ViewCalibration
 from remote_site.link_config import RemoteLinksConfig
 from remote_site.recording.camera_frames import camera_frame
-from remote_site.recording.memory import AWAITED_NS, GONE_NS, RecordingMemory, memory_path, wait_for_site
+from remote_site.recording.memory import AWAITED_NS, GONE_NS, RecordingMemory, memory_path, stop_waiting, wait_for_site
 from remote_site.shared_ring import RingReader
 
 NOW_NS = 10**12
@@ -50,7 +50,7 @@ def test_a_recorder_that_waited_gets_what_came_before_it_was_scheduled(tmp_path:
     assert not attached.take_over()
     attached.beat(NOW_NS + GONE_NS)
     assert not memory.has_recorder(NOW_NS + 2 * GONE_NS)
-    os.close(handle)
+    stop_waiting(path, handle)
     assert not RecordingMemory.create(path, NOW_NS).has_recorder(NOW_NS)
 
 
