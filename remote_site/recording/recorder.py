@@ -27,7 +27,8 @@ class CellRecorder:
     def __init__(self, config: RemoteConfig, recording: GuardedRecording, site: SiteAttachment) -> None:
         self._config, self._recording, self._site = config, recording, site
         self._model = load_arm(config.robot)[0]
-        self._wanted = config.record.start is StartPolicy.AT_ONCE
+        self._is_at_once = config.record.start is StartPolicy.AT_ONCE
+        self._wanted = self._is_at_once
         self._transcript = Transcript(config, self._model)
         self._episodes = Episodes(config.record.episodes, config.record.task)
         self._told_ns = 0
@@ -36,6 +37,7 @@ class CellRecorder:
         """Attach, obey, keep what has come, flush, and tell."""
         if not self._site.attend(now_ns):
             self.end(now_ns)
+            self._wanted = self._is_at_once  # what was asked of one run of the site is not of the next
             return
         for order in self._site.orders():
             self._obey(order, now_ns)
@@ -64,7 +66,7 @@ class CellRecorder:
         episodes = self._episodes
         return RecordingState(
             writing=self._recording.session is not None,
-            on_request=self._config.record.start is StartPolicy.ON_REQUEST,
+            on_request=not self._is_at_once,
             operator_pictures=False,
             episode=episodes.number,
             episode_open=episodes.is_open,
@@ -88,7 +90,7 @@ class CellRecorder:
 
     def _begin(self, now_ns: int) -> None:
         record = self._config.record
-        if record.start is StartPolicy.ON_REQUEST:
+        if not self._is_at_once:
             self._site.skip()
         self._episodes = Episodes(record.episodes, self._episodes.task or record.task)
         self._transcript = Transcript(self._config, self._model)

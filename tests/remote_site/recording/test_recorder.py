@@ -172,6 +172,20 @@ def test_on_request_nothing_is_kept_before_it_is_asked_for_and_after(tmp_path: P
     assert 145 < numbers[-1] <= 150
 
 
+def test_what_was_asked_of_one_run_of_the_site_is_not_of_the_next(tmp_path: Path) -> None:
+    site = RecordedSite(tmp_path, CellRecordConfig(start=StartPolicy.ON_REQUEST))
+    site.run(0.1)
+    site.order(RecordAction.START)
+    site.run(0.1)
+    site.end()
+    site.memory = RecordingMemory.create(tmp_path / "memory", site.clock.now_ns())
+    site.tap = ControlTap(site.memory, site.clock)
+    site.clock.advance_ms(1000)
+    site.run(0.3)
+    assert len(site.files) == 1
+    assert not site.recorder.state().writing
+
+
 def test_without_a_recorder_nothing_is_left_in_memory(site: RecordedSite) -> None:
     site.run(0.1)
     site.clock.advance_ms(6000)
