@@ -53,5 +53,9 @@ class ProcessError(FarhandError):
     """A child process died, or did not become ready in time."""
 
 
+class RecordingError(FarhandError):
+    """A recording cannot be made, read or repaired."""
+
+
 class InterruptionError(FarhandError):
     """A person interrupted the work; what was done is kept, and nothing has failed."""

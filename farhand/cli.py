@@ -10,6 +10,7 @@ from common.process.log import finish_log
 from farhand.commands.calibrate import calibrate_app
 from farhand.commands.checks import doctor, driver_app
 from farhand.commands.files import certificates_app, config_app, models_app
+from farhand.commands.record import episode_app, record_app
 from farhand.commands.requests import engage, lease_app, maintenance_app
 from farhand.commands.setting_up import setup
 from farhand.commands.simulations import experiment, loopback
@@ -29,6 +30,8 @@ for command in (setup, loopback, local, remote, console, router, engage, track, 
 for name, group in {
     "lease": lease_app,
     "maintenance": maintenance_app,
+    "record": record_app,
+    "episode": episode_app,
     "calibrate": calibrate_app,
     "certificates": certificates_app,
     "config": config_app,

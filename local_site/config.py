@@ -9,6 +9,7 @@ from common.link.channels import check_cell_name
 from common.link.config import LinkSecurity
 from common.link.roles import Identity, Role
 from common.process.config import MetricsConfig
+from common.recording.config import OperatorRecordConfig
 from local_site.acquisition.pairing import PairingConfig
 from local_site.acquisition.rig_cameras import OperatorConfig
 from local_site.authority.config import AuthorityConfig
@@ -42,6 +43,7 @@ class LocalConfig(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fiel
     preview: PreviewConfig = field(default_factory=PreviewConfig)
     simulation: SimulationConfig = field(default_factory=SimulationConfig)
     metrics: MetricsConfig = field(default_factory=MetricsConfig)
+    record: OperatorRecordConfig = field(default_factory=OperatorRecordConfig)
 
     def __post_init__(self) -> None:
         check_cell_name(self.cell)

@@ -82,6 +82,17 @@ class Code(StrEnum):
     )
     HANDED_OVER = "handed_over", "the lease went to {holder}"
     OPERATORS_ONLY = "operators_only", "maintenance may stop and reset the arm; the rest is the operator's"
+    # the recording
+    NO_RECORDER = (
+        "no_recorder",
+        "no recorder runs at the remote site; its administrator starts one: systemctl start farhand-record",
+    )
+    RECORD_FIXED = (
+        "record_fixed",
+        "the remote site's administrator begins and ends the recording (record.start = 'at_once' there)",
+    )
+    NOT_RECORDING = "not_recording", "nothing is recorded now: begin a recording first"
+    RECORD_ASKED = "record_asked", "the recorder has been asked; the mark on the page shows what it does"
     # the session
     NOT_ENGAGED = "not_engaged", "not engaged yet"
     SITE_STARTING = "site_starting", "the remote site is still starting"

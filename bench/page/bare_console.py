@@ -10,10 +10,12 @@ import uvicorn
 
 from common.clock import NS_PER_MS, NS_PER_S, ClockEstimate, ClockOffset
 from common.messages.hand import OperatorIntent
+from common.messages.recording import EpisodeOutcome
 from common.messages.requests import (
     EngagementAction,
     OperatorAction,
     PicturePoint,
+    RecordAction,
     Reply,
 )
 from common.messages.robot import Asker
@@ -44,7 +46,7 @@ class OneClock:
 
 
 class Agreeable:
-    """Answers every request with yes, unless `silent`; keeps joints `marked` and those `consented` to.
+    """Answers every request with yes, unless `silent`; keeps joints `marked`, those `consented` to, acts `recorded`.
 
     `refused` counts requests that were not answered with yes.
     """
@@ -54,6 +56,7 @@ class Agreeable:
         self.refused = 0
         self.marked: list[tuple[PicturePoint, ...]] = []
         self.consented: list[Asker | None] = []
+        self.recorded: list[tuple[RecordAction, EpisodeOutcome]] = []
 
     def engagement(self, action: EngagementAction) -> Reply:
         """As asked."""
@@ -65,6 +68,11 @@ class Agreeable:
     def lease(self, action: OperatorAction, to: Asker | None) -> Reply:
         """As asked."""
         self.consented.append(to)
+        return Reply(id=1, done=True, code="ok", reason=f"as asked: {action.value}")
+
+    def record(self, action: RecordAction, outcome: EpisodeOutcome) -> Reply:
+        """As asked."""
+        self.recorded.append((action, outcome))
         return Reply(id=1, done=True, code="ok", reason=f"as asked: {action.value}")
 
     def joints(self, *joints: PicturePoint) -> Reply:

@@ -10,6 +10,7 @@ from common.link.roles import CELL_NAME, EVERYBODY, MAINTAINERS, OPERATORS, REMO
 from common.messages.base import Message
 from common.messages.hand import HandArm, OperatorIntent
 from common.messages.probe import MOST_PADDING, Probe, ProbeEcho
+from common.messages.recording import RecordingNotice
 from common.messages.requests import (
     ClockAnswer,
     ClockQuestion,
@@ -20,6 +21,7 @@ from common.messages.requests import (
     LeaseReply,
     LeaseRequest,
     OperatorRequest,
+    RecordRequest,
     Reply,
     TroubleNoted,
     TroubleReport,
@@ -190,6 +192,28 @@ INTENT = Channel(
     max_bytes=1024,
     depth=8,  # a second console must not displace what the operating one reports
 )
+RECORDING = Channel(
+    key="farhand/{cell}/operator/{operator}/recording",
+    message=RecordingNotice,
+    sent_by=OPERATORS,
+    received_by=OPERATORS,
+    session=ChannelSession.CONTROL,
+    priority=Priority.INTERACTIVE,
+    rate_hz=5.0,
+    stale_after_ns=2 * NS_PER_S,
+    max_bytes=4096,
+)
+RECORDER = Channel(
+    key="farhand/{cell}/operator/{operator}/recorder",  # to the local site, which tells the console: RECORDING
+    message=RecordingNotice,
+    sent_by=OPERATORS,
+    received_by=OPERATORS,
+    session=ChannelSession.CONTROL,
+    priority=Priority.INTERACTIVE,
+    rate_hz=5.0,
+    stale_after_ns=2 * NS_PER_S,
+    max_bytes=4096,
+)
 PROBE = Channel(
     key="farhand/{cell}/probe/{operator}",
     message=Probe,
@@ -265,6 +289,7 @@ DESCRIBE = Procedure(
 )
 CLOCK = Procedure("farhand/{cell}/clock", ClockQuestion, ClockAnswer, EVERYBODY, REMOTES, max_bytes=256, max_hz=200.0)
 TROUBLE = Procedure("farhand/{cell}/rpc/trouble/{operator}", TroubleReport, TroubleNoted, OPERATORS, REMOTES, max_hz=20)
+RECORD = Procedure("farhand/{cell}/rpc/record/{operator}", RecordRequest, Reply, OPERATORS, REMOTES, max_bytes=4096)
 JOINTS = Procedure("farhand/{cell}/operator/{operator}/joints", JointsRequest, Reply, OPERATORS, OPERATORS)
 OPERATE = Procedure("farhand/{cell}/operator/{operator}/lease", OperatorRequest, Reply, OPERATORS, OPERATORS)
 CHANNELS: tuple[Channel[Any], ...] = (
@@ -275,6 +300,8 @@ CHANNELS: tuple[Channel[Any], ...] = (
     PREVIEW,
     SHOWN,
     INTENT,
+    RECORDING,
+    RECORDER,
     PROBE,
     ECHO,
     LOAD,
@@ -287,6 +314,7 @@ PROCEDURES: tuple[Procedure[Any, Any], ...] = (
     DESCRIBE,
     CLOCK,
     TROUBLE,
+    RECORD,
     JOINTS,
     OPERATE,
 )

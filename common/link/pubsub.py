@@ -11,6 +11,7 @@ from common.clock import NS_PER_S
 from common.errors import MessageError, TransportError
 from common.link.channels import Channel
 from common.link.rate_cap import RateCap
+from common.link.tap import MessageTap, untapped
 from common.messages.base import Message
 from common.messages.codec import decode, encode
 
@@ -23,8 +24,8 @@ class Publisher(Generic[M]):
     `payload_bytes` is the size of the newest.
     """
 
-    def __init__(self, publisher: zenoh.Publisher) -> None:
-        self._publisher = publisher
+    def __init__(self, publisher: zenoh.Publisher, tap: MessageTap = untapped) -> None:
+        self._publisher, self._key, self._tap = publisher, str(publisher.key_expr), tap
         self.payload_bytes = 0
 
     def put(self, message: M) -> None:
@@ -32,6 +33,7 @@ class Publisher(Generic[M]):
         payload = encode(message)
         self.payload_bytes = len(payload)
         self._publisher.put(payload)
+        self._tap(self._key, payload, sent=True)
 
     @property
     def has_listener(self) -> bool:
@@ -43,10 +45,13 @@ class Latest(Generic[M]):
     """A subscription that keeps the newest messages of one key, as many as the channel's depth."""
 
     def __init__(
-        self, subscriber: "zenoh.Subscriber[zenoh.handlers.Handler[zenoh.Sample]]", channel: Channel[M]
+        self,
+        subscriber: "zenoh.Subscriber[zenoh.handlers.Handler[zenoh.Sample]]",
+        channel: Channel[M],
+        tap: MessageTap = untapped,
     ) -> None:
         self._subscriber = subscriber
-        self._channel = channel
+        self._channel, self._tap = channel, tap
         self._cap = RateCap(channel.max_hz, channel.depth + 1)
 
     @property
@@ -103,4 +108,6 @@ class Latest(Generic[M]):
         structlog.get_logger().warning("too many messages", reason=sentence)
 
     def _decode(self, sample: zenoh.Sample) -> M:
-        return decode(sample.payload.to_bytes(), self._channel.message, self._channel.max_bytes)
+        payload = sample.payload.to_bytes()
+        self._tap(str(sample.key_expr), payload, sent=False)
+        return decode(payload, self._channel.message, self._channel.max_bytes)

@@ -8,6 +8,7 @@ import zenoh
 from common.clock import NS_PER_S
 from common.errors import MessageError
 from common.link.channels import Procedure
+from common.link.tap import MessageTap, untapped
 from common.messages.base import Message
 from common.messages.codec import decode, encode
 from common.messages.requests import Reply, Request
@@ -39,12 +40,13 @@ class QuestionServer(Generic[Q, R]):
         key: str,
         procedure: Procedure[Q, R],
         on_refused: OnRefused,
+        tap: MessageTap = untapped,
     ) -> None:
         """`on_refused` is called with the error of every query that cannot be decoded."""
         self._queryable = queryable
         self._key = key
         self._procedure = procedure
-        self._on_refused = on_refused
+        self._on_refused, self._tap = on_refused, tap
 
     def take(self) -> Asked[Q, R] | None:
         """A waiting question, None if none waits; never blocks."""
@@ -55,6 +57,7 @@ class QuestionServer(Generic[Q, R]):
         try:
             operator = self._procedure.operator_in(key)
             payload = query.payload.to_bytes() if query.payload is not None else b""
+            self._tap(key, payload, sent=False)
             question = decode(payload, self._procedure.request, self._procedure.max_bytes)
         except MessageError as error:
             self._on_refused(error)
@@ -63,8 +66,10 @@ class QuestionServer(Generic[Q, R]):
             return None
 
         def reply(answer: R) -> None:
+            answered = encode(answer)
             with query:
-                query.reply(key, encode(answer))
+                query.reply(key, answered)
+            self._tap(key, answered, sent=True)
 
         return Asked(operator, question, reply)
 

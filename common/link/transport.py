@@ -20,6 +20,7 @@ from common.link.quic_doubt import QuicDoubt, blocked_sentence
 from common.link.roles import Role
 from common.link.servers import REFUSAL, IdempotentServer, OnRefused, QuestionServer, Replied, Requested
 from common.link.session_settings import Mode, Served, SessionEndpoints, session_settings
+from common.link.tap import MessageTap, untapped
 from common.messages.base import Message
 from common.messages.codec import decode, encode
 from common.messages.wire_form import wire_form
@@ -54,8 +55,9 @@ class Link:
         outgoing: Sequence[Endpoint] = (),
         credentials: Credentials | None = None,
         sessions: Collection[ChannelSession] = (),
+        tap: MessageTap = untapped,
     ) -> None:
-        self._session = session
+        self._session, self._tap = session, tap
         self._outgoing = outgoing
         self._credentials = credentials
         self._sessions = sessions
@@ -87,7 +89,8 @@ class Link:
                 priority=PRIORITIES[channel.priority],
                 congestion_control=zenoh.CongestionControl.DROP,
                 reliability=RELIABILITY_IF_BEST_EFFORT[channel.best_effort],
-            )
+            ),
+            self._tap,
         )
 
     def latest(self, channel: Channel[M], cell: str, name: str = ANY, *, operator: str = ANY) -> Latest[M]:
@@ -97,7 +100,7 @@ class Link:
         self._check_operator(channel, operator, f"receive {key}")
         wire_form(channel.message)  # built here, and not in the control tick that takes the first
         handler: zenoh.handlers.RingChannel[zenoh.Sample] = zenoh.handlers.RingChannel(channel.depth)
-        return Latest(self._session.declare_subscriber(key, handler), channel)
+        return Latest(self._session.declare_subscriber(key, handler), channel, self._tap)
 
     def answer(
         self, procedure: Procedure[Q, R], cell: str, on_refused: OnRefused, *, operator: str = ANY
@@ -108,7 +111,7 @@ class Link:
         self._check_operator(procedure, operator, f"answer {key}")
         # A ring drops the oldest question when it is full; a queue would then block everything else on the link.
         handler: zenoh.handlers.RingChannel[zenoh.Query] = zenoh.handlers.RingChannel(PENDING_REQUESTS)
-        return QuestionServer(self._session.declare_queryable(key, handler), key, procedure, on_refused)
+        return QuestionServer(self._session.declare_queryable(key, handler), key, procedure, on_refused, self._tap)
 
     def serve(
         self, procedure: Procedure[Requested, Replied], cell: str, on_refused: OnRefused, *, operator: str = ANY
@@ -230,6 +233,7 @@ def open_link(
     send_buffer_bytes: int | None = None,
     through_router: bool = False,
     should_stop: Callable[[], bool] = lambda: False,
+    tap: MessageTap = untapped,
 ) -> Link:
     """Open a session at explicit endpoints; TransportError when one is not allowed or cannot be opened.
 
@@ -238,7 +242,8 @@ def open_link(
     size of each connection's send buffer, None for the system's choice, which is megabytes. Listening fails immediately
     when the port is taken. Connecting continues in the background until the other side listens; RefusedError when it
     does but refuses us, or we refuse it. `through_router` is for a site that no other can connect to: all messages go
-    through the router at `connect`, which is awaited for ROUTER_PATIENCE_S, or until `should_stop`.
+    through the router at `connect`, which is awaited for ROUTER_PATIENCE_S, or until `should_stop`. The `tap` is called
+    with every message of the link's publishers, subscriptions and servers.
     """
     listening = tuple(check_free(endpoint, security) for endpoint in listen)
     outgoing = tuple(check_endpoint(endpoint, security) for endpoint in connect)
@@ -248,7 +253,7 @@ def open_link(
     endpoints = SessionEndpoints(mode, listening, outgoing, send_buffer_bytes)
     served = Served(credentials, cells, tuple(operators))
     session = _open_through_router(endpoints, served, should_stop) if through_router else _open(endpoints, served)
-    link = Link(session, outgoing, credentials, sessions)
+    link = Link(session, outgoing, credentials, sessions, tap)
     try:
         link.check_connected()
     except RefusedError:

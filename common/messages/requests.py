@@ -7,6 +7,7 @@ import msgspec
 
 from common.messages.base import Count, Message, Name, Text, Vector3
 from common.messages.hand import HandPoint, Locks
+from common.messages.recording import EpisodeOutcome
 from common.messages.robot import Asker, Pose
 
 ACTIVATED = "activated"  # the code when an engagement first had to activate the robot: ask once more
@@ -101,6 +102,29 @@ class JointsRequest(Request, frozen=True):
     shoulder: PicturePoint
     elbow: PicturePoint
     wrist: PicturePoint
+
+
+class RecordAction(StrEnum):
+    """What to do: begin or end recording; begin or end an episode; say of an episode how it went."""
+
+    START = "start"
+    STOP = "stop"
+    BEGIN = "begin"
+    END = "end"
+    LABEL = "label"
+
+
+class RecordRequest(Request, frozen=True):
+    """A request of the lease's holder to the recorder at the remote site.
+
+    `task` is of the episodes from now on, unless it is empty. `outcome` and `note` are of the episode that is under
+    way, or else of the last one; UNKNOWN and an empty note change nothing.
+    """
+
+    action: RecordAction
+    task: Text = ""
+    outcome: EpisodeOutcome = EpisodeOutcome.UNKNOWN
+    note: Text = ""
 
 
 class ClockQuestion(Message, frozen=True):

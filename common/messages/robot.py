@@ -9,6 +9,7 @@ import numpy as np
 from common.geometry import Array, quaternion_from_rotation, rotation_from_quaternion, transform
 from common.messages.base import Count, Joints, Message, Name, Quaternion, Text, Vector3
 from common.messages.hand import ClockSync, OperatorSettings
+from common.messages.recording import RecordingState
 
 
 class SessionState(StrEnum):
@@ -249,7 +250,8 @@ class RobotState(Message, frozen=True):
     it leaves. `gripper_next` is what the next toggle would command, `open` or `closed`; `settings` are the operator's
     in force, None without a lease. `reference` is what the targets count from: None unless the arm follows, and where
     each target begins at the measured tool. `hand_link` is None before the holder's samples come; `video_link` is None
-    while the link carries all pictures, or nobody watches them. `assist` is None where no targets are configured.
+    while the link carries all pictures, or nobody watches them. `assist` is None where no targets are configured,
+    `recording` where no recorder runs.
     """
 
     session: Count
@@ -281,3 +283,4 @@ class RobotState(Message, frozen=True):
     hand_link: HandLink | None = None
     video_link: VideoLink | None = None
     assist: AssistState | None = None
+    recording: RecordingState | None = None

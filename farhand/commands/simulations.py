@@ -29,6 +29,7 @@ def loopback(
         str | None, typer.Option(help="a465, or humanoid: an upright torso with a right arm of seven axes.")
     ] = None,
     save_views: Annotated[Path | None, typer.Option(help="Folder for the last views, as PNG.")] = None,
+    record: Annotated[Path | None, typer.Option(help="Record the run into this new MCAP file.")] = None,
 ) -> None:
     """Run both sites on this machine against a simulated operator and a simulated cell, and measure.
 
@@ -42,7 +43,7 @@ def loopback(
 
     files = tuple(file for each in config or () for file in configuration_files(each))
     given = files, tuple(settings or ())
-    options = LoopbackOptions(seconds, report, driver, motion, tracker, arm, save_views, headless, *given)
+    options = LoopbackOptions(seconds, report, driver, motion, tracker, arm, save_views, headless, record, *given)
     run_loopback(options, until_signal())
 
 

@@ -100,7 +100,14 @@ def _rows(figures: Figures) -> list[tuple[str, str]]:
         ("followed", f"{figures['followed_share']:.1%} of the time, {figures['holds']} holds"),
         ("gripper toggles", f"{figures['toggles']['sent']} sent, {figures['toggles']['applied']} applied"),
         ("samples refused", ", ".join(f"{n} {code}" for code, n in figures["rejected"].items()) or "none"),
+        *([("recording", _recording(figures["recording"]))] if "recording" in figures else []),
     ]
+
+
+def _recording(recording: Figures) -> str:
+    same = "gives the same figures" if not recording["differing"] else f"gives other {recording['differing']}"
+    rate = (recording["bytes_a_minute"] or 0) / 1e6
+    return f"{recording['bytes'] / 1e6:.1f} MB, {rate:.0f} MB a minute; {same}, {recording['missing']} messages missing"
 
 
 def _camera(camera: Figures) -> str:

@@ -42,6 +42,7 @@ class LoopbackOptions:
     arm: str | None = None
     save_views: Path | None = None
     headless: bool = False
+    record: Path | None = None
     configs: tuple[Path, ...] = ()
     settings: tuple[str, ...] = ()
 

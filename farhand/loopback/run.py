@@ -21,6 +21,7 @@ from common.process.service import StopFlag
 from farhand.loopback.display import LiveSummary, print_table, save_camera_views, save_overview
 from farhand.loopback.figures import Expectation, Figures, all_figures, session_events, troubles
 from farhand.loopback.plan import LoopbackOptions, plan_of
+from farhand.loopback.recorded import read_run, recording_figures
 from farhand.loopback.recorder import Record, Recorder
 from farhand.loopback.scenario import operator_views
 from farhand.loopback.site_process import SiteProcess, listens, start_site
@@ -37,6 +38,7 @@ SILENT_NS = 2 * NS_PER_S
 SETTLE_NS = 400 * NS_PER_MS  # from the opening of the hand to the toggled gripper, with room
 SETTLE_TIMEOUT_S = 3.0
 POLL_S = 0.05
+READY = "event=ready"
 MAX_FOLLOW_MM = 50.0
 FOLLOWING = (SessionState.ENGAGED, SessionState.HOLDING)
 
@@ -66,13 +68,14 @@ class RunningSites:
         self._recorder: Recorder | None = None
         self._sites: list[SiteProcess] = []
 
-    def start(self, name: str, arguments: list[str], runtime: Path) -> None:
+    def start(self, name: str, arguments: list[str], runtime: Path) -> SiteProcess:
         """Start `farhand NAME` with these arguments."""
-        self.add(start_site(name, arguments, runtime))
+        return self.add(start_site(name, arguments, runtime))
 
-    def add(self, site: SiteProcess) -> None:
+    def add(self, site: SiteProcess) -> SiteProcess:
         """Take a process that is started already."""
         self._sites.append(site)
+        return site
 
     def listen(self, recorder: Recorder) -> None:
         """Keep what this records of the sites."""
@@ -129,6 +132,8 @@ class Loopback:
                 live.print(note)
             runtime = Path(stack.enter_context(tempfile.TemporaryDirectory(prefix="farhand-")))
             stack.callback(self._sites.end)
+            if self._options.record is not None:
+                self._start_recorder(self._options.record, runtime)
             self._start_remote(runtime, stack)
             views = self._options.save_views
             saving = ["--save-views", str(views.resolve())] if views else []
@@ -140,7 +145,22 @@ class Loopback:
                 self._operator.beginning.set(self._engagement.hand_capture_ns)
             self._watch(live)
             self._settle()
-        return run_figures(self.record, self._operator, self._remote, self._sites.events)
+        figures = run_figures(self.record, self._operator, self._remote, self._sites.events)
+        if self._options.record is not None:
+            figures["recording"] = self._recomputed(self._options.record, figures)
+        return figures
+
+    def _recomputed(self, path: Path, printed: Figures) -> Figures:
+        """What the recording of the run is like, and whether it gives the same figures."""
+        run = read_run(path, self._remote.cell, self.record)
+        return recording_figures(
+            path, run, printed, lambda record: run_figures(record, self._operator, self._remote, [])
+        )
+
+    def _start_recorder(self, file: Path, runtime: Path) -> None:
+        """Before the site, so that not even its first control cycle is missed."""
+        recorder = self._sites.start("record", [*self._plan.remote.arguments, "--file", str(file)], runtime)
+        self._wait("the recorder", START_TIMEOUT_S, lambda: any(READY in line for line in list(recorder.lines)))
 
     def _start_remote(self, runtime: Path, stack: ExitStack) -> None:
         remote = self._remote
@@ -150,8 +170,16 @@ class Loopback:
         cameras = tuple(camera.name for camera in remote.video.cameras)
         self._sites.listen(Recorder(control, video, remote.cell, cameras))
         self._wait("the remote site to start", START_TIMEOUT_S, lambda: bool(self.record.states))
+        if self._options.record is not None:
+            self._wait("a recording", START_TIMEOUT_S, self._is_recorded)
         if self._should_stop():
             raise InterruptionError("interrupted before both sites were up; nothing was measured")
+
+    def _is_recorded(self) -> bool:
+        recording = self.record.states[-1].recording if self.record.states else None
+        if recording is not None and recording.alarm:
+            raise ProcessError(recording.alarm)
+        return recording is not None and recording.writing
 
     def _start_console(self, runtime: Path, live: LiveSummary) -> None:
         port = self._plan.console.load().serve.port
@@ -218,6 +246,8 @@ def run_loopback(options: LoopbackOptions, should_stop: StopFlag) -> None:
     if options.report is not None:
         check_file("--report", options.report)
     check_folder("--save-views", options.save_views)
+    if options.record is not None and options.record.exists():
+        raise ConfigError(f"--record {options.record} exists already; give a new file")
     loop = Loopback(options, should_stop)
     figures = loop.run()
     print_table(figures, Console())

@@ -11,7 +11,7 @@ import structlog
 import uvicorn
 
 from common.errors import FarhandError, ProcessError
-from common.link.channels import HAND, INTENT, KEY_FRAMES, SHOWN, STATE, ChannelSession
+from common.link.channels import HAND, INTENT, KEY_FRAMES, RECORDING, SHOWN, STATE, ChannelSession
 from common.link.credentials import check_links
 from common.link.transport import Link, open_link
 from common.messages.base import SESSION_BITS
@@ -113,6 +113,7 @@ def _connect(
     listeners.listen(control.latest(STATE, cell), hub.state)
     if control.may_receive(HAND):
         listeners.listen(control.latest(HAND, cell, operator=name), hub.hand)
+        listeners.listen(control.latest(RECORDING, cell, operator=name), hub.recording)
     stack.enter_context(watch)
     return hub, handler
 

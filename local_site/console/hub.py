@@ -9,6 +9,7 @@ import msgspec
 
 from common.clock import NS_PER_MS, ClockEstimate, ClockOffset
 from common.messages.hand import HandArm
+from common.messages.recording import RecordingNotice
 from common.messages.requests import Description
 from common.messages.robot import RobotState
 from common.messages.video import VideoFrame
@@ -101,6 +102,10 @@ class Hub:
         self._newest = replace(self._newest, hand=hand, hand_ns=now_ns)
         self._sent.add_hand(hand)
         self._send_tools(now_ns)
+
+    def recording(self, notice: RecordingNotice) -> None:
+        """The recorder of the operator's side has told what it does."""
+        self._newest = replace(self._newest, notice=notice, notice_ns=time.monotonic_ns())
 
     def camera(self, frame: VideoFrame) -> None:
         """A picture of the cell has come."""

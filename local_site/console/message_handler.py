@@ -8,7 +8,8 @@ from msgspec.structs import replace
 
 from common.clock import NS_PER_MS, NS_PER_S, ClockOffset
 from common.messages.hand import Intent, OperatorIntent, OperatorSettings
-from common.messages.requests import EngagementAction, OperatorAction, PicturePoint, Reply
+from common.messages.recording import EpisodeOutcome
+from common.messages.requests import EngagementAction, OperatorAction, PicturePoint, RecordAction, Reply
 from common.messages.robot import Asker
 from common.messages.video import VideoFrame, ViewsShown
 from local_site.console.model.history import History
@@ -17,6 +18,7 @@ from local_site.console.model.page_messages import (
     AnyPageMessage,
     Ask,
     AskLease,
+    AskRecord,
     Beat,
     Clutch,
     FrameLost,
@@ -42,6 +44,8 @@ class Requests(Protocol):
     def engagement(self, action: EngagementAction) -> Reply: ...
 
     def lease(self, action: OperatorAction, to: Asker | None) -> Reply: ...
+
+    def record(self, action: RecordAction, outcome: EpisodeOutcome) -> Reply: ...
 
     def joints(self, shoulder: PicturePoint, elbow: PicturePoint, wrist: PicturePoint) -> Reply: ...
 
@@ -131,6 +135,11 @@ class PageMessageHandler:
                 to = message.to.asker if message.to is not None else None
                 what = f"lease: {message.action.value}"
                 self._if_operating(page, message.id, lambda: self._requests.lease(message.action, to), what)
+            case AskRecord():
+                what = f"recording: {message.action.value}"
+                self._if_operating(
+                    page, message.id, lambda: self._requests.record(message.action, message.outcome), what
+                )
             case MarkJoints():
                 joints = message.shoulder, message.elbow, message.wrist
                 self._if_operating(page, message.id, lambda: self._requests.joints(*joints), "joints")

@@ -4,9 +4,10 @@ from functools import partial
 from typing import TypeVar
 
 from common.errors import TransportError
-from common.link.channels import ENGAGEMENT, JOINTS, OPERATE, Procedure
+from common.link.channels import ENGAGEMENT, JOINTS, OPERATE, RECORD, Procedure
 from common.link.request_client import RequestClient, RequestMaker
 from common.link.transport import Link
+from common.messages.recording import EpisodeOutcome
 from common.messages.requests import (
     EngagementAction,
     EngagementRequest,
@@ -14,6 +15,8 @@ from common.messages.requests import (
     OperatorAction,
     OperatorRequest,
     PicturePoint,
+    RecordAction,
+    RecordRequest,
     Reply,
     Request,
 )
@@ -37,6 +40,10 @@ class SiteRequests:
     def lease(self, action: OperatorAction, to: Asker | None) -> Reply:
         """The local site's reply; `to` is whom the page has shown to ask for the lease."""
         return _asked(self._local, OPERATE, partial(OperatorRequest, action=action, to=to))
+
+    def record(self, action: RecordAction, outcome: EpisodeOutcome) -> Reply:
+        """The remote site's reply to what is asked of its recorder."""
+        return _asked(self._remote, RECORD, partial(RecordRequest, action=action, outcome=outcome))
 
     def joints(self, shoulder: PicturePoint, elbow: PicturePoint, wrist: PicturePoint) -> Reply:
         """The local site's reply to the positions of the joints that the operator has clicked."""

@@ -33,7 +33,8 @@ class RobotReport(NamedTuple):
     last command while the robot takes commands; otherwise what was commanded last, in a stop where it is now, and rest
     where an activation was requested until it is answered. `obeyed_seq` is the newest command that has reached the
     robot's motion. `answered`: the last activation was handled. `diverted`: a stop of the driver's own has begun since
-    the last command.
+    the last command. `written` is what the robot was given last, after every limit: its `seq` is the command that it
+    comes from, None before the first.
     """
 
     t_ns: int
@@ -47,6 +48,7 @@ class RobotReport(NamedTuple):
     age_ns: int = 0
     oldest_ns: int = 0
     diverted: bool = False
+    written: JointCommand | None = None
 
     @property
     def ready(self) -> bool:
@@ -135,12 +137,20 @@ class DriverLink:
             sent=self._sent(raw, self._clock.now_ns()) if answered or self._last is None else self._last.motion,
             answered=answered,
             oldest_ns=raw.oldest_ns + PAUSE_NS,  # the driver's process judges first
+            written=_written(raw),
         )
 
     def _sent(self, raw: DriverReport, t_ns: int) -> JointMotion:
         """The motion commanded last, or where the stop is at a time."""
-        motion = JointMotion(*raw.motions[2:])
+        motion = JointMotion(*raw.motions[2:5])
         return stopping(motion, self._limits, max(t_ns - raw.onset_ns, 0) / NS_PER_S) if raw.onset_ns else motion
+
+
+def _written(raw: DriverReport) -> JointCommand | None:
+    if not raw.written_ns:
+        return None
+    q, dq, ddq = raw.motions[5:]
+    return JointCommand(raw.written_seq, raw.written_ns, q, dq, ddq, GripperCommand.KEEP)
 
 
 def _fault(raw: DriverReport) -> RobotFault | None:

@@ -16,6 +16,7 @@ from remote_site.drivers.supervisor.orders import DriverOrder
 from remote_site.shared_record import Record, SharedRecord
 
 ORDER_SLOTS = 64
+MOTION_ROWS = 8
 WORD = "S32"  # the longest code, bytes
 
 
@@ -33,7 +34,8 @@ def report_dtype(joints: int) -> np.dtype[np.void]:
     robot = [("t_ns", np.int64), ("oldest_ns", np.int64), ("has_obeyed", np.bool_), ("obeyed_seq", np.uint64)]
     gripper = [("opening_m", np.float64), ("force_n", np.float64), ("gripper", WORD), ("grip", WORD)]
     fault = [("code", WORD), ("native", f"U{MOST_NATIVE}"), ("sentence", f"U{MOST_SENTENCE}")]
-    return np.dtype([*times, *robot, *gripper, *fault, ("motions", np.float64, (5, joints))])
+    written = [("written_seq", np.uint64), ("written_ns", np.int64)]
+    return np.dtype([*times, *robot, *gripper, *fault, *written, ("motions", np.float64, (MOTION_ROWS, joints))])
 
 
 class OrderRing:
@@ -75,8 +77,10 @@ class DriverReport(NamedTuple):
     the first time; `oldest_ns` is how old that may become. `obeyed_seq` is valid only if `has_obeyed`. A fault is
     `code`, the robot's own code `native` and `sentence`; `code` is empty while the robot takes commands. `opening_m`,
     `force_n` (NaN if it is not measured), `gripper` as commanded and the status `grip` describe the gripper; both are
-    empty without one. `motions` (5, n), rad, rad/s, rad/s²: q and dq as measured, then q, dq, ddq as last commanded, or
-    those at the onset of the stop in progress. `onset_ns` is the time of that onset, 0 without a stop.
+    empty without one. The robot was given a motion last at `written_ns`, which comes from control's command
+    `written_seq`; both are 0 before the first. `motions` (8, n), rad, rad/s, rad/s²: q and dq as measured, then q, dq,
+    ddq as last commanded, or those at the onset of the stop in progress, then those that the robot was given last.
+    `onset_ns` is the time of that onset, 0 without a stop.
     """
 
     at_ns: int
@@ -94,6 +98,8 @@ class DriverReport(NamedTuple):
     code: bytes
     native: str
     sentence: str
+    written_seq: int
+    written_ns: int
     motions: Array
 
 

@@ -1,13 +1,15 @@
 """The remote site: starts control, video and, where it is simulated, the cell; ends all when one dies."""
 
 import time
+from contextlib import ExitStack
 from functools import partial
 from typing import TYPE_CHECKING
 
 import msgspec
 import structlog
 
-from common.errors import FarhandError
+from common.clock import MonotonicClock
+from common.errors import FarhandError, ProcessError
 from common.geometry import Array
 from common.link.channels import CAMERA, KEY_FRAMES, SHOWN, STATE, ChannelSession
 from common.link.config import NAME_OPERATORS
@@ -15,6 +17,7 @@ from common.link.credentials import CertificateValidity, check_links
 from common.link.endpoints import check_free
 from common.link.pubsub import Publisher
 from common.link.roles import Identity, Role
+from common.link.tap import untapped
 from common.messages.video import VideoFrame
 from common.process.children import Children, Heartbeat
 from common.process.log import LogFormat, start_log
@@ -23,6 +26,8 @@ from remote_site.config import RemoteConfig
 from remote_site.drivers.memory import DriverMemory
 from remote_site.drivers.registry import check_driver
 from remote_site.kinematics.limits import load_arm
+from remote_site.recording.memory import RecordingMemory, memory_path
+from remote_site.recording.video_tap import VideoTap
 from remote_site.runtime.assist_memory import AssistMemory
 from remote_site.runtime.checks import check_robot
 from remote_site.runtime.control import run_control
@@ -33,6 +38,7 @@ from remote_site.runtime.site_memory import SiteMemory
 from remote_site.session.config import EngagementMode
 from remote_site.simulation.memory import CellMemory
 from remote_site.video.calibration import calibration_of
+from remote_site.video.full_pictures import FullPictures
 from remote_site.video.marker_look import MarkerLook
 from remote_site.video.process import VideoTally, VideoWire, run_video
 from remote_site.video.sources import SimulatedViews
@@ -71,7 +77,7 @@ def run_remote(
         else None
     )
     driver_memory = DriverMemory.create(len(config.robot.start_deg))
-    children = Children("remote")
+    children, stack = Children("remote"), ExitStack()
     try:
         config = start_robot(config, children)
         if memory is not None and config.cell_is_simulated:
@@ -79,8 +85,11 @@ def run_remote(
         children.start("driver", partial(run_driver, config, driver_memory, memory))
         tally = VideoTally([camera.name for camera in config.video.cameras])
         site, assist = SiteMemory(), _assist_memory(config)
-        children.start("video", partial(_video, config, memory, tally, site, assist))
-        children.start("control", partial(run_control, config, driver_memory, memory, site, assist))
+        recording = _recording_memory(config)
+        if recording is not None:
+            stack.callback(recording.remove)
+        children.start("video", partial(_video, config, memory, tally, site, assist, recording))
+        children.start("control", partial(run_control, config, driver_memory, memory, site, assist, recording))
         if config.metrics.port:
             children.start("metrics", partial(_metrics, config, tally), vital=False)
         children.wait_ready(READY_TIMEOUT_S, should_stop)
@@ -96,6 +105,7 @@ def run_remote(
     finally:
         notify("STOPPING=1")
         children.end()
+        stack.close()
 
 
 def _check_start(config: RemoteConfig) -> None:
@@ -159,11 +169,14 @@ def _video(
     tally: VideoTally,
     site: SiteMemory,
     assist: AssistMemory | None,
+    recording: RecordingMemory | None,
     should_stop: StopFlag,
     heartbeat: Heartbeat,
 ) -> None:
+    tap = VideoTap(recording, config.cell, MonotonicClock()) if recording is not None else None
+    note_message = tap.note_message if tap is not None else untapped
     views = SimulatedViews(config.simulation, config.robot, memory) if memory is not None else None
-    with open_site_link(config.links, ChannelSession.VIDEO, should_stop, VIDEO_SEND_BUFFER_BYTES) as link:
+    with open_site_link(config.links, ChannelSession.VIDEO, should_stop, VIDEO_SEND_BUFFER_BYTES, note_message) as link:
         publishers: dict[str, Publisher[VideoFrame]] = {
             camera.name: link.publisher(CAMERA, config.cell, camera.name) for camera in config.video.cameras
         }
@@ -176,11 +189,21 @@ def _video(
         key_frames = link.latest(KEY_FRAMES, config.cell).take
         wire = VideoWire(publish, shown, lambda: site.lease, key_frames, site.show_video_link)
         look = _marker_look(config, assist) if assist is not None else None
-        run_video(config.video, views, wire, should_stop, heartbeat.beat, look)
+        full = FullPictures(config.video, tap) if tap is not None else None
+        run_video(config.video, views, wire, should_stop, heartbeat.beat, look, full)
 
 
 def _assist_memory(config: RemoteConfig) -> AssistMemory | None:
     return AssistMemory(config.assist, len(config.robot.start_deg)) if config.assist.targets else None
+
+
+def _recording_memory(config: RemoteConfig) -> RecordingMemory | None:
+    """What a recorder attaches to; None, with the reason in the log, where it cannot be made: nothing else needs it."""
+    try:
+        return RecordingMemory.create(memory_path(config.cell, config.links), time.monotonic_ns())
+    except ProcessError as error:
+        structlog.get_logger().error("no recording", reason=str(error))
+        return None
 
 
 def _marker_look(config: RemoteConfig, assist: AssistMemory) -> MarkerLook:

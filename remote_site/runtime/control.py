@@ -11,6 +11,7 @@ from common.errors import DriverError, MessageError
 from common.link.channels import ENGAGEMENT, HAND, MAINTENANCE, STATE, ChannelSession
 from common.link.endpoints import stays_here
 from common.link.pubsub import Latest
+from common.link.tap import untapped
 from common.link.transport import Link
 from common.messages.hand import HandArm
 from common.messages.requests import EngagementRequest, Reply
@@ -23,10 +24,13 @@ from remote_site.drivers.link import DriverLink, RobotReport
 from remote_site.drivers.memory import DriverMemory
 from remote_site.drivers.supervisor.write_scheduler import LEAST_FRACTION
 from remote_site.kinematics.limits import load_arm
+from remote_site.recording.control_tap import ControlTap
+from remote_site.recording.memory import RecordingMemory
 from remote_site.runtime.assist_memory import AssistMemory
 from remote_site.runtime.driven_pipeline import DrivenPipeline
 from remote_site.runtime.links import open_site_link
 from remote_site.runtime.rate import Rate
+from remote_site.runtime.recording_requests import ControlRecording, RecordingRequests
 from remote_site.runtime.reporting import Reporter, loop_timing
 from remote_site.runtime.request_server import RequestServer, describe
 from remote_site.runtime.site_memory import SiteMemory
@@ -57,14 +61,17 @@ def run_control(
     memory: CellMemory | None,
     site: SiteMemory,
     assist: AssistMemory | None,
+    recorded: RecordingMemory | None,
     should_stop: StopFlag,
     heartbeat: Heartbeat,
 ) -> None:
     """Control the robot until asked to stop; then have it stopped."""
     clock = MonotonicClock()
+    tap = ControlTap(recorded, clock) if recorded is not None else None
     model, limits = load_arm(config.robot)
     driver = DriverLink(driver_memory, limits, clock)
-    with open_site_link(config.links, ChannelSession.CONTROL, should_stop) as link:
+    note_message = tap.note_message if tap is not None else untapped
+    with open_site_link(config.links, ChannelSession.CONTROL, should_stop, tap=note_message) as link:
         leases = LeaseServer(round(config.lease.seconds * NS_PER_S), 1 + secrets.randbits(LEASE_BITS))
         pipeline = TeleopPipeline(config, model, limits)
         # of its own: what is measured for a report must not touch what the pipeline has cached
@@ -81,11 +88,15 @@ def run_control(
         states = link.publisher(STATE, config.cell)
         one_host = stays_here(config.links.control_endpoint)
         timing = partial(loop_timing, rate, real_time=real_time)
-        reporter = Reporter(states, site, model, reported_collision, timing, one_host=one_host)
+        reporter = Reporter(states, site, model, reported_collision, timing, one_host=one_host, tap=tap)
         refusals = RefusalLog()
         server = RequestServer(link, description, leases, clock, refusals.note, config.links.heard)
         driven, inbox = DrivenPipeline(pipeline, driver), Inbox(link, config.cell, refusals, config.links.heard)
-        loop = ControlLoop(driven, leases, inbox, reporter, server, mirror, site, assist)
+        recording = None
+        if tap is not None:
+            asked = RecordingRequests(link, config.cell, config.links.heard, leases, tap, refusals.note)
+            recording = ControlRecording(tap, asked)
+        loop = ControlLoop(driven, leases, inbox, reporter, server, mirror, site, assist, recording)
         while not should_stop():
             rate.wait()
             loop.tick(clock.now_ns())
@@ -147,6 +158,7 @@ class ControlLoop:
         mirror: PostureMirror | None,
         site: SiteMemory,
         assist: AssistMemory | None = None,
+        recording: ControlRecording | None = None,
     ) -> None:
         self._driven = driven
         self._leases = leases
@@ -154,7 +166,7 @@ class ControlLoop:
         self._reporter = reporter
         self._server = server
         self._mirror = mirror
-        self._site, self._assist = site, assist
+        self._site, self._assist, self._recording = site, assist, recording
         self._pace, self._ticks = StatePace(), 0
 
     def tick(self, now_ns: int) -> None:
@@ -170,6 +182,8 @@ class ControlLoop:
         self._ticks += 1
         if self._ticks % TICKS_PER_STATE == 0 and self._is_due(snapshot):
             self._pace.sent(self._reporter.publish(snapshot, driven, self._inbox.refusals.counts))
+        if self._recording is not None:
+            self._recording.tick(driven)
         if self._assist is not None:
             self._assist.show_joints(driven.report.t_ns, driven.report.q)
         if self._mirror is not None:

@@ -12,7 +12,7 @@ from common.process.service import StopFlag, ask_for_real_time
 from remote_site.config import RemoteConfig
 from remote_site.drivers.driver import DriverSetup
 from remote_site.drivers.faults import STOPPED
-from remote_site.drivers.memory import DriverMemory, DriverReport
+from remote_site.drivers.memory import MOTION_ROWS, DriverMemory, DriverReport
 from remote_site.drivers.registry import DriverHost, create_driver
 from remote_site.drivers.supervisor.grip import GripSettings, GripWatch
 from remote_site.drivers.supervisor.supervisor import DriverSupervisor
@@ -92,7 +92,7 @@ class DriverLoop:
 
     def __init__(self, supervisor: DriverSupervisor, memory: DriverMemory, clock: Clock) -> None:
         self._supervisor, self._memory, self._clock = supervisor, memory, clock
-        self._motions = np.zeros((5, len(supervisor.commanded.motion.q)))
+        self._motions = np.zeros((MOTION_ROWS, len(supervisor.commanded.motion.q)))
         self._log = FaultLog()
 
     def wait(self, longest_ns: int) -> None:
@@ -117,6 +117,8 @@ class DriverLoop:
         stop = supervisor.commanded.stop
         motion = supervisor.commanded.motion if stop is None else stop.motion
         motions[2], motions[3], motions[4] = motion.q, motion.dq, motion.ddq
+        written = supervisor.written
+        motions[5], motions[6], motions[7] = written.q, written.dq, written.ddq
         self._memory.report.write(
             DriverReport(
                 at_ns=self._clock.now_ns(),
@@ -134,6 +136,8 @@ class DriverLoop:
                 code=fault.code.value.encode() if fault is not None else b"",
                 native=fault.native if fault is not None else "",
                 sentence=fault.sentence if fault is not None else "",
+                written_seq=written.seq,
+                written_ns=written.t_ns,
                 motions=motions,
             )
         )

@@ -17,6 +17,7 @@ from common.messages.robot import (
 )
 from common.process.link_log import LinkLog
 from remote_site.kinematics.model import ArmModel
+from remote_site.recording.control_tap import ControlTap
 from remote_site.runtime.driven_pipeline import DrivenPipeline
 from remote_site.runtime.rate import Rate
 from remote_site.runtime.site_memory import SiteMemory
@@ -43,8 +44,9 @@ class Reporter:
         measure_timing: Callable[[], LoopTiming],
         *,
         one_host: bool,
+        tap: ControlTap | None = None,
     ) -> None:
-        self._one_host = one_host
+        self._one_host, self._tap = one_host, tap
         self._publisher = publisher
         self._site = site
         self._model = model
@@ -107,6 +109,7 @@ class Reporter:
                 hand_link=hand_link,
                 video_link=video_link,
                 assist=snapshot.assist,
+                recording=self._tap.state(snapshot.now_ns) if self._tap is not None else None,
             )
         )
         return self._publisher.payload_bytes

@@ -19,6 +19,7 @@ from common.messages.robot import VideoLink
 from common.messages.video import CameraStatus, KeyFrameRequest, VideoFrame, ViewsShown
 from common.process.service import be_nice
 from remote_site.video.config import VideoConfig
+from remote_site.video.full_pictures import FullPictures
 from remote_site.video.marker_look import MarkerLook
 from remote_site.video.sources import FrameSource, SimulatedViews, open_sources
 from remote_site.video.streaming.adaptation import Adaptation
@@ -102,9 +103,12 @@ class _CameraSlot:
     due_ns: int
     frame: Frame | None = None
 
-    def serve(self, setting: StreamSetting, now_ns: int) -> VideoFrame | None:
-        """The message due now, if any; missed deadlines are skipped. A rendered view is rendered only to be sent."""
-        rendered = self.source.noise_free
+    def serve(self, setting: StreamSetting, now_ns: int, *, every_picture: bool) -> VideoFrame | None:
+        """The message due now, if any; missed deadlines are skipped.
+
+        A rendered view is rendered only to be sent, unless `every_picture` is wanted.
+        """
+        rendered = self.source.noise_free and not every_picture
         period_ns = max(self.period_ns, round(NS_PER_S / setting.fps)) if rendered else self.period_ns
         self.due_ns += period_ns * max(1, (now_ns - self.due_ns) // period_ns + 1)
         try:
@@ -182,10 +186,11 @@ def run_video(
     should_stop: Callable[[], bool],
     beat: Callable[[], None],
     markers: MarkerLook | None = None,
+    full: FullPictures | None = None,
 ) -> None:
     """Stream every camera until `should_stop`; `views` is None where no cell is simulated.
 
-    While the operator's console shows pictures, `markers` are looked for in them.
+    While the operator's console shows pictures, `markers` are looked for in them. `full` gets all while it wants them.
     Raises ConfigError for a simulated camera without a cell, CameraError when views cannot be rendered here.
     """
     be_nice(config.nice)
@@ -202,10 +207,13 @@ def run_video(
             now_ns = time.monotonic_ns()
             console.listen(now_ns)
             requests.listen()
-            message = slot.serve(console.adaptation.setting(slot.source.name, now_ns), now_ns)
+            setting, records = console.adaptation.setting(slot.source.name, now_ns), full is not None and full.wanted
+            message = slot.serve(setting, now_ns, every_picture=records)
             if message is not None:
                 wire.publish(message)
                 console.adaptation.sent(message, now_ns)
+            if full is not None and records:
+                full.see(slot.source.name, slot.frame, message, setting)
             if markers is not None and console.is_watched(now_ns):
                 markers.see(slot.source.name, slot.frame, now_ns)
             beat()

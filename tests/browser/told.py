@@ -47,13 +47,13 @@ class Told:
     def tell(self) -> None:
         """Everything once."""
         self._seq += 1
-        self._give(Hub.state, self.state())
-        self._give(Hub.hand, self.hand())
+        self.give(Hub.state, self.state())
+        self.give(Hub.hand, self.hand())
         for camera in self.cameras:
             if (frame := self.picture(camera, self._seq)) is not None:
-                self._give(Hub.camera, frame)
+                self.give(Hub.camera, frame)
         for name in self.previews:
-            self._give(Hub.preview, self._plain(name, self._seq))
+            self.give(Hub.preview, self._plain(name, self._seq))
 
     def until(self, what: str, is_so: Callable[[], bool], seconds: float = PATIENCE_S) -> float:
         """Send until a condition holds; how long it took, s."""
@@ -72,7 +72,7 @@ class Told:
 
     def describe(self, *, held: bool = True) -> None:
         """Say what the cell is."""
-        self._give(Hub.described, scene.cell(held=held))
+        self.give(Hub.described, scene.cell(held=held))
 
     def mark(self, camera: str) -> str:
         return str(self.page.page.get_attribute(f"[data-name={camera}]", "data-mark"))
@@ -86,5 +86,6 @@ class Told:
         jpeg = b"" if status in WITHOUT_PICTURE else self.jpeg
         return scene.picture(camera, seq, jpeg, status, reason.format(camera), self.age_ms)
 
-    def _give(self, take: Callable[[Hub, Message], None], what: Message) -> None:
+    def give(self, take: Callable[[Hub, Message], None], what: Message) -> None:
+        """Have the console take a message."""
         self._console.feed(lambda hub: take(hub, what))

@@ -9,7 +9,8 @@ from msgspec.structs import replace
 from common.errors import MessageError
 from common.messages.base import Count, Name
 from common.messages.hand import OperatorSettings
-from common.messages.requests import EngagementAction, OperatorAction, PicturePoint
+from common.messages.recording import EpisodeOutcome
+from common.messages.requests import EngagementAction, OperatorAction, PicturePoint, RecordAction
 from common.messages.robot import Asker
 
 Milliseconds = Annotated[float, Meta(ge=0, le=1e15)]
@@ -87,6 +88,14 @@ class AskLease(PageMessage, frozen=True, tag="ask_lease"):
     to: ShownAsker | None = None
 
 
+class AskRecord(PageMessage, frozen=True, tag="ask_record"):
+    """A request for the remote site's recorder; `id` comes back with the answer."""
+
+    id: Count
+    action: RecordAction
+    outcome: EpisodeOutcome = EpisodeOutcome.UNKNOWN
+
+
 class MarkJoints(PageMessage, frozen=True, tag="mark_joints"):
     """Where the joints are in the operator's picture, for a tracker of one camera; `id` comes back with the answer."""
 
@@ -128,7 +137,18 @@ class Steer(PageMessage, frozen=True, tag="steer"):
 
 
 AnyPageMessage = (
-    Beat | FrameTaken | FrameLost | Shown | Ask | AskLease | MarkJoints | TakeSeat | LeaveSeat | Clutch | Steer
+    Beat
+    | FrameTaken
+    | FrameLost
+    | Shown
+    | Ask
+    | AskLease
+    | AskRecord
+    | MarkJoints
+    | TakeSeat
+    | LeaveSeat
+    | Clutch
+    | Steer
 )
 DECODER: msgspec.json.Decoder[AnyPageMessage] = msgspec.json.Decoder(AnyPageMessage)
 

@@ -6,8 +6,9 @@ from typing import Any
 import msgspec
 
 from common.clock import NS_PER_MS, ClockEstimate
-from common.link.channels import HAND, STATE
+from common.link.channels import HAND, RECORDING, STATE
 from common.messages.hand import HandArm, OperatorSettings
+from common.messages.recording import RecordingNotice
 from common.messages.robot import RobotState
 from local_site.console.model.delay import loop_delay_ms, suggested_scale
 from local_site.console.model.history import History
@@ -25,6 +26,8 @@ class NewestMessages:
     state_ns: int = 0
     hand: HandArm | None = None
     hand_ns: int = 0
+    notice: RecordingNotice | None = None
+    notice_ns: int = 0
 
 
 def situation_json(
@@ -47,6 +50,7 @@ def situation_json(
         "now_ms": now_ns / NS_PER_MS,
         "robot": _robot_fields(newest.state, newest.state_ns, now_ns) if newest.state is not None else None,
         "hand": _hand_fields(newest.hand, newest.hand_ns, now_ns) if newest.hand is not None else None,
+        "own_recording": _own_recording(newest, now_ns),
         "clock": _clock_fields(clock, round_trip_ms),
         "delay": _delay_fields(latency),
         "seat": {
@@ -89,6 +93,14 @@ def _hand_fields(hand: HandArm, received_ns: int, now_ns: int) -> dict[str, Any]
         "age_ms": (now_ns - hand.capture_ns) / NS_PER_MS,
         "silent": now_ns - received_ns > 5 * HAND.stale_after_ns,
     }
+
+
+def _own_recording(newest: NewestMessages, now_ns: int) -> dict[str, Any] | None:
+    """What the recorder of the operator's own side does, None where none has told lately."""
+    if newest.notice is None or now_ns - newest.notice_ns > RECORDING.stale_after_ns:
+        return None
+    fields: dict[str, Any] = msgspec.to_builtins(newest.notice.state)
+    return fields
 
 
 def _delay_fields(latency: dict[str, dict[str, float | int | None]]) -> dict[str, float | None]:

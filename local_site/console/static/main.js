@@ -9,6 +9,7 @@ import { HoldKey } from "./hold_key.js";
 import { JointMarks } from "./joint_marks.js";
 import { LatencyRoom } from "./latency_room.js";
 import { LinkLine } from "./link_line.js";
+import { RecordingRow } from "./recording_row.js";
 import { ServerClock } from "./server_clock.js";
 import { StatePanel } from "./state_panel.js";
 import { StopButton } from "./stop_button.js";
@@ -35,6 +36,7 @@ const stop = new StopButton(connection, alert, () => {
   assist.release();
 });
 const controls = new Controls(connection, alert);
+const recording = new RecordingRow(connection, alert);
 const delay = new DelayPanel(clock, (scale) => controls.steer({ scale }));
 const joints = new JointMarks(connection, views.ofOperator);
 
@@ -62,6 +64,7 @@ const handlers = {
     views.haunt(message.robot);
     views.offer(message.robot);
     assist.show(message.robot, controls.operates);
+    recording.show(message.robot, message.own_recording, controls.operates);
     latency.show(message);
     delay.show(message);
     link.show(message.robot);
@@ -95,6 +98,7 @@ function disconnected() {
   controls.disconnected();
   stop.disconnected();
   assist.disconnected();
+  recording.disconnected();
   views.offer(null);
   delay.disconnected();
 }

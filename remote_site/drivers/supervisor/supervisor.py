@@ -83,6 +83,14 @@ class DriverSupervisor:
         return self._writer.due_ns if self.state in DRIVEN else None
 
     @property
+    def written(self) -> JointCommand:
+        """What the robot was given last: its motion, the number of control's command it comes from, and when; 0 before.
+
+        A stop comes from the command that it began with.
+        """
+        return self._writer.written
+
+    @property
     def settled(self) -> bool:
         """Nothing moves, and nothing will without an activation."""
         return self.state in INACTIVE and not (self.reading is not None and self.reading.moving)

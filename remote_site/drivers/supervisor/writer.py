@@ -47,7 +47,7 @@ class PacedWriter:
 
     The plan advances by a tick with each command. A slow robot gets the newest motion once a period, again if it is
     the same; a fast one gets each motion once, as soon as the scheduler allows. To be read: `command` (the newest of
-    control's), `written` (the motion that was written last).
+    control's), `written` (the motion that was written last, and when).
     """
 
     def __init__(self, driver: WatchedDriver, capabilities: Capabilities, setup: DriverSetup) -> None:
@@ -111,7 +111,8 @@ class PacedWriter:
             self._scheduler.repeat(now_ns)
         else:
             return None
-        last, number = self.written, self.obeyed.number(self.written.seq)
+        last = self.written = replace(self.written, t_ns=now_ns)
+        number = self.obeyed.number(last.seq)
         return self._driver.write(JointCommand(number, now_ns, last.q, last.dq, last.ddq, self.command.gripper))
 
     def settled(self, now_ns: int) -> bool:

@@ -22,6 +22,7 @@ from common.messages.hand import (
     TrackingStatus,
 )
 from common.messages.probe import Probe, ProbeEcho
+from common.messages.recording import EpisodeOutcome, RecordingNotice, RecordingState
 from common.messages.requests import (
     CameraDescription,
     ClockAnswer,
@@ -38,6 +39,8 @@ from common.messages.requests import (
     MappingDescription,
     OperatorAction,
     OperatorRequest,
+    RecordAction,
+    RecordRequest,
     Reply,
     TroubleNoted,
     TroubleReport,
@@ -75,6 +78,17 @@ def _covariance(*m2: float) -> Covariance:
     return cast(Covariance, unpack_covariance(pack_covariance(m2)))
 
 
+RECORDING = RecordingState(
+    writing=True,
+    on_request=True,
+    operator_pictures=False,
+    episode=3,
+    episode_open=True,
+    task="put the block on the mark",
+    outcome=EpisodeOutcome.UNKNOWN,
+    lost=0,
+    alarm="",
+)
 SETTINGS = OperatorSettings(
     lease=1311768467463790321, revision=2, scale=0.5, rotation_scale=0.25, locks=Locks(z=True, roll=True)
 )
@@ -172,6 +186,7 @@ STATE = RobotState(
             views=("front_high", "front_low"),
         ),
     ),
+    recording=RECORDING,
 )
 VIDEO = VideoFrame(
     camera="front_high",
@@ -219,6 +234,14 @@ DESCRIPTION = Description(
         locks=Locks(yaw=True),
     ),
 )
+RECORD = RecordRequest(
+    id=6,
+    deadline_ns=10**9,
+    action=RecordAction.LABEL,
+    task="put the block on the mark",
+    outcome=EpisodeOutcome.SUCCESS,
+    note="second try",
+)
 REPLY = Reply(id=5, done=False, code="not_ready", reason="the robot is not ready")
 
 SHOWN_VIEW = ViewShown(seq=7, capture_ns=9 * 10**8, age_ms=41.5, fps=27.7, came=ViewCame(seq=8, age_ms=24.0, fps=29.9))
@@ -241,6 +264,8 @@ VALID: dict[str, Message] = {
     "lease": LEASE,
     "lease_reply": LEASE_REPLY,
     "operate": OPERATE,
+    "record": RECORD,
+    "recording": RecordingNotice(state=RECORDING),
     "joints": JOINTS,
     "clock_question": ClockQuestion(),
     "clock": ClockAnswer(received_ns=10**9, answered_ns=10**9 + 50),

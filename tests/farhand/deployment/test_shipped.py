@@ -1,5 +1,6 @@
 """The shipped configurations and units: printed, written, and never over what exists."""
 
+import re
 from pathlib import Path
 
 import pytest
@@ -70,6 +71,7 @@ def test_a_folder_that_cannot_be_made_is_refused(tmp_path: Path) -> None:
 
 
 def test_a_units_configuration_is_shipped() -> None:
-    units = [path.stem.removeprefix("farhand-") for path in (HERE / "systemd").iterdir()]
-    assert len(units) == 4
-    assert set(units) <= set(NAMES)
+    started = [path.read_text() for path in (HERE / "systemd").iterdir()]
+    named = {re.findall(r"--config /etc/farhand/(\w+)\.toml", text)[0] for text in started}
+    assert len(started) == 5
+    assert named <= set(NAMES)

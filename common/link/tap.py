@@ -1,0 +1,13 @@
+"""What sees each message as it passes a link, byte for byte, for a recorder; most links have none."""
+
+from typing import Protocol
+
+
+class MessageTap(Protocol):
+    """Called with the key and the bytes of each message, `sent` by this side or received; it must never wait."""
+
+    def __call__(self, key: str, payload: bytes, *, sent: bool) -> None: ...
+
+
+def untapped(key: str, payload: bytes, *, sent: bool) -> None:
+    """Nobody looks."""

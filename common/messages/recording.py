@@ -1,0 +1,40 @@
+"""What a recorder does, as the site it records publishes it; frozen structs."""
+
+from enum import StrEnum
+
+import msgspec
+
+from common.messages.base import Count, Message, Text
+
+
+class EpisodeOutcome(StrEnum):
+    """How the task of an episode went."""
+
+    UNKNOWN = "unknown"
+    SUCCESS = "success"
+    FAILURE = "failure"
+
+
+class RecordingState(msgspec.Struct, frozen=True, forbid_unknown_fields=True, kw_only=True):
+    """What a recorder does: whether it is `writing`, and the pictures of the operator with it (`operator_pictures`).
+
+    With `on_request` the lease's holder may begin and end the recording. `episode` is the number of the one that is
+    under way (`episode_open`) or was the last, 0 before the first; `task` and `outcome` are its own. `lost` counts what
+    the recorder was too slow to take. `alarm` states why a recording has ended that nobody ended, else it is empty.
+    """
+
+    writing: bool
+    on_request: bool
+    operator_pictures: bool
+    episode: Count
+    episode_open: bool
+    task: Text
+    outcome: EpisodeOutcome
+    lost: Count
+    alarm: Text
+
+
+class RecordingNotice(Message, frozen=True):
+    """What the recorder of the local site does, for the console of the same host."""
+
+    state: RecordingState

@@ -1,0 +1,97 @@
+"""One MCAP file that grows by a chunk with each flush, so that whatever ends it loses no more than what came since."""
+
+import fcntl
+import os
+from pathlib import Path
+from typing import Any
+
+from mcap.writer import CompressionType, Writer
+
+from common.recording.topics import MessageSchema, Topic
+
+OWNER_ONLY = 0o600
+MOST_CHUNK_BYTES = 16 << 20  # two seconds of four cameras: flushes make the chunks, not their size
+
+
+class FileOutput:
+    """An unbuffered file, its owner's alone, that counts what was written; OSError where nothing more can be."""
+
+    def __init__(self, path: Path) -> None:
+        self._handle = os.open(path, os.O_WRONLY | os.O_CREAT | os.O_EXCL | os.O_CLOEXEC, OWNER_ONLY)
+        fcntl.flock(self._handle, fcntl.LOCK_EX)  # nobody repairs a file that is being written
+        self.size = 0
+
+    def write(self, data: bytes) -> int:
+        """Write all of it."""
+        left = memoryview(data)
+        while left:
+            written = os.write(self._handle, left)
+            self.size += written
+            left = left[written:]
+        return len(data)
+
+    def tell(self) -> int:
+        return self.size
+
+    def flush(self) -> None:
+        """What was written is the kernel's already; have it on the disk too, so that a power cut loses no more."""
+        os.fdatasync(self._handle)
+
+    def close(self) -> None:
+        os.close(self._handle)
+
+
+class McapFile:
+    """Topics and messages into one new file; FileExistsError where there is one.
+
+    OSError of any call means that no more can be written: close the file, and repair it.
+    """
+
+    def __init__(self, path: Path, software: str) -> None:
+        self.path = path
+        self._output = FileOutput(path)
+        output: Any = self._output
+        self._writer: Any = Writer(output, chunk_size=MOST_CHUNK_BYTES, compression=CompressionType.LZ4)
+        self._schemas: dict[MessageSchema, int] = {}
+        self._channels: dict[str, tuple[int, int]] = {}
+        self._writer.start(profile="farhand", library=software)
+
+    @property
+    def size(self) -> int:
+        """The bytes in the file, without those since the last flush."""
+        return self._output.size
+
+    def describe(self, name: str, table: dict[str, str]) -> None:
+        """Add a table of words about the recording."""
+        self._writer.add_metadata(name, table)
+
+    def attach(self, name: str, media_type: str, data: bytes, log_ns: int) -> None:
+        """Add a document."""
+        self._writer.add_attachment(create_time=log_ns, log_time=log_ns, name=name, media_type=media_type, data=data)
+
+    def add(self, topic: Topic, data: bytes, log_ns: int, published_ns: int) -> None:
+        """Append a message; times in ns since the epoch of the file."""
+        channel, number = self._channels.get(topic.name) or (self._register(topic), 0)
+        self._channels[topic.name] = channel, number + 1
+        self._writer.add_message(channel, log_ns, data, published_ns, number)
+
+    def flush(self) -> None:
+        """End the chunk: from now on the messages so far survive whatever happens."""
+        self._writer.flush()
+
+    def finish(self) -> None:
+        """Write the index and close."""
+        self._writer.finish()
+        self._output.flush()
+        self.close()
+
+    def close(self) -> None:
+        """Close the file as it is."""
+        self._output.close()
+
+    def _register(self, topic: Topic) -> int:
+        schema = topic.schema
+        if schema not in self._schemas:
+            self._schemas[schema] = self._writer.register_schema(schema.name, schema.encoding, schema.data)
+        channel: int = self._writer.register_channel(topic.name, topic.encoding, self._schemas[schema], topic.about)
+        return channel

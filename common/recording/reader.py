@@ -1,0 +1,88 @@
+"""Reads a recording: its descriptions, documents and messages, in the order of their times."""
+
+from collections.abc import Iterator, Sequence
+from pathlib import Path
+from types import TracebackType
+from typing import NamedTuple, Self
+
+from mcap.exceptions import McapError
+from mcap.reader import make_reader
+
+from common.clock import NS_PER_S
+from common.errors import RecordingError
+
+CLOCK_TABLE = "farhand.clock"
+EPOCH_KEY = "epoch_minus_clock_ns"
+
+
+class KeptMessage(NamedTuple):
+    """A message of a recording, `t_ns` and `published_ns` by the monotonic clock of the host that recorded it."""
+
+    topic: str
+    t_ns: int
+    published_ns: int
+    data: bytes
+
+
+class RecordingReader:
+    """One file of a recording, as a context manager; RecordingError for what is no whole recording."""
+
+    def __init__(self, path: Path) -> None:
+        self._path = path
+        try:
+            self._file = path.open("rb")
+        except OSError as error:
+            raise RecordingError(f"{path} cannot be read: {error.strerror}") from error
+        try:
+            self._reader = make_reader(self._file)
+            self._summary = self._reader.get_summary()
+            self._epoch_ns = int(self.table(CLOCK_TABLE)[EPOCH_KEY])
+        except (McapError, ValueError, KeyError) as error:
+            self._file.close()
+            cure = f"if its recorder was killed: farhand record repair {path}"
+            raise RecordingError(f"{path} is no whole recording ({type(error).__name__}); {cure}") from error
+
+    def __enter__(self) -> Self:
+        return self
+
+    def __exit__(
+        self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
+    ) -> None:
+        self._file.close()
+
+    @property
+    def topics(self) -> dict[str, int]:
+        """Every topic, and how many messages it has."""
+        summary = self._summary
+        if summary is None or summary.statistics is None:
+            return {}
+        counts = summary.statistics.channel_message_counts
+        return {channel.topic: counts.get(channel.id, 0) for channel in summary.channels.values()}
+
+    @property
+    def seconds(self) -> float:
+        """From the first message to the last."""
+        statistics = self._summary.statistics if self._summary is not None else None
+        if statistics is None:
+            return 0.0
+        return float(statistics.message_end_time - statistics.message_start_time) / NS_PER_S
+
+    def table(self, name: str) -> dict[str, str]:
+        """A table of words about the recording; KeyError without it."""
+        for table in self._reader.iter_metadata():
+            if table.name == name:
+                return table.metadata
+        raise KeyError(name)
+
+    def document(self, name: str) -> bytes:
+        """An attached document; KeyError without it."""
+        for attachment in self._reader.iter_attachments():
+            if attachment.name == name:
+                return bytes(attachment.data)
+        raise KeyError(name)
+
+    def messages(self, topics: Sequence[str] | None = None) -> Iterator[KeptMessage]:
+        """The messages of these topics, all by default, in the order of their times."""
+        for _, channel, message in self._reader.iter_messages(topics):
+            times = message.log_time - self._epoch_ns, message.publish_time - self._epoch_ns
+            yield KeptMessage(channel.topic, *times, message.data)

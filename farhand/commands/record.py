@@ -1,0 +1,138 @@
+"""`farhand record` and `farhand episode`: the recorder of this host, what is asked of it, and files made whole."""
+
+from datetime import UTC, datetime
+from pathlib import Path
+from typing import Annotated
+
+import typer
+
+from common.messages.recording import EpisodeOutcome
+from common.process.log import LogFormat
+from farhand.commands.options import (
+    CellName,
+    ConfigFile,
+    LinksFile,
+    LogLines,
+    RemoteEndpoint,
+    Settings,
+    console_config,
+    until_signal,
+)
+from farhand.terminal import say
+
+record_app = typer.Typer(help="Record a cell, ask its recorder to begin or end, repair files.")
+episode_app = typer.Typer(help="Begin and end episodes of a recording, and say how they went.", no_args_is_help=True)
+
+Task = Annotated[str, typer.Option(help="What is to be done, as a sentence; it stays until another is given.")]
+Note = Annotated[str, typer.Option(help="A note about the episode.")]
+Outcome = Annotated[EpisodeOutcome, typer.Option(help="How it went.")]
+
+
+@record_app.callback(invoke_without_command=True)
+def record(
+    context: typer.Context,
+    config: ConfigFile = None,
+    settings: Settings = None,
+    out: Annotated[Path | None, typer.Option(help="Folder for the recordings; else record.folder.")] = None,
+    file: Annotated[Path | None, typer.Option(help="One file instead, that does not exist yet; never split.")] = None,
+    log_format: LogLines = LogFormat.TEXT,
+) -> None:
+    """Record the site of this host whose configuration it is given, until Ctrl-C or SIGTERM.
+
+    Example: farhand record --config remote.toml --out recordings
+    """
+    if context.invoked_subcommand is not None:
+        return
+    from farhand.recording.run import run_recorder
+
+    run_recorder(config, settings or (), out, file, lambda: datetime.now(UTC), until_signal(), log_format)
+
+
+@record_app.command("repair")
+def repair_files(files: Annotated[list[Path], typer.Argument(help="Recordings that were not ended in order.")]) -> None:
+    """Make files whole whose recorder was killed, or that were cut: up to the last whole second, in place.
+
+    Example: farhand record repair recordings/20260102T030405Z_cell_001.mcap
+    """
+    from common.recording.repair import repair
+
+    for file in files:
+        done = repair(file)
+        what = "is whole" if done.was_whole else f"is repaired, {done.cut_bytes} bytes were cut"
+        say(f"{file} {what}: {done.messages} messages over {done.seconds:.1f} s")
+
+
+@record_app.command("start")
+def start(cell: CellName = "", at: RemoteEndpoint = "", config: LinksFile = None) -> None:
+    """As the lease's holder, ask the remote site's recorder to begin (record.start = "on_request" there).
+
+    Example: farhand record start --cell cell
+    """
+    _ask("start", cell, at, config)
+
+
+@record_app.command("stop")
+def stop(cell: CellName = "", at: RemoteEndpoint = "", config: LinksFile = None) -> None:
+    """As the lease's holder, ask the remote site's recorder to end.
+
+    Example: farhand record stop --cell cell
+    """
+    _ask("stop", cell, at, config)
+
+
+@episode_app.command("begin")
+def begin(task: Task = "", cell: CellName = "", at: RemoteEndpoint = "", config: LinksFile = None) -> None:
+    """Begin an episode; one that is under way ends.
+
+    Example: farhand episode begin --task "put the block on the mark"
+    """
+    _ask("begin", cell, at, config, task=task)
+
+
+@episode_app.command("end")
+def end(
+    outcome: Outcome = EpisodeOutcome.UNKNOWN,
+    note: Note = "",
+    cell: CellName = "",
+    at: RemoteEndpoint = "",
+    config: LinksFile = None,
+) -> None:
+    """End the episode under way.
+
+    Example: farhand episode end --outcome success
+    """
+    _ask("end", cell, at, config, outcome=outcome, note=note)
+
+
+@episode_app.command("label")
+def label(
+    outcome: Outcome = EpisodeOutcome.UNKNOWN,
+    note: Note = "",
+    task: Task = "",
+    cell: CellName = "",
+    at: RemoteEndpoint = "",
+    config: LinksFile = None,
+) -> None:
+    """Say of the episode under way, or else of the last one, how it went.
+
+    Example: farhand episode label --outcome failure --note "the block slipped"
+    """
+    _ask("label", cell, at, config, task=task, outcome=outcome, note=note)
+
+
+def _ask(
+    action: str,
+    cell: str,
+    at: str,
+    config: Path | None,
+    *,
+    task: str = "",
+    outcome: EpisodeOutcome = EpisodeOutcome.UNKNOWN,
+    note: str = "",
+) -> None:
+    from common.messages.requests import RecordAction
+    from farhand.authority.record import request_record
+
+    links = console_config(config, cell=cell, control=at)
+    asked = RecordAction(action), task, outcome, note
+    say(request_record(links.cell, links.links.control, links.name, *asked, security=links.links))

@@ -1,0 +1,73 @@
+"""Records the site of a configuration, the remote or the local one, known by its tables."""
+
+from collections.abc import Callable, Sequence
+from datetime import datetime
+from importlib.metadata import version
+from pathlib import Path
+
+import structlog
+
+from common.config import apply_setting, load_config, read_tables
+from common.errors import FarhandError, RecordingError
+from common.process.log import LogFormat, start_log
+from common.process.service import StopFlag, be_nice
+from common.recording.folder import make_private, recordings_folder
+from common.recording.session import RecordingPlan
+from farhand.deployment.kinds import known_keys
+from local_site.config import LocalConfig
+from remote_site.config import RemoteConfig
+
+NICE = 5  # nobody waits for it, but what it is too late for is lost
+
+
+def run_recorder(
+    config: Path | None,
+    settings: Sequence[str],
+    out: Path | None,
+    file: Path | None,
+    date: Callable[[], datetime],
+    should_stop: StopFlag,
+    log_format: LogFormat = LogFormat.TEXT,
+) -> None:
+    """Record until asked to stop, into the folder `out`, by default the configured one, or all into one `file`.
+
+    RecordingError for a folder that cannot be written, or that others may look into, and for a file that exists.
+    """
+    start_log("record", log_format)
+    log = structlog.get_logger()
+    try:
+        loaded = load_site(config, settings)
+        folder = out or recordings_folder(loaded.record.folder)
+        if file is None:
+            make_private(folder)
+        elif file.exists():
+            raise RecordingError(f"{file} exists already; give a new file")
+        be_nice(NICE)
+        plan = RecordingPlan(folder, loaded.cell, f"farhand {version('farhand')}", loaded.record, file)
+        _record(loaded, plan, date, should_stop)
+    except FarhandError as error:
+        log.error("ending", reason=str(error))
+        raise
+
+
+def load_site(config: Path | None, settings: Sequence[str]) -> RemoteConfig | LocalConfig:
+    """The configuration of the site whose tables it has, of the remote site where that is not clear."""
+    table = read_tables(config)
+    for setting in settings:
+        apply_setting(table, setting)
+    if known_keys(table, LocalConfig) > known_keys(table, RemoteConfig):
+        return load_config(LocalConfig, config, settings)
+    return load_config(RemoteConfig, config, settings)
+
+
+def _record(
+    config: RemoteConfig | LocalConfig, plan: RecordingPlan, date: Callable[[], datetime], should_stop: StopFlag
+) -> None:
+    if isinstance(config, LocalConfig):
+        from local_site.recording.run import record_operator  # noqa: PLC0415  # only one of both is needed
+
+        record_operator(config, plan, date, should_stop)
+    else:
+        from remote_site.recording.run import record_cell  # noqa: PLC0415  # as above
+
+        record_cell(config, plan, date, should_stop)

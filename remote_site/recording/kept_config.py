@@ -1,0 +1,39 @@
+"""The configuration as a recording keeps it: all that the pipeline depends on, and nothing that is secret; and back."""
+
+import msgspec
+
+from common.errors import RecordingError
+from common.process.config import MetricsConfig
+from common.recording.config import CellRecordConfig
+from remote_site.config import RemoteConfig
+from remote_site.link_config import RemoteLinksConfig
+from remote_site.simulation.config import SIMULATED
+from remote_site.video.config import CameraConfig
+
+RECORDED = "recorded"  # in the place of a device, or of a URL that may contain a password
+
+
+def encode_config(config: RemoteConfig) -> bytes:
+    """The configuration as JSON, without endpoints, driver options, cameras' sources, and where recordings go."""
+    replace = msgspec.structs.replace
+    kept = replace(
+        config,
+        links=RemoteLinksConfig(),
+        driver=replace(config.driver, options={}),
+        video=replace(config.video, cameras=tuple(_without_source(camera) for camera in config.video.cameras)),
+        metrics=MetricsConfig(),
+        record=CellRecordConfig(),
+    )
+    return msgspec.json.format(msgspec.json.encode(kept))
+
+
+def decode_config(data: bytes) -> RemoteConfig:
+    """The configuration that `encode_config` wrote; RecordingError for one of another release."""
+    try:
+        return msgspec.json.decode(data, type=RemoteConfig)
+    except msgspec.DecodeError as error:
+        raise RecordingError(f"the recorded configuration is of another release: {error}") from error
+
+
+def _without_source(camera: CameraConfig) -> CameraConfig:
+    return camera if camera.source == SIMULATED else msgspec.structs.replace(camera, source=RECORDED)

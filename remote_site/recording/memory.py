@@ -1,0 +1,184 @@
+"""The memory in which the site leaves what a recorder of its host may take: a file of tmpfs, its owner's alone."""
+
+import errno
+import fcntl
+import mmap
+import os
+import stat
+import zlib
+from pathlib import Path
+from typing import Self
+
+from common.clock import NS_PER_S
+from common.errors import ProcessError
+from remote_site.link_config import RemoteLinksConfig
+from remote_site.shared_ring import SharedRing
+
+FOLDER = Path("/dev/shm")  # noqa: S108  # files are made exclusively, and their owner is checked
+PAGE = mmap.PAGESIZE
+MAGIC = b"farhand1"
+BEAT_AT, TAKEN_AT = 64, 72
+TICKS_BYTES = 16 << 20  # half a minute of control
+PICTURES_BYTES = 64 << 20  # ten seconds of four cameras
+REQUESTS_BYTES = STATUS_BYTES = 64 << 10
+SIZES = TICKS_BYTES, PICTURES_BYTES, REQUESTS_BYTES, STATUS_BYTES
+GONE_NS = 5 * NS_PER_S  # on a machine that does much else it may stand still for long, and the rings wait for it
+AWAITED_NS = 25 * NS_PER_S  # from its start a site leaves its cycles for a recorder that waited: the ring holds more
+OWNER_ONLY = 0o600
+
+
+def memory_path(cell: str, links: RemoteLinksConfig) -> Path:
+    """Where the site of this cell and these endpoints has its memory."""
+    endpoints = f"{links.control} {links.router}".encode()
+    return FOLDER / f"farhand-{cell}-{zlib.crc32(endpoints):08x}"
+
+
+class RecordingMemory:
+    """Four rings: `ticks` is written by control, `pictures` by video, `requests` by control, `status` by the recorder.
+
+    Pages are only used once they are written, so without a recorder the memory costs nothing.
+    """
+
+    def __init__(self, path: Path, handle: int) -> None:
+        self.path, self._handle = path, handle
+        memory = memoryview(mmap.mmap(handle, PAGE + sum(SIZES)))
+        self._magic = memory[: len(MAGIC)]
+        self._beat, self._taken = memory[BEAT_AT:TAKEN_AT].cast("q"), memory[TAKEN_AT : TAKEN_AT + 8].cast("q")
+        parts, at = [], PAGE
+        for size in SIZES:
+            parts.append(SharedRing(memory[at : at + size]))
+            at += size
+        self.ticks, self.pictures, self.requests, self.status = parts
+
+    @classmethod
+    def create(cls, path: Path, now_ns: int) -> Self:
+        """New memory in the place of what an earlier run left; ProcessError where it cannot be made.
+
+        Create it before the fork: while the site or a process of it lives, the file is locked. A recorder that waits
+        for this site counts as there from now on, however late it is scheduled.
+        """
+        try:
+            path.unlink(missing_ok=True)
+            handle = os.open(path, os.O_RDWR | os.O_CREAT | os.O_EXCL | os.O_CLOEXEC | os.O_NOFOLLOW, OWNER_ONLY)
+            fcntl.flock(handle, fcntl.LOCK_EX | fcntl.LOCK_NB)
+            os.ftruncate(handle, PAGE + sum(SIZES))
+        except OSError as error:
+            cure = f"see who owns it, remove it, and start the site again: ls -l {path}"
+            raise ProcessError(f"nothing can be recorded: {path} cannot be made: {error.strerror}; {cure}") from error
+        made = cls(path, handle)
+        made._beat[0] = now_ns + AWAITED_NS - GONE_NS if _is_awaited(path) else now_ns - GONE_NS
+        made._magic[:] = MAGIC
+        return made
+
+    @classmethod
+    def attach(cls, path: Path) -> Self | None:
+        """The memory of the site that runs, None while none does.
+
+        ProcessError for what is another user's, and where another process has attached to it.
+        """
+        try:
+            handle = os.open(path, os.O_RDWR | os.O_CLOEXEC | os.O_NOFOLLOW)
+        except FileNotFoundError:
+            return None
+        except OSError as error:
+            cure = "run the recorder as the user of the remote site"
+            raise ProcessError(f"{path} cannot be opened: {error.strerror}; {cure}") from error
+        facts = os.fstat(handle)
+        if os.geteuid() not in (facts.st_uid, 0) or not stat.S_ISREG(facts.st_mode) or facts.st_mode & 0o077:
+            os.close(handle)
+            raise ProcessError(f"{path} is not a site's: another user owns it, or may write to it; remove it")
+        if facts.st_size != PAGE + sum(SIZES):
+            os.close(handle)
+            return None  # it is being made
+        memory = cls(path, handle)
+        if memory._magic != MAGIC or memory.is_left():
+            memory.close()
+            return None
+        memory._claim()
+        return memory
+
+    def _claim(self) -> None:
+        """Be the one recorder: of two, both would write the status."""
+        try:
+            fcntl.lockf(self._handle, fcntl.LOCK_EX | fcntl.LOCK_NB, 1)  # of this process, beside the site's flock
+        except BlockingIOError as error:
+            self.close()
+            raise ProcessError(f"another recorder is at {self.path}; end it first") from error
+
+    def is_left(self) -> bool:
+        """Whether no process of the site lives any more, or another run has taken its place; for the recorder."""
+        try:
+            fcntl.flock(self._handle, fcntl.LOCK_EX | fcntl.LOCK_NB)
+        except OSError as error:
+            if error.errno not in (errno.EWOULDBLOCK, errno.EACCES):
+                raise
+            return not self._is_named()
+        fcntl.flock(self._handle, fcntl.LOCK_UN)  # the mapping would hold it on, and look like a site
+        return True
+
+    def take_over(self) -> bool:
+        """Whether nobody has read this site's rings before, so that they may be read from their beginning."""
+        is_first, self._taken[0] = self._taken[0] == 0, 1
+        return is_first
+
+    def beat(self, now_ns: int) -> None:
+        """A recorder is there; it beats several times a second."""
+        self._beat[0] = now_ns
+
+    def has_recorder(self, now_ns: int) -> bool:
+        """Whether a recorder has beaten within the last seconds."""
+        return now_ns - self._beat[0] < GONE_NS
+
+    def close(self) -> None:
+        """Let go of the file; the mapping, and with it the lock, ends with its last user."""
+        os.close(self._handle)
+
+    def remove(self) -> None:
+        """Remove the file: the site ends in order."""
+        if self._is_named():
+            self.path.unlink(missing_ok=True)
+
+    def _is_named(self) -> bool:
+        try:
+            return os.stat(self.path).st_ino == os.fstat(self._handle).st_ino
+        except FileNotFoundError:
+            return False
+
+
+def wait_for_site(path: Path) -> int | None:
+    """Show a site that is still to start that a recorder waits; the handle keeps it so, None where another waits."""
+    try:
+        handle = os.open(_waiting(path), os.O_RDWR | os.O_CREAT | os.O_CLOEXEC | os.O_NOFOLLOW, OWNER_ONLY)
+    except OSError as error:
+        cure = "run the recorder as the user of the remote site"
+        raise ProcessError(f"{_waiting(path)} cannot be made: {error.strerror}; {cure}") from error
+    try:
+        fcntl.flock(handle, fcntl.LOCK_EX | fcntl.LOCK_NB)
+    except BlockingIOError:
+        os.close(handle)
+        return None
+    return handle
+
+
+def stop_waiting(path: Path, handle: int) -> None:
+    """Take back what `wait_for_site` has shown."""
+    _waiting(path).unlink(missing_ok=True)
+    os.close(handle)
+
+
+def _waiting(path: Path) -> Path:
+    return path.with_name(f"{path.name}.waiting")
+
+
+def _is_awaited(path: Path) -> bool:
+    try:
+        handle = os.open(_waiting(path), os.O_RDWR | os.O_CLOEXEC | os.O_NOFOLLOW)
+    except OSError:
+        return False  # nobody waits who may read what this user leaves
+    try:
+        fcntl.flock(handle, fcntl.LOCK_SH | fcntl.LOCK_NB)
+    except BlockingIOError:
+        return True
+    finally:
+        os.close(handle)
+    return False

@@ -1,0 +1,40 @@
+"""`farhand record` knows whose configuration it is given, and refuses what it must not write over."""
+
+from pathlib import Path
+
+import pytest
+
+from common.errors import RecordingError
+from common.process.service import StopFlag
+from farhand.deployment.shipped import HERE
+from farhand.recording.run import load_site, run_recorder
+from local_site.config import LocalConfig
+from remote_site.config import RemoteConfig
+
+SITES = HERE / "sites"
+
+
+@pytest.mark.parametrize(
+    ("name", "settings", "kind"),
+    [
+        ("remote", (), RemoteConfig),
+        ("remote-thesis", (), RemoteConfig),
+        ("local", (), LocalConfig),
+        ("local-cameras", (), LocalConfig),
+        (None, (), RemoteConfig),
+        (None, ("links.control=tcp/127.0.0.1:7500",), RemoteConfig),
+        (None, ("links.listen=tcp/127.0.0.1:7500", "record.operator_pictures=true"), LocalConfig),
+    ],
+)
+def test_a_configuration_is_known_by_its_tables(
+    name: str | None, settings: tuple[str, ...], kind: type[RemoteConfig | LocalConfig]
+) -> None:
+    path = SITES / f"{name}.toml" if name is not None else None
+    assert isinstance(load_site(path, settings), kind)
+
+
+def test_an_existing_file_is_not_written_over(tmp_path: Path) -> None:
+    (tmp_path / "kept.mcap").write_bytes(b"kept")
+    with pytest.raises(RecordingError, match="exists already"):
+        run_recorder(None, (), None, tmp_path / "kept.mcap", lambda: pytest.fail("no date is needed"), StopFlag())
+    assert (tmp_path / "kept.mcap").read_bytes() == b"kept"
