@@ -36,8 +36,17 @@ def recorded_pipeline(path: Path, folder: Path) -> TeleopPipeline:
             config, urdf = decode_config(recording.document(CONFIG_FILE)), recording.document(URDF_FILE)
         except KeyError as error:
             raise RecordingError(f"{path} is no recording of a remote site: it has no {error.args[0]}") from error
-    config = _with_urdf(config, urdf, folder)
+    config = with_urdf(config, urdf, folder)
     return TeleopPipeline(config, *load_arm(config.robot))
+
+
+def with_urdf(config: RemoteConfig, urdf: bytes, folder: Path) -> RemoteConfig:
+    """The configuration with the recorded URDF, written into `folder` unless the one that it names is the same."""
+    if config.robot.urdf.is_file() and config.robot.urdf.read_bytes() == urdf:
+        return config
+    written = folder / URDF_FILE
+    written.write_bytes(urdf)
+    return msgspec.structs.replace(config, robot=msgspec.structs.replace(config.robot, model=str(written)))
 
 
 def cycle_count(path: Path) -> int:
@@ -84,12 +93,3 @@ def _check_follows(path: Path, before: int, number: int) -> None:
         )
     if before and number != before + 1:
         raise RecordingError(f"{path}: {number - before - 1} control cycles are missing before cycle {number}")
-
-
-def _with_urdf(config: RemoteConfig, urdf: bytes, folder: Path) -> RemoteConfig:
-    """The configuration with the recorded URDF, unless the one that it names is the same."""
-    if config.robot.urdf.is_file() and config.robot.urdf.read_bytes() == urdf:
-        return config
-    written = folder / URDF_FILE
-    written.write_bytes(urdf)
-    return msgspec.structs.replace(config, robot=msgspec.structs.replace(config.robot, model=str(written)))
