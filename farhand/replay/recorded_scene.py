@@ -18,6 +18,7 @@ from common.messages.robot import RobotState
 from common.messages.video import CameraStatus, Codec, VideoFrame
 from common.recording.episodes import EpisodeEvent
 from common.recording.folder import parts_from
+from common.recording.hand_transcript import EPISODE, LOG
 from common.recording.reader import KeptMessage, RecordingReader
 from farhand.replay.recorded_cycles import with_urdf
 from remote_site.kinematics.limits import load_arm
@@ -68,9 +69,7 @@ class RecordedScene:
         found = []
         for part in self._parts:
             with RecordingReader(part) as recording:
-                found += [
-                    self._event(message) for message in recording.messages([topics.EPISODE.name, topics.LOG.name])
-                ]
+                found += [self._event(message) for message in recording.messages([EPISODE.name, LOG.name])]
         return [event for event in found if event is not None]
 
     def shown(self, from_ns: int) -> Iterator[tuple[int, Shown]]:
@@ -117,7 +116,7 @@ class RecordedScene:
 
     def _event(self, message: KeptMessage) -> RecordedEvent | None:
         at_s = (message.t_ns - self.begin_ns) / NS_PER_S
-        if message.topic == topics.EPISODE.name:
+        if message.topic == EPISODE.name:
             event = msgspec.json.decode(message.data, type=EpisodeEvent)
             words = f"episode {event.episode}: {event.event.value}, {event.outcome.value} {event.task}".strip()
             return RecordedEvent(at_s, "episode", words)
