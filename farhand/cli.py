@@ -11,6 +11,7 @@ from farhand.commands.calibrate import calibrate_app
 from farhand.commands.checks import doctor, driver_app
 from farhand.commands.files import certificates_app, config_app, models_app
 from farhand.commands.record import episode_app, record_app
+from farhand.commands.replay import replay
 from farhand.commands.requests import engage, lease_app, maintenance_app
 from farhand.commands.setting_up import setup
 from farhand.commands.simulations import experiment, loopback
@@ -25,7 +26,7 @@ app = typer.Typer(
     add_completion=False,
     pretty_exceptions_enable=False,
 )
-for command in (setup, loopback, local, remote, console, router, engage, track, experiment, doctor):
+for command in (setup, loopback, local, remote, console, router, engage, replay, track, experiment, doctor):
     app.command()(command)
 for name, group in {
     "lease": lease_app,

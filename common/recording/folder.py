@@ -72,3 +72,12 @@ def prune(folder: Path, keep_gb: float, growing: Path | None) -> None:
     for path in too_old(found(folder), keep_gb * BYTES_PER_GB, growing):
         path.unlink(missing_ok=True)
         structlog.get_logger().info("an old recording is removed", file=str(path), keep_gb=keep_gb)
+
+
+def parts_from(path: Path) -> list[Path]:
+    """A file and the parts of the same recording that follow it, in order; a file of another name stands alone."""
+    if not NAME.fullmatch(path.name):
+        return [path]
+    recording = path.name.rpartition("_")[0]
+    parts = sorted(path.parent.glob(f"{recording}_[0-9][0-9][0-9].mcap"))
+    return [part for part in parts if part.name >= path.name] or [path]

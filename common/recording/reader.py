@@ -60,6 +60,19 @@ class RecordingReader:
         return {channel.topic: counts.get(channel.id, 0) for channel in summary.channels.values()}
 
     @property
+    def span_ns(self) -> tuple[int, int]:
+        """The times of the first message and of the last; both the same without any."""
+        statistics = self._summary.statistics if self._summary is not None else None
+        if statistics is None or statistics.message_count == 0:
+            return -self._epoch_ns, -self._epoch_ns
+        return statistics.message_start_time - self._epoch_ns, statistics.message_end_time - self._epoch_ns
+
+    @property
+    def began_ns(self) -> int:
+        """The date of the first message, ns since 1970."""
+        return self.span_ns[0] + self._epoch_ns
+
+    @property
     def seconds(self) -> float:
         """From the first message to the last."""
         statistics = self._summary.statistics if self._summary is not None else None
@@ -81,8 +94,9 @@ class RecordingReader:
                 return bytes(attachment.data)
         raise KeyError(name)
 
-    def messages(self, topics: Sequence[str] | None = None) -> Iterator[KeptMessage]:
-        """The messages of these topics, all by default, in the order of their times."""
-        for _, channel, message in self._reader.iter_messages(topics):
+    def messages(self, topics: Sequence[str] | None = None, from_ns: int | None = None) -> Iterator[KeptMessage]:
+        """The messages of these topics, all by default, in the order of their times, from a time on."""
+        start = None if from_ns is None else max(from_ns + self._epoch_ns, 0)
+        for _, channel, message in self._reader.iter_messages(topics, starting_at=start):
             times = message.log_time - self._epoch_ns, message.publish_time - self._epoch_ns
             yield KeptMessage(channel.topic, *times, message.data)

@@ -1,24 +1,24 @@
 """The middle of the console: the newest messages of both sites go to every page."""
 
-import time
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from dataclasses import replace
-from typing import Protocol
+from typing import Any, Protocol
 
 import msgspec
 
-from common.clock import NS_PER_MS, ClockEstimate, ClockOffset
-from common.messages.hand import HandArm
+from common.clock import NS_PER_MS, ClockEstimate, ClockOffset, MonotonicClock
+from common.messages.hand import HandArm, OperatorSettings
 from common.messages.recording import RecordingNotice
 from common.messages.requests import Description
 from common.messages.robot import RobotState
 from common.messages.video import VideoFrame
 from local_site.console.key_frames import KeyFrames
-from local_site.console.message_handler import NO_LEASE, PageMessageHandler
+from local_site.console.message_handler import NO_LEASE
 from local_site.console.model.frames import view_frame
 from local_site.console.model.history import History
 from local_site.console.model.latency import Latencies
-from local_site.console.model.page_messages import parse
+from local_site.console.model.page_messages import AnyPageMessage, parse
+from local_site.console.model.seat import Seat
 from local_site.console.model.sent_target import SentTarget
 from local_site.console.model.shown import CAMERA_VIEW
 from local_site.console.model.situation import NewestMessages, situation_json
@@ -26,6 +26,7 @@ from local_site.console.model.tools import tools_json
 from local_site.console.page import OpenPages, Page
 
 OWN_CLOCK = ClockOffset(0, 0)
+HOST_CLOCK = MonotonicClock()
 LEAST_TOOLS_NS = 50 * NS_PER_MS
 
 
@@ -37,15 +38,38 @@ class CellClock(Protocol):
     def estimate(self, now_ns: int) -> ClockEstimate | None: ...
 
 
+class PageHandler(Protocol):
+    """What handles the pages' messages: that of a live cell, or that of a replay."""
+
+    seat: Seat
+    lease: int
+    settings: OperatorSettings | None
+
+    def adopt(self, in_force: OperatorSettings | None, now_ns: int) -> None: ...
+
+    def remember(
+        self, view: str, frame: VideoFrame, now_ns: int, clock: ClockOffset | None, *, usable: bool
+    ) -> None: ...
+
+    def handle(self, page: Page, message: AnyPageMessage, now_ns: int) -> None: ...
+
+
+class NowClock(Protocol):
+    """The time that pages live in: this host's, or a recording's."""
+
+    def now_ns(self) -> int: ...
+
+
 class Hub:
     """Lives in the event loop; every method is called there. `watched` is called with whether any page is connected.
 
-    `operator` is whose console this is; `operate` is whether a page may operate.
+    `operator` is whose console this is; `operate` is whether a page may operate. `replay` describes the recording to
+    the pages where it is not the cell that they see.
     """
 
     def __init__(
         self,
-        handler: PageMessageHandler,
+        handler: PageHandler,
         watch: CellClock,
         latencies: Latencies,
         history: History,
@@ -54,10 +78,12 @@ class Hub:
         operator: str,
         *,
         operate: bool,
+        clock: NowClock = HOST_CLOCK,
+        replay: Mapping[str, Any] | None = None,
     ) -> None:
-        self._handler, self._watch = handler, watch
+        self._handler, self._watch, self._clock = handler, watch, clock
         self._latencies, self._history = latencies, history
-        self._operate, self._operator = operate, operator
+        self._hello = {"operate": operate, "operator": operator, "replay": replay}
         self._key_frames = key_frames
         self._newest = NewestMessages()
         self._sent = SentTarget()
@@ -67,10 +93,10 @@ class Hub:
 
     def arrive(self, page: Page) -> None:
         """A page has connected."""
-        now_ns = time.monotonic_ns()
+        now_ns = self._clock.now_ns()
         self._pages.add(page)
         self._handler.seat.arrive(page.visitor, now_ns)
-        page.send(type="hello", page=page.visitor.number, operate=self._operate, operator=self._operator)
+        page.send(type="hello", page=page.visitor.number, **self._hello)
         if self._cell is not None:
             self._introduce(page, self._cell)
 
@@ -79,18 +105,20 @@ class Hub:
         self._pages.remove(page)
         if page.visitor == self._handler.seat.occupant:
             self._handler.seat.leave(page.visitor)
-            self._history.note("seat", f"{page.visitor} is gone, nobody operates", time.monotonic_ns())
+            self._history.note("seat", f"{page.visitor} is gone, nobody operates", self._clock.now_ns())
 
     def receive(self, page: Page, text: str) -> None:
         """A message has come from a page; MessageError when it is none that is known."""
-        self._handler.handle(page, parse(text), time.monotonic_ns())
+        self._handler.handle(page, parse(text), self._clock.now_ns())
 
     def state(self, state: RobotState) -> None:
         """The robot's state has come."""
-        now_ns = time.monotonic_ns()
+        now_ns = self._clock.now_ns()
         self._newest = replace(self._newest, state=state, state_ns=now_ns)
         lease = state.lease
-        self._handler.lease = lease.number if lease is not None and lease.holder == self._operator else NO_LEASE
+        self._handler.lease = (
+            lease.number if lease is not None and lease.holder == self._hello["operator"] else NO_LEASE
+        )
         self._handler.adopt(state.settings, now_ns)
         self._sent.add_state(state)
         self._history.add_state(state, now_ns)
@@ -98,18 +126,18 @@ class Hub:
 
     def hand(self, hand: HandArm) -> None:
         """A hand sample has come."""
-        now_ns = time.monotonic_ns()
+        now_ns = self._clock.now_ns()
         self._newest = replace(self._newest, hand=hand, hand_ns=now_ns)
         self._sent.add_hand(hand)
         self._send_tools(now_ns)
 
     def recording(self, notice: RecordingNotice) -> None:
         """The recorder of the operator's side has told what it does."""
-        self._newest = replace(self._newest, notice=notice, notice_ns=time.monotonic_ns())
+        self._newest = replace(self._newest, notice=notice, notice_ns=self._clock.now_ns())
 
     def camera(self, frame: VideoFrame) -> None:
         """A picture of the cell has come."""
-        now_ns = time.monotonic_ns()
+        now_ns = self._clock.now_ns()
         known = self._watch.estimate(now_ns)
         view, clock = CAMERA_VIEW + frame.camera, known.offset if known is not None else None
         usable = self._show(view, frame, clock)
@@ -131,11 +159,11 @@ class Hub:
 
     def refused(self, sentence: str) -> None:
         """The cell is refused, as one of another release."""
-        self._history.note_change("refused", "fault", sentence, time.monotonic_ns())
+        self._history.note_change("refused", "fault", sentence, self._clock.now_ns())
 
     def send_situation(self) -> None:
         """Send the situation to every page."""
-        now_ns = time.monotonic_ns()
+        now_ns = self._clock.now_ns()
         clock = self._watch.estimate(now_ns), self._watch.round_trip_ms
         self._latencies.add_clock(*clock, now_ns)
         if not self._pages:
@@ -146,6 +174,18 @@ class Hub:
             page.newest("situation", situation)
         if now_ns - self._tools_ns > LEAST_TOOLS_NS:  # no hand samples come
             self._send_tools(now_ns)
+
+    def tell(self, kind: str, text: str) -> None:
+        """Send every page the newest of another kind, as JSON."""
+        for page in self._pages:
+            page.newest(kind, text)
+
+    def begin_again(self, latencies: Latencies, history: History) -> None:
+        """Forget what has come: the time has jumped."""
+        self._newest, self._sent, self._tools_ns = NewestMessages(), SentTarget(), 0
+        self._latencies, self._history = latencies, history
+        if self._cell is not None:
+            self._sent.describe(self._cell)
 
     def _send_tools(self, now_ns: int) -> None:
         """Send every page where the tool is, and where it has been sent."""

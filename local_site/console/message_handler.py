@@ -7,6 +7,7 @@ from typing import Protocol, assert_never
 from msgspec.structs import replace
 
 from common.clock import NS_PER_MS, NS_PER_S, ClockOffset
+from common.errors import MessageError
 from common.messages.hand import Intent, OperatorIntent, OperatorSettings
 from common.messages.recording import EpisodeOutcome
 from common.messages.requests import EngagementAction, OperatorAction, PicturePoint, RecordAction, Reply
@@ -25,6 +26,7 @@ from local_site.console.model.page_messages import (
     FrameTaken,
     LeaveSeat,
     MarkJoints,
+    Play,
     Shown,
     Steer,
     TakeSeat,
@@ -143,13 +145,15 @@ class PageMessageHandler:
             case MarkJoints():
                 joints = message.shoulder, message.elbow, message.wrist
                 self._if_operating(page, message.id, lambda: self._requests.joints(*joints), "joints")
-            case TakeSeat():
-                self._answer_seat(page, message.id, self.seat.take(page.visitor, now_ns), now_ns)
-            case LeaveSeat():
-                self._answer_seat(page, message.id, self.seat.leave(page.visitor), now_ns)
+            case TakeSeat() | LeaveSeat():
+                takes, visitor = isinstance(message, TakeSeat), page.visitor
+                verdict = self.seat.take(visitor, now_ns) if takes else self.seat.leave(visitor)
+                self._answer_seat(page, message.id, verdict, now_ns)
             case Shown() | Clutch() | Steer():
                 if page.visitor == self.seat.occupant:
                     self._operate(message, now_ns)
+            case Play():
+                raise MessageError("invalid", "nothing is replayed here: the cell is live")
             case _:
                 assert_never(message)
 

@@ -121,6 +121,14 @@ class Clutch(PageMessage, frozen=True, tag="clutch"):
     """The operator takes new origins."""
 
 
+class Play(PageMessage, frozen=True, tag="play"):
+    """How a replay goes on: what is not named stays. `position_s` counts from the recording's beginning."""
+
+    playing: bool | None = None
+    speed: Annotated[float, Meta(ge=0.1, le=16)] | None = None
+    position_s: Annotated[float, Meta(ge=0, le=1e7)] | None = None
+
+
 class Steer(PageMessage, frozen=True, tag="steer"):
     """What the operator changes of scales and locks, within the bounds of the settings; what is not named stays."""
 
@@ -145,6 +153,7 @@ AnyPageMessage = (
     | AskLease
     | AskRecord
     | MarkJoints
+    | Play
     | TakeSeat
     | LeaveSeat
     | Clutch

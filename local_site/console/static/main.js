@@ -10,6 +10,7 @@ import { JointMarks } from "./joint_marks.js";
 import { LatencyRoom } from "./latency_room.js";
 import { LinkLine } from "./link_line.js";
 import { RecordingRow } from "./recording_row.js";
+import { ReplayBar } from "./replay_bar.js";
 import { ServerClock } from "./server_clock.js";
 import { StatePanel } from "./state_panel.js";
 import { StopButton } from "./stop_button.js";
@@ -38,6 +39,7 @@ const stop = new StopButton(connection, alert, () => {
 const controls = new Controls(connection, alert);
 const recording = new RecordingRow(connection, alert);
 const delay = new DelayPanel(clock, (scale) => controls.steer({ scale }));
+const replay = new ReplayBar(connection, () => views.forget());
 const joints = new JointMarks(connection, views.ofOperator);
 
 let toolsMs = -Infinity;
@@ -47,7 +49,14 @@ function beat() {
 }
 
 const handlers = {
-  hello: (message) => controls.hello(message),
+  hello: (message) => {
+    controls.hello(message);
+    replay.hello(message);
+  },
+  replay: (message) => {
+    clock.follow(message.now_ms, message.running ? message.speed : 0);
+    replay.show(message);
+  },
   echo: (message) => clock.add(message.page_ms, message.server_ms, performance.now()),
   cell: (message) => {
     views.describe(message.cell);

@@ -4,6 +4,17 @@ const SLOT_MS = 1000;
 
 export class ServerClock {
   #best = [];
+  #replayed = null;
+
+  /** Follow a recording's time, which goes on at a speed, instead of the console's. */
+  follow(nowMs, speed) {
+    this.#replayed = { nowMs, speed, heardMs: performance.now() };
+  }
+
+  /** Whether the time is a recording's. */
+  get isReplayed() {
+    return this.#replayed !== null;
+  }
 
   /** Add an echo: sent and received by the page's clock, answered by the console's, all in ms. */
   add(sentMs, answeredMs, receivedMs) {
@@ -16,6 +27,7 @@ export class ServerClock {
 
   /** The console's time in ms; null before the first echo. */
   now() {
+    if (this.#replayed !== null) return this.#replayed.nowMs + (performance.now() - this.#replayed.heardMs) * this.#replayed.speed;
     if (this.#best.length === 0) return null;
     const quickest = this.#best.reduce((a, b) => (b.tookMs < a.tookMs ? b : a));
     return performance.now() + quickest.offsetMs;

@@ -123,13 +123,14 @@ export class View {
 
   /** Mark how current the picture is now. */
   refresh() {
-    const { mark, title, words: why, ageMs, isOld } = judge(this.#newest, this.#header, this.#clock.now());
+    const { mark, title: judged, words: why, ageMs, isOld } = judge(this.#newest, this.#header, this.#clock.now());
+    const title = mark === "live" && this.#clock.isReplayed ? "recorded" : judged;
     setMark(this.element, "data-mark", mark);
     setMark(this.element, "data-useless", ageMs === null || ageMs > USELESS_MS);
     this.#isFresh = !isOld && (mark === "live" || mark === "slow");
     put(this.#title, title);
     put(this.#words, this.#isMissed ? NO_H264 : why || this.why);
-    put(this.#fresh, ageMs === null ? title : `${mark} ${ageWords(ageMs)} ${this.#fps()} fps`);
+    put(this.#fresh, ageMs === null ? title : `${mark === "live" ? title : mark} ${ageWords(ageMs)} ${this.#fps()} fps`);
   }
 
   /** What was painted last, for the console; null before the first, or while its age is not known. */

@@ -101,6 +101,11 @@ export class Views {
     return left && !right;
   }
 
+  /** Forget where the tool was: the time has jumped. */
+  forget() {
+    this.#path = new ToolPath();
+  }
+
   refresh() {
     for (const view of this.#views.values()) view.refresh();
   }

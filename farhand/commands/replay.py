@@ -1,0 +1,52 @@
+"""`farhand replay`: what was recorded, played again."""
+
+import tempfile
+from pathlib import Path
+from typing import Annotated
+
+import typer
+
+from farhand.commands.options import until_signal
+from farhand.terminal import say
+
+
+def replay(
+    file: Annotated[Path, typer.Argument(help="A recording; the parts that follow it count too.")],
+    verify: Annotated[
+        bool, typer.Option("--verify", help="Feed the recorded inputs through today's pipeline; compare the commands.")
+    ] = False,
+    port: Annotated[int, typer.Option(min=0, max=65535, help="Where the page is served; 0 takes a free port.")] = 8471,
+) -> None:
+    """Show a recording on the operator's page, until Ctrl-C; or verify it.
+
+    The page is served to this host only. With --verify every recorded input goes through today's control pipeline: exit
+    code 0 if every command comes again, 1 if one differs.
+
+    Example: farhand replay recordings/20260102T030405Z_cell_001.mcap
+    """
+    with tempfile.TemporaryDirectory() as folder:
+        if verify:
+            _verify(file, Path(folder))
+            return
+        from farhand.replay.console import run_replay
+        from farhand.replay.recorded_scene import RecordedScene
+        from local_site.console.config import ServeConfig
+
+        run_replay(RecordedScene(file, Path(folder)), file.name, ServeConfig(port=port), until_signal(), say)
+
+
+def _verify(file: Path, folder: Path) -> None:
+    from rich.console import Console
+    from rich.progress import Progress
+
+    from farhand.exit_codes import FAILED
+    from farhand.replay.recorded_cycles import cycle_count, recorded_cycles, recorded_pipeline
+    from farhand.replay.verify import verify
+
+    with Progress(console=Console(stderr=True)) as bar:
+        pipeline = recorded_pipeline(file, folder)
+        task = bar.add_task("verifying", total=cycle_count(file))
+        verdict = verify(recorded_cycles(file), pipeline, lambda: bar.advance(task))
+    say(verdict.in_words())
+    if verdict.difference is not None:
+        raise typer.Exit(FAILED)

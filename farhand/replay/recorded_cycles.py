@@ -1,0 +1,95 @@
+"""The control cycles of a recording, and the pipeline that they went through."""
+
+from collections.abc import Iterator
+from pathlib import Path
+from typing import NamedTuple
+
+import msgspec
+
+from common.errors import MessageError, RecordingError
+from common.recording.folder import parts_from
+from common.recording.reader import RecordingReader
+from remote_site.config import RemoteConfig
+from remote_site.kinematics.limits import load_arm
+from remote_site.recording.cycle_record import CycleOutcome, decode_input, decode_outcome
+from remote_site.recording.kept_config import decode_config
+from remote_site.recording.topics import CYCLE_INPUT, CYCLE_OUTCOME
+from remote_site.recording.transcript import CONFIG_FILE, URDF_FILE
+from remote_site.teleop.cycle import CycleInput
+from remote_site.teleop.pipeline import TeleopPipeline
+
+
+class RecordedCycle(NamedTuple):
+    """What went into a control cycle, and what came of it."""
+
+    given: CycleInput
+    outcome: CycleOutcome
+
+
+def recorded_pipeline(path: Path, folder: Path) -> TeleopPipeline:
+    """Today's pipeline with the configuration and the arm of a recording, whose URDF is written into `folder`.
+
+    RecordingError for a file that is no recording of a cell, or one of another release.
+    """
+    with RecordingReader(path) as recording:
+        try:
+            config, urdf = decode_config(recording.document(CONFIG_FILE)), recording.document(URDF_FILE)
+        except KeyError as error:
+            raise RecordingError(f"{path} is no recording of a remote site: it has no {error.args[0]}") from error
+    config = with_urdf(config, urdf, folder)
+    return TeleopPipeline(config, *load_arm(config.robot))
+
+
+def with_urdf(config: RemoteConfig, urdf: bytes, folder: Path) -> RemoteConfig:
+    """The configuration with the recorded URDF, written into `folder` unless the one that it names is the same."""
+    if config.robot.urdf.is_file() and config.robot.urdf.read_bytes() == urdf:
+        return config
+    written = folder / URDF_FILE
+    written.write_bytes(urdf)
+    return msgspec.structs.replace(config, robot=msgspec.structs.replace(config.robot, model=str(written)))
+
+
+def cycle_count(path: Path) -> int:
+    """How many cycles a recording has from this file on."""
+    count = 0
+    for part in parts_from(path):
+        with RecordingReader(part) as recording:
+            count += recording.topics.get(CYCLE_OUTCOME.name, 0)
+    return count
+
+
+def recorded_cycles(path: Path) -> Iterator[RecordedCycle]:
+    """The cycles of a recording from this file on, in order, the parts that follow it included.
+
+    RecordingError where they do not begin with the site's first one, one is missing between them, or they are of
+    another release: what a cycle makes of its input depends on all cycles before it.
+    """
+    number = 0
+    for part in parts_from(path):
+        for cycle in _cycles_in(part):
+            _check_follows(part, number, cycle.outcome.number)
+            number = cycle.outcome.number
+            yield cycle
+
+
+def _cycles_in(path: Path) -> Iterator[RecordedCycle]:
+    given = None
+    with RecordingReader(path) as recording:
+        for message in recording.messages([CYCLE_INPUT.name, CYCLE_OUTCOME.name]):
+            try:
+                if message.topic == CYCLE_INPUT.name:
+                    given = decode_input(message.data)
+                elif given is not None:
+                    yield RecordedCycle(given, decode_outcome(message.data))
+            except MessageError as error:
+                raise RecordingError(f"{path}: {error}; replay it with the release that recorded it") from error
+
+
+def _check_follows(path: Path, before: int, number: int) -> None:
+    if before == 0 and number != 1:
+        raise RecordingError(
+            f"{path} begins with control cycle {number} of its site: only a recording from the site's start can be "
+            'verified. Give its first part, or record with record.start = "at_once" and the recorder started first'
+        )
+    if before and number != before + 1:
+        raise RecordingError(f"{path}: {number - before - 1} control cycles are missing before cycle {number}")

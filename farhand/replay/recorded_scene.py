@@ -1,0 +1,131 @@
+"""What an operator's page shows, out of a recording: states, hand samples and pictures, in the order of their times."""
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+from pathlib import Path
+
+import msgspec
+from foxglove_schemas_protobuf.CompressedImage_pb2 import CompressedImage
+from foxglove_schemas_protobuf.Log_pb2 import Log
+
+from common.clock import NS_PER_S
+from common.errors import MessageError, RecordingError
+from common.link.channels import HAND, STATE
+from common.messages.codec import decode
+from common.messages.hand import HandArm
+from common.messages.requests import Description
+from common.messages.robot import RobotState
+from common.messages.video import CameraStatus, Codec, VideoFrame
+from common.recording.episodes import EpisodeEvent
+from common.recording.folder import parts_from
+from common.recording.hand_transcript import EPISODE, LOG
+from common.recording.reader import KeptMessage, RecordingReader
+from farhand.replay.recorded_cycles import with_urdf
+from remote_site.kinematics.limits import load_arm
+from remote_site.recording import topics
+from remote_site.recording.kept_config import decode_config
+from remote_site.recording.transcript import CONFIG_FILE, URDF_FILE
+from remote_site.runtime.request_server import describe
+
+BEFORE_NS = NS_PER_S // 2  # before the time that is jumped to: by then every panel has something
+HAND_PREFIX = HAND.key.split("{operator}")[0]
+
+Shown = RobotState | HandArm | VideoFrame
+
+
+@dataclass(frozen=True, slots=True)
+class RecordedEvent:
+    """A point of the recording to which a person may want to jump: seconds from its beginning, its kind, and words."""
+
+    at_s: float
+    kind: str
+    words: str
+
+
+class RecordedScene:
+    """A recording from one of its files on; the times are those of the host that recorded.
+
+    RecordingError for files that are no recording of a cell.
+    """
+
+    def __init__(self, path: Path, folder: Path) -> None:
+        """`folder` receives the recorded URDF, where the arm's own is another one."""
+        self._parts = parts_from(path)
+        with RecordingReader(self._parts[0]) as first, RecordingReader(self._parts[-1]) as last:
+            self.begin_ns, self.end_ns, self.began_ns = first.span_ns[0], last.span_ns[1], first.began_ns
+            try:
+                config, urdf = decode_config(first.document(CONFIG_FILE)), first.document(URDF_FILE)
+            except KeyError as error:
+                raise RecordingError(f"{path} is no recording of a remote site: it has no {error.args[0]}") from error
+        config = with_urdf(config, urdf, folder)
+        self.cell: Description = describe(config, *load_arm(config.robot))
+        self._cameras = {topics.image_topic(camera.name).name: camera.name for camera in config.video.cameras}
+        self._state = STATE.key_for(config.cell)
+        self._hands = HAND_PREFIX.format(cell=config.cell)
+        self._pictures = 0
+
+    def events(self) -> list[RecordedEvent]:
+        """The episodes, and each change of the session's state, by time."""
+        found = []
+        for part in self._parts:
+            with RecordingReader(part) as recording:
+                found += [self._event(message) for message in recording.messages([EPISODE.name, LOG.name])]
+        return [event for event in found if event is not None]
+
+    def shown(self, from_ns: int) -> Iterator[tuple[int, Shown]]:
+        """Times and messages from shortly before a time on; what another release sent is left out."""
+        for part in self._parts:
+            with RecordingReader(part) as recording:
+                if recording.span_ns[1] < from_ns:
+                    continue
+                wanted = [name for name in recording.topics if self._is_shown(name)]
+                for message in recording.messages(wanted, from_ns - BEFORE_NS):
+                    try:
+                        yield message.t_ns, self._message(message)
+                    except MessageError:
+                        continue
+
+    def _is_shown(self, topic: str) -> bool:
+        return topic == self._state or topic in self._cameras or topic.startswith(self._hands)
+
+    def _message(self, message: KeptMessage) -> Shown:
+        if message.topic == self._state:
+            return decode(message.data, RobotState, STATE.max_bytes)
+        if message.topic in self._cameras:
+            return self._picture(self._cameras[message.topic], message)
+        return _by_our_clock(decode(message.data, HandArm, HAND.max_bytes))
+
+    def _picture(self, camera: str, message: KeptMessage) -> VideoFrame:
+        """Numbers only rise, also where the time jumps back: a page paints no older picture over a newer one."""
+        self._pictures += 1
+        image = CompressedImage.FromString(message.data)
+        size = next(described for described in self.cell.cameras if described.name == camera)
+        return VideoFrame(
+            camera=camera,
+            seq=self._pictures,
+            capture_ns=message.t_ns,
+            capture_estimated=False,
+            status=CameraStatus.LIVE,
+            reason="",
+            width=size.width,
+            height=size.height,
+            codec=Codec.JPEG,
+            key=True,
+            data=image.data,
+        )
+
+    def _event(self, message: KeptMessage) -> RecordedEvent | None:
+        at_s = (message.t_ns - self.begin_ns) / NS_PER_S
+        if message.topic == EPISODE.name:
+            event = msgspec.json.decode(message.data, type=EpisodeEvent)
+            words = f"episode {event.episode}: {event.event.value}, {event.outcome.value} {event.task}".strip()
+            return RecordedEvent(at_s, "episode", words)
+        line = Log.FromString(message.data)
+        return RecordedEvent(at_s, "session", line.message) if line.name == "session" else None
+
+
+def _by_our_clock(hand: HandArm) -> HandArm:
+    """A hand sample with its times by the clock of the host that recorded, as far as that is known."""
+    offset_ns = hand.clock.remote_minus_local_ns if hand.clock is not None else 0
+    sent_ns = hand.sent_ns + offset_ns if hand.sent_ns is not None else None
+    return msgspec.structs.replace(hand, capture_ns=max(hand.capture_ns + offset_ns, 0), sent_ns=sent_ns)

@@ -1,0 +1,143 @@
+"""What a page gets of a recording: the messages of its time, none of another, and no robot."""
+
+import msgspec
+import pytest
+
+from common.clock import NS_PER_S, FakeClock
+from common.messages.hand import HandArm
+from common.messages.requests import EngagementAction
+from common.messages.robot import RobotState, SessionState
+from common.messages.video import VideoFrame
+from farhand.replay.console import Player
+from farhand.replay.playback import Playback
+from farhand.replay.recorded_scene import RecordedScene
+from local_site.console.model.page_messages import Ask, Play
+from local_site.console.model.seat import Visitor
+from tests.farhand.replay.recorded_states import SECONDS, recorded_states
+
+
+class CollectingPage:
+    """Stands in for a page: keeps what it is sent."""
+
+    def __init__(self):
+        self.visitor, self.slots = Visitor(1, "here"), self
+        self.said, self.kinds, self.frames = [], {}, []
+        self.wants_after = lambda _view: None
+
+    def send(self, **fields):
+        self.said.append(fields)
+
+    def newest(self, kind, text):
+        self.kinds[kind] = msgspec.json.decode(text)
+
+    def frame(self, frame):
+        self.frames.append(frame)
+        return True
+
+
+@pytest.fixture(scope="module")
+def recording(tmp_path_factory):
+    return recorded_states(tmp_path_factory.mktemp("recorded"))
+
+
+@pytest.fixture
+def scene(recording, tmp_path):
+    return RecordedScene(recording.file, tmp_path)
+
+
+@pytest.fixture
+def clock():
+    return FakeClock(NS_PER_S)
+
+
+@pytest.fixture
+def player(scene, clock):
+    return Player(scene, "a recording", Playback(clock, scene.begin_ns, scene.end_ns))
+
+
+@pytest.fixture
+def page(player):
+    arrived = CollectingPage()
+    player.hub.arrive(arrived)
+    return arrived
+
+
+def shown(player, page, clock, seconds=0.0):
+    """What the page shows some time later."""
+    clock.advance_ms(1000 * seconds)
+    player.feed()
+    player.tell()
+    return page.kinds["situation"]
+
+
+def test_the_scene_has_states_hands_and_pictures_in_the_order_of_their_times(scene):
+    times, messages = zip(*scene.shown(scene.begin_ns), strict=True)
+    assert list(times) == sorted(times)
+    assert {type(message) for message in messages} == {RobotState, HandArm, VideoFrame}
+    assert (times[-1] - times[0]) / NS_PER_S > SECONDS - 0.2
+
+
+def test_a_page_is_told_that_it_sees_a_recording_and_may_not_operate(page):
+    hello = page.said[0]
+    assert (hello["type"], hello["operate"]) == ("hello", False)
+    assert hello["replay"]["name"] == "a recording"
+    assert hello["replay"]["began"].startswith("2026-03-04 05:06:0")
+    assert hello["replay"]["duration_s"] == pytest.approx(SECONDS, abs=0.1)
+
+
+def test_the_page_shows_what_was_when_it_was(player, page, clock, recording):
+    assert shown(player, page, clock, 1.0)["robot"]["state"] == SessionState.DISENGAGED.value
+    situation = shown(player, page, clock, recording.engaged_s)
+    assert situation["robot"]["state"] == SessionState.ENGAGED.value
+    assert situation["robot"]["heard_ms"] < 40
+    assert situation["hand"]["age_ms"] < 100
+    assert page.frames
+    assert page.kinds["replay"]["position_s"] == pytest.approx(1.0 + recording.engaged_s)
+
+
+def test_events_lead_to_where_the_state_changed(scene, recording):
+    engaged = [event for event in scene.events() if event.words.startswith("engaged")]
+    assert engaged[0].at_s == pytest.approx(recording.engaged_s, abs=0.1)
+    assert any(event.kind == "episode" for event in scene.events())
+
+
+def test_a_jump_back_shows_the_earlier_time_and_nothing_of_the_later(player, page, clock):
+    later = shown(player, page, clock, 4.0)
+    assert any("engaged" in event["text"] for event in later["events"])
+    player.handle(page, Play(position_s=0.5), 0)
+    earlier = shown(player, page, clock)
+    assert earlier["robot"]["state"] == SessionState.DISENGAGED.value
+    assert not any(event["text"].startswith("engaged") for event in earlier["events"])
+    numbers = [frame.seq for frame in page.frames]
+    assert numbers == sorted(numbers)
+
+
+def test_a_pause_and_another_speed(player, page, clock):
+    player.handle(page, Play(playing=False), 0)
+    shown(player, page, clock, 5.0)
+    assert page.kinds["replay"] | {"now_ms": 0} == {
+        "type": "replay",
+        "running": False,
+        "speed": 1.0,
+        "position_s": 0.0,
+        "now_ms": 0,
+        "jumps": 0,
+    }
+    player.handle(page, Play(playing=True, speed=2.0), 0)
+    shown(player, page, clock, 2.0)
+    assert page.kinds["replay"]["position_s"] == 4.0
+
+
+@pytest.mark.parametrize("action", list(EngagementAction))
+def test_who_asks_for_the_robot_hears_that_there_is_none(player, page, action):
+    player.handle(page, Ask(id=4, action=action), 0)
+    reply = page.said[-1]
+    assert (reply["id"], reply["what"], reply["done"]) == (4, action.value, False)
+    assert "no robot is connected" in reply["reason"]
+    assert "emergency stop" in reply["reason"]
+
+
+def test_at_the_end_it_stands(player, page, clock):
+    shown(player, page, clock, 10 * SECONDS)
+    assert not page.kinds["replay"]["running"]
+    assert page.kinds["replay"]["position_s"] == pytest.approx(SECONDS, abs=0.1)
