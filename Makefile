@@ -4,7 +4,9 @@ BIN := .venv/bin
 READY := .venv/ready
 export PYTHONDONTWRITEBYTECODE :=  # every process would compile all modules again
 
-.PHONY: loopback learned test long faults check bench fuzz results
+READERS := build/dataset-readers
+
+.PHONY: loopback learned dataset-readers test long faults check bench fuzz results
 
 loopback: $(READY)  ## both sites on this machine, with a simulated operator and a simulated cell
 	@$(BIN)/farhand loopback $(ARGS)
@@ -14,6 +16,8 @@ learned: $(READY)  ## runtime and models of the tracker for ordinary rooms, whic
 	@$(BIN)/farhand models install
 	@echo 'Compiling the tracker for rooms (once, up to two minutes) ...'
 	@$(BIN)/python -m local_site.runtime.warm_up learned
+
+dataset-readers: $(READERS)/ready  ## programs of others that read exported datasets, in an environment of their own, for the tests
 
 test: $(READY)  ## the tests, two at once, but for those that take long
 	@$(BIN)/python -m pytest --numprocesses 2 --no-loadscope-reorder $(ARGS)
@@ -40,12 +44,17 @@ results: $(READY)  ## every experiment in full, hours of it, and docs/results.md
 fuzz: $(READY)  ## a million hostile payloads for the codec
 	@$(BIN)/python -m bench fuzz
 
+$(READERS)/ready: constraints.txt Makefile
+	@$(PYTHON) -m venv $(READERS)
+	@$(READERS)/bin/python -m pip install --quiet --disable-pip-version-check --constraint constraints.txt lerobot-doctor==0.2.0 pandas==3.1.1 rerun-sdk==0.41.0
+	@touch $@
+
 $(READY): constraints.txt pyproject.toml
 	@$(PYTHON) -c 'import sys; sys.exit("Farhand needs Python 3.11 or newer, this is %d.%d: make PYTHON=/path/to/python3.11" % sys.version_info[:2] if sys.version_info < (3, 11) else 0)'
 	@$(PYTHON) -c 'import ensurepip' 2>/dev/null || { echo 'Python lacks its venv module; on Debian: apt-get install python3-venv'; exit 1; }
 	@echo 'Setting up .venv (once) ...'
 	@$(PYTHON) -m venv .venv
-	@$(BIN)/python -m pip install --quiet --disable-pip-version-check --constraint constraints.txt --editable '.[sim,video,experiments,dev]'
+	@$(BIN)/python -m pip install --quiet --disable-pip-version-check --constraint constraints.txt --editable '.[sim,video,experiments,export,dev]'
 	@echo 'Compiling the tracker (once, up to a minute) ...'
 	@$(BIN)/python -m local_site.runtime.warm_up
 	@touch $@

@@ -57,5 +57,9 @@ class RecordingError(FarhandError):
     """A recording cannot be made, read or repaired."""
 
 
+class ExportError(FarhandError):
+    """A recorded session cannot be exported as asked."""
+
+
 class InterruptionError(FarhandError):
     """A person interrupted the work; what was done is kept, and nothing has failed."""

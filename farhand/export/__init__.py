@@ -1,0 +1,1 @@
+"""What a recorded session becomes for others: a LeRobot dataset, tables, videos."""

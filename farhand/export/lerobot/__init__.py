@@ -1,0 +1,1 @@
+"""Recorded sessions as a LeRobot dataset, format v3.0."""

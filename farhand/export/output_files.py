@@ -1,0 +1,36 @@
+"""A file for each session: it takes its name once it is whole, and never that of one that exists."""
+
+from collections.abc import Callable, Sequence
+from pathlib import Path
+
+from common.errors import ExportError, InterruptionError
+from farhand.export.session import RecordedSession
+from farhand.outputs import make_folder
+
+ShouldStop = Callable[[], bool]
+
+
+def written_each(
+    sessions: Sequence[RecordedSession], out: Path, suffix: str, write: Callable[[RecordedSession, Path], None]
+) -> list[Path]:
+    """Write a file for each session, which takes its name once it is whole; those that are there already stay."""
+    make_folder("--out", out)
+    paths = [out / f"{session.facts.name}{suffix}" for session in sessions]
+    if existing := [str(path) for path in paths if path.exists()]:
+        raise ExportError(f"never written over: {', '.join(existing)}; give another --out, or remove it first")
+    if len(set(paths)) < len(paths):
+        raise ExportError("two sessions have the same name; export them into folders of their own")
+    for session, path in zip(sessions, paths, strict=True):
+        part = path.with_name(f"{path.stem}.part{suffix}")
+        try:
+            write(session, part)
+            part.replace(path)
+        finally:
+            part.unlink(missing_ok=True)
+    return paths
+
+
+def go_on(should_stop: ShouldStop) -> None:
+    """InterruptionError once the work should stop."""
+    if should_stop():
+        raise InterruptionError("interrupted; the files that are whole are kept")

@@ -1,0 +1,1 @@
+"""Recorded sessions as tables: CSV, a row an instant."""

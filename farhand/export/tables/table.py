@@ -1,0 +1,58 @@
+"""A session as a table: a row an instant, with units in the head; text in, text out, pure."""
+
+import csv
+import io
+from collections.abc import Iterator, Sequence
+
+import numpy as np
+
+from common.clock import NS_PER_S
+from farhand.export.resampling import SessionRows, rows_at
+from farhand.export.session import SessionFacts, SessionSignals, Times, episode_at
+
+TOOL_HEAD = ("tool.x [m]", "tool.y [m]", "tool.z [m]", "tool.qx [1]", "tool.qy [1]", "tool.qz [1]", "tool.qw [1]")
+TIMES_HEAD = (
+    "joints measured [ns UTC]",
+    "sent [ns UTC]",
+    "hand exposed [ns UTC]",
+    "hand exposed [ns operator's clock]",
+)
+
+
+def head(facts: SessionFacts) -> list[str]:
+    """The names of the columns, with their units."""
+    joints = facts.joint_names
+    measured = [f"{name} measured [rad]" for name in joints]
+    sent = [f"{name} sent [rad]" for name in joints]
+    gripper = ["gripper measured [m]", "gripper sent [m]"] * facts.has_gripper
+    about = ["t [s]", "t [ns UTC]", "session", "episode", "task"]
+    return [*about, *measured, *sent, *gripper, *TOOL_HEAD, *TIMES_HEAD]
+
+
+def lines(facts: SessionFacts, signals: SessionSignals, at: Times) -> Iterator[str]:
+    """The head, and a line for each instant; what is not known yet is empty."""
+    yield _line(head(facts))
+    rows, states = rows_at(signals, at), signals.states.at(at)
+    for k, instant in enumerate(at.tolist()):
+        episode = episode_at(facts, instant)
+        about = [f"{(instant - facts.begin_ns) / NS_PER_S:.6f}", instant + facts.utc_minus_clock_ns, states[k]]
+        about += [episode.number, episode.task] if episode else ["", ""]
+        yield _line([*about, *_figures(rows, k), *_times(rows, k, facts.utc_minus_clock_ns)])
+
+
+def _figures(rows: SessionRows, k: int) -> list[str]:
+    gripper = [] if rows.opening is None else [rows.opening[k], rows.sent_opening[k]]
+    figures = np.concatenate((rows.q[k], rows.sent_q[k], gripper, rows.tool[k]))
+    return ["" if np.isnan(figure) else f"{figure:.9g}" for figure in figures.tolist()]
+
+
+def _times(rows: SessionRows, k: int, utc_minus_clock_ns: int) -> list[int | str]:
+    by_host = [int(times[k]) for times in (rows.q_ns, rows.sent_ns, rows.hand_ns)]
+    utc = [t_ns + utc_minus_clock_ns if t_ns else "" for t_ns in by_host]
+    return [*utc, int(rows.hand_operator_ns[k]) or ""]
+
+
+def _line(cells: Sequence[object]) -> str:
+    text = io.StringIO()
+    csv.writer(text, lineterminator="\n").writerow(cells)
+    return text.getvalue()

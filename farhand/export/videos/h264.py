@@ -1,0 +1,79 @@
+"""Pictures as H.264 in MP4: written, joined without encoding again; JPEG to pixels and back."""
+
+from collections.abc import Sequence
+from fractions import Fraction
+from pathlib import Path
+
+import av
+import numpy as np
+import simplejpeg
+from numpy.typing import NDArray
+
+from common.errors import ExportError
+
+Rgb = NDArray[np.uint8]
+PIXELS = "yuv420p"
+SUFFIX = ".mp4"
+
+
+class H264File:
+    """A video of constant rate (Hz), size (width, height); a key picture every `gop` pictures.
+
+    Encoded by x264 with constant quality; without pictures that refer to later ones, so that files can be joined.
+    """
+
+    def __init__(self, path: Path, size_px: tuple[int, int], fps: int, gop: int, crf: int) -> None:
+        self._container = av.open(str(path), "w")
+        options = {"crf": str(crf), "preset": "veryfast", "bf": "0", "threads": "1"}
+        stream = self._container.add_stream("libx264", rate=fps, options=options)
+        stream.width, stream.height = size_px
+        stream.pix_fmt = PIXELS
+        stream.gop_size = gop
+        stream.codec_context.time_base = Fraction(1, fps)
+        self._stream, self._count = stream, 0
+
+    def add(self, picture: Rgb) -> None:
+        """Encode the next picture (height, width, 3), RGB."""
+        frame = av.VideoFrame.from_ndarray(picture, format="rgb24")
+        frame.pts = self._count
+        frame.time_base = self._stream.codec_context.time_base
+        self._count += 1
+        self._container.mux(self._stream.encode(frame))
+
+    def finish(self) -> None:
+        """Complete the file."""
+        self._container.mux(self._stream.encode(None))
+        self._container.close()
+
+
+def joined(parts: Sequence[Path], out: Path, fps: int) -> None:
+    """Write videos of one kind and rate (Hz) one after the other, as they are encoded."""
+    with av.open(str(out), "w") as target:
+        stream: av.VideoStream | None = None
+        begun = 0
+        for part in parts:
+            with av.open(str(part)) as source:
+                given = source.streams.video[0]
+                stream = stream or target.add_stream_from_template(given)
+                packets = [packet for packet in source.demux(given) if packet.size]
+                for packet in packets:
+                    _move(packet, begun, fps)
+                    packet.stream = stream
+                    target.mux(packet)
+                begun += len(packets)
+
+
+def _move(packet: "av.Packet[av.VideoStream]", pictures: int, fps: int) -> None:
+    """Show a packet later, by so many pictures."""
+    shift = round(Fraction(pictures, fps) / packet.time_base)
+    packet.pts = (packet.pts or 0) + shift
+    packet.dts = (packet.dts or 0) + shift
+
+
+def decoded(jpeg: bytes, what: str) -> Rgb:
+    """The pixels (height, width, 3) of a JPEG, RGB; ExportError for what is none."""
+    try:
+        pixels: Rgb = simplejpeg.decode_jpeg(jpeg)
+    except ValueError as error:
+        raise ExportError(f"{what} is no JPEG ({error}); leave this view out: name the others with --view") from error
+    return pixels
