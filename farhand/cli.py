@@ -9,6 +9,7 @@ from common.errors import ConfigError, FarhandError, InterruptionError, NotInsta
 from common.process.log import finish_log
 from farhand.commands.calibrate import calibrate_app
 from farhand.commands.checks import doctor, driver_app
+from farhand.commands.export import export_app
 from farhand.commands.files import certificates_app, config_app, models_app
 from farhand.commands.record import episode_app, record_app
 from farhand.commands.replay import replay
@@ -38,6 +39,7 @@ for name, group in {
     "config": config_app,
     "models": models_app,
     "driver": driver_app,
+    "export": export_app,
 }.items():
     app.add_typer(group, name=name)
 

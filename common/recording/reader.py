@@ -37,7 +37,7 @@ class RecordingReader:
             self._reader = make_reader(self._file)
             self._summary = self._reader.get_summary()
             self._epoch_ns = int(self.table(CLOCK_TABLE)[EPOCH_KEY])
-        except (McapError, ValueError, KeyError) as error:
+        except (McapError, OSError, ValueError, KeyError) as error:
             self._file.close()
             cure = f"if its recorder was killed: farhand record repair {path}"
             raise RecordingError(f"{path} is no whole recording ({type(error).__name__}); {cure}") from error
@@ -60,25 +60,10 @@ class RecordingReader:
         return {channel.topic: counts.get(channel.id, 0) for channel in summary.channels.values()}
 
     @property
-    def span_ns(self) -> tuple[int, int]:
-        """The times of the first message and of the last; both the same without any."""
-        statistics = self._summary.statistics if self._summary is not None else None
-        if statistics is None or statistics.message_count == 0:
-            return -self._epoch_ns, -self._epoch_ns
-        return statistics.message_start_time - self._epoch_ns, statistics.message_end_time - self._epoch_ns
-
-    @property
-    def began_ns(self) -> int:
-        """The date of the first message, ns since 1970."""
-        return self.span_ns[0] + self._epoch_ns
-
-    @property
     def seconds(self) -> float:
         """From the first message to the last."""
-        statistics = self._summary.statistics if self._summary is not None else None
-        if statistics is None:
-            return 0.0
-        return float(statistics.message_end_time - statistics.message_start_time) / NS_PER_S
+        begin_ns, end_ns = self.span_ns
+        return (end_ns - begin_ns) / NS_PER_S
 
     def table(self, name: str) -> dict[str, str]:
         """A table of words about the recording; KeyError without it."""
@@ -94,9 +79,24 @@ class RecordingReader:
                 return bytes(attachment.data)
         raise KeyError(name)
 
-    def messages(self, topics: Sequence[str] | None = None, from_ns: int | None = None) -> Iterator[KeptMessage]:
-        """The messages of these topics, all by default, in the order of their times, from a time on."""
-        start = None if from_ns is None else max(from_ns + self._epoch_ns, 0)
-        for _, channel, message in self._reader.iter_messages(topics, starting_at=start):
+    @property
+    def span_ns(self) -> tuple[int, int]:
+        """The times of the first message and the last, by the monotonic clock of the host that recorded it."""
+        statistics = self._summary.statistics if self._summary is not None else None
+        if statistics is None:
+            return 0, 0
+        return statistics.message_start_time - self._epoch_ns, statistics.message_end_time - self._epoch_ns
+
+    @property
+    def epoch_minus_clock_ns(self) -> int:
+        """What turns its times into ns since 1970, UTC."""
+        return self._epoch_ns
+
+    def messages(
+        self, topics: Sequence[str] | None = None, begin_ns: int | None = None, end_ns: int | None = None
+    ) -> Iterator[KeptMessage]:
+        """The messages of these topics (all by default) from `begin_ns` on and before `end_ns`, by their times."""
+        begin, end = (None if t_ns is None else max(t_ns + self._epoch_ns, 0) for t_ns in (begin_ns, end_ns))
+        for _, channel, message in self._reader.iter_messages(topics, starting_at=begin, ending_before=end):
             times = message.log_time - self._epoch_ns, message.publish_time - self._epoch_ns
             yield KeptMessage(channel.topic, *times, message.data)

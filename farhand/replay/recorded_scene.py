@@ -52,7 +52,8 @@ class RecordedScene:
         """`folder` receives the recorded URDF, where the arm's own is another one."""
         self._parts = parts_from(path)
         with RecordingReader(self._parts[0]) as first, RecordingReader(self._parts[-1]) as last:
-            self.begin_ns, self.end_ns, self.began_ns = first.span_ns[0], last.span_ns[1], first.began_ns
+            self.begin_ns, self.end_ns = first.span_ns[0], last.span_ns[1]
+            self.began_ns = self.begin_ns + first.epoch_minus_clock_ns  # since 1970
             try:
                 config, urdf = decode_config(first.document(CONFIG_FILE)), first.document(URDF_FILE)
             except KeyError as error:

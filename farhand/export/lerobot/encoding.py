@@ -9,7 +9,7 @@ from msgspec.structs import replace
 
 from common.clock import NS_PER_S
 from common.errors import ExportError
-from farhand.export.lerobot.features import DatasetShape, columns
+from farhand.export.lerobot.features import DatasetShape, columns, operator_clock_at
 from farhand.export.lerobot.staging import StagedEpisode, Staging
 from farhand.export.lerobot.statistics import LEVELS, Histogram, is_sampled, levels_of
 from farhand.export.lerobot.tables import frame_table
@@ -69,7 +69,7 @@ class EpisodeEncoder:
         """Encode an episode, and make it count; one that has too little is left out with the reason."""
         task = episode.task or self._default_task
         facts = session.facts
-        begin_utc_ns = facts.begin_ns + facts.utc_minus_clock_ns
+        begin_utc_ns = episode.begin_ns + facts.utc_minus_clock_ns
         staged = StagedEpisode(facts.name, begin_utc_ns, episode.number, task, episode.success, episode.note)
         at = _instants(episode, signals, self._shape.fps)
         shown, levels = self._encode_views(self._staging.begun(index), at, session, episode)
@@ -77,10 +77,13 @@ class EpisodeEncoder:
             staged = replace(staged, left_out=_why_too_short(signals, at))
         else:
             rows = rows_at(signals, np.array([frame.instant_ns for frame in shown], np.int64))
-            table = frame_table(columns(self._shape, rows, shown, session.facts.begin_ns))
+            table = frame_table(columns(self._shape, rows, shown, episode.begin_ns))
             pq.write_table(table, self._staging.frames(index))
             sampled = sum(is_sampled(k, len(at)) for k in range(len(shown)))
-            staged = replace(staged, length=len(shown), sampled=sampled, levels=levels)
+            operator_ns = operator_clock_at(episode.begin_ns, rows)
+            staged = replace(
+                staged, length=len(shown), sampled=sampled, levels=levels, operator_clock_begin_ns=operator_ns
+            )
         self._staging.complete(index, staged)
         return staged
 

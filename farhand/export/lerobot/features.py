@@ -63,9 +63,10 @@ def time_columns(views: Sequence[str]) -> list[str]:
 
 
 def columns(shape: DatasetShape, rows: SessionRows, shown: Sequence[ViewsAt], begin_ns: int) -> dict[str, Column]:
-    """The columns of an episode, by name: state, action, tool, and the true times in s since the session's beginning.
+    """The columns of an episode, by name: state, action, tool, and the true times in s since the episode's beginning.
 
-    `time.hand_operator` alone is by the monotonic clock of the operator's host. Unknown times are -1.
+    `time.hand_operator` alone is by the clock of the operator's host, since `operator_clock_at` the beginning. Where no
+    sample was followed, both times of the hand are -1.
     """
     state, action = rows.q, rows.sent_q
     if shape.has_gripper and rows.opening is not None:
@@ -76,7 +77,7 @@ def columns(shape: DatasetShape, rows: SessionRows, shown: Sequence[ViewsAt], be
     }
     by_host = {"frame": rows.instants, "state": rows.q_ns, "action": rows.sent_ns, "hand": rows.hand_ns, **exposures}
     times = {TIME + name: _seconds(t_ns, begin_ns) for name, t_ns in by_host.items()}
-    times[TIME + "hand_operator"] = _seconds(rows.hand_operator_ns, 0)
+    times[TIME + "hand_operator"] = _seconds(rows.hand_operator_ns, operator_clock_at(begin_ns, rows))
     frame = np.arange(len(rows.instants), dtype=np.int64)
     return {
         STATE: state.astype(np.float32),
@@ -86,6 +87,15 @@ def columns(shape: DatasetShape, rows: SessionRows, shown: Sequence[ViewsAt], be
         "timestamp": (frame / shape.fps).astype(np.float32),
         "frame_index": frame,
     }
+
+
+def operator_clock_at(begin_ns: int, rows: SessionRows) -> int:
+    """The operator's clock at the episode's beginning, by its first sample that was followed; 0 without one, ns."""
+    followed = np.flatnonzero(rows.hand_ns)
+    if not len(followed):
+        return 0
+    first = followed[0]
+    return int(rows.hand_operator_ns[first] - rows.hand_ns[first]) + begin_ns
 
 
 def _seconds(t_ns: Times, begin_ns: int) -> Array:

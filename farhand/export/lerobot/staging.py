@@ -32,11 +32,12 @@ class StagedEpisode(msgspec.Struct, frozen=True):
     """An episode that is encoded, and what the dataset says of it; `left_out` says why it is not in the dataset."""
 
     session: str
-    session_begin_utc_ns: int
+    begin_utc_ns: int
     number: int
     task: str
     success: bool | None
     note: str
+    operator_clock_begin_ns: int = 0
     length: int = 0
     sampled: int = 0
     levels: dict[str, list[list[int]]] = {}

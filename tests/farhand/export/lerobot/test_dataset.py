@@ -10,7 +10,7 @@ from common.errors import ExportError
 from farhand.export.lerobot import assembly
 from farhand.export.resampling import instants
 from tests.farhand.export.lerobot.made_dataset import FPS, episodes, export, frames, info, made_sessions, pictures, read
-from tests.farhand.export.made_session import BEGIN_NS, EPOCH_NS, MadeSession, at_s, drawn, joints
+from tests.farhand.export.made_session import BEGIN_NS, EPOCH_NS, OPERATOR_NS, MadeSession, at_s, drawn, joints
 
 LENGTHS = [60, 51, 48]
 IMAGES = "observation.images."
@@ -56,9 +56,10 @@ def test_state_and_action_are_the_newest_not_later_than_each_instant(dataset):
     assert info(dataset)["features"]["action"]["names"] == ["waist.pos", "shoulder.pos", "elbow.pos", "gripper.pos"]
     for name, t_ns in (("frame", at), ("state", measured_ns), ("action", sent_ns), ("hand", sent_ns - 61_000_000)):
         seconds = np.array(rows[f"time.{name}"][:60])
-        assert (np.round(seconds * 1e9).astype(np.int64) == t_ns - BEGIN_NS).all()
-    operator_s = np.array(rows["time.hand_operator"][:60])
-    assert (np.round(operator_s * 1e9).astype(np.int64) == sent_ns - 61_000_000 - 77_000_000_000).all()
+        assert (np.round(seconds * 1e9).astype(np.int64) == t_ns - at_s(0.5)).all()
+    operator_ns = np.round(np.array(rows["time.hand_operator"][:60]) * 1e9).astype(np.int64)
+    begin_ns = episodes(dataset)[0]["operator_clock_begin_ns"]
+    assert (operator_ns + begin_ns == sent_ns - 61_000_000 - OPERATOR_NS).all()
 
 
 def test_pictures_are_those_exposed_last_and_their_times_are_true(dataset):
@@ -69,7 +70,8 @@ def test_pictures_are_those_exposed_last_and_their_times_are_true(dataset):
             shown = pictures(dataset, view, row[f"{key}/from_timestamp"], row[f"{key}/to_timestamp"])
             assert len(shown) == row["length"]
             exposed = np.array(rows[f"time.images.{view}"][row["dataset_from_index"] : row["dataset_to_index"]])
-            late_ns = instants(episode.begin_ns, episode.end_ns, FPS) - BEGIN_NS - np.round(exposed * 1e9)
+            exposed += (episode.begin_ns - BEGIN_NS) / 1e9
+            late_ns = np.round((instants(episode.begin_ns, episode.end_ns, FPS) - BEGIN_NS) - exposed * 1e9)
             assert late_ns.min() >= 0
             assert late_ns.max() < 40_000_000  # 25 pictures a second
             for picture, at in ((shown[0], exposed[0]), (shown[-1], exposed[-1])):
@@ -91,7 +93,7 @@ def test_tasks_success_and_origin_are_kept(dataset):
     rows = episodes(dataset)
     assert [row["success"] for row in rows] == [True, False, True]
     assert [(row["session"], row["session_episode"]) for row in rows] == [("one", 1), ("one", 2), ("two", 1)]
-    assert {row["session_begin_utc_ns"] for row in rows} == {EPOCH_NS}
+    assert [row["begin_utc_ns"] - EPOCH_NS for row in rows] == [500_000_000, 2_700_000_000, 400_000_000]
     assert [frames(dataset)["task_index"][row["dataset_from_index"]] for row in rows] == [0, 1, 0]
     assert [row["tasks"] for row in rows][1] == ["öffne die Schublade"]
 

@@ -1,0 +1,99 @@
+"""Recordings as exporters read them: MCAP files of a cell, the parts of one recording joined."""
+
+from collections import defaultdict
+from collections.abc import Iterator, Sequence
+from contextlib import ExitStack, contextmanager
+from pathlib import Path
+
+import msgspec
+import simplejpeg
+from foxglove_schemas_protobuf.CompressedImage_pb2 import CompressedImage
+
+from common.errors import RecordingError
+from common.recording.episodes import EpisodeEvent
+from common.recording.folder import NAME
+from common.recording.reader import KeptMessage, RecordingReader
+from farhand.export.recorded_signals import SIGNAL_TOPICS, episodes_of, signals_of
+from farhand.export.session import RecordedSession, SessionFacts, SessionSignals, ViewPicture
+from remote_site.recording.topics import EPISODE, GRIPPER, image_topic
+from remote_site.recording.transcript import CELL_TABLE
+
+PART_DIGITS = len("_001")
+
+
+@contextmanager
+def open_sessions(paths: Sequence[Path]) -> Iterator[list[RecordedSession]]:
+    """The sessions of these files in their order; RecordingError for a file that is no whole recording of a cell."""
+    with ExitStack() as stack:
+        sessions: list[RecordedSession] = []
+        for name, parts in parts_by_session(paths).items():
+            readers = [stack.enter_context(RecordingReader(part)) for part in parts]
+            sessions.append(McapSession(name, parts, readers))
+        yield sessions
+
+
+def parts_by_session(paths: Sequence[Path]) -> dict[str, list[Path]]:
+    """The files of each session by its name: the parts of a split recording in their order, each file once."""
+    found: dict[str, set[Path]] = defaultdict(set)
+    for path in paths:
+        stem = path.stem
+        found[stem[:-PART_DIGITS] if NAME.fullmatch(path.name) else stem].add(path)
+    return {name: sorted(parts) for name, parts in found.items()}
+
+
+class McapSession:
+    """One recording of a cell, in one file or several."""
+
+    def __init__(self, name: str, paths: Sequence[Path], readers: Sequence[RecordingReader]) -> None:
+        self._readers = readers
+        first = readers[0]
+        try:
+            cell = first.table(CELL_TABLE)
+        except KeyError as error:
+            raise RecordingError(f"{paths[0]} is no recording of a cell; 'farhand record' writes them") from error
+        begin_ns = min(reader.span_ns[0] for reader in readers)
+        end_ns = max(reader.span_ns[1] for reader in readers)
+        topics = {topic for reader in readers for topic, count in reader.topics.items() if count}
+        size = sum(path.stat().st_size for path in paths)
+        self._views = {image_topic(view).name: view for view in _views(topics)}
+        events = (msgspec.json.decode(kept.data, type=EpisodeEvent) for kept in self._messages([EPISODE.name]))
+        self.facts = SessionFacts(
+            name=name,
+            identity=f"{name} {size} {begin_ns + first.epoch_minus_clock_ns}",
+            robot=cell["robot"],
+            joint_names=tuple(cell["joints"].split(",")),
+            has_gripper=GRIPPER.name in topics,
+            views={view: self._size_px(topic) for topic, view in self._views.items()},
+            begin_ns=begin_ns,
+            end_ns=end_ns,
+            utc_minus_clock_ns=first.epoch_minus_clock_ns,
+            episodes=episodes_of(events, begin_ns, end_ns),
+        )
+
+    def signals(self) -> SessionSignals:
+        """All of it but its pictures."""
+        return signals_of(self._messages(SIGNAL_TOPICS), self.facts.joint_names)
+
+    def pictures(self, begin_ns: int, end_ns: int) -> Iterator[ViewPicture]:
+        """The pictures of all views exposed in this time, in the order of their exposures."""
+        for topic, t_ns, _, data in self._messages(list(self._views), begin_ns, end_ns):
+            yield ViewPicture(self._views[topic], t_ns, CompressedImage.FromString(data).data)
+
+    def _messages(
+        self, topics: Sequence[str], begin_ns: int | None = None, end_ns: int | None = None
+    ) -> Iterator[KeptMessage]:
+        """Of all parts, one after the other."""
+        for reader in self._readers:
+            yield from reader.messages(topics, begin_ns, end_ns)
+
+    def _size_px(self, topic: str) -> tuple[int, int]:
+        """The size (width, height) of a view's pictures, from its first one."""
+        kept = next(self._messages([topic]))
+        height, width, _, _ = simplejpeg.decode_jpeg_header(CompressedImage.FromString(kept.data).data)
+        return width, height
+
+
+def _views(topics: set[str]) -> list[str]:
+    """The cameras whose pictures are kept, by name."""
+    prefix = image_topic("").name
+    return sorted(topic.removeprefix(prefix) for topic in topics if topic.count("/") == 2 and topic.startswith(prefix))
