@@ -1,0 +1,151 @@
+"""A cell's newest state over Zenoh, and how old it is by the cell's own clock."""
+
+import json
+import threading
+import time
+from typing import NamedTuple
+
+import zenoh
+
+from lerobot_teleoperator_farhand.wire import CellState, WireError, cell_state, clock_times, joint_names, question
+
+NS_PER_S, NS_PER_MS = 10**9, 10**6
+ASK_EVERY_NS = NS_PER_S
+OFFSET_GOOD_NS = 5 * NS_PER_S
+DRIFT = 1e-4  # two hosts' clocks drift apart by no more
+QUESTION_TIMEOUT_S = 0.7
+POLL_S = 0.02
+
+
+class StaleDataError(RuntimeError):
+    """There is no state that could be given as live; the text says why."""
+
+
+class ClockOffset(NamedTuple):
+    """The cell's clock minus ours at `measured_ns` of ours, ns, and how wrong it may be."""
+
+    offset_ns: int
+    uncertainty_ns: int
+    measured_ns: int
+
+    def bound_ns(self, now_ns: int) -> int:
+        """How wrong it may be by now."""
+        return self.uncertainty_ns + round(DRIFT * (now_ns - self.measured_ns))
+
+
+class StateFeed:
+    """A Zenoh session that hears one cell's state and asks for its clock; close it in the end."""
+
+    def __init__(self, cell: str, remote: str, ca: str, certificate: str, key: str) -> None:
+        self._cell = cell
+        self._lock = threading.Lock()
+        self._payload: bytes | None = None
+        self._offset: ClockOffset | None = None
+        self._asked_ns = 0
+        self._session = zenoh.open(_settings(remote, ca, certificate, key))
+        self._subscriber = self._session.declare_subscriber(f"farhand/{cell}/state", self._take)
+
+    def close(self) -> None:
+        """Close the session."""
+        self._session.close()
+
+    def joint_names(self, timeout_s: float) -> list[str]:
+        """The names of the cell's joints; ConnectionError where nobody answers in time."""
+        until_ns = time.monotonic_ns() + round(timeout_s * NS_PER_S)
+        while time.monotonic_ns() < until_ns:
+            key = f"farhand/{self._cell}/rpc/describe"
+            for reply in self._session.get(key, payload=question(), timeout=QUESTION_TIMEOUT_S):
+                if reply.ok is not None:
+                    return joint_names(reply.ok.payload.to_bytes())
+                said = reply.err.payload.to_bytes() if reply.err is not None else b""
+                if said.startswith(b"refused: "):
+                    raise ConnectionError(f"the cell {said.decode(errors='replace')}")
+            time.sleep(POLL_S)
+        raise ConnectionError(
+            f"nobody answers for cell {self._cell!r}: is its remote site running, is the endpoint right, and do the "
+            "certificates belong to it ('farhand doctor --link' says more)?"
+        )
+
+    def live(self, max_age_ms: float) -> CellState:
+        """The newest state; StaleDataError unless it is surely younger than this by the cell's clock, and no fault."""
+        now_ns = time.monotonic_ns()
+        self._ask(now_ns)
+        with self._lock:
+            payload, offset = self._payload, self._offset
+        if payload is None:
+            raise StaleDataError(f"no state of cell {self._cell!r} has come yet")
+        try:
+            state = cell_state(payload)
+        except WireError as error:
+            raise StaleDataError(str(error)) from error
+        if offset is None or now_ns - offset.measured_ns > OFFSET_GOOD_NS:
+            raise StaleDataError("the cell does not answer for its clock: the age of its state is unknown")
+        age_ns = now_ns + offset.offset_ns - state.t_ns + offset.bound_ns(now_ns)
+        if age_ns > max_age_ms * NS_PER_MS:
+            raise StaleDataError(
+                f"the newest state is up to {age_ns / NS_PER_MS:.0f} ms old, at most {max_age_ms:g} ms are allowed: "
+                "the link is interrupted or too slow, or the remote site has ended"
+            )
+        if state.state == "fault":
+            raise StaleDataError(f"the arm is in a fault, and does not do what it is commanded: {state.reason}")
+        return state
+
+    def _ask(self, now_ns: int) -> None:
+        """Ask for the cell's clock once a second, without waiting for the answer."""
+        if now_ns - self._asked_ns < ASK_EVERY_NS:
+            return
+        self._asked_ns = now_ns
+
+        def take(reply: zenoh.Reply) -> None:
+            come_ns = time.monotonic_ns()
+            if reply.ok is not None:
+                self._time(now_ns, reply.ok.payload.to_bytes(), come_ns)
+
+        key = f"farhand/{self._cell}/clock"
+        self._session.get(key, take, payload=question(), timeout=QUESTION_TIMEOUT_S)
+
+    def _time(self, asked_ns: int, answer: bytes, come_ns: int) -> None:
+        """Keep what a round trip shows of the offset, unless an earlier one is still more certain."""
+        try:
+            received_ns, answered_ns = clock_times(answer)
+        except (WireError, ValueError):
+            return  # the state is of the same release, and its refusal says so
+        offset_ns = (received_ns + answered_ns - asked_ns - come_ns) // 2
+        found = ClockOffset(offset_ns, max(come_ns - asked_ns - (answered_ns - received_ns), 0) // 2 + 1, come_ns)
+        with self._lock:
+            kept = self._offset
+            is_old = kept is None or come_ns - kept.measured_ns > OFFSET_GOOD_NS - 2 * ASK_EVERY_NS
+            if is_old or found.uncertainty_ns <= kept.bound_ns(come_ns):  # type: ignore[union-attr]
+                self._offset = found
+
+    def _take(self, sample: zenoh.Sample) -> None:
+        with self._lock:
+            self._payload = sample.payload.to_bytes()
+
+
+def _settings(remote: str, ca: str, certificate: str, key: str) -> zenoh.Config:
+    """A session that connects to one endpoint, listens nowhere, and looks for nobody."""
+    config = zenoh.Config()
+    settings = {
+        "mode": "peer",
+        "connect/endpoints": [f"{remote}?mixed_rel=1" if remote.startswith("quic/") else remote],
+        "connect/timeout_ms": -1,  # in the background, again and again
+        "connect/exit_on_failure": False,
+        "connect/retry": {"period_init_ms": 100, "period_max_ms": 500, "period_increase_factor": 2},
+        "listen/endpoints": [],
+        "scouting/multicast/enabled": False,
+        "scouting/gossip/enabled": False,
+        "transport/shared_memory/enabled": False,
+    }
+    if ca:
+        settings |= {
+            "transport/link/tls/root_ca_certificate": ca,
+            "transport/link/tls/connect_certificate": certificate,
+            "transport/link/tls/connect_private_key": key,
+            "transport/link/tls/enable_mtls": True,
+            "transport/link/tls/verify_name_on_connect": True,
+            "transport/link/tls/close_link_on_expiration": True,
+        }
+    for path, value in settings.items():
+        config.insert_json5(path, json.dumps(value))
+    return config

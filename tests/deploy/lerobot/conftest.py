@@ -1,0 +1,72 @@
+"""The package as LeRobot would find it, beside what stands in for LeRobot; and a cell that answers it."""
+
+import sys
+import threading
+import time
+from collections.abc import Iterator
+from functools import partial
+from pathlib import Path
+
+import msgspec
+import pytest
+
+import tests.common.messages.golden_examples as golden
+from common.link.channels import CLOCK, DESCRIBE, STATE
+from common.link.transport import Link, open_link
+from common.messages.requests import ClockAnswer, ClockQuestion
+from common.messages.robot import RobotState
+from tests.common.link.secured_cell import free_port
+
+PACKAGE = Path(__file__).parents[3] / "deploy/lerobot"
+for folder in (PACKAGE, Path(__file__).parent / "stand_in"):
+    sys.path.insert(0, str(folder))
+
+CELL = golden.DESCRIPTION.cell
+OF_JOINTS = tuple(0.25 * (k + 1) for k in range(len(golden.DESCRIPTION.joints)))
+CELL_STATE = msgspec.structs.replace(golden.STATE, q=OF_JOINTS, q_commanded=OF_JOINTS)
+CLOCK_AHEAD_NS = 5_000 * 10**9  # of the cell's clock
+
+
+class PublishedCell:
+    """A remote site's link: publishes `state` as of now, less `late_ns`, and answers for description and clock."""
+
+    def __init__(self, endpoint: str, link: Link) -> None:
+        self.endpoint, self._link = endpoint, link
+        self.state: RobotState | None = CELL_STATE
+        self.late_ns = 0
+        self.tells_time = True
+        self._stop = threading.Event()
+        self._thread = threading.Thread(target=self._run)
+        self._thread.start()
+
+    def _run(self) -> None:
+        state = self._link.publisher(STATE, CELL)
+        described, clock = (self._link.answer(asked, CELL, print) for asked in (DESCRIBE, CLOCK))
+        while not self._stop.wait(0.005):
+            now_ns = time.monotonic_ns() + CLOCK_AHEAD_NS
+            if self.state is not None:
+                state.put(msgspec.structs.replace(self.state, t_ns=now_ns - self.late_ns))
+            described.poll(lambda _: golden.DESCRIPTION)
+            if self.tells_time:
+                clock.poll(partial(_time, now_ns))
+
+    def close(self) -> None:
+        """End."""
+        self._stop.set()
+        self._thread.join()
+
+
+def _time(now_ns: int, _asked: ClockQuestion) -> ClockAnswer:
+    return ClockAnswer(received_ns=now_ns, answered_ns=now_ns)
+
+
+@pytest.fixture
+def published() -> Iterator[PublishedCell]:
+    """A cell on this host, without certificates."""
+    endpoint = f"tcp/127.0.0.1:{free_port()}"
+    with open_link(listen=(endpoint,)) as link:
+        cell = PublishedCell(endpoint, link)
+        try:
+            yield cell
+        finally:
+            cell.close()
