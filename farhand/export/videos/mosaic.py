@@ -59,7 +59,6 @@ def _fitted(picture: Rgb, cell_px: tuple[int, int]) -> Rgb:
 
 
 def _write(canvas: Rgb, text: str, x: int, y: int) -> None:
-    """Light letters with a dark border, readable on any picture; letters that the font lacks become '?'."""
-    shown = text.encode("ascii", "replace").decode()
+    """Light letters with a dark border, readable on any picture."""
     for colour, thickness in ((DARK, 3), (LIGHT, 1)):
-        cv2.putText(canvas, shown, (x, y), FONT, SCALE, colour, thickness, cv2.LINE_AA)
+        cv2.putText(canvas, text, (x, y), FONT, SCALE, colour, thickness, cv2.LINE_AA)

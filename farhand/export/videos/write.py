@@ -70,7 +70,7 @@ def _about(facts: SessionFacts, instant_ns: int, state: str) -> str:
     utc_ns = instant_ns + facts.utc_minus_clock_ns
     date = datetime(1970, 1, 1, tzinfo=UTC) + timedelta(microseconds=utc_ns // 1000)
     episode = episode_at(facts, instant_ns)
-    task = f"episode {episode.number}: {episode.task}" if episode else "no episode"
+    task = f"episode {episode.number}  {episode.task}" if episode else "no episode"
     since = (instant_ns - facts.begin_ns) / NS_PER_S
     return f"{date:%Y-%m-%d %H:%M:%S}.{date.microsecond // 1000:03d} UTC  {since:8.3f} s  {state or 'unknown'}  {task}"
 

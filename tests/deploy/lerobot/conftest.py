@@ -4,6 +4,8 @@ import sys
 import threading
 import time
 from collections.abc import Iterator
+from contextlib import contextmanager
+from datetime import UTC, datetime
 from functools import partial
 from pathlib import Path
 
@@ -12,10 +14,12 @@ import pytest
 
 import tests.common.messages.golden_examples as golden
 from common.link.channels import CLOCK, DESCRIBE, STATE
+from common.link.config import ON_THIS_HOST, LinkSecurity
 from common.link.transport import Link, open_link
 from common.messages.requests import ClockAnswer, ClockQuestion
 from common.messages.robot import RobotState
-from tests.common.link.secured_cell import free_port
+from farhand.certificates.folder import CertificateOrder, create
+from tests.common.link.secured_cell import free_port, secured
 
 PACKAGE = Path(__file__).parents[3] / "deploy/lerobot"
 for folder in (PACKAGE, Path(__file__).parent / "stand_in"):
@@ -60,13 +64,28 @@ def _time(now_ns: int, _asked: ClockQuestion) -> ClockAnswer:
     return ClockAnswer(received_ns=now_ns, answered_ns=now_ns)
 
 
-@pytest.fixture
-def published() -> Iterator[PublishedCell]:
-    """A cell on this host, without certificates."""
-    endpoint = f"tcp/127.0.0.1:{free_port()}"
-    with open_link(listen=(endpoint,)) as link:
+@contextmanager
+def running(protocol: str, security: LinkSecurity = ON_THIS_HOST) -> Iterator[PublishedCell]:
+    """A cell on this host."""
+    endpoint = f"{protocol}/127.0.0.1:{free_port()}"
+    with open_link(listen=(endpoint,), security=security) as link:
         cell = PublishedCell(endpoint, link)
         try:
             yield cell
         finally:
             cell.close()
+
+
+@pytest.fixture
+def published() -> Iterator[PublishedCell]:
+    """A cell without certificates."""
+    with running("tcp") as cell:
+        yield cell
+
+
+@pytest.fixture
+def secured_cell(tmp_path: Path) -> Iterator[PublishedCell]:
+    """A cell with certificates of its own authority, in `pki`."""
+    create(tmp_path / "pki", CertificateOrder(CELL, (), 30, ("anna",)), datetime.now(UTC))
+    with running("tls", secured(tmp_path / "pki", "remote", CELL)) as cell:
+        yield cell

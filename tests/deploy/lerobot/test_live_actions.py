@@ -1,6 +1,7 @@
 """Actions from a cell over Zenoh: live ones, and none that is stale."""
 
 import time
+from datetime import UTC, datetime
 
 import msgspec
 import pytest
@@ -10,6 +11,7 @@ from lerobot_teleoperator_farhand.feed import StaleDataError
 
 import tests.common.messages.golden_examples as golden
 from common.messages.robot import GripperCommand, SessionState
+from farhand.certificates.folder import CertificateOrder, create
 from tests.deploy.lerobot.conftest import CELL, CELL_STATE
 
 JOINTS = [joint.name for joint in golden.DESCRIPTION.joints]
@@ -145,3 +147,20 @@ def test_a_cell_with_other_joints_or_that_does_not_answer_is_refused_with_the_cu
     silent = FarhandTeleopConfig(cell="none", remote=published.endpoint, action="tool", connect_timeout_s=0.5)
     with pytest.raises(ConnectionError, match="nobody answers for cell 'none'"):
         FarhandTeleop(silent).connect()
+
+
+def test_with_certificates_a_viewers_suffices(secured_cell, tmp_path):
+    endpoint, folder = secured_cell.endpoint, tmp_path / "pki"
+    pair = folder / CELL / "viewer"
+    given = {"ca": f"{folder}/ca.pem", "certificate": f"{pair}.pem", "key": f"{pair}.key"}
+    assert endpoint.startswith("tls/")
+    device = teleop(secured_cell, **given)
+    device.connect()
+    try:
+        assert list(action(device)) == list(device.action_features)
+    finally:
+        device.disconnect()
+    create(tmp_path / "foreign", CertificateOrder(CELL, (), 30, ("anna",)), datetime.now(UTC))
+    foreign = {name: path.replace("/pki/", "/foreign/") for name, path in given.items()}
+    with pytest.raises(ConnectionError, match="do the certificates belong to it"):
+        teleop(secured_cell, connect_timeout_s=0.5, **foreign).connect()
