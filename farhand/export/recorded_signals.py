@@ -13,6 +13,7 @@ from foxglove_schemas_protobuf.PoseInFrame_pb2 import PoseInFrame
 from common.messages.recording import EpisodeOutcome
 from common.messages.robot import GripperCommand, GripperState
 from common.recording.episodes import EpisodeEvent, EpisodeEventKind
+from common.recording.hand_transcript import LOG
 from common.recording.reader import KeptMessage
 from farhand.export.session import (
     SentActions,
@@ -22,7 +23,7 @@ from farhand.export.session import (
     Signal,
     Times,
 )
-from remote_site.recording.topics import ACTION, GRIPPER, LOG, MEASURED, TOOL_MEASURED, WRITTEN, SentAction
+from remote_site.recording.topics import ACTION, GRIPPER, MEASURED, TOOL_MEASURED, WRITTEN, SentAction
 
 SIGNAL_TOPICS = [topic.name for topic in (MEASURED, WRITTEN, TOOL_MEASURED, GRIPPER, ACTION, LOG)]
 OF_SESSION = "session"  # whose lines in the log say its state

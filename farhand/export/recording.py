@@ -12,10 +12,11 @@ from foxglove_schemas_protobuf.CompressedImage_pb2 import CompressedImage
 from common.errors import RecordingError
 from common.recording.episodes import EpisodeEvent
 from common.recording.folder import NAME
+from common.recording.hand_transcript import EPISODE
 from common.recording.reader import KeptMessage, RecordingReader
 from farhand.export.recorded_signals import SIGNAL_TOPICS, episodes_of, signals_of
 from farhand.export.session import RecordedSession, SessionFacts, SessionSignals, ViewPicture
-from remote_site.recording.topics import EPISODE, GRIPPER, image_topic
+from remote_site.recording.topics import GRIPPER, image_topic
 from remote_site.recording.transcript import CELL_TABLE
 
 PART_DIGITS = len("_001")
@@ -26,19 +27,19 @@ def open_sessions(paths: Sequence[Path]) -> Iterator[list[RecordedSession]]:
     """The sessions of these files in their order; RecordingError for a file that is no whole recording of a cell."""
     with ExitStack() as stack:
         sessions: list[RecordedSession] = []
-        for name, parts in parts_by_session(paths).items():
+        for whole, parts in parts_by_session(paths).items():
             readers = [stack.enter_context(RecordingReader(part)) for part in parts]
-            sessions.append(McapSession(name, parts, readers))
+            sessions.append(McapSession(whole.name, parts, readers))
         yield sessions
 
 
-def parts_by_session(paths: Sequence[Path]) -> dict[str, list[Path]]:
-    """The files of each session by its name: the parts of a split recording in their order, each file once."""
-    found: dict[str, set[Path]] = defaultdict(set)
+def parts_by_session(paths: Sequence[Path]) -> dict[Path, list[Path]]:
+    """The files of each session by its folder and name: the parts of a split recording in order, each file once."""
+    found: dict[Path, set[Path]] = defaultdict(set)
     for path in paths:
         stem = path.stem
-        found[stem[:-PART_DIGITS] if NAME.fullmatch(path.name) else stem].add(path)
-    return {name: sorted(parts) for name, parts in found.items()}
+        found[path.parent / (stem[:-PART_DIGITS] if NAME.fullmatch(path.name) else stem)].add(path)
+    return {whole: sorted(parts) for whole, parts in found.items()}
 
 
 class McapSession:
@@ -50,7 +51,8 @@ class McapSession:
         try:
             cell = first.table(CELL_TABLE)
         except KeyError as error:
-            raise RecordingError(f"{paths[0]} is no recording of a cell; 'farhand record' writes them") from error
+            cure = "leave it out, and export what 'farhand record' keeps at the remote site"
+            raise RecordingError(f"{paths[0]} is no recording of a cell: {cure}") from error
         begin_ns = min(reader.span_ns[0] for reader in readers)
         end_ns = max(reader.span_ns[1] for reader in readers)
         topics = {topic for reader in readers for topic, count in reader.topics.items() if count}
