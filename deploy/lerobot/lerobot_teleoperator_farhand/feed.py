@@ -21,7 +21,7 @@ class StaleDataError(RuntimeError):
     """There is no state that could be given as live; the text says why."""
 
 
-class ClockOffset(NamedTuple):
+class MeasuredOffset(NamedTuple):
     """The cell's clock minus ours at `measured_ns` of ours, ns, and how wrong it may be."""
 
     offset_ns: int
@@ -32,6 +32,10 @@ class ClockOffset(NamedTuple):
         """How wrong it may be by now."""
         return self.uncertainty_ns + round(DRIFT * (now_ns - self.measured_ns))
 
+    def is_old(self, now_ns: int) -> bool:
+        """Whether a newer one should replace it, however certain it was."""
+        return now_ns - self.measured_ns > OFFSET_GOOD_NS - 2 * ASK_EVERY_NS
+
 
 class StateFeed:
     """A Zenoh session that hears one cell's state and asks for its clock; close it in the end."""
@@ -40,14 +44,14 @@ class StateFeed:
         self._cell = cell
         self._lock = threading.Lock()
         self._payload: bytes | None = None
-        self._offset: ClockOffset | None = None
+        self._offset: MeasuredOffset | None = None
         self._asked_ns = 0
         self._session = zenoh.open(_settings(remote, ca, certificate, key))
         self._subscriber = self._session.declare_subscriber(f"farhand/{cell}/state", self._take)
 
     def close(self) -> None:
         """Close the session."""
-        self._session.close()
+        self._session.close()  # type: ignore[no-untyped-call]  # zenoh leaves it unannotated
 
     def joint_names(self, timeout_s: float) -> list[str]:
         """The names of the cell's joints; ConnectionError where nobody answers in time."""
@@ -111,11 +115,10 @@ class StateFeed:
         except (WireError, ValueError):
             return  # the state is of the same release, and its refusal says so
         offset_ns = (received_ns + answered_ns - asked_ns - come_ns) // 2
-        found = ClockOffset(offset_ns, max(come_ns - asked_ns - (answered_ns - received_ns), 0) // 2 + 1, come_ns)
+        found = MeasuredOffset(offset_ns, max(come_ns - asked_ns - (answered_ns - received_ns), 0) // 2 + 1, come_ns)
         with self._lock:
             kept = self._offset
-            is_old = kept is None or come_ns - kept.measured_ns > OFFSET_GOOD_NS - 2 * ASK_EVERY_NS
-            if is_old or found.uncertainty_ns <= kept.bound_ns(come_ns):  # type: ignore[union-attr]
+            if kept is None or kept.is_old(come_ns) or found.uncertainty_ns <= kept.bound_ns(come_ns):
                 self._offset = found
 
     def _take(self, sample: zenoh.Sample) -> None:
