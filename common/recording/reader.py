@@ -5,11 +5,11 @@ from pathlib import Path
 from types import TracebackType
 from typing import NamedTuple, Self
 
-from mcap.exceptions import McapError
 from mcap.reader import make_reader
 
 from common.clock import NS_PER_S
 from common.errors import RecordingError
+from common.recording.scan import BROKEN
 
 CLOCK_TABLE = "farhand.clock"
 EPOCH_KEY = "epoch_minus_clock_ns"
@@ -34,10 +34,13 @@ class RecordingReader:
         except OSError as error:
             raise RecordingError(f"{path} cannot be read: {error.strerror}") from error
         try:
-            self._reader = make_reader(self._file)
+            self._reader = make_reader(self._file, validate_crcs=True)
             self._summary = self._reader.get_summary()
             self._epoch_ns = int(self.table(CLOCK_TABLE)[EPOCH_KEY])
-        except (McapError, OSError, ValueError, KeyError) as error:
+        except KeyError as error:
+            self._file.close()
+            raise RecordingError(f"{path} is no recording of Farhand, or nothing was recorded in it") from error
+        except (*BROKEN, OSError) as error:
             self._file.close()
             cure = f"if its recorder was killed: farhand record repair {path}"
             raise RecordingError(f"{path} is no whole recording ({type(error).__name__}); {cure}") from error
@@ -95,8 +98,16 @@ class RecordingReader:
     def messages(
         self, topics: Sequence[str] | None = None, begin_ns: int | None = None, end_ns: int | None = None
     ) -> Iterator[KeptMessage]:
-        """The messages of these topics (all by default) from `begin_ns` on and before `end_ns`, by their times."""
+        """The messages of these topics (all by default) from `begin_ns` on and before `end_ns`, by their times.
+
+        RecordingError where the file is damaged.
+        """
         begin, end = (None if t_ns is None else max(t_ns + self._epoch_ns, 0) for t_ns in (begin_ns, end_ns))
-        for _, channel, message in self._reader.iter_messages(topics, starting_at=begin, ending_before=end):
-            times = message.log_time - self._epoch_ns, message.publish_time - self._epoch_ns
-            yield KeptMessage(channel.topic, *times, message.data)
+        try:
+            for _, channel, message in self._reader.iter_messages(topics, starting_at=begin, ending_before=end):
+                times = message.log_time - self._epoch_ns, message.publish_time - self._epoch_ns
+                yield KeptMessage(channel.topic, *times, message.data)
+        except BROKEN as error:
+            raise RecordingError(
+                f"{self._path} is damaged ({error}): get it again from where it was recorded"
+            ) from error

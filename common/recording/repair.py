@@ -2,6 +2,7 @@
 
 import fcntl
 import os
+import shutil
 import struct
 import zlib
 from pathlib import Path
@@ -13,6 +14,7 @@ from mcap.records import DataEnd, Footer, McapRecord, Statistics, SummaryOffset
 
 from common.clock import NS_PER_S
 from common.errors import RecordingError
+from common.recording.mcap_file import OWNER_ONLY
 from common.recording.scan import MAGIC, FileIndex, NotMcapError, scan
 
 
@@ -25,18 +27,23 @@ class Repaired(NamedTuple):
     cut_bytes: int
 
 
-def repair(path: Path) -> Repaired:
-    """Repair a file in place; one that is whole stays as it is. RecordingError where nothing can be read of it."""
+def repair(path: Path, rest: Path | None = None) -> Repaired:
+    """Repair a file in place; one that is whole stays as it is. What has to be cut goes to a new file `rest`, if given.
+
+    RecordingError where nothing of it is whole, or there is a file of the name of the rest.
+    """
     try:
         with path.open("r+b") as file:
-            return _repaired(path, file)
+            return _repaired(path, file, rest)
+    except FileExistsError as error:
+        raise RecordingError(f"{path} cannot be repaired: {rest} is there already; move it away") from error
     except NotMcapError as error:
         raise RecordingError(f"{path} cannot be repaired: {error}") from error
     except OSError as error:
         raise RecordingError(f"{path} cannot be repaired: {error.strerror}; free some space, or its rights") from error
 
 
-def _repaired(path: Path, file: IO[bytes]) -> Repaired:
+def _repaired(path: Path, file: IO[bytes], rest: Path | None) -> Repaired:
     try:
         fcntl.flock(file, fcntl.LOCK_EX | fcntl.LOCK_NB)
     except BlockingIOError as error:
@@ -49,6 +56,10 @@ def _repaired(path: Path, file: IO[bytes]) -> Repaired:
     if index.is_finished:
         return Repaired(True, messages, seconds, 0)
     cut = os.fstat(file.fileno()).st_size - index.end
+    if rest is not None and cut:
+        if not messages:
+            raise RecordingError(f"{path} cannot be repaired: not one second of it is whole at its beginning")
+        _keep(file, index.end, rest)
     file.truncate(index.end)
     file.seek(index.end)
     file.write(_missing_indexes(index))
@@ -56,6 +67,14 @@ def _repaired(path: Path, file: IO[bytes]) -> Repaired:
     file.flush()
     os.fsync(file.fileno())
     return Repaired(False, messages, seconds, cut)
+
+
+def _keep(file: IO[bytes], begin: int, rest: Path) -> None:
+    """Copy the file from a byte on."""
+    file.seek(begin)
+    with rest.open("xb") as kept:
+        rest.chmod(OWNER_ONLY)
+        shutil.copyfileobj(file, kept)
 
 
 def _missing_indexes(index: FileIndex) -> bytes:

@@ -6,6 +6,7 @@ from typing import Annotated
 
 import typer
 
+from common.errors import RecordingError
 from common.messages.recording import EpisodeOutcome
 from common.process.log import LogFormat
 from farhand.commands.options import (
@@ -18,7 +19,8 @@ from farhand.commands.options import (
     console_config,
     until_signal,
 )
-from farhand.terminal import say
+from farhand.exit_codes import FAILED
+from farhand.terminal import complain, say
 
 record_app = typer.Typer(help="Record a cell, ask its recorder to begin or end, repair files.")
 episode_app = typer.Typer(help="Begin and end episodes of a recording, and say how they went.", no_args_is_help=True)
@@ -52,14 +54,29 @@ def record(
 def repair_files(files: Annotated[list[Path], typer.Argument(help="Recordings that were not ended in order.")]) -> None:
     """Make files whole whose recorder was killed, or that were cut: up to the last whole second, in place.
 
+    What has to be cut is kept beside the file, in FILE.rest. Exit code 1 if a file cannot be repaired; the others are.
+
     Example: farhand record repair recordings/20260102T030405Z_cell_001.mcap
     """
     from common.recording.repair import repair
 
+    failed = False
     for file in files:
-        done = repair(file)
-        what = "is whole" if done.was_whole else f"is repaired, {done.cut_bytes} bytes were cut"
-        say(f"{file} {what}: {done.messages} messages over {done.seconds:.1f} s")
+        rest = file.with_name(f"{file.name}.rest")
+        try:
+            done = repair(file, rest)
+        except RecordingError as error:
+            complain(error)
+            failed = True
+            continue
+        cut = (
+            f"is repaired, {done.cut_bytes} bytes that were not whole are in {rest}"
+            if done.cut_bytes
+            else "is repaired"
+        )
+        say(f"{file} {'is whole' if done.was_whole else cut}: {done.messages} messages over {done.seconds:.1f} s")
+    if failed:
+        raise typer.Exit(FAILED)
 
 
 @record_app.command("start")

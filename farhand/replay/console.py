@@ -8,9 +8,11 @@ from datetime import UTC, datetime
 from typing import Any
 
 import msgspec
+import structlog
 import uvicorn
 
 from common.clock import NS_PER_MS, NS_PER_S, ClockEstimate, ClockOffset, MonotonicClock
+from common.errors import RecordingError
 from common.messages.hand import HandArm, OperatorSettings
 from common.messages.requests import Reply
 from common.messages.robot import RobotState
@@ -49,7 +51,7 @@ async def serve_replay(
     """As `run_replay`, without a log."""
     playback = Playback(MonotonicClock(), scene.begin_ns, scene.end_ns)
     player = Player(scene, name, playback)
-    with bind(serve) as listening:
+    with bind(serve, "--port") as listening:
         port = listening.getsockname()[1]
         server = make_server(player.hub, serve, port)
         feeding = asyncio.create_task(_feed(player, server, should_stop))
@@ -81,7 +83,7 @@ class Player:
             _OneClock(),
             Latencies(),
             History(),
-            lambda _watched: None,
+            self._watch,
             KeyFrames(_asked_nobody),
             operator="",
             operate=False,
@@ -89,25 +91,47 @@ class Player:
             replay=_described(scene, name),
         )
         self.hub.described(scene.cell)
+        self._pictures: dict[str, VideoFrame] = {}
+        self._is_begun, self._is_new, self._trouble = False, False, ""
+        playback.play(playing=False)
         self._waiting = self._from(playback.begin_ns)
-        self._next: tuple[int, Shown] | None = next(self._waiting, None)
+        self._next: tuple[int, Shown] | None = None
+        self._advance()
 
     def feed(self) -> None:
         """Pass on what is due; of pictures that are due at once only each camera's newest."""
-        now_ns, pictures = self._playback.now_ns(), {}
+        now_ns, due = self._playback.now_ns(), set[str]()
         for _ in range(MOST_AT_ONCE):
             if self._next is None or self._next[0] > now_ns:
                 break
             message = self._next[1]
             if isinstance(message, VideoFrame):
-                pictures[message.camera] = message
+                self._pictures[message.camera] = message
+                due.add(message.camera)
             elif isinstance(message, RobotState):
                 self.hub.state(message)
             elif isinstance(message, HandArm):
                 self.hub.hand(message)
+            self._advance()
+        for camera in self._pictures if self._is_new else due:
+            self.hub.camera(self._pictures[camera])
+        self._is_new = False
+
+    def _advance(self) -> None:
+        """Take the next message; where the recording is damaged the replay stands, and says so."""
+        try:
             self._next = next(self._waiting, None)
-        for picture in pictures.values():
-            self.hub.camera(picture)
+        except RecordingError as error:
+            self._next, self._trouble = None, str(error)
+            self._playback.play(playing=False)
+            structlog.get_logger().error("the replay stands", reason=self._trouble)
+
+    def _watch(self, watched: bool) -> None:
+        """A page has come, and gets the pictures that are shown; the first one starts the replay."""
+        if watched and not self._is_begun:
+            self._is_begun = True
+            self._playback.play(playing=True)
+        self._is_new = watched
 
     def tell(self) -> None:
         """Send the situation, and where the replay stands, to every page."""
@@ -120,6 +144,7 @@ class Player:
             "position_s": (now_ns - playback.begin_ns) / NS_PER_S,
             "now_ms": now_ns / NS_PER_MS,
             "jumps": playback.jumps,
+            "trouble": self._trouble,
         }
         self.hub.tell("replay", msgspec.json.encode(stands).decode())
 
@@ -162,8 +187,9 @@ class Player:
 
     def _jumped(self) -> None:
         self.hub.begin_again(Latencies(), History())
+        self._trouble = ""
         self._waiting = self._from(self._playback.now_ns())
-        self._next = next(self._waiting, None)
+        self._advance()
 
     def _from(self, t_ns: int) -> Iterator[tuple[int, Shown]]:
         return self._scene.shown(t_ns)

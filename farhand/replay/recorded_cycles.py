@@ -91,5 +91,7 @@ def _check_follows(path: Path, before: int, number: int) -> None:
             f"{path} begins with control cycle {number} of its site: only a recording from the site's start can be "
             'verified. Give its first part, or record with record.start = "at_once" and the recorder started first'
         )
+    if before and number <= before:
+        raise RecordingError(f"{path} is of another start of its site: verify it by itself")
     if before and number != before + 1:
         raise RecordingError(f"{path}: {number - before - 1} control cycles are missing before cycle {number}")

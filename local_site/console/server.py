@@ -28,8 +28,8 @@ END_S = 0  # pages get a close message; the server waits for none
 POLICY_VIOLATION = 1008
 
 
-def bind(serve: ServeConfig) -> socket.socket:
-    """A listening socket; TransportError when the address cannot be bound."""
+def bind(serve: ServeConfig, option: str = "--set serve.port=PORT") -> socket.socket:
+    """A listening socket; TransportError, which names the `option` for another port, when it cannot be bound."""
     try:
         return socket.create_server((serve.host, serve.port), family=_family(serve.host), backlog=64)
     except socket.gaierror as error:
@@ -38,7 +38,7 @@ def bind(serve: ServeConfig) -> socket.socket:
         ) from error
     except OSError as error:
         raise TransportError(
-            f"cannot serve at {serve.host}:{serve.port}: {error.strerror}; choose another with --set serve.port=PORT"
+            f"cannot serve at {serve.host}:{serve.port}: {error.strerror}; choose another with {option}"
         ) from error
 
 
@@ -115,6 +115,8 @@ async def _serve_page(hub: Hub, page: Page, connection: WebSocket) -> None:
             hub.receive(page, text)
     except MessageError as error:
         await connection.close(POLICY_VIOLATION, str(error)[:100])
+    except KeyError:  # a binary message has no text
+        await connection.close(POLICY_VIOLATION, "messages are text")
     except (WebSocketDisconnect, WebSocketDisconnected):  # noticed while reading, or while writing
         return
     finally:

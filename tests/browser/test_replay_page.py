@@ -92,8 +92,9 @@ def test_events_and_keys_lead_through_it(replay: OpenedPage) -> None:
 
 def test_a_stop_is_answered_with_what_to_use_instead(replay: OpenedPage) -> None:
     replay.page.keyboard.press("Escape")
-    replay.wait_for("the answer", lambda: "this is a replay, no robot is connected" in replay.words("#alert"))
+    replay.wait_for("the answer", lambda: "This is a replay, no robot is connected" in replay.words("#alert"))
     assert "emergency stop" in replay.words("#alert")
+    assert "NOT ACKNOWLEDGED" not in replay.words("#alert")
 
 
 @pytest.mark.parametrize("scheme", ["dark", "light"])

@@ -39,7 +39,7 @@ const stop = new StopButton(connection, alert, () => {
 const controls = new Controls(connection, alert);
 const recording = new RecordingRow(connection, alert);
 const delay = new DelayPanel(clock, (scale) => controls.steer({ scale }));
-const replay = new ReplayBar(connection, () => views.forget());
+const replay = new ReplayBar(connection, alert, () => views.forget());
 const joints = new JointMarks(connection, views.ofOperator);
 
 let toolsMs = -Infinity;

@@ -7,6 +7,7 @@ const element = (id) => document.getElementById(id);
 
 export class ReplayBar {
   #connection;
+  #alert;
   #onJump;
   #running = false;
   #position = 0;
@@ -14,8 +15,9 @@ export class ReplayBar {
   #jumps = null;
   #movedMs = -Infinity;
 
-  constructor(connection, onJump) {
+  constructor(connection, alert, onJump) {
     this.#connection = connection;
+    this.#alert = alert;
     this.#onJump = onJump;
     element("play").addEventListener("click", () => this.#toggle());
     element("speed").addEventListener("change", () => this.#send({ speed: Number(element("speed").value) }));
@@ -40,7 +42,9 @@ export class ReplayBar {
     element("jumps").replaceChildren(...replay.events.map((event) => this.#jumpTo(event)));
   }
 
-  show({ running, position_s: position, speed, jumps }) {
+  show({ running, position_s: position, speed, jumps, trouble }) {
+    if (trouble) this.#alert.show("replay", "bad", trouble);
+    else this.#alert.clear("replay");
     this.#running = running;
     this.#position = position;
     put(element("play"), running ? "Pause" : "Play");
@@ -57,7 +61,10 @@ export class ReplayBar {
     button.type = "button";
     button.dataset.kind = event.kind;
     button.textContent = `${clockWords(event.at_s)} ${event.words}`;
-    button.addEventListener("click", () => this.#send({ position_s: event.at_s }));
+    button.addEventListener("click", () => {
+      this.#send({ position_s: event.at_s });
+      element("jump-list").open = false;
+    });
     item.append(button);
     return item;
   }
@@ -73,10 +80,12 @@ export class ReplayBar {
 
   #key(event) {
     if (!this.isShown || event.ctrlKey || event.altKey || event.metaKey) return;
-    if (["INPUT", "SELECT", "BUTTON"].includes(event.target.tagName)) return;
+    if (event.target.tagName === "SELECT") return;
     const steps = { ArrowLeft: -STEP_S, ArrowRight: STEP_S };
-    if (event.key === "k") this.#toggle();
-    else if (event.key in steps) this.#send({ position_s: Math.max(0, this.#position + steps[event.key]) });
+    if (event.key.toLowerCase() === "k") this.#toggle();
+    if (!(event.key in steps)) return;
+    event.preventDefault();
+    this.#send({ position_s: Math.max(0, this.#position + steps[event.key]) });
   }
 
   #send(how) {

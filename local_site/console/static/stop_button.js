@@ -62,6 +62,10 @@ export class StopButton {
   }
 
   #stop() {
+    if (document.body.hasAttribute("data-replay")) {
+      this.#alert.show("stop", "bad", "This is a replay, no robot is connected to it: for a real one use its own page, or the emergency stop");
+      return;
+    }
     this.#letGo();
     this.#pressedMs = performance.now();
     this.#asked.clear();

@@ -2,8 +2,10 @@
 
 import msgspec
 import pytest
+from mcap.reader import make_reader
 
 from common.clock import NS_PER_S, FakeClock
+from common.errors import RecordingError
 from common.messages.hand import HandArm
 from common.messages.requests import EngagementAction
 from common.messages.robot import RobotState, SessionState
@@ -122,6 +124,7 @@ def test_a_pause_and_another_speed(player, page, clock):
         "position_s": 0.0,
         "now_ms": 0,
         "jumps": 0,
+        "trouble": "",
     }
     player.handle(page, Play(playing=True, speed=2.0), 0)
     shown(player, page, clock, 2.0)
@@ -141,3 +144,39 @@ def test_at_the_end_it_stands(player, page, clock):
     shown(player, page, clock, 10 * SECONDS)
     assert not page.kinds["replay"]["running"]
     assert page.kinds["replay"]["position_s"] == pytest.approx(SECONDS, abs=0.1)
+
+
+def test_it_begins_when_the_first_page_comes_and_shows_a_later_one_its_pictures(player, clock):
+    clock.advance_ms(30_000)
+    first = CollectingPage()
+    player.hub.arrive(first)
+    shown(player, first, clock, 1.0)
+    assert first.kinds["replay"]["position_s"] == 1.0
+    player.handle(first, Play(playing=False), 0)
+    later = CollectingPage()
+    player.hub.arrive(later)
+    shown(player, later, clock, 5.0)
+    assert {frame.view for frame in later.frames} == {frame.view for frame in first.frames}
+    assert later.kinds["replay"]["position_s"] == 1.0
+
+
+def test_a_damaged_recording_stands_where_it_is_damaged_and_says_so(recording, tmp_path, clock):
+    damaged = tmp_path / "damaged.mcap"
+    content = bytearray(recording.file.read_bytes())
+    with recording.file.open("rb") as whole:
+        chunks = make_reader(whole).get_summary().chunk_indexes
+    middle = chunks[len(chunks) // 2]
+    at = middle.chunk_start_offset + middle.chunk_length // 2
+    content[at : at + 40] = b"\xa5" * 40
+    damaged.write_bytes(content)
+    scene = RecordedScene(recording.file, tmp_path)
+    scene._parts = [damaged]
+    player = Player(scene, "damaged", Playback(clock, scene.begin_ns, scene.end_ns))
+    page = CollectingPage()
+    player.hub.arrive(page)
+    for _ in range(12):
+        shown(player, page, clock, 0.5)
+    assert "damaged" in page.kinds["replay"]["trouble"]
+    assert not page.kinds["replay"]["running"]
+    with pytest.raises(RecordingError, match="is damaged"):
+        list(scene.shown(scene.begin_ns))

@@ -1,0 +1,70 @@
+"""What a repair cuts is kept beside the file, and a file of which nothing is whole stays as it is."""
+
+import pytest
+from typer.testing import CliRunner
+
+from common.errors import RecordingError
+from common.recording.mcap_file import McapFile
+from common.recording.repair import repair
+from common.recording.topics import MSGPACK, MessageSchema, Topic
+from farhand.cli import app
+
+TOPIC = Topic("/things", MSGPACK, MessageSchema("farhand.Thing"))
+SECOND_NS = 10**9
+
+
+@pytest.fixture
+def file(tmp_path):
+    """Four seconds, ended in order."""
+    path = tmp_path / "run.mcap"
+    writer = McapFile(path, "test")
+    for second in range(4):
+        for k in range(50):
+            t_ns = second * SECOND_NS + k * SECOND_NS // 50 + 1
+            writer.add(TOPIC, bytes([second, k]) * 100, t_ns, t_ns)
+        writer.flush()
+    writer.finish()
+    return path
+
+
+def cut(path, share):
+    whole = path.read_bytes()
+    path.write_bytes(whole[: round(share * len(whole))])
+    return path.read_bytes()
+
+
+def test_what_is_cut_is_in_the_rest(file, tmp_path):
+    before = cut(file, 0.55)
+    done = repair(file, tmp_path / "rest")
+    rest = (tmp_path / "rest").read_bytes()
+    assert len(rest) == done.cut_bytes > 0
+    assert before.endswith(rest)
+    assert file.read_bytes()[: len(before) - len(rest)] == before[: -len(rest)]
+    assert (tmp_path / "rest").stat().st_mode & 0o077 == 0
+
+
+def test_a_file_of_which_nothing_is_whole_stays_as_it_is(file, tmp_path):
+    before = cut(file, 0.05)
+    with pytest.raises(RecordingError, match="not one second of it is whole"):
+        repair(file, tmp_path / "rest")
+    assert file.read_bytes() == before
+    assert not (tmp_path / "rest").exists()
+
+
+def test_a_rest_that_is_there_already_is_not_written_over(file, tmp_path):
+    before = cut(file, 0.55)
+    (tmp_path / "rest").write_text("of an earlier repair")
+    with pytest.raises(RecordingError, match="is there already"):
+        repair(file, tmp_path / "rest")
+    assert file.read_bytes() == before
+    assert (tmp_path / "rest").read_text() == "of an earlier repair"
+
+
+def test_one_that_cannot_be_repaired_does_not_keep_the_others_from_it(file, tmp_path):
+    cut(file, 0.55)
+    hopeless = tmp_path / "a.mcap"
+    hopeless.write_text("no recording")
+    result = CliRunner().invoke(app, ["record", "repair", str(hopeless), str(file)])
+    assert result.exit_code == 1
+    assert "run.mcap is repaired" in result.output
+    assert (tmp_path / "run.mcap.rest").exists()
