@@ -27,15 +27,17 @@ def record_cell(config: RemoteConfig, plan: RecordingPlan, date: Callable[[], da
     beats.start()
     notify("READY=1")
     structlog.get_logger().info("ready", cell=config.cell)
-    while not should_stop():
-        recorder.step(time.monotonic_ns())
-        notify("WATCHDOG=1")
-        should_stop.wait(POLL_S)
-    notify("STOPPING=1")
-    recorder.end(time.monotonic_ns())
-    ended.set()
-    beats.join()
-    site.close()
+    try:
+        while not should_stop():
+            recorder.step(time.monotonic_ns())
+            notify("WATCHDOG=1")
+            should_stop.wait(POLL_S)
+        notify("STOPPING=1")
+        recorder.end(time.monotonic_ns())
+    finally:
+        ended.set()
+        beats.join()
+        site.close()
 
 
 def _beat(site: SiteAttachment, ended: threading.Event) -> None:
