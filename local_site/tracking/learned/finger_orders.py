@@ -42,15 +42,26 @@ def possible_orders(views: Sequence[HandView]) -> list[list[HandView]]:
     return orders
 
 
+def is_as_told(views: Sequence[HandView], told: Sequence[HandView]) -> bool:
+    """Whether the views have the landmarks that they were told with."""
+    return all(view.landmarks is as_told.landmarks for view, as_told in zip(views, told, strict=True))
+
+
 def thumb_agrees(views: Sequence[HandView], points: Array) -> bool:
     """Whether the thumb of a hand with landmarks (21, 3) in m lies where all views tell it, unlike a mirrored one."""
-    for view in views:
-        if len(view.landmarks):
-            pixels = project(view.projection, points)
-            off = (view.landmarks - pixels)[THUMB]
-            if np.sqrt(np.mean(np.sum(off * off, axis=1))) > MOST_THUMB_OFF * palm_extent(pixels):
-                return False
-    return True
+    return all(_has_thumb(view, points) for view in views if len(view.landmarks))
+
+
+def is_contradicted(views: Sequence[HandView], points: Array) -> bool:
+    """Whether all views with landmarks tell the thumb elsewhere than a hand with landmarks (21, 3) in m has it."""
+    told = [_has_thumb(view, points) for view in views if len(view.landmarks)]
+    return bool(told) and not any(told)
+
+
+def _has_thumb(view: HandView, points: Array) -> bool:
+    pixels = project(view.projection, points)
+    off = (view.landmarks - pixels)[THUMB]
+    return not np.sqrt(np.mean(np.sum(off * off, axis=1))) > MOST_THUMB_OFF * palm_extent(pixels)
 
 
 def palm_extent(pixels: Array) -> float:

@@ -7,6 +7,8 @@ from local_site.calibration.triangulation import project, triangulate_many
 from local_site.tracking.learned.finger_orders import (
     REVERSED,
     in_likely_order,
+    is_as_told,
+    is_contradicted,
     possible_orders,
     reversed_fingers,
     thumb_agrees,
@@ -106,3 +108,20 @@ def test_a_thumb_on_the_wrong_side_disagrees():
     assert not thumb_agrees(views, wrong)
     thumbless = [view._replace(landmarks=reversed_fingers(view.landmarks)) for view in views]
     assert thumb_agrees(thumbless, wrong)
+
+
+def test_a_hand_is_contradicted_where_every_view_tells_the_thumb_elsewhere():
+    views, points = views_of(pose_of()), landmarks_of(pose_of())
+    wrong = points.copy()
+    wrong[THUMB] += 2 * (points[17] - points[5])
+    assert is_contradicted(views, wrong)
+    assert not is_contradicted(views, points)
+    assert not is_contradicted([view._replace(landmarks=np.empty((0, 2))) for view in views], wrong)
+    agreeing = views[0]._replace(landmarks=project(views[0].projection, wrong))
+    assert not is_contradicted([agreeing, views[1]], wrong)
+
+
+def test_views_are_as_told_while_their_landmarks_are():
+    views = views_of(pose_of())
+    assert is_as_told(list(views), views)
+    assert not is_as_told([views[0], views[1]._replace(landmarks=reversed_fingers(views[1].landmarks))], views)
