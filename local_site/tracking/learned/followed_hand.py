@@ -73,8 +73,8 @@ class FittedHand:
     """A hand at one instant: the fit, the tips of index and thumb on the skin, and whether the fingers are open.
 
     `landmark_views` and `outline_views` are how many views showed all its landmarks rightly, and its outline;
-    `doubtful` is whether it fits far worse than usual, or no view tells the thumb where the fit has it: as of a hand
-    fitted as its mirror image.
+    `doubtful` is whether it fits far worse than usual, or no view tells thumb or index where the fit has them: as of a
+    hand fitted as its mirror image, or with one finger for another.
     """
 
     fit: HandFit

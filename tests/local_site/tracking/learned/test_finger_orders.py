@@ -110,10 +110,11 @@ def test_a_thumb_on_the_wrong_side_disagrees():
     assert thumb_agrees(thumbless, wrong)
 
 
-def test_a_hand_is_contradicted_where_every_view_tells_the_thumb_elsewhere():
+@pytest.mark.parametrize(("finger", "away"), [(THUMB, 2.0), (INDEX, 0.5)], ids=["thumb", "index"])
+def test_a_hand_is_contradicted_where_every_view_tells_a_finger_elsewhere(finger, away):
     views, points = views_of(pose_of()), landmarks_of(pose_of())
     wrong = points.copy()
-    wrong[THUMB] += 2 * (points[17] - points[5])
+    wrong[finger] += away * (points[17] - points[5])
     assert is_contradicted(views, wrong)
     assert not is_contradicted(views, points)
     assert not is_contradicted([view._replace(landmarks=np.empty((0, 2))) for view in views], wrong)
