@@ -46,7 +46,7 @@ SMALL_STEP = 0.01
 CONTAINED = 20
 # Angles, rad, at which joints stop: fingers do not cross, and a thumb does not pass through the palm.
 LEAST = np.full(PARAMETERS, -np.inf)
-LEAST[SPREAD], LEAST[ABDUCTION] = -0.12, 0.1
+LEAST[SPREAD], LEAST[ABDUCTION] = -0.2, 0.1
 STOP_SIGMA = 0.04
 
 
