@@ -76,7 +76,8 @@ def _run(name: str, out: Path, quick: bool, progress: ProgressBar, should_stop: 
     def step() -> None:
         progress.advance(task)
         if should_stop():
-            raise InterruptionError(f"interrupted before the experiment {name} was done; no report of it was written")
+            left = "its finished trials are kept" if name in TRIAL_EXPERIMENTS else "nothing of it was written"
+            raise InterruptionError(f"interrupted before the experiment {name} was done; {left}")
 
     if name in TRIAL_EXPERIMENTS:
         trials = TRIAL_EXPERIMENTS[name]

@@ -100,7 +100,7 @@ def test_an_interrupted_experiment_writes_nothing(name, tmp_path):
 
 
 def test_misuse_is_refused_before_any_work(tmp_path):
-    names = "all, calibration, causes, drift, follow, hazel, icr, markers, network, placing, robonaut"
+    names = "all, calibration, causes, drift, follow, hazel, icr, markers, network, placing, realtime, robonaut"
     with pytest.raises(ConfigError, match=f"no experiment 'dance'; choose one of: {names}"):
         run_experiment("dance", tmp_path / "out", quick=True)
     assert not (tmp_path / "out").exists()
