@@ -23,6 +23,7 @@ PR_SET_PDEATHSIG = 1
 PR_SET_NAME = 15
 END_TIMEOUT_S = 1.5
 KILL_TIMEOUT_S = 0.5
+READY_TIMEOUT_S = 60.0  # OpenGL, a camera or a robot may take half of it on a machine that does much else
 READY_POLL_S = 0.01
 HEARTBEAT_TIMEOUT_S = 5
 REASON_BYTES = 2048

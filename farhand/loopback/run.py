@@ -32,7 +32,7 @@ from local_site.simulation.operator import Operator as SimulatedOperator
 from local_site.simulation.operator import make_operator
 from remote_site.config import RemoteConfig
 
-START_TIMEOUT_S = 40.0
+START_TIMEOUT_S = 90.0  # longer than a site waits for its own processes, which it then names
 ENGAGE_TIMEOUT_S = 60.0  # on a machine that does much else the tracker alone takes a quarter of a minute to start
 SILENT_NS = 2 * NS_PER_S
 SETTLE_NS = 400 * NS_PER_MS  # from the opening of the hand to the toggled gripper, with room

@@ -19,7 +19,7 @@ from common.link.pubsub import Publisher
 from common.link.roles import Identity, Role
 from common.link.tap import untapped
 from common.messages.video import VideoFrame
-from common.process.children import Children, Heartbeat
+from common.process.children import READY_TIMEOUT_S, Children, Heartbeat
 from common.process.log import LogFormat, start_log
 from common.process.service import StopFlag, notify
 from remote_site.config import RemoteConfig
@@ -46,7 +46,6 @@ from remote_site.video.sources import SimulatedViews
 if TYPE_CHECKING:
     from remote_site.simulation.process import CellWitness
 
-READY_TIMEOUT_S = 30.0
 CHECK_S = 0.1
 CHECKS_PER_VALIDITY = 10
 VIDEO_SEND_BUFFER_BYTES = 1 << 17  # Linux takes twice that: 8 Mbit/s over 240 ms; what waits in more is old

@@ -6,7 +6,7 @@ from functools import partial
 import msgspec
 
 from common.clock import MonotonicClock
-from common.process.children import Children
+from common.process.children import READY_TIMEOUT_S, Children
 from common.process.log import start_log
 from common.process.service import StopFlag, ask_for_real_time
 from remote_site.config import RemoteConfig
@@ -17,8 +17,6 @@ from remote_site.drivers.registry import DriverHost, check_driver, create_driver
 from remote_site.runtime.app import run_cell_child, start_robot
 from remote_site.runtime.driver_process import FIFO_PRIORITY, setup_of
 from remote_site.simulation.memory import CellMemory
-
-READY_TIMEOUT_S = 30.0
 
 
 def test_driver(config: RemoteConfig, report: Callable[[str], None]) -> bool:

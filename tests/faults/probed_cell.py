@@ -25,7 +25,7 @@ from tests.common.messages.golden_examples import STATE as SOME_STATE
 
 CELL, OPERATOR, PORT = "lab", "anna", 7447
 TICK_S = 0.004
-PATIENCE_S = 20.0
+PATIENCE_S = 60.0
 
 
 def serve(folder: Path, protocol: str, stop: threading.Event, *, engaged: bool) -> None:
