@@ -1,0 +1,56 @@
+"""A path of the tool through time, and what the gripper does on it; pure."""
+
+from dataclasses import dataclass
+from typing import NamedTuple
+
+import numpy as np
+from scipy.spatial.transform import Rotation, Slerp
+
+from common.errors import ConfigError
+from common.geometry import Array, transform
+from common.messages.robot import GripperCommand
+
+
+class GripperAction(NamedTuple):
+    """What the gripper is commanded to do where the path stands at `t_s`, and how long the tool rests then, s."""
+
+    t_s: float
+    command: GripperCommand
+    dwell_s: float = 0.0
+
+
+@dataclass(frozen=True)
+class ToolPath:
+    """Poses of the tool in the base frame at the times `t_s` (n,), which begin at 0 and rise: linear between them.
+
+    `positions` (n, 3) in m; `orientations` (n, 4) are unit quaternions (x, y, z, w). `marks` are the times of the way
+    points, at which a run in steps stops; `actions` are in the order of their times. ConfigError where it is no path.
+    """
+
+    t_s: Array
+    positions: Array
+    orientations: Array
+    marks: tuple[float, ...] = ()
+    actions: tuple[GripperAction, ...] = ()
+
+    def __post_init__(self) -> None:
+        n = len(self.t_s)
+        if n < 2 or self.t_s[0] != 0.0 or bool((np.diff(self.t_s) <= 0).any()):
+            raise ConfigError("a path of the tool needs two times or more, from 0 and rising")
+        if self.positions.shape != (n, 3) or self.orientations.shape != (n, 4):
+            raise ConfigError(f"a path of {n} times needs as many positions and orientations")
+        if not (np.isfinite(self.positions).all() and np.isfinite(self.orientations).all()):
+            raise ConfigError("a path of the tool has a number that is not finite")
+        object.__setattr__(self, "_slerp", Slerp(self.t_s, Rotation.from_quat(self.orientations)))
+
+    @property
+    def duration_s(self) -> float:
+        """The time of its last pose."""
+        return float(self.t_s[-1])
+
+    def base_T_tool(self, t_s: float) -> Array:
+        """The tool's pose (4 x 4) at a time, that of the nearest end outside."""
+        at_s = min(max(t_s, 0.0), self.duration_s)
+        position = np.array([np.interp(at_s, self.t_s, axis) for axis in self.positions.T])
+        rotation: Array = self._slerp(at_s).as_matrix()  # type: ignore[attr-defined]
+        return transform(rotation, position)
