@@ -6,7 +6,9 @@ from typing import Annotated
 
 import typer
 
-from farhand.commands.options import until_signal
+from common.config import load_config
+from common.errors import ConfigError
+from farhand.commands.options import ConfigFile, Settings, until_signal
 from farhand.terminal import say
 
 
@@ -15,16 +17,34 @@ def replay(
     verify: Annotated[
         bool, typer.Option("--verify", help="Feed the recorded inputs through today's pipeline; compare the commands.")
     ] = False,
+    to_robot: Annotated[
+        bool, typer.Option("--to-robot", help="Lead a robot along a recorded episode, in place of 'farhand local'.")
+    ] = False,
     port: Annotated[int, typer.Option(min=0, max=65535, help="Where the page is served; 0 takes a free port.")] = 8471,
+    episode: Annotated[int | None, typer.Option(min=1, help="With --to-robot: which; else the only one.")] = None,
+    speed: Annotated[float, typer.Option(min=0.1, max=1.0, help="With --to-robot: times the recorded speed.")] = 1.0,
+    config: ConfigFile = None,
+    settings: Settings = None,
 ) -> None:
-    """Show a recording on the operator's page, until Ctrl-C; or verify it.
+    """Show a recording on the operator's page, until Ctrl-C; or verify it, or run it on a robot.
 
     The page is served to this host only. With --verify every recorded input goes through today's control pipeline: exit
-    code 0 if every command comes again, 1 if one differs.
+    code 0 if every command comes again, 1 if one differs. With --to-robot (--config and --set are the local site's) the
+    recorded hand is published in place of the tracked one: it moves the arm only while a person who has engaged on the
+    operator's page holds the key, and begins with a slow approach from where the arm stands.
 
     Example: farhand replay recordings/20260102T030405Z_cell_001.mcap
     """
+    if verify and to_robot:
+        raise ConfigError("--verify and --to-robot exclude each other; give one of them")
     with tempfile.TemporaryDirectory() as folder:
+        if to_robot:
+            from farhand.replay.to_robot import replay_to_robot
+            from local_site.config import LocalConfig
+
+            local = load_config(LocalConfig, config, settings or ())
+            replay_to_robot(file, Path(folder), episode, speed, local, until_signal())
+            return
         if verify:
             _verify(file, Path(folder))
             return

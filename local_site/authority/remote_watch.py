@@ -42,21 +42,31 @@ class RemoteWatch:
     """Logs when the remote site comes, falls silent or changes its state, what it finds of the links, and who asks this
     site for the lease.
 
-    `engaged` gets the time of the hand's origin (ns) while the arm obeys this session or waits for it; `settings` are
-    the operator's in force there, as heard last.
+    `engaged` gets the time of the hand's origin (ns) while the arm obeys this session or waits for it; `state` is what
+    was heard last.
     """
 
     def __init__(self, states: Latest[RobotState], session: int, engaged: Callable[[int], None]) -> None:
         self._states = states
         self._session = session
         self._engaged = engaged
-        self.settings: OperatorSettings | None = None
+        self.state: RobotState | None = None
         self._asker: Asker | None = None
         self._health = ChannelHealth(STATE.stale_after_ns)
         self._logged: tuple[str, str] | None = None
         self._logged_ns = 0
         self._refusals = RefusalLog("state refused")
         self._link_log = LinkLog()
+
+    @property
+    def settings(self) -> OperatorSettings | None:
+        """The operator's settings in force at the remote site, as heard last."""
+        return self.state.settings if self.state is not None else None
+
+    @property
+    def is_there(self) -> bool:
+        """Whether the remote site is heard."""
+        return self._health.alive
 
     def poll(self, now_ns: int) -> None:
         """Take the newest state, and log what has changed."""
@@ -67,7 +77,7 @@ class RemoteWatch:
             return
         if state is not None:
             self._health.seen(now_ns)
-            self.settings = state.settings
+            self.state = state
             self._log(state, now_ns)
         alive = self._health.change(now_ns)
         if alive is False:

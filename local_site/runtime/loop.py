@@ -95,6 +95,11 @@ class SampleSender:
         self._hand = self._hand.observe(estimate, self._gesture)
         self._send(self._smoother.smooth(estimate))
 
+    def send_led(self, estimate: ArmEstimate, toggles: int) -> None:
+        """Send the hand that leads the tool along a path, as it is, with the toggles of its gripper so far."""
+        self._hand = OpenHand(toggles=toggles)
+        self._send(estimate)
+
     def send_lost(self, reason: str) -> None:
         """Send a LOST sample with the reason why there are no views."""
         self._send(ArmEstimate(self._clock.now_ns(), TrackingStatus.LOST, reason))

@@ -1,0 +1,120 @@
+"""The tool's path of a recorded episode, as the hand led it: to be run on a robot again."""
+
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
+from itertools import groupby
+from pathlib import Path
+
+import msgspec
+import numpy as np
+from scipy.spatial.transform import Rotation
+
+from common.clock import NS_PER_S
+from common.errors import RecordingError, RefusedError
+from common.geometry import Array
+from common.link.channels import STATE
+from common.messages.codec import decode
+from common.messages.requests import Description
+from common.messages.robot import GripperCommand, RobotState, SessionState
+from common.recording.episodes import EpisodeEvent, EpisodeEventKind
+from common.recording.folder import parts_from
+from common.recording.hand_transcript import EPISODE
+from common.recording.reader import RecordingReader
+from local_site.programmed.approach import approach
+from local_site.programmed.tool_path import GripperAction, ToolPath
+
+STEP_S = 0.02
+OPPOSITE = {GripperCommand.OPEN: GripperCommand.CLOSED, GripperCommand.CLOSED: GripperCommand.OPEN}
+
+
+@dataclass(frozen=True)
+class RecordedPath:
+    """The path, its number of episode, and how the gripper was before it (None: there was none that is measured)."""
+
+    episode: int
+    path: ToolPath
+    gripper_at_start: GripperCommand | None
+
+
+def recorded_path(file: Path, cell: str, episode: int | None) -> RecordedPath:
+    """The tool's target of all states of an episode in which the arm followed; of the only one where none is given.
+
+    Where it did not follow, the time is cut out. RecordingError where there is no such episode, or it has no motion.
+    """
+    spans = _episodes(file)
+    if episode is None and len(spans) != 1:
+        raise RecordingError(f"{file} has {len(spans)} episodes: choose one by --episode ({_listed(spans)})")
+    number = episode if episode is not None else next(iter(spans))
+    if number not in spans:
+        raise RecordingError(f"{file} has no episode {number}; it has {_listed(spans)}")
+    states = [state for state in _states(file, STATE.key_for(cell), *spans[number]) if state.target is not None]
+    if len(states) < 2:
+        raise RecordingError(f"in episode {number} of {file} the arm never followed the hand")
+    return RecordedPath(number, path_of(states), OPPOSITE[states[0].gripper_next] if states[0].gripper else None)
+
+
+def check_cell(recorded: Description, cell: Description) -> None:
+    """RefusedError where the recorded arm is not this cell's."""
+    if recorded.robot != cell.robot or [j.name for j in recorded.joints] != [j.name for j in cell.joints]:
+        raise RefusedError(f"the recording is of {recorded.robot}, this cell has {cell.robot}: use such an arm")
+
+
+def _episodes(file: Path) -> dict[int, tuple[int, int]]:
+    """Begin and end of each episode by its number."""
+    begins, ends = dict[int, int](), dict[int, int]()
+    for part in parts_from(file):
+        with RecordingReader(part) as recording:
+            for message in recording.messages([EPISODE.name]):
+                event = msgspec.json.decode(message.data, type=EpisodeEvent)
+                if event.event is EpisodeEventKind.BEGIN:
+                    begins[event.episode] = event.t_ns
+                elif event.event is EpisodeEventKind.END:
+                    ends[event.episode] = event.t_ns
+    return {number: (begin_ns, ends[number]) for number, begin_ns in begins.items() if number in ends}
+
+
+def _listed(episodes: Sequence[int] | dict[int, tuple[int, int]]) -> str:
+    return "episodes " + ", ".join(map(str, episodes)) if episodes else "none that has ended"
+
+
+def _states(file: Path, topic: str, begin_ns: int, end_ns: int) -> Iterator[RobotState]:
+    for part in parts_from(file):
+        with RecordingReader(part) as recording:
+            for message in recording.messages([topic], begin_ns, end_ns):
+                state = decode(message.data, RobotState, STATE.max_bytes)
+                if state.state is SessionState.ENGAGED:
+                    yield state
+
+
+def path_of(states: Sequence[RobotState]) -> ToolPath:
+    """The targets one after the other; from one engagement, or hold, to the next by a slow approach."""
+    times, poses, actions = list[float](), list[Array](), list[GripperAction]()
+    for _, stretch in groupby(states, key=_origin):
+        kept = list(stretch)
+        begin_s = 0.0
+        if poses:
+            crossing = approach(poses[-1], _target(kept[0]))
+            poses += [crossing.base_T_tool(at_s) for at_s in crossing.t_s[1:-1]]
+            times += [times[-1] + at_s for at_s in crossing.t_s[1:-1].tolist()]
+            begin_s = times[-1] + STEP_S
+        for before, state in zip([kept[0], *kept], kept, strict=False):
+            at_s = begin_s + (state.t_ns - kept[0].t_ns) / NS_PER_S
+            if times and at_s <= times[-1]:
+                continue
+            times.append(at_s)
+            poses.append(_target(state))
+            if (state.gripper_toggles_applied - before.gripper_toggles_applied) % 2:
+                actions.append(GripperAction(at_s, before.gripper_next))
+    orientations = Rotation.from_matrix(np.array(poses)[:, :3, :3]).as_quat()
+    return ToolPath(np.array(times), np.array(poses)[:, :3, 3], orientations, actions=tuple(actions))
+
+
+def _origin(state: RobotState) -> tuple[int, int]:
+    engagement = state.engagement
+    return (engagement.number, engagement.hand_capture_ns) if engagement is not None else (0, 0)
+
+
+def _target(state: RobotState) -> Array:
+    if state.target is None:
+        raise RecordingError("a state without target is none in which the arm followed")
+    return state.target.transform()

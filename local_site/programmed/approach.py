@@ -1,0 +1,31 @@
+"""The way from where the tool stands to where a path begins or goes on: slow, straight, smooth; pure."""
+
+import numpy as np
+from scipy.spatial.transform import Rotation
+
+from common.geometry import Array, angle_between
+from local_site.programmed.tool_path import ToolPath
+
+SPEED_M_S, SPEED_RAD_S = 0.06, np.radians(25.0)
+SHORTEST_S, STEP_S = 0.5, 0.02
+PEAK = 1.875  # greatest speed of a minimum-jerk motion, by its mean
+
+
+def approach(base_T_tool: Array, base_T_begin: Array) -> ToolPath:
+    """A minimum-jerk motion from one pose (4 x 4) to another, nowhere faster than 60 mm/s and 25 deg/s."""
+    way = float(np.linalg.norm(base_T_begin[:3, 3] - base_T_tool[:3, 3]))
+    turn = angle_between(base_T_tool[:3, :3], base_T_begin[:3, :3])
+    duration_s = max(PEAK * way / SPEED_M_S, PEAK * turn / SPEED_RAD_S, SHORTEST_S)
+    t_s = np.linspace(0.0, duration_s, int(duration_s / STEP_S) + 2)
+    done = _minimum_jerk(t_s / duration_s)
+    positions = base_T_tool[:3, 3] + done[:, None] * (base_T_begin[:3, 3] - base_T_tool[:3, 3])
+    begin = Rotation.from_matrix(base_T_tool[:3, :3])
+    turned = (Rotation.from_matrix(base_T_begin[:3, :3]) * begin.inv()).as_rotvec()
+    orientations = (Rotation.from_rotvec(done[:, None] * turned) * begin).as_quat()
+    return ToolPath(t_s, positions, orientations)
+
+
+def _minimum_jerk(part: Array) -> Array:
+    """The distance covered, 0 to 1, after a part of the time."""
+    covered: Array = part**3 * (10.0 - 15.0 * part + 6.0 * part**2)
+    return covered

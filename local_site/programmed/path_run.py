@@ -1,0 +1,135 @@
+"""Runs on a path of the tool: each engagement a new one, from where the arm stands; pure."""
+
+import numpy as np
+
+from common.clock import NS_PER_S
+from common.errors import ConfigError
+from common.geometry import Array
+from common.messages.hand import OperatorSettings, TrackingStatus
+from common.messages.requests import MappingDescription
+from common.messages.robot import GripperCommand, RobotState, SessionState
+from local_site.programmed.approach import approach
+from local_site.programmed.led_hand import operator_T_hand, shown_hand, why_not_led
+from local_site.programmed.path_progress import PathProgress, RunOrder
+from local_site.tracking.tracker import ArmEstimate
+
+BEHIND_M = 0.06  # fast motions lag by less
+LONGEST_STEP_S = 0.1
+TOGGLES_APART_NS = NS_PER_S  # until the remote site shows what became of one
+WAITS = "waits for the engagement: hold the key and engage"
+ENDED = "the run has ended, since the arm held: let the key go and engage again for a new one"
+
+
+class PathRun:
+    """Turns a path into what a tracker would measure of the hand that leads the tool along it.
+
+    A run begins with each engagement of this `session`, with an approach from where the arm stands. While the arm holds
+    it stands; with new origins after a hold it `goes_on` by a new approach, or else has ended. The end of an engagement
+    ends it in any case. `gripper_at_start` is how the gripper has to be before, None where that does not matter.
+    """
+
+    def __init__(
+        self,
+        progress: PathProgress,
+        mapping: MappingDescription,
+        session: int,
+        gripper_at_start: GripperCommand | None,
+        *,
+        goes_on: bool,
+    ) -> None:
+        self._progress, self._mapping, self._session = progress, mapping, session
+        self._gripper_at_start, self._goes_on = gripper_at_start, goes_on
+        self._approach: PathProgress | None = None
+        self._engagement = self._origin_ns = 0
+        self._operator_T_hand = np.eye(4)
+        self._last_ns, self._toggled_ns = 0, -TOGGLES_APART_NS
+        self.toggles = 0
+
+    def order(self, order: RunOrder) -> None:
+        """Do what the operator orders of the run."""
+        self._progress.order(order)
+
+    def hand(self, now_ns: int, state: RobotState | None) -> ArmEstimate:
+        """The hand of this instant; `state` is the remote site's newest, None while it is silent."""
+        elapsed_s = min((now_ns - self._last_ns) / NS_PER_S, LONGEST_STEP_S)
+        self._last_ns = now_ns
+        if state is None:
+            self._progress.stand()
+            return self._shown(now_ns, "the remote site is silent")
+        refusal = self._refusal(state)
+        if refusal:
+            self._progress.stand()
+            return shown_hand(self._operator_T_hand, now_ns, TrackingStatus.INITIALISING, refusal)
+        return self._shown(now_ns, self._lead(now_ns, elapsed_s, state))
+
+    def _shown(self, now_ns: int, reason: str) -> ArmEstimate:
+        return shown_hand(self._operator_T_hand, now_ns, TrackingStatus.TRACKED, reason)
+
+    def _lead(self, now_ns: int, elapsed_s: float, state: RobotState) -> str:
+        """Move the hand, if the arm follows it; what the run does, in words."""
+        engagement, reference = state.engagement, state.reference
+        is_ours = state.lease is not None and state.lease.session == self._session
+        if engagement is None or not is_ours or state.state in (SessionState.DISENGAGED, SessionState.FAULT):
+            self._engagement = 0
+            return WAITS
+        led = reference is not None and reference.session == self._session
+        if reference is None or not led or reference.rotation.operator_R_hand is None:
+            self._progress.stand()
+            return f"the run stands: {state.reason}"
+        if engagement.number != self._engagement:
+            self._begin(state)
+        elif engagement.hand_capture_ns != self._origin_ns and not self._goes_on:
+            return ENDED
+        elif engagement.hand_capture_ns != self._origin_ns:
+            self._set_out(state)
+        base_T_target = self._advance(now_ns, elapsed_s, state)
+        settings = state.settings or OperatorSettings()
+        self._operator_T_hand = operator_T_hand(base_T_target, self._mapping, settings, reference)
+        return self._in_words()
+
+    def _begin(self, state: RobotState) -> None:
+        self._progress.begin()
+        self._set_out(state)
+
+    def _set_out(self, state: RobotState) -> None:
+        """Approach where the run stands from where the arm is led now."""
+        engagement, target = state.engagement, state.target
+        if engagement is None or target is None:
+            raise ConfigError("an arm that follows has an engagement and a target; update the remote site")
+        self._engagement, self._origin_ns = engagement.number, engagement.hand_capture_ns
+        self._progress.stand()
+        self._approach = PathProgress(approach(target.transform(), self._progress.target), 1.0, stepwise=False)
+
+    def _advance(self, now_ns: int, elapsed_s: float, state: RobotState) -> Array:
+        """Where the tool is led to now (4 x 4), and the gripper's toggle where one is due."""
+        leading = self._approach or self._progress
+        way = float(np.linalg.norm(leading.target[:3, 3] - state.base_T_tool.transform()[:3, 3]))
+        hindered = f"the arm is {way * 1e3:.0f} mm behind: {state.reason}" if way > BEHIND_M else ""
+        command = leading.advance(elapsed_s, state.gripper, hindered)
+        if command is state.gripper_next and now_ns - self._toggled_ns >= TOGGLES_APART_NS:
+            self.toggles, self._toggled_ns = self.toggles + 1, now_ns
+        if self._approach is not None and self._approach.is_done:
+            self._approach = None
+        return leading.target
+
+    def _in_words(self) -> str:
+        progress = self._progress
+        if self._approach is not None:
+            return self._approach.why or "approaches where the path goes on"
+        if progress.is_done:
+            return "the run is done: let the key go"
+        way_point = f", way point {progress.way_point} of {progress.way_points}" if progress.way_points else ""
+        stands = f": {progress.why}" if progress.why else ""
+        return f"runs at {progress.speed:.0%} speed{way_point}{stands}"
+
+    def _refusal(self, state: RobotState) -> str:
+        """Why no run may begin or go on, with the cure; empty when it may."""
+        locked = why_not_led(self._mapping, state.settings or OperatorSettings())
+        if locked or self._gripper_at_start is None or self._engagement:
+            return locked
+        if state.gripper is None:
+            return "the path needs a gripper, and this cell has none that is measured"
+        if state.gripper_next is self._gripper_at_start:
+            wanted = self._gripper_at_start.value
+            return f"the gripper differs: it has to be {wanted} at the beginning, make it so by hand first"
+        return ""

@@ -1,0 +1,110 @@
+"""A local site without cameras: the hand that it publishes leads the tool along a given path, under a lease as ever."""
+
+import secrets
+from collections.abc import Callable, Iterable
+from dataclasses import dataclass
+
+import structlog
+
+from common.clock import NS_PER_S, Clock, MonotonicClock
+from common.errors import FarhandError
+from common.link.channels import DESCRIBE, STATE
+from common.link.credentials import check_links
+from common.link.endpoints import check_free
+from common.link.transport import Link, open_link
+from common.messages.base import SESSION_BITS
+from common.messages.requests import DescribeQuestion, Description
+from common.messages.robot import GripperCommand
+from common.process.log import LogFormat, start_log
+from common.process.service import StopFlag
+from local_site.authority.lease_client import Authority
+from local_site.authority.remote_watch import RemoteWatch
+from local_site.config import LocalConfig
+from local_site.programmed.path_progress import PathProgress, RunOrder
+from local_site.programmed.path_run import PathRun
+from local_site.runtime.loop import RecorderRelay, SampleSender
+
+PERIOD_NS = NS_PER_S // 60
+ASK_AGAIN_S = 0.5
+
+
+@dataclass(frozen=True)
+class PathProgram:
+    """What is run: how far it has come on its path, how the gripper has to be before, whether a hold may end in it.
+
+    `check` raises where the path is not for this cell; `orders` are the operator's since it was called last.
+    """
+
+    name: str
+    progress: PathProgress
+    gripper_at_start: GripperCommand | None
+    goes_on: bool
+    check: Callable[[Description], None]
+    orders: Callable[[], Iterable[RunOrder]]
+
+
+def run_path(config: LocalConfig, program: PathProgram, should_stop: StopFlag, tell: Callable[[str], object]) -> None:
+    """Publish the hand until asked to stop; `tell` gets what the run does, when that changes.
+
+    It takes the place of `farhand local` on this host: the operator's page is connected to it as to that.
+    ProcessError while that runs; FarhandError for a cell that the path is not for.
+    """
+    start_log("path", LogFormat.TEXT)
+    links, wanted, clock = config.links, config.authority, MonotonicClock()
+    try:
+        check_links((links.remote, links.listen), links, config.bearer)
+        check_free(links.listen, links)
+        with open_link(listen=(links.listen,), connect=(links.remote,), security=links) as link:
+            cell = _description(link, config.cell, should_stop)
+            if cell is None:
+                return
+            program.check(cell)
+            session = secrets.randbits(SESSION_BITS)
+            with Authority(link, config.cell, wanted.name, session, automatic=wanted.automatic) as authority:
+                watch = RemoteWatch(link.latest(STATE, config.cell), session, lambda _: None)
+                sender = SampleSender(config, link, authority, watch, clock)
+                run = PathRun(
+                    program.progress, cell.mapping, session, program.gripper_at_start, goes_on=program.goes_on
+                )
+                structlog.get_logger().info("ready", runs=program.name, cell=config.cell, remote=links.remote)
+                _publish(run, program, sender, watch, RecorderRelay(config, link), clock, should_stop, tell)
+    except FarhandError as error:
+        structlog.get_logger().error("ending", reason=str(error))
+        raise
+
+
+def _description(link: Link, cell: str, should_stop: StopFlag) -> Description | None:
+    """What the cell is, as soon as it answers; None when asked to stop before."""
+    while not should_stop():
+        found = link.ask(DESCRIBE, cell, DescribeQuestion())
+        if found is not None:
+            return found
+        structlog.get_logger().warning("the remote site does not answer", cell=cell, cure="start it")
+        should_stop.wait(ASK_AGAIN_S)
+    return None
+
+
+def _publish(
+    run: PathRun,
+    program: PathProgram,
+    sender: SampleSender,
+    watch: RemoteWatch,
+    relay: RecorderRelay,
+    clock: Clock,
+    should_stop: StopFlag,
+    tell: Callable[[str], object],
+) -> None:
+    due_ns, told = clock.now_ns(), ""
+    while not should_stop():
+        now_ns = clock.now_ns()
+        watch.poll(now_ns)
+        for order in program.orders():
+            run.order(order)
+        hand = run.hand(now_ns, watch.state if watch.is_there else None)
+        sender.send_led(hand, run.toggles)
+        relay.poll()
+        if hand.reason != told:
+            told = hand.reason
+            tell(told)
+        due_ns = max(due_ns + PERIOD_NS, now_ns)
+        clock.sleep_until_ns(due_ns)

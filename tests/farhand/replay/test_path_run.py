@@ -1,0 +1,151 @@
+"""Runs on a path through the whole remote site and the simulated cell: approach, holds, the gripper, the key."""
+
+import numpy as np
+import pytest
+from msgspec.structs import replace
+
+from common.messages.hand import Locks
+from common.messages.robot import GripperCommand, GripperStatus, SessionState
+from local_site.programmed.path_progress import PathProgress
+from local_site.programmed.path_run import ENDED, WAITS
+from local_site.programmed.tool_path import GripperAction, ToolPath
+from remote_site.kinematics.limits import load_arm
+from tests.led_cell import CONFIG, LedCell
+
+NEAR_M = 1e-3
+SLOW_ENOUGH_M_S = 0.02
+
+
+def start_pose():
+    model, _ = load_arm(CONFIG.robot)
+    return model.forward(np.array(CONFIG.robot.start))
+
+
+def some_path(*actions):
+    """120 mm back and down in two seconds, from 60 mm beside where the arm stands."""
+    base_T_tool = start_pose()
+    t_s = np.linspace(0.0, 2.0, 101)
+    part = (t_s / 2.0) ** 3 * (10 - 15 * t_s / 2.0 + 6 * (t_s / 2.0) ** 2)
+    positions = base_T_tool[:3, 3] + [-0.05, 0.03, -0.02] + part[:, None] * np.array([-0.08, 0.0, -0.09])
+    orientations = np.tile([0.0, np.sqrt(0.5), 0.0, np.sqrt(0.5)], (101, 1))
+    return ToolPath(t_s, positions, orientations, actions=actions)
+
+
+def cell_on(path, gripper_at_start=None, *, goes_on=True):
+    return LedCell(PathProgress(path, 1.0, stepwise=False), gripper_at_start, goes_on=goes_on)
+
+
+def engaged(cell):
+    """Press the key once the arm is ready, and hold it until the run approaches its path."""
+    cell.pass_s(1.0)
+    cell.key_held = True
+    cell.until("approaches")
+    return cell
+
+
+def off_m(cell, path, t_s):
+    return np.linalg.norm(cell.base_T_tool[:3, 3] - path.base_T_tool(t_s)[:3, 3])
+
+
+def test_nothing_moves_before_the_key_is_held_and_then_the_path_is_run_from_where_the_arm_stands():
+    path = some_path(GripperAction(2.0, GripperCommand.CLOSED))
+    cell = cell_on(path, GripperCommand.OPEN)
+    stood = cell.base_T_tool
+    cell.pass_s(1.0)
+    assert cell.reason == WAITS
+    assert cell.base_T_tool == pytest.approx(stood, abs=1e-6)
+    engaged(cell)
+    fastest, before = 0.0, cell.base_T_tool
+    while "approaches" in cell.reason:
+        cell.pass_s(0.1)
+        fastest = max(fastest, np.linalg.norm(cell.base_T_tool[:3, 3] - before[:3, 3]) / 0.1)
+        before = cell.base_T_tool
+    assert fastest < 0.08
+    assert off_m(cell, path, 0.0) < 0.02
+    cell.until("done")
+    cell.pass_s(1.0)
+    assert off_m(cell, path, 2.0) < NEAR_M
+    assert cell.site.gripper.status is GripperStatus.CLOSED
+
+
+def test_the_key_let_go_stops_the_arm_and_a_new_engagement_begins_with_an_approach_again():
+    path = some_path()
+    cell = engaged(cell_on(path, goes_on=False))
+    cell.until("runs")
+    cell.pass_s(1.0)
+    cell.key_held = False
+    cell.pass_s(1.0)
+    stood = cell.base_T_tool
+    cell.pass_s(0.5)
+    assert cell.base_T_tool == pytest.approx(stood, abs=1e-6)
+    assert off_m(cell, path, 0.0) > 0.02
+    cell.key_held = True
+    for _ in range(40):
+        cell.pass_s(0.05)
+        if cell.reason == ENDED or "approaches" in cell.reason:
+            break
+    assert cell.base_T_tool == pytest.approx(stood, abs=5e-3), "no jump into the middle of the path"
+    if cell.reason == ENDED:
+        cell.pass_s(1.0)
+        assert cell.base_T_tool == pytest.approx(stood, abs=5e-3)
+        cell.key_held = False
+        while cell.site.snapshot.state is not SessionState.DISENGAGED:
+            cell.step()
+        engaged(cell)
+    cell.until("done")
+    cell.pass_s(1.0)
+    assert off_m(cell, path, 2.0) < NEAR_M
+
+
+def test_a_taught_run_goes_on_after_a_hold_by_an_approach():
+    path = some_path()
+    cell = engaged(cell_on(path))
+    cell.until("runs")
+    cell.pass_s(1.0)
+    cell.key_held = False
+    cell.pass_s(0.6)
+    stood = cell.base_T_tool
+    cell.key_held = True
+    cell.until("approaches")
+    assert cell.base_T_tool == pytest.approx(stood, abs=5e-3)
+    cell.until("done")
+    cell.pass_s(1.0)
+    assert off_m(cell, path, 2.0) < NEAR_M
+
+
+def test_a_gripper_that_differs_is_refused_with_what_to_do_and_the_arm_cannot_be_engaged():
+    cell = cell_on(some_path(GripperAction(1.0, GripperCommand.OPEN)), GripperCommand.CLOSED)
+    cell.pass_s(1.0)
+    cell.key_held = True
+    cell.pass_s(2.0)
+    assert "has to be closed at the beginning" in cell.reason
+    assert cell.site.snapshot.state is SessionState.DISENGAGED
+
+
+def test_a_lock_on_the_page_stands_the_run_and_is_named():
+    cell = engaged(cell_on(some_path()))
+    cell.until("runs")
+    state = cell.state()
+    locked = replace(state, settings=replace(state.settings, locks=Locks(roll=True)))
+    hand = cell.run.hand(cell.site.now_ns, locked)
+    assert "roll is locked" in hand.reason
+    assert hand.status.value == "initialising"
+
+
+def test_a_path_out_of_reach_is_not_run_through_without_the_arm():
+    path = some_path()
+    far = ToolPath(path.t_s, path.positions + [0.5, 0.0, 0.3], path.orientations)
+    cell = engaged(cell_on(far))
+    cell.pass_s(25.0)
+    assert "behind" in cell.reason
+    assert not cell.progress.is_done
+
+
+def test_a_silent_remote_site_stands_the_run():
+    cell = engaged(cell_on(some_path()))
+    cell.until("runs")
+    cell.pass_s(0.5)
+    before = cell.progress.target
+    hand = cell.run.hand(cell.site.now_ns, None)
+    assert "silent" in hand.reason
+    assert cell.progress.target == pytest.approx(before)

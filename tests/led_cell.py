@@ -1,0 +1,90 @@
+"""A simulated cell on stepped time whose tool a path leads, through the whole remote site."""
+
+from msgspec.structs import replace
+
+from common.clock import NS_PER_MS, NS_PER_S
+from common.geometry import Array
+from common.messages.hand import ClockSync, HandArm, Intent
+from common.messages.robot import GripperCommand, LeaseState, Pose, RobotState, SessionState
+from farhand.experiments.stepped.robots import SteppedCell
+from farhand.experiments.stepped.site import FOR_EVER_NS, LEASE, OPERATOR, SESSION, Every, SteppedSite
+from local_site.programmed.path_progress import PathProgress
+from local_site.programmed.path_run import PathRun
+from local_site.samples.hand_sample import HandSampler, OpenHand
+from remote_site.config import RemoteConfig
+from remote_site.session.config import EngagementMode
+from remote_site.session.samples import NamedSample
+from tests.common.messages.golden_examples import STATE
+
+LINK_NS, PERIOD_NS = 5 * NS_PER_MS, NS_PER_S // 60
+CONFIG = RemoteConfig().engaging(EngagementMode.HOLD_TO_RUN)
+
+
+class LedCell:
+    """The cell, the run on a path, and the key that a person holds or not."""
+
+    def __init__(
+        self,
+        progress: PathProgress,
+        gripper_at_start: GripperCommand | None = None,
+        *,
+        goes_on: bool = True,
+        config: RemoteConfig = CONFIG,
+    ) -> None:
+        self.site = SteppedSite(config, SteppedCell(config))
+        self.progress = progress
+        mapping = self.site.description.mapping
+        self.run = PathRun(progress, mapping, SESSION, gripper_at_start, goes_on=goes_on)
+        self.key_held, self.reason = False, ""
+        self._sampler, self._due = HandSampler(SESSION), Every(PERIOD_NS, self.site.now_ns)
+        self._under_way: list[tuple[int, HandArm]] = []
+
+    def step(self) -> None:
+        """One control period."""
+        now_ns = self.site.now_ns
+        if self._due.due(now_ns):
+            hand = self.run.hand(now_ns, self.state())
+            self.reason = hand.reason
+            clock = ClockSync(remote_minus_local_ns=0, uncertainty_ns=0, measured_ns=now_ns)
+            intent, toggles = Intent(hold=self.key_held), OpenHand(toggles=self.run.toggles)
+            sample = self._sampler.sample(hand, toggles, LEASE, clock, intent, now_ns)
+            self._under_way.append((now_ns + LINK_NS, sample))
+        arrived = [NamedSample(OPERATOR, sample) for at_ns, sample in self._under_way if at_ns <= now_ns]
+        self._under_way = [(at_ns, sample) for at_ns, sample in self._under_way if at_ns > now_ns]
+        self.site.tick(arrived)
+
+    def pass_s(self, seconds: float) -> None:
+        """Let time pass."""
+        end_ns = self.site.now_ns + round(seconds * NS_PER_S)
+        while self.site.now_ns < end_ns:
+            self.step()
+
+    def until(self, reason: str, most_s: float = 60.0) -> None:
+        """Let time pass until the run says so."""
+        end_ns = self.site.now_ns + round(most_s * NS_PER_S)
+        while reason not in self.reason:
+            assert self.site.now_ns < end_ns, f"no {reason!r}: {self.reason}"
+            self.step()
+
+    @property
+    def base_T_tool(self) -> Array:
+        """Where the tool truly is (4 x 4)."""
+        return self.site.model.forward(self.site.robot.q)
+
+    def state(self) -> RobotState:
+        """The robot's state as the site publishes it, as far as a run depends on it."""
+        snapshot, follows = self.site.snapshot, self.site.snapshot.state is SessionState.ENGAGED
+        return replace(
+            STATE,
+            t_ns=self.site.now_ns,
+            state=snapshot.state,
+            reason=snapshot.reason.sentence,
+            base_T_tool=Pose.from_transform(self.base_T_tool),
+            gripper=self.site.gripper,
+            gripper_next=snapshot.gripper_next,
+            engagement=snapshot.engagement,
+            lease=LeaseState(LEASE, OPERATOR, SESSION, FOR_EVER_NS, None),
+            target=Pose.from_transform(snapshot.target) if follows else None,
+            settings=snapshot.settings,
+            reference=snapshot.reference if follows else None,
+        )
