@@ -134,7 +134,7 @@ def test_a_lock_on_the_page_stands_the_run_and_is_named():
 
 def test_a_path_out_of_reach_is_not_run_through_without_the_arm():
     path = some_path()
-    far = ToolPath(path.t_s, path.positions + [0.5, 0.0, 0.3], path.orientations)
+    far = ToolPath(path.t_s, path.positions + np.array([0.5, 0.0, 0.3]), path.orientations)
     cell = engaged(cell_on(far))
     cell.pass_s(25.0)
     assert "behind" in cell.reason

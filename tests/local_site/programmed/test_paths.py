@@ -1,5 +1,7 @@
 """Paths of the tool, the approach to them, and the time on them."""
 
+from itertools import pairwise
+
 import numpy as np
 import pytest
 from hypothesis import given
@@ -48,7 +50,7 @@ def test_an_approach_is_slow_straight_and_ends_where_the_path_begins(way, turn):
     step_s = path.duration_s / 199
     assert poses[0] == pytest.approx(begin)
     assert poses[-1] == pytest.approx(end, abs=1e-9)
-    for before, after in zip(poses, poses[1:], strict=False):
+    for before, after in pairwise(poses):
         assert np.linalg.norm(after[:3, 3] - before[:3, 3]) <= 1.01 * SPEED_M_S * step_s
         assert angle_between(before[:3, :3], after[:3, :3]) <= 1.01 * SPEED_RAD_S * step_s + 1e-7
         assert np.linalg.norm(np.cross(after[:3, 3], end[:3, 3])) < 1e-9
