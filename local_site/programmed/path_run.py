@@ -16,8 +16,8 @@ from local_site.tracking.tracker import ArmEstimate
 BEHIND_M = 0.06  # fast motions lag by less
 LONGEST_STEP_S = 0.1
 TOGGLES_APART_NS = NS_PER_S  # until the remote site shows what became of one
-WAITS = "waits for the engagement: hold the key and engage"
-ENDED = "the run has ended, since the arm held: let the key go and engage again for a new one"
+WAITS = "waits for the engagement: hold the key"
+ENDED = "the run has ended, since the arm held: let the key go, and hold it again for a new one"
 
 
 class PathRun:

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 import structlog
 
 from common.clock import NS_PER_S, Clock, MonotonicClock
-from common.errors import FarhandError
+from common.errors import FarhandError, RefusedError
 from common.link.channels import DESCRIBE, STATE
 from common.link.credentials import check_links
 from common.link.endpoints import check_free
@@ -58,6 +58,7 @@ def run_path(config: LocalConfig, program: PathProgram, should_stop: StopFlag, t
             cell = _description(link, config.cell, should_stop)
             if cell is None:
                 return
+            _check_held(cell)
             program.check(cell)
             session = secrets.randbits(SESSION_BITS)
             with Authority(link, config.cell, wanted.name, session, automatic=wanted.automatic) as authority:
@@ -71,6 +72,15 @@ def run_path(config: LocalConfig, program: PathProgram, should_stop: StopFlag, t
     except FarhandError as error:
         structlog.get_logger().error("ending", reason=str(error))
         raise
+
+
+def _check_held(cell: Description) -> None:
+    """RefusedError for a cell whose arm would follow a path while nobody holds a key."""
+    if not cell.held:
+        raise RefusedError(
+            f'the arm of {cell.cell} would move without a person at the key: set engagement.mode = "hold_to_run" (or '
+            '"pedal") at the remote site, and start it again'
+        )
 
 
 def _description(link: Link, cell: str, should_stop: StopFlag) -> Description | None:

@@ -1,7 +1,9 @@
 """A recording with all that a page shows: a site that engages, and states as it would publish them."""
 
+from collections.abc import Callable
 from dataclasses import dataclass
 from pathlib import Path
+from typing import Any
 
 import msgspec
 
@@ -17,6 +19,8 @@ SECONDS = 6.0
 ENGAGED_S = 2.0
 TICKS_PER_STATE = 5
 
+Change = Callable[[float], dict[str, Any]]
+
 
 @dataclass(frozen=True, slots=True)
 class RecordedStates:
@@ -26,25 +30,26 @@ class RecordedStates:
     engaged_s: float
 
 
-def recorded_states(folder: Path) -> RecordedStates:
-    """Record six seconds, engaged after two of them."""
+def recorded_states(folder: Path, change: Change = lambda _: {}) -> RecordedStates:
+    """Record six seconds, engaged after two of them; `change` gives fields of the state at a time in s."""
     site = RecordedSite(folder)
     site.loop.link.activate(CONFIG.robot.start)
-    _run(site, ENGAGED_S)
+    _run(site, 0.0, ENGAGED_S, change)
     site.loop.ask(EngagementAction.ENGAGE)
     site.note()
-    _run(site, SECONDS - ENGAGED_S)
+    _run(site, ENGAGED_S, SECONDS, change)
     site.recorder.step(site.clock.now_ns())
     site.recorder.end(site.clock.now_ns())
     return RecordedStates(site.files[0], ENGAGED_S)
 
 
-def _run(site: RecordedSite, seconds: float) -> None:
+def _run(site: RecordedSite, begin_s: float, end_s: float, change: Change) -> None:
     """A state each 20 ms, as control publishes them."""
-    for _ in range(round(seconds * 250 / TICKS_PER_STATE)):
+    for k in range(round((end_s - begin_s) * 250 / TICKS_PER_STATE)):
         site.run(TICKS_PER_STATE / 250, 0.02)
         engaged = site.loop.state is SessionState.ENGAGED
         words = ("ok", "the arm follows the hand") if engaged else ("not_engaged", "not engaged yet")
         state = scene.state(site.loop.state, *words, t_ns=site.clock.now_ns())
         state = msgspec.structs.replace(state, q=tuple(site.loop.driven.sent.q.tolist()))
+        state = msgspec.structs.replace(state, **change(begin_s + k * TICKS_PER_STATE / 250))
         site.tap.note_message(STATE.key_for(CELL), encode(state), sent=True)

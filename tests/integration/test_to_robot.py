@@ -1,0 +1,112 @@
+"""A recorded episode on a real remote site: nothing moves before the key is held, then the tool runs the path."""
+
+import subprocess
+import sys
+import threading
+import time
+from collections.abc import Iterator
+from contextlib import contextmanager
+from pathlib import Path
+
+import numpy as np
+
+from common.geometry import transform
+from common.link.channels import INTENT
+from common.messages.hand import Intent, OperatorIntent
+from common.messages.robot import Pose, SessionState
+from remote_site.config import RemoteConfig
+from remote_site.kinematics.limits import load_arm
+from tests.farhand.replay.recorded_states import ENGAGED_S, SECONDS, recorded_states
+from tests.integration.sites import CELL, PATIENT, Sites, running_sites
+
+OPERATOR = "anna"
+LENGTH_M = 0.08
+NEAR_M = 2e-3
+
+
+def start_pose() -> np.ndarray:
+    robot = RemoteConfig().robot
+    return load_arm(robot)[0].forward(np.array(robot.start))
+
+
+def moves_back(at_s: float) -> dict[str, object]:
+    """The tool's target 80 mm back, in the four seconds of the engagement; a cell without gripper."""
+    part = min(max((at_s - ENGAGED_S) / (SECONDS - ENGAGED_S - 0.5), 0.0), 1.0)
+    begin = start_pose()
+    shift = np.array([-0.05 - LENGTH_M * part, 0.0, -0.02])
+    target = Pose.from_transform(transform(begin[:3, :3], begin[:3, 3] + shift)) if at_s >= ENGAGED_S else None
+    return {"target": target, "gripper": None, "gripper_toggles_applied": 0}
+
+
+@contextmanager
+def key(sites: Sites) -> Iterator[threading.Event]:
+    """A console that reports, 50 times a second, whether the key is held: as long as the event is set."""
+    held, stop = threading.Event(), threading.Event()
+    publisher = sites.link.publisher(INTENT, CELL, operator=OPERATOR)
+
+    def report() -> None:
+        while not stop.wait(0.02):
+            publisher.put(OperatorIntent(session=1, sent_ns=time.monotonic_ns(), intent=Intent(hold=held.is_set())))
+
+    thread = threading.Thread(target=report)
+    thread.start()
+    try:
+        yield held
+    finally:
+        stop.set()
+        thread.join()
+
+
+@contextmanager
+def replaying(sites: Sites, file: Path) -> Iterator["subprocess.Popen[str]"]:
+    settings = (
+        f"cell={CELL}",
+        f"authority.operator={OPERATOR}",
+        f"links.remote={sites.control}",
+        f"links.listen={sites.listen}",
+    )
+    given = [part for setting in settings for part in ("--set", setting)]
+    command = [sys.executable, "-m", "farhand", "replay", str(file), "--to-robot", *given]
+    with subprocess.Popen(command, stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True) as process:
+        try:
+            yield process
+        finally:
+            process.terminate()
+
+
+def off_m(sites: Sites, position: np.ndarray) -> float:
+    return float(np.linalg.norm(np.array(sites.state.base_T_tool.position) - position))
+
+
+def test_the_recorded_path_is_run_while_the_key_is_held_and_ends_with_it(tmp_path: Path) -> None:
+    file = recorded_states(tmp_path, moves_back).file
+    begin = start_pose()[:3, 3]
+    end = begin + [-0.05 - LENGTH_M, 0.0, -0.02]
+    with running_sites() as sites:
+        sites.remote("driver.name=kinematic", "engagement.mode=hold_to_run", *PATIENT)
+        sites.wait_for_states()
+        with replaying(sites, file), key(sites) as held:
+            sites.wait("readiness", lambda: sites.state.readiness.ready)
+            assert off_m(sites, begin) < NEAR_M
+            held.set()
+            sites.wait("the arm to follow", lambda: sites.is_in(SessionState.ENGAGED))
+            sites.wait("the path to begin", lambda: off_m(sites, begin) > 0.06)
+            held.clear()
+            sites.wait("the stop", lambda: sites.is_in(SessionState.DISENGAGED))
+            stood = np.array(sites.state.base_T_tool.position)
+            time.sleep(1.0)
+            assert off_m(sites, stood) < NEAR_M
+            assert off_m(sites, end) > 0.02
+            held.set()
+            sites.wait("the path's end", lambda: off_m(sites, end) < NEAR_M)
+
+
+def test_a_cell_that_needs_no_key_is_refused(tmp_path: Path) -> None:
+    file = recorded_states(tmp_path, moves_back).file
+    with running_sites() as sites:
+        sites.remote("driver.name=kinematic", *PATIENT)
+        sites.wait_for_states()
+        with replaying(sites, file) as process:
+            assert process.wait(60) == 1
+            assert process.stdout is not None
+            assert 'set engagement.mode = "hold_to_run"' in process.stdout.read()
