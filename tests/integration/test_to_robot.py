@@ -81,7 +81,7 @@ def off_m(sites: Sites, position: np.ndarray) -> float:
 def test_the_recorded_path_is_run_while_the_key_is_held_and_ends_with_it(tmp_path: Path) -> None:
     file = recorded_states(tmp_path, moves_back).file
     begin = start_pose()[:3, 3]
-    end = begin + [-0.05 - LENGTH_M, 0.0, -0.02]
+    end = begin + np.array([-0.05 - LENGTH_M, 0.0, -0.02])
     with running_sites() as sites:
         sites.remote("driver.name=kinematic", "engagement.mode=hold_to_run", *PATIENT)
         sites.wait_for_states()
