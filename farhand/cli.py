@@ -17,6 +17,7 @@ from farhand.commands.requests import engage, lease_app, maintenance_app
 from farhand.commands.setting_up import setup
 from farhand.commands.simulations import experiment, loopback
 from farhand.commands.sites import console, local, remote, router
+from farhand.commands.teach import teach_app
 from farhand.commands.track import track
 from farhand.exit_codes import FAILED, INTERRUPTED, MISUSE
 from farhand.terminal import complain
@@ -40,6 +41,7 @@ for name, group in {
     "models": models_app,
     "driver": driver_app,
     "export": export_app,
+    "teach": teach_app,
 }.items():
     app.add_typer(group, name=name)
 

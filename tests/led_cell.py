@@ -69,22 +69,33 @@ class LedCell:
     @property
     def base_T_tool(self) -> Array:
         """Where the tool truly is (4 x 4)."""
-        return self.site.model.forward(self.site.robot.q)
+        return base_T_tool(self.site)
 
     def state(self) -> RobotState:
-        """The robot's state as the site publishes it, as far as a run depends on it."""
-        snapshot, follows = self.site.snapshot, self.site.snapshot.state is SessionState.ENGAGED
-        return replace(
-            STATE,
-            t_ns=self.site.now_ns,
-            state=snapshot.state,
-            reason=snapshot.reason.sentence,
-            base_T_tool=Pose.from_transform(self.base_T_tool),
-            gripper=self.site.gripper,
-            gripper_next=snapshot.gripper_next,
-            engagement=snapshot.engagement,
-            lease=LeaseState(LEASE, OPERATOR, SESSION, FOR_EVER_NS, None),
-            target=Pose.from_transform(snapshot.target) if follows else None,
-            settings=snapshot.settings,
-            reference=snapshot.reference if follows else None,
-        )
+        """The robot's state as the site publishes it."""
+        return robot_state(self.site)
+
+
+def base_T_tool(site: SteppedSite[SteppedCell]) -> Array:
+    """Where the tool truly is (4 x 4)."""
+    return site.model.forward(site.robot.q)
+
+
+def robot_state(site: SteppedSite[SteppedCell]) -> RobotState:
+    """The robot's state as the site publishes it, as far as a run or its recording depends on it."""
+    snapshot, follows = site.snapshot, site.snapshot.state is SessionState.ENGAGED
+    return replace(
+        STATE,
+        t_ns=site.now_ns,
+        state=snapshot.state,
+        reason=snapshot.reason.sentence,
+        base_T_tool=Pose.from_transform(base_T_tool(site)),
+        gripper=site.gripper,
+        gripper_toggles_applied=snapshot.gripper_toggles,
+        gripper_next=snapshot.gripper_next,
+        engagement=snapshot.engagement,
+        lease=LeaseState(LEASE, OPERATOR, SESSION, FOR_EVER_NS, None),
+        target=Pose.from_transform(snapshot.target) if follows else None,
+        settings=snapshot.settings,
+        reference=snapshot.reference if follows else None,
+    )

@@ -10,32 +10,14 @@ from pathlib import Path
 
 import numpy as np
 
-from common.geometry import transform
 from common.link.channels import INTENT
 from common.messages.hand import Intent, OperatorIntent
-from common.messages.robot import Pose, SessionState
-from remote_site.config import RemoteConfig
-from remote_site.kinematics.limits import load_arm
-from tests.farhand.replay.recorded_states import ENGAGED_S, SECONDS, recorded_states
+from common.messages.robot import SessionState
+from tests.farhand.replay.recorded_states import LENGTH_M, moves_back, recorded_states, start_pose
 from tests.integration.sites import CELL, PATIENT, Sites, running_sites
 
 OPERATOR = "anna"
-LENGTH_M = 0.08
 NEAR_M = 2e-3
-
-
-def start_pose() -> np.ndarray:
-    robot = RemoteConfig().robot
-    return load_arm(robot)[0].forward(np.array(robot.start))
-
-
-def moves_back(at_s: float) -> dict[str, object]:
-    """The tool's target 80 mm back, in the four seconds of the engagement; a cell without gripper."""
-    part = min(max((at_s - ENGAGED_S) / (SECONDS - ENGAGED_S - 0.5), 0.0), 1.0)
-    begin = start_pose()
-    shift = np.array([-0.05 - LENGTH_M * part, 0.0, -0.02])
-    target = Pose.from_transform(transform(begin[:3, :3], begin[:3, 3] + shift)) if at_s >= ENGAGED_S else None
-    return {"target": target, "gripper": None, "gripper_toggles_applied": 0}
 
 
 @contextmanager

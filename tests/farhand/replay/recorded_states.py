@@ -6,11 +6,15 @@ from pathlib import Path
 from typing import Any
 
 import msgspec
+import numpy as np
 
+from common.geometry import Array, transform
 from common.link.channels import STATE
 from common.messages.codec import encode
 from common.messages.requests import EngagementAction
-from common.messages.robot import SessionState
+from common.messages.robot import Pose, SessionState
+from remote_site.config import RemoteConfig
+from remote_site.kinematics.limits import load_arm
 from tests.browser import scene
 from tests.remote_site.driven_loop import CONFIG
 from tests.remote_site.recording.recorded_site import CELL, RecordedSite
@@ -18,6 +22,8 @@ from tests.remote_site.recording.recorded_site import CELL, RecordedSite
 SECONDS = 6.0
 ENGAGED_S = 2.0
 TICKS_PER_STATE = 5
+
+LENGTH_M = 0.08
 
 Change = Callable[[float], dict[str, Any]]
 
@@ -41,6 +47,21 @@ def recorded_states(folder: Path, change: Change = lambda _: {}) -> RecordedStat
     site.recorder.step(site.clock.now_ns())
     site.recorder.end(site.clock.now_ns())
     return RecordedStates(site.files[0], ENGAGED_S)
+
+
+def start_pose() -> Array:
+    """Where the tool of the default arm begins."""
+    robot = RemoteConfig().robot
+    return load_arm(robot)[0].forward(np.array(robot.start))
+
+
+def moves_back(at_s: float) -> dict[str, object]:
+    """The tool's target 80 mm back, in the four seconds of the engagement; a cell without gripper."""
+    part = min(max((at_s - ENGAGED_S) / (SECONDS - ENGAGED_S - 0.5), 0.0), 1.0)
+    begin = start_pose()
+    shift = np.array([-0.05 - LENGTH_M * part, 0.0, -0.02])
+    target = Pose.from_transform(transform(begin[:3, :3], begin[:3, 3] + shift)) if at_s >= ENGAGED_S else None
+    return {"target": target, "gripper": None, "gripper_toggles_applied": 0}
 
 
 def _run(site: RecordedSite, begin_s: float, end_s: float, change: Change) -> None:

@@ -1,0 +1,56 @@
+"""The task file: written, read back, edited by hand with mistakes."""
+
+import pytest
+
+from common.errors import ConfigError
+from farhand.teach.run import frame_from
+from farhand.teach.task_file import TaskFile, TaskMotion, TaskOrigin, TaughtFrame, WayPoint, load_task
+from farhand.teach.writing import as_toml
+
+TASK = TaskFile(
+    task=TaskOrigin(
+        name='a "peg" \\ of ours', robot="a465", recorded="x.mcap, episode 2", gripper_at_start="open", tolerance_mm=2
+    ),
+    frame=TaughtFrame(xyz_mm=(100.25, -3.5, 20.0), rpy_deg=(0.0, 0.0, 90.0)),
+    motion=TaskMotion(speed_mm_s=80.0, blend_mm=0.0),
+    waypoints=(
+        WayPoint(xyz_mm=(0.0, 0.0, 50.0), rotation_deg=(0.0, 90.0, 0.0)),
+        WayPoint(xyz_mm=(0.0, 0.0, 0.0), rotation_deg=(0.0, 90.0, 0.0), gripper="closed", dwell_s=0.5, speed=0.25),
+    ),
+)
+
+
+def test_what_was_written_is_read_back(tmp_path):
+    file = tmp_path / "task.toml"
+    file.write_text(as_toml(TASK))
+    assert load_task(file) == TASK
+    assert "mm" in file.read_text().splitlines()[1]
+
+
+def test_mistakes_are_named_all_at_once_with_their_lines(tmp_path):
+    file = tmp_path / "task.toml"
+    text = as_toml(TASK).replace('gripper = "closed"', 'gripper = "shut"').replace("speed_mm_s = 80", "sped_mm_s = 80")
+    file.write_text(text)
+    with pytest.raises(ConfigError) as error:
+        load_task(file)
+    assert "shut" in str(error.value)
+    assert "sped_mm_s" in str(error.value)
+
+
+def test_a_number_that_is_not_finite_and_a_single_way_point_are_refused(tmp_path):
+    file = tmp_path / "task.toml"
+    file.write_text(as_toml(TASK).replace("[0.00, 0.00, 50.00]", "[nan, 0.00, 50.00]"))
+    with pytest.raises(ConfigError, match="finite"):
+        load_task(file)
+    file.write_text(as_toml(TASK).rpartition("[[waypoints]]")[0])
+    with pytest.raises(ConfigError, match="waypoints"):
+        load_task(file)
+
+
+def test_a_frame_is_given_as_an_option():
+    assert frame_from("") is None
+    assert frame_from("1,2,3") == TaughtFrame(xyz_mm=(1.0, 2.0, 3.0))
+    assert frame_from("1,2,3,45") == TaughtFrame(xyz_mm=(1.0, 2.0, 3.0), rpy_deg=(0.0, 0.0, 45.0))
+    for wrong in ("1,2", "1,2,3,4,5", "a,b,c", "nan,0,0"):
+        with pytest.raises(ConfigError, match="in mm and deg"):
+            frame_from(wrong)
