@@ -193,9 +193,9 @@ def run_video(
     While the operator's console shows pictures, `markers` are looked for in them. `full` gets all while it wants them.
     Raises ConfigError for a simulated camera without a cell, CameraError when views cannot be rendered here.
     """
-    be_nice(config.nice)
     cv2.setNumThreads(1)
     slots = _open_slots(config, open_sources(config, views))
+    be_nice(config.nice)  # not before: nothing moves until the site is ready, and on a busy machine that would be late
     requests = _KeyFrameRequests(wire.key_frames, {slot.source.name: slot.stream for slot in slots})
     console = _Console(wire, Adaptation(config, h264=_encodes_h264(config.codec)))
     try:
