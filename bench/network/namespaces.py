@@ -34,7 +34,7 @@ def why_not() -> str:
     return tried.stderr.strip()
 
 
-class Network:
+class LinkedHosts:
     """The two hosts; `enter` moves this process to the first for good, `beyond` starts commands on the second."""
 
     def __init__(self) -> None:

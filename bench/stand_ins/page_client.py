@@ -15,7 +15,7 @@ from websockets.sync.client import ClientConnection, connect
 from websockets.typing import Origin
 
 from bench.network.command_socket import CommandSocket
-from bench.stand_ins.pictures import Sight, SightLog
+from bench.stand_ins.pictures import SeenPictures, SightLog
 from common.clock import NS_PER_MS
 
 BEAT_S = 0.05
@@ -68,7 +68,7 @@ def _read(page: ClientConnection, views: dict[str, dict[str, float]], seen: Sigh
                 views[name] = {"seq": header["seq"], "age_ms": age_ms, "fps": FPS}
             if seen is not None and len(message) > 2 + length:
                 oldest_ms = None if age_ms is None else age_ms + header["unsure_ms"]
-                seen.add(Sight(name.removeprefix(CAMERA_VIEW), header["seq"], now_ns, oldest_ms))
+                seen.add(SeenPictures(name.removeprefix(CAMERA_VIEW), header["seq"], now_ns, oldest_ms))
 
 
 def _say(page: ClientConnection, **fields: object) -> None:

@@ -39,7 +39,7 @@ def read_pictures(path: Path) -> Iterator[tuple[int, VideoFrame]]:
 
 
 @dataclass(frozen=True, slots=True)
-class Sight:
+class SeenPictures:
     """A picture that reached the page: which, when (ns), and its age as the page had to believe it, at most (ms).
 
     The age is None while the page did not know the offset of the clocks.
@@ -57,7 +57,7 @@ class SightLog:
     def __init__(self, path: Path) -> None:
         self._file = path.open("a", buffering=1)
 
-    def add(self, sight: Sight) -> None:
+    def add(self, sight: SeenPictures) -> None:
         """Keep a line."""
         oldest_ms = "" if sight.oldest_ms is None else f"{sight.oldest_ms:.3f}"
         self._file.write(f"{sight.camera},{sight.seq},{sight.seen_ns},{oldest_ms}\n")
@@ -67,11 +67,11 @@ class SightLog:
         self._file.close()
 
 
-def read_sights(path: Path) -> list[Sight]:
+def read_sights(path: Path) -> list[SeenPictures]:
     """Every whole line."""
     lines = [line for line in path.read_text().splitlines(keepends=True) if line.endswith("\n")]
     fields = [line.strip().split(",") for line in lines]
     return [
-        Sight(camera, int(seq), int(seen_ns), float(oldest) if oldest else None)
+        SeenPictures(camera, int(seq), int(seen_ns), float(oldest) if oldest else None)
         for camera, seq, seen_ns, oldest in fields
     ]

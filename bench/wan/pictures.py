@@ -8,7 +8,7 @@ from typing import Any
 import cv2
 import numpy as np
 
-from bench.stand_ins.pictures import Sight, read_pictures, read_sights
+from bench.stand_ins.pictures import SeenPictures, read_pictures, read_sights
 from bench.stand_ins.played_remote import number_of
 from bench.wan.similarity import ssim
 from common.cameras.camera import Image
@@ -27,7 +27,7 @@ class Seen:
     """A picture on the page: the message, and how it came."""
 
     frame: VideoFrame
-    sight: Sight
+    sight: SeenPictures
 
     @property
     def age_ms(self) -> float:

@@ -33,7 +33,7 @@ from bench.wan.pictures import Likeness, picture_figures, read_seen, understated
 from bench.wan.report import write_report
 from bench.wan.setup import PLAYED
 from bench.wan.source import render_source
-from bench.wan.stage import FIGURE_HZ, FIGURE_M, GLIDE_S, MEMORY, Stage
+from bench.wan.stage import FIGURE_HZ, FIGURE_M, GLIDE_S, MEMORY, WanStage
 
 FOLDER = Path("build") / "wan"
 FULL = "--full"
@@ -73,7 +73,7 @@ def run(links: Sequence[WanLink], changes: Sequence[Change]) -> None:
     """Measure the links and changes, print a line for each, and write the report."""
     with tempfile.TemporaryDirectory(prefix="farhand-wan-source-", dir=MEMORY) as folder:
         render_source(Path(folder))
-        with Stage(Path(folder)) as stage:
+        with WanStage(Path(folder)) as stage:
             bench = WanBench(stage, Likeness(Path(folder)))
             # Before any page: once one has sent the operator's intent, nothing engages while it is silent.
             measured = {link: bench.link(link) for link in sorted(links, key=lambda link: link != HAND_ALONE)}
@@ -96,7 +96,7 @@ def hand_mm_s() -> float:
 class WanBench:
     """Plays one link after the other on a stage."""
 
-    def __init__(self, stage: Stage, likeness: Likeness) -> None:
+    def __init__(self, stage: WanStage, likeness: Likeness) -> None:
         self._stage, self._likeness = stage, likeness
         mapping = stage.config.mapping
         self._copying = Copying(mapping.scale, np.array(mapping.base_R_operator))

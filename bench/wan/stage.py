@@ -12,7 +12,7 @@ from typing import Any, Self
 import numpy as np
 
 from bench.network.command_socket import send
-from bench.network.namespaces import Network
+from bench.network.namespaces import LinkedHosts
 from bench.processes import ROOT, module_command
 from bench.stand_ins.hand_path import ScriptedPath
 from bench.wan.setup import CELL, OPERATOR, WanSetup
@@ -38,7 +38,7 @@ FIGURE_M, FIGURE_HZ = (0.05, 0.04, 0.0), 0.2  # a figure of eight at up to 0.07 
 GLIDE_S = 2.0
 
 
-class Stage:
+class WanStage:
     """Everything is up while the block lasts; `states` are those of the remote site since the start.
 
     They are taken on its own host, so that the link's trouble does not touch them. All processes share one clock.
@@ -50,7 +50,7 @@ class Stage:
         self.folder = Path(tempfile.mkdtemp(prefix="farhand-wan-", dir=MEMORY))
         self._stack.callback(shutil.rmtree, self.folder, ignore_errors=True)
         self.setup = WanSetup.make(self.folder)
-        self.network = Network()
+        self.network = LinkedHosts()
         self.path = ScriptedPath.still()
         self.states: list[RobotState] = []
         self._processes: dict[str, SiteProcess] = {}

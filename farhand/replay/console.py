@@ -50,7 +50,7 @@ async def serve_replay(
 ) -> None:
     """As `run_replay`, without a log."""
     playback = Playback(MonotonicClock(), scene.begin_ns, scene.end_ns)
-    player = Player(scene, name, playback)
+    player = RecordingPlayer(scene, name, playback)
     with bind(serve, "--port") as listening:
         port = listening.getsockname()[1]
         server = make_server(player.hub, serve, port)
@@ -60,7 +60,7 @@ async def serve_replay(
         feeding.cancel()
 
 
-async def _feed(player: "Player", server: uvicorn.Server, should_stop: StopFlag) -> None:
+async def _feed(player: "RecordingPlayer", server: uvicorn.Server, should_stop: StopFlag) -> None:
     told_s = 0.0
     while not should_stop():
         player.feed()
@@ -71,7 +71,7 @@ async def _feed(player: "Player", server: uvicorn.Server, should_stop: StopFlag)
     server.should_exit = True
 
 
-class Player:
+class RecordingPlayer:
     """Passes what was recorded to the hub when its time comes, and does what the page asks of the replay."""
 
     def __init__(self, scene: RecordedScene, name: str, playback: Playback) -> None:

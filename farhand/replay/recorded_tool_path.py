@@ -21,7 +21,7 @@ from common.recording.folder import parts_from
 from common.recording.hand_transcript import EPISODE
 from common.recording.reader import RecordingReader
 from local_site.programmed.approach import approach
-from local_site.programmed.tool_path import GripperAction, ToolPath
+from local_site.programmed.tool_trajectory import GripperAction, ToolTrajectory
 
 STEP_S = 0.02
 OPPOSITE = {GripperCommand.OPEN: GripperCommand.CLOSED, GripperCommand.CLOSED: GripperCommand.OPEN}
@@ -32,7 +32,7 @@ class RecordedPath:
     """The path, its number of episode, and how the gripper was before it (None: there was none that is measured)."""
 
     episode: int
-    path: ToolPath
+    path: ToolTrajectory
     gripper_at_start: GripperCommand | None
 
 
@@ -86,7 +86,7 @@ def _states(file: Path, topic: str, begin_ns: int, end_ns: int) -> Iterator[Robo
                     yield state
 
 
-def path_of(states: Sequence[RobotState]) -> ToolPath:
+def path_of(states: Sequence[RobotState]) -> ToolTrajectory:
     """The targets one after the other; from one engagement, or hold, to the next by a slow approach."""
     times, poses, actions = list[float](), list[Array](), list[GripperAction]()
     for _, stretch in groupby(states, key=_origin):
@@ -106,7 +106,7 @@ def path_of(states: Sequence[RobotState]) -> ToolPath:
             if (state.gripper_toggles_applied - before.gripper_toggles_applied) % 2:
                 actions.append(GripperAction(at_s, before.gripper_next))
     orientations = Rotation.from_matrix(np.array(poses)[:, :3, :3]).as_quat()
-    return ToolPath(np.array(times), np.array(poses)[:, :3, 3], orientations, actions=tuple(actions))
+    return ToolTrajectory(np.array(times), np.array(poses)[:, :3, 3], orientations, actions=tuple(actions))
 
 
 def _origin(state: RobotState) -> tuple[int, int]:

@@ -37,7 +37,7 @@ class Difference:
 
 
 @dataclass(frozen=True, slots=True)
-class Verdict:
+class ReplayVerdict:
     """How many cycles were compared, by how much joints differ at most (rad), and the first difference, if any."""
 
     cycles: int
@@ -55,7 +55,7 @@ class Verdict:
 
 def verify(
     cycles: Iterable[RecordedCycle], pipeline: TeleopPipeline, progress: Callable[[], None] = lambda: None
-) -> Verdict:
+) -> ReplayVerdict:
     """Feed recorded inputs through a new pipeline, up to the first command that differs by more than rounding."""
     count, worst_rad, first_ns = 0, 0.0, 0
     for given, recorded in cycles:
@@ -66,9 +66,9 @@ def verify(
         what = _what_differs(again, recorded, apart_rad)
         if what:
             at_s = (given.now_ns - first_ns) / NS_PER_S
-            return Verdict(count, worst_rad, Difference(recorded.number, at_s, what))
+            return ReplayVerdict(count, worst_rad, Difference(recorded.number, at_s, what))
         progress()
-    return Verdict(count, worst_rad, None)
+    return ReplayVerdict(count, worst_rad, None)
 
 
 def _what_differs(again: Command, recorded: CycleOutcome, apart_rad: float) -> str:

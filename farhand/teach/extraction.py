@@ -11,7 +11,7 @@ from farhand.replay.recorded_scene import RecordedScene
 from farhand.replay.recorded_tool_path import recorded_path
 from farhand.teach.reduction import reduced
 from farhand.teach.task_file import Grip, TaskFile, TaskOrigin, TaughtFrame, WayPoint, rows_of
-from local_site.programmed.tool_path import ToolPath
+from local_site.programmed.tool_trajectory import ToolTrajectory
 
 STEP_S = 0.02
 REST_M_S, REST_RAD_S = 0.01, np.radians(5.0)
@@ -45,7 +45,7 @@ def extracted(
     return task_of(recorded.path, origin, frame)
 
 
-def task_of(path: ToolPath, origin: TaskOrigin, frame: TaughtFrame | None) -> TaskFile:
+def task_of(path: ToolTrajectory, origin: TaskOrigin, frame: TaughtFrame | None) -> TaskFile:
     """The task of a path; a person's hesitation is not part of it, a rest where the gripper acts is."""
     t_s = np.unique(np.concatenate([np.arange(0.0, path.duration_s, STEP_S), [path.duration_s], _times(path)]))
     poses = np.array([path.base_T_tool(at_s) for at_s in t_s])
@@ -61,7 +61,7 @@ def task_of(path: ToolPath, origin: TaskOrigin, frame: TaughtFrame | None) -> Ta
     return TaskFile(task=origin, frame=frame, waypoints=tuple(points))
 
 
-def _times(path: ToolPath) -> Sequence[float]:
+def _times(path: ToolTrajectory) -> Sequence[float]:
     return [action.t_s for action in path.actions]
 
 

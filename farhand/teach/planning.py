@@ -12,7 +12,7 @@ from scipy.spatial.transform import Rotation, Slerp
 from common.errors import ConfigError
 from common.geometry import Array, angle_between, rotation_from_vector, transform, vector_from_rotation
 from farhand.teach.task_file import GRIPPER, TaskFile, TaskMotion, WayPoint
-from local_site.programmed.tool_path import GripperAction, ToolPath
+from local_site.programmed.tool_trajectory import GripperAction, ToolTrajectory
 
 STEP_S = 0.01
 SAMPLES_PER_CORNER = 33  # odd, so that one is the way point
@@ -24,7 +24,7 @@ SHORTEST_M = 1e-4  # of a way that is passed without a stop
 TINY = 1e-9
 
 
-class _Section(NamedTuple):
+class _Stretch(NamedTuple):
     """The way from one stop to the next: poses (n, 4, 4), the times at full speed (n,), the greatest rate at corners.
 
     `marks` are the times at full speed of the way points after its first.
@@ -36,7 +36,7 @@ class _Section(NamedTuple):
     marks: tuple[float, ...]
 
 
-def planned_path(task: TaskFile, base_T_frame: Array | None = None) -> ToolPath:
+def planned_path(task: TaskFile, base_T_frame: Array | None = None) -> ToolTrajectory:
     """The task's path in the base frame; `base_T_frame` (4 x 4) takes the place of the taught frame.
 
     Between stops (ends, gripper, dwell, sharp corners) it obeys the speeds; speed, acceleration and jerk along it are
@@ -77,7 +77,7 @@ class _PathWriter:
             self._t_s.append(self._t_s[-1] + point.dwell_s)
             self._poses.append(self._poses[-1])
 
-    def move(self, section: _Section, motion: TaskMotion) -> None:
+    def move(self, section: _Stretch, motion: TaskMotion) -> None:
         """Along a section from rest to rest."""
         begin_s, length_s = self._t_s[-1], float(section.full_s[-1])
         if length_s < SAME_S:
@@ -90,13 +90,15 @@ class _PathWriter:
         self._poses += _poses_at(section, full_s)
         self._marks += [begin_s + float(np.interp(mark, full_s, t_s)) for mark in section.marks]
 
-    def path(self) -> ToolPath:
+    def path(self) -> ToolTrajectory:
         """What has been put together; ConfigError where that is no way."""
         if len(self._t_s) < 2:
             raise ConfigError("all way points of the task are at one place: there is no way to run")
         poses = np.array(self._poses)
         orientations = Rotation.from_matrix(poses[:, :3, :3]).as_quat()
-        return ToolPath(np.array(self._t_s), poses[:, :3, 3], orientations, tuple(self._marks), tuple(self._actions))
+        return ToolTrajectory(
+            np.array(self._t_s), poses[:, :3, 3], orientations, tuple(self._marks), tuple(self._actions)
+        )
 
 
 def _stops(poses: Sequence[Array], task: TaskFile) -> list[int]:
@@ -127,7 +129,7 @@ def _corner(poses: Sequence[Array], points: Sequence[WayPoint], k: int, motion: 
     return _Corner(reach_m, min(rate, 1.0) if rate > SLOWEST_PASS else 0.0)
 
 
-def _section(poses: Sequence[Array], points: Sequence[WayPoint], motion: TaskMotion) -> _Section:
+def _section(poses: Sequence[Array], points: Sequence[WayPoint], motion: TaskMotion) -> _Stretch:
     """The way through way points of which only the ends are stops."""
     bent, speeds, at, rate = [poses[0]], list[float](), list[int](), 1.0
     for k in range(1, len(poses) - 1):
@@ -142,7 +144,7 @@ def _section(poses: Sequence[Array], points: Sequence[WayPoint], motion: TaskMot
     bent.append(poses[-1])
     speeds.append(points[-1].speed)
     full_s = _full_s(bent, np.array(speeds), motion)
-    return _Section(np.array(bent), full_s, rate, tuple(full_s[at].tolist()))
+    return _Stretch(np.array(bent), full_s, rate, tuple(full_s[at].tolist()))
 
 
 def _curve(before: Array, corner: Array, after: Array, reach_m: float) -> list[Array]:
@@ -183,7 +185,7 @@ def _profile(full_s: float, rate: float, motion: TaskMotion) -> Trajectory:
     return found
 
 
-def _poses_at(section: _Section, full_s: Array) -> list[Array]:
+def _poses_at(section: _Stretch, full_s: Array) -> list[Array]:
     """The poses of a section at these times at full speed."""
     kept = np.concatenate([[True], np.diff(section.full_s) > 0.0])
     times, poses = section.full_s[kept], section.poses[kept]

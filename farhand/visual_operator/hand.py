@@ -29,7 +29,7 @@ class Motor:
 
 
 @dataclass(frozen=True, slots=True)
-class Movement:
+class TimedMovement:
     """From one offset (3,) m and turn (3, 3) to another, between two times, s."""
 
     start_s: float
@@ -55,7 +55,7 @@ class ScriptedHand:
     openings_s: list[float] = field(default_factory=list)
 
     def __post_init__(self) -> None:
-        self._movement = Movement(0.0, 0.0, (np.zeros(3), np.zeros(3)), (np.eye(3), np.eye(3)))
+        self._movement = TimedMovement(0.0, 0.0, (np.zeros(3), np.zeros(3)), (np.eye(3), np.eye(3)))
         self._rng = np.random.default_rng(self.seed)
         self._noise = np.empty((0, 6))
         self._state = np.zeros((2, 6))
@@ -67,7 +67,7 @@ class ScriptedHand:
         motor = self.motor
         needs = PEAK * max(float(np.linalg.norm(offset)) / motor.speed_m_s, angle / motor.turn_rad_s)
         end_s = start_s + max(needs, motor.least_s)
-        self._movement = Movement(start_s, end_s, (now, now + offset), (turned, turn @ turned))
+        self._movement = TimedMovement(start_s, end_s, (now, now + offset), (turned, turn @ turned))
         return end_s
 
     def open_at(self, start_s: float) -> float:

@@ -13,7 +13,7 @@ from common.messages.requests import MappingDescription
 from common.messages.robot import GripperStatus, SessionState
 from farhand.visual_operator.assist_key import AssistKey, Led
 from farhand.visual_operator.hand import ScriptedHand
-from farhand.visual_operator.shown import Shown
+from farhand.visual_operator.shown import ShownPage
 from farhand.visual_operator.sight.sight import Scene
 from farhand.visual_operator.stages import PLACE, Act, Course, Moves
 from farhand.visual_operator.steering import Steering, begin_of, within_room
@@ -29,7 +29,7 @@ GOOD_M, GOOD_RAD = 0.004, np.radians(3.0)
 MOST_TRIES = 3
 STUCK = frozenset({"out_of_reach", "saturated", "obstacle", "position"})  # the arm cannot follow to where the hand is
 
-See = Callable[[Shown], Scene]  # what is on a page: the sight, or what stands for it
+See = Callable[[ShownPage], Scene]  # what is on a page: the sight, or what stands for it
 
 
 @dataclass
@@ -83,7 +83,7 @@ class VisualOperator:
         self.notes = Notes()
         self.done = False
 
-    def look(self, shown: Shown, start_ns: int) -> None:
+    def look(self, shown: ShownPage, start_ns: int) -> None:
         """Take a page, whose times are ns, the hand's start among them; what is decided follows after the reaction."""
         now_s = (shown.t_ns - start_ns) / NS_PER_S
         self._scene = scene = self._see(shown)
@@ -112,7 +112,7 @@ class VisualOperator:
         if now_s - self._timing.look_s > PATIENCE_S:
             self._clutch(np.zeros(3), now_s)
 
-    def _go_about(self, shown: Shown, scene: Scene, now_s: float) -> None:
+    def _go_about(self, shown: ShownPage, scene: Scene, now_s: float) -> None:
         """Let the robot bring the tool to the step's goal where it offers to, or else do it by hand."""
         start_s = now_s + self.hand.motor.reaction_s
         led = self._assist.see(shown.assist, self._course.stage.assist, now_s)
@@ -166,7 +166,7 @@ class VisualOperator:
         else:
             self._timing.gripped_s = self.hand.open_at(start_s) + GRIP_S
 
-    def _watch_gripper(self, shown: Shown, now_s: float) -> None:
+    def _watch_gripper(self, shown: ShownPage, now_s: float) -> None:
         """Go on when the gripper has done what the hand's opening asked for; ask again when it has not."""
         timing = self._timing
         if timing.gripped_s is None or now_s < self.hand.openings_s[-1] + OPENED_S:

@@ -22,7 +22,7 @@ class ShownView:
 
 
 @dataclass(frozen=True, slots=True)
-class Shown:
+class ShownPage:
     """The page at `t_ns`: the views by their names, the state with its reason, the gripper's opening (m) and status.
 
     `delay_s` is how long the hand's samples are on their way, as the page tells; `assist` is what it shows of fine

@@ -4,14 +4,14 @@ import numpy as np
 from scipy.spatial.transform import Rotation
 
 from common.geometry import Array, angle_between
-from local_site.programmed.tool_path import ToolPath
+from local_site.programmed.tool_trajectory import ToolTrajectory
 
 SPEED_M_S, SPEED_RAD_S = 0.06, np.radians(25.0)
 SHORTEST_S, STEP_S = 0.5, 0.02
 PEAK = 1.875  # greatest speed of a minimum-jerk motion, by its mean
 
 
-def approach(base_T_tool: Array, base_T_begin: Array) -> ToolPath:
+def approach(base_T_tool: Array, base_T_begin: Array) -> ToolTrajectory:
     """A minimum-jerk motion from one pose (4 x 4) to another, nowhere faster than 60 mm/s and 25 deg/s."""
     way = float(np.linalg.norm(base_T_begin[:3, 3] - base_T_tool[:3, 3]))
     turn = angle_between(base_T_tool[:3, :3], base_T_begin[:3, :3])
@@ -22,7 +22,7 @@ def approach(base_T_tool: Array, base_T_begin: Array) -> ToolPath:
     begin = Rotation.from_matrix(base_T_tool[:3, :3])
     turned = (Rotation.from_matrix(base_T_begin[:3, :3]) * begin.inv()).as_rotvec()
     orientations = (Rotation.from_rotvec(done[:, None] * turned) * begin).as_quat()
-    return ToolPath(t_s, positions, orientations)
+    return ToolTrajectory(t_s, positions, orientations)
 
 
 def _minimum_jerk(part: Array) -> Array:

@@ -5,7 +5,7 @@ from enum import StrEnum
 from common.geometry import Array
 from common.messages.robot import GripperCommand, GripperState, GripperStatus
 from local_site.programmed.path_clock import NEAR_S, PathClock
-from local_site.programmed.tool_path import GripperAction, ToolPath
+from local_site.programmed.tool_trajectory import GripperAction, ToolTrajectory
 
 DONE = {
     GripperCommand.OPEN: (GripperStatus.OPEN,),
@@ -31,7 +31,7 @@ class PathProgress:
     `why` says in words why it stands, empty while it goes on.
     """
 
-    def __init__(self, path: ToolPath, speed: float, *, stepwise: bool) -> None:
+    def __init__(self, path: ToolTrajectory, speed: float, *, stepwise: bool) -> None:
         self._path, self.speed, self._stepwise = path, speed, stepwise
         self._clock = PathClock()
         self.begin()

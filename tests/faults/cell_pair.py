@@ -14,7 +14,7 @@ from typing import Any
 import numpy as np
 
 from bench.network.command_socket import send
-from bench.network.namespaces import Network
+from bench.network.namespaces import LinkedHosts
 from bench.processes import module_command
 from bench.stand_ins.hand_path import ScriptedPath
 from common.clock import NS_PER_S
@@ -50,7 +50,7 @@ class CellPair:
     By QUIC they show certificates, as they have to there.
     """
 
-    def __init__(self, network: Network | None, settings: tuple[str, ...] = (), protocol: str = "tcp") -> None:
+    def __init__(self, network: LinkedHosts | None, settings: tuple[str, ...] = (), protocol: str = "tcp") -> None:
         self._network = network
         self.stack = ExitStack()
         folder = Path(tempfile.mkdtemp(prefix="farhand-faults-", dir=MEMORY))

@@ -7,7 +7,7 @@ from pathlib import Path
 
 import pytest
 
-from bench.network.namespaces import Network, why_not
+from bench.network.namespaces import LinkedHosts, why_not
 from tests.faults.cell_pair import CellPair
 from tests.faults.fault_report import Report
 from tests.faults.fault_rows import Row
@@ -21,7 +21,7 @@ ABOUT = "Each fault on both sites as processes of their own; every command that 
 class Stage:
     """The pair that is up, the network between if the sites are on two hosts, and the report."""
 
-    def __init__(self, network: Network | None, report: Report, patience: tuple[str, ...] = ()) -> None:
+    def __init__(self, network: LinkedHosts | None, report: Report, patience: tuple[str, ...] = ()) -> None:
         """`patience` are settings with which a machine that is late ends no engagement."""
         self.report = report
         self._network, self._patience = network, patience
@@ -56,7 +56,7 @@ def stage() -> Iterator[Stage]:
     missing = why_not()
     if missing:
         pytest.skip(f"no network of two hosts on this machine: {missing}")
-    network = Network()
+    network = LinkedHosts()
     network.enter()
     about = f"{ABOUT} {os.cpu_count()} processors, Linux {platform.release()}."
     stage = Stage(network, Report(about, Path("faults.json"), FOLDER / "report.html"))

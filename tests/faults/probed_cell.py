@@ -13,7 +13,7 @@ import time
 from datetime import UTC, datetime
 from pathlib import Path
 
-from bench.network.namespaces import Network
+from bench.network.namespaces import LinkedHosts
 from common.clock import MonotonicClock
 from common.link.channels import STATE
 from common.link.config import LinkSecurity, TlsConfig
@@ -68,7 +68,7 @@ def settings(folder: Path, protocol: str) -> list[str]:
 
 def main(protocol: str, impairment: dict[str, float], *, engaged: bool) -> None:
     """Measure a link of this protocol and impairment."""
-    folder, network, stop = Path(tempfile.mkdtemp(prefix="farhand-probed-")), Network(), threading.Event()
+    folder, network, stop = Path(tempfile.mkdtemp(prefix="farhand-probed-")), LinkedHosts(), threading.Event()
     create(folder, CertificateOrder(CELL, ("localhost",), 1, (OPERATOR,)), datetime.now(UTC))
     network.enter()
     serving = threading.Thread(target=serve, args=(folder, protocol, stop), kwargs={"engaged": engaged})
@@ -84,7 +84,7 @@ def main(protocol: str, impairment: dict[str, float], *, engaged: bool) -> None:
         shutil.rmtree(folder)
 
 
-def _impair(network: Network, impairment: dict[str, float]) -> None:
+def _impair(network: LinkedHosts, impairment: dict[str, float]) -> None:
     """Impair the link as soon as its process has started."""
     deadline_s = time.monotonic() + PATIENCE_S
     while True:

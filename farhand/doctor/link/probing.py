@@ -36,7 +36,7 @@ class ProbePlan:
 
 
 @dataclass
-class Heard:
+class HeardProbes:
     """What has come over the link, with the time of arrival (ns)."""
 
     echoes: list[tuple[ProbeEcho, int]] = field(default_factory=list)
@@ -66,7 +66,7 @@ class LinkProber:
     """Probes one open link as an operator."""
 
     def __init__(self, link: Link, endpoint: str, cell: str, operator: str, clock: Clock) -> None:
-        self._link, self._endpoint, self._clock, self._heard = link, endpoint, clock, Heard()
+        self._link, self._endpoint, self._clock, self._heard = link, endpoint, clock, HeardProbes()
         self._probes = link.publisher(PROBE, cell, operator=operator)
         self._loads = link.publisher(LOAD, cell, operator=operator)
         heard = self._heard

@@ -20,7 +20,7 @@ from farhand.experiments.stepped.robots import SteppedCell
 from farhand.experiments.stepped.site import OPERATOR, Every, SteppedSite
 from farhand.visual_operator.hand import Motor, ScriptedHand
 from farhand.visual_operator.operator import VisualOperator
-from farhand.visual_operator.shown import Shown
+from farhand.visual_operator.shown import ShownPage
 from farhand.visual_operator.sight.sight import Sight
 from farhand.visual_operator.task import PlacingTask
 from local_site.simulation.config import MotionConfig, SimulationConfig
@@ -138,7 +138,7 @@ class _Trial:
         self._lag_s = THESIS_LAG_S if "thesis_rate" in altered else 0.0
         self._pages = Every(PAGE_NS, site.now_ns + PICTURE_NS)
         self._samples = Messages[HandArm](network, rng, LINK_NS)
-        self._states = Messages[Shown](network, rng)
+        self._states = Messages[ShownPage](network, rng)
         self._states.send(self._state(), site.now_ns)
         self.seen = _Seen()
 
@@ -167,10 +167,10 @@ class _Trial:
         self._states.send(self._state(), self._site.now_ns)
         self.seen.take(snapshot.state)
 
-    def _state(self) -> Shown:
+    def _state(self) -> ShownPage:
         """What the site publishes now, for a page without views."""
         snapshot, gripper = self._site.snapshot, self._site.gripper
-        return Shown(
+        return ShownPage(
             t_ns=self._site.now_ns,
             views={},
             state=snapshot.state,

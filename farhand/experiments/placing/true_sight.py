@@ -9,7 +9,7 @@ from common.clock import NS_PER_S
 from common.geometry import Array, transform
 from farhand.experiments.stepped.robots import SteppedCell
 from farhand.experiments.stepped.site import Every, SteppedSite
-from farhand.visual_operator.shown import Shown, ShownView
+from farhand.visual_operator.shown import ShownPage, ShownView
 from farhand.visual_operator.sight.sight import Scene
 from remote_site.config import RemoteConfig
 from remote_site.simulation.scenery import BLOCK
@@ -35,7 +35,7 @@ class TrueSight:
         del now_ns
         return {}
 
-    def see(self, shown: Shown) -> Scene:
+    def see(self, shown: ShownPage) -> Scene:
         """The scene of the oldest exposure not yet seen."""
         del shown
         return self._scenes.popleft()

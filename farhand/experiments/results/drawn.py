@@ -9,7 +9,7 @@ TOTAL = "total difference"
 
 
 @dataclass(frozen=True, slots=True)
-class Drawn:
+class DrawnFigure:
     """A figure in a source, what it shows, and the file of ours in the folder of `experiment`."""
 
     where: str
@@ -18,21 +18,21 @@ class Drawn:
     file: str
 
 
-def in_thesis() -> Iterator[Drawn]:
+def in_thesis() -> Iterator[DrawnFigure]:
     """The figures of the thesis, in its order."""
-    yield Drawn("figure 3.25", "the plate at three heights", "calibration", "figure_3_25_plate.png")
-    yield Drawn("figure 6.1", "the elbow against its centre of rotation", "icr", "figure_6_1_elbow.png")
-    yield Drawn("figure 6.2", "the wrist against its centre of rotation", "icr", "figure_6_2_wrist.png")
+    yield DrawnFigure("figure 3.25", "the plate at three heights", "calibration", "figure_3_25_plate.png")
+    yield DrawnFigure("figure 6.1", "the elbow against its centre of rotation", "icr", "figure_6_1_elbow.png")
+    yield DrawnFigure("figure 6.2", "the wrist against its centre of rotation", "icr", "figure_6_2_wrist.png")
     for plane, first in FIRST_FIGURE.items():
         for k, point in enumerate((*POINTS, "total")):
             shows = f"{TOTAL}s, motion in {plane}" if point == "total" else f"{point}, motion in {plane}"
             file = f"figure_6_{first + k}_{plane.lower()}_{point}.png"
-            yield Drawn(f"figure 6.{first + k}", shows, "markers", file)
-    yield Drawn("figure 6.15", "positions of hand and tool", "follow", "figure_6_15_positions.png")
-    yield Drawn("figure 6.16", "orientations of hand and tool", "follow", "figure_6_16_orientations.png")
+            yield DrawnFigure(f"figure 6.{first + k}", shows, "markers", file)
+    yield DrawnFigure("figure 6.15", "positions of hand and tool", "follow", "figure_6_15_positions.png")
+    yield DrawnFigure("figure 6.16", "orientations of hand and tool", "follow", "figure_6_16_orientations.png")
 
 
-def in_report() -> Iterator[Drawn]:
+def in_report() -> Iterator[DrawnFigure]:
     """The figures of the report of 2002 from 9 on, which show its results."""
     for number, shows, file in (
         (9, "frames of HAZEL-S", "figure_9_hazel_s_frames.png"),
@@ -44,7 +44,7 @@ def in_report() -> Iterator[Drawn]:
         (15, "the finger tip on its rectangle", "figure_15_finger_tip.png"),
         (16, "errors of the finger tip", "figure_16_finger_errors.png"),
     ):
-        yield Drawn(f"figure {number}", shows, "hazel", file)
+        yield DrawnFigure(f"figure {number}", shows, "hazel", file)
     for number, shows, file in (
         (17, "frames of HAZEL-A, with the model over them", "figure_17_hazel_a_frames.png"),
         (18, "HAZEL-A: motion from frame to frame", "figure_18_hazel_a_motion.png"),
@@ -53,4 +53,4 @@ def in_report() -> Iterator[Drawn]:
         (21, "the humanoid during HAZEL-A, from the front and from the side", "figure_21_hazel_a_humanoid.png"),
         (22, "the humanoid during HAZEL-B, from the front and from the side", "figure_22_hazel_b_humanoid.png"),
     ):
-        yield Drawn(f"figure {number}", shows, "robonaut", file)
+        yield DrawnFigure(f"figure {number}", shows, "robonaut", file)

@@ -6,7 +6,7 @@ from typing import Any
 
 from farhand.experiments.placing.over_network import NETWORKS
 from farhand.experiments.results import why
-from farhand.experiments.results.drawn import Drawn, in_report, in_thesis
+from farhand.experiments.results.drawn import DrawnFigure, in_report, in_thesis
 from farhand.experiments.results.printed import Printed, of_report, of_thesis
 from farhand.reports.page import heading, page, paragraph, table
 
@@ -82,7 +82,7 @@ def _causes(causes: Mapping[str, Any]) -> _Section:
 
 
 def _beside(
-    printed: Iterable[Printed], drawn: Iterable[Drawn], reports: Reports
+    printed: Iterable[Printed], drawn: Iterable[DrawnFigure], reports: Reports
 ) -> list[tuple[Sequence[str], Sequence[Sequence[str]]]]:
     return [
         (PRINTED_HEAD, [_row(each, reports) for each in printed]),

@@ -13,13 +13,13 @@ from common.messages.hand import OperatorSettings, TrackingStatus
 from common.messages.requests import CameraDescription, Description
 from common.messages.robot import AssistState, GripperStatus, SessionState
 from common.messages.video import Codec
-from farhand.visual_operator.shown import Shown, ShownView
+from farhand.visual_operator.shown import ShownPage, ShownView
 
 CAMERA_VIEW = "camera/"
 LENGTH_BYTES, MS_PER_S = 2, 1e3
 
 
-class _Gripper(msgspec.Struct):
+class _ShownGripper(msgspec.Struct):
     opening: float
     status: GripperStatus
 
@@ -38,7 +38,7 @@ class _Robot(msgspec.Struct):
     code: str
     reason: str
     silent: bool
-    gripper: _Gripper | None
+    gripper: _ShownGripper | None
     lease: _Lease | None
     hand_link: _HandLink | None
     assist: AssistState | None
@@ -130,14 +130,14 @@ class ConsolePage:
             self._paint(self._calibrated[camera], np.asarray(picture, dtype=np.uint8), capture_ns, header.seq, now_ns)
         return header.view
 
-    def shown(self, now_ns: int) -> Shown | None:
+    def shown(self, now_ns: int) -> ShownPage | None:
         """The page at a time; None until all that the operator needs is on it."""
         situation = self._situation
         if situation is None or situation.robot is None or set(self._views) != set(self._calibrated):
             return None
         robot, gripper = situation.robot, situation.robot.gripper
         network_ms = robot.hand_link.network_ms if robot.hand_link is not None else None
-        return Shown(
+        return ShownPage(
             t_ns=now_ns,
             views=dict(self._views),
             state=robot.state,

@@ -6,7 +6,7 @@ from multiprocessing.connection import Connection
 import cv2
 
 from common.errors import ProcessError
-from farhand.visual_operator.shown import Shown
+from farhand.visual_operator.shown import ShownPage
 from farhand.visual_operator.sight.sight import Scene, Sight
 from farhand.visual_operator.task import PlacingTask
 
@@ -23,7 +23,7 @@ class SightProcess:
         self._process.start()
         theirs.close()
 
-    def see(self, shown: Shown) -> Scene:
+    def see(self, shown: ShownPage) -> Scene:
         """What is on a page; ProcessError once the process has died."""
         try:
             self._pipe.send(shown)

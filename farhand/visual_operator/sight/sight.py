@@ -7,7 +7,7 @@ import numpy as np
 
 from common.geometry import Array, rotation_from_vector, transform, vector_from_rotation
 from common.messages.robot import GripperStatus
-from farhand.visual_operator.shown import Shown, ShownView
+from farhand.visual_operator.shown import ShownPage, ShownView
 from farhand.visual_operator.sight.coloured import (
     ColouredThing,
     coloured_block,
@@ -55,7 +55,7 @@ class Sight:
         self._target: Array | None = None
         self._targets: list[Array] = []
 
-    def see(self, shown: Shown) -> Scene:
+    def see(self, shown: ShownPage) -> Scene:
         """What is in the views that stand still, and, where the gripper is, in those that ride on the tool."""
         fixed = [view for view in shown.views.values() if not view.on_tool]
         riding = [view for view in shown.views.values() if view.on_tool]

@@ -25,7 +25,7 @@ GREEN: Colour = (0.26, 0.37, 0.30)
 
 
 @dataclass(frozen=True, slots=True)
-class Box:
+class FurnitureBox:
     """An upright box, from its lowest to its highest corner (m), the floor at zero; `front` is its side to the room."""
 
     low: Point
@@ -54,7 +54,7 @@ class Box:
             yield rectangle, materials.shaded(picture, light)
 
 
-def furniture() -> list[Box]:
+def furniture() -> list[FurnitureBox]:
     """Everything in the room but the cell itself."""
     return [*_rack(), *_bench(), *_on_the_floor()]
 
@@ -77,8 +77,8 @@ def _labelled(words: str, rng: np.random.Generator, shape: tuple[int, int]) -> P
     return carton
 
 
-def _carton(low: Point, high: Point, words: str, facing: tuple[int, int] = (0, 1)) -> Box:
-    return Box(low, high, materials.cardboard, partial(_labelled, words), facing)
+def _carton(low: Point, high: Point, words: str, facing: tuple[int, int] = (0, 1)) -> FurnitureBox:
+    return FurnitureBox(low, high, materials.cardboard, partial(_labelled, words), facing)
 
 
 def _drawers(rng: np.random.Generator, shape: tuple[int, int]) -> Picture:
@@ -139,40 +139,40 @@ def _bins(rng: np.random.Generator, shape: tuple[int, int]) -> Picture:
     return front
 
 
-def _rack() -> Iterator[Box]:
+def _rack() -> Iterator[FurnitureBox]:
     near, far, left, right, top = -1.24, -1.59, 1.00, 2.12, 1.92
     for x in (near, far + 0.03):
         for y in (left, right - 0.03):
-            yield Box((x - 0.03, y, 0.0), (x, y + 0.03, top), _profile(GREY))
+            yield FurnitureBox((x - 0.03, y, 0.0), (x, y + 0.03, top), _profile(GREY))
     for z in (0.12, 0.58, 1.04, 1.48, top - 0.03):
-        yield Box((far, left, z), (near, right, z + 0.03), _profile(GREY))
+        yield FurnitureBox((far, left, z), (near, right, z + 0.03), _profile(GREY))
     yield _carton((-1.55, 1.06, 0.15), (-1.27, 1.50, 0.47), "MOTORS 24V")
     yield _carton((-1.55, 1.56, 0.15), (-1.30, 2.05, 0.40), "SPARE PARTS")
-    yield Box((-1.55, 1.06, 0.61), (-1.28, 2.06, 0.86), _painted(DARK), _bins)
-    yield Box((-1.56, 1.05, 1.07), (-1.28, 1.62, 1.39), _painted(DARK), prints.binders)
+    yield FurnitureBox((-1.55, 1.06, 0.61), (-1.28, 2.06, 0.86), _painted(DARK), _bins)
+    yield FurnitureBox((-1.56, 1.05, 1.07), (-1.28, 1.62, 1.39), _painted(DARK), prints.binders)
     yield _carton((-1.55, 1.70, 1.07), (-1.26, 2.06, 1.33), "CABLES")
     yield _carton((-1.55, 1.07, 1.51), (-1.25, 1.40, 1.74), "GRIPPER")
-    yield Box((-1.55, 1.48, 1.51), (-1.30, 2.04, 1.82), _painted(DARK), prints.binders)
+    yield FurnitureBox((-1.55, 1.48, 1.51), (-1.30, 2.04, 1.82), _painted(DARK), prints.binders)
 
 
-def _bench() -> Iterator[Box]:
+def _bench() -> Iterator[FurnitureBox]:
     towards, front, back, left, right, top = (1, -1), 1.55, 2.19, -1.0, 1.7, 0.80
-    yield Box((left, front, top - 0.04), (right, back, top), _painted(BIRCH))
+    yield FurnitureBox((left, front, top - 0.04), (right, back, top), _painted(BIRCH))
     for x in (left + 0.02, right - 0.07):
-        yield Box((x, front + 0.03, 0.0), (x + 0.05, front + 0.08, top - 0.04), _profile(GREY))
-    yield Box((-0.75, front + 0.05, 0.05), (-0.30, back, top - 0.06), _painted(BEIGE), _drawers, towards)
-    yield Box((0.95, front + 0.05, 0.05), (1.40, back, top - 0.06), _painted(BEIGE), _drawers, towards)
+        yield FurnitureBox((x, front + 0.03, 0.0), (x + 0.05, front + 0.08, top - 0.04), _profile(GREY))
+    yield FurnitureBox((-0.75, front + 0.05, 0.05), (-0.30, back, top - 0.06), _painted(BEIGE), _drawers, towards)
+    yield FurnitureBox((0.95, front + 0.05, 0.05), (1.40, back, top - 0.06), _painted(BEIGE), _drawers, towards)
     yield _carton((0.05, 1.70, 0.0), (0.60, 2.12, 0.38), "ROBOT ARM", towards)
-    yield Box((-0.92, 1.78, top), (-0.50, 2.12, top + 0.20), _painted(BEIGE), _instrument, towards)
-    yield Box((-0.90, 1.80, top + 0.20), (-0.54, 2.10, top + 0.32), _painted(GREY), _instrument, towards)
-    yield Box((-0.30, 1.92, top), (0.22, 2.16, top + 0.27), _painted(DARK), _bins, towards)
+    yield FurnitureBox((-0.92, 1.78, top), (-0.50, 2.12, top + 0.20), _painted(BEIGE), _instrument, towards)
+    yield FurnitureBox((-0.90, 1.80, top + 0.20), (-0.54, 2.10, top + 0.32), _painted(GREY), _instrument, towards)
+    yield FurnitureBox((-0.30, 1.92, top), (0.22, 2.16, top + 0.27), _painted(DARK), _bins, towards)
     yield _carton((0.40, 1.84, top), (0.72, 2.12, top + 0.18), "OPTICS", towards)
-    yield Box((0.85, 1.88, top), (1.50, 2.16, top + 0.31), _painted(DARK), prints.binders, towards)
+    yield FurnitureBox((0.85, 1.88, top), (1.50, 2.16, top + 0.31), _painted(DARK), prints.binders, towards)
 
 
-def _on_the_floor() -> Iterator[Box]:
-    yield Box((-1.58, -1.25, 0.04), (-1.10, -0.72, 0.66), _painted(GREY), _controller)
+def _on_the_floor() -> Iterator[FurnitureBox]:
+    yield FurnitureBox((-1.58, -1.25, 0.04), (-1.10, -0.72, 0.66), _painted(GREY), _controller)
     yield _carton((-1.55, -2.05, 0.0), (-1.13, -1.50, 0.42), "FRAGILE")
     yield _carton((-1.52, -1.95, 0.42), (-1.20, -1.58, 0.66), "A465 TOOLS")
-    yield Box((-1.52, -0.45, 0.0), (-1.27, -0.20, 0.36), _painted(GREEN))
+    yield FurnitureBox((-1.52, -0.45, 0.0), (-1.27, -0.20, 0.36), _painted(GREEN))
     yield _carton((-1.55, 0.20, 0.0), (-1.22, 0.66, 0.30), "CAMERAS")

@@ -6,7 +6,7 @@ import cv2
 import numpy as np
 import pytest
 
-from bench.stand_ins.pictures import PictureLog, Sight, SightLog, read_pictures, read_sights
+from bench.stand_ins.pictures import PictureLog, SeenPictures, SightLog, read_pictures, read_sights
 from bench.stand_ins.played_remote import FRAME_NS, PlayedCamera, number_of
 from bench.video.link import live_frame
 from bench.wan.pictures import Likeness, Seen, picture_figures, read_seen, understated_ms
@@ -48,7 +48,7 @@ def seen_of(images: dict[str, Image], quality: int, shift: int = 0, late_ms: int
             capture_ns = k * FRAME_NS
             data = encode_jpeg(images[camera][number_of(capture_ns, COUNT) - shift], quality)
             frame = jpeg(camera, k, capture_ns, data)
-            seen.append(Seen(frame, Sight(camera, k, capture_ns + late_ms * MS, late_ms + 1.0)))
+            seen.append(Seen(frame, SeenPictures(camera, k, capture_ns + late_ms * MS, late_ms + 1.0)))
     return seen
 
 
@@ -83,9 +83,9 @@ def test_sights_are_joined_with_their_pictures(tmp_path: Path) -> None:
     for k in range(4):
         kept.add(jpeg("left", k, k * MS, b"picture"), k)
     for sight in (
-        (one := Sight("left", 1, 50 * MS, 48.5)),
-        Sight("left", 9, 1, None),
-        (other := Sight("left", 3, 2, None)),
+        (one := SeenPictures("left", 1, 50 * MS, 48.5)),
+        SeenPictures("left", 9, 1, None),
+        (other := SeenPictures("left", 3, 2, None)),
     ):
         seen.add(sight)
     kept.close()
@@ -112,7 +112,7 @@ def test_rate_age_and_size_are_those_of_the_time_looked_at(source: dict[str, Ima
 def test_an_age_that_the_page_had_to_believe_too_small_is_seen(source: dict[str, Image]) -> None:
     seen = seen_of(source, 80)
     assert understated_ms(seen) == pytest.approx(-1.0)
-    late = Seen(seen[0].frame, Sight("left", 0, seen[0].sight.seen_ns + 60 * MS, 41.0))
+    late = Seen(seen[0].frame, SeenPictures("left", 0, seen[0].sight.seen_ns + 60 * MS, 41.0))
     assert understated_ms([*seen, late]) == pytest.approx(59.0)
     assert understated_ms([]) is None
 
@@ -135,7 +135,7 @@ def test_h264_is_decoded_from_its_key_frame_and_not_beyond_a_gap(source: dict[st
     for k in range(40):
         encoded = encoder.encode(source["left"][k % COUNT], setting, k, k * FRAME_NS)
         frame = live_frame("left", k, k * FRAME_NS, encoded)
-        seen.append(Seen(frame, Sight("left", k, k * FRAME_NS, None)))
+        seen.append(Seen(frame, SeenPictures("left", k, k * FRAME_NS, None)))
     likeness, begin, end = Likeness(tmp_path), 20 * FRAME_NS, 40 * FRAME_NS
     assert likeness.figures(seen, ("left",), begin, end)["ssim"] > 0.9
     assert likeness.figures(seen[:10] + seen[11:], ("left",), begin, end)["ssim"] is None

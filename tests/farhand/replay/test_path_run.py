@@ -8,7 +8,7 @@ from common.messages.hand import Locks
 from common.messages.robot import GripperCommand, GripperStatus, SessionState
 from local_site.programmed.path_progress import PathProgress
 from local_site.programmed.path_run import ENDED, WAITS
-from local_site.programmed.tool_path import GripperAction, ToolPath
+from local_site.programmed.tool_trajectory import GripperAction, ToolTrajectory
 from remote_site.kinematics.limits import load_arm
 from tests.led_cell import CONFIG, LedCell
 
@@ -28,7 +28,7 @@ def some_path(*actions):
     part = (t_s / 2.0) ** 3 * (10 - 15 * t_s / 2.0 + 6 * (t_s / 2.0) ** 2)
     positions = base_T_tool[:3, 3] + [-0.05, 0.03, -0.02] + part[:, None] * np.array([-0.08, 0.0, -0.09])
     orientations = np.tile([0.0, np.sqrt(0.5), 0.0, np.sqrt(0.5)], (101, 1))
-    return ToolPath(t_s, positions, orientations, actions=actions)
+    return ToolTrajectory(t_s, positions, orientations, actions=actions)
 
 
 def cell_on(path, gripper_at_start=None, *, goes_on=True):
@@ -134,7 +134,7 @@ def test_a_lock_on_the_page_stands_the_run_and_is_named():
 
 def test_a_path_out_of_reach_is_not_run_through_without_the_arm():
     path = some_path()
-    far = ToolPath(path.t_s, path.positions + np.array([0.5, 0.0, 0.3]), path.orientations)
+    far = ToolTrajectory(path.t_s, path.positions + np.array([0.5, 0.0, 0.3]), path.orientations)
     cell = engaged(cell_on(far))
     cell.pass_s(25.0)
     assert "behind" in cell.reason

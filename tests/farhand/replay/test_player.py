@@ -10,7 +10,7 @@ from common.messages.hand import HandArm
 from common.messages.requests import EngagementAction
 from common.messages.robot import RobotState, SessionState
 from common.messages.video import VideoFrame
-from farhand.replay.console import Player
+from farhand.replay.console import RecordingPlayer
 from farhand.replay.playback import Playback
 from farhand.replay.recorded_scene import RecordedScene
 from local_site.console.model.page_messages import Ask, Play
@@ -54,7 +54,7 @@ def clock():
 
 @pytest.fixture
 def player(scene, clock):
-    return Player(scene, "a recording", Playback(clock, scene.begin_ns, scene.end_ns))
+    return RecordingPlayer(scene, "a recording", Playback(clock, scene.begin_ns, scene.end_ns))
 
 
 @pytest.fixture
@@ -171,7 +171,7 @@ def test_a_damaged_recording_stands_where_it_is_damaged_and_says_so(recording, t
     damaged.write_bytes(content)
     scene = RecordedScene(recording.file, tmp_path)
     scene._parts = [damaged]
-    player = Player(scene, "damaged", Playback(clock, scene.begin_ns, scene.end_ns))
+    player = RecordingPlayer(scene, "damaged", Playback(clock, scene.begin_ns, scene.end_ns))
     page = CollectingPage()
     player.hub.arrive(page)
     for _ in range(12):

@@ -10,7 +10,7 @@ from farhand.replay.recorded_scene import RecordedScene
 from farhand.teach.extraction import extracted, task_of
 from farhand.teach.show import as_table, plotted
 from farhand.teach.task_file import TaskOrigin, TaughtFrame, load_task
-from local_site.programmed.tool_path import GripperAction, ToolPath
+from local_site.programmed.tool_trajectory import GripperAction, ToolTrajectory
 from tests.farhand.replay.recorded_states import moves_back, recorded_states
 
 ORIGIN = TaskOrigin(name="a task", robot="a465", tolerance_mm=1.0, tolerance_deg=1.0)
@@ -22,7 +22,7 @@ def path():
     x_m, z_m = np.array([0.0, 0.1, 0.1, 0.2, 0.2, 0.2]), np.array([0.0, 0.0, 0.0, 0.0, 0.0, 0.1])
     positions = np.column_stack([x_m, np.full(6, 0.3), z_m])
     orientations = np.tile([0.0, 0.0, 0.0, 1.0], (6, 1))
-    return ToolPath(t_s, positions, orientations, actions=(GripperAction(4.0, GripperCommand.CLOSED),))
+    return ToolTrajectory(t_s, positions, orientations, actions=(GripperAction(4.0, GripperCommand.CLOSED),))
 
 
 def test_way_points_count_from_where_the_gripper_acts_first():

@@ -9,7 +9,7 @@ from common.messages.robot import GripperStatus
 from farhand.experiments.placing.streamed_views import PICTURE_NS, StreamedViews
 from farhand.experiments.stepped.robots import SteppedCell
 from farhand.experiments.stepped.site import SteppedSite
-from farhand.visual_operator.shown import Shown
+from farhand.visual_operator.shown import ShownPage
 from remote_site.config import RemoteConfig
 
 SETTLED_TICKS = 50
@@ -23,7 +23,7 @@ def config(x_m: float = 0.53, y_m: float = 0.04, yaw_deg: float = 0.0) -> Remote
     return replace(base, video=video, simulation=replace(base.simulation, block=block))
 
 
-def page_of(cell_config: RemoteConfig) -> tuple[SteppedSite[SteppedCell], Shown]:
+def page_of(cell_config: RemoteConfig) -> tuple[SteppedSite[SteppedCell], ShownPage]:
     """The site at rest, and its page."""
     site = SteppedSite(cell_config, SteppedCell(cell_config))
     for _ in range(SETTLED_TICKS):
@@ -35,4 +35,4 @@ def page_of(cell_config: RemoteConfig) -> tuple[SteppedSite[SteppedCell], Shown]
     streamed.expose(site.now_ns)
     views = streamed.page(site.now_ns + PICTURE_NS)
     opening_m = cell_config.simulation.gripper.max_opening_m
-    return site, Shown(site.now_ns, views, site.snapshot.state, "ok", "", opening_m, GripperStatus.OPEN, 0.0)
+    return site, ShownPage(site.now_ns, views, site.snapshot.state, "ok", "", opening_m, GripperStatus.OPEN, 0.0)

@@ -5,7 +5,7 @@ import pytest
 
 from common.messages.robot import GripperCommand, GripperState, GripperStatus
 from local_site.programmed.path_progress import FASTEST, SLOWEST, PathProgress, RunOrder
-from local_site.programmed.tool_path import GripperAction, ToolPath
+from local_site.programmed.tool_trajectory import GripperAction, ToolTrajectory
 
 DT_S = 1 / 60
 OPEN = GripperState(0.06, 0.0, GripperCommand.KEEP, GripperStatus.OPEN)
@@ -16,7 +16,7 @@ HOLDS = GripperState(0.03, 9.0, GripperCommand.CLOSED, GripperStatus.HOLDING)
 def path(*actions):
     positions = np.column_stack([np.linspace(0.0, 0.4, 5), np.zeros((5, 2))])
     orientations = np.tile([0.0, 0.0, 0.0, 1.0], (5, 1))
-    return ToolPath(np.arange(5.0), positions, orientations, marks=(0.0, 1.0, 2.0, 4.0), actions=actions)
+    return ToolTrajectory(np.arange(5.0), positions, orientations, marks=(0.0, 1.0, 2.0, 4.0), actions=actions)
 
 
 def x_mm(progress):

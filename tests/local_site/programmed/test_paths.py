@@ -11,7 +11,7 @@ from common.errors import ConfigError
 from common.geometry import angle_between, rotation_from_vector, transform
 from local_site.programmed.approach import SPEED_M_S, SPEED_RAD_S, approach
 from local_site.programmed.path_clock import ACCELERATION_PER_S, PathClock
-from local_site.programmed.tool_path import ToolPath
+from local_site.programmed.tool_trajectory import ToolTrajectory
 
 DT_S = 1 / 60
 TRIPLE = st.tuples(*[st.floats(-0.6, 0.6)] * 3)
@@ -21,7 +21,7 @@ def line(times=(0.0, 1.0, 3.0), **more):
     n = len(times)
     positions, orientations = np.zeros((n, 3)), np.tile([0.0, 0.0, 0.0, 1.0], (n, 1))
     positions[:, 0] = np.linspace(0.0, 1.0, n)
-    return ToolPath(np.array(times), positions, orientations, **more)
+    return ToolTrajectory(np.array(times), positions, orientations, **more)
 
 
 def test_a_path_is_linear_between_its_times_and_stands_outside():
@@ -39,7 +39,9 @@ def test_what_is_no_path_is_refused(times):
 
 def test_a_path_with_numbers_that_are_not_finite_is_refused():
     with pytest.raises(ConfigError, match="finite"):
-        ToolPath(np.array([0.0, 1.0]), np.array([[0, 0, 0], [np.nan, 0, 0]]), np.tile([0.0, 0.0, 0.0, 1.0], (2, 1)))
+        ToolTrajectory(
+            np.array([0.0, 1.0]), np.array([[0, 0, 0], [np.nan, 0, 0]]), np.tile([0.0, 0.0, 0.0, 1.0], (2, 1))
+        )
 
 
 @given(TRIPLE, TRIPLE)

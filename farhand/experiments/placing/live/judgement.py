@@ -13,7 +13,7 @@ from remote_site.config import RemoteConfig
 from remote_site.simulation.process import SimulatedCell
 
 
-class Judgement(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
+class TrialJudgement(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
     """Where the block was left, and what was counted on the way."""
 
     end: Placed
@@ -35,7 +35,7 @@ def judged(config: RemoteConfig, out: Path, cell: SimulatedCell) -> Iterator[Cal
             judge.watch()
 
     yield stepped
-    ended = Judgement(
+    ended = TrialJudgement(
         end=judge.placed(), drops=judge.drops, collisions=judge.collisions, grip_force_n=judge.grip_force_n
     )
     write_atomically(out, msgspec.json.encode(ended))

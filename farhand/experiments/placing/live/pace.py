@@ -9,7 +9,7 @@ import numpy as np
 from common.clock import NS_PER_S
 from common.messages.hand import HandArm, TrackingStatus
 from common.messages.robot import RobotState, SessionState
-from farhand.experiments.placing.live.judgement import Judgement
+from farhand.experiments.placing.live.judgement import TrialJudgement
 from farhand.experiments.placing.trial import TrialResult
 from farhand.loopback.figures import latency_figures
 from farhand.loopback.recorder import Record
@@ -50,7 +50,7 @@ class LiveResult:
     pace: Pace
 
 
-def live_result(notes: SittingNotes, judgement: Judgement, record: Record, events: Sequence[str]) -> LiveResult:
+def live_result(notes: SittingNotes, judgement: TrialJudgement, record: Record, events: Sequence[str]) -> LiveResult:
     """What was recorded of a trial, between its begin and its end; `events` are the processes' warnings."""
     states = [state for state in record.states if notes.start_ns <= state.t_ns <= notes.end_ns]
     hands = [hand for hand in record.hands if notes.start_ns <= hand.capture_ns <= notes.end_ns]

@@ -12,7 +12,7 @@ import msgspec
 
 from common.errors import ProcessError
 from common.link.transport import open_link
-from farhand.experiments.placing.live.judgement import Judgement
+from farhand.experiments.placing.live.judgement import TrialJudgement
 from farhand.experiments.placing.live.pace import LiveResult, live_result
 from farhand.experiments.placing.live.plan import CELL, LivePlan, live_plan
 from farhand.experiments.placing.trial import Conditions
@@ -40,7 +40,7 @@ def run_live(conditions: Conditions) -> LiveResult:
         finally:
             sites.end()
         notes = _read(Path(plan.sitting.notes), SittingNotes, sites)
-        return live_result(notes, _read(judgement, Judgement, sites), sites.record, sites.events)
+        return live_result(notes, _read(judgement, TrialJudgement, sites), sites.record, sites.events)
 
 
 def operator_process(plan: LivePlan) -> SiteProcess:

@@ -5,7 +5,7 @@ import pytest
 
 from farhand.experiments.placing.judge import Judge
 from farhand.experiments.placing.live import judgement
-from farhand.experiments.placing.live.judgement import Judgement, judged
+from farhand.experiments.placing.live.judgement import TrialJudgement, judged
 from remote_site.config import RemoteConfig
 from remote_site.simulation.memory import CellMemory
 from remote_site.simulation.process import SimulatedCell
@@ -31,7 +31,7 @@ def test_nothing_is_told_before_the_cell_ends(cell, tmp_path):
     with judged(CONFIG, out, cell) as stepped:
         step(cell, stepped)
         assert list(tmp_path.iterdir()) == []
-    told = msgspec.json.decode(out.read_bytes(), type=Judgement)
+    told = msgspec.json.decode(out.read_bytes(), type=TrialJudgement)
     assert told.end == Judge(CONFIG, cell).placed()
     assert (told.drops, told.collisions, told.grip_force_n) == (0, 0, 0.0)
     assert not told.end.placed

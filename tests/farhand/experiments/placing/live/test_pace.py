@@ -7,14 +7,14 @@ from common.clock import NS_PER_MS, NS_PER_S
 from common.messages.hand import TrackingStatus
 from common.messages.robot import LoopTiming, Obeyed, SessionState
 from farhand.experiments.placing.judge import Placed
-from farhand.experiments.placing.live.judgement import Judgement
+from farhand.experiments.placing.live.judgement import TrialJudgement
 from farhand.experiments.placing.live.pace import LOST_TIME, live_result
 from farhand.loopback.recorder import Record
 from farhand.visual_operator.at_console.sitting import SittingNotes
 from farhand.visual_operator.operator import Notes
 from tests.browser import scene
 
-END = Judgement(end=Placed(1.0, -2.0, 0.5, True), drops=1, collisions=2, grip_force_n=30.0)
+END = TrialJudgement(end=Placed(1.0, -2.0, 0.5, True), drops=1, collisions=2, grip_force_n=30.0)
 BEGIN_S, END_S = 10, 20
 HOLDS_AT_S = 12, 13, 15  # the first two are one hold
 

@@ -20,7 +20,7 @@ class GripperAction(NamedTuple):
 
 
 @dataclass(frozen=True)
-class ToolPath:
+class ToolTrajectory:
     """Poses of the tool in the base frame at the times `t_s` (n,), which begin at 0 and rise: linear between them.
 
     `positions` (n, 3) in m; `orientations` (n, 4) are unit quaternions (x, y, z, w). `marks` are the times of the way
