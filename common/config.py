@@ -4,6 +4,7 @@ import codecs
 import difflib
 import re
 import tomllib
+from collections import Counter
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
@@ -84,6 +85,11 @@ def _value(expected: Any, value: Any, path: KeyPath, mistakes: list[ConfigMistak
         if row is bare:
             return build(row, value, path, mistakes)
         return {name: _value(row, own, (*path, name), mistakes) for name, own in value.items()}
+    if isinstance(value, list) and (row := _row_of(bare)) is not None:
+        before = len(mistakes)
+        value = [_value(row, own, (*path, str(number)), mistakes) for number, own in enumerate(value, start=1)]
+        if len(mistakes) > before:
+            return None
     try:
         return msgspec.convert(value, expected)
     except msgspec.ValidationError as error:
@@ -120,6 +126,13 @@ def _table_of(expected: Any) -> type[msgspec.Struct] | None:
     if get_origin(expected) is dict:
         expected = get_args(expected)[1]
     return expected if isinstance(expected, type) and issubclass(expected, msgspec.Struct) else None
+
+
+def _row_of(expected: Any) -> type[msgspec.Struct] | None:
+    """The struct of each table in a list of tables; None for anything else."""
+    if get_origin(expected) is not tuple or get_args(expected)[-1] is not Ellipsis:
+        return None
+    return _table_of(get_args(expected)[0])
 
 
 def _unknown(key: str, known: list[str]) -> str:
@@ -172,9 +185,14 @@ def _parse_value(raw: str) -> Any:
 def _key_lines(text: str) -> dict[KeyPath, int]:
     lines: dict[KeyPath, int] = {}
     table: KeyPath = ()
+    rows: Counter[KeyPath] = Counter()
     for number, line in enumerate(text.splitlines(), start=1):
         if match := TABLE_LINE.match(line):
             table = _split(match[1])
+            if line.lstrip().startswith("[["):
+                lines.setdefault(table, number)
+                rows[table] += 1
+                table = (*table, str(rows[table]))
             lines.setdefault(table, number)
         elif match := KEY_LINE.match(line):
             lines.setdefault((*table, *_split(match[1])), number)

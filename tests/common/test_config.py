@@ -142,3 +142,30 @@ def test_a_file_with_the_line_ends_of_windows_is_read(tmp_path: Path) -> None:
     path = tmp_path / "site.toml"
     path.write_bytes(b"count = 5\r\n[inner]\r\nspeed = 0.25\r\n")
     assert load_config(Outer, path) == Outer(count=5, inner=Inner(speed=0.25))
+
+
+class Row(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
+    at: tuple[float, float]
+    speed: Annotated[float, msgspec.Meta(gt=0)] = 1.0
+
+
+class Rows(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
+    rows: Annotated[tuple[Row, ...], msgspec.Meta(max_length=2)] = msgspec.field(default=(), name="row")
+
+
+def test_a_list_of_tables_is_told_table_by_table(tmp_path: Path) -> None:
+    path = write(tmp_path, "[[row]]\nat = [1, 2]\nspeed = -1\n[[row]]\nsped = 2\n")
+    with pytest.raises(ConfigError) as caught:
+        load_config(Rows, path)
+    assert str(caught.value).splitlines() == [
+        f"{path}:3: row.1.speed: -1 is not allowed: Expected `float` > 0.0",
+        f"{path}:5: row.2.sped: is not a key here; did you mean speed?",
+        f"{path}:4: row.2.at: is missing; give it a value",
+    ]
+
+
+def test_a_list_of_tables_is_read_and_its_length_is_checked(tmp_path: Path) -> None:
+    text = "[[row]]\nat = [1, 2]\n[[row]]\nat = [3, 4]\nspeed = 2\n"
+    assert load_config(Rows, write(tmp_path, text)).rows == (Row(at=(1, 2)), Row(at=(3, 4), speed=2))
+    with pytest.raises(ConfigError, match="length <= 2"):
+        load_config(Rows, write(tmp_path, f"{text}[[row]]\nat = [5, 6]\n"))
