@@ -19,7 +19,7 @@ from tests.led_cell import LedCell, robot_state
 
 SEED = 71
 MOVED_M = 0.01
-RUNS = 4  # 20 were measured
+RUNS = 2  # 20 were measured
 STATES_EVERY = 3
 
 pytestmark = pytest.mark.long
