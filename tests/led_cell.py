@@ -21,7 +21,7 @@ CONFIG = RemoteConfig().engaging(EngagementMode.HOLD_TO_RUN)
 
 
 class LedCell:
-    """The cell, the run on a path, and the key that a person holds or not."""
+    """The cell, the run on a path, the key that a person holds or not, and the link, which may be cut."""
 
     def __init__(
         self,
@@ -35,7 +35,7 @@ class LedCell:
         self.progress = progress
         mapping = self.site.description.mapping
         self.run = PathRun(progress, mapping, SESSION, gripper_at_start, goes_on=goes_on)
-        self.key_held, self.reason = False, ""
+        self.key_held, self.is_cut, self.reason = False, False, ""
         self._sampler, self._due = HandSampler(SESSION), Every(PERIOD_NS, self.site.now_ns)
         self._under_way: list[tuple[int, HandArm]] = []
 
@@ -48,7 +48,8 @@ class LedCell:
             clock = ClockSync(remote_minus_local_ns=0, uncertainty_ns=0, measured_ns=now_ns)
             intent, toggles = Intent(hold=self.key_held), OpenHand(toggles=self.run.toggles)
             sample = self._sampler.sample(hand, toggles, LEASE, clock, intent, now_ns)
-            self._under_way.append((now_ns + LINK_NS, sample))
+            if not self.is_cut:
+                self._under_way.append((now_ns + LINK_NS, sample))
         arrived = [NamedSample(OPERATOR, sample) for at_ns, sample in self._under_way if at_ns <= now_ns]
         self._under_way = [(at_ns, sample) for at_ns, sample in self._under_way if at_ns > now_ns]
         self.site.tick(arrived)

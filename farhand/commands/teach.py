@@ -81,7 +81,7 @@ def run(
     """Run a task on the robot, while a person holds the key on the operator's page; in place of 'farhand local'.
 
     --config and --set are the local site's. Each engagement is a new run, after a slow approach from where the arm
-    stands. Letting the key go pauses it for as long as the engagement lasts.
+    stands. Letting the key go ends it; p pauses it.
 
     Example: farhand teach run task.toml --config local.toml --speed 0.5
     """

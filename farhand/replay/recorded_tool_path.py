@@ -22,9 +22,9 @@ from common.recording.hand_transcript import EPISODE
 from common.recording.reader import RecordingReader
 from local_site.programmed.approach import approach
 from local_site.programmed.tool_trajectory import GripperAction, ToolTrajectory
+from remote_site.teleop.gripper_toggles import OPPOSITE
 
 STEP_S = 0.02
-OPPOSITE = {GripperCommand.OPEN: GripperCommand.CLOSED, GripperCommand.CLOSED: GripperCommand.OPEN}
 
 
 @dataclass(frozen=True)

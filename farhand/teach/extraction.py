@@ -1,6 +1,5 @@
 """A task from one recorded episode: its path reduced to way points, with the gripper's actions and rests."""
 
-from collections.abc import Sequence
 from pathlib import Path
 
 import numpy as np
@@ -47,7 +46,8 @@ def extracted(
 
 def task_of(path: ToolTrajectory, origin: TaskOrigin, frame: TaughtFrame | None) -> TaskFile:
     """The task of a path; a person's hesitation is not part of it, a rest where the gripper acts is."""
-    t_s = np.unique(np.concatenate([np.arange(0.0, path.duration_s, STEP_S), [path.duration_s], _times(path)]))
+    acted_s = [action.t_s for action in path.actions]
+    t_s = np.unique([*np.arange(0.0, path.duration_s, STEP_S), *acted_s, path.duration_s])
     poses = np.array([path.base_T_tool(at_s) for at_s in t_s])
     acts = {int(np.searchsorted(t_s, action.t_s)): GRIPS[action.command] for action in path.actions}
     kept = reduced(poses, sorted(acts), 1e-3 * origin.tolerance_mm, float(np.radians(origin.tolerance_deg)))
@@ -59,10 +59,6 @@ def task_of(path: ToolTrajectory, origin: TaskOrigin, frame: TaughtFrame | None)
         dwell_s = _rest_s(t_s, poses, k) if k in acts else 0.0
         points.append(WayPoint(xyz_mm=xyz_mm, rotation_deg=rotation_deg, gripper=acts.get(k), dwell_s=dwell_s))
     return TaskFile(task=origin, frame=frame, waypoints=tuple(points))
-
-
-def _times(path: ToolTrajectory) -> Sequence[float]:
-    return [action.t_s for action in path.actions]
 
 
 def _rest_s(t_s: Array, poses: Array, begin: int) -> float:

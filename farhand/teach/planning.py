@@ -7,7 +7,7 @@ from typing import NamedTuple
 
 import numpy as np
 from ruckig import InputParameter, Ruckig, Trajectory
-from scipy.spatial.transform import Rotation, Slerp
+from scipy.spatial.transform import Rotation
 
 from common.errors import ConfigError
 from common.geometry import Array, angle_between, rotation_from_vector, transform, vector_from_rotation
@@ -48,8 +48,8 @@ def planned_path(task: TaskFile, base_T_frame: Array | None = None) -> ToolTraje
     writer.stop(task.waypoints[0])
     begin = 0
     for end in _stops(poses, task):
-        section = _section(poses[begin : end + 1], task.waypoints[begin : end + 1], task.motion)
-        writer.move(section, task.motion)
+        stretch = _stretch(poses[begin : end + 1], task.waypoints[begin : end + 1], task.motion)
+        writer.move(stretch, task.motion)
         writer.stop(task.waypoints[end])
         begin = end
     return writer.path()
@@ -63,7 +63,7 @@ class _Corner(NamedTuple):
 
 
 class _PathWriter:
-    """Puts sections and stops one after the other."""
+    """Puts stretches and stops one after the other."""
 
     def __init__(self, base_T_first: Array) -> None:
         self._t_s, self._poses = [0.0], [base_T_first]
@@ -77,18 +77,18 @@ class _PathWriter:
             self._t_s.append(self._t_s[-1] + point.dwell_s)
             self._poses.append(self._poses[-1])
 
-    def move(self, section: _Stretch, motion: TaskMotion) -> None:
-        """Along a section from rest to rest."""
-        begin_s, length_s = self._t_s[-1], float(section.full_s[-1])
+    def move(self, stretch: _Stretch, motion: TaskMotion) -> None:
+        """Along a stretch from rest to rest."""
+        begin_s, length_s = self._t_s[-1], float(stretch.full_s[-1])
         if length_s < SAME_S:
-            self._marks += [begin_s] * len(section.marks)
+            self._marks += [begin_s] * len(stretch.marks)
             return
-        profile = _profile(length_s, section.rate, motion)
+        profile = _profile(length_s, stretch.rate, motion)
         t_s = np.linspace(0.0, profile.duration, math.ceil(profile.duration / STEP_S) + 1)[1:]
         full_s = np.array([profile.at_time(at_s)[0][0] for at_s in t_s])
         self._t_s += (begin_s + t_s).tolist()
-        self._poses += _poses_at(section, full_s)
-        self._marks += [begin_s + float(np.interp(mark, full_s, t_s)) for mark in section.marks]
+        self._poses += _poses_at(stretch, full_s)
+        self._marks += [begin_s + float(np.interp(mark, full_s, t_s)) for mark in stretch.marks]
 
     def path(self) -> ToolTrajectory:
         """What has been put together; ConfigError where that is no way."""
@@ -129,7 +129,7 @@ def _corner(poses: Sequence[Array], points: Sequence[WayPoint], k: int, motion: 
     return _Corner(reach_m, min(rate, 1.0) if rate > SLOWEST_PASS else 0.0)
 
 
-def _section(poses: Sequence[Array], points: Sequence[WayPoint], motion: TaskMotion) -> _Stretch:
+def _stretch(poses: Sequence[Array], points: Sequence[WayPoint], motion: TaskMotion) -> _Stretch:
     """The way through way points of which only the ends are stops."""
     bent, speeds, at, rate = [poses[0]], list[float](), list[int](), 1.0
     for k in range(1, len(poses) - 1):
@@ -185,11 +185,10 @@ def _profile(full_s: float, rate: float, motion: TaskMotion) -> Trajectory:
     return found
 
 
-def _poses_at(section: _Stretch, full_s: Array) -> list[Array]:
-    """The poses of a section at these times at full speed."""
-    kept = np.concatenate([[True], np.diff(section.full_s) > 0.0])
-    times, poses = section.full_s[kept], section.poses[kept]
-    at_s = np.clip(full_s, 0.0, times[-1])
-    rotations = Slerp(times, Rotation.from_matrix(poses[:, :3, :3]))(at_s).as_matrix()
-    positions = np.array([np.interp(at_s, times, axis) for axis in poses[:, :3, 3].T]).T
-    return [transform(rotation, position) for rotation, position in zip(rotations, positions, strict=True)]
+def _poses_at(stretch: _Stretch, full_s: Array) -> list[Array]:
+    """The poses of a stretch at these times at full speed."""
+    kept = np.concatenate([[True], np.diff(stretch.full_s) > 0.0])
+    times, poses = stretch.full_s[kept], stretch.poses[kept]
+    orientations = Rotation.from_matrix(poses[:, :3, :3]).as_quat()
+    along = ToolTrajectory(times, poses[:, :3, 3], orientations)
+    return [along.base_T_tool(at_s) for at_s in full_s.tolist()]

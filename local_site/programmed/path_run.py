@@ -3,11 +3,10 @@
 import numpy as np
 
 from common.clock import NS_PER_S
-from common.errors import ConfigError
 from common.geometry import Array
 from common.messages.hand import OperatorSettings, TrackingStatus
 from common.messages.requests import MappingDescription
-from common.messages.robot import GripperCommand, RobotState, SessionState
+from common.messages.robot import Engagement, GripperCommand, Pose, RobotState, SessionState
 from local_site.programmed.approach import approach
 from local_site.programmed.led_hand import operator_T_hand, shown_hand, why_not_led
 from local_site.programmed.path_progress import PathProgress, RunOrder
@@ -67,35 +66,29 @@ class PathRun:
 
     def _lead(self, now_ns: int, elapsed_s: float, state: RobotState) -> str:
         """Move the hand, if the arm follows it; what the run does, in words."""
-        engagement, reference = state.engagement, state.reference
+        engagement, reference, target = state.engagement, state.reference, state.target
         is_ours = state.lease is not None and state.lease.session == self._session
         if engagement is None or not is_ours or state.state in (SessionState.DISENGAGED, SessionState.FAULT):
             self._engagement = 0
             return WAITS
         led = reference is not None and reference.session == self._session
-        if reference is None or not led or reference.rotation.operator_R_hand is None:
+        if reference is None or target is None or not led or reference.rotation.operator_R_hand is None:
             self._progress.stand()
             return f"the run stands: {state.reason}"
         if engagement.number != self._engagement:
-            self._begin(state)
-        elif engagement.hand_capture_ns != self._origin_ns and not self._goes_on:
-            return ENDED
+            self._progress.begin()
+            self._set_out(engagement, target)
         elif engagement.hand_capture_ns != self._origin_ns:
-            self._set_out(state)
+            if not self._goes_on:
+                return ENDED
+            self._set_out(engagement, target)
         base_T_target = self._advance(now_ns, elapsed_s, state)
         settings = state.settings or OperatorSettings()
         self._operator_T_hand = operator_T_hand(base_T_target, self._mapping, settings, reference)
         return self._in_words()
 
-    def _begin(self, state: RobotState) -> None:
-        self._progress.begin()
-        self._set_out(state)
-
-    def _set_out(self, state: RobotState) -> None:
+    def _set_out(self, engagement: Engagement, target: Pose) -> None:
         """Approach where the run stands from where the arm is led now."""
-        engagement, target = state.engagement, state.target
-        if engagement is None or target is None:
-            raise ConfigError("an arm that follows has an engagement and a target; update the remote site")
         self._engagement, self._origin_ns = engagement.number, engagement.hand_capture_ns
         self._progress.stand()
         self._approach = PathProgress(approach(target.transform(), self._progress.target), 1.0, stepwise=False)

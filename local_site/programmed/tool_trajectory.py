@@ -1,6 +1,6 @@
 """A path of the tool through time, and what the gripper does on it; pure."""
 
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from typing import NamedTuple
 
 import numpy as np
@@ -19,7 +19,7 @@ class GripperAction(NamedTuple):
     dwell_s: float = 0.0
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class ToolTrajectory:
     """Poses of the tool in the base frame at the times `t_s` (n,), which begin at 0 and rise: linear between them.
 
@@ -32,6 +32,7 @@ class ToolTrajectory:
     orientations: Array
     marks: tuple[float, ...] = ()
     actions: tuple[GripperAction, ...] = ()
+    _turning: Slerp = field(init=False, repr=False)
 
     def __post_init__(self) -> None:
         n = len(self.t_s)
@@ -41,7 +42,7 @@ class ToolTrajectory:
             raise ConfigError(f"a path of {n} times needs as many positions and orientations")
         if not (np.isfinite(self.positions).all() and np.isfinite(self.orientations).all()):
             raise ConfigError("a path of the tool has a number that is not finite")
-        object.__setattr__(self, "_slerp", Slerp(self.t_s, Rotation.from_quat(self.orientations)))
+        object.__setattr__(self, "_turning", Slerp(self.t_s, Rotation.from_quat(self.orientations)))
 
     @property
     def duration_s(self) -> float:
@@ -52,5 +53,4 @@ class ToolTrajectory:
         """The tool's pose (4 x 4) at a time, that of the nearest end outside."""
         at_s = min(max(t_s, 0.0), self.duration_s)
         position = np.array([np.interp(at_s, self.t_s, axis) for axis in self.positions.T])
-        rotation: Array = self._slerp(at_s).as_matrix()  # type: ignore[attr-defined]
-        return transform(rotation, position)
+        return transform(self._turning(at_s).as_matrix(), position)

@@ -13,7 +13,7 @@ from remote_site.kinematics.limits import load_arm
 from tests.led_cell import CONFIG, LedCell
 
 NEAR_M = 1e-3
-SLOW_ENOUGH_M_S = 0.02
+PATIENT = replace(CONFIG, safety=replace(CONFIG.safety, t_latch_ms=1500.0))  # a cut of half a second is a hold
 
 
 def start_pose():
@@ -32,7 +32,7 @@ def some_path(*actions):
 
 
 def cell_on(path, gripper_at_start=None, *, goes_on=True):
-    return LedCell(PathProgress(path, 1.0, stepwise=False), gripper_at_start, goes_on=goes_on)
+    return LedCell(PathProgress(path, 1.0, stepwise=False), gripper_at_start, goes_on=goes_on, config=PATIENT)
 
 
 def engaged(cell):
@@ -79,38 +79,48 @@ def test_the_key_let_go_stops_the_arm_and_a_new_engagement_begins_with_an_approa
     cell.pass_s(0.5)
     assert cell.base_T_tool == pytest.approx(stood, abs=1e-6)
     assert off_m(cell, path, 0.0) > 0.02
-    cell.key_held = True
-    for _ in range(40):
-        cell.pass_s(0.05)
-        if cell.reason == ENDED or "approaches" in cell.reason:
-            break
+    assert cell.site.snapshot.state is SessionState.DISENGAGED
+    engaged(cell)
     assert cell.base_T_tool == pytest.approx(stood, abs=5e-3), "no jump into the middle of the path"
-    if cell.reason == ENDED:
-        cell.pass_s(1.0)
-        assert cell.base_T_tool == pytest.approx(stood, abs=5e-3)
-        cell.key_held = False
-        while cell.site.snapshot.state is not SessionState.DISENGAGED:
-            cell.step()
-        engaged(cell)
     cell.until("done")
     cell.pass_s(1.0)
     assert off_m(cell, path, 2.0) < NEAR_M
 
 
-def test_a_taught_run_goes_on_after_a_hold_by_an_approach():
-    path = some_path()
-    cell = engaged(cell_on(path))
+def held(path, *, goes_on):
+    """A run half way, after a hold that a cut of the link has caused."""
+    cell = engaged(cell_on(path, goes_on=goes_on))
     cell.until("runs")
     cell.pass_s(1.0)
-    cell.key_held = False
-    cell.pass_s(0.6)
+    number = cell.site.snapshot.engagement.number
+    cell.is_cut = True
+    cell.pass_s(0.5)
+    assert cell.site.snapshot.state is SessionState.HOLDING
+    cell.is_cut = False
+    while cell.site.snapshot.state is SessionState.HOLDING:
+        cell.step()
+    assert cell.site.snapshot.engagement.number == number
+    return cell
+
+
+def test_a_taught_run_goes_on_after_a_hold_by_an_approach():
+    path = some_path()
+    cell = held(path, goes_on=True)
     stood = cell.base_T_tool
-    cell.key_held = True
     cell.until("approaches")
     assert cell.base_T_tool == pytest.approx(stood, abs=5e-3)
     cell.until("done")
     cell.pass_s(1.0)
     assert off_m(cell, path, 2.0) < NEAR_M
+
+
+def test_a_replayed_run_has_ended_with_a_hold():
+    cell = held(some_path(), goes_on=False)
+    cell.until(ENDED)
+    stood = cell.base_T_tool
+    cell.pass_s(1.0)
+    assert cell.base_T_tool == pytest.approx(stood, abs=5e-3)
+    assert cell.reason == ENDED
 
 
 def test_a_gripper_that_differs_is_refused_with_what_to_do_and_the_arm_cannot_be_engaged():
