@@ -31,7 +31,8 @@ def operator_T_hand(
 ) -> Array:
     """The hand's pose (4 x 4, operator frame) that the remote site maps to `base_T_target` (4 x 4).
 
-    `reference` is what its targets count from, under these settings. ConfigError where the hand has shown no
+    `reference` is what its targets count from, under these settings. Of a tool that is turned by more than half a turn
+    since then it is the shorter way round. ConfigError where the hand has shown no
     orientation yet, from which its rotation could count.
     """
     turning = reference.rotation

@@ -16,8 +16,9 @@ from farhand.teach.planning import BLEND_DEG, planned_path
 from farhand.teach.task_file import TaskFile, TaskMotion, TaskOrigin, TaughtFrame, WayPoint
 
 ORIGIN = TaskOrigin(name="a task", robot="a465")
-PLACE = st.tuples(*[st.floats(-200.0, 200.0)] * 3)
-TURN = st.tuples(*[st.floats(-60.0, 60.0)] * 3)
+# With two decimals, as a task file is written.
+PLACE = st.tuples(*[st.integers(-20000, 20000).map(lambda value: value / 100)] * 3)
+TURN = st.tuples(*[st.integers(-6000, 6000).map(lambda value: value / 100)] * 3)
 
 
 def task_of(*points, **motion):
