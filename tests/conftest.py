@@ -80,3 +80,12 @@ def signal_handlers_end_with_the_test() -> Iterator[None]:
     for number, handler in before.items():
         if signal.getsignal(number) is not handler:
             signal.signal(number, handler)
+
+
+@pytest.fixture(autouse=True)
+def scheduling_stays() -> Iterator[None]:
+    """Fail a test that leaves this process in real time: all later ones and their processes would starve the rest."""
+    yield
+    left = os.sched_getscheduler(0)
+    os.sched_setscheduler(0, os.SCHED_OTHER, os.sched_param(0))
+    assert left == os.SCHED_OTHER, "the test asked for real time in the process of the tests"

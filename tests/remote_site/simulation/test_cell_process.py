@@ -12,10 +12,10 @@ import pytest
 from common.process.children import Children
 from common.process.service import StopFlag
 from remote_site.kinematics.config import RobotConfig
+from remote_site.simulation import process
 from remote_site.simulation.config import CellConfig, ServoConfig
 from remote_site.simulation.controller import ControllerFault
 from remote_site.simulation.memory import CellMemory
-from remote_site.simulation.process import run_cell
 
 FORK = multiprocessing.get_context("fork")
 ROBOT = RobotConfig()
@@ -34,7 +34,7 @@ class Rig:
         self.log = []
 
     def run(self, should_stop, heartbeat) -> None:
-        run_cell(CONFIG, ROBOT, self.memory, should_stop, heartbeat.beat)
+        process.run_cell(CONFIG, ROBOT, self.memory, should_stop, heartbeat.beat)
 
     def watch(self, until, seconds: float = 30.0) -> None:
         """Keep every new reading until one fulfils `until`."""
@@ -143,7 +143,7 @@ def test_steps_are_stamped_one_period_apart_on_this_hosts_clock(rig):
 
 def parent_of_a_cell(memory: CellMemory, pids) -> None:
     children = Children("remote")
-    child = children.start("cell", lambda stop, beat: run_cell(CONFIG, ROBOT, memory, stop, beat.beat))
+    child = children.start("cell", lambda stop, beat: process.run_cell(CONFIG, ROBOT, memory, stop, beat.beat))
     children.wait_ready(30.0, StopFlag())
     pids[0] = child.process.pid
     time.sleep(60)
@@ -167,7 +167,8 @@ def test_the_cell_outlives_its_parent_only_to_stop_the_arm():
     assert np.abs(last["dq"]).max() < 1e-2
 
 
-def test_who_watches_the_cell_is_called_after_each_step_and_left_at_its_end():
+def test_who_watches_the_cell_is_called_after_each_step_and_left_at_its_end(monkeypatch: pytest.MonkeyPatch):
+    monkeypatch.setattr(process, "ask_for_real_time", lambda _priority: True)
     steps, heard = 5, []
 
     @contextmanager
@@ -176,7 +177,7 @@ def test_who_watches_the_cell_is_called_after_each_step_and_left_at_its_end():
         yield lambda: heard.append(round(cell.data.time / cell.dt))
         heard.append("end")
 
-    run_cell(CONFIG, ROBOT, CellMemory.create(6), lambda: len(heard) > steps, lambda: None, watching)
+    process.run_cell(CONFIG, ROBOT, CellMemory.create(6), lambda: len(heard) > steps, lambda: None, watching)
     assert heard == ["begin", *range(1, steps + 1), "end"]
 
 
