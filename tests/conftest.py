@@ -20,8 +20,15 @@ HERE = Path(__file__).parent
 # Tests of light sites, which only wait for events, run in one row beside others, and first, since they take longest.
 FIRST = (HERE / "integration",)
 IN_A_ROOM = HERE / "loopback" / "test_loopback_in_a_room.py"
-# The page and the loop, whose pace is measured, come last, in one row too, and beside them only tests that mostly wait.
-LAST = (HERE / "faults", HERE / "browser", HERE / "loopback" / "test_loopback.py", IN_A_ROOM)
+# Where pace is measured (page, loop, links) tests come last, in one row too, and beside them only such as mostly wait.
+LAST = (
+    HERE / "faults",
+    HERE / "browser",
+    HERE / "loopback" / "test_loopback.py",
+    IN_A_ROOM,
+    HERE / "farhand" / "doctor" / "link",
+    HERE / "bench" / "wan",
+)
 WAITING = (
     HERE / "common" / "link" / "test_link_refusals.py",
     HERE / "farhand" / "test_router.py",
