@@ -132,16 +132,17 @@ class VisualOperator:
         if goal is None or moved is None:
             return
         moved = self._steering.believed(moved, held=stage.moves is Moves.BLOCK)
+        gripper = self._task.grasp_of(moved) if stage.moves is Moves.BLOCK else moved
         apart_m, apart_rad = _apart(goal, moved)
+        apart_rad = self._steering.possible_turn(apart_rad, gripper)  # what the locks forbid cannot be waited for
         turned, tilted = abs(float(apart_rad[2])), float(np.hypot(*apart_rad[:2]))
         near = float(np.linalg.norm(apart_m)) <= stage.within_m
         if self._course.seen(near and turned <= stage.within_rad and tilted <= MOST_TILT):
             self._act(start_s)
         elif not near or turned > stage.within_rad or tilted > MOST_TILT:
-            self._correct(goal, moved, stuck, start_s)
+            self._correct(goal, moved, gripper, stuck, start_s)
 
-    def _correct(self, goal: Array, moved: Array, stuck: bool, start_s: float) -> None:
-        gripper = self._task.grasp_of(moved) if self._course.stage.moves is Moves.BLOCK else moved
+    def _correct(self, goal: Array, moved: Array, gripper: Array, stuck: bool, start_s: float) -> None:
         movement = self._steering.towards(goal, moved, gripper, self._settings)
         possible = within_room(*self.hand.aim(), movement)
         if possible is None or stuck:

@@ -49,16 +49,18 @@ class Steering:
             turn = settings.rotation_scale * self._operator_R_base.T @ vector_from_rotation(movement.turn)
             self._turned = rotation_from_vector(turn) @ self._turned
 
+    def possible_turn(self, turn: Array, gripper: Array) -> Array:
+        """The part of a rotation vector (3,) in the base's axes that the locks of the `gripper` (4 x 4) allow."""
+        along = gripper[:3, 2]
+        return turn - (turn @ along) * along if self._roll_locked else turn
+
     def towards(self, goal: Array, moved: Array, gripper: Array, settings: OperatorSettings) -> Movement:
         """The movement that brings `moved` to the `goal`, both (4 x 4) in the base's frame.
 
         The arm turns about the middle of the fingers of the `gripper` (4 x 4), and not about the axis along which
         they point where the roll is locked.
         """
-        turn = vector_from_rotation(goal[:3, :3] @ moved[:3, :3].T)
-        if self._roll_locked:
-            along = gripper[:3, 2]
-            turn = turn - (turn @ along) * along
+        turn = self.possible_turn(vector_from_rotation(goal[:3, :3] @ moved[:3, :3].T), gripper)
         fingers = gripper[:3, 3]
         shift = goal[:3, 3] - fingers - rotation_from_vector(turn) @ (moved[:3, 3] - fingers)
         hand_turn = self._operator_R_base @ turn / settings.rotation_scale

@@ -87,6 +87,19 @@ def test_a_block_that_lies_is_given_up(monkeypatch, page, operator):
     assert not operator.intent.hold
 
 
+@pytest.mark.parametrize("locked", [True, False])
+def test_a_gripper_that_rolled_a_little_is_good_enough_where_its_roll_is_locked(monkeypatch, page, locked):
+    (site, shown), task = page, PlacingTask()
+    hand, locks = ScriptedHand(Motor(), 1), Locks(roll=locked)
+    operator = VisualOperator(task, Sight(task).see, site.description.mapping, hand, locks)
+    block = transform(np.eye(3), np.array([0.5, 0.0, task.table_z + 0.1]))
+    above = task.grasp_of(block, 0.055, 0.1)
+    above[:3, :3] = rotation_from_vector(np.radians(7) * above[:3, 2]) @ above[:3, :3]
+    monkeypatch.setattr(operator, "_see", lambda shown: Scene(shown.t_ns, block, above, None))
+    watch(operator, shown, 3)
+    assert [step for _, step in operator.notes.steps] == (["above"] if locked else [])
+
+
 def test_a_grasp_that_closed_on_nothing_is_done_again(monkeypatch, page, operator):
     task = PlacingTask()
     block = transform(np.eye(3), np.array([0.5, 0.0, task.table_z + 0.1]))
