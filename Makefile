@@ -37,9 +37,13 @@ check: $(READY)  ## the static checks
 bench: $(READY)  ## side-by-side measurements, written to build/bench.json
 	@$(BIN)/python -m bench $(ARGS)
 
-results: $(READY)  ## every experiment in full, hours of it, and docs/results.md of what came
+results: $(READY)  ## every experiment in full, hours of it but for the trials in docs/results, and what comes of it into docs
+	@mkdir -p build/results docs/results
+	@test ! -e docs/results/trials.jsonl || cp --update docs/results/trials.jsonl build/results/
 	@$(BIN)/farhand experiment all --out build/results
 	@cp build/results/results.md docs/results.md
+	@cp build/results/trials.jsonl docs/results/
+	@cp build/results/network/network.png build/results/placing/placing.png docs/
 
 fuzz: $(READY)  ## a million hostile payloads for the codec
 	@$(BIN)/python -m bench fuzz
