@@ -22,7 +22,8 @@ from local_site.authority.remote_watch import RemoteWatch
 from local_site.config import LocalConfig
 from local_site.programmed.path_progress import PathProgress, RunOrder
 from local_site.programmed.path_run import PathRun
-from local_site.runtime.loop import RecorderRelay, SampleSender
+from local_site.runtime.loop import SampleSender
+from local_site.runtime.recorder_relay import RecorderRelay
 
 PERIOD_NS = NS_PER_S // 60
 ASK_AGAIN_S = 0.5
@@ -68,7 +69,8 @@ def run_path(config: LocalConfig, program: PathProgram, should_stop: StopFlag, t
                     program.progress, cell.mapping, session, program.gripper_at_start, goes_on=program.goes_on
                 )
                 structlog.get_logger().info("ready", runs=program.name, cell=config.cell, remote=links.remote)
-                _publish(run, program, sender, watch, RecorderRelay(config, link), clock, should_stop, tell)
+                relay = RecorderRelay(config, link, authority)
+                _publish(run, program, sender, watch, relay, clock, should_stop, tell)
     except FarhandError as error:
         structlog.get_logger().error("ending", reason=str(error))
         raise
@@ -112,7 +114,7 @@ def _publish(
             run.order(order)
         hand = run.hand(now_ns, watch.state if watch.is_there else None)
         sender.send_led(hand, run.toggles)
-        relay.poll()
+        relay.poll(now_ns)
         if hand.reason != told:
             told = hand.reason
             tell(told)
