@@ -1,29 +1,48 @@
 """A recording on the page: it says so everywhere, plays, jumps, and offers nothing that a robot would do."""
 
 import asyncio
+import re
 import threading
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
+from dataclasses import dataclass
 from pathlib import Path
 from types import SimpleNamespace
+from typing import Any
 
+import msgspec
 import pytest
 
+import tests.common.messages.golden_examples as golden
+from common.messages.hand import OperatorSettings
+from common.messages.robot import Readiness, VideoLink
 from farhand.replay.console import serve_replay
 from farhand.replay.recorded_scene import RecordedScene
 from local_site.console.config import ServeConfig
 from tests.browser.opened_page import OpenedPage
-from tests.farhand.replay.recorded_states import SECONDS, recorded_states
+from tests.farhand.replay.recorded_states import ENGAGED_S, SECONDS, Change, recorded_states
 
 CHECK = (Path(__file__).parent / "accessibility.js").read_text().split("\n", 1)[1]
 SHOTS = Path(__file__).parents[2] / "build" / "screenshots"
 START_S = 30.0
+LET_GO = "let go of the key first, then press it: what has ended never resumes by itself"
+TO_DO = re.compile(
+    r"let go|press|reset it|then engage|start it|free some|check them|cure|\b(?:hold|key|space)\b", re.IGNORECASE
+)
 
 
-@pytest.fixture(scope="module")
-def replay(browser: object, tmp_path_factory: pytest.TempPathFactory) -> Iterator[OpenedPage]:
-    """A page of a replay."""
-    folder = tmp_path_factory.mktemp("replay")
-    recorded = recorded_states(folder)
+@dataclass
+class Served:
+    """A page of a replay, and what ends the program that serves it."""
+
+    page: OpenedPage
+    end: Callable[[], object]
+
+
+@contextmanager
+def served(browser: object, folder: Path, change: Change = lambda _: {}) -> Iterator[Served]:
+    """A replay of states with these changes."""
+    recorded = recorded_states(folder, change)
     heard = SimpleNamespace(address="", ended=False, ready=threading.Event())
 
     def announce(words: str) -> None:
@@ -38,11 +57,32 @@ def replay(browser: object, tmp_path_factory: pytest.TempPathFactory) -> Iterato
     assert heard.ready.wait(START_S)
     page = OpenedPage(browser, heard.address)
     page.wait_for("the timeline", lambda: "/ 0:0" in page.words("#position"))
-    yield page
+
+    def end() -> None:
+        heard.ended = True
+        thread.join(START_S)
+
+    yield Served(page, end)
     page.close()
-    heard.ended = True
-    thread.join(START_S)
+    end()
     assert not [error for error in page.errors if "WebSocket" not in error]
+
+
+@pytest.fixture(scope="module")
+def replay(browser: object, tmp_path_factory: pytest.TempPathFactory) -> Iterator[OpenedPage]:
+    """A page of a replay."""
+    with served(browser, tmp_path_factory.mktemp("replay")) as shown:
+        yield shown.page
+
+
+def instructed(at_s: float) -> dict[str, Any]:
+    """What an operator was told to do: before the engagement, and later by a recorder, a link and other settings."""
+    to_do = Readiness(False, "let_go_first", LET_GO, True)
+    said = {"reason": "stopped by anna; reset it, then engage", "readiness": to_do} if at_s < ENGAGED_S else {}
+    alarm = msgspec.structs.replace(golden.RECORDING, alarm="recording has ended: free some space, and start it again")
+    narrow = VideoLink(carries_mbit_s=3.5, needs_mbit_s=20.0, reason="the link carries 3.5 Mbit/s. Cure: a wider link")
+    settings = OperatorSettings(lease=5 if at_s < ENGAGED_S else 6, scale=1.0 if at_s < ENGAGED_S else 0.5)
+    return said | {"recording": alarm, "video_link": narrow, "settings": settings}
 
 
 def jump(page: OpenedPage, seconds: float, *, playing: bool = False) -> None:
@@ -95,6 +135,24 @@ def test_a_stop_is_answered_with_what_to_use_instead(replay: OpenedPage) -> None
     replay.wait_for("the answer", lambda: "This is a replay, no robot is connected" in replay.words("#alert"))
     assert "emergency stop" in replay.words("#alert")
     assert "NOT ACKNOWLEDGED" not in replay.words("#alert")
+
+
+def test_nobody_is_told_what_to_do_then_or_when_it_ends(browser: object, tmp_path: Path) -> None:
+    with served(browser, tmp_path, instructed) as shown:
+        page = shown.page
+        for seconds, state, told in ((1.0, "disengaged", "stopped by anna"), (4.0, "engaged", "the arm follows")):
+            jump(page, seconds)
+            page.wait_for("the state", lambda: page.state() == state)  # noqa: B023  # called in this round
+            page.wait_for("its reason", lambda: page.words("#reason").startswith(told))  # noqa: B023
+            page.wait_for("the link", lambda: "the link carries 3.5 Mbit/s" in page.words("#reason"))
+            page.page.click("summary")
+            visible = page.page.inner_text("body")
+            page.page.click("summary")
+            assert "what has ended never resumes by itself" in visible or state == "engaged"
+            assert TO_DO.findall(visible) == []
+        shown.end()
+        page.wait_for("the end", lambda: page.words("#reason") == "the program that replays does not answer")
+        assert TO_DO.findall(page.page.inner_text("body")) == []
 
 
 @pytest.mark.parametrize("scheme", ["dark", "light"])
