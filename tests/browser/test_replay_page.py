@@ -1,13 +1,8 @@
 """A recording on the page: it says so everywhere, plays, jumps, and offers nothing that a robot would do."""
 
-import asyncio
 import re
-import threading
-from collections.abc import Callable, Iterator
-from contextlib import contextmanager
-from dataclasses import dataclass
+from collections.abc import Iterator
 from pathlib import Path
-from types import SimpleNamespace
 from typing import Any
 
 import msgspec
@@ -16,56 +11,16 @@ import pytest
 import tests.common.messages.golden_examples as golden
 from common.messages.hand import OperatorSettings
 from common.messages.robot import Readiness, VideoLink
-from farhand.replay.console import serve_replay
-from farhand.replay.recorded_scene import RecordedScene
-from local_site.console.config import ServeConfig
 from tests.browser.opened_page import OpenedPage
-from tests.farhand.replay.recorded_states import ENGAGED_S, SECONDS, Change, recorded_states
+from tests.browser.replayed import jump, served
+from tests.browser.told import SHOTS
+from tests.farhand.replay.recorded_states import ENGAGED_S, SECONDS
 
 CHECK = (Path(__file__).parent / "accessibility.js").read_text().split("\n", 1)[1]
-SHOTS = Path(__file__).parents[2] / "build" / "screenshots"
-START_S = 30.0
 LET_GO = "let go of the key first, then press it: what has ended never resumes by itself"
 TO_DO = re.compile(
     r"let go|press|reset it|then engage|start it|free some|check them|cure|\b(?:hold|key|space)\b", re.IGNORECASE
 )
-
-
-@dataclass
-class Served:
-    """A page of a replay, and what ends the program that serves it."""
-
-    page: OpenedPage
-    end: Callable[[], object]
-
-
-@contextmanager
-def served(browser: object, folder: Path, change: Change = lambda _: {}) -> Iterator[Served]:
-    """A replay of states with these changes."""
-    recorded = recorded_states(folder, change)
-    heard = SimpleNamespace(address="", ended=False, ready=threading.Event())
-
-    def announce(words: str) -> None:
-        heard.address = words.rpartition(" ")[2]
-        heard.ready.set()
-
-    serving = serve_replay(
-        RecordedScene(recorded.file, folder), "a recording", ServeConfig(port=0), lambda: heard.ended, announce
-    )
-    thread = threading.Thread(target=lambda: asyncio.run(serving), name="replay", daemon=True)
-    thread.start()
-    assert heard.ready.wait(START_S)
-    page = OpenedPage(browser, heard.address)
-    page.wait_for("the timeline", lambda: "/ 0:0" in page.words("#position"))
-
-    def end() -> None:
-        heard.ended = True
-        thread.join(START_S)
-
-    yield Served(page, end)
-    page.close()
-    end()
-    assert not [error for error in page.errors if "WebSocket" not in error]
 
 
 @pytest.fixture(scope="module")
@@ -83,14 +38,6 @@ def instructed(at_s: float) -> dict[str, Any]:
     narrow = VideoLink(carries_mbit_s=3.5, needs_mbit_s=20.0, reason="the link carries 3.5 Mbit/s. Cure: a wider link")
     settings = OperatorSettings(lease=5 if at_s < ENGAGED_S else 6, scale=1.0 if at_s < ENGAGED_S else 0.5)
     return said | {"recording": alarm, "video_link": narrow, "settings": settings}
-
-
-def jump(page: OpenedPage, seconds: float, *, playing: bool = False) -> None:
-    """Pause, or play, from a time on."""
-    if (page.words("#play") == "Pause") is not playing:
-        page.page.click("#play")
-        page.wait_for("the button", lambda: (page.words("#play") == "Pause") is playing)
-    page.page.fill("#timeline", str(seconds))
 
 
 def test_it_cannot_be_mistaken_for_a_live_page(replay: OpenedPage) -> None:
