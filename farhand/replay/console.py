@@ -19,7 +19,6 @@ from common.messages.robot import RobotState
 from common.messages.video import KeyFrameRequest, VideoFrame
 from common.process.log import LogFormat, start_log
 from common.process.service import StopFlag
-from farhand.replay.past_words import past_state
 from farhand.replay.playback import Playback
 from farhand.replay.recorded_scene import RecordedScene, Shown
 from local_site.console.config import ServeConfig
@@ -110,7 +109,7 @@ class RecordingPlayer:
                 self._pictures[message.camera] = message
                 due.add(message.camera)
             elif isinstance(message, RobotState):
-                self.hub.state(past_state(message))
+                self.hub.state(message)
             elif isinstance(message, HandArm):
                 self.hub.hand(message)
             self._advance()

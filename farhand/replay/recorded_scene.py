@@ -20,7 +20,6 @@ from common.recording.episodes import EpisodeEvent
 from common.recording.folder import parts_from
 from common.recording.hand_transcript import EPISODE, LOG
 from common.recording.reader import KeptMessage, RecordingReader
-from farhand.replay.past_words import past_words
 from farhand.replay.recorded_cycles import with_urdf
 from remote_site.kinematics.limits import load_arm
 from remote_site.recording import topics
@@ -123,7 +122,7 @@ class RecordedScene:
             words = f"episode {event.episode}: {event.event.value}, {event.outcome.value} {event.task}".strip()
             return RecordedEvent(at_s, "episode", words)
         line = Log.FromString(message.data)
-        return RecordedEvent(at_s, "session", past_words(line.message)) if line.name == "session" else None
+        return RecordedEvent(at_s, "session", line.message) if line.name == "session" else None
 
 
 def _by_our_clock(hand: HandArm) -> HandArm:
