@@ -7,7 +7,7 @@ from msgspec import Meta, field
 
 from common.link.channels import check_cell_name
 from common.process.config import MetricsConfig
-from common.recording.config import CellRecordConfig
+from common.recording.config import RecordConfig
 from remote_site.assist.config import AssistConfig
 from remote_site.drivers.config import DriverConfig, GripConfig
 from remote_site.kinematics.config import RobotConfig
@@ -37,7 +37,7 @@ class RemoteConfig(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fie
     assist: AssistConfig = field(default_factory=AssistConfig)
     simulation: CellConfig = field(default_factory=CellConfig)
     metrics: MetricsConfig = field(default_factory=MetricsConfig)
-    record: CellRecordConfig = field(default_factory=CellRecordConfig)
+    record: RecordConfig = field(default_factory=RecordConfig)
 
     def __post_init__(self) -> None:
         check_cell_name(self.cell)

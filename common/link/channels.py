@@ -214,6 +214,19 @@ RECORDER = Channel(
     stale_after_ns=2 * NS_PER_S,
     max_bytes=4096,
 )
+RECORD_ORDER = Channel(
+    key="farhand/{cell}/operator/{operator}/record_order",  # what the local site has granted: RECORD_OWN
+    message=RecordRequest,
+    sent_by=OPERATORS,
+    received_by=OPERATORS,
+    session=ChannelSession.CONTROL,
+    priority=Priority.INTERACTIVE,
+    rate_hz=10.0,
+    stale_after_ns=2 * NS_PER_S,
+    max_bytes=4096,
+    depth=8,  # each is another order
+    best_effort=False,
+)
 PROBE = Channel(
     key="farhand/{cell}/probe/{operator}",
     message=Probe,
@@ -290,6 +303,9 @@ DESCRIBE = Procedure(
 CLOCK = Procedure("farhand/{cell}/clock", ClockQuestion, ClockAnswer, EVERYBODY, REMOTES, max_bytes=256, max_hz=200.0)
 TROUBLE = Procedure("farhand/{cell}/rpc/trouble/{operator}", TroubleReport, TroubleNoted, OPERATORS, REMOTES, max_hz=20)
 RECORD = Procedure("farhand/{cell}/rpc/record/{operator}", RecordRequest, Reply, OPERATORS, REMOTES, max_bytes=4096)
+RECORD_OWN = Procedure(
+    "farhand/{cell}/operator/{operator}/record", RecordRequest, Reply, OPERATORS, OPERATORS, max_bytes=4096
+)
 JOINTS = Procedure("farhand/{cell}/operator/{operator}/joints", JointsRequest, Reply, OPERATORS, OPERATORS)
 OPERATE = Procedure("farhand/{cell}/operator/{operator}/lease", OperatorRequest, Reply, OPERATORS, OPERATORS)
 CHANNELS: tuple[Channel[Any], ...] = (
@@ -302,6 +318,7 @@ CHANNELS: tuple[Channel[Any], ...] = (
     INTENT,
     RECORDING,
     RECORDER,
+    RECORD_ORDER,
     PROBE,
     ECHO,
     LOAD,
@@ -315,6 +332,7 @@ PROCEDURES: tuple[Procedure[Any, Any], ...] = (
     CLOCK,
     TROUBLE,
     RECORD,
+    RECORD_OWN,
     JOINTS,
     OPERATE,
 )

@@ -93,6 +93,10 @@ class Latest(Generic[M]):
                 return
             take(message, time.monotonic_ns())
 
+    def close(self) -> None:
+        """Receive nothing more; not while another thread waits for a message."""
+        self._subscriber.undeclare()  # type: ignore[no-untyped-call]  # zenoh leaves it unannotated
+
     def _hold_back(self) -> None:
         was_flooded, pause_ns = self._cap.flooded, self._cap.pause_ns(time.monotonic_ns())
         if self._cap.flooded and not was_flooded:

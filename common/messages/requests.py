@@ -11,6 +11,7 @@ from common.messages.recording import EpisodeOutcome
 from common.messages.robot import Asker, Pose
 
 ACTIVATED = "activated"  # the code when an engagement first had to activate the robot: ask once more
+NO_RECORDER = "no_recorder"  # the code of a site beside which no recorder runs
 Fraction = Annotated[float, msgspec.Meta(ge=0, le=1)]
 PicturePoint = tuple[Fraction, Fraction]
 
@@ -115,7 +116,7 @@ class RecordAction(StrEnum):
 
 
 class RecordRequest(Request, frozen=True):
-    """A request of the lease's holder to the recorder at the remote site.
+    """A request of the lease's holder to a recorder, of the remote site or of their own local one.
 
     `task` is of the episodes from now on, unless it is empty. `outcome` and `note` are of the episode that is under
     way, or else of the last one; UNKNOWN and an empty note change nothing.

@@ -22,8 +22,14 @@ class EpisodeBounds(StrEnum):
 
 
 class RecordConfig(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
-    """What a recorder of this host keeps; nothing is recorded unless one is started."""
+    """What the recorder of a site keeps; nothing is recorded unless one is started."""
 
+    start: Annotated[
+        StartPolicy, Meta(description="at_once: while the recorder runs; on_request: the lease's holder begins it")
+    ] = StartPolicy.AT_ONCE
+    episodes: Annotated[
+        EpisodeBounds, Meta(description="engagement: each is an episode; requests: only what key or command bounds")
+    ] = EpisodeBounds.ENGAGEMENT
     folder: Annotated[
         str, Meta(description="where recordings are kept; empty: in the service's or the user's state folder")
     ] = ""
@@ -33,17 +39,6 @@ class RecordConfig(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fie
     keep_gb: Annotated[
         float, Meta(ge=0.001, le=1e6, description="the oldest recordings in the folder are removed beyond this")
     ] = 100.0
-
-
-class CellRecordConfig(RecordConfig, frozen=True, kw_only=True, forbid_unknown_fields=True):
-    """What the recorder of a remote site keeps."""
-
-    start: Annotated[
-        StartPolicy, Meta(description="at_once: while the recorder runs; on_request: the lease's holder begins it")
-    ] = StartPolicy.AT_ONCE
-    episodes: Annotated[
-        EpisodeBounds, Meta(description="engagement: each is an episode; requests: only what key or command bounds")
-    ] = EpisodeBounds.ENGAGEMENT
 
 
 class OperatorRecordConfig(RecordConfig, frozen=True, kw_only=True, forbid_unknown_fields=True):

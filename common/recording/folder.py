@@ -24,13 +24,13 @@ class FoundFile(NamedTuple):
     size: int
 
 
-def recordings_folder(configured: str) -> Path:
-    """The configured folder, else `recordings` in the service's state folder, or the user's."""
+def recordings_folder(configured: str, name: str) -> Path:
+    """The configured folder, else the one of this name in the service's state folder, or the user's."""
     if configured:
         return Path(configured)
     service = os.environ.get("STATE_DIRECTORY")
     state = Path(service) if service else Path(os.environ.get("XDG_STATE_HOME") or STATE_HOME).expanduser() / "farhand"
-    return state / "recordings"
+    return state / name
 
 
 def make_private(folder: Path) -> None:

@@ -1,4 +1,4 @@
-"""A link to the site that a command asks something of."""
+"""A link to the sites that a command asks something of."""
 
 from collections.abc import Iterator
 from contextlib import contextmanager
@@ -10,10 +10,10 @@ from common.link.transport import Link, open_link
 
 
 @contextmanager
-def link_to(cell: str, endpoint: str, security: LinkSecurity) -> Iterator[Link]:
-    """A link to a site; without an answer, the TransportError gives the reason if one can be found."""
+def link_to(cell: str, *endpoints: str, security: LinkSecurity) -> Iterator[Link]:
+    """A link to sites; without an answer, the TransportError gives the reason if one can be found."""
     check_cell_name(cell)
-    with open_link(connect=(endpoint,), security=security) as link:
+    with open_link(connect=endpoints, security=security) as link:
         try:
             yield link
         except RefusedError:

@@ -16,7 +16,7 @@ def request_engage(cell: str, endpoint: str, operator: str = "", security: LinkS
     """The remote site's reply to an operator (this host's by default); TransportError when it refuses."""
     name = check_cell_name(operator or host_operator(), "operator")
     make = partial(EngagementRequest, action=EngagementAction.ENGAGE)
-    with link_to(cell, endpoint, security) as link:
+    with link_to(cell, endpoint, security=security) as link:
         reply = RequestClient(link, cell, RemoteClock(link, cell), operator=name).ask(ENGAGEMENT, make)
     if not reply.done:
         raise TransportError(f"not engaged ({reply.code}): {reply.reason}")
@@ -28,7 +28,7 @@ def request_maintenance(
 ) -> str:
     """The remote site's reply to a maintenance request; TransportError when it refuses."""
     make = partial(EngagementRequest, action=action)
-    with link_to(cell, endpoint, security) as link:
+    with link_to(cell, endpoint, security=security) as link:
         reply = RequestClient(link, cell, RemoteClock(link, cell)).ask(MAINTENANCE, make)
     if not reply.done:
         raise TransportError(f"refused ({reply.code}): {reply.reason}")

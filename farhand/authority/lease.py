@@ -18,7 +18,7 @@ POLL_S = 0.05
 
 def show_lease(cell: str, endpoint: str, security: LinkSecurity = ON_THIS_HOST) -> list[str]:
     """Lines: who holds the lease, how long it still lasts, who asks for it, how accurately the clocks are known."""
-    with link_to(cell, endpoint, security) as link:
+    with link_to(cell, endpoint, security=security) as link:
         return describe_lease(_state(link, cell))
 
 
@@ -42,7 +42,7 @@ def describe_lease(state: RobotState) -> list[str]:
 
 def find_asker(cell: str, endpoint: str, name: str, security: LinkSecurity = ON_THIS_HOST) -> Asker:
     """The operator of this name who asks for the lease at the remote site; TransportError when that is not who asks."""
-    with link_to(cell, endpoint, security) as link:
+    with link_to(cell, endpoint, security=security) as link:
         lease = _state(link, cell).lease
     asker = lease.asked_by if lease is not None else None
     if asker is None or asker.name != name:
@@ -63,7 +63,7 @@ def act_on_lease(
 
     `to` is who asks for the lease that is handed over.
     """
-    with link_to(cell, endpoint, security) as link:
+    with link_to(cell, endpoint, security=security) as link:
         client = RequestClient(link, cell, operator=operator)
         reply = client.ask(OPERATE, partial(OperatorRequest, action=action, to=to))
     if not reply.done:

@@ -1,20 +1,23 @@
-"""Asks the remote site, as the lease's holder, to record, and to bound and label episodes."""
+"""Asks the recorders of both sites, as the lease's holder, to record, and to bound and label episodes."""
 
-from functools import partial
-
+from common.clock import NS_PER_S
 from common.errors import TransportError
-from common.link.channels import RECORD, check_cell_name
+from common.link.channels import check_cell_name
 from common.link.config import ON_THIS_HOST, LinkSecurity
+from common.link.record_client import SILENT, RecordClient
 from common.link.remote_clock import RemoteClock
 from common.link.request_client import RequestClient
 from common.messages.recording import EpisodeOutcome
-from common.messages.requests import RecordAction, RecordRequest
+from common.messages.requests import RecordAction
 from farhand.authority.asking import link_to
+
+LOCAL_PATIENCE_NS = NS_PER_S
 
 
 def request_record(
     cell: str,
-    endpoint: str,
+    remote: str,
+    local: str,
     operator: str,
     action: RecordAction,
     task: str = "",
@@ -22,11 +25,14 @@ def request_record(
     note: str = "",
     security: LinkSecurity = ON_THIS_HOST,
 ) -> str:
-    """The remote site's reply to an operator; TransportError when it refuses."""
+    """What the sites at these endpoints reply to an operator; TransportError when neither takes it."""
     name = check_cell_name(operator, "operator")
-    make = partial(RecordRequest, action=action, task=task, outcome=outcome, note=note)
-    with link_to(cell, endpoint, security) as link:
-        reply = RequestClient(link, cell, RemoteClock(link, cell), operator=name).ask(RECORD, make)
+    with link_to(cell, remote, local, security=security) as link:
+        ask_remote = RequestClient(link, cell, RemoteClock(link, cell), operator=name)
+        ask_local = RequestClient(link, cell, operator=name, patience_ns=LOCAL_PATIENCE_NS)
+        reply = RecordClient(ask_remote, ask_local).ask(action, task, outcome, note)
+        if reply.code == SILENT:
+            raise TransportError(reply.reason)
     if not reply.done:
         raise TransportError(f"refused ({reply.code}): {reply.reason}")
     return reply.reason

@@ -13,6 +13,7 @@ from farhand.commands.options import (
     CellName,
     ConfigFile,
     LinksFile,
+    LocalEndpoint,
     LogLines,
     RemoteEndpoint,
     Settings,
@@ -80,30 +81,36 @@ def repair_files(files: Annotated[list[Path], typer.Argument(help="Recordings th
 
 
 @record_app.command("start")
-def start(cell: CellName = "", at: RemoteEndpoint = "", config: LinksFile = None) -> None:
-    """As the lease's holder, ask the remote site's recorder to begin (record.start = "on_request" there).
+def start(cell: CellName = "", at: RemoteEndpoint = "", local: LocalEndpoint = "", config: LinksFile = None) -> None:
+    """As the lease's holder, ask the recorders of both sites to begin, where record.start = "on_request".
 
     Example: farhand record start --cell cell
     """
-    _ask("start", cell, at, config)
+    _ask("start", cell, at, local, config)
 
 
 @record_app.command("stop")
-def stop(cell: CellName = "", at: RemoteEndpoint = "", config: LinksFile = None) -> None:
-    """As the lease's holder, ask the remote site's recorder to end.
+def stop(cell: CellName = "", at: RemoteEndpoint = "", local: LocalEndpoint = "", config: LinksFile = None) -> None:
+    """Ask the recorders of both sites to end: the cell's as the lease's holder, this host's own in any case.
 
     Example: farhand record stop --cell cell
     """
-    _ask("stop", cell, at, config)
+    _ask("stop", cell, at, local, config)
 
 
 @episode_app.command("begin")
-def begin(task: Task = "", cell: CellName = "", at: RemoteEndpoint = "", config: LinksFile = None) -> None:
+def begin(
+    task: Task = "",
+    cell: CellName = "",
+    at: RemoteEndpoint = "",
+    local: LocalEndpoint = "",
+    config: LinksFile = None,
+) -> None:
     """Begin an episode; one that is under way ends.
 
     Example: farhand episode begin --task "put the block on the mark"
     """
-    _ask("begin", cell, at, config, task=task)
+    _ask("begin", cell, at, local, config, task=task)
 
 
 @episode_app.command("end")
@@ -112,13 +119,14 @@ def end(
     note: Note = "",
     cell: CellName = "",
     at: RemoteEndpoint = "",
+    local: LocalEndpoint = "",
     config: LinksFile = None,
 ) -> None:
     """End the episode under way.
 
     Example: farhand episode end --outcome success
     """
-    _ask("end", cell, at, config, outcome=outcome, note=note)
+    _ask("end", cell, at, local, config, outcome=outcome, note=note)
 
 
 @episode_app.command("label")
@@ -128,19 +136,21 @@ def label(
     task: Task = "",
     cell: CellName = "",
     at: RemoteEndpoint = "",
+    local: LocalEndpoint = "",
     config: LinksFile = None,
 ) -> None:
     """Say of the episode under way, or else of the last one, how it went.
 
     Example: farhand episode label --outcome failure --note "the block slipped"
     """
-    _ask("label", cell, at, config, task=task, outcome=outcome, note=note)
+    _ask("label", cell, at, local, config, task=task, outcome=outcome, note=note)
 
 
 def _ask(
     action: str,
     cell: str,
     at: str,
+    local: str,
     config: Path | None,
     *,
     task: str = "",
@@ -150,6 +160,6 @@ def _ask(
     from common.messages.requests import RecordAction
     from farhand.authority.record import request_record
 
-    links = console_config(config, cell=cell, control=at)
-    asked = RecordAction(action), task, outcome, note
-    say(request_record(links.cell, links.links.control, links.name, *asked, security=links.links))
+    known = console_config(config, cell=cell, control=at, local=local)
+    links, asked = known.links, (RecordAction(action), task, outcome, note)
+    say(request_record(known.cell, links.control, links.local, known.name, *asked, security=links))

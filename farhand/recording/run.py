@@ -17,6 +17,7 @@ from farhand.deployment.kinds import known_keys
 from local_site.config import LocalConfig
 from remote_site.config import RemoteConfig
 
+FOLDERS = {RemoteConfig: "recordings", LocalConfig: "operator-recordings"}  # apart, where one host has both sites
 NICE = 5  # nobody waits for it, but what it is too late for is lost
 
 
@@ -37,7 +38,7 @@ def run_recorder(
     log = structlog.get_logger()
     try:
         loaded = load_site(config, settings)
-        folder = out or recordings_folder(loaded.record.folder)
+        folder = out or recordings_folder(loaded.record.folder, FOLDERS[type(loaded)])
         if file is None:
             make_private(folder)
         elif file.exists():

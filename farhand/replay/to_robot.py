@@ -28,5 +28,7 @@ def replay_to_robot(
     name = f"episode {recorded.episode} of {file.name}"
     progress = PathProgress(recorded.path, speed, stepwise=False)
     say(f"{name}: {recorded.path.duration_s:.1f} s; hold the key on the operator's page, each time for a new run")
-    program = PathProgram(name, progress, recorded.gripper_at_start, goes_on=False, check=check, orders=tuple)
+    program = PathProgram(
+        "recorded", name, progress, recorded.gripper_at_start, goes_on=False, check=check, orders=tuple
+    )
     run_path(config, program, should_stop, say)

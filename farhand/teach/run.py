@@ -27,6 +27,7 @@ def run_task(
     say(f"{task.task.name}: {len(task.waypoints)} way points, {path.duration_s:.1f} s without the gripper's; {HELP}")
     with terminal_keys() as keys:
         program = PathProgram(
+            "taught",
             task.task.name,
             PathProgress(path, speed, stepwise=stepwise),
             GRIPPER[start] if start is not None else None,

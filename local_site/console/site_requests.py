@@ -4,7 +4,8 @@ from functools import partial
 from typing import TypeVar
 
 from common.errors import TransportError
-from common.link.channels import ENGAGEMENT, JOINTS, OPERATE, RECORD, Procedure
+from common.link.channels import ENGAGEMENT, JOINTS, OPERATE, Procedure
+from common.link.record_client import SILENT, RecordClient
 from common.link.request_client import RequestClient, RequestMaker
 from common.link.transport import Link
 from common.messages.recording import EpisodeOutcome
@@ -16,7 +17,6 @@ from common.messages.requests import (
     OperatorRequest,
     PicturePoint,
     RecordAction,
-    RecordRequest,
     Reply,
     Request,
 )
@@ -32,6 +32,7 @@ class SiteRequests:
     def __init__(self, link: Link, watch: CellWatch, cell: str, operator: str) -> None:
         self._remote = RequestClient(link, cell, watch.clock, operator=operator)
         self._local = RequestClient(link, cell, operator=operator)
+        self._recorders = RecordClient(self._remote, self._local)
 
     def engagement(self, action: EngagementAction) -> Reply:
         """The remote site's reply."""
@@ -42,8 +43,8 @@ class SiteRequests:
         return _asked(self._local, OPERATE, partial(OperatorRequest, action=action, to=to))
 
     def record(self, action: RecordAction, outcome: EpisodeOutcome) -> Reply:
-        """The remote site's reply to what is asked of its recorder."""
-        return _asked(self._remote, RECORD, partial(RecordRequest, action=action, outcome=outcome))
+        """What both sites reply to what is asked of their recorders."""
+        return self._recorders.ask(action, outcome=outcome)
 
     def joints(self, shoulder: PicturePoint, elbow: PicturePoint, wrist: PicturePoint) -> Reply:
         """The local site's reply to the positions of the joints that the operator has clicked."""
@@ -55,4 +56,4 @@ def _asked(client: RequestClient, procedure: Procedure[Asked, Reply], make: Requ
     try:
         return client.ask(procedure, make)
     except TransportError as error:
-        return Reply(id=0, done=False, code="silent", reason=str(error))
+        return Reply(id=0, done=False, code=SILENT, reason=str(error))

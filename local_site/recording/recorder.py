@@ -7,20 +7,20 @@ from typing import Protocol
 
 from foxglove_schemas_protobuf.CompressedImage_pb2 import CompressedImage
 
-from common.clock import NS_PER_MS
+from common.clock import NS_PER_MS, NS_PER_S
 from common.errors import MessageError
 from common.link.channels import PREVIEW, STATE
 from common.messages.base import PROTOCOL_VERSION
 from common.messages.codec import decode
 from common.messages.hand import HandArm
 from common.messages.recording import RecordingNotice, RecordingState
+from common.messages.requests import RecordRequest
 from common.messages.robot import RobotState, SessionState
 from common.messages.video import Codec, VideoFrame
 from common.recording import foxglove
-from common.recording.config import EpisodeBounds
-from common.recording.episodes import Episodes
+from common.recording.asked_recording import AskedRecording
 from common.recording.guarded import GuardedRecording
-from common.recording.hand_transcript import HandTranscript, add_episode, add_log
+from common.recording.hand_transcript import HandTranscript, add_log
 from common.recording.session import RecordingSession
 from common.recording.topics import Topic, protobuf_topic
 from common.recording.wire_topics import topic_of
@@ -28,16 +28,21 @@ from local_site.config import LocalConfig
 from local_site.recording.source import HeardMessage
 
 NOTICE_NS = 200 * NS_PER_MS
+SITE_GONE_NS = 5 * NS_PER_S  # as long as a lease lasts without its local site
 OPERATOR_TABLE = "farhand.operator"
 ENGAGED = (SessionState.ENGAGED, SessionState.HOLDING)
 
 
 class Heard(Protocol):
-    """What was heard, each message once, and how much was not taken in time."""
+    """What was heard, each message once, the orders among it, and how much was not taken in time."""
 
     lost: int
 
     def take(self) -> Iterator[HeardMessage]: ...
+
+    def orders(self) -> Iterator[RecordRequest]: ...
+
+    def hear_views(self, *, wanted: bool) -> None: ...
 
 
 @cache
@@ -47,54 +52,65 @@ def view_topic(view: str) -> Topic:
 
 
 class OperatorRecorder:
-    """Records from its first step on; engagements are the episodes. `notice` says so, several times a second."""
+    """Keeps what is heard, at once or once the operator asks for it. `notice` says so, several times a second.
+
+    What was asked for ends when the local site has been silent for SITE_GONE_NS: it is not of the site's next run.
+    """
 
     def __init__(self, config: LocalConfig, recording: GuardedRecording, heard: Heard) -> None:
-        self._config, self._recording, self._heard = config, recording, heard
+        pictures = config.record.operator_pictures
+        self._config, self._heard = config, heard
+        self._recording = AskedRecording(config.record, recording, operator_pictures=pictures)
         self._hands = HandTranscript(at_remote=False)
-        self._episodes = Episodes(EpisodeBounds.ENGAGEMENT, config.record.task)
         self._said: tuple[str, str] | None = None
         self._notice_ns = -NOTICE_NS
-        self._has_begun = False
+        self._site_ns = -SITE_GONE_NS
 
     def step(self, now_ns: int) -> RecordingNotice | None:
-        """Keep what has come; what to tell the console, if it is time."""
-        if not self._has_begun:
-            self._has_begun = True
-            self._recording.begin(self._preamble, now_ns)
-        for message in self._heard.take():
-            self._recording.write(partial(self._keep, message=message))
-        self._recording.write(lambda session: session.tend(now_ns))
+        """Obey, keep what has come, flush; what to tell the console, if it is time."""
+        recording = self._recording
+        for order in self._heard.orders():
+            given = order.task, order.outcome, order.note
+            recording.obey(order.action, self._config.authority.name, now_ns, *given)
+        if recording.is_due:
+            self._begin(now_ns)
+        self._keep()
+        if now_ns - self._site_ns > SITE_GONE_NS:
+            recording.forget_requests()
+        if recording.is_over:
+            self.end(now_ns)
+        self._heard.hear_views(wanted=recording.is_writing and self._config.record.operator_pictures)
+        recording.write(lambda session: session.tend(now_ns))
         if now_ns - self._notice_ns < NOTICE_NS:
             return None
         self._notice_ns = now_ns
         return RecordingNotice(state=self.state())
 
     def end(self, now_ns: int) -> None:
-        """End the recording in order."""
-        self._recording.end(lambda session: self._finish(session, now_ns))
+        """End the recording under way in order."""
+        self._recording.end(now_ns)
 
     def state(self) -> RecordingState:
         """What the recorder does."""
-        episodes = self._episodes
-        return RecordingState(
-            writing=self._recording.session is not None,
-            on_request=False,
-            operator_pictures=self._config.record.operator_pictures,
-            episode=episodes.number,
-            episode_open=episodes.is_open,
-            task=episodes.shown_task,
-            outcome=episodes.outcome,
-            lost=self._heard.lost,
-            alarm=self._recording.alarm,
-        )
+        return self._recording.state(self._heard.lost)
+
+    def _begin(self, now_ns: int) -> None:
+        self._hands = HandTranscript(at_remote=False)
+        self._said = None
+        self._recording.begin(self._preamble, now_ns)
+
+    def _keep(self) -> None:
+        for message in self._heard.take():
+            if message.sent:
+                self._site_ns = message.t_ns
+            self._recording.write(partial(self._write, message=message))
 
     def _preamble(self, session: RecordingSession, _now_ns: int) -> None:
         config = self._config
         table = {"cell": config.cell, "operator": config.authority.name, "software": version("farhand")}
         session.describe(OPERATOR_TABLE, table | {"protocol": str(PROTOCOL_VERSION), "tracker": config.tracking.method})
 
-    def _keep(self, session: RecordingSession, message: HeardMessage) -> None:
+    def _write(self, session: RecordingSession, message: HeardMessage) -> None:
         topic, published_ns = topic_of(message.key, sent=message.sent), None
         try:
             if topic.schema.name.startswith(f"farhand.{HandArm.__name__}."):
@@ -108,8 +124,7 @@ class OperatorRecorder:
         session.add(topic, message.payload, message.t_ns, published_ns)
 
     def _follow(self, session: RecordingSession, state: RobotState, t_ns: int) -> None:
-        for event in self._episodes.follow(engaged=state.state in ENGAGED, t_ns=t_ns):
-            add_episode(session, event)
+        self._recording.follow(session, engaged=state.state in ENGAGED, t_ns=t_ns)
         said = state.state.value, state.code
         if said != self._said:
             self._said = said
@@ -119,7 +134,3 @@ class OperatorRecorder:
         if frame.data and frame.codec is Codec.JPEG:
             image = foxglove.jpeg_image(frame.capture_ns + session.epoch_ns, f"operator_{frame.camera}", frame.data)
             session.add(view_topic(frame.camera), image, frame.capture_ns)
-
-    def _finish(self, session: RecordingSession, now_ns: int) -> None:
-        for event in self._episodes.finish(now_ns):
-            add_episode(session, event)

@@ -25,7 +25,8 @@ from local_site.authority.remote_watch import RemoteWatch
 from local_site.calibration.control_points import CAMERAS
 from local_site.config import LocalConfig
 from local_site.preview.preview import Preview, PreviewProcess
-from local_site.runtime.loop import ArmTracking, LocalSite, RecorderRelay, SampleSender
+from local_site.runtime.loop import ArmTracking, LocalSite, SampleSender
+from local_site.runtime.recorder_relay import RecorderRelay
 from local_site.runtime.warm_up import warm_up
 
 FIFO_PRIORITY = 20  # of tracking: below the robot's control, above everything that may come late
@@ -105,6 +106,6 @@ def _open_site(config: LocalConfig, stack: ExitStack) -> LocalSite:
         SampleSender(config, link, authority, watch, clock),
         watch,
         Preview(wires, drawing, config.preview.fps),
-        RecorderRelay(config, link),
+        RecorderRelay(config, link, authority),
         clock,
     )

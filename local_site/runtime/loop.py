@@ -8,7 +8,7 @@ import structlog
 from common.cameras.images import write_image
 from common.clock import Clock
 from common.errors import CameraError, MessageError
-from common.link.channels import HAND, INTENT, JOINTS, RECORDER, RECORDING
+from common.link.channels import HAND, INTENT, JOINTS
 from common.link.transport import Link
 from common.messages.hand import TrackingStatus
 from common.process.log import RefusalLog
@@ -21,6 +21,7 @@ from local_site.config import LocalConfig
 from local_site.preview.preview import Preview
 from local_site.runtime.joint_clicks import JointClicks
 from local_site.runtime.profile_file import ProfileStore
+from local_site.runtime.recorder_relay import RecorderRelay
 from local_site.samples.hand_sample import HandSampler, IntentMerge, OpenHand, unless_in_force
 from local_site.samples.smoothing import make_smoother
 from local_site.tracking.annotate import annotate
@@ -123,26 +124,6 @@ class SampleSender:
             self._intent.receive(received, now_ns)
 
 
-class RecorderRelay:
-    """Passes on to the console what this host's recorder tells: programs connected here do not hear one another."""
-
-    def __init__(self, config: LocalConfig, link: Link) -> None:
-        name = config.authority.name
-        self._told = link.latest(RECORDER, config.cell, operator=name)
-        self._console = link.publisher(RECORDING, config.cell, operator=name)
-        self._refusals = RefusalLog("recorder's notice refused")
-
-    def poll(self) -> None:
-        """Pass on what waits, if there is something."""
-        try:
-            notice = self._told.take()
-        except MessageError as error:
-            self._refusals.note(error)
-            return
-        if notice is not None:
-            self._console.put(notice)
-
-
 class LocalSite:
     """The loop's body: one instant from cameras to wire."""
 
@@ -181,7 +162,7 @@ class LocalSite:
                 raise CameraError(reason)
             self._watch.poll(self._clock.now_ns())
             self._preview.show_reason(reason, self._clock.now_ns())
-        self._relay.poll()
+        self._relay.poll(self._clock.now_ns())
         self._tracking.attend(views, self._clock.now_ns())
 
     def save_profile(self) -> None:

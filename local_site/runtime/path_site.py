@@ -8,7 +8,7 @@ import structlog
 
 from common.clock import NS_PER_S, Clock, MonotonicClock
 from common.errors import FarhandError, RefusedError
-from common.link.channels import DESCRIBE, STATE
+from common.link.channels import DESCRIBE, PREVIEW, STATE
 from common.link.credentials import check_links
 from common.link.endpoints import check_free
 from common.link.transport import Link, open_link
@@ -19,10 +19,13 @@ from common.process.log import LogFormat, start_log
 from common.process.service import StopFlag
 from local_site.authority.lease_client import Authority
 from local_site.authority.remote_watch import RemoteWatch
+from local_site.calibration.control_points import CAMERAS
 from local_site.config import LocalConfig
+from local_site.preview.no_camera import NoCamera
 from local_site.programmed.path_progress import PathProgress, RunOrder
 from local_site.programmed.path_run import PathRun
-from local_site.runtime.loop import RecorderRelay, SampleSender
+from local_site.runtime.loop import SampleSender
+from local_site.runtime.recorder_relay import RecorderRelay
 
 PERIOD_NS = NS_PER_S // 60
 ASK_AGAIN_S = 0.5
@@ -32,9 +35,11 @@ ASK_AGAIN_S = 0.5
 class PathProgram:
     """What is run: how far it has come on its path, how the gripper has to be before, whether a hold may end in it.
 
-    `check` raises where the path is not for this cell; `orders` are the operator's since it was called last.
+    `kind` is what the path is, in a word: recorded, or taught. `check` raises where it is not for this cell; `orders`
+    are the operator's since it was called last.
     """
 
+    kind: str
     name: str
     progress: PathProgress
     gripper_at_start: GripperCommand | None
@@ -68,7 +73,8 @@ def run_path(config: LocalConfig, program: PathProgram, should_stop: StopFlag, t
                     program.progress, cell.mapping, session, program.gripper_at_start, goes_on=program.goes_on
                 )
                 structlog.get_logger().info("ready", runs=program.name, cell=config.cell, remote=links.remote)
-                _publish(run, program, sender, watch, RecorderRelay(config, link), clock, should_stop, tell)
+                beside = _Beside(RecorderRelay(config, link, authority), _no_camera(config, link, program))
+                _publish(run, program, sender, watch, beside, clock, should_stop, tell)
     except FarhandError as error:
         structlog.get_logger().error("ending", reason=str(error))
         raise
@@ -81,6 +87,20 @@ def _check_held(cell: Description) -> None:
             f'the arm of {cell.cell} would move without a person at the key: set engagement.mode = "hold_to_run" (or '
             '"pedal") at the remote site, and start it again'
         )
+
+
+@dataclass(frozen=True)
+class _Beside:
+    """What the console is told besides."""
+
+    recorder: RecorderRelay
+    views: NoCamera
+
+
+def _no_camera(config: LocalConfig, link: Link, program: PathProgram) -> NoCamera:
+    """Says in the place of the operator's views what is run instead of a hand that is seen."""
+    wires = {view: link.publisher(PREVIEW, config.cell, view, operator=config.authority.name) for view in CAMERAS[:2]}
+    return NoCamera(wires, f"no camera is used: a {program.kind} path is run, {program.name}")
 
 
 def _description(link: Link, cell: str, should_stop: StopFlag) -> Description | None:
@@ -99,7 +119,7 @@ def _publish(
     program: PathProgram,
     sender: SampleSender,
     watch: RemoteWatch,
-    relay: RecorderRelay,
+    beside: "_Beside",
     clock: Clock,
     should_stop: StopFlag,
     tell: Callable[[str], object],
@@ -112,7 +132,8 @@ def _publish(
             run.order(order)
         hand = run.hand(now_ns, watch.state if watch.is_there else None)
         sender.send_led(hand, run.toggles)
-        relay.poll()
+        beside.recorder.poll(now_ns)
+        beside.views.tell(now_ns)
         if hand.reason != told:
             told = hand.reason
             tell(told)

@@ -4,7 +4,7 @@ import msgspec
 
 from common.errors import RecordingError
 from common.process.config import MetricsConfig
-from common.recording.config import CellRecordConfig
+from common.recording.config import RecordConfig
 from remote_site.config import RemoteConfig
 from remote_site.link_config import RemoteLinksConfig
 from remote_site.simulation.config import SIMULATED
@@ -22,7 +22,7 @@ def encode_config(config: RemoteConfig) -> bytes:
         driver=replace(config.driver, options={}),
         video=replace(config.video, cameras=tuple(_without_source(camera) for camera in config.video.cameras)),
         metrics=MetricsConfig(),
-        record=CellRecordConfig(),
+        record=RecordConfig(),
     )
     return msgspec.json.format(msgspec.json.encode(kept))
 

@@ -6,11 +6,9 @@ from dataclasses import dataclass
 
 import pytest
 
-from bench.page.bare_console import BareConsole
 from farhand.loopback.site_process import SiteProcess, free_ports
-from tests.browser import scene
 from tests.browser.opened_page import OpenedPage
-from tests.browser.told import Told
+from tests.browser.told import Told, opened_told
 from tests.integration.sites import (
     PATIENT,
     Sites,
@@ -91,14 +89,8 @@ def page(operating_page: OpenedPage) -> Iterator[OpenedPage]:
 @pytest.fixture(scope="session")
 def told_page(browser: object) -> Iterator[Told]:
     """A page of a console without sites."""
-    with BareConsole() as console:
-        page = OpenedPage(browser, console.address)
-        told = Told(console, page)
-        told.describe()
-        told.until("the views", lambda: len(page.marks()) == len(scene.CAMERAS))
+    with opened_told(browser) as told:
         yield told
-        page.close()
-    assert not [error for error in page.errors if "WebSocket" not in error]
 
 
 @pytest.fixture

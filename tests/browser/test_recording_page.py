@@ -1,5 +1,6 @@
 """The page says whenever something is recorded, with whose pictures, and asks the recorder by its keys."""
 
+from collections.abc import Callable
 from functools import partial
 
 import msgspec
@@ -52,8 +53,31 @@ def test_a_recorder_of_the_operators_own_side_is_marked_too(told: Told) -> None:
     own = RecordingNotice(state=msgspec.structs.replace(RECORDING, operator_pictures=True))
     told.give(Hub.recording, own)
     told.until("the mark", lambda: told.page.words("#recording") == "REC, with the operator's pictures")
-    assert hidden(told, "recording-row")
-    told.until("its end", lambda: hidden(told, "recording"))  # it tells nothing more
+    told.until("its end", lambda: hidden(told, "recording") and hidden(told, "recording-row"))  # it tells nothing more
+
+
+def test_the_holder_begins_and_ends_the_recording_of_their_own_side(told: Told) -> None:
+    own = partial(msgspec.structs.replace, RECORDING, operator_pictures=True, on_request=True, episode=0)
+
+    def told_of_own(**changes: object) -> Callable[[], bool]:
+        words = changes.pop("words")
+
+        def is_so() -> bool:
+            told.give(Hub.recording, RecordingNotice(state=own(**changes)))
+            return not hidden(told, "record") and told.page.words("#record") == words
+
+        return is_so
+
+    for writing, words, action in ((False, "Record", RecordAction.START), (True, "End recording", RecordAction.STOP)):
+        told.until("the button", told_of_own(writing=writing, words=words))
+        assert hidden(told, "recording") is not writing
+        begin = len(told.sites.recorded)
+        told.page.page.click("#record")
+        told.until("the request", lambda: len(told.sites.recorded) > begin)  # noqa: B023  # called in this round
+        assert told.sites.recorded[begin:] == [(action, EpisodeOutcome.UNKNOWN)]
+    tell(told)  # the cell's recorder runs at once, and its episodes are the ones that are shown
+    told.until("both", told_of_own(writing=True, words="End recording"))
+    told.until("its episode", lambda: told.page.words("#episode-words").startswith("episode 2 ·"))
 
 
 def test_a_recording_that_ended_by_itself_raises_an_alarm(told: Told) -> None:

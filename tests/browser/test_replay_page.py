@@ -1,56 +1,41 @@
 """A recording on the page: it says so everywhere, plays, jumps, and offers nothing that a robot would do."""
 
-import asyncio
-import threading
+import re
 from collections.abc import Iterator
 from pathlib import Path
-from types import SimpleNamespace
+from typing import Any
 
+import msgspec
 import pytest
 
-from farhand.replay.console import serve_replay
-from farhand.replay.recorded_scene import RecordedScene
-from local_site.console.config import ServeConfig
+import tests.common.messages.golden_examples as golden
+from common.messages.hand import OperatorSettings
+from common.messages.robot import Readiness, VideoLink
 from tests.browser.opened_page import OpenedPage
-from tests.farhand.replay.recorded_states import SECONDS, recorded_states
+from tests.browser.replayed import jump, served
+from tests.browser.told import SHOTS
+from tests.farhand.replay.recorded_states import ENGAGED_S, SECONDS
 
 CHECK = (Path(__file__).parent / "accessibility.js").read_text().split("\n", 1)[1]
-SHOTS = Path(__file__).parents[2] / "build" / "screenshots"
-START_S = 30.0
+LET_GO = "let go of the key first, then press it: what has ended never resumes by itself"
+OF_A_LIVE_CELL = re.compile("check them|free some space|the held key|NOT ACKNOWLEDGED")
 
 
 @pytest.fixture(scope="module")
 def replay(browser: object, tmp_path_factory: pytest.TempPathFactory) -> Iterator[OpenedPage]:
     """A page of a replay."""
-    folder = tmp_path_factory.mktemp("replay")
-    recorded = recorded_states(folder)
-    heard = SimpleNamespace(address="", ended=False, ready=threading.Event())
-
-    def announce(words: str) -> None:
-        heard.address = words.rpartition(" ")[2]
-        heard.ready.set()
-
-    serving = serve_replay(
-        RecordedScene(recorded.file, folder), "a recording", ServeConfig(port=0), lambda: heard.ended, announce
-    )
-    thread = threading.Thread(target=lambda: asyncio.run(serving), name="replay", daemon=True)
-    thread.start()
-    assert heard.ready.wait(START_S)
-    page = OpenedPage(browser, heard.address)
-    page.wait_for("the timeline", lambda: "/ 0:0" in page.words("#position"))
-    yield page
-    page.close()
-    heard.ended = True
-    thread.join(START_S)
-    assert not [error for error in page.errors if "WebSocket" not in error]
+    with served(browser, tmp_path_factory.mktemp("replay")) as shown:
+        yield shown.page
 
 
-def jump(page: OpenedPage, seconds: float, *, playing: bool = False) -> None:
-    """Pause, or play, from a time on."""
-    if (page.words("#play") == "Pause") is not playing:
-        page.page.click("#play")
-        page.wait_for("the button", lambda: (page.words("#play") == "Pause") is playing)
-    page.page.fill("#timeline", str(seconds))
+def instructed(at_s: float) -> dict[str, Any]:
+    """What an operator was told to do: before the engagement, and later by a recorder, a link and other settings."""
+    to_do = Readiness(False, "let_go_first", LET_GO, True)
+    said = {"reason": "stopped by anna; reset it, then engage", "readiness": to_do} if at_s < ENGAGED_S else {}
+    alarm = msgspec.structs.replace(golden.RECORDING, alarm="recording has ended: free some space, and start it again")
+    narrow = VideoLink(carries_mbit_s=3.5, needs_mbit_s=20.0, reason="the link carries 3.5 Mbit/s. Cure: a wider link")
+    settings = OperatorSettings(lease=5 if at_s < ENGAGED_S else 6, scale=1.0 if at_s < ENGAGED_S else 0.5)
+    return said | {"recording": alarm, "video_link": narrow, "settings": settings}
 
 
 def test_it_cannot_be_mistaken_for_a_live_page(replay: OpenedPage) -> None:
@@ -95,6 +80,27 @@ def test_a_stop_is_answered_with_what_to_use_instead(replay: OpenedPage) -> None
     replay.wait_for("the answer", lambda: "This is a replay, no robot is connected" in replay.words("#alert"))
     assert "emergency stop" in replay.words("#alert")
     assert "NOT ACKNOWLEDGED" not in replay.words("#alert")
+
+
+def test_what_was_said_is_quoted_and_what_concerns_a_live_cell_alone_is_gone(browser: object, tmp_path: Path) -> None:
+    with served(browser, tmp_path, instructed) as shown:
+        page = shown.page
+        for seconds, state, told in ((1.0, "disengaged", "stopped by anna"), (4.0, "engaged", "the arm follows")):
+            jump(page, seconds)
+            page.wait_for("the state", lambda: page.state() == state)  # noqa: B023  # called in this round
+            page.wait_for("its reason", lambda: page.words("#reason").startswith(told))  # noqa: B023
+            assert quotes(page) == ['"then: “"', '"”"']
+            assert OF_A_LIVE_CELL.findall(page.page.inner_text("body")) == []
+        shown.end()
+        page.wait_for("the end", lambda: page.words("#reason") == "the program that replays does not answer")
+        assert quotes(page) == ["none", "none"]
+        assert OF_A_LIVE_CELL.findall(page.page.inner_text("body")) == []
+
+
+def quotes(page: OpenedPage) -> list[str]:
+    """What stands before and behind the reason."""
+    read = "side => getComputedStyle(document.getElementById('reason'), side).content"
+    return [page.page.evaluate(read, side) for side in ("::before", "::after")]
 
 
 @pytest.mark.parametrize("scheme", ["dark", "light"])

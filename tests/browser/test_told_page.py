@@ -285,3 +285,18 @@ def test_a_cell_without_a_held_key_shows_none_and_says_that_a_closed_page_holds_
     assert told.page.page.evaluate(CHECK)["poor"] == []
     told.describe()
     told.until("the key", lambda: told.page.page.is_visible("#hold"))
+
+
+def test_a_view_of_the_operator_that_is_missing_keeps_no_old_picture(told: Told) -> None:
+    """As when the local site ends and a recorded or taught path is run in its place."""
+    pixel = "() => [...document.querySelector('#previews canvas').getContext('2d').getImageData(9, 9, 1, 1).data]"
+    told.previews = ("left",)
+    told.until("a picture", lambda: "live" in told.page.words("#previews"))
+    assert told.page.page.evaluate(pixel)[0] > 100
+    why = "no camera is used: a taught path is run, place"
+    told.troubles = dict.fromkeys(told.previews, (CameraStatus.MISSING, why))
+    told.until("the reason", lambda: told.page.words("#previews").startswith(f"no picture{why}"))
+    assert told.page.page.evaluate(pixel)[0] == 0
+    told.shot("no_camera")
+    told.troubles = {}
+    told.until("a picture again", lambda: told.page.words("#previews").startswith("live"))

@@ -1,7 +1,8 @@
 """A page on a console without sites, which sends the messages that a test wants, over and over."""
 
 import time
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
 from functools import partial
 from pathlib import Path
 from typing import TypeVar
@@ -89,3 +90,16 @@ class Told:
     def give(self, take: Callable[[Hub, Message], None], what: Message) -> None:
         """Have the console take a message."""
         self._console.feed(lambda hub: take(hub, what))
+
+
+@contextmanager
+def opened_told(browser: object) -> Iterator[Told]:
+    """A page of a console without sites; it may not have had an error."""
+    with BareConsole() as console:
+        page = OpenedPage(browser, console.address)
+        told = Told(console, page)
+        told.describe()
+        told.until("the views", lambda: len(page.marks()) == len(scene.CAMERAS))
+        yield told
+        page.close()
+    assert not [error for error in page.errors if "WebSocket" not in error]

@@ -58,8 +58,12 @@ def scratch(tmp_path: Path) -> Scratch:
 def test_it_installs_what_the_units_call(scratch: Scratch) -> None:
     scratch.run()
     files = scratch.files()
-    for site in ("remote", "local"):
-        unit = files[f"usr/local/lib/systemd/system/farhand-{site}.service"].decode()
+    units = [path for path in files if path.startswith("usr/local/lib/systemd/system/farhand-")]
+    assert {"farhand-remote.service", "farhand-local.service", "farhand-record-local.service"} <= {
+        Path(path).name for path in units
+    }
+    for path in units:
+        unit = files[path].decode()
         command = next(line for line in unit.splitlines() if line.startswith("ExecStart=")).partition("=")[2].split()
         assert command[0].removeprefix("/") in files
         assert command[-1].removeprefix("/") in files

@@ -8,10 +8,12 @@ from pathlib import Path
 
 import pytest
 
+from farhand.loopback.site_process import free_ports
+
 UNITS = Path(__file__).parents[2] / "farhand/deployment/systemd"
 LIBRARY = ctypes.util.find_library("seccomp")
-MODULE = """
-import ctypes, errno, mmap, multiprocessing, os, sys
+FILTER = """
+import ctypes, errno, os, sys
 ALLOW, REFUSE = 0x7FFF0000, 0x00050000 | errno.EPERM
 seccomp = ctypes.CDLL(sys.argv[1])
 seccomp.seccomp_init.restype = ctypes.c_void_p
@@ -26,7 +28,9 @@ try:
     os.chroot("/")
 except PermissionError:
     print("filtered")
-
+"""
+SITE = """
+import mmap, multiprocessing, os, sys
 import numba
 print("compiled", numba.njit(lambda x: x + 1)(1))
 
@@ -42,6 +46,37 @@ try:
     os.sched_setscheduler(0, os.SCHED_FIFO, os.sched_param(20))
 except PermissionError:
     print("real time refused")
+print("done")
+"""
+
+RECORDER = """
+import sys
+from datetime import UTC, datetime
+from pathlib import Path
+
+from common.link.transport import open_link
+from common.process.log import LogFormat, start_log
+from common.process.service import be_nice
+from common.recording.config import OperatorRecordConfig
+from common.recording.folder import make_private
+from common.recording.guarded import GuardedRecording
+from common.recording.session import RecordingPlan
+from local_site.config import LocalConfig, LocalLinksConfig
+from local_site.recording.recorder import OperatorRecorder
+from local_site.recording.source import OperatorSource
+
+folder, remote, listen = Path(sys.argv[3]), *sys.argv[4:]
+config = LocalConfig(links=LocalLinksConfig(remote=remote, listen=listen))
+start_log("record", LogFormat.TEXT)
+be_nice(5)
+make_private(folder)
+plan = RecordingPlan(folder, config.cell, "test", config.record)
+with open_link(listen=(listen,)), OperatorSource(config) as source:
+    recorder = OperatorRecorder(config, GuardedRecording(plan, lambda: datetime(2026, 3, 4, tzinfo=UTC)), source)
+    for t_s in (1, 3):  # it flushes each second
+        recorder.step(t_s * 10**9)
+    print("writing" if recorder.state().writing else recorder.state().alarm)
+    recorder.end(4 * 10**9)
 print("done")
 """
 
@@ -77,9 +112,9 @@ def allowed(site: str) -> set[str]:
     return calls
 
 
-def behind_the_filter(calls: set[str]) -> list[str]:
+def behind_the_filter(calls: set[str], program: str = SITE, *arguments: str) -> list[str]:
     done = subprocess.run(
-        [sys.executable, "-c", MODULE, str(LIBRARY), " ".join(sorted(calls))],
+        [sys.executable, "-c", FILTER + program, str(LIBRARY), " ".join(sorted(calls)), *arguments],
         check=True,
         capture_output=True,
         text=True,
@@ -98,6 +133,14 @@ def test_a_site_can_compile_fork_share_and_run_in_real_time(site: str) -> None:
     assert told[:3] == ["filtered", "compiled 2", "forked"]
     assert told[-1] == "done"
     assert ("real time refused" in told) is not may_have_real_time()
+
+
+def test_the_operators_recorder_can_listen_and_write(tmp_path: Path) -> None:
+    folder = tmp_path / "recordings"
+    endpoints = (f"tcp/127.0.0.1:{port}" for port in free_ports(2))
+    told = behind_the_filter(allowed("record-local"), RECORDER, str(folder), *endpoints)
+    assert told == ["filtered", "writing", "done"]
+    assert len(list(folder.iterdir())) == 1
 
 
 def test_real_time_would_be_missed_behind_the_consoles_filter() -> None:

@@ -14,7 +14,7 @@ from local_site.tracking.landmarks.model_files import how_to_install, model_fold
 DEPLOY = Path(__file__).parents[2] / "farhand" / "deployment"
 UNITS = sorted((DEPLOY / "systemd").glob("farhand-*.service"))
 SITES = ("remote", "local")
-CONFIGURATION = {"record": "remote"}  # whose it is, where a unit has none of its own
+RECORDERS = {"record": "remote", "record-local": "local"}  # and the site whose configuration each has
 MOST_EXPOSED = 2.0
 
 analyse = pytest.mark.skipif(
@@ -40,7 +40,8 @@ def test_a_unit_waits_for_ready_watches_and_gives_up(unit: Path) -> None:
     service = sections["Service"]
     assert service["Type"] == "notify"
     assert float(service["WatchdogSec"]) >= 1
-    assert service["ExecStart"].endswith(f"farhand {name} --config /etc/farhand/{CONFIGURATION.get(name, name)}.toml")
+    command, site = ("record", RECORDERS[name]) if name in RECORDERS else (name, name)
+    assert service["ExecStart"].endswith(f"farhand {command} --config /etc/farhand/{site}.toml")
     assert service["User"].startswith("farhand")
     assert service["Restart"] == "on-failure"
     assert int(service["RestartPreventExitStatus"]) == MISUSE
@@ -81,6 +82,22 @@ def test_the_remote_sites_mark_lies_where_it_outlasts_a_power_cut() -> None:
     service = unit_of("remote")["Service"]
     assert service["StateDirectory"] == "farhand"
     assert "RuntimeDirectory" not in service
+
+
+@pytest.mark.parametrize(("name", "site"), RECORDERS.items())
+def test_a_recorder_is_its_sites_user_keeps_files_to_itself_and_has_no_device(name: str, site: str) -> None:
+    service, recorded = unit_of(name)["Service"], unit_of(site)["Service"]
+    assert (service["User"], service["StateDirectory"]) == (recorded["User"], recorded["StateDirectory"])
+    assert service["UMask"] == "0077"
+    assert service["PrivateDevices"] == "yes"
+    assert unit_of(name)["Unit"]["After"].split()[-1] == f"farhand-{site}.service"
+
+
+def test_only_the_recorder_that_listens_to_the_sites_has_a_network() -> None:
+    cell, operator = (unit_of(name)["Service"] for name in RECORDERS)
+    assert cell["PrivateNetwork"] == "yes"
+    assert "PrivateNetwork" not in operator
+    assert "AF_INET" in operator["RestrictAddressFamilies"].split()
 
 
 @analyse

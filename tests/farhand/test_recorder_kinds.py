@@ -7,7 +7,7 @@ import pytest
 from common.errors import RecordingError
 from common.process.service import StopFlag
 from farhand.deployment.shipped import HERE
-from farhand.recording.run import load_site, run_recorder
+from farhand.recording.run import FOLDERS, load_site, run_recorder
 from local_site.config import LocalConfig
 from remote_site.config import RemoteConfig
 
@@ -38,3 +38,9 @@ def test_an_existing_file_is_not_written_over(tmp_path: Path) -> None:
     with pytest.raises(RecordingError, match="exists already"):
         run_recorder(None, (), None, tmp_path / "kept.mcap", lambda: pytest.fail("no date is needed"), StopFlag())
     assert (tmp_path / "kept.mcap").read_bytes() == b"kept"
+
+
+def test_the_recorders_of_two_sites_on_one_host_keep_apart() -> None:
+    """They begin in the same second and name their files alike, and each removes what is too much in its own folder."""
+    assert set(FOLDERS) == {RemoteConfig, LocalConfig}
+    assert len(set(FOLDERS.values())) == 2

@@ -23,7 +23,7 @@ OPERATOR = "anna"
 
 
 def ask(sites: Sites, action: RecordAction, operator: str = OPERATOR, **given: object) -> None:
-    request_record(CELL, sites.control, operator, action, **given)  # type: ignore[arg-type]
+    request_record(CELL, sites.control, sites.listen, operator, action, **given)  # type: ignore[arg-type]
 
 
 def recording(sites: Sites) -> RecordingState:
@@ -75,7 +75,7 @@ def test_the_holder_records_and_a_killed_recorder_costs_a_second_and_the_arm_not
     assert cycles[-1][0] > killed_ns - 4e9  # a second, and what a busy machine takes to flush and to kill
 
 
-def test_the_operators_own_recorder_keeps_hand_states_and_views_and_says_so(tmp_path: Path) -> None:
+def test_the_operators_own_recorder_keeps_hand_states_and_views_once_asked_and_says_so(tmp_path: Path) -> None:
     out, told = tmp_path / "recordings", list[RecordingNotice]()
     with running_sites() as sites:
         sites.remote("driver.name=kinematic", *PATIENT)
@@ -84,12 +84,20 @@ def test_the_operators_own_recorder_keeps_hand_states_and_views_and_says_so(tmp_
         notices = sites.link.latest(RECORDING, CELL, operator=OPERATOR)
         links = (f"links.remote={sites.control}", f"links.listen={sites.listen}")
         who = (f"authority.operator={OPERATOR}", "record.operator_pictures=true", f"record.folder={out}")
-        recorder = sites.start("record", *links, *LIGHT_LOCAL, *who)
+        recorder = sites.start("record", *links, *LIGHT_LOCAL, *who, "record.start=on_request")
+
+        def newest() -> RecordingState | None:
+            told.extend(notice for notice in [notices.take()] if notice is not None)
+            return told[-1].state if told else None
 
         def follows() -> bool:
-            told.extend(notice for notice in [notices.take()] if notice is not None)
-            return bool(told) and told[-1].state.episode_open
+            state = newest()
+            return state is not None and state.episode_open
 
+        sites.wait("the recorder", lambda: newest() is not None)
+        sites.wait("the lease", lambda: sites.state.lease is not None)
+        ask(sites, RecordAction.START)
+        sites.wait("the mark", lambda: (state := newest()) is not None and state.writing)
         sites.wait("readiness", lambda: sites.state.readiness.ready)
         request_engage(CELL, sites.control, OPERATOR)
         sites.wait("the notice of an episode", follows)
@@ -102,9 +110,11 @@ def test_the_operators_own_recorder_keeps_hand_states_and_views_and_says_so(tmp_
         sites.wait("a view of the operator, drawn when the machine has time for it", seen)
         sites.wait("another", seen)
         time.sleep(1.0)
+        assert told[-1].state.writing
+        assert told[-1].state.operator_pictures
+        ask(sites, RecordAction.STOP)
+        sites.wait("the end", lambda: (state := newest()) is not None and not state.writing)
         recorder.end()
-    assert told[-1].state.writing
-    assert told[-1].state.operator_pictures
     (path,) = out.iterdir()
     with RecordingReader(path) as reader:
         kept = reader.topics

@@ -10,9 +10,10 @@ from pathlib import Path
 
 import numpy as np
 
-from common.link.channels import INTENT
+from common.link.channels import INTENT, PREVIEW
 from common.messages.hand import Intent, OperatorIntent
 from common.messages.robot import SessionState
+from common.messages.video import CameraStatus, VideoFrame
 from tests.farhand.replay.recorded_states import LENGTH_M, moves_back, recorded_states, start_pose
 from tests.integration.sites import CELL, PATIENT, Sites, running_sites
 
@@ -67,8 +68,17 @@ def test_the_recorded_path_is_run_while_the_key_is_held_and_ends_with_it(tmp_pat
     with running_sites() as sites:
         sites.remote("driver.name=kinematic", "engagement.mode=hold_to_run", *PATIENT)
         sites.wait_for_states()
+        views, shown = sites.link.latest(PREVIEW, CELL, "left", operator=OPERATOR), list[VideoFrame]()
+
+        def told() -> VideoFrame | None:
+            shown.extend(frame for frame in [views.take()] if frame is not None)
+            return shown[-1] if shown else None
+
         with replaying(sites, file), key(sites) as held:
             sites.wait("readiness", lambda: sites.state.readiness.ready)
+            sites.wait("the words in the place of a view", lambda: told() is not None)
+            assert (shown[-1].status, shown[-1].data) == (CameraStatus.MISSING, b"")
+            assert shown[-1].reason == f"no camera is used: a recorded path is run, episode 1 of {file.name}"
             assert off_m(sites, begin) < NEAR_M
             held.set()
             sites.wait("the arm to follow", lambda: sites.is_in(SessionState.ENGAGED))

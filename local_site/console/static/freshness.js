@@ -3,7 +3,10 @@ export const OLD_MS = 300;
 
 /** Mark, words and age of a view, and whether it is old: its newest picture's exposure, its camera's last reported status, and the time, in ms. */
 export function judge(newest, status, nowMs) {
-  if (newest === null) return { mark: "none", title: "no picture yet", words: status?.reason ?? "", ageMs: null, isOld: true };
+  if (newest === null) {
+    const title = status?.status === "missing" ? "no picture" : "no picture yet";
+    return { mark: "none", title, words: status?.reason ?? "", ageMs: null, isOld: true };
+  }
   const ageMs = nowMs === null || newest.captureMs === null ? null : nowMs - newest.captureMs;
   if (ageMs === null) return { mark: "old", title: "age unknown", words: "the offset of the clocks is not known yet", ageMs, isOld: true };
   const isOld = ageMs + newest.unsureMs > OLD_MS;

@@ -50,6 +50,7 @@ function beat() {
 
 const handlers = {
   hello: (message) => {
+    panel.hello(message);
     controls.hello(message);
     replay.hello(message);
   },
@@ -67,17 +68,11 @@ const handlers = {
   situation: (message) => {
     mark(document.body, "data-connected", true);
     panel.show(message);
-    stop.show(message);
-    controls.show(message);
     arm.show(message.robot);
     views.haunt(message.robot);
     views.offer(message.robot);
-    assist.show(message.robot, controls.operates);
-    recording.show(message.robot, message.own_recording, controls.operates);
     latency.show(message);
-    delay.show(message);
-    link.show(message.robot);
-    views.showWhyNoPreview(message.hand);
+    if (!replay.isShown) operate(message);
   },
   tools: (message) => {
     toolsMs = performance.now();
@@ -94,6 +89,17 @@ connection.onPicture = (bytes) => views.receive(bytes);
 connection.onChange = (open) => {
   if (!open) disconnected();
 };
+
+/** What belongs to a live cell alone: its controls, and what its operator is told to do. */
+function operate(situation) {
+  stop.show(situation);
+  controls.show(situation);
+  assist.show(situation.robot, controls.operates);
+  recording.show(situation.robot, situation.own_recording, controls.operates);
+  delay.show(situation);
+  link.show(situation.robot);
+  views.showWhyNoPreview(situation.hand);
+}
 
 function showTools(tools) {
   views.markTools(tools);

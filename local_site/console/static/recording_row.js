@@ -7,7 +7,7 @@ const element = (id) => document.getElementById(id);
 export class RecordingRow {
   #connection;
   #alert;
-  #recording = null;
+  #recorders = [];
   #operates = false;
   #mark = element("recording");
   #row = element("recording-row");
@@ -22,23 +22,20 @@ export class RecordingRow {
 
   /** Show what the recorders of the cell and of the operator's own side do; without one nothing is shown. */
   show(robot, own, operates) {
-    const recording = robot === null || robot.silent ? null : robot.recording;
-    const both = [recording, own].filter((one) => one !== null);
-    const writing = both.filter((one) => one.writing);
-    const alarm = both.map((one) => one.alarm).find((words) => words !== "");
-    this.#recording = recording;
+    const ofCell = robot === null || robot.silent ? null : robot.recording;
+    this.#recorders = [ofCell, own].filter((one) => one !== null);
     this.#operates = operates;
-    this.#row.hidden = recording === null;
-    this.#mark.hidden = writing.length === 0;
+    const alarm = this.#recorders.map((one) => one.alarm).find((words) => words !== "");
+    this.#row.hidden = this.#recorders.length === 0;
+    this.#mark.hidden = this.#writing.length === 0;
     if (alarm === undefined) this.#alert.clear("recording");
     else this.#alert.show("recording", "bad", alarm);
-    put(this.#mark, markWords(writing));
-    if (recording === null) return;
-    put(element("episode-words"), recording.writing ? episodeWords(recording) : "nothing is recorded");
-    put(this.#buttons.record, recording.writing ? "End recording" : "Record");
-    this.#buttons.record.hidden = !recording.on_request;
+    put(this.#mark, markWords(this.#writing));
+    put(element("episode-words"), this.#bounded === null ? "nothing is recorded" : episodeWords(this.#bounded));
+    put(this.#buttons.record, this.#isEndable ? "End recording" : "Record");
+    this.#buttons.record.hidden = !this.#recorders.some((one) => one.on_request);
     this.#buttons.record.disabled = !operates;
-    mark(this.#buttons.episode, "aria-pressed", recording.episode_open);
+    mark(this.#buttons.episode, "aria-pressed", this.#bounded?.episode_open ?? false);
     for (const name of Object.values(KEYS)) this.#buttons[name].disabled = !this.#can(name);
   }
 
@@ -48,10 +45,22 @@ export class RecordingRow {
     for (const button of Object.values(this.#buttons)) button.disabled = true;
   }
 
+  get #writing() {
+    return this.#recorders.filter((one) => one.writing);
+  }
+
+  /** Whose episodes the keys bound: those of the cell's recording, or else of the operator's own. */
+  get #bounded() {
+    return this.#writing[0] ?? null;
+  }
+
+  get #isEndable() {
+    return this.#writing.some((one) => one.on_request);
+  }
+
   #can(name) {
-    const recording = this.#recording;
-    if (!this.#operates || recording === null || !recording.writing) return false;
-    return name === "episode" || recording.episode > 0;
+    if (!this.#operates || this.#bounded === null) return false;
+    return name === "episode" || this.#bounded.episode > 0;
   }
 
   #key(event) {
@@ -61,10 +70,9 @@ export class RecordingRow {
   }
 
   #act(name) {
-    const { writing, episode_open } = this.#recording;
     const asked = {
-      record: { action: writing ? "stop" : "start" },
-      episode: { action: episode_open ? "end" : "begin" },
+      record: { action: this.#isEndable ? "stop" : "start" },
+      episode: { action: this.#bounded?.episode_open ? "end" : "begin" },
       success: { action: "label", outcome: "success" },
       failure: { action: "label", outcome: "failure" },
     }[name];

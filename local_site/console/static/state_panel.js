@@ -4,6 +4,16 @@ import { troubles } from "./link_line.js";
 import { mark, put } from "./words.js";
 
 const SILENT_MS = 500;
+const LIVE = {
+  lost: "the console does not answer: the held key has no effect, and the arm may be moving",
+  none: ["no robot", "no state has come from the remote site yet"],
+  silent: (age) => `the remote site has been silent for ${age}`,
+};
+const RECORDED = {
+  lost: "the program that replays does not answer",
+  none: ["nothing", "no state is recorded up to here"],
+  silent: (age) => `no state is recorded for ${age}`,
+};
 
 export class StatePanel {
   #state = document.getElementById("state");
@@ -13,6 +23,12 @@ export class StatePanel {
   #events = document.getElementById("events");
   #receivedMs = null;
   #connected = false;
+  #said = LIVE;
+
+  /** A page that shows a recording has other words for what is missing. */
+  hello({ replay }) {
+    this.#said = replay === null ? LIVE : RECORDED;
+  }
 
   describe(cell) {
     this.#cell.textContent = `${cell.cell} · ${cell.robot} · ${cell.driver}`;
@@ -20,7 +36,7 @@ export class StatePanel {
 
   disconnected() {
     this.#connected = false;
-    this.#set("silent", "no connection", "the console does not answer: the held key has no effect, and the arm may be moving");
+    this.#set("silent", "no connection", this.#said.lost);
   }
 
   /** Whether the console has fallen silent with its connection open. */
@@ -36,8 +52,8 @@ export class StatePanel {
   }
 
   #showRobot(robot) {
-    if (robot === null) this.#set("silent", "no robot", "no state has come from the remote site yet");
-    else if (robot.silent) this.#set("silent", "silent", `the remote site has been silent for ${ageWords(robot.heard_ms)}`);
+    if (robot === null) this.#set("silent", ...this.#said.none);
+    else if (robot.silent) this.#set("silent", "silent", this.#said.silent(ageWords(robot.heard_ms)));
     else if (robot.readiness.code === "stopped") this.#set("stopped", "stopped", robot.reason);
     else {
       const missing = robot.state === "disengaged" && robot.readiness.reason !== robot.reason ? [robot.readiness.reason] : [];

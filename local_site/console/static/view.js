@@ -15,6 +15,7 @@ export class View {
   why = "";
   #clock;
   #h264;
+  #isOfOperator;
   #isMissed = false;
   #canvas = document.createElement("canvas");
   #context = this.#canvas.getContext("2d", { alpha: false, desynchronized: true });
@@ -33,8 +34,10 @@ export class View {
   #newest = null;
   #times = [];
 
+  /** `key` enlarges a view of the cell; one of the operator has none. */
   constructor(clock, h264, name, key) {
     this.#clock = clock;
+    this.#isOfOperator = key === null;
     this.#h264 = h264;
     this.element = document.createElement("button");
     this.element.type = "button";
@@ -91,7 +94,10 @@ export class View {
   async receive(bytes) {
     const { header, offset, isPicture } = parsePicture(bytes);
     this.#header = header;
-    if (!isPicture) return true;
+    if (!isPicture) {
+      if (header.status === "missing" && this.#isOfOperator) this.#forget();
+      return true;
+    }
     const picture = await this.#decoded(header, bytes, offset);
     if (picture === null) return this.#isMissed;
     if (this.#newest === null || header.seq > this.#newest.seq || header.capture_ms > this.#newest.captureMs) {
@@ -106,6 +112,13 @@ export class View {
     this.#isMissed = header.codec === "h264" && !this.#h264.supported;
     if (header.codec === "jpeg") return createImageBitmap(new Blob([new Uint8Array(bytes, offset)], { type: "image/jpeg" }));
     return this.#h264.decode(header.view, header.key, bytes, offset);
+  }
+
+  /** Show no picture: an old one of the operator would be taken for one who is seen now. */
+  #forget() {
+    this.#newest = null;
+    this.#times = [];
+    this.#context.clearRect(0, 0, this.#canvas.width, this.#canvas.height);
   }
 
   #paint(picture, header) {

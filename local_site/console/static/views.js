@@ -81,8 +81,8 @@ export class Views {
 
   /** Take a picture, and report to the console when the next may come. */
   async receive(bytes) {
-    const name = parsePicture(bytes).header.view;
-    this.#received.add(name);
+    const { header: { view: name }, isPicture } = parsePicture(bytes);
+    if (isPicture) this.#received.add(name);
     try {
       if ((await this.#views.get(name)?.receive(bytes)) === false) this.#send({ type: "lost", view: name });
     } finally {

@@ -70,5 +70,5 @@ def test_a_folder_into_which_others_may_look_is_refused(tmp_path: Path) -> None:
 
 def test_recordings_lie_in_the_services_state_folder(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setenv("STATE_DIRECTORY", "/var/lib/farhand")
-    assert recordings_folder("") == Path("/var/lib/farhand/recordings")
-    assert recordings_folder("/data") == Path("/data")
+    assert recordings_folder("", "recordings") == Path("/var/lib/farhand/recordings")
+    assert recordings_folder("/data", "recordings") == Path("/data")

@@ -73,5 +73,5 @@ def test_a_folder_that_cannot_be_made_is_refused(tmp_path: Path) -> None:
 def test_a_units_configuration_is_shipped() -> None:
     started = [path.read_text() for path in (HERE / "systemd").iterdir()]
     named = {re.findall(r"--config /etc/farhand/(\w+)\.toml", text)[0] for text in started}
-    assert len(started) == 5
+    assert len(started) == 6
     assert named <= set(NAMES)

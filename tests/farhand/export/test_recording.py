@@ -10,7 +10,7 @@ from common.errors import ExportError, RecordingError
 from common.messages.recording import EpisodeOutcome
 from common.messages.requests import EngagementAction, RecordAction
 from common.messages.robot import GripperCommand
-from common.recording.config import CellRecordConfig
+from common.recording.config import RecordConfig
 from common.recording.episodes import EpisodeEvent, EpisodeEventKind
 from common.recording.reader import RecordingReader
 from farhand.export.recorded_signals import episodes_of
@@ -28,7 +28,7 @@ FPS = 20
 @pytest.fixture(scope="module")
 def recorded(tmp_path_factory) -> Path:
     """A site that engages, follows a moving hand for two seconds, and ends."""
-    site = RecordedSite(tmp_path_factory.mktemp("site"), CellRecordConfig(task="wave"))
+    site = RecordedSite(tmp_path_factory.mktemp("site"), RecordConfig(task="wave"))
     site.loop.link.activate(CONFIG.robot.start)
     site.run(0.4)
     site.loop.ask(EngagementAction.ENGAGE)
@@ -103,7 +103,7 @@ def test_first_and_last_picture_of_an_episode_are_those_of_the_recording(recorde
 
 
 def test_parts_of_one_recording_are_one_session(tmp_path):
-    site = RecordedSite(tmp_path, CellRecordConfig(split_minutes=0.1))
+    site = RecordedSite(tmp_path, RecordConfig(split_minutes=0.1))
     site.loop.link.activate(CONFIG.robot.start)
     site.run(0.4)
     site.order(RecordAction.BEGIN, task="wait")

@@ -1,10 +1,11 @@
-"""The operator's recorder keeps what it hears byte for byte, and says whether pictures of the operator are with it."""
+"""The operator's recorder keeps what it hears byte for byte, once it may, and says whose pictures are with it."""
 
 import json
 from collections.abc import Iterator
 from datetime import UTC, datetime
 from pathlib import Path
 
+import msgspec
 import pytest
 from mcap.reader import make_reader
 from mcap_protobuf.decoder import DecoderFactory
@@ -12,9 +13,11 @@ from mcap_protobuf.decoder import DecoderFactory
 import tests.common.messages.golden_examples as golden
 from common.link.channels import HAND, PREVIEW, STATE
 from common.messages.codec import encode
+from common.messages.recording import EpisodeOutcome
+from common.messages.requests import RecordAction, RecordRequest
 from common.messages.robot import SessionState
 from common.messages.video import CameraStatus, Codec, VideoFrame
-from common.recording.config import OperatorRecordConfig
+from common.recording.config import OperatorRecordConfig, StartPolicy
 from common.recording.guarded import GuardedRecording
 from common.recording.reader import RecordingReader
 from common.recording.session import RecordingPlan
@@ -42,11 +45,13 @@ FRAME = VideoFrame(
 
 
 class Script:
-    """Messages that are heard, each once."""
+    """Messages that are heard and orders that are given, each once; `hears_views` is whether views would be heard."""
 
     def __init__(self) -> None:
         self.lost = 0
         self.waiting: list[HeardMessage] = []
+        self.ordered: list[RecordRequest] = []
+        self.hears_views = False
 
     def hear(self, key: str, t_s: float, payload: bytes) -> None:
         self.waiting.append(HeardMessage(key, round(t_s * 1e9), key != STATE_KEY, payload))
@@ -55,16 +60,37 @@ class Script:
         while self.waiting:
             yield self.waiting.pop(0)
 
+    def order(self, action: RecordAction, **given: object) -> None:
+        self.ordered.append(RecordRequest(id=1, deadline_ns=1, action=action, **given))  # type: ignore[arg-type]
+
+    def orders(self) -> Iterator[RecordRequest]:
+        while self.ordered:
+            yield self.ordered.pop(0)
+
+    def hear_views(self, *, wanted: bool) -> None:
+        self.hears_views = wanted
+
 
 @pytest.fixture
 def heard() -> Script:
     return Script()
 
 
+def recorder_of(config: LocalConfig, folder: Path, heard: Script) -> OperatorRecorder:
+    plan = RecordingPlan(folder, "cell", "test", config.record)
+    return OperatorRecorder(config, GuardedRecording(plan, lambda: BEGAN), heard)
+
+
 @pytest.fixture
 def recorder(tmp_path: Path, heard: Script) -> OperatorRecorder:
-    plan = RecordingPlan(tmp_path, "cell", "test", CONFIG.record)
-    return OperatorRecorder(CONFIG, GuardedRecording(plan, lambda: BEGAN), heard)
+    return recorder_of(CONFIG, tmp_path, heard)
+
+
+@pytest.fixture
+def asked(tmp_path: Path, heard: Script) -> OperatorRecorder:
+    """A recorder that waits to be asked."""
+    record = msgspec.structs.replace(CONFIG.record, start=StartPolicy.ON_REQUEST)
+    return recorder_of(msgspec.structs.replace(CONFIG, record=record), tmp_path, heard)
 
 
 def recorded(tmp_path: Path, *topics: str) -> list[bytes]:
@@ -74,7 +100,7 @@ def recorded(tmp_path: Path, *topics: str) -> list[bytes]:
 
 
 def state(session: SessionState) -> bytes:
-    return encode(golden.msgspec.structs.replace(golden.STATE, state=session))
+    return encode(msgspec.structs.replace(golden.STATE, state=session))
 
 
 def test_what_passed_is_kept_byte_for_byte_and_shown(tmp_path: Path, heard: Script, recorder: OperatorRecorder) -> None:
@@ -111,3 +137,58 @@ def test_the_console_is_told_several_times_a_second_whose_pictures_are_kept(reco
     assert all(one.writing and one.operator_pictures for one in told)
     recorder.end(2 * 10**9)
     assert not recorder.state().writing
+
+
+def test_on_request_nothing_is_kept_or_looked_at_before_it_is_asked_for_and_after(
+    tmp_path: Path, heard: Script, asked: OperatorRecorder
+) -> None:
+    asked.step(10**9)
+    assert (asked.state().writing, asked.state().on_request, heard.hears_views) == (False, True, False)
+    assert list(tmp_path.iterdir()) == []
+    kept = []
+    for t_s, action in ((2, RecordAction.START), (3, RecordAction.STOP), (4, None)):
+        if action is not None:
+            heard.order(action)
+        heard.hear(HAND_KEY, t_s, b"%d" % t_s)
+        asked.step(t_s * 10**9)
+        kept.append((asked.state().writing, heard.hears_views))
+    assert kept == [(True, True), (False, False), (False, False)]
+    assert recorded(tmp_path, HAND_KEY) == [b"2", b"3"]
+
+
+def test_what_was_asked_of_one_run_of_the_local_site_is_not_of_the_next(
+    tmp_path: Path, heard: Script, asked: OperatorRecorder
+) -> None:
+    heard.order(RecordAction.START)
+    for t_s in (1, 5, 9):  # the remote site goes on
+        heard.hear(HAND_KEY, t_s, b"hand")
+        asked.step(t_s * 10**9)
+    assert asked.state().writing
+    heard.hear(STATE_KEY, 14.5, state(SessionState.DISENGAGED))
+    asked.step(145 * 10**8)
+    assert not asked.state().writing
+    heard.hear(HAND_KEY, 20, b"hand")
+    asked.step(20 * 10**9)
+    assert not asked.state().writing
+    assert len(list(tmp_path.iterdir())) == 1
+
+
+def test_the_operator_bounds_and_labels_episodes(tmp_path: Path, heard: Script, recorder: OperatorRecorder) -> None:
+    for k, (action, given) in enumerate(
+        [
+            (RecordAction.BEGIN, {"task": "push"}),
+            (RecordAction.END, {}),
+            (RecordAction.LABEL, {"outcome": EpisodeOutcome.FAILURE}),
+        ]
+    ):
+        recorder.step(k * 10**9)  # orders come to a recording that is under way
+        heard.order(action, **given)
+        recorder.step(k * 10**9 + 1)
+    recorder.end(4 * 10**9)
+    events = [json.loads(data) for data in recorded(tmp_path, "/episode")]
+    who = CONFIG.authority.name
+    assert [(e["event"], e["by"], e["task"], e["outcome"]) for e in events] == [
+        ("begin", who, "push", "unknown"),
+        ("end", who, "push", "unknown"),
+        ("label", who, "push", "failure"),
+    ]

@@ -14,7 +14,8 @@ from local_site.authority.remote_watch import RemoteWatch
 from local_site.calibration.rig import Rig
 from local_site.config import LocalConfig
 from local_site.preview.preview import Preview
-from local_site.runtime.loop import ArmTracking, LocalSite, RecorderRelay, SampleSender
+from local_site.runtime.loop import ArmTracking, LocalSite, SampleSender
+from local_site.runtime.recorder_relay import RecorderRelay
 from local_site.simulation.cameras import exact_rig
 from local_site.simulation.config import StereoConfig
 from local_site.tracking.tracker import ArmEstimate, View, Views
@@ -100,7 +101,8 @@ def site(monkeypatch):
         config, clock = LocalConfig(), FakeClock(0)
         watch, preview = RemoteWatch(wire, Alone.session, operator.engaged), Preview({}, NoDrawing(), 12.0)
         tracking, sender = ArmTracking(config, operator, wire), SampleSender(config, wire, Alone(), watch, clock)
-        return LocalSite(Cameras(cameras), tracking, sender, watch, preview, RecorderRelay(config, wire), clock), wire
+        relay = RecorderRelay(config, wire, Alone())
+        return LocalSite(Cameras(cameras), tracking, sender, watch, preview, relay, clock), wire
 
     return make
 

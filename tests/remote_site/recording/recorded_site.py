@@ -12,7 +12,7 @@ from common.link.channels import HAND
 from common.messages.codec import encode
 from common.messages.requests import RecordAction
 from common.messages.video import CameraStatus, Codec, VideoFrame
-from common.recording.config import CellRecordConfig
+from common.recording.config import RecordConfig
 from common.recording.guarded import GuardedRecording
 from common.recording.session import RecordingPlan
 from remote_site.recording.attachment import SiteAttachment
@@ -36,13 +36,13 @@ TICKS_PER_PICTURE = 8
 class RecordedSite:
     """`run` advances site and recorder together; a picture of noise comes every 32 ms."""
 
-    def __init__(self, folder: Path, record: CellRecordConfig | None = None) -> None:
+    def __init__(self, folder: Path, record: RecordConfig | None = None) -> None:
         self.loop = DrivenLoop()
         self.clock = self.loop.clock
         self.memory = RecordingMemory.create(folder / "memory", self.clock.now_ns())
         self.out = folder / "recordings"
         self.out.mkdir(mode=0o700, exist_ok=True)
-        config = msgspec.structs.replace(CONFIG, record=record or CellRecordConfig())
+        config = msgspec.structs.replace(CONFIG, record=record or RecordConfig())
         plan = RecordingPlan(self.out, CELL, "test", config.record)
         self.began = BEGAN
         recording = GuardedRecording(plan, lambda: self.began)

@@ -18,7 +18,7 @@ from common.messages.recording import EpisodeOutcome
 from common.messages.requests import EngagementAction, RecordAction
 from common.messages.robot import SessionState
 from common.messages.video import VideoFrame
-from common.recording.config import CellRecordConfig, EpisodeBounds, StartPolicy
+from common.recording.config import EpisodeBounds, RecordConfig, StartPolicy
 from common.recording.reader import RecordingReader
 from remote_site.kinematics.limits import load_arm
 from remote_site.recording.control_tap import ControlTap
@@ -145,7 +145,7 @@ def test_an_engagement_is_an_episode_and_gets_its_label_afterwards(site: Recorde
 
 
 def test_where_requests_bound_episodes_engagements_do_not(tmp_path: Path) -> None:
-    site = RecordedSite(tmp_path, CellRecordConfig(episodes=EpisodeBounds.REQUESTS))
+    site = RecordedSite(tmp_path, RecordConfig(episodes=EpisodeBounds.REQUESTS))
     engaged(site)
     site.order(RecordAction.BEGIN, task="push")
     site.run(0.2)
@@ -155,7 +155,7 @@ def test_where_requests_bound_episodes_engagements_do_not(tmp_path: Path) -> Non
 
 
 def test_on_request_nothing_is_kept_before_it_is_asked_for_and_after(tmp_path: Path) -> None:
-    site = RecordedSite(tmp_path, CellRecordConfig(start=StartPolicy.ON_REQUEST))
+    site = RecordedSite(tmp_path, RecordConfig(start=StartPolicy.ON_REQUEST))
     site.run(0.3)
     assert site.files == []
     state = site.tap.state(site.clock.now_ns())
@@ -173,7 +173,7 @@ def test_on_request_nothing_is_kept_before_it_is_asked_for_and_after(tmp_path: P
 
 
 def test_what_was_asked_of_one_run_of_the_site_is_not_of_the_next(tmp_path: Path) -> None:
-    site = RecordedSite(tmp_path, CellRecordConfig(start=StartPolicy.ON_REQUEST))
+    site = RecordedSite(tmp_path, RecordConfig(start=StartPolicy.ON_REQUEST))
     site.run(0.1)
     site.order(RecordAction.START)
     site.run(0.1)
@@ -196,7 +196,7 @@ def test_without_a_recorder_nothing_is_left_in_memory(site: RecordedSite) -> Non
 
 
 def test_files_are_split_and_each_has_all_that_a_reader_needs(tmp_path: Path) -> None:
-    site = RecordedSite(tmp_path, CellRecordConfig(split_minutes=0.1))
+    site = RecordedSite(tmp_path, RecordConfig(split_minutes=0.1))
     site.run(0.1)
     site.idle(13.0)
     site.end()
@@ -211,7 +211,7 @@ def test_files_are_split_and_each_has_all_that_a_reader_needs(tmp_path: Path) ->
 
 
 def test_no_more_is_kept_than_is_allowed(tmp_path: Path) -> None:
-    site = RecordedSite(tmp_path, CellRecordConfig(split_gb=0.001, keep_gb=0.004))
+    site = RecordedSite(tmp_path, RecordConfig(split_gb=0.001, keep_gb=0.004))
     site.side_px = 256
     site.run(0.1)
     (site.out / "notes.txt").write_text("not a recording")

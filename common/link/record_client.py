@@ -1,0 +1,45 @@
+"""Asks the recorders of both sites the same: what one of them takes is done."""
+
+from functools import partial
+
+from common.errors import TransportError
+from common.link.channels import RECORD, RECORD_OWN, Procedure
+from common.link.request_client import RequestClient, RequestMaker
+from common.messages.recording import EpisodeOutcome
+from common.messages.requests import NO_RECORDER, RecordAction, RecordRequest, Reply
+
+SILENT = "silent"
+
+
+class RecordClient:
+    """`remote` asks the remote site, `local` the operator's own one; both for the same operator."""
+
+    def __init__(self, remote: RequestClient, local: RequestClient) -> None:
+        self._remote, self._local = remote, local
+
+    def ask(
+        self, action: RecordAction, task: str = "", outcome: EpisodeOutcome = EpisodeOutcome.UNKNOWN, note: str = ""
+    ) -> Reply:
+        """The reply of both; a site that does not answer refuses with the code SILENT."""
+        make = partial(RecordRequest, action=action, task=task, outcome=outcome, note=note)
+        return reply_of_both(_asked(self._remote, RECORD, make), _asked(self._local, RECORD_OWN, make))
+
+
+def reply_of_both(remote: Reply, local: Reply) -> Reply:
+    """What one site has taken is done; what neither takes is refused for the more telling reason."""
+    done = [reply for reply in (remote, local) if reply.done]
+    if len(done) == 1:
+        return done[0]
+    if done:
+        return Reply(id=remote.id, done=True, code=remote.code, reason=f"{remote.reason}; {local.reason}")
+    says_more = remote.code != NO_RECORDER or local.code in (NO_RECORDER, SILENT)
+    return remote if says_more else local
+
+
+def _asked(
+    client: RequestClient, procedure: Procedure[RecordRequest, Reply], make: RequestMaker[RecordRequest]
+) -> Reply:
+    try:
+        return client.ask(procedure, make)
+    except TransportError as error:
+        return Reply(id=0, done=False, code=SILENT, reason=str(error))

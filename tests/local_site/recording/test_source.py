@@ -1,0 +1,76 @@
+"""What the operator's recorder hears over a real link: its orders, and the views only while it wants them."""
+
+import time
+from collections.abc import Callable, Iterator
+
+import pytest
+
+import tests.common.messages.golden_examples as golden
+from common.link.channels import HAND, PREVIEW, RECORD_ORDER
+from common.link.transport import Link, open_link
+from common.messages.requests import RecordAction, RecordRequest
+from common.recording.config import OperatorRecordConfig
+from farhand.loopback.site_process import free_ports
+from local_site.authority.config import AuthorityConfig
+from local_site.config import LocalConfig, LocalLinksConfig
+from local_site.recording.source import OperatorSource
+
+PATIENCE_S = 10.0
+CELL, NAME = "cell", "anna"
+
+
+def until(what: str, is_so: Callable[[], bool]) -> None:
+    deadline = time.monotonic() + PATIENCE_S
+    while not is_so():
+        assert time.monotonic() < deadline, f"waited in vain for {what}"
+        time.sleep(0.01)
+
+
+@pytest.fixture
+def config() -> LocalConfig:
+    remote, listen = (f"tcp/127.0.0.1:{port}" for port in free_ports(2))
+    return LocalConfig(
+        cell=CELL,
+        links=LocalLinksConfig(remote=remote, listen=listen),
+        authority=AuthorityConfig(operator=NAME),
+        record=OperatorRecordConfig(operator_pictures=True),
+    )
+
+
+@pytest.fixture
+def site(config: LocalConfig) -> Iterator[Link]:
+    """The local site's end."""
+    with open_link(listen=(config.links.listen,)) as link:
+        yield link
+
+
+def test_orders_and_messages_come_each_once(config: LocalConfig, site: Link) -> None:
+    hands, orders = site.publisher(HAND, CELL, operator=NAME), site.publisher(RECORD_ORDER, CELL, operator=NAME)
+    start = RecordRequest(id=7, deadline_ns=1, action=RecordAction.START)
+    with OperatorSource(config) as source:
+        until("the recorder", lambda: hands.has_listener and orders.has_listener)
+        hands.put(golden.HAND)
+        orders.put(start)
+        taken: list[RecordRequest] = []
+        until("the order", lambda: bool(taken.extend(source.orders()) or taken))
+        assert taken == [start]
+        keys: set[str] = set()
+        until("both messages", lambda: bool(keys.update(m.key for m in source.take() if m.sent) or len(keys) == 2))
+        assert keys == {HAND.key_for(CELL, operator=NAME), RECORD_ORDER.key_for(CELL, operator=NAME)}
+        assert list(source.orders()) == []
+
+
+def test_the_views_are_heard_only_while_they_are_wanted(config: LocalConfig, site: Link) -> None:
+    view = site.publisher(PREVIEW, CELL, "left", operator=NAME)
+    with OperatorSource(config) as source:
+        hands = site.publisher(HAND, CELL, operator=NAME)
+        until("the recorder", lambda: hands.has_listener)
+        assert not view.has_listener
+        source.hear_views(wanted=True)
+        until("a listener", lambda: view.has_listener)
+        began = time.monotonic()
+        source.hear_views(wanted=False)
+        assert time.monotonic() - began < 0.4, "its threads did not notice"
+        until("no listener", lambda: not view.has_listener)
+        source.hear_views(wanted=True)
+        until("a listener again", lambda: view.has_listener)
