@@ -16,10 +16,10 @@ from common.messages.hand import HandArm
 from common.messages.requests import Description
 from common.messages.robot import RobotState
 from common.messages.video import CameraStatus, Codec, VideoFrame
-from common.recording.episodes import EpisodeEvent
 from common.recording.folder import parts_from
 from common.recording.hand_transcript import EPISODE, LOG
 from common.recording.reader import KeptMessage, RecordingReader
+from common.recording.recorded_episodes import event_in
 from farhand.replay.recorded_cycles import with_urdf
 from remote_site.kinematics.limits import load_arm
 from remote_site.recording import topics
@@ -118,7 +118,7 @@ class RecordedScene:
     def _event(self, message: KeptMessage) -> RecordedEvent | None:
         at_s = (message.t_ns - self.begin_ns) / NS_PER_S
         if message.topic == EPISODE.name:
-            event = msgspec.json.decode(message.data, type=EpisodeEvent)
+            event = event_in(message)
             words = f"episode {event.episode}: {event.event.value}, {event.outcome.value} {event.task}".strip()
             return RecordedEvent(at_s, "episode", words)
         line = Log.FromString(message.data)
