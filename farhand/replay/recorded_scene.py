@@ -1,6 +1,7 @@
 """What an operator's page shows, out of a recording: states, hand samples and pictures, in the order of their times."""
 
 from collections.abc import Iterator
+from contextlib import ExitStack
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -9,7 +10,7 @@ from foxglove_schemas_protobuf.CompressedImage_pb2 import CompressedImage
 from foxglove_schemas_protobuf.Log_pb2 import Log
 
 from common.clock import NS_PER_S
-from common.errors import MessageError, RecordingError
+from common.errors import MessageError
 from common.link.channels import HAND, STATE
 from common.messages.codec import decode
 from common.messages.hand import HandArm
@@ -20,14 +21,14 @@ from common.recording.folder import parts_from
 from common.recording.hand_transcript import EPISODE, LOG
 from common.recording.reader import KeptMessage, RecordingReader
 from common.recording.recorded_episodes import event_in
-from farhand.replay.recorded_cycles import with_urdf
+from farhand.replay.recorded_cycles import recorded_config
+from remote_site.config import RemoteConfig
 from remote_site.kinematics.limits import load_arm
 from remote_site.recording import topics
-from remote_site.recording.kept_config import decode_config
-from remote_site.recording.transcript import CONFIG_FILE, URDF_FILE
 from remote_site.runtime.request_server import describe
 
 BEFORE_NS = NS_PER_S // 2  # before the time that is jumped to: by then every panel has something
+EVENT_TOPICS = EPISODE.name, LOG.name
 HAND_PREFIX = HAND.key.split("{operator}")[0]
 
 Shown = RobotState | HandArm | VideoFrame
@@ -42,43 +43,43 @@ class RecordedEvent:
     words: str
 
 
-class RecordedScene:
-    """A recording from one of its files on; the times are those of the host that recorded.
+def recorded_cell(path: Path, folder: Path) -> Description:
+    """The cell of a recording; `folder` receives the recorded URDF, where the arm's own is another one.
 
     RecordingError for files that are no recording of a cell.
     """
+    with RecordingReader(path) as recording:
+        return _described(recorded_config(recording, folder))
+
+
+class RecordedScene:
+    """A recording from one of its files on; the times are those of the host that recorded.
+
+    `events` are the episodes, and each change of the session's state, by time. RecordingError as `recorded_cell`.
+    """
 
     def __init__(self, path: Path, folder: Path) -> None:
-        """`folder` receives the recorded URDF, where the arm's own is another one."""
         self._parts = parts_from(path)
-        with RecordingReader(self._parts[0]) as first, RecordingReader(self._parts[-1]) as last:
-            self.begin_ns, self.end_ns = first.span_ns[0], last.span_ns[1]
-            self.began_ns = self.begin_ns + first.epoch_minus_clock_ns  # since 1970
-            try:
-                config, urdf = decode_config(first.document(CONFIG_FILE)), first.document(URDF_FILE)
-            except KeyError as error:
-                raise RecordingError(f"{path} is no recording of a remote site: it has no {error.args[0]}") from error
-        config = with_urdf(config, urdf, folder)
-        self.cell: Description = describe(config, *load_arm(config.robot))
+        with ExitStack() as stack:
+            readers = [stack.enter_context(RecordingReader(part)) for part in self._parts]
+            config = recorded_config(readers[0], folder)
+            self._ends_ns = [reader.span_ns[1] for reader in readers]
+            self.begin_ns, self.end_ns = readers[0].span_ns[0], self._ends_ns[-1]
+            self.began_ns = self.begin_ns + readers[0].epoch_minus_clock_ns  # since 1970
+            found = (self._event(message) for reader in readers for message in reader.messages(EVENT_TOPICS))
+            self.events = [event for event in found if event is not None]
+        self.cell = _described(config)
         self._cameras = {topics.image_topic(camera.name).name: camera.name for camera in config.video.cameras}
         self._state = STATE.key_for(config.cell)
         self._hands = HAND_PREFIX.format(cell=config.cell)
         self._pictures = 0
 
-    def events(self) -> list[RecordedEvent]:
-        """The episodes, and each change of the session's state, by time."""
-        found = []
-        for part in self._parts:
-            with RecordingReader(part) as recording:
-                found += [self._event(message) for message in recording.messages([EPISODE.name, LOG.name])]
-        return [event for event in found if event is not None]
-
     def shown(self, from_ns: int) -> Iterator[tuple[int, Shown]]:
         """Times and messages from shortly before a time on; what another release sent is left out."""
-        for part in self._parts:
+        for part, end_ns in zip(self._parts, self._ends_ns, strict=True):
+            if end_ns < from_ns:
+                continue
             with RecordingReader(part) as recording:
-                if recording.span_ns[1] < from_ns:
-                    continue
                 wanted = [name for name in recording.topics if self._is_shown(name)]
                 for message in recording.messages(wanted, from_ns - BEFORE_NS):
                     try:
@@ -123,6 +124,10 @@ class RecordedScene:
             return RecordedEvent(at_s, "episode", words)
         line = Log.FromString(message.data)
         return RecordedEvent(at_s, "session", line.message) if line.name == "session" else None
+
+
+def _described(config: RemoteConfig) -> Description:
+    return describe(config, *load_arm(config.robot))
 
 
 def _by_our_clock(hand: HandArm) -> HandArm:

@@ -10,12 +10,17 @@ from common.messages.hand import HandArm
 from common.messages.requests import EngagementAction
 from common.messages.robot import RobotState, SessionState
 from common.messages.video import VideoFrame
+from common.recording.config import CellRecordConfig
+from common.recording.reader import RecordingReader
+from farhand.replay import recorded_scene
 from farhand.replay.console import RecordingPlayer
 from farhand.replay.playback import Playback
 from farhand.replay.recorded_scene import RecordedScene
 from local_site.console.model.page_messages import Ask, Play
 from local_site.console.model.seat import Visitor
 from tests.farhand.replay.recorded_states import SECONDS, recorded_states
+from tests.remote_site.driven_loop import CONFIG
+from tests.remote_site.recording.recorded_site import RecordedSite
 
 
 class CollectingPage:
@@ -98,9 +103,9 @@ def test_the_page_shows_what_was_when_it_was(player, page, clock, recording):
 
 
 def test_events_lead_to_where_the_state_changed(scene, recording):
-    engaged = [event for event in scene.events() if event.words.startswith("engaged")]
+    engaged = [event for event in scene.events if event.words.startswith("engaged")]
     assert engaged[0].at_s == pytest.approx(recording.engaged_s, abs=0.1)
-    assert any(event.kind == "episode" for event in scene.events())
+    assert any(event.kind == "episode" for event in scene.events)
 
 
 def test_a_jump_back_shows_the_earlier_time_and_nothing_of_the_later(player, page, clock):
@@ -180,3 +185,25 @@ def test_a_damaged_recording_stands_where_it_is_damaged_and_says_so(recording, t
     assert not page.kinds["replay"]["running"]
     with pytest.raises(RecordingError, match="is damaged"):
         list(scene.shown(scene.begin_ns))
+
+
+def test_a_jump_opens_only_the_parts_from_there_on(tmp_path, monkeypatch):
+    site = RecordedSite(tmp_path, CellRecordConfig(split_minutes=0.1))
+    site.loop.link.activate(CONFIG.robot.start)
+    site.run(0.4)
+    site.idle(7.0)
+    site.end()
+    first, second = sorted(site.out.iterdir())
+    scene, opened = RecordedScene(first, tmp_path), []
+
+    def opening(path):
+        opened.append(path)
+        return RecordingReader(path)
+
+    monkeypatch.setattr(recorded_scene, "RecordingReader", opening)
+    with RecordingReader(second) as part:
+        begin_ns = part.span_ns[0]
+    assert list(scene.shown(begin_ns + NS_PER_S // 4))
+    assert opened == [second]
+    assert list(scene.shown(scene.begin_ns))
+    assert opened == [second, first, second]

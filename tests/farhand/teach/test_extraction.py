@@ -6,7 +6,7 @@ import pytest
 from common.errors import ConfigError
 from common.messages.robot import GripperCommand
 from farhand.commands.teach import extract, show
-from farhand.replay.recorded_scene import RecordedScene
+from farhand.replay.recorded_scene import recorded_cell
 from farhand.teach.extraction import extracted, task_of
 from farhand.teach.show import as_table, plotted
 from farhand.teach.task_file import TaskOrigin, TaughtFrame, load_task
@@ -46,7 +46,7 @@ def test_a_recording_becomes_a_file_that_is_shown(tmp_path, capsys):
     file, out, picture = recorded_states(tmp_path, moves_back).file, tmp_path / "task.toml", tmp_path / "task.png"
     extract(file, out)
     task = load_task(out)
-    assert task.task.robot == RecordedScene(file, tmp_path).cell.robot
+    assert task.task.robot == recorded_cell(file, tmp_path).robot
     assert len(task.waypoints) == 2
     assert task.waypoints[1].xyz_mm[0] - task.waypoints[0].xyz_mm[0] == pytest.approx(-80.0, abs=2.0)
     show(out, picture)
