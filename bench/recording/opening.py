@@ -3,7 +3,7 @@
 import os
 import time
 from collections.abc import Iterator, Sequence, Set
-from contextlib import contextmanager
+from contextlib import ExitStack, contextmanager
 from pathlib import Path
 from typing import cast
 
@@ -29,13 +29,12 @@ AFTER_NS = NS_PER_S  # the beginning of all pictures
 
 
 class WatchedReplay:
-    """A recording as `farhand replay` opens it, its time standing, with one page that expects these views."""
+    """A replay whose time stands, with one page that expects these views."""
 
-    def __init__(self, file: Path, folder: Path, views: Set[str]) -> None:
-        scene = RecordedScene(file, folder)
+    def __init__(self, scene: RecordedScene, views: Set[str]) -> None:
         self._begin_ns = scene.begin_ns
         self._views = {CAMERA_VIEW + view for view in views}
-        self._player = RecordingPlayer(scene, file.name, Playback(FakeClock(0), scene.begin_ns, scene.end_ns))
+        self._player = RecordingPlayer(scene, "a recording", Playback(FakeClock(0), scene.begin_ns, scene.end_ns))
         self._page = Page(Visitor(1, "here"), cast(WebSocket, None))  # nothing is written to it
         self._player.hub.arrive(self._page)
 
@@ -59,13 +58,15 @@ def opening_figures(file: Path, folder: Path, at: Sequence[float]) -> dict[str, 
     figures: dict[str, float] = {}
     with _timed(figures, "open s", file), RecordingReader(file) as recording:
         last_ns = recording.span_ns[1]
-    with _timed(figures, "first scene s", file):
-        replay = WatchedReplay(file, folder, pictures_ns.keys())
-        replay.show(first_ns)
-    sought: dict[str, float] = {}
-    for part in at:
-        with _timed(sought, f"{part}", file):
-            replay.show(round(first_ns + part * (last_ns - first_ns)))
+    with ExitStack() as stack:
+        with _timed(figures, "first scene s", file):
+            scene = stack.enter_context(RecordedScene(file, folder))
+            replay = WatchedReplay(scene, pictures_ns.keys())
+            replay.show(first_ns)
+        sought: dict[str, float] = {}
+        for part in at:
+            with _timed(sought, f"{part}", file):
+                replay.show(round(first_ns + part * (last_ns - first_ns)))
     times = list(sought.values())
     return figures | {"seek median s": float(np.median(times)), "seek largest s": max(times)}
 

@@ -4,13 +4,15 @@ from collections.abc import Iterator
 from contextlib import ExitStack
 from dataclasses import dataclass
 from pathlib import Path
+from types import TracebackType
+from typing import Self
 
 import msgspec
 from foxglove_schemas_protobuf.CompressedImage_pb2 import CompressedImage
 from foxglove_schemas_protobuf.Log_pb2 import Log
 
 from common.clock import NS_PER_S
-from common.errors import MessageError
+from common.errors import MessageError, RecordingError
 from common.link.channels import HAND, STATE
 from common.messages.codec import decode
 from common.messages.hand import HandArm
@@ -53,39 +55,45 @@ def recorded_cell(path: Path, folder: Path) -> Description:
 
 
 class RecordedScene:
-    """A recording from one of its files on; the times are those of the host that recorded.
+    """A recording from one of its files on, as a context manager; the times are those of the host that recorded.
 
     `events` are the episodes, and each change of the session's state, by time. RecordingError as `recorded_cell`.
     """
 
     def __init__(self, path: Path, folder: Path) -> None:
-        self._parts = parts_from(path)
         with ExitStack() as stack:
-            readers = [stack.enter_context(RecordingReader(part)) for part in self._parts]
-            config = recorded_config(readers[0], folder)
-            self._ends_ns = [reader.span_ns[1] for reader in readers]
-            self.begin_ns, self.end_ns = readers[0].span_ns[0], self._ends_ns[-1]
-            self.began_ns = self.begin_ns + readers[0].epoch_minus_clock_ns  # since 1970
-            found = (self._event(message) for reader in readers for message in reader.messages(EVENT_TOPICS))
-            self.events = [event for event in found if event is not None]
-        self.cell = _described(config)
+            self._parts = [stack.enter_context(RecordingReader(part)) for part in parts_from(path)]
+            first, last = self._parts[0], self._parts[-1]
+            config = recorded_config(first, folder)
+            self.begin_ns, self.end_ns = first.span_ns[0], last.span_ns[1]
+            self.began_ns = self.begin_ns + first.epoch_minus_clock_ns  # since 1970
+            self.events = [event for part in self._parts for event in self._events(part)]
+            self.cell = _described(config)
+            self._open = stack.pop_all()
         self._cameras = {topics.image_topic(camera.name).name: camera.name for camera in config.video.cameras}
         self._state = STATE.key_for(config.cell)
         self._hands = HAND_PREFIX.format(cell=config.cell)
         self._pictures = 0
 
+    def __enter__(self) -> Self:
+        return self
+
+    def __exit__(
+        self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
+    ) -> None:
+        self._open.close()
+
     def shown(self, from_ns: int) -> Iterator[tuple[int, Shown]]:
         """Times and messages from shortly before a time on; what another release sent is left out."""
-        for part, end_ns in zip(self._parts, self._ends_ns, strict=True):
-            if end_ns < from_ns:
+        for part in self._parts:
+            if part.span_ns[1] < from_ns - BEFORE_NS:
                 continue
-            with RecordingReader(part) as recording:
-                wanted = [name for name in recording.topics if self._is_shown(name)]
-                for message in recording.messages(wanted, from_ns - BEFORE_NS):
-                    try:
-                        yield message.t_ns, self._message(message)
-                    except MessageError:
-                        continue
+            wanted = [name for name in part.topics if self._is_shown(name)]
+            for message in part.messages(wanted, from_ns - BEFORE_NS):
+                try:
+                    yield message.t_ns, self._message(message)
+                except MessageError:
+                    continue
 
     def _is_shown(self, topic: str) -> bool:
         return topic == self._state or topic in self._cameras or topic.startswith(self._hands)
@@ -116,8 +124,19 @@ class RecordedScene:
             data=image.data,
         )
 
-    def _event(self, message: KeptMessage) -> RecordedEvent | None:
-        at_s = (message.t_ns - self.begin_ns) / NS_PER_S
+    def _events(self, part: RecordingReader) -> Iterator[RecordedEvent]:
+        """Those of a file; where it is damaged, so far, and that."""
+        at_s = 0.0
+        try:
+            for message in part.messages(EVENT_TOPICS):
+                at_s = (message.t_ns - self.begin_ns) / NS_PER_S
+                event = self._event(message, at_s)
+                if event is not None:
+                    yield event
+        except RecordingError as error:
+            yield RecordedEvent(at_s, "session", f"no events are known from here on: {error}")
+
+    def _event(self, message: KeptMessage, at_s: float) -> RecordedEvent | None:
         if message.topic == EPISODE.name:
             event = event_in(message)
             words = f"episode {event.episode}: {event.event.value}, {event.outcome.value} {event.task}".strip()

@@ -6,6 +6,7 @@ from bench.processes import UnavailableError
 from bench.recording.long_file import first_pictures_ns, write_long
 from bench.recording.opening import WatchedReplay, opening_figures, repair_figures
 from common.recording.reader import RecordingReader
+from farhand.replay.recorded_scene import RecordedScene
 from tests.farhand.replay.recorded_states import SECONDS, recorded_states
 from tests.remote_site.recording.recorded_site import CAMERA
 
@@ -36,8 +37,8 @@ def test_what_is_timed_is_what_is_shown(files, tmp_path):
     _, long = files
     figures = opening_figures(long, tmp_path, [0.0, 0.5, 1.0])
     assert 0.0 < figures["seek median s"] <= figures["seek largest s"]
-    with pytest.raises(UnavailableError, match="pictures of"):
-        WatchedReplay(long, tmp_path, {CAMERA, "another"}).show(first_pictures_ns(long)[CAMERA])
+    with RecordedScene(long, tmp_path) as scene, pytest.raises(UnavailableError, match="pictures of"):
+        WatchedReplay(scene, {CAMERA, "another"}).show(first_pictures_ns(long)[CAMERA])
 
 
 def test_a_cut_file_is_refused_and_repaired(files):
