@@ -8,6 +8,7 @@ fuzz       a million hostile payloads for the codec: the reasons of the refusals
 monocular  the monocular tracker: error against the number of points per link, and time per frame
 mutants    small changes to the code that decides about motion: how many a test notices
 page       the operator's page in Chromium: glass-to-glass latency, narrow links, from the stop key to rest
+recording  a recording of an hour: time to open it, to seek in it, to repair it; bytes a minute as JPEG and H.264
 rendering  time to render a stereo pair of the simulated operator and the views of the cell, and their size as JPEG
 soak       ten minutes of simulated time in which everything goes wrong: the worst that each driver received
 tracking   both trackers of a bare arm beside MediaPipe Hands: time, gaps, errors, whether covariances are honest
@@ -32,6 +33,7 @@ from bench import cells, fuzz, rendering
 from bench.control import tick as control
 from bench.mutants import run as mutants
 from bench.page import glass_to_glass as page
+from bench.recording import run as recording
 from bench.soak import run as soak
 from bench.tracking import comparison as tracking
 from bench.tracking import monocular
@@ -45,6 +47,7 @@ BENCHMARKS: dict[str, Callable[[], dict[str, float]]] = {
     "monocular": monocular.measure,
     "mutants": mutants.measure,
     "page": page.measure,
+    "recording": recording.measure,
     "rendering": rendering.measure,
     "soak": soak.measure,
     "tracking": tracking.measure,

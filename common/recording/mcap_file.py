@@ -1,13 +1,14 @@
-"""One MCAP file that grows by a chunk with each flush, so that whatever ends it loses no more than what came since."""
+"""One MCAP file that grows by whole chunks with each flush: whatever ends it loses no more than what came since."""
 
 import fcntl
 import os
+from collections import Counter
 from pathlib import Path
-from typing import Any
+from typing import Any, NamedTuple
 
 from mcap.writer import CompressionType, Writer
 
-from common.recording.topics import MessageSchema, Topic
+from common.recording.topics import ChunkGroup, MessageSchema, Topic
 
 OWNER_ONLY = 0o600
 MOST_CHUNK_BYTES = 16 << 20  # two seconds of four cameras: flushes make the chunks, not their size
@@ -34,11 +35,24 @@ class FileOutput:
         return self.size
 
     def flush(self) -> None:
-        """What was written is the kernel's already; have it on the disk too, so that a power cut loses no more."""
+        """What was written is the kernel's already."""
+
+    def sync(self) -> None:
+        """Have it on the disk too, so that a power cut loses no more."""
         os.fdatasync(self._handle)
 
     def close(self) -> None:
         os.close(self._handle)
+
+
+class WaitingMessage(NamedTuple):
+    """A message that is not in the file yet, with its number in its topic; times in ns since the file's epoch."""
+
+    topic: Topic
+    number: int
+    data: bytes
+    log_ns: int
+    published_ns: int
 
 
 class McapFile:
@@ -53,7 +67,10 @@ class McapFile:
         output: Any = self._output
         self._writer: Any = Writer(output, chunk_size=MOST_CHUNK_BYTES, compression=CompressionType.LZ4)
         self._schemas: dict[MessageSchema, int] = {}
-        self._channels: dict[str, tuple[int, int]] = {}
+        self._channels: dict[str, int] = {}
+        self._counts = Counter[str]()
+        self._waiting: dict[ChunkGroup, list[WaitingMessage]] = {group: [] for group in ChunkGroup}
+        self._waiting_bytes = 0
         self._writer.start(profile="farhand", library=software)
 
     @property
@@ -71,23 +88,38 @@ class McapFile:
 
     def add(self, topic: Topic, data: bytes, log_ns: int, published_ns: int) -> None:
         """Append a message; times in ns since the epoch of the file."""
-        channel, number = self._channels.get(topic.name) or (self._register(topic), 0)
-        self._channels[topic.name] = channel, number + 1
-        self._writer.add_message(channel, log_ns, data, published_ns, number)
+        self._waiting[topic.group].append(WaitingMessage(topic, self._counts[topic.name], data, log_ns, published_ns))
+        self._counts[topic.name] += 1
+        self._waiting_bytes += len(data)
+        if self._waiting_bytes >= MOST_CHUNK_BYTES:
+            self._write_waiting()
 
     def flush(self) -> None:
-        """End the chunk: from now on the messages so far survive whatever happens."""
-        self._writer.flush()
+        """End the chunks: from now on the messages so far survive whatever happens."""
+        self._write_waiting()
+        self._output.sync()
 
     def finish(self) -> None:
         """Write the index and close."""
+        self._write_waiting()
         self._writer.finish()
-        self._output.flush()
+        self._output.sync()
         self.close()
 
     def close(self) -> None:
         """Close the file as it is."""
         self._output.close()
+
+    def _write_waiting(self) -> None:
+        """Each group into a chunk of its own."""
+        for messages in self._waiting.values():
+            for topic, number, data, log_ns, published_ns in messages:
+                if topic.name not in self._channels:
+                    self._channels[topic.name] = self._register(topic)
+                self._writer.add_message(self._channels[topic.name], log_ns, data, published_ns, number)
+            messages.clear()
+            self._writer.flush()
+        self._waiting_bytes = 0
 
     def _register(self, topic: Topic) -> int:
         schema = topic.schema

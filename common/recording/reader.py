@@ -28,7 +28,7 @@ class RecordingReader:
     """One file of a recording, as a context manager; RecordingError for what is no whole recording."""
 
     def __init__(self, path: Path) -> None:
-        self._path = path
+        self.path = path
         try:
             self._file = path.open("rb")
         except OSError as error:
@@ -109,5 +109,5 @@ class RecordingReader:
                 yield KeptMessage(channel.topic, *times, message.data)
         except BROKEN as error:
             raise RecordingError(
-                f"{self._path} is damaged ({error}): get it again from where it was recorded"
+                f"{self.path} is damaged ({error}): get it again from where it was recorded"
             ) from error

@@ -1,12 +1,36 @@
 """What is kept under one name in a recording: its encoding, its schema, and what a reader should know of it."""
 
 from dataclasses import dataclass, field
+from enum import Enum
 from typing import Any
 
 import msgspec
+from foxglove_schemas_protobuf.CompressedImage_pb2 import CompressedImage
+from foxglove_schemas_protobuf.Log_pb2 import Log
 from mcap_protobuf.schema import build_file_descriptor_set
 
+from common.recording.episodes import EpisodeEvent
+
 PROTOBUF, JSON, MSGPACK = "protobuf", "json", "msgpack"
+OWN = "farhand."
+
+
+class ChunkGroup(Enum):
+    """Which topics share chunks: who looks for messages of one group reads nothing of the others.
+
+    Events are few, and looked for over whole files.
+    """
+
+    EVENTS = 0
+    SIGNALS = 1
+    PICTURES = 2
+
+
+GROUPS = {
+    Log.DESCRIPTOR.full_name: ChunkGroup.EVENTS,
+    f"{OWN}{EpisodeEvent.__name__}": ChunkGroup.EVENTS,
+    CompressedImage.DESCRIPTOR.full_name: ChunkGroup.PICTURES,
+}
 
 
 @dataclass(frozen=True, slots=True)
@@ -27,6 +51,11 @@ class Topic:
     schema: MessageSchema
     about: dict[str, str] = field(default_factory=dict)
 
+    @property
+    def group(self) -> ChunkGroup:
+        """With which topics it shares chunks."""
+        return GROUPS.get(self.schema.name, ChunkGroup.SIGNALS)
+
 
 def protobuf_topic(name: str, message: Any, **about: str) -> Topic:
     """A topic of a protobuf class, with all that its file descriptors depend on."""
@@ -38,11 +67,10 @@ def json_topic(name: str, struct: type[msgspec.Struct], **about: str) -> Topic:
     """A topic whose messages are this struct as JSON, with its JSON schema."""
     (reference,), components = msgspec.json.schema_components([struct], ref_template="#/$defs/{name}")
     whole = components.pop(struct.__name__, reference) | {"$defs": components}
-    return Topic(
-        name, JSON, MessageSchema(f"farhand.{struct.__name__}", "jsonschema", msgspec.json.encode(whole)), about
-    )
+    schema = MessageSchema(f"{OWN}{struct.__name__}", "jsonschema", msgspec.json.encode(whole))
+    return Topic(name, JSON, schema, about)
 
 
 def wire_topic(key: str, message: str, version: int, **about: str) -> Topic:
     """A topic of messages as they pass the wire under this key."""
-    return Topic(key, MSGPACK, MessageSchema(f"farhand.{message}.v{version}"), about)
+    return Topic(key, MSGPACK, MessageSchema(f"{OWN}{message}.v{version}"), about)

@@ -52,7 +52,8 @@ def replay(
         from farhand.replay.recorded_scene import RecordedScene
         from local_site.console.config import ServeConfig
 
-        run_replay(RecordedScene(file, Path(folder)), file.name, ServeConfig(port=port), until_signal(), say)
+        with RecordedScene(file, Path(folder)) as scene:
+            run_replay(scene, file.name, ServeConfig(port=port), until_signal(), say)
 
 
 def _verify(file: Path, folder: Path) -> None:

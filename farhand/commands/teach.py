@@ -65,7 +65,7 @@ def show(
     if out is not None:
         require_matplotlib()
         check_file("--out", out, [file])
-        plotted(task).savefig(out, format="png", dpi=130)
+        plotted(task).savefig(out, format="png")
     Console().print(as_table(task))
 
 

@@ -10,24 +10,14 @@ from foxglove_schemas_protobuf.JointStates_pb2 import JointStates
 from foxglove_schemas_protobuf.Log_pb2 import Log
 from foxglove_schemas_protobuf.PoseInFrame_pb2 import PoseInFrame
 
-from common.messages.recording import EpisodeOutcome
 from common.messages.robot import GripperCommand, GripperState
-from common.recording.episodes import EpisodeEvent, EpisodeEventKind
 from common.recording.hand_transcript import LOG
 from common.recording.reader import KeptMessage
-from farhand.export.session import (
-    SentActions,
-    SessionEpisode,
-    SessionSignals,
-    SessionStates,
-    Signal,
-    Times,
-)
+from farhand.export.session import SentActions, SessionSignals, SessionStates, Signal, Times
 from remote_site.recording.topics import ACTION, GRIPPER, MEASURED, TOOL_MEASURED, WRITTEN, SentAction
 
 SIGNAL_TOPICS = [topic.name for topic in (MEASURED, WRITTEN, TOOL_MEASURED, GRIPPER, ACTION, LOG)]
 OF_SESSION = "session"  # whose lines in the log say its state
-SUCCESS = {EpisodeOutcome.SUCCESS: True, EpisodeOutcome.FAILURE: False, EpisodeOutcome.UNKNOWN: None}
 MM_PER_M = 1000
 
 
@@ -77,21 +67,6 @@ def signals_of(messages: Iterable[KeptMessage], joint_names: Sequence[str]) -> S
         _sent(written.signal(width), actions, opening),
         SessionStates(np.array([t_ns for t_ns, _ in states], np.int64), tuple(name for _, name in states)),
     )
-
-
-def episodes_of(events: Iterable[EpisodeEvent], begin_ns: int, end_ns: int) -> tuple[SessionEpisode, ...]:
-    """The episodes, from their events: of several of one episode the last holds.
-
-    An episode whose beginning or end is in another file begins or ends with this one's messages.
-    """
-    found: dict[int, SessionEpisode] = {}
-    for event in events:
-        known = found.get(event.episode, SessionEpisode(event.episode, begin_ns, end_ns, "", None, ""))
-        begins = event.t_ns if event.event is EpisodeEventKind.BEGIN else known.begin_ns
-        ends = event.t_ns if event.event is EpisodeEventKind.END else known.end_ns
-        success = SUCCESS[event.outcome]
-        found[event.episode] = SessionEpisode(event.episode, begins, ends, event.task, success, event.note)
-    return tuple(sorted(found.values(), key=lambda episode: episode.begin_ns))
 
 
 def _sent(written: Signal, actions: Sequence[SentAction], opening: Signal) -> SentActions:

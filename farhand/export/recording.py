@@ -1,25 +1,26 @@
 """Recordings as exporters read them: MCAP files of a cell, the parts of one recording joined."""
 
 from collections import defaultdict
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterable, Iterator, Sequence
 from contextlib import ExitStack, contextmanager
+from itertools import chain
 from pathlib import Path
 
-import msgspec
 import simplejpeg
 from foxglove_schemas_protobuf.CompressedImage_pb2 import CompressedImage
 
 from common.errors import RecordingError
-from common.recording.episodes import EpisodeEvent
+from common.messages.recording import EpisodeOutcome
 from common.recording.folder import NAME
-from common.recording.hand_transcript import EPISODE
 from common.recording.reader import KeptMessage, RecordingReader
-from farhand.export.recorded_signals import SIGNAL_TOPICS, episodes_of, signals_of
-from farhand.export.session import RecordedSession, SessionFacts, SessionSignals, ViewPicture
+from common.recording.recorded_episodes import RecordedEpisode, episode_events, episodes_of
+from farhand.export.recorded_signals import SIGNAL_TOPICS, signals_of
+from farhand.export.session import RecordedSession, SessionEpisode, SessionFacts, SessionSignals, ViewPicture
 from remote_site.recording.topics import GRIPPER, image_topic
 from remote_site.recording.transcript import CELL_TABLE
 
 PART_DIGITS = len("_001")
+SUCCESS = {EpisodeOutcome.SUCCESS: True, EpisodeOutcome.FAILURE: False, EpisodeOutcome.UNKNOWN: None}
 
 
 @contextmanager
@@ -42,6 +43,22 @@ def parts_by_session(paths: Sequence[Path]) -> dict[Path, list[Path]]:
     return {whole: sorted(parts) for whole, parts in found.items()}
 
 
+def within(episodes: Iterable[RecordedEpisode], begin_ns: int, end_ns: int) -> tuple[SessionEpisode, ...]:
+    """The episodes by their beginnings; one that begins or ends in another file does so with this one's messages."""
+    found = [
+        SessionEpisode(
+            episode.number,
+            begin_ns if episode.begin_ns is None else episode.begin_ns,
+            end_ns if episode.end_ns is None else episode.end_ns,
+            episode.task,
+            SUCCESS[episode.outcome],
+            episode.note,
+        )
+        for episode in episodes
+    ]
+    return tuple(sorted(found, key=lambda episode: episode.begin_ns))
+
+
 class McapSession:
     """One recording of a cell, in one file or several."""
 
@@ -58,7 +75,7 @@ class McapSession:
         topics = {topic for reader in readers for topic, count in reader.topics.items() if count}
         size = sum(path.stat().st_size for path in paths)
         self._views = {image_topic(view).name: view for view in _views(topics)}
-        events = (msgspec.json.decode(kept.data, type=EpisodeEvent) for kept in self._messages([EPISODE.name]))
+        episodes = episodes_of(chain.from_iterable(map(episode_events, readers)))
         self.facts = SessionFacts(
             name=name,
             identity=f"{name} {size} {begin_ns + first.epoch_minus_clock_ns}",
@@ -69,7 +86,7 @@ class McapSession:
             begin_ns=begin_ns,
             end_ns=end_ns,
             utc_minus_clock_ns=first.epoch_minus_clock_ns,
-            episodes=episodes_of(events, begin_ns, end_ns),
+            episodes=within(episodes, begin_ns, end_ns),
         )
 
     def signals(self) -> SessionSignals:

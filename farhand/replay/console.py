@@ -214,5 +214,5 @@ def _described(scene: RecordedScene, name: str) -> dict[str, Any]:
         "name": name,
         "began": datetime.fromtimestamp(scene.began_ns / NS_PER_S, UTC).strftime("%Y-%m-%d %H:%M:%S UTC"),
         "duration_s": (scene.end_ns - scene.begin_ns) / NS_PER_S,
-        "events": [asdict(event) for event in scene.events()],
+        "events": [asdict(event) for event in scene.events],
     }

@@ -32,12 +32,21 @@ def recorded_pipeline(path: Path, folder: Path) -> TeleopPipeline:
     RecordingError for a file that is no recording of a cell, or one of another release.
     """
     with RecordingReader(path) as recording:
-        try:
-            config, urdf = decode_config(recording.document(CONFIG_FILE)), recording.document(URDF_FILE)
-        except KeyError as error:
-            raise RecordingError(f"{path} is no recording of a remote site: it has no {error.args[0]}") from error
-    config = with_urdf(config, urdf, folder)
+        config = recorded_config(recording, folder)
     return TeleopPipeline(config, *load_arm(config.robot))
+
+
+def recorded_config(recording: RecordingReader, folder: Path) -> RemoteConfig:
+    """The configuration of a recorded site with the recorded arm, whose URDF is written into `folder`.
+
+    RecordingError for a file that is no recording of a cell, or one of another release.
+    """
+    try:
+        config, urdf = decode_config(recording.document(CONFIG_FILE)), recording.document(URDF_FILE)
+    except KeyError as error:
+        missing = error.args[0]
+        raise RecordingError(f"{recording.path} is no recording of a remote site: it has no {missing}") from error
+    return with_urdf(config, urdf, folder)
 
 
 def with_urdf(config: RemoteConfig, urdf: bytes, folder: Path) -> RemoteConfig:

@@ -1,8 +1,11 @@
 """What an operator's page shows, out of a recording: states, hand samples and pictures, in the order of their times."""
 
 from collections.abc import Iterator
+from contextlib import ExitStack
 from dataclasses import dataclass
 from pathlib import Path
+from types import TracebackType
+from typing import Self
 
 import msgspec
 from foxglove_schemas_protobuf.CompressedImage_pb2 import CompressedImage
@@ -16,18 +19,18 @@ from common.messages.hand import HandArm
 from common.messages.requests import Description
 from common.messages.robot import RobotState
 from common.messages.video import CameraStatus, Codec, VideoFrame
-from common.recording.episodes import EpisodeEvent
 from common.recording.folder import parts_from
 from common.recording.hand_transcript import EPISODE, LOG
 from common.recording.reader import KeptMessage, RecordingReader
-from farhand.replay.recorded_cycles import with_urdf
+from common.recording.recorded_episodes import event_in
+from farhand.replay.recorded_cycles import recorded_config
+from remote_site.config import RemoteConfig
 from remote_site.kinematics.limits import load_arm
 from remote_site.recording import topics
-from remote_site.recording.kept_config import decode_config
-from remote_site.recording.transcript import CONFIG_FILE, URDF_FILE
 from remote_site.runtime.request_server import describe
 
 BEFORE_NS = NS_PER_S // 2  # before the time that is jumped to: by then every panel has something
+EVENT_TOPICS = EPISODE.name, LOG.name
 HAND_PREFIX = HAND.key.split("{operator}")[0]
 
 Shown = RobotState | HandArm | VideoFrame
@@ -42,49 +45,55 @@ class RecordedEvent:
     words: str
 
 
-class RecordedScene:
-    """A recording from one of its files on; the times are those of the host that recorded.
+def recorded_cell(path: Path, folder: Path) -> Description:
+    """The cell of a recording; `folder` receives the recorded URDF, where the arm's own is another one.
 
     RecordingError for files that are no recording of a cell.
     """
+    with RecordingReader(path) as recording:
+        return _described(recorded_config(recording, folder))
+
+
+class RecordedScene:
+    """A recording from one of its files on, as a context manager; the times are those of the host that recorded.
+
+    `events` are the episodes, and each change of the session's state, by time. RecordingError as `recorded_cell`.
+    """
 
     def __init__(self, path: Path, folder: Path) -> None:
-        """`folder` receives the recorded URDF, where the arm's own is another one."""
-        self._parts = parts_from(path)
-        with RecordingReader(self._parts[0]) as first, RecordingReader(self._parts[-1]) as last:
+        with ExitStack() as stack:
+            self._parts = [stack.enter_context(RecordingReader(part)) for part in parts_from(path)]
+            first, last = self._parts[0], self._parts[-1]
+            config = recorded_config(first, folder)
             self.begin_ns, self.end_ns = first.span_ns[0], last.span_ns[1]
             self.began_ns = self.begin_ns + first.epoch_minus_clock_ns  # since 1970
-            try:
-                config, urdf = decode_config(first.document(CONFIG_FILE)), first.document(URDF_FILE)
-            except KeyError as error:
-                raise RecordingError(f"{path} is no recording of a remote site: it has no {error.args[0]}") from error
-        config = with_urdf(config, urdf, folder)
-        self.cell: Description = describe(config, *load_arm(config.robot))
+            self.events = [event for part in self._parts for event in self._events(part)]
+            self.cell = _described(config)
+            self._open = stack.pop_all()
         self._cameras = {topics.image_topic(camera.name).name: camera.name for camera in config.video.cameras}
         self._state = STATE.key_for(config.cell)
         self._hands = HAND_PREFIX.format(cell=config.cell)
         self._pictures = 0
 
-    def events(self) -> list[RecordedEvent]:
-        """The episodes, and each change of the session's state, by time."""
-        found = []
-        for part in self._parts:
-            with RecordingReader(part) as recording:
-                found += [self._event(message) for message in recording.messages([EPISODE.name, LOG.name])]
-        return [event for event in found if event is not None]
+    def __enter__(self) -> Self:
+        return self
+
+    def __exit__(
+        self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
+    ) -> None:
+        self._open.close()
 
     def shown(self, from_ns: int) -> Iterator[tuple[int, Shown]]:
         """Times and messages from shortly before a time on; what another release sent is left out."""
         for part in self._parts:
-            with RecordingReader(part) as recording:
-                if recording.span_ns[1] < from_ns:
+            if part.span_ns[1] < from_ns - BEFORE_NS:
+                continue
+            wanted = [name for name in part.topics if self._is_shown(name)]
+            for message in part.messages(wanted, from_ns - BEFORE_NS):
+                try:
+                    yield message.t_ns, self._message(message)
+                except MessageError:
                     continue
-                wanted = [name for name in recording.topics if self._is_shown(name)]
-                for message in recording.messages(wanted, from_ns - BEFORE_NS):
-                    try:
-                        yield message.t_ns, self._message(message)
-                    except MessageError:
-                        continue
 
     def _is_shown(self, topic: str) -> bool:
         return topic == self._state or topic in self._cameras or topic.startswith(self._hands)
@@ -115,14 +124,29 @@ class RecordedScene:
             data=image.data,
         )
 
-    def _event(self, message: KeptMessage) -> RecordedEvent | None:
-        at_s = (message.t_ns - self.begin_ns) / NS_PER_S
+    def _events(self, part: RecordingReader) -> Iterator[RecordedEvent]:
+        """Those of a file; where it is damaged, so far, and that."""
+        at_s = 0.0
+        try:
+            for message in part.messages(EVENT_TOPICS):
+                at_s = (message.t_ns - self.begin_ns) / NS_PER_S
+                event = self._event(message, at_s)
+                if event is not None:
+                    yield event
+        except RecordingError as error:
+            yield RecordedEvent(at_s, "session", f"no events are known from here on: {error}")
+
+    def _event(self, message: KeptMessage, at_s: float) -> RecordedEvent | None:
         if message.topic == EPISODE.name:
-            event = msgspec.json.decode(message.data, type=EpisodeEvent)
+            event = event_in(message)
             words = f"episode {event.episode}: {event.event.value}, {event.outcome.value} {event.task}".strip()
             return RecordedEvent(at_s, "episode", words)
         line = Log.FromString(message.data)
         return RecordedEvent(at_s, "session", line.message) if line.name == "session" else None
+
+
+def _described(config: RemoteConfig) -> Description:
+    return describe(config, *load_arm(config.robot))
 
 
 def _by_our_clock(hand: HandArm) -> HandArm:

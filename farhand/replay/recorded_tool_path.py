@@ -5,7 +5,6 @@ from dataclasses import dataclass
 from itertools import groupby
 from pathlib import Path
 
-import msgspec
 import numpy as np
 from scipy.spatial.transform import Rotation
 
@@ -16,10 +15,9 @@ from common.link.channels import STATE
 from common.messages.codec import decode
 from common.messages.requests import Description
 from common.messages.robot import GripperCommand, RobotState, SessionState
-from common.recording.episodes import EpisodeEvent, EpisodeEventKind
 from common.recording.folder import parts_from
-from common.recording.hand_transcript import EPISODE
 from common.recording.reader import RecordingReader
+from common.recording.recorded_episodes import read_episodes
 from local_site.programmed.approach import approach
 from local_site.programmed.tool_trajectory import GripperAction, ToolTrajectory
 from remote_site.teleop.gripper_toggles import OPPOSITE
@@ -41,7 +39,7 @@ def recorded_path(file: Path, cell: str, episode: int | None) -> RecordedPath:
 
     Where it did not follow, the time is cut out. RecordingError where there is no such episode, or it has no motion.
     """
-    spans = _episodes(file)
+    spans = _ended(file)
     if episode is None and len(spans) != 1:
         raise RecordingError(f"{file} has {len(spans)} episodes: choose one by --episode ({_listed(spans)})")
     number = episode if episode is not None else next(iter(spans))
@@ -59,18 +57,10 @@ def check_cell(recorded: Description, cell: Description) -> None:
         raise RefusedError(f"the recording is of {recorded.robot}, this cell has {cell.robot}: use such an arm")
 
 
-def _episodes(file: Path) -> dict[int, tuple[int, int]]:
-    """Begin and end of each episode by its number."""
-    begins, ends = dict[int, int](), dict[int, int]()
-    for part in parts_from(file):
-        with RecordingReader(part) as recording:
-            for message in recording.messages([EPISODE.name]):
-                event = msgspec.json.decode(message.data, type=EpisodeEvent)
-                if event.event is EpisodeEventKind.BEGIN:
-                    begins[event.episode] = event.t_ns
-                elif event.event is EpisodeEventKind.END:
-                    ends[event.episode] = event.t_ns
-    return {number: (begin_ns, ends[number]) for number, begin_ns in begins.items() if number in ends}
+def _ended(file: Path) -> dict[int, tuple[int, int]]:
+    """Begin and end of each episode that has ended, by its number."""
+    spans = ((episode.number, episode.begin_ns, episode.end_ns) for episode in read_episodes(parts_from(file)))
+    return {number: (begin, end) for number, begin, end in spans if begin is not None and end is not None}
 
 
 def _listed(episodes: Sequence[int] | dict[int, tuple[int, int]]) -> str:

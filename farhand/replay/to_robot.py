@@ -4,7 +4,7 @@ from pathlib import Path
 
 from common.messages.requests import Description
 from common.process.service import StopFlag
-from farhand.replay.recorded_scene import RecordedScene
+from farhand.replay.recorded_scene import recorded_cell
 from farhand.replay.recorded_tool_path import check_cell, recorded_path
 from farhand.terminal import say
 from local_site.config import LocalConfig
@@ -19,11 +19,11 @@ def replay_to_robot(
 
     RecordingError for a recording without such an episode, RefusedError for a cell with another arm.
     """
-    scene = RecordedScene(file, folder)
-    recorded = recorded_path(file, scene.cell.cell, episode)
+    recorded_on = recorded_cell(file, folder)
+    recorded = recorded_path(file, recorded_on.cell, episode)
 
     def check(cell: Description) -> None:
-        check_cell(scene.cell, cell)
+        check_cell(recorded_on, cell)
 
     name = f"episode {recorded.episode} of {file.name}"
     progress = PathProgress(recorded.path, speed, stepwise=False)

@@ -6,7 +6,7 @@ import numpy as np
 
 from common.geometry import Array, angle_between, inverse, transform
 from common.messages.robot import GripperCommand
-from farhand.replay.recorded_scene import RecordedScene
+from farhand.replay.recorded_scene import recorded_cell
 from farhand.replay.recorded_tool_path import recorded_path
 from farhand.teach.reduction import reduced
 from farhand.teach.task_file import Grip, TaskFile, TaskOrigin, TaughtFrame, WayPoint, rows_of
@@ -31,11 +31,11 @@ def extracted(
     The frame stands where the gripper acts first, else where the path begins, with the base's axes, unless it is given.
     RecordingError as `recorded_path`.
     """
-    scene = RecordedScene(file, folder)
-    recorded = recorded_path(file, scene.cell.cell, episode)
+    cell = recorded_cell(file, folder)
+    recorded = recorded_path(file, cell.cell, episode)
     origin = TaskOrigin(
         name=f"episode {recorded.episode} of {file.stem}",
-        robot=scene.cell.robot,
+        robot=cell.robot,
         recorded=f"{file.name}, episode {recorded.episode}",
         gripper_at_start=GRIPS[recorded.gripper_at_start] if recorded.gripper_at_start is not None else None,
         tolerance_mm=tolerance_mm,

@@ -20,6 +20,7 @@ BLEND_DEG = 2.0  # by how much the orientation leaves that of a way point that i
 SHARPEST_DEG = 110.0  # a sharper corner is a stop
 SLOWEST_PASS = 0.3  # of the speed; a corner that has to be passed slower is a stop
 SAME_S = 1e-6  # at full speed: two poses nearer than that are one
+ONE_PLACE_M, ONE_PLACE_RAD = 1e-3, math.radians(1.0)
 SHORTEST_M = 1e-4  # of a way that is passed without a stop
 TINY = 1e-9
 
@@ -40,10 +41,11 @@ def planned_path(task: TaskFile, base_T_frame: Array | None = None) -> ToolTraje
     """The task's path in the base frame; `base_T_frame` (4 x 4) takes the place of the taught frame.
 
     Between stops (ends, gripper, dwell, sharp corners) it obeys the speeds; speed, acceleration and jerk along it are
-    limited, and a corner is left by at most the blend. ConfigError where all way points are at one place.
+    limited, and a corner is left by at most the blend. ConfigError where all way points are at one place, to 1 mm and
+    1 deg.
     """
-    base_T_frame = task.frame.base_T_frame if base_T_frame is None else base_T_frame
-    poses = [base_T_frame @ point.frame_T_tool for point in task.waypoints]
+    poses = way_points_in_base(task, base_T_frame)
+    _check_way(poses)
     writer = _PathWriter(poses[0])
     writer.stop(task.waypoints[0])
     begin = 0
@@ -53,6 +55,23 @@ def planned_path(task: TaskFile, base_T_frame: Array | None = None) -> ToolTraje
         writer.stop(task.waypoints[end])
         begin = end
     return writer.path()
+
+
+def way_points_in_base(task: TaskFile, base_T_frame: Array | None = None) -> list[Array]:
+    """The poses (4 x 4) of the way points in the base frame; `base_T_frame` takes the place of the taught frame."""
+    base_T_frame = task.frame.base_T_frame if base_T_frame is None else base_T_frame
+    return [base_T_frame @ point.frame_T_tool for point in task.waypoints]
+
+
+def _check_way(poses: Sequence[Array]) -> None:
+    first = poses[0]
+    ways = (float(np.linalg.norm(pose[:3, 3] - first[:3, 3])) for pose in poses)
+    turns = (angle_between(first[:3, :3], pose[:3, :3]) for pose in poses)
+    if max(ways) < ONE_PLACE_M and max(turns) < ONE_PLACE_RAD:
+        raise ConfigError(
+            "all way points of the task are at one place, to 1 mm and 1 deg: there is no way to run; "
+            "lengths are in mm, angles in deg"
+        )
 
 
 class _Corner(NamedTuple):
@@ -91,9 +110,7 @@ class _PathWriter:
         self._marks += [begin_s + float(np.interp(mark, full_s, t_s)) for mark in stretch.marks]
 
     def path(self) -> ToolTrajectory:
-        """What has been put together; ConfigError where that is no way."""
-        if len(self._t_s) < 2:
-            raise ConfigError("all way points of the task are at one place: there is no way to run")
+        """What has been put together."""
         poses = np.array(self._poses)
         orientations = Rotation.from_matrix(poses[:, :3, :3]).as_quat()
         return ToolTrajectory(

@@ -36,10 +36,11 @@ def served(browser: object, folder: Path, change: Change = lambda _: {}) -> Iter
         heard.address = words.rpartition(" ")[2]
         heard.ready.set()
 
-    serving = serve_replay(
-        RecordedScene(recorded.file, folder), "a recording", ServeConfig(port=0), should_stop, announce
-    )
-    thread = threading.Thread(target=lambda: asyncio.run(serving), name="replay", daemon=True)
+    def serve() -> None:
+        with RecordedScene(recorded.file, folder) as scene:
+            asyncio.run(serve_replay(scene, "a recording", ServeConfig(port=0), should_stop, announce))
+
+    thread = threading.Thread(target=serve, name="replay", daemon=True)
     thread.start()
     assert heard.ready.wait(START_S)
     page = OpenedPage(browser, heard.address)

@@ -5,13 +5,15 @@ import stat
 from pathlib import Path
 
 import pytest
+from foxglove_schemas_protobuf.CompressedImage_pb2 import CompressedImage
 from mcap.reader import NonSeekingReader, make_reader
 
 from common.errors import RecordingError
-from common.recording.mcap_file import McapFile
+from common.recording.hand_transcript import EPISODE, LOG
+from common.recording.mcap_file import MOST_CHUNK_BYTES, McapFile
 from common.recording.reader import CLOCK_TABLE, EPOCH_KEY, RecordingReader
 from common.recording.repair import repair
-from common.recording.topics import JSON, MSGPACK, MessageSchema, Topic
+from common.recording.topics import JSON, MSGPACK, MessageSchema, Topic, protobuf_topic
 
 A = Topic("a", MSGPACK, MessageSchema("farhand.A"), {"unit": "m"})
 B = Topic("b", JSON, MessageSchema("B", "jsonschema", b'{"type":"object"}'))
@@ -64,6 +66,36 @@ def test_what_was_written_is_read_with_its_times(tmp_path: Path) -> None:
         last = list(reader.messages())[-1]
     assert (last.topic, last.t_ns, last.published_ns) == ("b", 2 * SECOND_NS + 2, 2 * SECOND_NS - 8)
     assert texts(path) == expected(3)
+
+
+def test_who_reads_events_reads_nothing_else_and_all_come_in_the_order_of_their_times(tmp_path: Path) -> None:
+    path, picture = tmp_path / "file.mcap", protobuf_topic("/camera/side", CompressedImage)
+    file = McapFile(path, "test")
+    file.describe(CLOCK_TABLE, {EPOCH_KEY: "0"})
+    topics = [picture, A, LOG, EPISODE]
+    for t_ns in range(1, 53):
+        file.add(topics[t_ns % len(topics)], f"{t_ns}".encode(), t_ns, t_ns)
+        if t_ns % 13 == 0:
+            file.flush()
+    file.finish()
+    with path.open("rb") as stream:
+        summary = make_reader(stream).get_summary()
+    assert summary is not None
+    in_chunks = [{summary.channels[k].topic for k in chunk.message_index_offsets} for chunk in summary.chunk_indexes]
+    groups = [{picture.name}, {A.name}, {LOG.name, EPISODE.name}]
+    assert len(in_chunks) == 4 * len(groups)
+    assert all(topics in groups for topics in in_chunks)
+    with RecordingReader(path) as reader:
+        assert [message.t_ns for message in reader.messages()] == list(range(1, 53))
+        assert {int(message.data) for message in reader.messages([EPISODE.name])} == set(range(3, 53, 4))
+
+
+def test_a_file_whose_flushes_are_late_has_chunks_of_bounded_size(tmp_path: Path) -> None:
+    file = McapFile(tmp_path / "file.mcap", "test")
+    for k in range(5):
+        file.add(A, os.urandom(MOST_CHUNK_BYTES // 4), k, k)
+    assert MOST_CHUNK_BYTES < file.size < 1.2 * MOST_CHUNK_BYTES
+    file.close()
 
 
 def test_a_file_cut_at_any_byte_is_whole_to_its_last_flush(tmp_path: Path) -> None:

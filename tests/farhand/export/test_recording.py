@@ -11,10 +11,9 @@ from common.messages.recording import EpisodeOutcome
 from common.messages.requests import EngagementAction, RecordAction
 from common.messages.robot import GripperCommand
 from common.recording.config import RecordConfig
-from common.recording.episodes import EpisodeEvent, EpisodeEventKind
 from common.recording.reader import RecordingReader
-from farhand.export.recorded_signals import episodes_of
-from farhand.export.recording import open_sessions, parts_by_session
+from common.recording.recorded_episodes import RecordedEpisode
+from farhand.export.recording import open_sessions, parts_by_session, within
 from farhand.export.session import SessionEpisode
 from farhand.export.videos.h264 import decoded
 from remote_site.recording.cycle_record import decode_outcome
@@ -131,17 +130,13 @@ def test_files_are_grouped_by_their_names():
     }
 
 
-def event(kind, t_ns, outcome=EpisodeOutcome.UNKNOWN, episode=1):
-    return EpisodeEvent(event=kind, episode=episode, t_ns=t_ns, by="anna", task="stack", outcome=outcome, note="n")
-
-
-def test_of_several_events_of_an_episode_the_last_holds():
-    begin, end = event(EpisodeEventKind.BEGIN, 10), event(EpisodeEventKind.END, 20)
-    label = event(EpisodeEventKind.LABEL, 30, EpisodeOutcome.FAILURE)
-    assert episodes_of([begin, end, label], 0, 99) == (SessionEpisode(1, 10, 20, "stack", False, "n"),)
-    assert episodes_of([begin], 0, 99)[0][:3] == (1, 10, 99)
-    assert episodes_of([end], 5, 99)[0][:3] == (1, 5, 20)
-    assert episodes_of([], 0, 99) == ()
+def test_an_episode_that_begins_or_ends_in_another_file_does_so_with_this_one():
+    told = "stack", EpisodeOutcome.FAILURE, "n"
+    second, first = RecordedEpisode(2, 40, None, *told), RecordedEpisode(1, None, 20, *told)
+    assert within([second, first], 5, 99) == (
+        SessionEpisode(1, 5, 20, "stack", False, "n"),
+        SessionEpisode(2, 40, 99, "stack", False, "n"),
+    )
 
 
 def test_what_is_no_recording_is_refused_with_the_cure(tmp_path):

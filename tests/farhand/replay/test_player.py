@@ -10,12 +10,16 @@ from common.messages.hand import HandArm
 from common.messages.requests import EngagementAction
 from common.messages.robot import RobotState, SessionState
 from common.messages.video import VideoFrame
+from common.recording.config import RecordConfig
+from common.recording.reader import RecordingReader
 from farhand.replay.console import RecordingPlayer
 from farhand.replay.playback import Playback
 from farhand.replay.recorded_scene import RecordedScene
 from local_site.console.model.page_messages import Ask, Play
 from local_site.console.model.seat import Visitor
 from tests.farhand.replay.recorded_states import SECONDS, recorded_states
+from tests.remote_site.driven_loop import CONFIG
+from tests.remote_site.recording.recorded_site import CAMERA, RecordedSite
 
 
 class CollectingPage:
@@ -44,7 +48,8 @@ def recording(tmp_path_factory):
 
 @pytest.fixture
 def scene(recording, tmp_path):
-    return RecordedScene(recording.file, tmp_path)
+    with RecordedScene(recording.file, tmp_path) as opened:
+        yield opened
 
 
 @pytest.fixture
@@ -98,9 +103,9 @@ def test_the_page_shows_what_was_when_it_was(player, page, clock, recording):
 
 
 def test_events_lead_to_where_the_state_changed(scene, recording):
-    engaged = [event for event in scene.events() if event.words.startswith("engaged")]
+    engaged = [event for event in scene.events if event.words.startswith("engaged")]
     assert engaged[0].at_s == pytest.approx(recording.engaged_s, abs=0.1)
-    assert any(event.kind == "episode" for event in scene.events())
+    assert any(event.kind == "episode" for event in scene.events)
 
 
 def test_a_jump_back_shows_the_earlier_time_and_nothing_of_the_later(player, page, clock):
@@ -160,23 +165,54 @@ def test_it_begins_when_the_first_page_comes_and_shows_a_later_one_its_pictures(
     assert later.kinds["replay"]["position_s"] == 1.0
 
 
-def test_a_damaged_recording_stands_where_it_is_damaged_and_says_so(recording, tmp_path, clock):
-    damaged = tmp_path / "damaged.mcap"
-    content = bytearray(recording.file.read_bytes())
-    with recording.file.open("rb") as whole:
-        chunks = make_reader(whole).get_summary().chunk_indexes
-    middle = chunks[len(chunks) // 2]
-    at = middle.chunk_start_offset + middle.chunk_length // 2
+def damaged(file, topic, out):
+    """A copy of a recording in which the middle one of the chunks with this topic is spoilt."""
+    with file.open("rb") as whole:
+        summary = make_reader(whole).get_summary()
+    (channel,) = (number for number, known in summary.channels.items() if known.topic == topic)
+    chunks = [chunk for chunk in summary.chunk_indexes if channel in chunk.message_index_offsets]
+    spoilt = chunks[len(chunks) // 2]
+    content, at = bytearray(file.read_bytes()), spoilt.chunk_start_offset + spoilt.chunk_length // 2
     content[at : at + 40] = b"\xa5" * 40
-    damaged.write_bytes(content)
-    scene = RecordedScene(recording.file, tmp_path)
-    scene._parts = [damaged]
-    player = RecordingPlayer(scene, "damaged", Playback(clock, scene.begin_ns, scene.end_ns))
-    page = CollectingPage()
-    player.hub.arrive(page)
-    for _ in range(12):
-        shown(player, page, clock, 0.5)
-    assert "damaged" in page.kinds["replay"]["trouble"]
-    assert not page.kinds["replay"]["running"]
-    with pytest.raises(RecordingError, match="is damaged"):
-        list(scene.shown(scene.begin_ns))
+    out.write_bytes(content)
+    return out
+
+
+def test_a_damaged_recording_stands_where_it_is_damaged_and_says_so(recording, tmp_path, clock):
+    file = damaged(recording.file, f"/camera/{CAMERA}", tmp_path / "damaged.mcap")
+    with RecordedScene(file, tmp_path) as scene:
+        player = RecordingPlayer(scene, "damaged", Playback(clock, scene.begin_ns, scene.end_ns))
+        page = CollectingPage()
+        player.hub.arrive(page)
+        for _ in range(12):
+            shown(player, page, clock, 0.5)
+        assert "damaged" in page.kinds["replay"]["trouble"]
+        assert not page.kinds["replay"]["running"]
+        with pytest.raises(RecordingError, match="is damaged"):
+            list(scene.shown(scene.begin_ns))
+
+
+def test_damage_among_the_events_costs_the_rest_of_them_and_nothing_else(recording, tmp_path):
+    file = damaged(recording.file, "/log", tmp_path / "damaged.mcap")
+    with RecordedScene(file, tmp_path) as scene, RecordedScene(recording.file, tmp_path) as whole:
+        assert scene.events[:-1] == whole.events[: len(scene.events) - 1]
+        assert "damaged" in scene.events[-1].words
+        assert len(list(scene.shown(scene.begin_ns))) == len(list(whole.shown(whole.begin_ns)))
+
+
+def test_a_jump_into_a_later_part_shows_what_was_before_it_from_the_part_before(tmp_path):
+    site = RecordedSite(tmp_path, RecordConfig(split_minutes=0.1))
+    site.loop.link.activate(CONFIG.robot.start)
+    site.run(0.4)
+    site.idle(7.0)
+    site.end()
+    first, second = sorted(site.out.iterdir())
+    with RecordedScene(first, tmp_path) as scene, RecordingReader(second) as part:
+        begin_ns, end_ns = part.span_ns
+        assert scene.end_ns == end_ns
+        times = [t_ns for t_ns, _ in scene.shown(begin_ns + NS_PER_S // 4)]
+        assert times == sorted(times)
+        assert begin_ns - NS_PER_S // 4 - 1 < times[0] < begin_ns, (
+            "what was before the jump is shown, from the part before"
+        )
+        assert len(list(scene.shown(scene.begin_ns))) > len(times)

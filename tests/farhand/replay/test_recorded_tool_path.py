@@ -7,7 +7,7 @@ from msgspec.structs import replace
 from common.errors import RecordingError, RefusedError
 from common.geometry import rotation_from_vector, transform
 from common.messages.robot import Engagement, GripperCommand, Pose
-from farhand.replay.recorded_scene import RecordedScene
+from farhand.replay.recorded_scene import recorded_cell
 from farhand.replay.recorded_tool_path import check_cell, path_of, recorded_path
 from local_site.programmed.approach import SPEED_M_S
 from tests.common.messages.golden_examples import STATE
@@ -62,14 +62,14 @@ def test_states_that_come_twice_or_late_are_left_out():
 
 def test_an_episode_without_motion_and_one_that_is_not_there_are_refused_by_name(tmp_path):
     file = recorded_states(tmp_path).file
-    cell = RecordedScene(file, tmp_path).cell.cell
+    cell = recorded_cell(file, tmp_path).cell
     with pytest.raises(RecordingError, match="no episode 7; it has episodes 1"):
         recorded_path(file, cell, 7)
     assert recorded_path(file, cell, None).episode == 1
 
 
 def test_another_arm_is_refused(tmp_path):
-    cell = RecordedScene(recorded_states(tmp_path).file, tmp_path).cell
+    cell = recorded_cell(recorded_states(tmp_path).file, tmp_path)
     check_cell(cell, cell)
     with pytest.raises(RefusedError, match=r"this cell has a UR5"):
         check_cell(cell, replace(cell, robot="a UR5"))

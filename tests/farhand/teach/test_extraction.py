@@ -1,15 +1,17 @@
 """A task from a path: the gripper's way points with their rests, the frame, and no hesitation."""
 
+from itertools import combinations
+
 import numpy as np
 import pytest
 
 from common.errors import ConfigError
 from common.messages.robot import GripperCommand
 from farhand.commands.teach import extract, show
-from farhand.replay.recorded_scene import RecordedScene
+from farhand.replay.recorded_scene import recorded_cell
 from farhand.teach.extraction import extracted, task_of
 from farhand.teach.show import as_table, plotted
-from farhand.teach.task_file import TaskOrigin, TaughtFrame, load_task
+from farhand.teach.task_file import TaskFile, TaskOrigin, TaughtFrame, WayPoint, load_task
 from local_site.programmed.tool_trajectory import GripperAction, ToolTrajectory
 from tests.farhand.replay.recorded_states import moves_back, recorded_states
 
@@ -46,7 +48,7 @@ def test_a_recording_becomes_a_file_that_is_shown(tmp_path, capsys):
     file, out, picture = recorded_states(tmp_path, moves_back).file, tmp_path / "task.toml", tmp_path / "task.png"
     extract(file, out)
     task = load_task(out)
-    assert task.task.robot == RecordedScene(file, tmp_path).cell.robot
+    assert task.task.robot == recorded_cell(file, tmp_path).robot
     assert len(task.waypoints) == 2
     assert task.waypoints[1].xyz_mm[0] - task.waypoints[0].xyz_mm[0] == pytest.approx(-80.0, abs=2.0)
     show(out, picture)
@@ -59,7 +61,29 @@ def test_a_recording_becomes_a_file_that_is_shown(tmp_path, capsys):
 def test_the_table_and_the_picture_have_every_way_point():
     task = task_of(path(), ORIGIN, None)
     assert as_table(task).row_count == 3
+    assert "3 way points, 300 mm in" in str(as_table(task).caption)
     assert len(plotted(task).axes) == 3
+
+
+def test_no_number_in_the_picture_covers_another_where_way_points_lie_close_together():
+    crowd = [(40.0 + 3 * k % 7, 5.0 * (k % 2), 60.0) for k in range(20)]
+    places = [(0.0, 0.0, 0.0), *crowd, (200.0, 100.0, 0.0)]
+    grips = {5: "closed", 21: "open"}
+    points = [WayPoint(xyz_mm=at, rotation_deg=(0.0, 0.0, 0.0), gripper=grips.get(k)) for k, at in enumerate(places)]
+    figure = plotted(TaskFile(task=ORIGIN, waypoints=tuple(points)))
+    for axes in figure.axes:
+        named = {n for text in axes.texts for n in numbers(text.get_text().split("\n")[0])}
+        assert named == set(range(1, len(points) + 1))
+        assert sum("closed" in text.get_text() for text in axes.texts) == 1
+        boxes = [text.get_window_extent() for text in axes.texts]
+        assert not any(a.overlaps(b) for a, b in combinations(boxes, 2))
+
+
+def numbers(label):
+    """The numbers that '3–5, 9 closed' stands for."""
+    for part in label.removesuffix(" closed").removesuffix(" open").split(", "):
+        first, _, last = part.partition("–")
+        yield from range(int(first), int(last or first) + 1)
 
 
 def test_the_recordings_gripper_is_kept(tmp_path):

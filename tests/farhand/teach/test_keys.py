@@ -9,7 +9,7 @@ import pytest
 from msgspec.structs import replace
 
 from common.errors import RefusedError
-from farhand.replay.recorded_scene import RecordedScene
+from farhand.replay.recorded_scene import recorded_cell
 from farhand.teach.keys import TerminalKeys, terminal_keys
 from farhand.teach.run import check_robot
 from local_site.programmed.path_progress import RunOrder
@@ -46,7 +46,7 @@ def test_without_a_terminal_nothing_is_ordered(monkeypatch):
 
 
 def test_another_robot_is_refused(tmp_path):
-    cell = RecordedScene(recorded_states(tmp_path).file, tmp_path).cell
+    cell = recorded_cell(recorded_states(tmp_path).file, tmp_path)
     check_robot(TASK, cell)
     with pytest.raises(RefusedError, match="teach it there anew"):
         check_robot(TASK, replace(cell, robot="ur5"))

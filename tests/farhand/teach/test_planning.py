@@ -47,7 +47,7 @@ def off_polyline_mm(path, task):
 @settings(max_examples=12, deadline=None)
 @given(st.lists(st.tuples(PLACE, TURN), min_size=2, max_size=6))
 def test_speeds_and_blend_are_kept_and_every_way_point_has_its_mark(points):
-    assume(any(point != points[0] for point in points))
+    assume(any(math.dist(place, points[0][0]) > 1.0 for place, _ in points))
     task = task_of(*(at(*place, turn) for place, turn in points))
     path = planned_path(task)
     assert max(speeds_mm_s(path)) <= 1.02 * task.motion.speed_mm_s
@@ -105,9 +105,15 @@ def test_another_frame_moves_and_turns_the_whole_path():
         assert path.base_T_tool(path.duration_s)[:3, 3] == pytest.approx([0.01, 0.12, 0.03])
 
 
-def test_a_task_without_a_way_is_refused():
-    with pytest.raises(ConfigError, match="at one place"):
-        planned_path(task_of(at(1, 2, 3), at(1, 2, 3)))
+def test_a_task_without_a_way_and_one_in_other_units_is_refused():
+    for points in [(at(1, 2, 3), at(1, 2, 3)), (at(0.31, 0.02, 0.4), at(0.42, 0.02, 0.1), at(0.42, 0.3, 0.4))]:
+        with pytest.raises(ConfigError, match=r"at one place.*lengths are in mm"):
+            planned_path(task_of(*points))
+
+
+def test_a_turn_in_place_is_a_way():
+    path = planned_path(task_of(at(0, 0, 0), at(0, 0, 0, (0.0, 0.0, 45.0))))
+    assert path.duration_s > 1.0
 
 
 def test_way_points_at_the_same_place_take_no_time():
