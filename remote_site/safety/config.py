@@ -93,6 +93,10 @@ class SafetyConfig(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fie
     longest_hold_ms: Annotated[
         float, Meta(ge=200, le=30000, description="a hold that lasts longer ends the engagement, ms")
     ] = 2000.0
+    longest_stop_ms: Annotated[
+        float,
+        Meta(ge=50, le=2000, description="limits with which a joint may take longer to come to rest are refused, ms"),
+    ] = 600.0
     hand_speed_m_s: Annotated[float, Meta(gt=0, le=20, description="a faster wrist is a jump, m/s")] = 3.0
     hand_noise_m: Annotated[float, Meta(ge=0, le=0.2, description="added to the jump limit for noise, m")] = 0.03
     hand_turn_deg_s: Annotated[
