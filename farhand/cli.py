@@ -8,7 +8,7 @@ import typer
 from common.errors import ConfigError, FarhandError, InterruptionError, NotInstalledError
 from common.process.log import finish_log
 from farhand.commands.calibrate import calibrate_app
-from farhand.commands.checks import doctor, driver_app
+from farhand.commands.checks import doctor, driver_app, limits
 from farhand.commands.export import export_app
 from farhand.commands.files import certificates_app, config_app, models_app
 from farhand.commands.record import episode_app, record_app
@@ -28,7 +28,7 @@ app = typer.Typer(
     add_completion=False,
     pretty_exceptions_enable=False,
 )
-for command in (setup, loopback, local, remote, console, router, engage, replay, track, experiment, doctor):
+for command in (setup, loopback, local, remote, console, router, engage, replay, track, experiment, doctor, limits):
     app.command()(command)
 for name, group in {
     "lease": lease_app,

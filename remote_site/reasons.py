@@ -34,9 +34,13 @@ class Code(StrEnum):
     LOST = "lost", "the hand is lost: {reason}"
     INITIALISING = "initialising", "tracking is initialising: {reason}"
     NO_WRIST = "no_wrist", "the sample lacks the point of the hand that the tool copies: {reason}"
-    UNCERTAIN = "uncertain", "the wrist is known to {sigma_mm:.0f} mm only (limit {limit_mm:.0f} mm)"
-    JUMP = "jump", "the wrist jumped {distance_mm:.0f} mm in {interval_ms:.0f} ms"
-    JUMPS = "jumps", "the wrist jumped in {count} samples in a row"
+    UNCERTAIN = "uncertain", "the {point} is known to {sigma_mm:.0f} mm only (limit {limit_mm:.0f} mm)"
+    NO_COVARIANCE = (
+        "no_covariance",
+        "the sample states how well the hand is known, but no usable covariance of the {point}, which the tool copies",
+    )
+    JUMP = "jump", "the {point} jumped {distance_mm:.0f} mm in {interval_ms:.0f} ms"
+    JUMPS = "jumps", "the {point} jumped in {count} samples in a row"
     NO_OFFSET = "no_offset", "the clock offset of the local site is not known yet"
     OLD_OFFSET = (
         "old_offset",

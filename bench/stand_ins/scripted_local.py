@@ -29,6 +29,7 @@ FRAME_NS = NS_PER_S // 30
 EXPOSURE_NS = 8 * NS_PER_MS
 HOME = np.array([0.0, 0.0, 0.3])
 ELBOW, INDEX, THUMB = np.array([[0.0, 0.25, 0.0], [0.02, -0.17, 0.0], [-0.05, -0.1, 0.01]])
+PALM = np.array([0.0, -0.06, 0.0])
 COVARIANCE = 1e-6 * np.eye(3)
 
 
@@ -41,6 +42,7 @@ class Script:
         self._jump_m, self._jumps = np.zeros(3), 0
         self.lost = self.open = self.swapped = self.inferred = False
         self.camera = ""
+        self.palm_sigma_m: float | None = None  # None: it measures none, like every tracker of two cameras
 
     def jump(self) -> Array:
         """How far the next sample is off, m."""
@@ -53,6 +55,7 @@ class Script:
             self.lost, self.camera = fields.get("lost", self.lost), fields.get("camera", self.camera)
             self.open = fields.get("open", self.open)
             self.swapped, self.inferred = fields.get("swapped", self.swapped), fields.get("inferred", self.inferred)
+            self.palm_sigma_m = fields.get("palm_sigma_m", self.palm_sigma_m)
             if "jump_m" in fields:
                 self._jump_m, self._jumps = np.array(fields["jump_m"]), fields["jumps"]
             if "to" in fields:
@@ -108,6 +111,9 @@ class ScriptedTracker:
         index, thumb = (THUMB, INDEX) if self._script.swapped else (INDEX, THUMB)
         points = {"wrist": wrist, "index": wrist + rotation @ index, "thumb": wrist + rotation @ thumb}
         covariances = dict.fromkeys(("elbow", *points), COVARIANCE)
+        if self._script.palm_sigma_m is not None:
+            points["palm"] = wrist + rotation @ PALM
+            covariances["palm"] = self._script.palm_sigma_m**2 / 3 * np.eye(3)
         return ArmEstimate(
             views.t_ns,
             TrackingStatus.TRACKED,

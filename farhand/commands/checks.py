@@ -1,4 +1,4 @@
-"""`farhand doctor` and the command under `farhand driver`: checks of machine, configuration and robot driver."""
+"""`farhand doctor`, `limits` and the command under `farhand driver`: checks of machine, configuration and driver."""
 
 from pathlib import Path
 from typing import Annotated
@@ -34,6 +34,23 @@ def doctor(
     typer.echo(findings.as_json(found) if as_json else findings.as_text(found))
     if findings.worst(found) is findings.Severity.ERROR:
         raise typer.Exit(FAILED)
+
+
+def limits(config: ConfigFile = None, settings: Settings = None) -> None:
+    """Print the limits of the robot's side, where each comes from, and how long and how far its stops are.
+
+    Example: farhand limits --config /etc/farhand/remote.toml
+    """
+    from farhand.limits.report import limits_report
+    from remote_site.config import RemoteConfig
+    from remote_site.kinematics.limits import load_arm
+    from remote_site.safety.stop_bound import check_stops
+
+    loaded = load_config(RemoteConfig, config, settings or ())
+    model, bounds = load_arm(loaded.robot)
+    for line in limits_report(loaded, model, bounds):
+        say(line)
+    check_stops(bounds, loaded.robot.speed, loaded.safety.longest_stop_ms)
 
 
 @driver_app.command("test")

@@ -10,7 +10,7 @@ from common.link.config import LinkSecurity
 from common.link.endpoints import check_endpoint
 from common.link.roles import Identity, Role
 from farhand.deployment.kinds import KINDS, Configuration, likeliest
-from farhand.doctor import cameras, landmarks, machine, site
+from farhand.doctor import arm, cameras, landmarks, machine, site
 from farhand.doctor.findings import Finding, error, ok
 from farhand.doctor.link.run import examine_link
 from farhand.router import ROUTER
@@ -93,7 +93,10 @@ def examine_remote(config: RemoteConfig) -> list[Finding]:
     """Certificate, robot, views and ports of the robot's side."""
     findings = _examine_links(config.links, config.links.endpoints, Identity(Role.REMOTE, config.cell))
     findings += site.check_operators(config.links)
-    findings += site.check_robot(config.robot.model, config.driver.name, site.probe_robot(config))
+    mistakes = arm.probe_robot(config)
+    findings += arm.check_robot(config.robot.model, config.driver.name, mistakes)
+    if not mistakes:
+        findings.append(arm.check_stops(arm.probe_stops(config)))
     if config.views_are_simulated:
         findings.append(machine.check_rendering(machine.probe_rendering()))
     real = {camera.name: camera.source for camera in config.video.cameras if camera.source != SIMULATED}

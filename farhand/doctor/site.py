@@ -1,13 +1,12 @@
-"""What a configured site needs: robot, ports, clocks, certificates; probes, and pure checks."""
+"""What a configured site needs: ports, clocks, certificates; probes, and pure checks."""
 
 import time
-from collections.abc import Sequence
 from dataclasses import dataclass
 from datetime import datetime
 from pathlib import Path
 
 from common.clock import NS_PER_S
-from common.errors import ConfigError, DriverError, RefusedError, TransportError
+from common.errors import ConfigError, RefusedError, TransportError
 from common.link.config import NAME_OPERATORS, ON_THIS_HOST, LinkSecurity, OperatorLinks, TlsConfig
 from common.link.credentials import load_credentials
 from common.link.endpoints import check_endpoint, check_free
@@ -16,7 +15,6 @@ from common.link.transport import open_link
 from farhand.certificates.folder import read_certificate
 from farhand.doctor.findings import Finding, error, ok, warning
 from farhand.doctor.processes import is_ours, listener_on
-from remote_site.config import RemoteConfig
 
 CLOCK_TIMEOUT_NS = 2 * NS_PER_S
 ROUND_TRIPS = 20
@@ -27,30 +25,6 @@ UNCERTAIN_NS = 5_000_000
 EXPIRES_SOON_DAYS = 30
 GROUP, OTHERS = 0o070, 0o007
 RENEW = "where the authority is kept: farhand certificates renew CELL; then copy the pair here and restart"
-
-
-def probe_robot(config: RemoteConfig) -> list[tuple[str, str, str]]:
-    """Look up the driver and load the arm as the remote site does; returns (part, sentence, cure) of each mistake."""
-    from remote_site.drivers.registry import check_driver  # noqa: PLC0415  # as below
-
-    mistakes = []
-    try:
-        check_driver(config.driver.name)
-    except DriverError as wrong:
-        mistakes.append(("driver", str(wrong), "correct driver.name, or install the package that offers it"))
-    try:
-        from remote_site.runtime.checks import find_mistakes  # noqa: PLC0415  # the doctor also examines hosts without its libraries
-    except ImportError as wrong:
-        cure = "install Farhand again: pip install -e '.[sim]'"
-        return [*mistakes, ("robot", f"the arm cannot be loaded: {wrong}", cure)]
-    return mistakes + [(mistake.part, mistake.sentence, mistake.cure) for mistake in find_mistakes(config)]
-
-
-def check_robot(model: str, driver: str, mistakes: Sequence[tuple[str, str, str]]) -> list[Finding]:
-    """All that the remote site loads of its robot can be loaded; each mistake (part, sentence, cure) is a finding."""
-    if not mistakes:
-        return [ok("robot", f"the model {model} loads, its start posture is valid; driver {driver}")]
-    return [error(part, sentence, cure) for part, sentence, cure in mistakes]
 
 
 @dataclass(frozen=True, slots=True)

@@ -11,6 +11,8 @@ from msgspec import Meta, field
 from common.geometry import Array, transform
 
 MODELS = Path(__file__).parents[1] / "models"
+UNSTATED_JERK_RAD_S3 = 100.0  # of an arm whose file states none
+OWN: Literal["own"] = "own"
 Row3 = tuple[float, float, float]
 
 
@@ -107,7 +109,10 @@ class RobotConfig(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fiel
         tuple[Annotated[float, Meta(gt=0, le=25)], ...],
         Meta(min_length=1, max_length=16, description="acceleration joint by joint, or one for all, rad/s²"),
     ] = (10.0, 10.0, 10.0, 20.0, 20.0, 20.0)
-    jerk_rad_s3: Annotated[float, Meta(gt=0, le=5000, description="every joint's jerk, rad/s³")] = 1000.0
+    jerk_rad_s3: Annotated[
+        Annotated[float, Meta(gt=0)] | Literal["own"],
+        Meta(description="every joint's jerk, rad/s³; \"own\": as the arm's file states it, 100 where it does not"),
+    ] = OWN
     capsules: Annotated[
         tuple[CapsuleConfig, ...], Meta(description="what must not touch anything, besides the URDF's collision shapes")
     ] = GRIPPER

@@ -8,7 +8,7 @@ import numpy as np
 
 from common.errors import ConfigError
 from common.geometry import Array
-from remote_site.kinematics.config import RobotConfig
+from remote_site.kinematics.config import UNSTATED_JERK_RAD_S3, RobotConfig
 from remote_site.kinematics.model import ArmModel
 
 TARGET_SPEED = 0.9  # of a joint's speed, for its target: the joint must be quicker to catch it
@@ -38,14 +38,13 @@ class JointLimits:
     def from_model(cls, model: ArmModel, config: RobotConfig) -> Self:
         """The model's limits, tightened; ConfigError names every joint whose configuration widens them."""
         lower, upper = _positions(model, config)
-        ones = np.ones(len(model.joint_names))
         return cls(
             names=model.joint_names,
             lower=lower,
             upper=upper,
             velocity=model.velocity * config.speed,
             acceleration=_accelerations(model, config),
-            jerk=ones * config.jerk_rad_s3,
+            jerk=_jerks(model, config),
         )
 
     def pace(self, dq: Array, ddq: Array) -> float:
@@ -111,6 +110,26 @@ def _accelerations(model: ArmModel, config: RobotConfig) -> Array:
     if mistakes:
         raise ConfigError("\n".join(mistakes))
     return wanted
+
+
+def _jerks(model: ArmModel, config: RobotConfig) -> Array:
+    if isinstance(config.jerk_rad_s3, str):
+        return model.jerk.copy()
+    wanted = config.jerk_rad_s3
+    mistakes = [
+        f"robot.jerk_rad_s3: {wanted:g} for {name} is above {_own_jerk(model, name, own)}; limits only tighten"
+        for name, own in zip(model.joint_names, model.jerk.tolist(), strict=True)
+        if not wanted <= own
+    ]
+    if mistakes:
+        raise ConfigError("\n".join(mistakes))
+    return np.full(len(model.joint_names), wanted)
+
+
+def _own_jerk(model: ArmModel, name: str, own: float) -> str:
+    if name not in model.without_jerk:
+        return f"the arm's own {own:g}"
+    return f'{UNSTATED_JERK_RAD_S3:g}, which counts where an arm\'s file states no jerk (jerk="…" in <limit>)'
 
 
 def _widening(name: str, wanted: tuple[float, float], own: tuple[float, float]) -> list[str]:

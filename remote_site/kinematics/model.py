@@ -11,6 +11,7 @@ import pinocchio as pin
 
 from common.errors import ModelError
 from common.geometry import Array
+from remote_site.kinematics.config import UNSTATED_JERK_RAD_S3
 
 BOUNDED_JOINTS = ("JointModelR", "JointModelP")
 BOUNDED = ("revolute", "prismatic")  # URDF joint types that must have limits
@@ -31,13 +32,18 @@ class ArmModel:
     """A serial arm of one-degree joints; one instance serves one thread, since its workspace is reused.
 
     `joint_names` is the order of every joint vector; `lower`, `upper` (rad) and `velocity` (rad/s) are the
-    URDF's limits, each (n,); so is `acceleration` (rad/s²), inf where the URDF gives none.
+    URDF's limits, each (n,); so is `acceleration` (rad/s²), inf where the URDF gives none, and `jerk` (rad/s³), 100
+    for the joints `without_jerk`.
     """
 
-    def __init__(self, model: pin.Model, tcp_frame: int, acceleration: Array) -> None:
-        self.acceleration = acceleration
+    def __init__(self, model: pin.Model, tcp_frame: int, limits: list[dict[str, str]]) -> None:
+        """`limits` are the attributes of each joint's <limit>, of which pinocchio does not read all."""
+        self.acceleration: Array = np.array([float(limit.get("acceleration", "inf")) for limit in limits])
+        self.jerk: Array = np.array([float(limit.get("jerk", UNSTATED_JERK_RAD_S3)) for limit in limits])
         self.pin_model = model
         self.joint_names = tuple(model.names)[1:]
+        stated = zip(self.joint_names, limits, strict=True)
+        self.without_jerk = tuple(name for name, limit in stated if "jerk" not in limit)
         self.lower: Array = np.array(model.lowerPositionLimit)
         self.upper: Array = np.array(model.upperPositionLimit)
         self.velocity: Array = np.array(model.velocityLimit)
@@ -62,7 +68,7 @@ class ArmModel:
         parent = model.frames[parent_id]
         placement = parent.placement * pin.SE3(tool_T_tcp)
         tcp = pin.Frame("tool_centre_point", parent.parentJoint, parent_id, placement, pin.FrameType.OP_FRAME)
-        return cls(model, int(model.addFrame(tcp)), _accelerations(written, tuple(model.names)[1:]))
+        return cls(model, int(model.addFrame(tcp)), [_limit(written[name]) for name in tuple(model.names)[1:]])
 
     def forward(self, q: Array) -> Array:
         """The tool centre point's pose `base_T_tool` (4 x 4) at joint positions (n,) in rad."""
@@ -149,15 +155,14 @@ def _check_axis(path: Path, name: str, joint: ElementTree.Element) -> None:
 
 
 def _check_limits(path: Path, name: str, joint: ElementTree.Element) -> None:
-    limit = joint.find("limit")
-    given = {} if limit is None else limit.attrib
+    given = _limit(joint)
     lower, upper = (_number(given.get(key, "0")) for key in ("lower", "upper"))
     velocity, effort = (_number(given.get(key, "nan")) for key in ("velocity", "effort"))
-    acceleration = _number(given.get("acceleration", "inf"))
-    finite = math.isfinite(lower + upper + velocity + effort)
-    if not (finite and lower < upper and velocity > 0 and effort > 0 and acceleration > 0):
+    acceleration, jerk = _number(given.get("acceleration", "inf")), _number(given.get("jerk", "1"))
+    finite = math.isfinite(lower + upper + velocity + effort + jerk)
+    if not (finite and lower < upper and min(velocity, effort, jerk) > 0 and acceleration > 0):
         form = '<limit lower="…" upper="…" velocity="…" effort="…"/>'
-        cure = "all finite, lower below upper, the others above 0"
+        cure = "all finite, lower below upper, the others above 0, as acceleration and jerk where they are stated"
         raise ModelError(f"{path}: joint {name} needs {form}, {cure}")
 
 
@@ -168,10 +173,10 @@ def _number(text: str) -> float:
         return math.nan
 
 
-def _accelerations(written: dict[str, ElementTree.Element], names: tuple[str, ...]) -> Array:
-    """The acceleration limits (n,), an attribute of <limit> that pinocchio does not read."""
-    limits = [written[name].find("limit") for name in names]
-    return np.array([math.inf if limit is None else float(limit.get("acceleration", "inf")) for limit in limits])
+def _limit(joint: ElementTree.Element) -> dict[str, str]:
+    """The attributes of a joint's <limit>."""
+    limit = joint.find("limit")
+    return {} if limit is None else limit.attrib
 
 
 def _check_joints(path: Path, model: pin.Model) -> None:

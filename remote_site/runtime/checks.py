@@ -14,6 +14,7 @@ from remote_site.kinematics.limits import JointLimits
 from remote_site.kinematics.model import ArmModel
 from remote_site.motion.target_tracker import choose_target_tracker
 from remote_site.safety.collision import CollisionModel
+from remote_site.safety.stop_bound import check_stops
 from remote_site.teleop.config import prediction
 from remote_site.teleop.mapping import make_mapping
 from remote_site.video.streaming.encoding import can_encode
@@ -73,10 +74,12 @@ def _load_with(model: ArmModel, config: RemoteConfig, loading: _Loading) -> None
         "correct robot.capsules and [safety.collision], or the URDF's collision elements",
         lambda: CollisionModel.from_urdf(robot.urdf, model, robot.capsules, collision),
     )
-    tighter = "correct robot.position_deg, robot.position_margin_deg and robot.acceleration_rad_s2"
+    tighter = "correct robot.position_deg, robot.position_margin_deg, robot.acceleration_rad_s2 and robot.jerk_rad_s3"
     limits = loading.load("limits", tighter, lambda: JointLimits.from_model(model, robot))
     if limits is None:
         return
+    quicker = "correct robot.jerk_rad_s3, robot.acceleration_rad_s2 and robot.speed, or safety.longest_stop_ms"
+    loading.load("stopping", quicker, lambda: check_stops(limits, robot.speed, config.safety.longest_stop_ms))
     start = loading.load("start posture", "correct robot.start_deg", lambda: _start(robot, limits))
     if start is None:
         return

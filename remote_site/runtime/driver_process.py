@@ -18,6 +18,7 @@ from remote_site.drivers.supervisor.grip import GripSettings, GripWatch
 from remote_site.drivers.supervisor.supervisor import DriverSupervisor
 from remote_site.kinematics.limits import JointRange, load_arm
 from remote_site.runtime.transition_log import FaultLog
+from remote_site.safety.stop_bound import check_stops
 from remote_site.simulation.memory import CellMemory
 
 FIFO_PRIORITY = 45  # below control, above the simulated cell
@@ -66,8 +67,9 @@ def run_driver(
 
 
 def setup_of(config: RemoteConfig) -> DriverSetup:
-    """What every driver is configured with."""
+    """What every driver is configured with; ConfigError where its stops could take longer than configured."""
     model, limits = load_arm(config.robot)
+    check_stops(limits, config.robot.speed, config.safety.longest_stop_ms)
     return DriverSetup(
         joint_names=model.joint_names,
         limits=limits,

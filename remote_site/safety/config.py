@@ -48,14 +48,18 @@ class CollisionConfig(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_
 class CertaintyConfig(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
     """How the covariance of a hand sample slows the arm: full speed up to `sure`, none beyond `poor`.
 
-    The wrist decides about the position: its sigma is the root of the covariance's trace, the rms length of the 3D
-    error. Wrist, index and thumb together decide about the orientation: their covariances give the standard deviation
-    of the hand's rotation about each of its axes. Thumbs that are seen have stayed below 8 deg in all recordings,
-    inferred ones between 7 and 14.
+    The point that the tool copies (`mapping.point`) decides about the position: its sigma is the root of the
+    covariance's trace, the rms length of the 3D error. Wrist, index and thumb together decide about the orientation:
+    their covariances give the standard deviation of the hand's rotation about each of its axes. Thumbs that are seen
+    have stayed below 8 deg in all recordings, inferred ones between 7 and 14.
     """
 
-    wrist_sure_mm: Annotated[float, Meta(gt=0, le=200, description="wrist sigma up to which speed is full, mm")] = 10.0
-    wrist_poor_mm: Annotated[float, Meta(gt=0, le=500, description="wrist sigma beyond which the arm holds, mm")] = 40.0
+    position_sure_mm: Annotated[
+        float, Meta(gt=0, le=200, description="sigma of the point that the tool copies up to which speed is full, mm")
+    ] = 10.0
+    position_poor_mm: Annotated[
+        float, Meta(gt=0, le=500, description="sigma beyond which the arm holds, and no elbow is copied, mm")
+    ] = 40.0
     turn_sure_deg: Annotated[
         float, Meta(gt=0, le=60, description="deviation up to which the hand turns the tool freely, deg")
     ] = 8.0
@@ -66,7 +70,7 @@ class CertaintyConfig(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_
 
     def __post_init__(self) -> None:
         for sure, poor, name in (
-            (self.wrist_sure_mm, self.wrist_poor_mm, "wrist_{}_mm"),
+            (self.position_sure_mm, self.position_poor_mm, "position_{}_mm"),
             (self.turn_sure_deg, self.turn_poor_deg, "turn_{}_deg"),
         ):
             if poor <= sure:
@@ -89,6 +93,10 @@ class SafetyConfig(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fie
     longest_hold_ms: Annotated[
         float, Meta(ge=200, le=30000, description="a hold that lasts longer ends the engagement, ms")
     ] = 2000.0
+    longest_stop_ms: Annotated[
+        float,
+        Meta(ge=50, le=2000, description="limits with which a joint may take longer to come to rest are refused, ms"),
+    ] = 600.0
     hand_speed_m_s: Annotated[float, Meta(gt=0, le=20, description="a faster wrist is a jump, m/s")] = 3.0
     hand_noise_m: Annotated[float, Meta(ge=0, le=0.2, description="added to the jump limit for noise, m")] = 0.03
     hand_turn_deg_s: Annotated[

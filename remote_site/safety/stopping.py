@@ -94,6 +94,16 @@ def joint_stop(state: JointState, acceleration: float, jerk: float) -> JointStop
     return JointStop(q, v, a, -side * jerk, max((along + peak) / jerk, 0.0), cruise, peak / jerk)
 
 
+def longest_stop(velocity: float, acceleration: float, jerk: float) -> float:
+    """The longest stop in s that a joint's limits (rad/s, rad/s², rad/s³) allow.
+
+    It begins where the greatest speed is reached once the acceleration is taken back, from the greatest acceleration
+    for which it is not exceeded backwards meanwhile.
+    """
+    rising = min(acceleration, 2 * math.sqrt(jerk * velocity))
+    return rising / jerk + joint_stop((0.0, velocity, 0.0), acceleration, jerk).duration
+
+
 def span(state: JointState, acceleration: float, jerk: float) -> Span:
     """A middle and a reach that bound all positions of a joint's stop; quicker to compute than the stop itself.
 

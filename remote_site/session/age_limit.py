@@ -44,13 +44,18 @@ class AgeLimit:
 
     def settle(self, pace: float) -> None:
         """Let the limit in force follow the link, for joints at `pace`, a fraction of their greatest speed."""
-        if self._wanted_ns <= self.soft_ns or pace <= _speed_scale(self._wanted_ns):
+        if self._wanted_ns <= self.soft_ns or pace <= speed_scale_at(self._wanted_ns):
             self.soft_ns = self._wanted_ns
 
     @property
     def speed_scale(self) -> float:
         """The fraction of full speed that is left by the limit in force, or by the longer one that is to follow it."""
-        return _speed_scale(max(self.soft_ns, self._wanted_ns))
+        return speed_scale_at(max(self.soft_ns, self._wanted_ns))
+
+    @property
+    def range_ns(self) -> tuple[int, int]:
+        """The shortest and the longest limit that can be in force."""
+        return (self.soft_ns, self.soft_ns) if self._is_fixed else (self._least_ns, self._most_ns)
 
     @property
     def stretch(self) -> float:
@@ -75,5 +80,6 @@ class AgeLimit:
         return reason(Code.SAMPLES_RARE, interval_ms=spacing_ns / NS_PER_MS, limit_ms=self.soft_ns / NS_PER_MS)
 
 
-def _speed_scale(soft_ns: int) -> float:
+def speed_scale_at(soft_ns: int) -> float:
+    """The fraction of full speed that an age limit leaves."""
     return min(1.0, FULL_SPEED_NS / soft_ns)

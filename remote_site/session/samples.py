@@ -24,8 +24,8 @@ class Accepted:
     The position is the wrist's or the palm's, as configured for the mapping.
     `born_ns` is its capture on our clock, the earliest it can be; the age counts from there. The orientation is None
     while a fingertip is missing or poorly known, the hand is open or turns too fast to be meant.
-    `speed` is the fraction of full speed that the wrist's covariance allows, `turn_rad_s` how fast the tool may turn
-    about the hand's x, y and z.
+    `speed` is the fraction of full speed that the position's covariance allows, `turn_rad_s` how fast the tool may turn
+    about the hand's x, y and z. `elbow` is the operator's in m, None where it is known too poorly to be copied.
     """
 
     sample: HandArm
@@ -35,6 +35,7 @@ class Accepted:
     new_session: bool
     speed: float = 1.0
     turn_rad_s: Vector3 = (math.inf, math.inf, math.inf)
+    elbow: Vector3 | None = None
 
     @property
     def captured_ns(self) -> int:

@@ -14,7 +14,7 @@ from remote_site.reasons import Code, Reason, reason
 from remote_site.safety.config import SafetyConfig
 from remote_site.session.age_limit import AgeLimit
 from remote_site.session.samples import Accepted, Rejected
-from remote_site.teleop.certainty import certainty_of
+from remote_site.teleop.certainty import certainty_of, elbow_is_certain
 from remote_site.teleop.orientation_gate import OrientationGate
 from remote_site.teleop.turn_certainty import FREE, turn_speeds
 
@@ -65,11 +65,9 @@ class SampleValidator:
         shown_at = shown_position(sample, self._point)
         if shown_at is None or sample.status in (TrackingStatus.LOST, TrackingStatus.INITIALISING):
             return self.refuse(_not_tracked(sample), hand_lost=True)
-        certainty = certainty_of(sample.covariance, self._config.certainty)
+        certainty = certainty_of(sample.covariance, self._point, self._config.certainty)
         if certainty.position == 0.0:
-            limit_mm = self._config.certainty.wrist_poor_mm
-            poor = reason(Code.UNCERTAIN, sigma_mm=certainty.wrist_mm, limit_mm=limit_mm)
-            return self.refuse(poor, hand_lost=True)
+            return self.refuse(self._poor(certainty.sigma_mm), hand_lost=True)
         position = np.array(shown_at)
         if not math.isfinite(sum(shown_at)):
             return self.refuse(reason(Code.NOT_FINITE, what=self._point))
@@ -78,7 +76,14 @@ class SampleValidator:
         shown = shown_orientation(sample)
         speeds = turn_speeds(sample, shown, self._config) if shown is not None else FREE
         orientation = self._gate.judge(shown if any(speeds) else None, born_ns)
-        return Accepted(sample, position, orientation, born_ns, new_session, certainty.position, speeds)
+        elbow = sample.elbow if elbow_is_certain(sample.covariance, self._config.certainty) else None
+        return Accepted(sample, position, orientation, born_ns, new_session, certainty.position, speeds, elbow)
+
+    def _poor(self, sigma_mm: float) -> Reason:
+        if sigma_mm == math.inf:
+            return reason(Code.NO_COVARIANCE, point=self._point)
+        limit_mm = self._config.certainty.position_poor_mm
+        return reason(Code.UNCERTAIN, point=self._point, sigma_mm=sigma_mm, limit_mm=limit_mm)
 
     def _time(self, sample: HandArm, now_ns: int, offset: ClockOffset) -> Reason | None:
         age_ns = offset.age_ns(sample.capture_ns, now_ns)
@@ -111,13 +116,13 @@ class SampleValidator:
         distance = math.dist(position.tolist(), self._last.position.tolist())
         if distance <= self._config.hand_speed_m_s * interval_ns / NS_PER_S + self._config.hand_noise_m:
             return None
-        return reason(Code.JUMP, distance_mm=distance * 1e3, interval_ms=interval_ns / NS_PER_MS)
+        return reason(Code.JUMP, point=self._point, distance_mm=distance * 1e3, interval_ms=interval_ns / NS_PER_MS)
 
     def _jumped(self, jump: Reason) -> Rejected:
         self._jumps += 1
         if self._jumps < self._config.jumps_to_latch:
             return self.refuse(jump)
-        latch = reason(Code.JUMPS, count=self._jumps)
+        latch = reason(Code.JUMPS, point=self._point, count=self._jumps)
         self._last, self._jumps = None, 0
         return self.refuse(latch, latch=True)
 

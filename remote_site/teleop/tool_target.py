@@ -128,7 +128,7 @@ class ToolTarget:
         target[:3, 3] = self._workspace.clamp(target[:3, 3])
         self.base_T_tool, leashed = leash(target, measured, *self._leash)
         self._followed = sample
-        elbow = self._mapping.elbow(sample.sample.wrist, sample.sample.elbow)
+        elbow = self._mapping.elbow(sample.sample.wrist, sample.elbow)
         t_ns = self._holds_at_ns(sample, now_ns)
         return ToolSample(t_ns, now_ns, self.base_T_tool, elbow, leashed, stretch, spare)
 

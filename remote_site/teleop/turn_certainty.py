@@ -8,19 +8,21 @@ from common.geometry import Array
 from common.messages.base import Covariance, Vector3
 from common.messages.hand import HandArm, PointCovariances
 from remote_site.safety.config import CertaintyConfig, SafetyConfig
+from remote_site.teleop.certainty import NONE_KNOWN
 
 FREE = (math.inf, math.inf, math.inf)
-CERTAIN: Covariance = (0.0, 0.0, 0.0, 0.0, 0.0, 0.0)
+POINTS = 3  # wrist, index and thumb
 
 
 def turn_speeds(sample: HandArm, operator_R_hand: Array, config: SafetyConfig) -> Vector3:
     """The fastest turn about the hand's x, y and z in rad/s: inf where it is sure, 0 where it is too poor.
 
-    `operator_R_hand` (3 x 3) is what the sample shows. A point without a covariance counts as certain. An inferred
-    thumb never turns the tool faster than `inferred_turn_deg_s`, however sure it seems.
+    `operator_R_hand` (3 x 3) is what the sample shows. A sample that states no covariance at all counts as certain; one
+    that leaves out one of the three points turns nothing. An inferred thumb never turns the tool faster than
+    `inferred_turn_deg_s`, however sure it seems.
     """
     known = sample.covariance
-    if known is None:
+    if known is None or known == NONE_KNOWN:
         return FREE
     x, y, z = (_speed(variance, sample, config) for variance in _variances(sample, known, operator_R_hand))
     return x, y, z
@@ -47,15 +49,18 @@ def rotation_covariance(
 
 def _variances(sample: HandArm, known: PointCovariances, operator_R_hand: Array) -> list[float]:
     wrist, index, thumb = (np.array(point) for point in (sample.wrist, sample.index, sample.thumb))
-    covariances = _matrix(known.wrist), _matrix(known.index), _matrix(known.thumb)
+    stated = [covariance for covariance in (known.wrist, known.index, known.thumb) if covariance is not None]
+    if len(stated) < POINTS:
+        return [math.inf] * POINTS
+    covariances = _matrix(stated[0]), _matrix(stated[1]), _matrix(stated[2])
     if not np.isfinite(covariances).all():
-        return [math.inf] * 3
+        return [math.inf] * POINTS
     covariance = rotation_covariance(operator_R_hand, index - wrist, thumb - wrist, covariances)
     return [float(variance) for variance in np.diag(covariance)]
 
 
-def _matrix(covariance: Covariance | None) -> Array:
-    xx, xy, xz, yy, yz, zz = covariance or CERTAIN
+def _matrix(covariance: Covariance) -> Array:
+    xx, xy, xz, yy, yz, zz = covariance
     return np.array([[xx, xy, xz], [xy, yy, yz], [xz, yz, zz]])
 
 

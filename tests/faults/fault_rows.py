@@ -13,9 +13,11 @@ from tests.faults.forgery import flood, foreign_ones, hostile_ones, infinite_one
 from tests.faults.gripper_plays import restart_while_holding
 from tests.faults.network_plays import bear, crowd, lose, partition
 from tests.faults.plays import (
+    SURE_M,
     Play,
     astray,
     blink,
+    by_palm,
     changed_asker,
     faulty,
     hold,
@@ -81,6 +83,7 @@ ROWS = (
     Row("wrist jumps 1 m", "rejected; three LATCH; motion under 1 mm", jump_then_three, quick=True),
     Row("index and thumb are taken for each other", "the orientation is withheld, no swing, no drift", unswung(hand(swapped=True), hand(swapped=False), 1.5)),
     Row("an inferred thumb is on the wrong side", "the orientation is withheld, no swing, no drift", unswung(hand(swapped=True, inferred=True), hand(swapped=False, inferred=False), 1.5), quick=True),
+    Row("the palm, which the tool copies, is known to 300 mm", "STOP at once, LATCH after 500 ms", by_palm(latch(hand(palm_sigma_m=0.3), hand(palm_sigma_m=SURE_M), says="the palm is known to")), settings=("mapping.point=palm",), engaged=False),
     Row("unreachable target", "leashed, reported, no thrash", reach_out((0, -3.0, 0, 0, 0, 0), 3.5, "saturated", "out_of_reach")),
     Row("singularity", "speed within limits, can back out", sweep_wrist),
     Row("self- or table collision", "never below the margin, can retreat", wander(60.0)),

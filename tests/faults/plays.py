@@ -16,6 +16,7 @@ from tests.faults.trial import FOLLOWING, Trial
 Play = Callable[[Trial], None]
 
 STILL_MM = 1.0
+SURE_M = 0.002
 SWING_DEG, BACK_DEG = 5.0, 1.0  # what a swap of two fingers may turn the tool, and leave turned
 MAKES_UP_S = 3.0
 ASKING_S = 8.0  # longer than who asked once is named
@@ -36,6 +37,17 @@ def latch(fault: Act, heal: Act, *, says: str = "", for_s: float = 0.0) -> Play:
         trial.stays()
 
     return play
+
+
+def by_palm(play: Play) -> Play:
+    """The same while the tool copies the palm, which the scripted tracker shows only then."""
+
+    def shown(trial: Trial) -> None:
+        trial.pair.hand(palm_sigma_m=SURE_M)
+        trial.pair.engage()
+        play(trial)
+
+    return shown
 
 
 def hold(fault: Act, heal: Act, for_s: float) -> Play:

@@ -56,6 +56,7 @@ def here(monkeypatch, capsys, tmp_path) -> Iterator[Callable[..., subprocess.Com
         ["lease", "release"],
         ["loopback"],
         ["doctor"],
+        ["limits"],
         ["maintenance", "stop"],
         ["certificates", "create"],
         ["certificates", "renew"],

@@ -5,7 +5,7 @@ from dataclasses import replace
 
 import pytest
 
-from farhand.doctor import cameras, landmarks, machine, site
+from farhand.doctor import arm, cameras, landmarks, machine, site
 from farhand.doctor.findings import Finding, Severity, as_json, as_text, error, ok, warning, worst
 
 SHARED = "/run/shared"
@@ -37,8 +37,14 @@ CASES = [
     (landmarks.check_landmarks(LANDMARKS)[1], "ok", "/m, unchanged"),
     (landmarks.check_landmarks(replace(LANDMARKS, runtime=""))[0], "error", "not installed"),
     (landmarks.check_landmarks(replace(LANDMARKS, wrong=("palm.tflite",)))[1], "error", "changed in /m: palm.tflite"),
-    (site.check_robot("a465", "kinematic", ())[0], "ok", "driver kinematic"),
-    (site.check_robot("a", "b", [("robot", "no file", "give one")])[0], "error", "no file"),
+    (arm.check_robot("a465", "kinematic", ())[0], "ok", "driver kinematic"),
+    (arm.check_robot("a", "b", [("robot", "no file", "give one")])[0], "error", "no file"),
+    (arm.check_stops(arm.StopFacts("j1", 333.8, 600.0, "a.urdf")), "ok", "takes 334 ms at most (j1), of 600 allowed"),
+    (
+        arm.check_stops(arm.StopFacts("j1", 333.8, 600.0, "a.urdf", ("j1", "j2"))),
+        "warning",
+        "a.urdf states no jerk for j1, j2, so 100 rad/s³ counts; a stop takes 334 ms",
+    ),
     (cameras.check_camera(cameras.CameraFacts("left", "0", (640, 480))), "ok", "640 x 480"),
     (
         cameras.check_camera(

@@ -36,6 +36,7 @@ from local_site.console.config import ConsoleConfig
 from local_site.simulation.cameras import exact_rig
 from local_site.simulation.config import SimulationConfig
 from remote_site.config import RemoteConfig
+from remote_site.kinematics.config import RobotConfig
 from tests.common.cameras.fake_capture import FakeCapture
 
 NOW = datetime(2026, 3, 1, tzinfo=UTC)
@@ -211,6 +212,9 @@ def test_every_mistake_of_the_configuration_is_a_finding(tmp_path: Path) -> None
         ("robot.tool_frame=hook", "error    robot: "),
         ("robot.speed=0.5", "ok       robot: the model a465 loads"),
         ("robot.start_deg=[0, 0, 500, 0, 0, 0]", "error    start posture: robot.start_deg: joint_3"),
+        ("robot.speed=1", "ok       stopping: a stop takes 334 ms at most (joint_1), of 600 allowed"),
+        ("robot.jerk_rad_s3=1", "error    stopping: joint_1 may take 7090 ms to stop"),
+        ("robot.jerk_rad_s3=1001", "error    limits: robot.jerk_rad_s3: 1001 for joint_1 is above the arm's own 1000"),
         ("robot.stance.elbow=backward", "error    kinematics: robot.stance.elbow"),
         ("driver.name=elbow", "error    driver: there is no driver 'elbow'; choose one of"),
     ],
@@ -220,6 +224,15 @@ def test_the_robots_side_is_loaded_as_the_remote_site_would(setting: str, found:
     done = CliRunner().invoke(app, ["doctor", "--config", str(config), "--set", setting])
     assert found in done.output
     assert found.startswith("ok") or done.exit_code == 1
+
+
+def test_an_arm_whose_file_states_no_jerk_is_said_to_have_none(tmp_path: Path) -> None:
+    urdf = tmp_path / "arm.urdf"
+    urdf.write_text(RobotConfig().urdf.read_text().replace(' jerk="1000"', ""))
+    (found,) = (finding for finding in examine(None, (f"robot.model={urdf}",)) if finding.check == "stopping")
+    assert found.level == "warning"
+    assert f"{urdf} states no jerk for joint_1, joint_2" in found.sentence
+    assert "100 rad/s³ counts; a stop takes 548 ms at most (joint_5)" in found.sentence
 
 
 @pytest.mark.parametrize(

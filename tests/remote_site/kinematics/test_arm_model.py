@@ -101,10 +101,16 @@ def test_a_pose_is_not_changed_by_the_next_one():
     [
         (r"^.*$", "no robot", "cannot read"),
         (r'(<joint name="joint_4" type=)"revolute"', r'\1"continuous"', "joint_4"),
-        (r'velocity="2.9845"( acceleration="24.958" effort="6.89")', r'velocity="0"\1', "joint_4 needs"),
+        (r'velocity="2.9845"( acceleration="24.958" jerk="1000" effort="6.89")', r'velocity="0"\1', "joint_4 needs"),
         (r'lower="-1.9199" upper="1.9199"', 'lower="1" upper="-1"', "joint joint_3 needs <limit"),
-        (r'velocity="2.9845"( acceleration="24.958" effort="6.89")', r"\1", "joint joint_4 needs <limit.*velocity"),
+        (
+            r'velocity="2.9845"( acceleration="24.958" jerk="1000" effort="6.89")',
+            r"\1",
+            "joint joint_4 needs <limit.*velocity",
+        ),
         (r'(lower="-1.9199" upper="1.9199") velocity="[^"]*"', r'\1 velocity="fast"', "joint joint_3 needs <limit"),
+        (r'(<joint name="joint_2".{0,200}jerk=)"1000"', r'\1"0"', "joint joint_2 needs <limit"),
+        (r'(<joint name="joint_2".{0,200}jerk=)"1000"', r'\1"inf"', "joint joint_2 needs <limit"),
         (r'(<child link="forearm"/>.{0,60})<axis xyz="0 -1 0"', r'\1<axis xyz="0 0 0"', "joint joint_3 needs <axis"),
         (r'(<child link="forearm"/>.{0,60})<axis xyz="0 -1 0"', r'\1<axis xyz="0 -1"', "joint joint_3 needs <axis"),
         (r'type="revolute"', 'type="fixed"', "no moving joint"),
@@ -169,6 +175,24 @@ def test_accelerations_are_one_for_all_or_one_for_each():
 def test_an_acceleration_above_the_robots_own_is_refused_by_joint_and_value():
     with pytest.raises(ConfigError, match=r"13 for joint_2 is above the robot's own 12\.566"):
         JointLimits.from_model(load(URDF), RobotConfig(acceleration_rad_s2=(10.0, 13.0, 10.0, 20.0, 20.0, 20.0)))
+
+
+def test_a_jerk_above_the_arms_own_is_refused_by_joint_and_value(variant):
+    own = variant(r'(<joint name="joint_2".{0,200}jerk=)"1000"', r'\1"400"')
+    assert JointLimits.from_model(load(own), RobotConfig()).jerk.tolist() == [1000, 400, 1000, 1000, 1000, 1000]
+    assert JointLimits.from_model(load(own), RobotConfig(jerk_rad_s3=400.0)).jerk.tolist() == [400.0] * 6
+    with pytest.raises(
+        ConfigError, match=r"jerk_rad_s3: 401 for joint_2 is above the arm's own 400; limits only tighten$"
+    ):
+        JointLimits.from_model(load(own), RobotConfig(jerk_rad_s3=401.0))
+
+
+def test_an_arm_whose_file_states_no_jerk_has_100_and_nothing_widens_it(variant):
+    model = load(variant(r' jerk="[^"]*"', ""))
+    assert model.without_jerk == model.joint_names
+    assert JointLimits.from_model(model, RobotConfig()).jerk.tolist() == [100.0] * 6
+    with pytest.raises(ConfigError, match=r"101 for joint_1 is above 100.* states no jerk"):
+        JointLimits.from_model(model, RobotConfig(jerk_rad_s3=101.0))
 
 
 def test_configuration_can_tighten():

@@ -7,6 +7,7 @@ import textwrap
 from pathlib import Path
 
 import pytest
+from msgspec.structs import replace
 
 from common.config import load_config
 from common.errors import ConfigError
@@ -15,6 +16,8 @@ from remote_site.drivers.config import DriverConfig
 from remote_site.kinematics.config import CapsuleConfig, RobotConfig
 from remote_site.runtime.checks import check_robot, find_mistakes
 from remote_site.runtime.crash_marker import CrashMarker
+from remote_site.runtime.driver_process import setup_of
+from remote_site.safety.config import SafetyConfig
 from remote_site.session.config import ACCEPTANCE, EngagementMode
 from remote_site.teleop.config import MappingConfig
 from remote_site.video.config import CameraConfig, VideoConfig
@@ -46,6 +49,10 @@ def test_the_defaults_are_right():
         (RobotConfig(position_deg={"joint_1": (-400, 400)}), "limits only tighten"),
         (RobotConfig(tool_frame="hook"), "no frame 'hook'; set robot.tool_frame"),
         (RobotConfig(capsules=(HOOK,)), "robot.capsules: there is no link 'hook'"),
+        (RobotConfig(jerk_rad_s3=5000.0), "5000 for joint_1 is above the arm's own 1000"),
+        (RobotConfig(jerk_rad_s3=1.0), "joint_1 may take 7090 ms to stop"),
+        (RobotConfig(jerk_rad_s3=0.01), "joint_1 may take 70899 ms to stop"),
+        (RobotConfig(acceleration_rad_s2=(0.01,)), "joint_1 may take 314161 ms to stop"),
     ],
 )
 def test_an_arm_that_cannot_start_is_refused(robot, words):
@@ -60,6 +67,27 @@ def test_every_mistake_is_told_at_once_with_the_keys_that_cure_it():
     assert [mistake.part for mistake in mistakes] == ["mapping", "collision", "start posture", "start posture"]
     assert "robot.capsules" in mistakes[1].cure
     assert all(mistake.sentence and mistake.cure for mistake in mistakes)
+
+
+def test_a_stop_that_takes_too_long_is_refused_with_its_figures_and_the_cure():
+    """Limits that are tightened make stops longer, up to `safety.longest_stop_ms` as computed from them."""
+    robot = RobotConfig(jerk_rad_s3=40.0)
+    with pytest.raises(ConfigError) as refused:
+        check_robot(RemoteConfig(robot=robot))
+    (sentence,) = str(refused.value).splitlines()
+    assert "joint_5 may take 1050 ms to stop, from 3.02 rad/s with 20 rad/s² and 40 rad/s³" in sentence
+    assert "safety.longest_stop_ms allows 600" in sentence
+    assert "robot.jerk_rad_s3" in sentence
+    assert "robot.speed = 0.29 or less" in sentence
+    check_robot(RemoteConfig(robot=replace(robot, speed=0.29)))
+    check_robot(RemoteConfig(robot=robot, safety=SafetyConfig(longest_stop_ms=1050.0)))
+    assert find_mistakes(RemoteConfig(robot=robot, safety=SafetyConfig(longest_stop_ms=1049.0)))[0].part == "stopping"
+
+
+def test_the_process_that_enforces_the_limits_refuses_them_too():
+    """It is also where 'farhand driver test' and the experiments take them from."""
+    with pytest.raises(ConfigError, match="may take 7090 ms to stop"):
+        setup_of(RemoteConfig(robot=RobotConfig(jerk_rad_s3=1.0)))
 
 
 def test_the_default_gripper_is_carried_by_whatever_frame_carries_the_tool(tmp_path):

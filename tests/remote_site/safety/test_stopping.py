@@ -5,7 +5,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from remote_site.safety.stopping import advance, joint_stop, span
+from remote_site.safety.stopping import advance, joint_stop, longest_stop, span
 
 DT = 0.004
 
@@ -19,6 +19,41 @@ def test_stop_times_at_10_rad_s2_and_100_rad_s3(velocity, acceleration, seconds,
         stop = joint_stop((0.0, side * velocity, side * acceleration), 10.0, 100.0)
         assert stop.duration == pytest.approx(seconds, abs=1e-3)
         assert stop.end == pytest.approx(side * travel, abs=1e-4)
+
+
+@pytest.mark.parametrize(
+    ("velocity", "acceleration", "jerk", "seconds"),
+    [
+        (3.14159, 10.0, 1000.0, 0.334),
+        (3.14159, 10.0, 100.0, 0.514),
+        (3.14159, 20.0, 1.0, 7.09),
+        (2.0, 0.01, 1e3, 200.0),
+    ],
+)
+def test_the_longest_stop_of_some_limits(velocity, acceleration, jerk, seconds):
+    assert longest_stop(velocity, acceleration, jerk) == pytest.approx(seconds, rel=2e-3)
+
+
+bounds = st.tuples(st.floats(0.1, 5.0), st.floats(0.1, 25.0), st.floats(0.5, 2000.0))
+
+
+@settings(max_examples=300, deadline=None, derandomize=True)
+@given(bounds, st.floats(-1, 1), st.floats(-1, 1))
+def test_no_motion_that_the_guard_lets_pass_takes_longer_to_stop(limits, speed, rise):
+    velocity, acceleration, jerk = limits
+    state = (0.0, speed * velocity, rise * acceleration)
+    taken_back = state[1] + state[2] * abs(state[2]) / (2 * jerk)
+    if abs(taken_back) <= velocity:
+        assert joint_stop(state, acceleration, jerk).duration <= longest_stop(*limits) + 1e-9
+
+
+@settings(max_examples=100, deadline=None, derandomize=True)
+@given(bounds)
+def test_one_motion_that_the_guard_lets_pass_takes_as_long(limits):
+    velocity, acceleration, jerk = limits
+    rise = min(acceleration, 2 * np.sqrt(jerk * velocity))
+    state = (0.0, velocity - rise * rise / (2 * jerk), rise)
+    assert joint_stop(state, acceleration, jerk).duration == pytest.approx(longest_stop(*limits))
 
 
 states = st.tuples(st.floats(-1, 1), st.floats(-3, 3), st.floats(-10, 10))

@@ -31,7 +31,7 @@ PERIOD = 33 * NS_PER_MS
 LOST = Rejected(reason(Code.LOST, reason="gone"), hand_lost=True)
 NO_OFFSET = Rejected(reason(Code.NO_OFFSET))
 OLD_OFFSET = Rejected(reason(Code.OLD_OFFSET, age_ms=5001, limit_ms=5000))
-JUMPS = Rejected(reason(Code.JUMPS, count=3), latch=True)
+JUMPS = Rejected(reason(Code.JUMPS, point="wrist", count=3), latch=True)
 
 
 def good(born_ns: int, new_session: bool = False, held: bool = False) -> Accepted:

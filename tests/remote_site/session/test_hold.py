@@ -10,8 +10,8 @@ from remote_site.session.state_machine import Action, Decision
 from tests.remote_site.session.session_rig import LOST, NO_OFFSET, PERIOD, READY, SessionRig, engaged, good
 
 STALE = Rejected(reason(Code.STALE, age_ms=130, limit_ms=100))
-JUMP = Rejected(reason(Code.JUMP, distance_mm=900, interval_ms=33))
-UNCERTAIN = Rejected(reason(Code.UNCERTAIN, sigma_mm=50, limit_mm=40), hand_lost=True)
+JUMP = Rejected(reason(Code.JUMP, point="wrist", distance_mm=900, interval_ms=33))
+UNCERTAIN = Rejected(reason(Code.UNCERTAIN, point="wrist", sigma_mm=50, limit_mm=40), hand_lost=True)
 
 
 def silent(rig: SessionRig, milliseconds: int) -> Decision:

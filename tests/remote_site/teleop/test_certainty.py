@@ -1,9 +1,9 @@
-"""What the wrist's covariance lets the arm do: slower, then held."""
+"""What the covariance of the point that the tool copies lets the arm do: slower, then held."""
 
 import numpy as np
 import pytest
 
-from common.messages.hand import PointCovariances
+from common.messages.hand import HandPoint, PointCovariances
 from common.messages.robot import SessionState
 from remote_site.reasons import Code
 from remote_site.safety.config import CertaintyConfig
@@ -20,29 +20,33 @@ def of(sigma_mm):
     return (variance, 0.0, 0.0, variance, 0.0, variance)
 
 
+def judged(covariance, config=CONFIG):
+    return certainty_of(covariance, HandPoint.WRIST, config)
+
+
 def points(wrist_mm=1.0, tips_mm=1.0):
     return PointCovariances(wrist=of(wrist_mm), index=of(tips_mm), thumb=of(tips_mm))
 
 
 def test_a_sender_that_knows_no_covariance_is_believed():
     for covariance in (None, PointCovariances()):
-        certainty = certainty_of(covariance, CONFIG)
-        assert (certainty.position, certainty.wrist_mm) == (1.0, 0.0)
-    assert certainty_of(PointCovariances(), CertaintyConfig(wrist_sure_mm=0.5)).position == 1.0
+        certainty = judged(covariance)
+        assert (certainty.position, certainty.sigma_mm) == (1.0, 0.0)
+    assert judged(PointCovariances(), CertaintyConfig(position_sure_mm=0.5)).position == 1.0
 
 
 @pytest.mark.parametrize(("wrist_mm", "position"), [(1.0, 1.0), (10.0, 1.0), (25.0, 0.6), (40.0, 0.2)])
 def test_the_fraction_falls_from_sure_to_poor(wrist_mm, position):
-    assert certainty_of(points(wrist_mm), CONFIG).position == pytest.approx(position)
+    assert judged(points(wrist_mm)).position == pytest.approx(position)
 
 
 def test_a_poor_or_broken_wrist_leaves_no_speed():
-    assert certainty_of(points(40.1), CONFIG).position == 0.0
-    assert certainty_of(PointCovariances(wrist=(np.inf, 0, 0, 1, 0, 1)), CONFIG).position == 0.0
-    assert certainty_of(PointCovariances(wrist=(np.nan, 0, 0, 1, 0, 1)), CONFIG).position == 0.0
+    assert judged(points(40.1)).position == 0.0
+    assert judged(PointCovariances(wrist=(np.inf, 0, 0, 1, 0, 1))).position == 0.0
+    assert judged(PointCovariances(wrist=(np.nan, 0, 0, 1, 0, 1))).position == 0.0
 
 
-@pytest.mark.parametrize("bounds", [{"wrist_sure_mm": 40.0}, {"turn_poor_deg": 8.0}])
+@pytest.mark.parametrize("bounds", [{"position_sure_mm": 40.0}, {"turn_poor_deg": 8.0}])
 def test_poor_must_lie_beyond_sure(bounds):
     with pytest.raises(ValueError, match="must be above"):
         CertaintyConfig(**bounds)

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from common.clock import NS_PER_MS
-from common.messages.hand import TrackingStatus
+from common.messages.hand import HandPoint, TrackingStatus
 from common.messages.robot import SessionState
 from remote_site.reasons import Code
 from remote_site.safety.config import SafetyConfig
@@ -119,6 +119,20 @@ TEXTS = [
         "shown if any(speeds) else None",
         "shown",
         validator(of_validator.test_the_orientation_of_tips_that_are_poorly_known_never_acts_however_calm),
+    ),
+    (
+        SampleValidator,
+        "_judge",
+        "certainty_of(sample.covariance, self._point",
+        "certainty_of(sample.covariance, HandPoint.WRIST",
+        lambda: of_validator.test_the_point_that_the_tool_copies_is_judged_by_its_own_covariance(HandPoint.PALM),
+    ),
+    (
+        SampleValidator,
+        "_judge",
+        "sample.elbow if elbow_is_certain(sample.covariance, self._config.certainty) else None",
+        "sample.elbow",
+        lambda: of_validator.test_an_elbow_whose_direction_is_poorly_known_is_not_commanded("elbow"),
     ),
     (validator_module, "shown_orientation", "or sample.hand_open", "", no_orientation(hand_open=True)),
     (

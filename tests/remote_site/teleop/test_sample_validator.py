@@ -12,6 +12,7 @@ from common.clock import NS_PER_MS, NS_PER_S
 from common.geometry import hand_rotation
 from common.messages.hand import (
     ClockSync,
+    HandPoint,
     Intent,
     PointCovariances,
     TrackingStatus,
@@ -31,6 +32,11 @@ SURE = (1e-6, 0.0, 0.0, 1e-6, 0.0, 1e-6)  # 1 mm along each axis
 @pytest.fixture
 def intake():
     return SampleValidator(SafetyConfig(), AgeLimit(SafetyConfig()))
+
+
+def copying(point):
+    """A validator for a tool that copies this point of the hand."""
+    return SampleValidator(SafetyConfig(), AgeLimit(SafetyConfig()), point)
 
 
 def code(result):
@@ -171,7 +177,7 @@ def test_no_orientation_while_a_tip_is_missing_or_inferred_blindly_or_the_hand_i
 
 def test_the_orientation_of_tips_that_are_poorly_known_never_acts_however_calm(intake):
     poor = (0.0036, 0.0, 0.0, 0.0036, 0.0, 0.0036)  # 60 mm along each axis
-    covariance = PointCovariances(index=poor, thumb=poor)
+    covariance = PointCovariances(wrist=SURE, index=poor, thumb=poor)
     results = [accept(intake, hand(k, NOW + k * PERIOD, covariance=covariance)) for k in range(1, 31)]
     assert all(isinstance(result, Accepted) for result in results)
     assert {result.operator_R_hand is None for result in results} == {True}
@@ -196,6 +202,43 @@ def test_a_wrist_that_is_poorly_known_counts_as_a_lost_hand(intake):
     result = accept(intake, hand(1, NOW, covariance=poor))
     assert (code(result), result.hand_lost) == (Code.UNCERTAIN, True)
     assert result.reason.sentence == "the wrist is known to 60 mm only (limit 40 mm)"
+
+
+@pytest.mark.parametrize("point", list(HandPoint))
+def test_the_point_that_the_tool_copies_is_judged_by_its_own_covariance(point):
+    """A palm that nobody knows is not commanded because the wrist is sure, nor a sure palm held by a poor wrist."""
+    other = HandPoint.WRIST if point is HandPoint.PALM else HandPoint.PALM
+    poor = (0.03, 0.0, 0.0, 0.03, 0.0, 0.03)  # 300 mm
+    intake = copying(point)
+    shown = {"palm": (0.0, -0.06, 0.3)}
+    sure = accept(intake, hand(1, NOW, covariance=PointCovariances(**{point: SURE, other: poor}), **shown))
+    unsure = accept(intake, hand(2, NOW + PERIOD, covariance=PointCovariances(**{point: poor, other: SURE}), **shown))
+    assert (code(sure), sure.speed) == (Code.OK, 1.0)
+    assert (code(unsure), unsure.hand_lost) == (Code.UNCERTAIN, True)
+    assert unsure.reason.sentence == f"the {point} is known to 300 mm only (limit 40 mm)"
+
+
+@pytest.mark.parametrize("point", list(HandPoint))
+def test_a_sample_that_tells_how_well_other_points_are_known_is_not_believed_about_this_one(point):
+    other = HandPoint.WRIST if point is HandPoint.PALM else HandPoint.PALM
+    known = PointCovariances(**{other: SURE})
+    result = accept(copying(point), hand(1, NOW, palm=(0.0, -0.06, 0.3), covariance=known))
+    assert (code(result), result.hand_lost) == (Code.NO_COVARIANCE, True)
+    assert str(point) in result.reason.sentence
+
+
+@pytest.mark.parametrize("poor", ["elbow", "wrist"])
+def test_an_elbow_whose_direction_is_poorly_known_is_not_commanded(poor):
+    sure = dict.fromkeys(("elbow", "wrist", "palm"), SURE)
+    unsure = sure | {poor: (0.03, 0.0, 0.0, 0.03, 0.0, 0.03)}
+    intake = copying(HandPoint.PALM)
+    results = [
+        accept(intake, hand(k, NOW + k * PERIOD, palm=(0.0, -0.06, 0.3), covariance=covariance))
+        for k, covariance in enumerate((None, PointCovariances(**sure), PointCovariances(**unsure)))
+    ]
+    assert [code(result) for result in results] == [Code.OK] * 3
+    assert [result.elbow is None for result in results] == [False, False, True]
+    assert results[1].elbow == hand(1, NOW).elbow
 
 
 def test_after_a_gap_beyond_the_latch_time_a_hand_may_be_anywhere(intake):

@@ -1,5 +1,7 @@
 """The tool's target: from both origins, inside the box, then on the leash of the measured arm."""
 
+import dataclasses
+
 import numpy as np
 import pytest
 
@@ -28,7 +30,7 @@ def sample(moved=(0.0, 0.0, 0.0), born_ns=BORN):
     operator_R_base = np.array(MappingConfig().base_R_operator).T
     wrist = WRIST + operator_R_base @ np.array(moved)
     message = hand(1, born_ns, tuple(wrist.tolist()))
-    return Accepted(message, wrist, None, born_ns, new_session=False)
+    return Accepted(message, wrist, None, born_ns, new_session=False, elbow=message.elbow)
 
 
 def captured(q=START, leash_m=0.2):
@@ -97,6 +99,8 @@ def test_the_elbow_is_seen_from_the_wrist_in_the_bases_axes():
     aimed = captured().aim(sample(), AS_GRANTED, START, NOW)
     in_operator = np.array(sample().sample.elbow) - np.array(sample().sample.wrist)
     assert aimed.elbow == pytest.approx(np.array(MappingConfig().base_R_operator) @ in_operator)
+    unsure = dataclasses.replace(sample(), elbow=None)
+    assert captured().aim(unsure, AS_GRANTED, START, NOW).elbow is None
 
 
 @pytest.mark.parametrize(("way_m", "resumes"), [(0.03, True), (0.035, True), (0.045, False)])

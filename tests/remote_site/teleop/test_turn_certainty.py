@@ -75,6 +75,11 @@ def test_an_inferred_thumb_never_turns_the_tool_faster_than_configured_and_slowe
     assert (pitch, yaw) == pytest.approx((45.0, 45.0))
 
 
+@pytest.mark.parametrize("left_out", ["wrist", "index", "thumb"])
+def test_a_sample_that_states_how_well_some_of_the_points_are_known_is_not_believed_about_the_others(left_out):
+    assert speeds(**({"thumb": SURE} | {left_out: None})).tolist() == [0.0, 0.0, 0.0]
+
+
 @pytest.mark.parametrize("broken", [np.inf, np.nan, -1.0])
 def test_a_covariance_that_is_none_turns_nothing(broken):
     assert speeds((broken,) * 6).tolist() == [0.0, 0.0, 0.0]

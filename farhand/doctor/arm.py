@@ -1,0 +1,68 @@
+"""What the robot's side loads of its arm, and how long the arm may take to stop; probes, and pure checks."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+from common.errors import DriverError
+from farhand.doctor.findings import Finding, error, ok, warning
+from remote_site.config import RemoteConfig
+from remote_site.kinematics.config import UNSTATED_JERK_RAD_S3
+
+
+def probe_robot(config: RemoteConfig) -> list[tuple[str, str, str]]:
+    """Look up the driver and load the arm as the remote site does; returns (part, sentence, cure) of each mistake."""
+    from remote_site.drivers.registry import check_driver  # noqa: PLC0415  # as below
+
+    mistakes = []
+    try:
+        check_driver(config.driver.name)
+    except DriverError as wrong:
+        mistakes.append(("driver", str(wrong), "correct driver.name, or install the package that offers it"))
+    try:
+        from remote_site.runtime.checks import find_mistakes  # noqa: PLC0415  # the doctor also examines hosts without its libraries
+    except ImportError as wrong:
+        cure = "install Farhand again: pip install -e '.[sim]'"
+        return [*mistakes, ("robot", f"the arm cannot be loaded: {wrong}", cure)]
+    return mistakes + [(mistake.part, mistake.sentence, mistake.cure) for mistake in find_mistakes(config)]
+
+
+def check_robot(model: str, driver: str, mistakes: Sequence[tuple[str, str, str]]) -> list[Finding]:
+    """All that the remote site loads of its robot can be loaded; each mistake (part, sentence, cure) is a finding."""
+    if not mistakes:
+        return [ok("robot", f"the model {model} loads, its start posture is valid; driver {driver}")]
+    return [error(part, sentence, cure) for part, sentence, cure in mistakes]
+
+
+@dataclass(frozen=True, slots=True)
+class StopFacts:
+    """The joint with the longest stop, how long that takes and may take, and the joints whose file states no jerk."""
+
+    joint: str
+    takes_ms: float
+    may_take_ms: float
+    urdf: str
+    without_jerk: tuple[str, ...] = ()
+
+
+def probe_stops(config: RemoteConfig) -> StopFacts:
+    """Compute the stops from the limits of an arm that can be loaded."""
+    from remote_site.kinematics.limits import load_arm  # noqa: PLC0415  # the doctor also examines hosts without its libraries
+    from remote_site.safety.stop_bound import longest_stops  # noqa: PLC0415  # as above
+
+    model, limits = load_arm(config.robot)
+    stops = longest_stops(limits)
+    slowest = limits.names[stops.index(max(stops))]
+    allowed_ms = config.safety.longest_stop_ms
+    return StopFacts(slowest, 1e3 * max(stops), allowed_ms, str(config.robot.urdf), model.without_jerk)
+
+
+def check_stops(facts: StopFacts) -> Finding:
+    """The stops are as long as they are; an arm whose file states no jerk may be given more than it can bear."""
+    sentence = f"a stop takes {facts.takes_ms:.0f} ms at most ({facts.joint}), of {facts.may_take_ms:g} allowed"
+    if not facts.without_jerk:
+        return ok("stopping", sentence)
+    assumed = (
+        f"{facts.urdf} states no jerk for {', '.join(facts.without_jerk)}, so {UNSTATED_JERK_RAD_S3:g} rad/s³ counts"
+    )
+    cure = 'add jerk="…" to their <limit>, as the robot\'s maker states it, or tighten robot.jerk_rad_s3'
+    return warning("stopping", f"{assumed}; {sentence}", cure)

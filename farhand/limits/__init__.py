@@ -1,0 +1,1 @@
+"""What `farhand limits` prints: the limits of a configured arm, where they come from, and its stops."""
