@@ -125,7 +125,8 @@ class PageMessageHandler:
         """Carry out what a page asks for."""
         match message:
             case Beat():
-                self.seat.beat(page.visitor, now_ns, down=message.down, assist=message.assist)
+                heard_ns = round(message.heard_ms * NS_PER_MS) if message.heard_ms is not None else None
+                self.seat.beat(page.visitor, now_ns, heard_ns, down=message.down, assist=message.assist)
                 page.send(type="echo", page_ms=message.page_ms, server_ms=now_ns / NS_PER_MS)
             case FrameTaken():
                 page.taken(message.view)

@@ -6,7 +6,7 @@ import threading
 import msgspec
 import pytest
 
-from common.clock import NS_PER_S
+from common.clock import NS_PER_MS, NS_PER_S
 from common.errors import MessageError
 from common.messages.hand import OperatorSettings
 from common.messages.requests import EngagementAction, OperatorAction, Reply
@@ -142,6 +142,14 @@ def test_the_operating_page_steers_by_what_it_names(room: Room) -> None:
     assert not intent.hold
 
 
+def test_a_beat_counts_from_the_consoles_time_that_its_page_had_heard(room: Room) -> None:
+    for heard_ms, down in ((900, False), (900, True)):
+        room.say(room.first, type="beat", page_ms=5.0, heard_ms=heard_ms, down=down)
+    assert room.handler.seat.held(NS_PER_S + 200 * NS_PER_MS)
+    room.say(room.first, type="beat", page_ms=5.0, heard_ms=500, down=True)
+    assert not room.handler.seat.held(NS_PER_S)
+
+
 @pytest.mark.parametrize(
     "said",
     [
@@ -149,9 +157,11 @@ def test_the_operating_page_steers_by_what_it_names(room: Room) -> None:
         "null",
         "[]",
         '{"type": "dance"}',
-        '{"type": "beat", "page_ms": "now", "down": true}',
-        '{"type": "beat", "page_ms": 1, "down": 1}',
-        '{"type": "beat", "page_ms": 1, "down": true, "more": 1}',
+        '{"type": "beat", "page_ms": "now", "heard_ms": null, "down": true}',
+        '{"type": "beat", "page_ms": 1, "heard_ms": 1, "down": 1}',
+        '{"type": "beat", "page_ms": 1, "heard_ms": 1, "down": true, "more": 1}',
+        '{"type": "beat", "page_ms": 1, "down": true}',
+        '{"type": "beat", "page_ms": 1, "heard_ms": -1, "down": true}',
         '{"type": "ask", "id": 1, "action": "move"}',
         '{"type": "ask", "id": -1, "action": "stop"}',
         '{"type": "ask_lease", "id": 1, "action": "give", "to": {"name": "ben", "session": 7}}',
