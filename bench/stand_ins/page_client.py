@@ -1,13 +1,15 @@
 """A page without a browser, its key and settings as commanded: `python -m bench.stand_ins.page_client PORT SOCKET`.
 
-It paints nothing, but acknowledges every picture and reports how old the newest are, as a page does. Given a third
-argument, it keeps there what it has seen of the cell.
+Its beats are sent late by what it is told (`late_s`). It paints nothing, but acknowledges every picture and reports how
+old the newest are, as a page does. Given a third argument, it keeps there what it has seen of the cell.
 """
 
 import itertools
 import sys
 import threading
 import time
+from collections import deque
+from dataclasses import dataclass
 from pathlib import Path
 
 import msgspec
@@ -25,18 +27,28 @@ ATTEMPTS, AGAIN_S = 300, 0.2
 CAMERA_VIEW = "camera/"
 
 
+@dataclass
+class Heard:
+    """The console's time in its newest echo, None before the first."""
+
+    console_ms: float | None = None
+
+
 def run(port: int, commands: CommandSocket, seen: SightLog | None) -> None:
     """Beat until killed."""
     with opened(port) as page:
         views: dict[str, dict[str, float]] = {}
-        threading.Thread(target=_read, args=(page, views, seen), daemon=True).start()
-        down = False
+        heard = Heard()
+        threading.Thread(target=_read, args=(page, views, heard, seen), daemon=True).start()
+        down, late_s, on_their_way = False, 0.0, deque[tuple[float, dict[str, object]]]()
         for beat in itertools.count():
-            fields = commands.take()
-            down = fields.get("down", down)
+            fields, now_s = commands.take(), time.monotonic()
+            down, late_s = fields.get("down", down), fields.get("late_s", late_s)
             if "steer" in fields:
                 _say(page, type="steer", **fields["steer"])
-            _say(page, type="beat", page_ms=time.monotonic() * 1e3, down=down)
+            on_their_way.append((now_s + late_s, {"page_ms": now_s * 1e3, "heard_ms": heard.console_ms, "down": down}))
+            while on_their_way and on_their_way[0][0] <= now_s:
+                _say(page, type="beat", **on_their_way.popleft()[1])
             if beat % BEATS_PER_WORD == 0:
                 _say(page, type="shown", h264=True, views=dict(views))
             time.sleep(BEAT_S)
@@ -52,10 +64,12 @@ def opened(port: int) -> ClientConnection:
     raise ConnectionRefusedError(f"no console at {port}")
 
 
-def _read(page: ClientConnection, views: dict[str, dict[str, float]], seen: SightLog | None) -> None:
+def _read(page: ClientConnection, views: dict[str, dict[str, float]], heard: Heard, seen: SightLog | None) -> None:
     """Take every picture immediately; this host's clock is the console's."""
     for message in page:
-        if isinstance(message, bytes):
+        if isinstance(message, str):
+            heard.console_ms = msgspec.json.decode(message).get("server_ms", heard.console_ms)
+        else:
             now_ns = time.monotonic_ns()
             length = int.from_bytes(message[:2], "little")
             header = msgspec.json.decode(message[2 : 2 + length])

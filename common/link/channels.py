@@ -23,6 +23,7 @@ from common.messages.requests import (
     OperatorRequest,
     RecordRequest,
     Reply,
+    StopRequest,
     TroubleNoted,
     TroubleReport,
 )
@@ -296,6 +297,9 @@ class Procedure(Keyed, Generic[Q, R]):
 
 ENGAGEMENT = Procedure("farhand/{cell}/rpc/engagement/{operator}", EngagementRequest, Reply, OPERATORS, REMOTES)
 MAINTENANCE = Procedure("farhand/{cell}/rpc/maintenance", EngagementRequest, Reply, MAINTAINERS, REMOTES)
+# Nothing else may displace a stop where it waits, so it has keys, and with them queues, of its own.
+STOP = Procedure("farhand/{cell}/rpc/stop/{operator}", StopRequest, Reply, OPERATORS, REMOTES)
+MAINTENANCE_STOP = Procedure("farhand/{cell}/rpc/maintenance/stop", StopRequest, Reply, MAINTAINERS, REMOTES)
 LEASE = Procedure("farhand/{cell}/rpc/lease/{operator}", LeaseRequest, LeaseReply, OPERATORS, REMOTES, max_bytes=4096)
 DESCRIBE = Procedure(
     "farhand/{cell}/rpc/describe", DescribeQuestion, Description, EVERYBODY, REMOTES, max_bytes=16384, max_hz=200.0
@@ -327,6 +331,8 @@ CHANNELS: tuple[Channel[Any], ...] = (
 PROCEDURES: tuple[Procedure[Any, Any], ...] = (
     ENGAGEMENT,
     MAINTENANCE,
+    STOP,
+    MAINTENANCE_STOP,
     LEASE,
     DESCRIBE,
     CLOCK,

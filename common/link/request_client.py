@@ -9,8 +9,10 @@ from common.errors import TransportError
 from common.link.channels import ANY, Procedure
 from common.link.remote_clock import RemoteClock
 from common.link.transport import Link
-from common.messages.requests import ACTIVATED, Reply, Request
+from common.messages.base import Message
+from common.messages.requests import ACTIVATED, Reply, Request, StopRequest
 
+Question = TypeVar("Question", bound=Message)
 Requested = TypeVar("Requested", bound=Request)
 Requested_co = TypeVar("Requested_co", bound=Request, covariant=True)
 Replied = TypeVar("Replied", bound=Reply)
@@ -83,6 +85,23 @@ class RequestClient:
 
     def ask(self, procedure: Procedure[Requested, Replied], make: RequestMaker[Requested]) -> Replied:
         """The reply; TransportError without an answer, RefusedError when the sites do not understand each other."""
+
+        def request(schedule: RequestSchedule, now_ns: int) -> Requested | None:
+            offset_ns = self._offset_ns(now_ns)
+            return make(id=schedule.id, deadline_ns=schedule.give_up_ns + offset_ns) if offset_ns is not None else None
+
+        return self._persist(procedure, request)
+
+    def stop(self, procedure: Procedure[StopRequest, Reply]) -> Reply:
+        """The reply to a stop, which does not wait until the remote clock is known; errors as `ask`."""
+        return self._persist(procedure, lambda _schedule, _now_ns: StopRequest())
+
+    def _persist(
+        self,
+        procedure: Procedure[Question, Replied],
+        make: Callable[[RequestSchedule, int], Question | None],
+    ) -> Replied:
+        """Ask what `make` gives, None for nothing yet, until it is answered or the time is up."""
         clock = self._clock
         schedule = RequestSchedule(lambda: secrets.randbits(ID_BITS), self._patience_ns, clock.now_ns())
         while True:
@@ -91,10 +110,9 @@ class RequestClient:
             if schedule.is_over(now_ns):
                 raise TransportError(f"nobody answered at cell {self._whom}: is the site that is asked running?")
             schedule.sent(now_ns)
-            offset_ns = self._offset_ns(now_ns)
-            if offset_ns is None:
+            request = make(schedule, now_ns)
+            if request is None:
                 continue
-            request = make(id=schedule.id, deadline_ns=schedule.give_up_ns + offset_ns)
             reply = self._link.ask(procedure, self._cell, request, operator=self._operator)
             if reply is not None and schedule.accepts(reply, clock.now_ns()):
                 return reply

@@ -42,12 +42,20 @@ class EngagementAction(StrEnum):
 
 
 class EngagementRequest(Request, frozen=True):
-    """Engage, disengage, stop or reset the arm; anybody may stop it, the rest is for the lease's holder.
-
-    Who asks is the name in the key on which the request comes.
-    """
+    """Engage, disengage or reset the arm: for the lease's holder, by the name in the key on which the request comes."""
 
     action: EngagementAction
+
+    def __post_init__(self) -> None:
+        if self.action is EngagementAction.STOP:
+            raise ValueError("a stop is a StopRequest")
+
+
+class StopRequest(Message, frozen=True):
+    """Stop the arm: anybody may, and it is carried out whenever it comes, so that it needs no clock and no deadline.
+
+    Its reply has the id 0.
+    """
 
 
 class LeaseAction(StrEnum):

@@ -163,6 +163,7 @@ def _run(name: str, main: ChildMain, heartbeat: Heartbeat, reason: EndReason, pa
         sys.exit(1)
     except (Exception, SystemExit) as error:  # a robot's library may exit
         reason.leave(f"{type(error).__name__}: {error}")
-        raise  # multiprocessing prints the traceback
+        sys.excepthook(type(error), error, error.__traceback__)  # multiprocessing would print it as it is
+        sys.exit(error.code if isinstance(error, SystemExit) and isinstance(error.code, int) else 1)
     finally:
         finish_log()

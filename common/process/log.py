@@ -14,6 +14,7 @@ import structlog
 from structlog.typing import EventDict, Processor, WrappedLogger
 
 from common.errors import MessageError
+from common.process.strays import catch_strays
 from common.text import escaped
 
 STANDARD_ERROR = 2
@@ -29,7 +30,10 @@ class LogFormat(StrEnum):
 
 
 def start_log(site: str, log_format: LogFormat = LogFormat.TEXT) -> None:
-    """Log to standard error, naming the site in every line; systemd's journal also gets each line's priority."""
+    """Log to standard error, naming the site in every line; systemd's journal also gets each line's priority.
+
+    What else this process would write there is led into the log, or made as harmless.
+    """
     render: Processor = structlog.processors.JSONRenderer() if log_format is LogFormat.JSON else _as_text
     thread = _log_thread()
     thread.start()
@@ -45,6 +49,7 @@ def start_log(site: str, log_format: LogFormat = LogFormat.TEXT) -> None:
         logger_factory=lambda *_: thread.logger,
         cache_logger_on_first_use=False,
     )
+    catch_strays()
 
 
 def finish_log() -> None:

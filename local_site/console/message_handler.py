@@ -85,7 +85,7 @@ class PageMessageHandler:
         self._outlets, self._requests = outlets, requests
         self._latencies, self._history = latencies, history
         self._session, self._shown = session, ShownViews(session)
-        self._pools = RequestPools(history)
+        self._pools = RequestPools(history, lambda: requests.engagement(EngagementAction.STOP))
 
     def close(self) -> None:
         """Begin nothing more, and wait for the requests under way: their link is closed, so it is short."""
@@ -125,7 +125,8 @@ class PageMessageHandler:
         """Carry out what a page asks for."""
         match message:
             case Beat():
-                self.seat.beat(page.visitor, now_ns, down=message.down, assist=message.assist)
+                heard_ns = round(message.heard_ms * NS_PER_MS) if message.heard_ms is not None else None
+                self.seat.beat(page.visitor, now_ns, heard_ns, down=message.down, assist=message.assist)
                 page.send(type="echo", page_ms=message.page_ms, server_ms=now_ns / NS_PER_MS)
             case FrameTaken():
                 page.taken(message.view)
@@ -200,7 +201,7 @@ class PageMessageHandler:
             return
         self.seat.interrupt()
         self._history.note("stop", f"stop asked by {page.visitor}", now_ns)
-        self._pools.stop(page, message.id, lambda: self._requests.engagement(message.action))
+        self._pools.stop(page, message.id)
 
     def _if_operating(self, page: Page, number: int, act: Callable[[], Reply], what: str) -> None:
         if page.visitor == self.seat.occupant:

@@ -67,7 +67,8 @@ def make_server(hub: Hub, serve: ServeConfig, port: int) -> uvicorn.Server:
     except OSError as error:  # ssl's errors are among these
         raise ConfigError(f"serve.certificate, serve.key: cannot be used: {error}") from error
     server = uvicorn.Server(config)
-    logging.getLogger("uvicorn.error").handlers = [LibraryLog(server)]
+    library = logging.getLogger("uvicorn.error")
+    library.handlers, library.propagate = [LibraryLog(server)], False
     return server
 
 

@@ -8,13 +8,13 @@ from functools import partial
 
 from common.clock import NS_PER_S, MonotonicClock
 from common.errors import DriverError, MessageError
-from common.link.channels import ENGAGEMENT, HAND, MAINTENANCE, STATE, ChannelSession
+from common.link.channels import ENGAGEMENT, HAND, MAINTENANCE, MAINTENANCE_STOP, STATE, STOP, ChannelSession
 from common.link.endpoints import stays_here
 from common.link.pubsub import Latest
 from common.link.tap import untapped
 from common.link.transport import Link
 from common.messages.hand import HandArm
-from common.messages.requests import EngagementRequest, Reply
+from common.messages.requests import EngagementAction, Reply
 from common.process.children import Heartbeat
 from common.process.log import RefusalLog
 from common.process.service import StopFlag, ask_for_real_time
@@ -107,14 +107,17 @@ def run_control(
 class Inbox:
     """The hand channel and the requests about the engagement; payloads that are no message are counted.
 
-    Who sends is known from the key alone. Every listed operator has a buffer of their own, so that none displaces
-    another's samples or requests.
+    Who sends is known from the key alone. Every listed operator has buffers of their own, so that none displaces
+    another's samples or requests; stops have theirs, which no other request displaces.
     """
 
     def __init__(self, link: Link, cell: str, refusals: RefusalLog, operators: Sequence[str]) -> None:
         self._hands = [link.latest(HAND, cell, operator=operator) for operator in operators]
-        self._engagement = [link.serve(ENGAGEMENT, cell, refusals.note, operator=operator) for operator in operators]
-        self._maintenance = link.serve(MAINTENANCE, cell, refusals.note)
+        refused = refusals.note
+        self._stops = [link.answer(STOP, cell, refused, operator=operator) for operator in operators]
+        self._stops.append(link.answer(MAINTENANCE_STOP, cell, refused))
+        self._others = [link.serve(ENGAGEMENT, cell, refused, operator=operator) for operator in operators]
+        self._others.append(link.serve(MAINTENANCE, cell, refused))
         self.refusals = refusals
 
     def samples(self) -> list[NamedSample]:
@@ -122,16 +125,16 @@ class Inbox:
         return [sample for hand in self._hands for sample in self._taken(hand)]
 
     def requests(self, now_ns: int) -> list[Waiting]:
-        """At most one request of each operator and one of maintenance, each with what answers it."""
-        waiting = []
-        for server in (*self._engagement, self._maintenance):
-            taken = server.take(now_ns)
-            if taken is not None:
-                maintenance = server is self._maintenance
-                asker = MAINTENANCE_NAME if maintenance else taken.operator
-                asked = SessionRequest(taken.question.action, asker, maintenance)
-                waiting.append((asked, _answering(taken.question, taken.reply)))
-        return waiting
+        """At most one stop and one other request of each operator and of maintenance, with what answers each.
+
+        The stops come first.
+        """
+        stops = [asked for server in self._stops if (asked := server.take()) is not None]
+        others = [other for server in self._others if (other := server.take(now_ns)) is not None]
+        return [
+            *(_waiting(EngagementAction.STOP, operator, 0, reply) for operator, _, reply in stops),
+            *(_waiting(asked.action, operator, asked.id, reply) for operator, asked, reply in others),
+        ]
 
     def _taken(self, hand: Latest[HandArm]) -> Iterator[NamedSample]:
         for _ in range(HAND.depth):
@@ -194,13 +197,13 @@ class ControlLoop:
         return self._pace.is_due(snapshot.now_ns, (snapshot.state, snapshot.reason.code), snapshot.network_ms)
 
 
-def _answering(request: EngagementRequest, reply: Callable[[Reply], None]) -> Callable[[Answer], None]:
-    """What sends the session's answer to this request."""
+def _waiting(action: EngagementAction, operator: str, number: int, reply: Callable[[Reply], None]) -> Waiting:
+    """A request that came on this operator's key, empty for maintenance's, and what sends the session's answer."""
 
     def answering(answer: Answer) -> None:
-        reply(Reply(id=request.id, done=answer.done, code=answer.reason.code.value, reason=answer.reason.sentence))
+        reply(Reply(id=number, done=answer.done, code=answer.reason.code.value, reason=answer.reason.sentence))
 
-    return answering
+    return SessionRequest(action, operator or MAINTENANCE_NAME, maintenance=not operator), answering
 
 
 def _activate(driver: DriverLink, should_stop: StopFlag) -> None:

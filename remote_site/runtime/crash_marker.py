@@ -7,13 +7,16 @@ from pathlib import Path
 from common.errors import ConfigError
 
 STATE_HOME = "~/.local/state"  # where XDG_STATE_HOME is not set
+OPENING = os.O_RDWR | os.O_CLOEXEC | os.O_NOFOLLOW | os.O_NONBLOCK  # others may have put a link or a pipe there
+
+CURE = "set STATE_DIRECTORY to a folder of this user's own that survives a power cut"
 
 
 class CrashMarker:
     """The marker of one run in its cell's folder, in the service's state folder or else the user's.
 
     Both survive a power cut. The process holds a lock on its marker, so that another site of the same cell on this
-    machine is not taken for a run that has ended.
+    machine is not taken for a run that has ended. In a state folder that others share, no link of theirs is followed.
     """
 
     def __init__(self, cell: str) -> None:
@@ -25,16 +28,18 @@ class CrashMarker:
     def set(self) -> bool:
         """Create the marker on disk; True when another run has left one, so that it did not end in order.
 
-        ConfigError where the folder cannot be written.
+        ConfigError where the folder cannot be written, or is another's.
         """
         try:
-            self._folder.mkdir(parents=True, exist_ok=True)
+            self._folder.parent.parent.mkdir(parents=True, exist_ok=True)
+            for folder in (self._folder.parent, self._folder):
+                _make_own(folder)
+            _check_link(self._own)
             self._left = [path for path in self._folder.iterdir() if _is_left(path)]
-            self._locked = os.open(self._own, os.O_CREAT | os.O_RDWR | os.O_CLOEXEC, 0o600)
+            self._locked = os.open(self._own, OPENING | os.O_CREAT, 0o600)
         except OSError as error:
             raise ConfigError(
-                f"no crash marker can be kept in {self._folder}: {error.strerror}; make the folder writable, or set "
-                "STATE_DIRECTORY to one that survives a power cut"
+                f"no crash marker can be kept in {self._folder}: {error.strerror}; make the folder writable, or {CURE}"
             ) from error
         fcntl.lockf(self._locked, fcntl.LOCK_EX)  # this process's alone, and not its children's
         os.fsync(self._locked)
@@ -55,13 +60,34 @@ def _state_folder() -> Path:
     return Path(service) if service else Path(os.environ.get("XDG_STATE_HOME") or STATE_HOME).expanduser() / "farhand"
 
 
+def _make_own(folder: Path) -> None:
+    """Make a folder, unless there is one; ConfigError where its markers would be in another user's hands."""
+    _check_link(folder)
+    folder.mkdir(mode=0o700, exist_ok=True)
+    if folder.lstat().st_uid != os.geteuid():
+        raise ConfigError(f"{folder} belongs to another user; {CURE}")
+
+
+def _check_link(path: Path) -> None:
+    """ConfigError for a symbolic link, which may lead into the files of others."""
+    if path.is_symlink():
+        raise ConfigError(f"{path} is a symbolic link, where a crash marker is to be kept; {CURE}")
+
+
 def _is_left(path: Path) -> bool:
-    """Whether the run of this marker has ended, and not in order."""
+    """Whether the run of this marker has ended, and not in order; what is no marker counts as one."""
     try:
-        with path.open("r+b") as marker:
-            fcntl.lockf(marker, fcntl.LOCK_EX | fcntl.LOCK_NB)
-    except (BlockingIOError, FileNotFoundError):  # it lives, or has just ended in order
+        marker = os.open(path, OPENING)
+    except FileNotFoundError:  # it has just ended in order
         return False
+    except OSError:
+        return True
+    try:
+        fcntl.lockf(marker, fcntl.LOCK_EX | fcntl.LOCK_NB)
+    except BlockingIOError:  # it lives
+        return False
+    finally:
+        os.close(marker)
     return True
 
 

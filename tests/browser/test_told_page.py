@@ -38,6 +38,10 @@ STATES = {
     "disengaged": (SessionState.DISENGAGED, "let_go", "the key was let go", "disengaged", "light"),
     "fault": (SessionState.FAULT, "robot", BROKEN, "fault", "dark"),
 }
+SEND_LATE = """ms => {
+  const send = (window.sendNow ??= WebSocket.prototype.send);
+  WebSocket.prototype.send = ms === 0 ? send : function (message) { setTimeout(() => send.call(this, message), ms); };
+}"""
 TROUBLES = {
     CameraStatus.DARK: "camera {} shows nothing: is there light, is its lens free?",
     CameraStatus.FROZEN: "camera {} has given no new picture for 0.6 s; check its cable, its power and its address",
@@ -300,3 +304,21 @@ def test_a_view_of_the_operator_that_is_missing_keeps_no_old_picture(told: Told)
     told.shot("no_camera")
     told.troubles = {}
     told.until("a picture again", lambda: told.page.words("#previews").startswith("live"))
+
+
+def test_a_key_whose_beats_all_come_too_late_holds_nothing_and_the_page_says_so(told: Told) -> None:
+    told.until("the controls", lambda: "you operate" in told.page.words("#seat"))
+    page = told.page.page
+    page.evaluate(SEND_LATE, 600)
+    try:
+        told.until("the word", lambda: "hear each other too late" in told.page.words("#seat"))
+        before = len(told.intents)
+        page.keyboard.down("Space")
+        for _ in range(20):
+            told.tell()
+            page.wait_for_timeout(60)
+    finally:
+        page.keyboard.up("Space")
+        page.evaluate(SEND_LATE, 0)
+    reported = [sent.intent for sent in told.intents[before:]]
+    assert not any(intent is not None and intent.hold for intent in reported)

@@ -13,7 +13,7 @@ import zenoh
 
 from common.config import load_config
 from common.errors import RefusedError, TransportError
-from common.link.channels import ENGAGEMENT, HAND, STATE
+from common.link.channels import HAND, STATE
 from common.link.endpoints import SECURED
 from common.link.transport import Link, open_link, open_router
 from common.messages.requests import EngagementAction
@@ -84,7 +84,7 @@ def test_sites_meet_and_meet_again_after_the_router_was_restarted(meeting: Meeti
             before = meeting.cell.hands
             until(state.take)
             until(lambda: hand.put(HAND_SAMPLE) or meeting.cell.hands > before)  # noqa: B023  # called here alone
-            assert reply_to(operator, ENGAGEMENT, EngagementAction.ENGAGE).done
+            assert reply_to(operator, EngagementAction.ENGAGE).done
             meeting.router.close()
             while state.take() is not None:
                 pass

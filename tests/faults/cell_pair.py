@@ -7,7 +7,6 @@ import tempfile
 import time
 from collections.abc import Callable
 from contextlib import ExitStack
-from functools import partial
 from pathlib import Path
 from typing import Any
 
@@ -20,10 +19,10 @@ from bench.stand_ins.hand_path import ScriptedPath
 from common.clock import NS_PER_S
 from common.config import load_config
 from common.geometry import Array, vector_from_rotation
-from common.link.channels import ENGAGEMENT
+from common.link.engagement_client import ask_engagement
 from common.link.request_client import RequestClient
 from common.link.transport import Link, open_link
-from common.messages.requests import EngagementAction, EngagementRequest, Reply
+from common.messages.requests import EngagementAction, Reply
 from common.messages.robot import RobotState, SessionState
 from farhand.loopback.recorder import Recorder
 from farhand.loopback.site_process import SiteProcess, free_ports
@@ -166,8 +165,7 @@ class CellPair:
 
     def ask(self, action: EngagementAction) -> Reply:
         """Ask the remote site in the operator's name."""
-        make = partial(EngagementRequest, action=action)
-        return RequestClient(self.link, CELL, operator=OPERATOR).ask(ENGAGEMENT, make)
+        return ask_engagement(RequestClient(self.link, CELL, operator=OPERATOR), action)
 
     def engage(self) -> None:
         """Have the arm follow the hand, whatever had ended it, and lead it back to where it started."""

@@ -29,7 +29,7 @@ from tests.faults.plays import (
     unswung,
     usurped,
 )
-from tests.faults.process_plays import close_page, kill_console, kill_control, kill_remote
+from tests.faults.process_plays import close_page, kill_console, kill_control, kill_remote, late_page
 from tests.faults.reach_plays import reach_out, start_outside, sweep_wrist, wander
 
 
@@ -102,6 +102,7 @@ ROWS = (
     Row("arm does not follow", "not_following within 1 s, names the joint, " + FAULTS, astray),
     Row("hardware e-stop reported", "no commands, LATCH, needs reset and engage", faulty(robot(fault="emergency_stop"), robot(fault=""), says="emergency_stop", silent=True)),
     Row("console tab closed", "STOP, LATCH within 500 ms", close_page, settings=HELD, engaged=False),
+    Row("all reports of the page come 3 s late", "its key moves nothing", late_page, settings=HELD, engaged=False),
     Row("key pressed again while stopped, then reset", "STOP; the reset moves nothing, a new press does", reset_under_key, settings=HELD, engaged=False),
     Row("video process killed, engaged automatically", "STOP; restart disengaged", kill_video, settings=AUTOMATIC),
     Row("a sample every 170 ms", "STOP, LATCH after the longest hold", trickle),

@@ -14,6 +14,7 @@ from tests.integration.sites import child_of
 
 WATCHDOG_MS = 200.0  # of the A465's controller
 SILENT_S = 0.4  # until a console that is gone counts as silent: 200 ms, a sample, its path
+LATE_S = 3.0
 LOCKED_MM = 5.0  # of z, whose hand sweeps 80: the joints lag differently while the arm moves fast
 FOLLOWED_MM = 20.0
 
@@ -58,6 +59,21 @@ def close_page(trial: Trial) -> None:
     pair.start_page(port)
     send(pair.folder / "page", down=True)
     trial.stays(2.0)
+
+
+def late_page(trial: Trial) -> None:
+    """All that the page reports comes 3 s late: its key moves nothing, until it is pressed anew without the delay."""
+    pair, port = trial.pair, trial.pair.start_console()
+    pair.start_page(port)
+    send(pair.folder / "page", late_s=LATE_S)
+    pair.wait("readiness", lambda: pair.state.readiness.ready)
+    time.sleep(2 * LATE_S)
+    trial.begin(lambda pair: send(pair.folder / "page", down=True))
+    trial.rested_ns = trial.fault_ns
+    trial.stays(2 * LATE_S)
+    send(pair.folder / "page", late_s=0.0)
+    trial.stays()
+    pair.wait("an engagement by a new press", lambda: press_until_engaged(pair), 10)
 
 
 def press_until_engaged(pair: CellPair) -> bool:

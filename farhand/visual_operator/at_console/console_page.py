@@ -69,6 +69,10 @@ class _Cell(msgspec.Struct):
     cell: Description
 
 
+class _Echo(msgspec.Struct):
+    server_ms: float
+
+
 class _Kind(msgspec.Struct):
     type: str
 
@@ -91,11 +95,13 @@ class PaintedView(msgspec.Struct, frozen=True):
 class ConsolePage:
     """What a console has sent so far. Pictures of the operator are taken and not looked at.
 
-    `cell` is the description, None before it came; `settings` are those in force, or on their way; `painted` is what a
+    `heard_ms` is the console's time in its newest echo; each beat repeats it. `cell` is the description, None before it
+    came; `settings` are those in force, or on their way; `painted` is what a
     page reports.
     """
 
     def __init__(self) -> None:
+        self.heard_ms: float | None = None
         self.cell: Description | None = None
         self.painted: Mapping[str, PaintedView] = {}
         self._hello: _Hello | None = None
@@ -113,6 +119,8 @@ class ConsolePage:
         match msgspec.json.decode(text, type=_Kind).type:
             case "hello":
                 self._hello = msgspec.json.decode(text, type=_Hello)
+            case "echo":
+                self.heard_ms = msgspec.json.decode(text, type=_Echo).server_ms
             case "cell":
                 self._describe(msgspec.json.decode(text, type=_Cell).cell)
             case "situation":

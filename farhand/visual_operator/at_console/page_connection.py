@@ -86,7 +86,13 @@ class PageConnection:
             self._hand_socket.sendto(msgspec.json.encode(poses), self._led_by)
         if intent.settings is not None:
             self._steer(intent.settings, now_ns)
-        self._say(type="beat", page_ms=now_ns / NS_PER_MS, down=intent.hold, assist=intent.assist)
+        self._say(
+            type="beat",
+            page_ms=now_ns / NS_PER_MS,
+            heard_ms=self.page.heard_ms,
+            down=intent.hold,
+            assist=intent.assist,
+        )
         if reports:
             self._say(type="shown", h264=False, views=self.page.painted)
 

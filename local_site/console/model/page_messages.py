@@ -23,10 +23,12 @@ class PageMessage(msgspec.Struct, frozen=True, forbid_unknown_fields=True, kw_on
 class Beat(PageMessage, frozen=True, tag="beat"):
     """The page's heartbeat: its own time in ms, to be echoed, and whether the hold-to-run key is down.
 
-    `assist` is the target that was offered when the key of fine adjustment went down, None while it is up.
+    `heard_ms` is the console's time in the newest echo that the page has heard, None before the first: the beat is
+    not older. `assist` is the target that was offered when the key of fine adjustment went down, None while it is up.
     """
 
     page_ms: Milliseconds
+    heard_ms: Milliseconds | None
     down: bool
     assist: Name | None = None
 

@@ -5,6 +5,7 @@ from dataclasses import dataclass
 from common.clock import NS_PER_MS, NS_PER_S
 
 BEAT_TIMEOUT_NS = 200 * NS_PER_MS
+MOST_AGE_NS = 400 * NS_PER_MS  # of the newest word of the console's that a page had heard when it sent a beat
 ABANDONED_NS = 5 * NS_PER_S  # of silence, after which another page may take the seat
 
 
@@ -30,13 +31,16 @@ class SeatAnswer:
 class Seat:
     """Gives the seat to the first page, and to another only when it is given up, closed or silent for 5 s.
 
-    Holding counts while the operating page beats at least every 200 ms. After any silence, a stop or a change of the
-    page it counts only once the key was seen released. Where `open_` is false no page ever operates.
+    Holding counts while the operating page beats at least every 200 ms, and for 400 ms at most after the time of the
+    console that it had heard by then: the way of a beat is part of that, so a key that was released is not held longer,
+    however late all beats come. After any silence, a stop or a change of the page it counts only once the key was seen
+    released. Where `open_` is false no page ever operates.
     """
 
     def __init__(self, *, open_: bool) -> None:
         self._open = open_
         self._beat_ns: int | None = None
+        self._heard_ns: int | None = None
         self._down = self._released = False
         self._assist: str | None = None
         self.occupant: Visitor | None = None
@@ -62,21 +66,34 @@ class Seat:
             self._sit(None, None)
         return SeatAnswer(True, "this page only watches")
 
-    def beat(self, visitor: Visitor, now_ns: int, *, down: bool, assist: str | None = None) -> None:
-        """A page's heartbeat, with whether its key is down, and the target for which it asks for the assist."""
+    def beat(
+        self, visitor: Visitor, now_ns: int, heard_ns: int | None, *, down: bool, assist: str | None = None
+    ) -> None:
+        """A page's heartbeat, with whether its key is down, and the target for which it asks for the assist.
+
+        `heard_ns` is the console's time that the page had heard when it sent this; None before it has heard any, when
+        the beat is not older than the page's stay.
+        """
         if visitor != self.occupant:
             return
         self._lapse(now_ns)
         self._beat_ns, self._down, self._assist = now_ns, down, assist
+        if heard_ns is not None:
+            self._heard_ns = min(heard_ns, now_ns)
         self._released = self._released or not down
+        self._lapse(now_ns)
 
     def interrupt(self) -> None:
         """After a stop the key has to be pressed again."""
         self._released = False
 
     def reports(self, now_ns: int) -> bool:
-        """Whether a page operates and beats."""
-        return self.occupant is not None and self._silent_ns(now_ns) <= BEAT_TIMEOUT_NS
+        """Whether a page operates and beats, early enough to count."""
+        return self.occupant is not None and not self._is_silent(now_ns) and not self._is_late(now_ns)
+
+    def late(self, now_ns: int) -> bool:
+        """Whether the operating page beats, but so late that it does not count."""
+        return self.occupant is not None and not self._is_silent(now_ns) and self._is_late(now_ns)
 
     def held(self, now_ns: int) -> bool:
         """Whether the operating page holds its key at this instant."""
@@ -89,16 +106,22 @@ class Seat:
         return self._assist
 
     def _sit(self, visitor: Visitor | None, now_ns: int | None) -> None:
-        self.occupant, self._beat_ns, self._assist = visitor, now_ns, None
+        self.occupant, self._beat_ns, self._heard_ns, self._assist = visitor, now_ns, now_ns, None
         self._down = self._released = False
 
     def _lapse(self, now_ns: int) -> None:
-        if self._silent_ns(now_ns) > BEAT_TIMEOUT_NS:
+        if self._is_silent(now_ns) or self._is_late(now_ns):
             self._released = self._down = False
             self._assist = None
 
     def _abandoned(self, now_ns: int) -> bool:
         return self._silent_ns(now_ns) > ABANDONED_NS
+
+    def _is_silent(self, now_ns: int) -> bool:
+        return self._silent_ns(now_ns) > BEAT_TIMEOUT_NS
+
+    def _is_late(self, now_ns: int) -> bool:
+        return self._heard_ns is None or now_ns - self._heard_ns > MOST_AGE_NS
 
     def _silent_ns(self, now_ns: int) -> int:
         return now_ns - self._beat_ns if self._beat_ns is not None else 0

@@ -57,6 +57,7 @@ def situation_json(
             "page": seat.occupant.number if seat.occupant is not None else None,
             "who": str(seat.occupant) if seat.occupant is not None else None,
             "held": seat.held(now_ns),
+            "late": seat.late(now_ns),
         },
         "settings": msgspec.to_builtins(settings),
         "latency": latency,

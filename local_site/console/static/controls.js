@@ -86,7 +86,8 @@ export class Controls {
 
   #showSeat(seat) {
     const who = seat.who === null ? "nobody operates" : `${seat.who} operates`;
-    put(element("seat"), this.#operates ? `you operate (page ${seat.page})` : `you watch; ${who}`);
+    const late = seat.late ? ", but page and console hear each other too late: what you hold does not count" : "";
+    put(element("seat"), this.#operates ? `you operate (page ${seat.page})${late}` : `you watch; ${who}`);
     put(element("seat-button"), this.#operates ? "Leave controls" : "Take controls");
     element("seat-button").disabled = !this.#mayOperate;
   }

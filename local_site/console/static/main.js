@@ -43,9 +43,10 @@ const replay = new ReplayBar(connection, alert, () => views.forget());
 const joints = new JointMarks(connection, views.ofOperator);
 
 let toolsMs = -Infinity;
+let heardMs = null; // the console's time in its newest echo: how old what the page sends is at most
 
 function beat() {
-  connection.send({ type: "beat", page_ms: performance.now(), down: hold.down, assist: assist.asked });
+  connection.send({ type: "beat", page_ms: performance.now(), heard_ms: heardMs, down: hold.down, assist: assist.asked });
 }
 
 const handlers = {
@@ -58,7 +59,10 @@ const handlers = {
     clock.follow(message.now_ms, message.running ? message.speed : 0);
     replay.show(message);
   },
-  echo: (message) => clock.add(message.page_ms, message.server_ms, performance.now()),
+  echo: (message) => {
+    clock.add(message.page_ms, message.server_ms, performance.now());
+    heardMs = message.server_ms;
+  },
   cell: (message) => {
     views.describe(message.cell);
     arm.describe(message.cell);
@@ -87,7 +91,9 @@ const handlers = {
 connection.onText = (message) => handlers[message.type](message);
 connection.onPicture = (bytes) => views.receive(bytes);
 connection.onChange = (open) => {
-  if (!open) disconnected();
+  if (open) return;
+  heardMs = null;
+  disconnected();
 };
 
 /** What belongs to a live cell alone: its controls, and what its operator is told to do. */

@@ -10,18 +10,18 @@ import time
 from collections import Counter
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
-from functools import partial
 from pathlib import Path
 
 import zenoh
 
 import tests.common.messages.golden_examples as golden
-from common.link.channels import CLOCK, ENGAGEMENT, HAND, MAINTENANCE, STATE, Procedure
+from common.link.channels import ANY, CLOCK, ENGAGEMENT, HAND, MAINTENANCE, MAINTENANCE_STOP, STATE, STOP
 from common.link.config import LinkSecurity, TlsConfig
+from common.link.engagement_client import ask_engagement
 from common.link.request_client import RequestClient
 from common.link.transport import Link, open_link
 from common.messages.codec import encode
-from common.messages.requests import ClockAnswer, EngagementAction, EngagementRequest, Reply
+from common.messages.requests import ClockAnswer, EngagementAction, EngagementRequest, Reply, StopRequest
 from farhand.certificates.issuing import Issued
 
 HAND_SAMPLE, ROBOT_STATE = golden.HAND, golden.STATE
@@ -78,6 +78,8 @@ class Cell:
         hands = [self.link.latest(HAND, CELL, operator=name) for name in OPERATORS]
         servers = [self.link.serve(ENGAGEMENT, CELL, print, operator=name) for name in OPERATORS]
         servers.append(self.link.serve(MAINTENANCE, CELL, print))
+        stops = [self.link.answer(STOP, CELL, print, operator=name) for name in OPERATORS]
+        stops.append(self.link.answer(MAINTENANCE_STOP, CELL, print))
         clock = self.link.answer(CLOCK, CELL, print)
         while not self._stop.wait(0.005):
             state.put(ROBOT_STATE)
@@ -87,12 +89,11 @@ class Cell:
                     self.hands += 1
                     self.heard[named[0]] += 1
             clock.poll(lambda _: ClockAnswer(received_ns=1, answered_ns=2))
-            for server in servers:
-                asked = server.take(time.monotonic_ns())
+            for asked in (*(server.take(time.monotonic_ns()) for server in servers), *(stop.take() for stop in stops)):
                 if asked is not None:
                     self.asked += 1
                     self.heard[asked.operator] += 1
-                    asked.reply(Reply(id=asked.question.id, done=True, code="ok", reason=""))
+                    asked.reply(Reply(id=0, done=True, code="ok", reason=""))
 
     def close(self) -> None:
         self._stop.set()
@@ -142,10 +143,10 @@ def request(action: EngagementAction = EngagementAction.ENGAGE) -> EngagementReq
     return EngagementRequest(id=1, deadline_ns=deadline_ns, action=action)
 
 
-def reply_to(link: Link, procedure: Procedure[EngagementRequest, Reply], action: EngagementAction) -> Reply:
+def reply_to(link: Link, action: EngagementAction, *, maintenance: bool = False) -> Reply:
     """The cell's reply to an honest request of anna's, or of maintenance."""
     client = RequestClient(link, CELL, operator=ANNA, patience_ns=round(PATIENCE_S * 1e9))
-    return client.ask(procedure, partial(EngagementRequest, action=action))
+    return ask_engagement(client, action, maintenance=maintenance)
 
 
 def commands_arrive(session: zenoh.Session, cell: Cell) -> bool:
@@ -160,8 +161,12 @@ def names_heard(session: zenoh.Session, cell: Cell) -> set[str]:
     for key in (*hands, HAND.key_for(CELL), f"farhand/{CELL}/*", f"farhand/{CELL}/**"):
         session.put(key, encode(HAND_SAMPLE))
         session.delete(key)
-    rpcs = [ENGAGEMENT.key_for(CELL, operator=name) for name in OPERATORS]
-    for key in (*rpcs, ENGAGEMENT.key_for(CELL), MAINTENANCE.key_for(CELL), f"farhand/{CELL}/rpc/**"):
+    anything = f"farhand/{CELL}/rpc/**"
+    engagements = [ENGAGEMENT.key_for(CELL, operator=name) for name in (*OPERATORS, ANY)]
+    for key in (*engagements, MAINTENANCE.key_for(CELL), anything):
         list(session.get(key, payload=encode(request()), timeout=QUIET_S / 2))
+    stops = [STOP.key_for(CELL, operator=name) for name in (*OPERATORS, ANY)]
+    for key in (*stops, MAINTENANCE_STOP.key_for(CELL), anything):
+        list(session.get(key, payload=encode(StopRequest()), timeout=QUIET_S / 2))
     time.sleep(QUIET_S)
     return set(cell.heard - before)

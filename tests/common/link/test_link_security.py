@@ -7,7 +7,7 @@ from pathlib import Path
 import pytest
 
 from common.errors import RefusedError, TransportError
-from common.link.channels import CLOCK, ENGAGEMENT, HAND, MAINTENANCE, STATE
+from common.link.channels import CLOCK, ENGAGEMENT, HAND, STATE
 from common.link.config import ON_THIS_HOST, PLAIN_TEXT_WORDS, LinkSecurity, TlsConfig
 from common.link.credentials import load_credentials
 from common.link.endpoints import check_endpoint, from_this_host
@@ -39,7 +39,7 @@ def test_an_operator_commands_and_hears(pki: Path, cell: Cell) -> None:
         before = cell.hands
         until(lambda: hand.put(HAND_SAMPLE) or cell.hands > before)
         until(state.take)
-        assert reply_to(link, ENGAGEMENT, EngagementAction.ENGAGE).done
+        assert reply_to(link, EngagementAction.ENGAGE).done
         with dishonest(cell.endpoint, pki, "operator.anna") as session:
             until(lambda: commands_arrive(session, cell))
 
@@ -74,7 +74,7 @@ def test_a_viewer_who_listens_to_everything_hears_no_hand(pki: Path, cell: Cell)
 
 def test_maintenance_stops_and_resets_but_never_engages(pki: Path, cell: Cell) -> None:
     with open_link(connect=(cell.endpoint,), security=secured(pki, "maintenance")) as link:
-        assert reply_to(link, MAINTENANCE, EngagementAction.STOP).done
+        assert reply_to(link, EngagementAction.STOP, maintenance=True).done
         with pytest.raises(RefusedError, match=r"maintenance\.lab may not ask .*engagement"):
             link.ask(ENGAGEMENT, CELL, request(), operator=ANNA)
 

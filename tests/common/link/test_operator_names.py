@@ -9,7 +9,7 @@ import pytest
 import zenoh
 
 from common.errors import RefusedError
-from common.link.channels import CLOCK, ENGAGEMENT, HAND, INTENT, LEASE, OPERATE, STATE
+from common.link.channels import CLOCK, HAND, INTENT, LEASE, OPERATE, STATE
 from common.link.endpoints import SECURED
 from common.link.transport import open_link, open_router
 from common.messages.codec import encode
@@ -131,7 +131,7 @@ def test_a_name_taken_off_the_list_is_refused_after_a_restart_and_learns_why(pki
         with dishonest(cell.endpoint, pki, "operator.ben") as ben:
             assert names_heard(ben, cell) == set()
         with open_link(connect=(cell.endpoint,), security=secured(pki, "operator.anna")) as anna:
-            assert reply_to(anna, ENGAGEMENT, EngagementAction.ENGAGE).done
+            assert reply_to(anna, EngagementAction.ENGAGE).done
 
 
 def test_a_site_that_runs_while_its_name_is_taken_off_learns_why_it_is_answered_no_more(pki: Path) -> None:
@@ -151,7 +151,7 @@ def test_a_name_that_the_router_does_not_list_is_refused(pki: Path, protocol: st
         with dishonest(cell.endpoint, pki, "operator.ben") as ben:
             assert names_heard(ben, cell) == set()
         with open_link(connect=(cell.endpoint,), security=secured(pki, "operator.anna")) as anna:
-            assert reply_to(anna, ENGAGEMENT, EngagementAction.ENGAGE).done
+            assert reply_to(anna, EngagementAction.ENGAGE).done
 
 
 def test_without_a_list_nobody_with_a_certificate_operates(pki: Path) -> None:

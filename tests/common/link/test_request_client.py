@@ -8,11 +8,12 @@ import pytest
 
 from common.clock import NS_PER_MS, NS_PER_S, ClockEstimate, ClockOffset, FakeClock
 from common.errors import TransportError
-from common.link.channels import ENGAGEMENT, Procedure
+from common.link.channels import ENGAGEMENT, STOP, Procedure
+from common.link.engagement_client import ask_engagement
 from common.link.remote_clock import RemoteClock
 from common.link.request_client import ATTEMPT_NS, PATIENCE_NS, SETTLE_NS, RequestClient, RequestSchedule
 from common.link.transport import Link
-from common.messages.requests import ACTIVATED, EngagementAction, EngagementRequest, Reply
+from common.messages.requests import ACTIVATED, EngagementAction, EngagementRequest, Reply, StopRequest
 from remote_site.reasons import Code
 
 ENGAGE = partial(EngagementRequest, action=EngagementAction.ENGAGE)
@@ -96,6 +97,21 @@ def test_nothing_is_asked_before_the_remote_sites_clock_is_known() -> None:
     silent, link = asked(lambda *_: reply("ok"), FakeRemoteClock(succeeds_at=99))
     assert silent is None
     assert link.asked == []
+
+
+def test_a_stop_waits_for_no_clock_and_goes_to_a_queue_of_its_own() -> None:
+    asked: list[tuple[object, object]] = []
+
+    class Answering:
+        def ask(self, procedure: Procedure[Any, Any], _cell: str, question: object, *, operator: str) -> Reply | None:
+            asked.append((procedure, question))
+            return reply("stopped") if operator == "anna" and len(asked) == 3 else None
+
+    clock, unknown = FakeClock(), FakeRemoteClock(succeeds_at=99)
+    client = RequestClient(cast(Link, Answering()), "lab", cast(RemoteClock, unknown), operator="anna", clock=clock)
+    assert ask_engagement(client, EngagementAction.STOP) == reply("stopped")
+    assert clock.time_ns == 2 * ATTEMPT_NS
+    assert asked == [(STOP, StopRequest())] * 3
 
 
 def test_a_robot_that_was_activated_is_asked_once_more_with_a_new_request() -> None:

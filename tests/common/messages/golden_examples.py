@@ -42,6 +42,7 @@ from common.messages.requests import (
     RecordAction,
     RecordRequest,
     Reply,
+    StopRequest,
     TroubleNoted,
     TroubleReport,
     ViewCalibration,
@@ -201,7 +202,7 @@ VIDEO = VideoFrame(
     key=True,
     data=b"\xff\xd8\xff\xd9",
 )
-STOP = EngagementRequest(id=5, deadline_ns=10**12, action=EngagementAction.STOP)
+RESET = EngagementRequest(id=5, deadline_ns=10**12, action=EngagementAction.RESET)
 LEASE = LeaseRequest(id=6, deadline_ns=10**12, action=LeaseAction.RENEW, session=7, lease=8)
 LEASE_REPLY = LeaseReply(
     id=6, done=True, code="lease_held", reason="it is yours", lease=8, lasts_ns=5 * 10**9, holder="anna"
@@ -250,7 +251,8 @@ VALID: dict[str, Message] = {
     "hand": HAND,
     "state": STATE,
     "video": VIDEO,
-    "engagement": STOP,
+    "engagement": RESET,
+    "stop": StopRequest(),
     "reply": REPLY,
     "shown": ViewsShown(
         session=99,

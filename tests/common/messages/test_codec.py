@@ -2,6 +2,7 @@
 
 from pathlib import Path
 
+import msgpack
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
@@ -11,6 +12,7 @@ from common.errors import MessageError
 from common.link.channels import HAND
 from common.messages.codec import decode, encode
 from common.messages.hand import HandArm
+from common.messages.requests import EngagementAction, EngagementRequest
 
 LARGE = 1_000_000
 
@@ -56,6 +58,13 @@ def test_a_changed_byte_gives_a_valid_message_or_a_rejection(position: int, valu
     payload = bytearray(encode(golden.HAND))
     payload[position] = value
     assert outcome(bytes(payload)) in {"valid", "malformed", "version", "invalid", "not_finite"}
+
+
+def test_a_stop_among_the_other_requests_is_refused_since_it_could_be_displaced_there() -> None:
+    fields = msgpack.unpackb(encode(golden.RESET))
+    fields[-1] = list(EngagementAction).index(EngagementAction.STOP)
+    with pytest.raises(MessageError, match="a stop is a StopRequest"):
+        decode(msgpack.packb(fields), EngagementRequest, LARGE)
 
 
 def test_encoding_refuses_what_is_not_finite() -> None:

@@ -83,6 +83,42 @@ def test_a_text_line_shows_what_it_has_escaped() -> None:
     assert r"bell \x07, \x00, back\rlevel=info event=forged\nlevel=info, \u202etxet\u2066 \u2028 é…" in written
 
 
+STRAYS = {
+    "a child that fails": "children.start('driver', fail).process.join()",
+    "a child that exits": "children.start('driver', leave).process.join()",
+    "a thread that fails": "t = threading.Thread(target=fail); t.start(); t.join()",
+    "a library that warns": "logging.getLogger('library').warning('it broke: %s', SAID)",
+    "a library that fails": "logging.getLogger('library').error('it broke', exc_info=RuntimeError(SAID))",
+    "the process that fails": "fail()",
+}
+STRAY = """
+import logging, threading
+from common.process.children import Children
+from common.process.log import LogFormat, finish_log, start_log
+SAID = {said!r}
+def fail(*_): raise RuntimeError(SAID)
+def leave(*_): raise SystemExit(SAID)
+start_log("remote", LogFormat({log_format!r}))
+children = Children("remote")
+try:
+    {act}
+finally:
+    finish_log()
+"""
+
+
+@pytest.mark.parametrize("log_format", ["text", "json"])
+@pytest.mark.parametrize("stray", STRAYS)
+def test_tracebacks_and_what_libraries_say_neither_act_on_a_terminal_nor_begin_a_line(
+    stray: str, log_format: str
+) -> None:
+    program = STRAY.format(log_format=log_format, said=SAID, act=STRAYS[stray])
+    written = subprocess.run([sys.executable, "-c", program], check=False, capture_output=True).stderr.decode()
+    assert r"\x1b[31m" in written or r"\u001b[31m" in written
+    assert not set(written.replace("\n", "")) & set(ACTING)
+    assert not [line for line in written.split("\n") if line.startswith("level=info")]
+
+
 MANY_LINES = """
 import structlog
 from common.process.log import start_log

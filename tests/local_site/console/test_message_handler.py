@@ -2,11 +2,12 @@
 
 import asyncio
 import threading
+from collections.abc import Callable
 
 import msgspec
 import pytest
 
-from common.clock import NS_PER_S
+from common.clock import NS_PER_MS, NS_PER_S
 from common.errors import MessageError
 from common.messages.hand import OperatorSettings
 from common.messages.requests import EngagementAction, OperatorAction, Reply
@@ -16,6 +17,7 @@ from local_site.console.model.history import History
 from local_site.console.model.latency import Latencies
 from local_site.console.model.page_messages import parse
 from local_site.console.model.seat import Seat, Visitor
+from local_site.console.request_pools import MOST_WAITING
 
 LEASE = 41
 
@@ -41,10 +43,16 @@ class Sites:
     def __init__(self) -> None:
         self.asked: list[str] = []
         self.slow = threading.Event()
+        self.stopping = threading.Event()
+        self.stopping.set()
+        self.on_stop: Callable[[], object] = list
         self.consented: Asker | None = None
 
     def engagement(self, action: EngagementAction) -> Reply:
-        if action is not EngagementAction.STOP:
+        if action is EngagementAction.STOP:
+            self.on_stop()
+            self.stopping.wait(5)
+        else:
             self.slow.wait(5)
         self.asked.append(action.value)
         return Reply(id=1, done=True, code="ok", reason="as asked")
@@ -119,14 +127,63 @@ def test_consent_goes_on_in_the_name_that_the_page_showed(room: Room) -> None:
 
 def test_a_stop_never_waits_behind_other_requests(room: Room) -> None:
     async def talk() -> None:
-        for number in range(20):
+        for number in range(MOST_WAITING):
             room.say(room.first, type="ask", id=number, action="engage")
         room.say(room.first, type="ask", id=99, action="stop")
         assert (await room.wait_for_answers(room.first, 1))[0]["id"] == 99
         room.sites.slow.set()
-        assert len(await room.wait_for_answers(room.first, 21)) == 21
+        assert len(await room.wait_for_answers(room.first, 1 + MOST_WAITING)) == 1 + MOST_WAITING
 
     asyncio.run(talk())
+
+
+def test_of_twenty_thousand_questions_of_one_page_a_few_wait_and_the_rest_is_refused_at_once(room: Room) -> None:
+    async def talk() -> None:
+        for number in range(20_000):
+            room.say(room.first, type="ask", id=number, action="engage")
+        await asyncio.sleep(0.05)
+        assert len(room.first.answers) == 20_000 - MOST_WAITING
+        assert {answer["code"] for answer in room.first.answers} == {"busy"}
+        room.sites.slow.set()
+        await room.wait_for_answers(room.first, 20_000)
+
+    asyncio.run(talk())
+    assert room.sites.asked == ["engage"] * MOST_WAITING
+
+
+def test_a_flood_of_stops_makes_another_pages_stop_wait_for_one_at_most(room: Room) -> None:
+    under_way, room.sites.stopping = threading.Event(), threading.Event()
+    room.sites.on_stop = under_way.set
+
+    async def talk() -> None:
+        room.say(room.second, type="ask", id=0, action="stop")
+        await asyncio.to_thread(under_way.wait, 5)
+        for number in range(1, 20_000):
+            room.say(room.second, type="ask", id=number, action="stop")
+        room.say(room.first, type="ask", id=7, action="stop")
+        room.sites.stopping.set()
+        assert (await room.wait_for_answers(room.first, 1))[0]["done"]
+        answered = await room.wait_for_answers(room.second, 1 + MOST_WAITING)
+        assert [answer["id"] for answer in answered] == [0, *range(20_000 - MOST_WAITING, 20_000)]
+
+    asyncio.run(talk())
+    assert room.sites.asked == ["stop"] * 2
+
+
+def test_a_stop_asked_for_while_another_is_under_way_is_asked_for_after_it(room: Room) -> None:
+    """Between the two somebody may have reset the arm."""
+    under_way, room.sites.stopping = threading.Event(), threading.Event()
+    room.sites.on_stop = under_way.set
+
+    async def talk() -> None:
+        room.say(room.first, type="ask", id=1, action="stop")
+        await asyncio.to_thread(under_way.wait, 5)
+        room.say(room.second, type="ask", id=2, action="stop")
+        room.sites.stopping.set()
+        await room.wait_for_answers(room.second, 1)
+
+    asyncio.run(talk())
+    assert room.sites.asked == ["stop"] * 2
 
 
 def test_the_operating_page_steers_by_what_it_names(room: Room) -> None:
@@ -142,6 +199,14 @@ def test_the_operating_page_steers_by_what_it_names(room: Room) -> None:
     assert not intent.hold
 
 
+def test_a_beat_counts_from_the_consoles_time_that_its_page_had_heard(room: Room) -> None:
+    for heard_ms, down in ((900, False), (900, True)):
+        room.say(room.first, type="beat", page_ms=5.0, heard_ms=heard_ms, down=down)
+    assert room.handler.seat.held(NS_PER_S + 200 * NS_PER_MS)
+    room.say(room.first, type="beat", page_ms=5.0, heard_ms=500, down=True)
+    assert not room.handler.seat.held(NS_PER_S)
+
+
 @pytest.mark.parametrize(
     "said",
     [
@@ -149,9 +214,11 @@ def test_the_operating_page_steers_by_what_it_names(room: Room) -> None:
         "null",
         "[]",
         '{"type": "dance"}',
-        '{"type": "beat", "page_ms": "now", "down": true}',
-        '{"type": "beat", "page_ms": 1, "down": 1}',
-        '{"type": "beat", "page_ms": 1, "down": true, "more": 1}',
+        '{"type": "beat", "page_ms": "now", "heard_ms": null, "down": true}',
+        '{"type": "beat", "page_ms": 1, "heard_ms": 1, "down": 1}',
+        '{"type": "beat", "page_ms": 1, "heard_ms": 1, "down": true, "more": 1}',
+        '{"type": "beat", "page_ms": 1, "down": true}',
+        '{"type": "beat", "page_ms": 1, "heard_ms": -1, "down": true}',
         '{"type": "ask", "id": 1, "action": "move"}',
         '{"type": "ask", "id": -1, "action": "stop"}',
         '{"type": "ask_lease", "id": 1, "action": "give", "to": {"name": "ben", "session": 7}}',

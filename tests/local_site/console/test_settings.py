@@ -101,7 +101,7 @@ def test_a_page_that_falls_silent_is_reported_once(room: Room) -> None:
     assert sent(room, silent_ns) is None
     room.handler.send_intent(silent_ns + 20 * NS_PER_MS)
     assert len(room.intent.messages) == 2
-    room.handler.seat.beat(room.first.visitor, silent_ns + 30 * NS_PER_MS, down=False)
+    room.handler.seat.beat(room.first.visitor, silent_ns + 30 * NS_PER_MS, silent_ns, down=False)
     assert sent(room, silent_ns + 40 * NS_PER_MS) == Intent()
 
 

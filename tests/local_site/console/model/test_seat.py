@@ -1,6 +1,9 @@
 """Who operates, and what counts as held: silence, stops and another page always need a new press."""
 
+import numpy as np
 import pytest
+from hypothesis import given
+from hypothesis import strategies as st
 
 from common.clock import NS_PER_MS, NS_PER_S
 from local_site.console.model.seat import Seat, Visitor
@@ -16,10 +19,11 @@ class Room:
         self.seat, self.now_ns = Seat(open_=True), 10 * NS_PER_S
         self.seat.arrive(ANNA, self.now_ns)
 
-    def beats(self, count: int, *, down: bool, by: Visitor = ANNA) -> bool:
+    def beats(self, count: int, *, down: bool, by: Visitor = ANNA, heard_ms_ago: float | None = 50.0) -> bool:
         for _ in range(count):
             self.now_ns += BEAT_NS
-            self.seat.beat(by, self.now_ns, down=down)
+            heard_ns = self.now_ns - round(heard_ms_ago * NS_PER_MS) if heard_ms_ago is not None else None
+            self.seat.beat(by, self.now_ns, heard_ns, down=down)
         return self.seat.held(self.now_ns)
 
     def pass_ms(self, milliseconds: float) -> bool:
@@ -55,6 +59,59 @@ def test_a_silent_page_holds_for_200_ms_and_then_needs_a_new_press(room: Room) -
     assert not room.beats(10, down=True)
     room.beats(1, down=False)
     assert room.beats(1, down=True)
+
+
+@pytest.mark.parametrize("heard_ms_ago", [401.0, 3000.0])
+def test_beats_that_all_come_late_count_as_silence_and_then_need_a_new_press(room: Room, heard_ms_ago: float) -> None:
+    room.beats(1, down=False)
+    room.beats(1, down=True)
+    room.beats(5, down=False, heard_ms_ago=heard_ms_ago)
+    assert not room.beats(5, down=True, heard_ms_ago=heard_ms_ago)
+    assert not room.seat.reports(room.now_ns)
+    assert room.seat.late(room.now_ns)
+    assert not room.beats(5, down=True)
+    room.beats(1, down=False)
+    assert room.beats(1, down=True, heard_ms_ago=350.0)
+    assert room.seat.reports(room.now_ns)
+    assert not room.seat.late(room.now_ns)
+
+
+def test_a_page_that_never_hears_the_console_holds_no_longer_than_400_ms(room: Room) -> None:
+    room.beats(1, down=False, heard_ms_ago=None)
+    assert room.beats(7, down=True, heard_ms_ago=None)
+    assert not room.beats(1, down=True, heard_ms_ago=None)
+    assert room.seat.late(room.now_ns)
+
+
+def test_what_was_heard_in_the_future_is_heard_now(room: Room) -> None:
+    room.beats(1, down=False)
+    assert room.beats(1, down=True, heard_ms_ago=-1e6)
+    assert not room.pass_ms(201)
+
+
+@given(st.lists(st.tuples(st.floats(0, 1500), st.floats(0, 1500)), min_size=60, max_size=60), st.integers(2, 40))
+def test_whatever_the_way_does_a_key_is_held_for_400_ms_after_its_release_at_most(
+    delays_ms: list[tuple[float, float]], released_at: int
+) -> None:
+    """Beats every 50 ms and their echoes, in order, each with another delay; the key is down until it is released."""
+    seat, heard_ms, arrives_ms, echoed_ms = Seat(open_=True), None, 0.0, 0.0
+    echoes: list[tuple[float, float]] = []  # when it comes, and what it says
+    beats: list[tuple[float, float | None, bool]] = []
+    seat.arrive(ANNA, 0)
+    for k, (there_ms, back_ms) in enumerate(delays_ms):
+        sent_ms = 50.0 * k
+        heard_ms = max((says for comes, says in echoes if comes <= sent_ms), default=None)
+        arrives_ms = max(arrives_ms, sent_ms + there_ms)
+        echoed_ms = max(echoed_ms, arrives_ms + back_ms)
+        echoes.append((echoed_ms, arrives_ms))
+        beats.append((arrives_ms, heard_ms, 1 <= k < released_at))
+    last_ms = 50.0 * released_at + 400.0
+    for now_ms in sorted({*(arrives for arrives, _, _ in beats), *np.arange(0.0, 5000.0, 10.0)}):
+        for arrives, heard, down in beats:
+            if arrives == now_ms:
+                heard_ns = round(heard * NS_PER_MS) if heard is not None else None
+                seat.beat(ANNA, round(now_ms * NS_PER_MS), heard_ns, down=down)
+        assert now_ms <= last_ms or not seat.held(round(now_ms * NS_PER_MS))
 
 
 def test_a_page_reports_while_it_operates_and_beats(room: Room) -> None:
@@ -133,10 +190,10 @@ def test_a_console_that_only_watches_gives_no_seat() -> None:
 def test_what_the_operating_page_asks_the_robot_for_lasts_as_long_as_it_beats() -> None:
     seat, operates, watches = Seat(open_=True), Visitor(1, "a"), Visitor(2, "b")
     seat.arrive(operates, 0)
-    seat.beat(operates, 0, down=False, assist="block")
-    seat.beat(watches, 0, down=False, assist="shelf")
+    seat.beat(operates, 0, 0, down=False, assist="block")
+    seat.beat(watches, 0, 0, down=False, assist="shelf")
     assert seat.assisted(200 * NS_PER_MS) == "block"
     assert seat.assisted(201 * NS_PER_MS) is None
-    seat.beat(operates, 210 * NS_PER_MS, down=False, assist="block")
+    seat.beat(operates, 210 * NS_PER_MS, 200 * NS_PER_MS, down=False, assist="block")
     seat.leave(operates)
     assert seat.assisted(220 * NS_PER_MS) is None

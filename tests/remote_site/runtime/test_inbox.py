@@ -1,0 +1,69 @@
+"""Requests as they wait at the remote site, over real links: nothing displaces a stop."""
+
+import time
+from collections.abc import Iterator
+from contextlib import ExitStack
+
+import pytest
+
+from common.link.channels import ANY, ENGAGEMENT, MAINTENANCE, MAINTENANCE_STOP, STOP
+from common.link.transport import PENDING_REQUESTS, Link, open_link
+from common.messages.codec import encode
+from common.messages.requests import EngagementAction, EngagementRequest, StopRequest
+from common.process.log import RefusalLog
+from remote_site.runtime.control import MAINTENANCE_NAME, Inbox
+from remote_site.session.requests import SessionRequest
+from tests.common.link.secured_cell import free_port, until
+
+CELL = "lab"
+APART_S = 0.003  # requests that follow each other immediately are dropped on arrival
+ARRIVES_S = 0.2
+
+
+@pytest.fixture
+def links() -> Iterator[list[Link]]:
+    """A remote site, an operator and somebody who floods it."""
+    endpoint = f"tcp/127.0.0.1:{free_port()}"
+    with ExitStack() as stack:
+        site = stack.enter_context(open_link(listen=(endpoint,)))
+        yield [site, *(stack.enter_context(open_link(connect=(endpoint,))) for _ in range(2))]
+
+
+def ask(link: Link, key: str, payload: bytes) -> None:
+    """Ask without waiting for the answer, which comes when the site is done with its tick."""
+    link._session.get(key, payload=payload, timeout=9.0)
+
+
+def flood(link: Link, key: str) -> None:
+    for number in range(2 * PENDING_REQUESTS):
+        deadline_ns = time.monotonic_ns() + 5_000_000_000
+        ask(link, key, encode(EngagementRequest(id=number, deadline_ns=deadline_ns, action=EngagementAction.ENGAGE)))
+        time.sleep(APART_S)
+    time.sleep(ARRIVES_S)
+
+
+@pytest.mark.parametrize(
+    ("stop", "flooded", "asker"),
+    [
+        (STOP.key_for(CELL, operator="anna"), ENGAGEMENT.key_for(CELL, operator="ben"), "anna"),
+        (STOP.key_for(CELL, operator="anna"), ENGAGEMENT.key_for(CELL, operator="anna"), "anna"),
+        (MAINTENANCE_STOP.key_for(CELL), MAINTENANCE.key_for(CELL), MAINTENANCE_NAME),
+    ],
+)
+@pytest.mark.parametrize("listed", [(ANY,), ("anna", "ben")])
+def test_a_stop_is_never_displaced_and_comes_first(
+    links: list[Link], stop: str, flooded: str, asker: str, listed: tuple[str, ...]
+) -> None:
+    site, polite, rude = links
+    inbox = Inbox(site, CELL, RefusalLog(), listed)
+    for link, key in ((polite, stop), (rude, flooded)):
+        until(lambda: ask(link, key, b"is anybody there?") or inbox.requests(0) or inbox.refusals.counts)  # noqa: B023
+        time.sleep(ARRIVES_S)
+        until(lambda: not inbox.requests(0) and not inbox.refusals.counts.pop("malformed", 0))
+    ask(polite, stop, encode(StopRequest()))
+    time.sleep(ARRIVES_S)
+    flood(rude, flooded)
+    waiting = [request for request, _ in inbox.requests(time.monotonic_ns())]
+    assert len(waiting) == 2
+    assert waiting[0] == SessionRequest(EngagementAction.STOP, asker, maintenance=asker == MAINTENANCE_NAME)
+    assert waiting[1].action is EngagementAction.ENGAGE
