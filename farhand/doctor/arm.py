@@ -33,6 +33,24 @@ def check_robot(model: str, driver: str, mistakes: Sequence[tuple[str, str, str]
     return [error(part, sentence, cure) for part, sentence, cure in mistakes]
 
 
+def probe_unguarded(config: RemoteConfig) -> tuple[str, ...]:
+    """What the configuration of an arm that can be loaded leaves unguarded, part by part."""
+    from remote_site.runtime.checks import find_unguarded  # noqa: PLC0415  # the doctor also examines hosts without its libraries
+
+    return find_unguarded(config)
+
+
+def check_guard(parts: Sequence[str]) -> Finding:
+    """What is not guarded is said; a warning where it could be."""
+    from remote_site.safety.unguarded import in_one_line  # noqa: PLC0415  # as above
+
+    sentence = f"not guarded: {in_one_line(parts)}"
+    if not parts:
+        return ok("guard", sentence)
+    cure = "give the boxes of the cell, capsules, and a box of the tool with sides where it has to stop: docs/safety.md"
+    return warning("guard", sentence, cure)
+
+
 @dataclass(frozen=True, slots=True)
 class StopFacts:
     """The joint with the longest stop, how long that takes and may take, and the joints whose file states no jerk."""

@@ -96,7 +96,7 @@ def examine_remote(config: RemoteConfig) -> list[Finding]:
     mistakes = arm.probe_robot(config)
     findings += arm.check_robot(config.robot.model, config.driver.name, mistakes)
     if not mistakes:
-        findings.append(arm.check_stops(arm.probe_stops(config)))
+        findings += [arm.check_stops(arm.probe_stops(config)), arm.check_guard(arm.probe_unguarded(config))]
     if config.views_are_simulated:
         findings.append(machine.check_rendering(machine.probe_rendering()))
     real = {camera.name: camera.source for camera in config.video.cameras if camera.source != SIMULATED}

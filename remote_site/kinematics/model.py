@@ -120,6 +120,26 @@ class ArmModel:
         return levers
 
     @property
+    def reach(self) -> tuple[Array, Array]:
+        """Two corners (3,) in m in the base's axes between which the tool centre point always is.
+
+        What the first joint alone moves keeps its way along that joint's axis; the rest may point anywhere.
+        """
+        links, last_T_tool = self.geometry()
+        frames = [*(link.parent_T_joint for link in links), last_T_tool]
+        axis = frames[0][:3, :3] @ np.array(links[0].axis)
+        offset = frames[0][:3, :3] @ frames[1][:3, 3]
+        slides = [link.slides for link in links]
+        way = np.maximum(np.abs(self.lower), np.abs(self.upper)) * slides
+        beyond = sum(float(np.linalg.norm(frame[:3, 3])) for frame in frames[2:]) + float(way[1:].sum())
+        if slides[0]:
+            centre, about = frames[0][:3, 3] + offset, way[0] * np.abs(axis)
+        else:
+            centre = frames[0][:3, 3] + axis * float(axis @ offset)
+            about = np.linalg.norm(np.cross(offset, axis)) * np.sqrt(np.maximum(1.0 - axis * axis, 0.0))
+        return centre - about - beyond, centre + about + beyond
+
+    @property
     def tool_frame(self) -> str:
         """The frame that carries the tool."""
         frames = self.pin_model.frames

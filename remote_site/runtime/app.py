@@ -29,7 +29,7 @@ from remote_site.kinematics.limits import load_arm
 from remote_site.recording.memory import RecordingMemory, memory_path
 from remote_site.recording.video_tap import VideoTap
 from remote_site.runtime.assist_memory import AssistMemory
-from remote_site.runtime.checks import check_robot
+from remote_site.runtime.checks import check_robot, say_what_is_not_guarded
 from remote_site.runtime.control import run_control
 from remote_site.runtime.crash_marker import CrashMarker
 from remote_site.runtime.driver_process import run_driver
@@ -117,6 +117,7 @@ def _check_start(config: RemoteConfig) -> None:
         structlog.get_logger().warning("nobody may operate: links.operators is empty", cure=NAME_OPERATORS)
     check_driver(config.driver.name)
     check_robot(config)
+    say_what_is_not_guarded(config)
 
 
 def _watch(children: Children, validity: CertificateValidity, should_stop: StopFlag) -> None:

@@ -6,6 +6,8 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from typing import TypeVar
 
+import structlog
+
 from common.errors import ConfigError, ModelError
 from common.geometry import Array
 from remote_site.config import RemoteConfig
@@ -15,6 +17,8 @@ from remote_site.kinematics.model import ArmModel
 from remote_site.motion.target_tracker import choose_target_tracker
 from remote_site.safety.collision import CollisionModel
 from remote_site.safety.stop_bound import check_stops
+from remote_site.safety.unguarded import in_one_line, unguarded
+from remote_site.safety.workspace_box import check_box
 from remote_site.teleop.config import prediction
 from remote_site.teleop.mapping import make_mapping
 from remote_site.video.streaming.encoding import can_encode
@@ -67,6 +71,17 @@ def find_mistakes(config: RemoteConfig) -> list[StartupMistake]:
     return loading.mistakes
 
 
+def find_unguarded(config: RemoteConfig) -> tuple[str, ...]:
+    """What a configuration without mistakes leaves unguarded, part by part."""
+    return unguarded(config.robot, config.safety, _model(config.robot))
+
+
+def say_what_is_not_guarded(config: RemoteConfig) -> None:
+    """One line of the log, a warning where something is left out that could be guarded."""
+    parts, log = find_unguarded(config), structlog.get_logger()
+    (log.warning if parts else log.info)("not guarded", what=in_one_line(parts))
+
+
 def _load_with(model: ArmModel, config: RemoteConfig, loading: _Loading) -> None:
     robot, collision = config.robot, config.safety.collision
     loading.load(
@@ -76,6 +91,8 @@ def _load_with(model: ArmModel, config: RemoteConfig, loading: _Loading) -> None
     )
     tighter = "correct robot.position_deg, robot.position_margin_deg, robot.acceleration_rad_s2 and robot.jerk_rad_s3"
     limits = loading.load("limits", tighter, lambda: JointLimits.from_model(model, robot))
+    box = "correct safety.workspace_min_m and _max_m: give the sides where the tool has to stop"
+    loading.load("workspace", box, lambda: check_box(config.safety, model))
     if limits is None:
         return
     quicker = "correct robot.jerk_rad_s3, robot.acceleration_rad_s2 and robot.speed, or safety.longest_stop_ms"

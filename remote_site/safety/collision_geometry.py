@@ -44,6 +44,14 @@ def shape_name(model: pin.Model, shape: pin.GeometryObject) -> str:
     return str(model.frames[frame].name) if 0 < frame < model.nframes else str(shape.name)
 
 
+def links_without_shape(model: pin.Model, shapes: pin.GeometryModel) -> list[str]:
+    """The links of an arm that no shape moves with, by name: nothing measures how near they come."""
+    covered = {int(shape.parentJoint) for shape in shapes.geometryObjects}
+    links = [frame for frame in model.frames if frame.type == pin.FrameType.BODY]
+    bare = [joint for joint in range(1, model.njoints) if joint not in covered]
+    return [next(str(link.name) for link in links if link.parentJoint == joint) for joint in bare]
+
+
 def pair_levers(model: ArmModel, shapes: pin.GeometryModel, pair: pin.CollisionPair) -> list[float]:
     """The most that two shapes can move relative to each other per rad (or m) of each joint, m."""
     one, other = shapes.geometryObjects[pair.first], shapes.geometryObjects[pair.second]

@@ -88,7 +88,7 @@ class SafetyConfig(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fie
         ),
     ] = AUTO
     t_latch_ms: Annotated[
-        float, Meta(ge=100, le=2000, description="an older hand sample ends the engagement, ms; above t_soft_ms")
+        float, Meta(ge=100, le=1000, description="an older hand sample ends the engagement, ms; above t_soft_ms")
     ] = 500.0
     longest_hold_ms: Annotated[
         float, Meta(ge=200, le=30000, description="a hold that lasts longer ends the engagement, ms")
@@ -119,7 +119,7 @@ class SafetyConfig(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fie
     workspace_max_m: Annotated[Row3, Meta(description="upper corner of the tool's box in the base frame, m")] = (
         0.80,
         0.55,
-        1.25,
+        1.15,
     )
 
     def __post_init__(self) -> None:

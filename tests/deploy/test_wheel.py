@@ -1,6 +1,5 @@
 """The wheel in a fresh environment outside the checkout: it runs, and brings its configurations, units and types."""
 
-import json
 import os
 import shutil
 import subprocess
@@ -10,6 +9,8 @@ import venv
 from pathlib import Path
 
 import pytest
+
+from tests.loopback.undisturbed import PATIENT, undisturbed
 
 PROJECT = Path(__file__).parents[2]
 PACKAGES = ("common", "local_site", "remote_site", "farhand")
@@ -70,9 +71,8 @@ def test_it_brings_its_configurations_and_units(installed: Path, tmp_path: Path)
 
 def test_the_loop_closes_from_an_empty_folder(installed: Path, tmp_path: Path) -> None:
     options = ["--seconds", "5", "--headless", "--driver", "kinematic", "--tracker", "markers", "--report", "out.json"]
-    options += ["--set", "safety.t_latch_ms=1500"]  # no pause of the machine ends the engagement
-    run(installed / "farhand", "loopback", *options, folder=tmp_path)
-    report = json.loads((tmp_path / "out.json").read_text())
+    command = installed / "farhand", "loopback", *options, *PATIENT
+    report = undisturbed(lambda: run(*command, folder=tmp_path), tmp_path / "out.json")
     assert report["engagements"] == 1
     assert report["follow_mm"]["mean"] < 30.0
     assert [path.name for path in tmp_path.iterdir()] == ["out.json"]

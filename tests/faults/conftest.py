@@ -14,7 +14,7 @@ from tests.faults.fault_rows import Row
 from tests.faults.trial import Outcome
 
 FOLDER = Path("faults")
-PATIENT = ("safety.t_latch_ms=1500",)  # on a machine that is shared, only the fault ends the engagement
+PATIENT = ("safety.t_latch_ms=1000",)  # on a machine that is shared, hardly anything but the fault ends the engagement
 ABOUT = "Each fault on both sites as processes of their own; every command that reached the driver is judged."
 
 

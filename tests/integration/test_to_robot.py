@@ -4,7 +4,7 @@ import subprocess
 import sys
 import threading
 import time
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from pathlib import Path
 
@@ -19,6 +19,7 @@ from tests.integration.sites import CELL, PATIENT, Sites, running_sites
 
 OPERATOR = "anna"
 NEAR_M = 2e-3
+AGAIN_S, RELEASED_S = 3.0, 0.3
 
 
 @contextmanager
@@ -57,6 +58,23 @@ def replaying(sites: Sites, file: Path) -> Iterator["subprocess.Popen[str]"]:
             process.terminate()
 
 
+def wait_pressing(sites: Sites, held: threading.Event, what: str, is_so: Callable[[], bool]) -> None:
+    """Wait until something is so; where the arm does not follow, since a machine was late, press the key again."""
+    pressed_s = time.monotonic()
+
+    def so_while_pressed() -> bool:
+        nonlocal pressed_s
+        if sites.is_in(SessionState.DISENGAGED) and time.monotonic() - pressed_s > AGAIN_S:
+            held.clear()
+            time.sleep(RELEASED_S)
+            held.set()
+            pressed_s = time.monotonic()
+        return is_so()
+
+    held.set()
+    sites.wait(what, so_while_pressed)
+
+
 def off_m(sites: Sites, position: np.ndarray) -> float:
     return float(np.linalg.norm(np.array(sites.state.base_T_tool.position) - position))
 
@@ -80,17 +98,14 @@ def test_the_recorded_path_is_run_while_the_key_is_held_and_ends_with_it(tmp_pat
             assert (shown[-1].status, shown[-1].data) == (CameraStatus.MISSING, b"")
             assert shown[-1].reason == f"no camera is used: a recorded path is run, episode 1 of {file.name}"
             assert off_m(sites, begin) < NEAR_M
-            held.set()
-            sites.wait("the arm to follow", lambda: sites.is_in(SessionState.ENGAGED))
-            sites.wait("the path to begin", lambda: off_m(sites, begin) > 0.06)
+            wait_pressing(sites, held, "the path to begin", lambda: off_m(sites, begin) > 0.06)
             held.clear()
             sites.wait("the stop", lambda: sites.is_in(SessionState.DISENGAGED))
             stood = np.array(sites.state.base_T_tool.position)
             time.sleep(1.0)
             assert off_m(sites, stood) < NEAR_M
             assert off_m(sites, end) > 0.02
-            held.set()
-            sites.wait("the path's end", lambda: off_m(sites, end) < NEAR_M)
+            wait_pressing(sites, held, "the path's end", lambda: off_m(sites, end) < NEAR_M)
 
 
 def test_a_cell_that_needs_no_key_is_refused(tmp_path: Path) -> None:

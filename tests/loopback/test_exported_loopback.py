@@ -12,13 +12,13 @@ from farhand.export.resampling import instants
 from farhand.export.session import newest_index
 from farhand.export.videos.h264 import decoded
 from tests.farhand.export.lerobot.made_dataset import FPS, episodes, export, frames, pictures
+from tests.loopback.undisturbed import PATIENT
 
 
 @pytest.mark.long  # a recorded site on stepped time covers the same ground in tests/farhand/export
 def test_the_dataset_of_a_loopback_is_its_recording(tmp_path: Path) -> None:
     file, out = tmp_path / "run.mcap", tmp_path / "dataset"
-    command = ["loopback", "--seconds", "9", "--headless", "--motion", "toggles"]
-    command += ["--set", "safety.t_latch_ms=1500", "--record", str(file)]
+    command = ["loopback", "--seconds", "9", "--headless", "--motion", "toggles", *PATIENT, "--record", str(file)]
     done = subprocess.run(
         [sys.executable, "-m", "farhand", *command], check=False, capture_output=True, text=True, timeout=240
     )

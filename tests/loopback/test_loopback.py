@@ -1,9 +1,8 @@
 """The whole loop: a bare hand moves the arm and sees it move."""
 
-import json
-import subprocess
-import sys
 from pathlib import Path
+
+from tests.loopback.undisturbed import run_loopback
 
 MAX_FOLLOW_MM = 30.0
 VIEWS = {"front_high", "front_low", "side", "gripper", "operator_left", "operator_right", "overview"}
@@ -12,14 +11,8 @@ VIEWS = {"front_high", "front_low", "side", "gripper", "operator_left", "operato
 def test_the_loop_closes(tmp_path: Path) -> None:
     report, views = tmp_path / "out.json", tmp_path / "views"
     # A hold on a busy machine shifts the hand against the tool, and this operator is blind: nothing is touched here.
-    command = ["loopback", "--seconds", "9", "--headless", "--motion", "toggles"]
-    command += ["--set", "safety.t_latch_ms=1500"]  # no pause of the machine ends the engagement
-    command += ["--report", str(report), "--save-views", str(views)]
-    done = subprocess.run(
-        [sys.executable, "-m", "farhand", *command], check=False, capture_output=True, text=True, timeout=120
-    )
-    assert done.returncode == 0, done.stderr
-    figures = json.loads(report.read_text())
+    command = ("--seconds", "9", "--headless", "--motion", "toggles", "--save-views", str(views))
+    figures = run_loopback(*command, report=report, timeout_s=120)
     assert figures["engagements"] == 1
     assert figures["follow_mm"]["mean"] < MAX_FOLLOW_MM
     assert figures["tracking"]["lost"] <= 0.2 * figures["tracking"]["frames"]  # what is late is lost

@@ -1,8 +1,5 @@
 """The whole loop in an ordinary room: the operator comes in, is found by the hand's landmarks, and moves the arm."""
 
-import json
-import subprocess
-import sys
 from pathlib import Path
 
 import cv2
@@ -13,6 +10,7 @@ from common.errors import ModelError
 from local_site.simulation.cameras import exact_rig
 from local_site.simulation.config import StereoConfig
 from local_site.tracking.landmarks.models import view_hands
+from tests.loopback.undisturbed import run_loopback
 
 MAX_FOLLOW_MM = 30.0
 MAX_ERROR_MM = {"elbow": 20.0, "wrist": 15.0, "index": 20.0, "thumb": 20.0}
@@ -26,15 +24,8 @@ def test_the_loop_closes_in_a_room(tmp_path: Path) -> None:
     except ModelError as missing:
         pytest.skip(str(missing))
     report, views = tmp_path / "out.json", tmp_path / "views"
-    command = ["loopback", "--seconds", "9", "--headless", "--tracker", "learned"]
-    # No pause of the machine ends the engagement.
-    command += ["--set", "safety.t_latch_ms=1500"]
-    command += ["--report", str(report), "--save-views", str(views)]
-    done = subprocess.run(
-        [sys.executable, "-m", "farhand", *command], check=False, capture_output=True, text=True, timeout=180
-    )
-    assert done.returncode == 0, done.stderr
-    figures = json.loads(report.read_text())
+    command = ("--seconds", "9", "--headless", "--tracker", "learned", "--save-views", str(views))
+    figures = run_loopback(*command, report=report, timeout_s=180)
     assert figures["engagements"] == 1
     assert figures["follow_mm"]["mean"] < MAX_FOLLOW_MM
     for point, most_mm in MAX_ERROR_MM.items():

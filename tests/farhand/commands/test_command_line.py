@@ -89,6 +89,7 @@ def test_every_command_has_help(command: list[str], here) -> None:
     [
         (["remote", "--set", "driver.nme=x"], 2, "did you mean name?"),
         (["remote", "--set", "safety.t_latch_ms=50"], 2, ">= 100"),
+        (["remote", "--set", "safety.t_latch_ms=1001"], 2, "<= 1000"),
         (["remote", "--config", "absent.toml"], 2, "absent.toml"),
         (["local", "--set", "operator.left=0"], 2, "both be simulated, or neither"),
         (["loopback", "--motion", "dance"], 2, "pick_and_place"),

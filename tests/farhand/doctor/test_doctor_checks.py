@@ -39,6 +39,8 @@ CASES = [
     (landmarks.check_landmarks(replace(LANDMARKS, wrong=("palm.tflite",)))[1], "error", "changed in /m: palm.tflite"),
     (arm.check_robot("a465", "kinematic", ())[0], "ok", "driver kinematic"),
     (arm.check_robot("a", "b", [("robot", "no file", "give one")])[0], "error", "no file"),
+    (arm.check_guard(()), "ok", "not guarded: people, cables"),
+    (arm.check_guard(("the tool", "the cell")), "warning", "not guarded: the tool; the cell; people, cables"),
     (arm.check_stops(arm.StopFacts("j1", 333.8, 600.0, "a.urdf")), "ok", "takes 334 ms at most (j1), of 600 allowed"),
     (
         arm.check_stops(arm.StopFacts("j1", 333.8, 600.0, "a.urdf", ("j1", "j2"))),

@@ -13,7 +13,7 @@ from remote_site.kinematics.limits import load_arm
 from tests.led_cell import CONFIG, LedCell
 
 NEAR_M = 1e-3
-PATIENT = replace(CONFIG, safety=replace(CONFIG.safety, t_latch_ms=1500.0))  # a cut of half a second is a hold
+PATIENT = replace(CONFIG, safety=replace(CONFIG.safety, t_latch_ms=1000.0))  # a cut of half a second is a hold
 
 
 def start_pose():

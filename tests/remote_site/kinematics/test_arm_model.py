@@ -88,6 +88,25 @@ def test_no_joint_moves_the_tool_further_than_its_lever(name, variant):
     assert (reached >= 0.25 * levers - 1e-9).all()  # nor are they much too long
 
 
+@pytest.mark.parametrize("name", ["a465", "offset_wrist", "seven_axes", "sliding", "sliding base"])
+def test_the_tool_is_never_out_of_its_reach(name, variant):
+    sliding = {"sliding": "joint_3", "sliding base": "joint_1"}
+    slide = name in sliding and variant(rf'(<joint name="{sliding[name]}" type=)"revolute"', r'\1"prismatic"')
+    model, rng = load(slide or (URDF if name == "a465" else ARMS / f"{name}.urdf")), np.random.default_rng(8)
+    low, high = model.reach
+    tools = np.array([model.position(rng.uniform(model.lower, model.upper)) for _ in range(3000)])
+    assert (tools >= low - 1e-9).all()
+    assert (tools <= high + 1e-9).all()
+    if not slide:  # nor is it much too large
+        assert (np.ptp(tools, axis=0) >= 0.5 * (high - low)).all()
+
+
+def test_the_reach_of_the_a465_is_its_length_about_the_shoulder():
+    model = ArmModel.from_urdf(URDF, "tool0", RobotConfig().tool_T_tcp)
+    assert model.reach[0] == pytest.approx([-0.8453, -0.8453, 0.3302 - 0.8453])
+    assert model.reach[1] == pytest.approx([0.8453, 0.8453, 0.3302 + 0.8453])
+
+
 def test_a_pose_is_not_changed_by_the_next_one():
     model, _ = arm()
     first = model.forward(START)

@@ -8,16 +8,17 @@ from pathlib import Path
 
 import pytest
 from msgspec.structs import replace
+from structlog.testing import capture_logs
 
 from common.config import load_config
 from common.errors import ConfigError
 from remote_site.config import RemoteConfig
 from remote_site.drivers.config import DriverConfig
 from remote_site.kinematics.config import CapsuleConfig, RobotConfig
-from remote_site.runtime.checks import check_robot, find_mistakes
+from remote_site.runtime.checks import check_robot, find_mistakes, say_what_is_not_guarded
 from remote_site.runtime.crash_marker import CrashMarker
 from remote_site.runtime.driver_process import setup_of
-from remote_site.safety.config import SafetyConfig
+from remote_site.safety.config import CollisionConfig, SafetyConfig
 from remote_site.session.config import ACCEPTANCE, EngagementMode
 from remote_site.teleop.config import MappingConfig
 from remote_site.video.config import CameraConfig, VideoConfig
@@ -82,6 +83,44 @@ def test_a_stop_that_takes_too_long_is_refused_with_its_figures_and_the_cure():
     check_robot(RemoteConfig(robot=replace(robot, speed=0.29)))
     check_robot(RemoteConfig(robot=robot, safety=SafetyConfig(longest_stop_ms=1050.0)))
     assert find_mistakes(RemoteConfig(robot=robot, safety=SafetyConfig(longest_stop_ms=1049.0)))[0].part == "stopping"
+
+
+@pytest.mark.parametrize(
+    ("box", "words"),
+    [
+        (
+            {"workspace_min_m": (-1000.0,) * 3, "workspace_max_m": (1000.0,) * 3},
+            "2000 m along x, and the tool reaches over 1.69",
+        ),
+        (
+            {"workspace_min_m": (0.1, -0.9, 0.2), "workspace_max_m": (0.8, 0.9, 1.1)},
+            "1.8 m along y, .* from -0.85 to 0.85",
+        ),
+        (
+            {"workspace_min_m": (0.1, -0.5, -0.6), "workspace_max_m": (0.8, 0.5, 1.2)},
+            "1.8 m along z, .* from -0.52 to 1.18",
+        ),
+    ],
+)
+def test_a_box_that_is_larger_than_the_arms_reach_is_refused(box, words):
+    mistakes = find_mistakes(RemoteConfig(safety=SafetyConfig(**box)))
+    assert {mistake.part for mistake in mistakes} == {"workspace"}
+    assert re.search(words, mistakes[0].sentence), mistakes
+
+
+def test_the_start_says_in_one_line_what_is_not_guarded():
+    bare = RemoteConfig(
+        robot=RobotConfig(capsules=()),
+        safety=SafetyConfig(collision=CollisionConfig(fixtures=()), workspace_max_m=(0.9, 0.55, 1.1)),
+    )
+    for config, level in ((RemoteConfig(), "info"), (bare, "warning")):
+        with capture_logs() as lines:
+            say_what_is_not_guarded(config)
+        (line,) = lines
+        assert (line["event"], line["log_level"]) == ("not guarded", level)
+        assert "people" in line["what"]
+    for part in ("safety.collision.fixtures is empty", "robot.capsules is empty", "x up to 0.9 m"):
+        assert part in line["what"]
 
 
 def test_the_process_that_enforces_the_limits_refuses_them_too():

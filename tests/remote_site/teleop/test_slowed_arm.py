@@ -18,7 +18,7 @@ MAX_OFF_MM = 30.0  # without pacing up to 243 mm
 
 def turned_and_carried(axis: int) -> Array:
     """The tool's distance (n,) in mm from its straight path, while the hand turns, moves 20 cm and turns back."""
-    safety = SafetyConfig(t_soft_ms=400.0, t_latch_ms=1500.0)
+    safety = SafetyConfig(t_soft_ms=400.0, t_latch_ms=1000.0)
     loop = RemoteLoop(RemoteConfig(safety=safety))
     loop.run(SAMPLE_TICKS * 31, lambda _t_ns: (0.0, 0.0, 0.3), every=SAMPLE_TICKS)
     loop.hand_seq = 1000
