@@ -44,6 +44,8 @@ def examine(path: Path | None, settings: Sequence[str]) -> list[Finding]:
         name = "the default" if path is None else str(path)
         findings.append(ok("configuration", f"{name} of the {KINDS[kind]} has no mistakes"))
         findings += examine_config(config)
+        if path is not None and isinstance(config, ConsoleConfig) and config.serve.token:
+            findings.append(site.check_token(path, path.stat().st_mode))
     return findings
 
 

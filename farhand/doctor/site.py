@@ -155,6 +155,13 @@ def check_certificate(facts: CertificateFacts, expected: str) -> list[Finding]:
     return findings
 
 
+def check_token(path: Path, mode: int) -> Finding:
+    """Not everybody can read the word that opens the page, in a file of this mode."""
+    if mode & OTHERS:
+        return error("page's token", f"everybody on this host can read it in {path}", f"chmod o= {path}")
+    return ok("page's token", f"not everybody can read it in {path}")
+
+
 def check_operators(links: OperatorLinks) -> list[Finding]:
     """Where there are certificates, somebody may operate."""
     if not links.tls.is_given:

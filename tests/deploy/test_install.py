@@ -107,6 +107,17 @@ def test_an_edited_configuration_is_kept_and_a_newer_one_laid_beside_it(scratch:
     assert untouched.read_bytes() == (PROJECT / "farhand/deployment/sites/local.toml").read_bytes()
 
 
+def test_nobody_else_reads_the_file_for_the_consoles_token(scratch: Scratch) -> None:
+    scratch.run()
+    console = scratch.configuration / "console.toml"
+    assert console.stat().st_mode & 0o777 == 0o640
+    console.write_text('[serve]\ntoken = "0123456789abcdef"\n')
+    console.chmod(0o644)  # as an older release has left it
+    told = scratch.run()
+    assert console.stat().st_mode & 0o777 == 0o640
+    assert "chgrp farhand /etc/farhand/console.toml" in told, "below a root there is no user yet"
+
+
 def test_nothing_is_left_but_what_is_edited_or_not_ours(scratch: Scratch) -> None:
     scratch.run()
     state = scratch.root / "var/lib/farhand"

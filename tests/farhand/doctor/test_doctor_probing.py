@@ -167,6 +167,14 @@ def test_the_cells_consoles_and_routers_files_are_examined_too(tmp_path: Path) -
     assert any("tls needs certificates" in finding.sentence for finding in examine(path, ()))
 
 
+@pytest.mark.parametrize(("mode", "level"), [(0o644, "error"), (0o640, "ok")])
+def test_a_token_that_everybody_can_read_is_found(tmp_path: Path, mode: int, level: str) -> None:
+    path = tmp_path / "console.toml"
+    path.write_text("[serve]\ntoken = '0123456789abcdef'\n")
+    path.chmod(mode)
+    assert [finding.level for finding in examine(path, ()) if finding.check == "page's token"] == [level]
+
+
 def test_a_real_run_ends_by_its_worst_finding(tmp_path: Path) -> None:
     config = tmp_path / "local.toml"
     listen, remote = free_ports(2)
