@@ -9,7 +9,7 @@ BY_STATUS = {
     GripperStatus.CLOSED: GripperCommand.OPEN,
     GripperStatus.HOLDING: GripperCommand.OPEN,
 }
-MOST_COUNTED = 2**63 - 1  # what a message can hold
+MOST_AT_ONCE = 64  # openings since the last sample: a hand makes fewer even while a second of samples is lost
 
 
 class GripperToggles:
@@ -27,7 +27,8 @@ class GripperToggles:
        second of two quick toggles undoes the first, wherever the fingers are.
     3. Before the first toggle it closes.
 
-    Several toggles that come with one sample each undo the one before, by rule 2: two of them go back and forth.
+    Several toggles that come with one sample each undo the one before, by rule 2: two of them go back and forth. More
+    than MOST_AT_ONCE were made by no hand: the count is damaged or forged, moves nothing, and is a new baseline.
     """
 
     def __init__(self) -> None:
@@ -64,8 +65,9 @@ class GripperToggles:
         count = sample.gripper_toggles
         if revision != self._revision or not self._seen_closed:
             self.rebase(sample, revision)
-        if count > self._baseline:
-            first, toggles = self.next(gripper), count - self._baseline
+        toggles = count - self._baseline
+        if 0 < toggles <= MOST_AT_ONCE:
+            first = self.next(gripper)
             self.command = self._toggled = first if toggles % 2 else OPPOSITE[first]
-            self.applied = min(self.applied + toggles, MOST_COUNTED)
+            self.applied += toggles
         self._baseline = count

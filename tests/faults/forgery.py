@@ -28,6 +28,7 @@ FLOOD_HZ = 2000
 ELSEWHERE = (0.12, 0.1, 0.4)
 HOME = (0.0, 0.0, 0.3)
 LEAD_M_S = 0.1
+MOST_COUNTED = 2**63 - 1  # what a message can hold
 SHAPE = {"elbow": (0.0, 0.25, 0.0), "index": (0.02, -0.17, 0.0), "thumb": (-0.05, -0.1, 0.01)}
 
 
@@ -153,6 +154,16 @@ def _request_as_the_holder(session: zenoh.Session, lease: LeaseState) -> None:
         (LEASE.key_for(CELL, operator=OPERATOR), encode(give)),
     ):
         list(session.get(key, payload=request, timeout=0.2))
+
+
+def counting_ones(pair: CellPair, seconds: float) -> None:
+    """Samples of the holder's hand where it is, that count as many openings as a message can hold, and again none."""
+    forger, (x, y, z) = Forger(pair), HOME
+    points = {name: (x + a, y + b, z + c) for name, (a, b, c) in SHAPE.items()}
+    for k in range(round(seconds / EVERY_S)):
+        count = MOST_COUNTED * ((k + 1) % 2)
+        forger.put(forger.sample(ahead=10**6, age_ms=5, wrist=HOME, gripper_toggles=count, **points))
+        time.sleep(EVERY_S)
 
 
 def flood(pair: CellPair, seconds: float) -> None:

@@ -1,12 +1,14 @@
-"""The remote site starts again while the gripper holds: only toggles move it."""
+"""What may not move the gripper: a remote site that starts again while it holds, and counts that no hand makes."""
 
 import os
 import signal
 import time
 
-from common.messages.robot import GripperCommand
+from common.messages.robot import GripperCommand, SessionState
+from tests.faults.acts import Act
 from tests.faults.cell_pair import CellPair
 from tests.faults.emulated_robot import OBJECT_M
+from tests.faults.plays import Play, unmoved
 from tests.faults.trial import Trial
 
 OPENS_M = 0.002
@@ -35,6 +37,22 @@ def restart_while_holding(trial: Trial) -> None:
     trial.check(is_held(pair), "the first toggle has opened the gripper")
     toggle(pair)
     trial.check(not is_held(pair), "the second toggle has not opened the gripper")
+
+
+def uncounted(act: Act) -> Play:
+    """Openings that no hand makes: neither the gripper nor the arm moves, and control goes on."""
+
+    def play(trial: Trial) -> None:
+        pair = trial.pair
+        applied = pair.state.gripper_toggles_applied
+        unmoved(act)(trial)
+        states = [state for state in pair.states if state.t_ns > trial.fault_ns]
+        counted = max(state.gripper_toggles_applied for state in states) - applied
+        trial.note(f"{counted} openings counted in {len(states)} states")
+        trial.check(not counted, f"{counted} openings were applied")
+        trial.check(pair.is_in(SessionState.ENGAGED), f"it does not follow: {pair.state.reason}")
+
+    return play
 
 
 def is_held(pair: CellPair) -> bool:

@@ -102,14 +102,12 @@ def test_a_toggle_in_a_sample_that_jumps_is_another_hands_and_counts_nothing() -
     assert loop.gripper is GripperCommand.CLOSED
 
 
-def test_a_count_as_large_as_a_message_can_hold_leaves_the_state_one_that_can_be_sent() -> None:
+def test_a_count_as_large_as_a_message_can_hold_moves_nothing_whatever_follows_it() -> None:
     loop, most = engaged(), 2**63 - 1
-    for _ in range(2):
-        loop.run(2 * EVERY, still, gripper_toggles=most)
-        assert 0 < loop.snapshot.gripper_toggles <= most
-        disengaged(loop)
-        loop.run(GOOD, still)
-        assert loop.states[-1] is SessionState.ENGAGED
+    for k in range(6):
+        loop.run(2 * EVERY, still, gripper_toggles=most * (k % 2))
+        assert (loop.snapshot.gripper_toggles, loop.gripper) == (0, GripperCommand.KEEP)
+    assert loop.states[-1] is SessionState.ENGAGED
 
 
 @pytest.mark.parametrize(
