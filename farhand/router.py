@@ -17,7 +17,6 @@ from common.process.log import LogFormat, start_log
 from common.process.service import StopFlag, notify
 
 BEAT_S = 0.2
-ROUTER = Identity(Role.ROUTER, None)
 EndpointName = Annotated[str, Meta(min_length=1)]
 
 
@@ -25,27 +24,29 @@ class RouterConfig(OperatorLinks, frozen=True, kw_only=True, forbid_unknown_fiel
     """All parameters of the router."""
 
     listen: Annotated[
-        tuple[EndpointName, ...], Meta(min_length=1, max_length=8, description="endpoints for the sites of all cells")
+        tuple[EndpointName, ...], Meta(min_length=1, max_length=8, description="endpoints for the sites of the cell")
     ] = ("tcp/127.0.0.1:7450",)
-    cells: Annotated[
-        tuple[str, ...], Meta(min_length=1, max_length=64, description="the cells whose sites connect here")
-    ] = ("cell",)
+    cell: Annotated[str, Meta(description="the cell whose sites connect here")] = "cell"
 
     def __post_init__(self) -> None:
         super().__post_init__()
-        for cell in self.cells:
-            check_cell_name(cell)
+        check_cell_name(self.cell)
+
+    @property
+    def bearer(self) -> Identity:
+        """Whose certificate the router uses."""
+        return Identity(Role.ROUTER, self.cell)
 
 
 def run_router(config: RouterConfig, should_stop: StopFlag, log_format: LogFormat = LogFormat.TEXT) -> None:
     """Pass on the sites' messages until asked to stop; TransportError or ConfigError when it cannot."""
     start_log("router", log_format)
-    check_links(config.listen, config, ROUTER)
+    check_links(config.listen, config, config.bearer)
     if config.tls.is_given and not config.operators:
         structlog.get_logger().warning("nobody may operate: operators is empty", cure=NAME_OPERATORS)
-    with open_router(listen=config.listen, cells=config.cells, security=config, operators=config.operators):
+    with open_router(listen=config.listen, security=config, operators=config.operators):
         notify("READY=1")
-        structlog.get_logger().info("ready", listen=", ".join(config.listen), cells=", ".join(config.cells))
+        structlog.get_logger().info("ready", cell=config.cell, listen=", ".join(config.listen))
         while not should_stop.wait(BEAT_S):
             notify("WATCHDOG=1")
         notify("STOPPING=1")
@@ -54,8 +55,8 @@ def run_router(config: RouterConfig, should_stop: StopFlag, log_format: LogForma
 def zenohd_configuration(config: RouterConfig) -> str:
     """The same router for zenohd, as JSON5: the same caps, and the same roles by the names in certificates."""
     listening = tuple(check_endpoint(endpoint, config) for endpoint in config.listen)
-    credentials = Credentials(config.tls, ROUTER) if config.tls.is_given else None
-    served = Served(credentials, config.cells, config.operators)
+    credentials = Credentials(config.tls, config.bearer) if config.tls.is_given else None
+    served = Served(credentials, config.operators)
     nested: dict[str, Any] = {"adminspace": {"enabled": False}}
     for path, value in session_settings(SessionEndpoints(Mode.ROUTER, listening), served).items():
         *parents, leaf = path.split("/")

@@ -106,7 +106,7 @@ class Code(StrEnum):
     LATCHED = "latched", "disengaged, {cause}; engage again to continue"
     HELD_TOO_LONG = "held_too_long", "the arm was held for {limit_ms:.0f} ms, {cause}"
     AUTOMATIC_EXPIRED = "automatic_expired", "automatic engagement has expired; engage to begin"
-    NEW_SESSION = "new_session", "the local site restarted; engage to continue"
+    NEW_SESSION = "new_session", "{holder} operates now; engage to continue"
     RELEASED = "released", "disengaged on request"
     STOPPED = "stopped", "stopped by {operator}; reset it, then engage"
     RESET = "reset", "reset; engage to continue"

@@ -24,30 +24,27 @@ class Grant(NamedTuple):
     key: str
 
 
-def access_control(own: Identity, cells: Sequence[str], operators: Sequence[str], *, plain: bool) -> Json:
+def access_control(own: Identity, operators: Sequence[str], *, routed: bool, plain: bool) -> Json:
     """Refuse everything except what the table grants each role, by the common name of its certificate.
 
-    `cells` are those that this session serves; only a router serves several. `operators` are those who may operate
-    them, each on the keys of that name only; an operator's own session serves nobody else. With `plain` there are also
-    links without certificates, on the loopback interface, whose neighbours may do what any role may.
+    `operators` are those who may operate the cell, each on the keys of that name only; an operator's own session serves
+    nobody else. A remote site that is `routed` has no other neighbour than its cell's router; any other has no router.
+    With `plain` there are also links without certificates, on the loopback interface, whose neighbours may do what any
+    role may.
     """
     operators = operators if own.operator is None else (own.operator,)
-    neighbours: list[tuple[Identity, tuple[str, ...]]] = [
-        (neighbour, (cell,)) for cell in cells for neighbour in _neighbours(cell, operators)
-    ]
-    neighbours.append((Identity(Role.ROUTER, None), tuple(cells)))
     rules, subjects, policies = [], [], []
-    for neighbour, served in neighbours:
+    for neighbour in _neighbours(own, operators, routed=routed):
         name = neighbour.common_name
         names = operators if neighbour.operator is None else (neighbour.operator,)
-        granted = _rules(name, {g for cell in served for g in grants(own.role, neighbour.role, cell, names)})
+        granted = _rules(name, set(grants(own.role, neighbour.role, own.cell, names)))
         if granted:
             rules += granted
             subjects.append({"id": name, "cert_common_names": [name], "link_protocols": list(SECURED)})
             policies.append({"rules": [rule["id"] for rule in granted], "subjects": [name]})
     if plain:
         names = (own.operator or ANY,)
-        everything = {g for cell in cells for role in Role for g in grants(own.role, role, cell, names)}
+        everything = {g for role in Role for g in grants(own.role, role, own.cell, names)}
         granted = _rules(THIS_HOST, everything)
         rules += granted
         subjects.append({"id": THIS_HOST, "link_protocols": ["tcp"]})
@@ -78,13 +75,15 @@ def grants(own: Role, neighbour: Role, cell: str, operators: Sequence[str]) -> I
             yield from _granted(ASKING, procedure, cell, operators)
 
 
-def _neighbours(cell: str, operators: Sequence[str]) -> Iterator[Identity]:
-    """Who may be at the other end of a link of this cell, besides a router."""
+def _neighbours(own: Identity, operators: Sequence[str], *, routed: bool) -> Iterator[Identity]:
+    """Who may be at the other end of a link: only others know by its endpoint whether they have a router there."""
     for role in Role:
+        if own.role is Role.REMOTE and routed != (role is Role.ROUTER):
+            continue
         if role is Role.OPERATOR:
-            yield from (Identity(role, cell, operator) for operator in operators)
-        elif role is not Role.ROUTER:
-            yield Identity(role, cell)
+            yield from (Identity(role, own.cell, operator) for operator in operators)
+        else:
+            yield Identity(role, own.cell)
 
 
 def _granted(

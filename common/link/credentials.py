@@ -59,6 +59,11 @@ def load_credentials(tls: TlsConfig) -> Credentials:
 def _nobody(named: str) -> str:
     """Why a common name is no identity, as the end of a sentence."""
     role, _, cell = named.partition(".")
+    if named == Role.ROUTER:
+        return (
+            "does not tell cells apart; make one for this cell, where the authority is kept: farhand certificates "
+            "router CELL"
+        )
     if role == Role.OPERATOR and "." not in cell:
         return (
             "does not tell operators apart; make one for each, where the authority is kept: farhand certificates "
@@ -85,7 +90,7 @@ def check_links(endpoints: Sequence[str], security: LinkSecurity, *bearers: Iden
 def _cure(bearer: Identity, wanted: Sequence[Identity]) -> str:
     """What to change where a certificate of the right role is for another cell or operator, else nothing."""
     same = next((identity for identity in wanted if identity.role is bearer.role), None)
-    if same is None or bearer.cell is None:
+    if same is None:
         return ""
     if same.cell != bearer.cell:
         return f'; set cell = "{bearer.cell}" if this site belongs to that cell'

@@ -54,14 +54,14 @@ def speaks_tls(endpoint: Endpoint) -> bool:
 
 
 def identity_refusal(listener_name: str, endpoint: str, own: Identity) -> str | None:
-    """Why a listener whose certificate has this common name is wrong; None for a site of our cell and for a router."""
+    """Why a listener whose certificate has this common name is wrong; None for a site or the router of our cell."""
     identity = read_common_name(listener_name)
-    if identity is not None and identity.role in LISTENERS and identity.cell in (own.cell, None):
+    if identity is not None and identity.role in LISTENERS and identity.cell == own.cell:
         return None
-    whose = f"the remote site of cell {own.cell}" if own.cell else "a site"
     return (
-        f"{endpoint} is not {whose}: the listener there shows the certificate of {listener_name or 'nobody'}; "
-        "nothing is sent to it. Is the endpoint right, or does somebody impersonate that site?"
+        f"{endpoint} is not the remote site of cell {own.cell}: the listener there shows the certificate of "
+        f"{listener_name or 'nobody'}; nothing is sent to it. Is the endpoint right, or does somebody impersonate that "
+        "site?"
     )
 
 

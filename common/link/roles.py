@@ -26,13 +26,10 @@ MAX_COMMON_NAME = 64  # of X.509 (RFC 5280, ub-common-name)
 
 @dataclass(frozen=True, slots=True)
 class Identity:
-    """A role at a cell; `cell` is None for a router, which serves every cell of its certificate authority.
-
-    `operator` is an operator's name, None in the other roles.
-    """
+    """A role at a cell; `operator` is an operator's name, None in the other roles."""
 
     role: Role
-    cell: str | None
+    cell: str
     operator: str | None = None
 
     @property
@@ -47,6 +44,6 @@ def read_common_name(name: str) -> Identity | None:
     if match is None or match[1] not in set(Role):
         return None
     role, cell, operator = Role(match[1]), match[2], match[3]
-    if (cell is None) != (role is Role.ROUTER) or (operator is None) != (role is not Role.OPERATOR):
+    if cell is None or (operator is None) != (role is not Role.OPERATOR):
         return None
     return Identity(role, cell, operator)

@@ -55,10 +55,9 @@ class SessionEndpoints:
 
 @dataclass(frozen=True, slots=True)
 class Served:
-    """Whose session it is (None without certificates), and the cells and operators that tell its neighbours apart."""
+    """Whose session it is (None without certificates), and the operators that tell its neighbours apart."""
 
     credentials: Credentials | None
-    cells: tuple[str, ...] = ()
     operators: tuple[str, ...] = ()
 
 
@@ -90,7 +89,8 @@ def session_settings(endpoints: SessionEndpoints, served: Served) -> dict[str, A
     }
     if (credentials := served.credentials) is not None:
         plain = not all(endpoint.is_secured for endpoint in (*endpoints.listen, *endpoints.connect))
-        settings["access_control"] = access_control(credentials.identity, served.cells, served.operators, plain=plain)
+        routed = endpoints.mode is Mode.CLIENT
+        settings["access_control"] = access_control(credentials.identity, served.operators, routed=routed, plain=plain)
         settings |= {f"transport/link/tls/{key}": value for key, value in _tls_settings(credentials.tls).items()}
     return settings
 

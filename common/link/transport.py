@@ -193,7 +193,7 @@ class Link:
         if self._credentials is None:
             return
         own, roles = self._credentials.identity, " or ".join(sorted(allowed))
-        if own.role is not Role.ROUTER and own.cell != cell:
+        if own.cell != cell:
             raise RefusedError(f"the certificate of {own.common_name} is for cell {own.cell}; it may not {action}")
         if own.role not in allowed:
             raise RefusedError(
@@ -248,10 +248,9 @@ def open_link(
     listening = tuple(check_free(endpoint, security) for endpoint in listen)
     outgoing = tuple(check_endpoint(endpoint, security) for endpoint in connect)
     credentials = _credentials((*listening, *outgoing), security)
-    cells = (credentials.identity.cell,) if credentials and credentials.identity.cell else ()
     mode = Mode.CLIENT if through_router else Mode.PEER
     endpoints = SessionEndpoints(mode, listening, outgoing, send_buffer_bytes)
-    served = Served(credentials, cells, tuple(operators))
+    served = Served(credentials, tuple(operators))
     session = _open_through_router(endpoints, served, should_stop) if through_router else _open(endpoints, served)
     link = Link(session, outgoing, credentials, sessions, tap)
     try:
@@ -262,12 +261,10 @@ def open_link(
     return link
 
 
-def open_router(
-    *, listen: tuple[str, ...], cells: Sequence[str], security: LinkSecurity, operators: Sequence[str]
-) -> Link:
-    """Open a router between sites that cannot reach each other; it passes on what the cells' roles may send."""
+def open_router(*, listen: tuple[str, ...], security: LinkSecurity, operators: Sequence[str]) -> Link:
+    """Open a router between sites that cannot reach each other; it passes on what the roles of its cell may send."""
     listening = tuple(check_free(endpoint, security) for endpoint in listen)
-    served = Served(_credentials(listening, security), tuple(cells), tuple(operators))
+    served = Served(_credentials(listening, security), tuple(operators))
     return Link(_open(SessionEndpoints(Mode.ROUTER, listening), served))
 
 

@@ -11,6 +11,7 @@ from common.messages.recording import EpisodeOutcome
 from common.messages.robot import Asker, Pose
 
 ACTIVATED = "activated"  # the code when an engagement first had to activate the robot: ask once more
+WAITING = "waiting"  # the code where the local site keeps asking for the lease that another holds
 NO_RECORDER = "no_recorder"  # the code of a site beside which no recorder runs
 Fraction = Annotated[float, msgspec.Meta(ge=0, le=1)]
 PicturePoint = tuple[Fraction, Fraction]
@@ -80,11 +81,15 @@ class LeaseRequest(Request, frozen=True):
 
 
 class LeaseReply(Reply, frozen=True):
-    """The client's lease, 0 without one, and how long it lasts from now, ns; `holder` is who holds the cell's."""
+    """The client's lease, 0 without one. `holder`, at the site of this session, holds the cell's, for `lasts_ns` more.
+
+    `holder` is empty while nobody does.
+    """
 
     lease: Count = 0
     lasts_ns: Count = 0
     holder: Text = ""
+    holder_session: Count = 0
 
 
 class OperatorAction(StrEnum):

@@ -139,11 +139,19 @@ class MappingReference(msgspec.Struct, frozen=True, forbid_unknown_fields=True):
     rotation: RotationReference
 
 
+def site_words(name: str, session: int) -> str:
+    """An operator at a local site, as people read it: two hosts may operate under one name."""
+    return f"{name} (site {session:x})"
+
+
 class Asker(msgspec.Struct, frozen=True, forbid_unknown_fields=True):
     """Who asks for the lease: the operator's name, and the session of that local site."""
 
     name: Name
     session: Count
+
+    def __str__(self) -> str:
+        return site_words(self.name, self.session)
 
 
 class LeaseState(msgspec.Struct, frozen=True, forbid_unknown_fields=True):
@@ -154,6 +162,9 @@ class LeaseState(msgspec.Struct, frozen=True, forbid_unknown_fields=True):
     session: Count
     expires_ns: Count
     asked_by: Asker | None
+
+    def __str__(self) -> str:
+        return site_words(self.holder, self.session)
 
 
 class Readiness(msgspec.Struct, frozen=True, forbid_unknown_fields=True):

@@ -1,19 +1,23 @@
 """Shows who holds the lease of a cell, and sends the operator's requests about it to their own local site."""
 
 import time
+from collections.abc import Callable
 from functools import partial
 
 from common.clock import NS_PER_S
 from common.errors import MessageError, TransportError
 from common.link.channels import OPERATE, STATE
 from common.link.config import ON_THIS_HOST, LinkSecurity
+from common.link.record_client import SILENT
 from common.link.request_client import PATIENCE_NS, RequestClient
 from common.link.transport import Link
-from common.messages.requests import OperatorAction, OperatorRequest
+from common.messages.requests import WAITING, OperatorAction, OperatorRequest
 from common.messages.robot import Asker, RobotState
 from farhand.authority.asking import link_to
+from local_site.authority.lease_policy import KEEP_ASKING_NS
 
 POLL_S = 0.05
+TAKE_AGAIN_S = 1.0
 
 
 def show_lease(cell: str, endpoint: str, security: LinkSecurity = ON_THIS_HOST) -> list[str]:
@@ -28,10 +32,9 @@ def describe_lease(state: RobotState) -> list[str]:
     if state.lease is None:
         return ["nobody holds the lease", ready]
     left_s = (state.lease.expires_ns - state.t_ns) / NS_PER_S
-    words = [f"{state.lease.holder} holds the lease, {left_s:.1f} s until it expires or is renewed"]
-    if state.lease.asked_by is not None:
-        asker = state.lease.asked_by.name
-        words.append(f"{asker} asks for it; {state.lease.holder} consents with: farhand lease give {asker}")
+    words = [f"{state.lease} holds the lease, {left_s:.1f} s until it expires or is renewed"]
+    if (asker := state.lease.asked_by) is not None:
+        words.append(f"{asker} asks for it; {state.lease.holder} consents with: farhand lease give {asker.name}")
     if state.clock is not None:
         words.append(
             f"clocks: remote minus local {state.clock.remote_minus_local_ns / 1e6:.3f} ms, "
@@ -46,8 +49,7 @@ def find_asker(cell: str, endpoint: str, name: str, security: LinkSecurity = ON_
         lease = _state(link, cell).lease
     asker = lease.asked_by if lease is not None else None
     if asker is None or asker.name != name:
-        who = asker.name if asker is not None else "nobody"
-        raise TransportError(f"{who} asks for the lease now, not {name}: nothing was handed over")
+        raise TransportError(f"{asker or 'nobody'} asks for the lease now, not {name}: nothing was handed over")
     return asker
 
 
@@ -69,6 +71,30 @@ def act_on_lease(
     if not reply.done:
         raise TransportError(f"refused ({reply.code}): {reply.reason}")
     return reply.reason
+
+
+def take_lease(
+    cell: str, endpoint: str, operator: str, tell: Callable[[str], None], security: LinkSecurity = ON_THIS_HOST
+) -> str:
+    """Have the operator's local site take the lease, and wait for its holder's consent, for a minute; the reply.
+
+    `tell` gets whom it waits for. TransportError when it is refused, or nobody consents.
+    """
+    told, give_up_ns = "", time.monotonic_ns() + KEEP_ASKING_NS
+    with link_to(cell, endpoint, security=security) as link:
+        client = RequestClient(link, cell, operator=operator)
+        while True:
+            reply = client.ask(OPERATE, partial(OperatorRequest, action=OperatorAction.TAKE))
+            if reply.done:
+                return reply.reason
+            if reply.code != WAITING and not (told and reply.code == SILENT):
+                raise TransportError(f"refused ({reply.code}): {reply.reason}")
+            if time.monotonic_ns() > give_up_ns:
+                raise TransportError(f"nobody has handed the lease over ({reply.code}): {reply.reason}")
+            if reply.code == WAITING and reply.reason != told:
+                told = reply.reason
+                tell(f"waiting: {told}")
+            time.sleep(TAKE_AGAIN_S)
 
 
 def _state(link: Link, cell: str) -> RobotState:

@@ -19,6 +19,7 @@ from farhand.certificates.issuing import Issued, issue, make_authority
 
 LOOPBACK_HOSTS = ("127.0.0.1", "::1", "localhost")
 AUTHORITY = "ca"
+SITES = Role.REMOTE, Role.VIEWER, Role.MAINTENANCE
 PRIVATE, PUBLIC = 0o600, 0o644
 OPERATORS_FILE = re.compile(rf"{Role.OPERATOR.value}\.({CELL_NAME.pattern})\.pem")
 HOST = re.compile(r"[0-9a-zA-Z.:-]{1,253}")
@@ -56,29 +57,47 @@ def create(folder: Path, order: CertificateOrder, now: datetime) -> list[Path]:
             f"certificates renew {order.cell} --dir {folder}; to start again, delete {theirs} first"
         )
     authority = load_authority(folder) if (folder / f"{AUTHORITY}.key").exists() else _new_authority(folder, now)
-    return _issue_all(folder, authority, order, now)
+    theirs.mkdir(mode=0o700, parents=True)
+    bearers = [*_sites(order.cell), *(_operator(order.cell, name) for name in order.operators)]
+    hosts = tuple(dict.fromkeys((*LOOPBACK_HOSTS, *order.hosts)))
+    return sorted(_issue(theirs, authority, bearers, hosts, now, order.days))
 
 
 def renew(folder: Path, order: CertificateOrder, now: datetime) -> list[Path]:
-    """New keys and certificates of the same authority for the same hosts and operators, and for those in the order."""
-    hosts = _known_hosts(folder, order)
-    operators = tuple(dict.fromkeys((*operators_of(folder / order.cell), *order.operators)))
-    complete = CertificateOrder(order.cell, hosts, order.days, operators)
-    return _issue_all(folder, load_authority(folder), complete, now)
+    """New keys and certificates of the same authority for the same bearers and hosts, and for those in the order."""
+    known, theirs = _known_hosts(folder, order), folder / order.cell
+    operators = dict.fromkeys((*operators_of(theirs), *order.operators))
+    bearers = [*_sites(order.cell), *(_operator(order.cell, name) for name in operators)]
+    if _path(theirs, _router(order.cell)).exists():
+        bearers.append(_router(order.cell))
+    authority = load_authority(folder)
+    made = []
+    for bearer in bearers:
+        path = _path(theirs, bearer)
+        hosts = (*hosts_of(read_certificate(path)), *order.hosts) if path.exists() else known
+        made += _issue(theirs, authority, [bearer], tuple(dict.fromkeys(hosts)), now, order.days)
+    return sorted(made)
 
 
 def add_operators(folder: Path, order: CertificateOrder, now: datetime) -> list[Path]:
     """Make certificates for further operators of a cell; ConfigError for one who has a certificate."""
+    return _add(folder, order, [_operator(order.cell, name) for name in order.operators], now)
+
+
+def add_router(folder: Path, order: CertificateOrder, now: datetime) -> list[Path]:
+    """Make a certificate for the router of a cell; ConfigError when there is one."""
+    return _add(folder, order, [_router(order.cell)], now)
+
+
+def _add(folder: Path, order: CertificateOrder, bearers: Sequence[Identity], now: datetime) -> list[Path]:
     hosts, theirs = _known_hosts(folder, order), folder / order.cell
-    for operator in order.operators:
-        if operator in operators_of(theirs):
+    for bearer in bearers:
+        if _path(theirs, bearer).exists():
             raise ConfigError(
-                f"{operator} has a certificate in {theirs}; to make a new one: farhand certificates renew "
-                f"{order.cell} --dir {folder}"
+                f"{bearer.operator or bearer.role.value} has a certificate in {theirs}; to make a new one: farhand "
+                f"certificates renew {order.cell} --dir {folder}"
             )
-    authority = load_authority(folder)
-    valid = _valid(authority, now, order.days)
-    return [_issue(theirs, authority, _operator(order.cell, name), hosts, now, valid) for name in order.operators]
+    return _issue(theirs, load_authority(folder), bearers, hosts, now, order.days)
 
 
 def operators_of(theirs: Path) -> list[str]:
@@ -121,31 +140,37 @@ def _new_authority(folder: Path, now: datetime) -> Issued:
         raise ConfigError(f"{folder} holds an authority's certificate but not its key: create where the key is kept")
     folder.mkdir(mode=0o700, parents=True, exist_ok=True)
     authority = make_authority("Farhand certificate authority", now)
-    _write(folder / AUTHORITY, authority)
+    _write(folder / f"{AUTHORITY}.pem", authority)
     return authority
 
 
-def _issue_all(folder: Path, authority: Issued, order: CertificateOrder, now: datetime) -> list[Path]:
-    hosts = tuple(dict.fromkeys((*LOOPBACK_HOSTS, *order.hosts)))
-    sites = [Identity(role, None if role is Role.ROUTER else order.cell) for role in Role if role is not Role.OPERATOR]
-    theirs = folder / order.cell
-    theirs.mkdir(mode=0o700, parents=True, exist_ok=True)
-    valid = _valid(authority, now, order.days)
-    identities = [*sites, *(_operator(order.cell, name) for name in order.operators)]
-    return sorted(_issue(theirs, authority, identity, hosts, now, valid) for identity in identities)
-
-
 def _issue(
-    theirs: Path, authority: Issued, identity: Identity, hosts: Sequence[str], now: datetime, valid: timedelta
-) -> Path:
-    """Make one certificate and its key; the path of the certificate."""
-    name = identity.role.value if identity.operator is None else f"{identity.role.value}.{identity.operator}"
-    _write(theirs / name, issue(authority, identity, hosts, now, valid))
-    return theirs / f"{name}.pem"
+    theirs: Path, authority: Issued, bearers: Sequence[Identity], hosts: Sequence[str], now: datetime, days: int
+) -> list[Path]:
+    """Make certificates and keys; the paths of the certificates."""
+    valid = _valid(authority, now, days)
+    for bearer in bearers:
+        _write(_path(theirs, bearer), issue(authority, bearer, hosts, now, valid))
+    return [_path(theirs, bearer) for bearer in bearers]
+
+
+def _sites(cell: str) -> list[Identity]:
+    """Who has a certificate at every cell."""
+    return [Identity(role, cell) for role in SITES]
 
 
 def _operator(cell: str, name: str) -> Identity:
     return Identity(Role.OPERATOR, cell, name)
+
+
+def _router(cell: str) -> Identity:
+    return Identity(Role.ROUTER, cell)
+
+
+def _path(theirs: Path, bearer: Identity) -> Path:
+    """The certificate's file."""
+    name = bearer.role.value if bearer.operator is None else f"{bearer.role.value}.{bearer.operator}"
+    return theirs / f"{name}.pem"
 
 
 def _known_hosts(folder: Path, order: CertificateOrder) -> tuple[str, ...]:
@@ -166,21 +191,21 @@ def _valid(authority: Issued, now: datetime, days: int) -> timedelta:
     return min(timedelta(days=days), left)
 
 
-def _write(stem: Path, issued: Issued) -> None:
+def _write(certificate: Path, issued: Issued) -> None:
     """Write the key first: a certificate is useless without it."""
-    write_atomically(stem.with_name(f"{stem.name}.key"), issued.key_pem, PRIVATE)
-    write_atomically(stem.with_name(f"{stem.name}.pem"), issued.certificate_pem, PUBLIC)
+    write_atomically(certificate.with_suffix(".key"), issued.key_pem, PRIVATE)
+    write_atomically(certificate, issued.certificate_pem, PUBLIC)
 
 
 def guidance(folder: Path, order: CertificateOrder) -> str:
     """What to do with the new files."""
     cell, theirs, names = order.cell, folder / order.cell, order.operators or ("NAME",)
     where = order.hosts[0] if order.hosts else "127.0.0.1"
-    made = [role.value for role in Role if role is not Role.OPERATOR]
-    made += [f"operator.{name}" for name in order.operators]
+    made = [*SITES, *(f"operator.{name}" for name in order.operators)]
     return (
         f"made in {theirs}: a certificate and key each for {', '.join(made)}\n"
         f"for every further operator: farhand certificates operator {cell} NAME --dir {folder}\n"
+        f"for a router, where the sites cannot reach each other: farhand certificates router {cell} --dir {folder}\n"
         f"keep {folder / AUTHORITY}.key secret: anybody who has it can become an operator\n"
         "give each host ca.pem and its own pair, keys for the service's user only, for the robot's side:\n"
         f'  cell = "{cell}"\n'

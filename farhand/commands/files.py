@@ -61,6 +61,21 @@ def operator_command(
     typer.echo(f"name {who} in links.operators of the remote site (of a router: operators), and restart it")
 
 
+@certificates_app.command("router")
+def router_command(
+    cell: CellToCertify, folder: Folder = Path("certificates"), days: Days = DAYS, host: Hosts = None
+) -> None:
+    """Make the certificate of the router through which the sites of a cell meet; it is of no use at another cell.
+
+    Example: farhand certificates router lab --host meet.example.org
+    """
+    from farhand.certificates.folder import CertificateOrder, add_router
+
+    made = add_router(folder, CertificateOrder(cell, tuple(host or ()), days), datetime.now(UTC))
+    typer.echo(f"made: {_pairs(made)}")
+    typer.echo(f'copy them to the router\'s host, and set cell = "{cell}" in its router.toml')
+
+
 @certificates_app.command("renew")
 def renew_command(
     cell: CellToCertify, folder: Folder = Path("certificates"), days: Days = DAYS, host: Hosts = None

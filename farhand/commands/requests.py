@@ -50,13 +50,14 @@ def show(cell: CellName = "", at: RemoteEndpoint = "", config: LinksFile = None)
 
 @lease_app.command("take")
 def take(cell: CellName = "", at: LocalEndpoint = "", config: LinksFile = None) -> None:
-    """Ask for the lease; while another operator holds it, ask for a minute for consent.
+    """Ask for the lease; while another operator holds it, wait for a minute for consent.
 
     Example: farhand lease take
     """
-    from common.messages.requests import OperatorAction
+    from farhand.authority.lease import take_lease
 
-    _act_on_lease(OperatorAction.TAKE, console_config(config, cell=cell, local=at))
+    links = console_config(config, cell=cell, local=at)
+    say(take_lease(links.cell, links.links.local, links.name, say, links.links))
 
 
 @lease_app.command("give")

@@ -13,7 +13,6 @@ from farhand.deployment.kinds import KINDS, Configuration, likeliest
 from farhand.doctor import arm, cameras, landmarks, machine, site
 from farhand.doctor.findings import Finding, error, ok
 from farhand.doctor.link.run import examine_link
-from farhand.router import ROUTER
 from local_site.calibration.control_points import CAMERAS
 from local_site.config import LocalConfig
 from local_site.console.config import ConsoleConfig
@@ -88,7 +87,7 @@ def examine_config(config: Configuration) -> list[Finding]:
         return examine_local(config)
     if isinstance(config, ConsoleConfig):
         return _examine_links(config.links, config.links.endpoints, *config.bearers)
-    return [*_examine_links(config, config.listen, ROUTER), *site.check_operators(config)]
+    return [*_examine_links(config, config.listen, config.bearer), *site.check_operators(config)]
 
 
 def examine_remote(config: RemoteConfig) -> list[Finding]:

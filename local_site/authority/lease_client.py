@@ -13,12 +13,14 @@ import structlog
 from common.clock import NS_PER_MS, NS_PER_S, ClockEstimate
 from common.errors import ProcessError, RefusedError, TransportError
 from common.link.channels import DESCRIBE, LEASE, OPERATE
+from common.link.record_client import SILENT
 from common.link.remote_clock import RemoteClock
 from common.link.request_client import RequestClient
 from common.link.transport import Link
 from common.link.trouble_report import tell_by_tls
 from common.messages.hand import ClockSync
 from common.messages.requests import (
+    WAITING,
     DescribeQuestion,
     LeaseAction,
     LeaseReply,
@@ -27,7 +29,7 @@ from common.messages.requests import (
     OperatorRequest,
     Reply,
 )
-from common.messages.robot import Asker
+from common.messages.robot import Asker, site_words
 from common.process.log import RefusalLog
 from local_site.authority.lease_policy import KEEP_ASKING_NS, LeasePolicy
 
@@ -36,6 +38,7 @@ CLOCK_EVERY_NS = 200 * NS_PER_MS
 PATIENCE_NS = NS_PER_S
 ROUNDS_TO_DOUBT = 25  # of silence, until it probes for the reason: about six seconds
 ROUNDS_TO_WARN = 7  # at most five seconds
+TAKE_IT = "where it is wanted again: farhand lease take, which also brings back that it is asked for automatically"
 ACTIONS = {OperatorAction.GIVE: LeaseAction.HAND_OVER, OperatorAction.RELEASE: LeaseAction.RELEASE}
 
 
@@ -63,12 +66,14 @@ class Authority:
         self._clock_due_ns = 0
         self._described = False
         self._refused: RefusedError | None = None
+        self._logged = ""
         self._stop = threading.Event()
         self._thread = threading.Thread(
             target=contextvars.copy_context().run, args=(self._run,), name="authority", daemon=True
         )
 
     def __enter__(self) -> Self:
+        structlog.get_logger().info("operator", shown_as=site_words(self._policy.operator, self.session))
         self._thread.start()
         return self
 
@@ -141,34 +146,52 @@ class Authority:
             raise
         except TransportError:
             return None
-        self._policy.take_reply(reply, asked_ns)
+        asked_by_itself = self._policy.asks_by_itself
+        self._policy.take_reply(reply, asked_ns, time.monotonic_ns())
         self._log(held, reply)
+        self._log_asking(asked_by_itself)
         return reply
 
     def _log(self, had: int, reply: LeaseReply) -> None:
+        """Log a lease that has come or gone, and a refusal once."""
         if reply.lease == had and reply.done:
             return
         self._described = self._described and reply.lease != 0
-        log = structlog.get_logger()
-        (log.info if reply.done else log.warning)("lease", code=reply.code, reason=reply.reason)
+        log, words = structlog.get_logger(), f"{reply.code} {reply.reason}"
+        if reply.done:
+            log.info("lease", code=reply.code, reason=reply.reason)
+        elif words != self._logged:
+            log.warning("lease", code=reply.code, reason=reply.reason)
+        self._logged = words
+
+    def _log_asking(self, asked_by_itself: bool) -> None:
+        if asked_by_itself and not self._policy.asks_by_itself:
+            structlog.get_logger().warning("the lease is not asked for automatically any more", cure=TAKE_IT)
 
     def _operate(self, request: OperatorRequest) -> Reply:
-        """Carry out an act of the operator; the reply is the remote site's."""
+        """Carry out an act of the operator; the reply is the remote site's, or tells whom this site waits for."""
         if request.action is OperatorAction.TAKE:
             self._policy.keep_asking(time.monotonic_ns())
             answer = self._request(LeaseAction.ACQUIRE) if self._is_described() else None
         else:
             answer = self._request(ACTIONS[request.action], request.to)
             if answer is not None and answer.done:
+                asked_by_itself = self._policy.asks_by_itself
                 self._policy.stop_asking()
+                self._log_asking(asked_by_itself)
         if answer is None:
             silent = "the remote site does not answer the local one"
-            return Reply(id=request.id, done=False, code="silent", reason=silent)
-        waits = request.action is OperatorAction.TAKE and not answer.done
-        reason = (
-            f"{answer.reason}; this site keeps asking for {KEEP_ASKING_NS // NS_PER_S} s" if waits else answer.reason
+            return Reply(id=request.id, done=False, code=SILENT, reason=silent)
+        if request.action is OperatorAction.TAKE and not answer.done and answer.holder:
+            return Reply(id=request.id, done=False, code=WAITING, reason=self._whom_it_waits_for(answer))
+        return Reply(id=request.id, done=answer.done, code=answer.code, reason=answer.reason)
+
+    def _whom_it_waits_for(self, answer: LeaseReply) -> str:
+        holder = site_words(answer.holder, answer.holder_session)
+        return (
+            f"{holder} holds the lease, and hands it over with: farhand lease give {self._policy.operator}, or on the "
+            f"page; this site asks for {KEEP_ASKING_NS // NS_PER_S} s"
         )
-        return Reply(id=request.id, done=answer.done, code=answer.code, reason=reason)
 
 
 def _sync(known: ClockEstimate) -> ClockSync:

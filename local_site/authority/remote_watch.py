@@ -102,6 +102,6 @@ class RemoteWatch:
         asker = lease.asked_by if lease is not None and ours else None
         if asker is not None and asker != self._asker:
             structlog.get_logger().warning(
-                "another operator asks for the arm", name=asker.name, consent=f"farhand lease give {asker.name}"
+                "another operator asks for the arm", name=str(asker), consent=f"farhand lease give {asker.name}"
             )
         self._asker = asker

@@ -7,7 +7,7 @@ from collections.abc import Callable, Coroutine
 from concurrent.futures import ThreadPoolExecutor
 
 from common.clock import NS_PER_MS
-from common.messages.requests import Reply
+from common.messages.requests import WAITING, Reply
 from local_site.console.model.history import History
 from local_site.console.page import Page
 
@@ -76,7 +76,7 @@ class RequestPools:
     def _done(self, page: Page, number: int, what: str, reply: Reply, asked_ns: int) -> None:
         now_ns = time.monotonic_ns()
         took_ms = (now_ns - asked_ns) / NS_PER_MS
-        outcome = f"done in {took_ms:.0f} ms" if reply.done else "refused"
+        outcome = f"done in {took_ms:.0f} ms" if reply.done else "waits" if reply.code == WAITING else "refused"
         self._history.note(what, f"{what} {outcome}: {reply.reason}", now_ns)
         answer(page, number, what, reply, took_ms)
 

@@ -65,7 +65,7 @@ def refusal_of(
     if lease is None:
         return reason(Code.NO_LEASE)
     if lease.holder.name != operator:
-        return reason(Code.NOT_HOLDER, holder=lease.holder.name)
+        return reason(Code.NOT_HOLDER, holder=lease.holder)
     if recorder is None:
         return reason(Code.NO_RECORDER)
     if action in WHOLE_RECORDING and not recorder.on_request:

@@ -102,8 +102,9 @@ def answer_lease(leases: LeaseServer, request: LeaseRequest, operator: str, now_
         code=answer.code.value,
         reason=answer.sentence,
         lease=own.number if own is not None else 0,
-        lasts_ns=own.expires_ns - now_ns if own is not None else 0,
+        lasts_ns=current.expires_ns - now_ns if current is not None else 0,
         holder=current.holder.name if current is not None else "",
+        holder_session=current.holder.session if current is not None else 0,
     )
 
 
@@ -126,7 +127,7 @@ def _named(asker: Asker | None) -> Holder | None:
 
 def _done(action: LeaseAction, current: Lease | None) -> Reason:
     if action is LeaseAction.HAND_OVER and current is not None:
-        return reason(Code.HANDED_OVER, holder=current.holder.name)
+        return reason(Code.HANDED_OVER, holder=current.holder)
     return reason(Code.LEASE_RELEASED if current is None else Code.LEASE_HELD)
 
 

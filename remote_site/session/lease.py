@@ -2,6 +2,7 @@
 
 from dataclasses import dataclass
 
+from common.messages.robot import site_words
 from remote_site.reasons import Code, Reason, reason
 
 
@@ -11,6 +12,9 @@ class Holder:
 
     session: int
     name: str
+
+    def __str__(self) -> str:
+        return site_words(self.name, self.session)
 
 
 @dataclass(frozen=True, slots=True)
@@ -68,9 +72,9 @@ class LeaseServer:
         if current.holder == asker:
             return self._extend(current, now_ns)
         named = self.asker(now_ns)
-        if named is None or named.name == asker.name:
+        if named is None or named == asker:
             self._asker, self._asked_until_ns = asker, now_ns + self.duration_ns
-        return reason(Code.NOT_HOLDER, holder=current.holder.name)
+        return reason(Code.NOT_HOLDER, holder=current.holder)
 
     def renew(self, number: int, client: Holder, now_ns: int) -> Lease | Reason:
         """Extend the same lease; one that has ended has to be acquired again."""
@@ -92,7 +96,7 @@ class LeaseServer:
         asker = self.asker(now_ns)
         if asker is None:
             return reason(Code.NOBODY_ASKS)
-        return self._grant(asker, now_ns) if asker == to else reason(Code.ASKER_CHANGED, asker=asker.name)
+        return self._grant(asker, now_ns) if asker == to else reason(Code.ASKER_CHANGED, asker=asker)
 
     def in_force(self, number: int, client: Holder, now_ns: int) -> Lease | Reason:
         """The lease that a local site refers to if it is in force, or why what is sent under it is refused."""
@@ -114,7 +118,7 @@ def checked(current: Lease | None, number: int, client: Holder) -> Lease | Reaso
     if current is not None and (number, client) == (current.number, current.holder):
         return current
     if current is not None and number == current.number:
-        return reason(Code.NOT_HOLDER, holder=current.holder.name)
+        return reason(Code.NOT_HOLDER, holder=current.holder)
     if number != 0:
         return reason(Code.OLD_LEASE, number=number)
-    return reason(Code.NO_LEASE) if current is None else reason(Code.NOT_HOLDER, holder=current.holder.name)
+    return reason(Code.NO_LEASE) if current is None else reason(Code.NOT_HOLDER, holder=current.holder)

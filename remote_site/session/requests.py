@@ -61,5 +61,4 @@ def _refusal(request: SessionRequest, lease: Lease | None) -> Reason | None:
         return None if request.action is EngagementAction.RESET else reason(Code.OPERATORS_ONLY)
     if lease is None:
         return reason(Code.NO_LEASE)
-    holder = lease.holder.name
-    return None if holder == request.operator else reason(Code.NOT_HOLDER, holder=holder)
+    return None if lease.holder.name == request.operator else reason(Code.NOT_HOLDER, holder=lease.holder)

@@ -125,14 +125,14 @@ class Session:
         self._hand.forget()
         self._intent.hold.end()
         if self.state in FOLLOWING:
-            self._leave(_latched(reason(Code.LEASE_LOST, holder=former.holder.name)))
+            self._leave(_latched(reason(Code.LEASE_LOST, holder=former.holder)))
 
     def sample(self, result: Accepted | Rejected) -> None:
         """Take note of a judged sample."""
         if result.new_session:
             self._intent.armed = False
             self._hand.restart()
-            self._leave(reason(Code.NEW_SESSION))
+            self._leave(reason(Code.NEW_SESSION, holder=self._holder or "another site"))
         if result.sample is not None:
             self._see_intent(result.sample.intent)
         self._hand.take(result)

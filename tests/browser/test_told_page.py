@@ -185,11 +185,16 @@ def test_a_click_enlarges_a_view_and_makes_it_small_again(told: Told) -> None:
 
 @pytest.mark.parametrize(
     ("holder", "asked_by", "words"),
-    [("ben", None, "Ask ben for it"), ("ben", OPERATOR, "Ask again"), (OPERATOR, "ben", "Hand over to ben")],
+    [
+        ("ben", None, "Ask ben (site 9) for it"),
+        ("ben", OPERATOR, "Ask again"),
+        (OPERATOR, "ben", "Hand over to ben (site 3fffffffffffffff)"),
+    ],
 )
 def test_the_lease_says_whose_it_is_and_what_can_be_done(told: Told, holder: str, asked_by: str, words: str) -> None:
     asker = Asker(asked_by, ASKERS_SESSION) if asked_by is not None else None
-    told.state = partial(told.state, lease=LeaseState(6, holder, 9, time.monotonic_ns(), asker))
+    session = scene.hand().session if holder == OPERATOR else 9
+    told.state = partial(told.state, lease=LeaseState(6, holder, session, time.monotonic_ns(), asker))
     told.until("the words", lambda: told.page.words("#lease-button") == words)
     assert told.page.page.is_visible("#lease-button")
     assert holder in told.page.words("#lease")
@@ -197,6 +202,11 @@ def test_the_lease_says_whose_it_is_and_what_can_be_done(told: Told, holder: str
     told.page.page.click("#lease-button")
     told.until("the request", lambda: len(told.sites.consented) > asked)
     assert told.sites.consented[-1] == (asker if holder == OPERATOR else None)
+
+
+def test_another_host_of_the_own_name_is_asked_for_the_lease_like_anybody(told: Told) -> None:
+    told.state = partial(told.state, lease=LeaseState(6, OPERATOR, 9, time.monotonic_ns(), None))
+    told.until("the words", lambda: told.page.words("#lease-button") == f"Ask {OPERATOR} (site 9) for it")
 
 
 @pytest.mark.parametrize(

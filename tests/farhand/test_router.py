@@ -17,7 +17,7 @@ from common.link.channels import HAND, STATE
 from common.link.endpoints import SECURED
 from common.link.transport import Link, open_link, open_router
 from common.messages.requests import EngagementAction
-from farhand.certificates.folder import CertificateOrder, create
+from farhand.certificates.folder import CertificateOrder, add_router, create
 from farhand.router import RouterConfig, zenohd_configuration
 from tests.common.link.secured_cell import (
     ANNA,
@@ -42,6 +42,7 @@ def pki(tmp_path_factory: pytest.TempPathFactory) -> Path:
     folder = tmp_path_factory.mktemp("pki")
     for name in (CELL, "other"):
         create(folder, CertificateOrder(name, (), 30, OPERATORS), datetime.now(UTC))
+        add_router(folder, CertificateOrder(name, (), 30), datetime.now(UTC))
     return folder
 
 
@@ -62,9 +63,7 @@ class Meeting:
         self.router.close()
 
     def open(self) -> Link:
-        return open_router(
-            listen=(self.endpoint,), cells=(CELL, "other"), security=secured(self.pki, "router"), operators=OPERATORS
-        )
+        return open_router(listen=(self.endpoint,), security=secured(self.pki, "router"), operators=OPERATORS)
 
     def connect(self, who: str, cell: str = CELL) -> Link:
         return open_link(connect=(self.endpoint,), security=secured(self.pki, who, cell))
@@ -98,7 +97,7 @@ def test_a_site_waits_for_its_router_and_hears_when_that_refuses_it(pki: Path) -
     def begin() -> None:
         time.sleep(0.7)
         security = secured(pki, "router")
-        later.append(open_router(listen=(endpoint,), cells=(CELL,), security=security, operators=OPERATORS))
+        later.append(open_router(listen=(endpoint,), security=security, operators=OPERATORS))
 
     thread = threading.Thread(target=begin)
     thread.start()
@@ -132,6 +131,16 @@ def test_a_router_passes_on_nothing_that_a_role_may_not_send(meeting: Meeting) -
         until(lambda: commands_arrive(session, meeting.cell))
 
 
+def test_a_router_of_another_cell_is_nobodys_meeting_point(pki: Path) -> None:
+    endpoint = f"tls/127.0.0.1:{free_port()}"
+    with open_router(listen=(endpoint,), security=secured(pki, "router", "other"), operators=OPERATORS):
+        for who in ("remote", "operator.anna", "viewer"):
+            with pytest.raises(
+                RefusedError, match=r"is not the remote site of cell lab: .* certificate of router\.other"
+            ):
+                open_link(connect=(endpoint,), security=secured(pki, who), through_router=who == "remote")
+
+
 def test_a_router_lets_no_viewer_hear_a_hand(meeting: Meeting) -> None:
     with meeting.connect("operator.anna") as operator, dishonest(meeting.endpoint, meeting.pki, "viewer") as viewer:
         heard: set[str] = set()
@@ -158,5 +167,5 @@ def test_zenohds_configuration_is_the_routers_and_can_be_read() -> None:
         "operator.cell.anna",
         "viewer.cell",
         "maintenance.cell",
-        "router",
+        "router.cell",
     }

@@ -49,10 +49,10 @@ class History:
         self._note_links(state, now_ns)
         self._note_limit(state, now_ns)
         self._note_reference(state, now_ns)
-        holder = f"{state.lease.holder} holds the lease" if state.lease is not None else "nobody holds the lease"
+        holder = f"{state.lease} holds the lease" if state.lease is not None else "nobody holds the lease"
         self.note_change("lease", "lease", holder, now_ns)
         if state.lease is not None and state.lease.asked_by is not None:
-            self.note_change("asked", "lease", f"{state.lease.asked_by.name} asks for the lease", now_ns)
+            self.note_change("asked", "lease", f"{state.lease.asked_by} asks for the lease", now_ns)
 
     def _note_links(self, state: RobotState, now_ns: int) -> None:
         """Note trouble of a link once it begins or changes; its figures change all the time."""

@@ -9,7 +9,7 @@ from common.clock import NS_PER_MS, ClockEstimate
 from common.link.channels import HAND, RECORDING, STATE
 from common.messages.hand import HandArm, OperatorSettings
 from common.messages.recording import RecordingNotice
-from common.messages.robot import RobotState
+from common.messages.robot import LeaseState, RobotState
 from local_site.console.model.delay import loop_delay_ms, suggested_scale
 from local_site.console.model.history import History
 from local_site.console.model.latency import Latencies
@@ -48,7 +48,7 @@ def situation_json(
     situation = {
         "type": "situation",
         "now_ms": now_ns / NS_PER_MS,
-        "robot": _robot_fields(newest.state, newest.state_ns, now_ns) if newest.state is not None else None,
+        "robot": _robot_fields(newest, newest.state, now_ns) if newest.state is not None else None,
         "hand": _hand_fields(newest.hand, newest.hand_ns, now_ns) if newest.hand is not None else None,
         "own_recording": _own_recording(newest, now_ns),
         "clock": _clock_fields(clock, round_trip_ms),
@@ -70,17 +70,29 @@ def situation_json(
     return msgspec.json.encode(situation).decode()
 
 
-def _robot_fields(state: RobotState, received_ns: int, now_ns: int) -> dict[str, Any]:
+def _robot_fields(newest: NewestMessages, state: RobotState, now_ns: int) -> dict[str, Any]:
     """The robot's state, with its age since it was received."""
     fields: dict[str, Any] = msgspec.to_builtins(state)
     for name in NOT_FOR_PAGES:
         del fields[name]
-    if state.lease is not None and (asker := state.lease.asked_by) is not None:
-        fields["lease"]["asked_by"] = {"name": asker.name, "session": str(asker.session)}  # JavaScript would round it
+    if state.lease is not None:
+        fields["lease"] |= _lease_fields(state.lease, newest.hand)
     return fields | {
-        "heard_ms": (now_ns - received_ns) / NS_PER_MS,
-        "silent": now_ns - received_ns > STATE.stale_after_ns,
+        "heard_ms": (now_ns - newest.state_ns) / NS_PER_MS,
+        "silent": now_ns - newest.state_ns > STATE.stale_after_ns,
         "lease_left_ms": (state.lease.expires_ns - state.t_ns) / NS_PER_MS if state.lease is not None else None,
+    }
+
+
+def _lease_fields(lease: LeaseState, hand: HandArm | None) -> dict[str, Any]:
+    """Whose the lease is, in words, and whether it is that of the local site here; who asks for it."""
+    asker = lease.asked_by
+    return {
+        "words": str(lease),
+        "ours": hand is not None and hand.session == lease.session,
+        "asked_by": None  # its session in decimal, since JavaScript would round it
+        if asker is None
+        else {"name": asker.name, "session": str(asker.session), "words": str(asker)},
     }
 
 

@@ -179,13 +179,14 @@ function gripperWords(robot) {
 /** What this operator can do about the lease: take it, ask its holder for it, or hand it to the operator who asks; or nothing. */
 function leaseAct(lease, operator) {
   if (lease === null) return { action: "take", words: "Take the lease" };
-  if (lease.holder === operator) {
-    return lease.asked_by === null ? null : { action: "give", to: lease.asked_by, words: `Hand over to ${lease.asked_by.name}` };
+  const asker = lease.asked_by;
+  if (lease.ours) {
+    return asker === null ? null : { action: "give", to: { name: asker.name, session: asker.session }, words: `Hand over to ${asker.words}` };
   }
-  return { action: "take", words: lease.asked_by?.name === operator ? "Ask again" : `Ask ${lease.holder} for it` };
+  return { action: "take", words: asker?.name === operator ? "Ask again" : `Ask ${lease.words} for it` };
 }
 
 function leaseWords(robot) {
   if (robot === null) return "unknown";
-  return robot.lease === null ? "nobody holds it" : `${robot.lease.holder}${robot.lease.asked_by ? `, asked by ${robot.lease.asked_by.name}` : ""}`;
+  return robot.lease === null ? "nobody holds it" : `${robot.lease.words}${robot.lease.asked_by ? `, asked by ${robot.lease.asked_by.words}` : ""}`;
 }

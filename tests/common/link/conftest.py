@@ -8,7 +8,7 @@ import pytest
 
 from common.link.endpoints import SECURED
 from common.link.roles import Identity, Role
-from farhand.certificates.folder import CertificateOrder, create, load_authority
+from farhand.certificates.folder import CertificateOrder, add_router, create, load_authority
 from farhand.certificates.issuing import issue
 from tests.common.link.secured_cell import (
     ANNA,
@@ -26,8 +26,9 @@ def pki(tmp_path_factory: pytest.TempPathFactory) -> Path:
     """Two cells of one authority, and a cell of another authority with the same names."""
     folder = tmp_path_factory.mktemp("pki")
     now = datetime.now(UTC)
-    create(folder, CertificateOrder(CELL, (), 30, OPERATORS), now)
-    create(folder, CertificateOrder("other", (), 30, OPERATORS), now)
+    for name in (CELL, "other"):
+        create(folder, CertificateOrder(name, (), 30, OPERATORS), now)
+        add_router(folder, CertificateOrder(name, (), 30), now)
     create(folder / "foreign", CertificateOrder(CELL, (), 30, OPERATORS), now)
     authority = load_authority(folder)
     aged = issue(

@@ -79,6 +79,12 @@ def test_maintenance_stops_and_resets_but_never_engages(pki: Path, cell: Cell) -
             link.ask(ENGAGEMENT, CELL, request(), operator=ANNA)
 
 
+@pytest.mark.parametrize("of", [CELL, "other"])
+def test_a_routers_certificate_commands_nothing_where_no_router_is_used(pki: Path, cell: Cell, of: str) -> None:
+    with dishonest(cell.endpoint, pki, "router", cell=of) as session:
+        assert not commands_arrive(session, cell)
+
+
 def test_pictures_do_not_go_by_quic(pki: Path) -> None:
     endpoint = f"quic/127.0.0.1:{free_port()}"
     with pytest.raises(TransportError, match=r"write it as tls/127\.0\.0\.1:"):

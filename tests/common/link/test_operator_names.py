@@ -56,7 +56,7 @@ def behind_router(pki: Path, protocol: str, listed: tuple[str, ...]) -> Iterator
     endpoint = f"{protocol}/127.0.0.1:{free_port()}"
     with ExitStack() as stack:
         security = secured(pki, "router")
-        stack.enter_context(open_router(listen=(endpoint,), cells=(CELL,), security=security, operators=listed))
+        stack.enter_context(open_router(listen=(endpoint,), security=security, operators=listed))
         site = open_link(connect=(endpoint,), security=secured(pki, "remote"), operators=OPERATORS, through_router=True)
         cell = Cell(endpoint, stack.enter_context(site))
         stack.callback(cell.close)

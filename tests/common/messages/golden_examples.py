@@ -205,7 +205,14 @@ VIDEO = VideoFrame(
 RESET = EngagementRequest(id=5, deadline_ns=10**12, action=EngagementAction.RESET)
 LEASE = LeaseRequest(id=6, deadline_ns=10**12, action=LeaseAction.RENEW, session=7, lease=8)
 LEASE_REPLY = LeaseReply(
-    id=6, done=True, code="lease_held", reason="it is yours", lease=8, lasts_ns=5 * 10**9, holder="anna"
+    id=6,
+    done=True,
+    code="lease_held",
+    reason="it is yours",
+    lease=8,
+    lasts_ns=5 * 10**9,
+    holder="anna",
+    holder_session=7,
 )
 JOINTS = JointsRequest(
     id=10, deadline_ns=10**12, shoulder=(0.25, 0.375), elbow=(0.5, 0.5126953125), wrist=(0.65625, 0.4873046875)

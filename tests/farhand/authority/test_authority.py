@@ -5,9 +5,11 @@ import time
 from contextlib import ExitStack, contextmanager
 
 import msgpack
+import msgspec
 import pytest
 from structlog.testing import capture_logs
 
+import tests.common.messages.golden_examples as golden
 from common.clock import NS_PER_MS, NS_PER_S, MonotonicClock
 from common.errors import RefusedError, TransportError
 from common.link import transport
@@ -18,7 +20,7 @@ from common.messages.base import PROTOCOL_VERSION
 from common.messages.codec import decode, encode
 from common.messages.requests import ClockQuestion, DescribeQuestion, Description, OperatorAction, TroubleReport
 from common.messages.robot import Asker
-from farhand.authority.lease import act_on_lease
+from farhand.authority.lease import act_on_lease, describe_lease, take_lease
 from farhand.loopback.site_process import free_ports
 from local_site.authority.lease_client import Authority
 from remote_site.config import RemoteConfig
@@ -132,7 +134,9 @@ def test_a_second_operator_is_refused_with_the_holders_name_until_the_holder_con
     anna, annas = stack.enter_context(local_site(cell, "anna", 7))
     until(lambda: cell.holder == "anna", "anna's lease")
     ben, bens = stack.enter_context(local_site(cell, "ben", 8))
-    with pytest.raises(TransportError, match=r"not_holder\): anna holds the lease.*keeps asking for 60 s"):
+    with pytest.raises(
+        TransportError, match=r"waiting\): anna \(site 7\) holds the lease.*lease give ben.*asks for 60 s"
+    ):
         until(lambda: "silent" not in taken(bens), "an answer")
     assert lease_of(ben) == 0
     assert "ben" in act_on_lease(CELL, annas, "anna", OperatorAction.GIVE, Asker("ben", 8))
@@ -147,10 +151,10 @@ def test_consent_for_somebody_who_does_not_ask_any_more_is_void(stack, cell):
     anna, annas = stack.enter_context(local_site(cell, "anna", 7))
     until(lambda: cell.holder == "anna", "anna's lease")
     _ben, bens = stack.enter_context(local_site(cell, "ben", 8))
-    with pytest.raises(TransportError, match="not_holder"):
+    with pytest.raises(TransportError, match="waiting"):
         until(lambda: "silent" not in taken(bens), "an answer")
     for shown in (None, Asker("carl", 9), Asker("ben", 9), Asker("carl", 8)):
-        with pytest.raises(TransportError, match=r"asker_changed\): ben asks for the lease now"):
+        with pytest.raises(TransportError, match=r"asker_changed\): ben \(site 8\) asks for the lease now"):
             act_on_lease(CELL, annas, "anna", OperatorAction.GIVE, shown)
     assert (cell.holder, lease_of(anna)) == ("anna", 1000)
 
@@ -163,6 +167,64 @@ def taken(local, operator="ben"):
         if "silent" in str(error):
             return str(error)
         raise
+
+
+def test_the_holder_and_who_asks_are_told_apart_by_their_sites():
+    state = golden.STATE
+    asked = msgspec.structs.replace(state.lease, holder="anna", session=0x7F, asked_by=Asker("anna", 0x80))
+    words = describe_lease(msgspec.structs.replace(state, lease=asked))
+    assert words[0].startswith("anna (site 7f) holds the lease, ")
+    assert words[1] == "anna (site 80) asks for it; anna consents with: farhand lease give anna"
+
+
+def test_lease_take_says_whom_it_waits_for_and_waits_for_the_consent(stack, cell):
+    _anna, annas = stack.enter_context(local_site(cell, "anna", 7))
+    until(lambda: cell.holder == "anna", "anna's lease")
+    ben, bens = stack.enter_context(local_site(cell, "ben", 8, automatic=False))
+    until(lambda: ben.lease_and_clock(time.monotonic_ns()).clock is not None, "the clock")
+    told, consent = [], threading.Timer(1.5, act_on_lease, (CELL, annas, "anna", OperatorAction.GIVE, Asker("ben", 8)))
+    consent.start()
+    assert take_lease(CELL, bens, "ben", told.append) == "the lease of this cell is yours"
+    consent.join()
+    assert len(told) == 1
+    assert told[0].startswith("waiting: anna (site 7) holds the lease, and hands it over with: farhand lease give ben")
+    until(lambda: lease_of(ben) == 1001, "ben's lease")
+
+
+def test_lease_take_ends_when_nobody_consents_or_nobody_answers(stack, cell, monkeypatch):
+    monkeypatch.setattr("farhand.authority.lease.KEEP_ASKING_NS", NS_PER_S)
+    stack.enter_context(local_site(cell, "anna", 7))
+    until(lambda: cell.holder == "anna", "anna's lease")
+    ben, bens = stack.enter_context(local_site(cell, "ben", 8))
+    until(lambda: ben.lease_and_clock(time.monotonic_ns()).clock is not None, "the clock")
+    told = []
+    with pytest.raises(TransportError, match=r"nobody has handed the lease over \(waiting\): anna \(site 7\)"):
+        take_lease(CELL, bens, "ben", told.append)
+    assert len(told) == 1
+    lonely = endpoint()
+    link = stack.enter_context(open_link(listen=(lonely,)))
+    stack.enter_context(Authority(link, CELL, "carl", 9, automatic=True))
+    with pytest.raises(TransportError, match=r"refused \(silent\)"):
+        take_lease(CELL, lonely, "carl", told.append)
+
+
+def test_after_a_handover_the_log_says_that_it_is_not_asked_for_automatically_and_a_refusal_once(stack, cell):
+    with capture_logs() as log:
+        anna, annas = stack.enter_context(local_site(cell, "anna", 7))
+        until(lambda: cell.holder == "anna", "anna's lease")
+        ben, bens = stack.enter_context(local_site(cell, "ben", 8))
+        with pytest.raises(TransportError, match="waiting"):
+            until(lambda: "silent" not in taken(bens), "an answer")
+        until(lambda: cell.leases.asker(cell.clock.now_ns()) is not None, "ben's question")
+        time.sleep(2.2)  # ben's site asks once a second
+        act_on_lease(CELL, annas, "anna", OperatorAction.GIVE, Asker("ben", 8))
+        until(lambda: lease_of(ben) == 1001, "ben's lease")
+    events = [line["event"] for line in log]
+    assert events.count("the lease is not asked for automatically any more") == 2, (
+        "of ben's site when refused, of anna's"
+    )
+    assert len([line for line in log if line.get("code") == "not_holder"]) == 1
+    assert lease_of(anna) == 0
 
 
 def test_consent_without_anyone_who_asks_is_refused(stack, cell):

@@ -4,6 +4,7 @@ import stat
 import time
 from datetime import UTC, datetime, timedelta
 from pathlib import Path
+from types import SimpleNamespace
 
 import pytest
 from cryptography import x509
@@ -16,6 +17,7 @@ from common.link.roles import Identity, Role, read_common_name
 from farhand.certificates.folder import (
     CertificateOrder,
     add_operators,
+    add_router,
     create,
     hosts_of,
     load_authority,
@@ -28,7 +30,7 @@ from farhand.doctor.site import CertificateFacts, check_certificate, probe_certi
 
 NOW = datetime.now(UTC)
 ORDER = CertificateOrder("lab", ("robot.example.org", "10.0.0.3"), 90, ("anna", "ben"))
-PAIRS = ("remote", "viewer", "maintenance", "router", "operator.anna", "operator.ben")
+PAIRS = ("remote", "viewer", "maintenance", "operator.anna", "operator.ben")
 
 
 @pytest.fixture
@@ -114,6 +116,28 @@ def test_a_certificate_that_names_no_operator_is_refused_with_the_cure(folder: P
         load_credentials(files(folder, "operator"))
 
 
+def test_a_router_has_a_certificate_only_where_it_is_asked_for_of_one_cell_and_for_its_own_hosts(folder: Path) -> None:
+    made = add_router(folder, CertificateOrder("lab", ("meet.example.org",), 90), NOW)
+    assert [path.name for path in made] == ["router.pem"]
+    assert load_credentials(files(folder, "router")).identity == Identity(Role.ROUTER, "lab")
+    assert "meet.example.org" in hosts_of(read_certificate(made[0]))
+    with pytest.raises(ConfigError, match="router has a certificate"):
+        add_router(folder, CertificateOrder("lab", (), 90), NOW)
+    with pytest.raises(ConfigError, match="make it first: farhand certificates create other"):
+        add_router(folder, CertificateOrder("other", (), 90), NOW)
+    renew(folder, CertificateOrder("lab", (), 200), NOW)
+    assert "meet.example.org" in hosts_of(read_certificate(made[0]))
+    assert "meet.example.org" not in hosts_of(read_certificate(folder / "lab" / "remote.pem"))
+
+
+def test_a_routers_certificate_that_names_no_cell_is_refused_with_the_cure(folder: Path) -> None:
+    anywhere = issue(load_authority(folder), SimpleNamespace(common_name="router"), ("::1",), NOW, timedelta(days=1))
+    for name, pem in (("router.pem", anywhere.certificate_pem), ("router.key", anywhere.key_pem)):
+        (folder / "lab" / name).write_bytes(pem)
+    with pytest.raises(TransportError, match=r"'router', .*: farhand certificates router CELL"):
+        load_credentials(files(folder, "router"))
+
+
 def test_a_certificate_that_expires_while_a_site_runs_is_found(folder: Path) -> None:
     soon = issue(
         load_authority(folder), Identity(Role.REMOTE, "lab"), ("127.0.0.1",), datetime.now(UTC), timedelta(seconds=2)
@@ -162,7 +186,7 @@ def test_without_the_authoritys_key_nothing_is_made(folder: Path) -> None:
 
 
 @pytest.mark.parametrize(
-    "name", ["", "remote", "remote.lab.anna", "router.lab", "boss.lab", "operator.", "operator.A", "operator.a"]
+    "name", ["", "remote", "remote.lab.anna", "router", "boss.lab", "operator.", "operator.A", "operator.a"]
 )
 def test_other_names_are_nobodys(name: str) -> None:
     assert read_common_name(name) is None

@@ -147,7 +147,7 @@ def test_the_other_clock_is_asked_where_it_answers(monkeypatch: pytest.MonkeyPat
         ("[links]\ncontrol = 'tls/0.0.0.0:7447'\n", [RemoteConfig]),
         ("[links]\ncontrol = 'tls/robot:7447'\nlocal = 'tcp/127.0.0.1:7457'\n", [ConsoleConfig]),
         ("[serve]\nport = 8470\n", [ConsoleConfig]),
-        ("cells = ['lab']\nlisten = ['tls/0.0.0.0:7450']\n", [RouterConfig]),
+        ("cell = 'lab'\nlisten = ['tls/0.0.0.0:7450']\n", [RouterConfig]),
         ("this is not TOML", [RemoteConfig]),
     ],
 )
@@ -159,7 +159,7 @@ def test_a_file_tells_whose_it_is(text: str, sites: list[type], tmp_path: Path) 
 
 def test_the_cells_consoles_and_routers_files_are_examined_too(tmp_path: Path) -> None:
     path = tmp_path / "router.toml"
-    path.write_text("cells = ['lab']\nlisten = ['tls/0.0.0.0:7450']\n")
+    path.write_text("cell = 'lab'\nlisten = ['tls/0.0.0.0:7450']\n")
     found = [finding for finding in examine(path, ()) if finding.check in ("configuration", "links")]
     assert found[0].sentence.endswith("of the router has no mistakes")
     assert "tls needs certificates" in found[1].sentence

@@ -97,7 +97,7 @@ def test_what_the_loopback_needs_follows_the_tracker_and_the_driver_of_a_file(fi
         ("[drvier]\nname = 1\n", "drvier does not show which site"),
         ("[driver]\n[tracking]\n", "driver is the remote site's, tracking the local site's; use a file for each"),
         ("[serve]\nport = 1\n", "is for the console; the loopback takes files of the remote and the local site"),
-        ("listen = []\ncells = []\n", "is for the router"),
+        ("listen = []\noperators = []\n", "is for the router"),
         ("[driver]\n[robto]\n", "did you mean robot?"),
         ('[operator]\nleft = "0"\nright = "1"\nrig = "r"\n', "use these cameras with: farhand local"),
         ('[driver]\nname = "c500c"\n[driver.options]\nport = "/dev/ttyUSB0"\n', "leave the port out"),

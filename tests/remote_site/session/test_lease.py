@@ -86,7 +86,7 @@ def test_consent_for_somebody_else_hands_nothing_over_and_names_who_asks_now(des
     desk.acquire(BEN, later)
     refused = desk.hand_over(number, ANNA, shown, later)
     assert code(refused) is Code.ASKER_CHANGED
-    assert refused.sentence.startswith("ben asks for the lease now")
+    assert refused.sentence.startswith("ben (site 8) asks for the lease now")
     assert desk.current(later).holder is ANNA
     assert desk.hand_over(number, ANNA, BEN, later).holder is BEN
 
@@ -103,12 +103,16 @@ def test_of_several_who_ask_the_first_stays_named_while_asking(desk):
     assert desk.hand_over(number, ANNA, CARL, LASTS + 1).holder is CARL
 
 
-def test_who_asks_and_restarts_is_named_with_the_new_session(desk):
-    desk.acquire(ANNA, 0)
+def test_who_asks_and_restarts_is_named_once_the_former_site_has_not_asked_for_a_while(desk):
+    """Until then another host of that name could take its place under a consent that was for the first."""
+    number = desk.acquire(ANNA, 0).number
     desk.acquire(CARL, 1)
-    restarted = Holder(CARL.session + 1, CARL.name)
-    desk.acquire(restarted, 2)
-    assert desk.asker(2) is restarted
+    other = Holder(CARL.session + 1, CARL.name)
+    assert "anna (site 7) holds" in desk.acquire(other, 2).sentence
+    assert desk.asker(2) is CARL
+    desk.renew(number, ANNA, LASTS - 1)
+    desk.acquire(other, LASTS + 1)
+    assert desk.asker(LASTS + 1) is other
 
 
 def test_another_operator_with_the_holders_session_is_refused(desk):
@@ -159,10 +163,18 @@ def ask(desk, action, holder=ANNA, lease=0, now_ns=0, to=None):
 def test_replies_tell_the_askers_lease_and_the_holders_name(desk):
     granted = ask(desk, LeaseAction.ACQUIRE)
     assert granted == LeaseReply(
-        id=3, done=True, code="lease_held", reason=granted.reason, lease=FIRST, lasts_ns=LASTS, holder="anna"
+        id=3,
+        done=True,
+        code="lease_held",
+        reason=granted.reason,
+        lease=FIRST,
+        lasts_ns=LASTS,
+        holder="anna",
+        holder_session=7,
     )
     refused = ask(desk, LeaseAction.ACQUIRE, BEN, now_ns=1)
     assert (refused.done, refused.code, refused.lease, refused.holder) == (False, "not_holder", 0, "anna")
+    assert (refused.holder_session, refused.lasts_ns) == (7, LASTS - 1)
     renewed = ask(desk, LeaseAction.RENEW, lease=FIRST, now_ns=2)
     assert (renewed.done, renewed.lease, renewed.lasts_ns) == (True, FIRST, LASTS)
     given = ask(desk, LeaseAction.HAND_OVER, lease=FIRST, now_ns=3, to=Asker(BEN.name, BEN.session))

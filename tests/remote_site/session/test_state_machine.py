@@ -7,7 +7,7 @@ from common.messages.robot import SessionState
 from remote_site.reasons import Code
 from remote_site.safety.config import SafetyConfig
 from remote_site.session.age_limit import AgeLimit
-from remote_site.session.lease import Lease
+from remote_site.session.lease import Holder, Lease
 from remote_site.session.state_machine import Action
 from tests.remote_site.session.session_rig import (
     DEAD,
@@ -142,6 +142,13 @@ def test_a_longer_soft_limit_slows_the_arm_in_proportion(soft, scale):
     assert AgeLimit(SafetyConfig(t_soft_ms=soft)).speed_scale == scale
 
 
+def test_after_a_handover_the_reason_names_who_operates_now_and_speaks_of_no_restart():
+    rig = engaged()
+    rig.session.authorise(Lease(LEASE.number + 1, Holder(8, "ben"), LEASE.expires_ns))
+    rig.session.sample(good(rig.now_ns, new_session=True))
+    assert rig.wait(4).reason.sentence == "ben (site 8) operates now; engage to continue"
+
+
 def test_a_lost_lease_latches_and_names_its_holder():
     rig = engaged()
     rig.session.authorise(None)
@@ -151,7 +158,7 @@ def test_a_lost_lease_latches_and_names_its_holder():
         Action.STOP,
         Code.LATCHED,
     )
-    assert "lease of anna has ended" in decision.reason.sentence
+    assert "lease of anna (site 7) has ended" in decision.reason.sentence
     rig.session.authorise(LEASE)
     assert rig.frames(60).state is SessionState.DISENGAGED
 
