@@ -7,8 +7,9 @@ from dataclasses import dataclass
 import structlog
 
 from common.clock import NS_PER_S, Clock, MonotonicClock
-from common.errors import FarhandError, RefusedError
+from common.errors import FarhandError, RefusedError, TransportError
 from common.link.channels import DESCRIBE, STATE
+from common.link.config import LinkSecurity
 from common.link.credentials import check_links
 from common.link.endpoints import check_free
 from common.link.transport import Link, open_link
@@ -20,6 +21,7 @@ from common.process.service import StopFlag
 from local_site.authority.lease_client import Authority
 from local_site.authority.remote_watch import RemoteWatch
 from local_site.config import LocalConfig
+from local_site.programmed.announcements import Announcements
 from local_site.programmed.path_progress import PathProgress, RunOrder
 from local_site.programmed.path_run import PathRun
 from local_site.runtime.loop import RecorderRelay, SampleSender
@@ -53,7 +55,7 @@ def run_path(config: LocalConfig, program: PathProgram, should_stop: StopFlag, t
     links, wanted, clock = config.links, config.authority, MonotonicClock()
     try:
         check_links((links.remote, links.listen), links, config.bearer)
-        check_free(links.listen, links)
+        _check_alone(links.listen, links)
         with open_link(listen=(links.listen,), connect=(links.remote,), security=links) as link:
             cell = _description(link, config.cell, should_stop)
             if cell is None:
@@ -72,6 +74,16 @@ def run_path(config: LocalConfig, program: PathProgram, should_stop: StopFlag, t
     except FarhandError as error:
         structlog.get_logger().error("ending", reason=str(error))
         raise
+
+
+def _check_alone(endpoint: str, security: LinkSecurity) -> None:
+    """TransportError where `farhand local` listens already."""
+    try:
+        check_free(endpoint, security)
+    except RefusedError:
+        raise
+    except TransportError as error:
+        raise TransportError(f"{error} Stop 'farhand local' on this host: this takes its place") from error
 
 
 def _check_held(cell: Description) -> None:
@@ -104,7 +116,7 @@ def _publish(
     should_stop: StopFlag,
     tell: Callable[[str], object],
 ) -> None:
-    due_ns, told = clock.now_ns(), ""
+    due_ns, announcements = clock.now_ns(), Announcements(tell)
     while not should_stop():
         now_ns = clock.now_ns()
         watch.poll(now_ns)
@@ -113,8 +125,6 @@ def _publish(
         hand = run.hand(now_ns, watch.state if watch.is_there else None)
         sender.send_led(hand, run.toggles)
         relay.poll()
-        if hand.reason != told:
-            told = hand.reason
-            tell(told)
+        announcements.offer(hand.reason, now_ns)
         due_ns = max(due_ns + PERIOD_NS, now_ns)
         clock.sleep_until_ns(due_ns)
