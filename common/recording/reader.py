@@ -130,6 +130,6 @@ def _check_begins(path: Path, file: IO[bytes]) -> None:
 def _what_is_wrong(file: IO[bytes]) -> str:
     """Why a file has no index that can be read, with the cure."""
     if is_being_written(file):
-        return "is being recorded: end the recording first (a new file begins then)"
+        return "is being recorded: end the recording first"
     cure = f"if its recorder was killed, or a copy was cut: farhand record repair {file.name}"
     return f"is no whole recording, its end is missing; {cure}"
